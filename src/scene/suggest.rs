@@ -1,8 +1,10 @@
 //! "Did you mean" hints: the allowed word that is nearest to a wrong one.
 
 mod absent;
+mod kinds;
 
 pub use absent::{absent, absent_key};
+pub use kinds::{absent_of_kind, example, key_of_advice};
 
 /// Words of other renderers and formats, with the keys and words of scene text that they may mean.
 const SYNONYMS: &[(&str, &[&str])] = &[
@@ -29,6 +31,7 @@ const SYNONYMS: &[(&str, &[&str])] = &[
     ("emissive", &["emission"]),
     ("entity", &["instance"]),
     ("exposure", &["exposure_ev"]),
+    ("fbm", &["noise"]),
     ("font_size", &["size"]),
     ("from", &["eye"]),
     ("ground", &["plane"]),
@@ -40,8 +43,12 @@ const SYNONYMS: &[(&str, &[&str])] = &[
     ("intensity_cd", &["intensity_lux"]),
     ("intensity_lux", &["intensity_cd"]),
     ("intersect", &["intersection"]),
+    ("label", &["text"]),
+    ("letters", &["text"]),
     ("linear", &["none"]),
+    ("lines", &["stripes"]),
     ("location", &["eye", "position", "translation"]),
+    ("loft", &["sweep"]),
     ("look_at", &["target"]),
     ("lookat", &["target"]),
     ("max_bounces", &["bounces"]),
@@ -55,19 +62,34 @@ const SYNONYMS: &[(&str, &[&str])] = &[
     ("origin", &["eye", "position"]),
     ("panorama", &["file"]),
     ("path", &["file"]),
+    ("perlin", &["noise"]),
     ("pill", &["capsule"]),
+    ("polka", &["dots"]),
+    ("polygon", &["extrude"]),
+    ("pos", &["eye", "position", "translation"]),
     ("position", &["eye", "translation"]),
+    ("prism", &["extrude"]),
+    ("push", &["add"]),
     ("quad", &["plane"]),
+    ("ramp", &["gradient"]),
     ("resolution", &["size"]),
+    ("revolve", &["lathe"]),
+    ("ring", &["torus"]),
+    ("rock", &["displaced"]),
+    ("rot", &["rotation_deg"]),
     ("rotate", &["rotation_deg", "place"]),
     ("rotation", &["rotation_deg"]),
     ("rough", &["roughness"]),
     ("set_position", &["place"]),
     ("shapes", &["parts"]),
+    ("simplex", &["noise"]),
     ("sky", &["environment", "zenith"]),
+    ("spin", &["lathe"]),
     ("spp", &["samples"]),
     ("subtract", &["difference"]),
     ("sun", &["directional"]),
+    ("svg", &["extrude"]),
+    ("terrain", &["heightfield"]),
     ("texture", &["base_color_texture", "file"]),
     ("thickness", &["depth", "thickness_m"]),
     ("tonemap", &["tone_map"]),
@@ -76,6 +98,8 @@ const SYNONYMS: &[(&str, &[&str])] = &[
     ("translate", &["translation", "place"]),
     ("type", &["kind", "shape"]),
     ("uri", &["file"]),
+    ("voronoi", &["noise"]),
+    ("wood", &["marble"]),
     ("world", &["environment"]),
 ];
 

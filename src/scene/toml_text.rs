@@ -1,4 +1,4 @@
-//! Text as TOML writes it.
+//! Text as TOML writes it, and as it stands for values that TOML has not.
 
 use std::fmt::Write as _;
 
@@ -16,4 +16,13 @@ pub fn toml_text(text: &str) -> String {
     }
     out.push('"');
     out
+}
+
+/// Beginning of the text that stands for many numbers in the result of `setup`, before eight hexadecimal digits for each.
+pub const FLOATS_PREFIX: &str = "floats:";
+
+/// Number of numbers that a text with its quotes stands for; `None` if it stands for none.
+pub fn floats_in(text: &str) -> Option<usize> {
+    let digits = text.trim_matches('"').strip_prefix(FLOATS_PREFIX)?;
+    Some(digits.len() / 8)
 }

@@ -261,9 +261,14 @@ impl<'a> Loader<'a> {
             looked.join(", ")
         );
         let mut error = error_at("file-not-found", &name.at, text);
-        let help = match name.value.contains(char::is_control) {
-            true => "a `\\` in double quotes begins a special character: write `/` between folders",
-            false => "add the folder that has it with --assets DIR or REFLET_ASSETS",
+        let help = match () {
+            () if name.value.contains(char::is_control) => {
+                "a `\\` in double quotes begins a special character: write `/` between folders"
+            }
+            () if !name.value.contains('.') => {
+                "write the name of a file with its ending, such as \"a.ttf\" for a font: names of the system's fonts are none"
+            }
+            () => "add the folder that has it with --assets DIR or REFLET_ASSETS",
         };
         error.help = Some(help.into());
         Err(Box::new(error))

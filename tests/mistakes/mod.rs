@@ -7,6 +7,7 @@ mod lamps;
 mod lint;
 mod meant;
 mod script;
+mod shapes;
 mod text;
 mod values;
 
@@ -149,7 +150,7 @@ const fn group(
     }
 }
 
-static GROUPS: [Group; 6] = [
+static GROUPS: [Group; 7] = [
     group(["syntax", "TOML"], "error", text::SYNTAX),
     group(["values", "Keys and values"], "error", values::VALUES),
     group(["forms", "Forms of other programs"], "error", forms::FORMS),
@@ -157,6 +158,11 @@ static GROUPS: [Group; 6] = [
         ["habits", "Habits from other programs"],
         "error",
         habits::HABITS,
+    ),
+    group(
+        ["shapes", "Shapes, patterns and decals"],
+        "error",
+        shapes::SHAPES,
     ),
     group(["scripts", "Scripts"], "error", script::SCRIPTS),
     group(["lint", "Warnings"], "warning", lint::LINTS),

@@ -245,6 +245,37 @@ pub const SCRIPTS: &[Mistake] = &[
         "fn frame(ctx) {\n    let a = sin(PI * ctx.t);\n}\n",
         ["script-syntax", "2:17", "no variable `PI`", "write `PI()`"],
     ),
+    script(
+        "a loop over a number",
+        "fn frame(ctx) {\n    for i in 10 { }\n}\n",
+        [
+            "script-syntax",
+            "2:14",
+            "over a range or a list, not a number",
+            "write `for i in 0..10",
+        ],
+    ),
+    script(
+        "a number appended as to a list",
+        "fn setup(ctx) {\n    let p = floats();\n    p.push(1.0);\n    #{}\n}\n",
+        [
+            "script-error",
+            "3:7",
+            "there is no function `push`",
+            "did you mean `add`?",
+        ],
+    ),
+    script(
+        "a mesh whose triangle has no such vertex",
+        "fn setup(ctx) {\n    let p = floats(9);\n    p[0] = 1;\n    p[4] = 1;\n    let t = floats(3);\n    t[0] = 7;\n    t[1] = 1;\n    \
+         #{ models: #{ flag: #{ shape: #{ kind: \"mesh\", positions: p, indices: t } } } }\n}\n",
+        [
+            "out-of-range",
+            "8:66",
+            "indices with 3 numbers: `indices[0]` must be the number of a vertex, 0 to 2, not 7",
+            "numbered from 0",
+        ],
+    ),
 ];
 
 #[test]

@@ -286,12 +286,22 @@ pub const SYNTAX: &[Mistake] = &[
     ),
     text(
         "a constant for an angle",
-        "[camera.main]\nfov_deg = PI\n",
+        "[camera.main]\nfov_deg = PI / 4\n",
         [
             "toml-syntax",
             "3:11",
-            "no constant `PI`",
-            "write 180, in degrees",
+            "no constant `PI / 4`",
+            "write 45, in degrees",
+        ],
+    ),
+    text(
+        "a constant in a list",
+        "[[instance]]\nrotation_deg = [0, -PI, 0]\n",
+        [
+            "toml-syntax",
+            "3:20",
+            "no constant `-PI`",
+            "write -180, in degrees",
         ],
     ),
     text(

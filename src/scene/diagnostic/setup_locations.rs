@@ -13,6 +13,7 @@ use super::{Source, Span};
 use crate::{
     suggest,
     syntax::{Content, Entries, Node},
+    toml_text::floats_in,
 };
 
 /// Keys of the result of `setup`, the scene tables that they stand for, and whether they are lists.
@@ -111,7 +112,10 @@ impl Returned {
             message += &format!("{dot}{}", suggest::clip(name));
         }
         if let Some(value) = found.value.clone().and_then(|value| text.get(value)) {
-            message += &format!(" = {}", suggest::clip(value));
+            match floats_in(value) {
+                Some(count) => message += &format!(" with {count} numbers"),
+                None => message += &format!(" = {}", suggest::clip(value)),
+            }
         }
         let place = || self.place(&found.path);
         let written = self.written(text, entries, found);

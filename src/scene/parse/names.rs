@@ -179,7 +179,7 @@ fn check_instance_names(root: &Entries, report: &mut Report) {
         let first = report.span(first).shown();
         let message = format!("two instances are named {}", suggest::text(name));
         let error = report.error("duplicate-name", &at, message);
-        error.help = Some("instance names must be unique".into());
+        error.help = Some("instance names must be unique: give one of them another `name`".into());
         error.related = Some((first, "the first one is here".into()));
     }
 }

@@ -241,11 +241,11 @@ impl<'r> Table<'r> {
                 self.place.title()
             );
             let meant = suggest::nearest(name, self.asked.iter().copied());
-            let absent = suggest::absent_key(name, &self.asked);
-            let is_meant = |key: &str| {
-                let written = format!("write `{key}`,");
-                Some(key) == meant || absent.is_some_and(|help| help.starts_with(&written))
-            };
+            let kind = self.values.get("kind").and_then(|k| k.get_ref().as_str());
+            let absent = kind.and_then(|kind| suggest::absent_of_kind(kind, name));
+            let absent = absent.or_else(|| suggest::absent_key(name, &self.asked));
+            let advised = absent.and_then(suggest::key_of_advice);
+            let is_meant = |key: &str| Some(key) == meant || Some(key) == advised;
             self.missing.retain(|(key, _)| !is_meant(key));
             let help = (absent.map(str::to_owned))
                 .or_else(|| self.key_of_the_file(name))
@@ -326,6 +326,10 @@ impl<'r> Table<'r> {
             .collect();
         present.sort_by_key(|(_, at)| at.start);
         match present.as_slice() {
+            [] if required && groups.len() == 1 => {
+                self.missing
+                    .push((groups[0][0], suggest::example(groups[0][0])));
+            }
             [] if required => {
                 let keys = groups
                     .iter()

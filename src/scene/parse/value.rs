@@ -289,8 +289,8 @@ impl<T: Value, const N: usize> Value for [T; N] {
         };
         if items.len() != N {
             let message = format!("`{key}` must be {expected}, not {}", found(node));
-            let help = list_of_length(items, N);
-            report.error("wrong-length", &node.span(), message).help = help;
+            let error = report.error("wrong-length", &node.span(), message);
+            error.help = list_of_length(items, N, named.range);
             return None;
         }
         let read = |(i, item)| {
@@ -358,13 +358,13 @@ impl Value for Version {
             range: &ANY,
         };
         let version = number(node, &any, &Self::expected(), report)?;
-        let current = Self::CURRENT;
+        let (current, written) = (Self::CURRENT, digits(node));
         if version == f64::from(current) {
             return Some(Self);
         }
-        let written = digits(node);
         let message = format!("version {written} is not supported; this program reads {current}");
-        report.error("unsupported-version", &node.span(), message);
+        let error = report.error("unsupported-version", &node.span(), message);
+        error.help = Some(format!("write `version = {current}`"));
         None
     }
 }

@@ -21,9 +21,24 @@ pub fn unquoted(node: &Node, is_right: impl Fn(&str) -> bool) -> Option<String> 
     is_right(value).then(|| format!("write {value}, without quotes"))
 }
 
+/// Sizes of pictures that have names, with their width and height.
+const SIZES: &[(&[&str], &str)] = &[
+    (&["4k", "uhd", "2160p"], "3840, 2160"),
+    (&["2k", "qhd", "1440p"], "2560, 1440"),
+    (&["hd", "fullhd", "full hd", "1080p"], "1920, 1080"),
+    (&["720p"], "1280, 720"),
+];
+
 /// Advice for numbers in a text where a list of `count` is expected: `size = "1280x720"`.
 fn list_in_text(node: &Node, count: usize) -> Option<String> {
     let text = node.get_ref().as_str()?;
+    let lower = text.to_lowercase();
+    let known = SIZES
+        .iter()
+        .find(|(names, _)| names.contains(&lower.as_str()) && count == 2);
+    if let Some((_, size)) = known {
+        return Some(format!("write [{size}]"));
+    }
     let parts = text.split(['x', '×', ',', ' ', '[', ']', '(', ')']);
     let parts: Vec<&str> = parts.filter(|part| !part.is_empty()).collect();
     let are_numbers = parts.iter().all(|part| part.parse::<f64>().is_ok());
@@ -49,7 +64,7 @@ pub fn list_of_number(node: &Node, key: &str, count: usize) -> Option<String> {
 }
 
 /// Advice for a list of numbers that is one too short, for a point or a color, or too long.
-pub fn list_of_length(items: &[Node], count: usize) -> Option<String> {
+pub fn list_of_length(items: &[Node], count: usize, range: &Range) -> Option<String> {
     let is_number = |item: &Node| matches!(item.get_ref(), Content::Integer(_) | Content::Float(_));
     let is_near = items.len() + 1 == count || (count + 1..count + 3).contains(&items.len());
     if !(is_near && count <= 4 && items.iter().all(is_number)) {
@@ -62,7 +77,7 @@ pub fn list_of_length(items: &[Node], count: usize) -> Option<String> {
             list.join(", ")
         )),
         (true, 3) => {
-            list.push("0".to_owned());
+            list.push(if range.contains(0.0) { "0" } else { "1" }.to_owned());
             Some(format!(
                 "write three numbers, such as [{}]",
                 list.join(", ")
@@ -136,6 +151,12 @@ pub fn truth(node: &Node) -> Option<String> {
 pub fn in_range(x: f64, key: &str, range: &Range) -> Option<String> {
     if let Some(degrees) = in_degrees(x, key, range) {
         return Some(degrees);
+    }
+    if key == "shutter" && (10.0..=360.0).contains(&x) {
+        return Some(format!(
+            "it is a share of the frame's time: a shutter of {x}° is open for {}",
+            (x / 360.0 * 1e3).round() / 1e3
+        ));
     }
     if *range == UNIT && (10.0..=100.0).contains(&x) {
         return Some(format!("it is a share: {x} % are {}", x / 100.0));

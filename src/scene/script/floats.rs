@@ -3,15 +3,12 @@
 use std::{fmt::Write as _, sync::Arc};
 
 use glam::DVec3;
-use rhai::EvalAltResult;
+use rhai::{Dynamic, EvalAltResult};
 
-use super::{limits::FLOATS, value::fail};
+use super::{format_value::named, limits::FLOATS, value::fail};
+use crate::toml_text::FLOATS_PREFIX;
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
-
-/// Beginning of the text that stands for such an array in the result of `setup`, before eight hexadecimal digits for
-/// each number.
-pub const PREFIX: &str = "floats:";
 
 /// Numbers in single precision; copies share them until one of them changes.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -75,6 +72,14 @@ impl Floats {
         Ok(())
     }
 
+    /// Refuses what is no number as one of the numbers.
+    pub(super) fn refuse(other: &Dynamic) -> Result<()> {
+        fail(format!(
+            "each element of `floats` is one number, not {}; `f.add(v)` appends a vector",
+            named(other)
+        ))
+    }
+
     /// The numbers, shared with all copies.
     pub(super) fn shared(self) -> Arc<Vec<f32>> {
         self.0
@@ -82,9 +87,9 @@ impl Floats {
 
     /// Appends the text that stands for the numbers in TOML, with its quotes.
     pub(super) fn write(&self, out: &mut String) {
-        out.reserve(8 * self.0.len() + PREFIX.len() + 2);
+        out.reserve(8 * self.0.len() + FLOATS_PREFIX.len() + 2);
         out.push('"');
-        out.push_str(PREFIX);
+        out.push_str(FLOATS_PREFIX);
         for x in self.0.iter() {
             let _ = write!(out, "{:08x}", x.to_bits());
         }
@@ -104,7 +109,7 @@ fn finite(x: f64) -> Result<f32> {
 
 /// The numbers that a text stands for; `None` if it is not such a text.
 pub(crate) fn read(text: &str) -> Option<Vec<f32>> {
-    let digits = text.strip_prefix(PREFIX)?.as_bytes();
+    let digits = text.strip_prefix(FLOATS_PREFIX)?.as_bytes();
     let number = |eight: &[u8]| {
         let digit = |bits: Option<u32>, byte: &u8| Some(bits? << 4 | (*byte as char).to_digit(16)?);
         eight.iter().fold(Some(0), digit).map(f32::from_bits)

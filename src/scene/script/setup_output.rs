@@ -103,7 +103,7 @@ pub fn text(returned: &Dynamic) -> Result<String, Wrong> {
             }
         } else {
             let named = value.read_lock::<Map>();
-            let shape = "a map of names to maps";
+            let shape = "a map of names to maps, such as `#{ a: #{ … } }`";
             for (name, item) in named.ok_or_else(|| wrong(shape))?.iter() {
                 let item = item.read_lock::<Map>();
                 let item = item.ok_or_else(|| wrong(shape))?;

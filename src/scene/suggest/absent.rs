@@ -57,6 +57,26 @@ const ABSENT: &[(&[&str], &str, &str)] = &[
         "write \"sweep\", which moves an outline along a curve",
     ),
     (
+        &["rounded_box", "roundedbox", "round_box"],
+        "lathe",
+        "write \"box\", with `bevel = 0.05`",
+    ),
+    (
+        &["boolean", "csg", "bool"],
+        "lathe",
+        "write \"union\", \"difference\" or \"intersection\"",
+    ),
+    (
+        &["revolution", "surface_of_revolution", "turned"],
+        "lathe",
+        "write \"lathe\", which turns an outline about Y",
+    ),
+    (
+        &["hemisphere", "dome"],
+        "lathe",
+        "write \"intersection\" of a \"sphere\" and a \"box\", or \"lathe\"",
+    ),
+    (
         &["soft", "hard", "pcf", "vsm"],
         "map",
         "\"ray\" traces shadows, and a light with a size, such as `radius_m = 0.1`, makes them soft; \"map\" looks them up",
@@ -203,6 +223,41 @@ const ABSENT_KEYS: &[(&[&str], &[&str], &str)] = &[
         &["kind", "type", "radius", "size", "height"],
         &["animation", "usd"],
         "write it into `shape`, as in `shape = { kind = \"sphere\", radius = 0.5 }`",
+    ),
+    (
+        &["color", "base_color", "colour"],
+        &["casts_shadow"],
+        "write `material`, as in `material = { base_color = \"#b01010\" }`, for this one alone",
+    ),
+    (
+        &["image", "texture", "file", "picture"],
+        &["max_angle_deg"],
+        "write `material`, the name of one with `base_color_texture = \"a.png\"`",
+    ),
+    (
+        &["scale", "frequency", "period"],
+        &["offset_m"],
+        "write `size_m`, the size of its cells in meters",
+    ),
+    (
+        &["kind", "type", "name"],
+        &["offset_m"],
+        "write `pattern`, as in `pattern = \"noise\"`",
+    ),
+    (
+        &["colors", "color", "values"],
+        &["offset_m"],
+        "write `from` and `to`, as in `from = \"#202020\", to = \"#e0e0e0\"`",
+    ),
+    (
+        &["from", "to", "start", "end", "values"],
+        &["loop_s"],
+        "write `keys`, as in `keys = [{ at_s = 0, value = … }, { at_s = 2, value = … }]`",
+    ),
+    (
+        &["at", "look"],
+        &["orthographic_height_m"],
+        "write `target`, the point that the camera looks at",
     ),
     (
         &["count", "copies", "number", "array"],

@@ -58,7 +58,14 @@ impl Region {
             most.max(chord.ends[0].abs().max_element())
         });
         let nothing = || {
-            let help = "its parts must have an area: check that its corners do not lie on one line";
+            let help = match holes.is_empty() {
+                true => {
+                    "its parts must have an area: check that its corners do not lie on one line"
+                }
+                false => {
+                    "make its `holes` smaller: they cover all of it, or its corners lie on one line"
+                }
+            };
             Fault::new("wrong-outline", "the outline encloses nothing").help(help)
         };
         if extent <= 0.0 || !extent.is_finite() {

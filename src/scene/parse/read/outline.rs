@@ -7,7 +7,7 @@ use crate::{
         table::{Section, Table},
     },
     range::{ABOVE_0, ANY, FROM_0, Range, range},
-    svg_path,
+    suggest, svg_path,
     syntax::Node,
 };
 
@@ -77,8 +77,11 @@ impl Section for OutlineDesc {
 
     fn instead(key: &str, value: &Node) -> Option<String> {
         let text = value.get_ref().as_str();
-        if text.is_some_and(|text| text.trim_start().starts_with(['M', 'm'])) {
-            return Some(format!("write `{key} = {{ path = \"…\" }}`"));
+        if let Some(text) = text.filter(|text| text.trim_start().starts_with(['M', 'm'])) {
+            return Some(format!(
+                "write `{key} = {{ path = {} }}`",
+                suggest::text(text)
+            ));
         }
         let list = value.get_ref().as_array();
         list.map(|_| format!("write `{key} = {{ points = […] }}`"))

@@ -61,8 +61,8 @@ pub(super) fn bevel(t: &mut Table, most: f32, words: &str) -> BevelDesc {
     let width = t.get("bevel", FROM_0, 0.0);
     if t.clean() && width > most {
         let message = format!("`bevel` must be at most {words}, which is {most}");
-        let help = "it is cut off from both sides; what is left must not be less than nothing";
-        t.refuse("out-of-range", "bevel", &message, help);
+        let help = format!("write `bevel = {most}` or less: it is cut off from both sides");
+        t.refuse("out-of-range", "bevel", &message, &help);
     }
     let segments = t.get("bevel_segments", BEVEL_SEGMENTS, 4);
     BevelDesc { width, segments }

@@ -8,6 +8,8 @@ use crate::{
         table::{Section, Table},
     },
     range::{ABOVE_0, ANY, Range, range},
+    suggest,
+    syntax::Node,
 };
 
 /// Range of the number of copies.
@@ -41,6 +43,13 @@ impl Section for AlongDesc {
             at,
         })
     }
+
+    fn instead(key: &str, value: &Node) -> Option<String> {
+        value.get_ref().as_array()?;
+        Some(format!(
+            "write `{key} = {{ points = [[0, 0, 0], [1, 0, 0]], count = 10 }}`"
+        ))
+    }
 }
 
 impl Section for OverDesc {
@@ -56,7 +65,8 @@ impl Section for OverDesc {
         let scale: [f32; 2] = t.get("scale", ABOVE_0, [1.0, 1.0]);
         if t.clean() && scale[0] > scale[1] {
             let message = "`scale` must be the least size, then the largest";
-            t.refuse("out-of-range", "scale", message, "exchange the two numbers");
+            let help = format!("write `scale = [{}, {}]`", scale[1], scale[0]);
+            t.refuse("out-of-range", "scale", message, &help);
         }
         Some(Self {
             model: model?,
@@ -66,5 +76,12 @@ impl Section for OverDesc {
             spun,
             scale,
         })
+    }
+
+    fn instead(key: &str, value: &Node) -> Option<String> {
+        let model = suggest::text(value.get_ref().as_str()?);
+        Some(format!(
+            "write `{key} = {{ model = {model}, count = 100 }}`"
+        ))
     }
 }

@@ -5,14 +5,7 @@ use crate::suggest;
 
 /// Explains a number that TOML cannot read: `1.6*2`, `60deg`, `.5`.
 pub fn number(m: &Mistake) -> Option<Words> {
-    // The element of a list that the parser points at, else the whole value.
-    let offset = m.line.len() - m.rest.len().min(m.line.len());
-    let ends = |c: char| ",[]{}=#".contains(c);
-    let start = m.line[..offset].rfind(ends).map_or(0, |i| i + 1);
-    let end = m.line[offset..]
-        .find(ends)
-        .map_or(m.line.len(), |i| offset + i);
-    let element = m.line[start..end].trim();
+    let (element, _) = element(m);
     element
         .starts_with(|c: char| c.is_ascii_digit() || "+-.(".contains(c))
         .then_some(())?;
@@ -35,6 +28,23 @@ pub fn number(m: &Mistake) -> Option<Words> {
         suggest::key(element)
     );
     words(message, format!("write {value}"))
+}
+
+/// The element of a list that the parser points at, else the whole value; and its key.
+fn element<'t>(m: &Mistake<'t>) -> (&'t str, &'t str) {
+    let offset = m.line.len() - m.rest.len().min(m.line.len());
+    let ends = |c: char| ",[]{}=#".contains(c);
+    let start = m.line[..offset].rfind(ends).map_or(0, |i| i + 1);
+    let end = m.line[offset..]
+        .find(ends)
+        .map_or(m.line.len(), |i| offset + i);
+    let before = m.line[..start].rsplit_once('=');
+    let key = before.map_or("", |(key, _)| key.trim_end());
+    let key = key.rsplit(|c: char| !c.is_alphanumeric() && c != '_');
+    (
+        m.line[start..end].trim(),
+        key.into_iter().next().unwrap_or_default(),
+    )
 }
 
 /// Units that stand behind numbers elsewhere, their factor to the unit of scene text, and the name of that one.
@@ -64,19 +74,38 @@ fn rounded(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
 }
 
-/// Explains a constant by name: `fov_deg = PI`.
+/// Explains a constant by name, alone or times or over a number: `fov_deg = PI / 4`, `rotation_deg = [0, PI, 0]`.
 pub fn constant(m: &Mistake) -> Option<Words> {
-    let turns = match m.value.to_lowercase().as_str() {
-        "pi" | "π" | "math.pi" => 0.5,
-        "tau" | "τ" => 1.0,
+    let (text, key) = element(m);
+    let (sign, rest) = match text.strip_prefix('-') {
+        Some(rest) => (-1.0, rest.trim_start()),
+        None => (1.0, text),
+    };
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+    let turns = match (rest.split_once('/'), rest.split_once('*')) {
+        (Some((a, b)), None) => turns_of(a)? / number(b).filter(|x| *x != 0.0)?,
+        (None, Some((a, b))) => match number(a) {
+            Some(factor) => factor * turns_of(b)?,
+            None => turns_of(a)? * number(b)?,
+        },
+        (None, None) => turns_of(rest)?,
         _ => return None,
     };
-    let message = format!("TOML has no constant {}", suggest::key(m.value));
-    let help = match m.key.ends_with("_deg") {
-        true => format!("write {}, in degrees", 360.0 * turns),
-        false => format!("write {}", rounded(std::f64::consts::TAU * turns)),
+    let message = format!("TOML has no constant {}", suggest::key(text));
+    let help = match key.ends_with("_deg") {
+        true => format!("write {}, in degrees", rounded(360.0 * sign * turns)),
+        false => format!("write {}", rounded(std::f64::consts::TAU * sign * turns)),
     };
     words(message, help)
+}
+
+/// Turns of a constant of angles.
+fn turns_of(name: &str) -> Option<f64> {
+    match name.trim().to_lowercase().as_str() {
+        "pi" | "π" | "math.pi" => Some(0.5),
+        "tau" | "τ" | "math.tau" => Some(1.0),
+        _ => None,
+    }
 }
 
 /// Advice for an arithmetic expression; with its result, if it is two numbers and an operator.

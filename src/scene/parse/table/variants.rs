@@ -42,8 +42,11 @@ impl Table<'_> {
         };
         let Some(chosen) = chosen else {
             // Without the kind, wrong keys cannot be determined.
-            self.asked
-                .extend(variants.iter().flat_map(|v| keys_of(v.1)));
+            for known in variants.iter().flat_map(|v| keys_of(v.1)) {
+                if !self.asked.contains(&known) {
+                    self.asked.push(known);
+                }
+            }
             return None;
         };
         let read = variants.iter().find(|v| v.0 == chosen)?.1;
@@ -69,8 +72,15 @@ impl Table<'_> {
             let chosen = suggest::text(chosen);
             let message = format!("`{name}` does not apply to `{kind} = {chosen}`");
             let error = self.report.error("unknown-key", &key.span(), message);
-            let meant = suggest::nearest(name, mine.iter().copied());
+            let absent = self.values.get(kind).and_then(|k| k.get_ref().as_str());
+            let absent = absent.and_then(|kind| suggest::absent_of_kind(kind, name));
+            let advised = absent.and_then(suggest::key_of_advice);
+            let meant = advised.or_else(|| suggest::nearest(name, mine.iter().copied()));
             self.missing.retain(|(key, _)| Some(*key) != meant);
+            if let Some(help) = absent {
+                error.help = Some(help.to_owned());
+                continue;
+            }
             let meant = meant
                 .map(|m| format!("did you mean `{m}`? "))
                 .unwrap_or_default();

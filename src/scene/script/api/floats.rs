@@ -57,6 +57,7 @@ pub static FLOATS: &[Entry] = &[
             e.register_indexer_get(|f: &mut Floats, i: i64| f.get(i));
             e.register_indexer_set(|f: &mut Floats, i: i64, x: f64| f.set(i, x));
             e.register_indexer_set(|f: &mut Floats, i: i64, x: i64| f.set(i, x as f64));
+            e.register_indexer_set(|_: &mut Floats, _: i64, other: Dynamic| Floats::refuse(&other));
             for name in ["to_string", "to_debug"] {
                 e.register_fn(name, |f: &mut Floats| {
                     format!("floats of {} numbers", f.len())

@@ -131,6 +131,10 @@ fn explain_syntax(
                 Some(help.to_owned()),
             )
         }
+        ParseErrorType::MismatchedType(wanted, found) if wanted.contains("iterable") => {
+            let message = format!("`for` goes over a range or a list, not {found}");
+            (message, Some("write `for i in 0..10 { … }`".to_owned()))
+        }
         ParseErrorType::LiteralTooLarge(what, most) => {
             (format!("{what} is too large, at most {most}"), None)
         }
