@@ -46,7 +46,7 @@ struct Probes {
 }
 
 impl Looked<'_> {
-    /// Mean step of the picture along the borders between probes, beyond that of the reference, display code values: see
+    /// Mean step of the picture along the borders between probes, beyond those beside and that of the reference: see
     /// [`borders::Maps::step`]. A border is where the set of blended probes changes, or which of them weighs most. None
     /// where the picture has no or few such pixels, or lacks a plane.
     pub fn seam_step(&self, view: &View, reference: &Reference) -> Option<f64> {

@@ -35,7 +35,6 @@ const HEADER: [&str; 28] = [
     "false_accepts_permille",
     "flicker",
     "popping",
-    "probe_seam_step",
     "traced_percent",
     "edge_flip",
     "inner_flip",
@@ -43,6 +42,7 @@ const HEADER: [&str; 28] = [
     "recall_2px_percent",
     "recall_4px_percent",
     "seam_step",
+    "probe_seam_step",
     "error_length_px",
     "stripes",
     "source_changes_percent",
@@ -125,8 +125,6 @@ pub struct CellScores {
     pub flicker: Option<f64>,
     /// Popping of an animation: largest |Δtest − Δrt| of a frame over the largest |Δrt| of one, inside the masks.
     pub popping: Option<f64>,
-    /// Largest step of a picture along borders between probes, display code values; see [`seams`](super::seams).
-    pub probe_seam_step: Option<f64>,
     /// Reflective pixels that were traced, percent.
     pub traced_percent: f64,
     /// Structure of the errors in the pictures.
@@ -143,6 +141,8 @@ pub struct CellStructure {
     pub recall_percent: [Option<f64>; 3],
     /// Signed step between marched and traced pixels, display code values.
     pub seam_step: Option<f64>,
+    /// Step along borders between probes, display code values; see [`seams`](super::seams).
+    pub probe_seam_step: Option<f64>,
     /// Distance at which the autocorrelation of the error falls below 1 / e, pixels.
     pub error_length_px: Option<f64>,
     /// Largest autocorrelation beyond its first zero.
@@ -155,7 +155,10 @@ pub struct CellStructure {
 impl CellStructure {
     /// Values in the order of the table's columns.
     fn values(&self) -> impl Iterator<Item = Option<f64>> {
-        let single = [self.seam_step, self.error_length_px, self.stripes];
+        let seams = [self.seam_step, self.probe_seam_step];
+        let single = seams
+            .into_iter()
+            .chain([self.error_length_px, self.stripes]);
         let first = self.flip_by_edges.into_iter().chain(self.recall_percent);
         first.chain(single).chain(self.changes_percent)
     }
@@ -284,7 +287,6 @@ fn scores(parts: &[&Part], method: &str, samples: &[Sample]) -> Result<CellScore
         false_accepts_permille: accepts.map(|px| 1e3 * px as f64 / reflective.max(1) as f64),
         flicker: flicker(&all().collect::<Vec<_>>()),
         popping: popping(&all().collect::<Vec<_>>()),
-        probe_seam_step: all().filter_map(|s| s.probe_seam_step).reduce(f64::max),
         traced_percent: mean(&mut all().map(|s| s.traced_percent)),
         structure: structure(&all().collect::<Vec<_>>()),
     })
@@ -312,6 +314,7 @@ fn structure(samples: &[&Sample]) -> CellStructure {
             mean(&|s| s.recall_4px_percent),
         ],
         seam_step: mean(&|s| s.seam_step),
+        probe_seam_step: mean(&|s| s.probe_seam_step),
         error_length_px: mean(&|s| s.error_length_px),
         stripes: mean(&|s| s.stripes),
         changes_percent: [
@@ -366,7 +369,7 @@ pub fn table(cells: &[Cell]) -> String {
                 let pixels = |px: Option<u64>| px.map_or(String::new(), |px| px.to_string());
                 row.extend([pixels(s.specks_px), pixels(s.false_accepts_px)]);
                 row.extend([number(s.false_accepts_permille), number(s.flicker)]);
-                row.extend([number(s.popping), number(s.probe_seam_step)]);
+                row.push(number(s.popping));
                 row.push(s.traced_percent.to_string());
                 row.extend(s.structure.values().map(number));
                 row.push("ok".to_owned());

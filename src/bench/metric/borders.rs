@@ -29,12 +29,13 @@ pub struct Maps<'a, T> {
 }
 
 impl<T: PartialEq> Maps<'_, T> {
-    /// Mean step of the picture between neighboring pixels of one surface that belong to different parts, beyond the
-    /// reference's step there, display code values: of |Δpicture| − |Δreference|, over all such pairs and channels. None
-    /// where there are fewer than [`LEAST_PAIRS`].
+    /// Mean over the pairs of neighboring pixels of one surface that belong to different parts: the step of the picture
+    /// between them beyond the mean of the steps beside, within their parts, minus the same in the reference, display code
+    /// values. None where there are fewer than [`LEAST_PAIRS`].
     ///
-    /// It is a mean, not the largest: a border crosses what the surface shows, and an edge there that the picture has
-    /// elsewhere than the reference adds to the step as often as it takes from it.
+    /// The steps beside take out what both parts show, such as edges of reflections that the picture has and the reference
+    /// lacks; the reference takes out what the surface has there itself, such as another color. It is a mean, not the
+    /// largest: an edge that happens to lie on the border adds as often as one beside it takes away.
     ///
     /// # Panics
     /// When a slice has another length than the mask.
@@ -48,14 +49,11 @@ impl<T: PartialEq> Maps<'_, T> {
             self.reference.len(),
         ];
         assert_eq!(lengths, [pixels; 5], "maps differ in size");
-        let width = self.mask.size()[0];
         let (mut sum, mut pairs) = (0.0, 0);
         for a in 0..pixels {
-            let right = (a % width + 1 < width).then_some(a + 1);
-            let below = (a + width < pixels).then_some(a + width);
-            for b in right.into_iter().chain(below) {
-                if self.is_border(a, b) {
-                    sum += step(self.test, a, b) - step(self.reference, a, b);
+            for stride in [1, self.mask.size()[0]] {
+                if let Some(step) = self.step_at(a, stride) {
+                    sum += step;
                     pairs += 1;
                 }
             }
@@ -63,12 +61,40 @@ impl<T: PartialEq> Maps<'_, T> {
         (pairs >= LEAST_PAIRS).then(|| sum / pairs as f64)
     }
 
-    fn is_border(&self, a: usize, b: usize) -> bool {
-        let inside = self.mask.inside();
-        let (Some(of_a), Some(of_b)) = (&self.parts[a], &self.parts[b]) else {
-            return false;
+    /// Step from a pixel to the one that is `stride` behind it; none without a border, and where no neighbor along the line
+    /// belongs to the part of either.
+    fn step_at(&self, a: usize, stride: usize) -> Option<f64> {
+        let b = self.next(a, stride)?;
+        if self.parts[a] == self.parts[b] {
+            return None;
+        }
+        let before = a
+            .checked_sub(stride)
+            .and_then(|i| Some((i, self.next(i, stride)?)));
+        let after = self.next(b, stride).map(|i| (b, i));
+        let is_inner = |&(i, j): &(usize, usize)| self.parts[i] == self.parts[j];
+        let beside = [before, after].into_iter().flatten().filter(is_inner);
+        let beside: Vec<_> = beside.collect();
+        if beside.is_empty() {
+            return None;
+        }
+        let beyond = |pixels: &[[f32; 3]]| {
+            let steps = beside.iter().map(|&(i, j)| step(pixels, i, j));
+            step(pixels, a, b) - steps.sum::<f64>() / beside.len() as f64
         };
-        inside[a] && inside[b] && of_a != of_b && self.is_one_surface(a, b)
+        Some(beyond(self.test) - beyond(self.reference))
+    }
+
+    /// The pixel `stride` behind this one in its line, if both are scored and show one surface.
+    fn next(&self, a: usize, stride: usize) -> Option<usize> {
+        let (width, inside) = (self.mask.size()[0], self.mask.inside());
+        let is_in_line = stride != 1 || a % width + 1 < width;
+        let b = a + stride;
+        (is_in_line && b < inside.len() && inside[a] && inside[b])
+            .then_some(b)
+            .filter(|_| {
+                self.parts[a].is_some() && self.parts[b].is_some() && self.is_one_surface(a, b)
+            })
     }
 
     /// Whether two neighboring pixels show one surface, of one thing or of things side by side.
@@ -156,9 +182,19 @@ mod tests {
         floor.reference = all(tiles);
         floor.test = all(tiles);
         assert_eq!(floor.step(), Some(0.0));
-        // A texture that is moved along the border has as many steps across it.
-        floor.test = all(|x, y| tiles(x, y + 3));
+        // A border that is in the reference too, such as one between materials, is no seam.
+        floor.reference = all(|x, _| [if x < 32 { 60.0 } else { 90.0 }; 3]);
+        floor.test = floor.reference.clone();
         assert_eq!(floor.step(), Some(0.0));
+    }
+
+    #[test]
+    fn what_both_sides_show_alike_is_no_seam() {
+        let mut floor = Floor::new();
+        floor.test = all(|x, y| [7.0 * x as f32 + y as f32; 3]);
+        assert_eq!(floor.step(), Some(0.0));
+        floor.test = all(|x, _| [7.0 * x as f32 + if x < 32 { 0.0 } else { 5.0 }; 3]);
+        assert_eq!(floor.step(), Some(5.0));
     }
 
     #[test]

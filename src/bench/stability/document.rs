@@ -177,22 +177,13 @@ fn scores() -> Vec<Score> {
             cell: |s| s.popping.map(|v| format!("{:.1}", 100.0 * v)),
             names_missing: false,
         },
-        Score {
-            title: "Seams between probes",
-            text: "Mean step between neighboring pixels of a surface that take other probes, beyond the step of `rt` there, of \
-                   255 levels; of a film the largest of a frame."
-                .to_owned(),
-            against: ReferenceKind::Rt,
-            cell: |s| s.probe_seam_step.map(|v| format!("{v:+.1}")),
-            names_missing: false,
-        },
     ];
     all.extend(structure());
     all
 }
 
 /// Scores of the structure of errors.
-fn structure() -> [Score; 5] {
+fn structure() -> [Score; 6] {
     let score = |title, text: String, cell| Score {
         title,
         text,
@@ -223,6 +214,13 @@ fn structure() -> [Score; 5] {
              of 255 levels; both show the same instance, rightly."
                 .to_owned(),
             |s| s.structure.seam_step.map(|v| format!("{v:+.2}")),
+        ),
+        score(
+            "Seams between probes",
+            "Mean step between neighboring pixels of one surface that take other probes, beyond the steps beside and beyond \
+             that of `rt`, of 255 levels."
+                .to_owned(),
+            |s| s.structure.probe_seam_step.map(|v| format!("{v:+.1}")),
         ),
         score(
             "Streaks and stripes",

@@ -12,7 +12,7 @@ pub struct SeamRow {
     pub scene: String,
     /// Point by which probes are chosen.
     pub select: SelectBy,
-    /// Largest step of a frame with 1, 2, … blended probes, display code values; none where no surface has a border.
+    /// Mean step over the frames with 1, 2, … blended probes, display code values; none where no surface has a border.
     pub steps: [Option<f64>; MOST_BLENDED],
 }
 
@@ -22,7 +22,7 @@ pub fn section(rows: &[SeamRow]) -> String {
         return String::new();
     }
     let mut out = "\n## Seams between probes\n\nMean step between neighboring pixels of one surface that take other probes, \
-                   beyond the step of `rt` there, of 255 levels; of a film the largest of a frame. `probe`, by `lookup = \"box\"`. \
+                   beyond the steps beside and beyond that of `rt`, of 255 levels; of a film the mean of its frames. `probe`, by `lookup = \"box\"`. \
                    `reflet bench stability` has the same of any scene (`probe_seam_step`).\n\n| scene | `select` |"
         .to_owned();
     // Writing to a string cannot fail.
@@ -42,9 +42,9 @@ pub fn section(rows: &[SeamRow]) -> String {
         }
         out.push('\n');
     }
-    out + "\nOne probe alone steps where another is nearer. Two blended by pixel leave little, where a third of equal weight is \
-           dropped, and four the least. Where objects choose, more probes halve the step at their joints at best; a single \
-           object has no joint, and pops in time instead (popping, below).\n"
+    out + "\nOne probe alone steps where another is nearer. Blended by pixel the step shrinks with each further probe: with two or \
+           three, one is dropped that may weigh as much as the last. Where objects choose, it remains at their joints however \
+           many are blended; a single object has no joint, and pops in time instead.\n"
 }
 
 #[cfg(test)]

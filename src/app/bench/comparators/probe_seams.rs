@@ -72,24 +72,29 @@ fn of_scene(
     let mut truth = start(&reference)?;
     let by = [SelectBy::Pixel, SelectBy::Instance].map(|select| looking_up(&own, select, 1));
     let mut renderers = [start(&by[0])?, start(&by[1])?];
-    let mut rows = by.map(|settings| SeamRow {
-        scene: series.name().to_owned(),
-        select: settings.probes.select,
-        steps: [None; MOST_BLENDED],
-    });
+    let selects = by.map(|settings| settings.probes.select);
+    let mut steps: [[Vec<f64>; MOST_BLENDED]; 2] = Default::default();
     for frame in frames {
         let subject = series.at(frame).map_err(AppError::Scene)?;
         let picture = picture(gpu, subject, &mut truth)?;
         let reference = Reference::new(&picture).map_err(AppError::Internal)?;
-        for (row, renderer) in rows.iter_mut().zip(&mut renderers) {
-            for (nearest, most) in (1..).zip(&mut row.steps) {
-                let settings = looking_up(&own, row.select, nearest);
-                let step = step(gpu, subject, &settings, renderer, &reference)?;
-                *most = (*most).into_iter().chain(step).reduce(f64::max);
+        for ((select, renderer), steps) in selects.iter().zip(&mut renderers).zip(&mut steps) {
+            for (nearest, steps) in (1..).zip(steps) {
+                let settings = looking_up(&own, *select, nearest);
+                steps.extend(step(gpu, subject, &settings, renderer, &reference)?);
             }
         }
     }
-    Ok(rows.to_vec())
+    let mean = |of: Vec<f64>| (!of.is_empty()).then(|| of.iter().sum::<f64>() / of.len() as f64);
+    let rows = selects
+        .into_iter()
+        .zip(steps)
+        .map(|(select, steps)| SeamRow {
+            scene: series.name().to_owned(),
+            select,
+            steps: steps.map(mean),
+        });
+    Ok(rows.collect())
 }
 
 /// Settings that look up in so many probes.
