@@ -34,7 +34,7 @@ mod state;
 
 use http::{Access, Route};
 use hub::{Hub, Outbox, Parcel};
-use input::Input;
+use input::{Input, Unfinished};
 use session::Event;
 
 #[cfg(test)]
@@ -308,6 +308,7 @@ fn talk(
         .max_frame_size(Some(MOST_MESSAGE));
     let mut socket = WebSocket::from_partially_read(half, rest, Role::Server, Some(limits));
     let (mut rate, mut garbage) = (Rate::starting(Instant::now()), 0);
+    let mut unfinished = Unfinished::default();
     while let Ok(message) = socket.read() {
         let is_slow = rate.allows(Instant::now());
         let input = match &message {
@@ -319,7 +320,10 @@ fn talk(
         match input {
             Some(Input::Shown) => outbox.shown(),
             Some(_) if !is_slow => {}
-            Some(input) => drop(events.send(Event::Input(input))),
+            Some(input) => {
+                unfinished.hear(&input);
+                let _ = events.send(Event::Input(input));
+            }
             None => {
                 garbage += 1;
                 outbox.text(
@@ -332,6 +336,7 @@ fn talk(
             }
         }
     }
+    let _ = events.send(Event::Left(unfinished));
     outbox.close();
     let _ = writer.join();
     Ok(())

@@ -117,16 +117,38 @@ const ends = () => page.evaluate(() => {
   const parts = handles.drawn ? handles.drawn.ends : [];
   return parts.map(([left, top]) => [over.left + left * over.width, over.top + top * over.height]);
 });
-const pull = async (axis, by) => {
+const pull = async (axis, by, held = async () => {}) => {
   const [left, top] = (await ends())[axis];
   await page.mouse.move(left, top);
   await page.mouse.down();
   await page.mouse.move(left + by[0], top + by[1], { steps: 4 });
+  await held();
   await page.mouse.up();
 };
+// Waits until the first number of the selected item's place is that of the text, or another one.
+const at_rest = (viewer, is_so) => viewer.waitForFunction(
+  (wanted) => (document.querySelector("#numbers input[name=translation]")?.value === "-1.2") === wanted, is_so);
 const seen = await page.evaluate(() => document.querySelectorAll("#handles line").length);
 if (seen !== 15) throw new Error(`${seen} lines: 12 edges of the box and 3 handles are wanted`);
-await pull(0, [40, 0]);
+// A viewer who leaves in a drag takes it back, and nothing is written.
+const leaver = await browser.newPage({ viewport: { width: 900, height: 700 } });
+await leaver.goto(address);
+await leaver.waitForFunction(() => document.querySelectorAll("#handles line").length === 15);
+do {
+  shown = await pixels();
+  await page.waitForTimeout(500);
+} while (shown !== await pixels());
+const [left, top] = (await ends())[0];
+await leaver.mouse.move(left, top);
+await leaver.mouse.down();
+await leaver.mouse.move(left + 40, top, { steps: 4 });
+await at_rest(page, false);
+await leaver.close();
+await at_rest(page, true);
+await page.waitForFunction((before) => document.getElementById("picture").toDataURL() === before, shown);
+if (!readFileSync(scenePath, "utf8").includes("translation = [-1.2, 0, 0.5]")) throw new Error("a drag without an end was written");
+// The numbers follow the handle.
+await pull(0, [40, 0], () => at_rest(page, false));
 await saved("translation = [-1.2,", false);
 if (await page.locator("#camera").inputValue() !== "main") throw new Error("a drag of a handle moved the camera");
 await page.locator("#turn").click();

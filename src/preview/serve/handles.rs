@@ -3,7 +3,11 @@
 use glam::{Vec2, vec2};
 use serde_json::json;
 
-use super::session::{Grab, Session};
+use super::{
+    input::Unfinished,
+    session::{Grab, Session},
+    state,
+};
 use crate::{
     viewer::{
         handles::{self, Handle, Handles},
@@ -34,6 +38,15 @@ impl Session {
             own.into_iter().for_each(|own| own.clone_from(now));
         }
         Some((inspected, numbers))
+    }
+
+    /// Tells the numbers of the selected item, as a drag has them.
+    pub(super) fn tell_item(&self) {
+        let item = self.held_numbers().map(|(inspected, numbers)| Inspected {
+            numbers,
+            ..inspected.clone()
+        });
+        self.hub.text("item", &state::item(item.as_ref()));
     }
 
     /// The handles over the picture, which has none while it is wiped or shows no camera's view.
@@ -138,6 +151,14 @@ impl Session {
             self.post(Task::Drag(item, now));
         }
         true
+    }
+
+    /// Takes back what a viewer who has left was dragging.
+    pub(super) fn take_back(&mut self, unfinished: Unfinished) {
+        let is_it = |grab: &mut Grab| unfinished.from == Some(grab.from);
+        if self.grab.take_if(is_it).is_some() || unfinished.number {
+            self.post(Task::DropDrag);
+        }
     }
 
     /// Ends the drag that began at `from`, of whichever if that is `None`, and has its numbers written.

@@ -89,6 +89,27 @@ pub(super) enum Input {
     Undo { again: bool },
 }
 
+/// Drags of a viewer without their end: they are shown to all, and would be written at the end.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Unfinished {
+    /// Start of a drag on the picture.
+    pub(super) from: Option<[f32; 2]>,
+    /// Whether numbers of the selected item are changed.
+    pub(super) number: bool,
+}
+
+impl Unfinished {
+    /// Follows the inputs of the viewer.
+    pub(super) fn hear(&mut self, input: &Input) {
+        match input {
+            Input::Drag { from, .. } => self.from = Some(*from),
+            Input::Drop { .. } => self.from = None,
+            Input::Number { write, .. } => self.number = !write,
+            _ => {}
+        }
+    }
+}
+
 /// Change of the keys of a track.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case")]

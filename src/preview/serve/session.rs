@@ -13,7 +13,12 @@ use std::{
 
 use image::{ExtendedColorType, codecs::jpeg::JpegEncoder};
 
-use super::{ServeOptions, hub::Hub, input::Input, state};
+use super::{
+    ServeOptions,
+    hub::Hub,
+    input::{Input, Unfinished},
+    state,
+};
 use crate::{
     live::{SceneSource, ViewOverrides},
     viewer::{
@@ -49,6 +54,8 @@ pub(super) enum Event {
     Input(Input),
     /// A viewer came.
     Joined,
+    /// A viewer left, perhaps in a drag.
+    Left(Unfinished),
     /// A viewer wants the picture as a PNG file, with the line of a wipe at this place, 0 to 1.
     Picture(f32, Sender<Result<Vec<u8>, String>>),
     /// The end.
@@ -158,6 +165,7 @@ impl Session {
                 Ok(Event::End) | Err(RecvTimeoutError::Disconnected) => return,
                 Ok(Event::Input(input)) => self.act(input),
                 Ok(Event::Picture(wipe_at, reply)) => self.screenshot(wipe_at, reply),
+                Ok(Event::Left(unfinished)) => self.take_back(unfinished),
                 Ok(Event::Report | Event::Joined) | Err(RecvTimeoutError::Timeout) => {}
             }
             self.handle_reports();
@@ -181,6 +189,7 @@ impl Session {
         let parameters = state::parameters(&self.state.summary, &self.overrides);
         self.hub.text("parameters", &parameters);
         self.hub.text("material", &state::material(&self.state));
+        self.tell_item();
         self.tell_handles();
         self.hub.text("keys", &state::keys(&self.state, selected));
     }
@@ -246,11 +255,9 @@ impl Session {
                 }
                 Report::Unpicked => {
                     (self.picked, self.inspected) = (None, None);
-                    self.hub.text("item", &state::item(None));
                 }
                 Report::Inspected(inspected) => {
                     self.inspected = inspected.map(|inspected| *inspected);
-                    self.hub.text("item", &state::item(self.inspected.as_ref()));
                 }
                 Report::Message(text) => self.say(&text),
                 Report::Unwatched(Some(why)) => self.say(&why),

@@ -258,6 +258,39 @@ fn two_viewers_that_drag_at_once_are_both_heard_and_both_see_it() {
 }
 
 #[test]
+fn who_leaves_in_a_drag_is_told_apart() {
+    let drag =
+        "{\"do\":\"drag\",\"from\":[0.5,0.25],\"to\":[0.5,0.5],\"by\":[0,0.25],\"start\":true}";
+    let number =
+        |write| format!("{{\"do\":\"number\",\"key\":\"scale\",\"values\":[1],\"write\":{write}}}");
+    let dropped = "{\"do\":\"drop\",\"from\":[0.5,0.25]}".to_owned();
+    for (says, from, is_number) in [
+        (vec![], None, false),
+        (vec![drag.to_owned()], Some([0.5, 0.25]), false),
+        (vec![drag.to_owned(), dropped], None, false),
+        (vec![number(false)], None, true),
+        (vec![number(false), number(true)], None, false),
+    ] {
+        let viewers = Viewers::new();
+        let (mut client, ends) = viewers.join();
+        for text in &says {
+            client.send(Message::text(text.clone())).expect("sent");
+        }
+        drop(client);
+        ends.join().expect("no panic");
+        let left = viewers.events.try_iter().find_map(|event| match event {
+            Event::Left(unfinished) => Some(unfinished),
+            _ => None,
+        });
+        let want = Unfinished {
+            from,
+            number: is_number,
+        };
+        assert_eq!(left, Some(want), "{says:?}");
+    }
+}
+
+#[test]
 fn garbage_and_long_messages_end_a_connection_and_nothing_else() {
     let viewers = Viewers::new();
     let (mut other, stays) = viewers.join();

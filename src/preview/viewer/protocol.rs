@@ -92,6 +92,8 @@ pub enum Task {
     Select(SceneItem),
     /// Show an item with other numbers during a drag.
     Drag(SceneItem, Numbers),
+    /// Show the numbers of the scene text again: a drag has ended without an end.
+    DropDrag,
     /// Write numbers of an item into the scene text.
     Write(SceneItem, Numbers),
     /// Write a number of a material, by its index, into the scene text.

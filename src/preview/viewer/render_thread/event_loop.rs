@@ -132,6 +132,7 @@ impl Worker {
                 true
             }
             Task::Drag(item, numbers) => self.drag(item, &numbers),
+            Task::DropDrag => self.drop_drag(),
             Task::Write(item, numbers) => self.write(item, &numbers),
             Task::WriteMaterial(material, numbers) => {
                 self.write_material(material, &numbers);

@@ -3,6 +3,7 @@
 
 use super::{instance_key::InstanceKey, worker::Worker};
 use crate::{
+    live::Live,
     viewer::protocol::Report,
     write_back::{FlightPoint, KeyEdit, Numbers, SceneItem},
 };
@@ -38,8 +39,18 @@ impl Worker {
 
     /// Shows an item with other numbers; returns whether the picture changes.
     pub(super) fn drag(&mut self, item: SceneItem, numbers: &Numbers) -> bool {
+        self.with_problems(|live| live.drag(item, numbers).ok)
+    }
+
+    /// Shows the scene on disk after a drag that is not written; returns whether the picture changes.
+    pub(super) fn drop_drag(&mut self) -> bool {
+        self.with_problems(Live::drop_drag)
+    }
+
+    /// Makes a change, and tells of the scene's mistakes if they are others then.
+    fn with_problems(&mut self, change: impl FnOnce(&mut Live) -> bool) -> bool {
         let before = self.live.problems.clone();
-        let is_shown = self.live.drag(item, numbers).ok;
+        let is_shown = change(&mut self.live);
         if self.live.problems != before {
             self.send_summary();
         }
