@@ -89,16 +89,17 @@ impl<'a> Lint<'a> {
         if !std::mem::replace(&mut self.is_first, false) {
             return;
         }
-        self.found.extend(ignored::lint(self.scene, &self.start()));
+        self.found
+            .extend(ignored::lint(self.scene, &start(self.scene)));
         self.found.extend(inside::lights(self.scene, world));
         self.found.extend(inside::cameras(self.scene, world));
         self.found.extend(inside::probes(self.scene, world));
         self.found
-            .extend(probe::empty(self.scene, world, self.start()));
+            .extend(probe::empty(self.scene, world, start(self.scene)));
         self.found.extend(shadow::lamps(self.scene, world));
         let is_traced = traces_rays(world, &RenderOptions::of(self.scene));
         self.found
-            .extend(size::lint(world, is_traced, self.start()));
+            .extend(size::lint(world, is_traced, start(self.scene)));
         let triangles = |i: &crate::world::Instance| world.meshes[i.mesh].triangles.len();
         let total: usize = world.instances.iter().map(triangles).sum();
         if total > MOST_TRIANGLES || world.instances.is_empty() {
@@ -119,7 +120,7 @@ impl<'a> Lint<'a> {
             let message = "the scene has no light: no lamp, no environment, nothing that emits";
             let help = "write `[environment]` with `color = [0.5, 0.6, 0.8]`, or `[light.sun]` with \
                         `kind = \"directional\"`, `direction = [-1, -2, -1]`, `intensity_lux = 3`";
-            let dark = Diagnostic::at("no-light", self.start(), message).help(help);
+            let dark = Diagnostic::at("no-light", start(self.scene), message).help(help);
             self.found.insert(0, dark);
         }
         let names: Vec<_> = self.found.iter().map(|d| d.name).collect();
@@ -137,20 +138,20 @@ impl<'a> Lint<'a> {
     /// Error that `render` would report on this machine.
     pub fn refused_here(scene: &Scene, world: &World) -> Option<Diagnostic> {
         let is_traced = traces_rays(world, &RenderOptions::of(scene));
-        size::refused_here(world, is_traced).or_else(|| probe::refused(scene, world))
+        size::refused_here(world, is_traced).or_else(|| probe::refused(scene, world, &start(scene)))
     }
+}
 
-    /// Start of the scene's text, if one of its tables is known to come from a text.
-    fn start(&self) -> Span {
-        let desc = &self.scene.desc;
-        let tables = (desc.models.iter().map(|e| &e.at))
-            .chain(desc.cameras.iter().map(|e| &e.at))
-            .chain(desc.lights.iter().map(|e| &e.at));
-        let source = tables.filter_map(|at| at.source.clone()).next();
-        Span {
-            source,
-            range: 0..0,
-        }
+/// Start of the scene's text, if one of its tables is known to come from a text.
+fn start(scene: &Scene) -> Span {
+    let desc = &scene.desc;
+    let tables = (desc.models.iter().map(|e| &e.at))
+        .chain(desc.cameras.iter().map(|e| &e.at))
+        .chain(desc.lights.iter().map(|e| &e.at));
+    let source = tables.filter_map(|at| at.source.clone()).next();
+    Span {
+        source,
+        range: 0..0,
     }
 }
 

@@ -6,6 +6,7 @@ mod habits;
 mod lamps;
 mod lint;
 mod meant;
+mod probes;
 mod script;
 mod shapes;
 mod text;

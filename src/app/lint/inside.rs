@@ -69,17 +69,9 @@ pub fn cameras(scene: &Scene, world: &World) -> Vec<Diagnostic> {
     // Cameras of placed scenes are skipped: they come with those scenes.
     for (entry, camera) in cameras.filter(|(e, _)| !scene.placed_cameras.contains(&e.name)) {
         for shape in closed.around(camera.value.eye) {
-            let inner = |(i, other): (usize, &Instance)| {
-                let center = world.bounds_of(other).center();
-                i != shape && !other.is_hidden() && closed.contains(shape, center)
-            };
-            let mut lamps = world.all_lights().filter_map(|l| l.desc.kind.position());
             let around = &world.instances[shape];
             let is_seen = around.shown.visible && world.materials[around.material].double_sided;
-            if !is_seen
-                || lamps.any(|at| closed.contains(shape, at))
-                || world.instances.iter().enumerate().any(inner)
-            {
+            if !is_seen || closed.holds_something(shape) {
                 continue;
             }
             if closed.is_exhausted() {
@@ -103,16 +95,18 @@ pub fn cameras(scene: &Scene, world: &World) -> Vec<Diagnostic> {
 }
 
 /// Warnings about probes of the scene text inside of a closed shape that is not seen from within, so that all faces of
-/// their maps look through its back.
+/// their maps look through its back, or that is no room, because nothing else is inside.
 pub fn probes(scene: &Scene, world: &World) -> Vec<Diagnostic> {
     let mut closed = Closed::new(world);
     let mut found = Vec::new();
     for entry in &scene.probes {
         let mut around = closed.around(entry.value.position);
-        around.retain(|i| {
-            let material = &world.materials[world.instances[*i].material];
-            !material.double_sided && !world.instances[*i].dynamic
-        });
+        let is_seen = |i: usize| world.materials[world.instances[i].material].double_sided;
+        let is_room = |i: usize| {
+            let mut cameras = world.cameras.iter();
+            closed.holds_something(i) || cameras.any(|c| closed.contains(i, c.value.eye))
+        };
+        around.retain(|i| !(world.instances[*i].dynamic || is_seen(*i) && is_room(*i)));
         if closed.is_exhausted() {
             return found;
         }
@@ -120,12 +114,20 @@ pub fn probes(scene: &Scene, world: &World) -> Vec<Diagnostic> {
             continue;
         };
         let name = &world.instances[*shape].name;
+        let (why, help) = match is_seen(*shape) {
+            true => (
+                "closed, with nothing else in it: all six faces of its map see its inside alone",
+                "move `position` out of it, or move the instance",
+            ),
+            false => (
+                "closed: all six faces of its map look through the back of it",
+                "move `position` out of it; for a room, write `double_sided = true` in its material",
+            ),
+        };
         let message = format!(
-            "probe \"{}\" is inside of \"{name}\", which is closed: all six faces of its map look through the back of it",
+            "probe \"{}\" is inside of \"{name}\", which is {why}",
             entry.name
         );
-        let help =
-            "move `position` out of it; for a room, write `double_sided = true` in its material";
         found.push(related(
             Diagnostic::at("probe-inside", entry.at.clone(), message).help(help),
             scene,
@@ -232,6 +234,17 @@ impl<'a> Closed<'a> {
             }
         }
         found
+    }
+
+    /// Whether a lamp or the middle of another instance is inside of a closed instance, as in a room.
+    fn holds_something(&self, index: usize) -> bool {
+        let world = self.world;
+        let inner = |(i, other): (usize, &Instance)| {
+            let center = world.bounds_of(other).center();
+            i != index && !other.is_hidden() && self.contains(index, center)
+        };
+        let mut lamps = world.all_lights().filter_map(|l| l.desc.kind.position());
+        lamps.any(|at| self.contains(index, at)) || world.instances.iter().enumerate().any(inner)
     }
 
     /// Whether the box around an instance contains a point.
