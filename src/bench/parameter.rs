@@ -217,6 +217,8 @@ impl Parameter {
             let is_gap = self == Self::Rate && value == 3.0;
             return if value.fract() == 0.0 && range.contains(value) && !is_gap {
                 Ok(())
+            } else if self == Self::Rate {
+                Err(refused("1, 2 or 4"))
             } else {
                 Err(refused(&format!(
                     "a whole number from {} to {}",

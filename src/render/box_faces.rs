@@ -114,7 +114,7 @@ impl BoxFaces {
         gpu.check_texture_size("a face of the box", px, px)?;
         if key.bytes() > MAX_BYTES {
             return Err(GpuError::Limit {
-                what: format!("a box with faces of {px} pixels"),
+                what: format!("a box with faces of {px} pixels (`box_faces.face_px`)"),
                 wanted: key.bytes(),
                 limit: MAX_BYTES,
                 unit: "bytes",

@@ -149,7 +149,10 @@ impl ProbeMaps {
         let bytes = key.bytes();
         if bytes > MAX_MAP_BYTES {
             return Err(GpuError::Limit {
-                what: format!("{} probes with faces of {px} pixels", key.boxes.len()),
+                what: format!(
+                    "{} probes with faces of {px} pixels (`probes.face_px`)",
+                    key.boxes.len()
+                ),
                 wanted: bytes,
                 limit: MAX_MAP_BYTES,
                 unit: "bytes",

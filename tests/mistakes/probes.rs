@@ -65,3 +65,27 @@ fn a_grid_of_too_many_probes_is_named_where_it_is_written() {
     // No method looks them up.
     assert!(found("grid-unused", &grid.replace("\"probe\"", "\"rt\""), 0).is_empty());
 }
+
+#[test]
+fn methods_whose_maps_hold_nothing_are_named() {
+    let moving = WALL.replace("[[instance]]\n", "[[instance]]\ndynamic = true\n");
+    for (method, says) in [
+        ("probe", Some("probes see nothing")),
+        ("ssr+probe", Some("probes see nothing")),
+        ("ssr+box", Some("the faces of the box see nothing")),
+        ("near-far", None),
+    ] {
+        let folder = folder(&format!("moving-{method}"));
+        let text = format!("{moving}[reflection]\nmethod = \"{method}\"\n");
+        fs::write(folder.join("scene.toml"), text).expect("writable");
+        let found = results(&folder, &["scene.toml".to_owned()], 0);
+        let named = |found: &&serde_json::Value| found["ruleId"] == "probes-see-nothing";
+        let message = found.iter().find(named);
+        let message = message.map(|found| found["message"]["text"].as_str().unwrap_or_default());
+        assert_eq!(message.is_some(), says.is_some(), "{method}: {found:#?}");
+        let is_said = message
+            .zip(says)
+            .is_none_or(|(found, says)| found.contains(says));
+        assert!(is_said, "{method}: {message:?}");
+    }
+}

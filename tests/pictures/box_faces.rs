@@ -192,7 +192,7 @@ fn faces_of_one_pixel_are_rendered_and_the_largest_refused() {
     let refused = Renderer::new(gpu, &shaders(), &world, &options).expect_err("too large");
     let text = refused.to_string();
     let says = [
-        "a box with faces of 16384 pixels needs 25769803776 bytes",
+        "a box with faces of 16384 pixels (`box_faces.face_px`) needs 25769803776 bytes",
         "a face of the box needs",
     ];
     assert!(says.iter().any(|s| text.contains(s)), "{text}");

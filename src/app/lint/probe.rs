@@ -4,6 +4,7 @@ use super::ignored::written;
 use crate::{
     render::{lights::CUBE_FACES, probe_boxes::probe_boxes},
     scene::{
+        desc::Method,
         diagnostic::{Diagnostic, Span},
         stages::Scene,
     },
@@ -31,13 +32,21 @@ pub fn refused(scene: &Scene, world: &World, start: &Span) -> Option<Diagnostic>
     })
 }
 
-/// Warning about a scene without anything that its probes could see.
+/// Warning about a scene without anything that its probes, or the faces of its box, could see.
 pub fn empty(scene: &Scene, world: &World, at: Span) -> Option<Diagnostic> {
     let is_empty = world.instances.iter().all(|i| i.dynamic || i.is_hidden());
-    if !scene.reflection.method.looks_up() || world.instances.is_empty() || !is_empty {
+    let (what, shown) = match scene.reflection.method {
+        method if method.looks_up() => ("probes see", "reflections show the environment alone"),
+        Method::SsrBox => (
+            "the faces of the box see",
+            "reflections that the screen loses show the environment",
+        ),
+        _ => return None,
+    };
+    if world.instances.is_empty() || !is_empty {
         return None;
     }
-    let message = "probes see nothing: every instance is `dynamic`, so reflections show the environment alone";
+    let message = format!("{what} nothing: every instance is `dynamic`, so {shown}");
     let help = "leave `dynamic` out where things do not move, or write `method = \"hybrid\"`";
     Some(Diagnostic::at("probes-see-nothing", at, message).help(help))
 }

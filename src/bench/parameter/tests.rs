@@ -81,3 +81,14 @@ fn defaults_are_in_range_and_other_values_are_refused() {
         );
     }
 }
+
+#[test]
+fn a_rate_between_two_and_four_is_told_which_are_allowed() {
+    for value in [3.0, 2.5, 8.0] {
+        let says = Parameter::Rate.check(value).expect_err("no such rate");
+        assert!(says.contains("must be 1, 2 or 4"), "{value}: {says}");
+    }
+    for value in [1.0, 2.0, 4.0] {
+        assert_eq!(Parameter::Rate.check(value), Ok(()));
+    }
+}
