@@ -44,6 +44,14 @@ impl FramePose {
         }
     }
 
+    /// Instances that are elsewhere in another frame, by index: moved, hidden in one of them, or of a deformed mesh.
+    pub fn moved(&self, other: &Self) -> Vec<bool> {
+        let places = self.places.iter().zip(&other.places);
+        (places.zip(&self.mesh_of))
+            .map(|((here, there), mesh)| here != there || self.deformed.contains_key(mesh))
+            .collect()
+    }
+
     /// Corners of a triangle of a deformed mesh, in object space; `None` for a mesh that is not deformed.
     fn corners(&self, mesh: usize, triangle: u32) -> Option<[DVec3; 3]> {
         let posed = self.deformed.get(&mesh)?.posed();
@@ -161,23 +169,44 @@ impl Surfaces {
     fn at(&self, [x, y]: [u32; 2]) -> Option<Seen> {
         self.seen[(y * self.size[0] + x) as usize]
     }
+
+    /// Instances that the 3 × 3 pixels around one show, fewer at the border, with their indices; `None` for none.
+    pub fn around(&self, [x, y]: [u32; 2]) -> impl Iterator<Item = (usize, Option<u32>)> {
+        let [width, height] = self.size;
+        let rows = y.saturating_sub(1)..height.min(y + 2);
+        let pixels = rows
+            .flat_map(move |y| (x.saturating_sub(1)..width.min(x + 2)).map(move |x| y * width + x));
+        pixels.map(|index| {
+            let index = index as usize;
+            (index, self.seen[index].map(|seen| seen.ids[0]))
+        })
+    }
+
+    /// Whether a pixel is beside an instance, other than its own, that has moved: it may show some of that, whose light
+    /// would follow it as a trail.
+    fn is_beside(&self, moved: &[bool], pixel: [u32; 2], own: u32) -> bool {
+        let mut others = self.around(pixel).filter_map(|(_, instance)| instance);
+        others.any(|other| other != own && moved.get(other as usize).is_none_or(|moved| *moved))
+    }
 }
 
 /// Pixels of another frame that show the surface of a pixel, by index, with weights that add up to 1.
 pub struct Taps(pub Vec<(usize, f32)>);
 
-/// The pixels of another frame that show what `pixel` shows; `None` where that is hidden, outside of the picture,
-/// or where a sharp mirror or its camera moved, since its picture moves otherwise than the mirror.
+/// The pixels of another frame that show what `pixel` shows; `None` where that is hidden, outside of the picture, beside
+/// one of the instances that have `moved` between the frames, or where a sharp mirror or its camera moved, since its
+/// picture moves otherwise than the mirror.
 pub fn taps(
     pixel: [u32; 2],
     (surfaces, pose): (&Surfaces, &FramePose),
     (other_surfaces, other_pose): (&Surfaces, &FramePose),
+    moved: &[bool],
 ) -> Option<Taps> {
     let seen = surfaces.at(pixel)?;
     let (place, depth_m) = pose.in_frame(other_pose, pixel, seen)?;
     let corner = place - 0.5;
-    let moved = corner - DVec2::new(f64::from(pixel[0]), f64::from(pixel[1]));
-    let is_still = moved.abs().max_element() < STILL_PX;
+    let motion = corner - DVec2::new(f64::from(pixel[0]), f64::from(pixel[1]));
+    let is_still = motion.abs().max_element() < STILL_PX;
     if seen.mirrored.is_some() && !is_still {
         return None;
     }
@@ -204,6 +233,7 @@ pub fn taps(
             there.ids[0] == seen.ids[0]
                 && there.mirrored == seen.mirrored
                 && (f64::from(there.depth_m) - depth_m).abs() <= SAME_DEPTH * depth_m
+                && !other_surfaces.is_beside(moved, at, seen.ids[0])
         });
         if is_same {
             taps.push(((at[1] * surfaces.size[0] + at[0]) as usize, weight as f32));
@@ -260,7 +290,14 @@ mod tests {
         let eye = Vec3::new(0.0, 0.0, 5.0);
         let still = pose(eye, DAffine3::IDENTITY);
         let surfaces = plane_of(0);
-        let of = |other: &FramePose| taps([20, 30], (&surfaces, &still), (&surfaces, other));
+        let of = |other: &FramePose| {
+            taps(
+                [20, 30],
+                (&surfaces, &still),
+                (&surfaces, other),
+                &still.moved(other),
+            )
+        };
         let same = of(&still).expect("it is there").0;
         assert_eq!(same, [(30 * 64 + 20, 1.0)]);
         // A picture of 48 pixels is 2 tan 30° 5 m high there.
@@ -280,8 +317,27 @@ mod tests {
         let eye = Vec3::new(0.0, 0.0, 5.0);
         let pose = pose(eye, DAffine3::IDENTITY);
         let (first, hidden) = (plane_of(0), plane_of(1));
-        assert!(taps([20, 30], (&hidden, &pose), (&hidden, &pose)).is_none());
-        assert!(taps([20, 30], (&first, &pose), (&hidden, &pose)).is_none());
+        assert!(taps([20, 30], (&hidden, &pose), (&hidden, &pose), &[]).is_none());
+        assert!(taps([20, 30], (&first, &pose), (&hidden, &pose), &[]).is_none());
+    }
+
+    #[test]
+    fn pixels_beside_what_moved_are_not_taken() {
+        let mut here = pose(Vec3::new(0.0, 0.0, 5.0), DAffine3::IDENTITY);
+        here.places[1] = Some(DAffine3::IDENTITY);
+        let mut there = pose(Vec3::new(0.0, 0.0, 5.0), DAffine3::IDENTITY);
+        there.places[1] = Some(DAffine3::from_translation(DVec3::X));
+        let (plain, mut passed) = (plane_of(0), plane_of(0));
+        for y in 28..31 {
+            passed.seen[y * 64 + 21] = plane_of(1).seen[0];
+        }
+        let found = |pixel, other: &FramePose| {
+            let moved = here.moved(other);
+            taps(pixel, (&plain, &here), (&passed, other), &moved).is_some()
+        };
+        assert!(!found([20, 30], &there), "it is beside the moved one");
+        assert!(found([19, 30], &there), "it is a pixel away");
+        assert!(found([20, 30], &here), "nothing has moved");
     }
 
     #[test]

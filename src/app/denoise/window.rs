@@ -3,7 +3,8 @@
 //!
 //! Each frame of the window is rendered and denoised by itself, so a frame is the same in whatever part of a film it is
 //! rendered. Pixels of other frames count where they show the same surface ([`super::reproject`]), the less the more
-//! their surroundings differ: shadows and reflections move otherwise than the surfaces that show them.
+//! their surroundings differ: shadows and reflections move otherwise than the surfaces that show them. Averaged are cube
+//! roots of radiance, nearly what the eye sees (CIE L*), so that one bright frame does not outweigh the others.
 
 use std::{
     collections::BTreeMap,
@@ -24,7 +25,7 @@ use crate::{
 };
 
 /// Difference of the surroundings of two pixels, in display values of 0 to 1, at which a pixel of another frame counts 1/e.
-const SAME_VALUE: f32 = 0.05;
+const SAME_VALUE: f32 = 0.075;
 
 /// Error of a frame, and whether it is one of all further frames.
 pub type FrameError = (String, bool);
@@ -40,8 +41,16 @@ pub struct WindowFrame {
 struct Denoised {
     picture: Picture,
     surfaces: Surfaces,
-    /// Means of 3 × 3 pixels of the display color.
+    /// Means of the display color of those of 3 × 3 pixels that show the same instance.
     surroundings: Vec<[f32; 3]>,
+}
+
+/// A frame of a window, seen from the one that is averaged.
+struct Neighbor<'a> {
+    denoised: &'a Denoised,
+    pose: &'a FramePose,
+    /// Instances that are elsewhere in it.
+    moved: Vec<bool>,
 }
 
 /// Frames of a window that are kept while a film is rendered in the order of its frames.
@@ -100,7 +109,13 @@ impl Window {
     pub fn picture(&self, gpu: &Gpu, denoiser: &Denoiser) -> Result<Picture, AppError> {
         let own = self.own.denoised(gpu, denoiser)?;
         let neighbors: Vec<_> = (self.neighbors.iter())
-            .map(|frame| Ok((frame.denoised(gpu, denoiser)?, &frame.pose)))
+            .map(|frame| {
+                Ok(Neighbor {
+                    denoised: frame.denoised(gpu, denoiser)?,
+                    pose: &frame.pose,
+                    moved: self.own.pose.moved(&frame.pose),
+                })
+            })
             .collect::<Result<_, AppError>>()?;
         let mut picture = own.picture.clone();
         let width = picture.size[0] as usize;
@@ -142,7 +157,7 @@ impl Denoised {
         let surfaces = Surfaces::new(picture.size, &picture.planes, &mirrored);
         denoiser.apply(&mut picture)?;
         Ok(Self {
-            surroundings: surroundings(&picture.display, picture.size),
+            surroundings: surroundings(&picture.display, &surfaces, picture.size),
             surfaces,
             picture,
         })
@@ -154,32 +169,31 @@ impl Denoised {
     }
 }
 
-/// Means of 3 × 3 pixels, fewer at the border, of display values of 0 to 1.
-fn surroundings(display: &[u8], [width, height]: [u32; 2]) -> Vec<[f32; 3]> {
-    let (width, height) = (width as usize, height as usize);
-    let mean = |i: usize| {
-        let (x, y) = (i % width, i / width);
+/// Means of the pixels around each that show the same instance, of display values of 0 to 1: a thing that passes by
+/// changes nothing beside it.
+fn surroundings(display: &[u8], surfaces: &Surfaces, [width, height]: [u32; 2]) -> Vec<[f32; 3]> {
+    let mean = |i: u32| {
+        let around = || surfaces.around([i % width, i / width]);
+        let own =
+            (around().find(|(index, _)| *index == i as usize)).and_then(|(_, instance)| instance);
         let mut sum = [0.0; 3];
         let mut count = 0.0;
-        for y in y.saturating_sub(1)..height.min(y + 2) {
-            for x in x.saturating_sub(1)..width.min(x + 2) {
-                let pixel = &display[4 * (y * width + x)..];
-                sum.iter_mut()
-                    .zip(pixel)
-                    .for_each(|(sum, value)| *sum += f32::from(*value));
-                count += 255.0;
-            }
+        for (index, _) in around().filter(|(_, instance)| *instance == own) {
+            sum.iter_mut()
+                .zip(&display[4 * index..])
+                .for_each(|(sum, value)| *sum += f32::from(*value));
+            count += 255.0;
         }
         sum.map(|sum| sum / count)
     };
     (0..width * height).into_par_iter().map(mean).collect()
 }
 
-/// Weighted mean of the linear radiance of a pixel over the frames of a window.
+/// Linear radiance of a pixel: the weighted mean of its cube roots over the frames of a window, cubed.
 fn mean_of(
     [x, y]: [usize; 2],
     own: (&Denoised, &FramePose),
-    neighbors: &[(&Denoised, &FramePose)],
+    neighbors: &[Neighbor<'_>],
 ) -> [f32; 3] {
     let (denoised, pose) = own;
     let index = y * denoised.picture.size[0] as usize + x;
@@ -187,10 +201,12 @@ fn mean_of(
     if denoised.picture.display[4 * index + 3] != u8::MAX {
         return mean; // coverage may differ between frames
     }
+    mean = mean.map(f32::cbrt);
     let mut sum = 1.0;
-    for (other, other_pose) in neighbors {
-        let (here, there) = ((&denoised.surfaces, pose), (&other.surfaces, *other_pose));
-        let Some(found) = taps([x as u32, y as u32], here, there) else {
+    for neighbor in neighbors {
+        let other = neighbor.denoised;
+        let (here, there) = ((&denoised.surfaces, pose), (&other.surfaces, neighbor.pose));
+        let Some(found) = taps([x as u32, y as u32], here, there, &neighbor.moved) else {
             continue;
         };
         let mixed = |of: &dyn Fn(usize) -> [f32; 3]| {
@@ -208,10 +224,38 @@ fn mean_of(
         let difference = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
         let weight = (-(difference / SAME_VALUE).powi(2)).exp();
         sum += weight;
-        let values = mixed(&|pixel| other.color(pixel));
+        let values = mixed(&|pixel| other.color(pixel).map(f32::cbrt));
         mean.iter_mut()
             .zip(values)
             .for_each(|(sum, value)| *sum += weight * value);
     }
-    mean.map(|value| value / sum)
+    mean.map(|value| (value / sum).powi(3))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::{Plane, PlaneData, aov::Aov};
+
+    #[test]
+    fn surroundings_are_those_of_the_same_instance() {
+        let plane = |aov: Aov, data| Plane {
+            name: aov.plane_name(),
+            channels: &[],
+            data,
+        };
+        // Four pixels in a row: two of a wall, one of a ball before it, one of the wall.
+        let ids = vec![0, 0, 0, 0, 1, 0, 0, 0];
+        let planes = [
+            plane(Aov::Depth, PlaneData::F32(vec![2.0; 4])),
+            plane(Aov::Ids, PlaneData::U32(ids)),
+        ];
+        let surfaces = Surfaces::new([4, 1], &planes, &[None; 4]);
+        let display: Vec<u8> = [51, 102, 255, 204].iter().flat_map(|v| [*v; 4]).collect();
+        let means = surroundings(&display, &surfaces, [4, 1]);
+        let means: Vec<f32> = means.iter().map(|mean| mean[1]).collect();
+        for (mean, expected) in means.iter().zip([0.3, 0.3, 1.0, 0.8]) {
+            assert!((mean - expected).abs() < 1e-6, "{means:?}");
+        }
+    }
 }
