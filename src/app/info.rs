@@ -130,6 +130,8 @@ pub struct Info {
     pub decided_plan: Option<AdapterDecisions>,
     /// Name, driver and API of this machine's adapter; `None` without one.
     pub adapter: Option<String>,
+    /// Abilities that this adapter has, such as ray queries, of those that Reflet uses or could use.
+    pub adapter_has: Vec<String>,
     /// Abilities that this adapter lacks, of those that Reflet uses or could use.
     pub adapter_lacks: Vec<String>,
     /// Features that the plan drops, and why the picture stays the same.
@@ -193,7 +195,7 @@ pub fn info(args: &InfoArgs) -> Result<(), AppError> {
     info.border = border(&loaded, args);
     if let Ok(adapter) = AdapterSummary::first() {
         info.adapter = Some(adapter.name);
-        info.adapter_lacks = adapter.lacks;
+        (info.adapter_has, info.adapter_lacks) = (adapter.has, adapter.lacks);
     }
     if args.json {
         print_json(&info)
@@ -306,6 +308,7 @@ pub fn gather(
         decided_gpu: gpu.decisions,
         decided_plan: plan_file.map(|file| decide_by(file, world, &trees, options)),
         adapter: None,
+        adapter_has: Vec::new(),
         adapter_lacks: Vec::new(),
         left_out: plan.dropped,
         warnings: loaded.warnings.len(),

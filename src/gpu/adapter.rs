@@ -1,4 +1,4 @@
-//! Choice of the adapter: by name, then by the kind that is probably fastest; and what an adapter lacks.
+//! Choice of the adapter: by name, then by the kind that is probably fastest; and what an adapter has and lacks.
 
 use std::env;
 
@@ -33,6 +33,8 @@ const ABILITIES: [(&str, wgpu::Features); 5] = [
 pub struct AdapterSummary {
     /// Name, driver with its version, and API.
     pub name: String,
+    /// Abilities that it has, of those that Reflet uses or could use.
+    pub has: Vec<String>,
     /// Abilities that it lacks, and limits below those that Reflet can use.
     pub lacks: Vec<String>,
 }
@@ -49,8 +51,7 @@ impl AdapterSummary {
 
     fn of(adapter: &wgpu::Adapter) -> Self {
         let features = adapter.features();
-        let missing = ABILITIES.iter().filter(|(_, all)| !features.contains(*all));
-        let mut lacks: Vec<String> = missing.map(|(name, _)| (*name).to_owned()).collect();
+        let (has, mut lacks) = split_abilities(features);
         let offered = adapter.limits();
         for (what, has, most) in [
             (
@@ -70,9 +71,24 @@ impl AdapterSummary {
         }
         Self {
             name: name(&adapter.get_info()),
+            has,
             lacks,
         }
     }
+}
+
+/// Names of the abilities that an adapter with these features has, and of those that it lacks.
+fn split_abilities(features: wgpu::Features) -> (Vec<String>, Vec<String>) {
+    let (has, lacks): (Vec<_>, Vec<_>) = ABILITIES
+        .iter()
+        .partition(|(_, all)| features.contains(*all));
+    let names = |abilities: Vec<&(&str, _)>| {
+        abilities
+            .into_iter()
+            .map(|(n, _)| (*n).to_owned())
+            .collect()
+    };
+    (names(has), names(lacks))
 }
 
 /// Name, driver with its version, and API of an adapter.

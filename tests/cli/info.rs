@@ -51,7 +51,7 @@ fn info_counts_lamps_of_the_light_tree() {
 }
 
 #[test]
-fn info_names_the_adapter_and_what_it_lacks() {
+fn info_names_the_adapter_and_what_it_has_and_lacks() {
     let folder = folder("info-adapter");
     let [json, _] = exits(&folder, &["info", "scene.toml", "--json"], 0);
     let info: serde_json::Value = serde_json::from_str(&json).expect("JSON");
@@ -66,12 +66,19 @@ fn info_names_the_adapter_and_what_it_lacks() {
     let name = info["adapter"].as_str().expect("a name");
     assert!(name.contains(&gpu.adapter_info.driver_info), "{name}");
     assert!(text.contains(&format!("\nadapter     {name}\n")), "{text}");
-    let lacks = info["adapter_lacks"].as_array().expect("a list");
+    let [has, lacks] = ["has", "lacks"].map(|verb| {
+        let list = info[format!("adapter_{verb}")].as_array().expect("a list");
+        if let Some(first) = list.first().and_then(|what| what.as_str()) {
+            let line = format!("{verb} {first}");
+            assert!(text.contains(&line), "{line} in {text}");
+        }
+        list.iter().any(|what| what == "ray queries")
+    });
     let has_rays = gpu
         .adapter
         .features()
         .contains(wgpu::Features::EXPERIMENTAL_RAY_QUERY);
-    assert_eq!(lacks.iter().any(|what| what == "ray queries"), !has_rays);
+    assert_eq!([has, lacks], [has_rays, !has_rays]);
 }
 
 /// A frame of rasterized diffuse surfaces has no lists; a mirror adds the march and what it reads and writes.

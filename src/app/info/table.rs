@@ -136,8 +136,10 @@ fn choices(info: &Info) -> Vec<(&'static str, String)> {
 fn frame(info: &Info) -> Vec<(&'static str, String)> {
     let adapter = info.adapter.as_deref().unwrap_or("none");
     let mut lines = vec![("adapter", adapter.to_owned())];
-    if !info.adapter_lacks.is_empty() {
-        lines.push(("", format!("lacks {}", info.adapter_lacks.join(", "))));
+    for (verb, abilities) in [("has", &info.adapter_has), ("lacks", &info.adapter_lacks)] {
+        if !abilities.is_empty() {
+            lines.push(("", format!("{verb} {}", abilities.join(", "))));
+        }
     }
     if let Some(probes) = info.probes {
         let (count, px) = (probes.count, probes.face_px);
