@@ -37,6 +37,7 @@ use reflet_scene::{
     desc::{CAMERA, LIGHT, MATERIAL, ParamValue},
     motion::{DECAL, turned},
     number::{Field, Form, find},
+    range::LIMIT,
 };
 
 /// Numbers of one key of an item.
@@ -119,6 +120,7 @@ pub fn change(scene: &Layered<'_>, item: SceneItem, numbers: &Numbers) -> Result
     if let Some(why) = scene.held(item, numbers.key) {
         return Err(why);
     }
+    check(numbers)?;
     let subject = item.subject(scene.desc)?;
     let place = places(scene.desc, scene.variants, &subject, numbers.key)?;
     let mut key = numbers.key;
@@ -143,6 +145,18 @@ pub fn change(scene: &Layered<'_>, item: SceneItem, numbers: &Numbers) -> Result
     }
     let after = place.put(key, &value)?;
     Ok(changed(&place, after))
+}
+
+/// Refuses numbers that scene text cannot have, with which the scene would not be read any more.
+fn check(numbers: &Numbers) -> Result<(), String> {
+    let (key, values) = (numbers.key, &numbers.values);
+    if !values.iter().all(|value| value.abs() <= LIMIT) {
+        return Err(format!("`{key}` must be between -1e12 and 1e12"));
+    }
+    if key == "scale" && values.contains(&0.0) {
+        return Err("`scale` must not be 0, which would flatten it".to_owned());
+    }
+    Ok(())
 }
 
 fn changed(place: &Place, after: String) -> Change {

@@ -207,10 +207,23 @@ fn what_must_not_be_written_is_named_and_stays() {
     fs::set_permissions(&path, permissions).expect("they can be set");
     assert_eq!(fs::read_to_string(&path).expect("it is there"), SCENE);
 
-    // An editor saved a mistake, so that the file is not shown.
-    let broken = SCENE.replace("base_color = [0.4, 0.4, 0.4]", "base_color = [0.4, 0.4,");
+    // Numbers with which the scene would not be read any more.
     let gpu = Arc::new(gpu_or_skip().expect("a device"));
     let mut live = open(&gpu, &path, None);
+    for (key, number, says) in [
+        ("scale", 0.0, "must not be 0"),
+        ("translation", 1e30, "-1e12 and 1e12"),
+        ("rotation_deg", f64::INFINITY, "-1e12 and 1e12"),
+    ] {
+        let values = vec![number, 1.0, 1.0];
+        let refused = live.write(SceneItem::Instance(0), &Numbers { key, values });
+        let refused = refused.expect_err(key);
+        assert!(refused.contains(says), "{refused}");
+        assert_eq!(fs::read_to_string(&path).expect("it is there"), SCENE);
+    }
+
+    // An editor saved a mistake, so that the file is not shown.
+    let broken = SCENE.replace("base_color = [0.4, 0.4, 0.4]", "base_color = [0.4, 0.4,");
     fs::write(&path, &broken).expect("it can be written");
     let numbers = Numbers {
         key: "intensity_cd",

@@ -292,6 +292,12 @@ fn keys_are_moved_added_and_deleted_in_the_text() {
     expect("at_s = 0.5,", "at_s = 0.001,");
     let twice = edit(&mut live, 0, KeyChange::Add(0.75)).expect_err("a key is there");
     assert!(twice.contains("a key at this time"), "{twice}");
+    // Times that the text cannot have, or past the end of the loop.
+    for (track, at_s) in [(0, 1e300), (0, f64::NAN), (1, 2.5), (1, -1.0)] {
+        let refused =
+            edit(&mut live, track, KeyChange::Add(at_s)).expect_err("it would not be read");
+        assert!(refused.contains("cannot stand"), "{refused}");
+    }
     edit(&mut live, 1, KeyChange::Delete(2)).expect("deleted");
     expect(", { at_s = 1.999, value = 16.666666 }", "");
     edit(&mut live, 1, KeyChange::Delete(0)).expect("deleted");

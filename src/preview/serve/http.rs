@@ -131,6 +131,9 @@ impl Access {
         if request.method() != http::Method::GET {
             return Route::Refused(405, "only GET is answered");
         }
+        if file == "-" {
+            return Route::Refused(404, "the address of the page ends with `/`");
+        }
         if file == "socket" {
             let own = format!("http://{host}");
             return match only(headers, "origin").is_some_and(|origin| origin == own) {

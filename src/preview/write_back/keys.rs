@@ -14,6 +14,7 @@ use reflet_scene::{
     },
     motion::{DECAL, key_value},
     number::{Field, Form},
+    range::LIMIT,
     syntax::{Content, Node, SyntaxTree},
 };
 
@@ -257,6 +258,12 @@ fn added(
     let is_taken = |key: &reflet_scene::desc::KeyDesc| (f64::from(key.at_s) - at_s).abs() < APART_S;
     if track.keys.iter().any(is_taken) {
         return Err("there is a key at this time".to_owned());
+    }
+    let starts = track.keys.first().map_or(0.0, |key| super::exact(key.at_s));
+    let ends = track.loop_s.map(|s| starts.min(at_s) + super::exact(s));
+    let last = track.keys.last().map_or(0.0, |key| super::exact(key.at_s));
+    if !(at_s.abs() <= LIMIT && ends.is_none_or(|ends| at_s.max(last) < ends)) {
+        return Err(format!("a key of this track cannot stand at {at_s} s"));
     }
     // The first key tells how many numbers to write: a scale may be one or three.
     let first = items
