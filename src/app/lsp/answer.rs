@@ -10,10 +10,10 @@ use serde_json::{Value, json};
 
 use super::{
     entries::{entries_below, has_extension, path_below},
-    names::{border_of, files_of_value, kinds_of_value, names},
+    names::{Name, border_of, files_of_value, kinds_of_value, names, with_parts},
     outline::{Part, Word, words, words_before},
     position::{range, uri_of},
-    scopes::{Scoped, with_scopes},
+    scopes::{Scoped, is_named, with_scopes},
     tables::{Below, Manual, is_project, keys_of},
 };
 use crate::files::folder_of;
@@ -46,8 +46,10 @@ pub fn complete(file: &Arc<Source>, offset: usize) -> Vec<Value> {
     match &word.part {
         Part::Header => headers(file, &word),
         Part::Key => match Manual::of(&file.path).table(&word.table) {
-            Some(section) => keys(section),
-            None => Vec::new(),
+            Some(section) => keys(section, kind_at(file, section, (&word.table, offset))),
+            None => (params_at(file, &word).iter())
+                .map(|(name, _)| item(&name.name, PROPERTY, ""))
+                .collect(),
         },
         Part::Value(key) => {
             let quoted = before[word.range.start..].starts_with(['"', '\'']);
@@ -65,9 +67,11 @@ fn item(label: &str, kind: u32, text: &str) -> Value {
     })
 }
 
-fn keys(section: &'static SectionRecord) -> Vec<Value> {
+/// Keys of a table, without those of other kinds than `kind`, where that is known.
+fn keys(section: &'static SectionRecord, kind: Option<&str>) -> Vec<Value> {
     let mut seen = BTreeSet::new();
-    let own = keys_of(section).filter(|(_, key)| seen.insert(key.name));
+    let is_own = |of: &Option<&str>| kind.is_none() || of.is_none() || *of == kind;
+    let own = keys_of(section).filter(|(of, key)| is_own(of) && seen.insert(key.name));
     let mut all: Vec<_> = own
         .map(|(word, key)| item(key.name, PROPERTY, &key_text(section, word, key)))
         .collect();
@@ -100,6 +104,67 @@ fn headers(file: &Arc<Source>, word: &Word) -> Vec<Value> {
         }
         None => Vec::new(),
     }
+}
+
+/// Kind that the table of these keys around a byte offset has, if it is one of those that the manual lists.
+fn kind_at(
+    file: &Source,
+    section: &'static SectionRecord,
+    (table, offset): (&[String], usize),
+) -> Option<&'static str> {
+    let key = section.variants.first()?.key;
+    let is_kind = |word: &Word| word.part == Part::Value(key.to_owned()) && word.table == table;
+    let chosen = words(file).into_iter().filter(is_kind).find(|word| {
+        let between = word.range.end.min(offset)..word.range.start.max(offset);
+        file.text.get(between).is_some_and(is_in_one_table)
+    })?;
+    let known = section.variants.iter().find(|v| v.word == chosen.text)?;
+    Some(known.word)
+}
+
+/// Whether a part of a text begins and ends in the same table.
+fn is_in_one_table(part: &str) -> bool {
+    let (mut depth, mut in_quotes) = (0_i32, false);
+    for (before, c) in part
+        .chars()
+        .scan(' ', |last, c| Some((std::mem::replace(last, c), c)))
+    {
+        match c {
+            '"' => in_quotes = !in_quotes,
+            '[' if before == '\n' && depth == 0 => return false,
+            '{' | '[' if !in_quotes => depth += 1,
+            '}' | ']' if !in_quotes => depth -= 1,
+            _ => {}
+        }
+        if depth < 0 {
+            return false;
+        }
+    }
+    depth == 0
+}
+
+/// Parameters of the scene that an instance places, where a word stands in its `params`, each with the file that has it.
+fn params_at(file: &Arc<Source>, word: &Word) -> Vec<(Name, Arc<Source>)> {
+    if !(word.table.iter()).eq(["instance", "model", "params"]) {
+        return Vec::new();
+    }
+    // The scene of the same instance: between the same headers.
+    let header = |at: usize| file.text[..at].rfind("\n[[").map_or(0, |start| start + 1);
+    let own = header(word.range.start);
+    let is_scene = |known: &Word| {
+        known.part == Part::Value("scene".to_owned()) && header(known.range.start) == own
+    };
+    let Some(scene) = words(file).into_iter().find(is_scene) else {
+        return Vec::new();
+    };
+    let parts = with_parts(file);
+    let placed = parts.iter().find(|part| is_named(&part.path, &scene.text));
+    let texts = placed.map_or_else(Vec::new, with_parts);
+    let params = texts.iter().flat_map(|text| {
+        let all = names(text).into_iter().filter(|name| name.kind == "params");
+        all.map(|name| (name, Arc::clone(text)))
+    });
+    params.collect()
 }
 
 fn names_of_kind(file: &Arc<Source>, kind: &str) -> BTreeSet<String> {
@@ -220,6 +285,12 @@ pub fn definition(file: &Arc<Source>, offset: usize) -> Vec<Value> {
     let Some(word) = word_at(file, offset) else {
         return Vec::new();
     };
+    if word.part == Part::Key {
+        let mut params = params_at(file, &word).into_iter();
+        let own = params.find(|(name, _)| name.name == word.text);
+        let place = |(name, text): (Name, Arc<Source>)| json!({ "uri": uri_of(&text.path), "range": range(&text.text, &name.range) });
+        return own.map(place).into_iter().collect();
+    }
     let kinds: Vec<String> = match (&word.part, word.table.as_slice()) {
         (Part::Value(key), table) => {
             let ends = files_of_value(table, key);

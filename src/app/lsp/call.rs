@@ -84,6 +84,7 @@ impl<'a> Call<'a> {
             ("camera", 0) => &["camera"],
             ("decal", 0) => &["decal"],
             ("light", 0) => &["light"],
+            ("mesh", 0) => &["model"],
             ("material", 0) => &["material", "model"],
             _ => &[],
         }

@@ -49,6 +49,7 @@ fn calls_in_scripts_take_names_of_their_kind() {
     assert_eq!(proposed(&mut client, "ctx.place(\"|"), ["first"]);
     assert_eq!(proposed(&mut client, "ctx.light(\"|"), ["lamp"]);
     assert_eq!(proposed(&mut client, "ctx.material(\"|"), ["ball", "brass"]);
+    assert_eq!(proposed(&mut client, "ctx.mesh(\"|"), ["ball"]);
     // Where nothing is known of the text, all names are proposed.
     assert_eq!(
         proposed(&mut client, "let name = \"|"),
@@ -83,5 +84,33 @@ fn texts_are_formatted_and_keep_their_comments() {
     assert_eq!(format(&mut client), json!([]), "it stays as it is");
     client.tell("textDocument/didChange", change("version = = 1\n  x"));
     assert_eq!(format(&mut client), json!([]), "it is no TOML");
+    client.end();
+}
+
+#[test]
+fn keys_are_those_of_the_kind_and_of_placed_scenes() {
+    let mut client = Client::start("of-kind");
+    let gear = "version = 1\n[params]\nteeth = 24\nspokes = 5\n";
+    fs::write(client.folder.join("gear.toml"), gear).expect("written");
+    client.open("room.toml", "version = 1\n");
+    let mut proposed = |text: &str| client.proposed("room.toml", &format!("version = 1\n{text}"));
+    let box_keys = ["bevel", "bevel_segments", "kind", "size"];
+    let mut own = proposed("[model.a]\nshape = { kind = \"box\", | }\n");
+    own.sort();
+    assert_eq!(own, box_keys);
+    // The kind may stand behind, and other shapes around it have theirs.
+    let parts = "[model.a]\nshape = { kind = \"union\", parts = [{ shape = { kind = \"text\" } }, { shape = { |, kind = \"box\" } }] }\n";
+    let mut own = proposed(parts);
+    own.sort();
+    assert_eq!(own, box_keys);
+    let own = proposed("[light.a]\nkind = \"spot\"\n[light.b]\n|\nkind = \"rect\"\n");
+    let has = |key: &str| own.iter().any(|own| own == key);
+    assert!(has("size") && has("color") && !has("outer_deg"), "{own:?}");
+    let placed = "[[instance]]\nmodel = { scene = \"gear.toml\", params = { | } }\n";
+    assert_eq!(proposed(placed), ["teeth", "spokes"]);
+    let at = format!("version = 1\n{}", placed.replace('|', "te|eth = 3"));
+    client.proposed("room.toml", &at);
+    let found = client.at("definition", "room.toml", &at);
+    assert_eq!(found[0]["range"]["start"]["line"], 2, "{found}");
     client.end();
 }
