@@ -296,3 +296,25 @@ fn mistakes_of_placed_scripts_are_named() {
     let wrong = DRIVE.replace("model: \"bolt\"", "model: \"bold\"");
     folder("setup", SHOT, &wrong).assert_says(&[], &["\"bold\"", "drive.rhai:6"]);
 }
+
+/// A mistake in a scene that is placed several times is one mistake.
+#[test]
+fn a_mistake_of_a_placed_scene_is_told_once() {
+    let bulb = "version = 1\n[material.glow]\nroughnes = 0.5\n";
+    let placed = |name: &str| {
+        format!("[[instance]]\nname = \"{name}\"\nmodel = {{ scene = \"bulb.toml\" }}\n")
+    };
+    let scene = ["version = 1\n".to_owned(), placed("left"), placed("right")].concat();
+    let files = [
+        ("shot/scene.toml", scene.as_str()),
+        ("shot/bulb.toml", bulb),
+    ];
+    let errors = Folder::new("told-once", &files)
+        .read(&[], &[])
+        .expect_err("a mistake");
+    assert_eq!(
+        errors.matches("roughnes` is not a key").count(),
+        1,
+        "{errors}"
+    );
+}

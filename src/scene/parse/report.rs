@@ -277,7 +277,8 @@ impl Report {
         self.list.retain_mut(keep);
     }
 
-    /// Merges errors that a loop of a script repeats into one.
+    /// Merges errors that a loop of a script repeats into one, with their number, and those of a scene that is placed
+    /// several times, whose tables have another prefix each time.
     fn merge_repeated(&mut self) {
         let mut times: Vec<usize> = Vec::new();
         let mut kept: Vec<Diagnostic> = Vec::new();
@@ -285,8 +286,11 @@ impl Report {
             let is_own = |s: &Arc<Source>| self.sources.iter().any(|(_, t)| Arc::ptr_eq(s, t));
             let in_script = next.span.source.as_ref().is_some_and(|s| !is_own(s));
             let alike = |d: &Diagnostic| d.name == next.name && d.span == next.span;
+            let is_placed_again =
+                |d: &Diagnostic| alike(d) && d.help.is_some() && d.help == next.help;
             match kept.iter().position(alike).filter(|_| in_script) {
                 Some(first) => times[first] += 1,
+                None if !in_script && kept.iter().any(is_placed_again) => {}
                 None => {
                     kept.push(next);
                     times.push(0);
