@@ -98,6 +98,31 @@ fn a_rectangle_and_a_disk_light_a_floor_by_their_form_factors() {
     assert_eq!(irradiance_over_pi(&behind), Some(0.0));
 }
 
+/// The default of `light_rays` falls as samples rise, yet the rays of all samples together never do.
+#[test]
+fn more_samples_are_less_noisy_than_one() {
+    let Some(gpu) = gpu() else { return };
+    let lamp = "[light.lamp]\nkind = \"rect\"\nposition = [0.6, 0.4, 0]\ndirection = [-1, -1, 0]\n\
+                size = [1, 1]\nintensity_cd = 10\n";
+    let text = FLOOR.replace("light_rays = 4\n", "") + lamp;
+    let grain = |samples: u32| {
+        let samples = format!("image.samples={samples}");
+        let picture = render(gpu, &text, &[&samples], &[]);
+        let mean = mean(&picture)[0];
+        let red = picture.color.chunks(4).map(|pixel| pixel[0] - mean);
+        (red.map(|off| off * off).sum::<f32>() / 256.0).sqrt() / mean
+    };
+    let one = grain(1);
+    assert!(one > 0.02, "{one}: no grain to compare");
+    for (samples, most) in [(2, 1.0), (4, 0.6), (7, 1.0)] {
+        let found = grain(samples);
+        assert!(
+            found < most * one,
+            "{found} with {samples} samples, {one} with one"
+        );
+    }
+}
+
 #[test]
 fn a_sun_with_a_size_lights_as_much_as_without() {
     let sun = "kind = \"directional\"\ndirection = [1, -1, 0]\nintensity_lux = 3\n";

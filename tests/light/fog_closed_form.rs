@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::kit::{gpu, mean, render};
+use super::kit::{assert_color, gpu, mean, render};
 
 /// Extinction of the fog, 1 / m.
 const DENSITY: f64 = 0.15;
@@ -66,5 +66,42 @@ fn fog_scatters_as_much_of_an_emitter_as_its_integral() {
         let found = f64::from(mean(&render(gpu, &text, &[], &[]))[1]) / 4.0;
         let off = found / scattered(eye, target) - 1.0;
         assert!(off.abs() < within, "{off} towards {target}");
+    }
+}
+
+/// Nothing but even surroundings before a camera within, above or deep in the layer, which looks up or down: of their
+/// light passes what the depth to infinity leaves, and the rest is scattered by the albedo 0, 1/2 and 1.
+#[test]
+fn empty_surroundings_are_seen_from_within_fog() {
+    let Some(gpu) = gpu() else { return };
+    for (density, eye_m, up_deg) in [
+        (0.2, 0.2, 30.0),
+        (0.2, 0.2, 60.0),
+        (0.2, 3.0, 10.0),
+        (0.2, 0.2, -10.0),
+        (50.0, 0.2, 30.0),
+    ] {
+        let (rise, ahead) = f64::to_radians(up_deg).sin_cos();
+        let text = format!(
+            "version = 1\n[camera.main]\neye = [0, {eye_m}, 0]\ntarget = [0, {}, {}]\n\
+             orthographic_height_m = 0.001\n[image]\nsize = [8, 8]\ntone_map = \"none\"\nradiance = \"full\"\n\
+             [reflection]\nmethod = \"rt\"\n[environment]\ncolor = [1, 1, 1]\nfog = {{ density = {density}, \
+             height_m = 1, falloff_m = 1.5, color = [0, 0.5, 1], anisotropy = 0.4 }}\n",
+            eye_m + rise,
+            -ahead
+        );
+        let picture = render(gpu, &text, &[], &[]);
+        let thinness = (-f64::max(eye_m - 1.0, 0.0) / 1.5).exp();
+        let above_m = f64::max(1.0 - eye_m, 0.0) + 1.5 * thinness;
+        let depth = if rise > 0.0 {
+            density * above_m / rise
+        } else {
+            f64::INFINITY
+        };
+        let passed = (-depth).exp() as f32;
+        let expected = [passed, 0.5 + 0.5 * passed, 1.0];
+        for (x, y) in (0..8).flat_map(|y| (0..8).map(move |x| (x, y))) {
+            assert_color(&picture, x, y, expected, 2e-4);
+        }
     }
 }
