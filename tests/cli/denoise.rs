@@ -208,3 +208,44 @@ fn frames_of_a_film_are_denoised_with_their_neighbors() {
     let (film, alone) = (flicker("film"), flicker("alone"));
     assert!(film < 0.85 * alone, "{film} of {alone}");
 }
+
+/// A film of one frame has no neighbors to average: it is the denoised picture of that frame.
+#[test]
+fn a_film_of_one_frame_is_denoised_as_a_picture() {
+    let Some(library) = library() else {
+        eprintln!("SKIPPED: no Open Image Denoise");
+        return;
+    };
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("denoise-one");
+    let scene = fs::read_to_string(folder.join("scene.toml")).expect("a scene");
+    let soft = scene + "angle_deg = 40\nshadow = \"ray\"\n[timeline]\nend = 0\n";
+    fs::write(folder.join("scene.toml"), soft).expect("a scene");
+    let render = |further: &[&str]| {
+        let fixed = ["render", "scene.toml", "--size", "48x32", "--denoise"];
+        let arguments: Vec<&str> = fixed.iter().chain(further).copied().collect();
+        let output = reflet(&folder, &arguments)
+            .env("REFLET_OIDN", &library)
+            .output();
+        let output = output.expect("the program starts");
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{error}");
+    };
+    // Files differ by the fingerprint that frames of films hold, so values are compared.
+    let values = |name: &str| {
+        let read = read_picture(&folder.join(name)).expect("a picture");
+        read.picture.pixels().to_vec()
+    };
+    for kind in ["png", "exr"] {
+        let (still, film) = (format!("still.{kind}"), format!("film.#.{kind}"));
+        render(&["-o", &still]);
+        render(&["-o", &film, "--frames", "all"]);
+        let frame = film.replace('#', "0");
+        assert!(
+            values(&still) == values(&frame),
+            "{still} and {frame} differ"
+        );
+    }
+}

@@ -198,8 +198,9 @@ fn mean_of(
     let (denoised, pose) = own;
     let index = y * denoised.picture.size[0] as usize + x;
     let mut mean = denoised.color(index);
-    if denoised.picture.display[4 * index + 3] != u8::MAX {
-        return mean; // coverage may differ between frames
+    // Coverage may differ between frames; and a frame alone keeps its bits, which cube roots would round.
+    if neighbors.is_empty() || denoised.picture.display[4 * index + 3] != u8::MAX {
+        return mean;
     }
     mean = mean.map(f32::cbrt);
     let mut sum = 1.0;
