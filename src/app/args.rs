@@ -84,8 +84,8 @@ pub struct PictureArgs {
     /// guided by albedo and normal of what each pixel shows over all samples, in sharp mirrors by the reflected albedo
     #[arg(long)]
     pub denoise: bool,
-    /// Frames before and after each frame of a film over which `--denoise` averages what shows the same surface, so that
-    /// it does not flicker, 0 to 8; never across a cut
+    /// Frames before and after each frame of a film over which `--denoise` averages what shows the same surface, 0 to 8,
+    /// never across a cut: more leave less flicker, and take more time and memory
     #[arg(long, value_name = "N", default_value_t = DENOISE_WINDOW, value_parser = clap::value_parser!(u32).range(0..=8))]
     pub denoise_window: u32,
     /// Read the shaders from a folder instead of the built-in ones
