@@ -166,6 +166,8 @@ impl Client {
             }
             Ok(_) => {}
             Err(Error::Io(error)) if is_late(&error) => return Ok(false),
+            // A process that was stopped for a moment reads on.
+            Err(Error::Io(error)) if error.kind() == std::io::ErrorKind::Interrupted => {}
             Err(error) => return Err(ended(error)),
         }
         Ok(true)
