@@ -58,6 +58,8 @@ fi
 mkdir -p "$MESA_SHADER_CACHE_DIR"
 # Unoptimized, the package builds in a third of the time; its tests mostly wait for the driver.
 export CARGO_PROFILE_DEV_OPT_LEVEL=0
+# Incremental compilation costs a first build time, and serves only machines that build again.
+[ -d target/debug/incremental ] || export CARGO_INCREMENTAL=0
 
 heading "Format"
 cargo fmt --all -- --check
