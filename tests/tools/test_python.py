@@ -367,6 +367,15 @@ def test_warnings_are_those_of_python(reflet: ModuleType, scene: Path, tmp_path:
 
 
 def test_ctrl_c_and_errors_of_progress_end_a_picture(reflet: ModuleType, scene: Path) -> None:
+    # Python leaves the signal ignored where the tests run in the background of a shell.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        check_endings(reflet, scene)
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def check_endings(reflet: ModuleType, scene: Path) -> None:
     told: list[int] = []
 
     def press(done: int, _total: int | None) -> None:
