@@ -266,18 +266,28 @@ fn keys_words_names_and_files_are_proposed() {
             "first",
         ),
         ("[motion.camera.main]\neye = { orbit = { per|\n", "period_s"),
+        ("[decal.mark]\nchanges = [\"|\"]\n", "normal"),
+        (
+            "[light.a]\nlight_group = \"key\"\n[light.b]\nlight_group = \"|\"\n",
+            "key",
+        ),
+        ("[variant.bare]\nremove = [\"|\"]\n", "instance.first"),
     ] {
         let all = client.proposed("scene.toml", &format!("{SCENE}{text}"));
         assert!(all.iter().any(|label| label == wanted), "{text}: {all:?}");
     }
     let all = client.proposed("scene.toml", "version = 1\ninclude = \"|\"\n");
     assert!(all.contains(&"parts.toml".to_owned()), "{all:?}");
+    let layer = "version = 1\nbase = \"parts.toml\"\nremove = [|]\n[material.own]\n";
+    assert_eq!(client.proposed("scene.toml", layer), ["\"material.brass\""]);
     client.proposed("scene.toml", &format!("{SCENE}|"));
     for (text, wanted) in [
         ("fn frame(ctx) { ctx.pl|", "place"),
         ("fn frame(ctx) { ctx.place(\"|", "first"),
         ("fn frame(ctx) { ctx.params.|", "lift"),
         ("fn frame(ctx) { ve|", "vec3"),
+        ("fn frame(ctx) { ctx.camera(\"main\", #{ |", "fov_deg"),
+        ("fn setup(ctx) { #{ instances: [#{ model: \"|", "ball"),
     ] {
         let all = client.proposed("move.rhai", text);
         assert!(all.iter().any(|label| label == wanted), "{text}: {all:?}");

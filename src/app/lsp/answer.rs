@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 
 use super::{
     entries::{entries_below, has_extension, path_below},
+    known_words::known_words,
     names::{Name, border_of, files_of_value, kinds_of_value, names, with_parts},
     outline::{Part, Word, words, words_before},
     position::{range, uri_of},
@@ -30,7 +31,7 @@ const DEPTH: usize = 3;
 /// Kinds of completion items in the protocol.
 const MODULE: u32 = 9;
 pub const PROPERTY: u32 = 10;
-const VALUE: u32 = 12;
+pub const VALUE: u32 = 12;
 const FILE: u32 = 17;
 const FOLDER: u32 = 19;
 pub const REFERENCE: u32 = 18;
@@ -59,7 +60,8 @@ pub fn complete(file: &Arc<Source>, offset: usize) -> Vec<Value> {
     }
 }
 
-fn item(label: &str, kind: u32, text: &str) -> Value {
+/// A completion with the text of the manual.
+pub fn item(label: &str, kind: u32, text: &str) -> Value {
     json!({
         "label": label,
         "kind": kind,
@@ -68,7 +70,7 @@ fn item(label: &str, kind: u32, text: &str) -> Value {
 }
 
 /// Keys of a table, without those of other kinds than `kind`, where that is known.
-fn keys(section: &'static SectionRecord, kind: Option<&str>) -> Vec<Value> {
+pub fn keys(section: &'static SectionRecord, kind: Option<&str>) -> Vec<Value> {
     let mut seen = BTreeSet::new();
     let is_own = |of: &Option<&str>| kind.is_none() || of.is_none() || *of == kind;
     let own = keys_of(section).filter(|(of, key)| is_own(of) && seen.insert(key.name));
@@ -211,6 +213,8 @@ fn values(file: &Arc<Source>, word: &Word, name: &str, quoted: bool) -> Vec<Valu
         }
         return all;
     }
+    let known = known_words(file, &word.table, name);
+    all.extend(known.iter().map(|word| item(&text(word), VALUE, "")));
     for kind in kinds_of_value(name) {
         let names = names_of_kind(file, kind);
         all.extend(names.iter().map(|name| item(&text(name), REFERENCE, "")));

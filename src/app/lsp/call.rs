@@ -124,7 +124,7 @@ pub fn signature_help(text: &str, offset: usize) -> Option<Value> {
 
 /// Characters of a script outside of its texts in double quotes and its comments, with their byte offsets. A quote is a
 /// character of code, so that a call around an unfinished text at the end is found.
-fn code(text: &str) -> Vec<(usize, char)> {
+pub fn code(text: &str) -> Vec<(usize, char)> {
     let mut code = Vec::new();
     let (mut in_text, mut in_comment, mut before) = (false, false, ' ');
     for (at, c) in text.char_indices() {

@@ -9,6 +9,7 @@ use super::{
     call::Call,
     names::{Name, names},
     scopes::{Scoped, with_scopes},
+    script_map::{self, Inside},
     script_text::{in_quotes, is_word},
 };
 use crate::scene::{diagnostic::Source, parse, script::api};
@@ -52,8 +53,18 @@ pub fn complete(text: &str, offset: usize, scenes: &[Scoped]) -> Vec<Value> {
             ..n
         })
     });
-    if in_quotes(before) {
-        let kinds = Call::around_end_of(before).map_or(&[][..], |call| call.kinds_of_names());
+    let quoted = in_quotes(before);
+    let inside = script_map::complete(text, before.len(), quoted);
+    match inside {
+        Some(Inside::Items(items)) => return items,
+        Some(Inside::Names([])) => return Vec::new(),
+        _ => {}
+    }
+    if quoted {
+        let kinds = match inside {
+            Some(Inside::Names(kinds)) => kinds,
+            _ => Call::around_end_of(before).map_or(&[][..], |call| call.kinds_of_names()),
+        };
         let named: BTreeSet<_> = all
             .filter(|n| n.kind != "params")
             .filter(|n| kinds.is_empty() || kinds.contains(&n.kind.as_str()))

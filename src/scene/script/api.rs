@@ -13,7 +13,7 @@ use std::fmt::Write as _;
 use rhai::Engine;
 
 pub use self::definitions::definitions;
-use super::limits::limits;
+use super::{context::rig, limits::limits};
 use crate::{
     desc::{CAMERA, LIGHT, MATERIAL},
     motion::DECAL,
@@ -131,6 +131,21 @@ pub fn signatures(name: &str) -> Vec<String> {
         .filter(|form| name_of(form) == name)
         .map(|form| format!("`{form}`"))
         .collect()
+}
+
+/// Keys of the map that a function of `ctx` takes; none if it takes no map.
+pub fn map_keys(function: &str) -> Vec<&'static str> {
+    fn all<T>(fields: &'static [Field<T>]) -> Vec<&'static str> {
+        fields.iter().map(|field| field.key).collect()
+    }
+    match function {
+        "camera" => all(&CAMERA),
+        "light" => all(&LIGHT),
+        "decal" => all(&DECAL),
+        "material" | "instance_material" => all(&MATERIAL),
+        "joint" => rig::KEYS.to_vec(),
+        _ => Vec::new(),
+    }
 }
 
 /// Properties and functions whose signatures begin with an owner such as `ctx.`, without the owner.

@@ -2,7 +2,7 @@
 
 mod decal;
 mod mesh;
-mod rig;
+pub mod rig;
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 

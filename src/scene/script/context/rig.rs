@@ -12,7 +12,7 @@ use crate::{
 };
 
 /// Keys of the map argument of `ctx.joint`.
-const KEYS: [&str; 4] = ["translation", "rotation", "scale", "turn"];
+pub const KEYS: [&str; 4] = ["translation", "rotation", "scale", "turn"];
 
 impl Context {
     /// Poses a node of an instance's file, relative to its parent.

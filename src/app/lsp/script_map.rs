@@ -1,0 +1,383 @@
+//! Completion inside of the maps `#{ … }` of scripts: keys that functions of `ctx` take, and those of what `setup` returns.
+
+use std::{ops::Range, path::Path};
+
+use serde_json::{Value, json};
+
+use super::{
+    answer::{PROPERTY, VALUE, item, keys},
+    call::code,
+    names::kinds_of_value,
+    script_text::is_word,
+    tables::Manual,
+};
+use crate::scene::{
+    diagnostic::TABLES,
+    manual::{key_text, variant_text},
+    script::api,
+};
+
+/// Longest script that is searched, bytes, and most uses of a variable or function that are followed, each this deep.
+const MOST_BYTES: usize = 1 << 17;
+const MOST_USES: usize = 20;
+const DEPTH: usize = 6;
+
+/// Bracket that is open at a place.
+#[derive(Debug)]
+struct Open {
+    at: usize,
+    kind: Kind,
+    /// Byte range of the key whose value is being written, in a map.
+    key: Option<Range<usize>>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Map,
+    List,
+    Parenthesis,
+    Block,
+}
+
+/// Where the value at a place goes.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+struct Goal {
+    /// Function of `ctx` that takes it; `None` for the result of `setup`.
+    function: Option<String>,
+    /// Keys of the maps around it, from the outermost.
+    path: Vec<String>,
+}
+
+struct Script<'a> {
+    text: &'a str,
+    code: Vec<(usize, char)>,
+}
+
+/// Completions inside of a map.
+#[derive(Debug)]
+pub enum Inside {
+    /// All of them.
+    Items(Vec<Value>),
+    /// Names of these kinds, as the key of the value takes them.
+    Names(&'static [&'static str]),
+}
+
+/// Completions at a byte offset in a map whose goal is known: keys, or in quotes the words and names of the key's value.
+pub fn complete(text: &str, offset: usize, quoted: bool) -> Option<Inside> {
+    if text.len() > MOST_BYTES {
+        return None;
+    }
+    let code = code(text);
+    let script = Script { text, code };
+    let start = match quoted {
+        true => text[..offset].rfind('"')?,
+        false => text[..offset].trim_end_matches(is_word).len(),
+    };
+    let open = script.open_at(start);
+    if !quoted {
+        let map = open.last().filter(|open| open.kind == Kind::Map)?;
+        let at_key = map.key.is_none();
+        let goal = script.goal(map.at, DEPTH).filter(|_| at_key)?;
+        return Some(Inside::Items(script.keys(&goal, map.at)));
+    }
+    let map = open.iter().rfind(|open| open.kind != Kind::List)?;
+    let key = text[map.key.clone()?].to_owned();
+    let goal = script.goal(map.at, DEPTH)?;
+    let words = words(&goal, &key);
+    Some(match words.is_empty() {
+        true => Inside::Names(kinds_of_value(&key)),
+        false => Inside::Items(words),
+    })
+}
+
+impl Script<'_> {
+    /// Brackets that are open at a byte offset, outermost first.
+    fn open_at(&self, offset: usize) -> Vec<Open> {
+        let mut open: Vec<Open> = Vec::new();
+        let mut last = ' ';
+        for &(at, c) in self.code.iter().take_while(|(at, _)| *at < offset) {
+            let kind = match c {
+                '{' if last == '#' => Some(Kind::Map),
+                '{' => Some(Kind::Block),
+                '[' => Some(Kind::List),
+                '(' => Some(Kind::Parenthesis),
+                _ => None,
+            };
+            if let Some(kind) = kind {
+                let key = None;
+                open.push(Open { at, kind, key });
+            }
+            match c {
+                '}' | ']' | ')' => drop(open.pop()),
+                ':' => {
+                    if let Some(map) = open.last_mut().filter(|open| open.kind == Kind::Map) {
+                        let before = self.text[..at].trim_end();
+                        let end = before.trim_end_matches('"').len();
+                        let start = before[..end].trim_end_matches(is_word).len();
+                        map.key = Some(start..end);
+                    }
+                }
+                ',' => {
+                    if let Some(map) = open.last_mut() {
+                        map.key = None;
+                    }
+                }
+                _ => {}
+            }
+            last = c;
+        }
+        open
+    }
+
+    /// Where the value goes that begins at a byte offset, such as that of a map's brace.
+    fn goal(&self, offset: usize, depth: usize) -> Option<Goal> {
+        let depth = depth.checked_sub(1)?;
+        let open = self.open_at(offset);
+        match open.last() {
+            Some(list) if list.kind == Kind::List => self.goal(list.at, depth),
+            Some(map) if map.kind == Kind::Map => {
+                let key = map.key.clone()?;
+                let mut goal = self.goal(map.at, depth)?;
+                goal.path.push(self.text[key].to_owned());
+                Some(goal)
+            }
+            Some(call) if call.kind == Kind::Parenthesis => {
+                let callee = self.text[..call.at].trim_end();
+                let owner = callee.trim_end_matches(is_word);
+                let name = &callee[owner.len()..];
+                let owner = owner.trim_end().strip_suffix('.')?.trim_end();
+                let variable = &owner[owner.trim_end_matches(is_word).len()..];
+                match (variable, name) {
+                    ("ctx", _) => Some(Goal {
+                        function: Some(name.to_owned()),
+                        path: Vec::new(),
+                    }),
+                    (_, "push") => self.goal_of(variable, depth),
+                    _ => None,
+                }
+            }
+            _ => self.goal_of_statement(offset, depth),
+        }
+    }
+
+    /// Where the value of the statement goes that a value at a byte offset ends: into a variable, or out of the function.
+    fn goal_of_statement(&self, offset: usize, depth: usize) -> Option<Goal> {
+        let before = self.text[..offset].trim_end_matches('#').trim_end();
+        if let Some(left) = before.strip_suffix('=').filter(|l| !l.ends_with('=')) {
+            let left = left.trim_end();
+            return self.goal_of(&left[left.trim_end_matches(is_word).len()..], depth);
+        }
+        if !before.ends_with(['{', '}', ';']) && !before.ends_with("return") {
+            return None;
+        }
+        let (_, function) = before.rsplit_once("fn ")?;
+        match function.split('(').next().unwrap_or_default().trim() {
+            "setup" => Some(Goal::default()),
+            name => self.goal_of(name, depth),
+        }
+    }
+
+    /// Where the value of a variable or function goes, by the first of its uses that tells it.
+    fn goal_of(&self, name: &str, depth: usize) -> Option<Goal> {
+        let is_own = |at: &usize| {
+            let (before, after) = (&self.text[..*at], &self.text[at + name.len()..]);
+            let ends = !before.ends_with(is_word) && !after.starts_with(is_word);
+            // Neither where it is defined nor where it is changed.
+            let follows = after.trim_start();
+            let is_changed = follows.starts_with(['.', '[']) || follows.starts_with('=');
+            let is_defined = before.ends_with("fn ") || before.ends_with("let ");
+            ends && !is_changed && !is_defined
+        };
+        let places = self.text.match_indices(name).map(|(at, _)| at);
+        let mut uses = places.filter(is_own).take(MOST_USES);
+        (!name.is_empty()).then_some(())?;
+        uses.find_map(|at| self.goal(at, depth))
+    }
+
+    /// Keys of a map, without those that it has.
+    fn keys(&self, goal: &Goal, map: usize) -> Vec<Value> {
+        let own = self.entries(map);
+        let has = |item: &Value| own.iter().any(|(key, _)| item["label"] == *key);
+        let mut all = match &goal.function {
+            Some(name) if goal.path.is_empty() => function_keys(name),
+            Some(_) => Vec::new(),
+            None if goal.path.is_empty() => {
+                let names = TABLES.iter().map(|table| table.0).chain(["environment"]);
+                names
+                    .map(|name| json!({ "label": name, "kind": PROPERTY }))
+                    .collect()
+            }
+            None => {
+                let section = Manual::of(Path::new("")).table(&table(&goal.path));
+                section.map_or_else(Vec::new, |section| {
+                    let chosen = section.variants.first().map(|variant| variant.key);
+                    let kind = own.iter().find(|(key, _)| Some(*key) == chosen);
+                    let known = kind
+                        .and_then(|(_, word)| section.variants.iter().find(|v| v.word == *word));
+                    keys(section, known.map(|variant| variant.word))
+                })
+            }
+        };
+        all.retain(|item| !has(item));
+        all
+    }
+
+    /// Keys of the map whose brace is at a byte offset, each with the text that its value begins with, without quotes.
+    fn entries(&self, map: usize) -> Vec<(&str, &str)> {
+        let mut entries = Vec::new();
+        let mut depth = 0;
+        for &(at, c) in self.code.iter().skip_while(|(at, _)| *at < map) {
+            match c {
+                '{' | '[' | '(' => depth += 1,
+                '}' | ']' | ')' => depth -= 1,
+                ':' if depth == 1 => {
+                    let before = self.text[..at].trim_end().trim_end_matches('"');
+                    let key = &before[before.trim_end_matches(is_word).len()..];
+                    let after = self.text[at + 1..].trim_start().trim_start_matches('"');
+                    let end = after.find(|c| !is_word(c)).unwrap_or(after.len());
+                    entries.push((key, &after[..end]));
+                }
+                _ => {}
+            }
+            if depth == 0 {
+                break;
+            }
+        }
+        entries
+    }
+}
+
+/// Keys of the map that a function of `ctx` takes, with the manual's text of the table that they are of.
+fn function_keys(name: &str) -> Vec<Value> {
+    let table = match name {
+        "instance_material" => "material",
+        name => name,
+    };
+    let manual = Manual::of(Path::new(""));
+    let path = [table.to_owned(), String::new()];
+    let text = |key: &str| {
+        let known = manual.key(&path, key);
+        known.map_or_else(String::new, |(section, kind, key)| {
+            key_text(section, kind, key)
+        })
+    };
+    let keys = api::map_keys(name).into_iter();
+    keys.map(|key| item(key, PROPERTY, &text(key))).collect()
+}
+
+/// Words that the value of a key may be.
+fn words(goal: &Goal, key: &str) -> Vec<Value> {
+    if goal.function.is_some() || goal.path.is_empty() {
+        return Vec::new();
+    }
+    let (manual, path) = (Manual::of(Path::new("")), table(&goal.path));
+    let mut all = Vec::new();
+    if let Some((section, kind, record)) = manual.key(&path, key) {
+        let text = key_text(section, kind, record);
+        let words = record.words.iter().flat_map(|(_, words)| *words);
+        all.extend(words.map(|word| item(word, VALUE, &text)));
+    }
+    if let Some(section) = manual.table(&path) {
+        let chosen = section.variants.iter().filter(|v| v.key == key);
+        all.extend(chosen.map(|v| item(v.word, VALUE, variant_text(section, v.word))));
+    }
+    all
+}
+
+/// Path in scene text of a path in the result of `setup`.
+fn table(path: &[String]) -> Vec<String> {
+    let mut path = path.to_vec();
+    if let Some(known) = TABLES.iter().find(|(returned, ..)| path[0] == *returned) {
+        known.1.clone_into(&mut path[0]);
+    }
+    path
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Labels at `|`.
+    fn labels(text: &str) -> Vec<String> {
+        let (before, after) = text.split_once('|').expect("a mark");
+        let quoted = super::super::script_text::in_quotes(before);
+        match complete(&format!("{before}{after}"), before.len(), quoted) {
+            Some(Inside::Items(all)) => {
+                let label = |item: &Value| item["label"].as_str().unwrap_or_default().to_owned();
+                all.iter().map(label).collect()
+            }
+            Some(Inside::Names(kinds)) => kinds.iter().map(|kind| format!("<{kind}>")).collect(),
+            None => Vec::new(),
+        }
+    }
+
+    fn has(text: &str, wanted: &[&str], others: &[&str]) {
+        let found = labels(text);
+        let known = |word: &&str| found.iter().any(|label| label == word);
+        assert!(wanted.iter().all(known), "{text}: {found:?}");
+        assert!(!others.iter().any(known), "{text}: {found:?}");
+    }
+
+    #[test]
+    fn maps_of_functions_have_the_keys_that_they_take() {
+        has("ctx.camera(\"main\", #{ |", &["eye", "fov_deg"], &["color"]);
+        has(
+            "ctx.camera(\"main\", #{ eye: [0, 1, 2], fo|",
+            &["fov_deg"],
+            &["eye"],
+        );
+        has("ctx.light(\"a\", #{ color: [1, |", &[], &["intensity_cd"]);
+        has("ctx.decal(\"a\", #{|", &["opacity"], &["only"]);
+        has("ctx.material(\"a\", \"b\", #{ ro| })", &["roughness"], &[]);
+        has("ctx.instance_material(\"a\", #{ |", &["clearcoat"], &[]);
+        has("ctx.joint(\"a\", \"b\", #{ |", &["turn", "scale"], &["eye"]);
+        has("ctx.place(\"a\", #{ |", &[], &["eye"]);
+    }
+
+    #[test]
+    fn maps_of_what_setup_returns_have_the_keys_of_scene_text() {
+        let setup = |text: &str| format!("fn setup(ctx) {{\n{text}");
+        has(
+            &setup("#{ |"),
+            &["models", "instances", "environment"],
+            &["eye"],
+        );
+        has(
+            &setup("#{ cameras: #{ main: #{ |"),
+            &["eye", "fov_deg"],
+            &["models"],
+        );
+        has(&setup("#{ environment: #{ |"), &["zenith"], &[]);
+        has(
+            &setup("#{ models: #{ a: #{ shape: #{ kind: \"sphere\", |"),
+            &["radius"],
+            &["tube_radius", "kind"],
+        );
+        has(
+            &setup("#{ models: #{ a: #{ shape: #{ kind: \"ca|"),
+            &["capsule"],
+            &["radius"],
+        );
+        has(
+            &setup("#{ instances: [#{ model: \"|"),
+            &["<model>"],
+            &["<camera>"],
+        );
+    }
+
+    #[test]
+    fn values_of_variables_and_functions_are_followed_to_where_they_go() {
+        let text = "fn spoke(i) {\n #{ | }\n}\nfn setup(ctx) {\n let list = [];\n list.push(spoke(1));\n #{ instances: list }\n}";
+        has(text, &["model", "translation"], &["models"]);
+        let text = "fn setup(ctx) {\n let chain = #{ kind: \"sweep\", | };\n #{ models: #{ c: #{ shape: chain } } }\n}";
+        has(text, &["outline", "twist_deg"], &["radius"]);
+        // Without an end, or in a circle.
+        has("fn f(a) { let x = #{ | }; x }", &[], &["model"]);
+        has("fn f(a) { f(#{ | }) }", &[], &["model"]);
+        has(
+            "fn f(a) { let a = b; let b = #{ | }; a = b; }",
+            &[],
+            &["model"],
+        );
+    }
+}
