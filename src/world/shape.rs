@@ -2,6 +2,7 @@
 
 mod boolean;
 mod contour;
+mod crossing;
 mod curve;
 mod displaced;
 mod extrude;

@@ -11,10 +11,11 @@ use boolmesh::{
     prelude::{Manifold, OpType},
 };
 use glam::{Affine3A, DVec2, DVec3, Mat3A, Vec3};
-use reflet_scene::desc::{PartDesc, PlacementDesc};
+use reflet_scene::desc::{LatheSource, PartDesc, PlacementDesc, ShapeDesc};
 
 use super::{
-    Fault, Fonts,
+    Fault, Fonts, Made,
+    crossing::crossing,
     solid::{Corner, Solid, check_size},
 };
 use crate::Mesh;
@@ -54,7 +55,7 @@ impl Mul<f64> for Skin {
 /// Adds the combination of `parts`; returns warnings about them.
 ///
 /// # Errors
-/// `wrong-parts` for a part that is open or touches itself, and where nothing is left; `shape-too-large`; errors of parts.
+/// `wrong-parts` for a part that is open, touches itself or passes through itself, and where nothing is left; `shape-too-large`; errors of parts.
 pub fn add(
     solid: &mut Solid,
     operation: OpType,
@@ -66,16 +67,19 @@ pub fn add(
     for (index, part) in parts.iter().enumerate() {
         let here = |fault: Fault| fault.at(part.at.0.clone());
         let made = super::make(&part.shape, fonts).map_err(here)?;
-        warnings.extend(made.warnings.into_iter().map(here));
         // Its inside is the outside of what it cuts.
         let is_cutter = operation == OpType::Subtract && index > 0;
-        let own = manifold(&made.mesh, &part.placement, is_cutter);
+        let own = match whole_surface(&part.shape, &made) {
+            Ok(()) => manifold(&made.mesh, &part.placement, is_cutter),
+            Err(what) => Err(what),
+        };
         let own = own.map_err(|what| {
             let message = format!("part {} cannot be combined: {what}", index + 1);
             let help = "only closed shapes can, such as `box`, `sphere`, `extrude` and `text`, none of which passes through \
                         itself; `plane`, `disk`, `heightfield` and an open `lathe` have no inside";
             here(Fault::new("wrong-parts", message).help(help))
         })?;
+        warnings.extend(made.warnings.into_iter().map(here));
         whole = Some(match whole {
             None => own,
             Some(before) => combined(&before, &own, &operation).map_err(here)?,
@@ -93,6 +97,30 @@ pub fn add(
         solid.triangle([corner(0), corner(1), corner(2)]);
     }
     Ok(warnings)
+}
+
+/// Refuses a surface that passes through itself: where it is wound around twice, the sides of what is left are not known.
+fn whole_surface(shape: &ShapeDesc, made: &Made) -> Result<(), String> {
+    if let Some(folded) = made.warnings.iter().find(|w| w.name == "sweep-crosses") {
+        return Err(folded.message.clone());
+    }
+    // The others are made of outlines without crossings, or cannot be bent.
+    let can_cross = match shape {
+        ShapeDesc::Sweep { .. } | ShapeDesc::Mesh { .. } | ShapeDesc::Displaced { .. } => true,
+        ShapeDesc::Lathe { source, .. } => matches!(source, LatheSource::Points(_)),
+        _ => false,
+    };
+    let mesh = &made.mesh;
+    let corners = |triangle: &[u32; 3]| triangle.map(|i| mesh.positions[i as usize].as_dvec3());
+    match can_cross.then(|| crossing(mesh.triangles.iter().map(corners))) {
+        Some(Some(at)) => {
+            let [x, y, z] = at.to_array().map(|x| (x * 1e4).round() / 1e4);
+            Err(format!(
+                "its surface passes through itself near [{x}, {y}, {z}]"
+            ))
+        }
+        _ => Ok(()),
+    }
 }
 
 fn combined(

@@ -1,10 +1,10 @@
 //! Combined shapes are closed, and their volumes add up.
 
 use glam::Quat;
-use reflet_scene::desc::{FigureDesc, PartDesc, PlacementDesc, Written};
+use reflet_scene::desc::{FigureDesc, PartDesc, PlacementDesc, SweepCurve, Written};
 
 use super::{
-    outlined::{extrude, outline, rect},
+    outlined::{extrude, outline, rect, sweep},
     *,
 };
 
@@ -147,4 +147,38 @@ fn open_parts_and_parts_without_overlap_are_refused() {
     let parts = vec![cube(), far()];
     let apart = volume(&ShapeDesc::Union { parts });
     assert!((apart - 2.0).abs() < 1e-6, "{apart}");
+}
+
+/// A pipe through its own side, and one that is bent more tightly than it is wide.
+#[test]
+fn parts_that_pass_through_themselves_are_refused_with_the_place() {
+    let with = |first: ShapeDesc| {
+        let parts = vec![at(first, Vec3::ZERO), at(cuboid(Vec3::ONE), Vec3::ZERO)];
+        make(&ShapeDesc::Union { parts }, &Fonts::default())
+    };
+    let pipe = |points: &[[f32; 3]], radius: f32| {
+        let circle = outline(FigureDesc::Circle(radius));
+        sweep(circle, points, SweepCurve::Centripetal)
+    };
+    let curve = |z: f32| {
+        [
+            [-2.0, 0.0, 0.0],
+            [2.0, 0.0, 0.0],
+            [2.0, 2.0, 0.5 * z],
+            [0.0, 2.0, z],
+            [0.0, -2.0, z],
+        ]
+    };
+    let fault = with(pipe(&curve(0.05), 0.1)).expect_err("it passes through itself");
+    assert_eq!(fault.name, "wrong-parts");
+    assert!(
+        fault.message.contains("part 1") && fault.message.contains("itself near ["),
+        "{}",
+        fault.message
+    );
+    let apart = with(pipe(&curve(0.5), 0.1)).expect("it passes by");
+    assert!(apart.warnings.is_empty());
+    let tight = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 0.1, 0.0], [0.0, 0.1, 0.0]];
+    let fault = with(pipe(&tight, 0.3)).expect_err("it is folded");
+    assert!(fault.message.contains("bend"), "{}", fault.message);
 }
