@@ -40,7 +40,7 @@ mod read_models;
 mod repeat;
 mod scatter;
 mod scripted;
-mod tangent;
+pub(crate) mod tangent;
 mod vertex_streams;
 
 pub use asset_cache::AssetCache;

@@ -244,4 +244,5 @@ mod areas;
 mod boolean;
 mod displaced;
 mod outlined;
+mod tangents;
 mod text;
