@@ -1,5 +1,7 @@
 //! Paths in the syntax of SVG (<https://www.w3.org/TR/SVG2/paths.html>).
 
+use std::ops::Range;
+
 use svgtypes::{Error, SimplifyingPathParser};
 
 pub use svgtypes::SimplePathSegment as PathSegment;
@@ -46,7 +48,8 @@ pub fn read(text: &str) -> Result<Vec<PathSegment>, PathFault> {
         })?;
         if !numbers(&segment).iter().all(|x| x.abs() <= LIMIT) {
             let message = "a number of `path` is larger than 1e12".to_owned();
-            return Err(fault(0, message, "use smaller numbers and `scale`"));
+            let byte = too_large(text);
+            return Err(fault(byte, message, "use smaller numbers and `scale`"));
         }
         if segments.len() == MOST_SEGMENTS {
             let message = format!("`path` must have at most {MOST_SEGMENTS} segments");
@@ -66,6 +69,54 @@ pub fn read(text: &str) -> Result<Vec<PathSegment>, PathFault> {
         ));
     }
     Ok(segments)
+}
+
+/// Byte of the number of a path that is beyond 1e12, by itself or added to those before it.
+fn too_large(text: &str) -> usize {
+    let literals: Vec<_> = literals(text).collect();
+    let own = |at: &Range<usize>| text[at.clone()].parse::<f64>().ok();
+    let is_large = |at: &&Range<usize>| own(at).is_some_and(|x| x.abs() > LIMIT);
+    if let Some(large) = literals.iter().find(is_large) {
+        return large.start;
+    }
+    // A sum of relative numbers: the first of them behind which a segment ends too far away.
+    let first = literals.partition_point(|at| {
+        let before = SimplifyingPathParser::from(&text[..at.end]);
+        let mut known = before.map_while(Result::ok);
+        known.all(|segment| numbers(&segment).iter().all(|x| x.abs() <= LIMIT))
+    });
+    literals.get(first).map_or(0, |at| at.start)
+}
+
+/// Byte ranges of the numbers of a path.
+fn literals(text: &str) -> impl Iterator<Item = Range<usize>> {
+    let bytes = text.as_bytes();
+    let (mut next, mut last) = (0, 0);
+    std::iter::from_fn(move || {
+        let is_digit = |at: usize| bytes.get(at).is_some_and(u8::is_ascii_digit);
+        while next < bytes.len() && !is_digit(next) {
+            next += 1;
+        }
+        let mut start = next;
+        while start > last && b"+-.".contains(&bytes[start - 1]) {
+            start -= 1;
+        }
+        let mut has_point = bytes[start..next].contains(&b'.');
+        while is_digit(next) || bytes.get(next) == Some(&b'.') && !has_point {
+            has_point |= bytes[next] == b'.';
+            next += 1;
+        }
+        let is_exponent = matches!(bytes.get(next), Some(b'e' | b'E'));
+        let sign = usize::from(matches!(bytes.get(next + 1), Some(b'+' | b'-')));
+        if is_exponent && is_digit(next + 1 + sign) {
+            next += 1 + sign;
+            while is_digit(next) {
+                next += 1;
+            }
+        }
+        last = next;
+        (start < next).then_some(start..next)
+    })
 }
 
 /// Byte at which an error was found; svgtypes counts characters from 1.
@@ -109,6 +160,8 @@ mod tests {
             ("M 0 0 L 1 0 K 3 3", 12),
             ("L 1 0", 0),
             ("M 0 0 L 1", 9),
+            ("M 0 0 L 1-2e12 0 Z", 9),
+            ("M 0 0 h 1 l 0.5 9e11 0 9e11 z", 23),
         ] {
             let fault = read(text).expect_err(text);
             assert_eq!(fault.byte, byte, "{text}: {fault:?}");
