@@ -188,6 +188,18 @@ pub(super) fn text(t: &mut Table) -> Option<ShapeDesc> {
             "write some, or remove the model",
         );
     }
+    let is_control = |c: char| c.is_control() && c != '\n' && c != '\r';
+    if let Some((byte, c)) = text.char_indices().find(|(_, c)| is_control(*c)) {
+        let message = format!(
+            "`text` has the control character U+{:04X}, which no letter stands for",
+            u32::from(c)
+        );
+        let help = match c {
+            '\t' => "write spaces in place of a tab",
+            _ => "remove it; `\\n` begins a new line",
+        };
+        t.refuse_byte("control-character", "text", byte, (&message, help));
+    }
     Some(ShapeDesc::Text {
         text,
         font: font.map(|file| FontDesc { file, at: font_at }),
