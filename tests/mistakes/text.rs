@@ -295,6 +295,16 @@ pub const SYNTAX: &[Mistake] = &[
         ],
     ),
     text(
+        "a constant for an angle out of range",
+        "[camera.main]\nfov_deg = PI\n",
+        [
+            "toml-syntax",
+            "3:11",
+            "no constant `PI`",
+            "it is 180 in degrees, and `fov_deg` must be 1 to 170",
+        ],
+    ),
+    text(
         "a constant in a list",
         "[[instance]]\nrotation_deg = [0, -PI, 0]\n",
         [

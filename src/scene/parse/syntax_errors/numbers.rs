@@ -1,7 +1,10 @@
 //! Numbers that TOML cannot read, with the number to write instead.
 
 use super::mistake::{Mistake, Words, is_number, words};
-use crate::suggest;
+use crate::{
+    desc::{CAMERA, LIGHT},
+    number as fields, suggest,
+};
 
 /// Explains a number that TOML cannot read: `1.6*2`, `60deg`, `.5`.
 pub fn number(m: &Mistake) -> Option<Words> {
@@ -92,9 +95,14 @@ pub fn constant(m: &Mistake) -> Option<Words> {
         _ => return None,
     };
     let message = format!("TOML has no constant {}", suggest::key(text));
-    let help = match key.ends_with("_deg") {
-        true => format!("write {}, in degrees", rounded(360.0 * sign * turns)),
-        false => format!("write {}", rounded(std::f64::consts::TAU * sign * turns)),
+    let degrees = rounded(360.0 * sign * turns);
+    let camera = fields::find(&CAMERA, key).map(|field| &field.range);
+    let range = camera.or(fields::find(&LIGHT, key).map(|field| &field.range));
+    let too_far = range.and_then(|range| range.check(degrees).err());
+    let help = match (key.ends_with("_deg"), too_far) {
+        (true, Some(wanted)) => format!("it is {degrees} in degrees, and `{key}` must be {wanted}"),
+        (true, None) => format!("write {degrees}, in degrees"),
+        (false, _) => format!("write {}", rounded(std::f64::consts::TAU * sign * turns)),
     };
     words(message, help)
 }
