@@ -1,6 +1,7 @@
 //! A viewer without a browser, which measures when pictures come.
 
 use std::{
+    io::{ErrorKind, Read, Write},
     net::TcpStream,
     time::{Duration, Instant},
 };
@@ -140,12 +141,9 @@ impl Client {
         }
         let stream = self.socket.get_ref();
         (stream.set_read_timeout(Some(left))).map_err(|error| ended(error.into()))?;
-        let is_late = |error: &std::io::Error| {
-            use std::io::ErrorKind::{TimedOut, WouldBlock};
-            matches!(error.kind(), TimedOut | WouldBlock)
-        };
-        match self.socket.read() {
-            Ok(Message::Binary(bytes)) => {
+        match next(&mut self.socket).map_err(ended)? {
+            Next::Late => return Ok(false),
+            Next::Message(Message::Binary(bytes)) => {
                 // A side, and the number of its picture.
                 if let Some((&0, rest)) = bytes.split_first()
                     && let Some((number, _)) = rest.split_first_chunk()
@@ -155,7 +153,7 @@ impl Client {
                     self.socket.send(shown).map_err(ended)?;
                 }
             }
-            Ok(Message::Text(text)) => {
+            Next::Message(Message::Text(text)) => {
                 let told: Told = serde_json::from_str(&text)
                     .map_err(|error| format!("the page says what is unknown: {error}"))?;
                 self.statistics = told.statistics.or(self.statistics.take());
@@ -164,12 +162,86 @@ impl Client {
                     self.problems = scene.problems;
                 }
             }
-            Ok(_) => {}
-            Err(Error::Io(error)) if is_late(&error) => return Ok(false),
-            // A process that was stopped for a moment reads on.
-            Err(Error::Io(error)) if error.kind() == std::io::ErrorKind::Interrupted => {}
-            Err(error) => return Err(ended(error)),
+            Next::Message(_) | Next::Interrupted => {}
         }
         Ok(true)
+    }
+}
+
+/// Result of a read of a socket with a time limit.
+#[derive(Debug, PartialEq)]
+enum Next {
+    Message(Message),
+    /// Nothing before the limit.
+    Late,
+    /// Nothing yet: the process was stopped for a moment, and reads on.
+    Interrupted,
+}
+
+fn next<S: Read + Write>(socket: &mut WebSocket<S>) -> Result<Next, Error> {
+    match socket.read() {
+        Ok(message) => Ok(Next::Message(message)),
+        Err(Error::Io(error)) => match error.kind() {
+            ErrorKind::TimedOut | ErrorKind::WouldBlock => Ok(Next::Late),
+            ErrorKind::Interrupted => Ok(Next::Interrupted),
+            _ => Err(Error::Io(error)),
+        },
+        Err(error) => Err(error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io;
+
+    use tungstenite::protocol::Role;
+
+    use super::*;
+
+    /// A stream that fails between the two halves of a message.
+    struct Halting {
+        parts: Vec<Result<Vec<u8>, ErrorKind>>,
+    }
+
+    impl Read for Halting {
+        fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+            match self.parts.pop() {
+                Some(Ok(bytes)) => {
+                    buffer[..bytes.len()].copy_from_slice(&bytes);
+                    Ok(bytes.len())
+                }
+                Some(Err(kind)) => Err(kind.into()),
+                None => Ok(0),
+            }
+        }
+    }
+
+    impl Write for Halting {
+        fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
+            Ok(buffer.len())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_message_whose_reading_is_interrupted_comes_whole() {
+        let mut parts = vec![
+            Ok(vec![0x81, 5, b'h']),
+            Err(ErrorKind::Interrupted),
+            Ok(vec![b'e', b'l', b'l']),
+            Err(ErrorKind::WouldBlock),
+            Ok(vec![b'o']),
+        ];
+        parts.reverse();
+        let mut socket = WebSocket::from_raw_socket(Halting { parts }, Role::Client, None);
+        let mut read = || next(&mut socket);
+        assert_eq!(read().expect("it reads on"), Next::Interrupted);
+        assert_eq!(read().expect("it reads on"), Next::Late);
+        let whole = Next::Message(Message::text("hello"));
+        assert_eq!(read().expect("all has come"), whole);
+        assert!(read().is_err(), "the other end has closed it");
     }
 }
