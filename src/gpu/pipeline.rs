@@ -42,6 +42,12 @@ impl Gpu {
     pub fn shader(&self, source: ShaderSource, checks: Checks) -> Result<Shader, GpuError> {
         (self.shaders).get_or_make(source, checks, |s| Shader::from_source(self, s, checks))
     }
+
+    /// Notes that renderers have taken other shader texts: what only older ones made is dropped from the caches, of which
+    /// software drivers hold several MB for each pipeline.
+    pub fn shader_texts_changed(&self) {
+        self.shaders.texts_changed();
+    }
 }
 
 impl Shader {
@@ -170,7 +176,7 @@ impl Shader {
         entry: &str,
         groups: &[&GroupLayout],
         constants: &[(&str, f64)],
-    ) -> Result<wgpu::ComputePipeline, GpuError> {
+    ) -> Result<Arc<wgpu::ComputePipeline>, GpuError> {
         let compute = self.info.entry_point(entry);
         if compute.is_none_or(|found| found.stage != wgpu::ShaderStages::COMPUTE) {
             let message = format!("has no compute entry point `{entry}`");
@@ -184,14 +190,15 @@ impl Shader {
         };
         self.pipeline(gpu, &gpu.shaders.computes, &wanted, |layout, module| {
             let label = format!("{}.{entry}", self.info.name);
-            (gpu.device).create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            let pipeline = (gpu.device).create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(&label),
                 layout: Some(layout),
                 module,
                 entry_point: Some(entry),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 cache: gpu.pipeline_cache(),
-            })
+            });
+            Arc::new(pipeline)
         })
     }
 
@@ -207,14 +214,16 @@ impl Shader {
         groups: &[&GroupLayout],
         constants: &[(&str, f64)],
         make: impl FnOnce(&wgpu::PipelineLayout, &wgpu::ShaderModule) -> wgpu::RenderPipeline,
-    ) -> Result<wgpu::RenderPipeline, GpuError> {
+    ) -> Result<Arc<wgpu::RenderPipeline>, GpuError> {
         let wanted = Wanted {
             compute: None,
             state,
             groups,
             constants,
         };
-        self.pipeline(gpu, &gpu.shaders.renders, &wanted, make)
+        self.pipeline(gpu, &gpu.shaders.renders, &wanted, |layout, module| {
+            Arc::new(make(layout, module))
+        })
     }
 
     /// Checks that every constant is an override of this shader and that all required ones are set.

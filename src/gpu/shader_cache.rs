@@ -70,30 +70,59 @@ impl PipelineKey {
     }
 }
 
+/// Changes of the shaders' texts after which what the older texts made is dropped, so that a change that is taken back
+/// compiles nothing.
+const KEPT_CHANGES: u64 = 2;
+
 /// Cache of at most `MOST` values by key, the most recently used last.
 #[derive(Debug)]
-pub(super) struct Recent<K, V, const MOST: usize>(Vec<(K, V)>);
+pub(super) struct Recent<K, V, const MOST: usize> {
+    entries: Vec<Kept<K, V>>,
+    /// Number of changes of the texts so far.
+    changes: u64,
+}
+
+#[derive(Debug)]
+struct Kept<K, V> {
+    key: K,
+    value: V,
+    /// [`Recent::changes`] at the last use.
+    used: u64,
+}
 
 impl<K, V, const MOST: usize> Default for Recent<K, V, MOST> {
     fn default() -> Self {
-        Self(Vec::new())
+        Self {
+            entries: Vec::new(),
+            changes: 0,
+        }
     }
 }
 
 impl<K: PartialEq, V: Clone, const MOST: usize> Recent<K, V, MOST> {
     fn find(&mut self, key: &K) -> Option<V> {
-        let at = self.0.iter().position(|(other, _)| other == key)?;
-        let found = self.0.remove(at);
-        let value = found.1.clone();
-        self.0.push(found);
+        let at = self.entries.iter().position(|kept| kept.key == *key)?;
+        let mut found = self.entries.remove(at);
+        found.used = self.changes;
+        let value = found.value.clone();
+        self.entries.push(found);
         Some(value)
     }
 
     fn insert(&mut self, key: K, value: V) {
-        if self.0.len() >= MOST {
-            self.0.remove(0);
+        if self.entries.len() >= MOST {
+            self.entries.remove(0);
         }
-        self.0.push((key, value));
+        let used = self.changes;
+        self.entries.push(Kept { key, value, used });
+    }
+
+    /// Drops what was last used before the texts changed [`KEPT_CHANGES`] times, but for what is in use.
+    fn texts_changed(&mut self, is_in_use: impl Fn(&V) -> bool) {
+        self.changes += 1;
+        let oldest = self.changes.saturating_sub(KEPT_CHANGES);
+        self.entries
+            .retain(|kept| kept.used >= oldest || is_in_use(&kept.value));
     }
 }
 
@@ -131,8 +160,8 @@ fn locked<T>(cache: &Mutex<T>) -> MutexGuard<'_, T> {
 #[derive(Debug, Default)]
 pub(super) struct ShaderCache {
     shaders: Mutex<Recent<Key, Shader, SHADERS>>,
-    pub computes: Mutex<Recent<PipelineKey, wgpu::ComputePipeline, COMPUTES>>,
-    pub renders: Mutex<Recent<PipelineKey, wgpu::RenderPipeline, RENDERS>>,
+    pub computes: Mutex<Recent<PipelineKey, Arc<wgpu::ComputePipeline>, COMPUTES>>,
+    pub renders: Mutex<Recent<PipelineKey, Arc<wgpu::RenderPipeline>, RENDERS>>,
 }
 
 #[derive(Debug, PartialEq, Eq)]
@@ -155,5 +184,50 @@ impl ShaderCache {
     ) -> Result<Shader, GpuError> {
         let key = Key { source, checks };
         get_or_make(&self.shaders, key, |key| make(&key.source))
+    }
+
+    /// Drops shaders and pipelines of older texts, of which nothing is in use any more.
+    pub fn texts_changed(&self) {
+        let is_in_use = |shader: &Shader| Arc::strong_count(&shader.module) > 1;
+        locked(&self.shaders).texts_changed(is_in_use);
+        locked(&self.computes).texts_changed(|pipeline| Arc::strong_count(pipeline) > 1);
+        locked(&self.renders).texts_changed(|pipeline| Arc::strong_count(pipeline) > 1);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_older_texts_made_is_dropped_unless_it_is_in_use() {
+        let mut cache = Recent::<u32, Arc<u32>, 8>::default();
+        let held = Arc::new(0);
+        cache.insert(0, held.clone());
+        for text in 1..=5 {
+            cache.insert(text, Arc::new(text));
+            cache.texts_changed(|value| Arc::strong_count(value) > 1);
+        }
+        let kept: Vec<_> = cache.entries.iter().map(|kept| kept.key).collect();
+        assert_eq!(kept, [0, 4, 5]);
+        // A text that comes back counts as new.
+        assert!(cache.find(&4).is_some());
+        cache.texts_changed(|_| false);
+        let kept: Vec<_> = cache.entries.iter().map(|kept| kept.key).collect();
+        assert_eq!(kept, [5, 4]);
+        drop(held);
+    }
+
+    #[test]
+    fn the_least_recently_used_is_dropped_where_all_are_needed() {
+        let mut cache = Recent::<u32, u32, 2>::default();
+        cache.insert(1, 1);
+        cache.insert(2, 2);
+        assert_eq!(cache.find(&1), Some(1));
+        cache.insert(3, 3);
+        assert_eq!(
+            [1, 2, 3].map(|key| cache.find(&key)),
+            [Some(1), None, Some(3)]
+        );
     }
 }

@@ -1,5 +1,7 @@
 //! A compute pass: bound by name, dispatched by its shader's workgroup size, timed under its own name.
 
+use std::sync::Arc;
+
 use serde::Serialize;
 
 use reflet_gpu::{Checks, Gpu, GpuError, GroupLayout, Named, Shader};
@@ -135,7 +137,7 @@ pub enum Dispatch<'a> {
 #[derive(Debug)]
 pub struct ComputePass {
     pass: &'static Pass,
-    pipeline: wgpu::ComputePipeline,
+    pipeline: Arc<wgpu::ComputePipeline>,
     layout: GroupLayout,
     used: [bool; 2],
     tile: [u32; 2],

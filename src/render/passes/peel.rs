@@ -1,5 +1,7 @@
 //! Peel: rasterizes depth and ids of the second depth layer, behind what the pixels show, for the march.
 
+use std::sync::Arc;
+
 use crate::{
     cull::is_outside,
     draw::{Draw, Indexed},
@@ -50,7 +52,7 @@ gpu_struct! {
 /// The peel pass on the device: a pipeline for each kind of draw calls in use.
 #[derive(Debug)]
 pub struct Peel {
-    pipelines: Vec<(Kind, wgpu::RenderPipeline)>,
+    pipelines: Vec<(Kind, Arc<wgpu::RenderPipeline>)>,
     params: wgpu::Buffer,
     group: wgpu::BindGroup,
 }
@@ -158,7 +160,7 @@ fn pipeline(
     builder: &PassBuilder<'_>,
     layout: &GroupLayout,
     kind: Kind,
-) -> Result<wgpu::RenderPipeline, GpuError> {
+) -> Result<Arc<wgpu::RenderPipeline>, GpuError> {
     let (gpu, shared, shader) = (builder.gpu, builder.shared, builder.shader(&PASS)?);
     let groups = [&shared.layouts[0], &shared.layouts[1], layout];
     let mut constants = declared_overrides(shader, &builder.overrides(&PASS));

@@ -1,7 +1,7 @@
 //! Shadow: depth cube maps for point lights, flat maps for spot and directional ones. A map whose light and casters
 //! have not moved is not drawn again.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use xxhash_rust::xxh3::Xxh3Default;
 
@@ -51,7 +51,7 @@ const SLOT_BYTES: u64 = 256;
 #[derive(Debug)]
 pub struct Shadow {
     /// A pipeline for each kind of draw calls in use.
-    pipelines: Vec<(Kind, wgpu::RenderPipeline)>,
+    pipelines: Vec<(Kind, Arc<wgpu::RenderPipeline>)>,
     slots: wgpu::Buffer,
     groups: Vec<wgpu::BindGroup>,
     /// Hash of the content of each map; `None` where the map must be drawn.
@@ -229,7 +229,7 @@ fn pipeline(
     builder: &PassBuilder<'_>,
     layout: &GroupLayout,
     kind: Kind,
-) -> Result<wgpu::RenderPipeline, GpuError> {
+) -> Result<Arc<wgpu::RenderPipeline>, GpuError> {
     let (gpu, shared, shader) = (builder.gpu, builder.shared, builder.shader(&PASS)?);
     let groups = [&shared.empty.0, &shared.layouts[1], layout];
     let mut constants = declared_overrides(shader, &builder.overrides(&PASS));

@@ -1,5 +1,7 @@
 //! Visibility: rasterizes depth and ids, nothing else.
 
+use std::sync::Arc;
+
 use crate::{
     cull::is_outside,
     draw::{Draw, DrawClass, Indexed},
@@ -29,11 +31,11 @@ pub const PASS: Pass = Pass {
 pub struct Visibility {
     /// Whether opaque triangles are drawn with indices.
     is_indexed: bool,
-    pipelines: Vec<(DrawClass, wgpu::RenderPipeline)>,
+    pipelines: Vec<(DrawClass, Arc<wgpu::RenderPipeline>)>,
     /// Pipelines for culled back faces, where the march needs their depth.
-    culled: Vec<(DrawClass, wgpu::RenderPipeline)>,
+    culled: Vec<(DrawClass, Arc<wgpu::RenderPipeline>)>,
     /// Pipelines for instances that only reflections show, where the march needs their depth.
-    unseen: Vec<(DrawClass, wgpu::RenderPipeline)>,
+    unseen: Vec<(DrawClass, Arc<wgpu::RenderPipeline>)>,
 }
 
 impl FramePass for Visibility {
@@ -82,7 +84,7 @@ impl Visibility {
     fn draw_calls<'a>(&'a self, frame: &SubFrame<'a>) -> DrawCalls<'a> {
         let mut calls = DrawCalls::new(frame.recorder.gpu.is_software());
         let scene = frame.resources.scene;
-        let mut add_all = |pipelines: &'a [(DrawClass, wgpu::RenderPipeline)],
+        let mut add_all = |pipelines: &'a [(DrawClass, Arc<wgpu::RenderPipeline>)],
                            is_drawn: fn(&Draw) -> bool| {
             // In the order of instances: of coplanar surfaces the first that is drawn stays.
             for draws in scene.draws.chunk_by(|a, b| a.class == b.class) {
@@ -139,8 +141,8 @@ fn pipelines<'a>(
     builder: &PassBuilder<'_>,
     draws: impl IntoIterator<Item = &'a Draw>,
     faces: Faces,
-) -> Result<Vec<(DrawClass, wgpu::RenderPipeline)>, GpuError> {
-    let mut pipelines: Vec<(DrawClass, wgpu::RenderPipeline)> = Vec::new();
+) -> Result<Vec<(DrawClass, Arc<wgpu::RenderPipeline>)>, GpuError> {
+    let mut pipelines: Vec<(DrawClass, Arc<wgpu::RenderPipeline>)> = Vec::new();
     for draw in draws {
         let mut needed = vec![draw.class];
         if draw.dynamic {
@@ -218,7 +220,7 @@ fn pipeline(
     builder: &PassBuilder<'_>,
     class: DrawClass,
     faces: Faces,
-) -> Result<wgpu::RenderPipeline, GpuError> {
+) -> Result<Arc<wgpu::RenderPipeline>, GpuError> {
     let (gpu, shared, shader) = (builder.gpu, builder.shared, builder.shader(&PASS)?);
     let groups = [&shared.layouts[0], &shared.layouts[1]];
     let mut constants = declared_overrides(shader, &builder.overrides(&PASS));

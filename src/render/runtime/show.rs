@@ -289,8 +289,9 @@ impl Session {
     pub fn set_library(&mut self, library: ShaderLibrary) -> Result<RebuildSummary, RenderError> {
         let before = std::mem::replace(&mut self.library, library);
         let rebuilt = self.refresh();
-        if rebuilt.is_err() {
-            self.library = before;
+        match rebuilt {
+            Ok(_) => self.gpu.shader_texts_changed(),
+            Err(_) => self.library = before,
         }
         rebuilt
     }
