@@ -68,7 +68,7 @@ fn seen_from(probe: vec3f, towards: vec3f, seed: vec2u) -> Seen {
             let light = seen_light(origin, ray, h.t);
             if (light.is_seen) {
                 if (is_kept_apart) { seen.light.w = 0.0; }
-            if (!is_kept_apart) { color += found_light(throughput * light.radiance, bounce); }
+                if (!is_kept_apart) { color += found_light(throughput * light.radiance, bounce); }
                 break;
             }
         } else {
@@ -106,9 +106,10 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let layer = params.first_layer + id.z;
     let probe = probes[layer / 6u].position.xyz;
     var sum = vec4f(0.0);
+    let seed = pixel + vec2u(params.face_px * layer, 0u);
     for (var sample = 0u; sample < params.samples; sample++) {
+        take_sample(sample);
         let place = (vec2f(pixel) + place_of_sample(sample)) * (2.0 / f32(params.face_px)) - 1.0;
-        let seed = pixel + vec2u(params.face_px * layer, 65536u * sample);
         let seen = seen_from(probe, normalize(face_direction(layer % 6u, place)), seed);
         sum += seen.light;
         if (sample == 0u) {

@@ -241,7 +241,7 @@ fn through_air(origin: vec3f, ray: Reflected, distance_m: f32) -> Air {
     var air = Air(vec3f(0.0), vec3f(1.0), false, ray, origin);
     if (is_in_solid()) { return air; }
     let way = way_in_fog(origin, ray.direction, distance_m);
-    air.light = scattered_on_way(way, sampling.sample, sky_kept(ray)) * ray.kept;
+    air.light = scattered_on_way(way, sample_index(), sky_kept(ray)) * ray.kept;
     return passed(air, way);
 }
 
@@ -249,7 +249,7 @@ fn through_air(origin: vec3f, ray: Reflected, distance_m: f32) -> Air {
 fn air_before(pixel: vec2u, vertex: u32, origin: vec3f, direction: vec3f, distance_m: f32) -> vec4f {
     let way = way_in_fog(origin, direction, distance_m);
     var light = vec3f(0.0);
-    for (var k = 0u; k < sampling.rays; k++) { light += scattered_on_way(way, sampling.first + k, 1.0); }
+    for (var k = 0u; k < sampling.rays; k++) { light += scattered_on_way(way, first_light_sample() + k, 1.0); }
     light /= f32(sampling.rays);
     if (FOLLOWS_FOG) { light += followed(pixel, vertex + 1u, 1u, scattered_start(way), pixel_cone(0.0)); }
     return vec4f(light, 1.0 - way.scattered);

@@ -20,12 +20,12 @@ fn is_dispersive(s: Surface) -> bool {
 fn next_channel() -> u32 {
     if (path_channel > 0u) { return path_channel; }
     let first = u32(sample_square(0u, CHANNEL_PAIR).x * 3.0);
-    return 1u + (first + sampling.sample) % 3u;
+    return 1u + (first + sample_index()) % 3u;
 }
 
 // Number of sub-frames, over the number of those with the channel of this sub-frame.
 fn channel_weight() -> f32 {
-    return f32(sampling.samples) / f32((sampling.samples + 2u - sampling.sample % 3u) / 3u);
+    return f32(sampling.samples) / f32((sampling.samples + 2u - sample_index() % 3u) / 3u);
 }
 
 fn normal_reflectance(index: f32) -> f32 {

@@ -6,6 +6,8 @@ const HAS_ROUGH_REFLECTIONS: bool = false;
 
 fn start_samples(pixel: vec2u, vertex: u32) {}
 
+fn take_sample(index: u32) {}
+
 // Direction of a reflection ray, and its weight; see extent_sampled.wgsl. In this variant the ray sees no light.
 struct Reflected {
     direction: vec3f,

@@ -245,7 +245,7 @@ fn sampled_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
     let end_source = select(select(SKY, EMITTERS, HAS_ENVIRONMENT_RAYS), EMITTERS + 1u, HAS_EMITTERS);
     let first_pair = sample_pair;
     for (var k = 0u; k < sampling.rays; k++) {
-        let index = sampling.first + k;
+        let index = first_light_sample() + k;
         sample_pair = first_pair;
         var suns: Choice;
         var lamps: Choice;

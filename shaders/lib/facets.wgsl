@@ -19,7 +19,7 @@ fn visible_facet(s: Surface, direction: vec3f, bound: f32, attempt: u32) -> vec3
     var view = -direction * axes;
     view.z = max(view.z, 1e-3);
     let pair = select(FACET_PAIR + attempt, 0u, attempt == 0u);
-    return axes * visible_normal(normalize(view), ggx_alphas(s), bound, sample_square(sampling.sample, pair));
+    return axes * visible_normal(normalize(view), ggx_alphas(s), bound, sample_square(sample_index(), pair));
 }
 
 // Share of the facets that mirror the view into a direction that neither is blocked by other facets, of those that the
@@ -43,7 +43,7 @@ struct ChosenFacet {
 }
 
 fn choice_of_facets() -> ChosenFacet {
-    return ChosenFacet(vec3f(0.0), 0.0, sample_square(sampling.sample, FACET_PAIR).x);
+    return ChosenFacet(vec3f(0.0), 0.0, sample_square(sample_index(), FACET_PAIR).x);
 }
 
 // Offers a facet to the choice.

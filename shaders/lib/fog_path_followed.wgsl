@@ -10,7 +10,7 @@ fn scattered_from(way: Way, u: f32) -> Start {
     path_scatterings++;
     path_is_chance = true;
     leave_vertex(position);
-    let direction = fog_direction(way.direction, sample_square(sampling.sample, FOG_TURN_PAIR));
+    let direction = fog_direction(way.direction, sample_square(sample_index(), FOG_TURN_PAIR));
     return Start(Reflected(direction, fog.albedo, TAKEN, 0.0, 1.0, vec3f(0.0)), position);
 }
 
@@ -21,7 +21,7 @@ fn passed(air: Air, way: Way) -> Air {
         next.share = vec3f(1.0 - way.scattered);
         return next;
     }
-    let u = sample_square(sampling.sample, FOG_PATH_PAIR);
+    let u = sample_square(sample_index(), FOG_PATH_PAIR);
     if (u.x >= way.scattered) { return next; }
     let start = scattered_from(way, u.x / way.scattered);
     next.share = start.ray.weight * air.ray.kept;
@@ -36,7 +36,7 @@ fn passed(air: Air, way: Way) -> Air {
 fn scattered_start(way: Way) -> Start {
     var start = Start(Reflected(way.direction, vec3f(0.0), 0.0, 0.0, 1.0, vec3f(0.0)), way.origin);
     if (way.scattered <= 1e-12 || path_scatterings >= frame.diffuse_bounces) { return start; }
-    start = scattered_from(way, sample_square(sampling.sample, FOG_PATH_PAIR).x);
+    start = scattered_from(way, sample_square(sample_index(), FOG_PATH_PAIR).x);
     start.ray.weight *= way.scattered;
     return start;
 }

@@ -44,7 +44,7 @@ fn scattered_ray(s: Surface, view: vec3f, albedo: vec3f) -> Reflected {
     path_scatterings++;
     path_is_chance = true;
     leave_vertex(s.position);
-    let out = cosine_direction(s.normal, sample_square(sampling.sample, SCATTER_PAIR));
+    let out = cosine_direction(s.normal, sample_square(sample_index(), SCATTER_PAIR));
     if (dot(out, s.geometric_normal) <= 0.0) { return Reflected(s.normal, vec3f(0.0), TAKEN, 0.0, 1.0, s.normal); }
     let weight = albedo + sheen(s, view, out) * scattered_share(s, view);
     return Reflected(out, weight, scattered_density(dot(s.normal, out)), 0.0, 1.0, s.normal);
@@ -61,7 +61,7 @@ fn next_ray(before: Reflected, s: Surface) -> Reflected {
     let rest = select(0.0, max(onward_albedo(s, view), 0.01), goes_on(s));
     if (diffuse + rest <= 0.0) { return Reflected(s.normal, vec3f(0.0), TAKEN, 0.0, 1.0, s.normal); }
     let share = diffuse / (diffuse + rest);
-    let u = sample_square(sampling.sample, CHOICE_PAIR);
+    let u = sample_square(sample_index(), CHOICE_PAIR);
     var ray: Reflected;
     if (u.x < share) {
         ray = scattered_ray(s, view, albedo);

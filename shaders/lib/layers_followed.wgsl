@@ -193,7 +193,7 @@ fn chosen(a: Reflected, b: Reflected, pair: u32) -> Reflected {
     if (share < least) { share = 0.0; }
     if (share > 1.0 - least) { share = 1.0; }
     path_is_chance = path_is_chance || (share > 0.0 && share < 1.0);
-    let takes_b = share == 1.0 || sample_square(sampling.sample, pair).x < share;
+    let takes_b = share == 1.0 || sample_square(sample_index(), pair).x < share;
     var ray = a;
     if (takes_b) { ray = b; }
     ray.weight *= both / select(weights.x, weights.y, takes_b);

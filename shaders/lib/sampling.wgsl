@@ -38,7 +38,24 @@ const CHOICE_PAIR: u32 = 0x10005u; // whether the path scatters, and Russian rou
 const CHANNEL_PAIR: u32 = 0x10006u; // first color channel of dispersion
 
 var<private> sample_seed: u32;
+// Index of a sample within the sub-frame, where an invocation adds up several, as those of a probe's map do.
+var<private> added_sample: u32 = 0u;
 var<private> sample_pair: u32; // number of dimension pairs used at this vertex
+
+// Index of the sample that is taken, among all of the picture or the map.
+fn sample_index() -> u32 {
+    return sampling.sample + added_sample;
+}
+
+// Index of its first sample of lights.
+fn first_light_sample() -> u32 {
+    return sampling.first + added_sample * sampling.rays;
+}
+
+// Has this invocation take a further sample.
+fn take_sample(index: u32) {
+    added_sample = index;
+}
 
 // Starts the random numbers of a path vertex: `vertex` counts the surfaces along a path, 0 is that of the pixel.
 fn start_samples(pixel: vec2u, vertex: u32) {

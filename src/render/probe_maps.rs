@@ -291,7 +291,7 @@ impl ProbeMaps {
         let sampling = Sampling {
             first: 0,
             sample: 0,
-            samples: 1,
+            samples: self.key.samples,
             ..*sampling
         };
         let fog = GpuFog::of(world);

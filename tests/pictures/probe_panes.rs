@@ -120,3 +120,28 @@ fn check_panes(lights: &[(&str, &str)], roughnesses: &[f32], shares: &[f32]) {
         }
     }
 }
+
+/// A mirror floor shows what a pane reflects, 4 % of its light, where the maps have samples enough to choose it: with one
+/// they follow what the pane lets through alone, which is black.
+#[test]
+fn maps_hold_what_panes_reflect_weakly() {
+    let Some(gpu) = gpu() else { return };
+    let text = include_str!("../../docs/data/probe-pane-reflection.toml");
+    let of = |method: &str, samples: u32| {
+        let set = [
+            "image.size=[16, 9]",
+            "probes.face_px=32",
+            &format!("reflection.method={method}"),
+            &format!("probes.samples={samples}"),
+        ];
+        mean(&render(gpu, text, &set, &[]))[1]
+    };
+    let truth = of("rt", 1);
+    assert!(truth > 0.02, "{truth}");
+    assert_eq!(of("probe", 1), 0.0);
+    let seen = of("probe", 64);
+    assert!(
+        (seen / truth - 1.0).abs() < 0.1,
+        "{truth} by rays, {seen} on the maps"
+    );
+}
