@@ -1,8 +1,10 @@
 //! Number of reflections in a row, in closed form.
 
+use reflet::render::passes::needed_passes;
+
 use crate::{
     closed_form::MIRROR,
-    kit::{FACING, assert_color, gpu, render},
+    kit::{FACING, assert_color, gpu, render, renderer, scene},
 };
 
 #[test]
@@ -77,4 +79,27 @@ fn a_dim_reflection_of_something_bright_is_followed() {
     let fresnel = 0.003 + 0.147 * (1.0 - 0.5f32.sqrt()).powi(5);
     let shown = 1000.0 * fresnel;
     assert_color(&picture, 16, 8, [shown; 3], 0.1 * shown);
+}
+
+/// Where no mirror sees another, following all that can be seen takes nothing: the passes are those of one bounce, and so
+/// are the constants that their shaders are made with.
+#[test]
+fn auto_costs_nothing_where_no_mirror_sees_another() {
+    let Some(gpu) = gpu() else { return };
+    let frame = |text: &str, bounces: &str, method: &str| {
+        let set = [
+            format!("reflection.bounces={bounces}"),
+            format!("reflection.method={method}"),
+        ];
+        let (desc, world) = scene(text, &set.each_ref().map(String::as_str));
+        let renderer = renderer(gpu, &desc, &world, false);
+        let plan = renderer.plan();
+        let passes = needed_passes(plan, renderer.options()).into_iter();
+        let names: Vec<_> = passes.map(|pass| pass.name).collect();
+        (names, plan.overrides(), plan.bounces)
+    };
+    for method in ["rt", "hybrid"] {
+        assert_eq!(frame(MIRROR, "auto", method), frame(MIRROR, "1", method));
+        assert_ne!(frame(FACING, "auto", method), frame(FACING, "1", method));
+    }
 }
