@@ -116,7 +116,9 @@ def moved(values: Picture, before: Frame, frame: Frame) -> tuple[Picture, Pictur
     return total, known
 
 
-def flicker(pictures: list[Picture], references: list[list[Picture]], frames: list[Frame]) -> float:
+def error_change(
+    pictures: list[Picture], references: list[list[Picture]], frames: list[Frame]
+) -> float:
     """Root mean square change of a film's error from frame to frame, along the motion of surfaces.
 
     What an error has in common with a surface, such as a texture that was smoothed away, moves
@@ -233,7 +235,7 @@ def measure(out: pathlib.Path, program: pathlib.Path) -> str:
             if name == AT_REST:
                 mean, square = (f"{v:.3f}" for v in at_rest(pictures, truth))
             else:
-                mean, square = "", f"{flicker(pictures, film.clean(), film.frames()):.3f}"
+                mean, square = "", f"{error_change(pictures, film.clean(), film.frames()):.3f}"
             scores = flips(pictures, truth)
             alone = scores if alone is None else alone
             worst = f"{(scores - alone).max():+.5f}"

@@ -134,7 +134,8 @@ def consecutive(rows: Rows) -> Rows:
     ]
 
 
-def flicker(rows: Rows) -> float:
+def change_off_reference(rows: Rows) -> float:
+    """Flicker: share of the reference's change that a method's change differs from it by, %."""
     difference, change = (
         sum(float(r[f"mask_temporal_{of}"]) for r in rows) for of in ("difference", "change")
     )
@@ -150,7 +151,7 @@ def line(film: str, method: str, rows: Rows) -> list[str]:
         film if method == METHODS[0] else "",
         f"`{method}`",
         str(len(pairs)),
-        f"{flicker(pairs):.1f}",
+        f"{change_off_reference(pairs):.1f}",
         f"{levels:.2f} at {worst['frame']}" if levels > 0 else "0",
         f"{statistics.mean(float(r['mask_flip']) for r in scored):.4f}",
         f"{max(float(r['mask_flip_p99']) for r in scored):.3f}",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from denoised import Frame, View, at_rest, flicker, moved
+from denoised import Frame, View, at_rest, error_change, moved
 
 SIZE = (36, 64)
 DEPTH = 4.0
@@ -56,8 +56,8 @@ def test_surfaces_are_found_where_the_camera_has_moved():
 def test_errors_that_go_with_their_surface_do_not_flicker(speed):
     frames = film(speed)
     references = [no_light(frames)] * 2
-    own = flicker([on_the_wall(frame) for frame in frames], references, frames)
-    swimming = flicker([on_the_screen(frame) for frame in frames], references, frames)
+    own = error_change([on_the_wall(frame) for frame in frames], references, frames)
+    swimming = error_change([on_the_screen(frame) for frame in frames], references, frames)
     assert own < 0.1
     assert (swimming > 5) == (speed > 0)
 
@@ -67,9 +67,9 @@ def test_grain_of_two_references_does_not_count():
     random = np.random.default_rng(1)
     grainy = [[random.normal(0, 8, (*SIZE, 3)) for _ in frames] for _ in range(2)]
     pictures = [on_the_screen(frame) for frame in frames]
-    clean = flicker(pictures, [no_light(frames)] * 2, frames)
-    assert abs(flicker(pictures, grainy, frames) / clean - 1) < 0.08
-    assert flicker(pictures, [grainy[0]] * 2, frames) > 1.2 * clean
+    clean = error_change(pictures, [no_light(frames)] * 2, frames)
+    assert abs(error_change(pictures, grainy, frames) / clean - 1) < 0.08
+    assert error_change(pictures, [grainy[0]] * 2, frames) > 1.2 * clean
 
 
 def test_a_camera_at_rest_counts_what_rests_in_the_reference():
