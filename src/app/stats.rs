@@ -19,8 +19,8 @@ use crate::{
     memory::peak_resident_bytes,
     render::{
         decide::Decision,
+        instrument::PassCounts,
         passes::audit,
-        probe::PassCounts,
         stats::{FrameStats, Share},
     },
 };
@@ -262,7 +262,7 @@ pub fn mebibytes(bytes: u64) -> String {
 mod tests {
     use super::*;
     use crate::{
-        render::{probe::Counts, stats::Shares},
+        render::{instrument::Counts, stats::Shares},
         scene::desc::Method,
     };
 

@@ -7,13 +7,13 @@ use super::{
     box_faces::{BoxFaces, FacesKey},
     far_maps::{FarKey, FarMaps},
     frame_uniforms::FrameUniforms,
+    instrument::Instruments,
     lights::{LightNeeds, ShadowSizes},
     options::RenderOptions,
     pass::{Override, Pass},
     pass_builder::PassBuilder,
     passes::{Passes, needed_passes, written_targets},
     plan::Plan,
-    probe::Probes,
     probe_maps::{ProbeKey, ProbeMaps},
     ray_list::{ListedParts, RayList},
     resources::Resources,
@@ -124,7 +124,7 @@ pub struct Bindings {
     /// Passes that the frame records.
     pub passes: Passes,
     /// Passes for measurements, built on first use.
-    pub probes: Probes,
+    pub instruments: Instruments,
 }
 
 impl Bindings {
@@ -193,7 +193,7 @@ impl Bindings {
             box_faces,
             shared,
             passes,
-            probes: Probes::default(),
+            instruments: Instruments::default(),
         })
     }
 }

@@ -12,9 +12,9 @@ use super::{
     edge_on::has_edge_on_surfaces,
     error::RenderError,
     fog::GpuFog,
+    instrument::Instrument,
     lights::{LightBlock, ShadowView, lights},
     pixel_share::PixelShare,
-    probe::Probe,
     recorder::{PassTimes, Recorder, Timing},
     renderer::Renderer,
     stats::{FrameStats, Shares},
@@ -152,7 +152,7 @@ impl Renderer {
         marches || (share.is_last() && share.sample + 1 == self.options.image.samples.count())
     }
 
-    /// Records the share of one sub-frame, pass by pass; a probe adds a measurement.
+    /// Records the share of one sub-frame, pass by pass; an instrument adds a measurement.
     pub(super) fn sub_frame<'a>(
         &'a self,
         gpu: &'a Gpu,
@@ -160,7 +160,7 @@ impl Renderer {
         view: &View,
         share: PixelShare,
         timing: Timing,
-        probe: Option<Probe>,
+        instrument: Option<Instrument>,
     ) -> Recorder<'a> {
         let (sample, samples) = (share.sample, self.options.image.samples.count());
         let whole_surfaces = self.resolves_all(share);
@@ -202,9 +202,9 @@ impl Renderer {
             clip_from_world: view.clip_from_world(jitter),
             shadow_views,
             resources: self.resources(),
-            probes: &self.bindings.probes,
+            instruments: &self.bindings.instruments,
             captures,
-            probe,
+            instrument,
         };
         self.bindings.passes.record(&mut frame);
         frame.recorder

@@ -1,4 +1,4 @@
-//! Measurement of a frame by rendering it again with probes, which pictures and timed frames do not contain.
+//! Measurement of a frame by rendering it again with instruments, which pictures and timed frames do not contain.
 
 use reflet_gpu::{Gpu, GpuError};
 use reflet_scene::desc::CameraDesc;
@@ -7,11 +7,11 @@ use reflet_world::World;
 use super::{
     aov::{Aov, Plane},
     error::RenderError,
+    instrument::{Counted, Instrument, PassCounts},
     pass::{COUNTED, MAIN, Pass},
     pass_builder::PassBuilder,
     passes::{counted_passes, ssr, trace},
     pixel_share::PixelShare,
-    probe::{Counted, PassCounts, Probe},
     recorder::Timing,
     renderer::Renderer,
 };
@@ -51,22 +51,22 @@ impl Renderer {
         world: &World,
         camera: &CameraDesc,
     ) -> Result<Vec<PassCounts>, RenderError> {
-        self.build_probe(gpu, Probe::Count)?;
+        self.build_instrument(gpu, Instrument::Count)?;
         let world = &*self.relative(world);
         let view = self.view(gpu, world, camera)?;
         let mut sums: Vec<PassCounts> = Vec::new();
         for sample in 0..self.options.image.samples.count() {
-            let probe = Some(Probe::Count);
+            let instrument = Some(Instrument::Count);
             let recorder = self.sub_frame(
                 gpu,
                 world,
                 &view,
                 PixelShare::all(sample),
                 Timing::None,
-                probe,
+                instrument,
             );
             self.submitted(recorder.submit())?;
-            for counted in &self.bindings.probes.counted {
+            for counted in &self.bindings.instruments.counted {
                 let new = counted.read(gpu)?;
                 match sums.iter_mut().find(|sum| sum.pass == new.pass) {
                     Some(sum) => sum.counts = sum.counts.plus(new.counts),
@@ -89,22 +89,22 @@ impl Renderer {
         world: &World,
         camera: &CameraDesc,
     ) -> Result<Option<f64>, RenderError> {
-        self.build_probe(gpu, Probe::Traverse)?;
-        if self.bindings.probes.traverse.is_none() {
+        self.build_instrument(gpu, Instrument::Traverse)?;
+        if self.bindings.instruments.traverse.is_none() {
             return Ok(None);
         }
         let world = &*self.relative(world);
         let view = self.view(gpu, world, camera)?;
         let mut sum_ms = None;
         for sample in 0..self.options.image.samples.count() {
-            let probe = Some(Probe::Traverse);
+            let instrument = Some(Instrument::Traverse);
             let recorder = self.sub_frame(
                 gpu,
                 world,
                 &view,
                 PixelShare::all(sample),
                 Timing::Passes,
-                probe,
+                instrument,
             );
             let times = self.submitted(recorder.finish())?;
             let of = |(name, ms): &(String, f64)| (name == trace::TRAVERSE.name).then_some(*ms);
@@ -127,18 +127,18 @@ impl Renderer {
         camera: &CameraDesc,
         aovs: &[Aov],
     ) -> Result<Vec<Plane>, RenderError> {
-        self.build_probe(gpu, Probe::AcceptAll)?;
+        self.build_instrument(gpu, Instrument::AcceptAll)?;
         let world = &*self.relative(world);
         let view = self.view(gpu, world, camera)?;
         for sample in 0..self.options.image.samples.count() {
-            let probe = Some(Probe::AcceptAll);
+            let instrument = Some(Instrument::AcceptAll);
             let recorder = self.sub_frame(
                 gpu,
                 world,
                 &view,
                 PixelShare::all(sample),
                 Timing::None,
-                probe,
+                instrument,
             );
             self.submitted(recorder.submit())?;
         }
@@ -146,31 +146,31 @@ impl Renderer {
         Ok(planes.collect::<Result<_, _>>()?)
     }
 
-    /// Builds the passes of a probe on first use; they are kept until the passes are rebuilt.
-    fn build_probe(&mut self, gpu: &Gpu, probe: Probe) -> Result<(), GpuError> {
-        let is_ready = match probe {
-            Probe::Count => !self.bindings.probes.counted.is_empty(),
-            Probe::Traverse => self.bindings.probes.traverse.is_some(),
-            Probe::AcceptAll => self.bindings.probes.accept_all.is_some(),
+    /// Builds the passes of an instrument on first use; they are kept until the passes are rebuilt.
+    fn build_instrument(&mut self, gpu: &Gpu, instrument: Instrument) -> Result<(), GpuError> {
+        let is_ready = match instrument {
+            Instrument::Count => !self.bindings.instruments.counted.is_empty(),
+            Instrument::Traverse => self.bindings.instruments.traverse.is_some(),
+            Instrument::AcceptAll => self.bindings.instruments.accept_all.is_some(),
         };
         if is_ready {
             return Ok(());
         }
         let builder = self.builder(gpu);
-        match probe {
-            Probe::Count => self.bindings.probes.counted = counted(&builder)?,
-            Probe::Traverse if builder.needs(&trace::PASS) => {
+        match instrument {
+            Instrument::Count => self.bindings.instruments.counted = counted(&builder)?,
+            Instrument::Traverse if builder.needs(&trace::PASS) => {
                 let shade = ("SHADE", 0.0);
                 let pass = &trace::TRAVERSE;
                 let built = builder.variant(pass, &trace::PASS, MAIN, shade, &[]);
-                self.bindings.probes.traverse = Some(built?);
+                self.bindings.instruments.traverse = Some(built?);
             }
-            Probe::AcceptAll if builder.needs(&ssr::PASS) => {
+            Instrument::AcceptAll if builder.needs(&ssr::PASS) => {
                 let refuse = ("REFUSE", 0.0);
                 let built = builder.variant(&ssr::PASS, &ssr::PASS, MAIN, refuse, &[]);
-                self.bindings.probes.accept_all = Some(built?);
+                self.bindings.instruments.accept_all = Some(built?);
             }
-            Probe::Traverse | Probe::AcceptAll => {}
+            Instrument::Traverse | Instrument::AcceptAll => {}
         }
         Ok(())
     }

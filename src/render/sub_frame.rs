@@ -4,11 +4,11 @@ use bytemuck::Pod;
 use glam::Mat4;
 
 use super::{
+    instrument::{Instrument, Instruments},
     lights::ShadowView,
     options::RenderOptions,
     pass::{ComputePass, Dispatch},
     pixel_share::PixelShare,
-    probe::{Probe, Probes},
     recorder::Recorder,
     resources::Resources,
 };
@@ -31,12 +31,12 @@ pub struct SubFrame<'a> {
     pub shadow_views: Vec<ShadowView>,
     /// Resources to bind.
     pub resources: Resources<'a>,
-    /// Passes of probes.
-    pub probes: &'a Probes,
+    /// Passes of instruments.
+    pub instruments: &'a Instruments,
     /// Whether the maps of probes, or of far things, are captured before this sub-frame.
     pub captures: bool,
-    /// Active probe, if any.
-    pub probe: Option<Probe>,
+    /// Active instrument, if any.
+    pub instrument: Option<Instrument>,
 }
 
 impl SubFrame<'_> {
@@ -44,8 +44,8 @@ impl SubFrame<'_> {
     pub fn clear(&mut self) {
         let encoder = self.recorder.encoder();
         encoder.clear_buffer(&self.resources.ray_list.counters, 0, None);
-        if self.probe == Some(Probe::Count) {
-            self.probes.clear(encoder);
+        if self.instrument == Some(Instrument::Count) {
+            self.instruments.clear(encoder);
         }
     }
 
@@ -76,9 +76,9 @@ impl SubFrame<'_> {
         self.share.is_last() && self.share.sample + 1 == self.options.image.samples.count()
     }
 
-    /// Records a pass, or its probe variant.
+    /// Records a pass, or the variant of an instrument.
     pub fn dispatch(&mut self, pass: &ComputePass, dispatch: &Dispatch<'_>) {
-        let pass = self.probes.replacement_for(pass, self.probe);
+        let pass = self.instruments.replacement_for(pass, self.instrument);
         pass.record(&mut self.recorder, dispatch);
     }
 
@@ -89,7 +89,7 @@ impl SubFrame<'_> {
         params: &impl Pod,
         dispatch: &Dispatch<'_>,
     ) {
-        let replacement = self.probes.replacement_for(pass, self.probe);
+        let replacement = self.instruments.replacement_for(pass, self.instrument);
         replacement.set_params(self.recorder.gpu, params);
         replacement.record(&mut self.recorder, dispatch);
     }

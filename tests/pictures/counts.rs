@@ -5,7 +5,7 @@ use reflet::{
         PlaneData, Renderer,
         aov::Aov,
         cause::Cause,
-        probe::{Counts, PassCounts},
+        instrument::{Counts, PassCounts},
     },
     world::World,
 };

@@ -14,8 +14,8 @@ use crate::{
         summary::label,
     },
     render::{
+        instrument::Counts,
         passes::audit::{TOLERANCE_RELATIVE, TOLERANCE_U},
-        probe::Counts,
     },
     scene::desc::ReflectionDesc,
 };

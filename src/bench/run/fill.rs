@@ -5,8 +5,8 @@ use crate::{
     sample::{BEHIND_COLUMN, Sample, pass_column},
 };
 use reflet_render::{
+    instrument::{Counts, PassCounts},
     passes,
-    probe::{Counts, PassCounts},
     stats::FrameStats,
 };
 

@@ -2,8 +2,8 @@
 
 use reflet_render::{
     cause::Cause,
+    instrument::Counts,
     passes::{self, counted_passes},
-    probe::Counts,
 };
 
 /// Causes whose refusals can be compared with a ray, because there is a crossing.

@@ -66,7 +66,7 @@ impl FramePass for Trace {
     fn record(&self, frame: &mut SubFrame<'_>) {
         let rays = Dispatch::Listed(frame.resources.ray_list, List::Rays);
         frame.dispatch(&self.0, &rays);
-        if let Some(traverse) = frame.probes.traverse(frame.probe) {
+        if let Some(traverse) = frame.instruments.traverse(frame.instrument) {
             frame.dispatch(traverse, &rays);
         }
     }

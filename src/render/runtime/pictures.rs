@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     PendingPicture, Picture, PictureRequest, RebuildSummary, RenderError, aov::Aov,
-    probe::PassCounts, shutter::Moments as _, stats::FrameStats,
+    instrument::PassCounts, shutter::Moments as _, stats::FrameStats,
 };
 use reflet_gpu::Gpu;
 use reflet_scene::{

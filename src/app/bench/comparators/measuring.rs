@@ -11,7 +11,7 @@ use crate::{
     },
     gpu::{Gpu, GpuError, ShaderLibrary},
     render::{
-        Picture, RenderError, passes, probe::Counts, runtime::renderer_stage::RendererStage,
+        Picture, RenderError, instrument::Counts, passes, runtime::renderer_stage::RendererStage,
         stats::FrameStats,
     },
     scene::desc::{Method, ReflectionDesc},

@@ -1,4 +1,4 @@
-//! Probes: variants of passes for measurement. They count work, trace rays without shading, or
+//! Instruments: variants of passes for measurement. They count work, trace rays without shading, or
 //! accept every crossing of the march.
 
 use serde::Serialize;
@@ -9,7 +9,7 @@ use super::{pass::ComputePass, recorder::clear_texture};
 
 /// Measurement that a frame makes beside the time of its passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Probe {
+pub enum Instrument {
     /// Passes count their work.
     Count,
     /// After the trace pass its rays are traced once more, without shading.
@@ -78,9 +78,9 @@ pub struct PassCounts {
     pub counts: Counts,
 }
 
-/// Passes of probes, built on demand.
+/// Passes of instruments, built on demand.
 #[derive(Debug, Default)]
-pub struct Probes {
+pub struct Instruments {
     /// Counting passes.
     pub counted: Vec<Counted>,
     /// Pass that traces the rays without shading.
@@ -153,29 +153,31 @@ impl Counted {
     }
 }
 
-impl Probes {
-    /// The variant of `pass` for this probe, or `pass` itself.
+impl Instruments {
+    /// The variant of `pass` for this instrument, or `pass` itself.
     pub fn replacement_for<'a>(
         &'a self,
         pass: &'a ComputePass,
-        probe: Option<Probe>,
+        instrument: Option<Instrument>,
     ) -> &'a ComputePass {
-        let other = match probe {
-            Some(Probe::Count) => {
+        let other = match instrument {
+            Some(Instrument::Count) => {
                 let counted = self.counted.iter().map(|counted| &counted.pass);
                 counted.into_iter().find(|c| c.name() == pass.name())
             }
-            Some(Probe::AcceptAll) => self.accept_all.as_ref().filter(|c| c.name() == pass.name()),
-            Some(Probe::Traverse) | None => None,
+            Some(Instrument::AcceptAll) => {
+                self.accept_all.as_ref().filter(|c| c.name() == pass.name())
+            }
+            Some(Instrument::Traverse) | None => None,
         };
         other.unwrap_or(pass)
     }
 
-    /// The pass that traces the rays once more, if this probe uses it.
-    pub fn traverse(&self, probe: Option<Probe>) -> Option<&ComputePass> {
+    /// The pass that traces the rays once more, if this instrument uses it.
+    pub fn traverse(&self, instrument: Option<Instrument>) -> Option<&ComputePass> {
         self.traverse
             .as_ref()
-            .filter(|_| probe == Some(Probe::Traverse))
+            .filter(|_| instrument == Some(Instrument::Traverse))
     }
 
     /// Clears all counts.
