@@ -82,16 +82,7 @@ fn met_at(face: u32, r: BoxRay, t: f32) -> Hit {
     let size = f32(textureDimensions(face_hits).x);
     let beside = seen_by_face(face, in_box(r, met.x));
     if (distance(beside.place, at.place) * size > SAME_PLACE_PX) { return none; }
-    if (is_capsule(id.x)) { return Hit(met.x, id.x, id.y, met.yz, 0u); }
-    let plane = triangle_of(id, r.origin);
-    let bary = clamped(met.yz);
-    // The plane of a triangle at an outline goes on along the line of sight, where nothing is.
-    let slant = dot(plane.normal, inwards(face)) / length(plane.normal);
-    if (!is_inside(met.yz) && abs(slant) < EDGE_ON) { return none; }
-    let is_back = dot(plane.normal, r.direction) * slant <= 0.0;
-    if (is_back && (instance_trace_flags(id.x) & DOUBLE_SIDED) == 0u) { return none; }
-    if (HAS_CUTOUT && material_alpha_cutoff(instance_material(id.x)) >= 0.0 && !alpha_passes(id.x, id.y, bary)) { return none; }
-    return Hit(met.x, id.x, id.y, bary, 0u);
+    return named_hit(id, met, r.origin, r.direction, inwards(face), none);
 }
 
 // Hit of a ray in a step at whose end it is behind what a face sees.

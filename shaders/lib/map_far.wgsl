@@ -87,16 +87,7 @@ fn met_at(map: u32, r: FarRay, angle: f32) -> Hit {
     if (met.x < r.from_m * (1.0 - TIE) || met.x <= 0.0 || met.x > r.to_m) { return none; }
     let point = r.offset + r.direction * met.x;
     if (!is_beside(point, here)) { return none; }
-    if (is_capsule(id.x)) { return Hit(met.x, id.x, id.y, met.yz, 0u); }
-    let t = triangle_of(id, r.origin);
-    let bary = clamped(met.yz);
-    // The plane of a triangle at an outline goes on along the line of sight, where nothing is.
-    let slant = dot(t.normal, point) / (length(t.normal) * length(point));
-    if (!is_inside(met.yz) && abs(slant) < EDGE_ON) { return none; }
-    let is_back = dot(t.normal, r.direction) * slant <= 0.0;
-    if (is_back && (instance_trace_flags(id.x) & DOUBLE_SIDED) == 0u) { return none; }
-    if (HAS_CUTOUT && material_alpha_cutoff(instance_material(id.x)) >= 0.0 && !alpha_passes(id.x, id.y, bary)) { return none; }
-    return Hit(met.x, id.x, id.y, bary, 0u);
+    return named_hit(id, met, r.origin, r.direction, point, none);
 }
 
 // Hit of a ray in a step at whose end it is behind a map.

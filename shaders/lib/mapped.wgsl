@@ -1,6 +1,8 @@
 // Common parts of the marches of reflection rays through maps.
 
+#import bvh
 #import cause
+#import met_named
 
 // Number of halvings of a step in which the ray goes behind a surface.
 const HALVINGS: u32 = 12u;
@@ -13,3 +15,18 @@ const EDGE_ON: f32 = 0.2;
 var<private> map_steps: u32 = 0u;
 // How the last ray ended.
 var<private> map_cause: u32 = CAUSE_UNMARCHED;
+
+// Hit of a ray on the triangle or capsule that a pixel of a map names, at the distance and place where the ray meets it or
+// its plane beside it; `none` where the map, which sees it along `sight`, does not show it there.
+fn named_hit(id: vec2u, met: vec3f, origin: vec3f, direction: vec3f, sight: vec3f, none: Hit) -> Hit {
+    if (is_capsule(id.x)) { return Hit(met.x, id.x, id.y, met.yz, 0u); }
+    let plane = triangle_of(id, origin);
+    let bary = clamped(met.yz);
+    // The plane of a triangle at an outline goes on along the line of sight, where nothing is.
+    let slant = dot(plane.normal, sight) / (length(plane.normal) * length(sight));
+    if (!is_inside(met.yz) && abs(slant) < EDGE_ON) { return none; }
+    let is_back = dot(plane.normal, direction) * slant <= 0.0;
+    if (is_back && (instance_trace_flags(id.x) & DOUBLE_SIDED) == 0u) { return none; }
+    if (HAS_CUTOUT && material_alpha_cutoff(instance_material(id.x)) >= 0.0 && !alpha_passes(id.x, id.y, bary)) { return none; }
+    return Hit(met.x, id.x, id.y, bary, 0u);
+}
