@@ -18,6 +18,7 @@ mod includes;
 mod interrupted;
 mod kit;
 mod latency;
+mod methods;
 mod models;
 mod moments;
 mod params;
