@@ -1,6 +1,6 @@
 //! Ray queries: the device's traversal meets what our own does, on adapters that have it.
 
-use std::{fs, path::Path, sync::OnceLock};
+use std::{fs, path::Path, sync::OnceLock, thread, time::Duration};
 
 use reflet::{
     gpu::{Gpu, GpuOptions},
@@ -153,7 +153,7 @@ fn structures_follow_poses_and_settings() {
     let camera = world.cameras[0].value.clone();
     let mut last: Option<Picture> = None;
     for frame in [0, 17] {
-        deform::pose(&desc, &mut world, frame);
+        deform::pose(&desc, &mut world, frame % 40);
         let [a, b] = [&mut software, &mut query].map(|renderer| {
             renderer
                 .update(gpu, &world)
@@ -212,4 +212,36 @@ fn a_device_that_is_lost_before_its_structures_are_built_is_an_error() {
     gpu.device.destroy();
     let error = built(&gpu, Trace::Query).expect_err("the device is lost");
     assert!(matches!(error, RenderError::Gpu(_)), "{error}");
+}
+
+/// Whenever the device is lost while structures are built, and built anew in a pose: an error, or pictures that came
+/// before, and no panic.
+#[test]
+fn a_device_that_is_lost_while_structures_are_built_is_an_error() {
+    let (mut desc, world) = deform::scene();
+    desc.reflection.method = Method::Rt;
+    desc.reflection.trace = Trace::Query;
+    let options = RenderOptions::of(&desc);
+    for delay_ms in [0, 2, 8, 32] {
+        let Some(gpu) = open() else { return };
+        let ended = thread::scope(|scope| {
+            scope.spawn(|| {
+                thread::sleep(Duration::from_millis(delay_ms));
+                gpu.device.destroy();
+            });
+            (0..100).try_for_each(|frame| {
+                let mut world = world.clone();
+                let mut renderer = Renderer::new(&gpu, &shaders(), &world, &options)?;
+                deform::pose(&desc, &mut world, frame % 40);
+                renderer.update(&gpu, &world)?;
+                let camera = &world.cameras[0].value;
+                renderer.picture(&gpu, &world, camera, &[]).map(drop)
+            })
+        });
+        let error = ended.expect_err("the device is lost");
+        assert!(
+            matches!(error, RenderError::Gpu(_)),
+            "{delay_ms} ms: {error}"
+        );
+    }
 }
