@@ -14,7 +14,7 @@ use std::{
 use serde::Serialize;
 
 use args::InfoArgs;
-use maps::{BoxInfo, NearFarInfo, ProbesInfo, box_faces, near_far, probes};
+use maps::{BoxInfo, MapsInfo, NearFarInfo, ProbesInfo};
 use skipped::{SkippedInfo, skipped};
 
 use super::{
@@ -250,6 +250,7 @@ pub fn gather(
     let plan = Plan::of(world, &trees, &layers, &gpu.options);
     let materials = world.materials.iter();
     let cutoff = reflection.reflects_below();
+    let maps = MapsInfo::of(world, &gpu.options, unit_m);
     Ok(Info {
         scene: loaded.name.clone(),
         project: (loaded.project.as_ref()).map(|project| project.file.display().to_string()),
@@ -299,9 +300,9 @@ pub fn gather(
         tree_bytes: (size_of_val(trees.nodes.as_slice())
             + size_of_val(trees.triangles.as_slice())
             + size_of_val(trees.instances.as_slice())) as u64,
-        probes: probes(world, &plan, &gpu.options),
-        box_faces: box_faces(world, reflection, &plan),
-        near_far: near_far(reflection, unit_m, &plan),
+        probes: maps.probes,
+        box_faces: maps.box_faces,
+        near_far: maps.near_far,
         skipped: skipped(loaded, &gpu.options, at)?,
         bounces: plan.bounces,
         decided_software: software.decisions,

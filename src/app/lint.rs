@@ -1,6 +1,7 @@
 //! Lint: likely mistakes in valid scenes. `check` reports them as warnings, each with its place and
 //! what to do.
 
+mod capture;
 mod ignored;
 mod inside;
 mod probe;
@@ -83,6 +84,12 @@ impl<'a> Lint<'a> {
         names
     }
 
+    /// Warnings about what takes much longer than a picture.
+    pub fn slow(scene: &Scene, world: &World) -> Vec<Diagnostic> {
+        let found = capture::slow(scene, world).into_iter();
+        found.map(Diagnostic::warning).collect()
+    }
+
     /// Checks a posed frame; geometry is checked in the first frame only.
     pub fn frame(&mut self, world: &World) {
         self.is_lit |= is_lit(world);
@@ -96,6 +103,7 @@ impl<'a> Lint<'a> {
         self.found.extend(inside::probes(self.scene, world));
         self.found
             .extend(probe::empty(self.scene, world, start(self.scene)));
+        self.found.extend(capture::slow(self.scene, world));
         self.found.extend(shadow::lamps(self.scene, world));
         let is_traced = traces_rays(world, &RenderOptions::of(self.scene));
         self.found
@@ -138,7 +146,7 @@ impl<'a> Lint<'a> {
     /// Error that `render` would report on this machine.
     pub fn refused_here(scene: &Scene, world: &World) -> Option<Diagnostic> {
         let is_traced = traces_rays(world, &RenderOptions::of(scene));
-        size::refused_here(world, is_traced).or_else(|| probe::refused(scene, world, &start(scene)))
+        size::refused_here(world, is_traced).or_else(|| capture::refused(scene, world))
     }
 }
 

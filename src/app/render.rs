@@ -18,7 +18,7 @@ use crate::{
     files::sweep,
     render::aov::Aov,
     runtime::scene_text::LoadedScene,
-    scene::{dependencies::Dependencies, desc::Method},
+    scene::{dependencies::Dependencies, desc::Method, diagnostic::print_diagnostics},
     world::World,
 };
 
@@ -103,9 +103,11 @@ fn check_kind(args: &RenderArgs) -> Result<bool, AppError> {
     Ok(many)
 }
 
-/// Names likely mistakes of a scene, which `check` explains, on standard error.
+/// Names likely mistakes of a scene, which `check` explains, on standard error, and warns of what takes long.
 fn hint_at_mistakes(scene: Option<&Path>, loaded: &LoadedScene) {
-    let names = Lint::names_at_first(&loaded.scene, &loaded.first_frame());
+    let first = &loaded.first_frame();
+    print_diagnostics(&Lint::slow(&loaded.scene, first));
+    let names = Lint::names_at_first(&loaded.scene, first);
     if let (false, Some(path)) = (names.is_empty(), scene) {
         let (path, names) = (path.display(), names.join(", "));
         reflet_base::error_line!(

@@ -102,7 +102,7 @@ impl Looked<'_> {
             return None;
         };
         let settings = &self.settings.probes;
-        let boxes = probe_boxes(self.world, settings).ok()?;
+        let boxes = probe_boxes(self.world, settings, 1.0).ok()?;
         let of = |i: usize| {
             let cause = Cause::from_number(causes[i])?;
             if cause.source(self.settings.method) != Source::Probe {

@@ -4,17 +4,18 @@ use reflet_gpu::{Gpu, GpuError};
 use reflet_world::Light;
 
 use super::{
-    box_faces::{BoxFaces, FacesKey},
-    far_maps::{FarKey, FarMaps},
+    box_faces::BoxFaces,
+    far_maps::FarMaps,
     frame_uniforms::FrameUniforms,
     instrument::Instruments,
     lights::{LightNeeds, ShadowSizes},
+    map_keys::MapKeys,
     options::RenderOptions,
     pass::{Override, Pass},
     pass_builder::PassBuilder,
     passes::{Passes, needed_passes, written_targets},
     plan::Plan,
-    probe_maps::{ProbeKey, ProbeMaps},
+    probe_maps::ProbeMaps,
     ray_list::{ListedParts, RayList},
     resources::Resources,
     scene::GpuScene,
@@ -37,9 +38,7 @@ pub struct BindingKey {
     color: Target,
     audit: bool,
     overrides: Vec<Override>,
-    probes: Option<ProbeKey>,
-    far: Option<FarKey>,
-    faces: Option<FacesKey>,
+    maps: MapKeys,
 }
 
 impl BindingKey {
@@ -49,7 +48,7 @@ impl BindingKey {
         options: &RenderOptions,
         shadows: ShadowSizes,
         passes: &[&'static Pass],
-        (probes, faces): (Option<ProbeKey>, Option<FacesKey>),
+        maps: MapKeys,
     ) -> Self {
         let own = passes.iter().flat_map(|pass| (pass.overrides)(options));
         Self {
@@ -68,9 +67,7 @@ impl BindingKey {
             color: Target::last_color(options.image.samples.count()),
             audit: options.audit,
             overrides: plan.overrides().into_iter().chain(own).collect(),
-            probes,
-            far: (plan.features.near_far).then(|| FarKey::new(&options.reflection)),
-            faces,
+            maps,
         }
     }
 
@@ -152,10 +149,10 @@ impl Bindings {
             None => RayList::new(gpu, key.size, key.lists)?,
         };
         // Maps are captured anew: bindings are made where trees, materials or settings differ.
-        let probes = key.probes.clone();
+        let MapKeys { probes, far, faces } = key.maps.clone();
         let probe_maps = probes.map(|key| ProbeMaps::new(gpu, key)).transpose()?;
-        let far_maps = key.far.map(|key| FarMaps::new(gpu, key)).transpose()?;
-        let box_faces = key.faces.map(|key| BoxFaces::new(gpu, key)).transpose()?;
+        let far_maps = far.map(|key| FarMaps::new(gpu, key)).transpose()?;
+        let box_faces = faces.map(|key| BoxFaces::new(gpu, key)).transpose()?;
         let BindingInputs {
             plan,
             options,

@@ -1,17 +1,18 @@
 //! Buffers on the faces of the box of method `ssr+box`, and their content.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
-
 use glam::Vec3;
 use serde::Serialize;
 
 use reflet_gpu::{Gpu, GpuError, Named};
-use reflet_scene::desc::{BoxFacesDesc, ReflectionDesc};
+use reflet_scene::{
+    desc::{BoxFacesDesc, ReflectionDesc},
+    diagnostic::{Diagnostic, Span},
+};
 use reflet_world::World;
 
 use super::{
+    captured::Captured,
     frame_uniforms::empty_uniform,
-    plan::Plan,
     probe_boxes::still_bounds,
     probe_maps::{HITS, level_view, texture, whole},
     types::FaceBox,
@@ -57,14 +58,35 @@ impl FacesKey {
         }
     }
 
-    /// Key of a frame with this plan; `None` where it has no box.
-    pub fn of(world: &World, plan: &Plan, settings: &ReflectionDesc) -> Option<Self> {
-        (plan.features.box_faces).then(|| Self::new(world, &settings.box_faces))
-    }
-
     /// Size of all faces, bytes.
     pub fn bytes(&self) -> u64 {
-        TEXEL_BYTES * u64::from(FACES) * u64::from(self.face_px).pow(2)
+        TEXEL_BYTES * self.pixels()
+    }
+
+    /// Number of pixels of all faces, each of which a capture follows a ray for.
+    pub fn pixels(&self) -> u64 {
+        u64::from(FACES) * u64::from(self.face_px).pow(2)
+    }
+
+    /// The key itself, if its faces are not too large.
+    ///
+    /// # Errors
+    /// More than `MAX_BYTES`, with the largest width that has no more.
+    pub fn checked(self) -> Result<Self, Box<Diagnostic>> {
+        let (px, bytes) = (self.face_px, self.bytes());
+        if bytes <= MAX_BYTES {
+            return Ok(self);
+        }
+        let most_px = (MAX_BYTES / (TEXEL_BYTES * u64::from(FACES))).isqrt();
+        let message = format!(
+            "a box with faces of {px} pixels takes {} MiB; there is room for {} MiB",
+            bytes >> 20,
+            MAX_BYTES >> 20
+        );
+        let error = Diagnostic::at("box-faces-too-large", Span::default(), message);
+        Err(Box::new(error.help(format!(
+            "write a `face_px` of {most_px} or less in `[box_faces]`"
+        ))))
     }
 }
 
@@ -84,15 +106,6 @@ pub struct FacesStats {
     pub update_ms: f64,
 }
 
-/// State of the buffers.
-#[derive(Debug, Default)]
-struct Content {
-    /// Whether they were captured.
-    is_captured: bool,
-    /// Time of the last capture, milliseconds.
-    capture_ms: f64,
-}
-
 /// The buffers on the faces.
 #[derive(Debug)]
 pub struct BoxFaces {
@@ -101,31 +114,24 @@ pub struct BoxFaces {
     uniform: wgpu::Buffer,
     hits: wgpu::TextureView,
     written: wgpu::TextureView,
-    content: Mutex<Content>,
+    /// Nothing that is on them moves.
+    pub captured_for: Captured<()>,
 }
 
 impl BoxFaces {
     /// Creates empty buffers.
     ///
     /// # Errors
-    /// Faces past the adapter's limits or `MAX_BYTES`, or exhausted memory.
+    /// Faces past the adapter's limits, or exhausted memory.
     pub fn new(gpu: &Gpu, key: FacesKey) -> Result<Self, GpuError> {
         let px = key.face_px;
         gpu.check_texture_size("a face of the box", px, px)?;
-        if key.bytes() > MAX_BYTES {
-            return Err(GpuError::Limit {
-                what: format!("a box with faces of {px} pixels (`box_faces.face_px`)"),
-                wanted: key.bytes(),
-                limit: MAX_BYTES,
-                unit: "bytes",
-            });
-        }
         let hits = texture(gpu, "box faces", HITS, (px, FACES), 1)?;
         Ok(Self {
             uniform: empty_uniform(gpu, "face box", size_of::<FaceBox>()),
             hits: whole(&hits, wgpu::TextureViewDimension::D2Array),
             written: level_view(&hits, 0),
-            content: Mutex::default(),
+            captured_for: Captured::default(),
             key,
         })
     }
@@ -143,27 +149,13 @@ impl BoxFaces {
         wgpu::BindingResource::TextureView(&self.written)
     }
 
-    fn content(&self) -> MutexGuard<'_, Content> {
-        self.content.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Makes the next picture capture the faces.
-    pub fn forget(&self) {
-        self.content().is_captured = false;
-    }
-
-    /// Keeps the time of a capture.
-    pub fn set_capture_ms(&self, ms: f64) {
-        self.content().capture_ms = ms;
-    }
-
     /// Statistics, with meters of the scene in a length of one, after a picture that captured for this time.
     pub fn stats(&self, meters: f32, update_ms: f64) -> FacesStats {
         FacesStats {
             size_m: (self.key.size * meters).to_array(),
             face_px: self.key.face_px,
             bytes: self.key.bytes(),
-            capture_ms: self.content().capture_ms,
+            capture_ms: self.captured_for.ms(),
             update_ms,
         }
     }
@@ -178,6 +170,6 @@ impl BoxFaces {
         };
         gpu.queue
             .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&face_box));
-        !std::mem::replace(&mut self.content().is_captured, true)
+        self.captured_for.replace(())
     }
 }

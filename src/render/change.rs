@@ -9,12 +9,13 @@ use super::{
     decide::needs_trees,
     error::RenderError,
     lights::ShadowSizes,
+    map_keys::MapKeys,
     options::RenderOptions,
     passes::needed_passes,
     plan::{Plan, may_meet_culled},
     rebuild_summary::RebuildSummary,
     relative::Coordinates,
-    renderer::{Renderer, build_trees, check_posed, decided_with, map_keys, top_level, variant},
+    renderer::{Renderer, build_trees, check_posed, decided_with, top_level, variant},
     shaders::Shaders,
     skip::Skipping,
     trace_choice::with_trace,
@@ -97,8 +98,8 @@ impl Renderer {
         let needed = needed_passes(&plan, options);
         let shaders = Shaders::new(gpu, library, variant(gpu, &plan, scene), &needed)?;
         let maps = ShadowSizes::of(&world.lights, options);
-        let probes = map_keys(world, &plan, options)?;
-        let key = BindingKey::new(&plan, options, maps, &needed, probes);
+        let captured = MapKeys::of(world, options, self.coordinates.meters())?;
+        let key = BindingKey::new(&plan, options, maps, &needed, captured);
         check_posed(shown, &world_key, &key, options)?;
         rebuilt.passes = rebuilt.materials
             || key != self.bindings.key

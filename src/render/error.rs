@@ -3,7 +3,7 @@
 use std::{fmt, path::Path};
 
 use reflet_gpu::GpuError;
-use reflet_scene::diagnostic::Diagnostic;
+use reflet_scene::{desc::SceneDesc, diagnostic::Diagnostic};
 
 /// Render errors.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,6 +15,14 @@ pub enum RenderError {
 }
 
 impl RenderError {
+    /// The error with its place in the text of the scene, if it is about a setting of it.
+    pub fn located(self, scene: &SceneDesc) -> Self {
+        match self {
+            Self::Scene(error) => Self::Scene(Box::new(scene.located(*error))),
+            Self::Gpu(error) => Self::Gpu(error),
+        }
+    }
+
     /// Converts to scene diagnostics.
     pub fn into_diagnostics(self) -> Vec<Diagnostic> {
         match self {

@@ -1,7 +1,5 @@
 //! Maps of what lies behind the box of method `near-far`, and their content.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
-
 use glam::Vec3;
 use serde::Serialize;
 
@@ -10,6 +8,7 @@ use reflet_scene::desc::ReflectionDesc;
 use reflet_world::World;
 
 use super::{
+    captured::Captured,
     frame_uniforms::empty_uniform,
     probe_maps::{HITS, level_view, texture, whole},
     types::FarBox,
@@ -41,7 +40,12 @@ impl FarKey {
 
     /// Size of all maps, bytes.
     pub fn bytes(&self) -> u64 {
-        TEXEL_BYTES * u64::from(FACES * self.layers) * u64::from(self.face_px).pow(2)
+        TEXEL_BYTES * self.pixels()
+    }
+
+    /// Number of pixels of all maps, each of which a capture follows a ray for.
+    pub fn pixels(&self) -> u64 {
+        u64::from(FACES * self.layers) * u64::from(self.face_px).pow(2)
     }
 }
 
@@ -64,15 +68,6 @@ pub struct FarStats {
     pub update_ms: f64,
 }
 
-/// Content of the maps, and the time that it took.
-#[derive(Debug, Default)]
-struct Content {
-    /// Place, box and pose that the maps show; `None` where they must be captured.
-    shown: Option<([u32; 5], PoseKey)>,
-    /// Time of the last capture, milliseconds.
-    capture_ms: f64,
-}
-
 /// The maps of a frame.
 #[derive(Debug)]
 pub struct FarMaps {
@@ -81,7 +76,8 @@ pub struct FarMaps {
     uniform: wgpu::Buffer,
     hits: wgpu::TextureView,
     written: wgpu::TextureView,
-    content: Mutex<Content>,
+    /// Place, box and pose that the maps show.
+    pub captured_for: Captured<([u32; 5], PoseKey)>,
 }
 
 impl FarMaps {
@@ -96,7 +92,7 @@ impl FarMaps {
             uniform: empty_uniform(gpu, "far box", size_of::<FarBox>()),
             hits: whole(&hits, wgpu::TextureViewDimension::D2Array),
             written: level_view(&hits, 0),
-            content: Mutex::default(),
+            captured_for: Captured::default(),
             key,
         })
     }
@@ -114,20 +110,6 @@ impl FarMaps {
         wgpu::BindingResource::TextureView(&self.written)
     }
 
-    fn content(&self) -> MutexGuard<'_, Content> {
-        self.content.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Makes the next picture capture the maps.
-    pub fn forget(&self) {
-        self.content().shown = None;
-    }
-
-    /// Keeps the time of a capture.
-    pub fn set_capture_ms(&self, ms: f64) {
-        self.content().capture_ms = ms;
-    }
-
     /// Statistics, with half the size of the box in meters, after a picture that captured for this time.
     pub fn stats(&self, half_size_m: f32, update_ms: f64) -> FarStats {
         FarStats {
@@ -135,7 +117,7 @@ impl FarMaps {
             face_px: self.key.face_px,
             layers: self.key.layers,
             bytes: self.key.bytes(),
-            capture_ms: self.content().capture_ms,
+            capture_ms: self.captured_for.ms(),
             update_ms,
         }
     }
@@ -162,10 +144,6 @@ impl FarMaps {
             .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&far_box));
         let [x, y, z] = far_box.eye;
         let place = [x, y, z, far_box.half_size_m, far_box.separation_m].map(f32::to_bits);
-        let shown = Some((place, PoseKey::of(world)));
-        let mut content = self.content();
-        let differs = content.shown != shown;
-        content.shown = shown;
-        differs
+        self.captured_for.replace((place, PoseKey::of(world)))
     }
 }

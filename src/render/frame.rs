@@ -127,13 +127,13 @@ impl Renderer {
     /// Makes the next picture capture all maps of probes, of far things and of the box, also where nothing that they see has changed.
     pub fn recapture_probes(&self) {
         if let Some(maps) = &self.bindings.probe_maps {
-            maps.forget();
+            maps.captured_for.forget();
         }
         if let Some(maps) = &self.bindings.far_maps {
-            maps.forget();
+            maps.captured_for.forget();
         }
         if let Some(faces) = &self.bindings.box_faces {
-            faces.forget();
+            faces.captured_for.forget();
         }
     }
 
@@ -237,15 +237,15 @@ impl Renderer {
         let (times, captured) = without_capture(times);
         let maps = self.bindings.probe_maps.as_ref();
         if let (Some(maps), true) = (maps, captured.cost_ms > 0.0) {
-            maps.set_capture_ms(captured.cost_ms);
+            maps.captured_for.set_ms(captured.cost_ms);
         }
         let far = self.bindings.far_maps.as_ref();
         if let (Some(far), true) = (far, captured.cost_ms > 0.0) {
-            far.set_capture_ms(captured.cost_ms);
+            far.captured_for.set_ms(captured.cost_ms);
         }
         let faces = self.bindings.box_faces.as_ref();
         if let (Some(faces), true) = (faces, captured.cost_ms > 0.0) {
-            faces.set_capture_ms(captured.cost_ms);
+            faces.captured_for.set_ms(captured.cost_ms);
         }
         let mut bytes: Vec<(String, u64)> = Vec::new();
         let named = |(name, size): (&str, u64)| (name.to_owned(), size);

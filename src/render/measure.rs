@@ -35,7 +35,7 @@ impl Renderer {
         gpu.wait()?;
         self.redraw_shadows();
         if let Some(maps) = &self.bindings.far_maps {
-            maps.forget();
+            maps.captured_for.forget();
         }
         Ok(())
     }

@@ -139,6 +139,27 @@ pub fn has_second_layer(world: &World, options: &RenderOptions) -> bool {
         && (options.general || reflects(world, options.reflection.reflects_below()))
 }
 
+/// Whether something reflects, in frames of methods that `finds` chooses.
+fn reflects_by(world: &World, options: &RenderOptions, finds: fn(Method) -> bool) -> bool {
+    finds(options.reflection.method)
+        && (options.general || reflects(world, options.reflection.reflects_below()))
+}
+
+/// Whether reflections are looked up in probes.
+pub fn has_probes(world: &World, options: &RenderOptions) -> bool {
+    reflects_by(world, options, Method::looks_up)
+}
+
+/// Whether rays are traced near the camera only, and marched through maps of what lies beyond.
+pub fn has_far_maps(world: &World, options: &RenderOptions) -> bool {
+    reflects_by(world, options, |method| method == Method::NearFar)
+}
+
+/// Whether rays march through what the faces of a box see.
+pub fn has_box(world: &World, options: &RenderOptions) -> bool {
+    reflects_by(world, options, |method| method == Method::SsrBox)
+}
+
 /// Whether only some reflection rays are traced at first. In fog, each collects the light along its own way, and where
 /// pixels show different moments, no neighbors agree.
 pub fn is_undersampled(world: &World, options: &RenderOptions) -> bool {

@@ -1,6 +1,6 @@
 //! Places and boxes of the probes of a world: those of its text, those of a grid, or one in the middle.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use reflet_base::math::Bounds;
 use reflet_scene::{
@@ -41,11 +41,15 @@ pub(super) fn still_bounds(world: &World) -> Bounds {
 }
 
 /// The probes of a world in these settings, 1 to [`MOST_PROBES`]: those of its text and of the grid, or one in the
-/// middle of what never moves.
+/// middle of what never moves. A length of one is `meters` of the scene.
 ///
 /// # Errors
 /// More than [`MOST_PROBES`], with the least spacing of a grid that has no more.
-pub fn probe_boxes(world: &World, settings: &ProbesDesc) -> Result<Vec<ProbeBox>, Box<Diagnostic>> {
+pub fn probe_boxes(
+    world: &World,
+    settings: &ProbesDesc,
+    meters: f32,
+) -> Result<Vec<ProbeBox>, Box<Diagnostic>> {
     let still = still_bounds(world);
     let mut boxes: Vec<ProbeBox> = world.probes.iter().map(|e| placed(e, still)).collect();
     if let Some(spacing_m) = settings.spacing_m {
@@ -53,7 +57,8 @@ pub fn probe_boxes(world: &World, settings: &ProbesDesc) -> Result<Vec<ProbeBox>
         let counts = grid_counts(still, spacing_m);
         let total: f64 = counts.iter().product();
         if total > room as f64 {
-            return Err(too_many(still, total, room));
+            let size_m = (still.max - still.min).as_dvec3() * f64::from(meters);
+            return Err(too_many(size_m, total, room));
         }
         boxes.extend(grid(still, counts.map(|count| count as u32)));
     }
@@ -98,17 +103,16 @@ fn grid(still: Bounds, counts: [u32; 3]) -> impl Iterator<Item = ProbeBox> {
     })
 }
 
-fn too_many(still: Bounds, total: f64, room: usize) -> Box<Diagnostic> {
+fn too_many(size_m: DVec3, total: f64, room: usize) -> Box<Diagnostic> {
     let message = format!("the grid of `[probes]` has {total:.0} probes; there is room for {room}");
     let error = Diagnostic::at("too-many-probes", Span::default(), message);
-    let size = (still.max - still.min).as_dvec3();
     let fits = |spacing_m: f64| {
-        let counts = (size / spacing_m)
+        let counts = (size_m / spacing_m)
             .to_array()
             .map(|count| count.ceil().max(1.0));
         counts.iter().product::<f64>() <= room as f64
     };
-    let (mut low, mut high) = (0.0, size.max_element().max(f64::MIN_POSITIVE));
+    let (mut low, mut high) = (0.0, size_m.max_element().max(f64::MIN_POSITIVE));
     if room == 0 || !fits(high) {
         return Box::new(error.help("leave out `spacing_m`, or some of the `[probe.NAME]`"));
     }
@@ -120,9 +124,17 @@ fn too_many(still: Bounds, total: f64, room: usize) -> Box<Diagnostic> {
         }
     }
     Box::new(error.help(format!(
-        "write a `spacing_m` of {:.3} or more",
-        1.001 * high
+        "write a `spacing_m` of {} or more",
+        rounded_up(high)
     )))
+}
+
+/// A length of three digits, a little larger than this one.
+fn rounded_up(length_m: f64) -> f64 {
+    let step = 10_f64.powf(length_m.log10().floor() - 2.0);
+    let rounded = (length_m / step * 1.001).ceil() * step;
+    // Without the digits of a rounding error.
+    format!("{rounded:.2e}").parse().unwrap_or(rounded)
 }
 
 #[cfg(test)]
@@ -174,7 +186,8 @@ mod tests {
     fn a_grid_of_too_many_probes_says_which_spacing_fits() {
         let still = bounds(Vec3::new(100.0, 10.0, 50.0));
         let counts = grid_counts(still, 2.0);
-        let error = too_many(still, counts.iter().product(), MOST_PROBES);
+        let size_m = (still.max - still.min).as_dvec3();
+        let error = too_many(size_m, counts.iter().product(), MOST_PROBES);
         assert!(
             error.message.contains("6250 probes; there is room for 42"),
             "{}",

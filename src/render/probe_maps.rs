@@ -1,92 +1,27 @@
 //! The cube maps of probes, and what they hold.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
-
 use serde::Serialize;
 
 use reflet_gpu::{Gpu, GpuError, Named};
-use reflet_scene::desc::ProbesDesc;
 use reflet_world::World;
 
 use super::{
+    captured::Captured,
     fog::GpuFog,
     frame_uniforms::{FrameUniforms, uniform},
     lights::LightBlock,
     probe_boxes::MOST_PROBES,
+    probe_key::ProbeKey,
     probe_light::{by_rays, hash_of_light},
-    types::{Frame, ProbeBox, Sampling},
+    types::{Frame, Sampling},
 };
 
 /// Format of the maps' radiance.
 const RADIANCE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 /// Format of the maps' hits.
 pub const HITS: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
-/// Maximum size of all maps, bytes.
-const MAX_MAP_BYTES: u64 = 2 << 30;
-/// Width of the faces of the last level, that of the roughest reflections, pixels.
-const LAST_LEVEL_PX: u32 = 4;
 /// Maximum length of the rays of a capture, in the renderer's lengths.
 const REACH_M: f32 = 1e12;
-
-/// Values for which maps are made; where they differ, maps are made and captured anew.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ProbeKey {
-    /// The probes.
-    pub boxes: Vec<ProbeBox>,
-    /// Width of the faces, pixels.
-    pub face_px: u32,
-    /// Number of samples per pixel.
-    pub samples: u32,
-    /// Whether the maps have levels for rough reflections.
-    pub has_levels: bool,
-    /// Whether the maps have hits behind panes.
-    pub has_panes: bool,
-}
-
-impl ProbeKey {
-    /// Key of these probes.
-    pub fn new(
-        boxes: Vec<ProbeBox>,
-        settings: &ProbesDesc,
-        has_levels: bool,
-        has_panes: bool,
-    ) -> Self {
-        Self {
-            boxes,
-            face_px: settings.face_px,
-            samples: settings.samples,
-            has_levels,
-            has_panes,
-        }
-    }
-
-    /// Number of levels of the maps, each half as wide as the one before.
-    pub fn levels(&self) -> u32 {
-        let halvings = (self.face_px / LAST_LEVEL_PX).max(1).ilog2();
-        1 + if self.has_levels { halvings.max(1) } else { 0 }
-    }
-
-    /// Width of the faces of a level, pixels.
-    pub fn level_px(&self, level: u32) -> u32 {
-        (self.face_px >> level).max(1)
-    }
-
-    /// Size of all maps, bytes.
-    pub fn bytes(&self) -> u64 {
-        let texels = |levels: u32| -> u64 {
-            let of = |level| u64::from(self.level_px(level)).pow(2);
-            u64::from(self.layers()) * (0..levels).map(of).sum::<u64>()
-        };
-        let copies = if self.has_levels { 2 } else { 1 };
-        let hits = if self.has_panes { 2 } else { 1 };
-        8 * copies * texels(self.levels()) + 16 * hits * texels(1)
-    }
-
-    /// Number of faces of all maps.
-    pub fn layers(&self) -> u32 {
-        6 * self.boxes.len() as u32
-    }
-}
 
 /// Size of the maps of a scene, and the time that they took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -102,15 +37,6 @@ pub struct ProbeStats {
     pub capture_ms: f64,
     /// The same, where this picture captured the maps anew; 0 where it took those of an earlier one.
     pub update_ms: f64,
-}
-
-/// State of the maps: their content, and the time that it took.
-#[derive(Debug, Default)]
-struct Content {
-    /// Hash of everything that the maps depend on; `None` where they must be captured.
-    hash: Option<u64>,
-    /// Time of the last capture, milliseconds.
-    capture_ms: f64,
 }
 
 /// The maps of all probes.
@@ -135,29 +61,19 @@ pub struct ProbeMaps {
     radiance: wgpu::TextureView,
     hits_view: wgpu::TextureView,
     panes_view: Option<wgpu::TextureView>,
-    content: Mutex<Content>,
+    /// Hash of everything that the maps depend on.
+    pub captured_for: Captured<u64>,
 }
 
 impl ProbeMaps {
     /// Creates empty maps.
     ///
     /// # Errors
-    /// Maps past the adapter's limits, or of more memory than `MAX_MAP_BYTES`.
+    /// Maps past the adapter's limits, or exhausted memory.
     pub fn new(gpu: &Gpu, key: ProbeKey) -> Result<Self, GpuError> {
         let (px, levels) = (key.face_px, key.levels());
         gpu.check_texture_size("a face of a probe", px, px)?;
         let bytes = key.bytes();
-        if bytes > MAX_MAP_BYTES {
-            return Err(GpuError::Limit {
-                what: format!(
-                    "{} probes with faces of {px} pixels (`probes.face_px`)",
-                    key.boxes.len()
-                ),
-                wanted: bytes,
-                limit: MAX_MAP_BYTES,
-                unit: "bytes",
-            });
-        }
         let mut boxes = key.boxes.clone();
         boxes.resize(MOST_PROBES, bytemuck::Zeroable::zeroed());
         let faces = (px, key.layers());
@@ -191,7 +107,7 @@ impl ProbeMaps {
             filtered,
             hits,
             panes,
-            content: Mutex::default(),
+            captured_for: Captured::default(),
             key,
         })
     }
@@ -254,27 +170,13 @@ impl ProbeMaps {
         encoder.copy_texture_to_texture(from, to, size);
     }
 
-    fn content(&self) -> MutexGuard<'_, Content> {
-        self.content.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Makes the next picture capture all maps.
-    pub fn forget(&self) {
-        self.content().hash = None;
-    }
-
-    /// Keeps the time of a capture.
-    pub fn set_capture_ms(&self, ms: f64) {
-        self.content().capture_ms = ms;
-    }
-
     /// Statistics, after a picture that captured for this time.
     pub fn stats(&self, update_ms: f64) -> ProbeStats {
         ProbeStats {
             probes: self.key.boxes.len() as u32,
             face_px: self.key.face_px,
             bytes: self.bytes,
-            capture_ms: self.content().capture_ms,
+            capture_ms: self.captured_for.ms(),
             update_ms,
         }
     }
@@ -295,18 +197,10 @@ impl ProbeMaps {
             ..*sampling
         };
         let fog = GpuFog::of(world);
-        let hash = Some(hash_of_light(
-            world,
-            &frame,
-            &lights,
-            &sampling,
-            fog.as_ref(),
-        ));
-        let mut content = self.content();
-        if content.hash == hash {
+        let hash = hash_of_light(world, &frame, &lights, &sampling, fog.as_ref());
+        if !self.captured_for.replace(hash) {
             return false;
         }
-        content.hash = hash;
         self.uniforms.set(gpu, &frame, &lights, &sampling);
         if let Some(fog) = &fog {
             self.uniforms.set_fog(gpu, fog);

@@ -12,7 +12,6 @@ use reflet_world::{
 
 use super::{
     bindings::{BindingInputs, BindingKey, Bindings},
-    box_faces::FacesKey,
     chunks::largest_tree_array,
     decide::{Decided, Decision, decide, needs_trees},
     error::RenderError,
@@ -20,12 +19,11 @@ use super::{
     frame_uniforms::FrameUniforms,
     geometry::geometry_bytes,
     lights::ShadowSizes,
+    map_keys::MapKeys,
     options::RenderOptions,
     pass_builder::PassBuilder,
-    passes::{capture, needed_passes},
+    passes::needed_passes,
     plan::{Plan, may_meet_culled},
-    probe_boxes::probe_boxes,
-    probe_maps::ProbeKey,
     relative::Coordinates,
     resources::Resources,
     scene::GpuScene,
@@ -118,7 +116,7 @@ impl Renderer {
             options,
             ShadowSizes::of(&world.lights, options),
             &needed,
-            map_keys(world, &plan, options)?,
+            MapKeys::of(world, options, coordinates.meters())?,
         );
         let inputs = BindingInputs {
             plan: &plan,
@@ -326,30 +324,6 @@ pub(super) fn decided_with(
 pub(super) fn top_level(trees: &Trees, world: &World) -> Result<Option<TopLevel>, RenderError> {
     let top = (!trees.top_instances.is_empty()).then(|| trees.top_level(world));
     Ok(top.transpose()?)
-}
-
-/// Keys of the maps of probes and of the faces of the box of a frame; `None` where it has none.
-///
-/// # Errors
-/// Too many probes.
-pub(super) fn map_keys(
-    world: &World,
-    plan: &Plan,
-    options: &RenderOptions,
-) -> Result<(Option<ProbeKey>, Option<FacesKey>), RenderError> {
-    let faces = FacesKey::of(world, plan, &options.reflection);
-    if !plan.features.probes {
-        return Ok((None, faces));
-    }
-    let settings = &options.reflection.probes;
-    let boxes = probe_boxes(world, settings)?;
-    let probes = ProbeKey::new(
-        boxes,
-        settings,
-        capture::has_levels(plan),
-        plan.features.probe_panes,
-    );
-    Ok((Some(probes), faces))
 }
 
 /// The shader files of a plan over a scene.

@@ -22,6 +22,12 @@ pub fn with_trace(
     Ok((options, why))
 }
 
+/// Error that a device reports about the way in which a scene asks to follow rays, if it refuses that.
+pub fn refused_trace(gpu: &Gpu, asked: Trace) -> Option<Diagnostic> {
+    let lacks = asked == Trace::Query && !gpu.has_ray_queries();
+    lacks.then(|| without_queries(gpu))
+}
+
 /// Way to follow the rays, `query` or `software`, and why, if that was left to `auto`.
 fn settled_trace(gpu: &Gpu, asked: Trace) -> Result<(Trace, Option<Decision>), RenderError> {
     let choice = |trace, chosen: &str, why: &str| {
@@ -32,10 +38,11 @@ fn settled_trace(gpu: &Gpu, asked: Trace) -> Result<(Trace, Option<Decision>), R
         };
         Ok((trace, Some(decision)))
     };
+    if let Some(refused) = refused_trace(gpu, asked) {
+        return Err(RenderError::Scene(Box::new(refused)));
+    }
     match asked {
-        Trace::Software => Ok((asked, None)),
-        Trace::Query if gpu.has_ray_queries() => Ok((asked, None)),
-        Trace::Query => Err(RenderError::Scene(Box::new(without_queries(gpu)))),
+        Trace::Software | Trace::Query => Ok((asked, None)),
         Trace::Auto if !gpu.has_ray_queries() => choice(
             Trace::Software,
             "software",

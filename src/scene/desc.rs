@@ -13,6 +13,7 @@ mod environment;
 mod hierarchy;
 mod image;
 mod include;
+mod late;
 mod light;
 mod light_group;
 mod material;
@@ -45,6 +46,7 @@ pub use self::{
     hierarchy::{GroupDesc, Parents, PlacedSceneDesc, ShownDesc},
     image::{ErrorBound, Exposure, ImageDesc, Radiance, Samples, ToneMap, Visibility},
     include::Include,
+    late::{LATE_SETTINGS, LateSetting},
     light::{LIGHT, LightDesc, LightKind, LightMotionDesc, ShadowMode},
     light_group::LightGroup,
     material::{
@@ -188,6 +190,8 @@ pub struct SceneDesc {
     pub placed_params: Vec<(String, Vec<Entry<ParamValue>>)>,
     /// Names of the cameras that placed scenes define.
     pub placed_cameras: HashSet<String>,
+    /// Places of those of [`LATE_SETTINGS`] that are written.
+    pub late: Vec<LateSetting>,
 }
 
 /// `[model.NAME]`: exactly one of `file` and `shape`.

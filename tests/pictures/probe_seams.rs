@@ -93,7 +93,7 @@ fn the_cpu_chooses_the_probes_that_the_look_up_shows() {
         let picture = render(gpu, PANELS, &set, &[]);
         let (desc, world) = scene(PANELS, &set);
         let settings = RenderOptions::of(&desc).reflection.probes;
-        let boxes = probe_boxes(&world, &settings).expect("three boxes");
+        let boxes = probe_boxes(&world, &settings, 1.0).expect("three boxes");
         let mut blended = 0;
         for (x, y) in (0..36).flat_map(|y| (0..64).map(move |x| (x, y))) {
             // A pixel is 1 / 9 m wide; the picture's lower edge is nearer to the reader, at larger z.

@@ -3,11 +3,7 @@
 use serde::Serialize;
 
 use crate::{
-    render::{
-        RenderOptions, box_faces::FacesKey, far_maps::FarKey, passes::capture, plan::Plan,
-        probe_boxes::probe_boxes, probe_maps::ProbeKey,
-    },
-    scene::desc::ReflectionDesc,
+    render::{RenderOptions, map_keys::MapKeys},
     world::World,
 };
 
@@ -46,40 +42,41 @@ pub struct NearFarInfo {
     pub bytes: u64,
 }
 
-/// Probes of a frame with this plan; `None` where it has none, or too many.
-pub fn probes(world: &World, plan: &Plan, options: &RenderOptions) -> Option<ProbesInfo> {
-    let settings = &options.reflection.probes;
-    let boxes = (plan.features.probes).then(|| probe_boxes(world, settings).ok());
-    let key = ProbeKey::new(
-        boxes.flatten()?,
-        settings,
-        capture::has_levels(plan),
-        plan.features.probe_panes,
-    );
-    Some(ProbesInfo {
-        count: key.boxes.len(),
-        face_px: key.face_px,
-        bytes: key.bytes(),
-    })
+/// Maps that a frame captures; `None` where it has none of a kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MapsInfo {
+    /// Probes.
+    pub probes: Option<ProbesInfo>,
+    /// Box and buffers on its faces.
+    pub box_faces: Option<BoxInfo>,
+    /// Box and maps of what is far.
+    pub near_far: Option<NearFarInfo>,
 }
 
-/// Box and buffers of a frame with this plan; `None` where it has none.
-pub fn box_faces(world: &World, settings: &ReflectionDesc, plan: &Plan) -> Option<BoxInfo> {
-    let key = FacesKey::of(world, plan, settings)?;
-    Some(BoxInfo {
-        box_min: key.low.to_array(),
-        box_max: (key.low + key.size).to_array(),
-        face_px: key.face_px,
-        bytes: key.bytes(),
-    })
-}
-
-/// Box and maps of a frame with this plan; `None` where it has none.
-pub fn near_far(settings: &ReflectionDesc, unit_m: f32, plan: &Plan) -> Option<NearFarInfo> {
-    let key = FarKey::new(settings);
-    (plan.features.near_far).then(|| NearFarInfo {
-        half_size_m: settings.near_far.half_size_in(unit_m),
-        face_px: key.face_px,
-        bytes: key.bytes(),
-    })
+impl MapsInfo {
+    /// Maps of a world of this unit in these options; none where they are refused.
+    pub fn of(world: &World, options: &RenderOptions, unit_m: f32) -> Self {
+        let Ok(MapKeys { probes, far, faces }) = MapKeys::of(world, options, 1.0) else {
+            return Self::default();
+        };
+        let near_far = options.reflection.near_far;
+        Self {
+            probes: probes.map(|key| ProbesInfo {
+                count: key.boxes.len(),
+                face_px: key.face_px,
+                bytes: key.bytes(),
+            }),
+            box_faces: faces.map(|key| BoxInfo {
+                box_min: key.low.to_array(),
+                box_max: (key.low + key.size).to_array(),
+                face_px: key.face_px,
+                bytes: key.bytes(),
+            }),
+            near_far: far.map(|key| NearFarInfo {
+                half_size_m: near_far.half_size_in(unit_m),
+                face_px: key.face_px,
+                bytes: key.bytes(),
+            }),
+        }
+    }
 }

@@ -1,8 +1,7 @@
 //! Probes that see little: inside of a closed shape, close before a surface, or where nothing is static.
 
-use super::ignored::written;
 use crate::{
-    render::{lights::CUBE_FACES, probe_boxes::probe_boxes},
+    render::lights::CUBE_FACES,
     scene::{
         desc::Method,
         diagnostic::{Diagnostic, Span},
@@ -16,21 +15,6 @@ use crate::{
 
 /// Distance of a surface that fills most of a probe's face, U.
 const CLOSE_U: f32 = 0.01;
-
-/// Error that a renderer would report about the number of probes, where the scene's method looks reflections up, at the
-/// grid's spacing; `start` is a span in the scene's text.
-pub fn refused(scene: &Scene, world: &World, start: &Span) -> Option<Diagnostic> {
-    let reflection = &scene.reflection;
-    let wanted = reflection.method.looks_up();
-    let found = wanted.then(|| probe_boxes(world, &reflection.probes).err());
-    found.flatten().map(|error| {
-        let at = written(start, "probes", &["spacing_m"]).into_iter().next();
-        Diagnostic {
-            span: at.map_or(Span::default(), |(at, _)| at),
-            ..*error
-        }
-    })
-}
 
 /// Warning about a scene without anything that its probes, or the faces of its box, could see.
 pub fn empty(scene: &Scene, world: &World, at: Span) -> Option<Diagnostic> {

@@ -7,7 +7,7 @@ use crate::{
     gpu_struct::gpu_struct,
     pass::{ComputePass, Pass, PassGroup},
     pass_builder::PassBuilder,
-    probe_maps::ProbeKey,
+    probe_key::ProbeKey,
     shared_data::SharedData,
     sub_frame::SubFrame,
 };

@@ -1,12 +1,12 @@
 //! The table of features: what of a frame is left out where a scene does not need it. A new feature is a row here and
 //! the code in the shaders that its constant or its files switch.
 
-use reflet_scene::desc::{Method, PatternKind, SelectBy, Trace};
+use reflet_scene::desc::{PatternKind, SelectBy, Trace};
 
 use super::{
     environment_casts_rays,
     feature_table::{Dropped, FeatureRow, FileChoice, features},
-    has_second_layer, is_undersampled, may_meet_culled,
+    has_box, has_far_maps, has_probes, has_second_layer, is_undersampled, may_meet_culled,
     planned_scene::PlannedScene,
     reflects, reflects_roughly, scatters, traces_rays,
     uses::{has_coat_normals, passes_light, scatters_twice},
@@ -207,18 +207,15 @@ features! {
     }
     /// Whether reflections are looked up in probes.
     probes {
-        used: scene.options.reflection.method.looks_up()
-            && (scene.is_general() || reflects(scene.world, scene.cutoff())),
+        used: has_probes(scene.world, scene.options),
     }
     /// Whether rays are traced near the camera only, and marched through maps of what lies beyond.
     near_far {
-        used: scene.options.reflection.method == Method::NearFar
-            && (scene.is_general() || reflects(scene.world, scene.cutoff())),
+        used: has_far_maps(scene.world, scene.options),
     }
     /// Whether rays march through what the faces of a box see.
     box_faces {
-        used: scene.options.reflection.method == Method::SsrBox
-            && (scene.is_general() || reflects(scene.world, scene.cutoff())),
+        used: has_box(scene.world, scene.options),
         files: map [far, box];
     }
     /// Whether reflection rays march through maps.

@@ -88,7 +88,8 @@ impl Session {
         let renderer = match &coarse {
             Some(coarse) => RendererStage::new(&gpu, &library, coarse, &coarse::options(options)),
             None => RendererStage::new(&gpu, &library, poses(&loaded, &first), &options),
-        }?;
+        };
+        let renderer = renderer.map_err(|error| error.located(&loaded.scene))?;
         Ok(Self {
             gpu,
             source,
@@ -143,7 +144,9 @@ impl Session {
     ) -> Result<Self, RenderError> {
         let first = (!loaded.scene.is_still()).then(|| loaded.first_frame().into_owned());
         let options = view.options(&loaded);
-        let renderer = RendererStage::new(&gpu, &library, poses(&loaded, &first).first, &options)?;
+        let world = poses(&loaded, &first).first;
+        let renderer = RendererStage::new(&gpu, &library, world, &options)
+            .map_err(|error| error.located(&loaded.scene))?;
         Ok(Self {
             gpu,
             source,
@@ -204,7 +207,9 @@ impl Session {
         accept(&self.view, &loaded)?;
         let options = self.view.options(&loaded);
         let poses = poses(&loaded, &first);
-        let rebuilt = (self.renderer).show(&self.gpu, &self.library, poses, &options)?;
+        let rebuilt = (self.renderer)
+            .show(&self.gpu, &self.library, poses, &options)
+            .map_err(|error| error.located(&loaded.scene))?;
         // No step below this line can fail.
         if assets.is_some() {
             self.assets = assets;
@@ -276,7 +281,9 @@ impl Session {
                 Some(coarse) => coarse.into(),
                 None => poses(&self.loaded, &self.first),
             };
-            (self.renderer).show(&self.gpu, &self.library, poses, &asked)?;
+            (self.renderer)
+                .show(&self.gpu, &self.library, poses, &asked)
+                .map_err(|error| error.located(&self.loaded.scene))?;
         }
         self.view = view;
         Ok(())
@@ -300,7 +307,9 @@ impl Session {
     pub(super) fn refresh(&mut self) -> Result<RebuildSummary, RenderError> {
         let options = self.view.options(&self.loaded);
         let poses = poses(&self.loaded, &self.first);
-        let rebuilt = (self.renderer).show(&self.gpu, &self.library, poses, &options)?;
+        let rebuilt = (self.renderer)
+            .show(&self.gpu, &self.library, poses, &options)
+            .map_err(|error| error.located(&self.loaded.scene))?;
         self.coarse = None;
         Ok(rebuilt)
     }

@@ -55,6 +55,7 @@ impl Section for SceneDesc {
             motion: t.table("motion").unwrap_or_default(),
             params: t.params("params"),
             variants: t.changes("variant"),
+            late: late_settings(t),
             ..Self::default()
         };
         if let Some(film) = t.table::<timeline::Film>("timeline") {
@@ -92,6 +93,15 @@ fn reflection(t: &mut Table) -> ReflectionDesc {
         box_faces: t.table("box_faces").unwrap_or_default(),
         ..reflection
     }
+}
+
+/// Places of settings that a later stage may refuse.
+fn late_settings(t: &Table) -> Vec<LateSetting> {
+    let place = |key: [&'static str; 2]| {
+        let at = t.written_in(key[0], key[1])?;
+        Some(LateSetting { key, at })
+    };
+    LATE_SETTINGS.into_iter().filter_map(place).collect()
 }
 
 impl Section for CameraDesc {

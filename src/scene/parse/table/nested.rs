@@ -5,7 +5,7 @@ use serde_json::json;
 use super::{Place, Section, Table};
 use crate::syntax::{Content, Key, Node};
 use crate::{
-    desc::{At, Entry, ParamValue},
+    desc::{At, Entry, ParamValue, Written},
     parse::{
         key_recorder::{Form, KeyRecord},
         params,
@@ -40,6 +40,13 @@ pub enum ValueOr<V, T> {
 }
 
 impl Table<'_> {
+    /// Place of the value of a key in a table of this one, where it is written.
+    pub fn written_in(&self, table: &str, key: &str) -> Option<Written> {
+        let nested = self.values.get(table)?.get_ref().as_table()?;
+        let value = nested.get(key)?;
+        Some(Written(self.report.span(&value.span())))
+    }
+
     /// The value of an optional key, or a table in its place that `read` reads; `S` describes that table.
     pub fn value_or_table<V: Value, S: Section, T>(
         &mut self,

@@ -1,0 +1,66 @@
+//! Record of what maps show, so that they are captured anew only where that changes.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Values that the content of maps follows from, and the time of its capture.
+#[derive(Debug)]
+pub struct Captured<K>(Mutex<State<K>>);
+
+#[derive(Debug)]
+struct State<K> {
+    /// Values of the last capture; `None` where maps must be captured.
+    shown: Option<K>,
+    /// Time of the last capture, milliseconds.
+    ms: f64,
+}
+
+impl<K> Default for Captured<K> {
+    /// Maps that show nothing yet.
+    fn default() -> Self {
+        let (shown, ms) = (None, 0.0);
+        Self(Mutex::new(State { shown, ms }))
+    }
+}
+
+impl<K: PartialEq> Captured<K> {
+    fn state(&self) -> MutexGuard<'_, State<K>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes the values of the next picture, and says whether the maps must be captured for it.
+    pub fn replace(&self, needed: K) -> bool {
+        let mut state = self.state();
+        let differs = state.shown.as_ref() != Some(&needed);
+        state.shown = Some(needed);
+        differs
+    }
+
+    /// Makes the next picture capture the maps.
+    pub fn forget(&self) {
+        self.state().shown = None;
+    }
+
+    /// Keeps the time of a capture.
+    pub fn set_ms(&self, ms: f64) {
+        self.state().ms = ms;
+    }
+
+    /// Time of the last capture, milliseconds: processor time where it is known.
+    pub fn ms(&self) -> f64 {
+        self.state().ms
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Captured;
+
+    #[test]
+    fn only_what_differs_or_is_forgotten_is_captured() {
+        let captured = Captured::default();
+        let needed = [1, 1, 2, 2, 1].map(|value| captured.replace(value));
+        assert_eq!(needed, [true, false, true, false, true]);
+        captured.forget();
+        assert!(captured.replace(1));
+    }
+}
