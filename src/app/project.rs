@@ -117,6 +117,17 @@ pub fn check_output(output: &At<String>) -> Result<(), Box<Diagnostic>> {
     let refuse =
         |message: String| Box::new(Diagnostic::at("project-output", output.at.clone(), message));
     let format = Format::expect(path).map_err(|error| refuse(error.to_string()))?;
+    let known = [SCENE, PLACEHOLDER, VARIANT];
+    let in_braces = output.value.match_indices('{').filter_map(|(start, _)| {
+        let end = output.value[start..].find('}')?;
+        Some(&output.value[start..=start + end])
+    });
+    if let Some(unknown) = in_braces.into_iter().find(|name| !known.contains(name)) {
+        let error = refuse(format!("nothing stands for `{unknown}` in the name"));
+        let names = known.map(|name| format!("`{name}`")).join(", ");
+        let help = format!("there are {names}, and `####` for the number of the frame");
+        return Err(Box::new(error.help(help)));
+    }
     let in_folder = path.parent().and_then(Path::to_str).unwrap_or_default();
     let is_number = |text: &str| text.contains("##");
     if in_folder.contains(PLACEHOLDER) || is_number(in_folder) {
@@ -218,7 +229,14 @@ mod tests {
         for good in ["a.png", "r/{scene}.{camera}.####.exr", "{variant}/a.mp4"] {
             assert_eq!(check(good), Ok(()), "{good}");
         }
-        for bad in ["a", "a.gif", "a/####/b.png", "{camera}/b.png", "a.####.mp4"] {
+        for bad in [
+            "a",
+            "a.gif",
+            "a/####/b.png",
+            "{camera}/b.png",
+            "a.####.mp4",
+            "{scen}.png",
+        ] {
             assert!(check(bad).is_err(), "{bad}");
         }
     }
