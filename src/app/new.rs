@@ -43,6 +43,10 @@ pub fn new(args: &NewArgs) -> Result<(), AppError> {
     let Some(name) = folder.file_name().and_then(|name| name.to_str()) else {
         return Err(AppError::Usage(format!("{shown}: name a new folder")));
     };
+    if name.contains(char::is_control) {
+        let text = format!("{name:?}: name a folder without control characters");
+        return Err(AppError::Usage(text));
+    }
     shutdown::listen();
     sweep(std::slice::from_ref(folder));
     if fs::symlink_metadata(folder).is_ok() {
@@ -64,7 +68,11 @@ pub fn new(args: &NewArgs) -> Result<(), AppError> {
         fs::write(&path, text).map_err(failed)?;
     }
     made.persist().map_err(failed)?;
-    let scene = folder.join(SCENE).display().to_string();
+    // A name that begins with a hyphen would be an option.
+    let is_option = name.starts_with('-') && folder.components().count() == 1;
+    let before = if is_option { "." } else { "" };
+    let scene = Path::new(before).join(folder).join(SCENE);
+    let scene = scene.display().to_string();
     let scene = shell_word(&scene);
     reflet_base::error_line!("wrote {shown}: {FILE}, {SCENE}, lib/materials.toml, lib/studio.toml");
     reflet_base::error_line!(

@@ -52,6 +52,10 @@ fn find_by(
         if facts(&file).is_some_and(|file| file.owner == own.owner && !file.is_open) {
             return Some(file);
         }
+        // A link to nothing is reported, not passed over.
+        if facts(&file).is_none() && fs::symlink_metadata(&file).is_ok() {
+            return Some(file);
+        }
     }
     None
 }
@@ -145,6 +149,18 @@ mod tests {
         assert!(!tree.search(&[], "a/b/c", &open), "the scene's own folder");
         assert!(!tree.search(&[], "a/reflet.toml", &owner), "the file");
         assert!(!tree.search(&[], "a/reflet.toml", &open), "the file");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_to_nothing_is_a_project_that_cannot_be_read() {
+        let tree = Tree::new("link");
+        let file = tree.at("a/b").join(FILE);
+        for target in ["nowhere.toml", FILE] {
+            std::os::unix::fs::symlink(target, &file).expect("writable");
+            assert_eq!(find(&tree.at("a/b/c")).as_ref(), Some(&file), "{target}");
+            fs::remove_file(&file).expect("there");
+        }
     }
 
     #[test]
