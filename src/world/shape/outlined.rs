@@ -54,7 +54,18 @@ fn add_figure(
             let Some((region, segments, angle_deg)) = turned(shape)? else {
                 return Ok(None);
             };
-            turn::add(solid, &region, segments, angle_deg)?;
+            let outline = match shape {
+                ShapeDesc::Lathe {
+                    source: LatheSource::Outline(outline),
+                    ..
+                } => Some(outline),
+                _ => None,
+            };
+            let at = |fault: Fault| match outline {
+                Some(outline) => fault.at(outline.at.0.clone()),
+                None => fault,
+            };
+            turn::add(solid, &region, segments, angle_deg).map_err(at)?;
         }
         ShapeDesc::Extrude {
             outline,
