@@ -63,7 +63,7 @@ pub struct PictureArgs {
     pub size: Option<SizeArg>,
     /// Part of the picture to write: left and top edge, width and height in pixels. Its pixels are those of the whole
     /// picture
-    #[arg(long, value_name = "X,Y,W,H", value_parser = parse_crop)]
+    #[arg(long, value_name = "X,Y,W,H", value_parser = parse_crop, allow_hyphen_values = true)]
     pub crop: Option<Crop>,
     /// How reflections are found
     #[arg(long)]

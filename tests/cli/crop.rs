@@ -58,6 +58,7 @@ fn a_crop_has_the_pixels_of_the_whole_picture() {
             "is not inside of the picture, which has 40 x 24 pixels",
         ),
         ("0,0,0,4", "X,Y,WIDTH,HEIGHT"),
+        ("-1,0,1,1", "X,Y,WIDTH,HEIGHT"),
     ] {
         let render = [
             "render",
