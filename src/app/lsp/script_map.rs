@@ -1,6 +1,6 @@
 //! Completion inside of the maps `#{ … }` of scripts: keys that functions of `ctx` take, and those of what `setup` returns.
 
-use std::{ops::Range, path::Path};
+use std::{cell::Cell, ops::Range, path::Path};
 
 use serde_json::{Value, json};
 
@@ -17,9 +17,9 @@ use crate::scene::{
     script::api,
 };
 
-/// Longest script that is searched, bytes, and most uses of a variable or function that are followed, each this deep.
+/// Longest script that is searched, bytes, most values that are followed, and how far each of them.
 const MOST_BYTES: usize = 1 << 17;
-const MOST_USES: usize = 20;
+const MOST_VALUES: usize = 60;
 const DEPTH: usize = 6;
 
 /// Bracket that is open at a place.
@@ -51,6 +51,8 @@ struct Goal {
 struct Script<'a> {
     text: &'a str,
     code: Vec<(usize, char)>,
+    /// Number of values that may still be followed.
+    left: Cell<usize>,
 }
 
 /// Completions inside of a map.
@@ -67,8 +69,11 @@ pub fn complete(text: &str, offset: usize, quoted: bool) -> Option<Inside> {
     if text.len() > MOST_BYTES {
         return None;
     }
-    let code = code(text);
-    let script = Script { text, code };
+    let script = Script {
+        text,
+        code: code(text),
+        left: Cell::new(MOST_VALUES),
+    };
     let start = match quoted {
         true => text[..offset].rfind('"')?,
         false => text[..offset].trim_end_matches(is_word).len(),
@@ -132,6 +137,7 @@ impl Script<'_> {
     /// Where the value goes that begins at a byte offset, such as that of a map's brace.
     fn goal(&self, offset: usize, depth: usize) -> Option<Goal> {
         let depth = depth.checked_sub(1)?;
+        self.left.set(self.left.get().checked_sub(1)?);
         let open = self.open_at(offset);
         match open.last() {
             Some(list) if list.kind == Kind::List => self.goal(list.at, depth),
@@ -189,7 +195,7 @@ impl Script<'_> {
             ends && !is_changed && !is_defined
         };
         let places = self.text.match_indices(name).map(|(at, _)| at);
-        let mut uses = places.filter(is_own).take(MOST_USES);
+        let mut uses = places.filter(is_own);
         (!name.is_empty()).then_some(())?;
         uses.find_map(|at| self.goal(at, depth))
     }
@@ -374,6 +380,9 @@ mod tests {
         // Without an end, or in a circle.
         has("fn f(a) { let x = #{ | }; x }", &[], &["model"]);
         has("fn f(a) { f(#{ | }) }", &[], &["model"]);
+        let circle = "a = b; b = c; c = a;\n".repeat(1000);
+        let text = format!("fn f(a, b, c) {{ {circle} a = #{{ | }}; }}");
+        has(&text, &[], &["model"]);
         has(
             "fn f(a) { let a = b; let b = #{ | }; a = b; }",
             &[],
