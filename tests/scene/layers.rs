@@ -376,6 +376,8 @@ fn variants_are_laid_over_the_scene() {
     folder.assert_says(&["bad"], &["`kind` must be", "shot/scene.toml:6:18"]);
     let wrong = over_base("wrong-variants", "variant = 3\n");
     wrong.assert_says(&[], &["`variant` must be"]);
+    let layered = over_base("layered-variants", "[variant.v]\nbase = \"b.toml\"\n");
+    layered.assert_says(&["v"], &["a variant cannot have `base`"]);
 }
 
 #[test]

@@ -241,6 +241,19 @@ fn remove_all(below: &mut Node, removed: &Node, has_script: bool, report: &mut R
     }
 }
 
+/// Refuses keys of files in a variant, which would have no effect.
+fn refuse_layers(variant: &Node, report: &mut Report) {
+    let keys = variant.get_ref().as_table();
+    for key in keys.into_iter().flat_map(|table| table.keys()) {
+        let name = key.get_ref().as_str();
+        if ["base", "include", "variant"].contains(&name) {
+            let message = format!("a variant cannot have `{name}`");
+            let error = report.error("variant-layer", &key.span(), message);
+            error.help = Some("write it in the scene itself, over which the variant is laid".into());
+        }
+    }
+}
+
 /// Lays the chosen `[variant.NAME]` over the scene, in the order in which they are chosen; each is given by
 /// its name.
 pub fn choose(mut root: Node, chosen: &[Arc<Source>], report: &mut Report) -> Node {
@@ -251,6 +264,7 @@ pub fn choose(mut root: Node, chosen: &[Arc<Source>], report: &mut Report) -> No
         match variants.and_then(|all| all.get(name)).cloned() {
             Some(variant) => {
                 report.begin_variant(name);
+                refuse_layers(&variant, report);
                 root = over(root, variant, report);
                 let instances = Instances::of(&root);
                 report.end_variant(|path| overlay::has(&mut root, &instances, path));
