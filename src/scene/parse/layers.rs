@@ -249,7 +249,8 @@ fn refuse_layers(variant: &Node, report: &mut Report) {
         if ["base", "include", "variant"].contains(&name) {
             let message = format!("a variant cannot have `{name}`");
             let error = report.error("variant-layer", &key.span(), message);
-            error.help = Some("write it in the scene itself, over which the variant is laid".into());
+            error.help =
+                Some("write it in the scene itself, over which the variant is laid".into());
         }
     }
 }
