@@ -8,7 +8,7 @@ use reflet::{
 };
 use reflet_preview::{
     viewer::{
-        protocol::{Report, Side},
+        protocol::{Report, Side, Visualization},
         view_channel::ViewChannel,
         view_settings::METHODS,
     },
@@ -62,10 +62,8 @@ fn check_pairs(methods: &[Method]) {
         preview.show(|view| (view.a, view.b) = (sides[0], Some(sides[1])));
         let shown = preview.until("both sides", |report| match report {
             Report::Frame(shown) if shown.sides.len() == 2 => {
-                let is_of = |(side, method): (
-                    &reflet_preview::viewer::protocol::Visualization,
-                    &Method,
-                )| { side.stats.method == *method };
+                let is_of =
+                    |(side, method): (&Visualization, &Method)| side.stats.method == *method;
                 let is_pair = shown.sides.iter().zip(pair).all(is_of);
                 is_pair.then(|| shown.sides.clone())
             }
@@ -79,8 +77,8 @@ fn check_pairs(methods: &[Method]) {
 }
 
 #[test]
-fn two_methods_with_maps_are_shown_beside_each_other() {
-    check_pairs(&[Method::SsrProbe, Method::NearFar]);
+fn probes_are_shown_beside_another_method() {
+    check_pairs(&[Method::Hybrid, Method::Probe]);
 }
 
 #[test]
