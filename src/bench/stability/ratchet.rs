@@ -83,12 +83,12 @@ impl Ratchet {
     /// Text of the file.
     pub fn text(&self) -> String {
         let [width, height] = self.size;
-        let mut out = format!("{HEAD}size = [{width}, {height}]\n");
+        let mut out = format!("{HEAD}size = [{width}, {height}]\n\ncell = [\n");
         for cell in &self.cells {
             // Writing to a string cannot fail.
             let _ = write!(
                 out,
-                "\n[[cell]]\nmode = \"{}\"\nmethod = \"{}\"\nflip = {:?}\nflip_p99 = {:?}\n",
+                "    {{ mode = \"{}\", method = \"{}\", flip = {:?}, flip_p99 = {:?}",
                 cell.mode, cell.method, cell.flip, cell.flip_p99
             );
             for (name, pixels) in [
@@ -96,11 +96,12 @@ impl Ratchet {
                 ("specks_px", cell.specks_px),
             ] {
                 if let Some(pixels) = pixels {
-                    let _ = writeln!(out, "{name} = {pixels}");
+                    let _ = write!(out, ", {name} = {pixels}");
                 }
             }
+            out += " },\n";
         }
-        out
+        out + "]\n"
     }
 
     /// Names of the modes of its cells, each once.
