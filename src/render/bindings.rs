@@ -1,5 +1,7 @@
 //! The passes of a frame, and the textures and buffers that they are bound to.
 
+use std::sync::Arc;
+
 use reflet_gpu::{Gpu, GpuError};
 use reflet_world::Light;
 
@@ -13,8 +15,9 @@ use super::{
     options::RenderOptions,
     pass::{Override, Pass},
     pass_builder::PassBuilder,
-    passes::{Passes, needed_passes, written_targets},
+    passes::{Passes, capture, needed_passes, prefilter, written_targets},
     plan::Plan,
+    probe_key::ProbeKey,
     probe_maps::ProbeMaps,
     ray_list::{ListedParts, RayList},
     resources::Resources,
@@ -84,6 +87,42 @@ impl BindingKey {
     }
 }
 
+/// Maps of probes, and the code and constants that captured them. They are kept while they fit: a preview that changes the
+/// size of its pictures, or compares two methods, would otherwise capture them for each picture.
+#[derive(Clone, Debug)]
+struct KeptMaps {
+    maps: Arc<ProbeMaps>,
+    overrides: Vec<Override>,
+    shaders: Vec<Option<String>>,
+}
+
+impl KeptMaps {
+    /// The maps of a frame with probes, those of `old` where they fit.
+    ///
+    /// # Errors
+    /// Same errors as [`ProbeMaps::new`].
+    fn new(
+        gpu: &Gpu,
+        key: &BindingKey,
+        probes: ProbeKey,
+        shaders: &Shaders,
+        old: Option<&Self>,
+    ) -> Result<Self, GpuError> {
+        let shaders = shaders.texts(&[&capture::PASS, &prefilter::PASS]);
+        let fits = |old: &&Self| {
+            old.maps.key == probes && old.overrides == key.overrides && old.shaders == shaders
+        };
+        if let Some(old) = old.filter(fits) {
+            return Ok(old.clone());
+        }
+        Ok(Self {
+            maps: Arc::new(ProbeMaps::new(gpu, probes)?),
+            overrides: key.overrides.clone(),
+            shaders,
+        })
+    }
+}
+
 /// Inputs for building passes.
 #[derive(Clone, Copy)]
 pub struct BindingInputs<'a> {
@@ -97,6 +136,8 @@ pub struct BindingInputs<'a> {
     pub scene: &'a GpuScene,
     /// Uniform buffers, bound as group 0.
     pub uniforms: &'a FrameUniforms,
+    /// Whether trees and materials are those of the bindings before, so that maps of them may be kept.
+    pub is_same_world: bool,
 }
 
 /// The passes of a frame, and the textures and buffers that they are bound to.
@@ -111,7 +152,9 @@ pub struct Bindings {
     /// Lists of the frame, in one buffer.
     pub ray_list: RayList,
     /// Cube maps of probes, in frames that look reflections up in them.
-    pub probe_maps: Option<ProbeMaps>,
+    pub probe_maps: Option<Arc<ProbeMaps>>,
+    /// The same, or those of the last frame that had some.
+    kept_maps: Option<KeptMaps>,
     /// Maps of far things, in frames of method `near-far`.
     pub far_maps: Option<FarMaps>,
     /// Faces of the box, in frames of method `ssr+box`.
@@ -148,9 +191,14 @@ impl Bindings {
             Some(old) => old.ray_list.clone(),
             None => RayList::new(gpu, key.size, key.lists)?,
         };
-        // Maps are captured anew: bindings are made where trees, materials or settings differ.
         let MapKeys { probes, far, faces } = key.maps.clone();
-        let probe_maps = probes.map(|key| ProbeMaps::new(gpu, key)).transpose()?;
+        let kept = old.filter(|_| inputs.is_same_world);
+        let kept = kept.and_then(|old| old.kept_maps.as_ref());
+        let made = probes.map(|probes| KeptMaps::new(gpu, &key, probes, inputs.shaders, kept));
+        let made = made.transpose()?;
+        let probe_maps = made.as_ref().map(|made| Arc::clone(&made.maps));
+        let kept_maps = made.or_else(|| kept.cloned());
+        // Maps of far things follow the camera, and faces of the box are captured fast.
         let far_maps = far.map(|key| FarMaps::new(gpu, key)).transpose()?;
         let box_faces = faces.map(|key| BoxFaces::new(gpu, key)).transpose()?;
         let BindingInputs {
@@ -159,6 +207,7 @@ impl Bindings {
             shaders,
             scene,
             uniforms,
+            ..
         } = inputs;
         let resources = Resources {
             scene,
@@ -166,7 +215,7 @@ impl Bindings {
             uniforms,
             targets: &targets,
             ray_list: &ray_list,
-            probe_maps: probe_maps.as_ref(),
+            probe_maps: probe_maps.as_deref(),
             far_maps: far_maps.as_ref(),
             box_faces: box_faces.as_ref(),
         };
@@ -186,6 +235,7 @@ impl Bindings {
             targets,
             ray_list,
             probe_maps,
+            kept_maps,
             far_maps,
             box_faces,
             shared,

@@ -53,11 +53,10 @@ impl Renderer {
         gpu: &Gpu,
         library: &ShaderLibrary,
         poses: impl Into<Poses<'a>>,
-        options: &RenderOptions,
+        given: &RenderOptions,
     ) -> Result<RebuildSummary, RenderError> {
         let Poses { first, shown } = poses.into();
         check_world(first)?;
-        let given = options;
         let (options, why) = with_trace(gpu, self.coordinates.options(&given.settled()))?;
         let options = &options;
         let is_far = Coordinates::of(first, given) != self.coordinates;
@@ -113,6 +112,7 @@ impl Renderer {
                 shaders: &shaders,
                 scene,
                 uniforms: &self.uniforms,
+                is_same_world: !rebuilt.trees && !rebuilt.materials,
             };
             self.bindings = Bindings::new(gpu, key, inputs, Some(&self.bindings))?;
         }

@@ -124,6 +124,7 @@ impl Renderer {
             shaders: &shaders,
             scene: &scene,
             uniforms: &uniforms,
+            is_same_world: false,
         };
         let bindings = Bindings::new(gpu, key, inputs, None)?;
         Ok(Self {
@@ -160,7 +161,7 @@ impl Renderer {
             uniforms: &self.uniforms,
             targets: &self.bindings.targets,
             ray_list: &self.bindings.ray_list,
-            probe_maps: self.bindings.probe_maps.as_ref(),
+            probe_maps: self.bindings.probe_maps.as_deref(),
             far_maps: self.bindings.far_maps.as_ref(),
             box_faces: self.bindings.box_faces.as_ref(),
         }

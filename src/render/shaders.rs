@@ -40,6 +40,13 @@ impl Shaders {
         passes.iter().all(same)
     }
 
+    /// Source texts of the shaders of these passes; `None` of a pass that the plan dropped.
+    pub fn texts(&self, passes: &[&'static Pass]) -> Vec<Option<String>> {
+        let text =
+            |pass: &&'static Pass| self.0.get(pass.name).map(|(source, _)| source.text.clone());
+        passes.iter().map(text).collect()
+    }
+
     /// Reflection of the shaders of these passes.
     ///
     /// # Errors

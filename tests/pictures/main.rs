@@ -48,6 +48,7 @@ mod patterned;
 mod precision;
 mod probe_panes;
 mod probe_seams;
+mod probe_upkeep;
 mod probes;
 mod queries;
 mod ray_list;

@@ -18,7 +18,7 @@ use crate::kit::{
 };
 
 /// Colors of the walls of a room: +X, -X, +Z, -Z, ceiling.
-const WALLS: [[f32; 3]; 5] = [
+pub const WALLS: [[f32; 3]; 5] = [
     [0.8, 0.2, 0.1],
     [0.1, 0.7, 0.2],
     [0.2, 0.3, 0.9],
@@ -27,7 +27,7 @@ const WALLS: [[f32; 3]; 5] = [
 ];
 
 /// A room of 8 × 4 × 8 m whose walls glow in these colors, with a floor that mirrors, and a probe in its middle.
-fn room(colors: [[f32; 3]; 5]) -> String {
+pub fn room(colors: [[f32; 3]; 5]) -> String {
     let places = [
         ("[4, 2, 0]", "[0, 0, 90]", "[4, 8]"),
         ("[-4, 2, 0]", "[0, 0, -90]", "[4, 8]"),
