@@ -369,6 +369,7 @@ fn a_new_project_checks_and_renders() {
     exits(&folder, &["new", "gone/show"], 2);
     exits(&folder, &["new", ".."], 2);
     exits(&folder, &["new", "a\nb"], 2);
+    exits(&folder, &["check", "my show/reflet.toml"], 3);
     let own = fs::read_to_string(folder.join("my show/reflet.toml")).expect("there");
     assert_eq!(own, "name = \"mine\"\n");
     assert_eq!(names(&folder), ["my show", "scene.toml"]);

@@ -18,7 +18,7 @@ use reflet_scene::{
     diagnostic::{Diagnostic, Source},
     motion::FrameState,
     parse::{self, Document, ReadOptions, Texts, VARIANT},
-    project::Project,
+    project::{self, Project},
     stages::Scene,
 };
 use reflet_world::{
@@ -109,7 +109,9 @@ impl SceneText {
         if is_model(path) {
             return Self::of_model(path, from);
         }
-        if let Some((message, help)) = foreign_formats::model(path) {
+        let is_project = path.file_name().is_some_and(|name| name == project::FILE);
+        let project = is_project.then(|| ("this is a project's file".into(), "name a scene of it"));
+        if let Some((message, help)) = project.or_else(|| foreign_formats::model(path)) {
             let error = Diagnostic::in_file("file-format", path, message);
             return Err(vec![error.help(help)]);
         }
