@@ -7,7 +7,9 @@ import os
 import re
 import shutil
 import subprocess
+import tempfile
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -59,8 +61,17 @@ def code_server(home: Path) -> list[str | Path]:
     return [CODE / "node", entry, "--config", home / "config.yaml", *folders]
 
 
+@pytest.fixture
+def short_folder() -> Iterator[Path]:
+    """A folder whose path leaves room for Chromium's socket in it, of 108 bytes in all."""
+    with tempfile.TemporaryDirectory(prefix="reflet-") as folder:
+        yield Path(folder)
+
+
 @pytest.mark.full
-def test_vs_code_marks_mends_completes_renames_and_shows_a_scene(tmp_path: Path) -> None:
+def test_vs_code_marks_mends_completes_renames_and_shows_a_scene(
+    tmp_path: Path, short_folder: Path
+) -> None:
     """The extension is installed from its file into a new VS Code and works on a project."""
     home, project = tmp_path / "home", tmp_path / "project"
     command = code_server(home)
@@ -81,7 +92,7 @@ def test_vs_code_marks_mends_completes_renames_and_shows_a_scene(tmp_path: Path)
     subprocess.run(package, cwd=EXTENSION, check=True)
     # Folders of the user are neither read nor written, and no shop of extensions is asked.
     own = dict.fromkeys(["HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME", "XDG_RUNTIME_DIR"], str(home))
-    environment = {**os.environ, **own, "TMPDIR": str(home), "EXTENSIONS_GALLERY": "{}"}
+    environment = {**os.environ, **own, "TMPDIR": str(short_folder), "EXTENSIONS_GALLERY": "{}"}
     install = [*command, "--install-extension", tmp_path / "reflet.vsix"]
     subprocess.run(install, env=environment, check=True)
     serve = [*command, "--auth", "none", "--bind-addr", "127.0.0.1:0", "--disable-telemetry"]
