@@ -5,6 +5,7 @@
 #import gbuffer
 #import indirect
 #import lists
+#import path_restart
 #import radiance
 
 @group(2) @binding(3) var ids: texture_2d<u32>;
@@ -29,10 +30,11 @@ fn completed(pixel: vec2u) -> Surface {
     return s;
 }
 
-// Light from behind the surface of a pixel; w: share that is covered by surfaces rather than the background.
-fn behind(pixel: vec2u) -> vec4f {
-    var s = completed(pixel);
-    if (!is_transmissive(s)) { return vec4f(0.0, 0.0, 0.0, 1.0); }
+// Light from behind the surface of a pixel along one path; w: share that is covered by surfaces rather than the background.
+fn behind_once(pixel: vec2u, first: Surface) -> vec4f {
+    var s = first;
+    forget_path();
+    forget_scatterings();
     start_path(s.position, false);
     start_samples(pixel, FIRST_VERTEX);
     var cone = pixel_cone(distance(s.position, frame.eye));
@@ -85,6 +87,26 @@ fn behind(pixel: vec2u) -> vec4f {
         origin = onward_origin(s, ray.direction);
     }
     return vec4f(color, 1.0);
+}
+
+// Number of paths: more in the first pictures, where glass turns or scatters light, so that one path that ends in the dark
+// leaves no black speck.
+fn number_of_paths(s: Surface) -> u32 {
+    let is_rough = HAS_ROUGH_REFLECTIONS && s.roughness * s.roughness > SMOOTH_ALPHA;
+    if (s.transmission <= 0.0 || !(s.is_solid || is_rough)) { return 1u; }
+    return paths_behind();
+}
+
+fn behind(pixel: vec2u) -> vec4f {
+    let s = completed(pixel);
+    if (!is_transmissive(s)) { return vec4f(0.0, 0.0, 0.0, 1.0); }
+    let paths = number_of_paths(s);
+    var sum = vec4f(0.0);
+    for (var k = 0u; k < paths; k++) {
+        take_path(k, paths);
+        sum += behind_once(pixel, s);
+    }
+    return sum / f32(paths);
 }
 
 @compute @workgroup_size(RAYS_PER_GROUP)

@@ -188,7 +188,7 @@ fn chosen(a: Reflected, b: Reflected, pair: u32) -> Reflected {
     let weights = vec2f(luminance(a.weight), luminance(b.weight));
     let both = weights.x + weights.y;
     if (both <= 0.0) { return a; }
-    let least = select(0.5 / f32(sampling.samples), 0.0, UNBIASED);
+    let least = select(0.5 / f32(sample_count()), 0.0, UNBIASED);
     var share = weights.y / both;
     if (share < least) { share = 0.0; }
     if (share > 1.0 - least) { share = 1.0; }

@@ -40,6 +40,8 @@ const CHANNEL_PAIR: u32 = 0x10006u; // first color channel of dispersion
 var<private> sample_seed: u32;
 // Index of a sample within the sub-frame, where an invocation adds up several, as those of a probe's map do.
 var<private> added_sample: u32 = 0u;
+// Number of paths by which an invocation samples what is behind a pixel's surface.
+var<private> paths_each: u32 = 1u;
 var<private> sample_pair: u32; // number of dimension pairs used at this vertex
 
 // Index of the sample that is taken, among all of the picture or the map.
@@ -55,6 +57,23 @@ fn first_light_sample() -> u32 {
 // Has this invocation take a further sample.
 fn take_sample(index: u32) {
     added_sample = index;
+}
+
+// Number of samples of the picture, counted with the paths of each.
+fn sample_count() -> u32 {
+    return sampling.samples * paths_each;
+}
+
+// Number of paths behind a surface for which one is not enough: as many as rays towards lights where `light_rays` is left
+// out, four in a picture of one sub-frame and one from seven on.
+fn paths_behind() -> u32 {
+    return select((8u + sampling.samples) / (sampling.samples + 1u), 1u, UNBIASED);
+}
+
+// Has this invocation take a path of these.
+fn take_path(index: u32, paths: u32) {
+    paths_each = paths;
+    take_sample(sampling.sample * (paths - 1u) + index);
 }
 
 // Starts the random numbers of a path vertex: `vertex` counts the surfaces along a path, 0 is that of the pixel.

@@ -8,6 +8,7 @@ mod energy;
 mod environment;
 mod extent;
 mod film_grooves_dispersion;
+mod first_pictures;
 mod fog;
 mod fog_closed_form;
 mod furnace;
