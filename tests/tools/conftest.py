@@ -17,8 +17,9 @@ sys.path.insert(0, str(ROOT / "tools"))
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Declare the marker of the slow set."""
+    """Declare the markers of the slow set and of tests that run what Cargo builds."""
     config.addinivalue_line("markers", "full: all of the slow set; left out unless asked for")
+    config.addinivalue_line("markers", "program: runs the program or the library; set by itself")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -26,8 +27,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--full", action="store_true", help="run the slow set too")
 
 
-def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Skip the slow set unless `--full` or `-m full` asks for it."""
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Function]) -> None:
+    """Mark tests that run what Cargo builds; skip the slow set unless it is asked for."""
+    for item in items:
+        if "package" in item.fixturenames or hasattr(item.module, "BINARY"):
+            item.add_marker("program")
     if config.getoption("--full") or "full" in (config.getoption("-m") or ""):
         return
     skip = pytest.mark.skip(reason="slow: run with --full")
@@ -42,8 +47,9 @@ def package(tmp_path_factory: pytest.TempPathFactory) -> Path:
     if sys.version_info < (3, 11):
         pytest.skip("the module of Python needs Python 3.11")
     pytest.importorskip("numpy", reason="pictures are arrays of NumPy")
-    built = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "debug" / "deps"
-    library = built / "libreflet_python.so"
+    from program import BUILT
+
+    library = BUILT / "deps" / "libreflet_python.so"
     if not library.is_file():
         pytest.fail(f"{library} is missing: cargo test --locked --workspace --no-run")
     folder = tmp_path_factory.mktemp("package")

@@ -10,10 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import tomllib
+from program import BINARY, ROOT
 from reflet_usd.exr_pixels import read_exr
 
-ROOT = Path(__file__).resolve().parents[2]
-BINARY = Path(os.environ.get("REFLET", ROOT / "target" / "debug" / "reflet"))
 BPY = Path(os.environ.get("REFLET_BPY", ROOT / ".venv-bpy" / "bin" / "python"))
 
 pytestmark = pytest.mark.skipif(

@@ -9,9 +9,8 @@ from pathlib import Path
 
 import pytest
 import tomllib
+from program import BINARY, ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
-BINARY = Path(os.environ.get("REFLET", ROOT / "target" / "debug" / "reflet"))
 BPY = Path(os.environ.get("REFLET_BPY", ROOT / ".venv-bpy" / "bin" / "python"))
 
 pytestmark = pytest.mark.skipif(

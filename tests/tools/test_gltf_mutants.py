@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import pathlib
 import random
 import shutil
@@ -11,9 +10,8 @@ import signal
 import gltf_mutants
 import pytest
 from gltf_mutations import KINDS, Model, mutate, read_model
+from program import BINARY, ROOT
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-BINARY = pathlib.Path(os.environ.get("REFLET", ROOT / "target" / "debug" / "reflet"))
 COUNT = 40
 
 

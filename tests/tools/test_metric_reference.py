@@ -6,17 +6,14 @@ expected numbers that `tests/metric.rs` stores, so that Rust alone pins them too
 """
 
 import json
-import os
-import pathlib
 import subprocess
 
 import pytest
+from program import BINARY
 
 np = pytest.importorskip("numpy", reason="the references are computed with NumPy")
 Image = pytest.importorskip("PIL.Image", reason="test pictures are written with Pillow")
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-BINARY = pathlib.Path(os.environ.get("REFLET", ROOT / "target" / "debug" / "reflet"))
 LUMA = np.array([0.299, 0.587, 0.114])  # Rec. 601 luma weights, as in Wang's script
 SSIM_TOLERANCE = 1e-6
 # Two releases of the same code, both in single precision: a pixel differs by more than the mean.

@@ -6,16 +6,14 @@ precision at edges, is what may differ. Needs Mitsuba (`pip install mitsuba`), s
 """
 
 import os
-import pathlib
 import subprocess
 
 import pytest
+from program import BINARY
 
 np = pytest.importorskip("numpy", reason="pictures are compared with NumPy")
 mi = pytest.importorskip("mitsuba", reason="the independent renderer is not installed")
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-BINARY = pathlib.Path(os.environ.get("REFLET", ROOT / "target" / "debug" / "reflet"))
 WIDTH, HEIGHT, FOV_DEG = 160, 120, 50.0
 BOUNCES = 4
 LIGHT = {"position": [1.5, 4.0, 2.5], "intensity": 40.0}

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
+from program import BINARY, ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
-BINARY = Path(os.environ.get("REFLET", ROOT / "target" / "debug" / "reflet"))
 PLAYWRIGHT = ROOT / "tools" / "node_modules" / "playwright-core" / "index.mjs"
 SCENE = """version = 1
 script = "move.rhai"

@@ -14,12 +14,11 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+from program import BINARY
 
 np = pytest.importorskip("numpy", reason="pictures are arrays of NumPy")
 Image = pytest.importorskip("PIL.Image", reason="pictures are opened with Pillow")
 
-ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = Path(os.environ.get("REFLET", ROOT / "target" / "debug" / "reflet"))
 
 #: A moving chrome ball over a floor, with a parameter, a variant and two cameras.
 SCENE = """
@@ -77,7 +76,7 @@ def scene(tmp_path: Path) -> Path:
 def run(*arguments: object) -> subprocess.CompletedProcess[str]:
     """Run the program."""
     words = [str(word) for word in arguments]
-    done = subprocess.run([PROGRAM, *words], capture_output=True, text=True, check=False)
+    done = subprocess.run([BINARY, *words], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return done
 

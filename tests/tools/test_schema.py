@@ -7,19 +7,16 @@ import copy
 import datetime
 import json
 import math
-import os
-import pathlib
 import re
 import subprocess
 
 import pytest
+from program import BINARY, ROOT
 
 jsonschema = pytest.importorskip("jsonschema")
 # Scene text is TOML 1.1, which the standard library's tomllib does not read.
 tomli = pytest.importorskip("tomli")
 
-ROOT = pathlib.Path(__file__).parents[2]
-BINARY = pathlib.Path(os.environ.get("REFLET", ROOT / "target" / "debug" / "reflet"))
 
 # Bad scenes whose mistakes depend on other values, or whose values have no JSON form.
 BEYOND_SCHEMA = {

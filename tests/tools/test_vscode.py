@@ -13,9 +13,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from program import BINARY, ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
-BINARY = Path(os.environ.get("REFLET", ROOT / "target" / "debug" / "reflet"))
 PLAYWRIGHT = ROOT / "tools" / "node_modules" / "playwright-core" / "index.mjs"
 EXTENSION = ROOT / "tools" / "vscode"
 CODE = ROOT / "target" / "tools" / "vscode"
