@@ -41,9 +41,6 @@ heading "Setup"
 export PATH="$HOME/.cargo/bin:$PATH"
 cd "$root"
 mkdir -p target
-# Programs that tests run, such as the converter of USD, are installed while the compiler works.
-"$root/tools/setup.sh" >target/setup.log 2>&1 &
-readonly setup_of_tests="$!"
 # setup.sh has installed a software adapter: without one, tests fail here instead of skipping.
 export REFLET_REQUIRE_GPU=1
 # The software adapter keeps compiled shaders here, whatever the user's settings and home are.
@@ -58,24 +55,38 @@ fi
 mkdir -p "$MESA_SHADER_CACHE_DIR"
 # Unoptimized, the package builds in a third of the time; its tests mostly wait for the driver.
 export CARGO_PROFILE_DEV_OPT_LEVEL=0
-# Incremental compilation costs a first build time, and serves only machines that build again.
-[ -d target/debug/incremental ] || export CARGO_INCREMENTAL=0
+# Incremental compilation and many parts of a crate cost a first build time, and serve only machines that build again.
+[ -d target/debug/incremental ] || export CARGO_INCREMENTAL=0 CARGO_PROFILE_DEV_CODEGEN_UNITS=8
 
 heading "Format"
 cargo fmt --all -- --check
 
-heading "Lints and build"
+heading "Setup, and Python without the program, beside lints and build"
 # Clippy is the compiler of this package, with the arguments of `cargo clippy -- -D warnings`: one build is linted
 # and tested.
 clippy_driver="$(rustc --print sysroot)/bin/clippy-driver"
 linted() {
     RUSTC_WORKSPACE_WRAPPER="$clippy_driver" CLIPPY_ARGS="-D__CLIPPY_HACKERY__warnings" cargo "$@"
 }
-linted test --locked --workspace --no-run
+linted test --locked --workspace --no-run >target/build.log 2>&1 &
+readonly build="$!"
+trap 'jobs -p | xargs -r kill' EXIT # a check that fails before leaves no compiler behind
+# The packages compile one after the other for a third of the build, and leave a processor to this.
+"$root/tools/setup.sh"
+pytest=(.venv/bin/python -m pytest -q -rs -n auto --maxprocesses 8 --dist worksteal)
+if [ "$full" = yes ]; then
+    pytest+=(--full)
+fi
+if [ -f tools/pyproject.toml ]; then
+    .venv/bin/ruff check --config tools/pyproject.toml tools tests/tools src/python
+    nice -n 5 .venv/bin/mypy --config-file tools/pyproject.toml tools
+    nice -n 5 .venv/bin/mypy --strict --python-version 3.11 src/python/reflet
+    nice -n 5 "${pytest[@]}" -m "not program" tests/tools
+fi
 
-heading "Setup of what tests run"
-wait "$setup_of_tests" && failed=no || failed=yes
-cat target/setup.log
+heading "Lints and build"
+wait "$build" && failed=no || failed=yes
+cat target/build.log
 [ "$failed" = no ]
 
 heading "Dependencies of the library"
@@ -86,15 +97,11 @@ if grep -E '(egui|winit|clap|plotters) v' <<<"$library"; then
 fi
 
 heading "Tests"
-pytest=(.venv/bin/python -m pytest -q -rs -n auto --maxprocesses 8 --dist worksteal)
-if [ "$full" = yes ]; then
-    pytest+=(--full)
-fi
-# The tests of Python, or those of Rust that these arguments choose.
+# The tests of Python that run the program, or those of Rust that these arguments choose.
 run_part() {
     if [ "$1" = python ]; then
         shift
-        [ ! -f tools/pyproject.toml ] || "$@" tests/tools
+        [ ! -f tools/pyproject.toml ] || "$@" -m program tests/tools
     else
         linted test --locked --workspace --no-fail-fast "$@"
     fi
@@ -186,15 +193,6 @@ if [ "$full" = yes ]; then
     for manifest in Cargo.toml fuzz/Cargo.toml; do
         cargo deny --locked --manifest-path "$manifest" --config tools/deny.toml check "${checks[@]}"
     done
-fi
-
-if [ -f tools/pyproject.toml ]; then
-    heading "Python lints"
-    .venv/bin/ruff check --config tools/pyproject.toml tools tests/tools src/python
-
-    heading "Python types"
-    .venv/bin/mypy --config-file tools/pyproject.toml tools
-    .venv/bin/mypy --strict --python-version 3.11 src/python/reflet
 fi
 
 heading "All good in $SECONDS s"
