@@ -14,7 +14,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-from program import BINARY
+from program import BINARY, ROOT
 
 np = pytest.importorskip("numpy", reason="pictures are arrays of NumPy")
 Image = pytest.importorskip("PIL.Image", reason="pictures are opened with Pillow")
@@ -522,9 +522,13 @@ def test_types_are_those_of_the_module(package: Path, tmp_path: Path) -> None:
         "    return picture['depth'] * flip\n"
     )
     environment = {**os.environ, "PYTHONPATH": str(package), "MYPYPATH": str(package)}
+    # With the options of tools/check.sh, whose cache of NumPy's types serves here too.
+    (tmp_path / "mypy.ini").write_text(
+        f"[mypy]\nstrict = True\npython_version = 3.11\ncache_dir = {ROOT / '.mypy_cache'}\n"
+    )
     for words in (
-        ["mypy", "--strict", "--cache-dir", str(tmp_path / "cache"), str(program)],
-        ["mypy.stubtest", "reflet"],
+        ["mypy", "--config-file", "mypy.ini", str(program)],
+        ["mypy.stubtest", "--mypy-config-file", "mypy.ini", "reflet"],
     ):
         done = subprocess.run(
             [sys.executable, "-m", *words],
