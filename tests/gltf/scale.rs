@@ -252,6 +252,7 @@ fn what_placed_scenes_become_is_limited() {
 
 /// Three scenes that each place the next nine times, and the last has materials: 729,000 tables in 36 KB.
 #[test]
+#[ignore = "long: it reads 650,000 tables"]
 fn scenes_that_place_scenes_multiply_no_further_than_the_limit() {
     let placing = |file: &str| {
         let part = |i| format!("[[instance]]\nname = \"c{i}\"\nmodel = {{ scene = \"{file}\" }}\n");

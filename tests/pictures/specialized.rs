@@ -150,21 +150,19 @@ fn the_specialized_frame_of_slow_scenes_equals_the_general_one() {
 }
 
 #[test]
-fn so_it_does_with_rays_for_visibility_and_other_methods() {
-    compare_choices(&[
-        ("scenes/atrium.toml", &["image.visibility=rays"]),
-        (
-            "scenes/cornell.toml",
-            &["reflection.method=ssr", "material.lamp.light=true"],
-        ),
-    ]);
+fn so_it_does_with_rays_for_visibility() {
+    compare_choices(&[("scenes/atrium.toml", &["image.visibility=rays"])]);
 }
 
 #[test]
 #[ignore = "long: the same choices in other scenes"]
-fn so_do_further_scenes_with_rays_for_visibility_and_other_methods() {
+fn so_do_further_scenes_with_rays_and_other_methods() {
     compare_choices(&[
         ("scenes/atrium.toml", &["reflection.method=rt"]),
+        (
+            "scenes/cornell.toml",
+            &["reflection.method=ssr", "material.lamp.light=true"],
+        ),
         ("scenes/cornell.toml", &["material.lamp.light=true"]),
         ("scripts/gears.toml", &["image.visibility=rays"]),
         ("scripts/gears.toml", &["reflection.method=rt"]),
