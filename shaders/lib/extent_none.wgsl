@@ -8,6 +8,13 @@ fn start_samples(pixel: vec2u, vertex: u32) {}
 
 fn take_sample(index: u32) {}
 
+// Nothing is random here: one path behind a surface is all of them.
+fn paths_behind() -> u32 {
+    return 1u;
+}
+
+fn take_path(index: u32, paths: u32) {}
+
 // Direction of a reflection ray, and its weight; see extent_sampled.wgsl. In this variant the ray sees no light.
 struct Reflected {
     direction: vec3f,
