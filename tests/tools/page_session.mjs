@@ -112,7 +112,7 @@ await page.waitForFunction(() => document.getElementById("label").textContent.in
 number = await rest(0);
 await page.mouse.click(x - 0.157 * box.height, y + 0.067 * box.height);
 await page.waitForFunction(() => document.getElementById("label").textContent.includes("decal sign"));
-const ends = () => page.evaluate(() => {
+const ends = (viewer = page) => viewer.evaluate(() => {
   const over = document.getElementById("handles").getBoundingClientRect();
   const parts = handles.drawn ? handles.drawn.ends : [];
   return parts.map(([left, top]) => [over.left + left * over.width, over.top + top * over.height]);
@@ -171,8 +171,14 @@ const [here_x, here_y] = (await ends())[0];
 await page.mouse.move(here_x, here_y);
 await page.mouse.down();
 await page.mouse.move(here_x + 30, here_y, { steps: 3 });
-await page.waitForTimeout(300);
-const [there_x, there_y] = (await ends())[0];
+await at_rest(rival, false);
+// The rival takes the handle where it rests on its own page.
+let there;
+do {
+  there = (await ends(rival))[0];
+  await page.waitForTimeout(300);
+} while (`${there}` !== `${(await ends(rival))[0]}`);
+const [there_x, there_y] = there;
 await rival.mouse.move(there_x, there_y);
 await rival.mouse.down();
 await rival.mouse.move(there_x + 10, there_y, { steps: 2 });
