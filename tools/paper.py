@@ -301,15 +301,18 @@ def walk(rows: Rows) -> str:
     return table(head, lines)
 
 
-def walk_systems(rows: Rows) -> str:
-    """Medians and extremes over the frames of each system."""
-    head = ["system", "median ms", "largest", "made anew, ms", "mean FLIP", "largest", "wrong, %"]
+def walk_systems(rows: Rows, walked: Rows) -> str:
+    """Medians and extremes over the frames of each system; errors of frames that the walk scores."""
+    head = ["system", "median ms", "largest", "made anew, ms"]
+    scored = {r["frame"] for r in walked if r["mask_flip"]}
+    head += [f"mean FLIP, {len(scored)} frames", "largest", "wrong, %"]
 
     def line(system: str, rs: Rows) -> list[str]:
-        ms, flip = values(rs, "ms"), values(rs, "flip")
+        judged = [r for r in rs if r["frame"] in scored]
+        ms, flip = values(rs, "ms"), values(judged, "flip")
         anew = median(rs, "update_ms")
         times = [digits(statistics.median(ms)), digits(max(ms)), digits(anew) if anew else "–"]
-        wrong = statistics.mean(values(rs, "wrong_percent"))
+        wrong = statistics.mean(values(judged, "wrong_percent"))
         errors = [f"{statistics.mean(flip):.4f}", f"{max(flip):.4f}", f"{wrong:.1f}"]
         return [f"`{system}`" if system in METHODS else system, *times, *errors]
 
@@ -481,7 +484,7 @@ def page(outs: list[pathlib.Path]) -> None:
     tables = {name: make(runs[run]) for name, (run, make) in TABLES.items()}
     tables["measured"] = measured(runs)
     with (out / "systems" / "systems.csv").open(newline="") as file:
-        tables["walk-systems"] = walk_systems(list(csv.DictReader(file)))
+        tables["walk-systems"] = walk_systems(list(csv.DictReader(file)), runs["walk"])
     tables["drivers"] = drivers([runs, *map(read, outs[1:])])
     write_tables(PAGE, tables)
     for name, (run, drawn) in PICTURES.items():
