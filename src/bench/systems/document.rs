@@ -7,7 +7,7 @@ use super::{
     frames::Curves,
     probe_seams::{self, SeamRow},
 };
-use crate::pareto::pareto_front;
+use crate::{metric::mask::MIN_AREA_PX, pareto::pareto_front};
 use reflet_base::digits::grouped;
 
 /// Conditions of the measurements.
@@ -57,7 +57,7 @@ pub fn document(
          reflections, built as their authors build them, on the same scenes with the same surface and light code \
          ([methods.md](methods.md)). Pictures of {width} × {height} pixels on {}. Times are the {time} of the passes \
          that find reflections, medians of {} pictures, or of all frames of a film; errors are FLIP and SSIM against \
-         `rt` inside the reflective pixels. Maps of probes and of far things are captured apart from the frame, and structures of \
+         `rt` with `bounces = \"auto\"` and without reuse of light, inside the reflective pixels. Maps of probes and of far things are captured apart from the frame, and structures of \
          ray queries are built apart from it: their bytes and time have columns of their own, and in films the median time in which \
          they are made anew for a frame, because the camera or something has moved. Tree nodes and \
          march steps are those of these passes in the first picture; they do not depend on the machine.\n\n```sh\n{}\n```\n",
@@ -88,9 +88,13 @@ pub fn section(out: &mut String, scene: &SceneRows, chart: impl Fn(&str) -> Stri
         1 => "one picture".to_owned(),
         n => format!("{n} frames"),
     };
+    let scored = match scene.mask_px < MIN_AREA_PX {
+        true => format!("(errors of pictures with fewer than {MIN_AREA_PX} are of all pixels)"),
+        false => "scored".to_owned(),
+    };
     let _ = writeln!(
         out,
-        "{frames}, {} reflective pixels scored, {} probes.\n\n![Time against error of each system; a ring marks the \
+        "{frames}, {} reflective pixels {scored}, {} probes.\n\n![Time against error of each system; a ring marks the \
              front]({})\n",
         scene.mask_px,
         scene.probes,
@@ -336,7 +340,7 @@ mod tests {
         let film = SceneRows {
             scene: "film.toml".to_owned(),
             frames: 2,
-            mask_px: 500,
+            mask_px: 57,
             probes: 0,
             rows: vec![Row {
                 system: "near-far",
@@ -349,6 +353,7 @@ mod tests {
         let mut text = String::new();
         section(&mut text, &film, |ending| format!("chart{ending}.svg"));
         for part in [
+            "57 reflective pixels (errors of pictures with fewer than 100 are of all pixels), 0",
             "(chart.svg)",
             "(chart-ms.svg)",
             "(chart-flip.svg)",

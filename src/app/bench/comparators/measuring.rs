@@ -72,6 +72,7 @@ pub(in crate::app::bench) fn measure(
         bounces: REFERENCE_BOUNCES,
         reuse_light: false,
         filter: false,
+        rate: 1,
         skip_px: 0.0,
         ..first.reflection
     };
