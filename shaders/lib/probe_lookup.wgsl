@@ -14,7 +14,7 @@ override LOOKUP: u32 = LOOKUP_BOX;
 
 // Number of steps of a march through distances, and of halvings where it has crossed them.
 const MARCH_STEPS: u32 = 30u;
-const HALVINGS: u32 = 8u;
+const HALVINGS: u32 = 16u;
 
 // Whether a point is behind what a probe sees in its direction.
 fn is_behind(probe: u32, offset: vec3f) -> bool {
@@ -39,7 +39,7 @@ fn marched(probe: u32, offset: vec3f, direction: vec3f) -> f32 {
         if (is_behind(probe, offset + direction * t)) {
             var low = free_m;
             var high = t;
-            for (var k = 0u; k < HALVINGS + 8u; k++) {
+            for (var k = 0u; k < HALVINGS; k++) {
                 let middle = 0.5 * (low + high);
                 let behind = is_behind(probe, offset + direction * middle);
                 low = select(middle, low, behind);
