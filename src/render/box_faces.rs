@@ -8,7 +8,7 @@ use reflet_scene::{
     desc::{BoxFacesDesc, ReflectionDesc},
     diagnostic::{Diagnostic, Span},
 };
-use reflet_world::World;
+use reflet_world::{Material, World};
 
 use super::{
     captured::Captured,
@@ -16,6 +16,7 @@ use super::{
     probe_boxes::still_bounds,
     probe_maps::{HITS, level_view, texture, whole},
     types::FaceBox,
+    world_key::changing_cut_outs,
 };
 
 /// Bytes of a pixel of a face.
@@ -114,8 +115,8 @@ pub struct BoxFaces {
     uniform: wgpu::Buffer,
     hits: wgpu::TextureView,
     written: wgpu::TextureView,
-    /// Nothing that is on them moves.
-    pub captured_for: Captured<()>,
+    /// Cut-outs that may change; nothing else that is on them does.
+    pub captured_for: Captured<Vec<Material>>,
 }
 
 impl BoxFaces {
@@ -160,8 +161,9 @@ impl BoxFaces {
         }
     }
 
-    /// Uploads the box, and says whether the faces must be captured: once, as nothing on them moves.
-    pub fn prepare(&self, gpu: &Gpu, settings: &ReflectionDesc) -> bool {
+    /// Uploads the box, and says whether the faces must be captured: once, as nothing on them moves, and where a cut-out
+    /// is not as in the last capture.
+    pub fn prepare(&self, gpu: &Gpu, world: &World, settings: &ReflectionDesc) -> bool {
         let face_box = FaceBox {
             low: self.key.low.to_array(),
             steps: settings.steps,
@@ -170,6 +172,6 @@ impl BoxFaces {
         };
         gpu.queue
             .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&face_box));
-        self.captured_for.replace(())
+        self.captured_for.replace(changing_cut_outs(world))
     }
 }

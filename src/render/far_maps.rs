@@ -5,14 +5,14 @@ use serde::Serialize;
 
 use reflet_gpu::{Gpu, GpuError, Named};
 use reflet_scene::desc::ReflectionDesc;
-use reflet_world::World;
+use reflet_world::{Material, World};
 
 use super::{
     captured::Captured,
     frame_uniforms::empty_uniform,
     probe_maps::{HITS, level_view, texture, whole},
     types::FarBox,
-    world_key::PoseKey,
+    world_key::{PoseKey, changing_cut_outs},
 };
 
 /// Bytes of a pixel of a map.
@@ -76,8 +76,8 @@ pub struct FarMaps {
     uniform: wgpu::Buffer,
     hits: wgpu::TextureView,
     written: wgpu::TextureView,
-    /// Place, box and pose that the maps show.
-    pub captured_for: Captured<([u32; 5], PoseKey)>,
+    /// Place, box, pose and cut-outs that the maps show.
+    pub captured_for: Captured<([u32; 5], PoseKey, Vec<Material>)>,
 }
 
 impl FarMaps {
@@ -122,8 +122,8 @@ impl FarMaps {
         }
     }
 
-    /// Uploads the box around an eye, and says whether the maps must be captured: where the eye, the box, an instance
-    /// or a deformed mesh is not as in the last capture.
+    /// Uploads the box around an eye, and says whether the maps must be captured: where the eye, the box, an instance,
+    /// a deformed mesh or a cut-out is not as in the last capture.
     pub fn prepare(
         &self,
         gpu: &Gpu,
@@ -144,6 +144,6 @@ impl FarMaps {
             .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&far_box));
         let [x, y, z] = far_box.eye;
         let place = [x, y, z, far_box.half_size_m, far_box.separation_m].map(f32::to_bits);
-        self.captured_for.replace((place, PoseKey::of(world)))
+        (self.captured_for).replace((place, PoseKey::of(world), changing_cut_outs(world)))
     }
 }

@@ -188,7 +188,7 @@ impl Renderer {
         let maps = self.bindings.probe_maps.as_ref().filter(|_| sample == 0);
         let captures = match (&self.bindings.far_maps, &self.bindings.box_faces) {
             (Some(far), _) => far.prepare(gpu, world, eye, settings, self.unit_m),
-            (None, Some(faces)) => faces.prepare(gpu, settings),
+            (None, Some(faces)) => faces.prepare(gpu, world, settings),
             _ => maps.is_some_and(|m| m.prepare(gpu, world, (&frame, &block, &sampling))),
         };
         let size = self.options.image.size;

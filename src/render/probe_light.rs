@@ -1,6 +1,6 @@
 //! Light of the maps of probes: the lights that they are captured with, and a hash of all that their content depends on.
 
-use reflet_world::World;
+use reflet_world::{Decal, DecalMask, World};
 use xxhash_rust::xxh3::Xxh3Default;
 
 use super::{
@@ -10,7 +10,7 @@ use super::{
     types::{Frame, Sampling},
 };
 
-/// Hash of the light, the environment and the materials that maps show, with blocks that do not depend on the camera.
+/// Hash of the light, the environment, the decals and the materials that maps show, with blocks that do not depend on the camera.
 pub fn hash_of_light(
     world: &World,
     frame: &Frame,
@@ -22,10 +22,16 @@ pub fn hash_of_light(
     hash.update(bytemuck::bytes_of(frame));
     hash.update(bytemuck::bytes_of(lights));
     hash.update(bytemuck::bytes_of(sampling));
+    let decals = decals_at_rest(world);
+    for decal in &decals {
+        hash.update(format!("{decal:?}").as_bytes());
+    }
     // Moving things are on no map, but as lights.
     let is_shown = |material: usize| {
         let mut shown = world.instances.iter().filter(|i| i.material == material);
-        world.materials[material].light || shown.any(|instance| !instance.dynamic)
+        world.materials[material].light
+            || decals.iter().any(|decal| decal.material == material)
+            || shown.any(|instance| !instance.dynamic)
     };
     let changing = world.moving.materials.iter();
     for moving in changing.filter(|moving| is_shown(moving.material)) {
@@ -46,6 +52,24 @@ pub fn hash_of_light(
         hash.update(bytemuck::bytes_of(fog));
     }
     hash.digest()
+}
+
+/// Decals that what never moves may show, wherever they are now.
+fn decals_at_rest(world: &World) -> Vec<&Decal> {
+    let decals = &world.decals;
+    let mut shown = DecalMask::default();
+    let still = (world.instances.iter().enumerate()).filter(|(_, instance)| !instance.dynamic);
+    for (index, _) in still {
+        let set = decals.sets.get(usize::from(decals.set_of(index)));
+        for (all, word) in shown.iter_mut().zip(set.into_iter().flatten()) {
+            *all |= word;
+        }
+    }
+    let has = |index: usize| shown[index / 32] >> (index % 32) & 1 != 0;
+    let listed = decals.list.iter().enumerate();
+    listed
+        .filter_map(|(index, decal)| has(index).then_some(decal))
+        .collect()
 }
 
 /// The lights with shadows by rays, so that what moves casts none.

@@ -166,3 +166,14 @@ impl WorldKey {
         }
     }
 }
+
+/// Materials of cut-outs that may change, in the present pose: which rays pass them is neither in the trees nor in
+/// [`PoseKey`].
+pub fn changing_cut_outs(world: &World) -> Vec<Material> {
+    let changing = world.moving.materials.iter();
+    let materials = changing.map(|moving| &world.materials[moving.material]);
+    materials
+        .filter(|material| material.alpha_cutoff.is_some())
+        .cloned()
+        .collect()
+}

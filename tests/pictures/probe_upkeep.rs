@@ -1,9 +1,14 @@
-//! Maps of probes over changes of a renderer: kept where they fit, captured anew where they do not.
+//! Captured maps over changes of a renderer and frames of a film: kept where they fit, captured anew where they do not.
+
+use std::path::Path;
 
 use reflet::{
     render::{Picture, RenderOptions, Renderer},
-    scene::desc::{Method, SceneDesc},
-    world::World,
+    scene::{
+        desc::{Method, SceneDesc},
+        stages::{Animator, Scene},
+    },
+    world::{World, load},
 };
 
 use crate::{
@@ -57,4 +62,115 @@ fn maps_are_kept_while_other_sizes_and_methods_are_shown() {
     // So are maps of another size.
     wide.reflection.probes.face_px = 32;
     assert_eq!(shown(one, &wide, &world).0, Some(true));
+}
+
+/// A mirror across from a wall behind the camera, with a board that becomes a hole and a decal that moves and fades.
+const FILM: &str = r#"
+version = 1
+[image]
+size = [32, 18]
+tone_map = "none"
+[timeline]
+fps = 1
+end = 3
+[camera.main]
+eye = [0, 1.5, 2]
+target = [0, 1.5, -4]
+[environment]
+color = [0.5, 0.5, 0.5]
+[material.mirror]
+base_color = [1, 1, 1]
+metallic = 1
+roughness = 0
+reflection = "mirror"
+[material.wall]
+base_color = [0.1, 0.2, 0.7]
+[material.board]
+base_color = [0.8, 0.1, 0.1]
+alpha = 0.5
+alpha_cutoff = 0
+[material.paint]
+base_color = [0.9, 0.8, 0.1]
+[model.mirror]
+shape = { kind = "plane", size = [8, 4] }
+material = "mirror"
+[model.board]
+shape = { kind = "plane", size = [1.5, 1.5] }
+material = "board"
+[model.wall]
+shape = { kind = "plane", size = [12, 8] }
+material = "wall"
+[[instance]]
+model = "mirror"
+translation = [0, 1.5, -4]
+rotation_deg = [90, 0, 0]
+[[instance]]
+model = "board"
+translation = [0, 1.5, 4.5]
+rotation_deg = [-90, 0, 0]
+[[instance]]
+model = "wall"
+translation = [0, 1.5, 6]
+rotation_deg = [-90, 0, 0]
+[decal.paint]
+material = "paint"
+rotation_deg = [0, 180, 0]
+size = [1, 4, 1]
+[near_far]
+half_size_m = 0.5
+face_px = 32
+[box_faces]
+face_px = 32
+[probes]
+face_px = 16
+samples = 1
+"#;
+
+/// Picture of the last of these frames, by a renderer that has rendered the others before.
+fn last_of(frames: &[u32], text: &str, method: &str) -> Option<Picture> {
+    let gpu = gpu()?;
+    let set = [format!("reflection.method=\"{method}\"")];
+    let read = Scene::from_text(text, Path::new("test.toml"), &set);
+    let (scene, _) = read.unwrap_or_else(|errors| panic!("{errors:?}"));
+    let mut world = load::load(&scene, &load::LoadOptions::default()).expect("loads");
+    let motion = Animator::new(&scene);
+    let mut renderer = renderer(gpu, &scene, &world, false);
+    let shown = frames.iter().map(|frame| {
+        let state = motion.pose(*frame).unwrap_or_else(|e| panic!("{e:?}"));
+        world.apply(&state).unwrap_or_else(|e| panic!("{e:?}"));
+        renderer.update(gpu, &world).expect("posed");
+        let picture = renderer.picture(gpu, &world, &world.cameras[0].value, &[]);
+        picture.unwrap_or_else(|e| panic!("{e}"))
+    });
+    shown.last()
+}
+
+/// Maps show cut-outs and decals as they are in a frame, whatever frame came before.
+#[test]
+fn maps_follow_cut_outs_and_decals() {
+    let still =
+        "[motion.decal.paint]\ntranslation = { keys = [{ at_s = 0, value = [1.5, 1.5, 6] }] }\n";
+    let cut_out = format!(
+        "{still}[motion.material.board]\nalpha_cutoff = {{ keys = [{{ at_s = 0, value = 0 }}, {{ at_s = 2, value = 1 }}] }}\n"
+    );
+    let moved = "[motion.decal.paint]\ntranslation = { keys = [{ at_s = 0, value = [-1.5, 1.5, 6] }, \
+                 { at_s = 2, value = [1.5, 1.5, 6] }] }\n";
+    let painted = format!(
+        "{still}[motion.material.paint]\nbase_color = {{ keys = [{{ at_s = 0, value = [0.9, 0.8, 0.1] }}, \
+         {{ at_s = 2, value = [0.1, 0.8, 0.9] }}] }}\n"
+    );
+    for (change, method) in [
+        (cut_out.as_str(), "near-far"),
+        (&cut_out, "ssr+box"),
+        (&cut_out, "probe"),
+        (moved, "probe"),
+        (&painted, "probe"),
+    ] {
+        let text = format!("{FILM}{change}");
+        let of = |frames: &[u32]| last_of(frames, &text, method);
+        let Some(first) = of(&[0]) else { return };
+        let (alone, later) = (of(&[3]).expect("a GPU"), of(&[0, 3]).expect("a GPU"));
+        assert!(first.color != alone.color, "{method}: {change}");
+        assert!(alone.color == later.color, "{method}: {change}");
+    }
 }
