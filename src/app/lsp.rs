@@ -12,6 +12,7 @@ mod known_words;
 mod names;
 mod outline;
 mod position;
+mod published;
 mod references;
 mod scopes;
 mod script;
@@ -21,7 +22,7 @@ mod structure;
 mod tables;
 
 use std::{
-    collections::{BTreeMap, BTreeSet},
+    collections::BTreeMap,
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -32,6 +33,7 @@ use serde_json::{Value, json};
 use self::{
     outline::{Part, words},
     position::{offset, path_of, range, uri_of},
+    published::Published,
     references::same,
     tables::is_project,
 };
@@ -85,7 +87,7 @@ fn serve(connection: &Connection) -> Result<(), String> {
         connection,
         open: BTreeMap::new(),
         changed: BTreeMap::new(),
-        published: BTreeMap::new(),
+        published: Published::default(),
         read: BTreeMap::new(),
     };
     for message in &connection.receiver {
@@ -123,8 +125,8 @@ struct Server<'a> {
     /// Open texts, by URI.
     open: BTreeMap<String, Arc<Source>>,
     changed: BTreeMap<String, Extent>,
-    /// Files with published diagnostics, by the scene whose check found them.
-    published: BTreeMap<String, BTreeSet<String>>,
+    /// Diagnostics that the editor shows.
+    published: Published,
     /// Files that the last check of each scene read or looked for, by the scene's URI.
     read: BTreeMap<String, Vec<PathBuf>>,
 }
@@ -305,16 +307,9 @@ impl Server<'_> {
         }
     }
 
-    /// Publishes the diagnostics of a scene's check, and clears those of files that have none any more.
+    /// Publishes the diagnostics of a scene's check, and clears those that it does not find any more.
     fn publish_diagnostics(&mut self, scene: &str, by_file: BTreeMap<String, Vec<Value>>) {
-        let files: BTreeSet<_> = by_file.keys().cloned().collect();
-        let before = self
-            .published
-            .insert(scene.to_owned(), files)
-            .unwrap_or_default();
-        let gone = before.into_iter().filter(|uri| !by_file.contains_key(uri));
-        let gone: Vec<_> = gone.map(|uri| (uri, Vec::new())).collect();
-        for (uri, diagnostics) in gone.into_iter().chain(by_file) {
+        for (uri, diagnostics) in self.published.replace(scene, by_file) {
             let params = json!({ "uri": uri, "diagnostics": diagnostics });
             let method = "textDocument/publishDiagnostics".to_owned();
             self.send(Message::Notification(Notification::new(method, params)));

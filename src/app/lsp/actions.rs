@@ -1,78 +1,288 @@
 //! Code actions: what messages advise, done by the editor.
 
+use std::ops::Range;
+
 use serde_json::{Value, json};
 
 use crate::scene::{diagnostic::Source, toml_text::toml_text};
 
-use super::position::offset;
+use super::position::{offset, range};
 
 /// Words that lead to a name which is most likely meant.
 const MEANT: &str = "did you mean ";
+/// Beginnings of comments of other languages.
+const COMMENTS: [&str; 4] = ["//", "/*", "--", "<!--"];
 
-/// Actions for the messages of a request; those with a suggestion replace what the message points at.
+/// An edit: what is replaced, and the text in its place.
+type Edit = (Range<usize>, String);
+
+/// Actions for the messages of a request: those whose help asks about a name, or says what to write.
 pub fn actions(file: &Source, uri: &str, params: &Value) -> Vec<Value> {
     let messages = params["context"]["diagnostics"].as_array();
     let action = |message: &Value| {
         let text = message["message"].as_str()?;
         let (_, help) = text.split_once("\nhelp: ")?;
-        let at = &message["range"];
-        let [start, end] = ["start", "end"].map(|end| offset(&file.text, &at[end]));
-        let now = file.text.get(start..end)?;
-        let (title, new) = meant(help, now).or_else(|| written(help, now))?;
+        let [start, end] = ["start", "end"].map(|end| offset(&file.text, &message["range"][end]));
+        let place = Place {
+            text: &file.text,
+            at: start..end.max(start),
+            is_syntax: message["code"] == "toml-syntax",
+        };
+        let (at, new) = place.mended(help)?;
         Some(json!({
-            "title": title,
+            "title": format!("Write {new}"),
             "kind": "quickfix",
             "isPreferred": true,
             "diagnostics": [message],
-            "edit": { "changes": { uri: [{ "range": at, "newText": new }] } },
+            "edit": { "changes": { uri: [{ "range": range(&file.text, &at), "newText": new }] } },
         }))
     };
     messages.into_iter().flatten().filter_map(action).collect()
 }
 
+/// Place of a message in a text.
+struct Place<'t> {
+    text: &'t str,
+    at: Range<usize>,
+    /// Whether the text is no TOML there, so that the place may be a part of the value.
+    is_syntax: bool,
+}
+
+impl Place<'_> {
+    fn mended(&self, help: &str) -> Option<Edit> {
+        let meant = meant(help, self.now()).map(|name| (self.at.clone(), name));
+        meant
+            .or_else(|| self.statement(help))
+            .or_else(|| self.value(help))
+    }
+
+    fn now(&self) -> &str {
+        &self.text[self.at.clone()]
+    }
+
+    /// Line of the place, without spaces at its ends.
+    fn line(&self) -> Range<usize> {
+        let start = self.text[..self.at.start]
+            .rfind('\n')
+            .map_or(0, |at| at + 1);
+        let end = self.text[self.at.start..].find('\n');
+        self.trimmed(start..end.map_or(self.text.len(), |at| self.at.start + at))
+    }
+
+    /// A range without spaces at its ends.
+    fn trimmed(&self, all: Range<usize>) -> Range<usize> {
+        let text = &self.text[all.clone()];
+        let start = all.start + text.len() - text.trim_start().len();
+        start..start + text.trim().len()
+    }
+
+    /// The value that a help text says to write, such as `write 0.5, in meters`, in place of the one of the message.
+    fn value(&self, help: &str) -> Option<Edit> {
+        let (_, rest) = help.split_once("write ")?;
+        let new = first_value(rest)?;
+        if !self.is_syntax {
+            return is_value(self.now()).then(|| (self.at.clone(), new.to_owned()));
+        }
+        let line = self.line();
+        let before_place = line.start..self.at.start.clamp(line.start, line.end);
+        let begin = line.start + self.text[line.clone()].find('=')? + 1;
+        let breaks = |c: char| ",[]{}=#".contains(c);
+        let start = self.text[before_place.clone()].rfind(breaks);
+        let start = start.map_or(line.start, |at| line.start + at + 1);
+        let end = self.text[before_place.end..line.end].find(breaks);
+        let end = end.map_or(line.end, |at| before_place.end + at);
+        let element = self.trimmed(start..end);
+        let whole = self.trimmed(begin..line.end);
+        // A comment behind the value stays.
+        let length = self.text[whole.clone()].find(" #").unwrap_or(whole.len());
+        let whole = self.trimmed(whole.start..whole.start + length);
+        let mends = |at: &Range<usize>| {
+            let [before, after] = [line.start..at.start, at.end..line.end];
+            let mended = [&self.text[before], new, &self.text[after]].concat();
+            !at.is_empty() && at.start >= begin && is_toml(&mended)
+        };
+        let at = [element, whole].into_iter().find(mends)?;
+        Some((at, new.to_owned()))
+    }
+
+    /// The line, table header, comment or value of the same key that a help text says to write, such as
+    /// ``write `metallic = 1` ``.
+    fn statement(&self, help: &str) -> Option<Edit> {
+        let (_, rest) = help.split_once("write `")?;
+        let (new, _) = rest.split_once('`')?;
+        if new.contains('…') || !is_toml(new) {
+            return None;
+        }
+        let line = self.line();
+        let old = &self.text[line.clone()];
+        if new.starts_with('#') {
+            let begins = |from: &usize| {
+                let rest = self.text.get(*from..line.end).unwrap_or_default();
+                COMMENTS.iter().any(|sign| rest.starts_with(sign))
+            };
+            let from = [self.at.start, line.start].into_iter().find(begins)?;
+            return Some((from..line.end, new.to_owned()));
+        }
+        if new.starts_with('[') {
+            let letters = |text: &str| text.replace(|c: char| !c.is_alphanumeric(), "");
+            let is_it = old.starts_with('[') && letters(old) == letters(new);
+            return is_it.then(|| (line, new.to_owned()));
+        }
+        let (key, value) = new.split_once(" = ")?;
+        let ends = |c: char| !(c.is_alphanumeric() || "_-.".contains(c));
+        if self.is_syntax {
+            let is_own = old.strip_prefix(key)?.starts_with(ends) && !old.contains(" #");
+            return is_own.then(|| (line, new.to_owned()));
+        }
+        let before = self.text[line.start.min(self.at.start)..self.at.start].trim_end();
+        let before = before.strip_suffix('=')?.trim_end().strip_suffix(key)?;
+        let is_own = (before.is_empty() || before.ends_with(ends)) && is_value(self.now());
+        is_own.then(|| (self.at.clone(), value.to_owned()))
+    }
+}
+
 /// The name that a help text asks about, in the quotes of the text that it replaces.
-fn meant(help: &str, now: &str) -> Option<(String, String)> {
+fn meant(help: &str, now: &str) -> Option<String> {
     let (_, rest) = help.split_once(MEANT)?;
     let quote = rest.chars().next().filter(|c| "`\"".contains(*c))?;
     let (name, _) = rest[1..].split_once(quote)?;
-    let new = match now.starts_with(['"', '\'']) {
+    Some(match now.starts_with(['"', '\'']) {
         // The path in `remove` keeps its first part.
         true => toml_text(name),
         false => name.to_owned(),
-    };
-    Some((format!("Write {new}"), new))
+    })
 }
 
-/// The value that a help text says to write for the same key, such as ``write `fov_deg = 46` ``.
-fn written(help: &str, now: &str) -> Option<(String, String)> {
-    let (_, rest) = help.split_once("write `")?;
-    let (new, _) = rest.split_once('`')?;
-    let is_example = new.contains('…') || new.contains("NAME") || new.contains('\n');
-    let is_value = !new.contains('=') && !new.starts_with('[') && !now.contains('=');
-    let is_number =
-        |text: &str| text.starts_with(|c: char| c.is_ascii_digit() || "-\"'.".contains(c));
-    let fits = is_number(new) && is_number(now);
-    (is_value && fits && !is_example).then(|| (format!("Write {new}"), new.to_owned()))
+/// The value that a text begins with, unless it is the first one of several.
+fn first_value(text: &str) -> Option<&str> {
+    let is_number = |c: char| c.is_ascii_alphanumeric() || "+-.".contains(c);
+    let end = match text.chars().next()? {
+        '"' => 2 + text[1..].find('"')?,
+        '[' | '{' => closing(text)?,
+        c if c.is_ascii_digit() || c == '-' => text.find(|c| !is_number(c)).unwrap_or(text.len()),
+        _ => {
+            let mut words = ["true", "false"].into_iter();
+            words.find(|word| text.starts_with(word))?.len()
+        }
+    };
+    let (value, rest) = text.split_at(end);
+    let rest = rest.trim_start_matches([',', ' ']);
+    let rest = rest.strip_prefix("or ").unwrap_or(rest);
+    let goes_on = rest.starts_with(|c: char| c.is_ascii_digit() || "\"[{-`".contains(c));
+    (!goes_on && is_value(value)).then_some(value)
+}
+
+/// End of the bracket that a text begins with.
+fn closing(text: &str) -> Option<usize> {
+    let mut depth = 0;
+    for (at, c) in text.char_indices() {
+        match c {
+            '[' | '{' => depth += 1,
+            ']' | '}' => depth -= 1,
+            _ => {}
+        }
+        if depth == 0 {
+            return Some(at + 1);
+        }
+    }
+    None
+}
+
+fn is_toml(text: &str) -> bool {
+    toml::from_str::<toml::Table>(text).is_ok()
+}
+
+fn is_value(text: &str) -> bool {
+    is_toml(&format!("x = {text}"))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn suggestions_replace_the_same_kind_of_text() {
-        let new = |help: &str, now: &str| {
-            meant(help, now)
-                .or_else(|| written(help, now))
-                .map(|(_, new)| new)
+    /// A text whose message stands at the part between `«` and `»`, mended as a help text says.
+    fn mended(marked: &str, code: &str, help: &str) -> Option<String> {
+        let (before, rest) = marked.split_once('«').expect("a start");
+        let (now, after) = rest.split_once('»').expect("an end");
+        let text = [before, now, after].concat();
+        let place = Place {
+            text: &text,
+            at: before.len()..before.len() + now.len(),
+            is_syntax: code == "toml-syntax",
         };
-        assert_eq!(new("did you mean `eye`?", "eya").as_deref(), Some("eye"));
-        assert_eq!(
-            new("did you mean \"ball\"?", "\"bal\"").as_deref(),
-            Some("\"ball\"")
-        );
-        assert_eq!(new("write `0.5`, in meters", "50").as_deref(), Some("0.5"));
-        assert_eq!(new("write `fov_deg = …`", "3"), None);
-        assert_eq!(new("its keys are `eye`", "eya"), None);
+        let (at, new) = place.mended(help)?;
+        Some([&text[..at.start], &new, &text[at.end..]].concat())
+    }
+
+    #[test]
+    fn help_that_says_what_to_write_mends_the_value_of_the_message() {
+        for (marked, help, wanted) in [
+            ("«eya» = 1", "did you mean `eye`?", "eye = 1"),
+            ("a = «\"bal\"»", "did you mean \"ball\"?", "a = \"ball\""),
+            ("a = «\"55\"» # x", "write 55, without quotes", "a = 55 # x"),
+            (
+                "a = { b = «\"c\"» }",
+                "write `b = { d = \"c\" }`",
+                "a = { b = { d = \"c\" } }",
+            ),
+            (
+                "«[instance]»",
+                "write `[[instance]]`, with two",
+                "[[instance]]",
+            ),
+        ] {
+            let found = mended(marked, "wrong-type", help);
+            assert_eq!(found.as_deref(), Some(wanted), "{help}");
+        }
+    }
+
+    #[test]
+    fn help_mends_the_element_or_the_line_that_is_no_toml() {
+        for (marked, help, wanted) in [
+            ("a = 50«cm»", "write 0.5, in meters", "a = 0.5"),
+            (
+                "a = [0, «1*2», 5] # x",
+                "write 2; scripts",
+                "a = [0, 2, 5] # x",
+            ),
+            ("a = «(0, 1)» # x", "write [0, 1]", "a = [0, 1] # x"),
+            (
+                "a = «»#ff0000",
+                "write \"#ff0000\", in quotes",
+                "a = \"#ff0000\"",
+            ),
+            ("a = 0«,5»", "write 0.5, or as a list [0, 5]", "a = 0.5"),
+            ("  b«:» 1", "write `b = 1`", "  b = 1"),
+            ("[a «b»]\nc = 1", "write `[a.b]`", "[a.b]\nc = 1"),
+            ("a = 1 «// x»", "write `# x`", "a = 1 # x"),
+        ] {
+            let found = mended(marked, "toml-syntax", help);
+            assert_eq!(found.as_deref(), Some(wanted), "{help}");
+        }
+    }
+
+    #[test]
+    fn help_that_leaves_a_choice_or_is_about_another_place_mends_nothing() {
+        for (marked, code, help) in [
+            ("a = «3»", "x", "write `a = …`"),
+            (
+                "a = «\"x\"»",
+                "x",
+                "write \"union\", \"difference\" or \"intersection\"",
+            ),
+            (
+                "«width» = 3",
+                "x",
+                "write `size = [3, 2]`, width and height",
+            ),
+            ("«[camera.a]»", "x", "write `near_m = 0.001` in its table"),
+            ("«[camera]»", "x", "write `[camera.NAME]`"),
+            ("a = «[0 1 5]»", "toml-syntax", "write 0, 1, 5"),
+            ("a = { «b»: 1 }", "toml-syntax", "write `b = 1`"),
+            ("b «=» = 1 # x", "toml-syntax", "write `b = 1`"),
+            ("«eya» = 1", "x", "its keys are `eye`"),
+        ] {
+            assert_eq!(mended(marked, code, help), None, "{help}");
+        }
     }
 }

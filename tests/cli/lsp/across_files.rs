@@ -219,6 +219,27 @@ fn suggestions_are_quick_fixes() {
 }
 
 #[test]
+fn messages_of_one_scene_stay_where_another_has_none_left() {
+    let mut client = Client::start("shared");
+    let folder = client.folder.clone();
+    fs::write(folder.join("parts.toml"), "[material.a]\nmetalic = 1\n").expect("written");
+    let scene = "version = 1\ninclude = \"parts.toml\"\n";
+    client.open("other.toml", scene);
+    let parts = client.uri("parts.toml");
+    assert_eq!(client.found(&parts).len(), 1);
+    client.open("scene.toml", scene);
+    let change = json!({
+        "textDocument": { "uri": client.uri("scene.toml") },
+        "contentChanges": [{ "text": "version = 1\n" }],
+    });
+    client.tell("textDocument/didChange", change);
+    assert_eq!(client.found(&parts).len(), 1, "the other scene has it");
+    client.tell("textDocument/didClose", document(&client, "other.toml"));
+    assert_eq!(client.found(&parts).len(), 0);
+    client.end();
+}
+
+#[test]
 fn the_text_of_a_project_is_completed_and_checked() {
     let mut client = project("reflet-toml");
     client.open("reflet.toml", "asets = 3\n");

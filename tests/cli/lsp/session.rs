@@ -17,7 +17,7 @@ struct Editor {
 }
 
 /// Byte offset of a position in an ASCII text.
-fn offset(text: &str, position: &Value) -> usize {
+pub fn offset(text: &str, position: &Value) -> usize {
     let number = |key: &str| position[key].as_u64().expect("a number") as usize;
     let before = text.split_inclusive('\n').take(number("line"));
     before.map(str::len).sum::<usize>() + number("character")

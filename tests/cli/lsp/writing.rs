@@ -4,7 +4,7 @@ use std::fs;
 
 use serde_json::{Value, json};
 
-use super::Client;
+use super::{Client, session::offset};
 
 const SCENE: &str = "version = 1\nscript = \"move.rhai\"\n[material.brass]\nmetallic = 1\n\n[light.lamp]\nkind = \"point\"\n\n\
                      [model.ball]\nshape = { kind = \"sphere\" }\n\n[[instance]]\nname = \"first\"\nmodel = \"ball\"\n";
@@ -84,6 +84,71 @@ fn texts_are_formatted_and_keep_their_comments() {
     assert_eq!(format(&mut client), json!([]), "it stays as it is");
     client.tell("textDocument/didChange", change("version = = 1\n  x"));
     assert_eq!(format(&mut client), json!([]), "it is no TOML");
+    client.end();
+}
+
+#[test]
+fn help_that_says_what_to_write_is_a_quick_fix() {
+    let mut client = Client::start("help");
+    let uri = client.uri("scene.toml");
+    client.open("scene.toml", "version = 1\n");
+    for (wrong, right) in [
+        (
+            "[camera.main]\neye = (0, 1.6, 5)",
+            "[camera.main]\neye = [0, 1.6, 5]",
+        ),
+        (
+            "[camera.main]\neye = [0, 1.6*2, 5] # high",
+            "[camera.main]\neye = [0, 3.2, 5] # high",
+        ),
+        (
+            "[camera.main]\nfov_deg = 60deg",
+            "[camera.main]\nfov_deg = 60",
+        ),
+        ("[material.a]\nmetallic: 1", "[material.a]\nmetallic = 1"),
+        (
+            "[material.a]\nroughness = 0.5;",
+            "[material.a]\nroughness = 0.5",
+        ),
+        (
+            "[material.a]\nbase_color = #ff8800",
+            "[material.a]\nbase_color = \"#ff8800\"",
+        ),
+        ("[material red]", "[material.red]"),
+        ("// the floor", "# the floor"),
+        ("[model.a]\nfile = a.glb", "[model.a]\nfile = \"a.glb\""),
+        (
+            "[camera.main]\nfov_deg = \"55\"",
+            "[camera.main]\nfov_deg = 55",
+        ),
+        (
+            "[material.a]\nbase_color = \"red\"",
+            "[material.a]\nbase_color = \"#ff0000\"",
+        ),
+        (
+            "[model.a]\nshape = \"sphere\"",
+            "[model.a]\nshape = { kind = \"sphere\" }",
+        ),
+        (
+            "[image]\nsize = \"1280x720\"",
+            "[image]\nsize = [1280, 720]",
+        ),
+        ("[instance]\nmodel = \"a\"", "[[instance]]\nmodel = \"a\""),
+    ] {
+        let text = format!("version = 1\n{wrong}\n");
+        let change =
+            json!({ "textDocument": { "uri": uri }, "contentChanges": [{ "text": text }] });
+        client.tell("textDocument/didChange", change);
+        let found = client.found(&uri);
+        let params = json!({ "textDocument": { "uri": uri }, "context": { "diagnostics": found } });
+        let actions = client.ask("textDocument/codeAction", params);
+        let edit = &actions[0]["edit"]["changes"][&uri][0];
+        let new = edit["newText"].as_str();
+        let new = new.unwrap_or_else(|| panic!("no action: {wrong}: {found:?}"));
+        let [from, to] = ["start", "end"].map(|end| offset(&text, &edit["range"][end]));
+        let mended = [&text[..from], new, &text[to..]].concat();
+        assert_eq!(mended, format!("version = 1\n{right}\n"), "{found:?}");
+    }
     client.end();
 }
 
