@@ -33,7 +33,14 @@ pub fn follow(args: &RenderArgs) -> Result<(), AppError> {
             Err(error @ (AppError::Usage(_) | AppError::Gpu(_) | AppError::Interrupted(_))) => {
                 return Err(error);
             }
-            Err(error) => error.print(),
+            Err(error) => {
+                // A project with mistakes ends the reading before the scene's files are known.
+                if let AppError::Scene(messages) = &error {
+                    let sources = messages.iter().filter_map(|m| m.span.source.as_ref());
+                    sources.for_each(|source| files.add(source.path.clone()));
+                }
+                error.print();
+            }
             Ok(()) => {}
         }
         watcher.watch(watched(args, &files), since);

@@ -113,13 +113,15 @@ fn watching_renders_again_after_each_save_and_keeps_the_last_good_picture() {
     }
     let folder = folder("watch");
     let picture = folder.join("a.png");
+    let project = |text: &str| fs::write(folder.join("reflet.toml"), text).expect("saved");
+    project("[sizes]\nsmall = [16, 9]\n");
     let render = [
         "render",
         "scene.toml",
         "-o",
         "a.png",
         "--size",
-        "16x9",
+        "small",
         "--watch",
     ];
     let errors = fs::File::create(folder.join("errors")).expect("a file");
@@ -156,10 +158,19 @@ fn watching_renders_again_after_each_save_and_keeps_the_last_good_picture() {
     wait("second picture", &|| {
         fs::read(&picture).expect("written") != first
     });
+    // The size is the project's, so that its mistakes end the reading before the scene's files are known.
+    project("[sizes]\nsmall = [16]\n");
+    wait("message", &|| told("reflet.toml:2:9") > 0);
+    let before = told("wrote ");
+    project("[sizes]\nsmall = [16, 9]\n");
+    wait("third picture", &|| told("wrote ") > before);
     let killed = std::process::Command::new("kill")
         .arg(child.id().to_string())
         .status();
     assert!(killed.expect("it runs").success());
     assert_eq!(child.wait().expect("it ends").code(), Some(143));
-    assert_eq!(names(&folder), ["a.png", "errors", "scene.toml"]);
+    assert_eq!(
+        names(&folder),
+        ["a.png", "errors", "reflet.toml", "scene.toml"]
+    );
 }
