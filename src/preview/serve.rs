@@ -105,7 +105,12 @@ impl Port {
     /// An address that is none, or is in use.
     pub fn listen(address: Option<&str>) -> Result<Self, ServeError> {
         let given = address.unwrap_or_default();
-        let is_bare = given.parse::<IpAddr>().is_ok() || !given.contains(':');
+        if given.parse::<u16>().is_ok() {
+            let text = format!("`{given}` is a port without a host: write `:{given}`");
+            return Err(ServeError::Address(text));
+        }
+        let is_bare =
+            given.parse::<IpAddr>().is_ok() || !given.contains(':') || given.ends_with(']');
         let host = match (given.is_empty(), is_bare, given.rsplit_once(':')) {
             (true, ..) => "127.0.0.1",
             (_, false, Some(("", _))) => "127.0.0.1",

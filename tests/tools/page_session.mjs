@@ -49,6 +49,15 @@ number = await rest(number);
 let next = await pixels();
 differs(shown, next, "orbiting");
 shown = next;
+// A drag that the system cuts off has ended.
+await page.mouse.down();
+const is_cut = await page.evaluate(() => {
+  const held = drag !== null;
+  document.getElementById("picture").dispatchEvent(new PointerEvent("pointercancel"));
+  return held && drag === null;
+});
+if (!is_cut) throw new Error("a drag goes on after it was cut off");
+await page.mouse.up();
 step("orbited");
 
 await page.locator("#frame").fill("7");

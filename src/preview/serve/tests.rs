@@ -339,6 +339,18 @@ fn messages_of_a_second_and_connections_are_counted() {
 }
 
 #[test]
+fn a_port_without_a_host_is_told_how_to_write_it() {
+    let Err(ServeError::Address(why)) = Port::listen(Some("8040")) else {
+        panic!("it is no host");
+    };
+    assert!(why.contains("write `:8040`"), "{why}");
+    // Where the machine has no such address, it cannot be listened at, which is another message.
+    if let Err(ServeError::Address(why)) = Port::listen(Some("[::1]")) {
+        assert!(why.contains("cannot listen at ::1:0"), "{why}");
+    }
+}
+
+#[test]
 fn a_thousand_wrong_tokens_open_nothing() {
     let access = access();
     for wrong in 0..1000 {

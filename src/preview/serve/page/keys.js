@@ -56,6 +56,7 @@ function key_button(track, index, bar) {
     if (!moves) send({ do: "seek", frame: Math.round(at_s * frames_per_second()) });
     show_tracks();
   });
+  button.addEventListener("pointercancel", () => { dragged_key = null; show_tracks(); });
   button.addEventListener("click", () => { selected_key = { track, index }; show_tracks(); });
   return button;
 }

@@ -231,16 +231,22 @@ canvas.addEventListener("pointermove", (event) => {
   drag.length += Math.hypot(...by);
   if (drag.length > 3) move(drag, by.map((pixels) => pixels / canvas.clientHeight));
 });
-canvas.addEventListener("pointerup", (event) => {
-  const at = place(event);
-  if (drag && drag.kind === "drag" && drag.length <= 3) {
-    send(at.every((part) => part >= 0 && part <= 1) ? { do: "pick", at } : { do: "unpick" });
-  } else if (drag && drag.kind === "drag") {
+function end_drag() {
+  if (drag && drag.kind === "drag" && drag.length > 3) {
     drag.is_over = true;
     if (!waits) send({ do: "drop", from: drag.from });
   }
   drag = null;
+}
+canvas.addEventListener("pointerup", (event) => {
+  const at = place(event);
+  if (drag && drag.kind === "drag" && drag.length <= 3) {
+    send(at.every((part) => part >= 0 && part <= 1) ? { do: "pick", at } : { do: "unpick" });
+  }
+  end_drag();
 });
+// The system may cut a drag off, as by a gesture of its own.
+canvas.addEventListener("pointercancel", end_drag);
 canvas.addEventListener("contextmenu", (event) => event.preventDefault());
 canvas.addEventListener("wheel", (event) => {
   event.preventDefault();
