@@ -170,7 +170,7 @@ static GROUPS: [Group; 7] = [
 ];
 
 /// Score of a message: 0 if it does not stand at the place of the mistake, else 1, 2 if it also names what is wrong or
-/// expected, 3 if it also has a text to write. A name is a piece of code, a quoted word or a number.
+/// expected, 3 if its help names something too. A name is a piece of code, a quoted word or a number.
 fn score(is_at_place: bool, message: &str) -> u32 {
     let (says, cure) = message.split_once("; ").unwrap_or((message, ""));
     let has_name = |text: &str| {
@@ -303,7 +303,8 @@ const PAGE: &str = "<!-- Generated from tests/mistakes; `UPDATE_DOCS=1 cargo tes
 
 Mistakes of people who write scenes, and the message of `reflet check` about each. The tests make each mistake, and see
 that it has this one message, at its line and column. A message scores 0 of 3 if it does not stand at the mistake; else 1;
-2 if it also names what is wrong or expected, by code, a quoted word or a number; 3 if it also has a text to write.
+2 if it also names what is wrong or expected, by code, a quoted word or a number; 3 if its help names something too, nearly always
+the text to write. The test counts this, and judges no cure.
 ";
 
 /// The page of mistakes, with a table for each group.
