@@ -205,7 +205,7 @@ fn structure() -> [Score; 6] {
         ),
         score(
             "Thin things",
-            "Share of the pixels in which `rt` shows a thing at most 1, 2 and 4 px thin that show the same, %.".to_owned(),
+            "Share of the pixels in which `rt` shows a thing at most 1, 2 and 4 px thin that show the same, %; what probes answer is left out, as if it showed nothing.".to_owned(),
             |s| joined(&s.structure.recall_percent, 1),
         ),
         score(
