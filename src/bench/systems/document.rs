@@ -60,7 +60,9 @@ pub fn document(
          `rt` with `bounces = \"auto\"` and without reuse of light, inside the reflective pixels. Maps of probes and of far things are captured apart from the frame, and structures of \
          ray queries are built apart from it: their bytes and time have columns of their own, and in films the median time in which \
          they are made anew for a frame, because the camera or something has moved. Tree nodes and \
-         march steps are those of these passes in the first picture; they do not depend on the machine.\n\n```sh\n{}\n```\n",
+         march steps are those of these passes in the first picture; they do not depend on the machine. Scenes without probes get a \
+         grid of two along their longest edge, where an author would place them by hand \
+         ([methods.md](methods.md#probes)).\n\n```sh\n{}\n```\n",
         about.adapter, about.frames, about.command
     );
     out += "\n## What rivals do better\n\n";
