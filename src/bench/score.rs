@@ -63,7 +63,7 @@ pub struct Reference {
 pub const CAMERA_MOVE_U: f32 = 1e-4;
 /// ID of a pixel whose ray hit nothing.
 const NOTHING: u32 = u32::MAX;
-/// ID of a pixel whose ray was not traced.
+/// ID of a pixel whose reflection was not answered.
 const NOT_FOLLOWED: u32 = u32::MAX - 1;
 
 /// Errors of one picture.
@@ -162,11 +162,12 @@ impl Hits {
         self.cause.iter().map(of).collect()
     }
 
-    /// ID of the instance that each reflection shows; `traces` says whether rays follow the march.
-    fn shown(&self, traces: bool) -> Vec<u32> {
+    /// ID of the instance that each reflection shows; `answers` says whether pixels that the march does not answer are
+    /// answered otherwise.
+    fn shown(&self, answers: bool) -> Vec<u32> {
         let is_marched = self.is_marched();
         let of = |i: usize| match self.distance_m[i] {
-            _ if !traces && !is_marched[i] => NOT_FOLLOWED,
+            _ if !answers && !is_marched[i] => NOT_FOLLOWED,
             distance_m if distance_m.is_infinite() => NOTHING,
             _ => self.instance[i],
         };
@@ -222,8 +223,8 @@ impl Reference {
         })
     }
 
-    /// Errors of `view`, which has the reference's size; `hits` belong to its picture, and `traces` says
-    /// whether rays follow its march.
+    /// Errors of `view`, which has the reference's size; `hits` belong to its picture, and `answers` says whether pixels
+    /// that its march does not answer are answered otherwise.
     ///
     /// # Errors
     /// When the sizes differ.
@@ -231,7 +232,7 @@ impl Reference {
         &self,
         view: &View,
         hits: Option<&Hits>,
-        traces: bool,
+        answers: bool,
     ) -> Result<Errors, PictureError> {
         let linear = Pair::new(&view.linear, &self.view.linear)?;
         let (test, reference) = (view.display.pixels(), self.view.display.pixels());
@@ -250,7 +251,7 @@ impl Reference {
                 test: &luma(test),
                 reference: &luma(reference),
                 is_marched: &hits.is_marched(),
-                shown: &hits.shown(traces),
+                shown: &hits.shown(answers),
                 met: &self.hits.shown(true),
             })
         });

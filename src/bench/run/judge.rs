@@ -110,9 +110,13 @@ impl Bench<'_> {
             .and_then(|view| {
                 let flicker = &self.cache.flicker;
                 let since = flicker.push(subject, variant, &view, reference)?;
-                let (hits, traces) = (Hits::of(&picture.planes), variant.method.traces());
+                let (hits, answers) = (Hits::of(&picture.planes), variant.method.answers_all());
                 let seam = looked.and_then(|looked| looked.seam_step(&view, reference));
-                Ok((reference.errors(&view, hits.as_ref(), traces)?, since, seam))
+                Ok((
+                    reference.errors(&view, hits.as_ref(), answers)?,
+                    since,
+                    seam,
+                ))
             })
             .map_err(|e| e.to_string());
         let mut changes = None;

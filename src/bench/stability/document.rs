@@ -205,12 +205,12 @@ fn structure() -> [Score; 6] {
         ),
         score(
             "Thin things",
-            "Share of the pixels in which `rt` shows a thing at most 1, 2 and 4 px thin that show the same, %; what probes answer is left out, as if it showed nothing.".to_owned(),
+            "Share of the pixels in which `rt` shows a thing at most 1, 2 and 4 px thin that show the same, %.".to_owned(),
             |s| joined(&s.structure.recall_percent, 1),
         ),
         score(
             "The seam",
-            "Mean step from a pixel that the march answered to a traced one beside it, beyond the step of `rt` there, \
+            "Mean step from a pixel that the march answered to one beside it that it did not, beyond the step of `rt` there, \
              of 255 levels; both show the same instance, rightly."
                 .to_owned(),
             |s| s.structure.seam_step.map(|v| format!("{v:+.2}")),

@@ -66,6 +66,11 @@ impl Method {
         !matches!(self, Self::Ssr | Self::Probe | Self::SsrProbe)
     }
 
+    /// Whether reflections that the screen does not answer are answered otherwise: by rays, maps or probes.
+    pub const fn answers_all(self) -> bool {
+        self.traces() || self.looks_up()
+    }
+
     /// Whether reflections that the screen does not answer are looked up in probes.
     pub const fn looks_up(self) -> bool {
         matches!(self, Self::Probe | Self::SsrProbe)

@@ -184,7 +184,7 @@ fn judge(
     let internal = |error: PictureError| AppError::Internal(error.to_string());
     let view = View::new(&picture, picture.size).map_err(internal)?;
     let hits = Hits::of(&picture.planes);
-    let answers = system.settings.method != Method::Ssr;
+    let answers = system.settings.method.answers_all();
     let errors = reference.errors(&view, hits.as_ref(), answers);
     let errors = errors.map_err(internal)?;
     let scores = errors.mask.as_ref().unwrap_or(&errors.frame);
