@@ -302,7 +302,7 @@ def walk(rows: Rows) -> str:
 
 
 def walk_systems(rows: Rows, walked: Rows) -> str:
-    """Medians and extremes over the frames of each system; errors of frames that the walk scores."""
+    """Medians and extremes over the frames of each system; errors of frames that are scored."""
     head = ["system", "median ms", "largest", "made anew, ms"]
     scored = {r["frame"] for r in walked if r["mask_flip"]}
     head += [f"mean FLIP, {len(scored)} frames", "largest", "wrong, %"]
