@@ -20,23 +20,27 @@ const requests = [];
 page.on("pageerror", (error) => errors.push(String(error)));
 page.on("request", (request) => requests.push(request.url()));
 
-// Waits for a lossless picture after the one with this number.
-const rest = async (after) => {
-  await page.waitForFunction((number) => {
-    const { number: shown, kind } = document.getElementById("picture").dataset;
-    return kind === "png" && Number(shown) > number;
-  }, after);
-  return page.evaluate(() => Number(document.getElementById("picture").dataset.number));
-};
 const pixels = () => page.evaluate(() => document.getElementById("picture").toDataURL());
-const step = (text) => console.log(text);
-const differs = (a, b, what) => {
-  if (a === b) throw new Error(`${what} changed nothing`);
+// Waits for a lossless picture that stays for half a second, so that no picture of an earlier action follows.
+const still = async () => {
+  let shown;
+  do {
+    await page.waitForFunction(() => document.getElementById("picture").dataset.kind === "png");
+    shown = await pixels();
+    await page.waitForTimeout(500);
+  } while (shown !== await pixels());
+  return shown;
 };
+// Waits until the picture is not this one any more, and stays.
+const changed = async (before, what) => {
+  await page.waitForFunction((was) => document.getElementById("picture").toDataURL() !== was, before)
+    .catch(() => { throw new Error(`${what} changed nothing`); });
+  return still();
+};
+const step = (text) => console.log(text);
 
 await page.goto(address);
-let number = await rest(0);
-let shown = await pixels();
+let shown = await still();
 step("opened");
 
 const box = await page.locator("#picture").boundingBox();
@@ -45,10 +49,7 @@ await page.mouse.move(x, y);
 await page.mouse.down();
 await page.mouse.move(x + 90, y + 10, { steps: 4 });
 await page.mouse.up();
-number = await rest(number);
-let next = await pixels();
-differs(shown, next, "orbiting");
-shown = next;
+shown = await changed(shown, "orbiting");
 // A drag that the system cuts off has ended.
 await page.mouse.down();
 const is_cut = await page.evaluate(() => {
@@ -62,18 +63,13 @@ step("orbited");
 
 await page.locator("#frame").fill("7");
 await page.waitForFunction(() => document.getElementById("told").textContent.startsWith("7 of"));
-number = await rest(number);
-next = await pixels();
-differs(shown, next, "scrubbing");
-shown = next;
+shown = await changed(shown, "scrubbing");
 step("scrubbed");
 
 const parameter = page.locator("#parameters input").first();
 await parameter.fill("1.5");
 await parameter.press("Enter");
-number = await rest(number);
-next = await pixels();
-differs(shown, next, "the parameter");
+await changed(shown, "the parameter");
 const written = Date.now() + PATIENCE_MS;
 while (!readFileSync(scenePath, "utf8").includes("height = 1.5")) {
   if (Date.now() > written) throw new Error("the parameter was not written into the scene");
@@ -118,7 +114,7 @@ step("changed");
 await page.locator("#camera").selectOption("main");
 await page.locator("#items button", { hasText: "floor" }).click();
 await page.waitForFunction(() => document.getElementById("label").textContent.includes("floor"));
-number = await rest(0);
+await still();
 await page.mouse.click(x - 0.157 * box.height, y + 0.067 * box.height);
 await page.waitForFunction(() => document.getElementById("label").textContent.includes("decal sign"));
 const ends = (viewer = page) => viewer.evaluate(() => {
@@ -143,10 +139,7 @@ if (seen !== 15) throw new Error(`${seen} lines: 12 edges of the box and 3 handl
 const leaver = await browser.newPage({ viewport: { width: 900, height: 700 } });
 await leaver.goto(address);
 await leaver.waitForFunction(() => document.querySelectorAll("#handles line").length === 15);
-do {
-  shown = await pixels();
-  await page.waitForTimeout(500);
-} while (shown !== await pixels());
+shown = await still();
 const [left, top] = (await ends())[0];
 await leaver.mouse.move(left, top);
 await leaver.mouse.down();
