@@ -13,7 +13,7 @@ use super::{
     error::AppError,
     lint::{KeptTrees, Lint},
     print_json, print_out,
-    project::check_output_of,
+    project::{check_output_of, misspelt_names},
     sarif,
 };
 use crate::{
@@ -202,7 +202,7 @@ fn check_variant(
     let mut log = Log::default();
     let found = pose_and_lint(&mut loaded, &mut kept.trees, (&mut log, posing));
     log.print();
-    let mut messages = loaded.warnings;
+    let mut messages = [misspelt_names(&loaded), loaded.warnings].concat();
     let posed = match found {
         Ok((posed, warnings)) => {
             messages.extend(warnings);
@@ -284,7 +284,7 @@ fn read_stdin() -> Result<String, Vec<Diagnostic>> {
             MOST_BYTES >> 20
         )));
     }
-    String::from_utf8(bytes).map_err(|_| refuse("a scene must be UTF-8 text".to_owned()))
+    String::from_utf8(bytes).map_err(|_| refuse("a scene must be UTF-8 text".into()))
 }
 
 /// Output of the script in the first frames, truncated.

@@ -45,8 +45,8 @@ impl Template {
             return usage("the name must be UTF-8".to_owned());
         };
         let folder = path.parent().unwrap_or(Path::new(""));
-        let places = match places(name) {
-            Ok(places) => places,
+        let number = match number_in(name) {
+            Ok(number) => number,
             Err(why) => return usage(why),
         };
         if let Some(placeholder) = in_folder(folder) {
@@ -56,19 +56,12 @@ impl Template {
                 clipped(&folder.display().to_string())
             ));
         }
-        match places.as_slice() {
-            [] => Ok(None),
-            [(_, digits)] if *digits > MOST_DIGITS => usage(format!(
-                "{digits} digits for the frame number; write at most {MOST_DIGITS} #"
-            )),
-            [(at, digits)] => Ok(Some(Self {
-                folder: folder.to_owned(),
-                before: name[..at.start].to_owned(),
-                digits: *digits,
-                after: name[at.end..].to_owned(),
-            })),
-            _ => usage("the frame number may appear only once".to_owned()),
-        }
+        Ok(number.map(|(at, digits)| Self {
+            folder: folder.to_owned(),
+            before: name[..at.start].to_owned(),
+            digits,
+            after: name[at.end..].to_owned(),
+        }))
     }
 
     /// File of a frame; longer numbers are not truncated.
@@ -76,6 +69,21 @@ impl Template {
         let digits = self.digits;
         let name = format!("{}{frame:0digits$}{}", self.before, self.after);
         self.folder.join(name)
+    }
+}
+
+/// Range of the placeholder of the frame number in a file name, and its number of digits; `None` without any.
+///
+/// # Errors
+/// Message for two placeholders, more than 20 digits, and a notation that is not understood.
+pub fn number_in(name: &str) -> Result<Option<(Range<usize>, usize)>, String> {
+    let mut places = places(name)?;
+    match places.as_slice() {
+        [(_, digits)] if *digits > MOST_DIGITS => Err(format!(
+            "{digits} digits for the frame number; write at most {MOST_DIGITS} #"
+        )),
+        [] | [_] => Ok(places.pop()),
+        _ => Err("the frame number may appear only once".to_owned()),
     }
 }
 

@@ -9,6 +9,7 @@ use super::{
     args::{RenderArgs, SceneArgs, SizeArg},
     cameras::{PLACEHOLDER, safe_name},
     error::AppError,
+    frame_name::number_in,
     output::format::Format,
 };
 use crate::{
@@ -128,18 +129,37 @@ pub fn check_output(output: &At<String>) -> Result<(), Box<Diagnostic>> {
         let help = format!("there are {names}, and `####` for the number of the frame");
         return Err(Box::new(error.help(help)));
     }
-    let in_folder = path.parent().and_then(Path::to_str).unwrap_or_default();
-    let is_number = |text: &str| text.contains("##");
-    if in_folder.contains(PLACEHOLDER) || is_number(in_folder) {
+    // Any letter stands for names that are not known here.
+    let named = [SCENE, VARIANT]
+        .iter()
+        .fold(output.value.clone(), |name, part| name.replace(part, "x"));
+    let (in_folder, name) = named.rsplit_once('/').unwrap_or(("", &named));
+    // A lone `#` may be part of a name.
+    let has_number = |text: &str| {
+        let number = number_in(text).map_err(&refuse)?;
+        Ok::<_, Box<Diagnostic>>(number.is_some_and(|(at, _)| text[at] != *"#"))
+    };
+    let is_numbered = has_number(name)?;
+    if in_folder.contains(PLACEHOLDER) || has_number(in_folder)? {
         let message = "`{camera}` and the number of the frame belong into the name of the file, not of a folder";
         return Err(refuse(message.to_owned()));
     }
-    match matches!(format, Format::Film(_)) && is_number(&output.value) {
+    match matches!(format, Format::Film(_)) && is_numbered {
         true => Err(refuse(
             "a film is one file, so its name has no number".to_owned(),
         )),
         false => Ok(()),
     }
+}
+
+/// Warnings about names in the scene's project that are nearly those of the scene.
+pub fn misspelt_names(loaded: &LoadedScene) -> Vec<Diagnostic> {
+    let Some(project) = &loaded.project else {
+        return Vec::new();
+    };
+    let variants = loaded.scene.variants.iter();
+    let variants: Vec<_> = variants.map(|variant| variant.value.as_str()).collect();
+    project.misspelt(&loaded.name, &loaded.camera_names(), &variants)
 }
 
 /// Name of the output with the scene and its variants. Placeholders of what the scene lacks are left out, with the
@@ -153,17 +173,12 @@ fn filled(args: &RenderArgs, output: &str, loaded: &LoadedScene) -> String {
         true => without(&output, VARIANT),
         false => output.replace(VARIANT, &variants.join("+")),
     };
-    match loaded.scene.timeline.is_some() {
-        true => output,
-        false => {
-            let marks: String = output.chars().filter(|c| *c == '#').collect();
-            let is_run = marks.len() > 1 && output.contains(&marks);
-            if is_run {
-                without(&output, &marks)
-            } else {
-                output
-            }
+    let (folder, name) = output.split_at(output.rfind('/').map_or(0, |slash| slash + 1));
+    match number_in(name) {
+        Ok(Some((at, _))) if loaded.scene.timeline.is_none() => {
+            format!("{folder}{}", without(name, &name[at]))
         }
+        _ => output,
     }
 }
 
@@ -226,7 +241,13 @@ mod tests {
             let (value, at) = (name.to_owned(), Default::default());
             check_output(&At { value, at }).map_err(|error| error.message)
         };
-        for good in ["a.png", "r/{scene}.{camera}.####.exr", "{variant}/a.mp4"] {
+        for good in [
+            "a.png",
+            "r/{scene}.{camera}.####.exr",
+            "{variant}/a.mp4",
+            "#1/{scene}.%04d.png",
+            "a.$F4.png",
+        ] {
             assert_eq!(check(good), Ok(()), "{good}");
         }
         for bad in [
@@ -235,6 +256,10 @@ mod tests {
             "a/####/b.png",
             "{camera}/b.png",
             "a.####.mp4",
+            "a.%04d.mp4",
+            "%04d/a.png",
+            "a.####.####.png",
+            "a.%4d.png",
             "{scen}.png",
         ] {
             assert!(check(bad).is_err(), "{bad}");

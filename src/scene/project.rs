@@ -196,6 +196,28 @@ impl Project {
             }
         })
     }
+
+    /// Warnings about the camera and the variants that the project names, where a scene has none of that name but one
+    /// of a similar name. A scene of a project need not have them.
+    pub fn misspelt(&self, scene: &str, cameras: &[&str], variants: &[&str]) -> Vec<Diagnostic> {
+        let named = (self
+            .desc
+            .camera
+            .iter()
+            .map(|name| ("camera", name, cameras)))
+        .chain((self.desc.variant.iter()).map(|name| ("variant", name, variants)));
+        let warnings = named.filter_map(|(kind, name, known)| {
+            if known.contains(&name.value.as_str()) {
+                return None;
+            }
+            let similar = suggest::nearest(&name.value, known.iter().copied())?;
+            let shown = suggest::text(&name.value);
+            let message = format!("the scene {scene} has no {kind} {shown}");
+            let warning = Diagnostic::at("project-name", name.at.clone(), message).warning();
+            Some(warning.help(format!("did you mean {}?", suggest::text(similar))))
+        });
+        warnings.collect()
+    }
 }
 
 /// Path of a name from the project's folder, which it must not leave.

@@ -8,6 +8,7 @@ mod info;
 mod lsp;
 mod messages;
 mod project;
+mod project_defaults;
 mod sheet;
 mod statistics;
 

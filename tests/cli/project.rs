@@ -25,7 +25,7 @@ fn write(folder: &Path, files: &[(&str, &str)]) {
 }
 
 /// A project in `show`, with a shot that needs it.
-fn show(name: &str, project: &str) -> std::path::PathBuf {
+pub fn show(name: &str, project: &str) -> std::path::PathBuf {
     let folder = folder(name);
     let prop = "version = 1\ninclude = \"../lib/red.toml\"\n[model.foot]\nshape = { kind = \"box\", size = [0.1, 0.1, 0.1] }\n\
                 [[instance]]\nmodel = \"foot\"\nmaterial = \"red\"\ntranslation = [1, 0, 0]\n";
@@ -229,50 +229,6 @@ fn mistakes_of_a_project_have_their_places() {
         "{text}{error}"
     );
     assert_eq!(names(&folder), ["outside.toml", "scene.toml", "show"]);
-}
-
-#[test]
-fn render_takes_camera_variant_size_and_output_from_the_project() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
-    let project = "camera = \"side\"\nvariant = [\"night\", \"other\"]\n\
-                   output = \"out/{scene}.{camera}.{variant}.####.png\"\n[sizes]\ntiny = [16, 9]\n";
-    let folder = show("project-render", project);
-    let render = ["render", "show/base.toml", "--size", "tiny"];
-    let [_, error] = exits(&folder, &render, 0);
-    let out = folder.join("show/out");
-    assert_eq!(names(&out), ["base.side.night.png"], "{error}");
-    let size = image::image_dimensions(out.join("base.side.night.png")).expect("a PNG");
-    assert_eq!(size, (16, 9));
-    let same = [
-        "-o",
-        "same.png",
-        "--camera",
-        "side",
-        "--variant",
-        "night",
-        "--no-project",
-    ];
-    let size = ["render", "show/base.toml", "--size", "16x9"];
-    exits(&folder, &[&size[..], &same].concat(), 0);
-    let read = |path: &Path| fs::read(path).expect("written");
-    let default = read(&out.join("base.side.night.png"));
-    assert!(default == read(&folder.join("same.png")));
-    // Arguments win; an empty variant is none.
-    exits(
-        &folder,
-        &[&render[..], &["--camera", "main", "--variant", ""]].concat(),
-        0,
-    );
-    assert_eq!(names(&out), ["base.main.png", "base.side.night.png"]);
-    assert!(default != read(&out.join("base.main.png")));
-    let [_, error] = exits(&folder, &["render", "show/base.toml", "--size", "tinny"], 2);
-    assert!(error.contains("did you mean \"tiny\"?"), "{error}");
-    let [_, error] = exits(&folder, &["render", "scene.toml", "--size", "tiny"], 2);
-    assert!(error.contains("the scene is of no project"), "{error}");
-    let [_, error] = exits(&folder, &["render", "scene.toml"], 2);
-    assert!(error.contains("--output FILE is missing"), "{error}");
 }
 
 #[test]
