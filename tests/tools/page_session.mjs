@@ -145,8 +145,22 @@ await leaver.mouse.move(left, top);
 await leaver.mouse.down();
 await leaver.mouse.move(left + 40, top, { steps: 4 });
 await at_rest(page, false);
+// So does one who leaves while a parameter and a number of a material are changed.
+const inputs = { "#parameters input": ["1.2", "1.5"], "#material input[name=roughness]": ["0.8", "0.25"] };
+const reads = (which) => page.waitForFunction(
+  ([all, index]) => Object.entries(all).every(([at, values]) => Number(document.querySelector(at).value) === Number(values[index])),
+  [inputs, which]);
+await reads(1);
+for (const [at, [value]] of Object.entries(inputs)) {
+  await leaver.locator(at).first().evaluate((input, now) => {
+    input.value = now;
+    input.dispatchEvent(new Event("input", { bubbles: true }));
+  }, value);
+}
+await reads(0);
 await leaver.close();
 await at_rest(page, true);
+await reads(1);
 await page.waitForFunction((before) => document.getElementById("picture").toDataURL() === before, shown);
 if (!readFileSync(scenePath, "utf8").includes("translation = [-1.2, 0, 0.5]")) throw new Error("a drag without an end was written");
 // The numbers follow the handle.

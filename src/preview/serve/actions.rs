@@ -8,7 +8,10 @@ use super::{
     state,
 };
 use crate::{
-    viewer::protocol::{FrameAction, FrameRequest, Side, Task},
+    viewer::{
+        protocol::{FrameAction, FrameRequest, Side, Task},
+        scene_summary::MaterialRow,
+    },
     write_back::{KeyChange, KeyEdit, Numbers, numbers_of},
 };
 use reflet_bench::parameter::method_name;
@@ -222,6 +225,7 @@ impl Session {
         };
         row.edit = row.with(&row.edit, index, value);
         let (edit, number) = (row.edit, row.edit.material);
+        self.unwritten_number = (!write).then(|| material.zip(Some(index))).flatten();
         self.state.stir(self.now_s());
         self.post(Task::Edit(Box::new(edit)));
         if write {
@@ -271,10 +275,37 @@ impl Session {
             return self.say("there is no such parameter, or its value is of another kind");
         };
         self.overrides.set(name, value, own);
+        self.unwritten_parameter = (!write).then(|| name.to_owned());
         self.state.stir(self.now_s());
         self.post(Task::SetParameters(self.overrides.clone()));
         if write && !self.overrides.is_empty() {
             self.post(Task::WriteParameters(self.overrides.clone()));
+        }
+    }
+
+    /// Shows the number of a material that was changed last and not written as the scene has it.
+    pub(super) fn take_back_material(&mut self) {
+        let Some((row, index)) = self.unwritten_number.take() else {
+            return;
+        };
+        if let Some(row) = self.state.summary.materials.get_mut(row) {
+            row.edit = MaterialRow::without(&row.edit, index);
+            let edit = row.edit;
+            self.state.stir(self.now_s());
+            self.post(Task::Edit(Box::new(edit)));
+        }
+    }
+
+    /// Gives the parameter that was changed last and not written the value that the scene declares.
+    pub(super) fn take_back_parameter(&mut self) {
+        let Some(name) = self.unwritten_parameter.take() else {
+            return;
+        };
+        let mut declared = self.state.summary.declared.iter();
+        if let Some((_, own)) = declared.find(|(known, _)| *known == name) {
+            self.overrides.set(&name, own.clone(), own);
+            self.state.stir(self.now_s());
+            self.post(Task::SetParameters(self.overrides.clone()));
         }
     }
 }

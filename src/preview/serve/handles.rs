@@ -159,6 +159,12 @@ impl Session {
         if self.grab.take_if(is_it).is_some() || unfinished.number {
             self.post(Task::DropDrag);
         }
+        if unfinished.material {
+            self.take_back_material();
+        }
+        if unfinished.parameter {
+            self.take_back_parameter();
+        }
     }
 
     /// Ends the drag that began at `from`, of whichever if that is `None`, and has its numbers written.

@@ -96,6 +96,10 @@ pub(super) struct Unfinished {
     pub(super) from: Option<[f32; 2]>,
     /// Whether numbers of the selected item are changed.
     pub(super) number: bool,
+    /// Whether a number of the shown material is changed.
+    pub(super) material: bool,
+    /// Whether a parameter of the script is changed.
+    pub(super) parameter: bool,
 }
 
 impl Unfinished {
@@ -105,6 +109,8 @@ impl Unfinished {
             Input::Drag { from, .. } => self.from = Some(*from),
             Input::Drop { .. } => self.from = None,
             Input::Number { write, .. } => self.number = !write,
+            Input::MaterialNumber { write, .. } => self.material = !write,
+            Input::Parameter { write, .. } => self.parameter = !write,
             _ => {}
         }
     }

@@ -263,13 +263,25 @@ fn who_leaves_in_a_drag_is_told_apart() {
         "{\"do\":\"drag\",\"from\":[0.5,0.25],\"to\":[0.5,0.5],\"by\":[0,0.25],\"start\":true}";
     let number =
         |write| format!("{{\"do\":\"number\",\"key\":\"scale\",\"values\":[1],\"write\":{write}}}");
+    let material =
+        "{\"do\":\"material_number\",\"key\":\"roughness\",\"values\":[1],\"write\":false}"
+            .to_owned();
+    let parameter =
+        "{\"do\":\"parameter\",\"name\":\"height\",\"value\":1,\"write\":false}".to_owned();
+    let left = |change: &dyn Fn(&mut Unfinished)| {
+        let mut left = Unfinished::default();
+        change(&mut left);
+        left
+    };
     let dropped = "{\"do\":\"drop\",\"from\":[0.5,0.25]}".to_owned();
-    for (says, from, is_number) in [
-        (vec![], None, false),
-        (vec![drag.to_owned()], Some([0.5, 0.25]), false),
-        (vec![drag.to_owned(), dropped], None, false),
-        (vec![number(false)], None, true),
-        (vec![number(false), number(true)], None, false),
+    for (says, want) in [
+        (vec![], left(&|_| {})),
+        (vec![drag.to_owned()], left(&|l| l.from = Some([0.5, 0.25]))),
+        (vec![drag.to_owned(), dropped], left(&|_| {})),
+        (vec![number(false)], left(&|l| l.number = true)),
+        (vec![number(false), number(true)], left(&|_| {})),
+        (vec![material], left(&|l| l.material = true)),
+        (vec![parameter], left(&|l| l.parameter = true)),
     ] {
         let viewers = Viewers::new();
         let (mut client, ends) = viewers.join();
@@ -282,10 +294,6 @@ fn who_leaves_in_a_drag_is_told_apart() {
             Event::Left(unfinished) => Some(unfinished),
             _ => None,
         });
-        let want = Unfinished {
-            from,
-            number: is_number,
-        };
         assert_eq!(left, Some(want), "{says:?}");
     }
 }

@@ -6,11 +6,13 @@ use super::scene_summary::MaterialRow;
 use crate::live::Edit;
 use reflet_scene::desc::MATERIAL;
 
+/// Fields that are changed together, since a material keeps only their product.
+const PAIR: [&str; 2] = ["emission", "emission_strength"];
+
 impl MaterialRow {
     /// The edit after the value of a field of [`MATERIAL`], by its index, is changed. Emission and its strength are set
     /// together, since a material keeps only their product.
     pub fn with(&self, edit: &Edit, field: usize, value: Vec3) -> Edit {
-        const PAIR: [&str; 2] = ["emission", "emission_strength"];
         let now = self.edit.over(&self.numbers);
         let mut edit = *edit;
         edit.values[field] = Some(value);
@@ -19,6 +21,18 @@ impl MaterialRow {
                 if other != field && PAIR.contains(&of.key) {
                     edit.values[other] = (of.get)(&now);
                 }
+            }
+        }
+        edit
+    }
+
+    /// The edit in which a field of [`MATERIAL`], by its index, has the scene's value again.
+    pub fn without(edit: &Edit, field: usize) -> Edit {
+        let mut edit = *edit;
+        for (other, of) in MATERIAL.iter().enumerate() {
+            let are_pair = PAIR.contains(&of.key) && PAIR.contains(&MATERIAL[field].key);
+            if other == field || are_pair {
+                edit.values[other] = None;
             }
         }
         edit
