@@ -93,11 +93,12 @@ fn chosen_probes(point: vec3f, count: u32, nearest: u32) -> Chosen {
         var depth = depth_in_box(i, point);
         for (var k = 0u; k < nearest; k++) {
             if (depth > c.weights[k]) {
-                let lesser = vec2f(f32(c.probes[k]), c.weights[k]);
+                let lesser = c.probes[k];
+                let lesser_depth = c.weights[k];
                 c.probes[k] = probe;
                 c.weights[k] = depth;
-                probe = u32(lesser.x);
-                depth = lesser.y;
+                probe = lesser;
+                depth = lesser_depth;
             }
         }
     }

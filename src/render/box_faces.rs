@@ -13,18 +13,13 @@ use reflet_world::{Material, World};
 use super::{
     captured::Captured,
     frame_uniforms::empty_uniform,
+    map_size::{FACES, HIT_BYTES, MAX_MAP_BYTES, texels},
     probe_boxes::still_bounds,
     probe_maps::{HITS, level_view, texture, whole},
     types::FaceBox,
     world_key::changing_cut_outs,
 };
 
-/// Bytes of a pixel of a face.
-const TEXEL_BYTES: u64 = 16;
-/// Number of faces.
-const FACES: u32 = 6;
-/// Maximum size of all faces, bytes.
-const MAX_BYTES: u64 = 2 << 30;
 /// Size of the default box along an axis in which the static scene has none, over its diagonal.
 const LEAST_SHARE: f32 = 1e-3;
 /// Size of the box of a scene without extent, in the renderer's lengths.
@@ -61,28 +56,28 @@ impl FacesKey {
 
     /// Size of all faces, bytes.
     pub fn bytes(&self) -> u64 {
-        TEXEL_BYTES * self.pixels()
+        HIT_BYTES * self.pixels()
     }
 
     /// Number of pixels of all faces, each of which a capture follows a ray for.
     pub fn pixels(&self) -> u64 {
-        u64::from(FACES) * u64::from(self.face_px).pow(2)
+        texels(FACES, self.face_px)
     }
 
     /// The key itself, if its faces are not too large.
     ///
     /// # Errors
-    /// More than `MAX_BYTES`, with the largest width that has no more.
+    /// More than [`MAX_MAP_BYTES`], with the largest width that has no more.
     pub fn checked(self) -> Result<Self, Box<Diagnostic>> {
         let (px, bytes) = (self.face_px, self.bytes());
-        if bytes <= MAX_BYTES {
+        if bytes <= MAX_MAP_BYTES {
             return Ok(self);
         }
-        let most_px = (MAX_BYTES / (TEXEL_BYTES * u64::from(FACES))).isqrt();
+        let most_px = (MAX_MAP_BYTES / (HIT_BYTES * u64::from(FACES))).isqrt();
         let message = format!(
             "a box with faces of {px} pixels takes {} MiB; there is room for {} MiB",
             bytes >> 20,
-            MAX_BYTES >> 20
+            MAX_MAP_BYTES >> 20
         );
         let error = Diagnostic::at("box-faces-too-large", Span::default(), message);
         Err(Box::new(error.help(format!(

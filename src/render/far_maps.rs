@@ -10,15 +10,11 @@ use reflet_world::{Material, World};
 use super::{
     captured::Captured,
     frame_uniforms::empty_uniform,
+    map_size::{FACES, HIT_BYTES, texels},
     probe_maps::{HITS, level_view, texture, whole},
     types::FarBox,
     world_key::{PoseKey, changing_cut_outs},
 };
-
-/// Bytes of a pixel of a map.
-const TEXEL_BYTES: u64 = 16;
-/// Number of faces of a map.
-const FACES: u32 = 6;
 
 /// Values for which maps are made; where they differ, maps are made anew.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,12 +36,12 @@ impl FarKey {
 
     /// Size of all maps, bytes.
     pub fn bytes(&self) -> u64 {
-        TEXEL_BYTES * self.pixels()
+        HIT_BYTES * self.pixels()
     }
 
     /// Number of pixels of all maps, each of which a capture follows a ray for.
     pub fn pixels(&self) -> u64 {
-        u64::from(FACES * self.layers) * u64::from(self.face_px).pow(2)
+        texels(FACES * self.layers, self.face_px)
     }
 }
 

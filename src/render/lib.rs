@@ -47,6 +47,7 @@ mod light_group;
 pub mod lights;
 mod lobe_table;
 pub mod map_keys;
+pub mod map_size;
 pub mod measure;
 mod mesh_array;
 pub mod options;

@@ -5,10 +5,13 @@ use reflet_scene::{
     diagnostic::{Diagnostic, Span},
 };
 
-use super::types::ProbeBox;
+use super::{
+    map_size::{FACES, HIT_BYTES, MAX_MAP_BYTES, texels},
+    types::ProbeBox,
+};
 
-/// Maximum size of all maps, bytes.
-const MAX_MAP_BYTES: u64 = 2 << 30;
+/// Bytes of a texel of radiance, four halves.
+const RADIANCE_BYTES: u64 = 8;
 /// Width of the faces of the last level, that of the roughest reflections, pixels.
 const LAST_LEVEL_PX: u32 = 4;
 
@@ -57,29 +60,27 @@ impl ProbeKey {
 
     /// Size of all maps, bytes.
     pub fn bytes(&self) -> u64 {
-        let texels = |levels: u32| -> u64 {
-            let of = |level| u64::from(self.level_px(level)).pow(2);
-            u64::from(self.layers()) * (0..levels).map(of).sum::<u64>()
-        };
+        let of_level = |level| texels(self.layers(), self.level_px(level));
         let copies = if self.has_levels { 2 } else { 1 };
         let hits = if self.has_panes { 2 } else { 1 };
-        8 * copies * texels(self.levels()) + 16 * hits * texels(1)
+        let radiance = (0..self.levels()).map(of_level).sum::<u64>();
+        RADIANCE_BYTES * copies * radiance + HIT_BYTES * hits * of_level(0)
     }
 
     /// Number of faces of all maps.
     pub fn layers(&self) -> u32 {
-        6 * self.boxes.len() as u32
+        FACES * self.boxes.len() as u32
     }
 
     /// Number of paths that a capture follows.
     pub fn paths(&self) -> u64 {
-        u64::from(self.layers()) * u64::from(self.face_px).pow(2) * u64::from(self.samples)
+        texels(self.layers(), self.face_px) * u64::from(self.samples)
     }
 
     /// The key itself, if its maps are not too large.
     ///
     /// # Errors
-    /// More than `MAX_MAP_BYTES`, with the largest width of faces that has no more.
+    /// More than [`MAX_MAP_BYTES`], with the largest width of faces that has no more.
     pub fn checked(self) -> Result<Self, Box<Diagnostic>> {
         let (px, bytes) = (self.face_px, self.bytes());
         if bytes <= MAX_MAP_BYTES {
