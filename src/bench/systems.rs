@@ -2,14 +2,27 @@
 //! system is a row of [`SYSTEMS`].
 
 use crate::pareto::{Spot, pareto_front};
-use reflet_scene::desc::{Accept, Lookup, Method, ProbesDesc, ReflectionDesc, Trace};
+use reflet_scene::desc::{Accept, Lookup, Method, ProbesDesc, ReflectionDesc, SelectBy, Trace};
 
 pub mod chart;
 pub mod document;
 pub mod frames;
+pub mod overall;
 pub mod probe_seams;
+mod rivals;
 
 use frames::FrameRow;
+
+/// Relation of a system to Reflet's own choices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Another way of finding reflections.
+    Rival,
+    /// Reflet's own rays, found or spared in another way.
+    Variant,
+    /// Reflet's own choice.
+    Own,
+}
 
 /// A system: a method with its settings.
 #[derive(Clone, Copy, Debug)]
@@ -18,10 +31,10 @@ pub struct System {
     pub name: &'static str,
     /// Color in charts, sRGB.
     pub color: [u8; 3],
-    /// Whether it is Reflet's own choice rather than a rival.
-    pub is_own: bool,
-    /// Changes the settings of a scene to those of the system.
-    pub set: fn(&mut ReflectionDesc),
+    /// Relation to Reflet's own choices.
+    pub side: Side,
+    /// Changes settings that have what all systems share.
+    change: fn(&mut ReflectionDesc),
 }
 
 impl System {
@@ -30,10 +43,30 @@ impl System {
         SYSTEMS.iter().find(|system| system.name == name)
     }
 
+    /// Changes the settings of a scene to those of the system: whatever names a system is set here, so that a scene's own
+    /// settings cannot change what a row of a table is called.
+    pub fn set(&self, settings: &mut ReflectionDesc) {
+        let standard = ReflectionDesc::default();
+        *settings = ReflectionDesc {
+            marched: standard.marched,
+            trace: Trace::Software,
+            accept: Accept::Verified,
+            layers: 1,
+            rate: 1,
+            skip_px: 0.0,
+            probes: ProbesDesc {
+                select: SelectBy::Pixel,
+                ..settings.probes
+            },
+            ..*settings
+        };
+        (self.change)(settings);
+    }
+
     /// Method of the system.
     pub fn method(&self) -> Method {
         let mut settings = ReflectionDesc::default();
-        (self.set)(&mut settings);
+        self.set(&mut settings);
         settings.method
     }
 }
@@ -48,13 +81,26 @@ fn look_up(r: &mut ReflectionDesc, method: Method, lookup: Lookup, nearest: u32)
     };
 }
 
-/// A rival in these colors.
-const fn rival(name: &'static str, color: [u8; 3], set: fn(&mut ReflectionDesc)) -> System {
+const fn rival(name: &'static str, color: [u8; 3], change: fn(&mut ReflectionDesc)) -> System {
     System {
         name,
         color,
-        is_own: false,
-        set,
+        side: Side::Rival,
+        change,
+    }
+}
+
+const fn variant(name: &'static str, color: [u8; 3], change: fn(&mut ReflectionDesc)) -> System {
+    System {
+        side: Side::Variant,
+        ..rival(name, color, change)
+    }
+}
+
+const fn own(name: &'static str, color: [u8; 3], change: fn(&mut ReflectionDesc)) -> System {
+    System {
+        side: Side::Own,
+        ..rival(name, color, change)
     }
 }
 
@@ -93,16 +139,15 @@ pub const SYSTEMS: &[System] = &[
         r.method = Method::Rt;
         r.rate = 4;
     }),
-    rival("rt, skip 1 px", [150, 200, 170], |r| {
+    variant("rt, skip 1 px", [150, 200, 170], |r| {
         r.method = Method::Rt;
         r.skip_px = 1.0;
     }),
-    rival("hybrid, skip 1 px", [245, 180, 140], |r| {
+    variant("hybrid, skip 1 px", [245, 180, 140], |r| {
         r.method = Method::Hybrid;
-        r.accept = Accept::Verified;
         r.skip_px = 1.0;
     }),
-    rival("rt by query", [0, 60, 160], |r| {
+    variant("rt by query", [0, 60, 160], |r| {
         r.method = Method::Rt;
         r.trace = Trace::Query;
     }),
@@ -110,32 +155,26 @@ pub const SYSTEMS: &[System] = &[
         r.method = Method::Hybrid;
         r.accept = Accept::Threshold;
     }),
-    System {
-        name: "hybrid",
-        color: [213, 94, 0],
-        is_own: true,
-        set: |r| {
-            r.method = Method::Hybrid;
-            r.accept = Accept::Verified;
-        },
-    },
-    System {
-        name: "hybrid, 2 layers",
-        color: [150, 60, 60],
-        is_own: true,
-        set: |r| {
-            r.method = Method::Hybrid;
-            r.accept = Accept::Verified;
-            r.layers = 2;
-        },
-    },
-    System {
-        name: "rt",
-        color: [0, 158, 115],
-        is_own: true,
-        set: |r| r.method = Method::Rt,
-    },
+    own("hybrid", [213, 94, 0], |r| r.method = Method::Hybrid),
+    own("hybrid, 2 layers", [150, 60, 60], |r| {
+        r.method = Method::Hybrid;
+        r.layers = 2;
+    }),
+    own("rt", [0, 158, 115], |r| r.method = Method::Rt),
 ];
+
+/// Errors of a system inside the reflections, of a frame or over those frames of a scene that have enough of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SystemErrors {
+    /// Mean FLIP against `rt`.
+    pub flip: f64,
+    /// Largest 99th percentile of FLIP of a frame.
+    pub flip_p99: f64,
+    /// Mean SSIM; none where no window of a frame lies inside.
+    pub ssim: Option<f64>,
+    /// Share of the pixels that show another instance than `rt`, or none, percent.
+    pub wrong_percent: f64,
+}
 
 /// Measurements of a system in a scene, over all of its measured frames.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -144,14 +183,8 @@ pub struct Row {
     pub system: &'static str,
     /// Median time of the passes that find reflections, milliseconds: processor time on software adapters.
     pub ms: f64,
-    /// Mean FLIP against `rt` inside the reflections.
-    pub flip: f64,
-    /// Largest 99th percentile of FLIP of a frame.
-    pub flip_p99: f64,
-    /// Mean SSIM; none where the reflections are too few.
-    pub ssim: Option<f64>,
-    /// Share of the pixels that show another instance than `rt`, or none, percent.
-    pub wrong_percent: f64,
+    /// Errors; none where no frame is scored.
+    pub errors: Option<SystemErrors>,
     /// Largest change of one frame that `rt` does not have, over the largest change of `rt`; of films only.
     pub popping: Option<f64>,
     /// Tree nodes that the passes visit in the first picture.
@@ -184,10 +217,12 @@ pub struct LeftOut {
 pub struct SceneRows {
     /// Scene file.
     pub scene: String,
+    /// Size of the pictures.
+    pub size: [u32; 2],
     /// Number of measured frames.
     pub frames: usize,
-    /// Number of reflective pixels that were scored, in the frame with the fewest.
-    pub mask_px: usize,
+    /// Number of reflective pixels of each frame that was scored; the others have too few.
+    pub scored_px: Vec<usize>,
     /// Number of probes.
     pub probes: u32,
     /// Rows of systems of [`SYSTEMS`], in their order.
@@ -203,92 +238,41 @@ impl SceneRows {
             .iter()
             .filter_map(|row| Some((row, System::named(row.system)?)))
     }
+
+    /// Row of the system of this name.
+    pub fn row(&self, system: &str) -> Option<&Row> {
+        self.rows.iter().find(|row| row.system == system)
+    }
+
+    /// For each row whether it is on the Pareto front; none is where no frame is scored.
+    pub fn on_front(&self) -> Vec<bool> {
+        let spots: Option<Vec<Spot>> = self.rows.iter().map(Row::spot).collect();
+        spots.map_or_else(
+            || vec![false; self.rows.len()],
+            |spots| pareto_front(&spots),
+        )
+    }
 }
 
 impl Row {
-    /// Time and error of the system.
-    pub fn spot(&self) -> Spot {
-        Spot {
+    /// Mean FLIP against `rt` inside the reflections; none where no frame is scored.
+    pub fn flip(&self) -> Option<f64> {
+        self.errors.map(|errors| errors.flip)
+    }
+
+    /// Time and error of the system; none where no frame is scored.
+    pub fn spot(&self) -> Option<Spot> {
+        Some(Spot {
             ms: self.ms,
-            error: self.flip,
-        }
-    }
-}
-
-/// A system over several scenes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Overall {
-    /// Name of the system.
-    pub system: &'static str,
-    /// Geometric mean over the scenes of the time over that of `rt`.
-    pub time_ratio: f64,
-    /// Mean over the scenes of the mean FLIP.
-    pub flip: f64,
-}
-
-impl Overall {
-    /// Time ratio and error of the system.
-    pub fn spot(&self) -> Spot {
-        Spot {
-            ms: self.time_ratio,
-            error: self.flip,
-        }
-    }
-}
-
-/// Systems that were measured in all scenes, in the order of [`SYSTEMS`].
-fn overall(scenes: &[SceneRows]) -> Vec<Overall> {
-    let of_scene = |scene: &SceneRows, system: &System| {
-        let row = |name| scene.rows.iter().find(|row| row.system == name);
-        let (own, rt) = (row(system.name)?, row("rt")?);
-        (rt.ms > 0.0).then_some((own.ms / rt.ms, own.flip))
-    };
-    let of_all = |system: &'static System| {
-        let each: Option<Vec<_>> = scenes.iter().map(|s| of_scene(s, system)).collect();
-        let each = each.filter(|each| !each.is_empty())?;
-        let mean =
-            |of: fn(&(f64, f64)) -> f64| each.iter().map(of).sum::<f64>() / each.len() as f64;
-        Some(Overall {
-            system: system.name,
-            time_ratio: mean(|(ratio, _)| ratio.max(1e-9).ln()).exp(),
-            flip: mean(|(_, flip)| *flip),
+            error: self.flip()?,
         })
-    };
-    SYSTEMS.iter().filter_map(of_all).collect()
-}
-
-/// The best methods over several scenes, at most `count`, fastest first: those on the Pareto front of time against error,
-/// then those on the front of the rest, and so on; of a front that is too large, those that err least. Of a method's
-/// settings, the one that errs least on the method's first front stands for all.
-pub fn best(scenes: &[SceneRows], count: usize) -> Vec<Overall> {
-    let mut left = overall(scenes);
-    let mut found: Vec<Overall> = Vec::new();
-    let method = |of: &Overall| System::named(of.system).map(System::method);
-    while found.len() < count && !left.is_empty() {
-        let spots: Vec<Spot> = left.iter().map(Overall::spot).collect();
-        let on_front = pareto_front(&spots);
-        let (mut front, rest): (Vec<_>, Vec<_>) = left
-            .into_iter()
-            .zip(on_front)
-            .partition(|(_, is_on)| *is_on);
-        front.sort_by(|(a, _), (b, _)| a.flip.total_cmp(&b.flip));
-        for (system, _) in front {
-            if found.len() < count && found.iter().all(|other| method(other) != method(&system)) {
-                found.push(system);
-            }
-        }
-        let systems = rest.into_iter().map(|(system, _)| system);
-        left = systems
-            .filter(|system| found.iter().all(|other| method(other) != method(system)))
-            .collect();
     }
-    found.sort_by(|a, b| a.time_ratio.total_cmp(&b.time_ratio));
-    found
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use reflet_scene::desc::Marched;
 
     #[test]
     fn systems_have_names_and_settings_of_their_own() {
@@ -297,67 +281,43 @@ mod tests {
                 assert_ne!(a.name, b.name);
                 let [of_a, of_b] = [a, b].map(|system| {
                     let mut settings = ReflectionDesc::default();
-                    (system.set)(&mut settings);
+                    system.set(&mut settings);
                     settings
                 });
                 assert_ne!(of_a, of_b, "{} and {}", a.name, b.name);
             }
         }
     }
-
     #[test]
-    fn the_best_are_on_the_fronts_of_all_scenes() {
-        let row = |system, ms, flip| Row {
-            system,
-            ms,
-            flip,
-            ..Row::default()
+    fn settings_of_a_scene_do_not_change_what_a_system_is() {
+        let standard = ReflectionDesc::default();
+        let of_scene = ReflectionDesc {
+            method: Method::Path,
+            marched: Marched::All,
+            trace: Trace::Query,
+            accept: Accept::Threshold,
+            layers: 2,
+            rate: 4,
+            skip_px: 2.0,
+            probes: ProbesDesc {
+                select: SelectBy::Instance,
+                ..standard.probes
+            },
+            ..standard
         };
-        let scene = |rows: Vec<Row>| SceneRows {
-            scene: String::new(),
-            frames: 1,
-            mask_px: 500,
-            probes: 0,
-            rows,
-            left_out: Vec::new(),
+        for system in SYSTEMS {
+            let [of_standard, of_scene] = [standard, of_scene].map(|mut settings| {
+                system.set(&mut settings);
+                settings
+            });
+            assert_eq!(of_scene, of_standard, "{}", system.name);
+        }
+        // Settings that no system is named by stay the scene's.
+        let mut settings = ReflectionDesc {
+            threshold_u: 0.5,
+            ..standard
         };
-        let scenes = [
-            scene(vec![
-                row("rt", 2.0, 0.0),
-                row("ssr", 1.0, 0.5),
-                row("near-far", 8.0, 0.1),
-                row("hybrid", 4.0, 0.01),
-                row("ssr, 2 layers", 0.1, 0.1),
-                row("probe, box, K = 1", 0.2, 0.8),
-                row("probe, box, K = 4", 0.3, 0.7),
-                row("probe, distance, K = 2", 4.0, 0.7),
-            ]),
-            scene(vec![
-                row("rt", 1.0, 0.0),
-                row("ssr", 1.0, 0.3),
-                row("near-far", 9.0, 0.2),
-                row("hybrid", 2.0, 0.03),
-                row("probe, box, K = 1", 0.1, 0.8),
-                row("probe, box, K = 4", 0.2, 0.7),
-                row("probe, distance, K = 2", 2.0, 0.7),
-            ]),
-        ];
-        let names = |count| {
-            best(&scenes, count)
-                .iter()
-                .map(|o| o.system)
-                .collect::<Vec<_>>()
-        };
-        // `hybrid` is the front of what is left without `rt`, `ssr` and the probes, of which one setting stands for
-        // all; two layers miss in a scene.
-        assert_eq!(
-            names(5),
-            ["probe, box, K = 4", "ssr", "rt", "hybrid", "near-far"]
-        );
-        assert_eq!(names(4), ["probe, box, K = 4", "ssr", "rt", "hybrid"]);
-        assert_eq!(names(1), ["rt"]);
-        let ssr = best(&scenes, 5)[1];
-        assert!((ssr.time_ratio - 0.5_f64.sqrt()).abs() < 1e-12 && (ssr.flip - 0.4).abs() < 1e-12);
-        assert_eq!(best(&[], 5), []);
+        SYSTEMS[0].set(&mut settings);
+        assert_eq!(settings.threshold_u, 0.5);
     }
 }

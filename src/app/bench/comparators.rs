@@ -10,9 +10,10 @@ use super::{args::ComparatorsArgs, create_folder, timeline::frame_series, write}
 use crate::{
     app::{device, error::AppError, scene::load_scene, shaders},
     bench::systems::{
-        SceneRows, best, chart,
+        SceneRows, chart,
         document::{Conditions, document},
         frames::{self, Curves},
+        overall::best,
     },
     gpu::adapter,
 };
@@ -21,6 +22,8 @@ pub(super) use measuring::measure;
 
 /// Number of systems in the chart over all scenes.
 const BEST: usize = 5;
+/// Variable of the environment that sets the number of threads of Mesa's software adapters.
+const THREADS: &str = "LP_NUM_THREADS";
 /// File name of the chart over all scenes.
 const BEST_CHART: &str = "comparators-best.svg";
 
@@ -41,7 +44,8 @@ pub fn comparators(args: &ComparatorsArgs) -> Result<(), AppError> {
         let mut series = frame_series(loaded, name, None, list)?;
         let is_moving = series.frames().count() > 1;
         let turns = if is_moving { 1 } else { args.frames };
-        let rows = measure(&gpu, &library, (args.size, turns), &mut series)?;
+        let size = measuring::scored_size(&gpu, &library, args.size, &mut series)?;
+        let rows = measure(&gpu, &library, (size, turns), &mut series)?;
         reflet_base::error_line!("measured {}", rows.scene);
         scenes.push(rows);
     }
@@ -54,12 +58,16 @@ pub fn comparators(args: &ComparatorsArgs) -> Result<(), AppError> {
     let best = best(&scenes, BEST);
     let svg = chart::of_several(&best).map_err(AppError::Internal)?;
     write(&args.output.join(BEST_CHART), svg.as_bytes())?;
+    let threads = std::env::var(THREADS).ok().filter(|_| gpu.is_software());
     let about = Conditions {
-        command: command(args),
+        command: command(args, threads.as_deref()),
         adapter: adapter::name(&gpu.adapter_info),
         size: args.size,
         frames: args.frames,
         is_processor: gpu.is_software(),
+        threads,
+        enough_px: measuring::ENOUGH_PX,
+        most_doublings: measuring::MOST_DOUBLINGS,
     };
     let best_chart = format!("charts/{BEST_CHART}");
     let failures = failures::failures(&gpu, &library, args)?;
@@ -99,7 +107,8 @@ pub(super) fn write_curves(
 }
 
 /// The command line that writes the same document.
-fn command(args: &ComparatorsArgs) -> String {
+fn command(args: &ComparatorsArgs, threads: Option<&str>) -> String {
+    let threads = threads.map_or(String::new(), |count| format!("{THREADS}={count} "));
     let scenes: Vec<String> = args
         .scenes
         .iter()
@@ -115,7 +124,7 @@ fn command(args: &ComparatorsArgs) -> String {
         " --assets DIR"
     };
     format!(
-        "reflet bench comparators {}{set}{assets} --size {}x{} --frames {} --timeline {} -o {} --document {}",
+        "{threads}reflet bench comparators {}{set}{assets} --size {}x{} --frames {} --timeline {} -o {} --document {}",
         scenes.join(" "),
         args.size[0],
         args.size[1],

@@ -2,7 +2,7 @@
 
 use plotters::{coord::CoordTranslate, prelude::*};
 
-use super::{Overall, SceneRows, System};
+use super::{SceneRows, System, overall::Overall};
 use crate::{
     pareto::{Spot, pareto_front},
     report::chart::escape,
@@ -22,7 +22,9 @@ const LEAST_FLIP: f64 = 1e-4;
 /// Message of the drawing library.
 pub fn of_scene(scene: &SceneRows) -> Result<String, String> {
     let rows = scene.rows.iter();
-    let dots: Vec<_> = rows.map(|row| (row.system, row.spot())).collect();
+    let dots: Vec<_> = rows
+        .filter_map(|row| Some((row.system, row.spot()?)))
+        .collect();
     draw(&dots, "milliseconds of the passes that find reflections")
 }
 

@@ -3,11 +3,13 @@
 use std::fmt::Write as _;
 
 use super::{
-    LeftOut, Overall, Row, SceneRows,
+    LeftOut, SceneRows, SystemErrors,
     frames::Curves,
+    overall::Overall,
     probe_seams::{self, SeamRow},
+    rivals,
 };
-use crate::{metric::mask::MIN_AREA_PX, pareto::pareto_front};
+use crate::metric::mask::MIN_AREA_PX;
 use reflet_base::digits::grouped;
 
 /// Conditions of the measurements.
@@ -23,6 +25,12 @@ pub struct Conditions {
     pub frames: u32,
     /// Whether times are those of the processor.
     pub is_processor: bool,
+    /// Number of threads that a software adapter was told to use; none where it chose.
+    pub threads: Option<String>,
+    /// Number of reflective pixels with which a scene is measured at this size; with fewer pictures are larger.
+    pub enough_px: usize,
+    /// Maximum number of times that their size is doubled.
+    pub most_doublings: u32,
 }
 
 /// Picture of what a system gets wrong, beside that of `rt`.
@@ -38,6 +46,39 @@ pub struct Failure {
     pub address: String,
 }
 
+/// Title, conditions and command.
+fn head(about: &Conditions) -> String {
+    let [width, height] = about.size;
+    let time = match about.is_processor {
+        true => "processor time",
+        false => "GPU time",
+    };
+    let threads = match about.threads.as_deref() {
+        Some("1") => " with one thread".to_owned(),
+        Some(threads) => format!(" with {threads} threads"),
+        None => String::new(),
+    };
+    format!(
+        "<!-- Written by `reflet bench comparators --document`. -->\n# The systems beside it\n\nOther ways of finding \
+         reflections, built as their authors build them, on the same scenes with the same surface and light code \
+         ([methods.md](methods.md)). Pictures of {width} × {height} pixels on {}{threads}, {} times as wide and high at most \
+         where fewer than {} reflective pixels were left to score in the first one. Times are the {time} of the passes \
+         that find reflections, medians of {} pictures, or of all frames of a film, in which all systems take turns; errors are FLIP and SSIM against \
+         `rt` with `bounces = \"auto\"` and without reuse of light, inside the reflective pixels; a frame with fewer than {MIN_AREA_PX} has \
+         none. Maps of probes and of far things are captured apart from the frame, and structures of \
+         ray queries are built apart from it: their bytes and time have columns of their own, and in films the median time in which \
+         they are made anew for a frame, because the camera or something has moved. Tree nodes and \
+         march steps are those of these passes in the first picture; they do not depend on the machine. Probes stand where a scene \
+         has them; scenes without probes get a grid of two along their longest edge ([methods.md](methods.md#probes)).\n\n\
+         ```sh\n{}\n```\n",
+        about.adapter,
+        1 << about.most_doublings,
+        about.enough_px,
+        about.frames,
+        about.command
+    )
+}
+
 /// The document as Markdown, with the best systems over all scenes and the address of their chart; `chart` gives the address
 /// of a scene's chart, and of those that end by [`Curves::ALL`].
 pub fn document(
@@ -47,32 +88,9 @@ pub fn document(
     (failures, seams): (&[Failure], &[SeamRow]),
     chart: impl Fn(&SceneRows, &str) -> String,
 ) -> String {
-    let [width, height] = about.size;
-    let time = match about.is_processor {
-        true => "processor time",
-        false => "GPU time",
-    };
-    let mut out = format!(
-        "<!-- Written by `reflet bench comparators --document`. -->\n# The systems beside it\n\nOther ways of finding \
-         reflections, built as their authors build them, on the same scenes with the same surface and light code \
-         ([methods.md](methods.md)). Pictures of {width} × {height} pixels on {}. Times are the {time} of the passes \
-         that find reflections, medians of {} pictures, or of all frames of a film; errors are FLIP and SSIM against \
-         `rt` with `bounces = \"auto\"` and without reuse of light, inside the reflective pixels. Maps of probes and of far things are captured apart from the frame, and structures of \
-         ray queries are built apart from it: their bytes and time have columns of their own, and in films the median time in which \
-         they are made anew for a frame, because the camera or something has moved. Tree nodes and \
-         march steps are those of these passes in the first picture; they do not depend on the machine. Scenes without probes get a \
-         grid of two along their longest edge, where an author would place them by hand \
-         ([methods.md](methods.md#probes)).\n\n```sh\n{}\n```\n",
-        about.adapter, about.frames, about.command
-    );
+    let mut out = head(about);
     out += "\n## What rivals do better\n\n";
-    let better: Vec<String> = scenes.iter().flat_map(better).collect();
-    match better.is_empty() {
-        true => {
-            out += "Nothing in these scenes: no rival takes less time than both `hybrid` and `rt`, or errs less.\n"
-        }
-        false => better.iter().for_each(|line| out += &format!("- {line}\n")),
-    }
+    out += &rivals::section(scenes);
     over_all(&mut out, best, best_chart);
     failing(&mut out, failures);
     out += &probe_seams::section(seams);
@@ -90,25 +108,40 @@ pub fn section(out: &mut String, scene: &SceneRows, chart: impl Fn(&str) -> Stri
         1 => "one picture".to_owned(),
         n => format!("{n} frames"),
     };
-    let scored = match scene.mask_px < MIN_AREA_PX {
-        true => format!("(errors of pictures with fewer than {MIN_AREA_PX} are of all pixels)"),
-        false => "scored".to_owned(),
-    };
+    let [width, height] = scene.size;
     let _ = writeln!(
         out,
-        "{frames}, {} reflective pixels {scored}, {} probes.\n\n![Time against error of each system; a ring marks the \
+        "{frames} of {width} × {height} pixels, {}, {} probes.\n\n![Time against error of each system; a ring marks the \
              front]({})\n",
-        scene.mask_px,
+        scored(scene),
         scene.probes,
         chart("")
     );
     if scene.frames > 1 {
         for (curves, ending) in Curves::ALL {
+            if curves == Curves::Error && scene.scored_px.is_empty() {
+                continue;
+            }
             let _ = writeln!(out, "![{}]({})\n", curves.caption(), chart(ending));
         }
     }
     table(out, scene);
     left_out(out, &scene.left_out);
+}
+
+/// Words about the reflective pixels that are scored.
+fn scored(scene: &SceneRows) -> String {
+    let few = format!("fewer than {MIN_AREA_PX} reflective pixels");
+    match scene.scored_px.iter().min() {
+        None => format!("without errors, as they have {few}"),
+        Some(px) if scene.scored_px.len() == scene.frames => {
+            format!("{px} reflective pixels scored")
+        }
+        Some(px) => format!(
+            "{} of them scored with {px} reflective pixels or more, the others without errors, as they have {few}",
+            scene.scored_px.len()
+        ),
+    }
 }
 
 /// Table of the best systems over all scenes.
@@ -159,41 +192,6 @@ Time and error of all systems along the paper's walk, its Fig. 7, are in [paper.
 A system that an adapter lacks or a scene refuses is named below the table of the scene.
 ";
 
-/// Least difference of two mean FLIPs that their digits in a sentence show.
-const LEAST_DIFFERENCE: f64 = 1e-4;
-
-/// Sentences about the rivals of a scene that take less time than Reflet's own systems, or err less than its fastest.
-fn better(scene: &SceneRows) -> Vec<String> {
-    let own = || {
-        let rows = scene.of_systems();
-        rows.filter(|(_, s)| s.is_own).map(|(row, _)| row)
-    };
-    let rivals = scene.of_systems().filter(|(_, s)| !s.is_own);
-    let Some(fastest) = own().min_by(|a, b| a.ms.total_cmp(&b.ms)) else {
-        return Vec::new();
-    };
-    let text = |row: &Row| {
-        let name = row.system;
-        let mut parts = Vec::new();
-        if row.ms < fastest.ms {
-            let share = row.ms / fastest.ms.max(1e-9);
-            parts.push(format!(
-                "{share:.2} of the time of `{}`, with a mean FLIP of {:.4} against {:.4}",
-                fastest.system, row.flip, fastest.flip
-            ));
-        }
-        let is_less = |other: f64| other - row.flip >= LEAST_DIFFERENCE;
-        if let Some(hybrid) = own().find(|o| o.system == "hybrid" && is_less(o.flip)) {
-            let (flip, ours) = (row.flip, hybrid.flip);
-            parts.push(format!(
-                "a mean FLIP of {flip:.4} against {ours:.4} of `hybrid`"
-            ));
-        }
-        (!parts.is_empty()).then(|| format!("{}: {name}: {}.", scene.scene, parts.join("; ")))
-    };
-    rivals.filter_map(|(row, _)| text(row)).collect()
-}
-
 /// Sentences about systems without measurements, one for those that are refused for the same reason.
 fn left_out(out: &mut String, systems: &[LeftOut]) {
     for (i, first) in systems.iter().enumerate() {
@@ -218,10 +216,8 @@ fn table(out: &mut String, scene: &SceneRows) {
         "| system | ms | FLIP | p99 | SSIM | wrong instance, % |{popping} tree nodes | march steps | MiB | of maps or structures | made in, ms |{anew} front |\n\
          |---|---|---|---|---|---|{line}---|---|---|---|---|---|"
     );
-    let spots: Vec<_> = scene.rows.iter().map(Row::spot).collect();
-    for (row, is_on_front) in scene.rows.iter().zip(pareto_front(&spots)) {
+    for (row, is_on_front) in scene.rows.iter().zip(scene.on_front()) {
         let mib = |bytes: u64| format!("{:.1}", bytes as f64 / f64::from(1 << 20));
-        let ssim = row.ssim.map_or("–".to_owned(), |v| format!("{v:.4}"));
         let popping = match (is_film, row.popping) {
             (true, Some(value)) => format!(" {:.0} |", 100.0 * value),
             (true, None) => " – |".to_owned(),
@@ -238,18 +234,26 @@ fn table(out: &mut String, scene: &SceneRows) {
         };
         let _ = writeln!(
             out,
-            "| {} | {:.2} | {:.4} | {:.3} | {ssim} | {:.1} |{popping} {} | {} | {} | {prepared} | {made_in} |{anew} {} |",
+            "| {} | {:.2} | {} |{popping} {} | {} | {} | {prepared} | {made_in} |{anew} {} |",
             row.system,
             row.ms,
-            row.flip,
-            row.flip_p99,
-            row.wrong_percent,
+            error_cells(row.errors),
             count_or_dash(row.nodes),
             count_or_dash(row.steps),
             mib(row.bytes),
             if is_on_front { "●" } else { "" }
         );
     }
+}
+
+/// Cells of errors; dashes for none.
+fn error_cells(errors: Option<SystemErrors>) -> String {
+    let Some(of) = errors else {
+        return "– | – | – | –".to_owned();
+    };
+    let ssim = of.ssim.map_or("–".to_owned(), |v| format!("{v:.4}"));
+    let (flip, p99, wrong) = (of.flip, of.flip_p99, of.wrong_percent);
+    format!("{flip:.4} | {p99:.3} | {ssim} | {wrong:.1}")
 }
 
 /// A count; a dash for 0.
@@ -263,7 +267,7 @@ fn count_or_dash(count: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::{
-        super::{SYSTEMS, best},
+        super::{Row, SYSTEMS, Side, overall::best},
         *,
     };
 
@@ -276,7 +280,10 @@ mod tests {
             } else {
                 2.0
             },
-            flip: if system.is_own { 0.01 } else { 0.2 },
+            errors: Some(SystemErrors {
+                flip: if system.side == Side::Own { 0.01 } else { 0.2 },
+                ..SystemErrors::default()
+            }),
             ..Row::default()
         };
         let refused = |system: &super::super::System| LeftOut {
@@ -285,8 +292,9 @@ mod tests {
         };
         let scene = SceneRows {
             scene: "hall.toml".to_owned(),
+            size: [640, 360],
             frames: 1,
-            mask_px: 500,
+            scored_px: vec![500],
             probes: 3,
             rows: SYSTEMS.iter().skip(1).map(row).collect(),
             left_out: [&SYSTEMS[0], &SYSTEMS[1]].map(refused).to_vec(),
@@ -297,6 +305,9 @@ mod tests {
             size: [64, 36],
             frames: 3,
             is_processor: false,
+            threads: Some("1".to_owned()),
+            enough_px: 1000,
+            most_doublings: 2,
         };
         let scenes = [scene];
         let best = best(&scenes, 2);
@@ -315,20 +326,25 @@ mod tests {
         );
         let first = text.find("## What rivals do better").expect("a heading");
         let said = text
-            .find("probe, box, K = 1: 0.50 of the time of")
+            .find("- probe, box, K = 1: less time")
             .expect("a sentence");
         assert!(
             first < said && said < text.find("## hall.toml").expect("a scene"),
             "{text}"
         );
         assert!(text.contains("| hybrid | 1.00 | 0.0100 |"), "{text}");
-        assert!(text.contains("64 × 36 pixels on a chip"), "{text}");
+        assert!(
+            text.contains("64 × 36 pixels on a chip with one thread, 4 times as wide"),
+            "{text}"
+        );
+        let scored = "one picture of 640 × 360 pixels, 500 reflective pixels scored, 3 probes.";
+        assert!(text.contains(scored), "{text}");
         assert!(
             text.contains("![near-far beside rt](hole.png) | It is black."),
             "{text}"
         );
         assert!(
-            !text.contains("- hall.toml: ssr, 2 layers:"),
+            !text.contains("- ssr, 2 layers:"),
             "it is neither faster nor better: {text}"
         );
         assert!(!text.contains("| ssr |"), "it was not measured: {text}");
@@ -339,15 +355,17 @@ mod tests {
 
     #[test]
     fn films_have_curves_and_what_is_made_anew() {
-        let film = SceneRows {
+        let mut film = SceneRows {
             scene: "film.toml".to_owned(),
-            frames: 2,
-            mask_px: 57,
+            size: [64, 36],
+            frames: 3,
+            scored_px: vec![500, 157],
             probes: 0,
             rows: vec![Row {
                 system: "near-far",
                 popping: Some(0.5),
                 update_ms: 7.0,
+                errors: Some(SystemErrors::default()),
                 ..Row::default()
             }],
             left_out: Vec::new(),
@@ -355,13 +373,25 @@ mod tests {
         let mut text = String::new();
         section(&mut text, &film, |ending| format!("chart{ending}.svg"));
         for part in [
-            "57 reflective pixels (errors of pictures with fewer than 100 are of all pixels), 0",
+            "3 frames of 64 × 36 pixels, 2 of them scored with 157 reflective pixels or more, the others without errors, \
+             as they have fewer than 100 reflective pixels, 0 probes",
             "(chart.svg)",
             "(chart-ms.svg)",
             "(chart-flip.svg)",
-            "| 50 | – | – | 0.0 | – | – | 7.0 | ● |",
+            "| 0.0000 | 0.000 | – | 0.0 | 50 | – | – | 0.0 | – | – | 7.0 | ● |",
         ] {
             assert!(text.contains(part), "{part} in {text}");
         }
+        film.scored_px.clear();
+        film.rows[0].errors = None;
+        text.clear();
+        section(&mut text, &film, |ending| format!("chart{ending}.svg"));
+        let unscored = "3 frames of 64 × 36 pixels, without errors, as they have fewer than 100 reflective pixels";
+        assert!(text.contains(unscored), "{text}");
+        assert!(text.contains("| 0.00 | – | – | – | – | 50 |"), "{text}");
+        assert!(
+            text.contains("| 7.0 |  |") && !text.contains("chart-flip"),
+            "{text}"
+        );
     }
 }

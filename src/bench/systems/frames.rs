@@ -2,7 +2,7 @@
 
 use plotters::{coord::CoordTranslate, prelude::*};
 
-use super::{SceneRows, System};
+use super::{SceneRows, Side, System, SystemErrors};
 use crate::{csv, report::chart::escape, summary::digits};
 
 /// Size of a chart, pixels.
@@ -21,12 +21,8 @@ pub struct FrameRow {
     pub ms: f64,
     /// Time in which maps or structures were made anew for this frame, milliseconds; it is not part of `ms`.
     pub update_ms: f64,
-    /// Mean FLIP against `rt` inside the reflections.
-    pub flip: f64,
-    /// SSIM inside the reflections; none where they are too few.
-    pub ssim: Option<f64>,
-    /// Share of the pixels that show another instance than `rt`, or none, percent.
-    pub wrong_percent: f64,
+    /// Errors; none where the frame has too few reflective pixels.
+    pub errors: Option<SystemErrors>,
 }
 
 /// Quantity on the vertical axis of a chart, which is logarithmic.
@@ -59,11 +55,13 @@ impl Curves {
         }
     }
 
-    fn of(self, row: &FrameRow) -> f64 {
-        match self {
+    /// Value of a frame; none where it has none above 0.
+    fn of(self, row: &FrameRow) -> Option<f64> {
+        let value = match self {
             Self::Time => row.ms + row.update_ms,
-            Self::Error => row.flip.max(LEAST_FLIP),
-        }
+            Self::Error => row.errors?.flip.max(LEAST_FLIP),
+        };
+        (value > 0.0).then_some(value)
     }
 }
 
@@ -81,14 +79,16 @@ pub fn table(scene: &SceneRows) -> String {
     let mut out = csv::line(header);
     for row in &scene.rows {
         for of in &row.frames {
+            let number = |value: Option<f64>| value.map_or(String::new(), |v| v.to_string());
+            let error = |value: fn(SystemErrors) -> Option<f64>| number(of.errors.and_then(value));
             out += &csv::line([
                 row.system.to_owned(),
                 of.frame.to_string(),
                 of.ms.to_string(),
                 of.update_ms.to_string(),
-                of.flip.to_string(),
-                of.ssim.map_or(String::new(), |ssim| ssim.to_string()),
-                of.wrong_percent.to_string(),
+                error(|errors| Some(errors.flip)),
+                error(|errors| errors.ssim),
+                error(|errors| Some(errors.wrong_percent)),
             ]);
         }
     }
@@ -108,11 +108,7 @@ pub fn draw(scene: &SceneRows, curves: Curves) -> Result<Option<String>, String>
     ) else {
         return Ok(None);
     };
-    let shown = || {
-        rows()
-            .map(|row| curves.of(row))
-            .filter(|value| *value > 0.0)
-    };
+    let shown = || rows().filter_map(|row| curves.of(row));
     let low = shown().fold(f64::INFINITY, f64::min);
     let high = shown().fold(0.0, f64::max);
     if first == last || high <= 0.0 {
@@ -143,16 +139,14 @@ pub fn draw(scene: &SceneRows, curves: Curves) -> Result<Option<String>, String>
             .draw()
             .map_err(|e| said(&e))?;
         for (line, (row, system)) in (0..).zip(scene.of_systems()) {
-            let measured = row.frames.iter();
-            let dots: Vec<_> = measured
-                .map(|of| (f64::from(of.frame), curves.of(of)))
-                .filter(|(_, value)| *value > 0.0)
-                .collect();
-            let style = stroke(system);
-            let series = LineSeries::new(dots.clone(), style);
-            chart.draw_series(series).map_err(|e| said(&e))?;
+            let dot = |of: &FrameRow| Some((f64::from(of.frame), curves.of(of)?));
+            // A curve ends before a frame without a value.
+            for run in row.frames.split(|of| dot(of).is_none()) {
+                let series = LineSeries::new(run.iter().filter_map(dot), stroke(system));
+                chart.draw_series(series).map_err(|e| said(&e))?;
+            }
             let to_pixels = chart.as_coord_spec();
-            for (frame, value) in dots {
+            for (frame, value) in row.frames.iter().filter_map(dot) {
                 let (x, y) = to_pixels.translate(&(frame, value));
                 let text = format!("{}, frame {frame:.0}: {}", system.name, digits(value));
                 overlay += &format!(
@@ -172,13 +166,13 @@ pub fn draw(scene: &SceneRows, curves: Curves) -> Result<Option<String>, String>
 /// Stroke of a system's curve: Reflet's own are wide.
 fn stroke(system: &System) -> ShapeStyle {
     let [r, g, b] = system.color;
-    RGBColor(r, g, b).stroke_width(if system.is_own { 3 } else { 1 })
+    RGBColor(r, g, b).stroke_width(if system.side == Side::Own { 3 } else { 1 })
 }
 
 /// Line of the legend, at this distance from the top.
 fn named(system: &System, y: i32) -> String {
     let ([r, g, b], x) = (system.color, SIZE.0 as i32 - 230);
-    let width = if system.is_own { 3 } else { 1 };
+    let width = if system.side == Side::Own { 3 } else { 1 };
     format!(
         "<path d=\"M{x} {y}h20\" stroke=\"rgb({r},{g},{b})\" stroke-width=\"{width}\"/>\
          <text x=\"{}\" y=\"{}\" font-family=\"sans-serif\" font-size=\"13\">{}</text>\n",
@@ -200,9 +194,7 @@ mod tests {
                     frame: *frame,
                     ms: factor * f64::from(frame + 1),
                     update_ms: 2.0,
-                    flip: 0.0,
-                    ssim: None,
-                    wrong_percent: 0.0,
+                    errors: (frame % 100 != 50).then(SystemErrors::default),
                 })
                 .collect(),
             ..Row::default()
@@ -210,7 +202,8 @@ mod tests {
         SceneRows {
             scene: "film.toml".to_owned(),
             frames: frames.len(),
-            mask_px: 500,
+            size: [64, 36],
+            scored_px: vec![500],
             probes: 0,
             rows: vec![row("ssr", 1.0), row("near-far", 3.0)],
             left_out: Vec::new(),
@@ -233,6 +226,18 @@ mod tests {
         }
         assert_eq!(table(&film).lines().count(), 7);
         assert!(table(&film).contains("\nnear-far,80,243,2,0,,0\n"));
+    }
+
+    #[test]
+    fn frames_without_errors_interrupt_the_curves_of_errors() {
+        let lines = |frames: &[u32]| {
+            let svg = draw(&film(frames), Curves::Error).expect("drawn");
+            svg.expect("several frames").matches("<polyline").count()
+        };
+        // Two further curves of the two systems, beside the same axes.
+        assert_eq!(lines(&[0, 40, 50, 60, 80]), lines(&[0, 40, 55, 60, 80]) + 2);
+        assert!(table(&film(&[50])).contains("\nssr,50,51,2,,,\n"));
+        assert_eq!(draw(&film(&[50, 150]), Curves::Error), Ok(None));
     }
 
     #[test]

@@ -12,7 +12,7 @@ use crate::{
     bench::systems::{System, document::Failure},
     gpu::{Gpu, ShaderLibrary},
     render::Picture,
-    scene::desc::{Method, ReflectionDesc},
+    scene::desc::ReflectionDesc,
 };
 use reflet_render::png_file::encode;
 
@@ -118,12 +118,10 @@ fn pair(
     let frame = series.frames().next().unwrap_or(0);
     let subject = series.at(frame).map_err(AppError::Scene)?;
     let own = settings(system, subject);
-    let truth = ReflectionDesc {
-        method: Method::Rt,
-        rate: 1,
-        skip_px: 0.0,
-        ..own
-    };
+    let mut truth = own;
+    if let Some(rt) = System::named("rt") {
+        rt.set(&mut truth);
+    }
     let shown = |settings: &ReflectionDesc| {
         let mut renderer = subject.renderer(gpu, library, settings, SIZE)?;
         renderer.set_reflection_parameters(settings);

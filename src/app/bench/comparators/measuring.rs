@@ -7,15 +7,20 @@ use crate::{
         picture::{Pair, PictureError},
         run::{FrameSeries, REFERENCE_BOUNCES, Subject},
         score::{Hits, PLANES, Reference, View},
-        systems::{LeftOut, Row, SYSTEMS, SceneRows, System, frames::FrameRow},
+        systems::{LeftOut, Row, SYSTEMS, SceneRows, System, SystemErrors, frames::FrameRow},
     },
     gpu::{Gpu, GpuError, ShaderLibrary},
     render::{
         Picture, RenderError, instrument::Counts, passes, runtime::renderer_stage::RendererStage,
         stats::FrameStats,
     },
-    scene::desc::{Method, ReflectionDesc},
+    scene::desc::ReflectionDesc,
 };
+
+/// Number of reflective pixels with which a scene is measured at the size that was asked for.
+pub(super) const ENOUGH_PX: usize = 1000;
+/// Maximum number of times that the size of a scene is doubled.
+pub(super) const MOST_DOUBLINGS: u32 = 2;
 
 /// A system in a scene: its renderer, and what was measured until now.
 struct Running<'a> {
@@ -26,7 +31,6 @@ struct Running<'a> {
     frames: Vec<FrameRow>,
     /// Times of the present frame, milliseconds.
     times_ms: Vec<f64>,
-    flip_p99: f64,
     changes: Vec<Change>,
     temporal: Temporal,
     last: Option<FrameStats>,
@@ -46,13 +50,59 @@ pub(super) fn settings(system: &System, subject: &Subject) -> ReflectionDesc {
         let longest_m = (bounds.max - bounds.min).max_element();
         settings.probes.spacing_m = (longest_m > 0.0).then_some(0.5 * longest_m);
     }
-    (system.set)(&mut settings);
+    system.set(&mut settings);
     settings
 }
 
 /// Error of the renderer, with the built-in shaders.
 pub(super) fn explain(error: RenderError) -> AppError {
     AppError::from_render(error, false)
+}
+
+/// Renderer of what pictures are scored against.
+fn reference_renderer(
+    gpu: &Gpu,
+    library: &ShaderLibrary,
+    size: [u32; 2],
+    subject: &Subject,
+) -> Result<RendererStage, AppError> {
+    let mut settings = subject.reflection;
+    if let Some(rt) = System::named("rt") {
+        rt.set(&mut settings);
+    }
+    let settings = ReflectionDesc {
+        bounces: REFERENCE_BOUNCES,
+        reuse_light: false,
+        filter: false,
+        ..settings
+    };
+    let truth = subject.renderer(gpu, library, &settings, size);
+    truth.map_err(explain)
+}
+
+/// Size at which a scene is measured: `size`, doubled until the first frame has [`ENOUGH_PX`] reflective pixels to score,
+/// at most [`MOST_DOUBLINGS`] times.
+///
+/// # Errors
+/// Frames that cannot be posed, errors of the renderer.
+pub(super) fn scored_size(
+    gpu: &Gpu,
+    library: &ShaderLibrary,
+    size: [u32; 2],
+    series: &mut FrameSeries,
+) -> Result<[u32; 2], AppError> {
+    let frame = series.frames().next().unwrap_or(0);
+    let subject = series.at(frame).map_err(AppError::Scene)?;
+    let of = |doublings: u32| size.map(|side| side << doublings);
+    for doublings in 0..MOST_DOUBLINGS {
+        let mut truth = reference_renderer(gpu, library, of(doublings), subject)?;
+        let picture = picture(gpu, subject, &mut truth).map_err(explain)?;
+        let reference = Reference::new(&picture).map_err(AppError::Internal)?;
+        if reference.mask.area() >= ENOUGH_PX {
+            return Ok(of(doublings));
+        }
+    }
+    Ok(of(MOST_DOUBLINGS))
 }
 
 /// Measures all systems in a scene, frame by frame, taking turns; each picture is timed so many times.
@@ -67,17 +117,7 @@ pub(in crate::app::bench) fn measure(
 ) -> Result<SceneRows, AppError> {
     let frames: Vec<u32> = series.frames().collect();
     let first = series.at(frames[0]).map_err(AppError::Scene)?;
-    let reference = ReflectionDesc {
-        method: Method::Rt,
-        bounces: REFERENCE_BOUNCES,
-        reuse_light: false,
-        filter: false,
-        rate: 1,
-        skip_px: 0.0,
-        ..first.reflection
-    };
-    let truth = first.renderer(gpu, library, &reference, size);
-    let mut truth = truth.map_err(explain)?;
+    let mut truth = reference_renderer(gpu, library, size, first)?;
     let (mut running, mut left_out) = (Vec::new(), Vec::new());
     for system in SYSTEMS {
         match start(gpu, library, size, first, system) {
@@ -88,12 +128,14 @@ pub(in crate::app::bench) fn measure(
             }),
         }
     }
-    let mut mask_px = usize::MAX;
+    let mut scored_px = Vec::new();
     for frame in &frames {
         let subject = series.at(*frame).map_err(AppError::Scene)?;
         let picture = picture(gpu, subject, &mut truth).map_err(explain)?;
         let reference = Reference::new(&picture).map_err(AppError::Internal)?;
-        mask_px = mask_px.min(reference.mask.area());
+        if reference.mask.is_scorable() {
+            scored_px.push(reference.mask.area());
+        }
         for system in &mut running {
             judge(gpu, subject, &reference, system)?;
         }
@@ -112,8 +154,9 @@ pub(in crate::app::bench) fn measure(
     let probes = running.iter().filter_map(|r| r.last.as_ref()?.probes);
     Ok(SceneRows {
         scene: series.name().to_owned(),
+        size,
         frames: frames.len(),
-        mask_px,
+        scored_px,
         probes: probes.map(|p| p.probes).max().unwrap_or(0),
         rows: running.into_iter().map(row).collect(),
         left_out,
@@ -164,7 +207,6 @@ fn start<'a>(
         settings,
         frames: Vec::new(),
         times_ms: Vec::new(),
-        flip_p99: 0.0,
         changes: Vec::new(),
         temporal: Temporal::new(),
         prepare_ms: prepared(&stats).map_or(0.0, |(_, ms)| ms),
@@ -187,20 +229,24 @@ fn judge(
     let answers = system.settings.method.answers_all();
     let errors = reference.errors(&view, hits.as_ref(), answers);
     let errors = errors.map_err(internal)?;
-    let scores = errors.mask.as_ref().unwrap_or(&errors.frame);
     let wrong = hits.map_or(0.0, |hits| reference.wrong_share(&hits, answers));
     system.frames.push(FrameRow {
         frame: subject.frame,
         ms: 0.0,
         update_ms: picture.stats.prepared_ms(),
-        flip: scores.flip_mean,
-        ssim: scores.ssim,
-        wrong_percent: 100.0 * wrong,
+        errors: errors.mask.map(|scores| SystemErrors {
+            flip: scores.flip_mean,
+            flip_p99: scores.flip_p99,
+            ssim: scores.ssim,
+            wrong_percent: 100.0 * wrong,
+        }),
     });
-    system.flip_p99 = system.flip_p99.max(scores.flip_p99);
     let pair = Pair::new(&view.linear, &reference.view.linear).map_err(internal)?;
     let change = system.temporal.push(&pair, Some(&reference.mask));
-    system.changes.extend(change.map_err(internal)?);
+    let change = change.map_err(internal)?;
+    system
+        .changes
+        .extend(change.filter(|_| reference.mask.is_scorable()));
     Ok(())
 }
 
@@ -232,19 +278,14 @@ fn median(mut values: Vec<f64>) -> f64 {
 fn row(system: Running<'_>) -> Row {
     let frames = system.frames;
     let of = |value: fn(&FrameRow) -> f64| frames.iter().map(value).collect::<Vec<_>>();
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
     let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
     let reference = most(&mut system.changes.iter().map(|c| c.reference));
     let difference = most(&mut system.changes.iter().map(|c| c.difference));
-    let ssim: Option<Vec<f64>> = frames.iter().map(|frame| frame.ssim).collect();
     let stats = system.last.as_ref();
     Row {
         system: system.system.name,
         ms: median(of(|frame| frame.ms)),
-        flip: mean(&of(|frame| frame.flip)),
-        flip_p99: system.flip_p99,
-        ssim: ssim.map(|values| mean(&values)),
-        wrong_percent: mean(&of(|frame| frame.wrong_percent)),
+        errors: errors_over(&frames),
         popping: (reference > 0.0).then(|| difference / reference),
         nodes: system.work.visited_nodes,
         steps: system.work.march_steps,
@@ -256,8 +297,45 @@ fn row(system: Running<'_>) -> Row {
     }
 }
 
+/// Errors over the frames that are scored; none where none is.
+fn errors_over(frames: &[FrameRow]) -> Option<SystemErrors> {
+    let scored: Vec<SystemErrors> = frames.iter().filter_map(|frame| frame.errors).collect();
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let of = |value: fn(&SystemErrors) -> f64| scored.iter().map(value).collect::<Vec<_>>();
+    let ssim: Option<Vec<f64>> = scored.iter().map(|errors| errors.ssim).collect();
+    (!scored.is_empty()).then(|| SystemErrors {
+        flip: mean(&of(|errors| errors.flip)),
+        flip_p99: of(|errors| errors.flip_p99).into_iter().fold(0.0, f64::max),
+        ssim: ssim.map(|values| mean(&values)),
+        wrong_percent: mean(&of(|errors| errors.wrong_percent)),
+    })
+}
+
 /// Bytes of what is made apart from a frame, and the time that it took, milliseconds; `None` where that is nothing.
 fn prepared(stats: &FrameStats) -> Option<(u64, f64)> {
     let structures = || Some((stats.structure_bytes()?, stats.structures_ms));
     stats.captured().or_else(structures)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_without_enough_reflective_pixels_have_no_share_in_errors() {
+        let frame = |flip: Option<f64>| FrameRow {
+            frame: 0,
+            ms: 1.0,
+            update_ms: 0.0,
+            errors: flip.map(|flip| SystemErrors {
+                flip,
+                flip_p99: 2.0 * flip,
+                ..SystemErrors::default()
+            }),
+        };
+        let frames = [Some(0.1), None, Some(0.3)].map(frame);
+        let errors = errors_over(&frames).expect("two frames are scored");
+        assert_eq!((errors.flip, errors.flip_p99), (0.2, 0.6));
+        assert_eq!(errors_over(&frames[1..2]), None);
+    }
 }
