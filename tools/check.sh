@@ -167,7 +167,8 @@ if [ "$full" = yes ]; then
     if tools/driver.sh newest >/dev/null; then
         tools/driver.sh newest check scenes/fail/*.toml scenes/{atrium,cornell,interior,mirrors,street,studio}.toml
         heading "Ray queries"
-        tools/driver.sh newest queries scenes/fail/*.toml scenes/*.toml
+        tools/driver.sh newest queries scenes/fail/*.toml scenes/*.toml scenes/paper/*.toml \
+            scenes/examples/{bench,bus_stop,museum,turntable}.toml
         (
             eval "$(tools/driver.sh newest)"
             cargo test --locked --test pictures queries::
