@@ -152,7 +152,9 @@ fn scores() -> Vec<Score> {
             title: "Wrong answers of the march, ‰ of the reflective pixels",
             text: format!(
                 "Answers that a ray contradicts: another instance, a distance off by more than {TOLERANCE_U} U \
-                 and {} %, or nothing where there is something.",
+                 and {} %, or nothing where there is something. Methods whose march of the picture, or of the faces of \
+                 a box, does not answer have none: `probe` looks directions up, `rt` follows rays, and `near-far` \
+                 follows rays to points on triangles of its map.",
                 100.0 * TOLERANCE_RELATIVE
             ),
             against: ReferenceKind::Rt,
