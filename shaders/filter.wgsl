@@ -5,6 +5,7 @@
 #import cause
 #import gbuffer
 #import radiance
+#import taps
 
 struct Params {
     reach: f32, // radius of the taps, in widths of the lobe
@@ -20,11 +21,6 @@ struct Params {
 @group(2) @binding(7) var<uniform> params: Params;
 
 const WIDEST: f32 = 0.03; // maximum radius, as a share of the picture's height
-const GOLDEN_ANGLE: f32 = 2.39996323;
-
-fn inside(at: vec2i) -> bool {
-    return all(at >= vec2i(0)) && all(at < vec2i(frame.size));
-}
 
 // Mean hit distance of the rays of the pixels around, m; each is clamped to `farthest_m`.
 fn mean_hit_m(pixel: vec2i, farthest_m: f32) -> f32 {
@@ -40,11 +36,6 @@ fn mean_hit_m(pixel: vec2i, farthest_m: f32) -> f32 {
         count += 1.0;
     }
     return sum / max(count, 1.0);
-}
-
-// Interleaved gradient noise (Jimenez 2014): rotation of the taps, which differs between neighboring pixels.
-fn turn_of(pixel: vec2u) -> f32 {
-    return 2.0 * PI * fract(52.9829189 * fract(dot(vec2f(pixel), vec2f(0.06711056, 0.00583715))));
 }
 
 fn filtered(pixel: vec2u, own: vec4f) -> vec3f {
@@ -63,9 +54,8 @@ fn filtered(pixel: vec2u, own: vec4f) -> vec3f {
     var weights = own.w;
     let turn = turn_of(pixel);
     for (var k = 0u; k < params.taps; k++) {
-        let r = sqrt((f32(k) + 0.5) / f32(params.taps));
-        let angle = turn + GOLDEN_ANGLE * f32(k);
-        let near = vec2i(round(vec2f(pixel) + reach_px * r * vec2f(cos(angle), sin(angle))));
+        let r = tap_radius(k, params.taps);
+        let near = tap_at(pixel, turn, reach_px * r, k);
         if (!inside(near)) { continue; }
         let at = pixel_of_moment(near);
         if (!inside(at) || !reflects(textureLoad(cause, at, 0).x)) { continue; }

@@ -8,22 +8,32 @@
 
 @group(2) @binding(3) var indirect_light: RadianceTexture;
 
+// Whether the light is smoothed over neighbors: it is stored without the albedo of the surface then, -1 in colors that the
+// surface does not scatter, and w is the width of a pixel over the distance that the light came from; 0 where the surface
+// scatters none.
+override SMOOTHED: bool = false;
+
 const FIRST_VERTEX: u32 = 128u; // offset of sample numbers, so that they differ from those of reflections
 
-fn gathered(pixel: vec2u) -> vec3f {
-    if (textureLoad(view_depth, pixel, 0).x >= FAR_M) { return vec3f(0.0); }
+fn gathered(pixel: vec2u) -> vec4f {
+    if (textureLoad(view_depth, pixel, 0).x >= FAR_M) { return vec4f(0.0); }
     let s = load_surface(pixel);
     let distance_m = distance(s.position, frame.eye);
     start_path(s.position, false);
     start_samples(pixel, FIRST_VERTEX);
     let view = Reflected(view_direction(s.position), vec3f(1.0), 0.0, 1.0, 1.0, s.normal);
-    return followed(pixel, FIRST_VERTEX + 1u, 0u, scattered_by_surface(view, s), pixel_cone(distance_m));
+    let light = followed(pixel, FIRST_VERTEX + 1u, 0u, scattered_by_surface(view, s), pixel_cone(distance_m));
+    if (!SMOOTHED) { return vec4f(light, 1.0); }
+    let albedo = scattering_albedo(s, -view.direction);
+    if (all(albedo < vec3f(1e-4))) { return vec4f(0.0); }
+    let arrived = select(light / max(albedo, vec3f(1e-4)), vec3f(-1.0), albedo < vec3f(1e-4));
+    return vec4f(arrived, clamp(pixel_width(distance_m) / first_m, 1e-3, 1.0));
 }
 
 @compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u) {
     let pixel = invoked_pixel(group, groups, local);
     if (any(pixel >= vec2u(frame.size)) || is_left_out(pixel)) { return; }
-    textureStore(indirect_light, pixel, stored(vec4f(gathered(pixel), 1.0)));
+    textureStore(indirect_light, pixel, stored(gathered(pixel)));
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
 }

@@ -52,7 +52,8 @@
 //!    function that turns (instance, triangle, barycentrics, footprint) into a surface is `surface_at`
 //!    in `shaders/lib/surface.wgsl`; screen hits and traced hits use the same one.
 //! 4. **Light** shades the surfaces that the camera sees: view-independent radiance, apart from the specular of
-//!    this view. **Transmit** follows rays through the surfaces that pixels show, where some transmit light.
+//!    this view. **Transmit** follows rays through the surfaces that pixels show, where some transmit light. **Indirect**
+//!    finds light between matte surfaces (`diffuse_bounces`), which **soften** smooths below 16 sub-frames.
 //! 5. **Peel** rasterizes the second depth layer, where `reflection.layers` asks for it. **Pyramid** keeps the nearest depth of ever larger cells of pixels.
 //! 6. **SSR** walks the listed pixels' mirror rays through the pyramid, cell by cell, and decides what
 //!    each ray hits ([`render::cause::Cause`]): `accept_verified` in `shaders/ssr.wgsl` accepts a triangle

@@ -12,6 +12,7 @@ const MOST_LIKELY: f32 = 0.95; // maximum survival probability
 
 var<private> path_weight: vec3f = vec3f(1.0);
 var<private> path_vertices: u32 = 0u;
+var<private> first_m: f32 = FAR_M; // length of the first ray that was followed
 
 // Number of diffuse scatterings of the path, which do not count as bounces.
 fn scatterings() -> u32 {
@@ -104,6 +105,7 @@ fn followed(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: Cone) -> 
         let h = trace_nearest(origin, ray.direction, 0.0, FAR_M);
         throughput *= medium_transmittance(h.t);
         let end = seen_at_end(origin, ray, h.instance, h.t);
+        if (k == 0u) { first_m = end.distance_m; }
         if (HAS_FOG) {
             let air = through_air(origin, ray, end.distance_m);
             color += found_light(throughput * air.light, hits + k);

@@ -31,6 +31,8 @@ fn scattered_by_surface(before: Reflected, s: Surface) -> Start {
     return Start(before, s.position);
 }
 
+var<private> first_m: f32 = FAR_M;
+
 fn followed(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: Cone) -> vec3f {
     return vec3f(0.0);
 }

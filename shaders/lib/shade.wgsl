@@ -96,6 +96,11 @@ fn diffuse_albedo(s: Surface, view: vec3f) -> vec3f {
     return s.base_color * (1.0 - s.metallic) * unreflected(s, view) * reflected_share(s) * base_share(s, view);
 }
 
+// Share of the light from other surfaces that the surface scatters, by all of its layers.
+fn scattering_albedo(s: Surface, view: vec3f) -> vec3f {
+    return (diffuse_albedo(s, view) + sheen_albedo(s, view)) * scattered_share(s, view);
+}
+
 fn ggx_alpha(s: Surface) -> f32 {
     return max(s.roughness * s.roughness, SMOOTH_ALPHA);
 }

@@ -44,6 +44,9 @@ pub struct Draft {
 /// Number of sub-frames from which samples alone are smooth.
 const ENOUGH_SAMPLES: u32 = 16;
 
+/// Number of sub-frames up to which indirect light is smoothed as far as one sub-frame is.
+const FEW_SAMPLES: u32 = 8;
+
 /// Rectangle of pixels of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Crop {
@@ -108,12 +111,19 @@ impl RenderOptions {
         self.image.shutter > 0.0 && needs_moments(self.image.samples.count())
     }
 
-    /// Whether rough reflections are smoothed over neighbors.
+    /// Whether rough reflections and indirect light are smoothed over neighbors.
     pub fn smooths(&self) -> bool {
         self.reflection.filter && self.image.samples.count() < ENOUGH_SAMPLES
     }
 
-    /// Whether light outside of the crop is left out. Pixels inside need none of it unless reflections are smoothed or
+    /// Share of its whole radius by which indirect light is smoothed; it shrinks towards the number of sub-frames that
+    /// are smooth alone, so that nothing jumps there.
+    pub fn smoothing(&self) -> f32 {
+        let missing = ENOUGH_SAMPLES.saturating_sub(self.image.samples.count());
+        (missing as f32 / (ENOUGH_SAMPLES - FEW_SAMPLES) as f32).min(1.0)
+    }
+
+    /// Whether light outside of the crop is left out. Pixels inside need none of it unless light is smoothed or
     /// blurred over neighbors, or reuse the light of the pixels that screen hits are shown at.
     pub fn leaves_out_light(&self) -> bool {
         let reflection = &self.reflection;
@@ -155,6 +165,19 @@ impl RenderOptions {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use reflet_scene::desc::Samples;
+
+    #[test]
+    fn smoothing_fades_out_with_the_number_of_samples() {
+        let of = |samples: u32| {
+            let mut options = RenderOptions::default();
+            options.image.samples = Samples::Count(samples);
+            (options.smooths(), options.smoothing())
+        };
+        let some = [1, 8, 12, 15].map(of);
+        assert_eq!(some, [(true, 1.0), (true, 1.0), (true, 0.5), (true, 0.125)]);
+        assert_eq!([16, 64].map(of), [(false, 0.0); 2]);
+    }
 
     #[test]
     fn light_is_left_out_where_no_neighbor_needs_it() {

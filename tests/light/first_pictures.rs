@@ -1,4 +1,4 @@
-//! First pictures of glass: several paths of one sample find what is behind it.
+//! First pictures: several paths of one sample find what is behind glass, and light between surfaces is smoothed.
 
 use crate::kit::{color, gpu, render};
 
@@ -61,4 +61,84 @@ fn one_sample_follows_four_paths_through_glass() {
         middle.map(|(x, y)| (color(&first, x, y)[1] - color(&converged, x, y)[1]).powi(2));
     let error = (squares.sum::<f32>() / 80.0).sqrt();
     assert!((0.1..0.3).contains(&error), "{error}");
+}
+
+/// A checkered floor of two boxes, one higher than the other, in a room that a lamp lights by way of the ceiling alone.
+const ROOM: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 1.2, 1.9]
+target = [0, 0.2, -0.5]
+fov_deg = 60
+[image]
+size = [48, 27]
+tone_map = "none"
+[environment]
+zenith = [0, 0, 0]
+horizon = [0, 0, 0]
+ground = [0, 0, 0]
+[reflection]
+method = "rt"
+diffuse_bounces = 1
+[light.up]
+kind = "spot"
+position = [0, 0.6, 1.2]
+direction = [0, 1, 0]
+outer_deg = 75
+intensity_cd = 20
+shadow = "ray"
+[material.wall]
+base_color = [0.8, 0.8, 0.8]
+reflectivity = 0
+double_sided = true
+[material.floor]
+checker = { colors = [[0.9, 0.9, 0.9], [0, 0.09, 0.09]], size_m = 0.5 }
+reflectivity = 0
+[model.room]
+shape = { kind = "box", size = [4, 3, 4] }
+material = "wall"
+[model.block]
+shape = { kind = "box", size = [3, 1, 1] }
+material = "floor"
+[[instance]]
+model = "room"
+translation = [0, 1.5, 0]
+[[instance]]
+model = "block"
+translation = [0, -0.3, 0]
+[[instance]]
+model = "block"
+translation = [0, 0, -1]
+"#;
+
+/// Light that one path in a pixel finds now and then is that of all around, but neither crosses edges nor blurs textures.
+#[test]
+fn light_between_surfaces_is_smooth_in_first_pictures() {
+    let Some(gpu) = gpu() else { return };
+    let of = |samples: u32, filter: bool| {
+        let (samples, filter) = (
+            format!("image.samples={samples}"),
+            format!("reflection.filter={filter}"),
+        );
+        render(gpu, ROOM, &[&samples, &filter], &[])
+    };
+    let (grainy, smooth, converged) = (of(1, false), of(1, true), of(128, true));
+    let pixels: Vec<_> = (0..27).flat_map(|y| (0..48).map(move |x| (x, y))).collect();
+    let sum = |of: &dyn Fn(u32, u32) -> f32| pixels.iter().map(|&(x, y)| of(x, y)).sum::<f32>();
+    let error = |picture| {
+        sum(&|x, y| {
+            let (a, b) = (color(picture, x, y)[1], color(&converged, x, y)[1]);
+            (a - b).powi(2) / (b * b + 0.01)
+        })
+    };
+    let light = |picture| sum(&|x, y| color(picture, x, y)[1]);
+    let red_of_cyan = sum(&|x, y| match color(&converged, x, y)[0] < 1e-3 {
+        true => color(&smooth, x, y)[0],
+        false => 0.0,
+    });
+    let errors = error(&smooth) / error(&grainy);
+    assert!(errors < 0.08, "{errors}");
+    let kept = light(&smooth) / light(&grainy);
+    assert!((kept - 1.0).abs() < 0.03, "{kept}");
+    assert!(red_of_cyan < 0.01, "{red_of_cyan}");
 }

@@ -24,6 +24,7 @@ pub const PASS: Pass = Pass {
     writes: &[Target::IndirectLight],
     reads_shared: &[SharedData::ShadowMaps],
     writes_shared: &[SharedData::Counters],
+    overrides: super::soften::constants,
     needed: |plan, _| plan.features.indirect,
     // `check_world` and `Trees::build` validated every index that rays follow.
     checks: Checks::TrustedBuiltin,

@@ -22,6 +22,7 @@ pub mod primary;
 pub mod probe;
 pub mod pyramid;
 pub mod shadow;
+pub mod soften;
 pub mod spread;
 pub mod ssr;
 pub mod surface;
@@ -99,6 +100,7 @@ passes! {
     arguments: Arguments, // for the lists of the surface pass
     transmit: Transmit,
     indirect: Indirect,
+    soften: Soften,
     fog: Fog,
     peel: Peel,
     pyramid: Pyramid,

@@ -225,9 +225,10 @@ pub struct ReflectionDesc {
     pub probes: ProbesDesc,
     /// Box and maps, as `[near_far]` sets them, for method `near-far`.
     pub near_far: NearFarDesc,
-    /// Whether blurred reflections of rough surfaces are smoothed over neighboring pixels, as far as their lobe
-    /// spreads, in pictures of fewer than 16 `samples`: less grain, and a little less detail. Sharp reflections
-    /// and benchmarks are never smoothed. Default true.
+    /// Whether blurred reflections of rough surfaces, as far as their lobe spreads, and the light of `diffuse_bounces`
+    /// on matte ones, as far as the distance that it comes from, are smoothed over neighboring pixels in pictures of
+    /// fewer than 16 `samples`: less grain, and a little less detail. Sharp reflections, textures and benchmarks are
+    /// never smoothed. Default true.
     pub filter: bool,
     /// Whether light that rough surfaces reflect or pass on more than once between their microfacets is added (Turquin
     /// 2019): they are brighter, metals more colorful, and in even white light white surfaces vanish, whatever

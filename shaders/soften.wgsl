@@ -1,0 +1,86 @@
+// Soften: smooths the light that matte surfaces get from other surfaces, in pictures of few sub-frames, over neighboring
+// pixels of the same surface, as far as that light changes little (Ward et al. 1988): the distance that it comes from.
+// Textures stay sharp, as the light is smoothed before it is multiplied by their colors.
+
+#import gbuffer
+#import radiance
+#import taps
+
+struct Params {
+    reach: f32, // radius of the taps, as a share of the distance that light comes from
+    widest: f32, // maximum radius, as a share of the picture's height
+    taps: u32,
+    is_last: u32, // 1: the last step, which multiplies by the albedo
+}
+
+@group(2) @binding(3) var source: texture_2d<f32>; // see indirect.wgsl
+@group(2) @binding(4) var softened: RadianceTexture;
+@group(2) @binding(5) var<uniform> params: Params;
+
+// Mean of w around a pixel: harmonic mean of distances.
+fn mean_nearness(pixel: vec2i, own: f32) -> f32 {
+    var sum = own;
+    var count = 1.0;
+    for (var k = 0; k < 9; k++) {
+        let near = pixel + vec2i(k % 3 - 1, k / 3 - 1) * 2;
+        if (!inside(near)) { continue; }
+        let at = pixel_of_moment(near);
+        if (!inside(at)) { continue; }
+        let nearness = textureLoad(source, at, 0).w;
+        sum += nearness;
+        count += select(0.0, 1.0, nearness > 0.0);
+    }
+    return sum / count;
+}
+
+// Light of a pixel and its weight, in each color and in w.
+struct Weighted {
+    light: vec4f,
+    weight: vec4f,
+}
+
+fn weighted(light: vec4f, weight: f32) -> Weighted {
+    let known = select(vec4f(0.0), vec4f(weight), light >= vec4f(0.0));
+    return Weighted(light * known, known);
+}
+
+fn softened_light(pixel: vec2u, s: Surface, own: vec4f) -> vec4f {
+    let footprint_m = pixel_width(distance(s.position, frame.eye));
+    let nearness = mean_nearness(vec2i(pixel), own.w);
+    let reach_px = min(params.reach / nearness, params.widest * frame.size.y);
+    if (reach_px < 0.5) { return own; }
+    let normal = unpack_geometric_normal(textureLoad(surface, pixel, 0));
+    let turn = turn_of(pixel);
+    var sum = weighted(own, 1.0);
+    for (var k = 0u; k < params.taps; k++) {
+        let r = tap_radius(k, params.taps);
+        let near = tap_at(pixel, turn, reach_px * r, k);
+        if (!inside(near)) { continue; }
+        let at = pixel_of_moment(near);
+        if (!inside(at)) { continue; }
+        let found = textureLoad(source, at, 0);
+        if (found.w <= 0.0) { continue; }
+        let other = unpack_geometric_normal(textureLoad(surface, at, 0));
+        let away_m = dot(position_at(vec2u(at), textureLoad(view_depth, at, 0).x) - s.position, normal);
+        let tilt = 1.0 - dot(normal, other);
+        var weight = exp(-2.0 * r * r - 20.0 * tilt);
+        weight *= select(1.0, 0.0, abs(away_m) > (0.1 * reach_px + 0.5) * footprint_m);
+        let part = weighted(found, weight);
+        sum.light += part.light;
+        sum.weight += part.weight;
+    }
+    return select(sum.light / max(sum.weight, vec4f(1e-6)), own, sum.weight <= vec4f(0.0));
+}
+
+@compute @workgroup_size(GROUP_PX, GROUP_PX)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    let pixel = moment_pixel(id.xy);
+    if (any(pixel >= vec2u(frame.size))) { return; }
+    var light = textureLoad(source, pixel, 0);
+    if (light.w > 0.0) {
+        let s = load_surface(pixel);
+        light = softened_light(pixel, s, light);
+        if (params.is_last != 0u) { light = vec4f(max(light.xyz, vec3f(0.0)) * scattering_albedo(s, -view_direction(s.position)), 1.0); }
+    }
+    textureStore(softened, pixel, stored(light));
+}

@@ -1,0 +1,94 @@
+//! Soften: smooths indirect diffuse light of pictures with few sub-frames.
+
+use crate::{
+    frame_pass::FramePass,
+    gpu_struct::gpu_struct,
+    options::RenderOptions,
+    pass::{ComputePass, Dispatch, Override, Pass, PassGroup},
+    pass_builder::PassBuilder,
+    sub_frame::SubFrame,
+    targets::Target,
+};
+use reflet_gpu::GpuError;
+
+/// See `shaders/soften.wgsl`; `source` and `softened` alternate between the targets indirect light and blurred.
+pub const PASS: Pass = Pass {
+    name: "soften",
+    group: PassGroup::Light,
+    color: [96, 190, 205],
+    reads: &[
+        Target::ViewDepth,
+        Target::Surface,
+        Target::Colors,
+        Target::Details,
+        Target::IndirectLight,
+        Target::Blurred,
+    ],
+    writes: &[Target::Blurred, Target::IndirectLight],
+    aliases: &ALIASES,
+    params: Some(Params::LAYOUT),
+    needed: |plan, options| plan.features.indirect && options.smooths(),
+    ..Pass::DEFAULT
+};
+
+/// The constant by which the shader of indirect light knows that this pass follows.
+pub fn constants(options: &RenderOptions) -> Vec<Override> {
+    vec![("SMOOTHED", f64::from(u8::from(options.smooths())))]
+}
+
+const OUT: &[(&str, Target)] = &[
+    ("source", Target::IndirectLight),
+    ("softened", Target::Blurred),
+];
+const BACK: &[(&str, Target)] = &[
+    ("source", Target::Blurred),
+    ("softened", Target::IndirectLight),
+];
+
+/// Targets of `source` and `softened` in each step.
+const ALIASES: [&[(&str, Target)]; STEPS.len()] = [OUT, BACK, OUT, BACK];
+
+/// Radius, as a share of the distance that light comes from, and number of taps of each step; each fills the gaps between
+/// the taps of the one before.
+const STEPS: [(f32, u32); 4] = [(1.0, 24), (0.5, 16), (0.25, 12), (0.1, 8)];
+
+/// Maximum radius of the first step, as a share of the picture's height.
+const WIDEST: f32 = 0.2;
+
+gpu_struct! {
+    /// Uniforms of the shader for one step.
+    pub struct Params = "Params" {
+        /// Radius of the taps, as a share of the distance that light comes from.
+        reach: f32,
+        /// Maximum radius, as a share of the picture's height.
+        widest: f32,
+        /// Number of taps.
+        taps: u32,
+        /// 1 in the last step.
+        is_last: u32,
+    }
+}
+
+/// The soften pass on the device, a pipeline for each step.
+#[derive(Debug)]
+pub struct Soften([ComputePass; STEPS.len()]);
+
+impl FramePass for Soften {
+    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
+        let step = |i: usize| builder.compute(&PASS, ALIASES[i]);
+        Ok(Self([step(0)?, step(1)?, step(2)?, step(3)?]))
+    }
+
+    fn record(&self, frame: &mut SubFrame<'_>) {
+        let width = frame.options.smoothing();
+        for (i, (pass, (reach, taps))) in self.0.iter().zip(STEPS).enumerate() {
+            let params = Params {
+                reach: width * reach,
+                widest: width * reach * WIDEST,
+                taps,
+                is_last: u32::from(i + 1 == STEPS.len()),
+            };
+            frame.dispatch_with(pass, &params, &Dispatch::PerPixel);
+        }
+    }
+}
