@@ -131,10 +131,12 @@ fn lights_and_cameras_of_files_are_placed() {
         count: [725, 725, 1],
         step: Vec3::X,
     });
-    let (name, message) = one_error(load_scene(&desc));
-    assert_eq!(name, "lights-too-many");
+    desc.models[0].at.range = 7..9;
+    let errors = load_scene(&desc).expect_err("they are too many");
+    let error = (errors[0].name, errors[0].span.range.clone());
+    assert_eq!(error, ("lights-too-many", 7..9));
     let limit = "1051250 lights including those of files, at most 1048576 are allowed";
-    assert_eq!(message, limit);
+    assert_eq!(errors[0].message, limit);
 }
 
 #[test]

@@ -15,6 +15,7 @@ use crate::{
 use reflet_base::unique_names::UniqueNames;
 use reflet_scene::{
     desc::{CameraDesc, Entry, LightDesc, ModelDesc, SceneDesc},
+    diagnostic::Span,
     motion::{placed_camera, placed_light},
 };
 
@@ -23,6 +24,8 @@ pub struct Extras {
     lights: Vec<Light>,
     /// Number of lights, including those past the limit, which are not stored.
     light_count: usize,
+    /// Name of the model whose file brings the first light past the limit, where it is written.
+    past_most_at: Option<Span>,
     cameras: Vec<Entry<CameraDesc>>,
     camera_names: UniqueNames,
     moving_lights: Vec<Moved<LightDesc>>,
@@ -51,6 +54,7 @@ impl Extras {
         Self {
             lights: lights.map(light).collect(),
             light_count: desc.lights.len(),
+            past_most_at: None,
             cameras: cameras.map(camera).collect(),
             camera_names,
             moving_lights: Vec::new(),
@@ -81,6 +85,8 @@ impl Extras {
                 let anchor = anchor.or_else(|| pointed.map(|_| instance.still(part)));
                 if self.lights.len() < SceneDesc::MOST_LIGHTS {
                     self.add_light(&part.value, name, &place, (anchor, pointed));
+                } else if self.past_most_at.is_none() {
+                    self.past_most_at = Some(model.at.clone());
                 }
             }
         }
@@ -136,7 +142,7 @@ impl Loader<'_> {
         let (count, most) = (extras.light_count, SceneDesc::MOST_LIGHTS);
         if count > most {
             self.too_many_lights(
-                most,
+                (most, extras.past_most_at.as_ref()),
                 format!("{count} lights including those of files, at most {most} are allowed"),
                 "leave a file's lights out with `lights = false` in its [model.NAME]",
             );
@@ -145,7 +151,7 @@ impl Loader<'_> {
         let array = self.world.lights.len();
         if array > MAX_LIGHTS && count <= most {
             self.too_many_lights(
-                MAX_LIGHTS,
+                (MAX_LIGHTS, None),
                 format!(
                     "{array} lights are directional or cast no shadow, at most {MAX_LIGHTS} are allowed"
                 ),
@@ -171,12 +177,15 @@ impl Loader<'_> {
         self.world.cameras = extras.cameras;
     }
 
-    /// Adds an error about lights past a limit.
-    fn too_many_lights(&mut self, most: usize, text: String, help: &str) {
-        let first_extra = self.desc.lights.get(most);
-        let at = first_extra
-            .map(|entry| entry.at.clone())
-            .unwrap_or_default();
+    /// Adds an error about lights past a limit, at the first of the scene text past it or else where a file brings one.
+    fn too_many_lights(
+        &mut self,
+        (most, of_file): (usize, Option<&Span>),
+        text: String,
+        help: &str,
+    ) {
+        let first_extra = self.desc.lights.get(most).map(|entry| &entry.at);
+        let at = first_extra.or(of_file).cloned().unwrap_or_default();
         let mut error = error_at("lights-too-many", &at, text);
         error.help = Some(help.into());
         self.errors.push(error);
