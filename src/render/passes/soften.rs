@@ -15,7 +15,7 @@ use reflet_gpu::GpuError;
 pub const PASS: Pass = Pass {
     name: "soften",
     group: PassGroup::Light,
-    color: [96, 190, 205],
+    color: [50, 180, 140],
     reads: &[
         Target::ViewDepth,
         Target::Surface,
