@@ -111,10 +111,11 @@ pub fn section(out: &mut String, scene: &SceneRows, chart: impl Fn(&str) -> Stri
     let [width, height] = scene.size;
     let _ = writeln!(
         out,
-        "{frames} of {width} × {height} pixels, {}, {} probes.\n\n![Time against error of each system; a ring marks the \
+        "{frames} of {width} × {height} pixels, {}, {} probe{}.\n\n![Time against error of each system; a ring marks the \
              front]({})\n",
         scored(scene),
         scene.probes,
+        if scene.probes == 1 { "" } else { "s" },
         chart("")
     );
     if scene.frames > 1 {
