@@ -120,10 +120,9 @@ pub fn section(out: &mut String, scene: &SceneRows, chart: impl Fn(&str) -> Stri
     );
     if scene.frames > 1 {
         for (curves, ending) in Curves::ALL {
-            if curves == Curves::Error && scene.scored_px.is_empty() {
-                continue;
+            if curves.ranges(scene).is_some() {
+                let _ = writeln!(out, "![{}]({})\n", curves.caption(), chart(ending));
             }
-            let _ = writeln!(out, "![{}]({})\n", curves.caption(), chart(ending));
         }
     }
     table(out, scene);
@@ -149,7 +148,7 @@ fn scored(scene: &SceneRows) -> String {
 fn over_all(out: &mut String, best: &[Overall], chart: &str) {
     let _ = writeln!(
         out,
-        "\n## The best over all scenes\n\nTime over that of `rt`, geometric mean of the scenes, and mean FLIP, of the {} \
+        "\n## The best over all scenes\n\nTime over that of `rt`, geometric mean of the scenes with frames to score, and mean FLIP, of the {} \
          methods that come first: those on the front, then those on the front of the rest, and so on, each by the setting \
          that errs least there.\n\n![Time against error of the best methods]({chart})\n\n| method | time over `rt` | \
          FLIP |\n|---|---|---|",
@@ -268,7 +267,7 @@ fn count_or_dash(count: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::{
-        super::{Row, SYSTEMS, Side, overall::best},
+        super::{Row, SYSTEMS, Side, frames::FrameRow, overall::best},
         *,
     };
 
@@ -356,6 +355,12 @@ mod tests {
 
     #[test]
     fn films_have_curves_and_what_is_made_anew() {
+        let frame = |frame| FrameRow {
+            frame,
+            ms: 2.0,
+            update_ms: 7.0,
+            errors: Some(SystemErrors::default()),
+        };
         let mut film = SceneRows {
             scene: "film.toml".to_owned(),
             size: [64, 36],
@@ -367,6 +372,7 @@ mod tests {
                 popping: Some(0.5),
                 update_ms: 7.0,
                 errors: Some(SystemErrors::default()),
+                frames: [0, 1].map(frame).to_vec(),
                 ..Row::default()
             }],
             left_out: Vec::new(),
@@ -385,13 +391,21 @@ mod tests {
         }
         film.scored_px.clear();
         film.rows[0].errors = None;
+        film.rows[0].frames = [0, 1]
+            .map(|at| FrameRow {
+                errors: None,
+                ms: 0.0,
+                update_ms: 0.0,
+                ..frame(at)
+            })
+            .to_vec();
         text.clear();
         section(&mut text, &film, |ending| format!("chart{ending}.svg"));
         let unscored = "3 frames of 64 × 36 pixels, without errors, as they have fewer than 100 reflective pixels";
         assert!(text.contains(unscored), "{text}");
         assert!(text.contains("| 0.00 | – | – | – | – | 50 |"), "{text}");
         assert!(
-            text.contains("| 7.0 |  |") && !text.contains("chart-flip"),
+            text.contains("| 7.0 |  |") && !text.contains("chart-"),
             "{text}"
         );
     }

@@ -63,6 +63,17 @@ impl Curves {
         };
         (value > 0.0).then_some(value)
     }
+
+    /// First and last frame, lowest and highest value of the chart; none where there is nothing to draw.
+    pub(super) fn ranges(self, scene: &SceneRows) -> Option<([u32; 2], [f64; 2])> {
+        let rows = || scene.rows.iter().flat_map(|row| &row.frames);
+        let first = rows().map(|row| row.frame).min()?;
+        let last = rows().map(|row| row.frame).max()?;
+        let shown = || rows().filter_map(|row| self.of(row));
+        let low = shown().fold(f64::INFINITY, f64::min);
+        let high = shown().fold(0.0, f64::max);
+        (first != last && high > 0.0).then_some(([first, last], [low, high]))
+    }
 }
 
 /// Table of all systems and frames, as comma-separated values.
@@ -101,19 +112,9 @@ pub fn table(scene: &SceneRows) -> String {
 /// Message of the drawing library.
 pub fn draw(scene: &SceneRows, curves: Curves) -> Result<Option<String>, String> {
     let said = |error: &dyn std::fmt::Display| format!("the chart cannot be drawn: {error}");
-    let rows = || scene.rows.iter().flat_map(|row| &row.frames);
-    let (Some(first), Some(last)) = (
-        rows().map(|row| row.frame).min(),
-        rows().map(|row| row.frame).max(),
-    ) else {
+    let Some(([first, last], [low, high])) = curves.ranges(scene) else {
         return Ok(None);
     };
-    let shown = || rows().filter_map(|row| curves.of(row));
-    let low = shown().fold(f64::INFINITY, f64::min);
-    let high = shown().fold(0.0, f64::max);
-    if first == last || high <= 0.0 {
-        return Ok(None);
-    }
     let values = (0.8 * low..1.25 * high.max(10.0 * low)).log_scale();
     let (mut svg, mut overlay) = (String::new(), String::new());
     {

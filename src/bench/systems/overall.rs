@@ -24,15 +24,16 @@ impl Overall {
     }
 }
 
-/// Systems that were scored in all scenes, in the order of [`SYSTEMS`].
+/// Systems that were scored in all scenes that have frames to score, in the order of [`SYSTEMS`].
 fn overall(scenes: &[SceneRows]) -> Vec<Overall> {
+    let scored = || scenes.iter().filter(|scene| !scene.scored_px.is_empty());
     let of_scene = |scene: &SceneRows, system: &System| {
         let (own, rt) = (scene.row(system.name)?, scene.row("rt")?);
         let flip = own.flip()?;
         (rt.ms > 0.0).then_some((own.ms / rt.ms, flip))
     };
     let of_all = |system: &'static System| {
-        let each: Option<Vec<_>> = scenes.iter().map(|s| of_scene(s, system)).collect();
+        let each: Option<Vec<_>> = scored().map(|s| of_scene(s, system)).collect();
         let each = each.filter(|each| !each.is_empty())?;
         let mean =
             |of: fn(&(f64, f64)) -> f64| each.iter().map(of).sum::<f64>() / each.len() as f64;

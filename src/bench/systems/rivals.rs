@@ -31,11 +31,31 @@ pub(super) fn section(scenes: &[SceneRows]) -> String {
     match lines.is_empty() {
         true => "Nothing in these scenes: no rival takes less time than both `hybrid` and `rt`, or errs less.\n".to_owned(),
         false => format!(
-            "Time and error of each system, in how many scenes it has less of one than Reflet's own methods, and where it \
-             does best. Each scene's own figures are below.\n\n{}",
+            "In how many scenes each system takes less time than `rt` and `hybrid`, or errs less than `hybrid`, and where it \
+             does best. Each scene's own figures are below.{}\n\n{}",
+            noise(scenes).map_or(String::new(), |share| format!(
+                " Times of equal work (`rt` and `hybrid` where `skip_px` leaves the same nodes and steps) differ by up to \
+                 {:.0} %.",
+                100.0 * share
+            )),
             lines.concat()
         ),
     }
+}
+
+/// Largest difference between the times of two systems that do the same work, as a share of the shorter one.
+fn noise(scenes: &[SceneRows]) -> Option<f64> {
+    let pairs = [("rt", "rt, skip 1 px"), ("hybrid", "hybrid, skip 1 px")];
+    let of = scenes
+        .iter()
+        .flat_map(|scene| pairs.map(|pair| (scene, pair)));
+    let differences = of.filter_map(|(scene, (own, other))| {
+        let (own, other) = (scene.row(own)?, scene.row(other)?);
+        let is_equal = [own.nodes, own.steps] == [other.nodes, other.steps];
+        (is_equal && own.ms.min(other.ms) > 0.0)
+            .then(|| (own.ms / other.ms).max(other.ms / own.ms) - 1.0)
+    });
+    differences.max_by(f64::total_cmp)
 }
 
 /// Line of a rival; none where it does nothing better.
@@ -73,6 +93,10 @@ fn line(rival: &System, scenes: &[SceneRows]) -> Option<String> {
         flips: [its, ours],
     }) = best
     {
+        let count = scenes
+            .iter()
+            .filter_map(|s| flips_beside_hybrid(rival, s))
+            .count();
         parts.push(format!(
             "a smaller mean FLIP than `hybrid` in {} of {count}: {its:.4} against {ours:.4} at best ({scene})",
             exacter.len()
@@ -95,8 +119,13 @@ fn faster<'a>(rival: &System, scene: &'a SceneRows) -> Option<Faster<'a>> {
     })
 }
 
+/// Errors of a rival and of `hybrid`; none where a scene has no scored frame.
+fn flips_beside_hybrid(rival: &System, scene: &SceneRows) -> Option<[f64; 2]> {
+    Some([scene.row(rival.name)?.flip()?, scene.row("hybrid")?.flip()?])
+}
+
 fn exacter<'a>(rival: &System, scene: &'a SceneRows) -> Option<Exacter<'a>> {
-    let flips = [scene.row(rival.name)?.flip()?, scene.row("hybrid")?.flip()?];
+    let flips = flips_beside_hybrid(rival, scene)?;
     (flips[1] - flips[0] >= LEAST_DIFFERENCE).then_some(Exacter {
         scene: &scene.scene,
         flips,

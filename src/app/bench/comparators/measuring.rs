@@ -81,7 +81,7 @@ fn reference_renderer(
 }
 
 /// Size at which a scene is measured: `size`, doubled until the first frame has [`ENOUGH_PX`] reflective pixels to score,
-/// at most [`MOST_DOUBLINGS`] times.
+/// at most [`MOST_DOUBLINGS`] times, and no further than the adapter allows.
 ///
 /// # Errors
 /// Frames that cannot be posed, errors of the renderer.
@@ -93,16 +93,20 @@ pub(super) fn scored_size(
 ) -> Result<[u32; 2], AppError> {
     let frame = series.frames().next().unwrap_or(0);
     let subject = series.at(frame).map_err(AppError::Scene)?;
-    let of = |doublings: u32| size.map(|side| side << doublings);
-    for doublings in 0..MOST_DOUBLINGS {
-        let mut truth = reference_renderer(gpu, library, of(doublings), subject)?;
+    let px = |size: [u32; 2]| {
+        let mut truth = reference_renderer(gpu, library, size, subject)?;
         let picture = picture(gpu, subject, &mut truth).map_err(explain)?;
         let reference = Reference::new(&picture).map_err(AppError::Internal)?;
-        if reference.mask.area() >= ENOUGH_PX {
-            return Ok(of(doublings));
-        }
+        Ok::<_, AppError>(reference.mask.area())
+    };
+    let (mut found, mut found_px) = (size, px(size)?);
+    // A frame without any reflective pixel has none at a larger size either.
+    while (1..ENOUGH_PX).contains(&found_px) && found[0] < size[0] << MOST_DOUBLINGS {
+        let larger = found.map(|side| 2 * side);
+        let Ok(larger_px) = px(larger) else { break };
+        (found, found_px) = (larger, larger_px);
     }
-    Ok(of(MOST_DOUBLINGS))
+    Ok(found)
 }
 
 /// Measures all systems in a scene, frame by frame, taking turns; each picture is timed so many times.
@@ -263,7 +267,10 @@ fn time(gpu: &Gpu, subject: &Subject, system: &mut Running<'_>) -> Result<(), Re
         passes => passes,
     };
     let found = passes.iter().filter(|(name, _)| finds(name));
-    system.times_ms.push(found.map(|(_, ms)| ms).sum());
+    // A sum of nothing is -0.
+    system
+        .times_ms
+        .push(found.map(|(_, ms)| ms).sum::<f64>() + 0.0);
     system.last = Some(stats);
     Ok(())
 }
