@@ -87,6 +87,12 @@ pub fn number_in(name: &str) -> Result<Option<(Range<usize>, usize)>, String> {
     }
 }
 
+/// Whether the path of a folder has a placeholder of the frame number. A lone `#` may be part of a name.
+pub fn has_number(folder: &str) -> bool {
+    let is_number = |(at, _): &(Range<usize>, usize)| &folder[at.clone()] != "#";
+    places(folder).is_ok_and(|places| places.iter().any(is_number))
+}
+
 /// Placeholder in the name of a folder that does not exist. A lone `#` may be part of a name.
 fn in_folder(folder: &Path) -> Option<String> {
     if folder.is_dir() {

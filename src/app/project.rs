@@ -9,7 +9,7 @@ use super::{
     args::{RenderArgs, SceneArgs, SizeArg},
     cameras::{PLACEHOLDER, safe_name},
     error::AppError,
-    frame_name::number_in,
+    frame_name::{has_number, number_in},
     output::format::Format,
 };
 use crate::{
@@ -123,7 +123,8 @@ pub fn check_output(output: &At<String>) -> Result<(), Box<Diagnostic>> {
         let end = output.value[start..].find('}')?;
         Some(&output.value[start..=start + end])
     });
-    if let Some(unknown) = in_braces.into_iter().find(|name| !known.contains(name)) {
+    let is_known = |name: &&str| known.contains(name) || matches!(number_in(name), Ok(Some(_)));
+    if let Some(unknown) = in_braces.into_iter().find(|name| !is_known(name)) {
         let error = refuse(format!("nothing stands for `{unknown}` in the name"));
         let names = known.map(|name| format!("`{name}`")).join(", ");
         let help = format!("there are {names}, and `####` for the number of the frame");
@@ -134,13 +135,8 @@ pub fn check_output(output: &At<String>) -> Result<(), Box<Diagnostic>> {
         .iter()
         .fold(output.value.clone(), |name, part| name.replace(part, "x"));
     let (in_folder, name) = named.rsplit_once('/').unwrap_or(("", &named));
-    // A lone `#` may be part of a name.
-    let has_number = |text: &str| {
-        let number = number_in(text).map_err(&refuse)?;
-        Ok::<_, Box<Diagnostic>>(number.is_some_and(|(at, _)| text[at] != *"#"))
-    };
-    let is_numbered = has_number(name)?;
-    if in_folder.contains(PLACEHOLDER) || has_number(in_folder)? {
+    let is_numbered = number_in(name).map_err(&refuse)?.is_some();
+    if in_folder.contains(PLACEHOLDER) || has_number(in_folder) {
         let message = "`{camera}` and the number of the frame belong into the name of the file, not of a folder";
         return Err(refuse(message.to_owned()));
     }
@@ -247,6 +243,9 @@ mod tests {
             "{variant}/a.mp4",
             "#1/{scene}.%04d.png",
             "a.$F4.png",
+            "a.${F4}.png",
+            "a.{frame:04}.png",
+            "a#1/b#2/100%done/a.png",
         ] {
             assert_eq!(check(good), Ok(()), "{good}");
         }
@@ -257,6 +256,7 @@ mod tests {
             "{camera}/b.png",
             "a.####.mp4",
             "a.%04d.mp4",
+            "a#.mp4",
             "%04d/a.png",
             "a.####.####.png",
             "a.%4d.png",
