@@ -225,7 +225,6 @@ impl Session {
         };
         row.edit = row.with(&row.edit, index, value);
         let (edit, number) = (row.edit, row.edit.material);
-        self.unwritten_number = (!write).then(|| material.zip(Some(index))).flatten();
         self.state.stir(self.now_s());
         self.post(Task::Edit(Box::new(edit)));
         if write {
@@ -275,7 +274,6 @@ impl Session {
             return self.say("there is no such parameter, or its value is of another kind");
         };
         self.overrides.set(name, value, own);
-        self.unwritten_parameter = (!write).then(|| name.to_owned());
         self.state.stir(self.now_s());
         self.post(Task::SetParameters(self.overrides.clone()));
         if write && !self.overrides.is_empty() {
@@ -283,27 +281,24 @@ impl Session {
         }
     }
 
-    /// Shows the number of a material that was changed last and not written as the scene has it.
-    pub(super) fn take_back_material(&mut self) {
-        let Some((row, index)) = self.unwritten_number.take() else {
-            return;
-        };
-        if let Some(row) = self.state.summary.materials.get_mut(row) {
-            row.edit = MaterialRow::without(&row.edit, index);
+    /// Shows a number of the shown material as the scene has it.
+    pub(super) fn take_back_material(&mut self, key: &str) {
+        let row = self.state.settings.material;
+        let row = row.and_then(|index| self.state.summary.materials.get_mut(index));
+        let field = MATERIAL.iter().position(|field| field.key == key);
+        if let (Some(row), Some(field)) = (row, field) {
+            row.edit = MaterialRow::without(&row.edit, field);
             let edit = row.edit;
             self.state.stir(self.now_s());
             self.post(Task::Edit(Box::new(edit)));
         }
     }
 
-    /// Gives the parameter that was changed last and not written the value that the scene declares.
-    pub(super) fn take_back_parameter(&mut self) {
-        let Some(name) = self.unwritten_parameter.take() else {
-            return;
-        };
+    /// Gives a parameter the value that the scene declares.
+    pub(super) fn take_back_parameter(&mut self, name: &str) {
         let mut declared = self.state.summary.declared.iter();
-        if let Some((_, own)) = declared.find(|(known, _)| *known == name) {
-            self.overrides.set(&name, own.clone(), own);
+        if let Some((_, own)) = declared.find(|(known, _)| known == name) {
+            self.overrides.set(name, own.clone(), own);
             self.state.stir(self.now_s());
             self.post(Task::SetParameters(self.overrides.clone()));
         }

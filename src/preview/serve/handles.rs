@@ -159,11 +159,11 @@ impl Session {
         if self.grab.take_if(is_it).is_some() || unfinished.number {
             self.post(Task::DropDrag);
         }
-        if unfinished.material {
-            self.take_back_material();
+        if let Some(key) = unfinished.material {
+            self.take_back_material(&key);
         }
-        if unfinished.parameter {
-            self.take_back_parameter();
+        if let Some(name) = unfinished.parameter {
+            self.take_back_parameter(&name);
         }
     }
 

@@ -90,16 +90,16 @@ pub(super) enum Input {
 }
 
 /// Drags of a viewer without their end: they are shown to all, and would be written at the end.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Unfinished {
     /// Start of a drag on the picture.
     pub(super) from: Option<[f32; 2]>,
     /// Whether numbers of the selected item are changed.
     pub(super) number: bool,
-    /// Whether a number of the shown material is changed.
-    pub(super) material: bool,
-    /// Whether a parameter of the script is changed.
-    pub(super) parameter: bool,
+    /// Key of the number of the shown material that is changed.
+    pub(super) material: Option<String>,
+    /// Name of the parameter that is changed.
+    pub(super) parameter: Option<String>,
 }
 
 impl Unfinished {
@@ -109,8 +109,12 @@ impl Unfinished {
             Input::Drag { from, .. } => self.from = Some(*from),
             Input::Drop { .. } => self.from = None,
             Input::Number { write, .. } => self.number = !write,
-            Input::MaterialNumber { write, .. } => self.material = !write,
-            Input::Parameter { write, .. } => self.parameter = !write,
+            Input::MaterialNumber { key, write, .. } => {
+                self.material = (!write).then(|| key.clone());
+            }
+            Input::Parameter { name, write, .. } => {
+                self.parameter = (!write).then(|| name.clone());
+            }
             _ => {}
         }
     }

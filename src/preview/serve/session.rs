@@ -85,10 +85,6 @@ pub(super) struct Session {
     pub(super) grab: Option<Grab>,
     /// Places where drags of handles began that another viewer took over, newest first.
     pub(super) taken: Vec<[f32; 2]>,
-    /// Row of the material and index of its number that were changed last and not written.
-    pub(super) unwritten_number: Option<(usize, usize)>,
-    /// Name of the parameter that was changed last and not written.
-    pub(super) unwritten_parameter: Option<String>,
     /// Camera of the last picture.
     pub(super) shown_camera: Option<CameraDesc>,
     pub(super) size: [u32; 2],
@@ -133,8 +129,6 @@ pub(super) fn start(
         gpu,
         hub,
         overrides: ParameterOverrides::default(),
-        unwritten_number: None,
-        unwritten_parameter: None,
         inspected: None,
         picked: None,
         handle: Handle::default(),

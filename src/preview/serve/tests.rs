@@ -280,8 +280,14 @@ fn who_leaves_in_a_drag_is_told_apart() {
         (vec![drag.to_owned(), dropped], left(&|_| {})),
         (vec![number(false)], left(&|l| l.number = true)),
         (vec![number(false), number(true)], left(&|_| {})),
-        (vec![material], left(&|l| l.material = true)),
-        (vec![parameter], left(&|l| l.parameter = true)),
+        (
+            vec![material],
+            left(&|l| l.material = Some("roughness".to_owned())),
+        ),
+        (
+            vec![parameter],
+            left(&|l| l.parameter = Some("height".to_owned())),
+        ),
     ] {
         let viewers = Viewers::new();
         let (mut client, ends) = viewers.join();
