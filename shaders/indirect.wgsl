@@ -22,11 +22,18 @@ fn gathered(pixel: vec2u) -> vec4f {
     start_path(s.position, false);
     start_samples(pixel, FIRST_VERTEX);
     let view = Reflected(view_direction(s.position), vec3f(1.0), 0.0, 1.0, 1.0, s.normal);
-    let light = followed(pixel, FIRST_VERTEX + 1u, 0u, scattered_by_surface(view, s), pixel_cone(distance_m));
-    if (!SMOOTHED) { return vec4f(light, 1.0); }
+    var start = scattered_by_surface(view, s);
     let albedo = scattering_albedo(s, -view.direction);
-    if (all(albedo < vec3f(1e-4))) { return vec4f(0.0); }
-    let arrived = select(light / max(albedo, vec3f(1e-4)), vec3f(-1.0), albedo < vec3f(1e-4));
+    if (SMOOTHED) {
+        let brightest = max(albedo.x, max(albedo.y, albedo.z));
+        if (brightest < 1e-4) { return vec4f(0.0); }
+        // The path ends no sooner where the surface is dark.
+        path_share = brightest;
+        start.ray.weight /= brightest;
+    }
+    let light = followed(pixel, FIRST_VERTEX + 1u, 0u, start, pixel_cone(distance_m));
+    if (!SMOOTHED) { return vec4f(light, 1.0); }
+    let arrived = select(vec3f(-1.0), light * path_share / max(albedo, vec3f(1e-4)), albedo >= vec3f(1e-4));
     return vec4f(arrived, clamp(pixel_width(distance_m) / first_m, 1e-3, 1.0));
 }
 

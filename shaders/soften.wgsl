@@ -17,12 +17,16 @@ struct Params {
 @group(2) @binding(4) var softened: RadianceTexture;
 @group(2) @binding(5) var<uniform> params: Params;
 
-// Mean of w around a pixel: harmonic mean of distances.
-fn mean_nearness(pixel: vec2i, own: f32) -> f32 {
-    var sum = own;
-    var count = 1.0;
-    for (var k = 0; k < 9; k++) {
-        let near = pixel + vec2i(k % 3 - 1, k / 3 - 1) * 2;
+const MOST_BETWEEN: i32 = 8; // pixels looked at between a pixel and a tap
+
+// Mean of w over the pixels around: harmonic mean of distances; 0 without any. The pixel's own ray is left out: where it
+// met something bright, that would make the share of its light depend on it.
+fn mean_nearness(pixel: vec2i) -> f32 {
+    var sum = 0.0;
+    var count = 0.0;
+    for (var k = 0; k < 25; k++) {
+        if (k == 12) { continue; }
+        let near = pixel + vec2i(k % 5 - 2, k / 5 - 2) * 3;
         if (!inside(near)) { continue; }
         let at = pixel_of_moment(near);
         if (!inside(at)) { continue; }
@@ -30,7 +34,20 @@ fn mean_nearness(pixel: vec2i, own: f32) -> f32 {
         sum += nearness;
         count += select(0.0, 1.0, nearness > 0.0);
     }
-    return sum / count;
+    return sum / max(count, 1.0);
+}
+
+// Whether something stands on the plane of the surface between a pixel and another, such as a wall between two floors.
+fn is_apart(pixel: vec2i, near: vec2i, s: Surface, normal: vec3f, tolerance_m: f32) -> bool {
+    let way = near - pixel;
+    let steps = min(max(abs(way.x), abs(way.y)), MOST_BETWEEN);
+    for (var j = 1; j < steps; j++) {
+        let between = pixel_of_moment(pixel + way * j / steps);
+        if (!inside(between)) { continue; }
+        let position = position_at(vec2u(between), textureLoad(view_depth, between, 0).x);
+        if (dot(position - s.position, normal) > tolerance_m) { return true; }
+    }
+    return false;
 }
 
 // Light of a pixel and its weight, in each color and in w.
@@ -46,9 +63,12 @@ fn weighted(light: vec4f, weight: f32) -> Weighted {
 
 fn softened_light(pixel: vec2u, s: Surface, own: vec4f) -> vec4f {
     let footprint_m = pixel_width(distance(s.position, frame.eye));
-    let nearness = mean_nearness(vec2i(pixel), own.w);
+    let nearness = mean_nearness(vec2i(pixel));
+    if (nearness <= 0.0) { return own; }
     let reach_px = min(params.reach / nearness, params.widest * frame.size.y);
     if (reach_px < 0.5) { return own; }
+    let reach_m = max(reach_px, 1.0) * footprint_m;
+    let tolerance_m = (0.1 * reach_px + 0.5) * footprint_m;
     let normal = unpack_geometric_normal(textureLoad(surface, pixel, 0));
     let turn = turn_of(pixel);
     var sum = weighted(own, 1.0);
@@ -61,10 +81,13 @@ fn softened_light(pixel: vec2u, s: Surface, own: vec4f) -> vec4f {
         let found = textureLoad(source, at, 0);
         if (found.w <= 0.0) { continue; }
         let other = unpack_geometric_normal(textureLoad(surface, at, 0));
-        let away_m = dot(position_at(vec2u(at), textureLoad(view_depth, at, 0).x) - s.position, normal);
+        let offset_m = position_at(vec2u(at), textureLoad(view_depth, at, 0).x) - s.position;
         let tilt = 1.0 - dot(normal, other);
-        var weight = exp(-2.0 * r * r - 20.0 * tilt);
-        weight *= select(1.0, 0.0, abs(away_m) > (0.1 * reach_px + 0.5) * footprint_m);
+        // A disk on the screen reaches far over a surface that is seen at a grazing angle.
+        let away = max(r * r, dot(offset_m, offset_m) / (reach_m * reach_m));
+        let weight = exp(-2.0 * away - 20.0 * tilt);
+        if (weight < 1e-3 || abs(dot(offset_m, normal)) > tolerance_m) { continue; }
+        if (is_apart(vec2i(pixel), near, s, normal, tolerance_m)) { continue; }
         let part = weighted(found, weight);
         sum.light += part.light;
         sum.weight += part.weight;

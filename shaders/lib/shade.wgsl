@@ -224,10 +224,13 @@ fn smooth_position(s: Surface) -> vec3f {
     return s.position + s.geometric_normal * s.lift_m;
 }
 
-// Light that a path adds at one of its hits, limited from the second hit on.
+// Share of a path's light that its pixel gets, where the path carries it undivided.
+var<private> path_share: f32 = 1.0;
+
+// Light that a path adds at one of its hits; what the pixel gets of it is limited from the second hit on.
 fn found_light(light: vec3f, hit: u32) -> vec3f {
     if (hit == 0u) { return light; }
-    return limited(light);
+    return limited(light * path_share) / path_share;
 }
 
 // Light of a surface that a ray meets, as far as the surface before keeps it.
