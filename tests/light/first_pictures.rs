@@ -142,3 +142,70 @@ fn light_between_surfaces_is_smooth_in_first_pictures() {
     assert!((kept - 1.0).abs() < 0.03, "{kept}");
     assert!(red_of_cyan < 0.01, "{red_of_cyan}");
 }
+
+/// A thin wall between a floor that light from a roof reaches and one that no light reaches, seen from above.
+const WALL: &str = r#"
+version = 1
+[camera.main]
+eye = [2.5, 6, 0.01]
+target = [0, 0, 0]
+fov_deg = 40
+[image]
+size = [64, 36]
+tone_map = "none"
+[environment]
+zenith = [0, 0, 0]
+horizon = [0, 0, 0]
+ground = [0, 0, 0]
+[reflection]
+method = "rt"
+diffuse_bounces = 2
+[light.up]
+kind = "spot"
+position = [-1.2, 0.1, 0]
+direction = [0, 1, 0]
+outer_deg = 60
+intensity_cd = 20
+shadow = "ray"
+[material.wall]
+base_color = [0.8, 0.8, 0.8]
+reflectivity = 0
+double_sided = true
+[model.floor]
+shape = { kind = "box", size = [6, 0.1, 4] }
+material = "wall"
+[model.thin]
+shape = { kind = "box", size = [0.03, 1, 4] }
+material = "wall"
+[model.roof]
+shape = { kind = "box", size = [0.8, 0.02, 4] }
+material = "wall"
+[[instance]]
+model = "floor"
+translation = [0, -0.05, 0]
+[[instance]]
+model = "thin"
+translation = [0, 0.5, 0]
+[[instance]]
+model = "thin"
+translation = [-2, 0.5, 0]
+[[instance]]
+model = "roof"
+translation = [-1.2, 0.9, 0]
+"#;
+
+/// Floors on both sides of a wall are one plane, and their light stays apart.
+#[test]
+fn smoothed_light_stays_on_its_side_of_a_wall() {
+    let Some(gpu) = gpu() else { return };
+    let of = |samples: &str| render(gpu, WALL, &[samples], &[]);
+    let (first, converged) = (of("image.samples=1"), of("image.samples=64"));
+    let is_dark = |x: u32, y: u32| color(&converged, x, y)[1] == 0.0;
+    // One sample shows edges elsewhere.
+    let around = |x: u32, y: u32| (y - 1..=y + 1).all(|y| (x - 1..=x + 1).all(|x| is_dark(x, y)));
+    let pixels = (1..35).flat_map(|y| (1..63).map(move |x| (x, y)));
+    let dark: Vec<_> = pixels.filter(|&(x, y)| around(x, y)).collect();
+    assert!(dark.len() > 1000, "{}", dark.len());
+    let leaked: f32 = dark.iter().map(|&(x, y)| color(&first, x, y)[1]).sum();
+    assert!(leaked < 0.05, "{leaked}");
+}
