@@ -22,7 +22,7 @@
 //! | `src/python` | `reflet-python` | the module of Python: a thin user of the runtime's sessions, and of [`app`] for files |
 //! | `src/preview` | [`reflet_preview`] | a scene that follows its files ([`reflet_preview::watch`], [`reflet_preview::live`]), and the window |
 //! | `src/bench` | [`reflet_bench`] | picture × picture → error ([`bench::metric`], pure); [`bench::run`] renders and measures; reports are drawn from the table of samples |
-//! | `src/render` | [`reflet_render`] | the library. [`runtime`]: one scene from its text to its pictures, opened, changed and posed in keyed stages, and the only code that builds a `Renderer`: `render` and the preview are thin users of its sessions, `bench` and `calibrate` of its renderer stage. `render/passes/mod.rs` lists the passes in their order: read it first; `reflet info --frame` prints those of a scene; [`render::plan`] lists the features and passes that a scene needs, [`render::targets`] the one table of intermediate textures, [`render::types`] every struct shared with the shaders |
+//! | `src/render` | [`reflet_render`] | the library. [`runtime`]: one scene from its text to its pictures, opened, changed and posed in keyed stages, and the only code that builds a `Renderer`: `render` and the preview are thin users of its sessions, `bench` and `calibrate` of its renderer stage. `render/passes/mod.rs` lists the passes in their order: read it first; `reflet info --frame` prints those of a scene; [`render::plan`] lists the features and passes that a scene needs, [`render::pipeline::targets`] the one table of intermediate textures, [`render::layout::types`] every struct shared with the shaders |
 //! | `src/gpu` | [`reflet_gpu`] | thin layer over wgpu: device, shaders, bindings by name, timings, readback; independent of scenes |
 //! | `src/world` | [`reflet_world`] | SceneDesc → CPU data: glTF, images, shapes, trees and the CPU oracle; no wgpu |
 //! | `src/scene` | [`reflet_scene`] | the scene format, its default values and its manual; [`scene::stages`] from text to a scene at a frame: [`scene::syntax`] is the tree of a text, parsed once for all who ask, [`scene::parse`] merges and reads trees and runs no program, [`scene::script`] is the sandbox, [`scene::motion`] evaluates animation tracks; loads no assets |
@@ -56,7 +56,7 @@
 //!    finds light between matte surfaces (`diffuse_bounces`), which **soften** smooths below 16 sub-frames.
 //! 5. **Peel** rasterizes the second depth layer, where `reflection.layers` asks for it. **Pyramid** keeps the nearest depth of ever larger cells of pixels.
 //! 6. **SSR** walks the listed pixels' mirror rays through the pyramid, cell by cell, and decides what
-//!    each ray hits ([`render::cause::Cause`]): `accept_verified` in `shaders/ssr.wgsl` accepts a triangle
+//!    each ray hits ([`render::pipeline::cause::Cause`]): `accept_verified` in `shaders/ssr.wgsl` accepts a triangle
 //!    or plane that the ray is shown to meet, `accept_by_threshold` a crossing by the paper's rule. Hits are
 //!    listed, and so are the rays to trace, with the distance proven free where the ray left the
 //!    picture. **Arguments** sizes the dispatches over lists.
@@ -64,7 +64,7 @@
 //! 8. With `reflection.rate` above 1 **lead** traces one of several rays, and **spread** gives those between them what
 //!    they hit, where they agree. **Trace** follows the listed rays through the static tree and the top level over instances,
 //!    bounce by bounce. With `reflection.trace = "query"` the device's ray queries find candidates in the structures of
-//!    [`render::structures`], for these and all other rays; our own tests choose among them.
+//!    [`render::upload::structures`], for these and all other rays; our own tests choose among them.
 //! 9. **Filter** (rough reflections, below 16 sub-frames), **blur** (if asked for), **compose** (only the
 //!    mirror term is replaced, and transmitted light is added), **guides** (where a picture is denoised), **tone**.
 //!
@@ -78,7 +78,7 @@
 //! Glass, blended alpha and clear coats are layers of a surface (`shaders/lib/layers_followed.wgsl`): at the surface
 //! of a pixel both the reflection and the transmission are followed; at later hits one layer is chosen with a
 //! probability in proportion to the light that it returns.
-//! [`render::shader_variant`] keeps that code out of shaders whose scene needs none of it.
+//! [`render::pipeline::shader_variant`] keeps that code out of shaders whose scene needs none of it.
 //!
 //! Method `rt` lists every reflective pixel as a ray and has no passes 5 to 7; `ssr` is `hybrid` with
 //! the paper's threshold and without the tracing. A frame depends on nothing but its scene, its
@@ -106,7 +106,7 @@
 //!
 //! - Every pipeline stays inside `wgpu::Limits::default()` but for buffer and texture sizes, which
 //!   are checked by name, and for the number of storage buffers where geometry exceeds one
-//!   (`render/chunks.rs`). `tests/shaders` asserts it by reflection.
+//!   (`render/buffers/chunks.rs`). `tests/shaders` asserts it by reflection.
 //! - Shaders follow a world's indices unchecked in the tracing module, so [`render::check_world`] checks
 //!   them before an upload, and every later call that the world is the uploaded one, posed anew.
 //! - Every ray has one budget of nodes that it may visit (`shaders/lib/bvh.wgsl`); one that needs more is a

@@ -5,7 +5,7 @@ use std::{env, error::Error};
 
 use reflet_render::{
     PlaneData,
-    cause::Source,
+    pipeline::cause::Source,
     runtime::{Session, SessionOptions},
 };
 

@@ -1,5 +1,5 @@
 // The scene's meshes with one binding per array. Where an array exceeds the device's binding size,
-// src/render/chunks.rs generates the same functions over several bindings.
+// src/render/buffers/chunks.rs generates the same functions over several bindings.
 
 @group(1) @binding(3) var<storage, read> vertices: array<Vertex>;
 @group(1) @binding(4) var<storage, read> mesh_data: array<u32>;

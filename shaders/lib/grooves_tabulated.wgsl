@@ -1,4 +1,4 @@
-// Albedo of anisotropic lobes, by view angle, roughness and anisotropy, tabulated in src/render/groove_table.rs.
+// Albedo of anisotropic lobes, by view angle, roughness and anisotropy, tabulated in src/render/lighting/groove_table.rs.
 
 #import lobe
 

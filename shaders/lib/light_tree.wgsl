@@ -1,6 +1,6 @@
 // Light tree: chooses an emissive triangle or a lamp for a surface, and gives the probability of one, by the nodes and the formulas
 // of src/world/light_tree.rs. The including shader declares:
-//   light_words(i: u32) -> vec4u   texels of src/render/emitters.rs: words of instances, the index of each one's placed
+//   light_words(i: u32) -> vec4u   texels of src/render/upload/emitters.rs: words of instances, the index of each one's placed
 //                                  light; placed lights; nodes; words of triangles, the node of each
 //   sampling.light_tree                where these begin
 

@@ -1,5 +1,5 @@
 // Albedo of rough lobes under uniform light, and the mean direction that it comes from: integrals by view angle and
-// roughness, tabulated in src/render/lobe_table.rs.
+// roughness, tabulated in src/render/lighting/lobe_table.rs.
 
 #import frame
 #import grooves

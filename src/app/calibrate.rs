@@ -17,13 +17,11 @@ use crate::{
     gpu::{Gpu, ShaderLibrary},
     render::{
         RenderOptions,
-        brought_light::RayCount,
-        cost::Workload,
-        decide::workload,
-        pass::Pass,
+        decide::{brought_light::RayCount, cost::Workload, workload},
         passes::{arguments, hits, light, primary, pyramid, shadow, ssr, trace, visibility},
-        stats::FrameStats,
-        unit_costs::UnitCosts,
+        pipeline::pass::Pass,
+        renderer::stats::FrameStats,
+        settings::unit_costs::UnitCosts,
     },
     runtime::{
         renderer_stage::RendererStage,

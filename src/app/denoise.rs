@@ -15,8 +15,8 @@ use libloading::Library;
 use super::error::AppError;
 use crate::render::{
     Picture, Plane, PlaneData,
-    aov::Aov,
-    cutoff::{MIRROR_REFLECTANCE, SHARP_ROUGHNESS},
+    picture::aov::Aov,
+    settings::cutoff::{MIRROR_REFLECTANCE, SHARP_ROUGHNESS},
 };
 use reproject::Surfaces;
 

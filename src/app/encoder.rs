@@ -20,7 +20,7 @@ use super::{
 };
 use crate::{
     gpu::Gpu,
-    render::{Crop, PendingPicture, stats::FrameStats},
+    render::{Crop, PendingPicture, renderer::stats::FrameStats},
 };
 
 /// Queue length between renderer and encoders; absorbs short stalls of either.

@@ -26,12 +26,11 @@ use crate::{
     gpu::adapter::AdapterSummary,
     render::{
         RenderOptions,
-        cutoff::can_reflect,
-        decide::{Decision, decide, needs_trees},
+        buffers::textures::Layers,
+        decide::{Decision, decide, needs_trees, skip::Skipping},
+        layout::types::GpuVertex,
         plan::{Dropped, Plan},
-        skip::Skipping,
-        textures::Layers,
-        types::GpuVertex,
+        settings::cutoff::can_reflect,
     },
     runtime::{
         ViewOverrides,

@@ -11,7 +11,7 @@ mod unused;
 mod view;
 
 use crate::{
-    render::{RenderOptions, plan::traces_rays, world_key::WorldKey},
+    render::{RenderOptions, plan::traces_rays, upload::world_key::WorldKey},
     scene::{
         diagnostic::{Diagnostic, Span},
         script::lint::lint_scripts,

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::error::AppError;
-use crate::{files::read_text, gpu::Gpu, render::unit_costs::UnitCosts};
+use crate::{files::read_text, gpu::Gpu, render::settings::unit_costs::UnitCosts};
 
 /// Maximum size of a plan file, bytes.
 const MAX_BYTES: u64 = 1 << 16;

@@ -16,7 +16,7 @@ use super::{
 };
 use crate::{
     files::sweep,
-    render::aov::Aov,
+    render::picture::aov::Aov,
     runtime::scene_text::LoadedScene,
     scene::{dependencies::Dependencies, desc::Method, diagnostic::print_diagnostics},
     world::World,

@@ -14,8 +14,8 @@ use super::{
 use crate::{
     gpu::ShaderLibrary,
     render::{
-        Crop, ErrorEstimate, PendingPicture, PictureRequest, RenderError, aov::Aov,
-        stats::FrameStats, view::View,
+        Crop, ErrorEstimate, PendingPicture, PictureRequest, RenderError, picture::aov::Aov,
+        renderer::stats::FrameStats, settings::view::View,
     },
     runtime::{SceneSource, Session, ViewOverrides, scene_text::LoadedScene},
     scene::desc::Samples,

@@ -26,7 +26,7 @@ use super::{
 use crate::{
     files::{Inputs, folder_of, sweep},
     gpu::GpuError,
-    render::{PendingPicture, RenderError, aov::Aov},
+    render::{PendingPicture, RenderError, picture::aov::Aov},
     scene::{desc::TimelineDesc, diagnostic::print_diagnostics, stages::Animator},
 };
 

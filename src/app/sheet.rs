@@ -24,7 +24,7 @@ use super::{
 use crate::{
     files::write_whole,
     gpu::ShaderLibrary,
-    render::png_file,
+    render::picture::png_file,
     runtime::scene_text::{LoadedScene, SceneText},
 };
 

@@ -19,9 +19,9 @@ use crate::{
     memory::peak_resident_bytes,
     render::{
         decide::Decision,
-        instrument::PassCounts,
         passes::audit,
-        stats::{FrameStats, Share},
+        pipeline::instrument::PassCounts,
+        renderer::stats::{FrameStats, Share},
     },
 };
 
@@ -262,7 +262,7 @@ pub fn mebibytes(bytes: u64) -> String {
 mod tests {
     use super::*;
     use crate::{
-        render::{instrument::Counts, stats::Shares},
+        render::{pipeline::instrument::Counts, renderer::stats::Shares},
         scene::desc::Method,
     };
 

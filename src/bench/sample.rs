@@ -4,9 +4,11 @@ use std::any::Any;
 
 use super::csv::{self, CsvError, Table};
 use reflet_render::{
-    cause::Cause,
-    pass::{Pass, PassGroup},
     passes,
+    pipeline::{
+        cause::Cause,
+        pass::{Pass, PassGroup},
+    },
 };
 
 mod cell;

@@ -18,9 +18,9 @@ use super::{
 use reflet_render as render;
 use reflet_render::{
     Plane, PlaneData,
-    aov::Aov,
-    cause::Cause,
     passes::audit::{TOLERANCE_RELATIVE, TOLERANCE_U},
+    picture::aov::Aov,
+    pipeline::cause::Cause,
 };
 
 /// Planes (per-pixel outputs of the renderer) that scoring reads.

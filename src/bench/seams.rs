@@ -9,11 +9,13 @@ use super::{
 use reflet_render as render;
 use reflet_render::{
     PlaneData,
-    aov::Aov,
-    cause::{Cause, Source},
-    probe_boxes::probe_boxes,
-    probe_choice::{MOST_BLENDED, ProbeChoice},
-    view,
+    maps::{
+        probe_boxes::probe_boxes,
+        probe_choice::{MOST_BLENDED, ProbeChoice},
+    },
+    picture::aov::Aov,
+    pipeline::cause::{Cause, Source},
+    settings::view,
 };
 use reflet_scene::desc::{CameraDesc, ReflectionDesc, SelectBy};
 use reflet_world::World;

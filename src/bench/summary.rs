@@ -1,6 +1,6 @@
 //! Samples → points: medians and spreads of repeated frames, grouped by what may share a chart.
 
-use reflet_render::pass::Pass;
+use reflet_render::pipeline::pass::Pass;
 
 use super::{
     metric::{percentile, table},

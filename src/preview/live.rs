@@ -16,12 +16,12 @@ use super::{
 use reflet_gpu::ShaderError;
 use reflet_render::{
     RebuildSummary, RenderError, Renderer,
+    renderer::stats::FrameStats,
     runtime::{
         Session, SessionError,
         model_viewer_scene::is_model,
         parameters::{DeclaredParameters, ParameterOverrides},
     },
-    stats::FrameStats,
 };
 use reflet_scene::{
     dependencies::Dependencies,

@@ -20,7 +20,7 @@ use tungstenite::{
 
 use crate::{live::SceneSource, viewer::picture_filter::PictureFilter};
 use reflet_gpu::Gpu;
-use reflet_render::{runtime::SessionError, unit_costs::UnitCosts};
+use reflet_render::{runtime::SessionError, settings::unit_costs::UnitCosts};
 use reflet_scene::desc::Method;
 
 mod actions;

@@ -11,7 +11,7 @@ use crate::viewer::picture_filter::PictureFilter;
 use reflet_gpu::Gpu;
 use reflet_render::{
     runtime::{SceneSource, SessionError},
-    unit_costs::UnitCosts,
+    settings::unit_costs::UnitCosts,
 };
 use reflet_scene::desc::Method;
 

@@ -34,8 +34,8 @@ mod _reflet {
     use super::session::Session;
     use super::{Bound, PyModule, PyModuleMethods as _, PyResult};
     use reflet::render::{
-        aov::Aov,
-        cause::{Cause, Source},
+        picture::aov::Aov,
+        pipeline::cause::{Cause, Source},
     };
 
     #[pymodule_init]

@@ -24,7 +24,10 @@ use reflet::{
         sequence::create_last_folder,
     },
     files::Inputs,
-    render::{Picture as Pixels, PlaneData, aov::Aov, png_file},
+    render::{
+        Picture as Pixels, PlaneData,
+        picture::{aov::Aov, png_file},
+    },
 };
 
 /// A finished picture with its AOVs, `picture["depth"]`. It shows itself in notebooks.

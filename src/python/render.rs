@@ -11,7 +11,7 @@ use reflet::{
         stats::{Report, ReportContext},
     },
     files::Inputs,
-    render::{Crop, Picture, PictureRequest, aov::Aov},
+    render::{Crop, Picture, PictureRequest, picture::aov::Aov},
     runtime::{Session, ViewOverrides},
     scene::desc::Samples,
 };

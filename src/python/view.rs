@@ -14,7 +14,7 @@ use crate::{
 };
 use reflet::{
     app::{args::MethodArg, size_arg::parse_size},
-    render::{Crop, aov::Aov},
+    render::{Crop, picture::aov::Aov},
     runtime::ViewOverrides,
     scene::desc::Method,
 };

@@ -1,115 +1,46 @@
 //! Renderer: the frame, its passes and its statistics; and [`runtime`], the sessions that programs render scenes with.
 //!
-//! This crate owns the passes ([`passes`] in their order), what a scene needs of them ([`plan`]), settings left to `auto`
-//! ([`decide`]), the arrays and textures on the device, AOVs, and the keyed stages from a scene's text to its picture
-//! ([`runtime::Session`]). It prints nothing and writes no file; `docs/examples/render_to_pixels.rs` is a program.
+//! Its folders, each of which uses only folders above it:
+//!
+//! | folder | contents |
+//! |---|---|
+//! | [`layout`] | structs shared with the shaders, and how values are packed into them |
+//! | [`settings`] | options of a frame, its view, precision, origin and unit of coordinates |
+//! | [`lighting`] | lights for the shaders, tables of a lobe's albedo |
+//! | [`buffers`] | arrays, textures and uniforms on the device, whatever they hold |
+//! | [`plan`] | features and passes that a scene needs |
+//! | [`decide`] | settings left to `auto`, chosen from rays that the CPU follows |
+//! | [`upload`] | a world on the device |
+//! | [`maps`] | maps that are drawn before a frame and kept: shadows, probes |
+//! | [`pipeline`] | mechanism of passes: declaration, targets, lists, bindings, shader variants, recording |
+//! | [`passes`] | the passes in their order |
+//! | [`renderer`] | a world that is rendered, changed and posed; statistics and error of its frames |
+//! | [`picture`] | pictures and AOVs that are read back, tone mapped or encoded as PNG |
+//! | [`runtime`] | keyed stages from a scene's text to its picture ([`runtime::Session`]) |
+//!
+//! It prints nothing and writes no file; `docs/examples/render_to_pixels.rs` is a program.
 
-pub mod aov;
-pub mod aov_view;
-mod bindings;
-pub mod box_faces;
-pub mod brought_light;
-mod capture_times;
-mod captured;
-pub mod cause;
-pub mod change;
-pub mod chunked_array;
-pub mod chunks;
-pub mod constants;
-pub mod cost;
-mod cull;
-pub mod cutoff;
-pub mod debug_readback;
-mod decals;
+pub mod buffers;
 pub mod decide;
-mod download;
-mod draw;
-mod draw_calls;
-mod draw_shape;
-mod edge_on;
-pub mod emitters;
 pub mod error;
-mod error_estimate;
-pub mod far_maps;
-mod fog;
-mod frame;
-mod frame_pass;
-mod frame_uniforms;
-mod geometry;
-mod gpu_decal;
-mod gpu_material;
-mod gpu_patterned;
-pub mod gpu_struct;
-mod groove_table;
-mod instance_records;
-pub mod instrument;
-mod light_group;
-pub mod lights;
-mod lobe_table;
-pub mod map_keys;
-pub mod map_size;
-pub mod measure;
-mod mesh_array;
-pub mod options;
-mod panorama;
-pub mod pass;
-mod pass_builder;
+pub mod layout;
+pub mod lighting;
+pub mod maps;
 pub mod passes;
 pub mod picture;
-pub mod pixel_share;
+pub mod pipeline;
 pub mod plan;
-pub mod png_file;
-pub mod precision;
-pub mod probe_boxes;
-pub mod probe_choice;
-pub mod probe_key;
-mod probe_light;
-pub mod probe_maps;
-pub mod ray_list;
-mod read_targets;
-pub mod rebuild_summary;
-mod recorder;
-mod records;
-mod relative;
 pub mod renderer;
-mod resources;
 pub mod runtime;
-mod scene;
-pub mod shader_variant;
-mod shaders;
-mod shadow_maps;
-pub mod shadow_texels;
-pub mod shared_data;
-mod shared_groups;
-mod sheen_table;
-mod shown_light;
-pub mod shutter;
-pub mod skip;
-pub mod stats;
-pub mod structures;
-mod sub_frame;
-pub mod targets;
-mod texel_array;
-pub mod textures;
-pub mod tone_map;
-pub mod trace_choice;
-mod tree_array;
-pub mod types;
-pub mod unit_costs;
-mod unit_vector;
-pub mod validate;
-pub mod view;
-pub mod view_estimate;
-pub mod view_rays;
-pub mod view_sample;
-pub mod world_key;
+pub mod settings;
+pub mod upload;
 
-pub use aov::{Plane, PlaneData};
-pub use change::Poses;
 pub use error::RenderError;
-pub use error_estimate::ErrorEstimate;
-pub use options::{Crop, Draft, RenderOptions};
+pub use picture::aov::{Plane, PlaneData};
 pub use picture::{PendingPicture, Picture, PictureRequest};
-pub use rebuild_summary::RebuildSummary;
 pub use renderer::Renderer;
-pub use validate::check_world;
+pub use renderer::change::Poses;
+pub use renderer::error_estimate::ErrorEstimate;
+pub use renderer::rebuild_summary::RebuildSummary;
+pub use settings::options::{Crop, Draft, RenderOptions};
+pub use upload::validate::check_world;

@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use reflet::{app::plan_file::PlanFile, render::unit_costs::UnitCosts};
+use reflet::{app::plan_file::PlanFile, render::settings::unit_costs::UnitCosts};
 
 use super::{exits, folder, names};
 use crate::common::gpu_or_skip;

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use reflet::{
     gpu::{Gpu, GpuError, GpuOptions, ShaderLibrary},
-    render::shader_variant::ShaderVariant,
+    render::pipeline::shader_variant::ShaderVariant,
 };
 
 /// The GPU, or `None` after printing `SKIPPED` without an adapter.

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use reflet::render::{aov::Aov, cause::Cause, cutoff::can_reflect};
+use reflet::render::{picture::aov::Aov, pipeline::cause::Cause, settings::cutoff::can_reflect};
 
 use super::kit::{assert_close, gpu, integers, mean, render, scene};
 

@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use reflet::render::aov::Aov;
+use reflet::render::picture::aov::Aov;
 
 use super::kit::{assert_color, color, floats, gpu, render, renderer, scene};
 

@@ -3,7 +3,9 @@
 use glam::Vec3;
 use reflet::{
     gpu::{Gpu, ShaderLibrary, readback::read_buffer},
-    render::{emitters::GpuEmitters, plan::Features, shader_variant::ShaderVariant},
+    render::{
+        pipeline::shader_variant::ShaderVariant, plan::Features, upload::emitters::GpuEmitters,
+    },
     scene::desc::{LightDesc, LightKind, ShadowMode},
     world::{
         Light, World,

@@ -6,7 +6,7 @@ use std::sync::{
 };
 
 use reflet::{
-    render::png_file,
+    render::picture::png_file,
     runtime::{Session, SessionOptions, scene_text::SceneOptions},
     scene::desc::CameraDesc,
 };

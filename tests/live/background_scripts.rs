@@ -10,7 +10,7 @@ use std::{
 use glam::Vec3;
 use reflet::{
     gpu::Gpu,
-    render::png_file,
+    render::picture::png_file,
     scene::desc::{CameraDesc, Method, ParamValue},
 };
 use reflet_preview::{

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use reflet::render::targets::Target;
+use reflet::render::pipeline::targets::Target;
 use reflet_preview::live::{Edit, InitialBuild, Live, SceneSource, ViewOverrides};
 
 use crate::{

@@ -166,7 +166,7 @@ pub fn first_camera(world: &World) -> CameraDesc {
 /// The display pixels of the first camera's view.
 pub fn picture(gpu: &Gpu, live: &mut Live) -> Vec<u8> {
     live.render(&first_camera).expect("renders");
-    let display = reflet::render::targets::Target::Display;
+    let display = reflet::render::pipeline::targets::Target::Display;
     live.renderer().read(gpu, display).expect("is read back")
 }
 

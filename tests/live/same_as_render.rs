@@ -5,8 +5,10 @@ use std::{fs, path::Path, sync::Arc};
 
 use reflet::{
     gpu::Gpu,
-    render::png_file,
-    render::{Draft, RenderOptions, targets::Target, unit_costs::UnitCosts},
+    render::{
+        Draft, RenderOptions, picture::png_file, pipeline::targets::Target,
+        settings::unit_costs::UnitCosts,
+    },
     runtime::{Session, SessionOptions, scene_text::SceneOptions},
     scene::desc::Method,
     world::World,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use reflet::{
     gpu::Gpu,
-    render::targets::Target,
+    render::pipeline::targets::Target,
     runtime::{Session, SessionOptions},
     scene::desc::MATERIAL,
     world::World,

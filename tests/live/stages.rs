@@ -4,7 +4,7 @@
 use std::{fs, path::Path, thread, time::Duration};
 
 use reflet::{
-    render::png_file,
+    render::picture::png_file,
     runtime::{Session, SessionError, SessionOptions, scene_text::SceneOptions},
 };
 use reflet_preview::{

@@ -5,8 +5,8 @@ use glam::{Affine3A, Quat, Vec3};
 use reflet::{
     render::{
         Picture,
-        aov::Aov,
-        cause::{Cause, Source},
+        picture::aov::Aov,
+        pipeline::cause::{Cause, Source},
     },
     scene::desc::LightKind,
     world::{Instance, World},
@@ -63,7 +63,7 @@ fn causes_and_sources_account_for_every_reflective_pixel() {
             &[Aov::Cause],
         );
         let shares = &picture.stats.shares;
-        let total = |list: &[reflet::render::stats::Share]| -> (u64, f64) {
+        let total = |list: &[reflet::render::renderer::stats::Share]| -> (u64, f64) {
             (
                 list.iter().map(|s| s.pixels).sum(),
                 list.iter().map(|s| s.percent).sum(),

@@ -3,10 +3,10 @@
 use reflet::{
     render::{
         Picture, RenderOptions, Renderer,
-        aov::Aov,
-        cause::Cause,
         passes::audit::{TOLERANCE_RELATIVE, TOLERANCE_U},
-        stats::Audit,
+        picture::aov::Aov,
+        pipeline::cause::Cause,
+        renderer::stats::Audit,
     },
     scene::desc::Method,
 };

@@ -3,9 +3,9 @@
 use reflet::{
     render::{
         Picture, Renderer,
-        aov::Aov,
-        cause::Cause,
         passes::{box_faces, needed_passes},
+        picture::aov::Aov,
+        pipeline::cause::Cause,
     },
     scene::desc::{Method, SceneDesc},
     world::World,

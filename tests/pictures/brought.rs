@@ -3,10 +3,8 @@
 use reflet::{
     render::{
         RenderOptions,
-        brought_light::BroughtRays,
-        cost::Pair,
-        decide::{decide, workload},
-        unit_costs::UnitCosts,
+        decide::{brought_light::BroughtRays, cost::Pair, decide, workload},
+        settings::unit_costs::UnitCosts,
     },
     world::bvh::Trees,
 };

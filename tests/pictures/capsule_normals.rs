@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3, Vec3A};
 use reflet::{
-    render::{Picture, aov::Aov},
+    render::{Picture, picture::aov::Aov},
     world::Mesh,
 };
 

@@ -4,7 +4,7 @@
 use glam::{Affine3A, Vec3};
 use reflet::{
     bench::metric::flip::flip_map,
-    render::{Picture, aov::Aov, cause::Source},
+    render::{Picture, picture::aov::Aov, pipeline::cause::Source},
     world::{Instance, Mesh, World},
 };
 

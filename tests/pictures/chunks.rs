@@ -6,8 +6,8 @@ use reflet::{
     gpu::Gpu,
     render::{
         Picture, RenderOptions, Renderer,
-        aov::Aov,
-        chunks::{Sizes, check_size},
+        buffers::chunks::{Sizes, check_size},
+        picture::aov::Aov,
     },
     scene::desc::{Method, SceneDesc, Visibility},
     world::World,

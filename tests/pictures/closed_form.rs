@@ -4,8 +4,8 @@ use std::f32::consts::PI;
 
 use reflet::render::{
     Picture,
-    aov::Aov,
-    cause::{Cause, Source},
+    picture::aov::Aov,
+    pipeline::cause::{Cause, Source},
 };
 
 use crate::kit::{assert_color, gpu, integers, render};

@@ -1,7 +1,7 @@
 //! Surfaces at the same place: rasterization and rays show the same one, the lower instance.
 
 use glam::Vec3;
-use reflet::{render::aov::Aov, world::Mesh};
+use reflet::{render::picture::aov::Aov, world::Mesh};
 
 use crate::kit::{gpu, integers, render, renderer, scene};
 

@@ -3,9 +3,11 @@
 use reflet::{
     render::{
         PlaneData, Renderer,
-        aov::Aov,
-        cause::Cause,
-        instrument::{Counts, PassCounts},
+        picture::aov::Aov,
+        pipeline::{
+            cause::Cause,
+            instrument::{Counts, PassCounts},
+        },
     },
     world::World,
 };

@@ -1,6 +1,6 @@
 //! Surfaces that the camera culls but rays hit.
 
-use reflet::render::aov::Aov;
+use reflet::render::picture::aov::Aov;
 
 use crate::kit::{gpu, integers, render};
 

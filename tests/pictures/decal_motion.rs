@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use reflet::{
-    render::aov::Aov,
+    render::picture::aov::Aov,
     scene::{
         script::Script,
         stages::{Animator, Scene},

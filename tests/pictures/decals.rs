@@ -6,7 +6,7 @@ use std::{
 };
 
 use reflet::{
-    render::{Picture, aov::Aov},
+    render::{Picture, picture::aov::Aov},
     world::Decals,
 };
 

@@ -4,9 +4,8 @@ use glam::DVec3;
 use reflet::{
     render::{
         RenderOptions, Renderer,
-        decide::{Decided, decide, needs_trees},
-        view::View,
-        view_sample::ViewSample,
+        decide::{Decided, decide, needs_trees, view_sample::ViewSample},
+        settings::view::View,
     },
     scene::desc::{Exposure, LightKind, Method, ShadowMode, Visibility},
     world::bvh::{Ray, Trees},

@@ -4,7 +4,7 @@
 use std::{path::Path, sync::Arc};
 
 use reflet::{
-    render::{Picture, aov::Aov},
+    render::{Picture, picture::aov::Aov},
     scene::{
         desc::{Method, SceneDesc, ShadowMode, Visibility},
         stages::{Animator, Scene},

@@ -1,6 +1,6 @@
 //! Edge cases: one pixel, very wide pictures, empty and unlit scenes.
 
-use reflet::render::aov::Aov;
+use reflet::render::picture::aov::Aov;
 
 use crate::kit::{assert_color, gpu, integers, render};
 

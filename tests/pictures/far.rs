@@ -1,6 +1,6 @@
 //! Scenes far from their origin.
 
-use reflet::render::aov::Aov;
+use reflet::render::picture::aov::Aov;
 
 use crate::kit::{gpu, integers, render};
 

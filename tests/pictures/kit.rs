@@ -4,7 +4,7 @@ use std::{path::Path, sync::OnceLock};
 
 use reflet::{
     gpu::Gpu,
-    render::{Picture, PlaneData, RenderOptions, Renderer, aov::Aov},
+    render::{Picture, PlaneData, RenderOptions, Renderer, picture::aov::Aov},
     scene::{
         desc::{Method, SceneDesc, Visibility},
         stages::Scene,

@@ -1,6 +1,6 @@
 //! Reuse of the picture's light visibility at hits.
 
-use reflet::{render::aov::Aov, world::World};
+use reflet::{render::picture::aov::Aov, world::World};
 
 use crate::kit::{gpu, render, renderer, scene, share_differing};
 

@@ -3,10 +3,10 @@
 use reflet::{
     render::{
         RenderOptions, Renderer,
-        aov::Aov,
-        cause::{Cause, Source},
         decide::{Decided, decide},
-        unit_costs::UnitCosts,
+        picture::aov::Aov,
+        pipeline::cause::{Cause, Source},
+        settings::unit_costs::UnitCosts,
     },
     scene::desc::Method,
     world::bvh::Trees,

@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 use reflet::{
-    render::{Picture, aov::Aov},
+    render::{Picture, picture::aov::Aov},
     scene::desc::SceneDesc,
     world::{Texture, TextureRef, World, Wrap},
 };

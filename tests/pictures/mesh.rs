@@ -2,7 +2,7 @@
 
 use glam::{Vec3, Vec4};
 use reflet::{
-    render::{Picture, aov::Aov},
+    render::{Picture, picture::aov::Aov},
     scene::desc::SceneDesc,
     world::World,
 };

@@ -5,9 +5,9 @@ use glam::Vec3;
 use reflet::{
     render::{
         Picture, Renderer,
-        aov::Aov,
-        cause::Cause,
         passes::{far, needed_passes},
+        picture::aov::Aov,
+        pipeline::cause::Cause,
     },
     scene::desc::Method,
     world::World,

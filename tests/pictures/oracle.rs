@@ -5,9 +5,9 @@
 use glam::{DVec2, DVec3};
 use reflet::{
     render::{
-        aov::Aov,
-        cause::Cause,
-        view::{View, jitter},
+        picture::aov::Aov,
+        pipeline::cause::Cause,
+        settings::view::{View, jitter},
     },
     scene::desc::SceneDesc,
     world::{

@@ -1,6 +1,6 @@
 //! Orthographic cameras: sizes in closed form, and views that must agree.
 
-use reflet::render::{Picture, aov::Aov, cause::Cause};
+use reflet::render::{Picture, picture::aov::Aov, pipeline::cause::Cause};
 
 use crate::kit::{floats, gpu, integers, render, share_differing};
 

@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use reflet::render::{Picture, aov::Aov};
+use reflet::render::{Picture, picture::aov::Aov};
 
 use crate::kit::{color, floats, gpu, mean, render, renderer, scene, share_differing};
 

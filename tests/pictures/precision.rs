@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use reflet::render::aov::Aov;
+use reflet::render::picture::aov::Aov;
 
 use crate::{
     closed_form::MIRROR,

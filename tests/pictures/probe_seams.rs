@@ -10,7 +10,10 @@ use reflet::{
         score::{self, Reference, View},
         seams::{self, Looked},
     },
-    render::{RenderOptions, probe_boxes::probe_boxes, probe_choice::ProbeChoice},
+    render::{
+        RenderOptions,
+        maps::{probe_boxes::probe_boxes, probe_choice::ProbeChoice},
+    },
     scene::desc::{Method, ReflectionDesc},
 };
 

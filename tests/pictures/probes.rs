@@ -5,9 +5,9 @@ use glam::Vec3;
 use reflet::{
     render::{
         Picture, RenderOptions, Renderer,
-        aov::Aov,
-        cause::Cause,
         passes::{capture, needed_passes, prefilter, probe},
+        picture::aov::Aov,
+        pipeline::cause::Cause,
     },
     scene::desc::{Lookup, Method, SceneDesc},
     world::World,

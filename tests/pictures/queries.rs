@@ -4,7 +4,7 @@ use std::{fs, path::Path, sync::OnceLock, thread, time::Duration};
 
 use reflet::{
     gpu::{Gpu, GpuOptions},
-    render::{Picture, RenderError, RenderOptions, Renderer, aov::Aov},
+    render::{Picture, RenderError, RenderOptions, Renderer, picture::aov::Aov},
     scene::desc::{Method, SceneDesc, Trace, Visibility},
     world::World,
 };

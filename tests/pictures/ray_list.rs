@@ -5,7 +5,7 @@ use reflet::{
     gpu::{Gpu, GroupLayout, Shader, readback},
     render::{
         RenderOptions, Renderer,
-        ray_list::{COUNTERS, List, RAY_COUNTER, TRANSMISSIVE_COUNTER},
+        pipeline::ray_list::{COUNTERS, List, RAY_COUNTER, TRANSMISSIVE_COUNTER},
     },
     scene::desc::Method,
 };

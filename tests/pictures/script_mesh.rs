@@ -4,7 +4,7 @@
 use std::{fs, path::PathBuf};
 
 use reflet::{
-    render::{Picture, aov::Aov},
+    render::{Picture, picture::aov::Aov},
     scene::{
         desc::{Method, Visibility},
         stages::{Animator, Scene},

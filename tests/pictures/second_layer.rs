@@ -1,7 +1,9 @@
 //! The second depth layer of the march: what it shows equals `rt`, and scenes without it are as before.
 
 use reflet::{
-    render::{Picture, RenderOptions, aov::Aov, cause::Cause, passes::needed_passes},
+    render::{
+        Picture, RenderOptions, passes::needed_passes, picture::aov::Aov, pipeline::cause::Cause,
+    },
     scene::desc::Method,
 };
 

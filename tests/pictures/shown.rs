@@ -1,7 +1,7 @@
 //! Visibility of objects per kind of ray: equal for rasterization and primary rays, for the march and traced
 //! rays, and for shadow maps and shadow rays.
 
-use reflet::render::aov::Aov;
+use reflet::render::picture::aov::Aov;
 
 use crate::kit::{color, floats, gpu, integers, mean, render};
 

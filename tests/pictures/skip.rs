@@ -6,9 +6,9 @@ use reflet::{
     gpu::Gpu,
     render::{
         Picture, RenderOptions, Renderer,
-        aov::Aov,
-        skip::{Kept, Skipping},
-        view::View,
+        decide::skip::{Kept, Skipping},
+        picture::aov::Aov,
+        settings::view::View,
     },
     scene::desc::SceneDesc,
     world::World,

@@ -8,7 +8,7 @@ use std::{
 };
 
 use reflet::{
-    render::{Renderer, aov::Aov},
+    render::{Renderer, picture::aov::Aov},
     scene::stages::{Animator, Scene},
     world::load::{self, LoadOptions},
 };

@@ -2,7 +2,7 @@
 //! triangles.
 
 use glam::Vec3;
-use reflet::render::aov::Aov;
+use reflet::render::picture::aov::Aov;
 
 use crate::kit::{color, floats, gpu, render};
 

@@ -1,7 +1,7 @@
 //! Undersampled rays: pixels that take over what the rays around them hit.
 
 use reflet::{
-    render::{Picture, aov::Aov, cause::Cause, passes::needed_passes},
+    render::{Picture, passes::needed_passes, picture::aov::Aov, pipeline::cause::Cause},
     scene::desc::Method,
 };
 

@@ -10,8 +10,13 @@ use reflet::gpu::{
     reflect::capabilities,
 };
 use reflet::render::{
-    RenderOptions, gpu_struct, pass::Pass, passes, plan::Features, shader_variant::ShaderVariant,
-    shared_data::SharedData, targets::Target, types,
+    RenderOptions,
+    layout::{gpu_struct, types},
+    passes,
+    pipeline::{
+        pass::Pass, shader_variant::ShaderVariant, shared_data::SharedData, targets::Target,
+    },
+    plan::Features,
 };
 
 mod fog;

@@ -13,7 +13,7 @@ use crate::{
     },
     bench::{run::Observer as _, summary::digits},
     gpu::{Gpu, ShaderLibrary},
-    render::{RenderOptions, decide::Decision, unit_costs::UnitCosts},
+    render::{RenderOptions, decide::Decision, settings::unit_costs::UnitCosts},
     runtime::{ViewOverrides, renderer_stage::RendererStage, scene_text::LoadedScene},
     scene::desc::{LightKind, Marched, Method, ShadowMode, Visibility},
     world::World,

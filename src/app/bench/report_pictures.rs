@@ -11,11 +11,11 @@ use crate::{
         score::View,
     },
     gpu::{Gpu, ShaderLibrary},
-    render::{Picture, aov::Aov},
+    render::{Picture, picture::aov::Aov},
     runtime::renderer_stage::RendererStage,
     scene::desc::{Accept, Method, ReflectionDesc},
 };
-use reflet_render::{aov_view, png_file::encode};
+use reflet_render::picture::{aov_view, png_file::encode};
 
 /// A picture of a setting.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -14,8 +14,8 @@ use crate::{
         summary::label,
     },
     render::{
-        instrument::Counts,
         passes::audit::{TOLERANCE_RELATIVE, TOLERANCE_U},
+        pipeline::instrument::Counts,
     },
     scene::desc::ReflectionDesc,
 };

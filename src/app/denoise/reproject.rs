@@ -9,8 +9,8 @@ use crate::{
     math::in_f64,
     render::{
         Plane, PlaneData,
-        aov::Aov,
-        view::{Projection, View},
+        picture::aov::Aov,
+        settings::view::{Projection, View},
     },
     world::{Mesh, Shared, World, deform::Deformed},
 };

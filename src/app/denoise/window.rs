@@ -236,7 +236,7 @@ fn mean_of(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::{Plane, PlaneData, aov::Aov};
+    use crate::render::{Plane, PlaneData, picture::aov::Aov};
 
     #[test]
     fn surroundings_are_those_of_the_same_instance() {

@@ -8,11 +8,11 @@ use super::trees_of;
 use crate::{
     app::{error::AppError, plan_file::PlanFile},
     render::{
+        buffers::textures::Layers,
         decide::decide,
         passes::{RecordedPass, recorded_passes},
         plan::{Dropped, Plan},
-        precision::Precision,
-        textures::Layers,
+        settings::precision::Precision,
     },
     runtime::{ViewOverrides, scene_text::LoadedScene},
 };

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::{
-    render::{RenderOptions, map_keys::MapKeys},
+    render::{RenderOptions, maps::map_keys::MapKeys},
     world::World,
 };
 

@@ -6,8 +6,8 @@ use crate::{
     app::error::AppError,
     render::{
         RenderOptions,
-        skip::{Kept, Skipping},
-        view::View,
+        decide::skip::{Kept, Skipping},
+        settings::view::View,
     },
     runtime::scene_text::LoadedScene,
 };

@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use crate::{
     gpu::{Gpu, GpuOptions},
-    render::{RenderOptions, map_keys::MapKeys, trace_choice::refused_trace},
+    render::{RenderOptions, decide::trace_choice::refused_trace, maps::map_keys::MapKeys},
     scene::{
         desc::Trace,
         diagnostic::{Diagnostic, Span},

@@ -1,7 +1,7 @@
 //! Probes that see little: inside of a closed shape, close before a surface, or where nothing is static.
 
 use crate::{
-    render::lights::CUBE_FACES,
+    render::lighting::lights::CUBE_FACES,
     scene::{
         desc::Method,
         diagnostic::{Diagnostic, Span},

@@ -3,9 +3,9 @@
 use crate::{
     render::{
         RenderOptions,
-        lights::{ShadowSizes, has_cube_map},
-        shadow_texels::{COARSE_PX, SeenSurfaces},
-        view::View,
+        decide::shadow_texels::{COARSE_PX, SeenSurfaces},
+        lighting::lights::{ShadowSizes, has_cube_map},
+        settings::view::View,
     },
     scene::{desc::ShadowMode, diagnostic::Diagnostic, stages::Scene},
     world::{MAX_LIGHTS, World, bvh::Trees},

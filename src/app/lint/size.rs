@@ -3,8 +3,8 @@
 use crate::{
     gpu::{Gpu, GpuOptions},
     render::{
-        chunks::{Sizes, check_size},
-        types::GpuVertex,
+        buffers::chunks::{Sizes, check_size},
+        layout::types::GpuVertex,
     },
     scene::diagnostic::{Diagnostic, Span},
     world::{

@@ -2,8 +2,8 @@
 
 use crate::{
     render::{
-        view::{Projection, View},
-        view_estimate::{Reach, ViewEstimate},
+        decide::view_estimate::{Reach, ViewEstimate},
+        settings::view::{Projection, View},
     },
     scene::{
         desc::{CameraDesc, Entry, Exposure},

@@ -9,7 +9,7 @@ use ::exr::prelude::{
 };
 use xxhash_rust::xxh3::Xxh3Default;
 
-use crate::render::png_file::FINGERPRINT_KEY;
+use crate::render::picture::png_file::FINGERPRINT_KEY;
 use crate::render::{Picture, Plane, PlaneData};
 
 /// Fingerprint of an EXR whose samples match their hash.

@@ -15,9 +15,11 @@ use crate::{
     files::{Inputs, write_together},
     render::{
         Picture,
-        aov::Aov,
-        aov_view,
-        png_file::{self, FINGERPRINT_KEY, PngText, SAMPLES_KEY},
+        picture::{
+            aov::Aov,
+            aov_view,
+            png_file::{self, FINGERPRINT_KEY, PngText, SAMPLES_KEY},
+        },
     },
 };
 

@@ -13,9 +13,8 @@ use crate::{
     files::{Inputs, Temporary},
     render::{
         Picture, Plane, PlaneData,
-        aov::Aov,
-        stats::{FrameStats, Shares},
-        tone_map::Tone,
+        picture::{aov::Aov, tone_map::Tone},
+        renderer::stats::{FrameStats, Shares},
     },
     scene::desc::Method,
 };

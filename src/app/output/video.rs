@@ -13,7 +13,7 @@ use super::{format::FilmFormat, writable::check_writable};
 use crate::{
     app::error::AppError,
     files::{Inputs, Temporary},
-    render::png_file::rgb,
+    render::picture::png_file::rgb,
 };
 
 /// Maximum length of ffmpeg's output in a message, bytes; its end is quoted.

@@ -2,7 +2,8 @@
 
 use super::mebibytes;
 use crate::render::{
-    box_faces::FacesStats, far_maps::FarStats, probe_maps::ProbeStats, stats::FrameStats,
+    maps::{box_faces::FacesStats, far_maps::FarStats, probe_maps::ProbeStats},
+    renderer::stats::FrameStats,
 };
 
 /// Maps that the frame captured or kept, by their label.

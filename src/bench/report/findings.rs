@@ -13,8 +13,8 @@ use crate::{
     },
 };
 use reflet_render::{
-    pass::PassGroup,
     passes::{self, trace},
+    pipeline::pass::PassGroup,
 };
 use reflet_scene::desc::Method;
 use verdict::{equal_error, equal_time, verdict};

@@ -16,8 +16,8 @@ use crate::{
     summary::{Metric, Point, digits, label},
 };
 use reflet_render::{
-    pass::Pass,
     passes::{self, trace},
+    pipeline::pass::Pass,
 };
 
 /// Name of the CPU's update of moved instances, which precedes the passes.

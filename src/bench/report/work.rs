@@ -7,7 +7,7 @@ use crate::{
     sample::{ACCEPTS, REFUSALS, Sample},
     summary::{Point, digits},
 };
-use reflet_render::cause::Cause;
+use reflet_render::pipeline::cause::Cause;
 
 /// HTML table with its heading and a paragraph; empty without rows.
 fn table(title: &str, text: &str, heads: &[&str], rows: &[Vec<String>]) -> String {

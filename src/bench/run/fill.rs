@@ -5,9 +5,9 @@ use crate::{
     sample::{BEHIND_COLUMN, Sample, pass_column},
 };
 use reflet_render::{
-    instrument::{Counts, PassCounts},
     passes,
-    stats::FrameStats,
+    pipeline::instrument::{Counts, PassCounts},
+    renderer::stats::FrameStats,
 };
 
 use super::judge::Judged;
@@ -142,7 +142,7 @@ pub(super) fn timed(mut sample: Sample, stats: &FrameStats, repetition: u32) -> 
 mod tests {
     use super::*;
     use crate::sample::detail_columns;
-    use reflet_render::stats::Shares;
+    use reflet_render::renderer::stats::Shares;
     use reflet_scene::desc::Method;
 
     #[test]

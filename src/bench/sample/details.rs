@@ -1,9 +1,8 @@
 //! Columns of samples that follow from lists of passes and causes.
 
 use reflet_render::{
-    cause::Cause,
-    instrument::Counts,
     passes::{self, counted_passes},
+    pipeline::{cause::Cause, instrument::Counts},
 };
 
 /// Causes whose refusals can be compared with a ray, because there is a crossing.

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use crate::sample::Sample;
-use reflet_render::{pass::PassGroup, passes::trace};
+use reflet_render::{passes::trace, pipeline::pass::PassGroup};
 
 /// Pairs of frames below which no two settings can be told apart by [`Pairs::order`].
 pub const MIN_PAIRS: usize = 6;

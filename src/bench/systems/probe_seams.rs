@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use reflet_render::probe_choice::MOST_BLENDED;
+use reflet_render::maps::probe_choice::MOST_BLENDED;
 use reflet_scene::desc::SelectBy;
 
 /// Steps along the seams of a scene.

@@ -36,7 +36,7 @@ use crate::{
 };
 use reflet_gpu::Gpu;
 use reflet_render::{
-    png_file,
+    picture::png_file,
     runtime::{SessionError, parameters::ParameterOverrides},
 };
 use reflet_scene::desc::CameraDesc;

@@ -16,7 +16,7 @@ use crate::{
     write_back::{Inspected, SceneItem, numbers_of},
 };
 use reflet_bench::parameter::method_name;
-use reflet_render::{aov::Aov, runtime::parameters::ParameterOverrides};
+use reflet_render::{picture::aov::Aov, runtime::parameters::ParameterOverrides};
 use reflet_scene::{
     desc::{MATERIAL, MaterialDesc, Method, ParamValue},
     number::{Field, Form},

@@ -10,7 +10,7 @@ use crate::{
 };
 use reflet_base::math::Bounds;
 use reflet_bench::metric::Scores;
-use reflet_render::{runtime::parameters::ParameterOverrides, stats::FrameStats};
+use reflet_render::{renderer::stats::FrameStats, runtime::parameters::ParameterOverrides};
 use reflet_scene::desc::{CameraDesc, Method};
 
 /// Contents of one side of the wipe.

@@ -7,7 +7,9 @@ use crate::{
     write_back::KeyTrack,
 };
 use reflet_base::{math::Bounds, unique_names::unique_names};
-use reflet_render::{debug_readback::shadow_faces, runtime::parameters::DeclaredParameters};
+use reflet_render::{
+    picture::debug_readback::shadow_faces, runtime::parameters::DeclaredParameters,
+};
 use reflet_scene::{
     desc::{CameraDesc, MaterialDesc, Method, TimelineDesc},
     diagnostic::Diagnostic,

@@ -1,6 +1,6 @@
 //! Channels of a frame that the preview can display.
 
-use reflet_render::aov::Aov;
+use reflet_render::picture::aov::Aov;
 
 /// Face positions in an unfolded cube map, in faces from the top left; neighbors share an edge.
 pub const CUBE_CROSS: [[u32; 2]; 6] = [[2, 1], [0, 1], [1, 0], [1, 2], [1, 1], [3, 1]];

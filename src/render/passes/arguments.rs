@@ -1,6 +1,6 @@
 //! Arguments: computes the workgroup counts of dispatches over lists.
 
-use crate::{
+use crate::pipeline::{
     frame_pass::FramePass,
     pass::{ComputePass, Dispatch, Pass, PassGroup},
     pass_builder::PassBuilder,

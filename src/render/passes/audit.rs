@@ -3,14 +3,16 @@
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use crate::{
-    frame_pass::FramePass,
-    gpu_struct::gpu_struct,
-    pass::{ComputePass, Dispatch, Pass, PassGroup},
-    pass_builder::PassBuilder,
-    ray_list::{AUDIT_RAYS, RAYS_PER_GROUP},
-    shared_data::SharedData,
-    sub_frame::SubFrame,
-    targets::Target,
+    layout::gpu_struct::gpu_struct,
+    pipeline::{
+        frame_pass::FramePass,
+        pass::{ComputePass, Dispatch, Pass, PassGroup},
+        pass_builder::PassBuilder,
+        ray_list::{AUDIT_RAYS, RAYS_PER_GROUP},
+        shared_data::SharedData,
+        sub_frame::SubFrame,
+        targets::Target,
+    },
 };
 use reflet_gpu::{Checks, GpuError};
 use reflet_scene::desc::Method;

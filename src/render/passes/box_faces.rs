@@ -1,7 +1,7 @@
 //! Box faces: captures what is static in the box of method `ssr+box`, as its faces see it. It runs before the first
 //! frame.
 
-use crate::{
+use crate::pipeline::{
     frame_pass::FramePass,
     pass::{ComputePass, Pass, PassGroup},
     pass_builder::PassBuilder,

@@ -2,15 +2,17 @@
 //! material has changed.
 
 use crate::{
-    frame_pass::FramePass,
-    gpu_struct::gpu_struct,
-    pass::{ComputePass, Pass, PassGroup},
-    pass_builder::PassBuilder,
+    layout::gpu_struct::gpu_struct,
+    pipeline::{
+        frame_pass::FramePass,
+        pass::{ComputePass, Pass, PassGroup},
+        pass_builder::PassBuilder,
+        resources::Resources,
+        shared_data::SharedData,
+        shared_groups::SharedGroups,
+        sub_frame::SubFrame,
+    },
     plan::Plan,
-    resources::Resources,
-    shared_data::SharedData,
-    shared_groups::SharedGroups,
-    sub_frame::SubFrame,
 };
 use reflet_gpu::{Checks, GpuError};
 

@@ -1,6 +1,6 @@
 //! Details: values of the visible surfaces that the G-buffer has no bits for.
 
-use crate::{
+use crate::pipeline::{
     frame_pass::FramePass,
     pass::{ComputePass, Pass, PassGroup},
     pass_builder::PassBuilder,

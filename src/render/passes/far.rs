@@ -1,7 +1,7 @@
 //! Far: captures what the camera sees behind the box of method `near-far`, in all directions. It runs before every
 //! sub-frame for which the camera or the scene has moved.
 
-use crate::{
+use crate::pipeline::{
     frame_pass::FramePass,
     pass::{ComputePass, Pass, PassGroup},
     pass_builder::PassBuilder,

@@ -1,6 +1,6 @@
 //! Fog: the light that fog between the camera and what pixels show scatters, and what passes it.
 
-use crate::{
+use crate::pipeline::{
     frame_pass::FramePass,
     pass::{ComputePass, Dispatch, Pass, PassGroup},
     pass_builder::PassBuilder,

@@ -1,12 +1,14 @@
 //! Guides: color and normal of the surfaces that pixels show, means over the sub-frames, for a denoiser.
 
 use crate::{
-    frame_pass::FramePass,
-    gpu_struct::gpu_struct,
-    pass::{ComputePass, Dispatch, Pass, PassGroup},
-    pass_builder::PassBuilder,
-    sub_frame::SubFrame,
-    targets::Target,
+    layout::gpu_struct::gpu_struct,
+    pipeline::{
+        frame_pass::FramePass,
+        pass::{ComputePass, Dispatch, Pass, PassGroup},
+        pass_builder::PassBuilder,
+        sub_frame::SubFrame,
+        targets::Target,
+    },
 };
 use reflet_gpu::{Checks, GpuError};
 

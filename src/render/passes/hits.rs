@@ -1,6 +1,6 @@
 //! Hits: shades the screen hits of the march, at the points where the rays meet the surfaces.
 
-use crate::{
+use crate::pipeline::{
     frame_pass::FramePass,
     pass::{ComputePass, Dispatch, Pass, PassGroup},
     pass_builder::PassBuilder,

@@ -1,6 +1,6 @@
 //! Indirect: path traced diffuse light between surfaces, at the surfaces of pixels.
 
-use crate::{
+use crate::pipeline::{
     frame_pass::FramePass,
     pass::{ComputePass, Dispatch, Pass, PassGroup},
     pass_builder::PassBuilder,

@@ -1,6 +1,6 @@
 //! Lead: traces the rays of one of several listed pixels, and lists the others.
 
-use crate::{
+use crate::pipeline::{
     frame_pass::FramePass,
     pass::{ComputePass, Dispatch, Pass, PassGroup},
     pass_builder::PassBuilder,

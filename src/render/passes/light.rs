@@ -1,6 +1,6 @@
 //! Light: view-independent radiance, stored apart from the specular of this view.
 
-use crate::{
+use crate::pipeline::{
     frame_pass::FramePass,
     pass::{ComputePass, Dispatch, Pass, PassGroup},
     pass_builder::PassBuilder,

@@ -39,14 +39,16 @@ use serde::Serialize;
 use reflet_gpu::GpuError;
 
 use super::{
-    frame_pass::FramePass,
-    options::RenderOptions,
-    pass::{Pass, PassGroup},
-    pass_builder::PassBuilder,
+    pipeline::{
+        frame_pass::FramePass,
+        pass::{Pass, PassGroup},
+        pass_builder::PassBuilder,
+        shared_data::SharedData,
+        sub_frame::SubFrame,
+        targets::Target,
+    },
     plan::Plan,
-    shared_data::SharedData,
-    sub_frame::SubFrame,
-    targets::Target,
+    settings::options::RenderOptions,
 };
 
 /// Lists the passes in the order of the frame, by their modules, and by their types where they run first.

@@ -3,17 +3,21 @@
 use std::sync::Arc;
 
 use crate::{
-    cull::is_outside,
-    draw::{Draw, Indexed},
-    draw_calls::DrawCalls,
-    draw_shape::DrawShape,
-    frame_pass::FramePass,
-    gpu_struct::gpu_struct,
-    pass::{Pass, PassGroup, declared_overrides},
-    pass_builder::PassBuilder,
-    shared_data::SharedData,
-    sub_frame::SubFrame,
-    targets::Target,
+    decide::cull::is_outside,
+    layout::gpu_struct::gpu_struct,
+    pipeline::{
+        frame_pass::FramePass,
+        pass::{Pass, PassGroup, declared_overrides},
+        pass_builder::PassBuilder,
+        shared_data::SharedData,
+        sub_frame::SubFrame,
+        targets::Target,
+    },
+    upload::{
+        draw::{Draw, Indexed},
+        draw_calls::DrawCalls,
+        draw_shape::DrawShape,
+    },
 };
 use reflet_gpu::{GpuError, GroupLayout};
 

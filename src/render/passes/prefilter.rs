@@ -3,13 +3,15 @@
 use wgpu::BindingResource;
 
 use crate::{
-    frame_pass::FramePass,
-    gpu_struct::gpu_struct,
-    pass::{ComputePass, Pass, PassGroup},
-    pass_builder::PassBuilder,
-    probe_key::ProbeKey,
-    shared_data::SharedData,
-    sub_frame::SubFrame,
+    layout::gpu_struct::gpu_struct,
+    maps::probe_key::ProbeKey,
+    pipeline::{
+        frame_pass::FramePass,
+        pass::{ComputePass, Pass, PassGroup},
+        pass_builder::PassBuilder,
+        shared_data::SharedData,
+        sub_frame::SubFrame,
+    },
 };
 use reflet_gpu::GpuError;
 

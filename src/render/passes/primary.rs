@@ -1,13 +1,15 @@
 //! Primary rays: finds the ids of each pixel by rays through the BVHs, where the options ask for it.
 
 use crate::{
-    frame_pass::FramePass,
-    pass::{ComputePass, Pass, PassGroup},
-    pass_builder::PassBuilder,
+    pipeline::{
+        frame_pass::FramePass,
+        pass::{ComputePass, Pass, PassGroup},
+        pass_builder::PassBuilder,
+        shared_data::SharedData,
+        sub_frame::SubFrame,
+        targets::Target,
+    },
     plan::has_primary_rays,
-    shared_data::SharedData,
-    sub_frame::SubFrame,
-    targets::Target,
 };
 use reflet_gpu::{Checks, GpuError};
 

@@ -1,6 +1,6 @@
 //! Pyramid: the nearest depth in ever larger cells, for the march.
 
-use crate::{
+use crate::pipeline::{
     frame_pass::FramePass,
     pass::{ComputePass, Dispatch, Pass, PassGroup},
     pass_builder::PassBuilder,

@@ -6,20 +6,24 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use xxhash_rust::xxh3::Xxh3Default;
 
 use crate::{
-    cull::is_outside,
-    draw::{Draw, DrawClass, Indexed},
-    draw_calls::DrawCalls,
-    draw_shape::DrawShape,
-    frame_pass::FramePass,
-    gpu_struct::gpu_struct,
-    lights::ShadowView,
-    pass::{Pass, PassGroup, declared_overrides},
-    pass_builder::PassBuilder,
+    decide::cull::is_outside,
+    layout::gpu_struct::gpu_struct,
+    lighting::lights::ShadowView,
+    maps::shadow_maps::FORMAT,
     passes::visibility::{depth_of_part, reversed_depth},
-    scene::GpuScene,
-    shadow_maps::FORMAT,
-    shared_data::SharedData,
-    sub_frame::SubFrame,
+    pipeline::{
+        frame_pass::FramePass,
+        pass::{Pass, PassGroup, declared_overrides},
+        pass_builder::PassBuilder,
+        shared_data::SharedData,
+        sub_frame::SubFrame,
+    },
+    upload::{
+        draw::{Draw, DrawClass, Indexed},
+        draw_calls::DrawCalls,
+        draw_shape::DrawShape,
+        scene::GpuScene,
+    },
 };
 use reflet_gpu::{GpuError, GroupLayout};
 

@@ -1,13 +1,15 @@
 //! Soften: smooths indirect diffuse light of pictures with few sub-frames.
 
 use crate::{
-    frame_pass::FramePass,
-    gpu_struct::gpu_struct,
-    options::RenderOptions,
-    pass::{ComputePass, Dispatch, Override, Pass, PassGroup},
-    pass_builder::PassBuilder,
-    sub_frame::SubFrame,
-    targets::Target,
+    layout::gpu_struct::gpu_struct,
+    pipeline::{
+        frame_pass::FramePass,
+        pass::{ComputePass, Dispatch, Override, Pass, PassGroup},
+        pass_builder::PassBuilder,
+        sub_frame::SubFrame,
+        targets::Target,
+    },
+    settings::options::RenderOptions,
 };
 use reflet_gpu::GpuError;
 

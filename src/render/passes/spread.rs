@@ -1,14 +1,16 @@
 //! Spread: gives pixels the hits of the rays around them where these agree, and lists the others for tracing.
 
 use crate::{
-    frame_pass::FramePass,
-    gpu_struct::gpu_struct,
-    pass::{ComputePass, Dispatch, Pass, PassGroup},
-    pass_builder::PassBuilder,
-    ray_list::List,
-    shared_data::SharedData,
-    sub_frame::SubFrame,
-    targets::Target,
+    layout::gpu_struct::gpu_struct,
+    pipeline::{
+        frame_pass::FramePass,
+        pass::{ComputePass, Dispatch, Pass, PassGroup},
+        pass_builder::PassBuilder,
+        ray_list::List,
+        shared_data::SharedData,
+        sub_frame::SubFrame,
+        targets::Target,
+    },
 };
 use reflet_gpu::{Checks, GpuError};
 

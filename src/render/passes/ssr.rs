@@ -2,15 +2,17 @@
 //! `hits.rs`, and rays that the screen cannot answer for `trace.rs`.
 
 use crate::{
-    frame_pass::FramePass,
-    gpu_struct::gpu_struct,
-    options::RenderOptions,
-    pass::{ComputePass, Dispatch, Pass, PassGroup},
-    pass_builder::PassBuilder,
-    ray_list::List,
-    shared_data::SharedData,
-    sub_frame::SubFrame,
-    targets::Target,
+    layout::gpu_struct::gpu_struct,
+    pipeline::{
+        frame_pass::FramePass,
+        pass::{ComputePass, Dispatch, Pass, PassGroup},
+        pass_builder::PassBuilder,
+        ray_list::List,
+        shared_data::SharedData,
+        sub_frame::SubFrame,
+        targets::Target,
+    },
+    settings::options::RenderOptions,
 };
 use reflet_gpu::{Checks, GpuError};
 use reflet_scene::desc::{Method, ReflectionDesc};

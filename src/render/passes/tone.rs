@@ -1,12 +1,14 @@
 //! Tone: linear radiance to display color.
 
 use crate::{
-    frame_pass::FramePass,
-    gpu_struct::gpu_struct,
-    pass::{ComputePass, Dispatch, Pass, PassGroup},
-    pass_builder::PassBuilder,
-    sub_frame::SubFrame,
-    targets::Target,
+    layout::gpu_struct::gpu_struct,
+    pipeline::{
+        frame_pass::FramePass,
+        pass::{ComputePass, Dispatch, Pass, PassGroup},
+        pass_builder::PassBuilder,
+        sub_frame::SubFrame,
+        targets::Target,
+    },
 };
 use reflet_gpu::GpuError;
 use reflet_scene::desc::ImageDesc;

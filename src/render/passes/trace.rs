@@ -1,14 +1,16 @@
 //! Trace: follows the mirror rays of the listed pixels through the BVHs, bounce by bounce.
 
 use crate::{
-    frame_pass::FramePass,
-    options::RenderOptions,
-    pass::{ComputePass, Dispatch, Pass, PassGroup},
-    pass_builder::PassBuilder,
-    ray_list::List,
-    shared_data::SharedData,
-    sub_frame::SubFrame,
-    targets::Target,
+    pipeline::{
+        frame_pass::FramePass,
+        pass::{ComputePass, Dispatch, Pass, PassGroup},
+        pass_builder::PassBuilder,
+        ray_list::List,
+        shared_data::SharedData,
+        sub_frame::SubFrame,
+        targets::Target,
+    },
+    settings::options::RenderOptions,
 };
 use reflet_gpu::{Checks, GpuError};
 

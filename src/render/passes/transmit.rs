@@ -1,6 +1,6 @@
 //! Transmit: light that passes through the surfaces of the listed pixels.
 
-use crate::{
+use crate::pipeline::{
     frame_pass::FramePass,
     pass::{ComputePass, Dispatch, Pass, PassGroup},
     pass_builder::PassBuilder,

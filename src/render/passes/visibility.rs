@@ -3,16 +3,20 @@
 use std::sync::Arc;
 
 use crate::{
-    cull::is_outside,
-    draw::{Draw, DrawClass, Indexed},
-    draw_calls::DrawCalls,
-    draw_shape::DrawShape,
-    frame_pass::FramePass,
-    pass::{Pass, PassGroup, declared_overrides},
-    pass_builder::PassBuilder,
+    decide::cull::is_outside,
+    pipeline::{
+        frame_pass::FramePass,
+        pass::{Pass, PassGroup, declared_overrides},
+        pass_builder::PassBuilder,
+        sub_frame::SubFrame,
+        targets::Target,
+    },
     plan::has_primary_rays,
-    sub_frame::SubFrame,
-    targets::Target,
+    upload::{
+        draw::{Draw, DrawClass, Indexed},
+        draw_calls::DrawCalls,
+        draw_shape::DrawShape,
+    },
 };
 use reflet_gpu::{GpuError, Shader};
 

@@ -5,9 +5,8 @@ use reflet_world::{Material, World, bvh::Trees};
 
 use super::{mutual_reflections::reflectors_see_each_other, scatters, uses::passes_light};
 use crate::{
-    lights::{LightNeeds, ShadowSizes},
-    options::RenderOptions,
-    precision::Precision,
+    lighting::lights::{LightNeeds, ShadowSizes},
+    settings::{options::RenderOptions, precision::Precision},
 };
 
 /// A scene for which features are chosen.

@@ -2,7 +2,7 @@
 
 use reflet_world::{Material, World};
 
-use crate::cutoff::has_specular;
+use crate::settings::cutoff::has_specular;
 
 /// Whether some used material has a feature.
 fn uses(world: &World, has: fn(&Material) -> bool) -> bool {

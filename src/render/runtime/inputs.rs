@@ -6,7 +6,7 @@ use std::{
 };
 
 use super::scene_text::{LoadedScene, SceneOptions, SceneText};
-use crate::{Crop, Draft, RenderOptions, unit_costs::UnitCosts};
+use crate::{Crop, Draft, RenderOptions, settings::unit_costs::UnitCosts};
 use reflet_gpu::{ShaderError, ShaderLibrary};
 use reflet_scene::{
     desc::{Method, Samples},

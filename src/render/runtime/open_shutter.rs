@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::{RenderError, shutter::Moments};
+use crate::{RenderError, picture::shutter::Moments};
 use reflet_scene::{
     diagnostic::Diagnostic,
     stages::{Animator, Scene},

@@ -7,8 +7,10 @@ use super::{
     open_shutter::{self, OpenShutter},
 };
 use crate::{
-    PendingPicture, Picture, PictureRequest, RebuildSummary, RenderError, aov::Aov,
-    instrument::PassCounts, shutter::Moments as _, stats::FrameStats,
+    PendingPicture, Picture, PictureRequest, RebuildSummary, RenderError,
+    picture::{aov::Aov, shutter::Moments as _},
+    pipeline::instrument::PassCounts,
+    renderer::stats::FrameStats,
 };
 use reflet_gpu::Gpu;
 use reflet_scene::{

@@ -14,7 +14,7 @@ use crate::{
     render::Picture,
     scene::desc::ReflectionDesc,
 };
-use reflet_render::png_file::encode;
+use reflet_render::picture::png_file::encode;
 
 /// Size of the whole pictures, pixels.
 const SIZE: [u32; 2] = [320, 180];

@@ -11,8 +11,8 @@ use crate::{
     },
     gpu::{Gpu, GpuError, ShaderLibrary},
     render::{
-        Picture, RenderError, instrument::Counts, passes, runtime::renderer_stage::RendererStage,
-        stats::FrameStats,
+        Picture, RenderError, passes, pipeline::instrument::Counts, renderer::stats::FrameStats,
+        runtime::renderer_stage::RendererStage,
     },
     scene::desc::ReflectionDesc,
 };

@@ -15,7 +15,7 @@ use crate::{
     render::{Picture, runtime::renderer_stage::RendererStage},
     scene::desc::{Method, ProbesDesc, ReflectionDesc, SelectBy},
 };
-use reflet_render::probe_choice::MOST_BLENDED;
+use reflet_render::maps::probe_choice::MOST_BLENDED;
 
 /// Scenes, in the order of the table: a floor of several objects, and one object that moves.
 const SCENES: [&str; 2] = [

@@ -10,7 +10,7 @@ use reflet_bench::{
     metric::{Maps, flip},
     picture::{Pair, Picture},
 };
-use reflet_render::{RenderError, targets::Target};
+use reflet_render::{RenderError, pipeline::targets::Target};
 use reflet_scene::desc::Method;
 
 impl Worker {

@@ -7,7 +7,7 @@ use crate::{
     viewer::protocol::{Picked, View},
     write_back::SceneItem,
 };
-use reflet_render::{PlaneData, RenderError, aov::Aov, view};
+use reflet_render::{PlaneData, RenderError, picture::aov::Aov, settings::view};
 
 /// Largest distance between two clicks at the same place, parts of the picture.
 const SAME_PLACE: f32 = 0.01;

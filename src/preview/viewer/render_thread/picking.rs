@@ -9,7 +9,7 @@ use crate::{
     },
     write_back::SceneItem,
 };
-use reflet_render::{RenderError, targets::Target};
+use reflet_render::{RenderError, pipeline::targets::Target};
 
 /// Half the width of the outline, pixels at full resolution.
 const RADIUS_PX: f32 = 2.0;

@@ -4,10 +4,12 @@ use super::worker::Worker;
 use crate::viewer::protocol::{PixelValue, View};
 use reflet_render::{
     PlaneData, RenderError,
-    aov::Aov,
-    cause::{Cause, Source},
-    targets::Target,
-    types::NONE,
+    layout::types::NONE,
+    picture::aov::Aov,
+    pipeline::{
+        cause::{Cause, Source},
+        targets::Target,
+    },
 };
 
 /// AOVs that are shown, most informative first.

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::viewer::protocol::{Report, Screenshot, ScreenshotGoal, Side, View};
 use reflet_base::files::write_whole;
-use reflet_render::png_file;
+use reflet_render::picture::png_file;
 
 impl Worker {
     /// Writes a screenshot and reports its path, or answers with it.

@@ -11,11 +11,10 @@ use reflet_bench::metric::flip;
 use reflet_gpu::GpuError;
 use reflet_render::{
     Plane, PlaneData, RenderError,
-    aov::Aov,
-    aov_view,
-    lights::{CUBE_FACES, has_cube_map},
-    stats::FrameStats,
-    targets::Target,
+    lighting::lights::{CUBE_FACES, has_cube_map},
+    picture::{aov::Aov, aov_view},
+    pipeline::targets::Target,
+    renderer::stats::FrameStats,
 };
 
 /// Longest edge of a face in an unfolded cube map, pixels.

@@ -25,7 +25,7 @@ use crate::{
 };
 use reflet_gpu::Gpu;
 use reflet_render::{
-    Draft, RenderError, runtime::parameters::ParameterOverrides, stats::FrameStats,
+    Draft, RenderError, renderer::stats::FrameStats, runtime::parameters::ParameterOverrides,
 };
 use reflet_scene::desc::{CameraDesc, Method};
 use reflet_world::World;

@@ -8,7 +8,7 @@ use crate::viewer::{
     view_settings::METHODS,
 };
 use reflet_bench::parameter::method_name;
-use reflet_render::{aov::Aov, lights::CUBE_FACES};
+use reflet_render::{lighting::lights::CUBE_FACES, picture::aov::Aov};
 use reflet_scene::desc::Method;
 
 /// Width of a menu, points; longer names are truncated.

@@ -4,9 +4,9 @@ use eframe::egui::{self, Color32, FontId, Mesh, Rect, Sense, Ui, pos2, vec2};
 
 use reflet_bench::metric::flip;
 use reflet_render::{
-    cause::{Cause, Source},
     passes,
-    stats::Share,
+    pipeline::cause::{Cause, Source},
+    renderer::stats::Share,
 };
 
 /// Size of the charts' texts, points.

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use eframe::egui::{self, Color32, Ui};
 
 use super::charts;
-use reflet_render::stats::{Audit, FrameStats, Share};
+use reflet_render::renderer::stats::{Audit, FrameStats, Share};
 
 /// Pass times: of the last frame as bars, of the history as stacked columns.
 pub fn times(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<FrameStats>) {

@@ -19,7 +19,7 @@ use crate::{
     },
 };
 use reflet_base::math::Bounds;
-use reflet_render::stats::{Audit, FrameStats, Shares};
+use reflet_render::renderer::stats::{Audit, FrameStats, Shares};
 use reflet_scene::desc::{CameraDesc, MaterialDesc};
 
 pub fn summary() -> SceneSummary {

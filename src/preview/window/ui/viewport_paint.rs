@@ -12,7 +12,7 @@ use crate::viewer::{
     view_channel::{BACKGROUND_GRAY, CUBE_CROSS},
 };
 use reflet_bench::{metric::Scores, parameter::method_name};
-use reflet_render::lights::CUBE_FACES;
+use reflet_render::lighting::lights::CUBE_FACES;
 use reflet_scene::{desc::Method, diagnostic::Diagnostic};
 
 /// Maximum width of text over the picture, points.

@@ -17,7 +17,7 @@ use crate::viewer::{
     render_thread::RenderThread,
     view_state::ViewState,
 };
-use reflet_render::stats::FrameStats;
+use reflet_render::renderer::stats::FrameStats;
 
 /// The application.
 pub struct Window {

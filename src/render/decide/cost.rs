@@ -1,0 +1,176 @@
+//! The cost model: expected time of a frame by each way of rendering it, from counts of a view and the unit costs of
+//! a kind of adapter.
+
+use std::fmt;
+
+use reflet_scene::desc::LightKind;
+
+use super::{
+    brought_light::{BroughtRays, RayCount},
+    view_sample::{MirrorRays, ViewSample},
+};
+use crate::settings::unit_costs::UnitCosts;
+
+/// Size of the frame and of the scene, and counts of the view.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Workload {
+    /// Number of pixels of the picture.
+    pub pixels: f64,
+    /// Number of sub-frames.
+    pub samples: f64,
+    /// Number of triangles that the camera draws.
+    pub triangles_in_view: f64,
+    /// Number of triangles of the scene.
+    pub triangles: f64,
+    /// Number of pixels of the shadow maps that the `auto` lights of each kind would have.
+    pub map_pixels: [f64; LightKind::NAMES.len()],
+    /// Expected number of views of those maps that a triangle is drawn in.
+    pub map_views: [f64; LightKind::NAMES.len()],
+    /// Counts of the view.
+    pub view: ViewSample,
+}
+
+/// Two ways of rendering by name, with their expected milliseconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pair([(&'static str, f64); 2]);
+
+impl Pair {
+    /// Name of the cheaper way; of the second, if both cost the same.
+    pub fn cheaper(&self) -> &'static str {
+        let [first, second] = self.0;
+        if first.1 < second.1 {
+            first.0
+        } else {
+            second.0
+        }
+    }
+
+    /// Expected milliseconds of both ways.
+    pub fn ms(&self) -> [f64; 2] {
+        self.0.map(|(_, ms)| ms)
+    }
+
+    /// Time of the first way, divided by that of the second.
+    pub fn ratio(&self) -> f64 {
+        let [first, second] = self.0;
+        first.1 / second.1
+    }
+}
+
+impl fmt::Display for Pair {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [first, second] = self.0;
+        write!(
+            f,
+            "{} {:.2} ms, {} {:.2} ms expected",
+            first.0, first.1, second.0, second.1
+        )
+    }
+}
+
+/// Expected share of the mirror rays with a visible hit that the march verifies: measured 46 % to 100 % over several
+/// scenes.
+const ACCEPTED: f64 = 0.7;
+/// Factor on the cost of the few rays that the march refuses, as they are less coherent.
+const APART: f64 = 1.3;
+
+const MS: f64 = 1e-6; // in a nanosecond
+
+impl Workload {
+    /// Number of pixels of the picture, over all sub-frames, that one sampled ray stands for.
+    pub fn weight(&self) -> f64 {
+        self.pixels * self.samples / f64::from(self.view.rays.max(1))
+    }
+
+    /// Expected costs of visibility by rays and by rasterization.
+    pub fn visibility(&self, unit: &UnitCosts) -> Pair {
+        let triangles = self.triangles_in_view * unit.raster_triangle;
+        let raster = self.samples * (triangles + self.pixels * unit.raster_pixel);
+        let counts = f64::from(self.view.rays) * unit.primary_ray
+            + f64::from(self.view.visits) * unit.primary_node;
+        let rays = self.weight() * counts + self.samples * unit.pass;
+        Pair([("rays", MS * rays), ("raster", MS * raster)])
+    }
+
+    /// Expected costs of the shadows of a kind of light, as if every picture drew all maps. Hits of mirror rays are
+    /// lit too.
+    pub fn shadow(&self, unit: &UnitCosts, kind: usize) -> Pair {
+        let view = &self.view;
+        let (rays, visits) = view.shadows[kind];
+        let lit = 1.0 + f64::from(view.all_mirror().rays) / f64::from(view.surfaces.max(1));
+        let draw = self.triangles * self.map_views[kind] * unit.map_triangle;
+        let maps = draw + self.map_pixels[kind] * unit.map_pixel;
+        let filter = self.weight() * lit * f64::from(rays) * unit.filter;
+        let counts = f64::from(rays) * unit.shadow_ray + f64::from(visits) * unit.shadow_node;
+        let rays = self.weight() * lit * counts;
+        Pair([("ray", MS * rays), ("map", MS * (maps + filter))])
+    }
+
+    /// Expected costs of reflections by the methods `hybrid` and `rt`, where `hybrid` traces the instances of which
+    /// `is_traced` is true at once.
+    pub fn reflections(&self, unit: &UnitCosts, is_traced: impl Fn(usize) -> bool) -> Pair {
+        let (mut hybrid, mut rt) = (0.0, 0.0);
+        for (instance, rays) in &self.view.mirror {
+            rt += rays.traced(unit);
+            hybrid += match is_traced(*instance) {
+                true => rays.traced(unit),
+                false => rays.marched(unit),
+            };
+        }
+        let fixed = self.samples * (self.pixels * unit.pyramid_pixel + 4.0 * unit.pass);
+        let brought = self.view.brought.time(unit);
+        let hybrid = self.weight() * (hybrid + brought) + fixed;
+        let rt = self.weight() * (rt + brought);
+        Pair([("hybrid", MS * hybrid), ("rt", MS * rt)])
+    }
+
+    /// Whether the mirror rays of each of `instances` take less time to trace than to march. Those of which few rays
+    /// were sampled are taken together; without any they count as all instances.
+    pub fn cheaper_traced(&self, unit: &UnitCosts, instances: usize) -> Vec<bool> {
+        let is_traced = |rays: &MirrorRays| rays.traced(unit) <= rays.marched(unit);
+        let few = self.view.mirror.values().filter(|m| m.rays < LEAST_RAYS);
+        let few = few.copied().reduce(MirrorRays::plus);
+        let others = is_traced(&few.unwrap_or_else(|| self.view.all_mirror()));
+        let of = |instance: usize| match self.view.mirror.get(&instance) {
+            Some(rays) if rays.rays >= LEAST_RAYS => is_traced(rays),
+            _ => others,
+        };
+        (0..instances).map(of).collect()
+    }
+}
+
+impl BroughtRays {
+    /// Expected time of all these rays, nanoseconds: the same for both methods.
+    fn time(&self, unit: &UnitCosts) -> f64 {
+        let cost = |count: RayCount, ray: f64, node: f64| {
+            f64::from(count.rays) * ray + f64::from(count.visits) * node
+        };
+        cost(self.onward, unit.onward_ray, unit.onward_node)
+            + cost(self.shadow, unit.shadow_ray, unit.shadow_node)
+            + cost(self.light, unit.light_ray, unit.light_node)
+    }
+}
+
+/// Minimum number of sampled mirror rays of an instance to decide for it alone.
+const LEAST_RAYS: u32 = 8;
+
+impl MirrorRays {
+    /// Expected time to trace them all, nanoseconds.
+    fn traced(&self, unit: &UnitCosts) -> f64 {
+        f64::from(self.rays) * unit.mirror_ray + f64::from(self.visits) * unit.mirror_node
+    }
+
+    /// Expected time to march them, to shade the hits that the picture shows and to trace the others, nanoseconds.
+    fn marched(&self, unit: &UnitCosts) -> f64 {
+        let march =
+            f64::from(self.rays) * unit.march_ray + f64::from(self.visits) * unit.march_node;
+        let hidden = Self {
+            rays: self.rays - self.shown,
+            visits: self.refused_visits,
+            ..Self::default()
+        };
+        let hidden = hidden.traced(unit);
+        let refused = hidden + (self.traced(unit) - hidden) * (1.0 - ACCEPTED);
+        march + refused * APART + f64::from(self.shown) * ACCEPTED * unit.hit
+    }
+}

@@ -1,0 +1,84 @@
+//! Choice between our own traversal and the device's ray queries.
+
+use reflet_gpu::{Gpu, experimental::adapters_with_ray_queries};
+use reflet_scene::{
+    desc::Trace,
+    diagnostic::{Diagnostic, Span},
+};
+use reflet_world::bvh::Trees;
+
+use crate::{decide::Decision, error::RenderError, settings::options::RenderOptions};
+
+/// Options with the way to follow the rays, `query` or `software`, and why, if that was left to `auto`.
+///
+/// # Errors
+/// Ray queries on a device without.
+pub fn with_trace(
+    gpu: &Gpu,
+    mut options: RenderOptions,
+) -> Result<(RenderOptions, Option<Decision>), RenderError> {
+    let (trace, why) = settled_trace(gpu, options.reflection.trace)?;
+    options.reflection.trace = trace;
+    Ok((options, why))
+}
+
+/// Error that a device reports about the way in which a scene asks to follow rays, if it refuses that.
+pub fn refused_trace(gpu: &Gpu, asked: Trace) -> Option<Diagnostic> {
+    let lacks = asked == Trace::Query && !gpu.has_ray_queries();
+    lacks.then(|| without_queries(gpu))
+}
+
+/// Way to follow the rays, `query` or `software`, and why, if that was left to `auto`.
+fn settled_trace(gpu: &Gpu, asked: Trace) -> Result<(Trace, Option<Decision>), RenderError> {
+    let choice = |trace, chosen: &str, why: &str| {
+        let decision = Decision {
+            what: "reflection.trace".to_owned(),
+            chosen: chosen.to_owned(),
+            why: why.to_owned(),
+        };
+        Ok((trace, Some(decision)))
+    };
+    if let Some(refused) = refused_trace(gpu, asked) {
+        return Err(RenderError::Scene(Box::new(refused)));
+    }
+    match asked {
+        Trace::Software | Trace::Query => Ok((asked, None)),
+        Trace::Auto if !gpu.has_ray_queries() => choice(
+            Trace::Software,
+            "software",
+            "the adapter has no ray queries",
+        ),
+        Trace::Auto if gpu.is_software() => choice(
+            Trace::Software,
+            "software",
+            "the adapter is the processor, which follows queries no faster",
+        ),
+        Trace::Auto => choice(
+            Trace::Query,
+            "query",
+            "the adapter is a graphics card with ray queries",
+        ),
+    }
+}
+
+/// Whether the device follows rays, so that it needs acceleration structures of its own.
+pub fn queries(trees: &Trees, options: &RenderOptions) -> bool {
+    trees.is_built() && options.reflection.trace == Trace::Query
+}
+
+/// Error of a scene that needs ray queries on a device without.
+fn without_queries(gpu: &Gpu) -> Diagnostic {
+    let name = &gpu.adapter_info.name;
+    let others = adapters_with_ray_queries(&gpu.instance);
+    let help = match others.first() {
+        Some(other) if other == name => {
+            "the adapter has them, but was opened without: open the scene anew".to_owned()
+        }
+        Some(other) => format!("choose one that has them: --adapter \"{other}\""),
+        None => "no adapter of this machine has them (Mesa's software adapter has in version 25: \
+                 docs/drivers.md); write \"auto\" or \"software\""
+            .to_owned(),
+    };
+    let message = format!("`reflection.trace = \"query\"` needs ray queries, which {name} lacks");
+    Diagnostic::at("no-ray-queries", Span::default(), message).help(help)
+}

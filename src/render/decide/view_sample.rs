@@ -1,0 +1,244 @@
+//! Sampled rays of a view, traced on the CPU: the counts that the cost model needs. They depend on the scene alone,
+//! so that all machines count alike.
+
+use std::collections::BTreeMap;
+
+use glam::{DVec2, DVec3, Vec3};
+use rayon::prelude::*;
+
+use reflet_scene::desc::{LightKind, ShadowMode};
+use reflet_world::{
+    World,
+    bvh::{Ray, RayHit, SHADOWLESS, Trees},
+};
+
+use super::{
+    brought_light::{BroughtRays, Chance, LightsOfHits, towards},
+    view_rays::{SurfacePoint, ViewRays, mirror_ray, off_surface, places},
+};
+use crate::{
+    plan::may_reflect,
+    settings::{
+        options::RenderOptions,
+        view::{Projection, View},
+    },
+};
+
+/// Maximum number of successive reflections that are traced.
+const MAX_BOUNCES: u32 = 4;
+/// Maximum distance between a mirror ray's hit and the surface seen on the screen to count as the same place, as a
+/// share of the depth.
+const SAME_PLACE: f64 = 2e-3;
+
+/// Counts of mirror rays.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MirrorRays {
+    /// Number of primary hits on surfaces that reflect, each of which starts one.
+    pub rays: u32,
+    /// Number of nodes that they visit up to their first hit.
+    pub visits: u32,
+    /// Number of mirror rays whose hit the picture shows.
+    pub shown: u32,
+    /// Number of nodes that the other mirror rays visit.
+    pub refused_visits: u32,
+}
+
+impl MirrorRays {
+    /// Sums of the counts of both.
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            rays: self.rays + other.rays,
+            visits: self.visits + other.visits,
+            shown: self.shown + other.shown,
+            refused_visits: self.refused_visits + other.refused_visits,
+        }
+    }
+}
+
+/// Counts summed over the samples of a view.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ViewSample {
+    /// Number of primary rays.
+    pub rays: u32,
+    /// Number of nodes that primary rays visit.
+    pub visits: u32,
+    /// Number of primary rays that hit a surface.
+    pub surfaces: u32,
+    /// Mirror rays by the instance that they start from.
+    pub mirror: BTreeMap<usize, MirrorRays>,
+    /// Rays that the mirror rays bring from their first hit on.
+    pub brought: BroughtRays,
+    /// Number of shadow rays to the `auto` lights of each kind, and number of nodes that they visit.
+    pub shadows: [(u32, u32); LightKind::NAMES.len()],
+}
+
+impl ViewSample {
+    /// Traces the rays of a view; cut-outs count as solid, and what is transmitted is not followed.
+    pub fn new(world: &World, trees: &Trees, view: &View, options: &RenderOptions) -> Self {
+        let settings = &options.reflection;
+        let sampler = Sampler {
+            rays: ViewRays { world, trees, view },
+            lights: LightsOfHits::new(world, options),
+            cutoff: settings.reflects_below(),
+            bounces: settings.bounces.most().min(MAX_BOUNCES),
+            diffuse_bounces: settings.diffuse_bounces,
+        };
+        let samples = places().map(|place| sampler.sample(place));
+        samples.reduce(Self::default, Self::plus)
+    }
+
+    /// Mirror rays of all instances.
+    pub fn all_mirror(&self) -> MirrorRays {
+        let counts = self.mirror.values().copied();
+        counts.fold(MirrorRays::default(), MirrorRays::plus)
+    }
+
+    fn plus(mut self, other: Self) -> Self {
+        for (instance, counts) in other.mirror {
+            let sum = self.mirror.entry(instance).or_default();
+            *sum = sum.plus(counts);
+        }
+        let shadows = std::array::from_fn(|kind| {
+            let ((a, b), (c, d)) = (self.shadows[kind], other.shadows[kind]);
+            (a + c, b + d)
+        });
+        Self {
+            rays: self.rays + other.rays,
+            visits: self.visits + other.visits,
+            surfaces: self.surfaces + other.surfaces,
+            mirror: self.mirror,
+            brought: self.brought.plus(other.brought),
+            shadows,
+        }
+    }
+}
+
+struct Sampler<'a> {
+    rays: ViewRays<'a>,
+    lights: LightsOfHits<'a>,
+    cutoff: f32,
+    bounces: u32,
+    diffuse_bounces: u32,
+}
+
+impl Sampler<'_> {
+    /// Counts of one sample, at a point of the picture from 0 to 1 from its upper left corner.
+    fn sample(&self, place: DVec2) -> ViewSample {
+        let mut sum = ViewSample {
+            rays: 1,
+            ..ViewSample::default()
+        };
+        let (hit, visits) = self.rays.trees.nearest_counted(&self.rays.primary(place));
+        sum.visits = visits;
+        let Some(hit) = hit else { return sum };
+        sum.surfaces = 1;
+        let direction = self.rays.primary(place).direction.normalize();
+        let point = self.rays.point(&hit, direction);
+        self.count_shadows(&point, &mut sum);
+        if !self.reflects(&point) {
+            return sum;
+        }
+        let ray = mirror_ray(&point, direction);
+        let (met, visits) = self.rays.trees.nearest_counted(&ray);
+        let shown = met.is_some_and(|met| self.is_shown(&ray, &met));
+        let counts = MirrorRays {
+            rays: 1,
+            visits,
+            shown: u32::from(shown),
+            refused_visits: if shown { 0 } else { visits },
+        };
+        sum.mirror.insert(point.instance, counts);
+        sum.brought = self.brought(place, ray, met);
+        sum
+    }
+
+    /// Counts what a mirror ray brings from its first hit on: rays to the lights of each hit, and onward.
+    fn brought(&self, place: DVec2, first: Ray, first_met: Option<RayHit>) -> BroughtRays {
+        let mut sum = BroughtRays::default();
+        let [x, y] = (place * f64::from(1 << 12)).as_uvec2().to_array();
+        let mut chance = Chance::of(x << 12 | y);
+        let (mut direction, mut met) = (first.direction, first_met);
+        let (mut mirrored, mut scattered) = (1, 0);
+        while let Some(hit) = met {
+            let point = self.rays.point(&hit, direction);
+            self.lights.count(&self.rays, &point, &mut chance, &mut sum);
+            let next = if self.reflects(&point) && mirrored < self.bounces {
+                mirrored += 1;
+                mirror_ray(&point, direction)
+            } else if self.is_matte(&point) && scattered < self.diffuse_bounces {
+                scattered += 1;
+                off_surface(&point, chance.scattered(point.normal))
+            } else {
+                break;
+            };
+            let (hit, visits) = self.rays.trees.nearest_counted(&next);
+            sum.onward.add(visits);
+            (direction, met) = (next.direction, hit);
+        }
+        sum
+    }
+
+    fn is_matte(&self, point: &SurfacePoint) -> bool {
+        let world = self.rays.world;
+        let material = &world.materials[world.instances[point.instance].material];
+        material.metallic < 1.0 && material.base_color.max_element() > 0.0
+    }
+
+    fn reflects(&self, point: &SurfacePoint) -> bool {
+        let material = self.rays.world.instances[point.instance].material;
+        may_reflect(self.rays.world, material, self.cutoff)
+    }
+
+    /// Whether the picture shows the hit of a mirror ray, and the surface there does not reflect.
+    fn is_shown(&self, ray: &Ray, hit: &RayHit) -> bool {
+        let point = self.rays.point(hit, ray.direction);
+        let Some(place) = self.place_of(point.position) else {
+            return false;
+        };
+        let inside = place.cmpge(DVec2::ZERO).all() && place.cmplt(DVec2::ONE).all();
+        if !inside || self.reflects(&point) {
+            return false;
+        }
+        let primary = self.rays.primary(place);
+        let (seen, _) = self.rays.trees.nearest_counted(&primary);
+        let depth = (point.position - primary.origin).dot(self.rays.view.forward.as_dvec3());
+        seen.is_some_and(|seen| (seen.t - depth).abs() < SAME_PLACE * depth)
+    }
+
+    /// Position of a point in the picture, 0 to 1 inside; `None` behind the near plane.
+    fn place_of(&self, point: DVec3) -> Option<DVec2> {
+        let offset = point - self.rays.view.eye.as_dvec3();
+        let depth = offset.dot(self.rays.view.forward.as_dvec3());
+        let scale = match self.rays.view.projection {
+            Projection::Perspective { .. } => depth,
+            Projection::Orthographic { .. } => 1.0,
+        };
+        let along = |axis: Vec3| {
+            let axis = axis.as_dvec3();
+            offset.dot(axis) / axis.length_squared() / scale
+        };
+        let ndc = DVec2::new(along(self.rays.view.right), -along(self.rays.view.up));
+        (depth > f64::from(self.rays.view.near_m)).then_some(ndc * 0.5 + 0.5)
+    }
+
+    fn count_shadows(&self, point: &SurfacePoint, sum: &mut ViewSample) {
+        let lights = self.rays.world.lights.iter();
+        for light in lights.filter(|l| l.desc.shadow == ShadowMode::Auto) {
+            let Some((direction, t_max)) = towards(light, point) else {
+                continue;
+            };
+            if direction.dot(point.normal) <= 0.0 {
+                continue;
+            }
+            let ray = Ray {
+                direction,
+                t_max,
+                passes: SHADOWLESS,
+                ..off_surface(point, direction)
+            };
+            let (rays, visits) = &mut sum.shadows[light.desc.kind.index()];
+            *rays += 1;
+            *visits += self.rays.trees.any_counted(&ray).1;
+        }
+    }
+}

@@ -1,0 +1,370 @@
+//! Lights: the uniform block and the shadow map views.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Mat4, Vec3, Vec4, camera::rh};
+
+use reflet_base::math::Bounds;
+use reflet_scene::desc::{LightKind, ShadowMode};
+use reflet_world::Light;
+
+use crate::{layout::types::GpuLight, settings::options::RenderOptions};
+
+/// Near plane of shadow maps, in the renderer's lengths. Depth is reversed, so that it costs no precision.
+pub const SHADOW_NEAR_M: f32 = 1e-4;
+/// Value of [`GpuLight::shadow`] for lights without a shadow.
+pub const SHADOW_NONE: u32 = 0;
+/// Value of [`GpuLight::shadow`] for shadow maps.
+pub const SHADOW_MAP: u32 = 1;
+/// Value of [`GpuLight::shadow`] for shadow rays.
+pub const SHADOW_RAY: u32 = 2;
+
+/// Uniform block of the lights, always of full size.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+pub struct LightBlock {
+    /// Lights; unused entries are zero.
+    pub lights: [GpuLight; reflet_world::MAX_LIGHTS],
+}
+
+/// One shadow map view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShadowView {
+    /// Whether the view is a face of a cube map rather than a flat map.
+    pub cube: bool,
+    /// Array layer; a cube has six.
+    pub layer: u32,
+    /// World to clip, reversed depth.
+    pub clip_from_world: Mat4,
+}
+
+/// Sizes and counts of shadow maps; constant for a set of lights.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ShadowSizes {
+    /// Width of every cube face, pixels: the maximum over point lights.
+    pub cube_px: u32,
+    /// Number of cube maps.
+    pub cubes: u32,
+    /// Width of every flat map, pixels: the maximum over spot and directional lights.
+    pub map_px: u32,
+    /// Number of flat maps.
+    pub maps: u32,
+}
+
+impl ShadowSizes {
+    /// Sizes of the shadow maps of these lights.
+    pub fn of(lights: &[Light], options: &RenderOptions) -> Self {
+        let mut sizes = Self::default();
+        let has_map = |l: &&Light| options.shadow_of(&l.desc) == ShadowMode::Map;
+        for light in lights.iter().filter(has_map) {
+            if has_cube_map(&light.desc.kind) {
+                sizes.cubes += 1;
+                sizes.cube_px = sizes.cube_px.max(light.desc.shadow_px);
+            } else {
+                sizes.maps += 1;
+                sizes.map_px = sizes.map_px.max(light.desc.shadow_px);
+            }
+        }
+        sizes
+    }
+}
+
+/// Faces of a cube map in their order, by the axis that each looks along.
+pub const CUBE_FACES: [&str; 6] = ["+X", "-X", "+Y", "-Y", "+Z", "-Z"];
+
+/// Whether a light of this kind has a cube map rather than a flat one.
+pub fn has_cube_map(kind: &LightKind) -> bool {
+    matches!(kind, LightKind::Point { .. })
+}
+
+/// Features of lights that shading passes must support.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LightNeeds {
+    /// Whether some light has ray traced shadows.
+    pub rays: bool,
+    /// Whether some light without a size has ray traced shadows.
+    pub hard_rays: bool,
+    /// Whether some light has a size.
+    pub sized: bool,
+    /// Whether some directional light has a size.
+    pub sized_suns: bool,
+}
+
+impl LightNeeds {
+    /// Features that these lights need.
+    pub fn of(lights: &[Light], options: &RenderOptions) -> Self {
+        let is_sized = |light: &Light| light.desc.kind.has_size();
+        let has_ray = |light: &Light| options.shadow_of(&light.desc) == ShadowMode::Ray;
+        Self {
+            rays: lights.iter().any(has_ray),
+            hard_rays: lights.iter().any(|l| !is_sized(l) && has_ray(l)),
+            sized: lights.iter().any(is_sized),
+            sized_suns: lights
+                .iter()
+                .any(|l| is_sized(l) && matches!(l.desc.kind, LightKind::Directional { .. })),
+        }
+    }
+
+    /// Whether passes built for these features support `other` ones.
+    pub fn cover(self, other: Self) -> bool {
+        (self.rays || !other.rays)
+            && (self.hard_rays || !other.hard_rays)
+            && (self.sized || !other.sized)
+            && (self.sized_suns || !other.sized_suns)
+    }
+}
+
+/// Whether some light has ray traced shadows.
+pub fn has_shadow_rays(lights: &[Light], options: &RenderOptions) -> bool {
+    LightNeeds::of(lights, options).rays
+}
+
+/// Lights in the order of shaders: those without a size first, and the number of these.
+pub fn in_order(lights: &[Light]) -> (impl Iterator<Item = &Light>, usize) {
+    let (sized, hard): (Vec<_>, Vec<_>) = lights.iter().partition(|l| l.desc.kind.has_size());
+    let count = hard.len();
+    (hard.into_iter().chain(sized), count)
+}
+
+/// Uniform block of the lights, those without a size first, and the shadow views of one frame. `bounds` must contain
+/// all shadow casters.
+pub fn lights(
+    lights: &[Light],
+    sizes: ShadowSizes,
+    bounds: &Bounds,
+    options: &RenderOptions,
+) -> (LightBlock, Vec<ShadowView>) {
+    let mut block = LightBlock::zeroed();
+    let mut views = Vec::new();
+    let (mut cubes, mut maps) = (0, 0);
+    for (light, out) in in_order(lights).0.zip(&mut block.lights) {
+        let shadow = options.shadow_of(&light.desc);
+        *out = gpu_light(light, shadow);
+        if shadow != ShadowMode::Map {
+            continue;
+        }
+        if let LightKind::Point { position, .. } = light.desc.kind {
+            out.layer = cubes;
+            out.texel = 2.0 / sizes.cube_px as f32;
+            views.extend(
+                cube_faces(position)
+                    .into_iter()
+                    .zip(6 * cubes..)
+                    .map(|(clip, layer)| ShadowView {
+                        cube: true,
+                        layer,
+                        clip_from_world: clip,
+                    }),
+            );
+            cubes += 1;
+        } else {
+            let (clip, texel) = flat_view(&light.desc.kind, sizes.map_px, bounds);
+            out.layer = maps;
+            out.texel = texel;
+            out.clip_from_world = clip.to_cols_array_2d();
+            views.push(ShadowView {
+                cube: false,
+                layer: maps,
+                clip_from_world: clip,
+            });
+            maps += 1;
+        }
+    }
+    (block, views)
+}
+
+pub(crate) fn gpu_light(light: &Light, shadow: ShadowMode) -> GpuLight {
+    let kind = &light.desc.kind;
+    let mut out = GpuLight::zeroed();
+    out.position = kind.position().unwrap_or_default().to_array();
+    let direction = kind.direction().unwrap_or_default();
+    let direction = direction.normalize_or(Vec3::NEG_Y);
+    out.direction = direction.to_array();
+    let intensity = match *kind {
+        LightKind::Point {
+            intensity_cd,
+            radius_m,
+            ..
+        } => {
+            out.extent = radius_m;
+            intensity_cd
+        }
+        LightKind::Spot {
+            intensity_cd,
+            inner_deg,
+            outer_deg,
+            radius_m,
+            ..
+        } => {
+            // KHR_lights_punctual: linear in the cosine between the two cones, then squared.
+            let outer = outer_deg.to_radians().cos();
+            let inner = inner_deg.to_radians().cos();
+            out.spot_scale = 1.0 / (inner - outer).max(1e-3);
+            out.spot_offset = -outer * out.spot_scale;
+            out.extent = radius_m;
+            intensity_cd
+        }
+        LightKind::Directional {
+            intensity_lux,
+            angle_deg,
+            ..
+        } => {
+            out.extent = (0.5 * angle_deg).to_radians();
+            intensity_lux
+        }
+        LightKind::Rect {
+            up,
+            size,
+            intensity_cd,
+            ..
+        } => {
+            let up = up - direction * up.dot(direction);
+            let up = up.try_normalize().unwrap_or_else(|| {
+                let up = Vec3::Z - direction * direction.z;
+                up.normalize_or(Vec3::Y)
+            });
+            set_edges(&mut out, direction.cross(up) * size[0], up * size[1]);
+            intensity_cd
+        }
+        LightKind::Disk {
+            radius_m,
+            intensity_cd,
+            ..
+        } => {
+            let up = direction.any_orthonormal_vector() * 2.0 * radius_m;
+            set_edges(&mut out, direction.cross(up), up);
+            intensity_cd
+        }
+    };
+    out.kind = kind.index() as u32;
+    out.color = (light.desc.color * intensity).to_array();
+    out.range_m = light.range_m.unwrap_or(0.0);
+    out.shadow = match shadow {
+        ShadowMode::None => SHADOW_NONE,
+        ShadowMode::Map | ShadowMode::Auto => SHADOW_MAP,
+        ShadowMode::Ray => SHADOW_RAY,
+    };
+    out
+}
+
+fn set_edges(light: &mut GpuLight, u: Vec3, v: Vec3) {
+    (light.half_u, light.half_v) = ((0.5 * u).to_array(), (0.5 * v).to_array());
+}
+
+/// Clip matrix of a frustum with these axes: x to the right, y up, depth near / distance along `forward`.
+fn frustum(position: Vec3, forward: Vec3, right: Vec3, up: Vec3) -> Mat4 {
+    let row = |axis: Vec3| axis.extend(-axis.dot(position));
+    Mat4::from_cols(row(right), row(up), Vec4::W * SHADOW_NEAR_M, row(forward)).transpose()
+}
+
+/// Clip matrices of the six faces in the order and orientation of cube maps (Vulkan 1.3, "Cube Map Face Selection").
+fn cube_faces(position: Vec3) -> [Mat4; 6] {
+    const X: Vec3 = Vec3::X;
+    const Y: Vec3 = Vec3::Y;
+    const Z: Vec3 = Vec3::Z;
+    [
+        (X, -Z, Y),
+        (-X, Z, Y),
+        (Y, X, -Z),
+        (-Y, X, Z),
+        (Z, X, Y),
+        (-Z, -X, Y),
+    ]
+    .map(|(forward, right, up)| frustum(position, forward, right, up))
+}
+
+/// Clip matrix of a spot or directional light, and the world size of a texel (at distance 1 for spots), m.
+fn flat_view(kind: &LightKind, px: u32, bounds: &Bounds) -> (Mat4, f32) {
+    match *kind {
+        LightKind::Spot {
+            position,
+            direction,
+            outer_deg,
+            ..
+        } => {
+            let half = (outer_deg + 1.0).min(89.0).to_radians();
+            let forward = direction.normalize_or(Vec3::NEG_Y);
+            let projection =
+                rh::proj::directx::perspective_infinite_reverse(2.0 * half, 1.0, SHADOW_NEAR_M);
+            let view = rh::view::look_to_mat4(position, forward, forward.any_orthonormal_vector());
+            (projection * view, 2.0 * half.tan() / px as f32)
+        }
+        LightKind::Directional { direction, .. } => {
+            parallel_view(direction.normalize_or(Vec3::NEG_Y), px, bounds)
+        }
+        LightKind::Point { .. } | LightKind::Rect { .. } | LightKind::Disk { .. } => {
+            (Mat4::IDENTITY, 0.0)
+        }
+    }
+}
+
+/// World size of a texel of a light's shadow map, `px` wide, at a point, m; `bounds` contain all casters.
+pub fn map_texel_m(kind: &LightKind, px: u32, bounds: &Bounds, point: Vec3) -> f32 {
+    match *kind {
+        LightKind::Point { position, .. } => {
+            2.0 / px as f32 * (point - position).abs().max_element()
+        }
+        LightKind::Spot {
+            position,
+            direction,
+            ..
+        } => {
+            let (_, texel) = flat_view(kind, px, bounds);
+            texel
+                * (point - position)
+                    .dot(direction.normalize_or(Vec3::NEG_Y))
+                    .max(0.0)
+        }
+        _ => flat_view(kind, px, bounds).1,
+    }
+}
+
+/// Orthographic view along `forward` that holds all of `bounds`, with a margin of two texels on each side.
+fn parallel_view(forward: Vec3, px: u32, bounds: &Bounds) -> (Mat4, f32) {
+    let right = forward.any_orthonormal_vector();
+    let up = right.cross(forward);
+    let axes = glam::Mat3::from_cols(right, up, forward).transpose();
+    let extents = bounds.transformed(&glam::Affine3A::from_mat3(axes));
+    let (center, extent) = (
+        extents.center(),
+        (extents.max - extents.min).max(Vec3::splat(1e-3)),
+    );
+    let edge = extent.x.max(extent.y) * (1.0 + 4.0 / px as f32);
+    let row = |axis: Vec3, scale: f32, offset: f32| (axis * scale).extend(offset);
+    let clip = Mat4::from_cols(
+        row(right, 2.0 / edge, -2.0 * center.x / edge),
+        row(up, 2.0 / edge, -2.0 * center.y / edge),
+        row(
+            forward,
+            -1.0 / extent.z,
+            1.0 + (center.z - 0.5 * extent.z) / extent.z,
+        ),
+        Vec4::W,
+    )
+    .transpose();
+    (clip, edge / px as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn needs([rays, hard_rays, sized, sized_suns]: [bool; 4]) -> LightNeeds {
+        LightNeeds {
+            rays,
+            hard_rays,
+            sized,
+            sized_suns,
+        }
+    }
+
+    #[test]
+    fn passes_serve_lights_that_ask_for_less() {
+        let all = needs([true; 4]);
+        for lacking in 0..4 {
+            let less = needs(std::array::from_fn(|i| i != lacking));
+            assert!(all.cover(less));
+            assert!(!less.cover(all));
+        }
+        assert!(all.cover(all));
+    }
+}

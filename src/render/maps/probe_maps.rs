@@ -1,0 +1,297 @@
+//! The cube maps of probes, and what they hold.
+
+use serde::Serialize;
+
+use reflet_gpu::{Gpu, GpuError, Named};
+use reflet_world::World;
+
+use super::{
+    captured::Captured,
+    probe_boxes::MOST_PROBES,
+    probe_key::ProbeKey,
+    probe_light::{by_rays, hash_of_light},
+};
+use crate::{
+    buffers::frame_uniforms::{FrameUniforms, uniform},
+    layout::{
+        fog::GpuFog,
+        types::{Frame, Sampling},
+    },
+    lighting::lights::LightBlock,
+};
+
+/// Format of the maps' radiance.
+const RADIANCE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+/// Format of the maps' hits.
+pub const HITS: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
+/// Maximum length of the rays of a capture, in the renderer's lengths.
+const REACH_M: f32 = 1e12;
+
+/// Size of the maps of a scene, and the time that they took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct ProbeStats {
+    /// Number of probes.
+    pub probes: u32,
+    /// Width of the faces, pixels.
+    pub face_px: u32,
+    /// Size of all maps, bytes.
+    pub bytes: u64,
+    /// Time of the last capture with its prefiltering, milliseconds: processor time where it is known. It is not part of
+    /// the times of the frame's passes.
+    pub capture_ms: f64,
+    /// The same, where this picture captured the maps anew; 0 where it took those of an earlier one.
+    pub update_ms: f64,
+}
+
+/// The maps of all probes.
+#[derive(Debug)]
+pub struct ProbeMaps {
+    /// Values for which they were made.
+    pub key: ProbeKey,
+    /// Uniform blocks of the capture, which do not depend on the camera.
+    pub uniforms: FrameUniforms,
+    /// Size of all maps, bytes.
+    pub bytes: u64,
+    boxes: wgpu::Buffer,
+    sampler: wgpu::Sampler,
+    /// Captured radiance, and its means over ever larger pixels.
+    captured: wgpu::Texture,
+    /// Radiance by roughness; the captured one where there is only one level.
+    filtered: wgpu::Texture,
+    hits: wgpu::Texture,
+    /// Hits behind panes, with the share of light that these let pass; `None` where nothing transmits light.
+    panes: Option<wgpu::Texture>,
+    whole: wgpu::TextureView,
+    radiance: wgpu::TextureView,
+    hits_view: wgpu::TextureView,
+    panes_view: Option<wgpu::TextureView>,
+    /// Hash of everything that the maps depend on.
+    pub captured_for: Captured<u64>,
+}
+
+impl ProbeMaps {
+    /// Creates empty maps.
+    ///
+    /// # Errors
+    /// Maps past the adapter's limits, or exhausted memory.
+    pub fn new(gpu: &Gpu, key: ProbeKey) -> Result<Self, GpuError> {
+        let (px, levels) = (key.face_px, key.levels());
+        gpu.check_texture_size("a face of a probe", px, px)?;
+        let bytes = key.bytes();
+        let mut boxes = key.boxes.clone();
+        boxes.resize(MOST_PROBES, bytemuck::Zeroable::zeroed());
+        let faces = (px, key.layers());
+        let make = |label, format, levels| texture(gpu, label, format, faces, levels);
+        let captured = make("probe radiance", RADIANCE, levels)?;
+        let filtered = match key.has_levels {
+            true => make("probe radiance by roughness", RADIANCE, levels)?,
+            false => captured.clone(),
+        };
+        let hits = make("probe hits", HITS, 1)?;
+        let panes = (key
+            .has_panes
+            .then(|| make("probe hits behind panes", HITS, 1)))
+        .transpose()?;
+        Ok(Self {
+            uniforms: FrameUniforms::new(gpu),
+            bytes,
+            boxes: uniform(gpu, "probes", bytemuck::cast_slice(&boxes)),
+            sampler: gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("probe sampler"),
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                mipmap_filter: wgpu::MipmapFilterMode::Linear,
+                ..Default::default()
+            }),
+            whole: whole(&captured, wgpu::TextureViewDimension::CubeArray),
+            radiance: whole(&filtered, wgpu::TextureViewDimension::CubeArray),
+            hits_view: whole(&hits, wgpu::TextureViewDimension::D2Array),
+            panes_view: (panes.as_ref()).map(|p| whole(p, wgpu::TextureViewDimension::D2Array)),
+            captured,
+            filtered,
+            hits,
+            panes,
+            captured_for: Captured::default(),
+            key,
+        })
+    }
+
+    /// The resources that every pass may read, by their names in the shaders.
+    pub fn named(&self) -> Vec<Named<'_>> {
+        let view = wgpu::BindingResource::TextureView;
+        let mut named = vec![
+            ("probes", self.boxes.as_entire_binding()),
+            ("probe_radiance", view(&self.radiance)),
+            ("cube_hits", view(&self.hits_view)),
+            (
+                "probe_sampler",
+                wgpu::BindingResource::Sampler(&self.sampler),
+            ),
+        ];
+        named.extend((self.panes_view.iter()).map(|panes| ("pane_hits", view(panes))));
+        named
+    }
+
+    /// The captured radiance with all of its levels, and its sampler.
+    pub fn whole(&self) -> [Named<'_>; 2] {
+        [
+            ("whole", wgpu::BindingResource::TextureView(&self.whole)),
+            (
+                "whole_sampler",
+                wgpu::BindingResource::Sampler(&self.sampler),
+            ),
+        ]
+    }
+
+    /// View of a level of the captured radiance, to read or to write.
+    pub fn captured_level(&self, level: u32) -> wgpu::TextureView {
+        level_view(&self.captured, level)
+    }
+
+    /// View of a level of the radiance by roughness, to write.
+    pub fn filtered_level(&self, level: u32) -> wgpu::TextureView {
+        level_view(&self.filtered, level)
+    }
+
+    /// View of the hits, to write.
+    pub fn hits_level(&self) -> wgpu::TextureView {
+        level_view(&self.hits, 0)
+    }
+
+    /// View of the hits behind panes, to write.
+    pub fn panes_level(&self) -> Option<wgpu::TextureView> {
+        (self.panes.as_ref()).map(|panes| level_view(panes, 0))
+    }
+
+    /// Copies the captured radiance into the first level of that by roughness.
+    pub fn copy_sharp(&self, encoder: &mut wgpu::CommandEncoder) {
+        let [from, to] = [&self.captured, &self.filtered].map(wgpu::Texture::as_image_copy);
+        let size = wgpu::Extent3d {
+            width: self.key.face_px,
+            height: self.key.face_px,
+            depth_or_array_layers: self.key.layers(),
+        };
+        encoder.copy_texture_to_texture(from, to, size);
+    }
+
+    /// Statistics, after a picture that captured for this time.
+    pub fn stats(&self, update_ms: f64) -> ProbeStats {
+        ProbeStats {
+            probes: self.key.boxes.len() as u32,
+            face_px: self.key.face_px,
+            bytes: self.bytes,
+            capture_ms: self.captured_for.ms(),
+            update_ms,
+        }
+    }
+
+    /// Uploads the blocks of a capture, and says whether the maps must be captured: where the light, the environment or
+    /// a material differs from that of the last capture.
+    pub fn prepare(
+        &self,
+        gpu: &Gpu,
+        world: &World,
+        (frame, lights, sampling): (&Frame, &LightBlock, &Sampling),
+    ) -> bool {
+        let (frame, lights) = (self.frame(frame), by_rays(lights));
+        let sampling = Sampling {
+            first: 0,
+            sample: 0,
+            samples: self.key.samples,
+            ..*sampling
+        };
+        let fog = GpuFog::of(world);
+        let hash = hash_of_light(world, &frame, &lights, &sampling, fog.as_ref());
+        if !self.captured_for.replace(hash) {
+            return false;
+        }
+        self.uniforms.set(gpu, &frame, &lights, &sampling);
+        if let Some(fog) = &fog {
+            self.uniforms.set_fog(gpu, fog);
+        }
+        true
+    }
+
+    /// The frame's block without anything that depends on its camera, or on the share of a sub-frame.
+    fn frame(&self, frame: &Frame) -> Frame {
+        let px = self.key.face_px as f32;
+        let spread = std::f32::consts::FRAC_PI_2 / px;
+        Frame {
+            clip_from_world: glam::Mat4::IDENTITY.to_cols_array_2d(),
+            eye: self.key.boxes.first().map_or([0.0; 3], |b| {
+                let [x, y, z, _] = b.position;
+                [x, y, z]
+            }),
+            near_m: 1e-4,
+            forward: [0.0, 0.0, -1.0],
+            pixel_spread: spread,
+            right: [1.0, 0.0, 0.0],
+            ray_length_m: REACH_M,
+            up: [0.0, 1.0, 0.0],
+            size: [px, px],
+            jitter: [0.0; 2],
+            // Mirrors that a probe sees reflect, whether or not the scene's mirrors see each other.
+            bounces: frame.bounces + 1,
+            fade: 0,
+            reuse_light: 0,
+            pixel_m: 0.0,
+            far_m: 0.0,
+            has_edge_on: 0,
+            moments: 1,
+            moment: 0,
+            whole_surfaces: 0,
+            crop: [0.0; 4],
+            ..*frame
+        }
+    }
+}
+
+/// View of all layers and levels.
+pub fn whole(texture: &wgpu::Texture, dimension: wgpu::TextureViewDimension) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(dimension),
+        ..Default::default()
+    })
+}
+
+/// View of all layers of a level.
+pub fn level_view(texture: &wgpu::Texture, level: u32) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2Array),
+        base_mip_level: level,
+        mip_level_count: Some(1),
+        ..Default::default()
+    })
+}
+
+/// Texture of square faces, given by their width in pixels and their number, with these levels.
+///
+/// # Errors
+/// Exhausted memory.
+pub fn texture(
+    gpu: &Gpu,
+    label: &str,
+    format: wgpu::TextureFormat,
+    (face_px, layers): (u32, u32),
+    levels: u32,
+) -> Result<wgpu::Texture, GpuError> {
+    gpu.scoped("cube maps", || {
+        gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d {
+                width: face_px,
+                height: face_px,
+                depth_or_array_layers: layers,
+            },
+            mip_level_count: levels,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING
+                | wgpu::TextureUsages::STORAGE_BINDING
+                | wgpu::TextureUsages::COPY_SRC
+                | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        })
+    })
+}

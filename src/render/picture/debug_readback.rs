@@ -1,0 +1,183 @@
+//! Debug readback: shadow maps as distances, and the list of traced rays.
+
+use glam::{Mat4, Vec3};
+
+use reflet_gpu::{
+    Gpu, GpuError,
+    readback::{read_buffer, read_texture_layer, values},
+};
+use reflet_scene::desc::ShadowMode;
+use reflet_world::{Light, World};
+
+use crate::{
+    lighting::lights::{CUBE_FACES, SHADOW_NEAR_M, has_cube_map, in_order},
+    pipeline::{cause::Cause, ray_list::RAY_COUNTER},
+    renderer::Renderer,
+    settings::options::RenderOptions,
+};
+
+/// Number of shadow map faces of a light: six for a point light, one for other lights, none where the shadow is not
+/// mapped.
+pub fn shadow_faces(light: &Light, options: &RenderOptions) -> usize {
+    match options.shadow_of(&light.desc) {
+        ShadowMode::Map if has_cube_map(&light.desc.kind) => CUBE_FACES.len(),
+        ShadowMode::Map | ShadowMode::Auto => 1,
+        ShadowMode::None | ShadowMode::Ray => 0,
+    }
+}
+
+/// Distance along the map's axis of a stored depth, in the renderer's lengths: from the light where the map is a perspective view, else from
+/// the near side of the box that the map covers. Infinite where no caster was drawn.
+fn distance_m(clip_from_world: &Mat4, depth: f32) -> f32 {
+    if depth <= 0.0 {
+        return f32::INFINITY;
+    }
+    let is_perspective = clip_from_world.row(3).truncate() != Vec3::ZERO;
+    if is_perspective {
+        return SHADOW_NEAR_M / depth;
+    }
+    let depth_per_m = clip_from_world.row(2).truncate().length();
+    (1.0 - depth) / depth_per_m
+}
+
+impl Renderer {
+    /// One face of a light's shadow map as drawn for the last picture: its width in texels, and for each texel the
+    /// distance in meters along the map's axis, rows from the top. `None` where the light has no such map.
+    ///
+    /// # Errors
+    /// A readback error.
+    pub fn shadow_map(
+        &self,
+        gpu: &Gpu,
+        world: &World,
+        light: usize,
+        face: usize,
+    ) -> Result<Option<(u32, Vec<f32>)>, GpuError> {
+        let world = &*self.relative(world);
+        let faces = |light: &Light| shadow_faces(light, &self.options);
+        if face >= world.lights.get(light).map_or(0, faces) {
+            return Ok(None);
+        }
+        let (lights, _) = in_order(&world.lights);
+        let before = lights.take_while(|l| !std::ptr::eq(*l, &raw const world.lights[light]));
+        let before: usize = before.map(faces).sum();
+        let (_, views) = self.lights(world);
+        let Some(view) = views.get(before + face) else {
+            return Ok(None);
+        };
+        let maps = if view.cube {
+            &self.bindings.maps.cubes
+        } else {
+            &self.bindings.maps.maps
+        };
+        let texture = maps.texture();
+        let depths: Vec<f32> = values(&read_texture_layer(gpu, texture, 0, view.layer)?);
+        let meters = self.coordinates.meters();
+        let distance = |depth| distance_m(&view.clip_from_world, depth) * meters;
+        Ok(Some((
+            texture.width(),
+            depths.into_iter().map(distance).collect(),
+        )))
+    }
+
+    /// Pixels that the last sub-frame traced, x and y from the top left, in the order of the list. `None` where the
+    /// frame has no list: nothing reflects, or the method traces no rays.
+    ///
+    /// # Errors
+    /// A readback error.
+    pub fn ray_list(&self, gpu: &Gpu) -> Result<Option<Vec<[u32; 2]>>, GpuError> {
+        if self.bindings.passes.trace.is_none() {
+            return Ok(None);
+        }
+        let counters: Vec<u32> = read_buffer(gpu, &self.bindings.ray_list.counters)?;
+        let [count, unmarched] = [RAY_COUNTER, Cause::Unmarched as usize]
+            .map(|at| counters.get(at).copied().unwrap_or(0) as usize);
+        let lists: Vec<u32> = read_buffer(gpu, &self.bindings.ray_list.lists)?;
+        let [width, height] = self.options.image.size;
+        let (before, refused) = lists.split_at((width * height) as usize);
+        let rays = (before.iter().rev().take(unmarched)).chain(refused);
+        let place = |ray: &u32| [ray & 0xFFFF, ray >> 16];
+        Ok(Some(rays.take(count).map(place).collect()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lighting::lights::{ShadowSizes, lights};
+    use reflet_base::math::Bounds;
+    use reflet_scene::desc::{LightDesc, LightGroup, LightKind};
+
+    fn light(kind: LightKind) -> Light {
+        Light {
+            name: "lamp".to_owned(),
+            desc: LightDesc {
+                kind,
+                color: Vec3::ONE,
+                shadow: ShadowMode::Map,
+                shadow_px: 64,
+                light_group: LightGroup::default(),
+            },
+            range_m: None,
+        }
+    }
+
+    /// Draws a point into the map and reads its depth back: the distance is that of the point.
+    #[test]
+    fn stored_depths_are_the_distances_that_were_drawn() {
+        let bounds = Bounds {
+            min: Vec3::new(-2.0, 0.0, -3.0),
+            max: Vec3::new(4.0, 5.0, 6.0),
+        };
+        let eye = Vec3::new(0.5, 4.0, 1.0);
+        let down = Vec3::NEG_Y;
+        let kinds = [
+            LightKind::Point {
+                position: eye,
+                intensity_cd: 1.0,
+                radius_m: 0.0,
+            },
+            LightKind::Spot {
+                position: eye,
+                direction: down,
+                target: None,
+                intensity_cd: 1.0,
+                inner_deg: 20.0,
+                outer_deg: 40.0,
+                radius_m: 0.0,
+            },
+            LightKind::Directional {
+                direction: down,
+                intensity_lux: 1.0,
+                angle_deg: 0.0,
+            },
+        ];
+        let point = Vec3::new(0.7, 1.25, 0.8);
+        for (kind, expected_m) in kinds.into_iter().zip([2.75, 2.75, 3.75]) {
+            let all = [light(kind)];
+            let options = RenderOptions::default();
+            let (_, views) = lights(&all, ShadowSizes::of(&all, &options), &bounds, &options);
+            assert_eq!(views.len(), shadow_faces(&all[0], &options));
+            // The fourth view, the cube face that looks down; the only view of other maps.
+            let view = views.get(3).unwrap_or(&views[0]);
+            let clip = view.clip_from_world * point.extend(1.0);
+            let depth = clip.z / clip.w;
+            let got_m = distance_m(&view.clip_from_world, depth);
+            assert!((got_m - expected_m).abs() < 1e-3, "{got_m} {expected_m}");
+            let none = distance_m(&view.clip_from_world, 0.0);
+            assert_eq!(none, f32::INFINITY);
+        }
+    }
+
+    #[test]
+    fn only_lights_with_maps_have_faces() {
+        let mut lamp = light(LightKind::Directional {
+            direction: Vec3::X,
+            intensity_lux: 1.0,
+            angle_deg: 0.0,
+        });
+        assert_eq!(shadow_faces(&lamp, &RenderOptions::default()), 1);
+        lamp.desc.shadow = ShadowMode::Ray;
+        assert_eq!(shadow_faces(&lamp, &RenderOptions::default()), 0);
+    }
+}

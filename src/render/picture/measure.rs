@@ -1,0 +1,192 @@
+//! Measurement of a frame by rendering it again with instruments, which pictures and timed frames do not contain.
+
+use reflet_gpu::{Gpu, GpuError};
+use reflet_scene::desc::CameraDesc;
+use reflet_world::World;
+
+use super::aov::{Aov, Plane};
+use crate::{
+    error::RenderError,
+    passes::{counted_passes, ssr, trace},
+    pipeline::{
+        instrument::{Counted, Instrument, PassCounts},
+        pass::{COUNTED, MAIN, Pass},
+        pass_builder::PassBuilder,
+        recorder::Timing,
+    },
+    renderer::Renderer,
+    settings::pixel_share::PixelShare,
+};
+
+impl Renderer {
+    /// Renders a sub-frame without timing it: software drivers compile a pipeline when it first runs, which would be
+    /// part of the times of passes.
+    ///
+    /// # Errors
+    /// Same errors as [`Renderer::render`].
+    pub fn warm_up(
+        &mut self,
+        gpu: &Gpu,
+        world: &World,
+        camera: &CameraDesc,
+    ) -> Result<(), RenderError> {
+        let world = &*self.relative(world);
+        let view = self.view(gpu, world, camera)?;
+        let recorder = self.sub_frame(gpu, world, &view, PixelShare::all(0), Timing::None, None);
+        self.submitted(recorder.submit())?;
+        gpu.wait()?;
+        self.redraw_shadows();
+        if let Some(maps) = &self.bindings.far_maps {
+            maps.captured_for.forget();
+        }
+        Ok(())
+    }
+
+    /// Renders the frame once more with work counters, summed over all sub-frames; passes that did not run are not
+    /// listed.
+    ///
+    /// # Errors
+    /// Same errors as [`Renderer::render`], and custom shaders without the entry point `counted`.
+    pub fn counts(
+        &mut self,
+        gpu: &Gpu,
+        world: &World,
+        camera: &CameraDesc,
+    ) -> Result<Vec<PassCounts>, RenderError> {
+        self.build_instrument(gpu, Instrument::Count)?;
+        let world = &*self.relative(world);
+        let view = self.view(gpu, world, camera)?;
+        let mut sums: Vec<PassCounts> = Vec::new();
+        for sample in 0..self.options.image.samples.count() {
+            let instrument = Some(Instrument::Count);
+            let recorder = self.sub_frame(
+                gpu,
+                world,
+                &view,
+                PixelShare::all(sample),
+                Timing::None,
+                instrument,
+            );
+            self.submitted(recorder.submit())?;
+            for counted in &self.bindings.instruments.counted {
+                let new = counted.read(gpu)?;
+                match sums.iter_mut().find(|sum| sum.pass == new.pass) {
+                    Some(sum) => sum.counts = sum.counts.plus(new.counts),
+                    None => sums.push(new),
+                }
+            }
+        }
+        Ok(sums)
+    }
+
+    /// Time of the trace pass without shading, milliseconds: it traces the same rays, and evaluates surfaces only
+    /// where a path may continue. Measured right after the trace pass, in a separate frame. `None` without traced
+    /// rays or timestamps.
+    ///
+    /// # Errors
+    /// Same errors as [`Renderer::render`].
+    pub fn traversal_ms(
+        &mut self,
+        gpu: &Gpu,
+        world: &World,
+        camera: &CameraDesc,
+    ) -> Result<Option<f64>, RenderError> {
+        self.build_instrument(gpu, Instrument::Traverse)?;
+        if self.bindings.instruments.traverse.is_none() {
+            return Ok(None);
+        }
+        let world = &*self.relative(world);
+        let view = self.view(gpu, world, camera)?;
+        let mut sum_ms = None;
+        for sample in 0..self.options.image.samples.count() {
+            let instrument = Some(Instrument::Traverse);
+            let recorder = self.sub_frame(
+                gpu,
+                world,
+                &view,
+                PixelShare::all(sample),
+                Timing::Passes,
+                instrument,
+            );
+            let times = self.submitted(recorder.finish())?;
+            let of = |(name, ms): &(String, f64)| (name == trace::TRAVERSE.name).then_some(*ms);
+            if let Some(ms) = times.passes_ms.iter().find_map(of) {
+                sum_ms = Some(sum_ms.unwrap_or(0.0) + ms);
+            }
+        }
+        Ok(sum_ms)
+    }
+
+    /// AOVs of a march that accepts every crossing: the cause is `hit` wherever the ray crossed a
+    /// surface.
+    ///
+    /// # Errors
+    /// Same errors as [`Renderer::render`].
+    pub fn crossings(
+        &mut self,
+        gpu: &Gpu,
+        world: &World,
+        camera: &CameraDesc,
+        aovs: &[Aov],
+    ) -> Result<Vec<Plane>, RenderError> {
+        self.build_instrument(gpu, Instrument::AcceptAll)?;
+        let world = &*self.relative(world);
+        let view = self.view(gpu, world, camera)?;
+        for sample in 0..self.options.image.samples.count() {
+            let instrument = Some(Instrument::AcceptAll);
+            let recorder = self.sub_frame(
+                gpu,
+                world,
+                &view,
+                PixelShare::all(sample),
+                Timing::None,
+                instrument,
+            );
+            self.submitted(recorder.submit())?;
+        }
+        let planes = aovs.iter().map(|aov| aov.plane(gpu, self, camera));
+        Ok(planes.collect::<Result<_, _>>()?)
+    }
+
+    /// Builds the passes of an instrument on first use; they are kept until the passes are rebuilt.
+    fn build_instrument(&mut self, gpu: &Gpu, instrument: Instrument) -> Result<(), GpuError> {
+        let is_ready = match instrument {
+            Instrument::Count => !self.bindings.instruments.counted.is_empty(),
+            Instrument::Traverse => self.bindings.instruments.traverse.is_some(),
+            Instrument::AcceptAll => self.bindings.instruments.accept_all.is_some(),
+        };
+        if is_ready {
+            return Ok(());
+        }
+        let builder = self.builder(gpu);
+        match instrument {
+            Instrument::Count => self.bindings.instruments.counted = counted(&builder)?,
+            Instrument::Traverse if builder.needs(&trace::PASS) => {
+                let shade = ("SHADE", 0.0);
+                let pass = &trace::TRAVERSE;
+                let built = builder.variant(pass, &trace::PASS, MAIN, shade, &[]);
+                self.bindings.instruments.traverse = Some(built?);
+            }
+            Instrument::AcceptAll if builder.needs(&ssr::PASS) => {
+                let refuse = ("REFUSE", 0.0);
+                let built = builder.variant(&ssr::PASS, &ssr::PASS, MAIN, refuse, &[]);
+                self.bindings.instruments.accept_all = Some(built?);
+            }
+            Instrument::Traverse | Instrument::AcceptAll => {}
+        }
+        Ok(())
+    }
+}
+
+/// Counting variants of the recorded passes.
+fn counted(builder: &PassBuilder<'_>) -> Result<Vec<Counted>, GpuError> {
+    let size = builder.resources.targets.size;
+    let make = |pass: &'static Pass| {
+        Counted::new(builder.gpu, size, |view| {
+            let counts = ("counts", wgpu::BindingResource::TextureView(view));
+            builder.variant(pass, pass, COUNTED, ("COUNT", 1.0), &[counts])
+        })
+    };
+    let running = counted_passes().filter(|pass| builder.needs(pass));
+    running.map(make).collect()
+}

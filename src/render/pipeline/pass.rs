@@ -1,0 +1,308 @@
+//! A compute pass: bound by name, dispatched by its shader's workgroup size, timed under its own name.
+
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use reflet_gpu::{Checks, Gpu, GpuError, GroupLayout, Named, Shader};
+
+/// Entry point of a pass's shader.
+pub const MAIN: &str = "main";
+/// Entry point that does the same work and also counts it.
+pub const COUNTED: &str = "counted";
+
+use super::{
+    ray_list::{List, RayList},
+    recorder::{Recorder, Recording},
+    shared_data::SharedData,
+    shared_groups::{SharedGroups, is_used},
+    targets::{Target, Targets},
+};
+use crate::{layout::gpu_struct::StructSpec, plan::Plan, settings::options::RenderOptions};
+
+/// Name of a pipeline override, and its value.
+pub type Override = (&'static str, f64);
+
+/// Part of a frame that passes belong to, for sums of their times.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PassGroup {
+    /// Surfaces that the pixels show.
+    Surfaces,
+    /// Light at these surfaces, with shadows and what they transmit.
+    Light,
+    /// The march through the picture.
+    March,
+    /// Reflections apart from the march: traced rays, shading of hits, smoothing.
+    Reflection,
+    /// The picture from all parts.
+    Picture,
+    /// Statistics of the frame.
+    Measurement,
+    /// Maps of probes, captured apart from the frame.
+    Capture,
+}
+
+impl PassGroup {
+    /// Name in the output of `info --frame`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Surfaces => "surfaces",
+            Self::Light => "light",
+            Self::March => "march",
+            Self::Reflection => "reflection",
+            Self::Picture => "picture",
+            Self::Measurement => "measurement",
+            Self::Capture => "capture",
+        }
+    }
+
+    /// Whether the passes find reflections, so that their time counts as `reflection_ms`.
+    pub const fn finds_reflections(self) -> bool {
+        matches!(self, Self::March | Self::Reflection)
+    }
+}
+
+/// Description of a pass: its shader, its inputs and its outputs.
+#[derive(Clone, Copy, Debug)]
+pub struct Pass {
+    /// Name of the pass, its shader file, its timer label and its preview entry.
+    pub name: &'static str,
+    /// Part of the frame.
+    pub group: PassGroup,
+    /// Color in charts, sRGB; a test asks for a distance between any two.
+    pub color: [u8; 3],
+    /// Targets that the pass samples.
+    pub reads: &'static [Target],
+    /// Targets that the pass writes.
+    pub writes: &'static [Target],
+    /// Other names that the shader has for targets in `reads` and `writes`: for each pipeline of a pass that swaps
+    /// targets.
+    pub aliases: &'static [&'static [(&'static str, Target)]],
+    /// Data beside the targets that the pass reads.
+    pub reads_shared: &'static [SharedData],
+    /// Data beside the targets that the pass writes.
+    pub writes_shared: &'static [SharedData],
+    /// Layout of the shader's `Params`, where it has them.
+    pub params: Option<StructSpec>,
+    /// Whether a frame with this plan and these options records the pass.
+    pub needed: fn(&Plan, &RenderOptions) -> bool,
+    /// Whether one of the targets in `writes` is written with this plan and these options.
+    pub is_written: fn(&Plan, &RenderOptions, Target) -> bool,
+    /// Values for overrides that only this pass's shader declares.
+    pub overrides: fn(&RenderOptions) -> Vec<Override>,
+    /// Run-time checks of the shader.
+    pub(crate) checks: Checks,
+    /// Whether the shader has the entry point [`COUNTED`].
+    pub counted: bool,
+}
+
+impl Pass {
+    /// A pass that is always recorded and touches no target.
+    pub const DEFAULT: Self = Self {
+        name: "",
+        group: PassGroup::Picture,
+        color: [0; 3],
+        reads: &[],
+        writes: &[],
+        aliases: &[],
+        reads_shared: &[],
+        writes_shared: &[],
+        params: None,
+        needed: |_, _| true,
+        is_written: |_, _, _| true,
+        overrides: |_| Vec::new(),
+        checks: Checks::All,
+        counted: false,
+    };
+}
+
+/// Number of workgroups of a pass.
+pub enum Dispatch<'a> {
+    /// One invocation per pixel that shows the moment.
+    PerPixel,
+    /// One invocation per pixel of the picture.
+    WholePicture,
+    /// Workgroups for a list of pixels, whose number the GPU wrote.
+    Listed(&'a RayList, List),
+    /// One workgroup for each square tile with this side, pixels.
+    Tiles(u32),
+    /// This number of workgroups.
+    Groups(u32),
+}
+
+/// A pass on the device.
+#[derive(Debug)]
+pub struct ComputePass {
+    pass: &'static Pass,
+    pipeline: Arc<wgpu::ComputePipeline>,
+    layout: GroupLayout,
+    used: [bool; 2],
+    tile: [u32; 2],
+    params: Option<wgpu::Buffer>,
+    bound: Option<wgpu::BindGroup>,
+}
+
+/// Width and height of the workgroups of passes over all pixels.
+pub const GROUP_PX: u32 = 8;
+
+impl ComputePass {
+    /// Builds the pipeline of one entry point; overrides that its shader does not declare are ignored.
+    ///
+    /// # Errors
+    /// A shader or wgpu error, by file and name.
+    pub fn new(
+        gpu: &Gpu,
+        pass: &'static Pass,
+        shader: &Shader,
+        entry: &str,
+        shared: &SharedGroups,
+        overrides: &[Override],
+    ) -> Result<Self, GpuError> {
+        let layout = GroupLayout::of_entry(gpu, &shader.info, entry, 2)?;
+        let groups = [
+            shared.layout_for(shader, 0),
+            shared.layout_for(shader, 1),
+            &layout,
+        ];
+        let overrides = declared_overrides(shader, overrides);
+        let pipeline = shader.compute_pipeline(gpu, entry, &groups, &overrides)?;
+        let tile = shader
+            .info
+            .entry_point(entry)
+            .map_or([1, 1], |e| [e.workgroup_size[0], e.workgroup_size[1]]);
+        let params = pass
+            .params
+            .map(|spec| params_buffer(gpu, pass.name, spec.size));
+        Ok(Self {
+            pass,
+            pipeline,
+            used: [is_used(shader, 0), is_used(shader, 1)],
+            layout,
+            tile,
+            params,
+            bound: None,
+        })
+    }
+
+    /// Begins the pass with its pipeline and groups.
+    fn begin<'e>(
+        &self,
+        encoder: &'e mut wgpu::CommandEncoder,
+        recording: &Recording<'_>,
+        shared: &SharedGroups,
+        bound: &wgpu::BindGroup,
+    ) -> wgpu::ComputePass<'e> {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some(self.pass.name),
+            timestamp_writes: recording.compute(self.pass.name),
+        });
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, shared.group_for(self.used[0], 0), &[]);
+        pass.set_bind_group(1, shared.group_for(self.used[1], 1), &[]);
+        pass.set_bind_group(2, bound, &[]);
+        pass
+    }
+
+    /// Encodes the pass with groups 0 and 1 of its own and this number of workgroups; nothing if it was never bound.
+    pub fn encode(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        recording: &Recording<'_>,
+        shared: &SharedGroups,
+        [x, y, z]: [u32; 3],
+    ) {
+        if let Some(bound) = &self.bound {
+            let mut pass = self.begin(encoder, recording, shared, bound);
+            pass.dispatch_workgroups(x, y, z);
+        }
+    }
+
+    /// Width and height of the pass's workgroups.
+    pub fn tile(&self) -> [u32; 2] {
+        self.tile
+    }
+
+    /// Name of the pass.
+    pub fn name(&self) -> &'static str {
+        self.pass.name
+    }
+
+    /// Binds targets, `params` and `extra` by name. `aliases` give targets other names in this shader.
+    ///
+    /// # Errors
+    /// A name that is missing on either side, with the shader's file.
+    pub fn bind(
+        &mut self,
+        gpu: &Gpu,
+        targets: &Targets,
+        aliases: &[(&str, Target)],
+        extra: &[Named<'_>],
+    ) -> Result<(), GpuError> {
+        let lookup = |name: &str| {
+            if name == "params" {
+                return self.params.as_ref().map(wgpu::Buffer::as_entire_binding);
+            }
+            if let Some((_, resource)) = extra.iter().find(|(n, _)| *n == name) {
+                return Some(resource.clone());
+            }
+            let alias = aliases.iter().find(|(n, _)| *n == name).map(|(_, t)| *t);
+            let mut declared = self.pass.reads.iter().chain(self.pass.writes).copied();
+            let target = declared.find(|t| alias.map_or(t.name() == name, |alias| *t == alias))?;
+            targets.view(target).map(wgpu::BindingResource::TextureView)
+        };
+        self.bound = Some(self.layout.bind_with(gpu, lookup)?);
+        Ok(())
+    }
+
+    /// Writes the pass's `Params`.
+    pub fn set_params<T: bytemuck::Pod>(&self, gpu: &Gpu, params: &T) {
+        if let Some(buffer) = &self.params {
+            gpu.queue
+                .write_buffer(buffer, 0, bytemuck::bytes_of(params));
+        }
+    }
+
+    /// Records the pass; nothing if it was never bound.
+    pub fn record(&self, recorder: &mut Recorder<'_>, dispatch: &Dispatch<'_>) {
+        let Some(bound) = &self.bound else { return };
+        let (size, invoked) = (recorder.size, recorder.invoked);
+        recorder.pass(self.pass.name, |encoder, recording| {
+            let mut pass = self.begin(encoder, recording, recording.shared, bound);
+            match dispatch {
+                Dispatch::PerPixel | Dispatch::WholePicture => {
+                    let [width, height] = match dispatch {
+                        Dispatch::PerPixel => invoked,
+                        _ => size,
+                    };
+                    let [x, y] = self.tile;
+                    pass.dispatch_workgroups(width.div_ceil(x), height.div_ceil(y), 1);
+                }
+                Dispatch::Tiles(side) => {
+                    pass.dispatch_workgroups(size[0].div_ceil(*side), size[1].div_ceil(*side), 1);
+                }
+                Dispatch::Listed(lists, list) => {
+                    let offset = list.arguments_offset();
+                    pass.dispatch_workgroups_indirect(&lists.arguments, offset);
+                }
+                Dispatch::Groups(groups) => pass.dispatch_workgroups(*groups, 1, 1),
+            }
+        });
+    }
+}
+
+/// The overrides among `overrides` that the shader declares.
+pub fn declared_overrides(shader: &Shader, overrides: &[Override]) -> Vec<Override> {
+    let declared = &shader.info.overrides;
+    let is_declared = |(name, _): &&Override| declared.iter().any(|o| o.name == *name);
+    overrides.iter().filter(is_declared).copied().collect()
+}
+
+fn params_buffer(gpu: &Gpu, name: &str, size: usize) -> wgpu::Buffer {
+    gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(name),
+        size: size as u64,
+        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}

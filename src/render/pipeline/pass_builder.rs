@@ -1,0 +1,154 @@
+//! Creates pipelines and bind groups of passes.
+
+use reflet_gpu::{Gpu, GpuError, Named, Shader};
+
+use super::{
+    pass::{ComputePass, MAIN, Override, Pass},
+    resources::Resources,
+    shaders::Shaders,
+    shared_groups::SharedGroups,
+    targets::Target,
+};
+use crate::{
+    maps::{box_faces::BoxFaces, far_maps::FarMaps, probe_maps::ProbeMaps},
+    plan::Plan,
+    settings::options::RenderOptions,
+};
+
+/// Context for building passes.
+pub struct PassBuilder<'a> {
+    /// The device.
+    pub gpu: &'a Gpu,
+    /// Plan of the frame.
+    pub plan: &'a Plan,
+    /// Render options.
+    pub options: &'a RenderOptions,
+    /// Shaders of the needed passes.
+    pub shaders: &'a Shaders,
+    /// Bind groups 0 and 1.
+    pub shared: &'a SharedGroups,
+    /// Resources to bind.
+    pub resources: Resources<'a>,
+}
+
+impl PassBuilder<'_> {
+    /// Whether the frame records a pass.
+    pub fn needs(&self, pass: &Pass) -> bool {
+        (pass.needed)(self.plan, self.options)
+    }
+
+    /// The shader of a pass.
+    ///
+    /// # Errors
+    /// Same errors as [`Shaders::get`].
+    pub fn shader(&self, pass: &Pass) -> Result<&Shader, GpuError> {
+        self.shaders.get(pass)
+    }
+
+    /// Values for the overrides of a pass, its own in place of the plan's; its shader may declare fewer.
+    pub fn overrides(&self, pass: &Pass) -> Vec<Override> {
+        let own = (pass.overrides)(self.options);
+        // Four shuffles put rows that are 16 apart beside each other, which suits 16 threads.
+        let shuffles = if self.gpu.is_software() { 4.0 } else { 0.0 };
+        let mut all = self.plan.overrides();
+        all.retain(|(name, _)| own.iter().all(|(other, _)| other != name));
+        all.extend(own);
+        all.push(("ROW_SHUFFLES", shuffles));
+        all
+    }
+
+    /// Builds a compute pass; `aliases` give targets other names in its shader.
+    ///
+    /// # Errors
+    /// A shader or wgpu error, by file and name.
+    pub fn compute(
+        &self,
+        pass: &'static Pass,
+        aliases: &[(&str, Target)],
+    ) -> Result<ComputePass, GpuError> {
+        self.bound(pass, pass, MAIN, &self.overrides(pass), aliases, &[])
+    }
+
+    /// Builds a compute pass named `pass` that starts at `entry` of the shader of `original`, with one further
+    /// override and further bindings.
+    ///
+    /// # Errors
+    /// Same errors as [`PassBuilder::compute`].
+    pub fn variant(
+        &self,
+        pass: &'static Pass,
+        original: &Pass,
+        entry: &str,
+        further: Override,
+        extra: &[Named<'_>],
+    ) -> Result<ComputePass, GpuError> {
+        let mut overrides = self.overrides(original);
+        overrides.push(further);
+        self.bound(pass, original, entry, &overrides, &[], extra)
+    }
+
+    /// Builds a compute pass that starts at `entry` of its shader, with further bindings.
+    ///
+    /// # Errors
+    /// Same errors as [`PassBuilder::compute`].
+    pub fn with_resources(
+        &self,
+        pass: &'static Pass,
+        entry: &str,
+        extra: &[Named<'_>],
+    ) -> Result<ComputePass, GpuError> {
+        self.bound(pass, pass, entry, &self.overrides(pass), &[], extra)
+    }
+
+    /// The maps of probes.
+    ///
+    /// # Errors
+    /// [`GpuError::Binding`] in a frame without probes.
+    pub fn probe_maps(&self) -> Result<&ProbeMaps, GpuError> {
+        let missing = || GpuError::Binding("maps of probes were not planned".to_owned());
+        self.resources.probe_maps.ok_or_else(missing)
+    }
+
+    /// The maps of far things.
+    ///
+    /// # Errors
+    /// [`GpuError::Binding`] in a frame of another method than `near-far`.
+    pub fn far_maps(&self) -> Result<&FarMaps, GpuError> {
+        let missing = || GpuError::Binding("maps of far things were not planned".to_owned());
+        self.resources.far_maps.ok_or_else(missing)
+    }
+
+    /// The faces of the box.
+    ///
+    /// # Errors
+    /// [`GpuError::Binding`] in a frame of another method than `ssr+box`.
+    pub fn box_faces(&self) -> Result<&BoxFaces, GpuError> {
+        let missing = || GpuError::Binding("faces of a box were not planned".to_owned());
+        self.resources.box_faces.ok_or_else(missing)
+    }
+
+    fn bound(
+        &self,
+        pass: &'static Pass,
+        original: &Pass,
+        entry: &str,
+        overrides: &[Override],
+        aliases: &[(&str, Target)],
+        extra: &[Named<'_>],
+    ) -> Result<ComputePass, GpuError> {
+        let shader = self.shader(original)?;
+        let mut built = ComputePass::new(self.gpu, pass, shader, entry, self.shared, overrides)?;
+        let mut named = self.resources.ray_list.named().to_vec();
+        named.extend(
+            self.resources
+                .probe_maps
+                .iter()
+                .flat_map(|maps| maps.named()),
+        );
+        named.extend(self.resources.far_maps.iter().flat_map(|maps| maps.named()));
+        named.extend(self.resources.box_faces.iter().flat_map(|f| f.named()));
+        named.extend_from_slice(extra);
+        built.bind(self.gpu, self.resources.targets, aliases, &named)?;
+        Ok(built)
+    }
+}

@@ -1,0 +1,246 @@
+//! The passes of a frame, and the textures and buffers that they are bound to.
+
+use std::sync::Arc;
+
+use reflet_gpu::{Gpu, GpuError};
+use reflet_world::Light;
+
+use crate::{
+    buffers::frame_uniforms::FrameUniforms,
+    lighting::lights::{LightNeeds, ShadowSizes},
+    maps::{
+        box_faces::BoxFaces, far_maps::FarMaps, map_keys::MapKeys, probe_key::ProbeKey,
+        probe_maps::ProbeMaps, shadow_maps::ShadowMaps,
+    },
+    passes::{Passes, capture, needed_passes, prefilter, written_targets},
+    pipeline::{
+        instrument::Instruments,
+        pass::{Override, Pass},
+        pass_builder::PassBuilder,
+        ray_list::{ListedParts, RayList},
+        resources::Resources,
+        shaders::Shaders,
+        shared_groups::SharedGroups,
+        targets::{Target, Targets},
+    },
+    plan::Plan,
+    settings::options::RenderOptions,
+    upload::scene::GpuScene,
+};
+
+/// Values that the passes of a frame depend on; where they differ, passes are built and bound again.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BindingKey {
+    size: [u32; 2],
+    targets: Vec<Target>,
+    full: bool,
+    detail_layers: u32,
+    shadows: ShadowSizes,
+    light_needs: LightNeeds,
+    lists: ListedParts,
+    color: Target,
+    audit: bool,
+    overrides: Vec<Override>,
+    maps: MapKeys,
+}
+
+impl BindingKey {
+    /// Key of a frame that records these passes.
+    pub fn new(
+        plan: &Plan,
+        options: &RenderOptions,
+        shadows: ShadowSizes,
+        passes: &[&'static Pass],
+        maps: MapKeys,
+    ) -> Self {
+        let own = passes.iter().flat_map(|pass| (pass.overrides)(options));
+        Self {
+            size: options.image.size,
+            targets: written_targets(passes, plan, options),
+            full: plan.precision.full,
+            detail_layers: Target::Details.layers(plan.features.frames),
+            shadows,
+            light_needs: plan.light_needs(),
+            lists: ListedParts {
+                reflections: plan.features.reflections,
+                undersampled: plan.features.undersampled,
+                transmission: plan.features.transmission,
+                moments: plan.features.moments,
+            },
+            color: Target::last_color(options.image.samples.count()),
+            audit: options.audit,
+            overrides: plan.overrides().into_iter().chain(own).collect(),
+            maps,
+        }
+    }
+
+    /// Size, precision and layers of the textures.
+    fn shape(&self) -> ([u32; 2], bool, u32) {
+        (self.size, self.full, self.detail_layers)
+    }
+
+    /// Whether the existing shadow maps fit these lights, and the passes were built for all their shadow rays and
+    /// sizes.
+    pub fn fits_lights(&self, lights: &[Light], options: &RenderOptions) -> bool {
+        self.shadows == ShadowSizes::of(lights, options)
+            && self.light_needs.cover(LightNeeds::of(lights, options))
+    }
+}
+
+/// Maps of probes, and the code and constants that captured them. They are kept while they fit: a preview that changes the
+/// size of its pictures, or compares two methods, would otherwise capture them for each picture.
+#[derive(Clone, Debug)]
+struct KeptMaps {
+    maps: Arc<ProbeMaps>,
+    overrides: Vec<Override>,
+    shaders: Vec<Option<String>>,
+}
+
+impl KeptMaps {
+    /// The maps of a frame with probes, those of `old` where they fit.
+    ///
+    /// # Errors
+    /// Same errors as [`ProbeMaps::new`].
+    fn new(
+        gpu: &Gpu,
+        key: &BindingKey,
+        probes: ProbeKey,
+        shaders: &Shaders,
+        old: Option<&Self>,
+    ) -> Result<Self, GpuError> {
+        let shaders = shaders.texts(&[&capture::PASS, &prefilter::PASS]);
+        let fits = |old: &&Self| {
+            old.maps.key == probes && old.overrides == key.overrides && old.shaders == shaders
+        };
+        if let Some(old) = old.filter(fits) {
+            return Ok(old.clone());
+        }
+        Ok(Self {
+            maps: Arc::new(ProbeMaps::new(gpu, probes)?),
+            overrides: key.overrides.clone(),
+            shaders,
+        })
+    }
+}
+
+/// Inputs for building passes.
+#[derive(Clone, Copy)]
+pub struct BindingInputs<'a> {
+    /// Features and passes of the frame.
+    pub plan: &'a Plan,
+    /// Options that the frame is rendered with.
+    pub options: &'a RenderOptions,
+    /// Shaders of the needed passes.
+    pub shaders: &'a Shaders,
+    /// Scene data, bound as group 1.
+    pub scene: &'a GpuScene,
+    /// Uniform buffers, bound as group 0.
+    pub uniforms: &'a FrameUniforms,
+    /// Whether trees and materials are those of the bindings before, so that maps of them may be kept.
+    pub is_same_world: bool,
+}
+
+/// The passes of a frame, and the textures and buffers that they are bound to.
+#[derive(Debug)]
+pub struct Bindings {
+    /// Values that the passes were built for.
+    pub key: BindingKey,
+    /// Shadow maps, bound as group 0.
+    pub maps: ShadowMaps,
+    /// Intermediate textures.
+    pub targets: Targets,
+    /// Lists of the frame, in one buffer.
+    pub ray_list: RayList,
+    /// Cube maps of probes, in frames that look reflections up in them.
+    pub probe_maps: Option<Arc<ProbeMaps>>,
+    /// The same, or those of the last frame that had some.
+    kept_maps: Option<KeptMaps>,
+    /// Maps of far things, in frames of method `near-far`.
+    pub far_maps: Option<FarMaps>,
+    /// Faces of the box, in frames of method `ssr+box`.
+    pub box_faces: Option<BoxFaces>,
+    /// Groups 0 and 1.
+    pub shared: SharedGroups,
+    /// Passes that the frame records.
+    pub passes: Passes,
+    /// Passes for measurements, built on first use.
+    pub instruments: Instruments,
+}
+
+impl Bindings {
+    /// Builds and binds every needed pass; textures and buffers of `old` are reused where they fit.
+    ///
+    /// # Errors
+    /// A picture or shadow maps past the adapter's limits, a shader error, or a wgpu error.
+    pub fn new(
+        gpu: &Gpu,
+        key: BindingKey,
+        inputs: BindingInputs<'_>,
+        old: Option<&Self>,
+    ) -> Result<Self, GpuError> {
+        let fits = |same: fn(&BindingKey, &BindingKey) -> bool| old.filter(|o| same(&o.key, &key));
+        let maps = match fits(|a, b| a.shadows == b.shadows) {
+            Some(old) => old.maps.clone(),
+            None => ShadowMaps::new(gpu, key.shadows)?,
+        };
+        let targets = match fits(|a, b| a.shape() == b.shape() && a.targets == b.targets) {
+            Some(old) => old.targets.clone(),
+            None => Targets::new(gpu, key.size, &key.targets, key.full, key.detail_layers)?,
+        };
+        let ray_list = match fits(|a, b| a.size == b.size && a.lists == b.lists) {
+            Some(old) => old.ray_list.clone(),
+            None => RayList::new(gpu, key.size, key.lists)?,
+        };
+        let MapKeys { probes, far, faces } = key.maps.clone();
+        let kept = old.filter(|_| inputs.is_same_world);
+        let kept = kept.and_then(|old| old.kept_maps.as_ref());
+        let made = probes.map(|probes| KeptMaps::new(gpu, &key, probes, inputs.shaders, kept));
+        let made = made.transpose()?;
+        let probe_maps = made.as_ref().map(|made| Arc::clone(&made.maps));
+        let kept_maps = made.or_else(|| kept.cloned());
+        // Maps of far things follow the camera, and faces of the box are captured fast.
+        let far_maps = far.map(|key| FarMaps::new(gpu, key)).transpose()?;
+        let box_faces = faces.map(|key| BoxFaces::new(gpu, key)).transpose()?;
+        let BindingInputs {
+            plan,
+            options,
+            shaders,
+            scene,
+            uniforms,
+            ..
+        } = inputs;
+        let resources = Resources {
+            scene,
+            maps: &maps,
+            uniforms,
+            targets: &targets,
+            ray_list: &ray_list,
+            probe_maps: probe_maps.as_deref(),
+            far_maps: far_maps.as_ref(),
+            box_faces: box_faces.as_ref(),
+        };
+        let infos = shaders.infos(&needed_passes(plan, options))?;
+        let shared = SharedGroups::new(gpu, &infos, resources)?;
+        let passes = Passes::new(&PassBuilder {
+            gpu,
+            plan,
+            options,
+            shaders,
+            shared: &shared,
+            resources,
+        })?;
+        Ok(Self {
+            key,
+            maps,
+            targets,
+            ray_list,
+            probe_maps,
+            kept_maps,
+            far_maps,
+            box_faces,
+            shared,
+            passes,
+            instruments: Instruments::default(),
+        })
+    }
+}

@@ -1,0 +1,306 @@
+//! The frame: its sub-frames, recorded and submitted. `passes/mod.rs` lists the passes in their order.
+
+use std::time::Instant;
+
+use reflet_base::math::Bounds;
+use reflet_gpu::{Gpu, GpuError, readback};
+use reflet_scene::desc::CameraDesc;
+use reflet_world::World;
+
+use super::{
+    capture_times::without_capture,
+    stats::{FrameStats, Shares},
+};
+use crate::{
+    decide::edge_on::has_edge_on_surfaces,
+    error::RenderError,
+    layout::{
+        fog::GpuFog,
+        types::{Frame, Sampling},
+    },
+    lighting::lights::{LightBlock, ShadowView, lights},
+    pipeline::{
+        instrument::Instrument,
+        recorder::{PassTimes, Recorder, Timing},
+        sub_frame::SubFrame,
+    },
+    renderer::Renderer,
+    settings::{
+        pixel_share::PixelShare,
+        view::{View, jitter},
+    },
+};
+
+impl Renderer {
+    /// Renders one picture into the targets. The lights of `world` may have moved since the last one; their number
+    /// and shadow modes must be the same.
+    ///
+    /// # Errors
+    /// A lost device, exhausted memory, or a world other than the uploaded one.
+    pub fn render(
+        &mut self,
+        gpu: &Gpu,
+        world: &World,
+        camera: &CameraDesc,
+    ) -> Result<FrameStats, RenderError> {
+        let started = Instant::now();
+        let samples = self.options.image.samples.count();
+        let world = &*self.relative(world);
+        let view = self.view(gpu, world, camera)?;
+        let mut times = PassTimes::default();
+        for sample in 0..samples {
+            let recorder = self.sub_frame(
+                gpu,
+                world,
+                &view,
+                PixelShare::all(sample),
+                Timing::Passes,
+                None,
+            );
+            times.extend(self.submitted(recorder.finish())?);
+            self.end_of_sub_frame(gpu, sample)?;
+        }
+        gpu.wait()?;
+        let frame_ms = started.elapsed().as_secs_f64() * 1e3;
+        let mut stats = self.stats(times.summed(), frame_ms);
+        let counters = self.bindings.ray_list.counted();
+        stats.set_counters(&readback::read_buffer(gpu, counters)?);
+        Ok(stats)
+    }
+
+    /// Submits one picture without timing or counting; at most two of its sub-frames wait for the GPU at a time.
+    ///
+    /// # Errors
+    /// Same errors as [`Renderer::render`].
+    pub(crate) fn submit(
+        &mut self,
+        gpu: &Gpu,
+        world: &World,
+        camera: &CameraDesc,
+    ) -> Result<FrameStats, RenderError> {
+        let world = &*self.relative(world);
+        let view = self.view(gpu, world, camera)?;
+        let mut before = None;
+        for sample in 0..self.options.image.samples.count() {
+            let recorder = self.sub_frame(
+                gpu,
+                world,
+                &view,
+                PixelShare::all(sample),
+                Timing::None,
+                None,
+            );
+            let submission = self.submitted(recorder.submit())?;
+            if let Some(before) = before.replace(submission) {
+                gpu.wait_for(&before)?;
+            }
+            self.end_of_sub_frame(gpu, sample)?;
+        }
+        Ok(self.stats(PassTimes::default(), 0.0))
+    }
+
+    /// The view of a camera, given in scene coordinates, in the renderer's coordinates; reflection rays skip what this
+    /// view allows from now on. Checks that `world`, in the renderer's coordinates, is the uploaded one, posed.
+    ///
+    /// # Errors
+    /// A world other than the uploaded one.
+    pub(crate) fn view(
+        &mut self,
+        gpu: &Gpu,
+        world: &World,
+        camera: &CameraDesc,
+    ) -> Result<View, RenderError> {
+        self.check_posed(world)?;
+        let drawn = self.drawn_bounds();
+        let (camera, _) = self.coordinates.view(camera, &drawn, self.unit_m);
+        let mut view = View::new(&camera, self.options.image.size, self.unit_m);
+        // Method `ssr` and the paper's rule assume that the picture shows all surfaces, so they need no such check.
+        let verifies = self.plan.features.reflections && self.options.reflection.verifies();
+        view.has_edge_on = verifies && has_edge_on_surfaces(world, &view);
+        let skipped = self.skip.skipped(world, &view, &self.options.reflection);
+        if self.trees.skip(world, &skipped) {
+            self.scene.write_reflected(gpu, &self.trees);
+        }
+        self.scene.set_skipped(gpu, world, &self.trees, &skipped);
+        Ok(view)
+    }
+
+    /// Makes the next picture draw all shadow maps, also those whose lights and casters have not moved.
+    pub fn redraw_shadows(&self) {
+        if let Some(shadow) = &self.bindings.passes.shadow {
+            shadow.forget();
+        }
+    }
+
+    /// Makes the next picture capture all maps of probes, of far things and of the box, also where nothing that they see has changed.
+    pub fn recapture_probes(&self) {
+        if let Some(maps) = &self.bindings.probe_maps {
+            maps.captured_for.forget();
+        }
+        if let Some(maps) = &self.bindings.far_maps {
+            maps.captured_for.forget();
+        }
+        if let Some(faces) = &self.bindings.box_faces {
+            faces.captured_for.forget();
+        }
+    }
+
+    /// Result of a submission; after an error all shadow maps and probes count as outdated.
+    pub(crate) fn submitted<T>(&self, result: Result<T, GpuError>) -> Result<T, GpuError> {
+        result.inspect_err(|_| {
+            self.redraw_shadows();
+            self.recapture_probes();
+        })
+    }
+
+    /// Whether a share of a sub-frame resolves the surfaces of all pixels: for the march, which meets those around, and
+    /// for AOVs, which show the frame's own moment.
+    fn resolves_all(&self, share: PixelShare) -> bool {
+        let marches = self.plan.features.reflections && self.method().marches();
+        marches || (share.is_last() && share.sample + 1 == self.options.image.samples.count())
+    }
+
+    /// Records the share of one sub-frame, pass by pass; an instrument adds a measurement.
+    pub(crate) fn sub_frame<'a>(
+        &'a self,
+        gpu: &'a Gpu,
+        world: &World,
+        view: &View,
+        share: PixelShare,
+        timing: Timing,
+        instrument: Option<Instrument>,
+    ) -> Recorder<'a> {
+        let (sample, samples) = (share.sample, self.options.image.samples.count());
+        let whole_surfaces = self.resolves_all(share);
+        let eye = view.eye;
+        let (view, shift) = &view.through_lens(sample, samples);
+        let view = &view.reaching(&self.drawn_bounds());
+        let jitter = jitter(sample, samples) + *shift;
+        let (mut block, shadow_views) = self.lights(world);
+        let settings = &self.options.reflection;
+        let mut frame = Frame::new(
+            world,
+            view,
+            jitter,
+            (settings, self.options.image.exposure_ev.ev()),
+            (self.unit_m, self.plan.bounces, self.options.crop_edges()),
+            (share, whole_surfaces),
+        );
+        let mut sampling =
+            Sampling::new(world, &self.options.image, self.scene.light_tree(), sample);
+        (self.shown_light).leave(world, &mut frame, &mut sampling, &mut block);
+        self.uniforms.set(gpu, &frame, &block, &sampling);
+        if let Some(fog) = GpuFog::of(world) {
+            self.uniforms.set_fog(gpu, &fog);
+        }
+        let maps = self.bindings.probe_maps.as_ref().filter(|_| sample == 0);
+        let captures = match (&self.bindings.far_maps, &self.bindings.box_faces) {
+            (Some(far), _) => far.prepare(gpu, world, eye, settings, self.unit_m),
+            (None, Some(faces)) => faces.prepare(gpu, world, settings),
+            _ => maps.is_some_and(|m| m.prepare(gpu, world, (&frame, &block, &sampling))),
+        };
+        let size = self.options.image.size;
+        let mut frame = SubFrame {
+            recorder: Recorder::new(gpu, &self.timer, timing, &self.bindings.shared, size)
+                .over(share.squares(size)),
+            options: &self.options,
+            unit_m: self.unit_m,
+            share,
+            whole_surfaces,
+            clip_from_world: view.clip_from_world(jitter),
+            shadow_views,
+            resources: self.resources(),
+            instruments: &self.bindings.instruments,
+            captures,
+            instrument,
+        };
+        self.bindings.passes.record(&mut frame);
+        frame.recorder
+    }
+
+    /// Uniform block of the lights, and the views of the shadow maps in the order of the lights.
+    pub(crate) fn lights(&self, world: &World) -> (LightBlock, Vec<ShadowView>) {
+        lights(
+            &world.lights,
+            self.bindings.maps.sizes,
+            &self.drawn_bounds(),
+            &self.options,
+        )
+    }
+
+    /// Half the size of the box of method `near-far`, meters of the scene.
+    fn near_m(&self) -> f32 {
+        let settings = &self.options.reflection.near_far;
+        settings.half_size_in(self.unit_m) * self.coordinates.meters()
+    }
+
+    /// Bounding box of everything that is drawn.
+    pub(crate) fn drawn_bounds(&self) -> Bounds {
+        let draws = self.scene.draws.iter();
+        draws.fold(Bounds::EMPTY, |all, draw| all.union(draw.bounds))
+    }
+
+    /// Statistics of a frame whose counters are not read back.
+    pub(crate) fn stats(&self, times: PassTimes, frame_ms: f64) -> FrameStats {
+        let (times, captured) = without_capture(times);
+        let maps = self.bindings.probe_maps.as_ref();
+        if let (Some(maps), true) = (maps, captured.cost_ms > 0.0) {
+            maps.captured_for.set_ms(captured.cost_ms);
+        }
+        let far = self.bindings.far_maps.as_ref();
+        if let (Some(far), true) = (far, captured.cost_ms > 0.0) {
+            far.captured_for.set_ms(captured.cost_ms);
+        }
+        let faces = self.bindings.box_faces.as_ref();
+        if let (Some(faces), true) = (faces, captured.cost_ms > 0.0) {
+            faces.captured_for.set_ms(captured.cost_ms);
+        }
+        let mut bytes: Vec<(String, u64)> = Vec::new();
+        let named = |(name, size): (&str, u64)| (name.to_owned(), size);
+        bytes.extend(self.scene.report().into_iter().map(named));
+        bytes.push(("shadow_maps".to_owned(), self.bindings.maps.bytes));
+        bytes.extend(
+            self.bindings
+                .targets
+                .report()
+                .into_iter()
+                .map(|(n, b)| (format!("target_{n}"), b)),
+        );
+        if let Some(maps) = &self.bindings.probe_maps {
+            bytes.push(("probe_maps".to_owned(), maps.bytes));
+        }
+        if let Some(far) = far {
+            bytes.push(("far_maps".to_owned(), far.key.bytes()));
+        }
+        if let Some(faces) = faces {
+            bytes.push(("box_faces".to_owned(), faces.key.bytes()));
+        }
+        if self.plan.features.lists {
+            bytes.push(("lists".to_owned(), self.bindings.ray_list.lists.size()));
+        }
+        let (size, method) = (self.options.image.size, self.method());
+        FrameStats {
+            size,
+            samples: self.options.image.samples.count(),
+            error: None,
+            method,
+            unit_m: self.unit_m(),
+            tree_ms: self.tree_ms,
+            structures_ms: self.scene.structures.as_ref().map_or(0.0, |s| s.build_ms),
+            structures_update_ms: self.scene.structures.as_ref().map_or(0.0, |s| s.update_ms),
+            shares: Shares::new(&[], size, method),
+            rays: 0,
+            exhausted_rays: 0,
+            audit: None,
+            second_layer: None,
+            decisions: self.decisions.clone(),
+            passes_ms: times.passes_ms,
+            processor_ms: times.processor_ms,
+            frame_ms: frame_ms - captured.passes_ms,
+            probes: maps.map(|maps| maps.stats(captured.cost_ms)),
+            far: far.map(|far| far.stats(self.near_m(), captured.cost_ms)),
+            box_faces: faces.map(|f| f.stats(self.coordinates.meters(), captured.cost_ms)),
+            bytes,
+        }
+    }
+}

@@ -1,0 +1,220 @@
+//! Instances and materials on the GPU: in a buffer, and for shaders in a texture as well where drivers read textures
+//! faster; and the functions by which shaders read their fields.
+
+use std::fmt::Write as _;
+
+use bytemuck::{Pod, cast_slice};
+
+use reflet_gpu::{Gpu, GpuError};
+
+use super::geometry::buffer;
+use crate::{
+    buffers::texel_array::TexelArray,
+    layout::{
+        gpu_patterned::GpuPatterned,
+        gpu_struct::StructSpec,
+        types::{GpuInstance, GpuMaterial, GpuTextureUse},
+    },
+};
+
+/// Size of a texel, bytes.
+const TEXEL: usize = 16;
+
+/// An array of structs that is read by shaders, one element at a time.
+#[derive(Clone, Debug)]
+pub struct RecordArray {
+    buffer: wgpu::Buffer,
+    /// Copy that shaders read; without, they read the buffer.
+    texels: Option<TexelArray>,
+}
+
+impl RecordArray {
+    /// Creates an initialized array, never of zero size.
+    ///
+    /// # Errors
+    /// A size past the adapter's limit, named by `name`, or a wgpu error.
+    pub fn new<T: Pod>(
+        gpu: &Gpu,
+        name: &str,
+        records: impl ExactSizeIterator<Item = T> + Clone,
+        usage: wgpu::BufferUsages,
+        in_texels: bool,
+    ) -> Result<Self, GpuError> {
+        let texels = in_texels.then(|| TexelArray::new(gpu, name, records.clone()));
+        let usage = usage | wgpu::BufferUsages::STORAGE;
+        Ok(Self {
+            texels: texels.transpose()?,
+            buffer: buffer(gpu, name, records, usage)?,
+        })
+    }
+
+    /// Writes elements, starting at index `first`.
+    pub fn write<T: Pod>(&self, gpu: &Gpu, first: usize, records: &[T]) {
+        let offset = (first * size_of::<T>()) as u64;
+        gpu.queue
+            .write_buffer(&self.buffer, offset, cast_slice(records));
+        if let Some(texels) = &self.texels {
+            texels.write(gpu, first, records);
+        }
+    }
+
+    /// The buffer.
+    pub const fn buffer(&self) -> &wgpu::Buffer {
+        &self.buffer
+    }
+
+    /// Whether shaders read the array from a texture.
+    pub const fn is_texels(&self) -> bool {
+        self.texels.is_some()
+    }
+
+    /// Binding for shaders.
+    pub fn resource(&self) -> wgpu::BindingResource<'_> {
+        match &self.texels {
+            Some(texels) => texels.resource(),
+            None => self.buffer.as_entire_binding(),
+        }
+    }
+
+    /// Total size of buffer and texture, bytes.
+    pub fn size(&self) -> u64 {
+        self.buffer.size() + self.texels.as_ref().map_or(0, TexelArray::size)
+    }
+}
+
+/// Whether shaders had better read this number of instances and of materials from textures.
+pub fn are_texels_preferred(gpu: &Gpu, instances: usize, materials: usize) -> bool {
+    TexelArray::is_preferred::<GpuInstance>(gpu, instances)
+        && TexelArray::is_preferred::<GpuMaterial>(gpu, materials)
+}
+
+/// Shader text with the bindings of both arrays and, for each field, a function of the element's index; that of an
+/// array has a second parameter, the slot.
+pub fn wgsl(in_texels: bool) -> String {
+    let mut text = String::new();
+    if in_texels {
+        text.push_str("#import texel\n");
+    }
+    for (spec, array, binding) in [
+        (&GpuInstance::LAYOUT, "instances", 2),
+        (&GpuMaterial::LAYOUT, "materials", 5),
+    ] {
+        let (space, of) = match in_texels {
+            true => ("", "texture_2d<u32>".to_owned()),
+            false => ("<storage, read>", format!("array<{}>", spec.name)),
+        };
+        let _ = writeln!(
+            text,
+            "@group(1) @binding({binding}) var{space} {array}: {of};"
+        );
+        for (&(field, offset, _), rust_type) in spec.fields.iter().zip(spec.types) {
+            let element = array.trim_end_matches('s');
+            let listed = [&GpuTextureUse::LAYOUT, &GpuPatterned::LAYOUT];
+            let listed = (listed.into_iter())
+                .find(|spec| rust_type.starts_with(&format!("[Gpu{};", spec.name)));
+            let (name, slot, at_slot) = match listed {
+                Some(_) => (field.trim_end_matches('s'), ", slot: u32", "[slot]"),
+                None => (field, "", ""),
+            };
+            let ty = listed.map_or_else(|| wgsl_type(rust_type), |spec| spec.name);
+            let _ = writeln!(text, "fn {element}_{name}(i: u32{slot}) -> {ty} {{");
+            if in_texels {
+                let element_texels = spec.size / TEXEL;
+                let slots = listed.map_or_else(String::new, |spec| {
+                    format!(" + {}u * slot", spec.size / TEXEL)
+                });
+                let texel = format!("{element_texels}u * i{slots}");
+                let value = match listed {
+                    Some(spec) => whole_value(spec, array, &texel, offset),
+                    None => value(array, &texel, offset, ty),
+                };
+                let _ = writeln!(text, "    return {value};\n}}");
+            } else {
+                let _ = writeln!(text, "    return {array}[i].{field}{at_slot};\n}}");
+            }
+        }
+    }
+    text
+}
+
+/// WGSL type of a field with this Rust type.
+fn wgsl_type(rust_type: &str) -> &'static str {
+    match rust_type {
+        "f32" => "f32",
+        "u32" => "u32",
+        "[f32; 2]" => "vec2f",
+        "[f32; 3]" => "vec3f",
+        "[f32; 4]" => "vec4f",
+        "[[f32; 4]; 3]" => "mat3x4f",
+        _ => panic!("shaders cannot read a field of type {rust_type}"),
+    }
+}
+
+/// Expression for a value at `offset` bytes past the texel of an array that the expression `texel` numbers.
+fn value(array: &str, texel: &str, offset: usize, ty: &str) -> String {
+    let load = |at: usize| {
+        let texel = format!("{texel} + {}u", offset / TEXEL + at);
+        format!("textureLoad({array}, texel_place({texel}), 0)")
+    };
+    let first = (offset % TEXEL) / 4;
+    let part = |count: usize| &"xyzw"[first..first + count];
+    match ty {
+        "u32" => format!("{}.{}", load(0), part(1)),
+        "f32" => format!("bitcast<f32>({}.{})", load(0), part(1)),
+        "mat3x4f" => {
+            let rows = [0, 1, 2].map(|row| format!("bitcast<vec4f>({})", load(row)));
+            format!("mat3x4f({})", rows.join(", "))
+        }
+        _ => {
+            let count = ty.as_bytes()[3] - b'0';
+            format!("bitcast<{ty}>({}.{})", load(0), part(count.into()))
+        }
+    }
+}
+
+/// Expression for a struct at `offset` bytes past a texel.
+fn whole_value(spec: &StructSpec, array: &str, texel: &str, offset: usize) -> String {
+    let StructSpec {
+        name,
+        fields,
+        types,
+        ..
+    } = spec;
+    let values = fields.iter().zip(*types);
+    let values: Vec<_> = values
+        .map(|(&(_, at, _), ty)| value(array, texel, offset + at, wgsl_type(ty)))
+        .collect();
+    format!("{name}({})", values.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fields_are_read_from_buffers_and_from_texels() {
+        let lines = |in_texels: bool, wanted: &[&str]| {
+            let text = wgsl(in_texels);
+            for line in wanted {
+                assert!(text.contains(line), "{line} in\n{text}");
+            }
+        };
+        lines(
+            false,
+            &[
+                "@group(1) @binding(2) var<storage, read> instances: array<Instance>;",
+                "fn instance_material(i: u32) -> u32 {\n    return instances[i].material;",
+                "fn material_texture(i: u32, slot: u32) -> TextureUse {\n    return materials[i].textures[slot];",
+            ],
+        );
+        lines(
+            true,
+            &[
+                "@group(1) @binding(5) var materials: texture_2d<u32>;",
+                "return textureLoad(instances, texel_place(8u * i + 7u), 0).y;",
+                "return bitcast<vec3f>(textureLoad(materials, texel_place(78u * i + 1u), 0).xyz);",
+                "return TextureUse(bitcast<vec3f>(textureLoad(materials, texel_place(78u * i + 3u * slot + 12u), 0).xyz), ",
+            ],
+        );
+    }
+}
