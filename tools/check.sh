@@ -160,9 +160,6 @@ if [ "$full" = yes ]; then
     heading "Links of the documentation"
     RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps --workspace
 
-    heading "Trial additions of docs/extending.md"
-    tools/extending.sh --build
-
     heading "Another driver"
     if tools/driver.sh newest >/dev/null; then
         tools/driver.sh newest check scenes/fail/*.toml scenes/{atrium,cornell,interior,mirrors,street,studio}.toml

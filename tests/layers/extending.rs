@@ -1,31 +1,62 @@
-//! Trial additions of docs/extending.md: patches that apply to this tree, with the files and lines that the document
-//! says they touch.
+//! File lists of docs/extending.md: where real additions stand in the code, found by words that only they have.
 
-use std::{ffi::OsStr, fs, path::PathBuf, process::Command};
+use std::{ffi::OsStr, fs};
 
 use super::{files_below, root};
 
-/// The document that shows the patches, each in a block of text after a comment with its path.
+/// The document that shows each list in a block of text after a comment with its words.
 const GUIDE: &str = "docs/extending.md";
 
-fn patches() -> Vec<PathBuf> {
-    files_below(&root().join("tests/extending"), &["patch"])
+/// For each kind of addition, the words that one of that kind has to itself, in the order of the document.
+const ADDITIONS: [&[&str]; 10] = [
+    &["soften", "Soften"],                             // a pass
+    &["EdgeOn", "edge_on", "CAUSE_EDGE_ON"],           // a cause
+    &["clearcoat_roughness"],                          // a material number
+    &["Rect | Disk", "LightKind::Disk", "LIGHT_DISK"], // a light kind
+    &["Torus", "torus"],                               // a shape
+    &["SsrBox", "ssr+box"],                            // a method
+    &["Calibrate", "CalibrateArgs"],                   // a subcommand
+    &["checkers", "HAS_CHECKERS"],                     // a shader feature
+    &["threshold_u"],                                  // a reflection key
+    &["rel_mse"],                                      // a metric
+];
+
+/// Whether a line of code has a word, which no letter, digit or underscore continues.
+fn has_word(line: &str, word: &str) -> bool {
+    let continues = |c: char| c.is_alphanumeric() || c == '_';
+    !line.trim_start().starts_with("//")
+        && line.match_indices(word).any(|(at, _)| {
+            !line[..at].ends_with(continues) && !line[at + word.len()..].starts_with(continues)
+        })
 }
 
-/// Output of `git apply` with an option, or its error messages.
-fn git_apply(option: &str, patch: &OsStr) -> Result<String, String> {
-    let mut git = Command::new("git");
-    // A repository around this folder would change how `git apply` reads paths.
-    if let Some(parent) = root().parent() {
-        git.env("GIT_CEILING_DIRECTORIES", parent);
+/// Whether a file's code has one of the words, outside of comments and of the tests at its end.
+fn says(text: &str, words: &[&str]) -> bool {
+    let code = text.split(")]\nmod tests {").next().unwrap_or_default();
+    code.lines()
+        .any(|line| words.iter().any(|word| has_word(line, word)))
+}
+
+/// Paths of the code that has one of the words, or whose name is one, a line each, and their number.
+fn places(words: &[&str]) -> String {
+    let folders =
+        ["shaders", "src"].map(|folder| files_below(&root().join(folder), &["rs", "wgsl"]));
+    let mut list = String::new();
+    for file in folders.concat() {
+        let path = file.strip_prefix(root()).expect("below the root");
+        let stem = path.with_extension("");
+        let mut parts = stem.iter().map(OsStr::to_string_lossy);
+        if parts.any(|part| part == "tests" || part.ends_with("_tests")) {
+            continue;
+        }
+        let is_named = words.iter().any(|word| stem.ends_with(word));
+        if is_named || says(&fs::read_to_string(&file).expect("readable"), words) {
+            list += &format!("{}\n", path.display());
+        }
     }
-    git.args(["apply", option]).arg(patch).current_dir(root());
-    let run = git.output().map_err(|error| format!("git: {error}"))?;
-    let text = |bytes| String::from_utf8_lossy(bytes).into_owned();
-    match run.status.success() {
-        true => Ok(text(&run.stdout)),
-        false => Err(text(&run.stderr)),
-    }
+    let count = list.lines().count();
+    assert!(count > 0, "no file has {words:?}: name another addition");
+    format!("{list}{count} files\n")
 }
 
 /// The guide with the block after `marker` replaced by `block`; `None` where it has no such block.
@@ -36,41 +67,32 @@ fn with_block(guide: &str, marker: &str, block: &str) -> Option<String> {
 }
 
 #[test]
-fn trial_additions_apply_and_touch_what_the_guide_says() {
+fn the_guide_lists_the_files_of_each_addition() {
     let path = root().join(GUIDE);
     let written = fs::read_to_string(&path).expect("readable");
     let mut guide = written.clone();
-    let mut wrong = Vec::new();
-    for patch in patches() {
-        let name = patch
-            .file_name()
-            .expect("a name")
-            .to_string_lossy()
-            .into_owned();
-        if let Err(error) = git_apply("--check", patch.as_os_str()) {
-            wrong.push(format!("{name}: {error}"));
-        }
-        let stat = git_apply("--stat", patch.as_os_str()).unwrap_or_else(|error| panic!("{error}"));
-        let marker = format!("<!-- tests/extending/{name} -->");
-        match with_block(&guide, &marker, &stat) {
-            Some(text) => guide = text,
-            None => wrong.push(format!("{GUIDE} has no block of text after `{marker}`")),
-        }
+    for words in ADDITIONS {
+        let marker = format!("<!-- files with {} -->", words.join(", "));
+        guide = with_block(&guide, &marker, &places(words))
+            .unwrap_or_else(|| panic!("{GUIDE} has no block of text after `{marker}`"));
     }
-    let shown = written.matches("<!-- tests/extending/").count();
-    assert_eq!(
-        shown,
-        patches().len(),
-        "{GUIDE} shows other patches than there are"
-    );
-    let refresh = "the code around a trial changed: run `tools/extending.sh --refresh`";
-    assert!(wrong.is_empty(), "{}\n{refresh}", wrong.join("\n"));
+    assert_eq!(written.matches("<!-- files with ").count(), ADDITIONS.len());
     if std::env::var_os("UPDATE_DOCS").is_some() {
         fs::write(&path, &guide).expect("the guide can be written");
         return;
     }
     let stale = "is stale: UPDATE_DOCS=1 cargo test --test layers";
     assert!(guide == written, "{GUIDE} {stale}");
+}
+
+#[test]
+fn words_are_found_in_code_alone() {
+    let code = "fn a() {\n    let b = Kind::Disk; // said\n}\n#[cfg(test)]\nmod tests {\n    use Torus;\n}\n";
+    assert!(says(code, &["c", "Kind::Disk"]));
+    for absent in ["Kind::Dis", "ind::Disk", "Torus"] {
+        assert!(!says(code, &[absent]), "{absent}");
+    }
+    assert!(!says("    // Kind::Disk\n", &["Kind::Disk"]));
 }
 
 #[test]
