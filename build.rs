@@ -6,12 +6,16 @@ use std::{
 };
 
 fn main() {
-    let root = env::var("CARGO_MANIFEST_DIR").expect("cargo sets CARGO_MANIFEST_DIR");
-    println!("cargo:rustc-env=REFLET_BUILT_FROM={}", hash_of(&root));
+    let package = env::var("CARGO_MANIFEST_DIR").expect("cargo sets CARGO_MANIFEST_DIR");
+    // The module of Python, whose package lies below the root, is built from the same.
+    let mut folders = Path::new(&package).ancestors();
+    let root = folders.find(|folder| folder.join("Cargo.lock").is_file());
+    let hash = hash_of(root.unwrap_or(Path::new(&package)));
+    println!("cargo:rustc-env=REFLET_BUILT_FROM={hash}");
 }
 
 /// Hash of the names and texts of all sources; the same on every machine.
-fn hash_of(root: &str) -> String {
+fn hash_of(root: &Path) -> String {
     let mut files = Vec::new();
     for part in [
         "Cargo.lock",
@@ -21,8 +25,9 @@ fn hash_of(root: &str) -> String {
         "shaders",
         "src",
     ] {
-        println!("cargo:rerun-if-changed={part}");
-        add_files(Path::new(root).join(part), &mut files);
+        let path = root.join(part);
+        println!("cargo:rerun-if-changed={}", path.display());
+        add_files(path, &mut files);
     }
     files.sort();
     // FNV-1a, 128 bits.

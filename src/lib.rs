@@ -19,10 +19,12 @@
 //! | folder | crate | contents |
 //! |---|---|---|
 //! | `src/app` | `reflet` | [`app`]: the commands and what they print; exit codes; [`app::lint`] warns of likely mistakes |
-//! | `src/python` | `reflet-python` | the module of Python: a thin user of the runtime's sessions, and of [`app`] for files |
+//! | `src/python` | `reflet-python` | the module of Python: a thin user of the runtime's sessions, of [`output`] and of [`metric`] |
 //! | `src/preview` | [`reflet_preview`] | a scene that follows its files ([`reflet_preview::watch`], [`reflet_preview::live`]), and the window |
-//! | `src/bench` | [`reflet_bench`] | picture × picture → error ([`bench::metric`], pure); [`bench::run`] renders and measures; reports are drawn from the table of samples |
+//! | `src/bench` | [`reflet_bench`] | [`bench::run`] renders and measures; reports are drawn from the table of samples |
+//! | `src/output` | [`reflet_output`] | files of pictures: PNG, EXR and films, their names and fingerprints, the denoiser, statistics |
 //! | `src/render` | [`reflet_render`] | the library. [`runtime`]: one scene from its text to its pictures, opened, changed and posed in keyed stages, and the only code that builds a `Renderer`: `render` and the preview are thin users of its sessions, `bench` and `calibrate` of its renderer stage. `render/passes/mod.rs` lists the passes in their order: read it first; `reflet info --frame` prints those of a scene; [`render::plan`] lists the features and passes that a scene needs, [`render::pipeline::targets`] the one table of intermediate textures, [`render::layout::types`] every struct shared with the shaders |
+//! | `src/metric` | [`reflet_metric`] | picture × picture → error: reads pictures, judges them, and prints that; no device |
 //! | `src/gpu` | [`reflet_gpu`] | thin layer over wgpu: device, shaders, bindings by name, timings, readback; independent of scenes |
 //! | `src/world` | [`reflet_world`] | SceneDesc → CPU data: glTF, images, shapes, trees and the CPU oracle; no wgpu |
 //! | `src/scene` | [`reflet_scene`] | the scene format, its default values and its manual; [`scene::stages`] from text to a scene at a frame: [`scene::syntax`] is the tree of a text, parsed once for all who ask, [`scene::parse`] merges and reads trees and runs no program, [`scene::script`] is the sandbox, [`scene::motion`] evaluates animation tracks; loads no assets |
@@ -35,7 +37,8 @@
 //! render do without its packages.
 //!
 //! Where does new code go? A key of the scene format: `scene/desc.rs`. Code that reads asset files: `world/`. Code
-//! that needs a device: `gpu/` if it is independent of scenes, else `render/`. Code that judges a picture: `bench/`.
+//! that needs a device: `gpu/` if it is independent of scenes, else `render/`. Code that judges a picture: `metric/`; that
+//! writes one: `output/`.
 //!
 //! # A frame
 //!
@@ -116,7 +119,7 @@
 //!   `src/gpu/experimental.rs` lets devices of scenes that ask for it use ray queries, which wgpu calls experimental,
 //!   `src/gpu/kept_pipelines.rs` hands a driver the pipelines that it compiled in an earlier run,
 //!   `src/base/processor_time.rs` reads CPU clocks that the standard library lacks, `src/world/usd/tool.rs` has the
-//!   converter end with its parent, and `src/app/denoise.rs` calls a C library that it loads at run time.
+//!   converter end with its parent, and `src/output/denoise.rs` calls a C library that it loads at run time.
 //! - No import cycles: the modules of one parent can be read in some order (`tests/layers`).
 //! - A dependency on another package stands in the manifest of the crates that use it; its version and its reason
 //!   stand once, in the workspace's `Cargo.toml`.
@@ -135,6 +138,8 @@ pub mod app;
 pub use reflet_base::{files, math, memory};
 pub use reflet_bench as bench;
 pub use reflet_gpu as gpu;
+pub use reflet_metric as metric;
+pub use reflet_output as output;
 pub use reflet_render::{self as render, runtime};
 pub use reflet_scene as scene;
 pub use reflet_world as world;

@@ -3,7 +3,7 @@
 
 use std::{env, panic, process::ExitCode};
 
-use reflet::app;
+use reflet::{app, gpu};
 
 /// Sets environment variables of the graphics driver.
 #[expect(
@@ -11,7 +11,7 @@ use reflet::app;
     reason = "the environment is changed before any other thread exists"
 )]
 fn set_driver_variables() {
-    for (name, value) in app::device::driver_variables() {
+    for (name, value) in gpu::driver::driver_variables() {
         // SAFETY: this is the first call in `main`, while no other thread exists.
         unsafe { env::set_var(name, value) };
     }

@@ -89,12 +89,20 @@ wait "$build" && failed=no || failed=yes
 cat target/build.log
 [ "$failed" = no ]
 
-heading "Dependencies of the library"
-library="$(cargo tree --locked --package reflet-render --edges normal)"
-if grep -E '(egui|winit|clap|plotters) v' <<<"$library"; then
-    echo "these must not be dependencies of reflet-render" >&2
-    exit 1
-fi
+heading "Dependencies of the crates"
+# A crate and what it must do without, directly and by what it depends on.
+while read -r crate without; do
+    tree="$(cargo tree --locked --package "$crate" --edges normal)"
+    if grep -E "($without) v" <<<"$tree"; then
+        echo "these must not be dependencies of $crate" >&2
+        exit 1
+    fi
+done <<'CRATES'
+reflet-render egui|winit|clap|plotters
+reflet-metric wgpu|clap
+reflet-preview reflet-bench|reflet-output|clap|plotters
+reflet-python reflet-bench|reflet-preview|egui|winit|clap|plotters
+CRATES
 
 heading "Tests"
 # The tests of Python that run the program, or those of Rust that these arguments choose.

@@ -50,7 +50,7 @@ MODULES = [
 METRIC = ["--test", "commands", "metric::"]
 GROUPS = {
     "shader": (48, ["shaders/*.wgsl", "shaders/lib/*.wgsl"]),
-    "rust": (32, ["src/bench/metric/*.rs", "src/scene/parse/**/*.rs", "src/scene/parse.rs"]),
+    "rust": (32, ["src/metric/*.rs", "src/scene/parse/**/*.rs", "src/scene/parse.rs"]),
 }
 
 # Pattern, replacement and name of a mutation. Spaces around operators are how
@@ -303,8 +303,8 @@ class Rust:
     def attempt(self, mutant: Mutant) -> tuple[str, str]:
         write_mutant(self.tree, mutant)
         try:
-            if "src/bench/" in mutant.file:
-                stages = [METRIC, ["-p", "reflet-bench", "--lib"]]
+            if "src/metric/" in mutant.file:
+                stages = [METRIC, ["-p", "reflet-metric", "--lib"]]
             else:
                 stages = [["--test", "scene"], ["-p", "reflet-scene", "--lib"]]
             for stage in stages:

@@ -23,7 +23,7 @@ from sheet import sheet
 
 ENDINGS = {".toml", ".glb", ".gltf"}
 SCENES_PER_SHEET = 14
-SPECK = 0.3 * 255  # as in src/bench/metric/specks.rs
+SPECK = 0.3 * 255  # as in src/metric/specks.rs
 
 
 @dataclasses.dataclass

@@ -4,9 +4,13 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
-use super::frames::{Shard, parse_shard};
-pub use super::size_arg::{SizeArg, crop_word, parse_crop, parse_size, parse_size_or_name};
-use crate::{render::Crop, runtime::scene_text::SceneOptions, scene::desc::Method};
+pub use super::size_arg::{SizeArg, parse_crop, parse_size, parse_size_or_name};
+use crate::{
+    output::frames::{Shard, parse_shard},
+    render::Crop,
+    runtime::scene_text::SceneOptions,
+    scene::desc::Method,
+};
 
 /// Source of the scene, and overrides of its values.
 #[derive(Clone, Debug, Default, Args)]
@@ -149,7 +153,7 @@ impl PictureArgs {
             .flat_map(|(name, all)| all.iter().map(move |value| (name, value.clone())));
         let single = [
             ("--size", size),
-            ("--crop", crop.as_ref().map(crop_word)),
+            ("--crop", crop.map(|crop| crop.to_string())),
             ("--method", method),
             ("--camera", camera.clone()),
             ("--samples", samples.map(|samples| samples.to_string())),

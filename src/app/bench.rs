@@ -3,7 +3,6 @@
 use std::{fs, io, path::Path};
 
 use super::{
-    device,
     error::AppError,
     scene::{check_reports, choose_camera, load_scene},
     shaders,
@@ -25,7 +24,7 @@ use crate::{
         sample::Sample,
     },
     files::write_whole,
-    gpu::Gpu,
+    gpu::{Gpu, driver},
     runtime::scene_text::LoadedScene,
     scene::{desc, desc::Method, diagnostic::Diagnostic},
 };
@@ -96,7 +95,7 @@ fn measure(args: &BenchArgs) -> Result<Vec<Sample>, AppError> {
 fn open_gpu(args: &RunArgs, ray_queries: bool) -> Result<Gpu, AppError> {
     let is_new = !args.output.exists();
     create_folder(&args.output)?;
-    device::open_gpu(args.adapter.as_deref(), ray_queries).map_err(|error| {
+    driver::open_gpu(args.adapter.as_deref(), ray_queries).map_err(|error| {
         if is_new {
             // The folder holds no measurements; an error of its removal would not help the user.
             let _ = fs::remove_dir(&args.output);

@@ -10,15 +10,14 @@ use std::{
 
 use clap::Args;
 
-use super::{
-    device::{MESA_FOLDER, MESA_FOLDER_ENV, MOST_OF_MESA, PIPELINES},
-    error::AppError,
-    print_out,
-    stats::mebibytes,
-};
+use super::{error::AppError, print_out};
 use crate::{
     files::is_hidden_name,
-    gpu::kept_pipelines::{EXTENSION, MOST_BYTES_OF_ALL},
+    gpu::{
+        driver::{MESA_FOLDER, MESA_FOLDER_ENV, MOST_OF_MESA, PIPELINES},
+        kept_pipelines::{EXTENSION, MOST_BYTES_OF_ALL},
+    },
+    output::stats::mebibytes,
     world::usd::CACHE_FOLDER,
 };
 use reflet_base::cache::{folder, private_folder};

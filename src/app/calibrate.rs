@@ -8,13 +8,11 @@ mod setups;
 use fit::{LEAST_NS, Measured, fit};
 use setups::{BALLS, FrameSetup, SCENE, SETUPS};
 
-use super::{
-    args::CalibrateArgs, device::open_gpu, error::AppError, output::writable::check_writable,
-    plan_file::PlanFile, print_out,
-};
+use super::{args::CalibrateArgs, error::AppError, plan_file::PlanFile, print_out};
 use crate::{
     files::{Inputs, write_whole},
-    gpu::{Gpu, ShaderLibrary},
+    gpu::{Gpu, ShaderLibrary, driver::open_gpu},
+    output::writable::check_writable,
     render::{
         RenderOptions,
         decide::{brought_light::RayCount, cost::Workload, workload},

@@ -7,10 +7,8 @@ use std::{
 };
 
 use super::{args::RenderArgs, error::AppError, scene::choose_camera};
+use crate::output::frame_name::CAMERA;
 use crate::runtime::scene_text::LoadedScene;
-
-/// Placeholder of the camera's name in the name of the output.
-pub const PLACEHOLDER: &str = "{camera}";
 
 /// One run for each chosen camera: its index into the world's cameras, `None` where the cuts choose, and the
 /// arguments with the name of its file.
@@ -43,7 +41,7 @@ pub fn runs(
         let ending = args.output().extension().unwrap_or_default().display();
         return Err(AppError::Usage(format!(
             "--output {shown}: {} cameras would be written to one file; write \
-             {stem}.{PLACEHOLDER}.{ending}",
+             {stem}.{CAMERA}.{ending}",
             cameras.len()
         )));
     }
@@ -126,7 +124,7 @@ fn own(loaded: &LoadedScene) -> Vec<usize> {
 
 fn is_in(output: &Path) -> bool {
     let name = output.file_name().and_then(|name| name.to_str());
-    name.is_some_and(|name| name.contains(PLACEHOLDER))
+    name.is_some_and(|name| name.contains(CAMERA))
 }
 
 /// Output file of a camera; characters that are unsafe in file names become `_`.
@@ -134,7 +132,7 @@ fn file_of(output: &Path, camera: &str) -> PathBuf {
     let Some(name) = output.file_name().and_then(|name| name.to_str()) else {
         return output.to_owned();
     };
-    output.with_file_name(name.replace(PLACEHOLDER, &safe_name(camera)))
+    output.with_file_name(name.replace(CAMERA, &safe_name(camera)))
 }
 
 /// A name as a part of a file's name; characters that are unsafe there become `_`.

@@ -12,7 +12,7 @@ use super::{
     pack::{PackArgs, unpack::UnpackArgs},
     sheet::SheetArgs,
 };
-use crate::bench::compare::CompareArgs;
+use crate::app::compare::CompareArgs;
 
 /// Renders scenes written as text; reflections are found in screen space, by rays, or in screen space first and by
 /// rays where that fails.

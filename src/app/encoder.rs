@@ -12,14 +12,14 @@ use std::{
     time::Instant,
 };
 
-use super::{
-    denoise::{Denoiser, window::Window},
-    error::AppError,
-    output::{picture_file::PictureFile, video::Film},
-    progress::Progress,
-};
+use super::{error::AppError, progress::Progress};
 use crate::{
     gpu::Gpu,
+    output::{
+        denoise::{Denoiser, window::Window},
+        picture_file::PictureFile,
+        video::Film,
+    },
     render::{Crop, PendingPicture, renderer::stats::FrameStats},
 };
 

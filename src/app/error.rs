@@ -5,9 +5,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::frame_spans::spans;
 use crate::{
     gpu::{GpuError, ShaderError},
+    output::{OutputError, frames::spans},
     render::RenderError,
     runtime::SessionError,
     scene::diagnostic::{Diagnostic, print_diagnostics, printable_lines},
@@ -115,14 +115,9 @@ impl AppError {
         }
     }
 
-    /// A file that cannot be written; a full disk is fatal for all others too.
+    /// See [`OutputError::unwritten`].
     pub fn unwritten(path: &Path, error: &io::Error) -> Self {
-        use io::ErrorKind::{QuotaExceeded, ReadOnlyFilesystem, StorageFull};
-        let text = format!("cannot write {}: {error}", path.display());
-        match error.kind() {
-            StorageFull | QuotaExceeded | ReadOnlyFilesystem => Self::Disk(text),
-            _ => Self::Internal(text),
-        }
+        OutputError::unwritten(path, error).into()
     }
 
     /// Render error; `own_shaders` if the shaders come from the user.
@@ -179,5 +174,15 @@ impl fmt::Display for AppError {
 impl From<GpuError> for AppError {
     fn from(error: GpuError) -> Self {
         Self::Gpu(error)
+    }
+}
+
+impl From<OutputError> for AppError {
+    fn from(error: OutputError) -> Self {
+        match error {
+            OutputError::Usage(text) => Self::Usage(text),
+            OutputError::Disk(text) => Self::Disk(text),
+            OutputError::Internal(text) => Self::Internal(text),
+        }
     }
 }

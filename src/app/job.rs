@@ -15,16 +15,18 @@ pub use self::slurm::SlurmArgs;
 use self::slurm::slurm;
 use super::{
     args::{PictureArgs, PictureWords},
-    cameras,
     error::AppError,
-    frame_name::Template,
-    frames::FrameList,
-    output::{format::Format, writable::check_replaceable},
     render::{check_aovs, overrides},
-    scene::{choose_camera, inputs, load_scene},
+    scene::{choose_camera, load_scene},
 };
 use crate::{
     files::write_together,
+    output::{
+        format::Format,
+        frame_name::{CAMERA, Template},
+        frames::FrameList,
+        writable::{check_replaceable, inputs},
+    },
     runtime::scene_text::{LoadedScene, asset_folders},
 };
 
@@ -133,7 +135,7 @@ fn openjd(args: &OpenjdArgs) -> Result<(), AppError> {
             .into_iter()
             .map(own_path)
             .collect::<Result<_, AppError>>()?,
-        frames: super::frame_spans::spans(&frames),
+        frames: crate::output::frames::spans(&frames),
     };
     let files = [
         ("template.json", bundle.template()?),
@@ -346,7 +348,7 @@ fn plain(text: &str) -> Result<String, AppError> {
             text.escape_debug()
         )));
     }
-    if text.contains("{{") || text.contains(cameras::PLACEHOLDER) {
+    if text.contains("{{") || text.contains(CAMERA) {
         return Err(AppError::Usage(format!(
             "\"{text}\" has braces, which a farm would expand; choose another name"
         )));

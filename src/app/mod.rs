@@ -12,12 +12,14 @@ use clap::{
     error::{ContextKind, ContextValue, ErrorKind},
 };
 
-use crate::bench::compare::{CompareArgs, compare};
-use crate::scene::{
-    diagnostic::printable_lines,
-    manual::manual,
-    schema::{project_schema, schema},
-    script,
+use crate::{
+    app::compare::{CompareArgs, compare},
+    scene::{
+        diagnostic::printable_lines,
+        manual::manual,
+        schema::{project_schema, schema},
+        script,
+    },
 };
 
 pub mod args;
@@ -27,20 +29,14 @@ pub mod calibrate;
 pub mod cameras;
 pub mod check;
 pub mod cli;
-pub mod denoise;
-pub mod device;
+pub mod compare;
 pub mod encoder;
 pub mod error;
-pub mod fingerprint;
-pub mod frame_name;
-pub mod frame_spans;
-pub mod frames;
 pub mod info;
 pub mod job;
 pub mod lint;
 pub mod lsp;
 pub mod new;
-pub mod output;
 pub mod pack;
 #[cfg(feature = "serve")]
 pub mod page;

@@ -22,11 +22,10 @@ use self::{
     hashed_read::HashedRead,
     manifest::{BUILT_FROM, LIST, Manifest, fault_of_name},
 };
-use super::{
-    args::SceneArgs, error::AppError, output::writable::check_writable, scene::load, shutdown,
-};
+use super::{args::SceneArgs, error::AppError, scene::load, shutdown};
 use crate::{
     files::{Inputs, Temporary, folder_of, open_regular, sweep},
+    output::writable::check_writable,
     runtime::scene_text::{SceneText, asset_folders},
     scene::{dependencies::Dependencies, project::UNPACKED},
 };

@@ -4,13 +4,12 @@ use std::{path::Path, sync::Arc};
 
 use super::{
     args::PreviewArgs,
-    device::open_gpu,
     error::AppError,
     plan_file::costs,
     print_out, shutdown,
     viewed_scene::{denoiser, may_query, source},
 };
-use crate::scene::desc::Method;
+use crate::{gpu::driver::open_gpu, scene::desc::Method};
 use reflet_preview::serve::{Port, ServeError, ServeOptions, serve};
 
 /// Serves the page until Ctrl-C or SIGTERM.

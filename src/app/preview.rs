@@ -4,12 +4,11 @@ use std::{env, path::PathBuf, sync::Arc};
 
 use super::{
     args::PreviewArgs,
-    device::open_gpu,
     error::AppError,
     plan_file::costs,
     viewed_scene::{denoiser, may_query, source},
 };
-use crate::scene::desc::Method;
+use crate::{gpu::driver::open_gpu, scene::desc::Method};
 use reflet_preview::window::{WindowError, WindowOptions, check_display, show};
 
 /// Opens the window and returns when it is closed.

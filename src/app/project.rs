@@ -7,12 +7,14 @@ use std::{
 
 use super::{
     args::{RenderArgs, SceneArgs, SizeArg},
-    cameras::{PLACEHOLDER, safe_name},
+    cameras::safe_name,
     error::AppError,
-    frame_name::{has_number, number_in},
-    output::format::Format,
 };
 use crate::{
+    output::{
+        format::Format,
+        frame_name::{CAMERA, has_number, number_in},
+    },
     runtime::scene_text::{LoadedScene, SceneText},
     scene::{
         desc::At,
@@ -118,7 +120,7 @@ pub fn check_output(output: &At<String>) -> Result<(), Box<Diagnostic>> {
     let refuse =
         |message: String| Box::new(Diagnostic::at("project-output", output.at.clone(), message));
     let format = Format::expect(path).map_err(|error| refuse(error.to_string()))?;
-    let known = [SCENE, PLACEHOLDER, VARIANT];
+    let known = [SCENE, CAMERA, VARIANT];
     let in_braces = output.value.match_indices('{').filter_map(|(start, _)| {
         let end = output.value[start..].find('}')?;
         Some(&output.value[start..=start + end])
@@ -136,7 +138,7 @@ pub fn check_output(output: &At<String>) -> Result<(), Box<Diagnostic>> {
         .fold(output.value.clone(), |name, part| name.replace(part, "x"));
     let (in_folder, name) = named.rsplit_once('/').unwrap_or(("", &named));
     let is_numbered = number_in(name).map_err(&refuse)?.is_some();
-    if in_folder.contains(PLACEHOLDER) || has_number(in_folder) {
+    if in_folder.contains(CAMERA) || has_number(in_folder) {
         let message = "`{camera}` and the number of the frame belong into the name of the file, not of a folder";
         return Err(refuse(message.to_owned()));
     }

@@ -7,15 +7,15 @@ use super::{
     cameras,
     error::AppError,
     lint::Lint,
-    output::picture_file::PictureFile,
     project::with_output,
     render_session::RenderSession,
-    scene::{inputs, load_followed},
+    scene::load_followed,
     sequence, shaders,
-    stats::{self, ReportContext},
+    stats::{self},
 };
 use crate::{
     files::sweep,
+    output::{picture_file::PictureFile, stats::ReportContext, writable::inputs},
     render::picture::aov::Aov,
     runtime::scene_text::LoadedScene,
     scene::{dependencies::Dependencies, desc::Method, diagnostic::print_diagnostics},

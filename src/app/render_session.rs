@@ -4,15 +4,10 @@ use std::{ops::RangeInclusive, sync::Arc, time::Instant};
 
 use xxhash_rust::xxh3::Xxh3Default;
 
-use super::{
-    args::{RenderArgs, crop_word},
-    denoise::{Denoiser, reproject::FramePose},
-    device::open_gpu,
-    error::AppError,
-    plan_file::costs,
-};
+use super::{args::RenderArgs, error::AppError, plan_file::costs};
 use crate::{
-    gpu::ShaderLibrary,
+    gpu::{ShaderLibrary, driver::open_gpu},
+    output::denoise::{Denoiser, reproject::FramePose},
     render::{
         Crop, ErrorEstimate, PendingPicture, PictureRequest, RenderError, picture::aov::Aov,
         renderer::stats::FrameStats, settings::view::View,
@@ -190,7 +185,7 @@ fn checked_crop(args: &RenderArgs, loaded: &LoadedScene) -> Result<Option<Crop>,
     let size = loaded.scene.image.size;
     match args.picture.crop {
         Some(crop) if !crop.is_in(size) => {
-            let ([width, height], crop) = (size, crop_word(&crop));
+            let [width, height] = size;
             Err(AppError::Usage(format!(
                 "--crop {crop}: it is not inside of the picture, which has {width} x {height} pixels"
             )))

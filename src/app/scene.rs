@@ -1,10 +1,10 @@
 //! Scene opening from command-line arguments, with the messages on the way.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use super::{args::SceneArgs, error::AppError, output::writable::check_replaceable};
+use super::{args::SceneArgs, error::AppError};
 use crate::{
-    files::Inputs,
+    output::writable::{check_replaceable, inputs},
     runtime::scene_text::{LoadedScene, OpenedScene, SceneText},
     scene::{dependencies::Dependencies, diagnostic::print_diagnostics},
 };
@@ -41,14 +41,6 @@ pub fn load_followed(
     loaded
 }
 
-/// Files that a command on this scene reads, which none of its outputs may replace; `named` are those of its
-/// arguments.
-pub fn inputs<'a>(named: impl IntoIterator<Item = &'a Path>, loaded: &'a LoadedScene) -> Inputs {
-    let read = loaded.world.files.iter().map(PathBuf::as_path);
-    let project = loaded.project.iter().map(|project| project.file.as_path());
-    Inputs::of(read.chain(project).chain(named))
-}
-
 /// Refuses a scene that reads one of the files that will be written to a folder.
 ///
 /// # Errors
@@ -61,7 +53,7 @@ pub fn check_reports(
 ) -> Result<(), AppError> {
     let inputs = inputs(scene, loaded);
     let mut paths = names.iter().map(|name| folder.join(name));
-    paths.try_for_each(|path| check_replaceable(&path, &inputs))
+    Ok(paths.try_for_each(|path| check_replaceable(&path, &inputs))?)
 }
 
 /// Loads the assets of a scene, and prints the output of `setup` and all warnings to standard error;

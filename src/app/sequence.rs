@@ -3,7 +3,7 @@
 
 use std::{
     borrow::Cow,
-    path::{Path, PathBuf},
+    path::PathBuf,
     sync::{Arc, Mutex, PoisonError},
     thread,
     time::Instant,
@@ -11,21 +11,26 @@ use std::{
 
 use super::{
     args::RenderArgs,
-    denoise::window::{FrameError, KeptFrames},
     encoder::{Encoders, Failures, Outcome, Rendered, Rendering, Target},
     error::AppError,
-    fingerprint::{self, RunSettings},
-    frame_name::Template,
-    frames::FrameList,
-    output::{format::Format, picture_file::PictureFile, video::Film, writable::check_writable},
     progress::Progress,
     render_session::RenderSession,
-    shutdown,
-    stats::{self, ReportContext},
+    shutdown, stats,
 };
 use crate::{
     files::{Inputs, folder_of, sweep},
     gpu::GpuError,
+    output::{
+        denoise::window::{FrameError, KeptFrames},
+        fingerprint::{self, RunSettings},
+        format::Format,
+        frame_name::Template,
+        frames::FrameList,
+        picture_file::PictureFile,
+        stats::ReportContext,
+        video::Film,
+        writable::{check_writable, create_last_folder},
+    },
     render::{PendingPicture, RenderError, picture::aov::Aov},
     scene::{desc::TimelineDesc, diagnostic::print_diagnostics, stages::Animator},
 };
@@ -107,7 +112,7 @@ pub fn check_output(
     inputs: &Inputs,
 ) -> Result<(), AppError> {
     if Format::is_film(args.output()) {
-        return check_writable(args.output(), inputs);
+        return Ok(check_writable(args.output(), inputs)?);
     }
     let Some(first) = frames.0.first() else {
         return Err(AppError::Usage(
@@ -126,27 +131,19 @@ pub fn check_output(
     };
     let output = PictureFile::new(&name(*last))?;
     let mut frames = frames.0.iter();
-    frames.try_for_each(|frame| output.renamed(name(*frame)).check_files(aovs, inputs))
+    Ok(frames.try_for_each(|frame| output.renamed(name(*frame)).check_files(aovs, inputs))?)
 }
 
-/// Creates the folder of a file if only that folder is missing; returns whether it did.
-///
-/// # Errors
-/// [`AppError::Usage`] for a folder that cannot be created.
-pub fn create_last_folder(path: &Path) -> Result<bool, AppError> {
-    let folder = folder_of(path);
-    if folder.exists() || !folder_of(folder).is_dir() {
-        return Ok(false);
-    }
-    match std::fs::create_dir(folder) {
-        Ok(()) => Ok(true),
-        // Another process that renders a part of the same film has created it meanwhile.
-        Err(_) if folder.is_dir() => Ok(false),
-        Err(error) => {
-            let (shown, folder) = (path.display(), folder.display());
-            let text = format!("--output {shown}: cannot create {folder}: {error}");
-            Err(AppError::Usage(text))
-        }
+/// Choices of a command beside its scene.
+fn run_settings(args: &RenderArgs, session: &RenderSession) -> RunSettings {
+    RunSettings {
+        built_from: env!("REFLET_BUILT_FROM"),
+        camera: args.picture.camera.clone().unwrap_or_default(),
+        crop: args.picture.crop,
+        denoise: args.picture.denoise,
+        window: session.window,
+        aovs: args.picture.aov.clone(),
+        own_shaders: session.own_shaders,
     }
 }
 
@@ -162,7 +159,7 @@ pub fn render(
     (load_ms, command): (f64, Instant),
 ) -> Result<(), AppError> {
     session.denoise_over(args.picture.denoise_window);
-    let run = fingerprint::of_run(&RunSettings::of(args, &session), &session.scene)?;
+    let run = fingerprint::of_run(&run_settings(args, &session), &session.scene)?;
     let mut progress = Progress::new(frames.0.len(), args.progress);
     let target = target(args, &session, frames)?;
     let planes: Vec<_> = session.aovs.iter().map(|aov| aov.plane_name()).collect();

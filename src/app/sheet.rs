@@ -11,19 +11,20 @@ use super::{
     args::{PictureArgs, RenderArgs, SceneArgs},
     cameras,
     error::AppError,
-    frames::FrameList,
-    output::{
-        format::{Format, PictureFormat},
-        picture_file::PictureFile,
-    },
     render::overrides,
     render_session::RenderSession,
-    scene::{inputs, load_scene},
+    scene::load_scene,
     shaders, shutdown,
 };
 use crate::{
     files::write_whole,
     gpu::ShaderLibrary,
+    output::{
+        format::{Format, PictureFormat},
+        frames::FrameList,
+        picture_file::PictureFile,
+        writable::inputs,
+    },
     render::picture::png_file,
     runtime::scene_text::{LoadedScene, SceneText},
 };

@@ -1,6 +1,6 @@
 //! `--size`: width and height, or the name of a size of the project.
 
-use crate::render::Crop;
+use crate::render::{Crop, check_size};
 
 /// `--size`
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -47,11 +47,6 @@ pub fn parse_crop(text: &str) -> Result<Crop, String> {
     }
 }
 
-/// A crop as a word of a command line.
-pub fn crop_word(Crop { at, size }: &Crop) -> String {
-    format!("{},{},{},{}", at[0], at[1], size[0], size[1])
-}
-
 /// `1280x720` as width and height.
 ///
 /// # Errors
@@ -60,8 +55,7 @@ pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
     let sides = text.split_once(['x', 'X']);
     let pair = sides.and_then(|(w, h)| Some([w.trim().parse().ok()?, h.trim().parse().ok()?]));
     match pair {
-        Some(size) if size.iter().all(|side| (1..=16384).contains(side)) => Ok(size),
-        Some(_) => Err("each side must be 1 to 16384 pixels".to_owned()),
+        Some(size) => check_size(size).map(|()| size),
         None => Err("expected WIDTHxHEIGHT, such as 1280x720".to_owned()),
     }
 }
@@ -74,7 +68,7 @@ mod tests {
     fn crops_are_four_numbers() {
         let crop = parse_crop("1, 2,3,4").expect("four numbers");
         assert_eq!((crop.at, crop.size), ([1, 2], [3, 4]));
-        assert_eq!(crop_word(&crop), "1,2,3,4");
+        assert_eq!(crop.to_string(), "1,2,3,4");
         assert!(crop.is_in([4, 6]) && !crop.is_in([3, 6]) && !crop.is_in([4, 5]));
         for bad in ["", "1,2,3", "1,2,0,4", "1,2,3,4,5", "-1,2,3,4", "a"] {
             assert!(parse_crop(bad).expect_err(bad).contains("X,Y,WIDTH,HEIGHT"));

@@ -1,7 +1,8 @@
 //! Scene and denoiser that the arguments of `preview` name, for the window and for the page.
 
-use super::{args::PreviewArgs, denoise::Denoiser, error::AppError};
+use super::{args::PreviewArgs, error::AppError};
 use crate::{
+    output::denoise::Denoiser,
     runtime::{SceneSource, parameters::ParameterOverrides, read},
     scene::dependencies::Dependencies,
 };

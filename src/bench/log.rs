@@ -7,11 +7,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{
-    file_error,
-    sample::{Sample, header, read_samples},
-};
+use super::sample::{Sample, header, read_samples};
 use reflet_base::files::{folder_of, open_regular, read_at_most};
+use reflet_metric::file_error;
 use reflet_scene::diagnostic::Diagnostic;
 
 /// Largest size of a table that is read, bytes: about a million samples.

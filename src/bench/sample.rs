@@ -205,7 +205,7 @@ sample! {
     rel_mse: Option<f64>,
     /// Largest difference of a channel of the frame, out of 255.
     max_difference: Option<f64>,
-    /// Share of the frame's pixels that are specks, 0 to 1; see [`crate::metric::specks`].
+    /// Share of the frame's pixels that are specks, 0 to 1; see [`reflet_metric::specks`].
     specks: Option<f64>,
     /// Number of reflective pixels inside the mask.
     mask_px: u64,

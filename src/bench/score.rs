@@ -1,19 +1,17 @@
 //! Scores of a rendered picture against the reference: errors of the frame and inside the reflective
 //! pixels, and hits of the march against hits of the rays.
 
-use super::{
-    metric::{
-        Maps, Scores,
-        error::ErrorMap,
-        flip,
-        hits::{CauseCode, CauseTally, HitPlane, HitPlanes, Tolerance, Verdict, tally},
-        mask::Mask,
-        specks,
-        ssim::SsimMap,
-        structure::{self, Structure},
-    },
+use super::sample::REFUSALS;
+use reflet_metric::{
+    Maps, Scores,
+    error::ErrorMap,
+    flip,
+    hits::{CauseCode, CauseTally, HitPlane, HitPlanes, Tolerance, Verdict, tally},
+    mask::Mask,
     picture::{Encoding, Pair, Picture, PictureError},
-    sample::REFUSALS,
+    specks,
+    ssim::SsimMap,
+    structure::{self, Structure},
 };
 use reflet_render as render;
 use reflet_render::{

@@ -2,10 +2,8 @@
 
 use glam::{DVec2, Vec3};
 
-use super::{
-    metric::borders,
-    score::{Reference, View, plane},
-};
+use super::score::{Reference, View, plane};
+use reflet_metric::borders;
 use reflet_render as render;
 use reflet_render::{
     PlaneData,

@@ -10,13 +10,8 @@ mod tests;
 
 use std::fmt;
 
-use super::{
-    csv,
-    metric::{mask::MIN_AREA_PX, temporal},
-    run::FrameSeries,
-    sample::Sample,
-    summary::series,
-};
+use super::{csv, run::FrameSeries, sample::Sample, summary::series};
+use reflet_metric::{mask::MIN_AREA_PX, temporal};
 
 /// Columns of the table of cells.
 const HEADER: [&str; 28] = [
@@ -132,7 +127,7 @@ pub struct CellScores {
 }
 
 /// Structure of errors: means over the pictures that have the score, none where no picture has it.
-/// See [`metric::structure`](super::metric::structure).
+/// See [`metric::structure`](reflet_metric::structure).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CellStructure {
     /// Mean FLIP within 3 px of edges in the reflections, and elsewhere.

@@ -3,13 +3,13 @@
 use reflet_render::pipeline::pass::Pass;
 
 use super::{
-    metric::{percentile, table},
     parameter::{
         HYBRID_ANEW_SERIES, HYBRID_LAYERS_SERIES, HYBRID_RATE_SERIES, RT_ANEW_SERIES,
         RT_RATE_SERIES, SSR_LAYERS_SERIES, THRESHOLD_SERIES,
     },
     sample::Sample,
 };
+use reflet_metric::{percentile, table};
 
 mod group;
 pub mod paired;

@@ -8,6 +8,7 @@ pub mod adapter;
 pub mod bind;
 pub mod compile_stats;
 pub mod context;
+pub mod driver;
 pub mod error;
 pub mod experimental;
 pub mod kept_pipelines;

@@ -11,12 +11,12 @@ use crate::{
     scene_value::kind,
     work,
 };
-use reflet::bench::{
-    compare::{notes, scored},
-    metric::{Maps, Scores as Judged, mask::Mask},
+use reflet_metric::{
+    Maps, Scores as Judged,
+    comparison::{Comparison as Table, MaskScores, notes, scored},
+    mask::Mask,
     picture::{Encoding, Pair, Picture as Compared},
     read::{Reading, read_mask, read_picture},
-    table::{Comparison as Table, MaskScores},
 };
 
 /// Metrics of the pixels of a region, as `reflet compare` prints them.
@@ -172,7 +172,7 @@ type Result3 = Result<(Table, Vec<f32>, [u32; 2]), String>;
 
 fn judge(readings: &[Reading; 2], mask: Option<([usize; 2], Vec<f32>)>) -> Result3 {
     let [test, reference] = readings;
-    let text = |error: reflet::bench::picture::PictureError| error.to_string();
+    let text = |error: reflet_metric::picture::PictureError| error.to_string();
     let pair = Pair::new(&test.picture, &reference.picture).map_err(text)?;
     let size = [pair.test().width(), pair.test().height()];
     let mask = mask.map(|(of_mask, weights)| match of_mask == size {

@@ -2,13 +2,10 @@
 
 use pyo3::{exceptions::PyOSError, prelude::*, types::PyDict};
 
-use reflet::{
-    app::AppError,
-    gpu::GpuError,
-    render::RenderError,
-    runtime::SessionError,
-    scene::diagnostic::{Diagnostic, Severity, render_all},
-};
+use reflet_gpu::GpuError;
+use reflet_output::OutputError;
+use reflet_render::{RenderError, runtime::SessionError};
+use reflet_scene::diagnostic::{Diagnostic, Severity, render_all};
 
 /// Why work on a scene has no result, on a thread without the interpreter's lock.
 #[derive(Clone, Debug)]
@@ -16,7 +13,7 @@ pub enum Failure {
     /// Error of the session.
     Session(SessionError),
     /// Error of writing, of denoising, or of choosing frames.
-    App(AppError),
+    Output(OutputError),
     /// A bug: the panic's message.
     Bug(String),
 }
@@ -39,13 +36,9 @@ impl From<Vec<Diagnostic>> for Failure {
     }
 }
 
-impl From<AppError> for Failure {
-    fn from(error: AppError) -> Self {
-        match error {
-            AppError::Scene(all) | AppError::Picture(all) => Self::Session(all.into()),
-            AppError::Gpu(error) => Self::Session(error.into()),
-            error => Self::App(error),
-        }
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Self {
+        Self::Output(error)
     }
 }
 
@@ -55,9 +48,12 @@ impl Failure {
         match self {
             Self::Session(SessionError::Scene(all)) => scene_error(py, &all),
             Self::Session(error) => exception(py, class_of(&error), &error.to_string()),
-            Self::App(AppError::Usage(text)) => exception(py, "ArgumentError", &in_python(&text)),
-            Self::App(AppError::Disk(text) | AppError::Internal(text)) => PyOSError::new_err(text),
-            Self::App(error) => exception(py, "Error", &error.to_string()),
+            Self::Output(OutputError::Usage(text)) => {
+                exception(py, "ArgumentError", &in_python(&text))
+            }
+            Self::Output(OutputError::Disk(text) | OutputError::Internal(text)) => {
+                PyOSError::new_err(text)
+            }
             Self::Bug(text) => {
                 let text =
                     format!("this is a bug in Reflet, please report it with the scene: {text}");

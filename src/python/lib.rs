@@ -33,7 +33,7 @@ mod _reflet {
     #[pymodule_export]
     use super::session::Session;
     use super::{Bound, PyModule, PyModuleMethods as _, PyResult};
-    use reflet::render::{
+    use reflet_render::{
         picture::aov::Aov,
         pipeline::cause::{Cause, Source},
     };

@@ -15,12 +15,12 @@ use crate::{
     view::{integers, of_argument},
     work,
 };
-use reflet::{
-    app::device::{PIPELINES, driver_variables},
-    runtime::{SceneSource, Session as Runtime, SessionOptions, scene_text::SceneOptions},
-    scene::project::ProjectChoice,
-};
 use reflet_base::cache::private_folder;
+use reflet_gpu::driver::{PIPELINES, driver_variables};
+use reflet_render::runtime::{
+    SceneSource, Session as Runtime, SessionOptions, scene_text::SceneOptions,
+};
+use reflet_scene::project::ProjectChoice;
 
 /// Name in messages of a scene that is given as text.
 const OF_TEXT: &str = "<text>";

@@ -18,16 +18,13 @@ use crate::{
     errors::{Failure, argument_error},
     render::Rendered,
 };
-use reflet::{
-    app::{
-        AppError, frame_name::Template, output::picture_file::PictureFile,
-        sequence::create_last_folder,
-    },
-    files::Inputs,
-    render::{
-        Picture as Pixels, PlaneData,
-        picture::{aov::Aov, png_file},
-    },
+use reflet_base::files::Inputs;
+use reflet_output::{
+    OutputError, frame_name::Template, picture_file::PictureFile, writable::create_last_folder,
+};
+use reflet_render::{
+    Picture as Pixels, PlaneData,
+    picture::{aov::Aov, png_file},
 };
 
 /// A finished picture with its AOVs, `picture["depth"]`. It shows itself in notebooks.
@@ -181,7 +178,7 @@ fn write(
     (path, frame): (&Path, u32),
     inputs: &Inputs,
     mark: Option<&str>,
-) -> Result<Vec<PathBuf>, AppError> {
+) -> Result<Vec<PathBuf>, OutputError> {
     let template = Template::new(path)?;
     if template.is_some() {
         create_last_folder(path)?;

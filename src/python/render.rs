@@ -3,18 +3,19 @@
 use std::sync::Arc;
 
 use crate::{errors::Failure, work::Progress};
-use reflet::{
-    app::{
-        denoise::Denoiser,
-        fingerprint::{self, RunSettings},
-        scene::inputs,
-        stats::{Report, ReportContext},
-    },
-    files::Inputs,
-    render::{Crop, Picture, PictureRequest, picture::aov::Aov},
-    runtime::{Session, ViewOverrides},
-    scene::desc::Samples,
+use reflet_base::files::Inputs;
+use reflet_output::{
+    denoise::Denoiser,
+    fingerprint::{self, RunSettings},
+    stats::{Report, ReportContext},
+    writable::inputs,
 };
+use reflet_render::{
+    Crop, Picture, PictureRequest,
+    picture::aov::Aov,
+    runtime::{Session, ViewOverrides},
+};
+use reflet_scene::desc::Samples;
 
 /// Choices of a picture.
 #[derive(Clone, Default)]
@@ -110,7 +111,7 @@ impl Request {
                 "crop=({x}, {y}, {width}, {height}) is not inside of the picture, which has {} x {} pixels",
                 size[0], size[1]
             );
-            return Err(reflet::app::AppError::Usage(text).into());
+            return Err(reflet_output::OutputError::Usage(text).into());
         }
         // Denoising, audits and error bounds look at the whole picture.
         let until_error = matches!(session.scene().scene.image.samples, Samples::UntilError(_));
@@ -141,6 +142,7 @@ impl Request {
             return Ok(None);
         }
         let settings = RunSettings {
+            built_from: env!("REFLET_BUILT_FROM"),
             camera: self.view.camera.clone().unwrap_or_default(),
             crop: self.crop,
             denoise: self.denoise,

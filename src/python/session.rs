@@ -22,12 +22,10 @@ use crate::{
     view::View,
     work::{Progress, Teller},
 };
-use reflet::{
-    app::{fingerprint, frames::FrameList},
-    gpu::adapter,
-    runtime::Session as Runtime,
-    scene::desc::ParamValue,
-};
+use reflet_gpu::adapter;
+use reflet_output::{fingerprint, frames::FrameList};
+use reflet_render::runtime::Session as Runtime;
+use reflet_scene::desc::ParamValue;
 
 /// An open scene with its device, closed by `with`. Calls of several threads take turns.
 #[pyclass(module = "reflet", frozen, weakref)]

@@ -13,7 +13,7 @@ use crate::{
     errors::{Failure, exception},
     work::{self, Teller},
 };
-use reflet::runtime::Session;
+use reflet_render::runtime::Session;
 
 /// Time between two looks for Ctrl-C while another thread has the session.
 const TICK: Duration = Duration::from_millis(40);

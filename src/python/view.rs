@@ -1,6 +1,5 @@
 //! Keywords of a picture, checked.
 
-use clap::ValueEnum as _;
 use pyo3::{
     exceptions::{PyOverflowError, PyTypeError},
     prelude::*,
@@ -12,12 +11,8 @@ use crate::{
     render::Request,
     scene_value::{kind, names},
 };
-use reflet::{
-    app::{args::MethodArg, size_arg::parse_size},
-    render::{Crop, picture::aov::Aov},
-    runtime::ViewOverrides,
-    scene::desc::Method,
-};
+use reflet_render::{Crop, check_size, picture::aov::Aov, runtime::ViewOverrides};
+use reflet_scene::desc::Method;
 
 /// AOVs by name, each once, and the names as they were given.
 fn aovs_of(py: Python<'_>, given: Option<Bound<'_, PyAny>>) -> PyResult<(Vec<Aov>, Vec<String>)> {
@@ -128,8 +123,7 @@ impl<'py> View<'py> {
     ) -> PyResult<(Request, Vec<String>)> {
         let (aovs, names) = aovs_of(py, self.aovs)?;
         if let Some([width, height]) = self.size {
-            let checked = parse_size(&format!("{width}x{height}"));
-            checked
+            check_size([width, height])
                 .map_err(|why| argument_error(py, &format!("size=({width}, {height}): {why}")))?;
         }
         if let Some(samples) = self.samples.filter(|samples| !(1..=4096).contains(samples)) {
@@ -139,12 +133,8 @@ impl<'py> View<'py> {
             ));
         }
         let method = self.method.map(|name| {
-            let found = MethodArg::from_str(&name, false).map(Method::from);
-            found.map_err(|_| {
-                let known = MethodArg::value_variants()
-                    .iter()
-                    .map(|known| Method::from(*known).name());
-                let known = known.collect::<Vec<_>>().join(", ");
+            Method::from_name(&name).ok_or_else(|| {
+                let known = Method::ALL.map(Method::name).join(", ");
                 exception(
                     py,
                     "UnknownNameError",

@@ -17,7 +17,7 @@ use std::{
 use pyo3::{exceptions::PyRuntimeError, prelude::*};
 
 use crate::errors::{Failure, exception};
-use reflet::gpu::Gpu;
+use reflet_gpu::Gpu;
 
 /// Time between two looks for Ctrl-C.
 const TICK: Duration = Duration::from_millis(40);

@@ -42,5 +42,5 @@ pub use renderer::Renderer;
 pub use renderer::change::Poses;
 pub use renderer::error_estimate::ErrorEstimate;
 pub use renderer::rebuild_summary::RebuildSummary;
-pub use settings::options::{Crop, Draft, RenderOptions};
+pub use settings::options::{Crop, Draft, RenderOptions, check_size};
 pub use upload::validate::check_world;

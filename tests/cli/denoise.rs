@@ -5,7 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use reflet::bench::read::read_picture;
+use reflet::metric::read::read_picture;
 
 use super::{exits, folder, names, reflet};
 use crate::common::gpu_or_skip;

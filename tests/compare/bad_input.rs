@@ -3,7 +3,7 @@
 use std::{fs, path::Path};
 
 use image::{Rgb, RgbImage};
-use reflet::bench::read::read_picture;
+use reflet::metric::read::read_picture;
 
 use super::files::{Folder, fails, parses, run};
 

@@ -10,10 +10,8 @@ use clap::Parser;
 use exr::prelude::*;
 use image::{DynamicImage, ImageFormat};
 use reflet::{
-    bench::{
-        compare::{CompareArgs, compare},
-        table::Comparison,
-    },
+    app::compare::{CompareArgs, compare},
+    metric::comparison::Comparison,
     scene::diagnostic::Diagnostic,
 };
 

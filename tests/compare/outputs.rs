@@ -4,11 +4,11 @@ use std::{fs, path::PathBuf};
 
 use image::{Rgb, RgbImage};
 use reflet::{
-    bench::{
-        compare::difference_picture,
+    files::write_whole,
+    metric::{
+        difference::difference_picture,
         picture::{Encoding, Pair, Picture},
     },
-    files::write_whole,
 };
 
 use super::files::{Folder, fails, run};
@@ -174,7 +174,7 @@ fn thresholds_hold_for_frame_and_mask() {
     });
     let mask = folder.png("m.png", mask);
     let score = run(&b, &a, &["--mask", text(&mask)]).expect("compares");
-    let reflet::bench::table::MaskScores::Scored(inside) =
+    let reflet::metric::comparison::MaskScores::Scored(inside) =
         &score.mask.as_ref().expect("a mask").scores
     else {
         panic!("not scored")

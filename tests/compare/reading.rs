@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use image::{GrayAlphaImage, GrayImage, ImageBuffer, Luma, LumaA, Rgb, RgbImage, Rgba, RgbaImage};
-use reflet::bench::{
+use reflet::metric::{
     picture::{Encoding, Picture},
     read::read_picture,
 };

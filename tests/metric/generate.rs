@@ -1,7 +1,8 @@
 //! Generated pictures, the same as in `tests/tools/test_metric_reference.py`.
 
-use reflet::bench::{
-    metric::{Maps, Scores, mask::Mask},
+use reflet::metric::{
+    Maps, Scores,
+    mask::Mask,
     picture::{Encoding, Pair, Picture},
 };
 

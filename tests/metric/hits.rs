@@ -1,6 +1,6 @@
 //! False accepts and false rejects.
 
-use reflet::bench::metric::hits::{
+use reflet::metric::hits::{
     CauseCode, CauseTally, HitError, HitPlane, HitPlanes, Tolerance, Verdict, tally,
 };
 

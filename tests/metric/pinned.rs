@@ -1,6 +1,6 @@
 //! SSIM pinned to scikit-image, FLIP to flip-evaluator.
 
-use reflet::bench::{metric::mask::Mask, picture::Picture};
+use reflet::metric::{mask::Mask, picture::Picture};
 
 use super::generate::{generated, picture, scores};
 

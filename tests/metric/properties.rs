@@ -1,8 +1,10 @@
 //! Metric invariants and closed forms.
 
-use reflet::bench::{
-    metric::{Maps, flip, mask::Mask, ssim::SsimMap},
+use reflet::metric::{
+    Maps, flip,
+    mask::Mask,
     picture::{Encoding, Pair, Picture, PictureError},
+    ssim::SsimMap,
 };
 
 use super::generate::{Random, flat, generated, picture, scores};

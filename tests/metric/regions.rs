@@ -1,7 +1,7 @@
 //! Masks: selected pixels, erosion, and their effect on metrics.
 
-use reflet::bench::{
-    metric::mask::Mask,
+use reflet::metric::{
+    mask::Mask,
     picture::{Encoding, PictureError},
 };
 

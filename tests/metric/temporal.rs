@@ -1,11 +1,9 @@
 //! Flicker of sequences.
 
-use reflet::bench::{
-    metric::{
-        mask::{MIN_AREA_PX, Mask},
-        temporal::{self, Temporal},
-    },
+use reflet::metric::{
+    mask::{MIN_AREA_PX, Mask},
     picture::{Encoding, Pair, Picture},
+    temporal::{self, Temporal},
 };
 
 use super::generate::flat;

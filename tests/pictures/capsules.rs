@@ -3,7 +3,7 @@
 
 use glam::{Affine3A, Vec3};
 use reflet::{
-    bench::metric::flip::flip_map,
+    metric::flip::flip_map,
     render::{Picture, picture::aov::Aov, pipeline::cause::Source},
     world::{Instance, Mesh, World},
 };

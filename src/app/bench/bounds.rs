@@ -8,7 +8,6 @@ use serde::Serialize;
 use super::{args::BoundsArgs, create_folder, progress::Progress, write};
 use crate::{
     app::{
-        device::open_gpu,
         error::AppError,
         print_out,
         scene::{check_reports, load_scene},
@@ -19,7 +18,7 @@ use crate::{
         run::Observer as _,
         summary::digits,
     },
-    gpu::ShaderLibrary,
+    gpu::{ShaderLibrary, driver::open_gpu},
     render::{Picture, PictureRequest},
     runtime::{SceneSource, Session, ViewOverrides},
 };

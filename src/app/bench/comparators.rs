@@ -8,14 +8,14 @@ use std::path::{Path, PathBuf};
 
 use super::{args::ComparatorsArgs, create_folder, timeline::frame_series, write};
 use crate::{
-    app::{device, error::AppError, scene::load_scene, shaders},
+    app::{error::AppError, scene::load_scene, shaders},
     bench::systems::{
         SceneRows, chart,
         document::{Conditions, document},
         frames::{self, Curves},
         overall::best,
     },
-    gpu::adapter,
+    gpu::{adapter, driver},
 };
 
 pub(super) use measuring::measure;
@@ -34,7 +34,7 @@ const BEST_CHART: &str = "comparators-best.svg";
 pub fn comparators(args: &ComparatorsArgs) -> Result<(), AppError> {
     create_folder(&args.output)?;
     let library = shaders::library(None)?;
-    let gpu = device::open_gpu(args.adapter.as_deref(), true)?;
+    let gpu = driver::open_gpu(args.adapter.as_deref(), true)?;
     let mut scenes = Vec::new();
     for path in &args.scenes {
         let loaded = load_scene(Some(path), &args.from, &[])?;

@@ -10,11 +10,12 @@ use super::{
     run, scenario2, subject, walk_systems,
 };
 use crate::{
-    app::{error::AppError, frames::FrameList, scene::load, shaders},
+    app::{error::AppError, scene::load, shaders},
     bench::{
         parameter::Parameter,
         run::{FrameSeries, Protocol, Subject, Sweep},
     },
+    output::frames::FrameList,
     runtime::scene_text::{ATRIUM, SceneOptions, SceneText, asset_folders},
     scene::desc::{Accept, Method, ReflectionDesc},
 };

@@ -5,14 +5,13 @@ use std::{fmt::Write as _, path::Path};
 use super::{args::RegretArgs, progress::Progress};
 use crate::{
     app::{
-        device::open_gpu,
         error::AppError,
         plan_file::costs,
         print_json, print_out,
         scene::{choose_camera, load_scene},
     },
     bench::{run::Observer as _, summary::digits},
-    gpu::{Gpu, ShaderLibrary},
+    gpu::{Gpu, ShaderLibrary, driver::open_gpu},
     render::{RenderOptions, decide::Decision, settings::unit_costs::UnitCosts},
     runtime::{ViewOverrides, renderer_stage::RendererStage, scene_text::LoadedScene},
     scene::desc::{LightKind, Marched, Method, ShadowMode, Visibility},

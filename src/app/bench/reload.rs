@@ -9,13 +9,12 @@ use super::{create_folder, progress::Progress, write};
 use crate::{
     app::{
         args::{SceneArgs, parse_size},
-        device::open_gpu,
         error::AppError,
         print_out,
         scene::{check_reports, load_scene},
     },
     bench::{host::Host, run::Observer as _},
-    gpu::Gpu,
+    gpu::{Gpu, driver::open_gpu},
 };
 use reflet_preview::live::{InitialBuild, Live, ViewOverrides};
 

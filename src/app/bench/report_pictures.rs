@@ -3,14 +3,13 @@
 use crate::{
     app::error::AppError,
     bench::{
-        compare::difference_picture,
         parameter::method_name,
-        picture::Pair,
         report::page::{Figure, Gallery},
         run::{REFERENCE_BOUNCES, Subject},
         score::View,
     },
     gpu::{Gpu, ShaderLibrary},
+    metric::{difference::difference_picture, picture::Pair},
     render::{Picture, picture::aov::Aov},
     runtime::renderer_stage::RendererStage,
     scene::desc::{Accept, Method, ReflectionDesc},

@@ -12,7 +12,7 @@ use crate::{
     app::{
         error::AppError,
         print_out,
-        scene::{check_reports, inputs, load_scene},
+        scene::{check_reports, load_scene},
         shaders,
     },
     bench::{
@@ -27,6 +27,7 @@ use crate::{
         },
     },
     files::{Inputs, write_whole},
+    output::writable::inputs,
     runtime::scene_text::LoadedScene,
     scene::desc::{Method, Samples, ShadowMode},
 };

@@ -1,8 +1,9 @@
 //! Frames of a scene that `bench` measures, and the function that poses them.
 
 use crate::{
-    app::{error::AppError, frames::FrameList, scene::choose_camera},
+    app::{error::AppError, scene::choose_camera},
     bench::run::{FrameSeries, Subject},
+    output::frames::FrameList,
     runtime::scene_text::LoadedScene,
     scene::stages::Animator,
 };

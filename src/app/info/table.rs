@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::{Info, Timeline, skipped};
-use crate::{app::stats::mebibytes, render::decide::Decision, scene::desc::LightKind};
+use crate::{output::stats::mebibytes, render::decide::Decision, scene::desc::LightKind};
 
 /// Project of the scene, and the folders that its files may be in.
 fn files(info: &Info) -> Vec<(&'static str, String)> {

@@ -6,11 +6,13 @@ use clap::Args;
 
 use super::{Film, TaskArgs, absolute, in_project};
 use crate::{
-    app::{
-        cameras, error::AppError, frame_spans::spans, output::writable::check_writable,
-        scene::inputs,
-    },
+    app::error::AppError,
     files::write_whole,
+    output::{
+        frame_name::CAMERA,
+        frames::spans,
+        writable::{check_writable, inputs},
+    },
     runtime::scene_text::LoadedScene,
 };
 use reflet_base::shell::shell_word;
@@ -102,10 +104,7 @@ fn command(args: &TaskArgs, loaded: &LoadedScene) -> Result<Vec<String>, AppErro
     for (option, own) in words.paths {
         command.extend([option.into(), path(own)?]);
     }
-    if let Some(braces) = command
-        .iter()
-        .find(|text| text.contains(cameras::PLACEHOLDER))
-    {
+    if let Some(braces) = command.iter().find(|text| text.contains(CAMERA)) {
         return Err(AppError::Usage(format!(
             "\"{braces}\": tasks render one camera; choose it by --camera, and remove the braces"
         )));

@@ -5,13 +5,13 @@ use crate::summary::series;
 use std::collections::BTreeSet;
 
 use crate::{
-    metric::mask::MIN_AREA_PX,
     pareto::{Costs, Spot, break_even_share},
     summary::{
         Group, MIN_SPREAD_N, Metric, Point, Spread, digits,
         paired::{MIN_PAIRS, Timed, pairs},
     },
 };
+use reflet_metric::mask::MIN_AREA_PX;
 use reflet_render::{
     passes::{self, trace},
     pipeline::pass::PassGroup,

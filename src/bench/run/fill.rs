@@ -1,9 +1,7 @@
 //! Fills the columns of a sample.
 
-use crate::{
-    metric::{hits::CauseTally, structure::Structure, table},
-    sample::{BEHIND_COLUMN, Sample, pass_column},
-};
+use crate::sample::{BEHIND_COLUMN, Sample, pass_column};
+use reflet_metric::{hits::CauseTally, structure::Structure, table};
 use reflet_render::{
     passes,
     pipeline::instrument::{Counts, PassCounts},

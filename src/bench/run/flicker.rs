@@ -2,10 +2,10 @@
 
 use std::{cell::RefCell, collections::HashMap};
 
-use crate::{
-    metric::temporal::{Change, Temporal},
+use crate::score::{Reference, View};
+use reflet_metric::{
     picture::{Pair, PictureError},
-    score::{Reference, View},
+    temporal::{Change, Temporal},
 };
 
 use super::{Subject, Variant};

@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use crate::{
-    metric::hits::CauseTally,
     parameter::{MAX_STEPS, Variant},
     score::{CAMERA_MOVE_U, Changes, Errors, Hits, PLANES, Reference, View},
     seams::{self, Looked},
 };
+use reflet_metric::hits::CauseTally;
 use reflet_render::Renderer;
 use reflet_scene::{
     desc::{CameraDesc, Method, ReflectionDesc},

@@ -6,11 +6,11 @@ use std::collections::HashMap;
 use super::Sample;
 use crate::{
     csv::CsvError,
-    metric::{
-        mask::MIN_AREA_PX,
-        table::{self, ROUNDING},
-    },
     parameter::{Parameter, method_name},
+};
+use reflet_metric::{
+    mask::MIN_AREA_PX,
+    table::{self, ROUNDING},
 };
 use reflet_scene::desc::Method;
 

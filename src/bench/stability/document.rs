@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::{Cell, CellScores, Mode, ReferenceKind, find, rivals};
-use crate::metric::{
+use reflet_metric::{
     mask::{ERODE_PX, MIN_AREA_PX},
     structure::EDGE_PX,
 };

@@ -5,8 +5,9 @@ use std::{fmt::Write as _, io, path::Path};
 use serde::Deserialize;
 
 use super::{Cell, CellScores, ReferenceKind};
-use crate::{file_error, parameter::SERIES};
+use crate::parameter::SERIES;
 use reflet_base::files::{open_regular, read_at_most};
+use reflet_metric::file_error;
 use reflet_scene::diagnostic::Diagnostic;
 
 /// Tolerance of a score for other drivers, as a share of the allowed score; the largest tolerance applies.

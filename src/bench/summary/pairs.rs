@@ -4,7 +4,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::{Spread, label};
-use crate::{metric::temporal, sample::Sample};
+use crate::sample::Sample;
+use reflet_metric::temporal;
 use reflet_render::passes::trace;
 
 /// Temporal error over the measured frames of an animation.

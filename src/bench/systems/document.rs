@@ -9,8 +9,8 @@ use super::{
     probe_seams::{self, SeamRow},
     rivals,
 };
-use crate::metric::mask::MIN_AREA_PX;
 use reflet_base::digits::grouped;
+use reflet_metric::mask::MIN_AREA_PX;
 
 /// Conditions of the measurements.
 #[derive(Clone, Debug)]

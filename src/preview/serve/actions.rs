@@ -14,7 +14,6 @@ use crate::{
     },
     write_back::{KeyChange, KeyEdit, Numbers, numbers_of},
 };
-use reflet_bench::parameter::method_name;
 use reflet_scene::desc::{MATERIAL, Method};
 
 impl Session {
@@ -73,7 +72,7 @@ impl Session {
                 self.state.settings.start_wipe();
             }
             Input::Method { side, name } => {
-                let found = state::methods().find(|method: &Method| method_name(*method) == name);
+                let found = state::methods().find(|method: &Method| method.name() == name);
                 if let Some(method) = found {
                     self.side(side).method = method;
                 }

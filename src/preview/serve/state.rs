@@ -15,7 +15,6 @@ use crate::{
     },
     write_back::{Inspected, SceneItem, numbers_of},
 };
-use reflet_bench::parameter::method_name;
 use reflet_render::{picture::aov::Aov, runtime::parameters::ParameterOverrides};
 use reflet_scene::{
     desc::{MATERIAL, MaterialDesc, Method, ParamValue},
@@ -145,7 +144,7 @@ pub(super) fn scene(summary: &SceneSummary, name: &str) -> String {
         "materials": materials.collect::<Vec<_>>(),
         "cameras": summary.cameras.iter().map(|(name, _)| name).collect::<Vec<_>>(),
         "cuts": !summary.cuts.is_empty(),
-        "methods": methods().map(method_name).collect::<Vec<_>>(),
+        "methods": methods().map(Method::name).collect::<Vec<_>>(),
         "channels": channels().map(ViewChannel::name).collect::<Vec<_>>(),
         "items": summary.items.iter().map(|row| json!([row.label, row.depth])).collect::<Vec<_>>(),
         "timeline": summary.timeline.as_ref().map(|time| json!([time.start, time.end, time.fps])),
@@ -159,7 +158,7 @@ pub(super) fn scene(summary: &SceneSummary, name: &str) -> String {
 /// Choices of the view.
 pub(super) fn view(state: &ViewState) -> String {
     let (settings, time) = (&state.settings, state.timeline.as_ref());
-    let side = |side: Side| json!([method_name(side.method), side.channel.name()]);
+    let side = |side: Side| json!([side.method.name(), side.channel.name()]);
     json!({ "view": {
         "sides": [side(settings.a), side(settings.b)],
         "wipe": settings.wipe,
@@ -200,7 +199,7 @@ pub(super) fn statistics(shown: &FinishedFrame, encode_ms: f64) -> String {
         let [width, height] = side.stats.size;
         json!({
             "size": [width, height],
-            "method": method_name(side.stats.method),
+            "method": side.stats.method.name(),
             "samples": side.stats.samples,
             "ms": side.stats.frame_ms,
             "rays": side.stats.rays,

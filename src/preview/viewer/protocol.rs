@@ -9,7 +9,7 @@ use crate::{
     write_back::{FlightPoint, Inspected, KeyEdit, Numbers, SceneItem},
 };
 use reflet_base::math::Bounds;
-use reflet_bench::metric::Scores;
+use reflet_metric::Scores;
 use reflet_render::{renderer::stats::FrameStats, runtime::parameters::ParameterOverrides};
 use reflet_scene::desc::{CameraDesc, Method};
 

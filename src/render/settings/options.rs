@@ -1,5 +1,7 @@
 //! Options of a renderer.
 
+use std::fmt;
+
 use super::{pixel_share::needs_moments, unit_costs::UnitCosts};
 use reflet_scene::desc::{
     ImageDesc, LightDesc, LightKind, Method, ReflectionDesc, SceneDesc, ShadowMode,
@@ -63,6 +65,25 @@ impl Crop {
         [0, 1]
             .into_iter()
             .all(|axis| self.size[axis] > 0 && end(axis).is_some_and(|end| end <= size[axis]))
+    }
+}
+
+/// Left and top edge, width and height, as on a command line.
+impl fmt::Display for Crop {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ([x, y], [width, height]) = (self.at, self.size);
+        write!(f, "{x},{y},{width},{height}")
+    }
+}
+
+/// Refuses a picture of such a width and height, pixels.
+///
+/// # Errors
+/// Message with the range.
+pub fn check_size(size: [u32; 2]) -> Result<(), String> {
+    match size.iter().all(|side| (1..=16384).contains(side)) {
+        true => Ok(()),
+        false => Err("each side must be 1 to 16384 pixels".to_owned()),
     }
 }
 

@@ -41,6 +41,24 @@ pub enum Method {
 }
 
 impl Method {
+    /// All methods, in the order of the manual.
+    pub const ALL: [Self; 9] = [
+        Self::Ssr,
+        Self::Rt,
+        Self::Hybrid,
+        Self::Probe,
+        Self::SsrProbe,
+        Self::SsrBox,
+        Self::NearFar,
+        Self::Path,
+        Self::Auto,
+    ];
+
+    /// Method of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|method| method.name() == name)
+    }
+
     /// Name of the method in scene text and tables.
     pub const fn name(self) -> &'static str {
         match self {

@@ -3,13 +3,15 @@
 use crate::{
     app::error::AppError,
     bench::{
-        metric::temporal::{Change, Temporal},
-        picture::{Pair, PictureError},
         run::{FrameSeries, REFERENCE_BOUNCES, Subject},
         score::{Hits, PLANES, Reference, View},
         systems::{LeftOut, Row, SYSTEMS, SceneRows, System, SystemErrors, frames::FrameRow},
     },
     gpu::{Gpu, GpuError, ShaderLibrary},
+    metric::{
+        picture::{Pair, PictureError},
+        temporal::{Change, Temporal},
+    },
     render::{
         Picture, RenderError, passes, pipeline::instrument::Counts, renderer::stats::FrameStats,
         runtime::renderer_stage::RendererStage,

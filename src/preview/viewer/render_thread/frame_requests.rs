@@ -6,8 +6,8 @@ use crate::viewer::{
     frame_texture::FrameTexture,
     protocol::{Comparison, FrameAction, FrameRequest, Report, View},
 };
-use reflet_bench::{
-    metric::{Maps, flip},
+use reflet_metric::{
+    Maps, flip,
     picture::{Pair, Picture},
 };
 use reflet_render::{RenderError, pipeline::targets::Target};

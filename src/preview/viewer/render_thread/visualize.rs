@@ -7,8 +7,8 @@ use crate::viewer::{
     protocol::{Side, View, Visualization},
     view_channel::{BACKGROUND_GRAY, CUBE_CROSS, ShadowMapChoice, ViewChannel},
 };
-use reflet_bench::metric::flip;
 use reflet_gpu::GpuError;
+use reflet_metric::flip;
 use reflet_render::{
     Plane, PlaneData, RenderError,
     lighting::lights::{CUBE_FACES, has_cube_map},

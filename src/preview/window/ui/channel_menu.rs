@@ -7,7 +7,6 @@ use crate::viewer::{
     view_channel::{ShadowLight, ShadowMapChoice, ViewChannel},
     view_settings::METHODS,
 };
-use reflet_bench::parameter::method_name;
 use reflet_render::{lighting::lights::CUBE_FACES, picture::aov::Aov};
 use reflet_scene::desc::Method;
 
@@ -19,16 +18,16 @@ const BUTTONS: usize = 4;
 
 /// Method and channel of one side.
 pub fn side_menu(ui: &mut Ui, id: &str, side: &mut Side, shadow_lights: &[ShadowLight]) {
-    let auto = ui.selectable_value(&mut side.method, Method::Auto, method_name(Method::Auto));
+    let auto = ui.selectable_value(&mut side.method, Method::Auto, Method::Auto.name());
     auto.on_hover_text("hybrid or rt, as render decides for this size and the chosen camera");
     let (own, rivals) = METHODS.split_at(BUTTONS);
     for method in own {
-        ui.selectable_value(&mut side.method, *method, method_name(*method));
+        ui.selectable_value(&mut side.method, *method, method.name());
     }
     let is_rival = rivals.contains(&side.method);
     egui::ComboBox::from_id_salt((id, "others"))
         .selected_text(if is_rival {
-            method_name(side.method)
+            side.method.name()
         } else {
             "others"
         })
@@ -36,7 +35,7 @@ pub fn side_menu(ui: &mut Ui, id: &str, side: &mut Side, shadow_lights: &[Shadow
         .truncate()
         .show_ui(ui, |ui| {
             for method in rivals {
-                ui.selectable_value(&mut side.method, *method, method_name(*method));
+                ui.selectable_value(&mut side.method, *method, method.name());
             }
         })
         .response

@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, Color32, FontId, Mesh, Rect, Sense, Ui, pos2, vec2};
 
-use reflet_bench::metric::flip;
+use reflet_metric::flip;
 use reflet_render::{
     passes,
     pipeline::cause::{Cause, Source},

@@ -12,7 +12,7 @@ use crate::{
     viewer::{scene_summary::SceneSummary, view_settings::ViewSettings},
     write_back::{KeyEdit, Numbers, SceneItem},
 };
-use reflet_bench::{metric::Scores, parameter::method_name};
+use reflet_metric::Scores;
 use reflet_render::runtime::parameters::ParameterOverrides;
 use reflet_scene::desc::Method;
 
@@ -226,7 +226,7 @@ pub fn comparison(
                     ui.end_row();
                 }
             });
-            let method = comparison.map(|(method, _)| method_name(method));
+            let method = comparison.map(|(method, _)| method.name());
             let of_what = match method {
                 None => "X compares this method with rt".to_owned(),
                 Some(method) if is_old => {

@@ -11,7 +11,7 @@ use crate::viewer::{
     protocol::{Comparison, Side},
     view_channel::{BACKGROUND_GRAY, CUBE_CROSS},
 };
-use reflet_bench::{metric::Scores, parameter::method_name};
+use reflet_metric::Scores;
 use reflet_render::lighting::lights::CUBE_FACES;
 use reflet_scene::{desc::Method, diagnostic::Diagnostic};
 
@@ -186,7 +186,7 @@ impl Window {
         let color = Color32::from_white_alpha(if is_held { 255 } else { 160 });
         ui.painter()
             .vline(x, rect.y_range(), egui::Stroke::new(1.5, color));
-        let name = |side: &Side| format!("{}, {}", method_name(side.method), side.channel.name());
+        let name = |side: &Side| format!("{}, {}", side.method.name(), side.channel.name());
         let left = match self.error_map() {
             Some(_) => "error map".to_owned(),
             None => name(&self.state.settings.a),
@@ -256,7 +256,7 @@ fn selection(ui: &mut Ui, label: &str, material: &str, is_seen: bool) {
 
 /// Caption of the error map: metric, scores and scale.
 fn error_map(ui: &mut Ui, method: Method, scores: &Scores) {
-    let method = method_name(method);
+    let method = method.name();
     ui.strong(format!("error map: FLIP of {method} against rt"));
     if scores.max_difference == 0.0 {
         ui.label("identical: no pixel differs");

@@ -79,9 +79,9 @@ fn selection_label_has_name_and_material() {
 }
 
 /// Scores of two gray pictures that differ by this much everywhere.
-fn scores(difference: u8) -> reflet_bench::metric::Scores {
-    use reflet_bench::{
-        metric::Maps,
+fn scores(difference: u8) -> reflet_metric::Scores {
+    use reflet_metric::{
+        Maps,
         picture::{Pair, Picture},
     };
     let gray = |value: u8| Picture::from_rgb8(16, 16, &[value; 768]).expect("a picture");

@@ -2,7 +2,7 @@
 
 use std::{env, ffi::OsString};
 
-use crate::gpu::{Gpu, GpuError, GpuOptions};
+use crate::{Gpu, GpuError, GpuOptions};
 use reflet_base::cache::private_folder;
 
 /// Folder of compiled pipelines, below the user's cache folder.

@@ -9,8 +9,7 @@ use ::exr::prelude::{
 };
 use xxhash_rust::xxh3::Xxh3Default;
 
-use crate::render::picture::png_file::FINGERPRINT_KEY;
-use crate::render::{Picture, Plane, PlaneData};
+use reflet_render::{Picture, Plane, PlaneData, picture::png_file::FINGERPRINT_KEY};
 
 /// Fingerprint of an EXR whose samples match their hash.
 pub fn fingerprint(path: &Path) -> Option<String> {

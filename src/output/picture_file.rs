@@ -10,16 +10,14 @@ use super::{
     format::{Format, PictureFormat},
     writable::{check_replaceable, check_writable},
 };
-use crate::{
-    app::error::AppError,
-    files::{Inputs, write_together},
-    render::{
-        Picture,
-        picture::{
-            aov::Aov,
-            aov_view,
-            png_file::{self, FINGERPRINT_KEY, PngText, SAMPLES_KEY},
-        },
+use crate::error::OutputError;
+use reflet_base::files::{Inputs, write_together};
+use reflet_render::{
+    Picture,
+    picture::{
+        aov::Aov,
+        aov_view,
+        png_file::{self, FINGERPRINT_KEY, PngText, SAMPLES_KEY},
     },
 };
 
@@ -34,8 +32,8 @@ impl PictureFile {
     /// Checks extension and folder before rendering.
     ///
     /// # Errors
-    /// [`AppError::Usage`] with the invalid part of the path.
-    pub fn new(path: &Path) -> Result<Self, AppError> {
+    /// [`OutputError::Usage`] with the invalid part of the path.
+    pub fn new(path: &Path) -> Result<Self, OutputError> {
         let format = match Format::of(path) {
             Some(Format::Picture(format)) => format,
             other => {
@@ -45,7 +43,7 @@ impl PictureFile {
                     }
                     _ => String::new(),
                 };
-                return Err(AppError::Usage(format!(
+                return Err(OutputError::Usage(format!(
                     "--output {}: the name of a picture must end in .png or .exr{film}",
                     path.display()
                 )));
@@ -67,7 +65,7 @@ impl PictureFile {
     ///
     /// # Errors
     /// Same errors as [`check_replaceable`].
-    pub fn check_files(&self, aovs: &[Aov], inputs: &Inputs) -> Result<(), AppError> {
+    pub fn check_files(&self, aovs: &[Aov], inputs: &Inputs) -> Result<(), OutputError> {
         let planes: Vec<_> = aovs.iter().map(|aov| aov.plane_name()).collect();
         let files = self.files(&planes);
         files
@@ -79,8 +77,8 @@ impl PictureFile {
     /// Returns their paths.
     ///
     /// # Errors
-    /// [`AppError::Disk`] or [`AppError::Internal`] naming the file; nothing new is left behind.
-    pub fn write(&self, picture: &Picture) -> Result<Vec<PathBuf>, AppError> {
+    /// [`OutputError::Disk`] or [`OutputError::Internal`] naming the file; nothing new is left behind.
+    pub fn write(&self, picture: &Picture) -> Result<Vec<PathBuf>, OutputError> {
         self.write_marked(picture, None)
     }
 
@@ -92,7 +90,7 @@ impl PictureFile {
         &self,
         picture: &Picture,
         mark: Option<&str>,
-    ) -> Result<Vec<PathBuf>, AppError> {
+    ) -> Result<Vec<PathBuf>, OutputError> {
         let mut files = Vec::new();
         let samples = picture.stats.samples.to_string();
         let mark = mark.map(|mark| (FINGERPRINT_KEY, mark));
@@ -121,13 +119,13 @@ impl PictureFile {
         }
         let encoded = files.into_iter().map(|(path, bytes)| match bytes {
             Ok(bytes) => Ok((path, bytes)),
-            Err(error) => Err(AppError::Internal(format!(
+            Err(error) => Err(OutputError::Internal(format!(
                 "cannot write {}: {error}",
                 path.display()
             ))),
         });
         let encoded = encoded.collect::<Result<Vec<_>, _>>()?;
-        write_together(&encoded).map_err(|(path, error)| AppError::unwritten(&path, &error))?;
+        write_together(&encoded).map_err(|(path, error)| OutputError::unwritten(&path, &error))?;
         Ok(encoded.into_iter().map(|(path, _)| path).collect())
     }
 

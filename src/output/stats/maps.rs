@@ -1,7 +1,7 @@
 //! Texts about maps that frames capture: probes, the faces of a box, and what is far.
 
 use super::mebibytes;
-use crate::render::{
+use reflet_render::{
     maps::{box_faces::FacesStats, far_maps::FarStats, probe_maps::ProbeStats},
     renderer::stats::FrameStats,
 };

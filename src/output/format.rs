@@ -2,7 +2,7 @@
 
 use std::{ops::RangeInclusive, path::Path};
 
-use crate::app::error::AppError;
+use crate::error::OutputError;
 
 /// Contents of an output file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,8 +71,8 @@ impl Format {
     /// Format of a file name, with an error for unknown extensions.
     ///
     /// # Errors
-    /// [`AppError::Usage`] with the known extensions.
-    pub fn expect(path: &Path) -> Result<Self, AppError> {
+    /// [`OutputError::Usage`] with the known extensions.
+    pub fn expect(path: &Path) -> Result<Self, OutputError> {
         Self::of(path).ok_or_else(|| unknown(path))
     }
 
@@ -83,13 +83,13 @@ impl Format {
 }
 
 /// Error of an unknown extension.
-fn unknown(path: &Path) -> AppError {
+fn unknown(path: &Path) -> OutputError {
     let of = |is_external: bool| {
         let some = FILMS.iter().filter(|f| f.ffmpeg.is_some() == is_external);
         let endings: Vec<_> = some.map(|f| format!(".{}", f.ending)).collect();
         endings.join(", ")
     };
-    AppError::Usage(format!(
+    OutputError::Usage(format!(
         "--output {}: the name must end in .png or .exr, or for a film in {}, or with ffmpeg in {}",
         path.display(),
         of(false),

@@ -1,20 +1,30 @@
-//! Metrics of a pair of pictures, over the whole frame and inside a mask; pure functions.
+//! Metrics of a pair of pictures, over the whole frame and inside a mask: picture × picture → error.
+//!
+//! This crate owns what a picture to be judged is ([`picture`], read from its file by [`read`], the only module that
+//! touches files), the metrics, which are pure, and their table for people and machines ([`comparison`]).
 
 pub mod borders;
+pub mod comparison;
+pub mod difference;
 pub mod error;
 pub mod flip;
 pub mod hits;
 pub mod mask;
+pub mod picture;
+pub mod read;
 pub mod specks;
 pub mod ssim;
 pub mod structure;
 pub mod table;
 pub mod temporal;
 
+use std::path::Path;
+
 use serde::Serialize;
 
-use super::picture::Pair;
 use mask::Mask;
+use picture::Pair;
+use reflet_scene::diagnostic::Diagnostic;
 
 /// Every metric of one pair over one region.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -145,4 +155,17 @@ pub fn percentile<T: Copy + Into<f64>>(values: &mut [T], p: f64) -> f64 {
     let low: f64 = (*low).into();
     let high = above.iter().copied().min_by(order);
     high.map_or(low, |high| low + rank.fract() * (high.into() - low))
+}
+
+/// Error about the file `file`, with advice.
+pub fn file_error(
+    name: &'static str,
+    file: &Path,
+    message: impl Into<String>,
+    help: impl Into<String>,
+) -> Box<Diagnostic> {
+    Box::new(Diagnostic {
+        help: Some(help.into()),
+        ..Diagnostic::in_file(name, file, message)
+    })
 }

@@ -18,11 +18,9 @@ use super::{
     Denoiser,
     reproject::{FramePose, Surfaces, taps},
 };
-use crate::{
-    app::error::AppError,
-    gpu::Gpu,
-    render::{PendingPicture, Picture},
-};
+use crate::error::OutputError;
+use reflet_gpu::Gpu;
+use reflet_render::{PendingPicture, Picture};
 
 /// Difference of the surroundings of two pixels, in display values of 0 to 1, at which a pixel of another frame counts 1/e.
 const SAME_VALUE: f32 = 0.075;
@@ -106,7 +104,7 @@ impl Window {
     ///
     /// # Errors
     /// Errors of the device and of the denoiser.
-    pub fn picture(&self, gpu: &Gpu, denoiser: &Denoiser) -> Result<Picture, AppError> {
+    pub fn picture(&self, gpu: &Gpu, denoiser: &Denoiser) -> Result<Picture, OutputError> {
         let own = self.own.denoised(gpu, denoiser)?;
         let neighbors: Vec<_> = (self.neighbors.iter())
             .map(|frame| {
@@ -116,7 +114,7 @@ impl Window {
                     moved: self.own.pose.moved(&frame.pose),
                 })
             })
-            .collect::<Result<_, AppError>>()?;
+            .collect::<Result<_, OutputError>>()?;
         let mut picture = own.picture.clone();
         let width = picture.size[0] as usize;
         let rows = picture.color.par_chunks_exact_mut(4 * width);
@@ -132,7 +130,7 @@ impl Window {
 }
 
 impl WindowFrame {
-    fn denoised(&self, gpu: &Gpu, denoiser: &Denoiser) -> Result<&Denoised, AppError> {
+    fn denoised(&self, gpu: &Gpu, denoiser: &Denoiser) -> Result<&Denoised, OutputError> {
         let found = self.denoised.get_or_init(|| {
             let pending = self
                 .pending
@@ -140,19 +138,17 @@ impl WindowFrame {
                 .unwrap_or_else(PoisonError::into_inner)
                 .take();
             let pending = pending.ok_or("a frame was taken twice")?;
-            let picture = pending
-                .take(gpu)
-                .map_err(|e| AppError::from_render(e, false).to_string())?;
+            let picture = pending.take(gpu).map_err(|error| error.to_string())?;
             Denoised::new(picture, denoiser).map_err(|error| error.to_string())
         });
         found
             .as_ref()
-            .map_err(|why| AppError::Internal(why.clone()))
+            .map_err(|why| OutputError::Internal(why.clone()))
     }
 }
 
 impl Denoised {
-    fn new(mut picture: Picture, denoiser: &Denoiser) -> Result<Self, AppError> {
+    fn new(mut picture: Picture, denoiser: &Denoiser) -> Result<Self, OutputError> {
         let mirrored = Denoiser::mirrored(&picture.planes);
         let surfaces = Surfaces::new(picture.size, &picture.planes, &mirrored);
         denoiser.apply(&mut picture)?;
@@ -236,7 +232,7 @@ fn mean_of(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::{Plane, PlaneData, picture::aov::Aov};
+    use reflet_render::{Plane, PlaneData, picture::aov::Aov};
 
     #[test]
     fn surroundings_are_those_of_the_same_instance() {

@@ -4,7 +4,13 @@ use std::fmt::{self, Write};
 
 use serde::Serialize;
 
-use super::metric::{Scores, table::METRICS};
+use crate::{
+    Maps, Scores,
+    mask::{MIN_AREA_PX, Mask},
+    picture::{Encoding, Pair},
+    read::Reading,
+    table::METRICS,
+};
 
 /// Result of `compare`. Serializes to the JSON that `--json` prints; infinite numbers (the PSNR
 /// of equal pictures) become null.
@@ -136,4 +142,74 @@ impl fmt::Display for Comparison {
             .iter()
             .try_for_each(|line| writeln!(f, "FAILED: {line}"))
     }
+}
+
+/// Scores of a pair of pictures of the frame, and inside a mask if there is one; no names, notes and thresholds.
+pub fn scored(pair: &Pair, maps: &Maps, mask: Option<&Mask>) -> Comparison {
+    let frame = maps.scores(None);
+    Comparison {
+        test: String::new(),
+        reference: String::new(),
+        width: pair.test().width(),
+        height: pair.test().height(),
+        identical: frame.max_difference == 0.0 && frame.rel_mse == 0.0,
+        crossed: Vec::new(),
+        mask: mask.map(|mask| score_mask(maps, mask)),
+        frame,
+        difference_gain: None,
+        notes: Vec::new(),
+    }
+}
+
+fn score_mask(maps: &Maps, mask: &Mask) -> MaskReport {
+    let area_px = mask.area();
+    let area_share = area_px as f64 / mask.inside().len() as f64;
+    let scores = if mask.is_scorable() {
+        MaskScores::Scored(maps.scores(Some(mask)))
+    } else {
+        MaskScores::TooSmall(format!(
+            "{area_px} px are left of the mask, under {MIN_AREA_PX}: too small to score"
+        ))
+    };
+    MaskReport {
+        area_px,
+        area_share,
+        scores,
+    }
+}
+
+/// Sentences about how two pictures were read, and what that means for their scores.
+pub fn notes(test: &Reading, reference: &Reading) -> Vec<String> {
+    let mut notes = [&test.notes[..], &reference.notes[..]].concat();
+    let encodings = [test, reference].map(|r| r.picture.encoding());
+    if encodings[0] != encodings[1] {
+        let [linear, display] = if encodings[0] == Encoding::Linear {
+            ["A", "B"]
+        } else {
+            ["B", "A"]
+        };
+        notes.push(format!(
+            "{linear} is linear and {display} display-referred: exposure and tone mapping that \
+             only {display} went through count as errors"
+        ));
+    }
+    let over = [test, reference].map(|r| r.picture.over_white());
+    if over != [0, 0] {
+        notes.push(format!(
+            "{} pixels of A and {} of B exceed display white; only relMSE sees by how much",
+            over[0], over[1]
+        ));
+    }
+    if [test, reference]
+        .iter()
+        .any(|r| r.picture.encoding() == Encoding::Display)
+    {
+        notes.push(
+            "relMSE of PNG pictures is taken on their sRGB values decoded to linear light, which \
+             end at 1"
+                .to_owned(),
+        );
+    }
+    notes.dedup();
+    notes
 }

@@ -12,8 +12,8 @@ use std::{
 
 use libloading::Library;
 
-use super::error::AppError;
-use crate::render::{
+use crate::error::OutputError;
+use reflet_render::{
     Picture, Plane, PlaneData,
     picture::aov::Aov,
     settings::cutoff::{MIRROR_REFLECTANCE, SHARP_ROUGHNESS},
@@ -58,8 +58,8 @@ impl Denoiser {
     /// Loads the library, for pictures that are written with `aovs`.
     ///
     /// # Errors
-    /// [`AppError::Usage`] if it is not installed, with instructions.
-    pub fn new(aovs: &[Aov]) -> Result<Self, AppError> {
+    /// [`OutputError::Usage`] if it is not installed, with instructions.
+    pub fn new(aovs: &[Aov]) -> Result<Self, OutputError> {
         let folder = env::var_os(FOLDER).filter(|folder| !folder.is_empty());
         let path = folder.map_or_else(|| FILE.into(), |folder| PathBuf::from(folder).join(FILE));
         #[expect(
@@ -70,7 +70,7 @@ impl Denoiser {
         // program is linked to it.
         let library = unsafe { Library::new(&path) };
         let library = library.map_err(|error| {
-            AppError::Usage(format!(
+            OutputError::Usage(format!(
                 "--denoise needs Intel Open Image Denoise 2, and {} could not be loaded: {error}\n\
                  install it from https://www.openimagedenoise.org or by `pip install pyoidn`, and set \
                  {FOLDER} to the folder that has {FILE}",
@@ -111,8 +111,8 @@ impl Denoiser {
     /// that were added by [`Denoiser::aovs`].
     ///
     /// # Errors
-    /// [`AppError::Internal`] with the library's message.
-    pub fn apply(&self, picture: &mut Picture) -> Result<(), AppError> {
+    /// [`OutputError::Internal`] with the library's message.
+    pub fn apply(&self, picture: &mut Picture) -> Result<(), OutputError> {
         let first = |pixel: &[f32]| [pixel[0], pixel[1], pixel[2]];
         let linear: Vec<f32> = picture.color.chunks_exact(4).flat_map(first).collect();
         let mut clean = self.filtered(picture.size, linear.clone(), &picture.guides)?;
@@ -134,7 +134,7 @@ impl Denoiser {
         size: [u32; 2],
         mut color: Vec<f32>,
         guides: &[f32],
-    ) -> Result<Vec<f32>, AppError> {
+    ) -> Result<Vec<f32>, OutputError> {
         let mut output = vec![0.0; color.len()];
         let (mut albedo, mut normal) = match guides.len() / 2 {
             0 => (vec![0.0; color.len()], vec![0.0; color.len()]),
@@ -147,7 +147,7 @@ impl Denoiser {
             Image(c"output", &mut output),
         ];
         self.execute(size, images, c"hdr")
-            .map_err(|why| AppError::Internal(format!("Open Image Denoise: {why}")))?;
+            .map_err(|why| OutputError::Internal(format!("Open Image Denoise: {why}")))?;
         Ok(output)
     }
 

@@ -10,11 +10,9 @@ use std::{
 };
 
 use super::{format::FilmFormat, writable::check_writable};
-use crate::{
-    app::error::AppError,
-    files::{Inputs, Temporary},
-    render::picture::png_file::rgb,
-};
+use crate::error::OutputError;
+use reflet_base::files::{Inputs, Temporary};
+use reflet_render::picture::png_file::rgb;
 
 /// Maximum length of ffmpeg's output in a message, bytes; its end is quoted.
 const MAX_MESSAGE_BYTES: usize = 600;
@@ -46,7 +44,7 @@ impl Film {
     /// Checks the path and starts the encoder.
     ///
     /// # Errors
-    /// [`AppError::Usage`] for a path that cannot be written, a size or rate that the format cannot
+    /// [`OutputError::Usage`] for a path that cannot be written, a size or rate that the format cannot
     /// have, or a missing ffmpeg.
     pub fn new(
         path: &Path,
@@ -54,10 +52,10 @@ impl Film {
         size: [u32; 2],
         fps: f32,
         frames: usize,
-    ) -> Result<Self, AppError> {
+    ) -> Result<Self, OutputError> {
         check_writable(path, &Inputs::default())?;
         let shown = path.display();
-        let usage = |why: String| AppError::Usage(format!("--output {shown}: {why}"));
+        let usage = |why: String| OutputError::Usage(format!("--output {shown}: {why}"));
         format.check_rate(fps).map_err(usage)?;
         let temporary = Temporary::create(path).map_err(|e| usage(e.to_string()))?;
         let encoder = match format.ffmpeg {
@@ -81,8 +79,8 @@ impl Film {
     /// Adds a frame, RGBA.
     ///
     /// # Errors
-    /// [`AppError::Disk`] with the encoder's message; no film is written then.
-    pub fn add(&mut self, rgba: &[u8]) -> Result<(), AppError> {
+    /// [`OutputError::Disk`] with the encoder's message; no film is written then.
+    pub fn add(&mut self, rgba: &[u8]) -> Result<(), OutputError> {
         let result = match &mut self.encoder {
             Encoder::Apng(writer) => writer.write_image_data(&rgb(rgba)).map_err(apng_failed),
             Encoder::Ffmpeg(pipe) => pipe.add(&rgb(rgba)),
@@ -94,7 +92,7 @@ impl Film {
     ///
     /// # Errors
     /// Same errors as [`Film::add`].
-    pub fn finish(self) -> Result<PathBuf, AppError> {
+    pub fn finish(self) -> Result<PathBuf, OutputError> {
         let path = self.path;
         let ended = match self.encoder {
             Encoder::Apng(writer) => writer.finish().map_err(apng_failed),
@@ -139,10 +137,10 @@ fn apng_failed(error: png::EncodingError) -> FilmError {
 }
 
 /// Error with its cause and what to do.
-fn failed(path: &Path, why: &FilmError) -> AppError {
+fn failed(path: &Path, why: &FilmError) -> OutputError {
     let frames = path.with_extension("####.png");
     let (path, frames) = (path.display(), frames.display());
-    AppError::Disk(match why {
+    OutputError::Disk(match why {
         FilmError::File(why) => format!(
             "cannot write {path}: {why}; there is no film: free disk space, or write frames ({frames}), \
              with which --resume goes on"

@@ -5,15 +5,13 @@ use std::{collections::BTreeMap, sync::Arc};
 
 use glam::{DAffine3, DMat3, DVec2, DVec3, UVec2, Vec3};
 
-use crate::{
-    math::in_f64,
-    render::{
-        Plane, PlaneData,
-        picture::aov::Aov,
-        settings::view::{Projection, View},
-    },
-    world::{Mesh, Shared, World, deform::Deformed},
+use reflet_base::math::in_f64;
+use reflet_render::{
+    Plane, PlaneData,
+    picture::aov::Aov,
+    settings::view::{Projection, View},
 };
+use reflet_world::{Mesh, Shared, World, deform::Deformed};
 
 /// Largest difference of two depths, relative to them, for which pixels of the same instance show the same place.
 const SAME_DEPTH: f64 = 0.05;
@@ -255,7 +253,7 @@ mod tests {
     use glam::DQuat;
 
     use super::*;
-    use crate::scene::desc::CameraDesc;
+    use reflet_scene::desc::CameraDesc;
 
     const SIZE: [u32; 2] = [64, 48];
 

@@ -8,16 +8,14 @@ use std::{
 use ::exr::prelude::{FlatSamples, read_first_flat_layer_from_file};
 
 use super::picture_file::PictureFile;
-use crate::{
-    app::error::AppError,
-    files::{Inputs, Temporary},
-    render::{
-        Picture, Plane, PlaneData,
-        picture::{aov::Aov, tone_map::Tone},
-        renderer::stats::{FrameStats, Shares},
-    },
-    scene::desc::Method,
+use crate::error::OutputError;
+use reflet_base::files::{Inputs, Temporary};
+use reflet_render::{
+    Picture, Plane, PlaneData,
+    picture::{aov::Aov, tone_map::Tone},
+    renderer::stats::{FrameStats, Shares},
 };
+use reflet_scene::desc::Method;
 
 fn folder(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("reflet-{name}-{}", std::process::id()));
@@ -81,7 +79,7 @@ fn picture() -> Picture {
 
 fn refusal(path: &Path) -> String {
     match PictureFile::new(path) {
-        Err(AppError::Usage(text)) => text,
+        Err(OutputError::Usage(text)) => text,
         other => panic!("{}: {other:?}", path.display()),
     }
 }
@@ -112,7 +110,7 @@ fn a_folder_where_a_plane_would_go_is_refused_before_rendering() {
             .is_ok()
     );
     match output.check_files(&[Aov::Normal, Aov::Source], &Inputs::default()) {
-        Err(AppError::Usage(text)) => {
+        Err(OutputError::Usage(text)) => {
             assert!(text.contains("out.source.png: it is a folder"), "{text}")
         }
         other => panic!("{other:?}"),
@@ -202,7 +200,7 @@ fn failed_output_leaves_no_file() {
     fs::create_dir(&obstacle).expect("folder");
     let error = output.write(&picture()).expect_err("unwritable plane");
     assert!(
-        matches!(&error, AppError::Internal(text)
+        matches!(&error, OutputError::Internal(text)
             if text.starts_with("cannot write") && text.contains("out.cause.png")),
         "{error:?}"
     );

@@ -6,8 +6,8 @@ use std::{
     num::{IntErrorKind, ParseIntError},
 };
 
-use super::error::AppError;
-use crate::scene::desc::TimelineDesc;
+use crate::error::OutputError;
+use reflet_scene::desc::TimelineDesc;
 
 /// The frames of a command, in the order in which they are rendered.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -30,9 +30,9 @@ impl FrameList {
     /// `1-20:2` or `1,3,5-9`, within the timeline.
     ///
     /// # Errors
-    /// [`AppError::Usage`] with the invalid part.
-    pub fn parse(option: &str, text: &str, timeline: &TimelineDesc) -> Result<Self, AppError> {
-        let usage = |why: String| AppError::Usage(format!("{option} {}: {why}", clipped(text)));
+    /// [`OutputError::Usage`] with the invalid part.
+    pub fn parse(option: &str, text: &str, timeline: &TimelineDesc) -> Result<Self, OutputError> {
+        let usage = |why: String| OutputError::Usage(format!("{option} {}: {why}", clipped(text)));
         let mut frames = Vec::new();
         if text.trim() == "all" {
             frames.extend(timeline.start..=timeline.end);
@@ -127,6 +127,18 @@ fn range(part: &str) -> Result<[u32; 3], String> {
     Ok([first, last, step])
 }
 
+/// Ascending frame numbers in the syntax of `--frames`, such as `1,3,5-9`.
+pub fn spans(frames: &[u32]) -> String {
+    let follows = |a: &u32, b: &u32| a + 1 == *b;
+    let part = |run: &[u32]| match run {
+        [] => String::new(),
+        [only] => only.to_string(),
+        [first, .., last] => format!("{first}-{last}"),
+    };
+    let parts: Vec<_> = frames.chunk_by(follows).map(part).collect();
+    parts.join(",")
+}
+
 /// Parses `--shard`.
 ///
 /// # Errors
@@ -144,7 +156,6 @@ pub fn parse_shard(text: &str) -> Result<Shard, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::frame_spans::spans;
 
     const TIMELINE: TimelineDesc = TimelineDesc {
         fps: 24.0,
@@ -202,7 +213,7 @@ mod tests {
             ("0-3:999999999999", "the step \"999999999999\" is too large"),
         ] {
             match FrameList::parse("--frames", text, &TIMELINE) {
-                Err(AppError::Usage(got)) => assert!(got.contains(says), "{text}: {got}"),
+                Err(OutputError::Usage(got)) => assert!(got.contains(says), "{text}: {got}"),
                 other => panic!("{text}: {other:?}"),
             }
         }
@@ -218,7 +229,7 @@ mod tests {
         };
         let list = vec!["0-1000000"; 12_000].join(",");
         match FrameList::parse("--frames", &list, &timeline) {
-            Err(AppError::Usage(text)) => {
+            Err(OutputError::Usage(text)) => {
                 assert!(text.ends_with("…: frame 0 is listed twice"), "{text}");
                 assert!(text.len() < 200, "{text}");
             }

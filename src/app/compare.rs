@@ -2,22 +2,23 @@
 
 use std::{
     fs,
+    io::Cursor,
     path::{Path, PathBuf},
 };
 
-use super::{
-    file_error,
+use crate::{
+    files::{Inputs, Temporary, write_together},
     metric::{
-        Maps, Scores, flip,
-        mask::{MIN_AREA_PX, Mask},
+        Maps, Scores,
+        comparison::{Comparison, MaskReport, MaskScores, notes, scored},
+        difference::difference_picture,
+        file_error, flip,
+        mask::Mask,
+        picture::{Pair, Picture, PictureError},
+        read::{Reading, read_mask, read_picture},
     },
-    picture::{Encoding, Pair, Picture, PictureError},
-    read::{Reading, read_mask, read_picture},
-    table::{Comparison, MaskReport, MaskScores},
-    write::{encode_png, unwritable},
+    scene::diagnostic::Diagnostic,
 };
-use reflet_base::files::{Inputs, Temporary, write_together};
-use reflet_scene::diagnostic::Diagnostic;
 
 /// Judges a picture against a reference.
 #[derive(Clone, Debug, clap::Args)]
@@ -89,23 +90,6 @@ pub fn compare(args: &CompareArgs) -> Result<Comparison, Box<Diagnostic>> {
     Ok(comparison)
 }
 
-/// Scores of a pair of pictures of the frame, and inside a mask if there is one; no names, notes and thresholds.
-pub fn scored(pair: &Pair, maps: &Maps, mask: Option<&Mask>) -> Comparison {
-    let frame = maps.scores(None);
-    Comparison {
-        test: String::new(),
-        reference: String::new(),
-        width: pair.test().width(),
-        height: pair.test().height(),
-        identical: frame.max_difference == 0.0 && frame.rel_mse == 0.0,
-        crossed: Vec::new(),
-        mask: mask.map(|mask| score_mask(maps, mask)),
-        frame,
-        difference_gain: None,
-        notes: Vec::new(),
-    }
-}
-
 /// Mask of the reflective pixels of a mask picture, eroded.
 fn mask_of(
     path: &Path,
@@ -136,23 +120,6 @@ fn size_error(error: PictureError, file: &Path, other: &Path) -> Box<Diagnostic>
         other.display()
     );
     file_error("different-sizes", file, error.to_string(), help)
-}
-
-fn score_mask(maps: &Maps, mask: &Mask) -> MaskReport {
-    let area_px = mask.area();
-    let area_share = area_px as f64 / mask.inside().len() as f64;
-    let scores = if mask.is_scorable() {
-        MaskScores::Scored(maps.scores(Some(mask)))
-    } else {
-        MaskScores::TooSmall(format!(
-            "{area_px} px are left of the mask, under {MIN_AREA_PX}: too small to score"
-        ))
-    };
-    MaskReport {
-        area_px,
-        area_share,
-        scores,
-    }
 }
 
 /// Messages on thresholds that were crossed, or that cannot be checked: a check without data must not
@@ -192,42 +159,6 @@ fn crossed(args: &CompareArgs, frame: &Scores, mask: Option<&MaskReport>) -> Vec
         }
     }
     crossed
-}
-
-/// Sentences about how two pictures were read, and what that means for their scores.
-pub fn notes(test: &Reading, reference: &Reading) -> Vec<String> {
-    let mut notes = [&test.notes[..], &reference.notes[..]].concat();
-    let encodings = [test, reference].map(|r| r.picture.encoding());
-    if encodings[0] != encodings[1] {
-        let [linear, display] = if encodings[0] == Encoding::Linear {
-            ["A", "B"]
-        } else {
-            ["B", "A"]
-        };
-        notes.push(format!(
-            "{linear} is linear and {display} display-referred: exposure and tone mapping that \
-             only {display} went through count as errors"
-        ));
-    }
-    let over = [test, reference].map(|r| r.picture.over_white());
-    if over != [0, 0] {
-        notes.push(format!(
-            "{} pixels of A and {} of B exceed display white; only relMSE sees by how much",
-            over[0], over[1]
-        ));
-    }
-    if [test, reference]
-        .iter()
-        .any(|r| r.picture.encoding() == Encoding::Display)
-    {
-        notes.push(
-            "relMSE of PNG pictures is taken on their sRGB values decoded to linear light, which \
-             end at 1"
-                .to_owned(),
-        );
-    }
-    notes.dedup();
-    notes
 }
 
 /// Refuses outputs that are no PNG, cannot be written, or replace an input or each other, before
@@ -300,23 +231,21 @@ fn write_pictures(
         .map_err(|(path, e)| unwritable(&path, &format!("cannot be written: {e}")))
 }
 
-/// |test − reference| of the display values times a gain, as RGB bytes. The gain is the largest
-/// power of two from 2 to 64 that leaves 99 % of the differing channels unclipped.
-pub fn difference_picture(pair: &Pair) -> (u32, Vec<u8>) {
-    let (test, reference) = (pair.test().display(), pair.reference().display());
-    let values = test.as_flattened().iter().zip(reference.as_flattened());
-    let differences: Vec<f32> = values.map(|(a, b)| (a - b).abs()).collect();
-    let mut differing: Vec<f32> = differences.iter().copied().filter(|d| *d > 0.0).collect();
-    let rank = differing.len() * 99 / 100;
-    let high = if differing.is_empty() {
-        255.0
-    } else {
-        *differing.select_nth_unstable_by(rank, f32::total_cmp).1
-    };
-    let mut gain = 2;
-    while gain < 64 && high * (2 * gain) as f32 <= 255.0 {
-        gain *= 2;
-    }
-    let enlarge = |d: &f32| (d * gain as f32).round() as u8; // the cast clips at 255
-    (gain, differences.iter().map(enlarge).collect())
+/// Encodes an 8-bit sRGB PNG from tightly packed RGB bytes.
+///
+/// # Errors
+/// Message, when `rgb` is not `3 * width * height` bytes.
+fn encode_png(width: usize, height: usize, rgb: Vec<u8>) -> Result<Vec<u8>, String> {
+    let mut encoded = Cursor::new(Vec::new());
+    image::RgbImage::from_raw(width as u32, height as u32, rgb)
+        .ok_or_else(|| format!("the pixels are not {width} × {height}"))?
+        .write_to(&mut encoded, image::ImageFormat::Png)
+        .map_err(|e| format!("cannot be encoded: {e}"))?;
+    Ok(encoded.into_inner())
+}
+
+/// Error about a picture that cannot be written.
+fn unwritable(path: &Path, message: &str) -> Box<Diagnostic> {
+    let help = "choose a folder that exists and can be written to";
+    file_error("unwritable-picture", path, message, help)
 }

@@ -5,7 +5,11 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{cameras::PLACEHOLDER, error::AppError, frames::clipped};
+use super::frames::clipped;
+use crate::error::OutputError;
+
+/// Placeholder of the camera's name in the name of the output.
+pub const CAMERA: &str = "{camera}";
 
 /// Maximum number of digits in a placeholder; more than a frame number has.
 const MOST_DIGITS: usize = 20;
@@ -27,13 +31,13 @@ impl Template {
     /// as many digits as there are `#`s, or as `%04d`, `$F4`, `<frame4>` and `{frame:04}` say.
     ///
     /// # Errors
-    /// [`AppError::Usage`] for two placeholders, more than 20 digits, a notation that is not
+    /// [`OutputError::Usage`] for two placeholders, more than 20 digits, a notation that is not
     /// understood, a placeholder in the name of a folder that does not exist, and a name that is
     /// not UTF-8.
-    pub fn new(path: &Path) -> Result<Option<Self>, AppError> {
+    pub fn new(path: &Path) -> Result<Option<Self>, OutputError> {
         let shown = path.display().to_string();
         let usage = |why: String| {
-            Err(AppError::Usage(format!(
+            Err(OutputError::Usage(format!(
                 "--output {}: {why}",
                 clipped(&shown)
             )))
@@ -200,7 +204,7 @@ fn houdini(text: &str) -> Option<Found> {
 /// `<frame>`, `<frame4>` or `<f4>`, as in Maya and RenderMan, and `{frame}` or `{frame:04}`, as in
 /// Python. Another word in brackets is most likely a placeholder of another program.
 fn bracketed(text: &str, close: char) -> Option<Found> {
-    if text.starts_with(PLACEHOLDER) {
+    if text.starts_with(CAMERA) {
         return None; // `{camera}`, not a frame number
     }
     let length = text.find(close)? + 1;

@@ -9,23 +9,15 @@ use std::{
 
 use xxhash_rust::xxh3::Xxh3Default;
 
-use super::{
-    args::{RenderArgs, crop_word},
-    error::AppError,
-    render_session::RenderSession,
-};
-use crate::{
-    render::{Crop, RenderOptions},
-    runtime::Session,
-    scene::desc::SceneDesc,
-};
-
-/// Hash of the program's source and shaders, from `build.rs`.
-const BUILT_FROM: &str = env!("REFLET_BUILT_FROM");
+use crate::error::OutputError;
+use reflet_render::{Crop, RenderOptions, runtime::Session};
+use reflet_scene::desc::SceneDesc;
 
 /// Choices of a run beside its scene.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct RunSettings {
+    /// Hash of the program's source and shaders, which `build.rs` embeds as `REFLET_BUILT_FROM`.
+    pub built_from: &'static str,
     /// Name of the chosen camera; empty without one.
     pub camera: String,
     /// Part of the pictures.
@@ -40,26 +32,12 @@ pub struct RunSettings {
     pub own_shaders: Option<u128>,
 }
 
-impl RunSettings {
-    /// Choices of a command.
-    pub fn of(args: &RenderArgs, session: &RenderSession) -> Self {
-        Self {
-            camera: args.picture.camera.clone().unwrap_or_default(),
-            crop: args.picture.crop,
-            denoise: args.picture.denoise,
-            window: session.window,
-            aovs: args.picture.aov.clone(),
-            own_shaders: session.own_shaders,
-        }
-    }
-}
-
 /// Hash of all inputs that frames share: program, scene, script, assets, settings and device. File
 /// contents are hashed, not paths, so that shards on several machines agree.
 ///
 /// # Errors
 /// A file that cannot be read any more, or that was modified since the scene was opened.
-pub fn of_run(settings: &RunSettings, session: &Session) -> Result<u128, AppError> {
+pub fn of_run(settings: &RunSettings, session: &Session) -> Result<u128, OutputError> {
     let loaded = session.scene();
     let mut hash = Xxh3Default::new();
     let mut add = |bytes: &[u8]| {
@@ -67,10 +45,11 @@ pub fn of_run(settings: &RunSettings, session: &Session) -> Result<u128, AppErro
         hash.update(bytes);
     };
     let read = |path: &Path| {
-        fs::read(path)
-            .map_err(|error| AppError::Internal(format!("cannot read {}: {error}", path.display())))
+        fs::read(path).map_err(|error| {
+            OutputError::Internal(format!("cannot read {}: {error}", path.display()))
+        })
     };
-    add(BUILT_FROM.as_bytes());
+    add(settings.built_from.as_bytes());
     add(loaded.text.as_bytes());
     for setting in &loaded.overrides {
         add(setting.as_bytes());
@@ -88,11 +67,8 @@ pub fn of_run(settings: &RunSettings, session: &Session) -> Result<u128, AppErro
         }
     }
     add(settings.camera.as_bytes());
-    add(settings
-        .crop
-        .as_ref()
-        .map_or(String::new(), crop_word)
-        .as_bytes());
+    let crop = settings.crop.map(|crop| crop.to_string());
+    add(crop.unwrap_or_default().as_bytes());
     add(&[u8::from(settings.denoise)]);
     add(&settings.window.to_le_bytes());
     for aov in &settings.aovs {
@@ -100,7 +76,7 @@ pub fn of_run(settings: &RunSettings, session: &Session) -> Result<u128, AppErro
     }
     // Checked after reading, to detect a save in between.
     if let Some(path) = loaded.dependencies.changed() {
-        return Err(AppError::Internal(format!(
+        return Err(OutputError::Internal(format!(
             "{} was saved while the scene was loaded; render again",
             path.display()
         )));
@@ -140,7 +116,7 @@ pub fn of_frame(run: u128, frame: u32) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::stages::Scene;
+    use reflet_scene::stages::Scene;
 
     #[test]
     fn texts_count_as_they_were_read() {
