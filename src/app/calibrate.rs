@@ -140,11 +140,11 @@ fn timed(
     let library = ShaderLibrary::embedded();
     let mut renderer = RendererStage::new(gpu, &library, world, options).map_err(refused)?;
     let camera = world.cameras[world.main_camera()].value.clone();
-    renderer.render(gpu, world, &camera).map_err(refused)?;
+    renderer.render(gpu, &camera).map_err(refused)?;
     let mut best: Option<FrameStats> = None;
     for _ in 0..frames {
         renderer.redraw_shadows();
-        let stats = renderer.render(gpu, world, &camera).map_err(refused)?;
+        let stats = renderer.render(gpu, &camera).map_err(refused)?;
         match &mut best {
             None => best = Some(stats),
             Some(best) => {

@@ -11,7 +11,11 @@ mod unused;
 mod view;
 
 use crate::{
-    render::{RenderOptions, plan::traces_rays, upload::world_key::WorldKey},
+    render::{
+        RenderOptions,
+        plan::traces_rays,
+        upload::world_key::{TreeKey, has_same_uploads},
+    },
     scene::{
         diagnostic::{Diagnostic, Span},
         script::lint::lint_scripts,
@@ -27,19 +31,19 @@ const TREE_LIMIT: u64 = 4 << 30;
 
 /// Trees of the scene that was checked last, for others over the same geometry.
 #[derive(Default)]
-pub struct KeptTrees(Option<(WorldKey, Trees)>);
+pub struct KeptTrees(Option<(World, TreeKey, Trees)>);
 
 impl KeptTrees {
     /// The trees of a world: those of the last one where they fit. `None` where they cannot be built.
     fn of(&mut self, world: &World) -> Option<&Trees> {
-        let key = WorldKey::of(world);
+        let key = TreeKey::of(world);
         let fitting = (self.0.take())
-            .filter(|(had, _)| had.has_same_uploads(&key) && had.has_same_trees(&key));
+            .filter(|(had, its_key, _)| has_same_uploads(had, world) && *its_key == key);
         let trees = match fitting {
-            Some((_, mut trees)) => trees.update_top_level(world).map(|()| trees),
+            Some((.., mut trees)) => trees.update_top_level(world).map(|()| trees),
             None => Trees::build(world, TREE_LIMIT),
         };
-        let (_, trees) = self.0.insert((key, trees.ok()?));
+        let (.., trees) = self.0.insert((world.clone(), key, trees.ok()?));
         Some(trees)
     }
 }

@@ -271,14 +271,14 @@ fn after_its_device_is_gone_a_renderer_gives_errors() {
     let options = RenderOptions::of(&desc);
     let camera = &world.cameras[0].value;
     let mut renderer = Renderer::new(&gpu, &shaders(), &world, &options).expect("a renderer");
-    renderer.render(&gpu, &world, camera).expect("a picture");
+    renderer.render(&gpu, camera).expect("a picture");
     gpu.device.destroy();
     for _ in 0..2 {
-        assert!(renderer.render(&gpu, &world, camera).is_err());
-        assert!(renderer.picture(&gpu, &world, camera, &[]).is_err());
-        assert!(renderer.counts(&gpu, &world, camera).is_err());
+        assert!(renderer.render(&gpu, camera).is_err());
+        assert!(renderer.picture(&gpu, camera, &[]).is_err());
+        assert!(renderer.counts(&gpu, camera).is_err());
     }
     // Creating resources on a lost device is no error in WebGPU; using them is.
     let late = Renderer::new(&gpu, &shaders(), &world, &options);
-    assert!(late.is_err() || late.is_ok_and(|mut r| r.render(&gpu, &world, camera).is_err()));
+    assert!(late.is_err() || late.is_ok_and(|mut r| r.render(&gpu, camera).is_err()));
 }

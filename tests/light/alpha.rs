@@ -67,7 +67,7 @@ fn blended_surfaces_cover_by_their_alpha_and_glass_wholly() {
             material.base_color.w = 0.3;
         }
         let mut renderer = renderer(gpu, &desc, &world, false);
-        let picture = renderer.picture(gpu, &world, &world.cameras[0].value, &[]);
+        let picture = renderer.picture(gpu, &world.cameras[0].value, &[]);
         let picture = picture.unwrap_or_else(|e| panic!("{e}"));
         let alpha = |x: usize, y: usize| picture.color[4 * (y * 32 + x) + 3];
         let middle: f32 = (12..20)

@@ -96,7 +96,7 @@ fn to_coat((desc, mut world): (SceneDesc, World)) -> (SceneDesc, World) {
 fn picture((desc, world): &(SceneDesc, World)) -> Option<(Picture, bool)> {
     let gpu = gpu()?;
     let mut renderer = renderer(gpu, desc, world, false);
-    let picture = renderer.picture(gpu, world, &world.cameras[0].value, &[]);
+    let picture = renderer.picture(gpu, &world.cameras[0].value, &[]);
     let has_own = renderer.plan().features.coat_normals;
     Some((picture.unwrap_or_else(|e| panic!("{e}")), has_own))
 }

@@ -232,7 +232,7 @@ fn what_lights_may_move_and_change() {
         let state = animator.pose(frame).expect("it is posed");
         world.apply(&state).expect("it fits");
         renderer.update(gpu, &world).expect("it fits");
-        let picture = renderer.picture(gpu, &world, &camera, &[]);
+        let picture = renderer.picture(gpu, &camera, &[]);
         let found = mean(&picture.expect("it renders"))[0];
         assert!(
             (found - expected).abs() <= 5e-3 * expected,

@@ -27,7 +27,7 @@ fn render_under(
         .unwrap_or_else(|e| panic!("{e}"));
     let (desc, world) = scene_of(&folder.join("scene.toml"), text, set);
     let camera = &world.cameras[0].value;
-    let picture = renderer(gpu, &desc, &world, false).picture(gpu, &world, camera, &[]);
+    let picture = renderer(gpu, &desc, &world, false).picture(gpu, camera, &[]);
     fs::remove_dir_all(folder).unwrap_or_else(|e| panic!("{e}"));
     Some(picture.unwrap_or_else(|e| panic!("{e}")))
 }

@@ -99,8 +99,8 @@ fn apart(text: &str, set: &[&str]) -> Option<(Picture, Vec<Picture>, Picture)> {
     let mut renderer = renderer(gpu, &desc, &world, false);
     let camera = &world.cameras[0].value;
     let mut render = |shown: Option<LightGroup>| {
-        renderer.show_light(gpu, &world, shown);
-        let picture = renderer.picture(gpu, &world, camera, &[]);
+        renderer.show_light(gpu, shown);
+        let picture = renderer.picture(gpu, camera, &[]);
         picture.unwrap_or_else(|e| panic!("{e}"))
     };
     let whole = render(None);
@@ -186,8 +186,8 @@ fn a_group_is_the_light_of_its_lights_alone() {
     let of = |set: &[&str], shown| {
         let (desc, world) = scene(LIT, set);
         let mut renderer = renderer(gpu, &desc, &world, false);
-        renderer.show_light(gpu, &world, shown);
-        let picture = renderer.picture(gpu, &world, &world.cameras[0].value, &[]);
+        renderer.show_light(gpu, shown);
+        let picture = renderer.picture(gpu, &world.cameras[0].value, &[]);
         mean(&picture.unwrap_or_else(|e| panic!("{e}")))
     };
     let key = of(&set, Some(group("key")));

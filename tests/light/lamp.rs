@@ -64,7 +64,7 @@ fn a_range_ends_light_by_the_fourth_power() {
     let (desc, mut world) = scene(&text, &[]);
     world.lights[0].range_m = Some(1.5);
     let mut renderer = renderer(gpu, &desc, &world, false);
-    let picture = renderer.picture(gpu, &world, &world.cameras[0].value, &[]);
+    let picture = renderer.picture(gpu, &world.cameras[0].value, &[]);
     let picture = picture.unwrap_or_else(|e| panic!("{e}"));
     for x in 0..33 {
         let d2 = offset_m(x).powi(2) + 1.0;

@@ -273,7 +273,7 @@ emission = [0, 0, 1]",
     pane.blended = true;
     pane.base_color.w = 0.25;
     let camera = &world.cameras[0].value;
-    let picture = renderer(gpu, &desc, &world, false).picture(gpu, &world, camera, &[]);
+    let picture = renderer(gpu, &desc, &world, false).picture(gpu, camera, &[]);
     let picture = picture.unwrap_or_else(|e| panic!("{e}"));
     assert_color(&picture, 4, 4, [0.75, 0.375, 0.75 * 0.25 + 0.25], 5e-3);
 }

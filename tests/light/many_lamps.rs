@@ -127,7 +127,7 @@ fn moved_lamps_build_the_tree_anew() {
     let mut world = load::load(&read, &load::LoadOptions::default()).expect("it loads");
     let camera = world.cameras[0].value.clone();
     let mut posed = renderer(gpu, &read, &world, false);
-    let first = posed.picture(gpu, &world, &camera, &[]).expect("a picture");
+    let first = posed.picture(gpu, &camera, &[]).expect("a picture");
     let state = Animator::new(&read).pose(1).expect("it is posed");
     world.apply(&state).expect("it fits");
     let at = world
@@ -136,9 +136,9 @@ fn moved_lamps_build_the_tree_anew() {
         .and_then(|l| l.desc.kind.position());
     assert_eq!(at, Some(Vec3::new(-0.2, 0.3, 0.6)));
     posed.update(gpu, &world).expect("posed");
-    let second = posed.picture(gpu, &world, &camera, &[]).expect("a picture");
+    let second = posed.picture(gpu, &camera, &[]).expect("a picture");
     let anew = renderer(gpu, &read, &world, false)
-        .picture(gpu, &world, &camera, &[])
+        .picture(gpu, &camera, &[])
         .expect("a picture");
     assert!(first.color != second.color);
     assert!(second.color == anew.color);

@@ -112,7 +112,7 @@ fn a_radiance_file_is_read_too() {
     fs::write(folder.join("sky.exr"), bytes).unwrap_or_else(|e| panic!("{e}"));
     let (desc, world) = scene_of(&folder.join("scene.toml"), &format!("{FLOOR}{SKY}"), &[]);
     let camera = &world.cameras[0].value;
-    let picture = renderer(gpu, &desc, &world, false).picture(gpu, &world, camera, &[]);
+    let picture = renderer(gpu, &desc, &world, false).picture(gpu, camera, &[]);
     fs::remove_dir_all(folder).unwrap_or_else(|e| panic!("{e}"));
     let picture = picture.unwrap_or_else(|e| panic!("{e}"));
     assert_color(&picture, 8, 4, [0.5, 0.25, 0.125], 1e-3);

@@ -141,7 +141,7 @@ fn check(seeds: Range<u32>) {
                 renderer
             }
         };
-        let picture = renderer.picture(gpu, &world, &world.cameras[0].value, &[]);
+        let picture = renderer.picture(gpu, &world.cameras[0].value, &[]);
         let picture = picture.unwrap_or_else(|e| panic!("{seed}: {e}"));
         for (i, pixel) in picture.color.chunks_exact(4).enumerate() {
             let sound = pixel.iter().all(|v| v.is_finite() && *v >= 0.0);

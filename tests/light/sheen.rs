@@ -302,7 +302,7 @@ fn textures_of_layers_multiply_their_numbers() {
     // Texels of the normal map are no factors.
     world.materials[material].layer_textures[LayerTexture::ClearcoatNormal as usize] = None;
     let camera = &world.cameras[0].value;
-    let picture = renderer(gpu, &desc, &world, false).picture(gpu, &world, camera, &[]);
+    let picture = renderer(gpu, &desc, &world, false).picture(gpu, camera, &[]);
     let found = mean(&picture.unwrap_or_else(|e| panic!("{e}")));
     for (found, expected) in found.iter().zip(expected) {
         assert_close(*found, expected, 0.01);

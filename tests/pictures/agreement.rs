@@ -232,7 +232,7 @@ fn moved_instances_and_lights_look_as_if_built_there() {
     let mut moving = renderer(gpu, &desc, &world, false);
     let camera = world.cameras[0].value.clone();
     moving
-        .picture(gpu, &world, &camera, &[])
+        .picture(gpu, &camera, &[])
         .unwrap_or_else(|e| panic!("{e}"));
 
     let turn =
@@ -245,11 +245,11 @@ fn moved_instances_and_lights_look_as_if_built_there() {
     }
     moving.update(gpu, &world).expect("posed");
     let moved = moving
-        .picture(gpu, &world, &camera, &[])
+        .picture(gpu, &camera, &[])
         .unwrap_or_else(|e| panic!("{e}"));
     let mut fresh = renderer(gpu, &desc, &world, false);
     let built = fresh
-        .picture(gpu, &world, &camera, &[])
+        .picture(gpu, &camera, &[])
         .unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(moved.display, built.display);
 }
@@ -265,11 +265,11 @@ fn shadow_maps_at_rest_are_drawn_once() {
     let camera = world.cameras[0].value.clone();
     let mut shows = |world: &World, what: &str, is_drawn: bool| {
         kept.update(gpu, world).expect("posed");
-        let picture = kept.picture(gpu, world, &camera, &[]).expect("drawn");
+        let picture = kept.picture(gpu, &camera, &[]).expect("drawn");
         let mut passes = picture.stats.passes_ms.iter();
         assert_eq!(passes.any(|(name, _)| name == "shadow"), is_drawn, "{what}");
         let mut fresh = renderer(gpu, &desc, world, false);
-        let built = fresh.picture(gpu, world, &camera, &[]).expect("drawn");
+        let built = fresh.picture(gpu, &camera, &[]).expect("drawn");
         assert!(picture.display == built.display, "{what}");
     };
     shows(&world, "the first", true);

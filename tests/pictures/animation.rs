@@ -66,7 +66,7 @@ fn film(folder: &Path, text: &str, frames: &[u32]) -> Option<Vec<Picture>> {
         world.apply(&state).unwrap_or_else(|e| panic!("{e:?}"));
         renderer.update(gpu, &world).expect("posed");
         let camera = &world.cameras[0].value;
-        let picture = renderer.picture(gpu, &world, camera, &[]);
+        let picture = renderer.picture(gpu, camera, &[]);
         picture.unwrap_or_else(|e| panic!("{e}"))
     });
     Some(pictures.collect())

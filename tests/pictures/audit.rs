@@ -43,7 +43,7 @@ fn audited_of(text: &str, size: &str, method: Method) -> Option<(Picture, Audit)
             Renderer::new(gpu, &shaders(), &world, &options).unwrap_or_else(|e| panic!("{e}"));
         let aovs = [Aov::Cause, Aov::HitDistance, Aov::HitIds];
         renderer
-            .picture(gpu, &world, &world.cameras[0].value, &aovs)
+            .picture(gpu, &world.cameras[0].value, &aovs)
             .unwrap_or_else(|e| panic!("{e}"))
     };
     let (picture, truth) = (of(method, true), of(Method::Rt, false));
@@ -153,7 +153,7 @@ fn a_renderer_that_changes_its_method_audits_too() {
             .unwrap_or_else(|e| panic!("{e}"));
         for _ in 0..3 {
             let picture = renderer
-                .picture(gpu, &world, &world.cameras[0].value, &[])
+                .picture(gpu, &world.cameras[0].value, &[])
                 .unwrap_or_else(|e| panic!("{e}"));
             assert_eq!(picture.stats.audit.is_some(), method == Method::Hybrid);
         }

@@ -216,9 +216,9 @@ fn shot(renderer: &mut Renderer, world: &World) -> (Picture, f64) {
     renderer
         .update(gpu, world)
         .unwrap_or_else(|e| panic!("{e}"));
-    let stats = renderer.render(gpu, world, camera);
+    let stats = renderer.render(gpu, camera);
     let stats = stats.unwrap_or_else(|e| panic!("{e}"));
-    let picture = renderer.picture(gpu, world, camera, &PLANES);
+    let picture = renderer.picture(gpu, camera, &PLANES);
     let faces = stats.box_faces.expect("a box");
     assert_eq!(faces.bytes, 96 * 256 * 256);
     (picture.unwrap_or_else(|e| panic!("{e}")), faces.update_ms)
@@ -254,7 +254,7 @@ fn faces_are_captured_once_without_what_moves() {
     };
     let mut traced = renderer(gpu, &rt, &later, false);
     let camera = &later.cameras[0].value;
-    let traced = traced.picture(gpu, &later, camera, &PLANES);
+    let traced = traced.picture(gpu, camera, &PLANES);
     let traced = traced.unwrap_or_else(|e| panic!("{e}"));
     let by_rays = integers(&traced, Aov::HitIds);
     let missed = on_faces.iter().filter(|&&i| by_rays[2 * i] == ball);

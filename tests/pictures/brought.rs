@@ -93,7 +93,7 @@ fn the_cpu_counts_the_rays_that_mirror_rays_bring() {
         let Some(gpu) = gpu() else { continue };
         let camera = &world.cameras[0].value;
         let mut renderer = renderer(gpu, &desc, &world, false);
-        let counts = renderer.counts(gpu, &world, camera).expect("counted");
+        let counts = renderer.counts(gpu, camera).expect("counted");
         let on_gpu = counts.iter().find(|pass| pass.pass == "trace");
         let on_gpu = on_gpu.expect("mirror rays").counts.traversals as f64;
         let on_cpu = work.weight() * f64::from(work.view.all_mirror().rays + rays);

@@ -113,7 +113,7 @@ fn picture(text: &str, set: &[&str], sheet: &Mesh, aovs: &[Aov]) -> Option<Pictu
     world.meshes[replaced] = sheet.clone();
     let mut renderer = renderer(gpu, &desc, &world, false);
     let camera = &world.cameras[0].value;
-    let picture = renderer.picture(gpu, &world, camera, aovs);
+    let picture = renderer.picture(gpu, camera, aovs);
     Some(picture.unwrap_or_else(|e| panic!("{e}")))
 }
 

@@ -89,7 +89,7 @@ fn picture(set: &[&str], change: impl Fn(&mut World)) -> Option<Picture> {
     let camera = &world.cameras[0].value;
     Some(
         renderer
-            .picture(gpu, &world, camera, &aovs)
+            .picture(gpu, camera, &aovs)
             .unwrap_or_else(|e| panic!("{e}")),
     )
 }
@@ -219,7 +219,7 @@ fn capsules_look_like_meshes_of_their_form() {
         let mut renderer = renderer(gpu, &desc, world, false);
         let camera = &world.cameras[0].value;
         renderer
-            .picture(gpu, world, camera, &[Aov::Ids])
+            .picture(gpu, camera, &[Aov::Ids])
             .unwrap_or_else(|e| panic!("{e}"))
     };
     let mesh = of(&world);

@@ -18,7 +18,7 @@ fn shown(first: &(SceneDesc, World), second: &(SceneDesc, World)) -> Option<Rebu
     let (desc, world) = second;
     let camera = &world.cameras[0].value;
     let picture = |renderer: &mut Renderer| {
-        let picture = renderer.picture(gpu, world, camera, &[]);
+        let picture = renderer.picture(gpu, camera, &[]);
         picture.unwrap_or_else(|e| panic!("{e}")).display
     };
     let mut fresh = renderer(gpu, desc, world, false);

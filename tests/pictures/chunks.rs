@@ -78,7 +78,7 @@ fn shown(gpu: &Gpu, (desc, world): &(SceneDesc, World), visibility: Visibility) 
     let mut renderer =
         Renderer::new(gpu, &shaders(), world, &options).unwrap_or_else(|e| panic!("{e}"));
     let camera = &world.cameras[0].value;
-    let picture = renderer.picture(gpu, world, camera, &[Aov::Ids, Aov::HitIds]);
+    let picture = renderer.picture(gpu, camera, &[Aov::Ids, Aov::HitIds]);
     picture.unwrap_or_else(|e| panic!("{e}"))
 }
 

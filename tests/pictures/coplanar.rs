@@ -180,12 +180,7 @@ fn copies_of_different_classes_show_the_lower_of_them() {
             world.instances[k].mesh = world.meshes.len() - 1;
         }
         let picture = renderer(gpu, &desc, &world, false)
-            .picture(
-                gpu,
-                &world,
-                &world.cameras[0].value,
-                &[Aov::Ids, Aov::HitIds],
-            )
+            .picture(gpu, &world.cameras[0].value, &[Aov::Ids, Aov::HitIds])
             .unwrap_or_else(|e| panic!("{e}"));
         for aov in [Aov::Ids, Aov::HitIds] {
             let mut counts = vec![0; first_pair + 2 * PAIRS.len()];

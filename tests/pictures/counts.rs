@@ -22,7 +22,7 @@ fn counted(text: &str, set: &[&str]) -> Option<(Renderer, World, Vec<PassCounts>
     let (desc, world) = scene(text, set);
     let mut renderer = renderer(gpu, &desc, &world, false);
     let counts = renderer
-        .counts(gpu, &world, &world.cameras[0].value)
+        .counts(gpu, &world.cameras[0].value)
         .unwrap_or_else(|e| panic!("{e}"));
     Some((renderer, world, counts))
 }
@@ -192,7 +192,7 @@ fn counts_repeat_and_hybrid_visits_no_more_than_rt() {
         ];
         let (mut renderer, world, first) = counted(ATRIUM, &set).expect("a GPU");
         let camera = &world.cameras[0].value;
-        let again = renderer.counts(gpu, &world, camera);
+        let again = renderer.counts(gpu, camera);
         assert_eq!(again.unwrap_or_else(|e| panic!("{e}")), first);
         first
     };
@@ -216,15 +216,15 @@ fn probes_leave_pictures_alone() {
     let camera = &world.cameras[0].value;
     let hits = [Aov::Cause, Aov::HitDistance, Aov::HitIds];
     let mut picture = || {
-        let picture = renderer.picture(gpu, &world, camera, &hits);
+        let picture = renderer.picture(gpu, camera, &hits);
         picture.unwrap_or_else(|e| panic!("{e}"))
     };
     let before = picture();
     renderer
-        .counts(gpu, &world, camera)
+        .counts(gpu, camera)
         .unwrap_or_else(|e| panic!("{e}"));
     let ms = renderer
-        .traversal_ms(gpu, &world, camera)
+        .traversal_ms(gpu, camera)
         .unwrap_or_else(|e| panic!("{e}"));
     assert!(ms.is_none_or(|ms| ms > 0.0));
     // The rays without shading have the same hits.
@@ -233,7 +233,7 @@ fn probes_leave_pictures_alone() {
         assert_eq!(traversed.unwrap_or_else(|e| panic!("{e}")), *plane);
     }
     let crossings = renderer
-        .crossings(gpu, &world, camera, &hits)
+        .crossings(gpu, camera, &hits)
         .unwrap_or_else(|e| panic!("{e}"));
     let [PlaneData::U32(cause), PlaneData::F32(distance_m)] = [0, 1].map(|i| &crossings[i].data)
     else {
@@ -254,7 +254,7 @@ fn probes_leave_pictures_alone() {
         }
     }
     assert!(refused > 100, "only {refused} crossings were refused");
-    let after = renderer.picture(gpu, &world, camera, &hits);
+    let after = renderer.picture(gpu, camera, &hits);
     let after = after.unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(
         (&after.display, &after.planes),

@@ -42,7 +42,7 @@ fn assert_frames(tables: &str, script: &str, expected: impl Fn(u32) -> Shown) {
         world.apply(&state).unwrap_or_else(|e| panic!("{e:?}"));
         renderer.update(gpu, &world).expect("posed");
         let camera = &world.cameras[0].value;
-        let picture = renderer.picture(gpu, &world, camera, &[Aov::BaseColor]);
+        let picture = renderer.picture(gpu, camera, &[Aov::BaseColor]);
         let picture = picture.unwrap_or_else(|e| panic!("{e}"));
         let shown = expected(frame);
         assert_colors(floats(&picture, Aov::BaseColor), |at| {

@@ -209,7 +209,7 @@ fn picture_of(folder: &Path, text: &str, set: &[&str], aovs: &[Aov]) -> Option<P
     let gpu = gpu()?;
     let (desc, world) = scene_of(&folder.join("scene.toml"), text, set);
     let mut renderer = renderer(gpu, &desc, &world, false);
-    let picture = renderer.picture(gpu, &world, &world.cameras[0].value, aovs);
+    let picture = renderer.picture(gpu, &world.cameras[0].value, aovs);
     Some(picture.unwrap_or_else(|e| panic!("{e}")))
 }
 
@@ -351,7 +351,7 @@ fn a_renderer_adopts_the_decals_of_a_changed_scene() {
     for (world, expected) in [(&bare, GRAY), (&painted, RED), (&bare, GRAY)] {
         let changed = renderer.change(gpu, &shaders(), world, &options);
         assert!(!changed.unwrap_or_else(|e| panic!("{e}")).upload);
-        let picture = renderer.picture(gpu, world, &world.cameras[0].value, &[Aov::BaseColor]);
+        let picture = renderer.picture(gpu, &world.cameras[0].value, &[Aov::BaseColor]);
         let picture = picture.unwrap_or_else(|e| panic!("{e}"));
         let middle = 3 * (12 * 40 + 20);
         let found = &floats(&picture, Aov::BaseColor)[middle..middle + 3];

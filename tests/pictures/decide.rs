@@ -75,7 +75,7 @@ fn the_cpu_counts_the_nodes_that_the_gpu_visits() {
     let (desc, world) = scene(ATRIUM, &set);
     let camera = &world.cameras[0].value;
     let mut renderer = renderer(gpu, &desc, &world, false);
-    let counts = renderer.counts(gpu, &world, camera).expect("counted");
+    let counts = renderer.counts(gpu, camera).expect("counted");
     let on_gpu = counts.iter().find(|pass| pass.pass == "primary");
     let on_gpu = on_gpu.expect("primary rays").counts.visited_nodes;
 
@@ -245,7 +245,7 @@ fn a_decided_picture_is_the_one_that_says_so_itself() {
         let options = RenderOptions::of(&desc);
         let mut auto = Renderer::new(gpu, &shaders(), &world, &options).expect("built");
         let camera = &world.cameras[0].value;
-        let picture = auto.picture(gpu, &world, camera, &[]).expect("drawn");
+        let picture = auto.picture(gpu, camera, &[]).expect("drawn");
         let chosen = auto.options();
         let method = format!("reflection.method={}", chosen.reflection.method.name());
         let visibility = match chosen.image.visibility {

@@ -49,7 +49,7 @@ pub fn render(gpu: &Gpu, text: &str, set: &[&str], aovs: &[Aov]) -> Picture {
     let mut renderer = renderer(gpu, &desc, &world, false);
     let camera = &world.cameras[0].value;
     renderer
-        .picture(gpu, &world, camera, aovs)
+        .picture(gpu, camera, aovs)
         .unwrap_or_else(|e| panic!("{e}"))
 }
 

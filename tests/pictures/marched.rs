@@ -123,7 +123,7 @@ fn traced_surfaces_are_not_marched_and_look_as_before() {
     let mut renderer = Renderer::new(gpu, &shaders(), &world, &options).expect("built");
     let camera = &world.cameras[0].value;
     let aovs = [Aov::Cause, Aov::Ids];
-    let split = renderer.picture(gpu, &world, camera, &aovs).expect("drawn");
+    let split = renderer.picture(gpu, camera, &aovs).expect("drawn");
     let traced = renderer.ray_list(gpu).expect("read").expect("a list");
     let all = render(gpu, SCENE, &[HYBRID], &aovs);
     let rt = render(gpu, SCENE, &["reflection.method=rt"], &[]);

@@ -12,7 +12,7 @@ use crate::kit::{assert_color, color, floats, gpu, renderer, scene};
 fn picture(desc: &SceneDesc, world: &World, aovs: &[Aov]) -> Option<Picture> {
     let gpu = gpu()?;
     let mut renderer = renderer(gpu, desc, world, false);
-    let picture = renderer.picture(gpu, world, &world.cameras[0].value, aovs);
+    let picture = renderer.picture(gpu, &world.cameras[0].value, aovs);
     Some(picture.unwrap_or_else(|e| panic!("{e}")))
 }
 

@@ -87,7 +87,7 @@ fn frames(folder: &Path, text: &str, set: &[String], wanted: [u32; 2]) -> Option
         world.apply(&state).unwrap_or_else(|e| panic!("{e:?}"));
         renderer.update(gpu, &world).expect("posed");
         let camera = &world.cameras[0].value;
-        let picture = renderer.picture(gpu, &world, camera, &[]);
+        let picture = renderer.picture(gpu, camera, &[]);
         picture.unwrap_or_else(|e| panic!("{e}"))
     }))
 }

@@ -213,10 +213,10 @@ fn shot(renderer: &mut Renderer, world: &World, eye: Vec3) -> (Picture, f64) {
         .update(gpu, world)
         .unwrap_or_else(|e| panic!("{e}"));
     let stats = renderer
-        .render(gpu, world, &camera)
+        .render(gpu, &camera)
         .unwrap_or_else(|e| panic!("{e}"));
     let picture = renderer
-        .picture(gpu, world, &camera, &[])
+        .picture(gpu, &camera, &[])
         .unwrap_or_else(|e| panic!("{e}"));
     (picture, stats.far.expect("a far map").update_ms)
 }

@@ -121,7 +121,7 @@ fn check(desc: &SceneDesc, world: &World) {
         Aov::HitIds,
         Aov::HitDistance,
     ];
-    let picture = renderer.picture(gpu, world, camera, &wanted);
+    let picture = renderer.picture(gpu, camera, &wanted);
     let picture = picture.unwrap_or_else(|e| panic!("{e}"));
     let length_m = f64::from(desc.reflection.ray_length_u * renderer.unit_m());
     let oracle = Oracle::new(world);

@@ -230,7 +230,7 @@ fn general_pipelines_and_paths_meet_the_same_pattern() {
     let (desc, world) = scene(MARBLE, &[]);
     let camera = &world.cameras[0].value;
     let mut general = renderer(gpu, &desc, &world, true);
-    let general = general.picture(gpu, &world, camera, &[]);
+    let general = general.picture(gpu, camera, &[]);
     let general = general.unwrap_or_else(|e| panic!("{e}"));
     let differing = share_differing(&specialized, &general, 1);
     assert!(differing < 0.005, "general: {differing}");

@@ -137,7 +137,7 @@ fn step(set: &[&str]) -> Option<f64> {
         let mut desc = desc.clone();
         desc.reflection.method = method;
         let mut renderer = renderer(gpu, &desc, &world, false);
-        let picture = renderer.picture(gpu, &world, camera, &planes);
+        let picture = renderer.picture(gpu, camera, &planes);
         picture.unwrap_or_else(|e| panic!("{e}"))
     };
     let truth = shown(Method::Rt);

@@ -23,9 +23,9 @@ fn shown(renderer: &mut Renderer, desc: &SceneDesc, world: &World) -> (Option<bo
     let camera = &world.cameras[0].value;
     let changed = renderer.change(gpu, &shaders(), world, &RenderOptions::of(desc));
     changed.unwrap_or_else(|e| panic!("{e}"));
-    let stats = renderer.render(gpu, world, camera);
+    let stats = renderer.render(gpu, camera);
     let probes = stats.unwrap_or_else(|e| panic!("{e}")).probes;
-    let picture = renderer.picture(gpu, world, camera, &[]);
+    let picture = renderer.picture(gpu, camera, &[]);
     (
         probes.map(|probes| probes.update_ms > 0.0),
         picture.unwrap_or_else(|e| panic!("{e}")),
@@ -139,7 +139,7 @@ fn last_of(frames: &[u32], text: &str, method: &str) -> Option<Picture> {
         let state = motion.pose(*frame).unwrap_or_else(|e| panic!("{e:?}"));
         world.apply(&state).unwrap_or_else(|e| panic!("{e:?}"));
         renderer.update(gpu, &world).expect("posed");
-        let picture = renderer.picture(gpu, &world, &world.cameras[0].value, &[]);
+        let picture = renderer.picture(gpu, &world.cameras[0].value, &[]);
         picture.unwrap_or_else(|e| panic!("{e}"))
     });
     shown.last()

@@ -257,7 +257,7 @@ fn shot(renderer: &mut Renderer, world: &World, eye: Vec3) -> Picture {
         .update(gpu, world)
         .unwrap_or_else(|e| panic!("{e}"));
     renderer
-        .picture(gpu, world, &camera, &[])
+        .picture(gpu, &camera, &[])
         .unwrap_or_else(|e| panic!("{e}"))
 }
 
@@ -295,7 +295,7 @@ fn frames_with_probes_do_not_depend_on_those_before() {
             .update(gpu, world)
             .unwrap_or_else(|e| panic!("{e}"));
         let stats = forwards
-            .render(gpu, world, camera)
+            .render(gpu, camera)
             .unwrap_or_else(|e| panic!("{e}"));
         stats.probes.expect("probes").update_ms
     };

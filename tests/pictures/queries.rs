@@ -85,7 +85,7 @@ fn check(gpu: &Gpu, what: &str, desc: &SceneDesc, world: &World) {
             desc.image.visibility = visibility;
             let mut renderer = renderer(gpu, &desc, world, false);
             let camera = &world.cameras[0].value;
-            let picture = renderer.picture(gpu, world, camera, &THINGS);
+            let picture = renderer.picture(gpu, camera, &THINGS);
             picture.unwrap_or_else(|e| panic!("{e}"))
         });
         assert_same(&software, &query, &format!("{what}, {}", method.name()));
@@ -158,7 +158,7 @@ fn structures_follow_poses_and_settings() {
             renderer
                 .update(gpu, &world)
                 .unwrap_or_else(|e| panic!("{e}"));
-            let picture = renderer.picture(gpu, &world, &camera, &THINGS);
+            let picture = renderer.picture(gpu, &camera, &THINGS);
             picture.unwrap_or_else(|e| panic!("{e}"))
         });
         assert_same(&a, &b, &format!("frame {frame}"));
@@ -176,7 +176,7 @@ fn structures_follow_poses_and_settings() {
         options.reflection.trace = trace;
         let changed = query.change(gpu, &shaders(), &world, &options);
         changed.unwrap_or_else(|e| panic!("{e}"));
-        let picture = query.picture(gpu, &world, &camera, &THINGS);
+        let picture = query.picture(gpu, &camera, &THINGS);
         let picture = picture.unwrap_or_else(|e| panic!("{e}"));
         let last = last.as_ref().expect("a frame was rendered");
         assert_same(last, &picture, "changed");
@@ -235,7 +235,7 @@ fn a_device_that_is_lost_while_structures_are_built_is_an_error() {
                 deform::pose(&desc, &mut world, frame % 40);
                 renderer.update(&gpu, &world)?;
                 let camera = &world.cameras[0].value;
-                renderer.picture(&gpu, &world, camera, &[]).map(drop)
+                renderer.picture(&gpu, camera, &[]).map(drop)
             })
         });
         let error = ended.expect_err("the device is lost");

@@ -144,7 +144,7 @@ fn what_lets_light_through_and_reflects_nothing_has_a_list_of_its_own() {
         let mut renderer =
             Renderer::new(gpu, &shaders(), &world, &options).unwrap_or_else(|e| panic!("{e}"));
         assert!(!renderer.plan().features.reflections, "nothing reflects");
-        let picture = renderer.picture(gpu, &world, &world.cameras[0].value, &[]);
+        let picture = renderer.picture(gpu, &world.cameras[0].value, &[]);
         picture.unwrap_or_else(|e| panic!("{e}"))
     });
     let lists = of_rt.stats.bytes.iter().find(|(name, _)| name == "lists");

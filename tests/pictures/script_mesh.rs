@@ -132,7 +132,7 @@ fn a_deformed_mesh_is_the_same_mesh_as_written() {
             pose(&scene, &mut world, frame);
             moving.update(gpu, &world).expect("the same meshes");
             let camera = &world.cameras[0].value;
-            let picture = moving.picture(gpu, &world, camera, &aovs).expect("renders");
+            let picture = moving.picture(gpu, camera, &aovs).expect("renders");
 
             let mut set = set.clone();
             set.push(format!("params.written={frame}"));
@@ -142,7 +142,7 @@ fn a_deformed_mesh_is_the_same_mesh_as_written() {
             pose(&as_written, &mut still, frame);
             assert!(still.deformed.is_empty(), "nothing deforms it");
             let mut fixed = renderer(gpu, &as_written, &still, false);
-            let expected = fixed.picture(gpu, &still, camera, &aovs).expect("renders");
+            let expected = fixed.picture(gpu, camera, &aovs).expect("renders");
 
             let name = format!("{method:?}, frame {frame}");
             for aov in aovs {
@@ -230,7 +230,7 @@ fn a_mirror_that_a_script_moves_shows_the_image_at_twice_its_height() {
             pose(&scene, &mut world, frame);
             renderer.update(gpu, &world).expect("the same meshes");
             let camera = &world.cameras[0].value;
-            let picture = renderer.picture(gpu, &world, camera, &[]).expect("renders");
+            let picture = renderer.picture(gpu, camera, &[]).expect("renders");
             let (mut sum, mut x_sum, mut y_sum) = (0.0, 0.0, 0.0);
             for (x, y) in (0..96).flat_map(|y| (0..96).map(move |x| (x, y))) {
                 let light = color(&picture, x, y)[0];

@@ -106,11 +106,11 @@ fn picture(gpu: &Gpu, text: &str, method: &str, skip_px: f32) -> (Picture, u64) 
     let (desc, world) = scene(text, &[&method, &skip, "image.visibility=raster"]);
     let mut renderer = renderer(gpu, &desc, &world, false);
     let camera = &world.cameras[0].value;
-    let counts = renderer.counts(gpu, &world, camera).expect("counted");
+    let counts = renderer.counts(gpu, camera).expect("counted");
     let trace = counts.iter().find(|c| c.pass == "trace");
     let nodes = trace.map_or(0, |c| c.counts.visited_nodes);
     let aovs = [Aov::Ids, Aov::Radiance, Aov::HitIds];
-    let picture = renderer.picture(gpu, &world, camera, &aovs);
+    let picture = renderer.picture(gpu, camera, &aovs);
     (picture.unwrap_or_else(|e| panic!("{e}")), nodes)
 }
 
@@ -341,7 +341,7 @@ fn each_picture_has_its_own_choice() {
     moved.instances[2].world_from_object.translation.z += 4.0;
     let shown_in = |world: &World, renderer: &mut Renderer, camera| {
         renderer.update(gpu, world).expect("posed");
-        let picture = renderer.picture(gpu, world, camera, &[Aov::HitIds]);
+        let picture = renderer.picture(gpu, camera, &[Aov::HitIds]);
         picture.unwrap_or_else(|e| panic!("{e}"))
     };
     let shown = |renderer: &mut Renderer, camera| shown_in(&world, renderer, camera);

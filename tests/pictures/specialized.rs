@@ -89,7 +89,7 @@ fn compare(
         let [special, general] = both.each_mut().map(|renderer| {
             renderer.update(gpu, &world).expect("a pose");
             let camera = &world.cameras[0].value;
-            let picture = renderer.picture(gpu, &world, camera, &[Aov::Ids, Aov::Cause]);
+            let picture = renderer.picture(gpu, camera, &[Aov::Ids, Aov::Cause]);
             picture.unwrap_or_else(|e| panic!("{name}: {e}"))
         });
         for aov in [Aov::Ids, Aov::Cause] {

@@ -33,7 +33,7 @@ rotation_deg = [90, 0, 0]
 fn picture(desc: &SceneDesc, world: &World) -> Option<Picture> {
     let gpu = gpu()?;
     let mut renderer = renderer(gpu, desc, world, false);
-    let picture = renderer.picture(gpu, world, &world.cameras[0].value, &[]);
+    let picture = renderer.picture(gpu, &world.cameras[0].value, &[]);
     Some(picture.unwrap_or_else(|e| panic!("{e}")))
 }
 

@@ -219,7 +219,7 @@ fn measure(
             let (_, world, renderer, times) = &mut timed[index];
             renderer.redraw_shadows();
             let camera = world.cameras[camera].value.clone();
-            let stats = renderer.render(gpu, world, &camera).map_err(refused)?;
+            let stats = renderer.render(gpu, &camera).map_err(refused)?;
             if round > 0 {
                 times.push(stats.cost_ms());
             }

@@ -167,9 +167,8 @@ impl<'a> RenderSession<'a> {
     }
 
     fn render(&mut self, settings: &ReflectionDesc, planes: &[Aov]) -> Result<Picture, AppError> {
-        let (world, camera) = (&self.subject.world, &self.subject.camera);
         self.renderer.set_reflection_parameters(settings);
-        let picture = self.renderer.picture(self.gpu, world, camera, planes);
+        let picture = (self.renderer).picture(self.gpu, &self.subject.camera, planes);
         picture.map_err(|e| AppError::from_render(e, false))
     }
 

@@ -121,12 +121,11 @@ impl Block<'_> {
                 if self.subject.motion {
                     renderer.redraw_shadows();
                 }
-                let world = &self.subject.world;
-                let stats = renderer.render(bench.gpu, world, &self.subject.camera)?;
+                let camera = &self.subject.camera;
+                let stats = renderer.render(bench.gpu, camera)?;
                 let mut sample = timed(prototype.clone(), &stats, repetition);
                 if bench.protocol.split_trace {
-                    let camera = &self.subject.camera;
-                    sample.traverse_ms = renderer.traversal_ms(bench.gpu, world, camera)?;
+                    sample.traverse_ms = renderer.traversal_ms(bench.gpu, camera)?;
                 }
                 log.append(sample).map_err(BenchError::File)?;
                 watch.did(Task::Frame, self.rendered());
@@ -146,7 +145,7 @@ impl Block<'_> {
         reference: &Reference,
         watch: &mut dyn Observer,
     ) -> Result<Sample, BenchError> {
-        let Subject { world, camera, .. } = self.subject;
+        let camera = &self.subject.camera;
         let (renderer, update_ms) = (&mut ready.renderer, ready.update_ms);
         let label = self.label(&variant.label());
         let next = |what: &str| format!("{label}, {what}");
@@ -160,16 +159,16 @@ impl Block<'_> {
         sample.update_ms = update_ms;
         if bench.protocol.count {
             watch.begin(&next("counted"));
-            fill_counts(&mut sample, &renderer.counts(bench.gpu, world, camera)?);
+            fill_counts(&mut sample, &renderer.counts(bench.gpu, camera)?);
             watch.did(Task::Count, self.rendered());
         }
         if bench.protocol.split_trace {
             watch.begin(&next("warm-up"));
-            renderer.traversal_ms(bench.gpu, world, camera)?;
+            renderer.traversal_ms(bench.gpu, camera)?;
         }
         for _ in 1..bench.protocol.warm_up {
             watch.begin(&next("warm-up"));
-            renderer.render(bench.gpu, world, camera)?;
+            renderer.render(bench.gpu, camera)?;
             watch.did(Task::Frame, self.rendered());
         }
         Ok(sample)

@@ -49,7 +49,7 @@ impl Bench<'_> {
         let shown = subject.truth.as_deref().unwrap_or(subject);
         let rt = of_truth.as_deref_mut().unwrap_or(rt);
         rt.set_reflection_parameters(&reflection);
-        let picture = rt.picture(self.gpu, &shown.world, &shown.camera, &PLANES)?;
+        let picture = rt.picture(self.gpu, &shown.camera, &PLANES)?;
         let mut reference = Reference::new(&picture).map_err(|why| {
             let scene = Path::new(&subject.name);
             let message = format!("the reference cannot judge anything: {why}");
@@ -80,7 +80,7 @@ impl Bench<'_> {
             target: camera.target + by,
             ..camera.clone()
         };
-        let picture = renderer.picture(self.gpu, &subject.world, &moved, &PLANES)?;
+        let picture = renderer.picture(self.gpu, &moved, &PLANES)?;
         Ok(Hits::of(&picture.planes))
     }
 
@@ -99,7 +99,7 @@ impl Bench<'_> {
             (false, _) => Vec::new(),
         };
         renderer.set_reflection_parameters(&variant.reflection);
-        let picture = renderer.picture(self.gpu, &subject.world, &subject.camera, &planes)?;
+        let picture = renderer.picture(self.gpu, &subject.camera, &planes)?;
         let looked = variant.method.looks_up().then_some(Looked {
             world: &subject.world,
             camera: &subject.camera,
@@ -132,8 +132,7 @@ impl Bench<'_> {
                 steps: MAX_STEPS,
                 ..variant.reflection
             });
-            let (world, camera) = (&subject.world, &subject.camera);
-            let planes = renderer.crossings(self.gpu, world, camera, &PLANES)?;
+            let planes = renderer.crossings(self.gpu, &subject.camera, &PLANES)?;
             let unit_m = renderer.unit_m();
             let length_m = variant.reflection.ray_length_u * unit_m;
             verdicts = Hits::of(&planes)

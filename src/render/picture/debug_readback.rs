@@ -7,7 +7,7 @@ use reflet_gpu::{
     readback::{read_buffer, read_texture_layer, values},
 };
 use reflet_scene::desc::ShadowMode;
-use reflet_world::{Light, World};
+use reflet_world::Light;
 
 use crate::{
     lighting::lights::{CUBE_FACES, SHADOW_NEAR_M, has_cube_map, in_order},
@@ -49,11 +49,10 @@ impl Renderer {
     pub fn shadow_map(
         &self,
         gpu: &Gpu,
-        world: &World,
         light: usize,
         face: usize,
     ) -> Result<Option<(u32, Vec<f32>)>, GpuError> {
-        let world = &*self.relative(world);
+        let world = &self.world;
         let faces = |light: &Light| shadow_faces(light, &self.options);
         if face >= world.lights.get(light).map_or(0, faces) {
             return Ok(None);
@@ -61,7 +60,7 @@ impl Renderer {
         let (lights, _) = in_order(&world.lights);
         let before = lights.take_while(|l| !std::ptr::eq(*l, &raw const world.lights[light]));
         let before: usize = before.map(faces).sum();
-        let (_, views) = self.lights(world);
+        let (_, views) = self.lights();
         let Some(view) = views.get(before + face) else {
             return Ok(None);
         };

@@ -1,8 +1,9 @@
 //! Measurement of a frame by rendering it again with instruments, which pictures and timed frames do not contain.
 
+use std::sync::OnceLock;
+
 use reflet_gpu::{Gpu, GpuError};
 use reflet_scene::desc::CameraDesc;
-use reflet_world::World;
 
 use super::aov::{Aov, Plane};
 use crate::{
@@ -24,15 +25,9 @@ impl Renderer {
     ///
     /// # Errors
     /// Same errors as [`Renderer::render`].
-    pub fn warm_up(
-        &mut self,
-        gpu: &Gpu,
-        world: &World,
-        camera: &CameraDesc,
-    ) -> Result<(), RenderError> {
-        let world = &*self.relative(world);
-        let view = self.view(gpu, world, camera)?;
-        let recorder = self.sub_frame(gpu, world, &view, PixelShare::all(0), Timing::None, None);
+    pub fn warm_up(&mut self, gpu: &Gpu, camera: &CameraDesc) -> Result<(), RenderError> {
+        let view = self.view(gpu, camera);
+        let recorder = self.sub_frame(gpu, &view, PixelShare::all(0), Timing::None, None);
         self.submitted(recorder.submit())?;
         gpu.wait()?;
         self.redraw_shadows();
@@ -50,25 +45,29 @@ impl Renderer {
     pub fn counts(
         &mut self,
         gpu: &Gpu,
-        world: &World,
         camera: &CameraDesc,
     ) -> Result<Vec<PassCounts>, RenderError> {
         self.build_instrument(gpu, Instrument::Count)?;
-        let world = &*self.relative(world);
-        let view = self.view(gpu, world, camera)?;
+        let view = self.view(gpu, camera);
         let mut sums: Vec<PassCounts> = Vec::new();
         for sample in 0..self.options.image.samples.count() {
             let instrument = Some(Instrument::Count);
             let recorder = self.sub_frame(
                 gpu,
-                world,
                 &view,
                 PixelShare::all(sample),
                 Timing::None,
                 instrument,
             );
             self.submitted(recorder.submit())?;
-            for counted in &self.bindings.instruments.counted {
+            for counted in self
+                .bindings
+                .instruments
+                .counted
+                .get()
+                .into_iter()
+                .flatten()
+            {
                 let new = counted.read(gpu)?;
                 match sums.iter_mut().find(|sum| sum.pass == new.pass) {
                     Some(sum) => sum.counts = sum.counts.plus(new.counts),
@@ -88,21 +87,18 @@ impl Renderer {
     pub fn traversal_ms(
         &mut self,
         gpu: &Gpu,
-        world: &World,
         camera: &CameraDesc,
     ) -> Result<Option<f64>, RenderError> {
         self.build_instrument(gpu, Instrument::Traverse)?;
-        if self.bindings.instruments.traverse.is_none() {
+        if self.bindings.instruments.traverse.get().is_none() {
             return Ok(None);
         }
-        let world = &*self.relative(world);
-        let view = self.view(gpu, world, camera)?;
+        let view = self.view(gpu, camera);
         let mut sum_ms = None;
         for sample in 0..self.options.image.samples.count() {
             let instrument = Some(Instrument::Traverse);
             let recorder = self.sub_frame(
                 gpu,
-                world,
                 &view,
                 PixelShare::all(sample),
                 Timing::Passes,
@@ -125,18 +121,15 @@ impl Renderer {
     pub fn crossings(
         &mut self,
         gpu: &Gpu,
-        world: &World,
         camera: &CameraDesc,
         aovs: &[Aov],
     ) -> Result<Vec<Plane>, RenderError> {
         self.build_instrument(gpu, Instrument::AcceptAll)?;
-        let world = &*self.relative(world);
-        let view = self.view(gpu, world, camera)?;
+        let view = self.view(gpu, camera);
         for sample in 0..self.options.image.samples.count() {
             let instrument = Some(Instrument::AcceptAll);
             let recorder = self.sub_frame(
                 gpu,
-                world,
                 &view,
                 PixelShare::all(sample),
                 Timing::None,
@@ -149,33 +142,35 @@ impl Renderer {
     }
 
     /// Builds the passes of an instrument on first use; they are kept until the passes are rebuilt.
-    fn build_instrument(&mut self, gpu: &Gpu, instrument: Instrument) -> Result<(), GpuError> {
-        let is_ready = match instrument {
-            Instrument::Count => !self.bindings.instruments.counted.is_empty(),
-            Instrument::Traverse => self.bindings.instruments.traverse.is_some(),
-            Instrument::AcceptAll => self.bindings.instruments.accept_all.is_some(),
-        };
-        if is_ready {
-            return Ok(());
-        }
-        let builder = self.builder(gpu);
+    fn build_instrument(&self, gpu: &Gpu, instrument: Instrument) -> Result<(), GpuError> {
+        let (builder, built) = (self.builder(gpu), &self.bindings.instruments);
+        let variant = |pass, of, constant| builder.variant(pass, of, MAIN, (constant, 0.0), &[]);
         match instrument {
-            Instrument::Count => self.bindings.instruments.counted = counted(&builder)?,
+            Instrument::Count => set_once(&built.counted, || counted(&builder)),
             Instrument::Traverse if builder.needs(&trace::PASS) => {
-                let shade = ("SHADE", 0.0);
-                let pass = &trace::TRAVERSE;
-                let built = builder.variant(pass, &trace::PASS, MAIN, shade, &[]);
-                self.bindings.instruments.traverse = Some(built?);
+                set_once(&built.traverse, || {
+                    variant(&trace::TRAVERSE, &trace::PASS, "SHADE")
+                })
             }
             Instrument::AcceptAll if builder.needs(&ssr::PASS) => {
-                let refuse = ("REFUSE", 0.0);
-                let built = builder.variant(&ssr::PASS, &ssr::PASS, MAIN, refuse, &[]);
-                self.bindings.instruments.accept_all = Some(built?);
+                set_once(&built.accept_all, || {
+                    variant(&ssr::PASS, &ssr::PASS, "REFUSE")
+                })
             }
-            Instrument::Traverse | Instrument::AcceptAll => {}
+            Instrument::Traverse | Instrument::AcceptAll => Ok(()),
         }
-        Ok(())
     }
+}
+
+/// Makes a value that is not made yet.
+fn set_once<T>(
+    value: &OnceLock<T>,
+    make: impl FnOnce() -> Result<T, GpuError>,
+) -> Result<(), GpuError> {
+    if value.get().is_none() {
+        let _ = value.set(make()?);
+    }
+    Ok(())
 }
 
 /// Counting variants of the recorded passes.

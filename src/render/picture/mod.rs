@@ -12,7 +12,6 @@ pub mod tone_map;
 
 use reflet_gpu::Gpu;
 use reflet_scene::desc::{CameraDesc, ImageDesc, LightGroup};
-use reflet_world::World;
 
 #[cfg(doc)]
 use super::settings::options::RenderOptions;
@@ -250,7 +249,6 @@ impl Renderer {
     pub fn picture(
         &mut self,
         gpu: &Gpu,
-        world: &World,
         camera: &CameraDesc,
         aovs: &[Aov],
     ) -> Result<Picture, RenderError> {
@@ -260,7 +258,7 @@ impl Renderer {
             timed: true,
             estimates_error: false,
         };
-        self.begin_picture(gpu, world, camera, request)?.take(gpu)
+        self.begin_picture(gpu, camera, request)?.take(gpu)
     }
 
     /// Starts a picture; unless it is timed, the next one can be posed and started meanwhile.
@@ -270,14 +268,13 @@ impl Renderer {
     pub fn begin_picture(
         &mut self,
         gpu: &Gpu,
-        world: &World,
         camera: &CameraDesc,
         request: PictureRequest,
     ) -> Result<PendingPicture, RenderError> {
         self.first_half = FirstHalf::of_picture(request.estimates_error);
         let stats = match request.timed {
-            true => self.render(gpu, world, camera)?,
-            false => self.submit(gpu, world, camera)?,
+            true => self.render(gpu, camera)?,
+            false => self.submit(gpu, camera)?,
         };
         self.pending(gpu, camera, request, stats)
     }

@@ -39,9 +39,8 @@ impl Renderer {
         let mut times = PassTimes::default();
         self.each_moment(gpu, moments, |renderer, world, share| {
             let camera = camera(world);
-            let world = &*renderer.relative(world);
-            let view = renderer.view(gpu, world, &camera)?;
-            let recorder = renderer.sub_frame(gpu, world, &view, share, Timing::Passes, None);
+            let view = renderer.view(gpu, &camera);
+            let recorder = renderer.sub_frame(gpu, &view, share, Timing::Passes, None);
             times.extend(renderer.submitted(recorder.finish())?);
             Ok(())
         })?;
@@ -106,9 +105,8 @@ impl Renderer {
         let mut before = None;
         self.each_moment(gpu, moments, |renderer, world, share| {
             let camera = &world.cameras[camera].value;
-            let world = &*renderer.relative(world);
-            let view = renderer.view(gpu, world, camera)?;
-            let recorder = renderer.sub_frame(gpu, world, &view, share, Timing::None, None);
+            let view = renderer.view(gpu, camera);
+            let recorder = renderer.sub_frame(gpu, &view, share, Timing::None, None);
             let submission = renderer.submitted(recorder.submit())?;
             if let Some(before) = before.replace(submission) {
                 gpu.wait_for(&before)?;

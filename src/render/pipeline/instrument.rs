@@ -1,6 +1,8 @@
 //! Instruments: variants of passes for measurement. They count work, trace rays without shading, or
 //! accept every crossing of the march.
 
+use std::sync::OnceLock;
+
 use serde::Serialize;
 
 use reflet_gpu::{Gpu, GpuError, readback};
@@ -82,11 +84,11 @@ pub struct PassCounts {
 #[derive(Debug, Default)]
 pub struct Instruments {
     /// Counting passes.
-    pub counted: Vec<Counted>,
+    pub counted: OnceLock<Vec<Counted>>,
     /// Pass that traces the rays without shading.
-    pub traverse: Option<ComputePass>,
+    pub traverse: OnceLock<ComputePass>,
     /// Pass that marches and accepts every crossing.
-    pub accept_all: Option<ComputePass>,
+    pub accept_all: OnceLock<ComputePass>,
 }
 
 /// A counting pass, with its texture of counts.
@@ -162,11 +164,12 @@ impl Instruments {
     ) -> &'a ComputePass {
         let other = match instrument {
             Some(Instrument::Count) => {
-                let counted = self.counted.iter().map(|counted| &counted.pass);
-                counted.into_iter().find(|c| c.name() == pass.name())
+                let mut counted = self.counted.get().into_iter().flatten();
+                let counted = counted.find(|c| c.pass.name() == pass.name());
+                counted.map(|counted| &counted.pass)
             }
             Some(Instrument::AcceptAll) => {
-                self.accept_all.as_ref().filter(|c| c.name() == pass.name())
+                self.accept_all.get().filter(|c| c.name() == pass.name())
             }
             Some(Instrument::Traverse) | None => None,
         };
@@ -176,14 +179,13 @@ impl Instruments {
     /// The pass that traces the rays once more, if this instrument uses it.
     pub fn traverse(&self, instrument: Option<Instrument>) -> Option<&ComputePass> {
         self.traverse
-            .as_ref()
+            .get()
             .filter(|_| instrument == Some(Instrument::Traverse))
     }
 
     /// Clears all counts.
     pub fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
-        self.counted
-            .iter()
-            .for_each(|counted| counted.clear(encoder));
+        let counted = self.counted.get().into_iter().flatten();
+        counted.for_each(|counted| counted.clear(encoder));
     }
 }

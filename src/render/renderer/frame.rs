@@ -1,11 +1,10 @@
 //! The frame: its sub-frames, recorded and submitted. `passes/mod.rs` lists the passes in their order.
 
-use std::time::Instant;
+use std::{sync::Arc, time::Instant};
 
 use reflet_base::math::Bounds;
 use reflet_gpu::{Gpu, GpuError, readback};
 use reflet_scene::desc::CameraDesc;
-use reflet_world::World;
 
 use super::{
     capture_times::without_capture,
@@ -32,31 +31,18 @@ use crate::{
 };
 
 impl Renderer {
-    /// Renders one picture into the targets. The lights of `world` may have moved since the last one; their number
-    /// and shadow modes must be the same.
+    /// Renders one picture of the shown world into the targets.
     ///
     /// # Errors
-    /// A lost device, exhausted memory, or a world other than the uploaded one.
-    pub fn render(
-        &mut self,
-        gpu: &Gpu,
-        world: &World,
-        camera: &CameraDesc,
-    ) -> Result<FrameStats, RenderError> {
+    /// A lost device or exhausted memory.
+    pub fn render(&mut self, gpu: &Gpu, camera: &CameraDesc) -> Result<FrameStats, RenderError> {
         let started = Instant::now();
         let samples = self.options.image.samples.count();
-        let world = &*self.relative(world);
-        let view = self.view(gpu, world, camera)?;
+        let view = self.view(gpu, camera);
         let mut times = PassTimes::default();
         for sample in 0..samples {
-            let recorder = self.sub_frame(
-                gpu,
-                world,
-                &view,
-                PixelShare::all(sample),
-                Timing::Passes,
-                None,
-            );
+            let recorder =
+                self.sub_frame(gpu, &view, PixelShare::all(sample), Timing::Passes, None);
             times.extend(self.submitted(recorder.finish())?);
             self.end_of_sub_frame(gpu, sample)?;
         }
@@ -75,21 +61,12 @@ impl Renderer {
     pub(crate) fn submit(
         &mut self,
         gpu: &Gpu,
-        world: &World,
         camera: &CameraDesc,
     ) -> Result<FrameStats, RenderError> {
-        let world = &*self.relative(world);
-        let view = self.view(gpu, world, camera)?;
+        let view = self.view(gpu, camera);
         let mut before = None;
         for sample in 0..self.options.image.samples.count() {
-            let recorder = self.sub_frame(
-                gpu,
-                world,
-                &view,
-                PixelShare::all(sample),
-                Timing::None,
-                None,
-            );
+            let recorder = self.sub_frame(gpu, &view, PixelShare::all(sample), Timing::None, None);
             let submission = self.submitted(recorder.submit())?;
             if let Some(before) = before.replace(submission) {
                 gpu.wait_for(&before)?;
@@ -100,29 +77,25 @@ impl Renderer {
     }
 
     /// The view of a camera, given in scene coordinates, in the renderer's coordinates; reflection rays skip what this
-    /// view allows from now on. Checks that `world`, in the renderer's coordinates, is the uploaded one, posed.
-    ///
-    /// # Errors
-    /// A world other than the uploaded one.
-    pub(crate) fn view(
-        &mut self,
-        gpu: &Gpu,
-        world: &World,
-        camera: &CameraDesc,
-    ) -> Result<View, RenderError> {
-        self.check_posed(world)?;
+    /// view allows from now on.
+    pub(crate) fn view(&mut self, gpu: &Gpu, camera: &CameraDesc) -> View {
         let drawn = self.drawn_bounds();
+        let world = &self.world;
         let (camera, _) = self.coordinates.view(camera, &drawn, self.unit_m);
         let mut view = View::new(&camera, self.options.image.size, self.unit_m);
         // Method `ssr` and the paper's rule assume that the picture shows all surfaces, so they need no such check.
         let verifies = self.plan.features.reflections && self.options.reflection.verifies();
         view.has_edge_on = verifies && has_edge_on_surfaces(world, &view);
         let skipped = self.skip.skipped(world, &view, &self.options.reflection);
-        if self.trees.skip(world, &skipped) {
-            self.scene.write_reflected(gpu, &self.trees);
+        let (trees, scene) = (
+            Arc::make_mut(&mut self.trees),
+            Arc::make_mut(&mut self.scene),
+        );
+        if trees.skip(world, &skipped) {
+            scene.write_reflected(gpu, trees);
         }
-        self.scene.set_skipped(gpu, world, &self.trees, &skipped);
-        Ok(view)
+        scene.set_skipped(gpu, world, trees, &skipped);
+        view
     }
 
     /// Makes the next picture draw all shadow maps, also those whose lights and casters have not moved.
@@ -164,7 +137,6 @@ impl Renderer {
     pub(crate) fn sub_frame<'a>(
         &'a self,
         gpu: &'a Gpu,
-        world: &World,
         view: &View,
         share: PixelShare,
         timing: Timing,
@@ -176,8 +148,8 @@ impl Renderer {
         let (view, shift) = &view.through_lens(sample, samples);
         let view = &view.reaching(&self.drawn_bounds());
         let jitter = jitter(sample, samples) + *shift;
-        let (mut block, shadow_views) = self.lights(world);
-        let settings = &self.options.reflection;
+        let (mut block, shadow_views) = self.lights();
+        let (world, settings) = (&self.world, &self.options.reflection);
         let mut frame = Frame::new(
             world,
             view,
@@ -219,9 +191,9 @@ impl Renderer {
     }
 
     /// Uniform block of the lights, and the views of the shadow maps in the order of the lights.
-    pub(crate) fn lights(&self, world: &World) -> (LightBlock, Vec<ShadowView>) {
+    pub(crate) fn lights(&self) -> (LightBlock, Vec<ShadowView>) {
         lights(
-            &world.lights,
+            &self.world.lights,
             self.bindings.maps.sizes,
             &self.drawn_bounds(),
             &self.options,

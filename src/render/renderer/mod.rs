@@ -1,16 +1,15 @@
-//! A scene prepared for rendering: its uploads, BVHs, pipelines and bind groups, and which of them are rebuilt when
-//! the scene, its settings or the shaders change.
+//! A scene prepared for rendering: its uploads, BVHs, pipelines and bind groups.
 
 pub(crate) mod bindings;
 pub(crate) mod capture_times;
-pub mod change;
 pub(crate) mod download;
 pub(crate) mod error_estimate;
 pub(crate) mod frame;
 pub mod rebuild_summary;
+pub(crate) mod stages;
 pub mod stats;
 
-use std::{borrow::Cow, time::Instant};
+use std::sync::Arc;
 
 use reflet_gpu::{Gpu, ShaderLibrary, Timer};
 use reflet_scene::desc::{Method, ReflectionDesc};
@@ -20,151 +19,138 @@ use reflet_world::{
 };
 
 use super::{
-    buffers::{chunks::largest_tree_array, frame_uniforms::FrameUniforms},
-    decide::{
-        Decided, Decision, decide, needs_trees,
-        skip::Skipping,
-        trace_choice::{queries, with_trace},
-    },
+    buffers::frame_uniforms::FrameUniforms,
+    decide::{Decision, skip::Skipping},
     error::RenderError,
-    lighting::{lights::ShadowSizes, shown_light::ShownLight},
-    maps::map_keys::MapKeys,
-    passes::needed_passes,
+    lighting::shown_light::ShownLight,
     pipeline::{
         pass_builder::PassBuilder,
         resources::Resources,
-        shader_variant::ShaderVariant,
         shaders::Shaders,
         targets::{Target, Targets},
     },
-    plan::{Plan, may_meet_culled},
-    renderer::{
-        bindings::{BindingInputs, BindingKey, Bindings},
-        error_estimate::FirstHalf,
-    },
+    plan::Plan,
     settings::{options::RenderOptions, relative::Coordinates},
     upload::{
-        geometry::geometry_bytes,
         scene::GpuScene,
-        validate::{check_deformed, check_lights, check_moving_materials, check_world, refuse},
-        world_key::{PoseKey, WorldKey},
+        validate::{check_deformed, check_lights, check_moving_materials, refuse},
+        world_key::{PoseKey, TreeKey, is_posed_from},
     },
 };
+use bindings::{BindingKey, Bindings};
+use error_estimate::FirstHalf;
+use rebuild_summary::RebuildSummary;
+use stages::{Made, Pose, Poses};
 
 /// A scene ready to be rendered at one size with one set of options.
 #[derive(Debug)]
 pub struct Renderer {
+    /// Coordinates in which the renderer takes the worlds and cameras that it is given.
+    pub(super) coordinates: Coordinates,
+    /// World that is shown, in these coordinates.
+    pub(super) world: World,
     pub(super) options: RenderOptions,
     pub(super) decisions: Vec<Decision>,
     pub(super) unit_m: f32,
     pub(super) plan: Plan,
-    pub(super) trees: Trees,
+    pub(super) trees: Arc<Trees>,
+    /// Properties of the world that the trees were built of.
+    pub(super) tree_key: TreeKey,
+    /// Pose of the top level in `trees`; after a refused change, its first one.
+    pub(super) tree_pose: PoseKey,
     /// Instances that reflection rays may skip.
     pub(super) skip: Skipping,
     pub(super) tree_ms: f64,
-    pub(super) scene: GpuScene,
-    pub(super) uniforms: FrameUniforms,
-    pub(super) bindings: Bindings,
-    pub(super) timer: Timer,
+    pub(super) scene: Arc<GpuScene>,
+    pub(super) uniforms: Arc<FrameUniforms>,
+    pub(super) bindings: Arc<Bindings>,
+    pub(super) timer: Arc<Timer>,
     pub(super) shaders: Shaders,
-    pub(super) world_key: WorldKey,
-    /// Pose of the top level in `trees`; that of a refused change until the next one.
-    pub(super) tree_pose: PoseKey,
-    /// Coordinates of the renderer, in which it takes the worlds that it is given.
-    pub(super) coordinates: Coordinates,
     /// Sum of the first half of the sub-frames, for an estimate of the error.
     pub(super) first_half: FirstHalf,
     /// Light that pictures show.
     pub(super) shown_light: ShownLight,
 }
 
-/// Builds the BVHs, with the instances that rays may skip `apart` from the static one, and times it, milliseconds;
-/// returns empty ones where no ray is traced.
-pub(super) fn build_trees(
-    gpu: &Gpu,
-    world: &World,
-    options: &RenderOptions,
-    apart: &[bool],
-) -> Result<(Trees, f64), RenderError> {
-    if !options.general && !needs_trees(world, options) {
-        return Ok((Trees::unbuilt(world), 0.0));
-    }
-    let started = Instant::now();
-    let (vertices, indices) = geometry_bytes(world);
-    let limit = largest_tree_array(gpu, vertices, indices);
-    let trees = Trees::build_apart(world, limit, apart)?;
-    Ok((trees, started.elapsed().as_secs_f64() * 1e3))
-}
-
 impl Renderer {
     /// Uploads the world, and builds every pipeline that the plan needs and the device has not cached.
     ///
     /// # Errors
-    /// Geometry or pictures past the adapter's limits, a shader that does not build.
-    pub fn new(
+    /// Geometry or pictures past the adapter's limits, a shader that does not build, a shown pose that
+    /// [`Renderer::update`] refuses.
+    pub fn new<'a>(
         gpu: &Gpu,
         library: &ShaderLibrary,
-        world: &World,
+        poses: impl Into<Poses<'a>>,
         options: &RenderOptions,
     ) -> Result<Self, RenderError> {
-        check_world(world)?;
-        let coordinates = Coordinates::of(world, options);
-        let (options, why) = with_trace(gpu, coordinates.options(&options.settled()))?;
-        let options = &options;
-        let world = &*coordinates.world(world);
-        let skip = Skipping::of(world, options);
-        let (trees, tree_ms) = build_trees(gpu, world, options, &skip.apart)?;
-        let decided = decided_with(gpu, world, &trees, options, why);
-        let options = &decided.options;
-        let mut scene = GpuScene::new(gpu, world, &trees, queries(&trees, options))?;
-        if may_meet_culled(world, options) {
-            scene.find_backs(world);
-        }
-        scene.set_traced(gpu, world, &trees, decided.traced);
-        let plan = Plan::of(world, &trees, &scene.pools.layers, options);
-        let needed = needed_passes(&plan, options);
-        let shaders = Shaders::new(gpu, library, variant(gpu, &plan, &scene), &needed)?;
-        let uniforms = FrameUniforms::new(gpu);
-        let key = BindingKey::new(
-            &plan,
-            options,
-            ShadowSizes::of(&world.lights, options),
-            &needed,
-            MapKeys::of(world, options, coordinates.meters())?,
-        );
-        let inputs = BindingInputs {
-            plan: &plan,
-            options,
-            shaders: &shaders,
-            scene: &scene,
-            uniforms: &uniforms,
-            is_same_world: false,
-        };
-        let bindings = Bindings::new(gpu, key, inputs, None)?;
-        Ok(Self {
-            unit_m: options.unit_m(world),
-            options: *options,
-            decisions: decided.decisions,
-            timer: Timer::new(gpu)?,
-            plan,
-            trees,
-            skip,
-            tree_ms,
-            scene,
-            uniforms,
-            bindings,
-            shaders,
-            tree_pose: PoseKey::of(world),
-            first_half: FirstHalf::default(),
-            shown_light: ShownLight::default(),
-            world_key: WorldKey::of(world),
-            coordinates,
-        })
+        let made = Made::new(gpu, library, poses.into(), options, None)?;
+        let mut new = made.renderer;
+        new.pose(gpu, made.pose);
+        Ok(new)
     }
 
-    /// A world in the renderer's coordinates.
-    pub(super) fn relative<'a>(&self, world: &'a World) -> Cow<'a, World> {
-        self.coordinates.world(world)
+    /// Prepares for another world, other options or other shaders, and rebuilds only the parts that differ. On an
+    /// error nothing has changed.
+    ///
+    /// # Errors
+    /// Same errors as [`Renderer::new`].
+    pub fn change<'a>(
+        &mut self,
+        gpu: &Gpu,
+        library: &ShaderLibrary,
+        poses: impl Into<Poses<'a>>,
+        options: &RenderOptions,
+    ) -> Result<RebuildSummary, RenderError> {
+        let made = Made::new(gpu, library, poses.into(), options, Some(self))?;
+        *self = made.renderer;
+        self.pose(gpu, made.pose);
+        Ok(made.rebuilt)
+    }
+
+    /// Adopts a world with new poses and animated materials: uploads poses, the top level and material parameters,
+    /// but never the static tree or an image.
+    ///
+    /// # Errors
+    /// A world that differs in more than that, or poses whose top level is deeper than the traversal stack; then
+    /// nothing has changed.
+    pub fn update(&mut self, gpu: &Gpu, world: &World) -> Result<(), RenderError> {
+        let mut world = self.coordinates.world(world).into_owned();
+        check_posed(&world, &self.world, &self.bindings.key, &self.options)?;
+        let top = top_level(&self.trees, &self.tree_pose, &world)?;
+        // Materials that do not move stay as they were uploaded.
+        let uploaded = &mut self.world.materials;
+        for index in world.moving.materials.iter().map(|moving| moving.material) {
+            uploaded[index].clone_from(&world.materials[index]);
+        }
+        world.materials = std::mem::take(uploaded);
+        self.world = world;
+        self.set_poses(gpu, top);
+        Ok(())
+    }
+
+    fn pose(&mut self, gpu: &Gpu, pose: Pose) {
+        let scene = Arc::make_mut(&mut self.scene);
+        scene.set_traced(gpu, &self.world, &self.trees, pose.traced);
+        if let Some(top) = pose.top {
+            self.set_poses(gpu, top);
+        }
+    }
+
+    /// Uploads the pose of the world, with another top level if there is one.
+    fn set_poses(&mut self, gpu: &Gpu, top: Option<TopLevel>) {
+        if let Some(top) = top {
+            self.set_top_level(top, PoseKey::of(&self.world));
+        }
+        let scene = Arc::make_mut(&mut self.scene);
+        scene.update(gpu, &self.world, &self.trees);
+        scene.update_materials(gpu, &self.world);
+        scene.update_emitters(gpu, &self.world);
+    }
+
+    pub(super) fn set_top_level(&mut self, top: TopLevel, pose: PoseKey) {
+        Arc::make_mut(&mut self.trees).set_top_level(top);
+        self.tree_pose = pose;
     }
 
     /// Resources that passes are bound to.
@@ -232,81 +218,54 @@ impl Renderer {
     /// bounces, light reuse, number of blended probes, box of `near-far`. Other
     /// settings, and features that the plan left out, stay as the renderer was made.
     pub fn set_reflection_parameters(&mut self, settings: &ReflectionDesc) {
-        let settings = ReflectionDesc {
-            method: self.method(),
+        let own = self.options.reflection;
+        let asked = ReflectionDesc {
+            method: own.method,
             ..*settings
         };
-        let settings = settings.settled();
+        let asked = RenderOptions {
+            reflection: asked.settled(),
+            ..self.options
+        };
+        let asked = self.coordinates.options(&asked).reflection;
+        let mut new = own;
         if self.plan.features.further_bounces {
-            self.plan.bounces = settings.bounces.most();
-            self.options.reflection.bounces = settings.bounces;
+            self.plan.bounces = asked.bounces.most();
+            new.bounces = asked.bounces;
         }
-        if self.options.reflection.diffuse_bounces > 0 {
-            self.options.reflection.diffuse_bounces = settings.diffuse_bounces.max(1);
+        if own.diffuse_bounces > 0 {
+            new.diffuse_bounces = asked.diffuse_bounces.max(1);
         }
-        self.options.reflection.threshold_u = settings.threshold_u;
-        self.options.reflection.edge_px = settings.edge_px;
-        self.options.reflection.steps = settings.steps;
-        let scale = 1.0 / self.coordinates.meters();
-        self.options.reflection.separation_m = settings.separation_m.map(|m| m * scale);
-        self.options.reflection.similarity = settings.similarity;
-        self.options.reflection.skip_px = settings.skip_px;
-        self.options.reflection.ray_length_u = settings.ray_length_u;
-        self.options.reflection.reuse_light = settings.reuse_light;
-        self.options.reflection.probes.nearest = settings.probes.nearest;
-        self.options.reflection.near_far.half_size_m =
-            (settings.near_far.half_size_m).map(|m| m * scale);
-    }
-
-    /// Adopts a world with new poses and animated materials: uploads poses, the top level and material parameters,
-    /// but never the static tree or an image.
-    ///
-    /// # Errors
-    /// A world that differs in more than that, or poses whose top level is deeper than the traversal stack; then
-    /// nothing has changed.
-    pub fn update(&mut self, gpu: &Gpu, world: &World) -> Result<(), RenderError> {
-        let world = &*self.relative(world);
-        self.check_posed(world)?;
-        let is_posed = PoseKey::of(world) == self.tree_pose;
-        let top = (!is_posed).then(|| top_level(&self.trees, world));
-        self.set_poses(gpu, world, top.transpose()?.flatten());
-        Ok(())
-    }
-
-    pub(super) fn set_poses(&mut self, gpu: &Gpu, world: &World, top: Option<TopLevel>) {
-        if let Some(top) = top {
-            self.trees.set_top_level(top);
-            self.tree_pose = PoseKey::of(world);
-        }
-        self.scene.update(gpu, world, &self.trees);
-        self.scene.update_materials(gpu, world);
-        self.scene.update_emitters(gpu, world);
-        self.world_key.update(world);
-    }
-
-    /// Checks that a world is the one that was uploaded, in another pose.
-    ///
-    /// # Errors
-    /// Other meshes, textures, instances or materials, other shadow maps, too many lights.
-    pub(super) fn check_posed(&self, world: &World) -> Result<(), RenderError> {
-        check_posed(world, &self.world_key, &self.bindings.key, &self.options)
+        new.probes.nearest = asked.probes.nearest;
+        new.near_far.half_size_m = asked.near_far.half_size_m;
+        self.options.reflection = ReflectionDesc {
+            threshold_u: asked.threshold_u,
+            edge_px: asked.edge_px,
+            steps: asked.steps,
+            separation_m: asked.separation_m,
+            similarity: asked.similarity,
+            skip_px: asked.skip_px,
+            ray_length_u: asked.ray_length_u,
+            reuse_light: asked.reuse_light,
+            ..new
+        };
     }
 }
 
-/// Checks that a world is the one of this key in another pose, and that what its passes are bound to fits.
+/// Checks that a world is an uploaded one in another pose, and that what its passes are bound to fits.
 ///
 /// # Errors
-/// Same errors as [`Renderer::check_posed`].
+/// Other meshes, textures, instances or materials, other shadow maps, too many lights.
 pub(super) fn check_posed(
     world: &World,
-    key: &WorldKey,
+    uploaded: &World,
     bound: &BindingKey,
     options: &RenderOptions,
 ) -> Result<(), RenderError> {
     check_lights(world)?;
     check_moving_materials(world)?;
     check_deformed(world)?;
-    if !key.is_posed_from(world) {
+    if !is_posed_from(uploaded, world) {
         return refuse(
             "it has other meshes, textures, instances, materials or numbers of lamps than were \
              uploaded; call Renderer::change first"
@@ -322,31 +281,12 @@ pub(super) fn check_posed(
     Ok(())
 }
 
-/// Decisions of all that is left to `auto`, also that of what follows the rays.
-pub(super) fn decided_with(
-    gpu: &Gpu,
-    world: &World,
+/// The top level over the instances of a posed world; `None` where it has that pose already, or nothing can move.
+pub(super) fn top_level(
     trees: &Trees,
-    options: &RenderOptions,
-    of_trace: Option<Decision>,
-) -> Decided {
-    let mut decided = decide(world, trees, options, gpu.is_software());
-    decided.decisions.extend(of_trace);
-    decided
-}
-
-/// The top level over the instances of a posed world; none where nothing can move.
-pub(super) fn top_level(trees: &Trees, world: &World) -> Result<Option<TopLevel>, RenderError> {
-    let top = (!trees.top_instances.is_empty()).then(|| trees.top_level(world));
-    Ok(top.transpose()?)
-}
-
-/// The shader files of a plan over a scene.
-pub(super) fn variant(gpu: &Gpu, plan: &Plan, scene: &GpuScene) -> ShaderVariant {
-    let numbers_triangles = gpu.features.contains(wgpu::Features::PRIMITIVE_INDEX);
-    ShaderVariant {
-        indexed: numbers_triangles && scene.indexed().is_some(),
-        chunks: scene.chunks,
-        features: plan.features,
-    }
+    pose: &PoseKey,
+    world: &World,
+) -> Result<Option<TopLevel>, RenderError> {
+    let moves = !trees.top_instances.is_empty() && PoseKey::of(world) != *pose;
+    Ok(moves.then(|| trees.top_level(world)).transpose()?)
 }

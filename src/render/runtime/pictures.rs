@@ -139,9 +139,9 @@ impl Session {
                 estimates_error: false,
             },
         );
-        (self.renderer).show_light(&gpu, &self.loaded.world, Some(group));
+        self.renderer.show_light(&gpu, Some(group));
         let picture = self.begin_counted(request);
-        (self.renderer).show_light(&gpu, &self.loaded.world, None);
+        self.renderer.show_light(&gpu, None);
         picture
     }
 
@@ -158,9 +158,8 @@ impl Session {
                 renderer.begin_picture_of_moments(&self.gpu, &mut moments, camera, request);
             return picture.inspect_err(|_| close(renderer, &self.gpu, moments));
         }
-        let world = &self.loaded.world;
-        let camera = &world.cameras[camera].value;
-        renderer.begin_picture(&self.gpu, world, camera, request)
+        let camera = &self.loaded.world.cameras[camera].value;
+        renderer.begin_picture(&self.gpu, camera, request)
     }
 
     /// Runs the passes once before they are timed.
@@ -169,9 +168,8 @@ impl Session {
     /// Same errors as [`crate::Renderer::warm_up`].
     pub fn warm_up(&mut self) -> Result<(), RenderError> {
         self.complete()?;
-        let world = &self.loaded.world;
-        let camera = &world.cameras[self.camera()].value;
-        self.renderer.warm_up(&self.gpu, world, camera)
+        let camera = &self.loaded.world.cameras[self.camera()].value;
+        self.renderer.warm_up(&self.gpu, camera)
     }
 
     /// Renders a frame that counts the work of each pass.
@@ -180,9 +178,8 @@ impl Session {
     /// Same errors as [`crate::Renderer::counts`].
     pub fn counts(&mut self) -> Result<Vec<PassCounts>, RenderError> {
         self.complete()?;
-        let world = &self.loaded.world;
-        let camera = &world.cameras[self.camera()].value;
-        self.renderer.counts(&self.gpu, world, camera)
+        let camera = &self.loaded.world.cameras[self.camera()].value;
+        self.renderer.counts(&self.gpu, camera)
     }
 
     /// Renders into the targets with a camera that may move with the world: while the shutter is open, each
@@ -198,7 +195,7 @@ impl Session {
         let loaded = &mut self.loaded;
         if self.coarse.is_some() || !open_shutter::moves(&loaded.scene) {
             let world = self.coarse.as_ref().unwrap_or(&loaded.world);
-            return self.renderer.render(&self.gpu, world, &camera(world));
+            return self.renderer.render(&self.gpu, &camera(world));
         }
         let mut moments = OpenShutter::new(&loaded.scene, &mut loaded.world, loaded.frame, edit)
             .with(&self.meshes);

@@ -19,18 +19,15 @@ impl RendererStage {
     /// Builds a renderer for the first time.
     ///
     /// # Errors
-    /// Same errors as [`Renderer::new`] and [`Renderer::update`].
+    /// Same errors as [`Renderer::new`].
     pub fn new<'a>(
         gpu: &Gpu,
         library: &ShaderLibrary,
         poses: impl Into<Poses<'a>>,
         options: &RenderOptions,
     ) -> Result<Self, RenderError> {
-        let Poses { first, shown } = poses.into();
-        let mut renderer = Renderer::new(gpu, library, first, options)?;
-        renderer.update(gpu, shown)?;
         Ok(Self {
-            renderer,
+            renderer: Renderer::new(gpu, library, poses, options)?,
             asked: *options,
         })
     }

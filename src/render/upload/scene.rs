@@ -35,7 +35,7 @@ use crate::{
 };
 
 /// A scene on the GPU.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct GpuScene {
     /// Nodes of the BVHs.
     pub nodes: TreeArray,
@@ -164,20 +164,13 @@ impl GpuScene {
             triangles,
             structures,
             instances,
-            traced: self.traced.clone(),
-            skipped: self.skipped.clone(),
-            shown_light: self.shown_light,
-            vertices: self.vertices.clone(),
-            mesh_data: self.mesh_data.clone(),
             materials,
-            samplers: self.samplers.clone(),
             draws: draws(world, &self.mesh_ranges),
-            mesh_ranges: self.mesh_ranges.clone(),
             pools,
-            panorama: self.panorama.clone(),
             emitters: GpuEmitters::new(gpu, world)?,
             decals: GpuDecals::new(gpu, world),
             has_moving_cutouts: has_moving_cutouts(world),
+            ..self.clone()
         })
     }
 

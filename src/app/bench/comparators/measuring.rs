@@ -187,7 +187,7 @@ pub(super) fn picture(
     renderer: &mut RendererStage,
 ) -> Result<Picture, RenderError> {
     renderer.update(gpu, &subject.world)?;
-    renderer.picture(gpu, &subject.world, &subject.camera, &PLANES)
+    renderer.picture(gpu, &subject.camera, &PLANES)
 }
 
 /// Builds a system, renders its first picture, in which drivers compile, and times a capture.
@@ -201,10 +201,10 @@ fn start<'a>(
     let settings = settings(system, subject);
     let mut renderer = subject.renderer(gpu, library, &settings, size)?;
     renderer.set_reflection_parameters(&settings);
-    renderer.render(gpu, &subject.world, &subject.camera)?;
+    renderer.render(gpu, &subject.camera)?;
     renderer.recapture_probes();
-    let stats = renderer.render(gpu, &subject.world, &subject.camera)?;
-    let counted = renderer.counts(gpu, &subject.world, &subject.camera)?;
+    let stats = renderer.render(gpu, &subject.camera)?;
+    let counted = renderer.counts(gpu, &subject.camera)?;
     let found = counted.iter().filter(|pass| finds(pass.pass));
     let work = found.map(|pass| pass.counts);
     Ok(Running {
@@ -263,7 +263,7 @@ fn finds(name: &str) -> bool {
 
 /// Times a system's passes in one picture.
 fn time(gpu: &Gpu, subject: &Subject, system: &mut Running<'_>) -> Result<(), RenderError> {
-    let stats = (system.renderer).render(gpu, &subject.world, &subject.camera)?;
+    let stats = (system.renderer).render(gpu, &subject.camera)?;
     let passes = match stats.processor_ms.as_slice() {
         [] => &stats.passes_ms,
         passes => passes,

@@ -117,7 +117,7 @@ fn picture(
 ) -> Result<Picture, AppError> {
     let planes = [&score::PLANES[..], &seams::PLANES].concat();
     renderer.update(gpu, &subject.world).map_err(explain)?;
-    let picture = renderer.picture(gpu, &subject.world, &subject.camera, &planes);
+    let picture = renderer.picture(gpu, &subject.camera, &planes);
     picture.map_err(explain)
 }
 

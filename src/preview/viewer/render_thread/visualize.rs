@@ -125,7 +125,7 @@ impl Worker {
 
     fn shadow(&self, shadow_map: ShadowMapChoice) -> Result<(Pixels, String), GpuError> {
         let (world, renderer) = (self.live.world(), self.live.renderer());
-        let read = |face| renderer.shadow_map(&self.gpu, world, shadow_map.light, face);
+        let read = |face| renderer.shadow_map(&self.gpu, shadow_map.light, face);
         let light = world.lights.get(shadow_map.light);
         let is_cube = light.is_some_and(|l| has_cube_map(&l.desc.kind));
         let (size, distances, of) = if let (true, None) = (is_cube, shadow_map.face) {
