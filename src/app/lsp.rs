@@ -19,7 +19,6 @@ mod script;
 mod script_map;
 mod script_text;
 mod structure;
-mod tables;
 
 use std::{
     collections::BTreeMap,
@@ -35,7 +34,6 @@ use self::{
     position::{offset, path_of, range, uri_of},
     published::Published,
     references::same,
-    tables::is_project,
 };
 use super::{args::SceneArgs, check::messages, error::AppError, project::check_output};
 use crate::{
@@ -43,6 +41,7 @@ use crate::{
     scene::{
         dependencies::Dependencies,
         diagnostic::{Diagnostic, Severity, Source, Span},
+        parse::tables::is_project,
         project::Project,
         reach::UnsavedTexts,
     },

@@ -7,7 +7,7 @@ mod pages;
 use std::fmt::Write as _;
 
 pub use self::pages::{Page, pages};
-use super::parse::{Form, KeyRecord, SectionRecord};
+use super::parse::{Form, KeyRecord, SectionRecord, recorded_keys, recorded_project_keys};
 
 /// A scene that shows most keys.
 pub const EXAMPLE: &str = include_str!("manual/example.toml");
@@ -21,15 +21,15 @@ type Link<'a> = &'a dyn Fn(&str) -> Option<String>;
 /// The whole manual as one Markdown text, for a terminal.
 pub fn manual() -> String {
     let mut out = introduction();
-    let project = super::parse::recorded_project_keys().sections;
-    for section in super::parse::recorded_keys()
-        .sections
-        .iter()
-        .chain(&project)
-    {
+    for section in all_sections() {
         describe_section(&mut out, section, 2, &|_| None);
     }
     out
+}
+
+/// All tables of scenes and of projects.
+fn all_sections() -> impl Iterator<Item = &'static SectionRecord> {
+    recorded_keys().iter().chain(recorded_project_keys())
 }
 
 fn introduction() -> String {
@@ -144,16 +144,10 @@ fn value_text(key: &KeyRecord, link: Link) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parse;
-
-    fn all_sections() -> Vec<SectionRecord> {
-        let project = parse::recorded_project_keys().sections;
-        [parse::recorded_keys().sections, project].concat()
-    }
 
     #[test]
     fn every_table_variant_and_key_has_its_comment() {
-        for section in &all_sections() {
+        for section in all_sections() {
             let name = section.type_name;
             assert!(!section_text(section).is_empty(), "{name} has no comment");
             let plain = section.keys.iter().map(|key| (None, key));
@@ -180,7 +174,7 @@ mod tests {
     /// The prose of `desc.rs` repeats ranges and defaults for readers of the source.
     #[test]
     fn comments_agree_with_the_ranges_and_defaults_that_are_read() {
-        for section in &all_sections() {
+        for section in all_sections() {
             let plain = section.keys.iter().map(|key| (None, key));
             let of_variants = section.variants.iter();
             let of_variants = of_variants.flat_map(|v| v.keys.iter().map(|k| (Some(v.word), k)));

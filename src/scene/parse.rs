@@ -21,23 +21,25 @@ mod placed;
 mod points;
 mod read;
 mod report;
+mod rules;
 mod set;
 mod syntax_errors;
 mod table;
+pub mod tables;
 mod value;
 mod value_advice;
 
-use std::path::Path;
+use std::{path::Path, sync::LazyLock};
 
 pub use self::document::{Document, Texts};
 pub use self::key_recorder::{Form, KeyRecord, RecordedKeys, Rule, SectionRecord, VariantRecord};
 pub use self::placed::{PlacedGroup, RanScript, Run, ScriptInput};
-pub use self::read::project::{read_project, recorded_project_keys};
-use self::table::Table;
+pub use self::read::project::read_project;
+use self::table::{Section, Table};
 use reflet_base::files::{open_regular, read_at_most};
 
 use super::{
-    desc::SceneDesc,
+    desc::{ProjectDesc, SceneDesc},
     diagnostic::{Diagnostic, Span},
     reach::Border,
 };
@@ -117,9 +119,21 @@ pub fn read(path: &Path) -> Result<String, Vec<Diagnostic>> {
     })
 }
 
-/// Every table and key that the readers ask for, the whole file first.
-pub fn recorded_keys() -> RecordedKeys {
+static SCENE: LazyLock<Vec<SectionRecord>> = LazyLock::new(record::<SceneDesc>);
+static PROJECT: LazyLock<Vec<SectionRecord>> = LazyLock::new(record::<ProjectDesc>);
+
+fn record<T: Section>() -> Vec<SectionRecord> {
     let mut notes = RecordedKeys::default();
-    Table::describe::<SceneDesc>(&mut notes);
-    notes
+    Table::describe::<T>(&mut notes);
+    notes.sections
+}
+
+/// Every table and key that the readers of a scene ask for, the whole file first.
+pub fn recorded_keys() -> &'static [SectionRecord] {
+    &SCENE
+}
+
+/// Every table and key that the reader of a project asks for.
+pub fn recorded_project_keys() -> &'static [SectionRecord] {
+    &PROJECT
 }

@@ -19,7 +19,7 @@ use crate::{
 use reflet_base::files::{open_regular, read_at_most};
 
 /// Name of the file of a project.
-pub const FILE: &str = "reflet.toml";
+pub const FILE: &str = ProjectDesc::FILE;
 
 /// Largest file of a project, MiB.
 const MOST_MIB: u64 = 1;

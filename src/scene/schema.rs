@@ -16,12 +16,12 @@ const VERSION: &str = "version";
 /// nothing, directions that are zero, matrices that are singular, keys that are missing here and stand in a
 /// `base`.
 pub fn schema() -> Value {
-    document("Reflet scene", &recorded_keys().sections)
+    document("Reflet scene", recorded_keys())
 }
 
 /// The schema of `reflet.toml`, draft 2020-12.
 pub fn project_schema() -> Value {
-    document("Reflet project", &recorded_project_keys().sections)
+    document("Reflet project", recorded_project_keys())
 }
 
 fn document(title: &str, sections: &[SectionRecord]) -> Value {

@@ -84,7 +84,7 @@ impl Drop for Folder {
     }
 }
 
-const BASE: &str = "version = 1
+pub const BASE: &str = "version = 1
 [camera.main]
 eye = [0, 1, 5]
 fov_deg = 40

@@ -12,6 +12,7 @@ mod script_hostile;
 mod bad;
 mod decals;
 mod docs;
+mod excluded;
 mod extends;
 mod hierarchy;
 mod hostile;

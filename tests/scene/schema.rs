@@ -24,7 +24,7 @@ fn property_names(section: &SectionRecord) -> Vec<&'static str> {
 fn schema_manual_and_reader_have_the_same_keys() {
     let schema = schema();
     let manual = reflet::scene::manual::manual();
-    for section in &parse::recorded_keys().sections {
+    for section in parse::recorded_keys() {
         let object = match section.type_name {
             "SceneDesc" => &schema,
             name => &schema["$defs"][name],

@@ -15,13 +15,15 @@ use super::{
     outline::{Part, Word, words, words_before},
     position::{range, uri_of},
     scopes::{Scoped, is_named, with_scopes},
-    tables::{Below, Manual, is_project, keys_of},
 };
 use crate::files::folder_of;
 use crate::scene::{
     diagnostic::Source,
     manual::{key_text, section_text, variant_text},
-    parse::{Form, KeyRecord, SectionRecord},
+    parse::{
+        Form, KeyRecord, SectionRecord,
+        tables::{Below, Manual, is_project, keys_of},
+    },
 };
 
 /// Limits of file completion: number of files, and depth of the folders searched.

@@ -2,10 +2,10 @@
 
 use serde_json::{Value, json};
 
-use super::{position::range, tables::Manual};
+use super::position::range;
 use crate::scene::{
     diagnostic::Source,
-    parse::Form,
+    parse::{Form, tables::Manual},
     syntax::{Content, Node},
 };
 

@@ -9,11 +9,11 @@ use super::{
     call::code,
     names::kinds_of_value,
     script_text::is_word,
-    tables::Manual,
 };
 use crate::scene::{
     diagnostic::TABLES,
     manual::{key_text, variant_text},
+    parse::tables::Manual,
     script::api,
 };
 

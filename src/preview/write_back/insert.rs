@@ -10,7 +10,7 @@ use reflet_scene::{
 
 /// Keys of a table in the order of the manual; `section` is the table's type in `desc.rs`.
 pub fn order_of(section: &str) -> Vec<&'static str> {
-    let sections = recorded_keys().sections;
+    let sections = recorded_keys();
     let found = sections.iter().find(|known| known.type_name == section);
     let of_variants = || found.into_iter().flat_map(|section| &section.variants);
     let own = found.into_iter().flat_map(|section| &section.keys);

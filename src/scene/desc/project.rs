@@ -29,3 +29,8 @@ pub struct ProjectDesc {
     /// Sizes by their names.
     pub sizes: Vec<Entry<[u32; 2]>>,
 }
+
+impl ProjectDesc {
+    /// Name of the file.
+    pub const FILE: &str = "reflet.toml";
+}

@@ -32,8 +32,8 @@ struct Place {
 
 /// All pages, the index first.
 pub fn pages() -> Vec<Page> {
-    let sections = recorded_keys().sections;
-    let places = places(&sections);
+    let sections = recorded_keys();
+    let places = places(sections);
     let mut pages: Vec<Page> = Vec::new();
     for (section, place) in sections.iter().zip(&places) {
         let link = |type_name: &str| {
@@ -51,7 +51,7 @@ pub fn pages() -> Vec<Page> {
         };
         let mut text = match level {
             1 => format!("{GENERATED}[All of scene text]({INDEX})\n"),
-            _ => format!("{GENERATED}{}{}", introduction(), index(&sections, &places)),
+            _ => format!("{GENERATED}{}{}", introduction(), index(sections, &places)),
         };
         describe_section(&mut text, section, level, &link);
         let file = place.file.clone();
@@ -64,7 +64,7 @@ pub fn pages() -> Vec<Page> {
 /// Page of the text of projects.
 fn project_page() -> Page {
     let mut text = format!("{GENERATED}[All of scene text]({INDEX})\n");
-    for section in &recorded_project_keys().sections {
+    for section in recorded_project_keys() {
         describe_section(&mut text, section, 1, &|_| None);
     }
     let file = PROJECT.to_owned();
@@ -196,7 +196,7 @@ mod tests {
     fn each_table_of_the_file_has_a_page() {
         let pages = pages();
         let files: Vec<_> = pages.iter().map(|p| p.file.as_str()).collect();
-        let sections = recorded_keys().sections;
+        let sections = recorded_keys();
         let root = &sections[0].keys;
         for file in files[1..].iter().filter(|file| **file != PROJECT) {
             let table = file.trim_end_matches(".md");

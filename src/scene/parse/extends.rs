@@ -2,7 +2,11 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::{overlay::excluded_by, report::Report};
+use super::{
+    report::Report,
+    rules::{Rules, content_below},
+    tables::Below,
+};
 use crate::suggest;
 use crate::syntax::{Content, Entries, Node, Size};
 
@@ -75,9 +79,12 @@ pub fn resolve(root: &mut Node, report: &mut Report) {
 
 /// Adds the keys that the table does not have, also to `size`.
 fn add_missing(table: &mut Entries, parent: &Entries, size: &mut Size) {
+    let materials = content_below(Some(Below::scene()), "material");
+    let rules = Rules::of(content_below(materials, ""), &[]);
     for (key, node) in parent {
         let name = key.get_ref().as_str();
-        let has = table.contains_key(name) || excluded_by(name).any(|own| table.contains_key(own));
+        let mut excluded = rules.into_iter().flat_map(|rules| rules.excluded_by(name));
+        let has = table.contains_key(name) || excluded.any(|own| table.contains_key(own));
         if !has && name != "extends" {
             size.add(node);
             table.insert(key.clone(), node.clone());

@@ -87,6 +87,15 @@ pub struct Rule {
     pub groups: Vec<Vec<&'static str>>,
 }
 
+/// A key without which other keys mean nothing.
+#[derive(Clone, Debug)]
+pub struct Needing {
+    /// The key.
+    pub key: &'static str,
+    /// Keys that need it.
+    pub others: &'static [&'static str],
+}
+
 /// One variant of a table: a value of `kind`, and the keys that only this variant takes.
 #[derive(Clone, Debug, Default)]
 pub struct VariantRecord {
@@ -98,6 +107,8 @@ pub struct VariantRecord {
     pub keys: Vec<KeyRecord>,
     /// Rules among them.
     pub rules: Vec<Rule>,
+    /// Keys that others of them need.
+    pub needing: Vec<Needing>,
 }
 
 /// One table of the scene text.
@@ -115,6 +126,8 @@ pub struct SectionRecord {
     pub variants: Vec<VariantRecord>,
     /// Rules among its keys.
     pub rules: Vec<Rule>,
+    /// Keys that others of them need.
+    pub needing: Vec<Needing>,
 }
 
 /// All tables, in the order in which they are first met.
@@ -183,6 +196,17 @@ impl RecordedKeys {
         match section.variants.last_mut() {
             Some(variant) if in_variant => variant.rules.push(rule),
             _ => section.rules.push(rule),
+        }
+    }
+
+    /// Adds a key that others need to the open table or variant.
+    pub fn needing(&mut self, needing: Needing) {
+        let Some((section, in_variant)) = self.section() else {
+            return;
+        };
+        match section.variants.last_mut() {
+            Some(variant) if in_variant => variant.needing.push(needing),
+            _ => section.needing.push(needing),
         }
     }
 

@@ -3,92 +3,32 @@
 
 use std::{collections::HashMap, ops::Range};
 
-use super::{entry_kinds::ENTRY_KINDS, report::Report, set};
+use super::{
+    report::Report,
+    rules::{Rules, content_below},
+    set,
+    tables::Below,
+};
 use crate::suggest;
 use crate::syntax::{Content, Entries, Key, Node};
 
-/// Groups of keys that exclude each other: a key of one group in the upper table removes the keys of the
-/// other groups from the lower table.
-const EXCLUSIVE: [&[&[&str]]; 7] = [
-    &[&["repeat"], &["instances_from"], &["along"], &["over"]],
-    &[&["file"], &["shape"]],
-    &[&["checker"], &["pattern"], &["base_color_texture"]],
-    &[&["direction"], &["target"]],
-    &[
-        &["matrix"],
-        &["translation", "rotation_deg", "rotation_quat", "scale"],
-    ],
-    &[&["rotation_deg"], &["rotation_quat"]],
-    &[
-        &["file", "rotation_deg"], // of a panorama
-        &["color"],
-        &["zenith", "horizon", "ground"],
-    ],
-];
-
-/// Level of a table: the meaning of its keys.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Level {
-    /// Keys of a scene, or of `motion`.
-    Scene,
-    /// Names of variants.
-    Variants,
-    /// Other names that users choose, such as those of cameras.
-    Names,
-    /// Keys of one entry, such as a camera or an instance.
-    Keys,
-}
-
-impl Level {
-    /// Level of the table under a key.
-    fn below(self, key: &str) -> Self {
-        match (self, key) {
-            (Self::Scene, "instance" | "params") => Self::Names,
-            (Self::Scene, kind) if ENTRY_KINDS.contains(&kind) => Self::Names,
-            (Self::Scene, "motion") | (Self::Variants, _) => Self::Scene,
-            (Self::Scene, "variant") => Self::Variants,
-            _ => Self::Keys,
-        }
-    }
-}
-
 /// Lays a scene over another one: tables key by key, instances by their names, all else replaced.
 pub fn overlay(below: &mut Entries, above: Entries) {
-    overlay_at(Level::Scene, below, above);
+    overlay_at(Some(Below::scene()), below, above);
 }
 
-/// Lays the keys of one entry over those of another.
-pub fn overlay_keys(below: &mut Entries, above: Entries) {
-    overlay_at(Level::Keys, below, above);
-}
-
-fn overlay_at(level: Level, below: &mut Entries, above: Entries) {
+/// Lays the content at `place` over what another layer has there.
+pub fn overlay_at(place: Option<Below>, below: &mut Entries, above: Entries) {
+    let rules = Rules::of(place, &[&above, below]);
     for (key, node) in above {
-        // A model may be called "file", and another one "shape".
-        if level == Level::Keys {
-            drop_excluded(below, key.get_ref());
+        if let Some(rules) = rules {
+            rules.make_room(below, key.get_ref());
         }
-        put(level, below, key, node);
+        put(place, below, key, node);
     }
 }
 
-/// Keys that cannot be in the same table as this one: as few as there are, however many the table has.
-pub fn excluded_by(key: &str) -> impl Iterator<Item = &'static str> {
-    EXCLUSIVE.iter().flat_map(move |groups| {
-        let own = groups.iter().position(|group| group.contains(&key));
-        let others = groups.iter().enumerate();
-        let others = others.filter(move |(i, _)| own.is_some_and(|own| own != *i));
-        others.flat_map(|(_, group)| group.iter().copied())
-    })
-}
-
-fn drop_excluded(below: &mut Entries, key: &str) {
-    for other in excluded_by(key) {
-        below.remove(other);
-    }
-}
-
-fn put(level: Level, below: &mut Entries, key: Key, node: Node) {
+fn put(place: Option<Below>, below: &mut Entries, key: Key, node: Node) {
     let name = key.get_ref().as_str();
     let Some(existing) = below.get_mut(name) else {
         below.insert(key, node);
@@ -97,10 +37,10 @@ fn put(level: Level, below: &mut Entries, key: Key, node: Node) {
     let at = node.span();
     match (existing.get_mut(), node.into_inner()) {
         (Content::Table(old), Content::Table(new)) if same_kind(old, &new) => {
-            overlay_at(level.below(name), old, new);
+            overlay_at(content_below(place, name), old, new);
         }
         (Content::Array(old), Content::Array(new)) if name == "instance" => {
-            overlay_instances(old, new.into_iter());
+            overlay_instances(content_below(place, name), old, new.into_iter());
         }
         (_, new) => {
             // Removed first, so that the key has the place of the upper one.
@@ -123,7 +63,11 @@ fn same_kind(old: &Entries, new: &Entries) -> bool {
 }
 
 /// Instances of the same name are laid over each other, the others are added.
-fn overlay_instances(below: &mut Vec<Node>, above: impl Iterator<Item = Node>) {
+fn overlay_instances(
+    place: Option<Below>,
+    below: &mut Vec<Node>,
+    above: impl Iterator<Item = Node>,
+) {
     let mut named: HashMap<String, usize> = HashMap::new();
     for (index, node) in below.iter().enumerate() {
         if let Some(name) = name_of(node) {
@@ -136,7 +80,7 @@ fn overlay_instances(below: &mut Vec<Node>, above: impl Iterator<Item = Node>) {
         match (existing.map(Node::get_mut), node.get_ref()) {
             (Some(Content::Table(old)), Content::Table(_)) => {
                 if let Content::Table(new) = node.into_inner() {
-                    overlay_at(Level::Keys, old, new);
+                    overlay_at(place, old, new);
                 }
             }
             _ => below.push(node),
@@ -378,3 +322,6 @@ fn child<'n>(
         _ => None,
     }
 }
+
+#[cfg(test)]
+mod tests;

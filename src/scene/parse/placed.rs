@@ -24,7 +24,9 @@ use self::{
 use super::{
     include, layers, overlay,
     report::Report,
+    rules::content_below,
     syntax_errors::{self, Shadow},
+    tables::Below,
 };
 use crate::{
     desc::TimelineDesc,
@@ -247,7 +249,7 @@ impl<'p> Expansion<'p> {
         }
         self.add_group(root, &name, at, group);
         if let Content::Table(tree) = tree.into_inner() {
-            merge(root, tree, own_instances);
+            merge(Some(Below::scene()), root, tree, own_instances);
         }
     }
 
@@ -312,20 +314,27 @@ fn list_of(root: &Entries) -> &[Node] {
 }
 
 /// Adds the entries of a placed scene; entries of the scene itself with the same names lie over them.
-fn merge(root: &mut Entries, tree: Entries, own_instances: &HashMap<String, usize>) {
+fn merge(
+    place: Option<Below>,
+    root: &mut Entries,
+    tree: Entries,
+    own_instances: &HashMap<String, usize>,
+) {
     for (kind, node) in tree {
+        let place = content_below(place, kind.get_ref());
         let Some(own) = root.get_mut(kind.get_ref().as_str()).map(Node::get_mut) else {
             root.insert(kind, node);
             continue;
         };
         match (own, node.into_inner()) {
             (Content::Table(kinds), Content::Table(more)) if kind.get_ref() == "motion" => {
-                merge(kinds, more, own_instances);
+                merge(place, kinds, more, own_instances);
             }
             (Content::Table(own), Content::Table(more)) => {
                 for (name, thing) in more {
                     let above = own.remove(name.get_ref().as_str());
-                    own.insert(name, over(thing, above));
+                    let place = content_below(place, name.get_ref());
+                    own.insert(name, over(place, thing, above));
                 }
             }
             (Content::Array(own), Content::Array(more)) => {
@@ -333,7 +342,7 @@ fn merge(root: &mut Entries, tree: Entries, own_instances: &HashMap<String, usiz
                     let name = overlay::name_of(&thing);
                     let known = name.and_then(|name| own_instances.get(name));
                     match known.and_then(|index| own.get_mut(*index)) {
-                        Some(above) => *above = over(thing, Some(above.clone())),
+                        Some(above) => *above = over(place, thing, Some(above.clone())),
                         None => own.push(thing),
                     }
                 }
@@ -344,14 +353,14 @@ fn merge(root: &mut Entries, tree: Entries, own_instances: &HashMap<String, usiz
 }
 
 /// Lays an entry, if there is one, over another of the same name.
-fn over(below: Node, above: Option<Node>) -> Node {
+fn over(place: Option<Below>, below: Node, above: Option<Node>) -> Node {
     let Some(above) = above else {
         return below;
     };
     let at = below.span();
     match (below.into_inner(), above.into_inner()) {
         (Content::Table(mut below), Content::Table(above)) => {
-            overlay::overlay_keys(&mut below, above);
+            overlay::overlay_at(place, &mut below, above);
             Node::new(at, Content::Table(below))
         }
         (_, above) => Node::new(at, above),

@@ -3,7 +3,14 @@
 
 use std::{ops::Range, sync::Arc};
 
-use super::{entry_kinds::ENTRY_KINDS, params, report::Report, syntax_errors::in_plain_words};
+use super::{
+    entry_kinds::ENTRY_KINDS,
+    params,
+    report::Report,
+    rules::{Rules, content_below},
+    syntax_errors::in_plain_words,
+    tables::Below,
+};
 use crate::{
     diagnostic::Source,
     suggest,
@@ -114,8 +121,11 @@ fn put(root: &mut Node, path: &[Segment], value: Node, report: &mut Report) {
     let Some((last, above)) = path.split_last() else {
         return;
     };
-    let mut node = root;
+    let (mut node, mut place) = (root, Some(Below::scene()));
     for (depth, segment) in above.iter().enumerate() {
+        if node.get_ref().as_table().is_some() {
+            place = content_below(place, &segment.name);
+        }
         // A new name of an entry would most likely be a typing error.
         let named = depth == 1 && ENTRY_KINDS.contains(&above[0].name.as_str());
         let new = if named {
@@ -134,6 +144,9 @@ fn put(root: &mut Node, path: &[Segment], value: Node, report: &mut Report) {
         if is_param {
             params::set(table, key, value, report);
         } else {
+            if let Some(rules) = Rules::of(place, &[table]) {
+                rules.make_room(table, &last.name);
+            }
             // Removed first, so that the key has the position of the option.
             table.remove(last.name.as_str());
             table.insert(key, value);

@@ -2,12 +2,13 @@
 //! key is an error; when run for the manual, it records each key instead.
 
 mod nested;
+mod rules;
 mod variants;
 
 use std::ops::Range as Bytes;
 
 use super::{
-    key_recorder::{KeyRecord, RecordedKeys, Rule},
+    key_recorder::{KeyRecord, RecordedKeys},
     report::Report,
     value::{Named, Value},
 };
@@ -263,7 +264,7 @@ impl<'r> Table<'r> {
     /// Help for a key of the whole file that stands below the header of this table.
     fn key_of_the_file(&self, name: &str) -> Option<String> {
         let file = super::recorded_keys();
-        let is_key = file.sections.first()?.keys.iter().any(|k| k.name == name);
+        let is_key = file.first()?.keys.iter().any(|k| k.name == name);
         (is_key && !self.place.path.is_empty()).then(|| {
             format!(
                 "{} belongs to the whole file, but TOML gives each line below a header to that table: move this line \
@@ -309,45 +310,6 @@ impl<'r> Table<'r> {
             let error = (self.report).error("missing-key", &self.place.at, message);
             error.help = Some(help);
             error.related.clone_from(&removed);
-        }
-    }
-
-    /// Refuses keys of different groups beside each other; with `required`, also a table with none of them.
-    pub fn one_of(&mut self, required: bool, groups: &[&[&'static str]]) {
-        if let Some(notes) = &mut self.notes {
-            let groups = groups.iter().map(|g| g.to_vec()).collect();
-            notes.rule(Rule { required, groups });
-            return;
-        }
-        let mut present: Vec<_> = groups
-            .iter()
-            .filter_map(|group| group.iter().find(|key| self.has(key)))
-            .map(|key| (*key, self.key_at(key)))
-            .collect();
-        present.sort_by_key(|(_, at)| at.start);
-        match present.as_slice() {
-            [] if required && groups.len() == 1 => {
-                self.missing
-                    .push((groups[0][0], suggest::example(groups[0][0])));
-            }
-            [] if required => {
-                let keys = groups
-                    .iter()
-                    .map(|g| format!("`{}`", g[0]))
-                    .collect::<Vec<_>>();
-                let message = format!("{} needs {}", self.place.title(), keys.join(" or "));
-                self.report.error("missing-key", &self.place.at, message);
-            }
-            [(first, first_at), rest @ ..] => {
-                for (key, at) in rest {
-                    let message = format!("`{key}` cannot be combined with `{first}`");
-                    let other = self.report.span(first_at).shown();
-                    let error = self.report.error("conflicting-keys", at, message);
-                    error.help = Some(format!("remove `{key}` or `{first}`"));
-                    error.related = Some((other, format!("`{first}` is here")));
-                }
-            }
-            [] => {}
         }
     }
 

@@ -39,7 +39,8 @@ impl Section for EnvironmentDesc {
             light_group: t.find("light_group", ANY).unwrap_or_default(),
             is_written: has_colors || t.has("file"),
         };
-        if t.has("rotation_deg") && !t.has("file") && t.clean() {
+        let turned = t.needing("file", &["rotation_deg"]);
+        if !turned.is_empty() && t.clean() {
             let message = "`rotation_deg` turns a `file`; there is none";
             t.refuse(
                 "wrong-source",

@@ -43,6 +43,7 @@ impl Section for OutlineDesc {
         let points = t.find("points", ANY).map(|Points(points)| points);
         let rect = t.find::<[f32; 2]>("rect", ABOVE_0);
         let corner_radius = t.get("corner_radius", FROM_0, 0.0);
+        t.needing("rect", &["corner_radius"]);
         let radius = t.find("radius", ABOVE_0).map(FigureDesc::Circle);
         let holes = t.find("holes", ANY);
         let Figures(holes) = holes.unwrap_or(Figures(Vec::new()));

@@ -6,7 +6,6 @@ use crate::{
     desc::{At, ProjectDesc},
     diagnostic::{Diagnostic, Source},
     parse::{
-        key_recorder::RecordedKeys,
         report::Report,
         syntax_errors,
         table::{Place, Section, Table},
@@ -65,11 +64,4 @@ pub fn read_project(
         (messages, false) => Ok((read.unwrap_or_default(), messages)),
         (messages, true) => Err(messages),
     }
-}
-
-/// The keys that the reader of projects asks for.
-pub fn recorded_project_keys() -> RecordedKeys {
-    let mut notes = RecordedKeys::default();
-    Table::describe::<ProjectDesc>(&mut notes);
-    notes
 }

@@ -218,16 +218,11 @@ impl<L: Lane> Section for TrackOf<L> {
 }
 
 fn check_keys(t: &mut Table, track: &TrackDesc) {
-    if !t.has("keys") {
-        for key in ["curve", "ease", "loop_s", "constant_speed"] {
-            if t.has(key) {
-                let message = format!("`{key}` needs `keys` to interpolate, and there are none");
-                t.refuse("no-keys", key, &message, "write `keys`, or remove it");
-            }
-        }
-        return;
+    for key in t.needing("keys", &["curve", "ease", "loop_s", "constant_speed"]) {
+        let message = format!("`{key}` needs `keys` to interpolate, and there are none");
+        t.refuse("no-keys", key, &message, "write `keys`, or remove it");
     }
-    if !t.clean() {
+    if !t.has("keys") || !t.clean() {
         return;
     }
     let Some(last) = track.keys.last() else {

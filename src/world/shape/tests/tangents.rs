@@ -55,7 +55,7 @@ fn read(shape: &str) -> ShapeDesc {
 fn every_kind_of_shape_is_checked() {
     let of_shapes = |text: &&str| text.split('"').nth(1).expect("a kind").to_owned();
     let checked: BTreeSet<_> = SHAPES.iter().map(of_shapes).collect();
-    let sections = recorded_keys().sections;
+    let sections = recorded_keys();
     let section = sections.iter().find(|s| s.type_name == "ShapeDesc");
     let variants = &section.expect("shapes").variants;
     // The mesh of a height field is of an image, and has a test of its own.

@@ -1,18 +1,17 @@
-//! Table of the manual that applies at a position in scene text or in the text of a project.
+//! Tables of scene text and of the text of projects as their readers declare them, and the table that applies at a
+//! position.
 
-use std::{ffi::OsStr, path::Path, sync::LazyLock};
+use std::{ffi::OsStr, path::Path};
 
-use crate::scene::{
-    parse::{Form, KeyRecord, SectionRecord, recorded_keys, recorded_project_keys},
-    project,
+use super::{
+    key_recorder::{Form, KeyRecord, SectionRecord},
+    recorded_keys, recorded_project_keys,
 };
-
-static SCENE: LazyLock<Vec<SectionRecord>> = LazyLock::new(|| recorded_keys().sections);
-static PROJECT: LazyLock<Vec<SectionRecord>> = LazyLock::new(|| recorded_project_keys().sections);
+use crate::desc::ProjectDesc;
 
 /// Whether a file is that of a project, by its name.
 pub fn is_project(path: &Path) -> bool {
-    path.file_name() == Some(OsStr::new(project::FILE))
+    path.file_name() == Some(OsStr::new(ProjectDesc::FILE))
 }
 
 /// The manual of one kind of text.
@@ -28,10 +27,37 @@ pub enum Below {
     Names(&'static SectionRecord),
 }
 
+impl Below {
+    /// The whole of a scene.
+    pub fn scene() -> Self {
+        Self::Table(&recorded_keys()[0])
+    }
+
+    /// Content below a key or name; `None` if the manual has none.
+    pub fn below(self, key: &str) -> Option<Self> {
+        match self {
+            Self::Names(section) => Some(Self::Table(section)),
+            Self::Table(section) => {
+                let (_, key) = keys_of(section).find(|(_, known)| known.name == key)?;
+                let all = recorded_keys().iter().chain(recorded_project_keys());
+                let section_of = |name: &str| all.clone().find(|s| s.type_name == name);
+                key.forms.iter().find_map(|form| match form {
+                    Form::Table(name) | Form::List(name) => section_of(name).map(Self::Table),
+                    Form::Entries(name) => section_of(name).map(Self::Names),
+                    Form::Value(..) => None,
+                })
+            }
+        }
+    }
+}
+
 impl Manual {
     /// The manual of a file, by its name.
     pub fn of(path: &Path) -> Self {
-        Self(if is_project(path) { &PROJECT } else { &SCENE })
+        Self(match is_project(path) {
+            true => recorded_project_keys(),
+            false => recorded_keys(),
+        })
     }
 
     /// Content below a path of keys from the top of the file; `None` if the manual has none.
@@ -41,23 +67,8 @@ impl Manual {
             [first, _, rest @ ..] if first == "variant" => rest,
             keys => keys,
         };
-        let mut place = Below::Table(self.0.first()?);
-        for key in keys {
-            place = match place {
-                Below::Names(section) => Below::Table(section),
-                Below::Table(section) => {
-                    let forms = keys_of(section).find(|(_, k)| k.name == key)?.1;
-                    forms.forms.iter().find_map(|form| match form {
-                        Form::Table(name) | Form::List(name) => {
-                            self.section_of(name).map(Below::Table)
-                        }
-                        Form::Entries(name) => self.section_of(name).map(Below::Names),
-                        Form::Value(..) => None,
-                    })?
-                }
-            };
-        }
-        Some(place)
+        let whole = Below::Table(self.0.first()?);
+        keys.iter().try_fold(whole, |place, key| place.below(key))
     }
 
     /// Table at a path of keys.
@@ -81,10 +92,6 @@ impl Manual {
         let section = self.table(keys)?;
         let (word, key) = keys_of(section).find(|(_, key)| key.name == name)?;
         Some((section, word, key))
-    }
-
-    fn section_of(self, type_name: &str) -> Option<&'static SectionRecord> {
-        self.0.iter().find(|s| s.type_name == type_name)
     }
 }
 
