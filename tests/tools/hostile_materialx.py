@@ -5,6 +5,8 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Iterator
 
+from texts import text_of
+
 STAGE = b"""#usda 1.0
 (
     metersPerUnit = 1
@@ -22,27 +24,8 @@ def Mesh "M" (prepend apiSchemas = ["MaterialBindingAPI"]) {
 _HEAD = '<?xml version="1.0"?><materialx version="1.38" xmlns:xi="http://www.w3.org/2001/XInclude"'
 _MATERIAL = """<surfacematerial name="M" type="material">
   <input name="surfaceshader" type="surfaceshader" nodename="S" /></surfacematerial>"""
-_SURFACE = """<standard_surface name="S" type="surfaceshader">
-  <input name="base" type="float" value="0.75" />
-  <input name="base_color" type="color3" nodegraph="G" output="o" />
-  <input name="specular_roughness" type="float" nodegraph="G" output="r" />
-  <input name="transmission" type="float" value="0.5" />
-  <input name="transmission_depth" type="float" value="2" />
-  <input name="coat" type="float" value="0.25" /></standard_surface>"""
-_GRAPH = """<nodegraph name="G">
-  <input name="tint" type="color3" value="1, 0.5, 0.25" />
-  <texcoord name="u" type="vector2"><input name="index" type="integer" value="0" /></texcoord>
-  <place2d name="p" type="vector2"><input name="texcoord" type="vector2" nodename="u" />
-    <input name="rotate" type="float" value="30" />
-    <input name="scale" type="vector2" value="2, 3" /></place2d>
-  <image name="i" type="color3"><input name="texcoord" type="vector2" nodename="p" />
-    <input name="file" type="filename" value="t.png" colorspace="srgb_texture" /></image>
-  <multiply name="x" type="color3"><input name="in1" type="color3" nodename="i" />
-    <input name="in2" type="color3" interfacename="tint" /></multiply>
-  <extract name="e" type="float"><input name="in" type="color3" nodename="x" />
-    <input name="index" type="integer" value="1" /></extract>
-  <output name="o" type="color3" nodename="x" /><output name="r" type="float" nodename="e" />
-</nodegraph>"""
+_SURFACE = text_of("hostile_materialx/_surface.mtlx")
+_GRAPH = text_of("hostile_materialx/_graph.mtlx")
 
 
 def _document(*parts: str, head: str = "") -> bytes:

@@ -9,56 +9,19 @@ from typing import Any
 import numpy as np
 from PIL import Image
 from read_converted import Converted
+from texts import fill, text_of
 
-MESH = """
-def Mesh "M" (prepend apiSchemas = ["MaterialBindingAPI"]) {{
-    uniform token subdivisionScheme = "none"
-    int[] faceVertexCounts = [4]
-    int[] faceVertexIndices = [0,1,2,3]
-    point3f[] points = [(0,0,0), (1,0,0), (1,1,0), (0,1,0)]
-    texCoord2f[] primvars:st = [(0,0), (1,0), (1,1), (0,1)] (interpolation = "vertex")
-    {body}
-    rel material:binding = </Mat>
-}}
-"""
+MESH = text_of("material_stages/mesh.usda")
 
 
 def stage(inputs: str, nodes: str = "", body: str = "") -> str:
-    return f"""
-def Material "Mat" {{
-    token outputs:surface.connect = </Mat/S.outputs:surface>
-    def Shader "S" {{
-        uniform token info:id = "UsdPreviewSurface"
-        token outputs:surface
-        {inputs}
-    }}
-    def Shader "St" {{
-        uniform token info:id = "UsdPrimvarReader_float2"
-        string inputs:varname = "st"
-        float2 outputs:result
-    }}
-    {nodes}
-}}
-{MESH.format(body=body)}
-"""
+    return text_of(
+        "material_stages/stage.usda", inputs=inputs, nodes=nodes, mesh=fill(MESH, body=body)
+    )
 
 
 def texture(name: str, file: str, body: str = "", st: str = "/Mat/St.outputs:result") -> str:
-    return f"""
-    def Shader "{name}" {{
-        uniform token info:id = "UsdUVTexture"
-        asset inputs:file = @./{file}@
-        float2 inputs:st.connect = <{st}>
-        token inputs:wrapS = "repeat"
-        token inputs:wrapT = "repeat"
-        {body}
-        float3 outputs:rgb
-        float outputs:r
-        float outputs:g
-        float outputs:b
-        float outputs:a
-    }}
-"""
+    return text_of("material_stages/texture.usda", name=name, file=file, st=st, body=body)
 
 
 def save(folder: Path, name: str, pixels: np.ndarray, **options: Any) -> bytes:

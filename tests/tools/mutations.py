@@ -13,6 +13,7 @@ from pathlib import Path
 
 import hostile_materialx
 from PIL import Image
+from texts import fill, text_of
 
 SECRET = "SecretOfAnotherFolder"
 _NUMBERS = ("nan", "inf", "-inf", "-1", "0", "1e308", "-1e38", "2147483647", "4294967296", "99999")
@@ -190,19 +191,12 @@ def _escaping_package(quads: bytes) -> bytes:
 
 
 _PAIR = {"b.usda": b'#usda 1.0\n(defaultPrim="B")\ndef "B" (references = @stage.usda@</A>) {}\n'}
-_MESH = """def Mesh "M" {{
-    uniform token subdivisionScheme = "none"
-    int[] faceVertexCounts = {counts}
-    int[] faceVertexIndices = {indices}
-    point3f[] points = {points}
-    {more}
-}}
-"""
+_MESH = text_of("mutations/_mesh.usda")
 _SQUARE = "[(0,0,0), (1,0,0), (1,1,0), (0,1,0)]"
 
 
 def _mesh(counts: str, indices: str, points: str = _SQUARE, more: str = "") -> str:
-    return _MESH.format(counts=counts, indices=indices, points=points, more=more)
+    return fill(_MESH, counts=counts, indices=indices, points=points, more=more)
 
 
 _BODIES: dict[str, str] = {
@@ -287,30 +281,9 @@ _BODIES: dict[str, str] = {
         for n in range(1, 8)
     )
     + 'def "R" (inherits = </C7>) {}',
-    "shader-cycle": 'def Cube "C" (prepend apiSchemas = ["MaterialBindingAPI"]) '
-    "{ rel material:binding = </M> }\n"
-    'def Material "M" { token outputs:surface.connect = </M/S.outputs:surface>\n'
-    'def Shader "S" { uniform token info:id = "UsdPreviewSurface"\n'
-    "color3f inputs:diffuseColor.connect = </M/T.outputs:rgb>\ntoken outputs:surface }\n"
-    'def Shader "T" { uniform token info:id = "UsdUVTexture"\nasset inputs:file = @../../x.png@\n'
-    "float2 inputs:st.connect = </M/T.outputs:rgb>\nfloat3 outputs:rgb } }",
-    "texture-escaping": 'def Cube "C" (prepend apiSchemas = ["MaterialBindingAPI"]) '
-    "{ rel material:binding = </M> }\n"
-    'def Material "M" { token outputs:surface.connect = </M/S.outputs:surface>\n'
-    'def Shader "S" { uniform token info:id = "UsdPreviewSurface"\n'
-    "color3f inputs:diffuseColor.connect = </M/T.outputs:rgb>\ntoken outputs:surface }\n"
-    'def Shader "T" { uniform token info:id = "UsdUVTexture"\nasset inputs:file = @../secret.png@\n'
-    "float3 outputs:rgb } }",
-    "skeleton-wild": 'def SkelRoot "R" {\n'
-    'def Skeleton "S" (prepend apiSchemas = ["SkelBindingAPI"]) {\n'
-    'uniform token[] joints = ["a", "a/b", "c/d"]\nuniform matrix4d[] bindTransforms = []\n'
-    "rel skel:animationSource = </R/S> }\n"
-    'def Mesh "M" (prepend apiSchemas = ["SkelBindingAPI"]) { int[] faceVertexCounts = [3]\n'
-    "int[] faceVertexIndices = [0,1,2]\npoint3f[] points = [(0,0,0),(1,0,0),(0,1,0)]\n"
-    "rel skel:skeleton = </R/S>\n"
-    'int[] primvars:skel:jointIndices = [9, -1, 5] (elementSize = 1\ninterpolation = "vertex")\n'
-    'float[] primvars:skel:jointWeights = [nan, -1, 0] (elementSize = 1\ninterpolation = "vertex")'
-    "} }",
+    "shader-cycle": text_of("mutations/shader_cycle.usda"),
+    "texture-escaping": text_of("mutations/texture_escaping.usda"),
+    "skeleton-wild": text_of("mutations/skeleton_wild.usda"),
     "camera-odd": 'def Camera "C" { float focalLength = 0\nfloat2 clippingRange = (-5, nan)\n'
     "float verticalAperture = 0 }",
     "light-odd": 'def SphereLight "L" { float inputs:intensity = nan\nfloat inputs:radius = -1\n'

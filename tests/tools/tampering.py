@@ -12,21 +12,13 @@ import pygltflib as gl
 from read_converted import Converted
 from reflet_usd.validate.validation import validate_file
 from reflet_usd.validate.validation_table import format_validation
+from texts import text_of
 
-FACE = """
-    uniform token subdivisionScheme = "none"
-    int[] faceVertexCounts = [4]
-    int[] faceVertexIndices = [0, 1, 2, 3]
-    point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
-"""
+FACE = text_of("tampering/face.usda")
 UVS = """
     texCoord2f[] primvars:st = [(0, 0), (1, 0), (1, 1), (0, 1)] (interpolation = "vertex")
 """
-NORMALS = """
-    normal3f[] normals = [(0, 0, 1), (0, 0.6, 0.8), (0.6, 0, 0.8), (0, 0, 1)] (
-        interpolation = "vertex"
-    )
-"""
+NORMALS = text_of("tampering/normals.usda")
 Damage = Callable[["Output"], None]
 
 

@@ -8,16 +8,10 @@ import pytest
 from material_stages import noise, save, stage, texture
 from read_converted import convert_text
 from tampering import expect_required
+from texts import text_of
 
 DIFFUSE = "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>"
-PLACED = """
-    def Shader "X" {
-        uniform token info:id = "UsdTransform2d"
-        float2 inputs:in.connect = </Mat/St.outputs:result>
-        BODY
-        float2 outputs:result
-    }
-"""
+PLACED = text_of("animated_materials/placed.usda")
 TURNED = "float inputs:rotation.timeSamples = { 0: 0, 10: 90 }"
 FILES = "asset inputs:file.timeSamples = { 0: @./t.png@, 10: @./u.png@ }"
 INPUTS = {

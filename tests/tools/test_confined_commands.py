@@ -18,6 +18,7 @@ from reflet_usd.convert.types import ConvertError
 from reflet_usd.sandbox import Limits, run_convert
 from reflet_usd.usdz_check import PackageError, check_package
 from reflet_usd.validate import confined
+from texts import text_of
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 HEAD = '#usda 1.0\n(\n    metersPerUnit = 1\n    upAxis = "Y"\n'
@@ -157,12 +158,7 @@ def test_assets_of_packages_keep_their_names(tmp_path: Path) -> None:
     assert "@a.usdz[../x.usda]@" in message
 
 
-MESH = """def Mesh "M" {
-    int[] faceVertexCounts = [3]
-    int[] faceVertexIndices = [0, 1, 2]
-    point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
-}
-"""
+MESH = text_of("confined_commands/mesh.usda")
 
 
 def test_a_part_of_the_output_that_cannot_be_written_leaves_all_as_it_was(tmp_path: Path) -> None:

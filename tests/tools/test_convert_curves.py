@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from read_converted import Converted, convert_text
 from reflet_usd.validate.validation import validate_file
+from texts import text_of
 
 
 def lines(done: Converted) -> np.ndarray:
@@ -19,13 +20,7 @@ def lines(done: Converted) -> np.ndarray:
 
 
 def test_points_with_colors(tmp_path: Path) -> None:
-    text = """
-def Points "P" {
-    point3f[] points = [(0,0,0), (1,2,3), (nan,0,0)]
-    float[] widths = [1, 2, 3]
-    color3f[] primvars:displayColor = [(1,0,0), (0,1,0), (0,0,1)] (interpolation = "vertex")
-}
-"""
+    text = text_of("convert_curves/points_with_colors.usda")
     done = convert_text(tmp_path, text)
     primitive = done.json["meshes"][0]["primitives"][0]
     assert primitive["mode"] == 0
@@ -91,14 +86,7 @@ def test_cubic_curves_lie_on_the_curve(tmp_path: Path, basis: str) -> None:
 
 
 def test_colors_per_curve(tmp_path: Path) -> None:
-    text = """
-def BasisCurves "C" {
-    uniform token basis = "bezier"
-    int[] curveVertexCounts = [4, 4]
-    point3f[] points = [(0,0,0), (1,0,0), (2,0,0), (3,0,0), (0,1,0), (1,1,0), (2,1,0), (3,1,0)]
-    color3f[] primvars:displayColor = [(1,0,0), (0,0,1)] (interpolation = "uniform")
-}
-"""
+    text = text_of("convert_curves/colors_per_curve.usda")
     done = convert_text(tmp_path, text)
     attributes = done.json["meshes"][0]["primitives"][0]["attributes"]
     colors, positions = (done.array(attributes[n]) for n in ("COLOR_0", "POSITION"))
@@ -115,18 +103,7 @@ def test_counts_that_do_not_fit_are_named(tmp_path: Path, counts: str) -> None:
 
 def test_a_nurbs_patch_is_a_quarter_cylinder(tmp_path: Path) -> None:
     weight = np.sqrt(0.5)
-    text = f"""
-def NurbsPatch "N" {{
-    int uVertexCount = 3
-    int vVertexCount = 2
-    int uOrder = 3
-    int vOrder = 2
-    double[] uKnots = [0, 0, 0, 1, 1, 1]
-    double[] vKnots = [0, 0, 1, 1]
-    point3f[] points = [(1,0,0), (1,1,0), (0,1,0), (1,0,2), (1,1,2), (0,1,2)]
-    double[] pointWeights = [1, {weight}, 1, 1, {weight}, 1]
-}}
-"""
+    text = text_of("convert_curves/a_nurbs_patch_is_a_quarter_cylinder.usda", weight=weight)
     done = convert_text(tmp_path, text)
     triangles = done.triangles(0)
     points = triangles.reshape(-1, 3)
@@ -141,12 +118,7 @@ def NurbsPatch "N" {{
 
 
 def test_tetrahedra_show_their_boundary(tmp_path: Path) -> None:
-    text = """
-def TetMesh "T" {
-    point3f[] points = [(0,0,0), (1,0,0), (0,1,0), (0,0,1)]
-    int4[] tetVertexIndices = [(0, 1, 2, 3)]
-}
-"""
+    text = text_of("convert_curves/tetrahedra_show_their_boundary.usda")
     done = convert_text(tmp_path, text)
     triangles = done.triangles(0)
     signed = np.einsum("ti,ti->t", triangles[:, 0], np.cross(triangles[:, 1], triangles[:, 2]))
@@ -155,15 +127,14 @@ def TetMesh "T" {
 
 
 def nurbs(order: str, counts: str, knots: str, points: str, more: str = "") -> str:
-    return f"""
-def NurbsCurves "N" {{
-    int[] curveVertexCounts = [{counts}]
-    int[] order = [{order}]
-    double[] knots = [{knots}]
-    point3f[] points = [{points}]
-    {more}
-}}
-"""
+    return text_of(
+        "convert_curves/nurbs.usda",
+        counts=counts,
+        order=order,
+        knots=knots,
+        points=points,
+        more=more,
+    )
 
 
 def checked(folder: Path, text: str) -> Converted:

@@ -11,6 +11,7 @@ from read_converted import Converted, convert_text
 from reflet_usd.convert.types import ConvertError
 from reflet_usd.validate.scene_data import StageError
 from reflet_usd.validate.validation import validate_file
+from texts import text_of
 
 CUBE = 'def Cube "C" {{\n{0}\n}}\n'
 
@@ -115,26 +116,7 @@ def test_coordinates_from_nowhere_are_named(tmp_path: Path, st: str, prim: str, 
 
 
 def test_user_properties_travel_and_velocities_are_named(tmp_path: Path) -> None:
-    text = """
-def Mesh "M" {
-    custom double userProperties:mass = 2.5
-    custom string userProperties:maker:name = "us"
-    custom asset userProperties:sheet = @a.txt@
-    custom opaque userProperties:what
-    custom float maker:size = 3
-    custom float maker:nan = nan
-    custom int[] maker:many = [0VERY]
-    custom quatf maker:turn = (1, 2, 3, 4)
-    custom timecode maker:when = 7
-    custom rel maker:friend = </M>
-    float maker:moving.timeSamples = { 0: 1, 5: 2 }
-    int[] faceVertexCounts = [3]
-    int[] faceVertexIndices = [0, 1, 2]
-    point3f[] points = [(0,0,0), (1,0,0), (0,1,0)]
-    vector3f[] velocities = [(0,0,1), (0,0,1), (0,0,1)]
-    uniform token subdivisionScheme = "none"
-}
-"""
+    text = text_of("convert_damage/user_properties_travel_and_velocities_are_named.usda")
     done = convert_text(tmp_path, text.replace("VERY", ", 0" * 64))
     assert done.warnings("/M") == {"velocities-dropped", "attribute-dropped"}
     (message,) = [w.message for w in done.result.warnings if w.name == "attribute-dropped"]
@@ -223,12 +205,7 @@ def test_values_beyond_single_precision_are_named(tmp_path: Path, text: str, nam
 
 
 def test_a_damaged_time_code_is_named_with_its_prim(tmp_path: Path) -> None:
-    text = """
-def Xform "X" {
-    double3 xformOp:translate.timeSamples = { -1e300: (9, 0, 0), 1: (1, 0, 0) }
-    uniform token[] xformOpOrder = ["xformOp:translate"]
-}
-"""
+    text = text_of("convert_damage/a_damaged_time_code_is_named_with_its_prim.usda")
     done = convert_text(tmp_path, text)
     assert done.warnings("/X") == {"time-sample-dropped"}
     assert done.world()[done.node("/X")][0, 3] == pytest.approx(1.0)
@@ -236,14 +213,9 @@ def Xform "X" {
 
 @pytest.mark.parametrize("counts", ["5", "-5, 3", "2147483647, 3, -5", "0"])
 def test_a_mesh_without_a_whole_face_keeps_its_children(tmp_path: Path, counts: str) -> None:
-    text = f"""
-def Mesh "Parent" {{
-    int[] faceVertexCounts = [{counts}]
-    int[] faceVertexIndices = [0, 1, 2]
-    point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
-    def Cube "child" {{}}
-}}
-"""
+    text = text_of(
+        "convert_damage/a_mesh_without_a_whole_face_keeps_its_children.usda", counts=counts
+    )
     done = convert_text(tmp_path, text)
     assert done.warnings("/Parent") == {"mesh-empty", "topology-invalid"}
     assert done.gltf.nodes[done.node("/Parent/child")].mesh is not None
@@ -270,14 +242,7 @@ def test_a_fault_of_the_converter_is_no_damage(
 
 
 def test_prototypes_of_an_instancer_that_draws_nothing_are_named_so(tmp_path: Path) -> None:
-    text = """
-def PointInstancer "P" {
-    rel prototypes = </P/c>
-    int[] protoIndices = [0, 0]
-    point3f[] positions = [(0, 0, 0)]
-    def Cube "c" {}
-}
-"""
+    text = text_of("convert_damage/prototypes_of_an_instancer_that_draws_nothing_are_named_so.usda")
     done = convert_text(tmp_path, text)
     assert done.warnings("/P") == {"instancer-invalid"}
     assert done.warnings("/P/c") == {"prototype-unused"}
@@ -308,14 +273,7 @@ def test_the_count_of_prims_is_that_of_a_walk(
         convert_text(tmp_path, nested_instances(6))
 
 
-PATTERN = """
-def "Wörld" (
-    prepend apiSchemas = ["CollectionAPI:all"]
-)
-{
-    pathExpression collection:all:membershipExpression = "/Wörld/E*"
-}
-"""
+PATTERN = text_of("convert_damage/pattern.usda")
 
 
 def test_a_message_that_cuts_a_character_blames_no_encoding(tmp_path: Path) -> None:

@@ -12,35 +12,11 @@ from reflet_usd.convert import instance_motion as motion_module
 from reflet_usd.convert import instancer as instancer_module
 from reflet_usd.validate.validation import validate_file
 from tampering import agrees
+from texts import fill, text_of
 
-QUAD = """
-    def Mesh "Q" {
-        uniform token subdivisionScheme = "none"
-        int[] faceVertexCounts = [4]
-        int[] faceVertexIndices = [0,1,2,3]
-        point3f[] points = [(0,0,0), (1,0,0), (1,1,0), (0,1,0)]
-        double3 xformOp:translate = (0, 0, 3)
-        uniform token[] xformOpOrder = ["xformOp:translate"]
-    }
-"""
+QUAD = text_of("convert_instances/quad.usda")
 
-NATIVE = f"""
-class Xform "Proto" {{
-{QUAD}
-}}
-def Xform "A" (instanceable = true
-    inherits = </Proto>) {{
-    double3 xformOp:translate = (1, 2, 3)
-    uniform token[] xformOpOrder = ["xformOp:translate"]
-}}
-def Xform "B" (instanceable = true
-    inherits = </Proto>) {{
-    color3f[] primvars:displayColor = [(1, 0, 0)]
-}}
-def Xform "C" (instanceable = true
-    inherits = </Proto>) {{
-}}
-"""
+NATIVE = text_of("convert_instances/native.usda", QUAD=QUAD)
 
 
 def test_native_instances_share_meshes_unless_they_look_different(
@@ -59,29 +35,7 @@ def test_native_instances_share_meshes_unless_they_look_different(
     assert colors[0]["pbrMetallicRoughness"]["baseColorFactor"] != [1, 0, 0, 1]
 
 
-POINTS = f"""
-def PointInstancer "I" {{
-    rel prototypes = [</I/Protos/P>, </I/Protos/Ball>]
-    int[] protoIndices = [0, 1, 0, 0, 7]
-    point3f[] positions = [(1,0,0), (2,0,0), (3,0,0), (4,0,0), (5,0,0)]
-    quath[] orientations = [(1,0,0,0), (1,0,0,0), (0.7071,0,0,0.7071), (1,0,0,0), (1,0,0,0)]
-    float3[] scales = [(1,1,1), (2,2,2), (1,3,1), (1,1,1), (1,1,1)]
-    int64[] ids = [10, 11, 12, 13, 14]
-    int64[] invisibleIds = [13]
-    double3 xformOp:translate = (0, 0, 100)
-    uniform token[] xformOpOrder = ["xformOp:translate"]
-    def Scope "Protos" {{
-        def Xform "P" {{
-            double3 xformOp:translate = (0, 5, 0)
-            uniform token[] xformOpOrder = ["xformOp:translate"]
-{QUAD}
-        }}
-        def Sphere "Ball" {{
-            double radius = 0.5
-        }}
-    }}
-}}
-"""
+POINTS = text_of("convert_instances/points.usda", QUAD=QUAD)
 
 
 def expected_instances(stage: Usd.Stage) -> np.ndarray:
@@ -170,20 +124,7 @@ def quads(done: Converted) -> np.ndarray:
 
 
 def test_nested_instancers(tmp_path: Path) -> None:
-    text = """
-def PointInstancer "Outer" {
-    rel prototypes = </Outer/Inner>
-    int[] protoIndices = [0, 0]
-    point3f[] positions = [(0,0,0), (10,0,0)]
-    def PointInstancer "Inner" {
-        rel prototypes = </Outer/Inner/Ball>
-        int[] protoIndices = [0, 0, 0]
-        point3f[] positions = [(0,1,0), (0,2,0), (0,3,0)]
-        def Sphere "Ball" {
-        }
-    }
-}
-"""
+    text = text_of("convert_instances/nested_instancers.usda")
     done = convert_text(tmp_path, text)
     world = done.world()
     places = {
@@ -198,56 +139,18 @@ def PointInstancer "Outer" {
 
 def test_nested_instancers_come_and_go(tmp_path: Path) -> None:
     """An outer instancer that is hidden at rest still draws only its own instances later."""
-    text = """
-def PointInstancer "Outer" {
-    token visibility.timeSamples = {1: "invisible", 2: "inherited"}
-    rel prototypes = </Outer/Inner>
-    int[] protoIndices = [0, 0]
-    point3f[] positions = [(0,0,0), (10,0,0)]
-    def PointInstancer "Inner" {
-        token visibility.timeSamples = {1: "inherited", 3: "invisible"}
-        rel prototypes = </Outer/Inner/Ball>
-        int[] protoIndices = [0, 0]
-        point3f[] positions = [(0,1,0), (0,2,0)]
-        def Sphere "Ball" {
-        }
-    }
-}
-"""
+    text = text_of("convert_instances/nested_instancers_come_and_go.usda")
     assert agrees(convert_text(tmp_path, text))
 
 
 def test_a_cycle_ends_and_is_named(tmp_path: Path) -> None:
-    text = """
-def PointInstancer "I" {
-    rel prototypes = </I/P>
-    int[] protoIndices = [0]
-    point3f[] positions = [(0,0,0)]
-    def Xform "P" {
-        def Sphere "Ball" {
-        }
-        def PointInstancer "J" {
-            rel prototypes = </I>
-            int[] protoIndices = [0]
-            point3f[] positions = [(1,0,0)]
-        }
-    }
-}
-"""
+    text = text_of("convert_instances/a_cycle_ends_and_is_named.usda")
     done = convert_text(tmp_path, text)
     assert "instancer-cycle" in done.warnings()
 
 
 def test_animated_instances_keep_their_keys(tmp_path: Path) -> None:
-    text = """
-def PointInstancer "I" {
-    rel prototypes = </I/Ball>
-    int[] protoIndices = [0, 0]
-    point3f[] positions.timeSamples = { 0: [(0,0,0), (1,0,0)], 24: [(0,4,0), (1,8,0)] }
-    def Sphere "Ball" {
-    }
-}
-"""
+    text = text_of("convert_instances/animated_instances_keep_their_keys.usda")
     done = convert_text(tmp_path, text)
     world = done.world(0.5)
     heights = sorted(
@@ -259,36 +162,16 @@ def PointInstancer "I" {
 @pytest.mark.parametrize("line", ["point3f[] positions = [(0,0,0)]", "float3[] scales = [(1,1,1)]"])
 def test_arrays_that_do_not_fit_are_named(tmp_path: Path, line: str) -> None:
     body = "point3f[] positions = [(0,0,0), (1,0,0)]" if "scales" in line else ""
-    text = f"""
-def PointInstancer "I" {{
-    rel prototypes = </I/Ball>
-    int[] protoIndices = [0, 0]
-    {body}
-    {line}
-    def Sphere "Ball" {{
-    }}
-}}
-"""
+    text = text_of("convert_instances/arrays_that_do_not_fit_are_named.usda", body=body, line=line)
     assert "instancer-invalid" in convert_text(tmp_path, text).warnings("/I")
 
 
-MOVING_INSTANCER = """
-def PointInstancer "I" {{
-    rel prototypes = </I/P>
-    int[] protoIndices = [0, 0, 0]
-    int64[] ids = [10, 20, 30]
-    {more}
-    point3f[] positions.timeSamples = {{
-        1: [(0,0,0), (3,0,0), (6,0,0)], 11: [(0,5,0), (3,0,0), (6,0,0)] }}
-    def Cube "P" {{
-    }}
-}}
-"""
+MOVING_INSTANCER = text_of("convert_instances/moving_instancer.usda")
 
 
 def test_instances_that_come_and_go_keep_moving(tmp_path: Path) -> None:
     more = "int64[] invisibleIds.timeSamples = { 1: [20], 5: [20, 30], 9: [] }"
-    done = convert_text(tmp_path, MOVING_INSTANCER.format(more=more))
+    done = convert_text(tmp_path, fill(MOVING_INSTANCER, more=more))
     assert done.warnings() == set()
     nodes = {(n.extras or {}).get("instance"): i for i, n in enumerate(done.gltf.nodes)}
     assert done.world(5 / 24)[nodes[0]][:3, 3] == pytest.approx([0, 2.5, 0])
@@ -313,7 +196,7 @@ TURNING = """quath[] orientations.timeSamples = {
 def test_moving_instances_follow_quaternions_of_any_length(
     tmp_path: Path, more: str, codes: tuple[float, ...]
 ) -> None:
-    done = convert_text(tmp_path, MOVING_INSTANCER.format(more=more))
+    done = convert_text(tmp_path, fill(MOVING_INSTANCER, more=more))
     assert "instance-rotation-normalized" not in done.warnings()
     stage = Usd.Stage.Open(str(tmp_path / "stage.usda"))
     instancer = UsdGeom.PointInstancer(stage.GetPrimAtPath("/I"))
@@ -329,7 +212,7 @@ def test_too_many_turning_instances_state_the_deviation(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(motion_module, "MAX_MATRIX_KEYS", 1)
-    done = convert_text(tmp_path, MOVING_INSTANCER.format(more=TURNED))
+    done = convert_text(tmp_path, fill(MOVING_INSTANCER, more=TURNED))
     (warning,) = done.result.warnings
     assert warning.name == "instance-rotation-normalized"
     q = np.array([0.6, 0.6, 0.1])
@@ -350,27 +233,10 @@ def test_many_sheared_instances_stay_exact(tmp_path: Path, monkeypatch: pytest.M
 
 def test_a_reset_stack_in_a_prototype_is_placed_from_the_instance_and_named(tmp_path: Path) -> None:
     reset = 'uniform token[] xformOpOrder = ["!resetXformStack!", "xformOp:translate"]'
-    text = f"""
-def PointInstancer "I" {{
-    double3 xformOp:translate = (100, 0, 0)
-    uniform token[] xformOpOrder = ["xformOp:translate"]
-    rel prototypes = [</I/P>, </I/Q>]
-    int[] protoIndices = [0, 0, 1]
-    point3f[] positions = [(1,0,0), (2,0,0), (3,0,0)]
-    def Xform "P" {{
-        double3 xformOp:translate = (0, 10, 0)
-        uniform token[] xformOpOrder = ["xformOp:translate"]
-        def Cube "C" {{
-            double3 xformOp:translate = (0, 0, 7)
-            {reset}
-        }}
-    }}
-    def Cube "Q" {{
-        double3 xformOp:translate = (0, 0, 9)
-        {reset}
-    }}
-}}
-"""
+    text = text_of(
+        "convert_instances/a_reset_stack_in_a_prototype_is_placed_from_the_instance_and_named.usda",
+        reset=reset,
+    )
     done = convert_text(tmp_path, text)
     world = done.world()
     drawn = [i for i, node in enumerate(done.gltf.nodes) if node.mesh is not None]
@@ -400,26 +266,9 @@ def test_a_reset_stack_deeper_in_a_prototype(tmp_path: Path, kind: str) -> None:
             int[] protoIndices = [0]
             point3f[] positions = [(0, 0, 0)]
         }}"""
-    text = f"""
-def PointInstancer "I"
-{{
-    double3 xformOp:translate = (100, 0, 0)
-    uniform token[] xformOpOrder = ["xformOp:translate"]
-    rel prototypes = </I/P>
-    int[] protoIndices = [0, 0]
-    point3f[] positions = [(1, 0, 0), (2, 0, 0)]
-    def Xform "P"
-    {{
-        double3 xformOp:translate = (0, 10, 0)
-        uniform token[] xformOpOrder = ["xformOp:translate"]
-        {inner}
-    }}
-}}
-class Xform "K"
-{{
-    {cube}
-}}
-"""
+    text = text_of(
+        "convert_instances/a_reset_stack_deeper_in_a_prototype.usda", inner=inner, cube=cube
+    )
     done = convert_text(tmp_path, text)
     world = done.world()
     drawn = [i for i, node in enumerate(done.gltf.nodes) if node.mesh is not None]
@@ -429,32 +278,10 @@ class Xform "K"
 
 
 def test_a_reset_stack_in_a_native_instance_is_placed_in_the_world(tmp_path: Path) -> None:
-    text = f"""
-class Xform "K"
-{{
-    double3 xformOp:translate = (0, 10, 0)
-    uniform token[] xformOpOrder = ["xformOp:translate"]
-    def Cube "C"
-    {{{RESET}
-    }}
-    def Cube "D"
-    {{
-    }}
-}}
-def "A" (
-    instanceable = true
-    inherits = </K>
-)
-{{
-}}
-def "B" (
-    instanceable = true
-    inherits = </K>
-)
-{{
-    double3 xformOp:translate = (0, 20, 0)
-}}
-"""
+    text = text_of(
+        "convert_instances/a_reset_stack_in_a_native_instance_is_placed_in_the_world.usda",
+        RESET=RESET,
+    )
     done = convert_text(tmp_path, text)
     world = done.world()
     drawn = [i for i, node in enumerate(done.gltf.nodes) if node.mesh is not None]
@@ -464,23 +291,7 @@ def "B" (
     assert validate_file(done.out, tmp_path / "stage.usda", khronos=False).passed
 
 
-INSTANCES_OF_TWO = """
-def PointInstancer "I"
-{
-    rel prototypes = </I/A>
-    int[] protoIndices = [0]
-    point3f[] positions = [(0, 0, 0)]
-    def Sphere "A" { }
-    def Sphere "Idle" { }
-    def Sphere "Used" { }
-}
-def PointInstancer "J"
-{
-    rel prototypes = </I/Used>
-    int[] protoIndices = [0]
-    point3f[] positions = [(5, 0, 0)]
-}
-"""
+INSTANCES_OF_TWO = text_of("convert_instances/instances_of_two.usda")
 
 
 def test_what_is_below_an_instancer_and_no_prototype_is_told_so(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from read_converted import Converted, convert_text
 from tampering import agrees
+from texts import text_of
 
 
 def light(done: Converted, index: int = 0) -> dict[str, Any]:
@@ -135,12 +136,7 @@ def test_impossible_emission_is_named(tmp_path: Path, value: str) -> None:
     assert "light-invalid" in done.warnings("/L")
 
 
-CAMERA = """
-    float horizontalAperture = 36
-    float verticalAperture = 24
-    float focalLength = 50
-    float2 clippingRange = (2, 400)
-"""
+CAMERA = text_of("convert_light_camera/camera.usda")
 
 
 def test_perspective_camera(tmp_path: Path) -> None:
@@ -215,17 +211,11 @@ def test_lenses_beyond_all_numbers_make_no_camera(tmp_path: Path, name: str, val
 @pytest.mark.parametrize("rate", ["nan", "inf", "1e-45", "1e300", "-1"])
 def test_time_rates_beyond_all_clocks_are_taken_as_24(tmp_path: Path, rate: str) -> None:
     moves = "double3 xformOp:translate.timeSamples = { 0: (0, 0, 0), 12: (1, 0, 0) }"
-    text = f"""#usda 1.0
-(
-    metersPerUnit = 1
-    timeCodesPerSecond = {rate}
-    upAxis = "Y"
-)
-def Cube "C" {{
-    {moves}
-    uniform token[] xformOpOrder = ["xformOp:translate"]
-}}
-"""
+    text = text_of(
+        "convert_light_camera/time_rates_beyond_all_clocks_are_taken_as_24.usda",
+        rate=rate,
+        moves=moves,
+    )
     done = convert_text(tmp_path, text)
     assert "time-rate-invalid" in done.warnings()
     times = done.array(done.gltf.animations[0].samplers[0].input)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from material_stages import material, noise, save, stage, texture
 from read_converted import Converted, convert_text
+from texts import text_of
 
 
 def messages(done: Converted, name: str) -> dict[str, str]:
@@ -18,14 +19,7 @@ def messages(done: Converted, name: str) -> dict[str, str]:
 
 
 def test_applied_schemas_are_named_once_for_each_prim(tmp_path: Path) -> None:
-    text = """
-def Cube "C" (prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsMassAPI", "CoordSysAPI:c",
-        "MotionAPI", "VisibilityAPI", "UnheardOfAPI", "MaterialBindingAPI"]) {
-    float physics:mass = 5
-}
-def Cube "Plain" (prepend apiSchemas = ["MaterialBindingAPI", "CollectionAPI:all"]) {
-}
-"""
+    text = text_of("convert_losses/applied_schemas_are_named_once_for_each_prim.usda")
     done = convert_text(tmp_path, text)
     found = messages(done, "schema-ignored")
     assert set(found) == {"/C"}
@@ -36,28 +30,7 @@ def Cube "Plain" (prepend apiSchemas = ["MaterialBindingAPI", "CollectionAPI:all
 
 
 def test_metadata_is_kept_in_extras(tmp_path: Path) -> None:
-    text = """#usda 1.0
-(
-    metersPerUnit = 1
-    upAxis = "Y"
-    doc = "the whole"
-    customLayerData = { string tool = "hand"
-        dictionary camera = { double3 at = (1, 2, 3) } }
-)
-def Xform "A" (
-    kind = "component"
-    displayName = "Die Säule"
-    assetInfo = { asset identifier = @a.usd@
-        string name = "a" }
-    customData = { int count = 3
-        bool on = 1
-        token[] tags = ["x", "y"]
-        matrix4d place = ((1,0,0,0), (0,1,0,0), (0,0,1,0), (0,0,0,1)) }
-) {
-    def Cube "C" {
-    }
-}
-"""
+    text = text_of("convert_losses/metadata_is_kept_in_extras.usda")
     done = convert_text(tmp_path, text)
     assert done.warnings() == set()
     extras = done.json["nodes"][done.node("/A")]["extras"]
@@ -82,22 +55,9 @@ def Xform "A" (
 def test_metadata_without_a_place_is_named_once(tmp_path: Path) -> None:
     many = ", ".join("0" for _ in range(2000))
     deep = "dictionary d = { " * 12 + "int leaf = 1" + " }" * 12
-    text = f"""
-def Cube "C" (customData = {{ double bad = nan
-        int[] many = [{many}]
-        int good = 1
-        {deep} }}) {{
-    rel material:binding = </M>
-}}
-def Material "M" (kind = "assembly"
-    customData = {{ int a = 1 }}) {{
-    token outputs:surface.connect = </M/S.outputs:surface>
-    def Shader "S" {{
-        uniform token info:id = "UsdPreviewSurface"
-        token outputs:surface
-    }}
-}}
-"""
+    text = text_of(
+        "convert_losses/metadata_without_a_place_is_named_once.usda", many=many, deep=deep
+    )
     done = convert_text(tmp_path, text)
     found = messages(done, "metadata-dropped")
     assert set(found) == {"/C", "/M"}
@@ -132,14 +92,9 @@ def Material "M" (kind = "assembly"
 def test_draw_modes_are_named_where_they_apply(
     tmp_path: Path, kind: str, line: str, named: bool
 ) -> None:
-    text = f"""
-def Xform "A" (kind = "{kind}"
-    prepend apiSchemas = ["GeomModelAPI"]) {{
-    {line}
-    def Cube "C" {{
-    }}
-}}
-"""
+    text = text_of(
+        "convert_losses/draw_modes_are_named_where_they_apply.usda", kind=kind, line=line
+    )
     assert convert_text(tmp_path, text).warnings("/A") == (
         {"draw-mode-dropped"} if named else set()
     )
@@ -178,24 +133,7 @@ def test_a_light_for_everything_is_not_named(tmp_path: Path) -> None:
 
 
 def test_animated_subsets_are_named(tmp_path: Path) -> None:
-    text = """
-def Mesh "M" {
-    uniform token subdivisionScheme = "none"
-    int[] faceVertexCounts = [3, 3]
-    int[] faceVertexIndices = [0, 1, 2, 0, 2, 3]
-    point3f[] points = [(0,0,0), (1,0,0), (1,1,0), (0,1,0)]
-    def GeomSubset "S" {
-        uniform token elementType = "face"
-        uniform token familyName = "materialBind"
-        int[] indices.timeSamples = { 0: [0], 5: [1] }
-    }
-    def GeomSubset "Still" {
-        uniform token elementType = "face"
-        uniform token familyName = "materialBind"
-        int[] indices = [1]
-    }
-}
-"""
+    text = text_of("convert_losses/animated_subsets_are_named.usda")
     done = convert_text(tmp_path, text)
     assert done.warnings("/M/S") == {"subset-animation-frozen"}
     assert done.warnings("/M/Still") == set()
@@ -248,37 +186,9 @@ def test_a_material_on_lines_is_named(tmp_path: Path) -> None:
 
 def test_collections_that_nothing_reads_are_kept_or_named(tmp_path: Path) -> None:
     many = ", ".join(f"</W/C{number}>" for number in range(65))
-    text = f"""
-def Xform "W" (
-    prepend apiSchemas = ["MaterialBindingAPI", "CollectionAPI:render:all", "CollectionAPI:bound",
-        "CollectionAPI:pattern", "CollectionAPI:many"]
-)
-{{
-    uniform token collection:render:all:expansionRule = "expandPrims"
-    rel collection:render:all:includes = [</W/C>, </W/L>]
-    rel collection:render:all:excludes = </W/L>
-    rel collection:bound:includes = </W/C>
-    uniform pathExpression collection:pattern:membershipExpression = "/W//C*"
-    rel collection:many:includes = [{many}]
-    rel material:binding:collection:all = [</W.collection:bound>, </M>]
-    def Cube "C"
-    {{
-    }}
-    def DistantLight "L" (
-        prepend apiSchemas = ["CollectionAPI:own"]
+    text = text_of(
+        "convert_losses/collections_that_nothing_reads_are_kept_or_named.usda", many=many
     )
-    {{
-        rel collection:lightLink:includes = </W/C>
-        rel collection:own:includes = </W/C>
-    }}
-}}
-def Material "M" (
-    prepend apiSchemas = ["CollectionAPI:none"]
-)
-{{
-    rel collection:none:includes = </W/C>
-}}
-"""
     done = convert_text(tmp_path, text)
     extras = done.gltf.nodes[done.node("/W")].extras
     assert extras["collections"] == {

@@ -10,6 +10,7 @@ from material_stages import material, noise, save, stage, texture
 from read_converted import convert_text
 from tampering import agrees
 from test_validate_strict import rewrite
+from texts import text_of
 
 
 def test_constants(tmp_path: Path) -> None:
@@ -61,13 +62,7 @@ def test_specular_workflow_keeps_the_reflectance(tmp_path: Path) -> None:
 def test_second_uv_set_gets_its_own_slot(tmp_path: Path) -> None:
     save(tmp_path, "t.png", noise("RGB"))
     save(tmp_path, "u.png", noise("RGB", seed=9))
-    reader = """
-    def Shader "Other" {
-        uniform token info:id = "UsdPrimvarReader_float2"
-        string inputs:varname = "second"
-        float2 outputs:result
-    }
-"""
+    reader = text_of("convert_material/second_uv_set_gets_its_own_slot.usda")
     done = convert_text(
         tmp_path,
         stage(
@@ -88,13 +83,7 @@ def test_second_uv_set_gets_its_own_slot(tmp_path: Path) -> None:
 
 
 def test_display_color_through_a_primvar_reader(tmp_path: Path) -> None:
-    reader = """
-    def Shader "C" {
-        uniform token info:id = "UsdPrimvarReader_float3"
-        string inputs:varname = "paint"
-        float3 outputs:result
-    }
-"""
+    reader = text_of("convert_material/display_color_through_a_primvar_reader.usda")
     body = "color3f[] primvars:paint = [(1,0,0), (0,1,0), (0,0,1), (0,0,0)] "
     body += '(interpolation = "vertex")'
     done = convert_text(

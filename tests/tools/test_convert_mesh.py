@@ -9,19 +9,19 @@ import pytest
 from read_converted import Converted, convert_text
 from reflet_usd.convert.surface import unique_rows
 from reflet_usd.convert.triangulate import triangulate
+from texts import text_of
 
 
 def mesh(body: str, faces: str, points: str, name: str = "M") -> str:
     counts, indices = faces.split("/")
-    return f"""
-def Mesh "{name}" {{
-    uniform token subdivisionScheme = "none"
-    int[] faceVertexCounts = [{counts}]
-    int[] faceVertexIndices = [{indices}]
-    point3f[] points = [{points}]
-    {body}
-}}
-"""
+    return text_of(
+        "convert_mesh/mesh.usda",
+        name=name,
+        counts=counts,
+        indices=indices,
+        points=points,
+        body=body,
+    )
 
 
 SQUARE = "(0,0,0), (1,0,0), (1,1,0), (0,1,0)"
@@ -172,49 +172,14 @@ def test_unique_rows_joins_equal_bits_only() -> None:
 
 
 def test_smooth_normals_of_a_cage_are_unit_and_shared(tmp_path: Path) -> None:
-    cube = """
-def Mesh "M" {
-    int[] faceVertexCounts = [4,4,4,4,4,4]
-    int[] faceVertexIndices = [0,1,3,2, 2,3,5,4, 4,5,7,6, 6,7,1,0, 1,7,5,3, 6,0,2,4]
-    point3f[] points = [(-1,-1,1), (1,-1,1), (-1,1,1), (1,1,1),
-                        (-1,1,-1), (1,1,-1), (-1,-1,-1), (1,-1,-1)]
-}
-"""
+    cube = text_of("convert_mesh/smooth_normals_of_a_cage_are_unit_and_shared.usda")
     done = convert_text(tmp_path, cube)
     normal, position = done.attribute(0, 0, "NORMAL"), done.attribute(0, 0, "POSITION")
     assert normal == pytest.approx(position / np.sqrt(3), abs=1e-6)
     assert "subdivision-cage" in done.warnings("/M")
 
 
-SUBSETS = """
-def Material "Red" {
-    token outputs:surface.connect = </Red/S.outputs:surface>
-    def Shader "S" {
-        uniform token info:id = "UsdPreviewSurface"
-        color3f inputs:diffuseColor = (1, 0, 0)
-        token outputs:surface
-    }
-}
-def Mesh "M" (prepend apiSchemas = ["MaterialBindingAPI"]) {
-    uniform token subdivisionScheme = "none"
-    int[] faceVertexCounts = [3,3,3]
-    int[] faceVertexIndices = [0,1,2, 0,2,3, 0,3,4]
-    point3f[] points = [(0,0,0), (1,0,0), (1,1,0), (0,1,0), (-1,1,0)]
-    color3f[] primvars:displayColor = [(0, 0, 1)]
-    uniform token subsetFamily:materialBind:familyType = "nonOverlapping"
-    def GeomSubset "A" (prepend apiSchemas = ["MaterialBindingAPI"]) {
-        uniform token elementType = "face"
-        uniform token familyName = "materialBind"
-        int[] indices = [1, 7]
-        rel material:binding = </Red>
-    }
-    def GeomSubset "B" (prepend apiSchemas = ["MaterialBindingAPI"]) {
-        uniform token elementType = "face"
-        uniform token familyName = "materialBind"
-        int[] indices = [1]
-    }
-}
-"""
+SUBSETS = text_of("convert_mesh/subsets.usda")
 
 
 def test_subsets_become_primitives_and_the_rest_keeps_its_look(tmp_path: Path) -> None:

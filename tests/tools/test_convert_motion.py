@@ -9,6 +9,7 @@ import pytest
 from convert_world_matrices import check_world
 from pxr import Usd
 from read_converted import Converted, convert_text
+from texts import text_of
 
 needs_splines = pytest.mark.skipif(
     not hasattr(Usd.Attribute, "HasSpline"), reason="this usd-core has no splines"
@@ -155,15 +156,7 @@ def test_a_blocked_sample_is_the_identity_until_the_next(tmp_path: Path) -> None
 
 
 def test_blocked_points_and_visibility_keep_the_prim(tmp_path: Path) -> None:
-    text = """
-def Mesh "M" {
-    token visibility.timeSamples = { 1: "invisible", 8: None }
-    int[] faceVertexCounts = [3]
-    int[] faceVertexIndices = [0, 1, 2]
-    point3f[] points.timeSamples = { 1: [(0,0,0), (1,0,0), (0,1,0)], 8: None }
-    uniform token subdivisionScheme = "none"
-}
-"""
+    text = text_of("convert_motion/blocked_points_and_visibility_keep_the_prim.usda")
     done = convert_text(tmp_path, text)
     assert done.warnings() == {"points-animation-frozen"}
     assert len(done.triangles(0)) == 1

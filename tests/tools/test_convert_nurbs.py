@@ -7,19 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from read_converted import convert_text
+from texts import text_of
 
-PATCH = """
-def NurbsPatch "N" {
-    int uVertexCount = 3
-    int vVertexCount = 2
-    int uOrder = 3
-    int vOrder = 2
-    double[] uKnots = [0, 0, 0, 1, 1, 1]
-    double[] vKnots = [0, 0, 1, 1]
-    double[] pointWeights = [1, 2, 1, 1, 2, 1]
-    POINTS
-}
-"""
+PATCH = text_of("convert_nurbs/patch.usda")
 STILL = "[(0,0,0), (1,0,0), (2,0,0), (0,1,0), (1,1,0), (2,1,0)]"
 RAISED = "[(0,0,0), (1,0,6), (2,0,0), (0,1,0), (1,1,6), (2,1,0)]"
 
@@ -43,21 +33,8 @@ def test_animated_control_points_move_the_surface(tmp_path: Path) -> None:
 
 
 def test_values_of_control_points_reach_the_surface(tmp_path: Path) -> None:
-    values = """
-    color3f[] primvars:displayColor = [(1,0,0), (0,1,0), (0,0,1), (1,0,0), (0,1,0), (0,0,1)] (
-        interpolation = "vertex"
-    )
-    texCoord2f[] primvars:st = [(0,0), (0.5,0), (1,0), (0,1), (0.5,1), (1,1)] (
-        interpolation = "vertex"
-    )
-    float[] primvars:heat = [0, 4] (
-        interpolation = "vertex"
-    )
-    float[] primvars:side = [0, 1] (
-        interpolation = "varying"
-    )
-"""
-    text = PATCH.replace("POINTS", f"point3f[] points = {STILL}{values}")
+    values = text_of("convert_nurbs/values_of_control_points_reach_the_surface.usda")
+    text = PATCH.replace("POINTS", f"point3f[] points = {STILL}\n{values}")
     done = convert_text(tmp_path, text)
     attributes = done.json["meshes"][0]["primitives"][0]["attributes"]
     positions, colors, uvs = (

@@ -10,65 +10,9 @@ from pxr import Usd, UsdGeom, UsdSkel
 from read_converted import Converted, convert_text, interpolated
 from reflet_usd.convert import joints as joints_module
 from reflet_usd.validate.validation import validate_file
+from texts import fill, text_of
 
-STAGE = """#usda 1.0
-(
-    metersPerUnit = {meters}
-    upAxis = "Y"
-)
-def SkelRoot "Root" (prepend apiSchemas = ["SkelBindingAPI"]) {{
-    double3 xformOp:translate = (3, 0, 1)
-    uniform token[] xformOpOrder = ["xformOp:translate"]
-    rel skel:skeleton = </Root/Skel>
-    rel skel:animationSource = </Root/Skel/Anim>
-    def Skeleton "Skel" {{
-        uniform token[] joints = ["A", "A/B", "A/B/C"]
-        uniform matrix4d[] bindTransforms = [
-            ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,0,1)),
-            ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,2,0,1)),
-            ((0,1,0,0),(-1,0,0,0),(0,0,1,0),(0,4,0,1))]
-        uniform matrix4d[] restTransforms = [
-            ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,0,1)),
-            ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,2,0,1)),
-            ((0,1,0,0),(-1,0,0,0),(0,0,1,0),(0,2,0,1))]
-        def SkelAnimation "Anim" {{
-            uniform token[] joints = ["A/B/C", "A/B"]
-            float3[] translations.timeSamples = {{
-                0: [(0,2,0), (0,2,0)], 24: [(1,2,0), (0,2,1)] }}
-            quatf[] rotations.timeSamples = {{
-                0: [(0.70710678,0,0,0.70710678), (1,0,0,0)],
-                12: [(1,0,0,0), (0.70710678,0.70710678,0,0)] }}
-            half3[] scales = [(1,1,1), (1,1.5,1)]
-            uniform token[] blendShapes = ["unused", "up"]
-            float[] blendShapeWeights.timeSamples = {{ 0: [1, 0], 24: [0, 1] }}
-        }}
-    }}
-    def Mesh "M" (prepend apiSchemas = ["SkelBindingAPI"]) {{
-        uniform token subdivisionScheme = "none"
-        int[] faceVertexCounts = [4, 4]
-        int[] faceVertexIndices = [0,1,2,3, 3,2,4,5]
-        point3f[] points = [(0,0,0), (1,0,0), (1,2,0), (0,2,0), (1,4,0), (0,4,0)]
-        double3 xformOp:translate = (50, 0, 0)
-        uniform token[] xformOpOrder = ["xformOp:translate"]
-        matrix4d primvars:skel:geomBindTransform = ((1,0,0,0),(0,1,0,0),(0,0,2,0),(0.5,0,0,1))
-        uniform token[] skel:joints = ["A/B/C", "A", "A/B"]
-        int[] primvars:skel:jointIndices = [1,1, 1,2, 2,1, 2,2, 0,2, 0,0] (
-            interpolation = "vertex"
-            elementSize = 2
-        )
-        float[] primvars:skel:jointWeights = [1,0, 0.5,0.5, 0.75,0.25, 0.5,0.5, 0.9,0.1, 0.4,0.6] (
-            interpolation = "vertex"
-            elementSize = 2
-        )
-        uniform token[] skel:blendShapes = ["up"]
-        rel skel:blendShapeTargets = </Root/M/Up>
-        def BlendShape "Up" {{
-            uniform vector3f[] offsets = [(0,1,0), (0,0,3)]
-            uniform int[] pointIndices = [2, 5]
-        }}
-    }}
-}}
-"""
+STAGE = text_of("convert_skel/stage.usda")
 
 
 def skinned(done: Converted, seconds: float) -> np.ndarray:
@@ -103,7 +47,7 @@ def usd_skinned(path: Path, code: float, meters: float) -> np.ndarray:
 
 @pytest.mark.parametrize("meters", [1.0, 0.01])
 def test_skin_and_shapes_move_like_usd(tmp_path: Path, meters: float) -> None:
-    done = convert_text(tmp_path, STAGE.format(meters=meters))
+    done = convert_text(tmp_path, fill(STAGE, meters=meters))
     for code in (0, 12, 24):  # baking keeps authored times only
         wanted = usd_skinned(tmp_path / "stage.usda", code, meters)
         found = skinned(done, code / 24)
@@ -118,7 +62,7 @@ UNIT = "(0.70710678,0.70710678,0,0)"
 
 @pytest.mark.parametrize("turn", [UNIT, "(0.7071,0.7071,0,0)", "(0.7,0.5,0.3,0.2)"])
 def test_joints_move_like_usd_between_the_keys(tmp_path: Path, turn: str) -> None:
-    done = convert_text(tmp_path, STAGE.format(meters=1).replace(UNIT, turn))
+    done = convert_text(tmp_path, fill(STAGE, meters=1).replace(UNIT, turn))
     stage = Usd.Stage.Open(str(tmp_path / "stage.usda"))
     root = UsdSkel.Root(stage.GetPrimAtPath("/Root"))
     cache = UsdSkel.Cache()
@@ -135,14 +79,14 @@ def test_too_many_stretching_joints_are_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(joints_module, "MAX_MATRIX_KEYS", 1)
-    done = convert_text(tmp_path, STAGE.format(meters=1).replace(UNIT, "(0.7,0.5,0.3,0.2)"))
+    done = convert_text(tmp_path, fill(STAGE, meters=1).replace(UNIT, "(0.7,0.5,0.3,0.2)"))
     assert done.warnings("/Root/Skel") == {"joint-rotation-normalized"}
 
 
 def test_a_sheared_rest_pose_is_exact(tmp_path: Path) -> None:
     animation = "rel skel:animationSource = </Root/Skel/Anim>"
     rest = "((0,1,0,0),(-1,0,0,0),(0,0,1,0),(0,2,0,1))]"
-    text = STAGE.format(meters=1).replace(animation, "")
+    text = fill(STAGE, meters=1).replace(animation, "")
     assert text.count(rest) == 1
     text = text.replace(rest, rest.replace("(0,0,1,0)", "(0.3,0,1,0)"))
     done = convert_text(tmp_path, text)
@@ -153,7 +97,7 @@ def test_a_sheared_rest_pose_is_exact(tmp_path: Path) -> None:
 
 
 def test_an_animation_that_usd_ignores_is_named(tmp_path: Path) -> None:
-    text = STAGE.format(meters=1).replace("half3[] scales = [(1,1,1), (1,1.5,1)]", "")
+    text = fill(STAGE, meters=1).replace("half3[] scales = [(1,1,1), (1,1.5,1)]", "")
     done = convert_text(tmp_path, text)
     assert "skeleton-animation-dropped" in done.warnings("/Root/Skel/Anim")
     for code in (0, 12, 24):
@@ -164,7 +108,7 @@ def test_an_animation_that_usd_ignores_is_named(tmp_path: Path) -> None:
 
 
 def test_keys_of_joints_stay_where_they_were(tmp_path: Path) -> None:
-    done = convert_text(tmp_path, STAGE.format(meters=1))
+    done = convert_text(tmp_path, fill(STAGE, meters=1))
     times = {
         channel.target.path: done.array(done.gltf.animations[0].samplers[channel.sampler].input)
         for channel in done.gltf.animations[0].channels
@@ -175,7 +119,7 @@ def test_keys_of_joints_stay_where_they_were(tmp_path: Path) -> None:
 
 
 def test_everything_of_a_skeleton_is_accounted_for(tmp_path: Path) -> None:
-    done = convert_text(tmp_path, STAGE.format(meters=1))
+    done = convert_text(tmp_path, fill(STAGE, meters=1))
     assert all(row["warned"] == 0 for row in done.result.ledger.values()), done.result.warnings
     assert set(done.result.ledger) == {
         "BlendShape",
@@ -207,7 +151,7 @@ DAMAGE = [
 
 @pytest.mark.parametrize(("old", "new", "warning"), DAMAGE)
 def test_damage_is_named(tmp_path: Path, old: str, new: str, warning: str) -> None:
-    text = STAGE.format(meters=1)
+    text = fill(STAGE, meters=1)
     assert old in text
     done = convert_text(tmp_path, text.replace(old, new, 1))
     assert warning in done.warnings()
@@ -215,16 +159,7 @@ def test_damage_is_named(tmp_path: Path, old: str, new: str, warning: str) -> No
 
 
 def test_animated_points_become_targets(tmp_path: Path) -> None:
-    text = """
-def Mesh "M" {
-    uniform token subdivisionScheme = "none"
-    int[] faceVertexCounts = [3]
-    int[] faceVertexIndices = [0,1,2]
-    point3f[] points.timeSamples = {
-        0: [(0,0,0), (1,0,0), (0,1,0)], 12: [(0,0,5), (1,0,0), (0,1,0)],
-        24: [(0,0,0), (1,0,0), (0,9,0)] }
-}
-"""
+    text = text_of("convert_skel/animated_points_become_targets.usda")
     done = convert_text(tmp_path, text)
     index = done.node("/M")
     primitive = done.json["meshes"][0]["primitives"][0]
@@ -242,14 +177,7 @@ def Mesh "M" {
 
 
 def test_points_that_change_their_topology_are_named(tmp_path: Path) -> None:
-    text = """
-def Mesh "M" {
-    int[] faceVertexCounts = [3]
-    int[] faceVertexIndices.timeSamples = { 0: [0,1,2], 1: [2,1,0] }
-    point3f[] points.timeSamples = {
-        0: [(0,0,0), (1,0,0), (0,1,0)], 1: [(0,0,5), (1,0,0), (0,1,0)] }
-}
-"""
+    text = text_of("convert_skel/points_that_change_their_topology_are_named.usda")
     done = convert_text(tmp_path, text)
     assert {"points-animation-frozen", "geometry-animation-frozen"} <= done.warnings("/M")
 
@@ -262,15 +190,8 @@ def test_interpolation_used_by_these_tests() -> None:
 
 
 def test_skinned_prototypes_are_cloned_with_their_joints(tmp_path: Path) -> None:
-    text = (
-        STAGE.format(meters=1)
-        + """
-def PointInstancer "I" {
-    rel prototypes = </Root>
-    int[] protoIndices = [0, 0]
-    point3f[] positions = [(0,0,0), (100,0,0)]
-}
-"""
+    text = fill(STAGE, meters=1) + text_of(
+        "convert_skel/skinned_prototypes_are_cloned_with_their_joints.usda"
     )
     done = convert_text(tmp_path, text)
     skins = done.gltf.skins
@@ -284,88 +205,15 @@ def PointInstancer "I" {
 
 
 def test_native_instances_of_a_skeleton(tmp_path: Path) -> None:
-    text = STAGE.format(meters=1).replace('def SkelRoot "Root"', 'class SkelRoot "Root"', 1)
-    text += """
-def SkelRoot "A" (instanceable = true
-    inherits = </Root>) {
-}
-def SkelRoot "B" (instanceable = true
-    inherits = </Root>) {
-    double3 xformOp:translate = (7, 0, 1)
-}
-"""
+    text = fill(STAGE, meters=1).replace('def SkelRoot "Root"', 'class SkelRoot "Root"', 1)
+    text += text_of("convert_skel/native_instances_of_a_skeleton.usda")
     done = convert_text(tmp_path, text)
     world = done.world(0.0)
     assert sorted(world[skin.joints[0]][0, 3] for skin in done.gltf.skins) == pytest.approx([3, 7])
     assert done.result.ledger["BlendShape"]["warned"] == 0
 
 
-CHARACTER = """#usda 1.0
-(
-    defaultPrim = "R"
-    metersPerUnit = 1
-    upAxis = "Y"
-)
-def SkelRoot "R" (
-    prepend apiSchemas = ["SkelBindingAPI"]
-)
-{
-    def Skeleton "S" (
-        prepend apiSchemas = ["SkelBindingAPI"]
-    )
-    {
-        uniform token[] joints = ["a", "a/b"]
-        uniform matrix4d[] bindTransforms = [
-            ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,0,1)), ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,5,0,1))]
-        uniform matrix4d[] restTransforms = [
-            ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,0,1)), ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,5,0,1))]
-        rel skel:animationSource = </R/A>
-    }
-    def SkelAnimation "A"
-    {
-        uniform token[] joints = ["a/b"]
-        float3[] translations = [(0, 5, 0)]
-        quatf[] rotations.timeSamples = { 0: [(1,0,0,0)], 24: [(0.7071068,0.7071068,0,0)] }
-        half3[] scales = [(1, 1, 1)]
-    }
-    def Mesh "Soft" (
-        prepend apiSchemas = ["SkelBindingAPI"]
-    )
-    {
-        rel skel:skeleton = </R/S>
-        uniform token subdivisionScheme = "none"
-        int[] faceVertexCounts = [4, 4]
-        int[] faceVertexIndices = [0, 1, 3, 2, 2, 3, 5, 4]
-        point3f[] points = [(-1,0,0), (1,0,0), (-1,5,0), (1,5,0), (-1,9,0), (1,9,0)]
-        int[] primvars:skel:jointIndices = [0, 0, 1, 1, 1, 1] (
-            interpolation = "vertex"
-            elementSize = 1
-        )
-        float[] primvars:skel:jointWeights = [1, 1, 1, 1, 1, 1] (
-            interpolation = "vertex"
-            elementSize = 1
-        )
-    }
-    def Mesh "Rigid" (
-        prepend apiSchemas = ["SkelBindingAPI"]
-    )
-    {
-        rel skel:skeleton = </R/S>
-        uniform token subdivisionScheme = "none"
-        int[] faceVertexCounts = [3]
-        int[] faceVertexIndices = [0, 1, 2]
-        point3f[] points = [(0,0,0), (2,0,0), (0,0,2)]
-        int[] primvars:skel:jointIndices = [1] (
-            interpolation = "constant"
-            elementSize = 1
-        )
-        float[] primvars:skel:jointWeights = [1] (
-            interpolation = "constant"
-            elementSize = 1
-        )
-    }
-}
-"""
+CHARACTER = text_of("convert_skel/character.usda")
 
 
 def test_a_crowd_of_instanced_mirrored_and_delayed_characters(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ import pytest
 from read_converted import Converted, convert_text
 from reflet_usd.convert import ConvertError, ConvertOptions, convert_stage
 from tampering import agrees, forget
+from texts import text_of
 
 HERE = Path(__file__).resolve().parent
 SMALL = sorted((HERE / "usd").glob("*.usda")) + sorted((HERE / "stages").glob("*.usda"))
@@ -175,25 +176,7 @@ def test_missing_and_cyclic_layers_are_named(tmp_path: Path) -> None:
     assert done.json["meshes"]
 
 
-VARIANTS = """
-def Xform "X" (
-    variants = {
-        string shape = "cube"
-    }
-    prepend variantSets = "shape"
-) {
-    variantSet "shape" = {
-        "cube" {
-            def Cube "G" {
-            }
-        }
-        "ball" {
-            def Sphere "G" {
-            }
-        }
-    }
-}
-"""
+VARIANTS = text_of("convert_stage/variants.usda")
 
 
 def test_variants(tmp_path: Path) -> None:
@@ -211,21 +194,7 @@ def test_variants(tmp_path: Path) -> None:
         assert caught.value.name == "variant-unknown"
 
 
-PURPOSES = """
-def Xform "X" {
-    uniform token purpose = "proxy"
-    def Cube "A" {
-    }
-    def Cube "B" {
-        uniform token purpose = "render"
-    }
-}
-def Cube "Hidden" {
-    token visibility = "invisible"
-    def Cube "Below" {
-    }
-}
-"""
+PURPOSES = text_of("convert_stage/purposes.usda")
 
 
 def test_purpose_and_visibility(tmp_path: Path) -> None:
@@ -271,24 +240,9 @@ def test_256_levels_are_written(tmp_path: Path) -> None:
     assert len(done.gltf.nodes) == 256
 
 
-SHEARED = """def Cube "c" {
-    matrix4d xformOp:transform = ((1,.5,0,0), (0,1,0,0), (0,0,1,0), (0,0,0,1))
-    uniform token[] xformOpOrder = ["xformOp:transform"]
-}
-"""
-CHAIN = """def Cube "c" {
-    float3 xformOp:rotateXYZ.timeSamples = { 0: (0,0,0), 9: (200,90,400) }
-    uniform token[] xformOpOrder = ["xformOp:rotateXYZ"]
-}
-"""
-SCATTERED = """def PointInstancer "p" {
-    point3f[] positions = [(0,0,0)]
-    int[] protoIndices = [0]
-    rel prototypes = <PLACE/p/c>
-    def Cube "c" {
-    }
-}
-"""
+SHEARED = text_of("convert_stage/sheared.usda")
+CHAIN = text_of("convert_stage/chain.usda")
+SCATTERED = text_of("convert_stage/scattered.usda")
 
 
 @pytest.mark.parametrize(
@@ -352,15 +306,7 @@ def test_every_small_stage_agrees_with_usd(stage: Path, tmp_path: Path) -> None:
 
 
 def test_fallback_types_stand_in_for_unknown_ones(tmp_path: Path) -> None:
-    head = """#usda 1.0
-(
-    fallbackPrimTypes = {
-        token[] FancyBall = ["NoSuchType", "Sphere"]
-    }
-    metersPerUnit = 1
-    upAxis = "Y"
-)
-"""
+    head = text_of("convert_stage/fallback_types_stand_in_for_unknown_ones.usda")
     ball = 'def FancyBall "B" {\n    double radius = 3\n}\n'
     done = convert_text(tmp_path, head + ball)
     assert done.warnings() == set()
@@ -374,21 +320,7 @@ def test_fallback_types_stand_in_for_unknown_ones(tmp_path: Path) -> None:
 def test_value_clips_that_are_not_there_are_named(tmp_path: Path) -> None:
     clip = '#usda 1.0\nover "X" {\n  double3 xformOp:translate.timeSamples = { 0: (1, 0, 0) }\n}\n'
     (tmp_path / "clip.usda").write_text(clip, encoding="utf-8")
-    text = """
-def Cube "X" (
-    clips = {
-        dictionary default = {
-            double2[] active = [(0, 0), (5, 1)]
-            asset[] assetPaths = [@./clip.usda@, @./gone.usda@]
-            string primPath = "/X"
-            double2[] times = [(0, 0), (10, 10)]
-        }
-    }
-) {
-    double3 xformOp:translate
-    uniform token[] xformOpOrder = ["xformOp:translate"]
-}
-"""
+    text = text_of("convert_stage/value_clips_that_are_not_there_are_named.usda")
     done = convert_text(tmp_path, text)
     assert "clips-missing" in done.warnings("/X")
     (message,) = [w["message"] for w in done.sidecar["warnings"] if w["name"] == "clips-missing"]
@@ -398,20 +330,7 @@ def Cube "X" (
 
 
 def test_templates_of_value_clips_are_looked_for(tmp_path: Path) -> None:
-    text = """
-def Cube "X" (
-    clips = {
-        dictionary default = {
-            string primPath = "/X"
-            asset templateAssetPath = @./clip.#.usda@
-            double templateEndTime = 2
-            double templateStartTime = 1
-            double templateStride = 1
-        }
-    }
-) {
-}
-"""
+    text = text_of("convert_stage/templates_of_value_clips_are_looked_for.usda")
     assert "clips-missing" in convert_text(tmp_path, text).warnings("/X")
     gone = text.replace("./clip.#", "./no/folder/clip.#")
     assert "clips-missing" in convert_text(tmp_path, gone).warnings("/X")
@@ -447,17 +366,7 @@ def test_backslashes_separate_folders(tmp_path: Path) -> None:
     (tmp_path / "parts" / "deep").mkdir(parents=True)
     (tmp_path / "parts" / "deep" / "a.usda").write_text(part, encoding="utf-8")
     (tmp_path / "odd\\name.usda").write_text(part, encoding="utf-8")
-    text = """
-def "X" (references = @.\\parts\\deep\\a.usda@)
-{
-}
-def "Y" (references = @odd\\name.usda@)
-{
-}
-def "Z" (references = @..\\outside.usda@)
-{
-}
-"""
+    text = text_of("convert_stage/backslashes_separate_folders.usda")
     done = convert_text(tmp_path, text)
     for prim in ("/X", "/Y"):
         assert done.gltf.nodes[done.node(prim)].mesh is not None

@@ -10,6 +10,7 @@ from read_converted import Converted, convert_text
 from reflet_usd.convert.normals import smooth_groups
 from reflet_usd.convert.subdiv import INFINITE, Cage, Step, edge_keys
 from tampering import agrees
+from texts import fill, text_of
 
 CUBE_FACES = np.array(
     [0, 1, 3, 2, 2, 3, 5, 4, 4, 5, 7, 6, 6, 7, 1, 0, 1, 7, 5, 3, 6, 0, 2, 4],
@@ -105,25 +106,12 @@ def test_boundary_rules(pin: bool, corner: float) -> None:
     assert values[5] == pytest.approx(points[5])
 
 
-STAGE = """
-def Mesh "M" {{
-    uniform token subdivisionScheme = "{scheme}"
-    int[] faceVertexCounts = [4, 4]
-    int[] faceVertexIndices = [0,1,2,3, 1,4,5,2]
-    point3f[] points = [(0,0,0), (1,0,0), (1,1,0), (0,1,0), (2,0,1), (2,1,1)]
-    uniform token faceVaryingLinearInterpolation = "{rule}"
-    texCoord2f[] primvars:st = [(0,0), (1,0), (1,1), (0,1), (1,0), (2,0), (2,1), (1,1)] (
-        interpolation = "faceVarying")
-    color3f[] primvars:displayColor = [(1,0,0), (0,0,1)] (interpolation = "uniform")
-    float[] primvars:heat = [0, 1, 1, 0, 2, 2] (interpolation = "varying")
-    int[] holeIndices = [{holes}]
-}}
-"""
+STAGE = text_of("convert_subdiv/stage.usda")
 
 
 def convert(tmp_path: Path, level: int, **values: str) -> Converted:
     filled = {"scheme": "catmullClark", "rule": "cornersPlus1", "holes": "", **values}
-    return convert_text(tmp_path, STAGE.format(**filled), subdiv_level=level)
+    return convert_text(tmp_path, fill(STAGE, **filled), subdiv_level=level)
 
 
 @pytest.mark.parametrize("level", [1, 2, 3])
@@ -161,15 +149,7 @@ def test_other_schemes_are_named(tmp_path: Path) -> None:
 
 
 # A triangle beside a triangle, and a square beside both.
-TRIANGLES = """
-def Mesh "M"
-{
-    int[] faceVertexCounts = [3, 3, 4, 3, 3]
-    int[] faceVertexIndices = [0, 1, 4, 1, 2, 4, 0, 3, 2, 1, 2, 3, 4, 3, 0, 4]
-    point3f[] points = [(-1, 0, -1), (1, 0, -1), (1, 0, 1), (-1, 0, 1), (0, 2, 0)]
-    uniform token triangleSubdivisionRule = "smooth"
-}
-"""
+TRIANGLES = text_of("convert_subdiv/triangles.usda")
 
 
 def test_smooth_triangles_weigh_more(tmp_path: Path) -> None:
@@ -204,17 +184,7 @@ def test_a_loop_cage_is_not_said_to_refine(tmp_path: Path, level: int) -> None:
     assert "loop" in told[0]
 
 
-CUBE = """
-def Mesh "M" {{
-    uniform token subdivisionScheme = "{scheme}"
-    int[] faceVertexCounts = [4, 4, 4, 4, 4, 4]
-    int[] faceVertexIndices = [0,1,3,2, 4,6,7,5, 0,4,5,1, 2,3,7,6, 0,2,6,4, 1,5,7,3]
-    point3f[] points = [(0,0,0),(1,0,0),(0,1,0),(1,1,0),(0,0,1),(1,0,1),(0,1,1),(1,1,1)]
-    int[] creaseIndices = [4, 5, 7, 6, 4]
-    int[] creaseLengths = [5]
-    float[] creaseSharpnesses = [{sharpness}]
-}}
-"""
+CUBE = text_of("convert_subdiv/cube.usda")
 
 
 @pytest.mark.parametrize("level", [0, 1])
@@ -222,7 +192,7 @@ def Mesh "M" {{
 def test_normals_are_not_shared_over_creases(tmp_path: Path, scheme: str, level: int) -> None:
     def upright(sharpness: float) -> tuple[int, int]:
         """Number of normals along z and across z at the vertices of the creased face."""
-        text = CUBE.format(scheme=scheme, sharpness=sharpness)
+        text = fill(CUBE, scheme=scheme, sharpness=sharpness)
         done = convert_text(tmp_path, text, subdiv_level=level)
         position, normal = (done.attribute(0, 0, name) for name in ("POSITION", "NORMAL"))
         up = np.abs(normal[position[:, 2] == 1.0][:, 2])

@@ -15,6 +15,7 @@ from PIL import Image
 from read_converted import convert_text
 from tampering import agrees, expect_required
 from test_validate_strict import rewrite
+from texts import text_of
 
 
 @pytest.mark.parametrize(("name", "options"), [("a.png", {}), ("a.jpg", {"quality": 90})])
@@ -190,16 +191,14 @@ def test_texture_transform_for_any_parameters(tmp_path: Path) -> None:
             random.uniform(-2, 2, 2).tolist(),
         )
         degrees = float(random.uniform(-360, 360))
-        node = f"""
-    def Shader "X" {{
-        uniform token info:id = "UsdTransform2d"
-        float2 inputs:in.connect = </Mat/St.outputs:result>
-        float2 inputs:scale = ({scale[0]}, {scale[1]})
-        float inputs:rotation = {degrees}
-        float2 inputs:translation = ({move[0]}, {move[1]})
-        float2 outputs:result
-    }}
-"""
+        node = text_of(
+            "convert_texture/texture_transform_for_any_parameters.usda",
+            scale_0=scale[0],
+            scale_1=scale[1],
+            degrees=degrees,
+            move_0=move[0],
+            move_1=move[1],
+        )
         done = convert_text(
             tmp_path,
             stage(

@@ -12,6 +12,7 @@ from read_converted import Converted, convert_text
 from reflet_usd.validate.validation import validate_file
 from reflet_usd.validate.validation_table import format_validation
 from test_convert_skel import STAGE
+from texts import fill, text_of
 
 CODES = (0, 2, 3, 4.5, 6, 7, 9, 10, 12)
 
@@ -54,38 +55,14 @@ def check(done: Converted, *prims: str) -> None:
 
 @pytest.mark.parametrize("shear", ["", ', "xformOp:transform"'])
 def test_a_reset_stack_keeps_the_visibility_above(tmp_path: Path, shear: str) -> None:
-    text = f"""
-def Xform "A" {{
-    token visibility.timeSamples = {{ 0: "inherited", 6: "invisible", 9: "inherited" }}
-    def Xform "B" {{
-        token visibility.timeSamples = {{ 0: "invisible", 3: "inherited" }}
-        def Cube "Plain" {{
-        }}
-        def Cube "R" {{
-            double3 xformOp:translate = (5, 5, 5)
-            matrix4d xformOp:transform = ((1,.5,0,0), (0,1,0,0), (0,0,1,0), (0,0,0,1))
-            uniform token[] xformOpOrder = ["!resetXformStack!", "xformOp:translate"{shear}]
-            def Cube "Child" {{
-                token visibility.timeSamples = {{ 0: "inherited", 10: "invisible" }}
-            }}
-        }}
-        def Xform "Away" {{
-            token visibility.timeSamples = {{ 0: "invisible", 4.5: "inherited" }}
-            uniform token[] xformOpOrder = ["!resetXformStack!"]
-            def Cube "Further" {{
-                uniform token[] xformOpOrder = ["!resetXformStack!"]
-            }}
-        }}
-    }}
-}}
-"""
+    text = text_of("convert_visibility/a_reset_stack_keeps_the_visibility_above.usda", shear=shear)
     done = convert_text(tmp_path, text)
     below = [f"/A/B/{name}" for name in ("Plain", "R", "R/Child", "Away", "Away/Further")]
     check(done, *below)
 
 
 def test_a_skinned_mesh_keeps_the_visibility_above(tmp_path: Path) -> None:
-    text = STAGE.format(meters=1).replace(
+    text = fill(STAGE, meters=1).replace(
         'def SkelRoot "Root"', 'def Xform "A" {\nHIDING\ndef SkelRoot "Root"', 1
     )
     hiding = 'token visibility.timeSamples = { 0: "inherited", 6: "invisible", 9: "inherited" }'
@@ -95,47 +72,15 @@ def test_a_skinned_mesh_keeps_the_visibility_above(tmp_path: Path) -> None:
     check(done, "/A/Root/M")
 
 
-PURPOSES = """
-def Xform "X"
-{{
-    token purpose = "guide"
-    {body}
-}}
-def PointInstancer "I"
-{{
-    rel prototypes = [</I/A>, </I/B>]
-    int[] protoIndices = [0, 1]
-    point3f[] positions = [(0, 0, 0), (9, 0, 0)]
-    def Xform "A"
-    {{
-        def Xform "G"
-        {{
-            token purpose = "guide"
-            {body}
-        }}
-    }}
-    def Sphere "B"
-    {{
-        token purpose = "guide"
-    }}
-}}
-"""
-DEVICES = """
-def SphereLight "L" { }
-def Camera "C" { }
-def Sphere "S" { }
-def Cube "K"
-{
-    token purpose = "default"
-}
-"""
+PURPOSES = text_of("convert_visibility/purposes.usda")
+DEVICES = text_of("convert_visibility/devices.usda")
 
 
 @pytest.mark.parametrize("kept", [("default", "render"), ("guide",), ("proxy",)])
 def test_lights_and_cameras_stay_whatever_their_purpose(
     tmp_path: Path, kept: tuple[str, ...]
 ) -> None:
-    done = convert_text(tmp_path, PURPOSES.format(body=DEVICES), purpose=kept)
+    done = convert_text(tmp_path, fill(PURPOSES, body=DEVICES), purpose=kept)
     for path in ("/X", "/I/A/G") if "default" in kept else ("/X",):  # else no instancer
         assert done.gltf.nodes[done.node(f"{path}/C")].camera is not None
         assert done.gltf.nodes[done.node(f"{path}/L")].extensions

@@ -10,35 +10,15 @@ from convert_world_matrices import check_world
 from read_converted import convert_text
 from reflet_usd.convert.xform import decompose, nearest_trs, split_shear
 from tampering import FACE, UNIT, agrees, forget
+from texts import fill, text_of
 
-STACK = """#usda 1.0
-(
-    metersPerUnit = {meters}
-    upAxis = "{axis}"
-)
-def Xform "A" {{
-    double3 xformOp:translate = (10, 20, -30)
-    float3 xformOp:rotateXYZ = (10, 50, -70)
-    double3 xformOp:scale = (2, -3, 0.5)
-    uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateXYZ", "xformOp:scale"]
-    def Cube "B" {{
-        double3 xformOp:translate:pivot = (1, 2, 3)
-        float xformOp:rotateY:spin = 33
-        uniform token[] xformOpOrder = ["xformOp:translate:pivot", "xformOp:rotateY:spin",
-            "!invert!xformOp:translate:pivot"]
-    }}
-    def Cube "C" {{
-        double3 xformOp:translate = (7, 0, 0)
-        uniform token[] xformOpOrder = ["!resetXformStack!", "xformOp:translate"]
-    }}
-}}
-"""
+STACK = text_of("convert_xform/stack.usda")
 
 
 @pytest.mark.parametrize("axis", ["Y", "Z"])
 @pytest.mark.parametrize("meters", [0.01, 1.0, 0.3048])
 def test_static_stacks_agree_with_usd(tmp_path: Path, axis: str, meters: float) -> None:
-    done = convert_text(tmp_path, STACK.format(axis=axis, meters=meters))
+    done = convert_text(tmp_path, fill(STACK, axis=axis, meters=meters))
     for prim in ("/A/B", "/A/C"):
         check_world(done, prim, [None])
     size = done.triangles(0).reshape(-1, 3).max()
@@ -93,26 +73,14 @@ def test_keys_are_kept_and_exact_between_them(tmp_path: Path, ops: str, names: l
 
 
 def test_an_animated_matrix_is_sampled_and_said(tmp_path: Path) -> None:
-    text = """
-def Cube "C" {
-    matrix4d xformOp:transform.timeSamples = {
-        0: ((1,0,0,0), (0,1,0,0), (0,0,1,0), (0,0,0,1)),
-        10: ((0,1,0,0), (-1,0,0,0), (0,0,1,0), (4,0,0,1)) }
-    uniform token[] xformOpOrder = ["xformOp:transform"]
-}
-"""
+    text = text_of("convert_xform/an_animated_matrix_is_sampled_and_said.usda")
     done = convert_text(tmp_path, text)
     assert "animation-resampled" in done.warnings("/C")
     check_world(done, "/C", [0, 10])
 
 
 def test_shear_is_two_nodes_and_exact(tmp_path: Path) -> None:
-    text = """
-def Cube "C" {
-    matrix4d xformOp:transform = ((1,0,0,0), (0.7,1,0,0), (0,-0.3,2,0), (1,2,3,1))
-    uniform token[] xformOpOrder = ["xformOp:transform"]
-}
-"""
+    text = text_of("convert_xform/shear_is_two_nodes_and_exact.usda")
     done = convert_text(tmp_path, text)
     assert "shear-split" in done.warnings("/C")
     check_world(done, "/C", [None])
@@ -135,23 +103,13 @@ def test_random_matrices_are_rebuilt() -> None:
 
 
 def test_a_transform_that_is_not_finite_is_named(tmp_path: Path) -> None:
-    text = """
-def Cube "C" {
-    double3 xformOp:translate = (nan, 0, 0)
-    uniform token[] xformOpOrder = ["xformOp:translate"]
-}
-"""
+    text = text_of("convert_xform/a_transform_that_is_not_finite_is_named.usda")
     done = convert_text(tmp_path, text)
     assert "transform-non-finite" in done.warnings("/C")
 
 
 def test_frames_cut_the_keys(tmp_path: Path) -> None:
-    text = """
-def Cube "C" {
-    double3 xformOp:translate.timeSamples = { 0: (0,0,0), 24: (24,0,0), 48: (0,0,0) }
-    uniform token[] xformOpOrder = ["xformOp:translate"]
-}
-"""
+    text = text_of("convert_xform/frames_cut_the_keys.usda")
     done = convert_text(tmp_path, text, frames=(12.0, 36.0))
     times = done.array(done.gltf.animations[0].samplers[0].input)[:, 0]
     assert times == pytest.approx([0, 0.5, 1.0])
@@ -160,11 +118,7 @@ def Cube "C" {
 
 
 def test_animated_visibility_travels(tmp_path: Path) -> None:
-    text = """
-def Cube "C" {
-    token visibility.timeSamples = { 0: "inherited", 24: "invisible" }
-}
-"""
+    text = text_of("convert_xform/animated_visibility_travels.usda")
     done = convert_text(tmp_path, text)
     assert "KHR_node_visibility" in done.json["extensionsUsed"]
     target = done.json["animations"][0]["channels"][0]["target"]
@@ -195,27 +149,15 @@ def test_half_turns_are_rotations_and_mirrors_are_scales(
     assert parts.matrix() == pytest.approx(matrix)
 
 
-BAD_OPS = """
-def Xform "{name}"
-{{
-    double3 xformOp:translate = (1, 2, 3)
-    float xformOp:rotateX = 10
-    uniform token[] xformOpOrder = ["xformOp:translate", "{token}", "xformOp:rotateX"]
-    def Mesh "C"
-    {{{face}
-        double3 xformOp:translate.timeSamples = {{ 0: (1, 0, 0), 24: (0, 1, 0) }}
-        uniform token[] xformOpOrder = ["xformOp:translate"]
-    }}
-}}
-"""
+BAD_OPS = text_of("convert_xform/bad_ops.usda")
 
 
 @pytest.mark.parametrize(
     "token", ["xformOp:nope", "xformOp:translate:missing", "!invert!xformOp:scale", "translate", ""]
 )
 def test_ops_that_are_not_there_are_named(tmp_path: Path, token: str) -> None:
-    text = BAD_OPS.format(name="X", token=token, face=FACE)
-    done = convert_text(tmp_path, text + BAD_OPS.format(name="Y", token=token, face=FACE))
+    text = fill(BAD_OPS, name="X", token=token, face=FACE)
+    done = convert_text(tmp_path, text + fill(BAD_OPS, name="Y", token=token, face=FACE))
     assert "xform-op-invalid" in done.warnings("/X") & done.warnings("/Y")
     assert "prim-damaged" not in done.warnings()
     assert done.world(0.5)[done.node("/X/C")][0, 3] == pytest.approx(1.5)
@@ -225,7 +167,7 @@ def test_ops_that_are_not_there_are_named(tmp_path: Path, token: str) -> None:
 
 
 def test_an_op_of_no_known_kind_is_damage(tmp_path: Path) -> None:
-    text = BAD_OPS.format(name="X", token="xformOp:nope", face=FACE)
+    text = fill(BAD_OPS, name="X", token="xformOp:nope", face=FACE)
     text = text.replace(
         "float xformOp:rotateX", "float xformOp:nope = 1\n    float xformOp:rotateX"
     )
@@ -235,7 +177,7 @@ def test_an_op_of_no_known_kind_is_damage(tmp_path: Path) -> None:
 
 
 def test_an_instance_with_such_an_op_is_named(tmp_path: Path) -> None:
-    part = BAD_OPS.format(name="X", token="xformOp:nope", face=FACE)
+    part = fill(BAD_OPS, name="X", token="xformOp:nope", face=FACE)
     text = f'def Xform "P"\n{{\n{part}}}\n'
     text += 'def "I" (\n    instanceable = true\n    references = </P>\n)\n{\n}\n'
     done = convert_text(tmp_path, text)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from reflet_usd import cli
+from texts import text_of
 
 
 def inspect(stage: Path, capsys: pytest.CaptureFixture[str]) -> dict:
@@ -37,23 +38,7 @@ def test_what_would_be_lost_is_named(stages: Path, capsys: pytest.CaptureFixture
 
 def test_layers_assets_and_variants(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "part.usda").write_text('#usda 1.0\n(defaultPrim="P")\ndef Cube "P" {}\n')
-    (tmp_path / "stage.usda").write_text(
-        """#usda 1.0
-        def "A" (
-            references = @part.usda@
-            variants = { string color = "red" }
-            prepend variantSets = "color"
-        )
-        {
-            asset picture = @wood.png@
-            variantSet "color" = {
-                "blue" { }
-                "red" { }
-            }
-        }
-        def "B" (references = @gone.usda@) { }
-        """
-    )
+    (tmp_path / "stage.usda").write_text(text_of("inspect/layers_assets_and_variants.usda"))
     summary = inspect(tmp_path / "stage.usda", capsys)
     assert summary["layers"] == ["stage.usda", "part.usda"]
     assert "gone.usda" in summary["missing_layers"]

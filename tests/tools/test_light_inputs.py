@@ -7,24 +7,15 @@ from pathlib import Path
 import pytest
 from read_converted import convert_text
 from tampering import FACE, UNIT, Output, agrees, expect_found, forget
+from texts import fill, text_of
 
-SHADED = """
-def SphereLight "L" (prepend apiSchemas = ["ShadowAPI", "ShapingAPI"])
-{{
-    {0}
-}}
-"""
-DOME = """
-def DomeLight_1 "L"
-{{
-    {0}
-}}
-"""
+SHADED = text_of("light_inputs/shaded.usda")
+DOME = text_of("light_inputs/dome.usda")
 GLOWING = f"""
 def Mesh "L" (prepend apiSchemas = ["MeshLightAPI"])
-{{{{{FACE}
-    {{0}}
-}}}}
+{{{FACE}
+    $line
+}}
 """
 INPUTS = [
     (SHADED, "color3f inputs:shadow:color = (1, 0, 0)", "light-input-dropped"),
@@ -49,7 +40,7 @@ INPUTS = [
 def test_inputs_without_a_counterpart_are_named(
     tmp_path: Path, stage: str, line: str, warning: str
 ) -> None:
-    done = convert_text(tmp_path, stage.format(line) + UNIT)
+    done = convert_text(tmp_path, fill(stage, line=line) + UNIT)
     assert warning in done.warnings("/L")
     assert agrees(done)
     forget(done, warning)
@@ -58,7 +49,7 @@ def test_inputs_without_a_counterpart_are_named(
 
 def test_the_warning_has_to_name_the_input(tmp_path: Path) -> None:
     lines = "float inputs:shadow:distance = 3\n    float inputs:shadow:falloff = 2"
-    done = convert_text(tmp_path, SHADED.format(lines) + UNIT)
+    done = convert_text(tmp_path, fill(SHADED, line=lines) + UNIT)
     sidecar = Path(f"{done.out}.json")
     text = sidecar.read_text(encoding="utf-8")
     assert agrees(done)
@@ -68,7 +59,7 @@ def test_the_warning_has_to_name_the_input(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("line", ["float inputs:shadow:distance = -1", "token poleAxis"])
 def test_inputs_at_their_fallback_say_nothing(tmp_path: Path, line: str) -> None:
-    done = convert_text(tmp_path, (DOME if "pole" in line else SHADED).format(line) + UNIT)
+    done = convert_text(tmp_path, fill(DOME if "pole" in line else SHADED, line=line) + UNIT)
     assert "light-input-dropped" not in done.warnings()
     assert agrees(done)
 
@@ -105,4 +96,4 @@ def test_the_softness_of_a_cone_is_compared(tmp_path: Path) -> None:
         entry["spot"]["innerConeAngle"] = 0.01
 
     lines = "float inputs:shaping:cone:angle = 40\n    float inputs:shaping:cone:softness = 0.5"
-    expect_found(convert_text(tmp_path, SHADED.format(lines)), sharpen)
+    expect_found(convert_text(tmp_path, fill(SHADED, line=lines)), sharpen)

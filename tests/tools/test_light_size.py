@@ -14,6 +14,7 @@ from reflet_usd.validate.light_area import surface_area
 from reflet_usd.validate.scene_data import Light
 from scipy import special
 from tampering import Output, agrees, expect_found, forget, light
+from texts import text_of
 
 LIGHT = """
 def {kind} "L"
@@ -101,19 +102,7 @@ def test_turning_a_light_leaves_its_area() -> None:
     assert surface_area("sphere", (1, 1), np.array(rows)) == (pytest.approx(spheroid(3, 2, 1)))
 
 
-INSTANCES = """
-def PointInstancer "I"
-{
-    rel prototypes = [</I/A>]
-    int[] protoIndices = [0, 0, 0, 0]
-    point3f[] positions = [(0, 0, 0), (10, 0, 0), (20, 0, 0), (30, 0, 0)]
-    float3[] scales = [(1, 1, 1), (3, 3, 3), (1, 1, 1), (1, 1, 4)]
-    def SphereLight "A"
-    {
-        float inputs:radius = 0.1
-    }
-}
-"""
+INSTANCES = text_of("light_size/instances.usda")
 
 
 def test_each_instance_has_the_power_of_its_size(tmp_path: Path) -> None:
@@ -130,18 +119,7 @@ def test_each_instance_has_the_power_of_its_size(tmp_path: Path) -> None:
     expect_found(done, share)
 
 
-MOVING = """
-def Xform "X"
-{
-    float3 xformOp:scale.timeSamples = { 0: (1, 1, 1), 20: (5, 5, 5) }
-    uniform token[] xformOpOrder = ["xformOp:scale"]
-    def SphereLight "L"
-    {
-        float inputs:radius = 0.1
-        BODY
-    }
-}
-"""
+MOVING = text_of("light_size/moving.usda")
 
 
 def test_sizes_that_move_stay_at_their_first_value(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from read_converted import Converted, convert_text
 from reflet_usd import materialx_document
 from reflet_usd.validate.validation import validate_file
 from tampering import expect_found, look
+from texts import fill, text_of
 
 pytest.importorskip("MaterialX", reason="the Python package MaterialX is not installed")
 
@@ -21,21 +22,14 @@ STAGE = """
 def Scope "Looks" (prepend references = @./look.mtlx@</MaterialX/Materials>) {{}}
 {mesh}
 """
-BOUND = STAGE.format(mesh=MESH.format(body="").replace("</Mat>", "</Looks/M>"))
+BOUND = STAGE.format(mesh=fill(MESH, body="").replace("</Mat>", "</Looks/M>"))
 IMAGE = """<image name="{name}" type="{kind}">
     <input name="file" type="filename" value="{file}" colorspace="{space}" /></image>"""
 
 
 def document(surface: str, nodes: str = "", head: str = "") -> str:
     """A document with the material M."""
-    return f"""<?xml version="1.0"?>
-<materialx version="1.38" colorspace="lin_rec709" {head}>
-  <nodegraph name="G">{nodes}</nodegraph>
-  {surface}
-  <surfacematerial name="M" type="material">
-    <input name="surfaceshader" type="surfaceshader" nodename="S" /></surfacematerial>
-</materialx>
-"""
+    return text_of("materialx/document.mtlx", head=head, nodes=nodes, surface=surface)
 
 
 def surface(kind: str = "standard_surface", **inputs: str) -> str:
@@ -119,16 +113,8 @@ GRAPHS = {
     "mix": '<mix name="x" type="color3"><input name="fg" type="color3" nodename="i" />'
     '<input name="bg" type="color3" value="0.5, 0, 1" />'
     '<input name="mix" type="float" value="0.25" /></mix>',
-    "mix of two colors by a texture": '<extract name="e" type="float">'
-    '<input name="in" type="color3" nodename="i" /><input name="index" type="integer" value="1" />'
-    '</extract><mix name="x" type="color3"><input name="fg" type="color3" value="1, 0.5, 0" />'
-    '<input name="bg" type="color3" value="0, 0.25, 1" />'
-    '<input name="mix" type="float" nodename="e" /></mix>',
-    "channels": '<separate3 name="s" type="multioutput">'
-    '<input name="in" type="color3" nodename="i" /></separate3>'
-    '<combine3 name="x" type="color3"><input name="in1" type="float" nodename="s" output="outb" />'
-    '<input name="in2" type="float" value="0.5" />'
-    '<input name="in3" type="float" nodename="s" output="outr" /></combine3>',
+    "mix of two colors by a texture": text_of("materialx/mix_of_two_colors_by_a_texture.mtlx"),
+    "channels": text_of("materialx/channels.mtlx"),
     "gray": '<extract name="e" type="float"><input name="in" type="color3" nodename="i" />'
     '</extract><convert name="x" type="color3"><input name="in" type="float" nodename="e" />'
     "</convert>",
@@ -150,17 +136,8 @@ def test_arithmetic_of_one_texture_is_carried(tmp_path: Path, graph: str) -> Non
 
 
 PLACES = {
-    "place2d": '<place2d name="p" type="vector2"><input name="texcoord" type="vector2"'
-    ' nodename="u" /><input name="pivot" type="vector2" value="0.5, 0.25" />'
-    '<input name="scale" type="vector2" value="0.5, 2" />'
-    '<input name="rotate" type="float" value="30" />'
-    '<input name="offset" type="vector2" value="0.1, 0.2" /></place2d>',
-    "chain": '<multiply name="a" type="vector2"><input name="in1" type="vector2" nodename="u" />'
-    '<input name="in2" type="float" value="3" /></multiply>'
-    '<rotate2d name="b" type="vector2"><input name="in" type="vector2" nodename="a" />'
-    '<input name="amount" type="float" value="-70" /></rotate2d>'
-    '<add name="p" type="vector2"><input name="in1" type="vector2" nodename="b" />'
-    '<input name="in2" type="vector2" value="0.3, 0.7" /></add>',
+    "place2d": text_of("materialx/place2d.mtlx"),
+    "chain": text_of("materialx/chain.mtlx"),
 }
 
 
@@ -180,12 +157,7 @@ def test_coordinates_become_a_texture_transform(tmp_path: Path, place: str) -> N
 
 
 def test_a_gltf_image_is_placed_as_gltf_places_it(tmp_path: Path) -> None:
-    nodes = """<gltf_colorimage name="i" type="multioutput">
-        <input name="file" type="filename" value="t.png" colorspace="srgb_texture" />
-        <input name="color" type="color4" value="0.5, 1, 1, 1" />
-        <input name="scale" type="vector2" value="2, 3" />
-        <input name="offset" type="vector2" value="0.25, 0.5" />
-        <input name="rotate" type="float" value="20" /></gltf_colorimage>"""
+    nodes = text_of("materialx/a_gltf_image_is_placed_as_gltf_places_it.mtlx")
     look_of = surface("gltf_pbr", base_color="color3 @o", metallic="float 0")
     text = document(look_of, nodes + output("color3", "i", "outcolor"))
     entry = proven(tmp_path, text)

@@ -10,29 +10,16 @@ from material_stages import MESH, material, noise, save
 from read_converted import Converted
 from reflet_usd import materialx_document
 from reflet_usd.validate.validation import validate_file
+from texts import fill, text_of
 
 pytest.importorskip("MaterialX", reason="the Python package MaterialX is not installed")
 
 HEAD = '#usda 1.0\n(\n    metersPerUnit = 1\n    upAxis = "Y"\n)\n'
 LOOKS = 'def Scope "Looks" (prepend references = @{document}@</MaterialX/Materials>) {{}}\n'
-BOUND = MESH.format(body="").replace("</Mat>", "</Looks/M>")
+BOUND = fill(MESH, body="").replace("</Mat>", "</Looks/M>")
 STAGE = HEAD + LOOKS.format(document="./looks/look.mtlx") + BOUND
-DOCUMENT = """<?xml version="1.0"?>
-<materialx version="1.38" xmlns:xi="http://www.w3.org/2001/XInclude">
-  <xi:include href="../graphs/graph.mtlx" />
-  <standard_surface name="S" type="surfaceshader">
-    <input name="base_color" type="color3" nodegraph="G" output="o" />
-    <input name="specular_roughness" type="float" value="0.25" /></standard_surface>
-  <surfacematerial name="M" type="material">
-    <input name="surfaceshader" type="surfaceshader" nodename="S" /></surfacematerial>
-</materialx>
-"""
-GRAPH = """<?xml version="1.0"?>
-<materialx version="1.38" fileprefix="../textures/"><nodegraph name="G">
-  <image name="i" type="color3">
-    <input name="file" type="filename" value="t.png" colorspace="srgb_texture" /></image>
-  <output name="o" type="color3" nodename="i" /></nodegraph></materialx>
-"""
+DOCUMENT = text_of("materialx_package/document.mtlx")
+GRAPH = text_of("materialx_package/graph.mtlx")
 
 
 def files(folder: Path) -> dict[str, str | bytes]:

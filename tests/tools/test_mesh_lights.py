@@ -10,12 +10,9 @@ import pytest
 from PIL import Image
 from read_converted import Converted, convert_text
 from tampering import FACE, UNIT, UVS, Output, agrees, expect_found, forget, mesh
+from texts import text_of
 
-LEVELS = """
-    float inputs:intensity = 3
-    float inputs:exposure = 2
-    color3f inputs:color = (1, 0.5, 0)
-"""
+LEVELS = text_of("mesh_lights/levels.usda")
 NITS = [12.0, 6.0, 0.0]
 LAMP = mesh("L", LEVELS, "MeshLightAPI")
 NAMED = f"""
@@ -29,43 +26,14 @@ def GeometryLight "G"
 
 def material(emission: str, binding: str = "") -> str:
     """A lamp bound to a preview surface of this emission, and the same surface without light."""
-    return f"""
-def Scope "Looks"
-{{
-    def Material "M"
-    {{
-        token outputs:surface.connect = </Looks/M/S.outputs:surface>
-        def Shader "S"
-        {{
-            uniform token info:id = "UsdPreviewSurface"
-            {emission}
-            token outputs:surface
-        }}
-        def Shader "T"
-        {{
-            uniform token info:id = "UsdUVTexture"
-            asset inputs:file = @glow.png@
-            token inputs:sourceColorSpace = "sRGB"
-            float2 inputs:st.connect = </Looks/M/R.outputs:result>
-            float3 outputs:rgb
-        }}
-        def Shader "R"
-        {{
-            uniform token info:id = "UsdPrimvarReader_float2"
-            string inputs:varname = "st"
-            float2 outputs:result
-        }}
-    }}
-}}
-def Mesh "L" (prepend apiSchemas = ["MeshLightAPI", "MaterialBindingAPI"])
-{{{FACE}{UVS}{LEVELS}{binding}
-    rel material:binding = </Looks/M>
-}}
-def Mesh "Plain" (prepend apiSchemas = ["MaterialBindingAPI"])
-{{{FACE}{UVS}
-    rel material:binding = </Looks/M>
-}}
-"""
+    return text_of(
+        "mesh_lights/material.usda",
+        emission=emission,
+        FACE=FACE,
+        UVS=UVS,
+        LEVELS=LEVELS,
+        binding=binding,
+    )
 
 
 def look_of(done: Converted, prim: str) -> dict[str, Any]:
@@ -153,29 +121,7 @@ def test_validation_finds_another_light(tmp_path: Path, stage: str, damage: Any)
 
 
 def test_instances_of_a_lamp_share_its_light(tmp_path: Path) -> None:
-    text = f"""
-class Xform "Proto"
-{{
-    {LAMP}
-}}
-def Xform "A" (instanceable = true
-    inherits = </Proto>)
-{{
-}}
-def Xform "B" (instanceable = true
-    inherits = </Proto>)
-{{
-    double3 xformOp:translate = (5, 0, 0)
-    uniform token[] xformOpOrder = ["xformOp:translate"]
-}}
-def PointInstancer "P"
-{{
-    rel prototypes = </P/L>
-    int[] protoIndices = [0, 0]
-    point3f[] positions = [(0, 3, 0), (0, 6, 0)]
-    {LAMP}
-}}
-"""
+    text = text_of("mesh_lights/instances_of_a_lamp_share_its_light.usda", LAMP=LAMP)
     done = convert_text(tmp_path, text)
     assert nits(look_of(done, "/A/L")) == pytest.approx(NITS)
     assert nits(look_of(done, "/B/L")) == pytest.approx(NITS)
@@ -193,15 +139,7 @@ def test_a_light_of_no_strength_is_none(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("geometry", ["", "rel geometry = </S>", "rel geometry = </Nowhere>"])
 def test_a_geometry_light_of_nothing_is_lost(tmp_path: Path, geometry: str) -> None:
-    text = f"""
-def GeometryLight "G"
-{{
-    {geometry}
-}}
-def Scope "S"
-{{
-}}
-"""
+    text = text_of("mesh_lights/a_geometry_light_of_nothing_is_lost.usda", geometry=geometry)
     done = convert_text(tmp_path, text + UNIT)
     assert done.warnings("/G") == {"light-dropped"}
     assert agrees(done)
@@ -215,15 +153,7 @@ def test_animated_emission_is_named(tmp_path: Path) -> None:
 
 
 def test_a_portal_is_ignored_and_not_lost(tmp_path: Path) -> None:
-    text = """
-def PortalLight "P"
-{
-    float inputs:intensity = 7
-}
-def DomeLight "D"
-{
-}
-"""
+    text = text_of("mesh_lights/a_portal_is_ignored_and_not_lost.usda")
     done = convert_text(tmp_path, text + UNIT)
     assert done.warnings("/P") == {"portal-light-ignored"}
     assert "KHR_lights_punctual" not in (done.gltf.extensionsUsed or [])

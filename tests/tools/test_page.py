@@ -8,43 +8,10 @@ from pathlib import Path
 
 import pytest
 from program import BINARY, ROOT
+from texts import text_of
 
 PLAYWRIGHT = ROOT / "tools" / "node_modules" / "playwright-core" / "index.mjs"
-SCENE = """version = 1
-script = "move.rhai"
-[params]
-height = 0.5
-[timeline]
-end = 9
-[camera.main]
-eye = [0, 1.5, 4]
-target = [0, 0.5, 0]
-[material.red]
-base_color = [0.8, 0.1, 0.1]
-[model.floor]
-shape = { kind = "plane", size = [6, 6] }
-[model.ball]
-shape = { kind = "sphere", radius = 0.4 }
-material = "red"
-[[instance]]
-model = "floor"
-[[instance]]
-name = "ball"
-model = "ball"
-dynamic = true
-[motion.camera.main]
-eye = { keys = [{ at_s = 0, value = [0, 1.5, 4] }, { at_s = 0.375, value = [1, 1.5, 4] }] }
-[decal.sign]
-material = "red"
-translation = [-1.2, 0, 0.5]
-rotation_deg = [-90, 0, 0]
-[light.lamp]
-kind = "point"
-position = [2, 4, 3]
-intensity_cd = 60
-[environment]
-color = [0.3, 0.4, 0.5]
-"""
+SCENE = text_of("page/scene.toml")
 SCRIPT = 'fn frame(ctx) { ctx.place("ball", [0.1 * ctx.frame, ctx.params.height, 0]); }\n'
 STEPS = [
     "opened",

@@ -10,35 +10,14 @@ from material_stages import noise, save
 from read_converted import Converted, convert_text
 from reflet_usd.validate.khronos import check_files
 from reflet_usd.validate.validation import validate_file
+from texts import text_of
 
-GRID = """
-    uniform token subdivisionScheme = "none"
-    int[] faceVertexCounts = [4, 4, 4, 4]
-    int[] faceVertexIndices = [0, 1, 4, 3, 1, 2, 5, 4, 3, 4, 7, 6, 4, 5, 8, 7]
-    point3f[] points = [(0, 0, 0), (1, 0, 0), (2, 0, 0), (0, 1, 0), (1, 1, 0.5), (2, 1, 0),
-        (0, 2, 0), (1, 2, 0), (2, 2, 0)]
-    texCoord2f[] primvars:st = [(0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0.5)] (
-        interpolation = "faceVarying"
-    )
-    int[] primvars:st:indices = [0, 1, 2, 3, 0, 1, 4, 3, 3, 2, 1, 0, 0, 4, 2, 3]
-"""
+GRID = text_of("pipelines/grid.usda")
 
 
 def material(name: str, inputs: str, nodes: str = "") -> str:
     """Scene text of a UsdPreviewSurface at the root."""
-    return f"""
-def Material "{name}"
-{{
-    token outputs:surface.connect = </{name}/S.outputs:surface>
-    def Shader "S"
-    {{
-        uniform token info:id = "UsdPreviewSurface"
-        {inputs}
-        token outputs:surface
-    }}
-    {nodes}
-}}
-"""
+    return text_of("pipelines/material.usda", name=name, inputs=inputs, nodes=nodes)
 
 
 RED = material("Red", "color3f inputs:diffuseColor = (1, 0, 0)")
@@ -69,26 +48,7 @@ def test_value_clips_jump_from_one_to_the_next(tmp_path: Path, khronos: None) ->
     (tmp_path / "clip.manifest.usda").write_text(
         '#usda 1.0\nover "Model"\n{\n    double3 xformOp:translate\n}\n'
     )
-    text = """
-def Xform "World" (
-    clips = {
-        dictionary default = {
-            asset[] assetPaths = [@./clip.0.usda@, @./clip.1.usda@]
-            string primPath = "/Model"
-            asset manifestAssetPath = @./clip.manifest.usda@
-            double2[] active = [(1, 0), (13, 1)]
-            double2[] times = [(1, 1), (13, 13), (13, 1), (25, 13)]
-        }
-    }
-)
-{
-    double3 xformOp:translate
-    uniform token[] xformOpOrder = ["xformOp:translate"]
-    def Cube "C"
-    {
-    }
-}
-"""
+    text = text_of("pipelines/value_clips_jump_from_one_to_the_next.usda")
     done = proven(tmp_path, text)
     assert check_files([done.out])[0].errors == 0
     for code, place in ((12.9999, (10, 5)), (13.0, (10, 0)), (19.0, (-5, 2.5))):
@@ -112,30 +72,7 @@ def Cube "C"
 
 
 def test_bindings_by_purpose(tmp_path: Path) -> None:
-    text = f"""
-def Xform "G" (
-    prepend apiSchemas = ["MaterialBindingAPI"]
-)
-{{
-    rel material:binding:full = </Red> (bindMaterialAs = "strongerThanDescendants")
-    rel material:binding:preview = </Blue>
-    rel material:binding:collection:preview:some = [</G.collection:some>, </Blue>]
-    uniform token collection:some:expansionRule = "expandPrims"
-    def Sphere "S" (
-        prepend apiSchemas = ["MaterialBindingAPI"]
-    )
-    {{
-        rel material:binding = </Blue>
-    }}
-    def Mesh "M" (
-        prepend apiSchemas = ["MaterialBindingAPI"]
-    )
-    {{{GRID}
-        rel material:binding = </Blue>
-    }}
-}}
-{RED}{BLUE}
-"""
+    text = text_of("pipelines/bindings_by_purpose.usda", GRID=GRID, RED=RED, BLUE=BLUE)
     done = proven(tmp_path, text)
     assert colors_of(done, "/G/S") == colors_of(done, "/G/M") == [[1, 0, 0]]
     assert done.warnings("/G/S") == done.warnings("/G/M") == {"binding-purpose-dropped"}
@@ -143,27 +80,9 @@ def Xform "G" (
 
 
 def test_a_binding_for_previews_alone_counts(tmp_path: Path) -> None:
-    text = f"""
-def Xform "G" (
-    prepend apiSchemas = ["MaterialBindingAPI", "CollectionAPI:some"]
-)
-{{
-    rel material:binding:collection:preview:some = [</G.collection:some>, </Blue>]
-    rel material:binding:odd = </Red>
-    uniform token collection:some:expansionRule = "expandPrims"
-    rel collection:some:includes = </G/S>
-    def Sphere "S"
-    {{
-    }}
-    def Mesh "M" (
-        prepend apiSchemas = ["MaterialBindingAPI"]
+    text = text_of(
+        "pipelines/a_binding_for_previews_alone_counts.usda", GRID=GRID, BLUE=BLUE, RED=RED
     )
-    {{{GRID}
-        rel material:binding:preview = </Blue>
-    }}
-}}
-{BLUE}{RED}
-"""
     done = proven(tmp_path, text)
     assert colors_of(done, "/G/S") == colors_of(done, "/G/M") == [[0, 0, 1]]
     assert done.warnings("/G") == {"binding-purpose-dropped"}
@@ -171,29 +90,9 @@ def Xform "G" (
 
 
 def test_a_face_in_several_subsets_is_the_first_ones(tmp_path: Path) -> None:
-    text = f"""
-def Mesh "M"
-{{{GRID}
-    uniform token subsetFamily:materialBind:familyType = "unrestricted"
-    def GeomSubset "a" (
-        prepend apiSchemas = ["MaterialBindingAPI"]
+    text = text_of(
+        "pipelines/a_face_in_several_subsets_is_the_first_ones.usda", GRID=GRID, RED=RED, BLUE=BLUE
     )
-    {{
-        uniform token familyName = "materialBind"
-        int[] indices = [0, 1, 2]
-        rel material:binding = </Red>
-    }}
-    def GeomSubset "b" (
-        prepend apiSchemas = ["MaterialBindingAPI"]
-    )
-    {{
-        uniform token familyName = "materialBind"
-        int[] indices = [2, 3, 3]
-        rel material:binding = </Blue>
-    }}
-}}
-{RED}{BLUE}
-"""
     done = proven(tmp_path, text)
     assert colors_of(done, "/M") == [[1, 0, 0], [0, 0, 1]]
     parts = done.gltf.meshes[0].primitives
@@ -203,54 +102,23 @@ def Mesh "M"
 
 def test_one_subset_reads_a_uv_set_that_is_not_there(tmp_path: Path) -> None:
     save(tmp_path, "t.png", noise("RGB"))
-    nodes = """
-    def Shader "T"
-    {
-        uniform token info:id = "UsdUVTexture"
-        asset inputs:file = @t.png@
-        float2 inputs:st.connect = </Map/R.outputs:result>
-        token inputs:wrapS = "repeat"
-        token inputs:wrapT = "repeat"
-        float3 outputs:rgb
-    }
-    def Shader "R"
-    {
-        uniform token info:id = "UsdPrimvarReader_float2"
-        string inputs:varname = "map1"
-        float2 outputs:result
-    }
-"""
-    text = f"""
-def Mesh "M" (
-    prepend apiSchemas = ["MaterialBindingAPI"]
-)
-{{{GRID}
-    rel material:binding = </Map>
-    def GeomSubset "a" (
-        prepend apiSchemas = ["MaterialBindingAPI"]
+    nodes = text_of("pipelines/one_subset_reads_a_uv_set_that_is_not_there.usda")
+    text = text_of(
+        "pipelines/one_subset_reads_a_uv_set_that_is_not_there_text.usda",
+        GRID=GRID,
+        RED=RED,
+        map_material=material(
+            "Map", "color3f inputs:diffuseColor.connect = </Map/T.outputs:rgb>", nodes
+        ),
     )
-    {{
-        uniform token familyName = "materialBind"
-        int[] indices = [0, 3]
-        rel material:binding = </Red>
-    }}
-}}
-{RED}{material("Map", "color3f inputs:diffuseColor.connect = </Map/T.outputs:rgb>", nodes)}
-"""
     assert "uv-missing" in proven(tmp_path, text).warnings("/M")
 
 
 @pytest.mark.parametrize("kind", ["Points", "BasisCurves"])
 def test_points_and_curves_that_move_stand_still_and_are_named(tmp_path: Path, kind: str) -> None:
-    text = f"""
-def {kind} "P"
-{{
-    uniform token type = "linear"
-    int[] curveVertexCounts = [2]
-    point3f[] points.timeSamples = {{ 1: [(0, 0, 0), (1, 1, 1)], 9: [(3, 0, 0), (1, 1, 1)] }}
-    float[] widths.timeSamples = {{ 1: [1, 1], 9: [2, 2] }}
-}}
-"""
+    text = text_of(
+        "pipelines/points_and_curves_that_move_stand_still_and_are_named.usda", kind=kind
+    )
     done = proven(tmp_path, text)
     expected = {"geometry-animation-frozen", "points-animation-frozen", "width-dropped"}
     assert done.warnings("/P") == expected
@@ -258,32 +126,7 @@ def {kind} "P"
 
 def test_tiled_images_of_materialx(tmp_path: Path) -> None:
     save(tmp_path, "t.png", noise("RGB"))
-    text = f"""
-def Mesh "M" (
-    prepend apiSchemas = ["MaterialBindingAPI"]
-)
-{{{GRID}
-    rel material:binding = </Mat>
-}}
-def Material "Mat"
-{{
-    token outputs:mtlx:surface.connect = </Mat/S.outputs:out>
-    def Shader "S"
-    {{
-        uniform token info:id = "ND_standard_surface_surfaceshader"
-        color3f inputs:base_color.connect = </Mat/D.outputs:out>
-        token outputs:out
-    }}
-    def Shader "D"
-    {{
-        uniform token info:id = "ND_tiledimage_color3"
-        asset inputs:file = @t.png@ (colorSpace = "srgb_texture")
-        float2 inputs:uvtiling = (3, 2)
-        float2 inputs:uvoffset = (0.25, 0.1)
-        color3f outputs:out
-    }}
-}}
-"""
+    text = text_of("pipelines/tiled_images_of_materialx.usda", GRID=GRID)
     done = proven(tmp_path, text)
     info = done.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]
     assert info["extensions"]["KHR_texture_transform"]["scale"] == [3, 2]
@@ -303,14 +146,7 @@ def test_one_value_colors_a_whole_gprim(tmp_path: Path) -> None:
 
 
 def test_points_of_no_curve_are_not_in_the_file(tmp_path: Path) -> None:
-    text = """
-def BasisCurves "C"
-{
-    uniform token type = "linear"
-    int[] curveVertexCounts = [2, 1]
-    point3f[] points = [(0, 0, 0), (1, 0, 0), (50, 50, 50)]
-}
-"""
+    text = text_of("pipelines/points_of_no_curve_are_not_in_the_file.usda")
     done = proven(tmp_path, text)
     part = done.json["meshes"][0]["primitives"][0]
     points = done.array(part["attributes"]["POSITION"])
@@ -318,30 +154,12 @@ def BasisCurves "C"
 
 
 def test_cameras_and_lights_of_an_instancer_are_told_apart(tmp_path: Path, khronos: None) -> None:
-    text = f"""
-def PointInstancer "I"
-{{
-    rel prototypes = </I/P>
-    int[] protoIndices = [0, 0, 0]
-    point3f[] positions = [(0, 0, 0), (9, 0, 0), (0, 9, 0)]
-    float3[] scales = [(1, 1, 1), (1, -1, 1), (2, 1, 0.5)]
-    def Xform "P"
-    {{
-        double xformOp:rotateZ.timeSamples = {{ 0: 0, 24: 540 }}
-        uniform token[] xformOpOrder = ["xformOp:rotateZ"]
-        def Mesh "M"
-        {{{GRID.replace("point3f[] points = [", "point3f[] points.timeSamples = { 0: [")[:-1]}
-        }}
-        def SphereLight "L"
-        {{
-        }}
-        def Camera "C"
-        {{
-            token visibility.timeSamples = {{ 0: "inherited", 12: "invisible" }}
-        }}
-    }}
-}}
-"""
+    text = text_of(
+        "pipelines/cameras_and_lights_of_an_instancer_are_told_apart.usda",
+        moving_grid=GRID.replace("point3f[] points = [", "point3f[] points.timeSamples = { 0: [")[
+            :-1
+        ],
+    )
     first = text.split("point3f[] points.timeSamples = { 0: [")[1].split("]")[0]
     moved = first.replace("0.5)", "2.5)")
     text = text.replace(f"{first}]", f"{first}], 24: [{moved}] }}", 1)
@@ -358,27 +176,7 @@ def PointInstancer "I"
 
 @pytest.mark.parametrize("chosen", ["", "missing"])
 def test_variants_that_nothing_selects_are_named(tmp_path: Path, chosen: str) -> None:
-    text = f"""
-def Xform "W" (
-    variants = {{
-        string v = "{chosen}"
-    }}
-    prepend variantSets = "v"
-)
-{{
-    variantSet "v" = {{
-        "a" {{
-            def Cube "A"
-            {{
-            }}
-        }}
-    }}
-}}
-def Sphere "S"
-{{
-    color3f[] primvars:displayColor = [(2, -1, 0.5)]
-}}
-"""
+    text = text_of("pipelines/variants_that_nothing_selects_are_named.usda", chosen=chosen)
     done = proven(tmp_path, text)
     assert done.warnings("/W") == {"variants-not-carried"}
     assert done.warnings("/S") == {"color-clamped"}

@@ -10,54 +10,14 @@ import pytest
 from read_converted import Converted, convert_text
 from tampering import FACE, UNIT, agrees, expect_found, expect_required, mesh
 from test_validate_strict import attributes, node, rewrite
+from texts import text_of
 
-SHARED = """
-    float[] primvars:a:b = [1, 2, 3, 4] (interpolation = "vertex")
-    float[] primvars:a_b = [5, 6, 7, 8] (interpolation = "vertex")
-    float[] primvars:größe = [1, 2, 3, 5] (interpolation = "vertex")
-    float[] primvars:grüße = [5, 6, 7, 9] (interpolation = "vertex")
-"""
-PAIR = """
-    float[] primvars:pair = [1, 2, 3, 4, 5, 6, 7, 8] (
-        interpolation = "vertex"
-        elementSize = 2
-    )
-"""
-LAYERS = """
-    texCoord3f[] primvars:st = [(0, 0, 5), (1, 0, 6), (1, 1, 7), (0, 1, 8)] (
-        interpolation = "vertex"
-    )
-"""
-CLOUD = """
-def Points "P"
-{
-    point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0)]
-    float[] primvars:heat = [1, 2, 3] (interpolation = "vertex")
-    texCoord2f[] primvars:st = [(0, 0), (1, 0), (1, 0.25)] (interpolation = "vertex")
-    float primvars:all = 3
-    BODY
-}
-"""
-CURVE = """
-def BasisCurves "C"
-{
-    uniform token type = "linear"
-    int[] curveVertexCounts = [3, 2]
-    point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (3, 0, 0), (4, 0, 0)]
-    float[] primvars:heat = [1, 2, 3, 4, 5] (interpolation = "vertex")
-    float[] primvars:each = [7, 9] (interpolation = "uniform")
-    BODY
-}
-"""
-CUBIC = """
-def BasisCurves "C"
-{
-    int[] curveVertexCounts = [4, 4]
-    point3f[] points = [(0,0,0), (1,3,0), (2,-3,0), (3,0,0), (0,1,0), (1,4,0), (2,-2,0), (3,1,0)]
-    float[] primvars:heat = [1, 2, 3, 4, 5, 6, 7, 8] (interpolation = "vertex")
-    float[] primvars:each = [7, 9] (interpolation = "uniform")
-}
-"""
+SHARED = text_of("primvars/shared.usda")
+PAIR = text_of("primvars/pair.usda")
+LAYERS = text_of("primvars/layers.usda")
+CLOUD = text_of("primvars/cloud.usda")
+CURVE = text_of("primvars/curve.usda")
+CUBIC = text_of("primvars/cubic.usda")
 
 
 def values(done: Converted, name: str) -> list[Any]:
@@ -191,21 +151,7 @@ def test_values_of_control_points_are_named(tmp_path: Path) -> None:
     assert not agrees(done)
 
 
-LOOSE = """
-def Xform "W"
-{
-    float primvars:lonely = 5
-    color3f[] primvars:displayColor = [(1, 0, 0)]
-    def Camera "C"
-    {
-        float primvars:grain = 2
-    }
-    def SphereLight "L"
-    {
-        string primvars:kind = "warm"
-    }
-}
-"""
+LOOSE = text_of("primvars/loose.usda")
 
 
 def test_primvars_of_what_draws_nothing_travel(tmp_path: Path) -> None:

@@ -15,29 +15,14 @@ from types import ModuleType
 
 import pytest
 from program import BINARY, ROOT
+from texts import text_of
 
 np = pytest.importorskip("numpy", reason="pictures are arrays of NumPy")
 Image = pytest.importorskip("PIL.Image", reason="pictures are opened with Pillow")
 
 
 #: A moving chrome ball over a floor, with a parameter, a variant and two cameras.
-SCENE = """
-version = 1
-params.height = 0.5
-image = { size = [48, 27], samples = 2 }
-environment = { zenith = "#203058", horizon = "#8892a8", ground = "#101010" }
-camera.main = { eye = [0, 1, 4], target = [0, 0.5, 0] }
-camera.side = { eye = [4, 1, 0], target = [0, 0.5, 0] }
-light.sun = { kind = "directional", direction = [-1, -2, -1], intensity_lux = 3 }
-material.chrome = { metallic = 1, roughness = 0.02 }
-material.tiles = { roughness = 0.05, reflectivity = 0.3 }
-model.floor = { shape = { kind = "plane", size = [20, 20] }, material = "tiles" }
-model.ball = { shape = { kind = "sphere", radius = 0.5 }, material = "chrome" }
-script = "ball.rhai"
-timeline = { end = 3 }
-instance = [{ model = "floor" }, { name = "ball", model = "ball", dynamic = true }]
-variant.night.light.sun.intensity_lux = 0.1
-"""
+SCENE = text_of("python/scene.toml")
 SCRIPT = """
 fn frame(ctx) {
     print(`frame ${ctx.frame}`);

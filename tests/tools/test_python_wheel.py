@@ -11,6 +11,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from texts import text_of
 
 ROOT = Path(__file__).resolve().parents[2]
 pytestmark = pytest.mark.full
@@ -35,29 +36,7 @@ with reflet.open("scene.toml", assets=["lib"], set={"image.samples": 2}, variant
     assert not np.array_equal(s.render(12).display, picture.display)
     print(reflet.compare(picture, other).flip > 0, len(list(Path("out").glob("my.000?.exr"))))
 """
-SCENE = """
-version = 1
-params.height = 0.5
-image.size = [48, 27]
-camera.main = { eye = [0, 2, 5], target = [0, 0.5, 0] }
-light.sun = { kind = "directional", direction = [-1, -2, -1], intensity_lux = 3 }
-variant.night.light.sun.intensity_lux = 0.5
-timeline.end = 47
-script = "move.rhai"
-material.mirror = { metallic = 1, roughness = 0.02 }
-model.ball = { shape = { kind = "sphere", radius = 0.5 }, material = "mirror" }
-[model.cloth.shape]
-kind = "mesh"
-dynamic = true
-positions = [-1, 0, -1, 1, 0, -1, 1, 0, 1, -1, 0, 1]
-indices = [0, 2, 1, 0, 3, 2]
-[[instance]]
-model = "cloth"
-[[instance]]
-name = "ball"
-model = "ball"
-dynamic = true
-"""
+SCENE = text_of("python_wheel/scene.toml")
 SCRIPT = "fn frame(ctx) { ctx.place(`ball`, [0.02 * ctx.frame, ctx.params.height, 0.0]); }\n"
 
 

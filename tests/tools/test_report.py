@@ -13,6 +13,7 @@ from reflet_usd.corpus_scores import Root, Score, read_peers, read_roots, score_
 from reflet_usd.report_row import Row
 from reflet_usd.report_table import format_markdown
 from reflet_usd.validate.validation import validate_file
+from texts import text_of
 
 INDEX_HEAD = (
     "file\topens\tupAxis\tmetersPerUnit\tbox in metres, Y up, earliest time\tfeatures (count)"
@@ -152,38 +153,7 @@ def test_a_stage_alone_is_refused_what_lies_beside_its_folder(
     assert found == [(True, ""), (False, "asset-outside-roots")]
 
 
-LOSSES = """#usda 1.0
-(
-    metersPerUnit = 1
-    upAxis = "Y"
-)
-def RectLight "Window"
-{
-    asset inputs:texture:file = @sky.png@
-}
-def SphereLight "Bulb"
-{
-    float inputs:specular = 0
-}
-def Camera "Eye"
-{
-    float exposure:iso = 400
-}
-def Cube "Box" (prepend apiSchemas = ["MaterialBindingAPI"])
-{
-    rel material:binding = </Red>
-}
-def Material "Red"
-{
-    token outputs:surface.connect = </Red/S.outputs:surface>
-    def Shader "S"
-    {
-        uniform token info:id = "UsdPreviewSurface"
-        color3f inputs:diffuseColor = (1, 0, 0)
-        token outputs:surface
-    }
-}
-"""
+LOSSES = text_of("report/losses.usda")
 
 
 def test_silent_losses_of_lights_cameras_and_materials_count(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ from reflet_usd.sandbox import run_convert
 from reflet_usd.validate.usd_subdivide import Cage, refine
 from reflet_usd.validate.validation import Validation, validate_file
 from reflet_usd.validate.validation_table import format_validation
+from texts import text_of
 
 
 def failing(validation: Validation) -> set[str]:
@@ -50,45 +51,7 @@ def test_the_reference_refinement_gives_the_known_places() -> None:
     assert np.allclose(np.abs(rounded.points[:4, 1:]), 0.75)
 
 
-TEXTURED = """#usda 1.0
-( metersPerUnit = 1
-  upAxis = "Y" )
-def Mesh "Card" (prepend apiSchemas = ["MaterialBindingAPI"])
-{
-    uniform token subdivisionScheme = "none"
-    int[] faceVertexCounts = [4]
-    int[] faceVertexIndices = [0, 1, 2, 3]
-    point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
-    texCoord2f[] primvars:near = [(0, 0), (1, 0), (1, 1), (0, 1)] (interpolation = "vertex")
-    texCoord2f[] primvars:far = [(0, 0), (0.5, 0), (0.5, 0.5), (0, 0.5)] (interpolation = "vertex")
-    rel material:binding = </Look>
-}
-def Material "Look"
-{
-    token outputs:surface.connect = </Look/Surface.outputs:surface>
-    def Shader "Surface"
-    {
-        uniform token info:id = "UsdPreviewSurface"
-        color3f inputs:diffuseColor.connect = </Look/Picture.outputs:rgb>
-        token outputs:surface
-    }
-    def Shader "Picture"
-    {
-        uniform token info:id = "UsdUVTexture"
-        asset inputs:file = @picture.png@
-        token inputs:wrapS = "repeat"
-        token inputs:wrapT = "repeat"
-        float2 inputs:st.connect = </Look/Reader.outputs:result>
-        float3 outputs:rgb
-    }
-    def Shader "Reader"
-    {
-        uniform token info:id = "UsdPrimvarReader_float2"
-        string inputs:varname = "far"
-        float2 outputs:result
-    }
-}
-"""
+TEXTURED = text_of("round_trip/textured.usda")
 
 
 def test_textures_are_compared_by_texels_and_uv_sets(tmp_path: Path) -> None:

@@ -13,62 +13,9 @@ import pytest
 from handwritten_gltf import HandFile, HandMesh
 from reflet_usd import cli
 from reflet_usd.validate.validation import Validation, validate_file
+from texts import text_of
 
-STAGE = """#usda 1.0
-(
-    metersPerUnit = 0.01
-    upAxis = "Z"
-    timeCodesPerSecond = 10
-)
-def Xform "World"
-{
-    double3 xformOp:translate.timeSamples = { 0: (100, 0, 0), 10: (200, 0, 0) }
-    uniform token[] xformOpOrder = ["xformOp:translate"]
-
-    def Mesh "Sheet" (prepend apiSchemas = ["MaterialBindingAPI"])
-    {
-        uniform token subdivisionScheme = "none"
-        bool doubleSided = 1
-        int[] faceVertexCounts = [4, 3]
-        int[] faceVertexIndices = [0, 1, 2, 3, 1, 4, 2]
-        point3f[] points = [(0, 0, 0), (100, 0, 0), (100, 100, 0), (0, 100, 0), (200, 0, 0)]
-        texCoord2f[] primvars:st = [(0, 0), (1, 0), (1, 1), (0, 1), (2, 0)] (
-            interpolation = "vertex"
-        )
-        rel material:binding = </Look>
-    }
-
-    def Camera "Eye"
-    {
-        float focalLength = 50
-        float horizontalAperture = 20
-        float verticalAperture = 10
-        float2 clippingRange = (10, 1000)
-    }
-}
-def SphereLight "Bulb"
-{
-    float inputs:intensity = 100
-    float inputs:radius = 50
-}
-def Sphere "Ball"
-{
-    double radius = 10
-    bool doubleSided = 1
-    rel material:binding = None
-}
-def Material "Look"
-{
-    token outputs:surface.connect = </Look/Surface.outputs:surface>
-    def Shader "Surface"
-    {
-        uniform token info:id = "UsdPreviewSurface"
-        color3f inputs:diffuseColor = (0.2, 0.4, 0.6)
-        float inputs:roughness = 0.75
-        token outputs:surface
-    }
-}
-"""
+STAGE = text_of("validate/stage.usda")
 SHEET = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0]], dtype=float)
 TRIANGLES = np.array([[0, 1, 2], [0, 2, 3], [1, 4, 2]])
 UP = [-math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)]  # −90° about X: Z up becomes Y up

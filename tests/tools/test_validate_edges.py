@@ -16,13 +16,9 @@ from reflet_usd import cli
 from reflet_usd.validate import validation as validation_module
 from reflet_usd.validate.checks import Check, Checks
 from reflet_usd.validate.validation import Validation, validate_file
+from texts import fill, text_of
 
-QUAD = """
-        uniform token subdivisionScheme = "none"
-        int[] faceVertexCounts = [4]
-        int[] faceVertexIndices = [0, 1, 2, 3]
-        point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
-"""
+QUAD = text_of("validate_edges/quad.usda")
 
 
 def validation_of(folder: Path, text: str) -> Validation:
@@ -38,19 +34,7 @@ def check_of(validation: Validation, name: str) -> Check:
 
 def scaled(scale: str, body: str = QUAD) -> str:
     """Scene text of a quad below a transform that scales."""
-    return f"""
-def Xform "R"
-{{
-    float3 xformOp:scale = {scale}
-    uniform token[] xformOpOrder = ["xformOp:scale"]
-    def Mesh "m"
-    {{{body}
-    }}
-}}
-def Cube "Unit"
-{{
-}}
-"""
+    return text_of("validate_edges/scaled.usda", scale=scale, body=body)
 
 
 @pytest.mark.parametrize("scale", ["(0, 0, 0)", "(0, 1, 1)", "(1, 1, 0)", "(1e-20, 1e-20, 1e-20)"])
@@ -66,40 +50,18 @@ def test_normals_of_surfaces_that_are_not_flattened_still_count(tmp_path: Path) 
 
 
 def test_nan_in_the_stage_is_left_out_or_the_identity(tmp_path: Path) -> None:
-    text = f"""
-def Xform "R"
-{{
-    double3 xformOp:translate = (nan, 0, 0)
-    uniform token[] xformOpOrder = ["xformOp:translate"]
-    def Mesh "m"
-    {{{QUAD}
-    }}
-}}
-def Mesh "hole"
-{{{QUAD.replace("(0, 1, 0)]", "(nan, inf, 0)]")}
-}}
-def Cube "Unit"
-{{
-}}
-"""
+    text = text_of(
+        "validate_edges/nan_in_the_stage_is_left_out_or_the_identity.usda",
+        QUAD=QUAD,
+        broken_quad=QUAD.replace("(0, 1, 0)]", "(nan, inf, 0)]"),
+    )
     validation = validation_of(tmp_path, text)
     assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
     assert check_of(validation, "positions").compared == 2
 
 
 def test_a_huge_thin_triangle_may_be_drawn(tmp_path: Path) -> None:
-    text = """
-def Mesh "m"
-{
-    uniform token subdivisionScheme = "none"
-    int[] faceVertexCounts = [3]
-    int[] faceVertexIndices = [0, 1, 2]
-    point3f[] points = [(0, 0, 0), (1, 0, 0), (1e38, 1e38, 0)]
-}
-def Cube "Unit"
-{
-}
-"""
+    text = text_of("validate_edges/a_huge_thin_triangle_may_be_drawn.usda")
     assert validation_of(tmp_path, text).passed
 
 
@@ -136,23 +98,7 @@ def test_a_blunder_of_the_check_is_named(
     assert "Traceback" not in shown
 
 
-MOVING = """#usda 1.0
-(
-    metersPerUnit = 1
-    upAxis = "Y"
-    startTimeCode = 0
-    endTimeCode = 20
-    timeCodesPerSecond = 10
-)
-def Xform "R"
-{
-    BODY
-    uniform token[] xformOpOrder = ["xformOp:translateX"]
-    def Cube "c"
-    {
-    }
-}
-"""
+MOVING = text_of("validate_edges/moving.usda")
 
 
 def still_file(folder: Path, body: str) -> Path:
@@ -182,15 +128,9 @@ def test_a_file_that_stands_still_fails_where_the_stage_moves(tmp_path: Path, bo
 
 def test_moving_points_are_compared_between_their_keys(tmp_path: Path) -> None:
     frames = "0: [(0, 0, 0), (1, 0, 0), (0, 1, 0)], 20: [(0, 0, 0), (1, 0, 0), (0, 3, 0)]"
-    text = f"""
-def Mesh "m"
-{{
-    uniform token subdivisionScheme = "none"
-    int[] faceVertexCounts = [3]
-    int[] faceVertexIndices = [0, 1, 2]
-    point3f[] points.timeSamples = {{ {frames} }}
-}}
-"""
+    text = text_of(
+        "validate_edges/moving_points_are_compared_between_their_keys.usda", frames=frames
+    )
     validation = validation_of(tmp_path, text)
     assert validation.passed
     assert check_of(validation, "positions").compared >= 7
@@ -249,17 +189,7 @@ def test_a_damaged_prim_excuses_all_below_it(tmp_path: Path) -> None:
 
 
 def test_an_invalid_instancer_still_draws_its_good_instances(tmp_path: Path) -> None:
-    text = """
-def PointInstancer "pi"
-{
-    rel prototypes = </pi/A>
-    int[] protoIndices = [0, 7]
-    point3f[] positions = [(0, 0, 0), (nan, 0, 0)]
-    def Cube "A"
-    {
-    }
-}
-"""
+    text = text_of("validate_edges/an_invalid_instancer_still_draws_its_good_instances.usda")
     validation = validation_of(tmp_path, text)
     assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
     assert check_of(validation, "inputs").declared == 1
@@ -301,15 +231,7 @@ def test_inputs_that_gltf_lacks_are_named_and_else_silent(
 
 
 def test_equal_factors_for_both_reflections_scale_the_light(tmp_path: Path) -> None:
-    text = """
-def SphereLight "L"
-{
-    float inputs:intensity = 100
-    bool inputs:normalize = 1
-    float inputs:diffuse = 0.5
-    float inputs:specular = 0.5
-}
-"""
+    text = text_of("validate_edges/equal_factors_for_both_reflections_scale_the_light.usda")
     done = convert_text(tmp_path, text)
     entry = done.json["extensions"]["KHR_lights_punctual"]["lights"][0]
     assert entry["intensity"] == pytest.approx(12.5)
@@ -318,19 +240,7 @@ def SphereLight "L"
 
 
 def test_angular_velocities_are_named(tmp_path: Path) -> None:
-    text = """
-def PointInstancer "pi"
-{
-    rel prototypes = </pi/A>
-    int[] protoIndices = [0]
-    point3f[] positions = [(0, 0, 0)]
-    quath[] orientations.timeSamples = { 0: [(1, 0, 0, 0)], 5: [(-1, 0, 0, 0)] }
-    vector3f[] angularVelocities.timeSamples = { 0: [(0, 0, 1728)], 5: [(0, 0, 0)] }
-    def Cube "A"
-    {
-    }
-}
-"""
+    text = text_of("validate_edges/angular_velocities_are_named.usda")
     done = convert_text(tmp_path, text)
     assert "velocities-dropped" in done.warnings("/pi")
     assert validate_file(done.out, tmp_path / "stage.usda", khronos=False).passed
@@ -338,48 +248,15 @@ def PointInstancer "pi"
 
 def texture_of(name: str, varname: str) -> str:
     """Scene text of a texture and the primvar reader of its UV set."""
-    return f"""
-    def Shader "{name}Reader"
-    {{
-        uniform token info:id = "UsdPrimvarReader_float2"
-        string inputs:varname = "{varname}"
-        float2 outputs:result
-    }}
-    def Shader "{name}"
-    {{
-        uniform token info:id = "UsdUVTexture"
-        asset inputs:file = @rgb.png@
-        token inputs:sourceColorSpace = "raw"
-        float2 inputs:st.connect = </M/{name}Reader.outputs:result>
-        token inputs:wrapS = "repeat"
-        token inputs:wrapT = "repeat"
-        float outputs:r
-        float outputs:g
-    }}
-"""
+    return text_of("validate_edges/texture_of.usda", name=name, varname=varname)
 
 
-TWO_UVS = f"""
-def Material "M"
-{{
-    token outputs:surface.connect = </M/S.outputs:surface>
-    def Shader "S"
-    {{
-        uniform token info:id = "UsdPreviewSurface"
-        float inputs:roughness.connect = </M/a.outputs:g>
-        float inputs:metallic.connect = </M/b.outputs:r>
-        token outputs:surface
-    }}
-{texture_of("a", "st")}
-{texture_of("b", "map2")}
-}}
-def Mesh "q" (prepend apiSchemas = ["MaterialBindingAPI"])
-{{{QUAD}
-    texCoord2f[] primvars:st = [(0, 0), (1, 0), (1, 1), (0, 1)] (interpolation = "vertex")
-    texCoord2f[] primvars:map2 = [(0, 0), (2, 0), (2, 2), (0, 2)] (interpolation = "vertex")
-    rel material:binding = </M>
-}}
-"""
+TWO_UVS = text_of(
+    "validate_edges/two_uvs.usda",
+    texture_a=texture_of("a", "st"),
+    texture_b=texture_of("b", "map2"),
+    QUAD=QUAD,
+)
 
 
 def test_textures_of_two_uv_sets_in_one_read_the_first(tmp_path: Path) -> None:
@@ -397,24 +274,9 @@ def test_textures_of_two_uv_sets_in_one_read_the_first(tmp_path: Path) -> None:
 def test_normals_of_moving_points_count_at_their_keys_only(tmp_path: Path) -> None:
     """Normals between keys are not compared, also in native instances: glTF blends the normals."""
     frames = "0: [(0, 0, 0), (1, 0, 0), (0, 1, 0)], 20: [(0, 0, 0), (1, 0, 0), (0, 0, 5)]"
-    text = f"""
-def Xform "A" (
-    instanceable = true
-    references = </Source>
-)
-{{
-}}
-class Xform "Source"
-{{
-    def Mesh "m"
-    {{
-        uniform token subdivisionScheme = "none"
-        int[] faceVertexCounts = [3]
-        int[] faceVertexIndices = [0, 1, 2]
-        point3f[] points.timeSamples = {{ {frames} }}
-    }}
-}}
-"""
+    text = text_of(
+        "validate_edges/normals_of_moving_points_count_at_their_keys_only.usda", frames=frames
+    )
     validation = validation_of(tmp_path, text)
     assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
     assert check_of(validation, "normals").compared >= 2
@@ -435,22 +297,13 @@ def test_planes_of_negative_size_turn_over(tmp_path: Path, plane: str) -> None:
     assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
 
 
-PROJECTIVE = """
-def {kind} "P"
-{{
-    matrix4d xformOp:transform = ((1,0,0,{column}), (0,1,0,0), (0,0,1,0), (0,3,0,2))
-    uniform token[] xformOpOrder = ["xformOp:transform"]
-}}
-def Cube "Unit"
-{{
-}}
-"""
+PROJECTIVE = text_of("validate_edges/projective.usda")
 
 
 @pytest.mark.parametrize("kind", ["Cube", "Sphere"])
 @pytest.mark.parametrize("column", ["0", "0.25"])
 def test_points_are_divided_by_w(tmp_path: Path, kind: str, column: str) -> None:
-    validation = validation_of(tmp_path, PROJECTIVE.format(kind=kind, column=column))
+    validation = validation_of(tmp_path, fill(PROJECTIVE, kind=kind, column=column))
     assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
     assert not any(check.declared for check in validation.checks)
 
@@ -483,13 +336,7 @@ def test_a_skeletons_warning_excuses_no_mesh_that_it_moves() -> None:
     assert (checks.checks["skinning"].silent, checks.checks["skinning"].declared) == (2, 0)
 
 
-FAST = """
-def Cube "C"
-{
-    double xformOp:translateX.spline = { 1: 0; post curve (5, 40), 20: 900; pre (5, -30), }
-    uniform token[] xformOpOrder = ["xformOp:translateX"]
-}
-"""
+FAST = text_of("validate_edges/fast.usda")
 
 
 def test_curved_paths_stay_close_in_the_scenes_measure(tmp_path: Path) -> None:
@@ -498,20 +345,12 @@ def test_curved_paths_stay_close_in_the_scenes_measure(tmp_path: Path) -> None:
     assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
 
 
-ORIENT = """
-def Cube "C"
-{{
-    {kind} xformOp:orient.timeSamples = {{ 1: (1, 0, 0, 0), 9: (0.7, 0.7, 0.1, 0) }}
-    double3 xformOp:scale.timeSamples = {{ 1: (1, 1, 1), 12: (3, 1, 2) }}
-    double3 xformOp:rotateXYZ.timeSamples = {{ 1: (0, 0, 0), 12: (30, 100, 200) }}
-    uniform token[] xformOpOrder = ["xformOp:orient", "xformOp:rotateXYZ", "xformOp:scale"]
-}}
-"""
+ORIENT = text_of("validate_edges/orient.usda")
 
 
 @pytest.mark.parametrize("kind", ["quath", "quatf", "quatd"])
 def test_orientations_of_any_length_turn_as_usd_turns_them(tmp_path: Path, kind: str) -> None:
-    validation = validation_of(tmp_path, ORIENT.format(kind=kind))
+    validation = validation_of(tmp_path, fill(ORIENT, kind=kind))
     assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
     assert check_of(validation, "matrices").declared == 0
 
@@ -539,31 +378,16 @@ def test_weights_that_are_no_numbers_are_zero(tmp_path: Path, stages: Path) -> N
 
 @pytest.mark.parametrize("side", ["right", "left"])
 def test_faces_that_repeat_a_point_keep_their_area(tmp_path: Path, side: str) -> None:
-    text = f"""
-def Mesh "M"
-{{
-    uniform token orientation = "{side}Handed"
-    int[] faceVertexCounts = [4, 5]
-    int[] faceVertexIndices = [0, 1, 2, 3, 0, 0, 1, 2, 3]
-    point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
-}}
-"""
+    text = text_of("validate_edges/faces_that_repeat_a_point_keep_their_area.usda", side=side)
     validation = validation_of(tmp_path, text)
     assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
     assert check_of(validation, "area").compared == 1
 
 
 def test_geometry_below_a_camera_is_where_the_second_reader_sees_it(tmp_path: Path) -> None:
-    text = f"""
-def Camera "C"
-{{
-    double3 xformOp:translate = (5, 6, 7)
-    uniform token[] xformOpOrder = ["xformOp:translate"]
-    def Mesh "m"
-    {{{QUAD}
-    }}
-}}
-"""
+    text = text_of(
+        "validate_edges/geometry_below_a_camera_is_where_the_second_reader_sees_it.usda", QUAD=QUAD
+    )
     validation = validation_of(tmp_path, text)
     assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
     assert check_of(validation, "reader").compared == 1
@@ -612,19 +436,7 @@ def test_a_sphere_light_without_radius_shines_as_a_point(tmp_path: Path) -> None
 
 
 def test_animated_ids_hide_the_instances_that_they_name(tmp_path: Path) -> None:
-    text = """
-def PointInstancer "pi"
-{
-    rel prototypes = </pi/A>
-    int[] protoIndices = [0, 0]
-    point3f[] positions = [(0, 0, 0), (5, 0, 0)]
-    int64[] ids.timeSamples = { 0: [1, 2], 8: [2, 1] }
-    int64[] invisibleIds = [2]
-    def Cube "A"
-    {
-    }
-}
-"""
+    text = text_of("validate_edges/animated_ids_hide_the_instances_that_they_name.usda")
     validation = validation_of(tmp_path, text)
     assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
     assert validation.times > 0
@@ -632,17 +444,7 @@ def PointInstancer "pi"
 
 def test_curves_under_a_skeleton_are_carried_at_rest(tmp_path: Path, stages: Path) -> None:
     text = (stages / "skin.usda").read_text()
-    curves = """
-    def BasisCurves "Hair" (prepend apiSchemas = ["SkelBindingAPI"])
-    {
-        uniform token type = "linear"
-        rel skel:skeleton = </Body/Skel>
-        int[] curveVertexCounts = [2]
-        point3f[] points = [(0, 0, 0), (0, 1, 0)]
-        int[] primvars:skel:jointIndices = [0, 0] (interpolation = "vertex")
-        float[] primvars:skel:jointWeights = [1, 1] (interpolation = "vertex")
-    }
-"""
+    curves = text_of("validate_edges/curves_under_a_skeleton_are_carried_at_rest.usda")
     place = text.index('    def Skeleton "')
     (tmp_path / "stage.usda").write_text(text[:place] + curves.lstrip("\n") + text[place:])
     done = Converted(tmp_path / "stage.usda", tmp_path / "out.glb")

@@ -10,12 +10,9 @@ import pytest
 from read_converted import convert_text
 from reflet_usd.validate.validation import validate_file
 from tampering import Damage, Output, agrees, change, expect_found, turn
+from texts import text_of
 
-BODY = """
-    double3 xformOp:translate = (3, 1, 0)
-    float3 xformOp:scale = (1, -2, 0.5)
-    uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:scale"]
-"""
+BODY = text_of("validate_gprims/body.usda")
 SHAPES = {
     "Sphere": "double radius = 0.7",
     "Cylinder": 'double height = 3\nuniform token axis = "X"',
@@ -24,16 +21,7 @@ SHAPES = {
     "Capsule": 'uniform token orientation = "leftHanded"',
     "Capsule_1": "double radiusTop = 0.2\ndouble radiusBottom = 0.9",
 }
-INSTANCER = """
-def PointInstancer "I"
-{
-    rel prototypes = [</I/A>, </I/B>]
-    int[] protoIndices = [0, 1, 0]
-    point3f[] positions = [(0, 10, 0), (5, 10, 0), (5, 10, 5)]
-    def Sphere "A" { }
-    def Cube "B" { }
-}
-"""
+INSTANCER = text_of("validate_gprims/instancer.usda")
 
 
 def stage(kind: str) -> str:

@@ -32,8 +32,9 @@ from tampering import (
 from test_convert_instances import MOVING_INSTANCER, POINTS, TURNED
 from test_convert_skel import STAGE as SKELETON
 from test_convert_skel import UNIT as QUARTER
+from texts import fill, text_of
 
-SKELETON = SKELETON.format(meters=1)
+SKELETON = fill(SKELETON, meters=1)
 
 
 def nudge(out: Output) -> None:
@@ -73,38 +74,8 @@ def invent_camera(out: Output) -> None:
 
 INSTANCES = "def PointInstancer" + POINTS.split("def PointInstancer", 1)[1]
 STRETCHED = INSTANCES.replace("(1,0,0,0)", "(0.6,0.6,0.1,0)")
-CYCLE = f"""
-def PointInstancer "I"
-{{
-    rel prototypes = </I/A>
-    int[] protoIndices = [0, 0]
-    point3f[] positions = [(0, 0, 0), (5, 0, 0)]
-    def Xform "A"
-    {{
-        def Mesh "m"
-        {{{FACE}
-        }}
-        def PointInstancer "J"
-        {{
-            rel prototypes = </I>
-            int[] protoIndices = [0]
-            point3f[] positions = [(0, 3, 0)]
-        }}
-    }}
-}}
-"""
-DAMAGED = f"""
-def Mesh "D"
-{{
-    int[] faceVertexCounts = [3]
-    float faceVertexIndices = 3
-    point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0)]
-    def Mesh "Below"
-    {{{FACE}
-    }}
-}}
-{mesh("Dx")}
-"""
+CYCLE = text_of("validate_rules/cycle.usda", FACE=FACE)
+DAMAGED = text_of("validate_rules/damaged.usda", FACE=FACE, good_mesh=mesh("Dx"))
 FAR = mesh(
     "M",
     """
@@ -112,102 +83,17 @@ FAR = mesh(
     uniform token[] xformOpOrder = ["xformOp:translate"]
     """,
 )
-NO_LENS = """
-def Camera "Bad"
-{
-    float focalLength = 0
-}
-def Camera "C"
-{
-}
-"""
-LINES = """
-def BasisCurves "Bad"
-{
-    int[] curveVertexCounts = [9]
-    point3f[] points = [(0, 0, 0), (1, 0, 0)]
-}
-def BasisCurves "L"
-{
-    uniform token type = "linear"
-    int[] curveVertexCounts = [3, 1]
-    point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (7, 7, 7)]
-}
-"""
-CUBIC = """
-def BasisCurves "L"
-{
-    uniform token basis = "BASIS"
-    uniform token wrap = "WRAP"
-    int[] curveVertexCounts = [6, 4]
-    point3f[] points = [(0, 0, 0), (1, 3, 0), (2, -3, 0), (3, 0, 0), (4, 1, 2), (5, 5, 1),
-        (0, 0, 5), (1, 3, 5), (2, -3, 5), (3, 0, 5)]
-}
-"""
-PATCH = """
-def NurbsPatch "P"
-{
-    int uVertexCount = 3
-    int vVertexCount = 4
-    int uOrder = 3
-    int vOrder = 4
-    double[] uKnots = [0, 0, 0, 1, 1, 1]
-    double[] vKnots = [0, 0, 0, 0, 1, 1, 1, 1]
-    double[] pointWeights = [1, 2, 1, 1, 1, 1, 1, 3, 1, 1, 1, 1]
-    point3f[] points = [(0, 0, 0), (1, 0, 1), (2, 0, 0), (0, 1, 0), (1, 1, 2), (2, 1, 0),
-        (0, 2, 0), (1, 2, 3), (2, 2, 0), (0, 3, 0), (1, 3, 1), (2, 3, 0)]
-}
-"""
-TETRAHEDRON = """
-def TetMesh "T"
-{
-    point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
-    int4[] tetVertexIndices = [(0, 1, 2, 3)]
-}
-"""
-PORTAL = f"""
-def PortalLight "P"
-{{
-    def Mesh "Below"
-    {{{FACE}
-    }}
-}}
-def SphereLight "S"
-{{
-}}
-"""
-SPHERE = """
-def Sphere "S"
-{
-    color3f[] primvars:displayColor = [(1, 0, 0), (0, 1, 0)] (interpolation = "uniform")
-    float[] primvars:displayOpacity = [0.5]
-}
-"""
+NO_LENS = text_of("validate_rules/no_lens.usda")
+LINES = text_of("validate_rules/lines.usda")
+CUBIC = text_of("validate_rules/cubic.usda")
+PATCH = text_of("validate_rules/patch.usda")
+TETRAHEDRON = text_of("validate_rules/tetrahedron.usda")
+PORTAL = text_of("validate_rules/portal.usda", FACE=FACE)
+SPHERE = text_of("validate_rules/sphere.usda")
 SURFACES = {
-    "standard_surface": """
-        float inputs:base = 0.5
-        color3f inputs:base_color = (0.8, 0.4, 0.2)
-        float inputs:metalness = 0.25
-        float inputs:specular_roughness = 0.3
-        float inputs:emission = 0.75
-        float inputs:coat = 0.5
-        float inputs:specular_IOR = 1.4
-        color3f inputs:opacity = (0.5, 0.6, 0.7)
-        float inputs:subsurface = 1""",
-    "open_pbr_surface": """
-        float inputs:base_weight = 0.5
-        float inputs:base_metalness = 0.25
-        float inputs:emission_luminance = 20
-        color3f inputs:emission_color = (0.1, 0.02, 0.03)
-        float inputs:geometry_opacity = 0.5
-        float inputs:coat_weight = 0.5""",
-    "gltf_pbr": """
-        color3f inputs:base_color.connect = </Mat/T.outputs:out>
-        float inputs:metallic = 0.25
-        float inputs:roughness = 0.3
-        color3f inputs:emissive = (0.5, 0.5, 0.1)
-        float inputs:emissive_strength = 3
-        float inputs:alpha = 0.5""",
+    "standard_surface": text_of("validate_rules/standard_surface.usda"),
+    "open_pbr_surface": text_of("validate_rules/open_pbr_surface.usda"),
+    "gltf_pbr": text_of("validate_rules/gltf_pbr.usda"),
 }
 
 
@@ -218,49 +104,17 @@ APPROXIMATED = {name: "" if name == "gltf_pbr" else "material-approximated" for 
 def materialx(name: str) -> str:
     """Scene text of a quad with a MaterialX surface of that name."""
     kind = {"gltf_pbr": "ND_gltf_pbr_surfaceshader"}.get(name, f"ND_{name}_surfaceshader")
-    return f"""
-def Material "Mat"
-{{
-    token outputs:mtlx:surface.connect = </Mat/S.outputs:out>
-    def Shader "S"
-    {{
-        uniform token info:id = "{kind}"
-        {SURFACES[name]}
-        token outputs:out
-    }}
-    def Shader "T"
-    {{
-        uniform token info:id = "ND_image_color3"
-        asset inputs:file = @t.png@ (colorSpace = "srgb_texture")
-        color3f outputs:out
-    }}
-}}
-{BOUND.format(body="")}
-"""
+    return text_of(
+        "validate_rules/materialx.usda",
+        kind=kind,
+        surface=SURFACES[name],
+        bound=fill(BOUND, body=""),
+    )
 
 
-FROZEN_LENS = """
-def Camera "C"
-{
-    float focalLength.timeSamples = { 0: 20, 24: 50 }
-}
-"""
-FROZEN_LIGHT = """
-def SphereLight "L"
-{
-    float inputs:intensity.timeSamples = { 0: 20, 24: 50 }
-}
-"""
-FROZEN_INSTANCES = f"""
-def PointInstancer "I"
-{{
-    rel prototypes = </I/A>
-    int[] protoIndices.timeSamples = {{ 0: [0, 0], 24: [0, 0, 0] }}
-    point3f[] positions.timeSamples = {{
-        0: [(0, 0, 0), (5, 0, 0)], 24: [(0, 0, 0), (5, 0, 0), (9, 9, 9)] }}
-    {mesh("A")}
-}}
-"""
+FROZEN_LENS = text_of("validate_rules/frozen_lens.usda")
+FROZEN_LIGHT = text_of("validate_rules/frozen_light.usda")
+FROZEN_INSTANCES = text_of("validate_rules/frozen_instances.usda", mesh_A=mesh("A"))
 WEIGHTS = SKELETON.replace("[1,0, 0.5,0.5,", "[3,0, 0.5,0.5,")
 DUAL = SKELETON.replace(
     'uniform token[] skel:joints = ["A/B/C", "A", "A/B"]',
@@ -359,7 +213,7 @@ def test_turning_instances_are_compared_with_normalized_ones(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(instance_motion, "MAX_MATRIX_KEYS", 1)
-    done = convert_text(tmp_path, MOVING_INSTANCER.format(more=TURNED))
+    done = convert_text(tmp_path, fill(MOVING_INSTANCER, more=TURNED))
     assert "instance-rotation-normalized" in done.warnings("/I")
     expect_found(done, drift)
 

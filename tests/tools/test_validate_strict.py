@@ -11,6 +11,7 @@ from material_stages import noise, save, texture
 from material_stages import stage as material_stage
 from read_converted import Converted, convert_text
 from tampering import FACE, UNIT, agrees
+from texts import text_of
 
 KHR = "KHR_materials_"
 SETS = """
@@ -18,25 +19,7 @@ SETS = """
     float[] primvars:heat = [0, 1, 2, 3] (interpolation = "vertex")
 """
 STAGE = (
-    f"""
-def Xform "World"
-{{
-    def Xform "Locator"
-    {{
-        string userProperties:note = "keep me"
-        int mine = 3
-        double3 xformOp:translate.timeSamples = {{ 0: (0, 0, 0), 24: (1, 0, 0) }}
-        uniform token[] xformOpOrder = ["xformOp:translate"]
-    }}
-    def Mesh "Plain"
-    {{{FACE}
-        texCoord2f[] primvars:a = [(0, 0), (1, 0), (1, 1), (0, 1)] (interpolation = "vertex")
-        texCoord2f[] primvars:b = [(0, 0), (3, 0), (1, 1), (0, 1)] (interpolation = "vertex")
-    }}
-}}
-def SphereLight "Bulb" {{ }}
-def DomeLight "Sky" {{ }}
-"""
+    text_of("validate_strict/stage.usda", FACE=FACE)
     + UNIT
     + material_stage(
         "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>", texture("T", "t.png"), SETS

@@ -29,19 +29,14 @@ from tampering import (
     turn_normals,
     zoom,
 )
+from texts import text_of
 
 SUBSET = 'def GeomSubset "S" {\nuniform token familyName = "mine"\nint[] indices = [0]\n}\n'
 EMPTY = 'def Mesh "E" { }\n'
 EDGE = FACE.replace("[4]", "[4, 2]").replace("3]", "3, 0, 1]")
 STRING = 'string[] primvars:note = ["a", "b", "c", "d"] (interpolation = "vertex")\n'
 SPEED = "vector3f[] velocities = [(0, 0, 0), (0, 0, 0), (0, 0, 0), (0, 0, 0)]\n"
-SHEARED = """
-    matrix4d xformOp:transform.timeSamples = {
-        0: ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)),
-        24: ((0, 1, 0, 0), (-1, 1, 0, 0), (0, 0, 2, 0), (3, 0, 0, 1))
-    }
-    uniform token[] xformOpOrder = ["xformOp:transform"]
-"""
+SHEARED = text_of("validate_tamper/sheared.usda")
 PERSPECTIVE = """
     matrix4d xformOp:transform = ((1, 0, 0, 0.2), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))
     uniform token[] xformOpOrder = ["xformOp:transform"]
@@ -50,38 +45,13 @@ FROZEN = """
     int[] faceVertexCounts.timeSamples = { 0: [4], 9: [3] }
     int[] faceVertexIndices.timeSamples = { 0: [0, 1, 2, 3], 9: [0, 1, 2] }
 """
-INSTANCER = """
-def PointInstancer "I"
-{
-    rel prototypes = </I/A>
-    int[] protoIndices = [0, 0]
-    point3f[] positions = [(0, 0, 0), (5, 0, 0)]
-    BODY
-    def Mesh "A" { FACE }
-}
-""".replace("FACE", FACE)
+INSTANCER = text_of("validate_tamper/instancer.usda").replace("FACE", FACE)
 LENS = 'def Camera "C"\n{\nfloat fStop = 2.8\nfloat focusDistance = 5\n}\n'
 BAD_CLIP = 'def Camera "C"\n{\nfloat2 clippingRange = (5, 1)\n}\n'
 GLASS = "color3f inputs:diffuseColor = (0.5, 0.2, 0.1)\nfloat inputs:opacity = 0.5\n"
 BRIGHT = "color3f inputs:diffuseColor = (2, 0.2, 0.1)\n"
-CUBE = """
-def Cube "K"
-{
-    color3f[] primvars:displayColor = [(1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 0), (0, 1, 1),
-        (1, 0, 1)] (interpolation = "uniform")
-}
-"""
-OTHER = """
-def Material "Odd"
-{
-    token outputs:surface.connect = </Odd/S.outputs:out>
-    def Shader "S"
-    {
-        uniform token info:id = "Mystery"
-        token outputs:out
-    }
-}
-"""
+CUBE = text_of("validate_tamper/cube.usda")
+OTHER = text_of("validate_tamper/other.usda")
 UNBOUND = material_stage("color3f inputs:diffuseColor = (0.2, 0.2, 0.1)")
 NO_UVS = material_stage(
     "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>", texture("T", "t.png")

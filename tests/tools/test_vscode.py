@@ -14,23 +14,12 @@ from pathlib import Path
 
 import pytest
 from program import BINARY, ROOT
+from texts import text_of
 
 PLAYWRIGHT = ROOT / "tools" / "node_modules" / "playwright-core" / "index.mjs"
 EXTENSION = ROOT / "tools" / "vscode"
 CODE = ROOT / "target" / "tools" / "vscode"
-SCENE = """version = 1
-base = "base.toml"
-[camera.main]
-eye = [0, 1, 3]
-target = [0, 0, 0]
-[environment]
-color = [0.3, 0.4, 0.5]
-[model.ball]
-shape = { kind = "spere", radius = 0.4 }
-material = "red"
-[[instance]]
-model = "ball"
-"""
+SCENE = text_of("vscode/scene.toml")
 BASE = """version = 1
 [material.red]
 base_color = [0.8, 0.1, 0.1]
