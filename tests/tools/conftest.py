@@ -18,7 +18,7 @@ sys.path.insert(0, str(ROOT / "tools"))
 
 def pytest_configure(config: pytest.Config) -> None:
     """Declare the markers of the slow set and of tests that run what Cargo builds."""
-    config.addinivalue_line("markers", "full: all of the slow set; left out unless asked for")
+    config.addinivalue_line("markers", "full(why): not in the daily run, and why")
     config.addinivalue_line("markers", "program: runs the program or the library; set by itself")
 
 
@@ -35,10 +35,10 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Func
             item.add_marker("program")
     if config.getoption("--full") or "full" in (config.getoption("-m") or ""):
         return
-    skip = pytest.mark.skip(reason="slow: run with --full")
     for item in items:
-        if "full" in item.keywords:
-            item.add_marker(skip)
+        if (marker := item.get_closest_marker("full")) is not None:
+            reason = f"{marker.args[0]}: `tools/check.sh --full` runs it"
+            item.add_marker(pytest.mark.skip(reason=reason))
 
 
 @pytest.fixture(scope="session")

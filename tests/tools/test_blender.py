@@ -16,7 +16,8 @@ from reflet_usd.exr_pixels import read_exr
 BPY = Path(os.environ.get("REFLET_BPY", ROOT / ".venv-bpy" / "bin" / "python"))
 
 pytestmark = pytest.mark.skipif(
-    not BPY.exists(), reason="no Python with bpy; tools/setup.sh --blender installs it"
+    not BPY.exists(),
+    reason="needs Blender as a module, 400 MB: `tools/check.sh --full` installs it",
 )
 
 

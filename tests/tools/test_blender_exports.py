@@ -14,7 +14,8 @@ from program import BINARY, ROOT
 BPY = Path(os.environ.get("REFLET_BPY", ROOT / ".venv-bpy" / "bin" / "python"))
 
 pytestmark = pytest.mark.skipif(
-    not BPY.exists(), reason="no Python with bpy; tools/setup.sh --blender installs it"
+    not BPY.exists(),
+    reason="needs Blender as a module, 400 MB: `tools/check.sh --full` installs it",
 )
 
 # Codes of losses by the input of blender_exports.py.

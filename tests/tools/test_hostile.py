@@ -92,6 +92,6 @@ def test_a_part_of_the_hostile_stages(mutants: list[Mutant], tmp_path: Path, khr
     check_all(mutants[::QUICK], tmp_path)
 
 
-@pytest.mark.full
+@pytest.mark.full("converts each hostile stage, of which a part is converted daily")
 def test_all_hostile_stages(mutants: list[Mutant], tmp_path: Path, khronos: None) -> None:
     check_all(mutants, tmp_path)

@@ -11,7 +11,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 NOTEBOOKS = sorted((ROOT / "docs/examples").glob("*.ipynb"))
 
-pytestmark = pytest.mark.full
+pytestmark = pytest.mark.full("renders films and series for minutes")
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)

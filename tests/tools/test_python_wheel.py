@@ -14,7 +14,7 @@ import pytest
 from texts import text_of
 
 ROOT = Path(__file__).resolve().parents[2]
-pytestmark = pytest.mark.full
+pytestmark = pytest.mark.full("builds the optimized wheel for minutes")
 
 #: A program that uses most of the package.
 PROGRAM = """

@@ -195,7 +195,7 @@ def test_a_sample_of_the_corpus(corpus: Path, tmp_path: Path, khronos: None) -> 
     assert len(json.loads(details.read_text())) >= 5
 
 
-@pytest.mark.full
+@pytest.mark.full("converts the whole corpus, of which a sample is converted daily")
 def test_the_whole_corpus(corpus: Path, tmp_path: Path, khronos: None) -> None:
     details = tmp_path / "report.json"
     cli.main(["report", str(corpus), "-o", str(tmp_path / "report.md"), "--json", str(details)])

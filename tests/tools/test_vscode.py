@@ -56,7 +56,7 @@ def short_folder() -> Iterator[Path]:
         yield Path(folder)
 
 
-@pytest.mark.full
+@pytest.mark.full("needs VS Code for a browser, 800 MB")
 def test_vs_code_marks_mends_completes_renames_and_shows_a_scene(
     tmp_path: Path, short_folder: Path
 ) -> None:
