@@ -6,35 +6,7 @@ use super::{exits, folder, samples};
 use crate::common::gpu_or_skip;
 
 /// A mirror below a white wall that only other walls light: `rt` leaves it dark, all paths do not.
-const SCENE: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 1, 4]
-target = [0, 0.5, 0]
-[image]
-samples = 4
-[material.mirror]
-metallic = 1
-roughness = 0
-[material.glow]
-emission = [2, 1, 0.5]
-[model.floor]
-shape = { kind = "plane", size = [4, 4] }
-material = "mirror"
-[model.wall]
-shape = { kind = "plane", size = [4, 4] }
-[[instance]]
-model = "floor"
-[[instance]]
-model = "wall"
-translation = [0, 2, -2]
-rotation_deg = [90, 0, 0]
-[[instance]]
-model = "wall"
-material = "glow"
-translation = [-2, 2, 0]
-rotation_deg = [0, 0, -90]
-"#;
+const SCENE: &str = include_str!("against_path/scene.toml");
 
 #[test]
 fn a_second_reference_judges_the_model() {

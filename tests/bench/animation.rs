@@ -1,5 +1,6 @@
 //! Samples of several frames of an animation.
 
+use crate::common::assert_says;
 use reflet::bench::{
     report::{self, findings},
     sample::Sample,
@@ -24,10 +25,7 @@ fn frames_that_a_setting_lacks_are_left_out_and_charts_run_forward() {
     let flip = group.points[0].sample.mask_flip.expect("a mean");
     assert!((flip - 0.1).abs() < 1e-12, "{flip}");
     let words = findings::sentences(&group).join("\n");
-    assert!(
-        words.contains("1 of the measured frames were left out"),
-        "{words}"
-    );
+    assert_says(&words, &["1 of the measured frames were left out"]);
     let sections = report::sections(&rows).expect("drawn");
     let svg = &sections[0]
         .charts

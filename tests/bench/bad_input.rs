@@ -1,5 +1,6 @@
 //! Files and folders that a bench cannot use, and options without effect.
 
+use crate::common::assert_says;
 use std::fs;
 
 use reflet::bench::log::Log;
@@ -92,10 +93,7 @@ fn options_that_would_do_nothing_are_refused() {
         &["paper", "scenario2", "--timeline", "0-950", "-o", "new"],
         2,
     );
-    assert!(
-        error.contains("not in the timeline, which has 0 to 949"),
-        "{error}"
-    );
+    assert_says(&error, &["not in the timeline, which has 0 to 949"]);
     assert!(!folder.join("new").exists());
 }
 

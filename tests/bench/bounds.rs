@@ -3,31 +3,7 @@
 use super::{exits, folder};
 
 /// A box under a soft sun: all of the error is the grain of its shadow.
-const SCENE: &str = "version = 1
-[camera.main]
-eye = [0, 2, 4]
-target = [0, 0.3, 0]
-[material.gray]
-base_color = [0.6, 0.6, 0.6]
-roughness = 1
-[model.floor]
-shape = { kind = \"plane\", size = [8, 8] }
-material = \"gray\"
-[model.box]
-shape = { kind = \"box\" }
-material = \"gray\"
-[[instance]]
-model = \"floor\"
-[[instance]]
-model = \"box\"
-translation = [0, 0.5, 0]
-[light.sun]
-kind = \"directional\"
-direction = [0.4, -1, -0.3]
-intensity_lux = 4
-angle_deg = 40
-shadow = \"ray\"
-";
+const SCENE: &str = include_str!("bounds/scene.toml");
 
 const ARGUMENTS: [&str; 6] = [
     "bounds",

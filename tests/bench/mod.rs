@@ -21,7 +21,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use crate::common::gpu_or_skip;
+use crate::common::{assert_says, gpu_or_skip, words};
 use reflet::bench::{
     report::findings,
     sample::{Sample, header, read_samples},
@@ -186,20 +186,9 @@ fn an_interrupted_run_keeps_its_samples() {
         return;
     }
     let folder = folder("interrupted");
-    let run = [
-        "--sizes",
-        "64x36",
-        "--methods",
-        "rt",
-        "--parameter",
-        "bounces",
-        "--values",
-        "1,2",
-        "-o",
-        ".",
-    ];
+    let run = words("--sizes 64x36 --methods rt --parameter bounces --values 1,2 -o .");
     let mut command = Command::new(env!("CARGO_BIN_EXE_reflet"));
-    let command = command.current_dir(&folder).arg("bench").args(run);
+    let command = command.current_dir(&folder).arg("bench").args(&run);
     let command = command
         .args(["--frames", "2000"])
         .env("NODEVICE_SELECT", "1");
@@ -271,10 +260,7 @@ fn choosing_prints_the_cheapest_setting_that_meets_the_bound() {
         6,
     );
     assert_eq!(out, "");
-    assert!(
-        error.contains("the closest is ssr, steps = 16 with 5.00"),
-        "{error}"
-    );
+    assert_says(&error, &["the closest is ssr, steps = 16 with 5.00"]);
 }
 
 #[test]
@@ -286,10 +272,7 @@ fn a_small_mask_is_not_scored_and_adapters_do_not_share_a_chart() {
     let group = only_group(&rows);
     assert!(!group.masked);
     let text = findings::sentences(&group).join("\n");
-    assert!(
-        text.contains("60 px, which is too small to score"),
-        "{text}"
-    );
+    assert_says(&text, &["60 px, which is too small to score"]);
     rows[0].adapter = "another".to_owned();
     assert_eq!(groups(&rows).len(), 2);
     rows[1].status = "3 pixels hold NaN".to_owned();

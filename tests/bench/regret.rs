@@ -3,6 +3,7 @@
 use std::{fs, path::PathBuf};
 
 use super::{exits, folder, gpu_or_skip};
+use crate::common::words;
 
 const ROOM: &str = include_str!("../../scenes/cornell.toml");
 
@@ -35,14 +36,7 @@ fn it_lists_each_scene_and_size_with_its_regret() {
     let Some(folder) = room("regret-sizes") else {
         return;
     };
-    let arguments = [
-        "regret",
-        "room.toml",
-        "--sizes",
-        "32x18,64x36",
-        "--frames",
-        "2",
-    ];
+    let arguments = words("regret room.toml --sizes 32x18,64x36 --frames 2");
     let [json, _] = exits(&folder, &[&arguments[..], &["--json"]].concat(), 0);
     let rows: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     let rows = rows.as_array().expect("a list");

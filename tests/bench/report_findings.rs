@@ -1,5 +1,6 @@
 //! Findings of the report on samples with known answers.
 
+use crate::common::assert_says;
 use reflet::bench::{
     report::{self, findings},
     sample::Sample,
@@ -49,10 +50,7 @@ fn times_are_told_apart_by_turns_and_not_by_medians() {
     let untold = "Cannot be told from the front by these times";
     let text = findings::sentences(&only_group(&in_turns(18))).join("\n");
     assert!(text.contains(outright) && !text.contains(untold), "{text}");
-    assert!(
-        text.contains("(faster in 2 of 20 pairs of frames)"),
-        "{text}"
-    );
+    assert_says(&text, &["(faster in 2 of 20 pairs of frames)"]);
     // 13 of 20 has a probability of about 1/4 for a fair coin.
     let text = findings::sentences(&only_group(&in_turns(13))).join("\n");
     assert!(!text.contains(outright) && text.contains(untold), "{text}");
@@ -61,10 +59,7 @@ fn times_are_told_apart_by_turns_and_not_by_medians() {
     // A sign test of five frames cannot be significant.
     let few: Vec<Sample> = in_turns(20).into_iter().take(10).collect();
     let text = findings::sentences(&only_group(&few)).join("\n");
-    assert!(
-        text.contains("By medians alone (n = 5), the Pareto front"),
-        "{text}"
-    );
+    assert_says(&text, &["By medians alone (n = 5), the Pareto front"]);
     assert!(text.contains("which takes 6 frames of each"), "{text}");
     assert!(
         !text.contains("Equal error") && !text.contains("Break-even"),
@@ -149,11 +144,7 @@ fn what_failed_is_drawn_and_bars_are_named_only_where_they_are() {
         "{}",
         chart.svg
     );
-    assert!(
-        chart.caption.contains("A cross on the upper edge"),
-        "{}",
-        chart.caption
-    );
+    assert_says(&chart.caption, &["A cross on the upper edge"]);
     assert!(!chart.caption.contains("Bars"), "{}", chart.caption);
     let sections = report::sections(&repeated(&synthetic_samples(), 20)).expect("drawn");
     let caption = &sections[0].charts[0].caption;

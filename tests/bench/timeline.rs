@@ -10,61 +10,18 @@ use crate::common::gpu_or_skip;
 /// X positions of camera, ball and lamp; those of frame 4 coincide with keys.
 const AT_FRAME_4: [&str; 3] = ["1", "0.5", "-1"];
 
-const SCRIPT: &str = r#"import "path" as path;
-fn frame(ctx) {
-    if ctx.frame == ctx.params.breaks { throw "it broke"; }
-    ctx.place("ball", vec3(path::x(ctx.t), 0.5, 0));
-    ctx.material("floor", #{ roughness: 0.125 * ctx.t });
-}
-"#;
+const SCRIPT: &str = include_str!("timeline/script.rhai");
 
-const MOVES: &str = r#"script = "move.rhai"
-[params]
-breaks = 1000
-[timeline]
-fps = 4
-end = 7
-[motion.camera.main]
-eye = { keys = [{ at_s = 0, value = [0, 1.5, 4] }, { at_s = 1, value = [1, 1.5, 4] }] }
-[motion.light.lamp]
-position = { keys = [{ at_s = 0, value = [2, 3, 1] }, { at_s = 1, value = [-1, 3, 1] }] }
-"#;
+const MOVES: &str = include_str!("timeline/moves.toml");
 
 /// A ball over a mirror: x positions of its camera, ball and lamp, and the floor's roughness.
 fn scene(moves: &str, [eye, ball, lamp]: [&str; 3], roughness: &str) -> String {
-    format!(
-        r#"version = 1
-{moves}
-[camera.main]
-eye = [{eye}, 1.5, 4]
-target = [0, 0.5, 0]
-[light.lamp]
-kind = "point"
-position = [{lamp}, 3, 1]
-intensity_cd = 30
-[environment]
-zenith = [0.3, 0.4, 0.5]
-[material.floor]
-reflectivity = 0.6
-roughness = {roughness}
-reflection = "mirror"
-[material.red]
-base_color = [0.8, 0.1, 0.1]
-[model.floor]
-shape = {{ kind = "plane", size = [8, 8] }}
-material = "floor"
-[model.ball]
-shape = {{ kind = "sphere", radius = 0.5 }}
-material = "red"
-[[instance]]
-model = "floor"
-[[instance]]
-name = "ball"
-model = "ball"
-dynamic = true
-translation = [{ball}, 0.5, 0]
-"#
-    )
+    include_str!("timeline/scene.toml")
+        .replace("MOVES", moves)
+        .replace("EYE", eye)
+        .replace("LAMP", lamp)
+        .replace("BALL", ball)
+        .replace("ROUGHNESS", roughness)
 }
 
 fn write_scenes(folder: &Path) {

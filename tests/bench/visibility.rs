@@ -5,25 +5,7 @@ use std::fs;
 use super::{exits, folder, gpu_or_skip, samples};
 
 /// Mirror balls of more triangles than the picture has pixels.
-const BALLS: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 1, 5]
-[material.chrome]
-metallic = 1
-roughness = 0
-[model.ball]
-shape = { kind = "sphere", radius = 0.4, segments = SEGMENTS }
-material = "chrome"
-[[instance]]
-model = "ball"
-repeat = { count = [3, 3, 3], step = [1, 1, -1] }
-[light.sun]
-kind = "directional"
-direction = [0, -1, -1]
-intensity_lux = 3
-shadow = "none"
-"#;
+const BALLS: &str = include_str!("visibility/balls.toml");
 
 #[test]
 fn rt_finds_surfaces_as_render_does() {

@@ -5,7 +5,7 @@ use std::{fs, path::Path};
 use reflet::{app::plan_file::PlanFile, render::settings::unit_costs::UnitCosts};
 
 use super::{exits, folder, names};
-use crate::common::gpu_or_skip;
+use crate::common::{assert_says, gpu_or_skip};
 
 #[test]
 fn unit_costs_of_a_plan_decide_and_only_on_its_adapter() {
@@ -28,10 +28,7 @@ fn what_calibrate_measures_decides_and_only_on_its_adapter() {
     let folder = folder("calibrate");
     let calibrate = ["calibrate", "-o", "plan.toml", "--frames", "1"];
     let [table, _] = exits(&folder, &calibrate, 0);
-    assert!(
-        table.contains("mirror_node") && table.contains("its kind"),
-        "{table}"
-    );
+    assert_says(&table, &["mirror_node", "its kind"]);
     check_plan(&folder);
 }
 

@@ -6,7 +6,7 @@ use std::{
 };
 
 use super::{SCENE, exits, folder, names};
-use crate::common::gpu_or_skip;
+use crate::common::{gpu_or_skip, words};
 
 /// Pixels of a PNG in a rectangle.
 fn part(path: &Path, [x, y, width, height]: [u32; 4]) -> Vec<u8> {
@@ -115,15 +115,7 @@ fn watching_renders_again_after_each_save_and_keeps_the_last_good_picture() {
     let picture = folder.join("a.png");
     let project = |text: &str| fs::write(folder.join("reflet.toml"), text).expect("saved");
     project("[sizes]\nsmall = [16, 9]\n");
-    let render = [
-        "render",
-        "scene.toml",
-        "-o",
-        "a.png",
-        "--size",
-        "small",
-        "--watch",
-    ];
+    let render = words("render scene.toml -o a.png --size small --watch");
     let errors = fs::File::create(folder.join("errors")).expect("a file");
     let mut child = super::reflet(&folder, &render)
         .stderr(Stdio::from(errors))

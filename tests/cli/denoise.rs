@@ -8,23 +8,14 @@ use std::{
 use reflet::metric::read::read_picture;
 
 use super::{exits, folder, names, reflet};
-use crate::common::gpu_or_skip;
+use crate::common::{gpu_or_skip, words};
 
-const RENDER: [&str; 8] = [
-    "render",
-    "scene.toml",
-    "-o",
-    "a.png",
-    "--size",
-    "96x64",
-    "--denoise",
-    "--aov=normal",
-];
+const RENDER: &str = "render scene.toml -o a.png --size 96x64 --denoise --aov=normal";
 
 #[test]
 fn without_its_library_denoising_says_what_to_install() {
     let folder = folder("denoise-missing");
-    let mut command = reflet(&folder, &RENDER);
+    let mut command = reflet(&folder, &words(RENDER));
     let output = command.env("REFLET_OIDN", "/nowhere").output();
     let output = output.expect("the program starts");
     let error = String::from_utf8_lossy(&output.stderr);
@@ -46,36 +37,51 @@ fn library() -> Option<PathBuf> {
     folders.find(|folder| folder.is_dir())
 }
 
-#[test]
-fn with_its_library_grain_goes_and_edges_stay() {
+/// The library, and a folder whose scene goes on with this text; `None` after saying what is missing.
+fn prepared(name: &str, more: &str) -> Option<(PathBuf, PathBuf)> {
     let Some(library) = library() else {
         eprintln!(
             "SKIPPED: no Open Image Denoise in REFLET_OIDN or .venv (tools/setup.sh installs it)"
         );
-        return;
+        return None;
     };
-    if gpu_or_skip().is_none() {
-        return;
-    }
-    let folder = folder("denoise");
+    gpu_or_skip()?;
+    let folder = folder(name);
     let scene = fs::read_to_string(folder.join("scene.toml")).expect("a scene");
-    let soft = scene + "angle_deg = 40\nshadow = \"ray\"\n[image]\nlight_rays = 1\n";
-    fs::write(folder.join("scene.toml"), soft).expect("a scene");
-    let mut command = reflet(&folder, &RENDER);
-    let output = command.env("REFLET_OIDN", library).output();
+    fs::write(folder.join("scene.toml"), scene + more).expect("a scene");
+    Some((library, folder))
+}
+
+/// Runs the program with the library, which must succeed.
+fn run(library: &Path, folder: &Path, arguments: &[&str]) {
+    let output = reflet(folder, arguments)
+        .env("REFLET_OIDN", library)
+        .output();
     let output = output.expect("the program starts");
     let error = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{error}");
-    let read = |name: &str| {
-        image::open(folder.join(name))
-            .expect("a picture")
-            .to_luma32f()
+}
+
+fn luma(picture: &Path) -> image::ImageBuffer<image::Luma<f32>, Vec<f32>> {
+    image::open(picture).expect("a picture").to_luma32f()
+}
+
+#[test]
+fn with_its_library_grain_goes_and_edges_stay() {
+    let Some((library, folder)) = prepared(
+        "denoise",
+        "angle_deg = 40\nshadow = \"ray\"\n[image]\nlight_rays = 1\n",
+    ) else {
+        return;
     };
+    run(&library, &folder, &words(RENDER));
+    let read = |name: &str| luma(&folder.join(name));
     let clean = read("a.png");
     assert_eq!(names(&folder), ["a.normal.png", "a.png", "scene.toml"]);
-    let plain: Vec<&str> = RENDER.into_iter().filter(|a| *a != "--denoise").collect();
+    let plain = RENDER.replace(" --denoise", "");
+    let plain = words(&plain);
     exits(&folder, &plain, 0);
-    let truth: Vec<&str> = plain.iter().copied().chain(["--samples", "256"]).collect();
+    let truth = [&plain[..], &["--samples", "256"]].concat();
     let grainy = read("a.png");
     exits(&folder, &truth, 0);
     let truth = read("a.png");
@@ -94,24 +100,15 @@ fn with_its_library_grain_goes_and_edges_stay() {
 /// Denoised radiance has the mean of what it was made from, and edges that many samples smooth stay smooth.
 #[test]
 fn brightness_and_smooth_edges_stay() {
-    let Some(library) = library() else {
-        eprintln!("SKIPPED: no Open Image Denoise");
+    let Some((library, folder)) = prepared(
+        "denoise-mean",
+        "angle_deg = 40\nshadow = \"ray\"\n[image]\nlight_rays = 1\n",
+    ) else {
         return;
     };
-    if gpu_or_skip().is_none() {
-        return;
-    }
-    let folder = folder("denoise-mean");
-    let scene = fs::read_to_string(folder.join("scene.toml")).expect("a scene");
-    let soft = scene + "angle_deg = 40\nshadow = \"ray\"\n[image]\nlight_rays = 1\n";
-    fs::write(folder.join("scene.toml"), soft).expect("a scene");
     let render = |name: &str, further: &[&str]| {
         let fixed = ["render", "scene.toml", "--size", "96x64", "-o", name];
-        let arguments: Vec<&str> = fixed.iter().chain(further).copied().collect();
-        let output = reflet(&folder, &arguments)
-            .env("REFLET_OIDN", &library)
-            .output();
-        assert!(output.expect("the program starts").status.success());
+        run(&library, &folder, &[&fixed[..], further].concat());
         let read = read_picture(&folder.join(name)).expect("a picture");
         read.picture.pixels().to_vec()
     };
@@ -141,15 +138,10 @@ const MOVING: &str = "angle_deg = 40\nshadow = \"ray\"\n[image]\nlight_rays = 1\
 
 #[test]
 fn frames_of_a_film_are_denoised_with_their_neighbors() {
-    let Some(library) = library() else {
-        eprintln!("SKIPPED: no Open Image Denoise");
+    let Some((library, folder)) = prepared("denoise-film", MOVING) else {
         return;
     };
-    if gpu_or_skip().is_none() {
-        return;
-    }
-    let folder = folder("denoise-film");
-    let scene = fs::read_to_string(folder.join("scene.toml")).expect("a scene") + MOVING;
+    let scene = fs::read_to_string(folder.join("scene.toml")).expect("a scene");
     let mirror = "metallic = 1\nroughness = 0\nreflection = \"mirror\"";
     assert!(scene.contains(mirror));
     let scene = scene.replace(mirror, "roughness = 0.9");
@@ -157,13 +149,7 @@ fn frames_of_a_film_are_denoised_with_their_neighbors() {
     let render = |name: &str, further: &[&str]| {
         let output = format!("{name}.#.png");
         let fixed = ["render", "scene.toml", "-o", &output, "--size", "96x64"];
-        let arguments: Vec<&str> = fixed.iter().chain(further).copied().collect();
-        let output = reflet(&folder, &arguments)
-            .env("REFLET_OIDN", &library)
-            .output();
-        let output = output.expect("the program starts");
-        let error = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{error}");
+        run(&library, &folder, &[&fixed[..], further].concat());
     };
     let denoised = ["--denoise", "--frames", "all"];
     render("film", &denoised);
@@ -181,11 +167,7 @@ fn frames_of_a_film_are_denoised_with_their_neighbors() {
     let cut = "timeline.cuts=[{ frame = 3, camera = \"top\" }]";
     render("cut", &["--denoise", "--frames", "2", "--set", cut]);
     let read = |name: &str| fs::read(folder.join(name)).expect("a picture");
-    let pixels = |name: &str| {
-        image::open(folder.join(name))
-            .expect("a picture")
-            .to_luma32f()
-    };
+    let pixels = |name: &str| luma(&folder.join(name));
     assert_eq!(pixels("film.3.png"), pixels("part.3.png"));
     assert_eq!(pixels("short.2.png"), pixels("cut.2.png"));
     assert_ne!(read("film.2.png"), read("cut.2.png"));
@@ -212,26 +194,15 @@ fn frames_of_a_film_are_denoised_with_their_neighbors() {
 /// A film of one frame has no neighbors to average: it is the denoised picture of that frame.
 #[test]
 fn a_film_of_one_frame_is_denoised_as_a_picture() {
-    let Some(library) = library() else {
-        eprintln!("SKIPPED: no Open Image Denoise");
+    let Some((library, folder)) = prepared(
+        "denoise-one",
+        "angle_deg = 40\nshadow = \"ray\"\n[timeline]\nend = 0\n",
+    ) else {
         return;
     };
-    if gpu_or_skip().is_none() {
-        return;
-    }
-    let folder = folder("denoise-one");
-    let scene = fs::read_to_string(folder.join("scene.toml")).expect("a scene");
-    let soft = scene + "angle_deg = 40\nshadow = \"ray\"\n[timeline]\nend = 0\n";
-    fs::write(folder.join("scene.toml"), soft).expect("a scene");
     let render = |further: &[&str]| {
         let fixed = ["render", "scene.toml", "--size", "48x32", "--denoise"];
-        let arguments: Vec<&str> = fixed.iter().chain(further).copied().collect();
-        let output = reflet(&folder, &arguments)
-            .env("REFLET_OIDN", &library)
-            .output();
-        let output = output.expect("the program starts");
-        let error = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{error}");
+        run(&library, &folder, &[&fixed[..], further].concat());
     };
     // Files differ by the fingerprint that frames of films hold, so values are compared.
     let values = |name: &str| {

@@ -85,11 +85,7 @@ fn info_names_the_adapter_and_what_it_has_and_lacks() {
 #[test]
 fn info_prints_the_passes_of_a_frame() {
     let folder = folder("info-frame");
-    let scene = "version = 1\n[camera.main]\neye = [0, 1, 9]\ntarget = [0, 0, 0]\n\
-                 [material.thing]\nroughness = 1\n[model.thing]\nshape = { kind = \"box\" }\n\
-                 material = \"thing\"\n[[instance]]\nmodel = \"thing\"\n\
-                 [light.lamp]\nkind = \"point\"\nposition = [0, 3, 0]\nshadow = \"none\"\nintensity_cd = 1\n\
-                 [image]\nvisibility = \"raster\"\n[reflection]\nmethod = \"hybrid\"\n";
+    let scene = include_str!("info/info_prints_the_passes_of_a_frame.toml");
     fs::write(folder.join("box.toml"), scene).expect("temporary scene");
     let passes = |set: &[&str]| {
         let args = [&["info", "box.toml", "--frame", "--json"], set].concat();

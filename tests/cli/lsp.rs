@@ -4,6 +4,7 @@ mod across_files;
 mod session;
 mod writing;
 
+use crate::common::assert_says;
 use std::{
     fs,
     io::{BufRead as _, BufReader, Read as _, Write as _},
@@ -167,22 +168,7 @@ impl Client {
     }
 }
 
-const SCENE: &str = "version = 1
-include = \"parts.toml\"
-script = \"move.rhai\"
-timeline = { end = 3 }
-[params]
-lift = 1.0
-[environment]
-color = [0.5, 0.5, 0.5]
-[model.ball]
-shape = { kind = \"sphere\" }
-material = \"brass\"
-[[instance]]
-name = \"first\"
-model = \"ball\"
-dynamic = true
-";
+const SCENE: &str = include_str!("lsp/scene.toml");
 const PARTS: &str = "[material.brass]\nmetallic = 1\n";
 const SCRIPT: &str =
     "fn setup(ctx) { #{} }\nfn frame(ctx) { ctx.place(\"first\", [0, ctx.params.lift, 0]); }\n";
@@ -210,10 +196,7 @@ fn messages_follow_the_text() {
     );
     assert_eq!(found[0]["severity"], 1);
     let text = found[0]["message"].as_str().expect("text");
-    assert!(
-        text.contains("help:") && text.contains("\"ball\""),
-        "{text}"
-    );
+    assert_says(text, &["help:", "\"ball\""]);
     client.tell("textDocument/didChange", change(SCENE));
     assert_eq!(client.found(&uri).len(), 0);
     // A mistake in an included file is reported there while it is typed, and later withdrawn.

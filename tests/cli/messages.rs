@@ -3,46 +3,14 @@
 use std::{fs, process::Stdio};
 
 use super::{SCENE, exits, folder, names, reflet};
-use crate::common::gpu_or_skip;
+use crate::common::{cases, gpu_or_skip, words};
 
 #[test]
 fn usage_errors_exit_with_2_and_say_what_is_wrong() {
     let folder = folder("usage");
-    for (arguments, says) in [
-        (&["rendr"][..], "unrecognized subcommand"),
-        (
-            &["scene.toml"],
-            "`reflet render scene.toml -o picture.png` renders it",
-        ),
-        (&["render", "scene.toml"], "--output"),
-        (&["render", "-o", "a.png", "--size", "0x4"], "1 to 16384"),
-        (&["render", "-o", "a.png", "--size", "big"], "WIDTHxHEIGHT"),
-        (&["render", "-o", "a.png", "--samples", "0"], "1..=4096"),
-        (&["render", "-o", "a.png", "--method", "rtx"], "hybrid"),
-        (&["render", "-o", "a.gif"], "must end in .png or .exr"),
-        (
-            &["render", "-o", "no/where/a.png"],
-            "there is no folder no/where",
-        ),
-        (
-            &["render", "-o", "a.png", "--aov", "depht"],
-            "choose from depth, normal",
-        ),
-        (
-            &["render", "-o", "a.png", "--shaders", "none"],
-            "cannot read",
-        ),
-        (
-            &["render", "-o", "a.png", "--shaders", "."],
-            "no .wgsl files",
-        ),
-        (
-            &["render", "scene.toml", "-o", "a.png", "--camera", "tpo"],
-            "it has: main, top",
-        ),
-    ] {
-        let [_, error] = exits(&folder, arguments, 2);
-        assert!(error.contains(says), "{arguments:?} says {error}");
+    for (arguments, says) in cases(include_str!("messages/usage_errors.txt")) {
+        let [_, error] = exits(&folder, &words(arguments), 2);
+        assert!(error.contains(says), "{arguments} says {error}");
     }
     assert_eq!(names(&folder), ["scene.toml"]);
 }
@@ -74,16 +42,7 @@ fn messages_that_cannot_be_written_end_nothing() {
         let device = fs::OpenOptions::new().write(true).open("/dev/full");
         device.expect("Linux has this device")
     };
-    let film = [
-        "render",
-        "scene.toml",
-        "-o",
-        "a.##.png",
-        "--size",
-        "16x9",
-        "--set",
-        "timeline.end=1",
-    ];
+    let film = words("render scene.toml -o a.##.png --size 16x9 --set timeline.end=1");
     for (arguments, code) in [
         (&film[..], 0),
         (&["check", "scene.toml", "gone.toml"], 3),

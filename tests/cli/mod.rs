@@ -18,36 +18,10 @@ use std::{
     process::{Command, Output, Stdio},
 };
 
-use crate::common::gpu_or_skip;
+use crate::common::{gpu_or_skip, words};
 
 /// A scene with a mirror, small enough for any machine.
-const SCENE: &str = "
-version = 1
-[camera.main]
-eye = [0, 1, 3]
-target = [0, 0.5, 0]
-[camera.top]
-eye = [0, 5, 0.1]
-target = [0, 0, 0]
-[material.mirror]
-metallic = 1
-roughness = 0
-reflection = \"mirror\"
-[model.floor]
-shape = { kind = \"plane\", size = [4, 4] }
-material = \"mirror\"
-[model.ball]
-shape = { kind = \"sphere\", radius = 0.5, segments = 16 }
-[[instance]]
-model = \"floor\"
-[[instance]]
-model = \"ball\"
-translation = [0, 0.7, 0]
-[light.sun]
-kind = \"directional\"
-direction = [0, -1, -1]
-intensity_lux = 3
-";
+const SCENE: &str = include_str!("scene.toml");
 
 /// A temporary folder with the scene.
 fn folder(name: &str) -> PathBuf {
@@ -139,14 +113,7 @@ fn scene_errors_exit_with_3_and_point_at_the_place() {
         (&["check", "file.toml"], "gone.glb"),
         (&["check", "scene.toml", "--set", "image.sise=3"], "sise"),
         (
-            &[
-                "render",
-                "scene.toml",
-                "-o",
-                "a.exr",
-                "--set",
-                "image.samples=-1",
-            ],
+            &words("render scene.toml -o a.exr --set image.samples=-1"),
             "samples",
         ),
     ] {
@@ -241,18 +208,7 @@ fn a_picture_is_written_with_its_aovs_and_statistics() {
     let size = image::image_dimensions(folder.join("a.png")).expect("a PNG");
     assert_eq!(size, (33, 17));
 
-    let other = [
-        "-o",
-        "b.exr",
-        "--method",
-        "rt",
-        "--samples",
-        "2",
-        "--camera",
-        "top",
-        "--stats",
-        "text",
-    ];
+    let other = words("-o b.exr --method rt --samples 2 --camera top --stats text");
     let [out, _] = exits(&folder, &[&render[..], &other].concat(), 0);
     assert!(
         out.contains("reflective") && out.contains("samples 2") && !out.contains("counted"),

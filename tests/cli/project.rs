@@ -3,13 +3,10 @@
 use std::{fs, path::Path};
 
 use super::{SCENE, exits, folder, names};
-use crate::common::gpu_or_skip;
+use crate::common::{assert_says, cases, gpu_or_skip, words};
 
 /// A base that shots are laid over, with a light of its own.
-const BASE: &str = "version = 1\n[camera.main]\neye = [0, 1, 3]\ntarget = [0, 0.5, 0]\n[camera.side]\n\
-                    eye = [3, 1, 0]\ntarget = [0, 0.5, 0]\n[light.sun]\nkind = \"directional\"\n\
-                    direction = [0, -1, -1]\nintensity_lux = 3\n[model.ball]\n\
-                    shape = { kind = \"sphere\", segments = 16 }\n[variant.night]\nlight.sun.intensity_lux = 0.1\n";
+const BASE: &str = include_str!("project/base.toml");
 
 /// A shot in a subfolder, which reaches upward by its base, an included file, a placed scene and a script.
 const SHOT: &str = "version = 1\nbase = \"../base.toml\"\ninclude = \"../lib/red.toml\"\nscript = \"turn.rhai\"\n\
@@ -113,10 +110,7 @@ fn links_out_of_a_project_are_refused() {
     symlink(folder.join("outside.toml"), show.join("link.toml")).expect("a link");
     fs::write(show.join("a.toml"), "version = 1\nbase = \"link.toml\"\n").expect("written");
     let [_, error] = exits(&folder, &["check", "show/a.toml"], 3);
-    assert!(
-        error.contains("a.toml:2:8") && error.contains("leads out of the project"),
-        "{error}"
-    );
+    assert_says(&error, &["a.toml:2:8", "leads out of the project"]);
     // A link inside of it is a file like any other.
     fs::remove_file(show.join("link.toml")).expect("there");
     symlink(show.join("base.toml"), show.join("shots/link.toml")).expect("a link");
@@ -149,56 +143,18 @@ fn links_out_of_a_project_are_refused() {
     fs::rename(show.join("reflet.toml"), folder.join("other.toml")).expect("moved");
     symlink(folder.join("other.toml"), show.join("reflet.toml")).expect("a link");
     let [_, error] = exits(&folder, &["check", "show/shots/b.toml"], 3);
-    assert!(
-        error.contains("must not be a link to another folder"),
-        "{error}"
-    );
+    assert_says(&error, &["must not be a link to another folder"]);
 }
 
 #[test]
 fn mistakes_of_a_project_have_their_places() {
     let folder = show("project-mistakes", "");
     let file = folder.join("show/reflet.toml");
-    for (text, says) in [
-        (
-            "asets = [\"lib\"]\n",
-            ["reflet.toml:1:1", "did you mean `assets`?"],
-        ),
-        (
-            "assets = [\"../other\"]\n",
-            ["reflet.toml:1:11", "is not inside of the project's folder"],
-        ),
-        (
-            "assets = \".\"\n",
-            ["reflet.toml:1:10", "is the project's own folder"],
-        ),
-        (
-            "assets = \"/tmp\"\n",
-            ["reflet.toml:1:10", "is not inside of the project's folder"],
-        ),
-        (
-            "assets = \"base.toml\"\n",
-            ["reflet.toml:1:10", "is a file"],
-        ),
-        (
-            "output = \"../a.png\"\n",
-            ["reflet.toml:1:10", "is not inside of the project's folder"],
-        ),
-        ("output = \"a.txt\"\n", ["reflet.toml:1:10", ".png"]),
-        ("scripts = 3\n", ["reflet.toml:1:11", "text in quotes"]),
-        ("sizes = 3\n", ["reflet.toml:1:9", "`[sizes]`"]),
-        ("[sizes]\ndraft = [640]\n", ["reflet.toml:2:9", "two"]),
-        (
-            "[sizes]\n3d = [640, 360]\n",
-            ["reflet.toml:2:1", "begins with a letter"],
-        ),
-        (
-            "name = \"a\nsizes = 3\n",
-            ["reflet.toml:1:10", "does not end on its line"],
-        ),
-        ("camera = [\n", ["reflet.toml:1:10", "["]),
-    ] {
-        fs::write(&file, text).expect("written");
+    for (text, says) in cases(include_str!(
+        "project/mistakes_of_a_project_have_their_places.txt"
+    )) {
+        let says: Vec<&str> = says.split(" | ").collect();
+        fs::write(&file, format!("{text}\n")).expect("written");
         let [_, error] = exits(&folder, &["check", "show/base.toml"], 3);
         assert!(
             says.iter().all(|say| error.contains(say)),
@@ -216,10 +172,7 @@ fn mistakes_of_a_project_have_their_places() {
     ] {
         fs::write(&file, bytes).expect("written");
         let [_, error] = exits(&folder, &["check", "show/base.toml"], 3);
-        assert!(
-            error.contains(says) && error.contains("reflet.toml"),
-            "{error}"
-        );
+        assert_says(&error, &[says, "reflet.toml"]);
     }
     // A folder that does not exist is a warning, as that of `--assets` is.
     fs::write(&file, "assets = [\"gone\"]\n").expect("written");
@@ -269,15 +222,7 @@ fn jobs_name_the_project() {
     let folder = show("project-job", "scripts = \"scripts\"\n");
     let film = format!("{SHOT}[timeline]\nend = 3\n");
     fs::write(folder.join("show/shots/a.toml"), film).expect("written");
-    let slurm = [
-        "job",
-        "slurm",
-        "show/shots/a.toml",
-        "--pictures",
-        "o/a.##.png",
-        "-o",
-        "a.sh",
-    ];
+    let slurm = words("job slurm show/shots/a.toml --pictures o/a.##.png -o a.sh");
     exits(&folder, &slurm, 0);
     let script = fs::read_to_string(folder.join("a.sh")).expect("written");
     let file = folder
@@ -288,15 +233,7 @@ fn jobs_name_the_project() {
         script.contains(&format!("--project {}", file.display())),
         "{script}"
     );
-    let openjd = [
-        "job",
-        "openjd",
-        "show/shots/a.toml",
-        "--pictures",
-        "o/a.##.png",
-        "-o",
-        "job",
-    ];
+    let openjd = words("job openjd show/shots/a.toml --pictures o/a.##.png -o job");
     exits(&folder, &openjd, 0);
     let template = fs::read_to_string(folder.join("job/template.json")).expect("written");
     assert!(template.contains("{{Param.Project}}"), "{template}");
@@ -308,15 +245,12 @@ fn jobs_name_the_project() {
 fn a_new_project_checks_and_renders() {
     let folder = folder("project-new");
     let [_, said] = exits(&folder, &["new", "my show"], 0);
-    assert!(
-        said.contains("`reflet render 'my show/scenes/main.toml' --size draft`"),
-        "{said}"
+    assert_says(
+        &said,
+        &["`reflet render 'my show/scenes/main.toml' --size draft`"],
     );
     let [text, warnings] = exits(&folder, &["check", "my show/scenes/main.toml"], 0);
-    assert!(
-        text.contains("ok, 1 variant, in the project \"my show\""),
-        "{text}"
-    );
+    assert_says(&text, &["ok, 1 variant, in the project \"my show\""]);
     assert_eq!(warnings, "");
     // Nothing is replaced, nor left where it cannot be made.
     fs::write(folder.join("my show/reflet.toml"), "name = \"mine\"\n").expect("written");

@@ -3,7 +3,7 @@
 use std::{fs, path::Path};
 
 use super::{exits, names, project::show};
-use crate::common::gpu_or_skip;
+use crate::common::{gpu_or_skip, words};
 
 #[test]
 fn render_takes_camera_variant_size_and_output_from_the_project() {
@@ -19,15 +19,7 @@ fn render_takes_camera_variant_size_and_output_from_the_project() {
     assert_eq!(names(&out), ["base.side.night.png"], "{error}");
     let size = image::image_dimensions(out.join("base.side.night.png")).expect("a PNG");
     assert_eq!(size, (16, 9));
-    let same = [
-        "-o",
-        "same.png",
-        "--camera",
-        "side",
-        "--variant",
-        "night",
-        "--no-project",
-    ];
+    let same = words("-o same.png --camera side --variant night --no-project");
     let size = ["render", "show/base.toml", "--size", "16x9"];
     exits(&folder, &[&size[..], &same].concat(), 0);
     let read = |path: &Path| fs::read(path).expect("written");

@@ -3,7 +3,7 @@
 use std::fs;
 
 use super::{SCENE, exits, folder, names};
-use crate::common::gpu_or_skip;
+use crate::common::{gpu_or_skip, words};
 
 #[test]
 fn a_sheet_has_the_pictures_that_render_writes() {
@@ -14,16 +14,7 @@ fn a_sheet_has_the_pictures_that_render_writes() {
     let more = "[variant.dark]\nlight.sun.intensity_lux = 0.5\n[timeline]\nend = 1\n";
     fs::write(folder.join("scene.toml"), format!("{SCENE}{more}")).expect("written");
     let settings = ["--size", "16x9"];
-    let all = [
-        "sheet",
-        "scene.toml",
-        "-o",
-        "all.png",
-        "--variants",
-        "all",
-        "--camera",
-        "all",
-    ];
+    let all = words("sheet scene.toml -o all.png --variants all --camera all");
     let [_, said] = exits(&folder, &[&all[..], &settings].concat(), 0);
     for label in [
         "1 of 4: plain / main",
@@ -36,16 +27,7 @@ fn a_sheet_has_the_pictures_that_render_writes() {
         .expect("a PNG")
         .to_rgba8();
     assert_eq!(sheet.dimensions(), (8 + 2 * 24, 8 + 2 * 33));
-    let one = [
-        "render",
-        "scene.toml",
-        "-o",
-        "one.png",
-        "--camera",
-        "top",
-        "--variant",
-        "dark",
-    ];
+    let one = words("render scene.toml -o one.png --camera top --variant dark");
     exits(&folder, &[&one[..], &settings].concat(), 0);
     let one = image::open(folder.join("one.png"))
         .expect("a PNG")

@@ -75,3 +75,32 @@ impl Random {
         (self.0 % n as u64) as usize
     }
 }
+
+/// Asserts that a text contains each of these parts.
+#[track_caller]
+pub fn assert_says(text: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(text.contains(part), "no {part:?} in\n{text}");
+    }
+}
+
+/// Arguments of a command line, none of which has a space.
+pub fn words(line: &str) -> Vec<&str> {
+    line.split(' ').collect()
+}
+
+/// Cases of a text, each one or more lines and then `=> ` with what follows from them. Lines that begin with `//`
+/// before a case are comments.
+pub fn cases(text: &'static str) -> Vec<(&'static str, &'static str)> {
+    let (mut cases, mut rest) = (Vec::new(), text);
+    while let Some((mut case, after)) = rest.split_once("\n=> ") {
+        while let Some((_, body)) = case.split_once('\n').filter(|_| case.starts_with("//")) {
+            case = body;
+        }
+        let (follows, next) = after.split_once('\n').unwrap_or((after, ""));
+        cases.push((case, follows));
+        rest = next;
+    }
+    assert!(rest.is_empty() && !cases.is_empty(), "no case: {rest:?}");
+    cases
+}

@@ -1,5 +1,6 @@
 //! Outputs and thresholds of `compare`.
 
+use crate::common::assert_says;
 use std::{fs, path::PathBuf};
 
 use image::{Rgb, RgbImage};
@@ -186,11 +187,7 @@ fn thresholds_hold_for_frame_and_mask() {
     assert!(without.passed());
     let with = run(&b, &a, &["--max-flip", &flip, "--mask", text(&mask)]).expect("compares");
     assert_eq!(with.crossed.len(), 1);
-    assert!(
-        with.crossed[0].contains("inside the mask"),
-        "{:?}",
-        with.crossed
-    );
+    assert_says(&with.crossed[0], &["inside the mask"]);
     assert!(
         with.to_string()
             .contains("FAILED: mean FLIP inside the mask")

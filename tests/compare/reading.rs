@@ -1,5 +1,6 @@
 //! Picture formats: the same picture in different formats compares equal.
 
+use crate::common::assert_says;
 use std::path::Path;
 
 use image::{GrayAlphaImage, GrayImage, ImageBuffer, Luma, LumaA, Rgb, RgbImage, Rgba, RgbaImage};
@@ -199,11 +200,7 @@ fn open_exr_channels_are_found_or_asked_for() {
         &[("a.Y", 0.1), ("b.Y", 0.2)],
     ] {
         let error = read_picture(&make("unclear.exr", channels)).expect_err("unclear");
-        assert!(
-            error.message.contains("unclear which channels"),
-            "{}",
-            error.message
-        );
+        assert_says(&error.message, &["unclear which channels"]);
         assert!(error.message.contains(channels[1].0), "{}", error.message);
     }
     for depth in ["Z", "depth", "layer.ZBack"] {

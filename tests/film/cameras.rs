@@ -3,7 +3,7 @@
 use std::fs;
 
 use super::{SCENE, folder, pictures, pixels, render};
-use crate::common::gpu_or_skip;
+use crate::common::{gpu_or_skip, words};
 
 /// Several cameras in one run: each picture equals the one of a run with that camera alone.
 #[test]
@@ -40,14 +40,7 @@ fn several_cameras_are_written_to_files_with_their_names() {
     }
     render(
         &folder,
-        &[
-            "-o",
-            "f.{camera}.#.png",
-            "--camera",
-            "all",
-            "--frames",
-            "0-1",
-        ],
+        &words("-o f.{camera}.#.png --camera all --frames 0-1"),
         0,
     );
     render(&folder, &["-o", "{camera}.png", "--camera", "side,main"], 0);
@@ -75,15 +68,7 @@ fn several_cameras_are_written_to_files_with_their_names() {
     );
     let kept = render(
         &folder,
-        &[
-            "-o",
-            "f.{camera}.#.png",
-            "--camera",
-            "all",
-            "--frames",
-            "0-1",
-            "--resume",
-        ],
+        &words("-o f.{camera}.#.png --camera all --frames 0-1 --resume"),
         0,
     );
     assert_eq!(kept.matches(": kept f.").count(), 4, "{kept}");

@@ -1,5 +1,6 @@
 //! `check` and `info` on scenes with a timeline; neither needs a GPU.
 
+use crate::common::assert_says;
 use std::{fs, path::Path, process::Command};
 
 use super::{SCRIPT, folder};
@@ -116,10 +117,7 @@ fn what_has_no_effect_is_warned_of() {
     fs::write(folder.join("scene.toml"), text).expect("written");
     let (code, _, err) = reflet(&folder, "check", "scene.toml");
     assert_eq!(code, Some(0), "{err}");
-    assert!(
-        err.contains("warning[late-cut]") && err.contains("scene.toml:5:64"),
-        "{err}"
-    );
+    assert_says(&err, &["warning[late-cut]", "scene.toml:5:64"]);
     let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
         .current_dir(&folder)
         .args(["info", "scene.toml", "--assets", "nope", "--assets", "."])

@@ -10,7 +10,7 @@ use std::{
 };
 
 use super::folder;
-use crate::common::gpu_or_skip;
+use crate::common::{assert_says, gpu_or_skip};
 
 pub fn is_there(tool: &str) -> bool {
     let found = Command::new(tool).arg("-version").output().is_ok();
@@ -80,10 +80,7 @@ fn films_have_every_frame_at_its_time() {
     let place = |tag: &[u8]| bytes.windows(4).position(|part| part == tag);
     assert!(place(b"moov").is_some() && place(b"moov") < place(b"mdat"));
     let text = super::render(&folder, &["-o", "odd.mp4", "--size", "25x15"], 2);
-    assert!(
-        text.contains("choose --size 26x16, or write .apng"),
-        "{text}"
-    );
+    assert_says(&text, &["choose --size 26x16, or write .apng"]);
     assert!(!folder.join("odd.mp4").exists());
 }
 

@@ -4,7 +4,7 @@
 use std::{fs, process::Command};
 
 use super::{folder, pictures};
-use crate::common::gpu_or_skip;
+use crate::common::{assert_says, gpu_or_skip};
 
 /// Runs a shell command with an empty disk of so many KiB at `disk`; `None` if it cannot be
 /// mounted.
@@ -47,10 +47,7 @@ fn a_full_disk_ends_a_film_and_says_what_is_missing() {
     assert_eq!(count("No space left on device"), 1, "{text}");
     let missing = format!("{} frames are missing: ", 40 - written);
     assert!(text.contains(&missing), "{missing}: {text}");
-    assert!(
-        text.contains("free disk space and add --resume to continue"),
-        "{text}"
-    );
+    assert_says(&text, &["free disk space and add --resume to continue"]);
     assert!(!text.contains(".tmp"), "a half written file stays: {text}");
     // The reported frames are valid arguments of `--frames`.
     let list = text
@@ -85,10 +82,7 @@ fn a_full_disk_leaves_no_picture() {
         return;
     };
     assert_eq!(code, 1, "{text}");
-    assert!(
-        text.contains("error: cannot write disk/f.png: No space left"),
-        "{text}"
-    );
+    assert_says(&text, &["error: cannot write disk/f.png: No space left"]);
     assert!(text.ends_with("filler\n"), "{text}");
     assert!(fs::read_dir(folder.join("disk")).is_ok_and(|mut d| d.next().is_none()));
 }

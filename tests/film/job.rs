@@ -5,7 +5,7 @@ use std::{fs, path::Path, process::Command};
 use serde_json::Value;
 
 use super::{folder, pictures, render};
-use crate::common::gpu_or_skip;
+use crate::common::{gpu_or_skip, words};
 
 fn job(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
     let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
@@ -63,17 +63,7 @@ fn a_bundle_in_chunks_gives_the_frames_of_one_run() {
     let bundle = folder.join("bundle");
     let (code, text) = job(
         &folder,
-        &[
-            "scene.toml",
-            "-o",
-            "bundle",
-            "--pictures",
-            "parts/f.##.png",
-            "--chunk",
-            "4",
-            "--set",
-            "params.lift=0.7",
-        ],
+        &words("scene.toml -o bundle --pictures parts/f.##.png --chunk 4 --set params.lift=0.7"),
     );
     assert_eq!(code, Some(0), "{text}");
     let template = read(&bundle.join("template.json"));
@@ -128,16 +118,7 @@ fn a_job_takes_the_options_of_render() {
         String::from_utf8(output.stdout).expect("text")
     };
     // These are the job's own, or of one machine.
-    let own = [
-        "--output",
-        "--frames",
-        "--resume",
-        "--progress",
-        "--shard",
-        "--stats",
-        "--counters",
-        "--watch",
-    ];
+    let own = words("--output --frames --resume --progress --shard --stats --counters --watch");
     let of_render = help(&["render", "--help"]);
     for system in ["openjd", "slurm"] {
         let of_job = help(&["job", system, "--help"]);
@@ -150,30 +131,10 @@ fn a_job_takes_the_options_of_render() {
         }
     }
     fs::write(folder.join("p.json"), "{}").expect("written");
-    let picture = [
-        "--size",
-        "96x54",
-        "--method",
-        "rt",
-        "--camera=main",
-        "--samples",
-        "2",
-        "--aov",
-        "depth,normal",
-        "--denoise",
-        "--adapter",
-        "-a",
-        "--lenient",
-    ];
-    let own = [
-        "scene.toml",
-        "-o",
-        "bundle",
-        "--pictures",
-        "f.#.exr",
-        "--plan",
-        "p.json",
-    ];
+    let picture = words(
+        "--size 96x54 --method rt --camera=main --samples 2 --aov depth,normal --denoise --adapter -a --lenient",
+    );
+    let own = words("scene.toml -o bundle --pictures f.#.exr --plan p.json");
     let (code, text) = job(
         &folder,
         &[&own[..], &picture[..10], &["--adapter=-a", "--lenient"]].concat(),

@@ -25,55 +25,15 @@ use std::{
     process::{Command, Output, Stdio},
 };
 
-use crate::common::gpu_or_skip;
+use crate::common::{cases, gpu_or_skip, words};
 use reflet::{
     scene::stages::{Animator, Scene},
     world::load::{self, LoadOptions},
 };
 
-const SCENE: &str = "
-version = 1
-script = \"s.rhai\"
-include = \"light.toml\"
-timeline = { fps = 10, end = 5 }
-params = { lift = 0.5 }
-image = { size = [24, 16] }
-environment = { color = [0.3, 0.4, 0.5] }
-[camera.main]
-eye = [0, 1, 4]
-target = [0, 0.5, 0]
-[motion.camera.main]
-eye = { orbit = { period_s = 2 } }
-target = { follow = { instance = \"ball\" } }
-[material.mirror]
-metallic = 1
-roughness = 0.5
-[motion.material.mirror]
-roughness = { keys = [{ at_s = 0, value = 0.5 }, { at_s = 0.5, value = 0 }] }
-[material.red]
-base_color = [0.8, 0.1, 0.1]
-[model.floor]
-shape = { kind = \"plane\", size = [4, 4] }
-material = \"mirror\"
-[model.ball]
-shape = { kind = \"sphere\", radius = 0.5, segments = 16 }
-material = \"red\"
-[[instance]]
-model = \"floor\"
-[[instance]]
-name = \"ball\"
-model = \"ball\"
-dynamic = true
-[motion.light.lamp]
-position = { oscillate = { amplitude = [1, 0, 0], period_s = 0.7 } }
-";
+const SCENE: &str = include_str!("scene.toml");
 
-const LIGHT: &str = "
-[light.lamp]
-kind = \"point\"
-position = [0, 3, 0]
-intensity_cd = 20
-";
+const LIGHT: &str = include_str!("light.toml");
 
 const SCRIPT: &str = "fn frame(ctx) {
     ctx.place(\"ball\", [0, ctx.params.lift + 0.2 * ctx.frame, 0]);
@@ -291,50 +251,10 @@ fn films_in_one_file_decode() {
 #[test]
 fn invalid_options_are_refused() {
     let folder = folder("usage");
-    for (arguments, says) in [
-        (&["-o", "f.png", "--frames", "0-1"][..], "write f.####.png"),
-        (&["-o", "f.#.png", "--frames", "0-6"], "frame 6 is not in"),
-        (
-            &["-o", "f.#.png", "--frames", "3-1"],
-            "ends before it begins",
-        ),
-        (
-            &["-o", "f.#.png", "--frames", "-1"],
-            "is not a frame number",
-        ),
-        (&["-o", "f.#.png", "--frames", "0,0"], "listed twice"),
-        (
-            &["-o", "f.#.png", "--shard", "3/2"],
-            "1 to the number of parts",
-        ),
-        (&["-o", "#.#.png"], "may appear only once"),
-        (&["-o", &"#".repeat(200)], "write at most 20 #"),
-        (&["-o", "f.##.apng"], "a film is one file"),
-        (&["-o", "film.####.mp4"], "for frames write such as"),
-        (&["-o", "f.%04d.mp4"], "its name has no frame number"),
-        (&["-o", "f.%4d.png", "--frames", "1"], "is not understood"),
-        (
-            &["-o", "f.%04d/a.png", "--frames", "1"],
-            "not into the name",
-        ),
-        (&["-o", ".", "--frames", "0-1"], "must end in .png or .exr"),
-        (&["-o", "/dev/null", "--frames", "0-1"], "must end in"),
-        (&["-o", "q/", "--frames", "0-1"], "must end in"),
-        (&["-o", "no/where/#.png"], "there is no folder"),
-        (&["-o", "f.png", "--resume"], "need --frames"),
-        (&["-o", "f.apng", "--resume"], "need one file per frame"),
-        (
-            &["-o", "f.gif", "--frames", "1"],
-            "must end in .png or .exr",
-        ),
-        (
-            &["-o", "f.#.png", "--set", "params.lfit=1"],
-            "did you mean \"lift\"?",
-        ),
-    ] {
+    for (arguments, says) in cases(include_str!("invalid_options_are_refused.txt")) {
         let code = if says.starts_with("did") { 3 } else { 2 };
-        let text = render(&folder, arguments, code);
-        assert!(text.contains(says), "{arguments:?}: {text}");
+        let text = render(&folder, &words(arguments), code);
+        assert!(text.contains(says), "{arguments}: {text}");
     }
     fs::write(folder.join("scene.toml"), "version = 1\n").expect("writable");
     let text = render(&folder, &["-o", "f.#.png"], 2);

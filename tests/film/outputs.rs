@@ -3,6 +3,7 @@
 use std::{fs, path::Path, process::Command};
 
 use super::folder;
+use crate::common::words;
 
 /// Runs a command that is refused; returns its message.
 #[track_caller]
@@ -84,15 +85,7 @@ fn no_command_replaces_its_input() {
     // The files of a bundle have names of their own.
     fs::rename(folder.join("scene.toml"), folder.join("template.json")).expect("renamed");
     let before = state(&folder);
-    let job = [
-        "job",
-        "openjd",
-        "template.json",
-        "--pictures",
-        "p.#.png",
-        "-o",
-        ".",
-    ];
+    let job = words("job openjd template.json --pictures p.#.png -o .");
     let text = refused(&folder, &job);
     assert!(text.contains("an input of this command"), "{text}");
     assert_eq!(state(&folder), before);

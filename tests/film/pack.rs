@@ -12,7 +12,7 @@ use serde_json::Value;
 use zip::{ZipArchive, ZipWriter, write::SimpleFileOptions};
 
 use super::{folder, pictures, render};
-use crate::common::gpu_or_skip;
+use crate::common::{assert_says, gpu_or_skip};
 
 fn reflet(folder: &Path, arguments: &[&str], code: i32) -> [String; 2] {
     let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
@@ -104,10 +104,7 @@ fn a_pack_renders_the_same_elsewhere() {
     let goal = elsewhere.join("made");
     let goal = goal.to_str().expect("UTF-8");
     let [command, _] = reflet(&top, &["unpack", "show.zip", "-o", goal], 0);
-    assert!(
-        command.contains("--set params.lift=0.9 --frames all"),
-        "{command}"
-    );
+    assert_says(&command, &["--set params.lift=0.9 --frames all"]);
     if gpu_or_skip().is_none() {
         return;
     }
@@ -312,11 +309,7 @@ fn unpacking_leaves_nothing_after_a_signal() {
 #[test]
 fn a_signal_leaves_no_part_of_a_pack() {
     let top = show("pack-signal");
-    let gltf = "{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[0]}],\"scene\":0,\
-        \"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],\
-        \"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\
-        \"min\":[0,0,0],\"max\":[1,1,0]}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\
-        \"buffers\":[{\"uri\":\"long.bin\",\"byteLength\":36}]}";
+    let gltf = include_str!("pack/a_signal_leaves_no_part_of_a_pack.json");
     let mut bytes: Vec<u8> = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]
         .iter()
         .flat_map(|x| x.to_le_bytes())

@@ -11,7 +11,7 @@ use std::{
 };
 
 use super::folder;
-use crate::common::gpu_or_skip;
+use crate::common::{gpu_or_skip, words};
 
 /// Runs a command with so many threads, and so many busy ones beside it; returns the files that it wrote.
 fn files_of(
@@ -79,25 +79,9 @@ fn check(folder: &Path, arguments: &[&str], count: usize) {
 fn packs_and_jobs_are_the_same_bytes() {
     let folder = folder("same-packs");
     check(&folder, &["pack", "scene.toml", "-o", "show.zip"], 1);
-    let job = [
-        "job",
-        "openjd",
-        "scene.toml",
-        "-o",
-        ".",
-        "--pictures",
-        "f.#.exr",
-    ];
+    let job = words("job openjd scene.toml -o . --pictures f.#.exr");
     check(&folder, &job, 3);
-    let job = [
-        "job",
-        "slurm",
-        "scene.toml",
-        "-o",
-        "film.sh",
-        "--pictures",
-        "f.#.exr",
-    ];
+    let job = words("job slurm scene.toml -o film.sh --pictures f.#.exr");
     check(&folder, &job, 1);
 }
 
@@ -107,15 +91,7 @@ fn frames_and_films_are_the_same_bytes() {
         return;
     }
     let folder = folder("same-films");
-    let film = [
-        "render",
-        "scene.toml",
-        "--set",
-        "timeline.end=7",
-        "--size",
-        "64x36",
-        "-o",
-    ];
+    let film = words("render scene.toml --set timeline.end=7 --size 64x36 -o");
     let aov = ["--aov", "depth,normal,cause"];
     let exr = [&film[..], &["f.##.exr"], &aov].concat();
     check(&folder, &exr, 8);

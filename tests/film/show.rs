@@ -9,7 +9,7 @@ use std::{
 };
 
 use super::{folder, job, pictures};
-use crate::common::gpu_or_skip;
+use crate::common::{gpu_or_skip, words};
 
 fn show() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/show")
@@ -46,14 +46,7 @@ fn a_shot_in_chunks_killed_and_resumed_gives_the_bytes_of_one_run() {
     let folder = folder("show");
     let shot = show().join("shot020.toml");
     let shot = shot.to_str().expect("text");
-    let look = [
-        "--size",
-        "64x36",
-        "--variant",
-        "night",
-        "--variant",
-        "brass",
-    ];
+    let look = words("--size 64x36 --variant night --variant brass");
     let whole = folder.join("whole/f.##.png");
     fs::create_dir(folder.join("whole")).expect("a folder");
     let whole = whole.to_str().expect("text");

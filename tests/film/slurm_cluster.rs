@@ -11,7 +11,7 @@ use std::{
 };
 
 use super::{folder, pictures, render};
-use crate::common::gpu_or_skip;
+use crate::common::{gpu_or_skip, words};
 
 /// Folders of daemons in Debian, which are missing from the path of users.
 const PATHS: &str = "/usr/sbin:/usr/local/sbin";
@@ -195,15 +195,7 @@ fn a_cancelled_array_goes_on_where_it_is_sent_again() {
     let parts = folder.join("parts");
     fs::create_dir(&parts).expect("temporary folder");
     let mut job = cluster.command(env!("CARGO_BIN_EXE_reflet"));
-    job.args([
-        "job",
-        "slurm",
-        "scene.toml",
-        "-o",
-        "film.sh",
-        "--chunk",
-        "3",
-    ]);
+    job.args(words("job slurm scene.toml -o film.sh --chunk 3"));
     job.args(["--pictures", "parts/f.##.png"])
         .current_dir(&folder);
     output(&mut job);

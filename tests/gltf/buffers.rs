@@ -1,5 +1,6 @@
 //! Missing buffers: an error only where data is read from them.
 
+use crate::common::assert_says;
 use std::process::Command;
 
 use crate::kit::{Doc, Folder, load_scene, one_error, scene, warnings};
@@ -78,10 +79,7 @@ fn messages_about_a_bare_model_name_its_file_alone() {
     doc.json["extensionsUsed"] = json!(["EXT_unheard_of"]);
     folder.write("m.glb", doc.glb());
     let faulty = check(&[]);
-    assert!(
-        faulty.contains("EXT_unheard_of") && faulty.contains("m.glb\n"),
-        "{faulty}"
-    );
+    assert_says(&faulty, &["EXT_unheard_of", "m.glb\n"]);
     folder.write("m.glb", Doc::triangle().glb());
     let point = ["--set", "light.sun.kind=point"];
     let missing = check(&point);

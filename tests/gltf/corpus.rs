@@ -11,7 +11,8 @@ use reflet::{scene::diagnostic::Diagnostic, world::World};
 
 use crate::{
     common::shared_folder,
-    kit::{check_promises, load_scene, scene},
+    kit::{load_scene, scene},
+    promises::check_promises,
 };
 
 /// Valid files that may be refused: they require extensions that are not supported, or lack data

@@ -1,6 +1,9 @@
 //! Faults of files that are forgiven with a warning, as other viewers forgive them.
 
-use crate::kit::{Doc, Folder, load_scene, one_error, scene, warnings};
+use crate::{
+    common::cases,
+    kit::{Doc, Folder, load_scene, one_error, scene, warnings},
+};
 use glam::Vec3;
 use reflet::{
     scene::diagnostic::Diagnostic,
@@ -180,54 +183,9 @@ fn both(doc: &Doc) -> [Result<World, Vec<Diagnostic>>; 2] {
 
 #[test]
 fn wrong_references_are_dropped_where_asked() {
-    type Break = fn(&mut Doc);
-    let breaks: [(&str, Break); 12] = [
-        ("scene", |doc| doc.json["scene"] = 7.into()),
-        ("root", |doc| {
-            doc.json["scenes"][0]["nodes"] = json!([0, 7]);
-        }),
-        ("child", |doc| {
-            doc.json["nodes"][0]["children"] = json!([7]);
-        }),
-        ("mesh", |doc| {
-            doc.root_node(json!({"mesh": 7}));
-        }),
-        ("camera", |doc| {
-            doc.json["nodes"][0]["camera"] = 7.into();
-        }),
-        ("light", |doc| {
-            doc.json["nodes"][0]["extensions"] = json!({"KHR_lights_punctual": {"light": 7}});
-        }),
-        ("material", |doc| doc.primitive("material", 7.into())),
-        ("texture", |doc| {
-            doc.add(
-                "materials",
-                json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 7}}}),
-            );
-            doc.primitive("material", 0.into());
-        }),
-        ("image", |doc| {
-            doc.add("textures", json!({"source": 7}));
-        }),
-        ("sampler", |doc| {
-            doc.add("textures", json!({"sampler": 7}));
-        }),
-        ("variant", |doc| {
-            let mapping = json!({"material": 0, "variants": [7]});
-            doc.add("materials", json!({}));
-            doc.primitive(
-                "extensions",
-                json!({"KHR_materials_variants": {"mappings": [mapping]}}),
-            );
-        }),
-        ("image-based light", |doc| {
-            let light = json!({"EXT_lights_image_based": {"light": 7}});
-            doc.json["scenes"][0]["extensions"] = light;
-        }),
-    ];
-    for (what, damage) in breaks {
+    for (damage, what) in cases(include_str!("forgiven/wrong_references.txt")) {
         let mut doc = Doc::triangle();
-        damage(&mut doc);
+        doc.set(damage);
         let [strict, lenient] = both(&doc);
         let (_, message) = one_error(strict);
         assert!(message.contains("does not exist"), "{what}: {message}");

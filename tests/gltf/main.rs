@@ -37,6 +37,7 @@ mod meshopt;
 mod node_chains;
 mod overrides;
 mod pointer;
+mod promises;
 mod reach;
 mod scale;
 mod scene;

@@ -1,5 +1,6 @@
 //! Warnings about invalid materials: the location of the fault, and the substitute that is used.
 
+use crate::common::assert_says;
 use crate::kit::{Doc, Folder, stone, warnings};
 use reflet::{
     scene::stages::Scene,
@@ -83,10 +84,7 @@ fn factors_outside_their_range_are_named() {
             panic!("one warning of {key}")
         };
         assert_eq!(*name, "factor-clamped");
-        assert!(
-            message.contains(&format!("\"stone\": {key} is ")),
-            "{message}"
-        );
+        assert_says(message, &[&format!("\"stone\": {key} is ")]);
     }
 }
 

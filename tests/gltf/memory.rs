@@ -9,17 +9,7 @@ use reflet::world::{
 };
 use serde_json::{Value, json};
 
-use crate::kit::{Doc, Folder, one_error, png, scene};
-
-/// A triangle with an image as its base color.
-fn textured(image: &[u8]) -> Doc {
-    let mut doc = Doc::triangle();
-    let texture = doc.texture(image);
-    let pbr = json!({"baseColorTexture": {"index": texture}});
-    doc.add("materials", json!({"pbrMetallicRoughness": pbr}));
-    doc.primitive("material", 0.into());
-    doc
-}
+use crate::kit::{Doc, Folder, one_error, png, scene, textured};
 
 /// Loads a file within so much memory; an error's name and text.
 pub fn within(doc: &Doc, mebibytes: u64) -> Result<World, (&'static str, String)> {

@@ -11,52 +11,9 @@ use crate::{
     kit::{Folder, stone},
 };
 
-const SCENE: &str = "
-version = 1
-timeline = { fps = 2, end = 8 }
-[material.brass]
-roughness = 0.5
-metallic = 1
-[model.ball]
-shape = { kind = \"box\" }
-material = \"brass\"
-[model.bare]
-shape = { kind = \"box\" }
-[model.stone]
-file = \"m.glb\"
-material.stone = { roughness = 0.5 }
-[[instance]]
-name = \"still\"
-model = \"ball\"
-material = { roughness = 0.25 }
-[[instance]]
-name = \"ball\"
-model = \"ball\"
-material = { roughness = 0.25 }
-[[instance]]
-name = \"bare\"
-model = \"bare\"
-material = {}
-[[instance]]
-name = \"stone\"
-model = \"stone\"
-material = { metallic = 0.5 }
-[[instance]]
-name = \"other\"
-model = \"stone\"
-[camera.main]
-";
+const SCENE: &str = include_str!("overrides/scene.toml");
 
-const MOTION: &str = "
-[motion.instance.ball.material]
-roughness = { keys = [{ at_s = 0, value = 0.25 }, { at_s = 2, value = 1 }] }
-metallic = { rate = -0.25 }
-[motion.instance.bare.material]
-base_color = { rate = [-0.5, 0, 0] }
-[motion.instance.stone.material]
-roughness = { rate = 0.25 }
-metallic = { rate = -0.25 }
-";
+const MOTION: &str = include_str!("overrides/motion.toml");
 
 fn read(folder: &Folder, text: &str) -> Result<Scene, String> {
     folder.write("m.glb", stone().glb());
@@ -99,13 +56,7 @@ fn they_change_by_script_over_what_is_below_them() {
     let folder = Folder::new();
     folder.write(
         "s.rhai",
-        "fn frame(ctx) {
-            ctx.material(\"brass\", #{ metallic: 0.125, roughness: 0.125 });
-            ctx.material(\"stone\", \"stone\", #{ roughness: 0.125 });
-            ctx.instance_material(\"ball\", #{ roughness: ctx.t });
-            ctx.instance_material(\"bare\", #{ base_color: [0, ctx.t, 0] });
-            ctx.instance_material(\"stone\", #{ metallic: ctx.t });
-        }",
+        include_str!("overrides/they_change_by_script_over_what_is_below_them.rhai"),
     );
     let text = format!("script = \"s.rhai\"\n{SCENE}");
     let desc = read(&folder, &text).expect("it is right");

@@ -1,5 +1,6 @@
 //! Scripted poses of nodes and morph targets.
 
+use crate::common::assert_says;
 use glam::{Quat, Vec3};
 use reflet::{
     scene::{
@@ -39,23 +40,7 @@ fn doc() -> Doc {
     doc
 }
 
-const SCENE: &str = r#"
-version = 1
-camera.main = {}
-[timeline]
-end = 9
-[model.figure]
-file = "m.glb"
-[[instance]]
-name = "a"
-model = "figure"
-joints = ["hand", "arm"]
-morphs = ["up", "1"]
-[[instance]]
-name = "b"
-model = "figure"
-translation = [0, 0, 9]
-"#;
+const SCENE: &str = include_str!("scripted/scene.toml");
 
 fn loaded(folder: &Folder, text: &str) -> Result<(Scene, World), String> {
     folder.write("m.glb", doc().glb());
@@ -168,9 +153,6 @@ fn names_that_the_file_does_not_have_are_errors() {
         ),
     ] {
         let errors = loaded(&folder, &SCENE.replace(old, new)).expect_err("an error");
-        assert!(
-            errors.contains(says) && errors.contains("scene.toml:"),
-            "{errors}"
-        );
+        assert_says(&errors, &[says, "scene.toml:"]);
     }
 }

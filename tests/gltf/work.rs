@@ -3,6 +3,8 @@
 use allocation_counter::{AllocationInfo, measure};
 use rayon::ThreadPoolBuilder;
 
+use crate::{kit::Doc, promises::check_promises};
+
 /// Result of `read` and the allocations that it made. Its parallel parts run on the same thread, so that they are
 /// counted too.
 pub fn counted<T: Send>(read: impl FnOnce() -> T + Send) -> (T, AllocationInfo) {
@@ -28,6 +30,21 @@ impl Most {
         self.bytes = self.bytes.max(work.bytes_total);
         self.allocations = self.allocations.max(work.count_total);
         result
+    }
+
+    /// Whether a damaged file loads: then its world keeps its promises, otherwise it is refused for a fault of the file.
+    pub fn loads(&mut self, doc: &Doc, what: &str) -> bool {
+        match self.of(|| doc.load()) {
+            Ok(world) => {
+                check_promises(&world, what);
+                true
+            }
+            Err(errors) => {
+                let is_of_file = errors.iter().all(|error| error.name != "internal");
+                assert!(is_of_file, "{what}: {errors:?}");
+                false
+            }
+        }
     }
 
     /// Asserts that no read allocated more than this many MiB, in this many allocations.

@@ -12,17 +12,7 @@ use reflet::{
 use wgpu::util::DeviceExt as _;
 
 /// Doubles every value and paints each texel with its own coordinates.
-const DOUBLE: &str = "
-override factor: u32 = 1;
-@group(0) @binding(0) var<storage, read_write> values: array<u32>;
-@group(0) @binding(3) var coordinates: texture_storage_2d<rg32uint, write>;
-
-@compute @workgroup_size(64)
-fn main(@builtin(global_invocation_id) id: vec3u) {
-    if id.x < arrayLength(&values) { values[id.x] *= factor; }
-    textureStore(coordinates, vec2u(id.x % 33u, id.x / 33u), vec4u(id.x % 33u, id.x / 33u, 0u, 0u));
-}
-";
+const DOUBLE: &str = include_str!("double.wgsl");
 
 fn library(name: &str, text: &str) -> ShaderLibrary {
     let dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("gpu-{name}"));
@@ -113,14 +103,7 @@ fn a_dispatch_doubles_a_buffer_and_paints_a_texture() {
 }
 
 /// Hashes every value.
-const HASH: &str = "
-@group(0) @binding(0) var<storage, read_write> values: array<u32>;
-
-@compute @workgroup_size(64)
-fn main(@builtin(global_invocation_id) id: vec3u) {
-    if id.x < arrayLength(&values) { values[id.x] = hash(values[id.x]); }
-}
-";
+const HASH: &str = include_str!("hash.wgsl");
 
 #[test]
 fn shaders_and_the_cpu_hash_numbers_alike() {

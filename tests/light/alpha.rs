@@ -5,27 +5,7 @@ use std::f32::consts::PI;
 use super::kit::{assert_close, gpu, render, renderer, scene};
 
 /// A white matte ball in the middle of a bright world.
-const BALL: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 0, 4]
-target = [0, 0, 0]
-fov_deg = 40
-[image]
-size = [32, 32]
-samples = 64
-alpha = true
-tone_map = "none"
-[environment]
-color = [0.5, 0.5, 0.5]
-[material.white]
-reflectivity = 0
-[model.ball]
-shape = { kind = "sphere", radius = 1 }
-material = "white"
-[[instance]]
-model = "ball"
-"#;
+const BALL: &str = include_str!("alpha/ball.toml");
 
 #[test]
 fn alpha_is_the_share_of_a_pixel_that_shows_something() {

@@ -12,54 +12,7 @@ use reflet::{
 use super::kit::{color, gpu, renderer, scene_of};
 
 /// A wall between a lamp, a glowing box and a mirror on the floor, which reflects the wall.
-const WALL: &str = r#"
-version = 1
-[camera.main]
-eye = [0.5, 0.3, 4]
-target = [0, -0.5, 0]
-fov_deg = 40
-[image]
-size = [48, 40]
-samples = 16
-tone_map = "none"
-[reflection]
-roughness_cutoff = 1
-[environment]
-zenith = [0.2, 0.3, 1]
-horizon = [1, 1, 1]
-ground = [0.3, 0.2, 0.1]
-[light.lamp]
-kind = "point"
-position = [1, 2, 3]
-intensity_cd = 40
-[material.wall]
-base_color = [0, 0, 0]
-[material.mirror]
-metallic = 1
-roughness = 0
-[material.box]
-base_color = [0, 0, 0]
-reflectivity = 0
-emission = [9, 1, 0]
-[model.wall]
-shape = { kind = "plane", size = [3, 2] }
-material = "wall"
-[model.mirror]
-shape = { kind = "plane", size = [3, 3] }
-material = "mirror"
-[model.box]
-shape = { kind = "box", size = [0.5, 1, 0.5] }
-material = "box"
-[[instance]]
-model = "wall"
-rotation_deg = [90, 0, 0]
-[[instance]]
-model = "mirror"
-translation = [0, -1, 1.5]
-[[instance]]
-model = "box"
-translation = [0.9, 0, 1]
-"#;
+const WALL: &str = include_str!("coat_normals/wall.toml");
 
 const MAP: &str = "normal_texture = \"coat-normal.png\"\n";
 const STEEP_MAP: &str = "normal_texture = \"coat-steep-normal.png\"\n";

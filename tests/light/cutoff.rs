@@ -12,12 +12,7 @@ const GRID: [usize; 2] = [20, 13];
 /// Cells with materials of roughness 0 to 1 in steps of 1/255, and a mirror behind the camera, so that rays are
 /// followed whatever the cut-off.
 fn grid(material: &str) -> String {
-    let mut text = String::from(
-        "version = 1\n[camera.main]\neye = [10, 6.5, 5]\ntarget = [10, 6.5, 0]\northographic_height_m = 13\n\
-         [image]\nsize = [96, 54]\n[model.cell]\nshape = { kind = \"plane\", size = [1, 1] }\n\
-         [[instance]]\nmodel = \"cell\"\nmaterial = \"mirror\"\ntranslation = [0, 0, 99]\n\
-         [material.mirror]\nmetallic = 1\nroughness = 0\n",
-    );
+    let mut text = String::from(include_str!("cutoff/grid.toml"));
     for k in 0..256 {
         let [x, y] = [k % GRID[0], k / GRID[0]].map(|i| i as f64 + 0.5);
         let own = material.replace("VALUE", &format!("{}", k as f64 / 255.0));
@@ -76,24 +71,7 @@ fn shaders_and_plan_agree_who_reflects() {
 }
 
 /// A floor in even white light, which nothing else reflects.
-const FURNACE: &str = r#"
-version = 1
-[camera.main]
-eye = [2, 2, 0]
-target = [0, 0, 0]
-fov_deg = 1
-[image]
-size = [8, 8]
-tone_map = "none"
-[environment]
-color = [1, 1, 1]
-[reflection]
-method = "rt"
-[material.floor]
-[model.floor]
-shape = { kind = "plane", size = [20, 20] }
-material = "floor"
-"#;
+const FURNACE: &str = include_str!("cutoff/furnace.toml");
 
 #[test]
 fn no_light_is_lost_at_the_cutoff() {
@@ -158,36 +136,7 @@ fn check_lamp_and(pane: &str) {
 }
 
 /// A floor below a red ceiling, in light that comes from everywhere.
-const ROOM: &str = r#"
-version = 1
-[camera.main]
-eye = [2, 1, 0]
-target = [0, 0, 0]
-fov_deg = 4
-[image]
-size = [8, 8]
-samples = 64
-tone_map = "none"
-[reflection]
-method = "rt"
-[material.floor]
-base_color = [0.2, 0.2, 0.2]
-[material.red]
-base_color = [0, 0, 0]
-reflectivity = 0
-emission = [1, 0.1, 0]
-[model.floor]
-shape = { kind = "plane", size = [20, 20] }
-material = "floor"
-[model.red]
-shape = { kind = "box", size = [20, 0.1, 20] }
-material = "red"
-[[instance]]
-model = "floor"
-[[instance]]
-model = "red"
-translation = [-10.5, 3, 0]
-"#;
+const ROOM: &str = include_str!("cutoff/room.toml");
 /// Even light, light that casts shadows, a lamp with a size, and a glowing block that is sampled.
 const LIGHTS: [&str; 4] = [
     "[environment]\ncolor = [0.5, 0.5, 1]\n",

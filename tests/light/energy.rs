@@ -3,21 +3,7 @@
 use super::kit::{assert_close, gpu, mean, render};
 
 /// A floor seen from 3 m at an angle that a test sets.
-const FLOOR: &str = r#"
-version = 1
-[camera.main]
-target = [0, 0, 0]
-fov_deg = 1
-[image]
-size = [16, 16]
-samples = 16
-tone_map = "none"
-[reflection]
-method = "rt"
-[model.floor]
-shape = { kind = "plane", size = [20, 20] }
-material = "floor"
-"#;
+const FLOOR: &str = include_str!("energy/floor.toml");
 const METAL: &str = "[material.floor]\nmetallic = 1\n";
 const DIELECTRIC: &str = "[material.floor]\n";
 
@@ -102,33 +88,7 @@ fn no_pixel_is_black_where_its_one_facet_turns_light_to_the_wrong_side() {
 }
 
 /// A rough metal floor below a red ceiling, under a black sky, with a small bright lamp.
-const ROOM: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 1, 3]
-target = [0, 0, 0]
-fov_deg = 20
-[image]
-size = [48, 48]
-tone_map = "none"
-[material.floor]
-metallic = 1
-[material.red]
-base_color = [0, 0, 0]
-reflectivity = 0
-emission = [1, 0, 0]
-[model.floor]
-shape = { kind = "plane", size = [20, 20] }
-material = "floor"
-[model.red]
-shape = { kind = "box", size = [20, 0.1, 20] }
-material = "red"
-[[instance]]
-model = "floor"
-[[instance]]
-model = "red"
-translation = [0, 3, 0]
-"#;
+const ROOM: &str = include_str!("energy/room.toml");
 
 #[test]
 fn metals_show_what_is_around_past_the_cutoff_of_dielectrics() {

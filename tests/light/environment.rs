@@ -33,24 +33,7 @@ fn render_under(
 }
 
 /// A floor that fills the picture, seen from above.
-pub const FLOOR: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 3, 0]
-target = [0, 0, 0]
-up = [0, 0, -1]
-fov_deg = 20
-[image]
-size = [16, 8]
-tone_map = "none"
-[material.gray]
-base_color = [0.5, 0.5, 0.5]
-reflectivity = 0
-reflection = "none"
-[model.floor]
-shape = { kind = "plane", size = [20, 20] }
-material = "gray"
-"#;
+pub const FLOOR: &str = include_str!("environment/floor.toml");
 
 /// Scene text that refers to the panorama.
 pub const SKY: &str = "[environment]\nfile = \"sky.exr\"\n";
@@ -127,22 +110,8 @@ fn quarters(x: usize, y: usize) -> [f32; 3] {
 
 #[test]
 fn a_panorama_stands_as_its_convention_says_and_turns() {
-    let mirror = r#"
-version = 1
-[camera.main]
-eye = [0, 0, 0]
-fov_deg = 20
-[image]
-size = [9, 9]
-tone_map = "none"
-[material.mirror]
-base_color = [0, 0, 0]
-reflectivity = 1
-reflection = "mirror"
-[model.mirror]
-shape = { kind = "plane" }
-material = "mirror"
-"#;
+    let mirror =
+        include_str!("environment/a_panorama_stands_as_its_convention_says_and_turns.toml");
     let sky = format!("{mirror}{SKY}");
     let (red, green, blue) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
     let white = [1.0; 3];
@@ -251,22 +220,7 @@ fn samples_of_a_panorama_converge_to_its_irradiance() {
 
 #[test]
 fn a_wall_takes_half_of_the_sky() {
-    let wall = r#"
-[material.black]
-base_color = [0, 0, 0]
-reflectivity = 0
-[model.wall]
-shape = { kind = "box", size = [1000, 1000, 1] }
-material = "black"
-[[instance]]
-model = "floor"
-[[instance]]
-model = "wall"
-translation = [0, 499, -1.5]
-[environment]
-color = [1, 1, 1]
-shadow = "ray"
-"#;
+    let wall = include_str!("environment/a_wall_takes_half_of_the_sky.toml");
     let Some(gpu) = gpu() else { return };
     let text = format!("{FLOOR}{wall}");
     // The point under the camera is 1 m from a wall that reaches 998 m up.
@@ -308,21 +262,8 @@ pub fn directional_albedo(cosine: f64, roughness: f64) -> f64 {
 #[test]
 fn a_rough_metal_in_a_furnace_shows_its_directional_albedo() {
     let Some(gpu) = gpu() else { return };
-    let metal = r#"
-[material.metal]
-base_color = [1, 1, 1]
-metallic = 1
-reflection = "none"
-[model.metal]
-shape = { kind = "plane", size = [20, 20] }
-material = "metal"
-[[instance]]
-model = "metal"
-translation = [0, 0.1, 0]
-[environment]
-color = [1, 1, 1]
-shadow = "ray"
-"#;
+    let metal =
+        include_str!("environment/a_rough_metal_in_a_furnace_shows_its_directional_albedo.toml");
     let text = format!("{FLOOR}{metal}");
     for roughness in ["0.1", "0.4", "0.7", "1"] {
         for angle_deg in [0.0_f64, 60.0] {

@@ -10,27 +10,7 @@ use super::{
 };
 
 /// A white, matte floor at y = 0 of which the picture shows a few centimeters around the origin.
-pub const FLOOR: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 0.5, 1]
-target = [0, 0, 0]
-fov_deg = 1
-[image]
-size = [16, 16]
-samples = 16
-light_rays = 4
-tone_map = "none"
-[material.white]
-base_color = [1, 1, 1]
-reflectivity = 0
-reflection = "none"
-[model.floor]
-shape = { kind = "plane", size = [40, 40] }
-material = "white"
-[[instance]]
-model = "floor"
-"#;
+pub const FLOOR: &str = include_str!("extent/floor.toml");
 
 /// Irradiance divided by π that a light in the scene text gives the floor.
 fn irradiance_over_pi(light: &str) -> Option<f32> {
@@ -242,25 +222,7 @@ fn mirrors_show_lights_with_a_size() {
 }
 
 /// A metal with reflectance 1 and a rough specular lobe, under an even sky.
-const METAL: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 3, 0.1]
-[image]
-size = [16, 16]
-samples = 16
-tone_map = "none"
-[reflection]
-roughness_cutoff = 1
-[environment]
-color = [1, 1, 1]
-[material.metal]
-base_color = [1, 1, 1]
-metallic = 1
-[model.metal]
-shape = { kind = "plane", size = [20, 20] }
-material = "metal"
-"#;
+const METAL: &str = include_str!("extent/metal.toml");
 
 #[test]
 fn a_rough_metal_reflects_its_directional_albedo() {
@@ -327,10 +289,7 @@ fn a_mirror_stays_sharp_whatever_its_roughness() {
 
 /// A rough mirror below a checkered wall, so that neighboring rays hit different colors.
 fn rough_floor() -> String {
-    let wall = "[material.wall]\nchecker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 0.3 }\n\
-                reflectivity = 0\n[model.wall]\nshape = { kind = \"plane\", size = [8, 8] }\n\
-                material = \"wall\"\n[[instance]]\nmodel = \"wall\"\ntranslation = [0, 0, -2]\n\
-                rotation_deg = [90, 0, 0]\n";
+    let wall = include_str!("extent/rough_floor.toml");
     let metal = "base_color = [1, 1, 1]\nmetallic = 1\nroughness = 0.4";
     FLOOR
         .replace(

@@ -8,27 +8,7 @@ use glam::{DVec3, Vec3};
 use super::kit::{assert_close, color, gpu, mean, render};
 
 /// A floor of metal seen from 3 m at an angle that a test sets, in even light.
-const FLOOR: &str = r#"
-version = 1
-[camera.main]
-target = [0, 0, 0]
-up = [0, 0, -1]
-fov_deg = 1
-[image]
-size = [16, 16]
-samples = 16
-tone_map = "none"
-[reflection]
-method = "rt"
-roughness_cutoff = 1
-[environment]
-color = [1, 1, 1]
-[material.floor]
-roughness = 0
-[model.floor]
-shape = { kind = "plane", size = [20, 20] }
-material = "floor"
-"#;
+const FLOOR: &str = include_str!("film_grooves_dispersion/floor.toml");
 
 /// Mean color of the floor seen from this direction.
 fn seen(view: DVec3, material: &str, set: &[&str]) -> Option<[f32; 3]> {
@@ -245,40 +225,7 @@ fn a_lamp_on_grooves_shows_the_formula_in_their_direction() {
 }
 
 /// A ball of glass before a checkerboard.
-const BALL: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 0, 4]
-target = [0, 0, 0]
-fov_deg = 30
-[image]
-size = [24, 24]
-samples = 48
-tone_map = "none"
-[reflection]
-method = "rt"
-[environment]
-color = [0.5, 0.5, 0.5]
-[material.board]
-base_color = [0, 0, 0]
-reflectivity = 0
-emission = [1, 1, 1]
-[material.glass]
-transmission = 1
-thickness_m = 1
-roughness = 0
-[model.ball]
-shape = { kind = "sphere" }
-material = "glass"
-[model.board]
-shape = { kind = "box", size = [1, 8, 0.1] }
-material = "board"
-[[instance]]
-model = "ball"
-[[instance]]
-model = "board"
-translation = [0.3, 0, -3]
-"#;
+const BALL: &str = include_str!("film_grooves_dispersion/ball.toml");
 
 #[test]
 fn a_solid_bends_each_color_by_its_own_index() {

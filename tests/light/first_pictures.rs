@@ -3,48 +3,7 @@
 use crate::kit::{color, gpu, render};
 
 /// A ball of rough glass in a room that glows, before dark slats.
-const SCENE: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 0, 3]
-target = [0, 0, 0]
-fov_deg = 30
-[image]
-size = [32, 18]
-tone_map = "none"
-[environment]
-zenith = [0, 0, 0]
-horizon = [0, 0, 0]
-ground = [0, 0, 0]
-[material.glass]
-transmission = 1
-roughness = 0.3
-[material.dark]
-base_color = [0, 0, 0]
-reflectivity = 0
-[material.glow]
-base_color = [0, 0, 0]
-reflectivity = 0
-emission = [1, 1, 1]
-double_sided = true
-[model.glass]
-shape = { kind = "sphere", radius = 1, segments = 32 }
-material = "glass"
-[model.room]
-shape = { kind = "box", size = [20, 20, 20] }
-material = "glow"
-[model.slat]
-shape = { kind = "box", size = [0.5, 20, 0.1] }
-material = "dark"
-[[instance]]
-model = "glass"
-[[instance]]
-model = "room"
-[[instance]]
-model = "slat"
-translation = [-5, 0, -2]
-repeat = { count = [11, 1, 1], step = [1, 0, 0] }
-"#;
+const SCENE: &str = include_str!("first_pictures/scene.toml");
 
 /// A pixel of rough glass shows light or a slat by one path; one sample follows four, so that errors are half as large: 0.23
 /// in place of 0.45.
@@ -64,52 +23,7 @@ fn one_sample_follows_four_paths_through_glass() {
 }
 
 /// A checkered floor of two boxes, one higher than the other, in a room that a lamp lights by way of the ceiling alone.
-const ROOM: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 1.2, 1.9]
-target = [0, 0.2, -0.5]
-fov_deg = 60
-[image]
-size = [48, 27]
-tone_map = "none"
-[environment]
-zenith = [0, 0, 0]
-horizon = [0, 0, 0]
-ground = [0, 0, 0]
-[reflection]
-method = "rt"
-diffuse_bounces = 1
-[light.up]
-kind = "spot"
-position = [0, 0.6, 1.2]
-direction = [0, 1, 0]
-outer_deg = 75
-intensity_cd = 20
-shadow = "ray"
-[material.wall]
-base_color = [0.8, 0.8, 0.8]
-reflectivity = 0
-double_sided = true
-[material.floor]
-checker = { colors = [[0.9, 0.9, 0.9], [0, 0.09, 0.09]], size_m = 0.5 }
-reflectivity = 0
-[model.room]
-shape = { kind = "box", size = [4, 3, 4] }
-material = "wall"
-[model.block]
-shape = { kind = "box", size = [3, 1, 1] }
-material = "floor"
-[[instance]]
-model = "room"
-translation = [0, 1.5, 0]
-[[instance]]
-model = "block"
-translation = [0, -0.3, 0]
-[[instance]]
-model = "block"
-translation = [0, 0, -1]
-"#;
+const ROOM: &str = include_str!("first_pictures/room.toml");
 
 /// Light that one path in a pixel finds now and then is that of all around, but neither crosses edges nor blurs textures.
 #[test]
@@ -144,55 +58,7 @@ fn light_between_surfaces_is_smooth_in_first_pictures() {
 }
 
 /// A thin wall between a floor that light from a roof reaches and one that no light reaches, seen from above.
-const WALL: &str = r#"
-version = 1
-[camera.main]
-eye = [2.5, 6, 0.01]
-target = [0, 0, 0]
-fov_deg = 40
-[image]
-size = [64, 36]
-tone_map = "none"
-[environment]
-zenith = [0, 0, 0]
-horizon = [0, 0, 0]
-ground = [0, 0, 0]
-[reflection]
-method = "rt"
-diffuse_bounces = 2
-[light.up]
-kind = "spot"
-position = [-1.2, 0.1, 0]
-direction = [0, 1, 0]
-outer_deg = 60
-intensity_cd = 20
-shadow = "ray"
-[material.wall]
-base_color = [0.8, 0.8, 0.8]
-reflectivity = 0
-double_sided = true
-[model.floor]
-shape = { kind = "box", size = [6, 0.1, 4] }
-material = "wall"
-[model.thin]
-shape = { kind = "box", size = [0.03, 1, 4] }
-material = "wall"
-[model.roof]
-shape = { kind = "box", size = [0.8, 0.02, 4] }
-material = "wall"
-[[instance]]
-model = "floor"
-translation = [0, -0.05, 0]
-[[instance]]
-model = "thin"
-translation = [0, 0.5, 0]
-[[instance]]
-model = "thin"
-translation = [-2, 0.5, 0]
-[[instance]]
-model = "roof"
-translation = [-1.2, 0.9, 0]
-"#;
+const WALL: &str = include_str!("first_pictures/wall.toml");
 
 /// Floors on both sides of a wall are one plane, and their light stays apart.
 #[test]

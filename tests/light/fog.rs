@@ -7,32 +7,7 @@ use reflet::render::{RenderOptions, passes};
 use super::kit::{assert_close, assert_color, color, gpu, mean, render, renderer, scene};
 
 /// A glowing wall 10 m before the camera, which is in a corner of the box of the fog.
-const WALL: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 0, 0]
-target = [0, 0, -1]
-fov_deg = 60
-[image]
-size = [17, 17]
-samples = 1
-tone_map = "none"
-[reflection]
-method = "rt"
-[environment]
-fog = { density = 0.1, color = [0, 0, 0] }
-[material.glow]
-base_color = [0, 0, 0]
-reflectivity = 0
-emission = [1, 1, 1]
-[model.wall]
-shape = { kind = "plane", size = [40, 40] }
-material = "glow"
-[[instance]]
-model = "wall"
-translation = [0, 0, -10]
-rotation_deg = [90, 0, 0]
-"#;
+const WALL: &str = include_str!("fog/wall.toml");
 
 /// Unit direction of a pixel's center in a square picture, for a camera that looks along -Z, turned up by an angle.
 fn direction(x: u32, y: u32, size: u32, fov_deg: f64, up_deg: f64) -> [f64; 3] {
@@ -199,42 +174,7 @@ fn fog_scatters_the_light_of_the_sun() {
 }
 
 /// White things in white fog under even light: nothing can be seen.
-const FURNACE: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 1, 4]
-target = [0, 0.5, 0]
-fov_deg = 50
-[image]
-size = [24, 16]
-samples = 16
-tone_map = "none"
-[environment]
-color = [1, 1, 1]
-fog = { density = 0.4, anisotropy = 0.4 }
-[material.white]
-base_color = [1, 1, 1]
-reflectivity = 0
-[material.mirror]
-base_color = [1, 1, 1]
-metallic = 1
-roughness = 0
-[model.ball]
-shape = { kind = "sphere", radius = 0.5 }
-material = "mirror"
-[model.block]
-shape = { kind = "box", size = [1, 1, 1] }
-material = "white"
-[[instance]]
-model = "ball"
-translation = [-1, 0.5, 0]
-[[instance]]
-model = "block"
-translation = [1, 0.5, 0]
-[[instance]]
-model = "block"
-translation = [0, 3, -3]
-"#;
+const FURNACE: &str = include_str!("fog/furnace.toml");
 
 #[test]
 fn white_fog_in_even_light_cannot_be_seen() {
@@ -300,10 +240,7 @@ fn beams_end_where_things_block_the_light() {
     let text = WALL
         .replace("emission = [1, 1, 1]", "")
         .replace(", color = [0, 0, 0]", ", color = [1, 1, 1]")
-        + "[model.block]\nshape = { kind = \"box\", size = [1, 1, 1] }\nmaterial = \"glow\"\n[[instance]]\n\
-           model = \"block\"\ntranslation = [0, 0, -6]\n[light.l]\nkind = \"point\"\nposition = [0, 0, -8]\n\
-           intensity_cd = 10\n[light.s]\nkind = \"spot\"\nposition = [3, 3, -5]\ntarget = [0, 0, -5]\n\
-           outer_deg = 25\nintensity_cd = 50\n";
+        + include_str!("fog/beams_end_where_things_block_the_light.toml");
     let of = |shadow: &str, spot_cd: f32| {
         let set = [
             format!("light.l.shadow={shadow}"),

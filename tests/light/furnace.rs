@@ -4,6 +4,7 @@
 use std::{collections::BTreeMap, env, fmt::Write as _, fs, ops::Range};
 
 use super::kit::{gpu, render};
+use crate::common::cases;
 
 /// Roughnesses of the page; a test compares every second one.
 const ROUGHNESSES: [f32; 5] = [0.1, 0.3, 0.5, 0.7, 1.0];
@@ -14,84 +15,20 @@ const READ: Range<usize> = 1..5;
 /// Largest deviation from 1 where nothing is lost.
 const BOUND: f32 = 0.01;
 
-/// A lobe: its name, its material with `ROUGHNESS`, and whether the tile is a slab rather than a plane.
-struct Lobe(&'static str, &'static str, bool);
+/// A material with `ROUGHNESS`, of a slab where it has `SLAB`, else of a plane; and the name of its lobe.
+type Lobe = (&'static str, &'static str);
 
 const FILM: &str = "iridescence = 1\niridescence_thickness_nm = 400";
 
 /// Lobes over white, which lose nothing.
-const LOBES: [Lobe; 14] = [
-    Lobe("diffuse", "reflectivity = 0\nroughness = ROUGHNESS", false),
-    Lobe("metal", "metallic = 1\nroughness = ROUGHNESS", false),
-    Lobe("half metal", "metallic = 0.5\nroughness = ROUGHNESS", false),
-    Lobe(
-        "anisotropic metal",
-        "metallic = 1\nroughness = ROUGHNESS\nanisotropy = 0.7\nanisotropy_rotation_deg = 30",
-        false,
-    ),
-    Lobe(
-        "film on metal",
-        "metallic = 1\nroughness = ROUGHNESS\nFILM",
-        false,
-    ),
-    Lobe("dielectric", "roughness = ROUGHNESS", false),
-    Lobe("film on a dielectric", "roughness = ROUGHNESS\nFILM", false),
-    Lobe(
-        "clear coat",
-        "roughness = 0.5\nclearcoat = 1\nclearcoat_roughness = ROUGHNESS",
-        false,
-    ),
-    Lobe(
-        "sheen",
-        "sheen_color = [1, 1, 1]\nsheen_roughness = ROUGHNESS",
-        false,
-    ),
-    Lobe(
-        "thin glass",
-        "transmission = 1\nroughness = ROUGHNESS",
-        false,
-    ),
-    Lobe(
-        "film on thin glass",
-        "transmission = 1\nroughness = ROUGHNESS\nFILM",
-        false,
-    ),
-    Lobe(
-        "half transmissive",
-        "transmission = 0.5\nroughness = ROUGHNESS",
-        false,
-    ),
-    Lobe(
-        "solid glass",
-        "transmission = 1\nthickness_m = 1\nior = 1.5\nroughness = ROUGHNESS",
-        true,
-    ),
-    Lobe(
-        "emission below a clear coat",
-        "base_color = [0, 0, 0]\nreflectivity = 0\nemission = [1, 1, 1]\nclearcoat = 1\n\
-          clearcoat_roughness = ROUGHNESS",
-        false,
-    ),
-];
+fn lobes() -> Vec<Lobe> {
+    cases(include_str!("furnace/lobes.txt"))
+}
 
 /// Lobes that emit 1, in the dark.
-const EMISSIVE: [Lobe; 3] = [
-    Lobe(
-        "emission of cloth",
-        "emission = [1, 1, 1]\nsheen_color = [1, 1, 1]\nsheen_roughness = ROUGHNESS",
-        false,
-    ),
-    Lobe(
-        "emission of glass",
-        "emission = [1, 1, 1]\ntransmission = 1\nroughness = ROUGHNESS",
-        false,
-    ),
-    Lobe(
-        "emission of solid glass",
-        "emission = [1, 1, 1]\ntransmission = 1\nthickness_m = 1\nior = 1.5\nroughness = ROUGHNESS",
-        false,
-    ),
-];
+fn emissive() -> Vec<Lobe> {
+    cases(include_str!("furnace/emissive.txt"))
+}
 
 /// Tiles of all lobes, roughnesses and angles beside each other, seen in parallel. Planes are hidden from rays, and
 /// slabs lie far behind each other, so that no tile sees another.
@@ -106,7 +43,8 @@ fn scene(lobes: &[Lobe], light: f32) -> String {
         rows * CELL,
         if is_update() { 128 } else { 64 },
     );
-    for (row, Lobe(_, material, is_slab)) in lobes.iter().enumerate() {
+    for (row, (material, _)) in lobes.iter().enumerate() {
+        let is_slab = material.starts_with("SLAB\n");
         for column in 0..columns {
             let name = row * columns + column;
             let cosine = COSINES[column % COSINES.len()];
@@ -128,7 +66,8 @@ fn scene(lobes: &[Lobe], light: f32) -> String {
                  model = \"t{name}\"\ntranslation = [{x}, {y}, {z}]\nrotation_deg = [{}, 0, 0]\nin_reflections = {is_slab}\n",
                 material
                     .replace("ROUGHNESS", &roughness)
-                    .replace("FILM", FILM),
+                    .replace("FILM", FILM)
+                    .replace("SLAB\n", ""),
                 90.0 - cosine.acos().to_degrees(),
             );
         }
@@ -165,11 +104,8 @@ const SIDES: [(&str, &str); 2] = [
 type Key = (usize, usize, &'static str, bool);
 
 fn lobe_name(index: usize) -> &'static str {
-    LOBES
-        .iter()
-        .chain(&EMISSIVE)
-        .nth(index)
-        .map_or("", |lobe| lobe.0)
+    let all = [lobes(), emissive()].concat();
+    all.get(index).map_or("", |(_, name)| name)
 }
 
 fn csv(rows: &BTreeMap<Key, [f32; 3]>) -> String {
@@ -237,8 +173,8 @@ fn nothing_is_lost_in_a_furnace() {
         };
         for &conserved in models {
             let set = format!("reflection.multiple_scattering={conserved}");
-            for (first, lobes, light) in [(0, &LOBES[..], 1.0), (LOBES.len(), &EMISSIVE, 0.0)] {
-                let Some(tiles) = radiances(lobes, light, &[cutoff, &set]) else {
+            for (first, lobes, light) in [(0, lobes(), 1.0), (lobes().len(), emissive(), 0.0)] {
+                let Some(tiles) = radiances(&lobes, light, &[cutoff, &set]) else {
                     return;
                 };
                 for (i, tiles) in tiles.chunks_exact(COSINES.len()).enumerate() {

@@ -3,28 +3,7 @@
 use super::kit::{assert_close, gpu, mean, render, renderer, scene};
 
 /// The camera in a closed box whose walls all emit and scatter alike.
-const OVEN: &str = r#"
-version = 1
-[camera.main]
-eye = [0.3, 0.2, 0.1]
-target = [1, 0.5, -1]
-fov_deg = 60
-[image]
-size = [8, 8]
-samples = 4
-tone_map = "none"
-[reflection]
-method = "rt"
-[material.wall]
-base_color = [0.5, 0.5, 0.5]
-reflectivity = 0
-emission = [0.25, 0.25, 0.25]
-[model.box]
-shape = { kind = "box", size = [3, 3, 3] }
-material = "wall"
-[[instance]]
-model = "box"
-"#;
+const OVEN: &str = include_str!("indirect/oven.toml");
 
 #[test]
 fn an_oven_shines_by_the_sum_of_its_bounces() {
@@ -61,35 +40,7 @@ fn an_oven_shines_by_the_sum_of_its_bounces() {
 }
 
 /// A floor below an emissive ceiling, both much wider than their distance.
-const PLATES: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 0.5, 0]
-target = [0.3, 0, 0]
-fov_deg = 5
-[image]
-size = [32, 32]
-samples = 16
-tone_map = "none"
-[material.floor]
-base_color = [0.8, 0.5, 0.2]
-reflectivity = 0
-[material.ceiling]
-base_color = [0.5, 0.5, 0.5]
-reflectivity = 0
-emission = [1, 1, 1]
-[model.floor]
-shape = { kind = "plane", size = [400, 400] }
-material = "floor"
-[model.ceiling]
-shape = { kind = "plane", size = [400, 400] }
-material = "ceiling"
-[[instance]]
-model = "floor"
-[[instance]]
-model = "ceiling"
-translation = [0, 1, 0]
-"#;
+const PLATES: &str = include_str!("indirect/plates.toml");
 
 #[test]
 fn two_plates_light_each_other() {
@@ -101,47 +52,7 @@ fn two_plates_light_each_other() {
 }
 
 /// White objects that occlude each other, in even light.
-const WHITE: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 2, 4]
-target = [0, 0, 0]
-fov_deg = 30
-[image]
-size = [28, 28]
-samples = 16
-tone_map = "none"
-[environment]
-color = [1, 1, 1]
-[material.white]
-base_color = [1, 1, 1]
-reflectivity = 0
-[material.mirror]
-base_color = [1, 1, 1]
-metallic = 1
-roughness = 0
-[material.glass]
-transmission = 1
-thickness_m = 1
-roughness = 0
-[model.ring]
-shape = { kind = "torus", radius = 0.8, tube_radius = 0.35 }
-material = "white"
-[model.ball]
-shape = { kind = "sphere", radius = 0.4 }
-material = "mirror"
-[model.drop]
-shape = { kind = "sphere", radius = 0.3, segments = 128 }
-material = "glass"
-[[instance]]
-model = "ring"
-[[instance]]
-model = "ball"
-translation = [0, -0.2, 0]
-[[instance]]
-model = "drop"
-translation = [0.6, 0.5, 0.5]
-"#;
+const WHITE: &str = include_str!("indirect/white.toml");
 
 #[test]
 fn white_things_in_white_light_cannot_be_seen_by_all_paths() {
@@ -276,49 +187,7 @@ fn a_limit_takes_away_what_paths_find_seldom() {
 }
 
 /// A mirror that shows a matte wall, lit only by a ceiling that is farther away than the ray length of reflections.
-const MIRRORED: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 0.6, 1.5]
-target = [0, 0.1, 0]
-fov_deg = 40
-[image]
-size = [64, 36]
-samples = 16
-tone_map = "none"
-[reflection]
-unit_m = 1
-ray_length_u = 2
-diffuse_bounces = 2
-[material.mirror]
-metallic = 1
-roughness = 0
-[material.wall]
-base_color = [0.8, 0.8, 0.8]
-reflectivity = 0
-[material.ceiling]
-base_color = [0, 0, 0]
-reflectivity = 0
-emission = [1, 1, 1]
-[model.floor]
-shape = { kind = "plane", size = [4, 4] }
-material = "mirror"
-[model.wall]
-shape = { kind = "box", size = [3, 1, 0.1] }
-material = "wall"
-[model.ceiling]
-shape = { kind = "plane", size = [60, 60] }
-material = "ceiling"
-[[instance]]
-model = "floor"
-[[instance]]
-model = "wall"
-translation = [0, 0.5, -0.5]
-[[instance]]
-model = "ceiling"
-translation = [0, 5, 0]
-rotation_deg = [180, 0, 0]
-"#;
+const MIRRORED: &str = include_str!("indirect/mirrored.toml");
 
 #[test]
 fn screen_hits_gather_what_traced_ones_do() {

@@ -7,24 +7,7 @@ use reflet::render::picture::aov::Aov;
 use super::kit::{assert_color, color, floats, gpu, render, renderer, scene};
 
 /// A white floor seen from 4 m above.
-const FLOOR: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 4, 0]
-target = [0, 0, 0]
-up = [0, 0, -1]
-fov_deg = 40
-[image]
-size = [33, 33]
-tone_map = "none"
-[material.white]
-reflectivity = 0
-[model.floor]
-shape = { kind = "plane", size = [8, 8] }
-material = "white"
-[[instance]]
-model = "floor"
-"#;
+const FLOOR: &str = include_str!("lamp/floor.toml");
 
 /// Distance of a pixel of the middle row from the middle of the floor, meters.
 fn offset_m(x: u32) -> f32 {
@@ -108,31 +91,7 @@ fn an_empty_floor_casts_no_shadow_on_itself() {
 #[test]
 fn no_light_falls_from_behind_the_smooth_normal() {
     let Some(gpu) = gpu() else { return };
-    let text = r#"
-version = 1
-[camera.main]
-eye = [0, 0, 4]
-target = [0, 0, 0]
-fov_deg = 30
-[image]
-size = [65, 65]
-tone_map = "none"
-[environment]
-color = [0, 0, 0]
-[light.sun]
-kind = "directional"
-direction = [-1, 0, 0]
-intensity_lux = 3
-shadow = "none"
-[material.white]
-reflectivity = 0
-[model.ball]
-shape = { kind = "sphere", radius = 1, segments = 12 }
-material = "white"
-[[instance]]
-model = "ball"
-rotation_deg = [7, 11, 0]
-"#;
+    let text = include_str!("lamp/no_light_falls_from_behind_the_smooth_normal.toml");
     let picture = render(gpu, text, &[], &[Aov::Normal]);
     let normals = floats(&picture, Aov::Normal).chunks_exact(3);
     let (mut lit, mut turned_away) = (0, 0);

@@ -6,29 +6,7 @@ use super::{
 };
 
 /// The camera looks along -Z at an emissive wall, through an object that a test adds at the origin.
-const WALL: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 0, 4]
-target = [0, 0, 0]
-fov_deg = 1
-[environment]
-color = [0, 0, 0]
-[image]
-size = [8, 8]
-tone_map = "none"
-[material.wall]
-base_color = [0, 0, 0]
-reflectivity = 0
-emission = [1, 0.5, 0.25]
-[model.wall]
-shape = { kind = "plane", size = [40, 40] }
-material = "wall"
-[[instance]]
-model = "wall"
-translation = [0, 0, -5]
-rotation_deg = [90, 0, 0]
-"#;
+const WALL: &str = include_str!("layers/wall.toml");
 
 /// Scene text of an object at the origin with these keys of its material.
 fn thing(shape: &str, material: &str) -> String {

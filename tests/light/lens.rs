@@ -5,30 +5,7 @@ use std::f32::consts::PI;
 use super::kit::{assert_close, color, gpu, mean, render};
 
 /// A glowing disk of 10 cm radius on a dark world, 4 m before a camera whose lens has a radius of 0.1 m.
-const DISK: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 0, 4]
-target = [0, 0, 0]
-fov_deg = 53.13010235
-aperture_f = 0.12
-[image]
-size = [64, 64]
-samples = 128
-tone_map = "none"
-[environment]
-color = [0, 0, 0]
-[material.glow]
-base_color = [0, 0, 0]
-reflectivity = 0
-emission = [1, 1, 1]
-[model.disk]
-shape = { kind = "disk", radius = 0.1 }
-material = "glow"
-[[instance]]
-model = "disk"
-rotation_deg = [90, 0, 0]
-"#;
+const DISK: &str = include_str!("lens/disk.toml");
 
 /// Light of the disk, and root mean square of its distance from the middle, pixels.
 fn light_and_spread(set: &[&str]) -> Option<(f32, f32)> {

@@ -20,17 +20,7 @@ pub const FLOOR: &str = "version = 1\n[camera.main]\neye = [0, 2.5, 0.2]\ntarget
     [model.floor]\nshape = { kind = \"plane\", size = [40, 40] }\nmaterial = \"floor\"\n[[instance]]\nmodel = \"floor\"\n";
 
 /// Lamps of all kinds: closed ones, on one side and on both, turned, mirrored, distorted, small and large.
-pub const LAMPS: &str = "[material.both]\nbase_color = [0, 0, 0]\nreflectivity = 0\nemission = [3, 2, 1]\nlight = true\n\
-    [material.front]\nbase_color = [0, 0, 0]\nreflectivity = 0\nemission = [1, 4, 2]\nlight = true\ndouble_sided = false\n\
-    [model.ball]\nshape = { kind = \"sphere\", radius = 0.3, segments = 12 }\nmaterial = \"both\"\n\
-    [model.box]\nshape = { kind = \"box\", size = [1, 1, 1] }\nmaterial = \"front\"\n\
-    [model.plane]\nshape = { kind = \"plane\", size = [1, 1] }\nmaterial = \"front\"\n\
-    [[instance]]\nname = \"first\"\nmodel = \"ball\"\ntranslation = [-1.2, 0.5, 0]\n\
-    [[instance]]\nmodel = \"ball\"\ntranslation = [1.5, 0.4, -0.5]\nscale = 0.5\n\
-    [[instance]]\nmodel = \"box\"\ntranslation = [0, 0.6, -1.4]\nscale = [1.2, 0.5, 0.1]\nrotation_deg = [20, 0, 15]\n\
-    [[instance]]\nmodel = \"plane\"\ntranslation = [0.3, 1.2, 1.3]\nscale = [-0.6, 0.6, 0.6]\nrotation_deg = [130, 0, 0]\n\
-    [[instance]]\nmodel = \"plane\"\nmaterial = \"both\"\ntranslation = [-0.9, 0.7, 1.4]\nscale = [0.8, 1, 0.3]\n\
-    rotation_deg = [70, 30, 0]\n";
+pub const LAMPS: &str = include_str!("light_tree/lamps.toml");
 
 /// Surfaces: positions and normals.
 fn surfaces() -> Vec<(Vec3, Vec3)> {
@@ -277,12 +267,8 @@ fn rough_metal_below_an_emitter_is_as_bright_as_the_closed_form() {
 #[test]
 fn rough_metal_in_a_glowing_room_cannot_be_seen() {
     let Some(gpu) = gpu() else { return };
-    let mut text = "version = 1\n[camera.main]\neye = [0, 1.2, 2.8]\ntarget = [0, 0.3, 0]\nfov_deg = 40\n[image]\nsize = [32, 18]\n\
-         samples = 128\ntone_map = \"none\"\nradiance = \"full\"\n[reflection]\nmethod = \"path\"\nroughness_cutoff = 1\n\
-         multiple_scattering = true\n[environment]\ncolor = [0, 0, 0]\n[material.glow]\nbase_color = [0, 0, 0]\n\
-         reflectivity = 0\nemission = [1, 1, 1]\nlight = true\n[model.room]\nshape = { kind = \"box\", size = [8, 6, 8] }\n\
-         material = \"glow\"\n[[instance]]\nmodel = \"room\"\n"
-        .to_owned();
+    let mut text =
+        include_str!("light_tree/rough_metal_in_a_glowing_room_cannot_be_seen.toml").to_owned();
     for (roughness, x) in [(0.25, -1.1), (0.5, 0.0), (0.8, 1.1)] {
         let name = format!("ball{x}").replace(['.', '-'], "_");
         text += &format!(

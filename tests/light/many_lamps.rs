@@ -17,15 +17,7 @@ use reflet::{
 use super::kit::{assert_close, color, gpu, mean, render, renderer, scene};
 
 /// A matte floor, a ball of rough metal and a mirror, in the dark.
-const THINGS: &str = "version = 1\n[camera.main]\neye = [0, 2.5, 3.4]\ntarget = [0, 0.2, 0]\nfov_deg = 45\n\
-    [image]\nsize = [32, 18]\nsamples = 32\ntone_map = \"none\"\n[reflection]\nmethod = \"rt\"\nglint_limit = 0\n\
-    roughness_cutoff = 1\n[environment]\nzenith = [0, 0, 0]\nhorizon = [0, 0, 0]\nground = [0, 0, 0]\n\
-    [material.floor]\nbase_color = [0.7, 0.6, 0.5]\n[material.metal]\nmetallic = 1\nroughness = 0.35\n\
-    [material.mirror]\nmetallic = 1\nroughness = 0\n[model.floor]\nshape = { kind = \"plane\", size = [40, 40] }\n\
-    material = \"floor\"\n[model.ball]\nshape = { kind = \"sphere\", radius = 0.5, segments = 32 }\nmaterial = \"metal\"\n\
-    [model.box]\nshape = { kind = \"box\", size = [0.6, 0.6, 0.6] }\nmaterial = \"mirror\"\n[[instance]]\nmodel = \"floor\"\n\
-    [[instance]]\nmodel = \"ball\"\ntranslation = [-0.7, 0.5, 0]\n[[instance]]\nmodel = \"box\"\n\
-    translation = [0.8, 0.3, 0.1]\nrotation_deg = [0, 30, 0]\n";
+const THINGS: &str = include_str!("many_lamps/things.toml");
 
 /// Lamps of all kinds, around and above the things; `numbers` of a row of them.
 pub fn lamps(numbers: std::ops::Range<u32>) -> String {

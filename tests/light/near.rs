@@ -5,22 +5,7 @@ use reflet::render::Picture;
 use super::kit::{assert_close, color, gpu, render, scene};
 
 /// A white floor without a specular lobe below a lamp at the height `AT`, seen from the side.
-const LAMP: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 1, 0.001]
-target = [0, 0, 0]
-fov_deg = 1
-[image]
-size = [9, 9]
-tone_map = "none"
-[material.floor]
-base_color = [0.8, 0.8, 0.8]
-reflectivity = 0
-[model.floor]
-shape = { kind = "plane", size = [2, 2] }
-material = "floor"
-"#;
+const LAMP: &str = include_str!("near/lamp.toml");
 
 #[test]
 fn lamps_close_to_a_surface_light_it_as_the_inverse_square() {
@@ -41,82 +26,8 @@ fn lamps_close_to_a_surface_light_it_as_the_inverse_square() {
 
 /// A scene with all lengths, written `<LENGTH>`, and intensities, `<<INTENSITY>>`: glass, curved mirrors, lamps with
 /// and without a size, and shadows by maps and by rays.
-const STAGE: &str = r#"
-version = 1
-[camera.main]
-eye = [<2.5>, <2>, <4>]
-target = [0, <0.5>, 0]
-[image]
-size = [64, 36]
-samples = 2
-exposure_ev = 2
-[reflection]
-filter = false
-[environment]
-zenith = [0.03, 0.04, 0.06]
-horizon = [0.04, 0.04, 0.04]
-ground = [0.01, 0.01, 0.01]
-[light.map]
-kind = "point"
-position = [<-1>, <1.5>, <1>]
-intensity_cd = <<0.2>>
-shadow = "map"
-[light.ray]
-kind = "spot"
-position = [<1>, <2>, <1>]
-target = [0, 0, 0]
-intensity_cd = <<0.4>>
-shadow = "ray"
-[light.panel]
-kind = "rect"
-position = [0, <2.5>, <-0.5>]
-target = [0, 0, 0]
-size = [<0.5>, <0.5>]
-intensity_cd = <<0.3>>
-[material.floor]
-metallic = 1
-roughness = 0
-base_color = [0.8, 0.8, 0.8]
-checker = { colors = [[0.8, 0.8, 0.8], [0.5, 0.3, 0.2]], size_m = <0.5> }
-[material.red]
-base_color = [0.8, 0.1, 0.1]
-[material.gold]
-base_color = [0.9, 0.7, 0.3]
-metallic = 1
-roughness = 0.15
-MORE
-[model.floor]
-shape = { kind = "plane", size = [<6>, <6>] }
-material = "floor"
-[model.box]
-shape = { kind = "box", size = [<0.6>, <1>, <0.6>] }
-material = "red"
-[model.ball]
-shape = { kind = "sphere", radius = <0.5> }
-material = "gold"
-[[instance]]
-model = "floor"
-[[instance]]
-model = "box"
-translation = [<-1>, <0.5>, <0>]
-[[instance]]
-model = "ball"
-translation = [<0.2>, <0.5>, <0.3>]
-"#;
-const GLASS: &str = r#"
-[material.glass]
-transmission = 1
-thickness_m = 1
-roughness = 0
-attenuation_color = [0.5, 0.9, 0.6]
-attenuation_distance_m = <0.5>
-[model.glass]
-shape = { kind = "sphere", radius = <0.3> }
-material = "glass"
-[[instance]]
-model = "glass"
-translation = [<1.1>, <0.3>, <0.8>]
-"#;
+const STAGE: &str = include_str!("near/stage.toml");
+const GLASS: &str = include_str!("near/glass.toml");
 
 /// The text with all its lengths times `scale`, and its intensities times the square of that.
 fn scaled(text: &str, scale: f64) -> String {

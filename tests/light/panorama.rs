@@ -1,5 +1,6 @@
 //! Panorama files, valid and invalid.
 
+use crate::common::assert_says;
 use std::fs;
 
 use reflet::{
@@ -92,10 +93,7 @@ fn panoramas_that_hold_no_light_are_named_errors() {
         });
         let (found, message) = error_of(name, &bad);
         assert_eq!(found, "image-values", "{name}");
-        assert!(
-            message.contains("1 of its pixels") && message.contains("(5, 2)"),
-            "{message}"
-        );
+        assert_says(&message, &["1 of its pixels", "(5, 2)"]);
     }
 }
 

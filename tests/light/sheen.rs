@@ -8,27 +8,7 @@ use reflet::world::{LAYER_SLOTS, LayerTexture, Texture, TextureRef, Wrap};
 use super::kit::{assert_close, color, gpu, mean, render, renderer, scene};
 
 /// A floor seen from 3 m at an angle that a test sets, in even light.
-const FLOOR: &str = r#"
-version = 1
-[camera.main]
-target = [0, 0, 0]
-up = [0, 0, -1]
-fov_deg = 1
-[image]
-size = [32, 32]
-samples = 4
-tone_map = "none"
-[reflection]
-method = "rt"
-[environment]
-color = [1, 1, 1]
-[material.floor]
-[model.floor]
-shape = { kind = "plane", size = [20, 20] }
-material = "floor"
-[[instance]]
-model = "floor"
-"#;
+const FLOOR: &str = include_str!("sheen/floor.toml");
 
 /// Mean color of the floor seen at this angle from its normal.
 fn seen(angle_deg: f64, material: &str, set: &[&str]) -> Option<[f32; 3]> {

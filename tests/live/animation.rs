@@ -10,18 +10,7 @@ use crate::{
     kit::{Folder, open, picture},
 };
 
-const SCENE: &str = "version = 1
-[image]
-size = [48, 32]
-[camera.main]
-eye = [0, 2, 5]
-[environment]
-color = [0.4, 0.4, 0.4]
-[timeline]
-end = 47
-[model.arm]
-file = \"arm.gltf\"
-";
+const SCENE: &str = include_str!("animation/scene.toml");
 
 #[test]
 fn what_is_played_changes_without_reading_a_file() {

@@ -8,50 +8,7 @@ use reflet::{
 use crate::{common::gpu_or_skip, kit::Folder};
 
 /// A turned mirror above a red wall that glows a little, an unlit ball and a floor.
-const SCENE: &str = r#"version = 1
-[image]
-size = [40, 40]
-[camera.main]
-eye = [0, 0, 5]
-target = [0, 0, 0]
-fov_deg = 40
-[material.red]
-base_color = [0.8, 0.2, 0.1]
-roughness = 1
-[material.mirror]
-metallic = 1
-roughness = 0
-base_color = [0.9, 0.9, 0.9]
-[material.unlit]
-base_color = [0.3, 0.6, 0.9]
-unlit = true
-[model.tile]
-shape = { kind = "box", size = [1.2, 1.2, 0.1] }
-material = "red"
-[model.mirror]
-shape = { kind = "box", size = [1, 1, 0.1] }
-material = "mirror"
-[model.ball]
-shape = { kind = "sphere", radius = 0.5 }
-material = "unlit"
-[[instance]]
-model = "tile"
-translation = [-0.8, 0.6, 0]
-rotation_deg = [0, 0, 20]
-[[instance]]
-model = "mirror"
-translation = [0.8, 0.6, 0]
-rotation_deg = [0, 0, 20]
-[[instance]]
-model = "ball"
-translation = [0, -0.9, 0]
-[light.sun]
-kind = "directional"
-direction = [0.2, -0.4, -1]
-intensity_lux = 9
-[environment]
-color = [0.6, 0.7, 1.5]
-"#;
+const SCENE: &str = include_str!("guides/scene.toml");
 
 fn picture(set: &[&str], guides: bool) -> Picture {
     let folder = Folder::new();

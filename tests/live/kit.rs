@@ -56,38 +56,7 @@ impl Drop for Folder {
 }
 
 /// A mirror floor and a box; placeholders `{…}` are replaced.
-pub const SCENE: &str = r#"version = 1
-[image]
-size = [48, 32]
-visibility = "raster"
-[camera.main]
-eye = [0, 2, 5]
-target = [0, 0.5, 0]
-[material.floor]
-base_color = [0.4, 0.4, 0.4]
-reflectivity = 0.5
-roughness = 0.02
-[material.red]
-base_color = [0.9, 0.1, 0.1]
-[model.floor]
-shape = { kind = "plane", size = [8, 8] }
-material = "floor"
-[model.box]
-shape = { kind = "box" }
-material = "red"
-[[instance]]
-model = "floor"
-[[instance]]
-model = "box"
-translation = [0, 0.5, 0]
-[light.lamp]
-kind = "point"
-position = [2, 4, 3]
-intensity_cd = 30
-shadow_px = 64
-[environment]
-color = [0.2, 0.2, 0.3]
-"#;
+pub const SCENE: &str = include_str!("kit/scene.toml");
 
 /// New files in a folder as the goal of screenshots.
 pub fn file_goal(folder: &Folder, stem: &str) -> ScreenshotGoal {

@@ -16,19 +16,7 @@ use crate::{
     kit::{Folder, Watch, open, picture},
 };
 
-const SCENE: &str = r#"version = 1
-[image]
-size = [48, 32]
-[camera.main]
-eye = [0, 0, 3]
-[model.quads]
-file = "quads.gltf"
-[light.sun]
-kind = "directional"
-direction = [0, 0, -1]
-intensity_lux = 3
-shadow = "none"
-"#;
+const SCENE: &str = include_str!("models/scene.toml");
 
 /// A quad with texture coordinates, once with the material `left`, once with `right`.
 pub fn write_model(folder: &Folder) {

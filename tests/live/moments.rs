@@ -8,52 +8,7 @@ use reflet::{
 use crate::{common::gpu_or_skip, kit::Folder};
 
 /// A ball that falls by 1.6 m while the shutter is open, before a wall and above a mirror.
-const SCENE: &str = r#"version = 1
-[image]
-size = [48, 64]
-shutter = 1
-[timeline]
-fps = 1
-end = 2
-[camera.main]
-eye = [0, 0, 6]
-target = [0, 0, 0]
-fov_deg = 40
-[material.ball]
-base_color = [0, 0, 0]
-emission = [1, 1, 1]
-[material.wall]
-base_color = [0.5, 0.5, 0.5]
-roughness = 1
-[material.mirror]
-metallic = 1
-roughness = 0
-[model.ball]
-shape = { kind = "sphere", radius = 0.2, segments = 24 }
-material = "ball"
-[model.wall]
-shape = { kind = "plane", size = [8, 8] }
-material = "wall"
-[model.mirror]
-shape = { kind = "plane", size = [8, 8] }
-material = "mirror"
-[[instance]]
-name = "ball"
-model = "ball"
-dynamic = true
-[[instance]]
-model = "wall"
-translation = [0, 0, -1.5]
-rotation_deg = [90, 0, 0]
-casts_shadow = false
-[[instance]]
-model = "mirror"
-translation = [0, -1.3, 0]
-[motion.instance.ball]
-translation = { keys = [{ at_s = 0, value = [0.1, 1.8, 0] }, { at_s = 2, value = [0.1, -1.4, 0] }] }
-[environment]
-color = [0.1, 0.1, 0.1]
-"#;
+const SCENE: &str = include_str!("moments/scene.toml");
 
 /// The picture of frame 1 with settings that replace those of the scene.
 fn picture(scene: &str, set: &[&str], aovs: &[&str]) -> Picture {

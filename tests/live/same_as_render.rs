@@ -64,13 +64,7 @@ fn scene() -> String {
     )
 }
 
-const SCRIPT: &str = "fn frame(ctx) {
-    let step = ctx.frame - 2;
-    ctx.light(\"lamp\", #{ intensity_cd: 2 + 300 * step });
-    ctx.place(\"box\", [0.2 * step, ctx.params.height, 0]);
-    ctx.camera(\"main\", #{ eye: [0, 2 - step / 3.0, 5], target: [0, 0.5 - step / 12.0, 0] });
-}
-";
+const SCRIPT: &str = include_str!("same_as_render/script.rhai");
 
 struct Fixture {
     gpu: Arc<Gpu>,

@@ -22,22 +22,7 @@ use crate::{
     saves::{BURSTS, ROUNDS, SAVES, Save},
 };
 
-pub const SCRIPT: &str = r#"import "parts/path" as path;
-fn setup(ctx) {
-    let all = [];
-    for i in 0..ctx.params.count {
-        all.push(#{ name: `box${i}`, model: "box", dynamic: true });
-    }
-    #{ instances: all }
-}
-fn frame(ctx) {
-    for i in 0..ctx.params.count {
-        ctx.place(`box${i}`, path::place(i, ctx.t));
-    }
-    ctx.light("lamp", #{ intensity_cd: 30 + 10 * ctx.t });
-    ctx.material("red", #{ roughness: 0.5 + 0.1 * ctx.t });
-}
-"#;
+pub const SCRIPT: &str = include_str!("scripts/script.rhai");
 
 const PATH: &str = "fn place(i, t) { vec3(i - 1 + 0.4 * t, 0.5, 0) }\n";
 

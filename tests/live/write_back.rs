@@ -12,7 +12,7 @@ use reflet_preview::{
 
 use crate::{
     background_scripts::Watched,
-    common::gpu_or_skip,
+    common::{assert_says, gpu_or_skip},
     kit::{Folder, SCENE, open},
 };
 
@@ -232,22 +232,11 @@ fn what_must_not_be_written_is_named_and_stays() {
     let refused = live
         .write(SceneItem::Light(0), &numbers)
         .expect_err("it has changed");
-    assert!(
-        refused.contains("was changed on disk and is not shown yet"),
-        "{refused}"
-    );
+    assert_says(&refused, &["was changed on disk and is not shown yet"]);
     assert_eq!(fs::read_to_string(&path).expect("it is there"), broken);
 }
 
-const SHOT: &str = "version = 1
-base = \"base.toml\"
-script = \"more.rhai\"
-[light.lamp]
-intensity_cd = 5 # dim
-[[instance]]
-name = \"rig\"
-model = { scene = \"rig.toml\" }
-";
+const SHOT: &str = include_str!("write_back/shot.toml");
 
 #[test]
 fn changes_go_where_a_thing_is_written() {

@@ -20,18 +20,7 @@ use crate::{
     models::write_model,
 };
 
-const MORE: &str = r#"[model.quads]
-file = "quads.gltf" # two
-[[instance]]
-name = "sign"
-model = "quads"
-translation = [0, 2, 0]
-[[instance]]
-name = "own"
-model = "box"
-translation = [2, 0.5, 0]
-material = { roughness = 0.75 }
-"#;
+const MORE: &str = include_str!("write_back_values/more.toml");
 
 const SHOT: &str =
     "version = 1\nbase = \"base.toml\"\n[material.red] # dull\nroughness = 0.5 # half\n";
@@ -117,15 +106,7 @@ fn materials_are_written_in_the_layer_that_says_them() {
 
 const SCRIPT: &str = "fn frame(ctx) { ctx.material(\"floor\", #{ roughness: 0.5 }); }";
 
-const CHANGING: &str = r#"[timeline]
-end = 10
-[params]
-height = 1.5 # m
-[motion.light.lamp]
-intensity_cd = { keys = [{ at_s = 0, value = 10 }] }
-[motion.material.red]
-roughness = { rate = 0.1 }
-"#;
+const CHANGING: &str = include_str!("write_back_values/changing.toml");
 
 #[test]
 fn what_does_not_rest_is_said_and_not_written() {
@@ -238,16 +219,7 @@ fn cameras_environment_and_parameters_are_written() {
     until(&mut preview, &after);
 }
 
-const KEYED: &str = r#"[timeline]
-end = 24
-[motion.camera.main]
-eye = { keys = [
-  { at_s = 0, value = [0, 2, 5] }, # from here
-  { at_s = 1, value = [2, 2, 5] },
-] }
-[motion.light.lamp]
-intensity_cd = { keys = [{ at_s = 0, value = 10 }, { at_s = 0.5, value = 20 }], loop_s = 2 }
-"#;
+const KEYED: &str = include_str!("write_back_values/keyed.toml");
 
 #[test]
 fn keys_are_moved_added_and_deleted_in_the_text() {

@@ -110,53 +110,7 @@ fn the_same_frame_gives_the_same_bytes() {
 }
 
 /// A shiny floor with objects of all shapes; `dynamic` is filled in.
-const OBJECTS: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 2.2, 6]
-target = [0, 0.6, 0]
-fov_deg = 45
-[image]
-size = [160, 90]
-[environment]
-zenith = [0.2, 0.3, 0.5]
-horizon = [0.5, 0.5, 0.5]
-ground = [0.1, 0.1, 0.1]
-[light.lamp]
-kind = "point"
-position = [1, 4, 2]
-intensity_cd = 40
-[material.floor]
-base_color = [0.3, 0.3, 0.35]
-reflectivity = 0.4
-roughness = 0.05
-[material.red]
-base_color = [0.7, 0.1, 0.1]
-[material.chrome]
-metallic = 1
-roughness = 0.05
-[model.floor]
-shape = { kind = "plane", size = [10, 10] }
-material = "floor"
-[model.ball]
-shape = { kind = "sphere", radius = 0.7, segments = 48 }
-material = "chrome"
-[model.block]
-shape = { kind = "box", size = [0.8, 1.6, 0.5] }
-material = "red"
-[[instance]]
-model = "floor"
-[[instance]]
-model = "ball"
-translation = [-1.4, 0.8, 0]
-dynamic = DYNAMIC
-[[instance]]
-model = "block"
-translation = [1.2, 0.9, 0.4]
-rotation_deg = [10, 35, 5]
-scale = [1, 1, -1.5]
-dynamic = DYNAMIC
-"#;
+const OBJECTS: &str = include_str!("agreement/objects.toml");
 
 #[test]
 fn a_dynamic_instance_looks_like_a_static_one() {
@@ -291,55 +245,7 @@ fn shadow_maps_at_rest_are_drawn_once() {
 }
 
 /// A lamp between posts and balls in the corner of a room: its shadows cross all faces of the cube map.
-const ROOM: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 3.2, 5.5]
-target = [0, 0.6, 0]
-fov_deg = 60
-[light.lamp]
-kind = "point"
-position = [0, 1.1, 0]
-intensity_cd = 6
-shadow = "SHADOW"
-[environment]
-color = [0.03, 0.03, 0.03]
-[material.white]
-base_color = [0.8, 0.8, 0.8]
-reflectivity = 0
-[model.room]
-shape = { kind = "plane", size = [8, 8] }
-material = "white"
-[model.post]
-shape = { kind = "cylinder", radius = 0.12, height = 0.9 }
-material = "white"
-[model.ball]
-shape = { kind = "sphere", radius = 0.25 }
-material = "white"
-[[instance]]
-model = "room"
-[[instance]]
-model = "room"
-translation = [0, 0, -3]
-rotation_deg = [90, 0, 0]
-[[instance]]
-model = "room"
-translation = [-4, 0, 0]
-rotation_deg = [0, 0, -90]
-[[instance]]
-model = "post"
-translation = [-1.1, 0, -1.1]
-repeat = { count = [2, 1, 2], step = [2.2, 0, 2.2] }
-[[instance]]
-model = "ball"
-translation = [-1.6, 0.25, 0.2]
-repeat = { count = [2, 1, 1], step = [3.2, 0, 0] }
-[[instance]]
-model = "ball"
-translation = [0.15, 0.35, -1.4]
-[image]
-size = [192, 120]
-"#;
+const ROOM: &str = include_str!("agreement/room.toml");
 
 #[test]
 fn cube_maps_agree_with_shadow_rays() {

@@ -22,21 +22,7 @@ use crate::{
     kit::{assert_color, color, gpu, renderer},
 };
 
-const SCENE: &str = "
-version = 1
-timeline = { fps = 8, end = 16 }
-[model.arm]
-file = \"arm.gltf\"
-animation = { name = [\"swing\", \"lift\"], repeat = \"once\" }
-[model.arm.material.glow]
-[camera.main]
-eye = [0, 2, 5]
-target = [0, 0.3, 0]
-[environment]
-color = [0.1, 0.2, 0.3]
-[image]
-size = [96, 64]
-";
+const SCENE: &str = include_str!("animation/scene.toml");
 
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("animation-{name}"));

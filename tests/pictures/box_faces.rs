@@ -12,99 +12,12 @@ use reflet::{
 };
 
 use crate::{
-    common::shaders,
+    common::{assert_says, shaders},
     kit::{assert_color, floats, gpu, integers, render, renderer, scene},
 };
 
 /// A closed room with glowing walls, a floor that mirrors, a block, and a ball that moves.
-const ROOM: &str = r#"
-version = 1
-[camera.main]
-eye = [2.2, 1.6, 2.4]
-target = [-1, 0.2, -0.5]
-[image]
-size = [64, 36]
-tone_map = "none"
-[environment]
-zenith = [0.1, 0.2, 0.9]
-horizon = [0.1, 0.2, 0.9]
-ground = [0.1, 0.2, 0.9]
-[reflection]
-method = "ssr+box"
-steps = 1024
-threshold_u = 0
-[box_faces]
-face_px = 256
-[material.mirror]
-base_color = [1, 1, 1]
-metallic = 1
-roughness = 0
-reflection = "mirror"
-[material.red]
-base_color = [0, 0, 0]
-reflectivity = 0
-emission = [0.8, 0.2, 0.1]
-[material.green]
-base_color = [0, 0, 0]
-reflectivity = 0
-emission = [0.1, 0.7, 0.2]
-[material.gray]
-base_color = [0, 0, 0]
-reflectivity = 0
-emission = [0.4, 0.4, 0.4]
-[material.yellow]
-base_color = [0, 0, 0]
-reflectivity = 0
-emission = [0.7, 0.6, 0.1]
-[model.floor]
-shape = { kind = "plane", size = [6, 6] }
-material = "mirror"
-[model.ceiling]
-shape = { kind = "plane", size = [6, 6] }
-material = "gray"
-[model.side]
-shape = { kind = "plane", size = [4, 6] }
-material = "red"
-[model.end]
-shape = { kind = "plane", size = [6, 4] }
-material = "green"
-[model.block]
-shape = { kind = "box", size = [1, 1.5, 1] }
-material = "yellow"
-[model.ball]
-shape = { kind = "sphere", radius = 0.5, segments = 24 }
-material = "yellow"
-[[instance]]
-model = "floor"
-[[instance]]
-model = "ceiling"
-translation = [0, 4, 0]
-rotation_deg = [180, 0, 0]
-[[instance]]
-model = "side"
-translation = [-3, 2, 0]
-rotation_deg = [0, 0, -90]
-[[instance]]
-model = "side"
-translation = [3, 2, 0]
-rotation_deg = [0, 0, 90]
-[[instance]]
-model = "end"
-translation = [0, 2, -3]
-rotation_deg = [90, 0, 0]
-[[instance]]
-model = "end"
-translation = [0, 2, 3]
-rotation_deg = [-90, 0, 0]
-[[instance]]
-model = "block"
-translation = [-1.2, 1.4, -1.2]
-[[instance]]
-model = "ball"
-name = "ball"
-dynamic = true
-translation = [0, 40, 0]
-"#;
+const ROOM: &str = include_str!("box_faces/room.toml");
 
 const PLANES: [Aov; 3] = [Aov::Cause, Aov::HitDistance, Aov::HitIds];
 
@@ -191,9 +104,9 @@ fn faces_of_one_pixel_are_rendered_and_the_largest_refused() {
     let options = reflet::render::RenderOptions::of(&desc);
     let refused = Renderer::new(gpu, &shaders(), &world, &options).expect_err("too large");
     let text = refused.to_string();
-    assert!(
-        text.contains("faces of 16384 pixels takes 24576 MiB; there is room for 2048 MiB"),
-        "{text}"
+    assert_says(
+        &text,
+        &["faces of 16384 pixels takes 24576 MiB; there is room for 2048 MiB"],
     );
 }
 

@@ -12,52 +12,7 @@ use reflet::{
 use crate::kit::{gpu, renderer, scene};
 
 /// A mirror floor before a bright wall, in a room without gaps.
-const ROOM: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 1, 4.5]
-target = [0, 1, -5]
-fov_deg = 40
-[image]
-size = [64, 36]
-light_rays = 2
-[reflection]
-method = "rt"
-reuse_light = false
-[environment]
-intensity = 0
-[material.mirror]
-metallic = 1
-roughness = 0
-[material.paint]
-base_color = [0.8, 0.8, 0.8]
-roughness = 1
-reflectivity = 0
-[material.panel]
-base_color = [0, 0, 0]
-reflectivity = 0
-emission = [4, 4, 4]
-[model.floor]
-shape = { kind = "plane", size = [10, 10] }
-material = "mirror"
-[model.wall]
-shape = { kind = "box", size = [10, 10, 0.2] }
-material = "paint"
-[model.panel]
-shape = { kind = "box", size = [2, 2, 0.1] }
-material = "panel"
-[[instance]]
-model = "floor"
-[[instance]]
-model = "wall"
-translation = [0, 5, -5]
-[[instance]]
-model = "wall"
-translation = [0, 5, 5]
-[[instance]]
-model = "panel"
-translation = [0, 4, -1]
-"#;
+const ROOM: &str = include_str!("brought/room.toml");
 
 #[test]
 fn the_cpu_counts_the_rays_that_mirror_rays_bring() {

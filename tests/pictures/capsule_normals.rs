@@ -13,29 +13,7 @@ use crate::kit::{color, gpu, integers, renderer, scene};
 const SIZE: u32 = 48;
 
 /// A sheet that fills the picture of an orthographic camera, and a sun; the plane becomes points or lines.
-const SHEET: &str = r#"
-version = 1
-[image]
-size = [48, 48]
-tone_map = "none"
-[camera.main]
-eye = [1, 3, 4]
-target = [0, 0, 0]
-orthographic_height_m = 1
-[light.lamp]
-kind = "directional"
-direction = [-0.7, -1, 0.2]
-intensity_lux = 3
-[material.matt]
-base_color = [0.8, 0.8, 0.8]
-reflectivity = 0
-reflection = "none"
-[model.sheet]
-shape = { kind = "plane", size = [4, 4] }
-material = "matt"
-[[instance]]
-model = "sheet"
-"#;
+const SHEET: &str = include_str!("capsule_normals/sheet.toml");
 
 /// Half the side of a sheet, m.
 const REACH_M: f32 = 1.5;
@@ -201,19 +179,9 @@ fn check_sheets(place: &[&str]) {
 #[test]
 fn mirrors_show_sheets_of_points_as_lit_by_their_normals() {
     let text = SHEET.to_owned()
-        + r#"
-rotation_deg = [90, 0, 0]
-[material.mirror]
-base_color = [1, 1, 1]
-metallic = 1
-roughness = 0
-[model.mirror]
-shape = { kind = "plane", size = [4, 4] }
-material = "mirror"
-[[instance]]
-model = "mirror"
-translation = [0, 0, 1.3]
-"#;
+        + include_str!(
+            "capsule_normals/mirrors_show_sheets_of_points_as_lit_by_their_normals.toml"
+        );
     let set = [
         "camera.main={ eye=[0, 1, 3], target=[0, 0.2, 0], fov_deg=40 }",
         "light.lamp.direction=[-0.3, -0.2, -1]",
@@ -245,19 +213,7 @@ translation = [0, 0, 1.3]
 #[test]
 fn points_that_mirror_do_not_mirror_themselves() {
     let text = SHEET.to_owned()
-        + r#"
-[material.panel]
-base_color = [0, 0, 0]
-emission = [1, 1, 1]
-reflectivity = 0
-[model.panel]
-shape = { kind = "plane", size = [900, 900] }
-material = "panel"
-[[instance]]
-model = "panel"
-translation = [0, 9, 0]
-rotation_deg = [180, 0, 0]
-"#;
+        + include_str!("capsule_normals/points_that_mirror_do_not_mirror_themselves.toml");
     let set = [
         "material.matt={ base_color=[1, 1, 1], metallic=1, roughness=0 }",
         "light.lamp.intensity_lux=0",
@@ -309,14 +265,7 @@ fn points_without_normals_stay_round() {
 #[test]
 fn capsules_cast_no_shadow_maps_on_themselves() {
     let text = SHEET.to_owned()
-        + r#"
-[model.floor]
-shape = { kind = "plane", size = [9, 9] }
-material = "matt"
-[[instance]]
-model = "floor"
-translation = [0, -1, 0]
-"#;
+        + include_str!("capsule_normals/capsules_cast_no_shadow_maps_on_themselves.toml");
     for radius_m in [0.3, 0.01, 0.002] {
         let zoom = format!("camera.main.orthographic_height_m={}", 4.0 * radius_m);
         for end in [Vec3::ZERO, Vec3::new(1.0, 0.3, -0.5) * radius_m] {

@@ -11,49 +11,7 @@ use reflet::{
 use crate::kit::{floats, gpu, integers, renderer, scene, share_differing};
 
 /// A mirror below things that are replaced by capsules, and a lamp.
-pub const SCENE: &str = r#"
-version = 1
-[image]
-size = [192, 108]
-[camera.main]
-eye = [0.5, 2, 5]
-target = [0, 0.6, 0]
-fov_deg = 45
-[environment]
-color = [0.3, 0.3, 0.3]
-[light.lamp]
-kind = "spot"
-position = [1, 6, 2]
-direction = [-0.2, -1, -0.3]
-intensity_cd = 100
-shadow_px = 1024
-[material.floor]
-base_color = [0.5, 0.5, 0.5]
-reflectivity = 0.5
-roughness = 0
-[material.red]
-base_color = [1, 0.2, 0.1]
-roughness = 1
-[model.floor]
-shape = { kind = "plane", size = [8, 8] }
-material = "floor"
-[model.thing]
-shape = { kind = "box" }
-material = "red"
-[[instance]]
-model = "floor"
-[[instance]]
-model = "thing"
-translation = [-0.6, 1, 0]
-[[instance]]
-model = "thing"
-translation = [1.2, 0.8, 0]
-rotation_deg = [20, 40, 60]
-scale = [-0.5, 1, 1.4]
-[[instance]]
-model = "thing"
-translation = [0, 0.6, 1]
-"#;
+pub const SCENE: &str = include_str!("capsules/scene.toml");
 
 /// A helix as spheres or as capsules from each point to the next.
 pub fn helix(are_spheres: bool) -> Mesh {

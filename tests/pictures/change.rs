@@ -59,37 +59,7 @@ fn a_copy_of_a_world_is_not_uploaded_again() {
 }
 
 /// A floor that mirrors, and a wall that only reflections show: the camera culls its back.
-const BACK: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 1, 4]
-target = [0, 0.5, 0]
-[image]
-size = [64, 36]
-[light.sun]
-kind = "directional"
-direction = [-0.3, -1, 0.5]
-intensity_lux = 3
-shadow = "none"
-[material.mirror]
-metallic = 1
-roughness = 0
-[material.red]
-base_color = [0.8, 0.1, 0.1]
-double_sided = false
-[model.floor]
-shape = { kind = "plane", size = [9, 9] }
-material = "mirror"
-[model.wall]
-shape = { kind = "plane", size = [2, 2] }
-material = "red"
-[[instance]]
-model = "floor"
-[[instance]]
-model = "wall"
-translation = [0, 1, 1]
-rotation_deg = [-90, 0, 0]
-"#;
+const BACK: &str = include_str!("change/back.toml");
 
 #[test]
 fn a_march_that_comes_later_knows_what_the_camera_culls() {

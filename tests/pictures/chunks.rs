@@ -20,37 +20,7 @@ use crate::{
 
 /// Scene text of balls over a mirror, each with its own mesh of this many segments around.
 fn balls(segments: u32) -> String {
-    let mut text = r#"
-version = 1
-[camera.main]
-eye = [0, 3, 6]
-target = [0, 0.5, 0]
-[image]
-size = [48, 32]
-[light.sun]
-kind = "directional"
-direction = [-0.3, -1, -0.5]
-intensity_lux = 3
-shadow = "map"
-[material.mirror]
-metallic = 1
-roughness = 0
-[material.lamp]
-emission = [2, 2, 2]
-light = true
-[model.floor]
-shape = { kind = "plane", size = [9, 9] }
-material = "mirror"
-[model.lamp]
-shape = { kind = "sphere", radius = 0.2, segments = 8 }
-material = "lamp"
-[[instance]]
-model = "lamp"
-translation = [0, 2, 1]
-[[instance]]
-model = "floor"
-"#
-    .to_owned();
+    let mut text = include_str!("chunks/balls.toml").to_owned();
     for i in 0..20_u8 {
         let (x, z) = (f32::from(i % 5) - 2.0, f32::from(i / 5) - 1.5);
         let radius = 0.3 + 0.003 * f32::from(i);

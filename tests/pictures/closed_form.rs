@@ -12,37 +12,7 @@ use crate::kit::{assert_color, gpu, integers, render};
 
 /// A mirror in the plane z = 0 that faces the camera, and a surface with radiance (0.2, 0.5, 0.8)
 /// behind the camera.
-pub const MIRROR: &str = r#"
-version = 1
-[camera.main]
-eye = [0.3, 0.2, 2]
-target = [0, 0, 0]
-fov_deg = 30
-[image]
-size = [33, 17]
-tone_map = "none"
-[material.mirror]
-base_color = [0, 0, 0]
-reflectivity = 1
-reflection = "mirror"
-[material.lamp]
-base_color = [0, 0, 0]
-reflectivity = 0
-emission = [0.2, 0.5, 0.8]
-[model.mirror]
-shape = { kind = "plane", size = [4, 4] }
-material = "mirror"
-[model.lamp]
-shape = { kind = "plane", size = [20, 20] }
-material = "lamp"
-[[instance]]
-model = "mirror"
-rotation_deg = [90, 0, 0]
-[[instance]]
-model = "lamp"
-translation = [0, 0, 5]
-rotation_deg = [-90, 0, 0]
-"#;
+pub const MIRROR: &str = include_str!("closed_form/mirror.toml");
 
 #[test]
 fn a_perfect_mirror_shows_the_color_that_it_reflects() {
@@ -67,30 +37,8 @@ fn a_mirror_that_screen_space_cannot_serve_stays_black_with_ssr() {
 #[test]
 fn a_side_that_is_turned_away_is_not_taken_from_the_screen() {
     let Some(gpu) = gpu() else { return };
-    let card = r#"
-[material.red]
-base_color = [0, 0, 0]
-reflectivity = 0
-emission = [1, 0, 0]
-[material.green]
-base_color = [0, 0, 0]
-reflectivity = 0
-emission = [0, 1, 0]
-[model.front]
-shape = { kind = "plane", size = [0.3, 0.3] }
-material = "red"
-[model.back]
-shape = { kind = "plane", size = [0.3, 0.3] }
-material = "green"
-[[instance]]
-model = "front"
-translation = [0, 0, 0.6]
-rotation_deg = [90, 0, 0]
-[[instance]]
-model = "back"
-translation = [0, 0, 0.59]
-rotation_deg = [-90, 0, 0]
-"#;
+    let card =
+        include_str!("closed_form/a_side_that_is_turned_away_is_not_taken_from_the_screen.toml");
     let text = format!("{MIRROR}{card}");
     let shown = |method: &str| {
         let set = [
@@ -132,23 +80,7 @@ fn a_mirror_under_the_open_sky_shows_the_sky() {
 #[test]
 fn a_white_lambert_sphere_vanishes_in_a_furnace() {
     let Some(gpu) = gpu() else { return };
-    let text = r#"
-version = 1
-[camera.main]
-eye = [0, 0, 3]
-target = [0, 0, 0]
-fov_deg = 40
-[image]
-size = [64, 36]
-tone_map = "none"
-[environment]
-color = [1, 1, 1]
-[material.white]
-reflectivity = 0
-[model.ball]
-shape = { kind = "sphere", radius = 1 }
-material = "white"
-"#;
+    let text = include_str!("closed_form/a_white_lambert_sphere_vanishes_in_a_furnace.toml");
     for set in [&[][..], &["image.samples=3"][..]] {
         let picture = render(gpu, text, set, &[]);
         for y in 0..36 {
@@ -160,23 +92,7 @@ material = "white"
 }
 
 /// A Lambert floor of albedo 1/2 seen from above.
-const FLOOR: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 4, 0]
-target = [0, 0, 0]
-up = [0, 0, -1]
-fov_deg = 20
-[image]
-size = [33, 33]
-tone_map = "none"
-[material.gray]
-base_color = [0.5, 0.5, 0.5]
-reflectivity = 0
-[model.floor]
-shape = { kind = "plane", size = [6, 6] }
-material = "gray"
-"#;
+const FLOOR: &str = include_str!("closed_form/floor.toml");
 
 #[test]
 fn a_lambert_floor_gives_albedo_times_irradiance_over_pi() {

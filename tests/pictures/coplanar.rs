@@ -6,50 +6,7 @@ use reflet::{render::picture::aov::Aov, world::Mesh};
 use crate::kit::{gpu, integers, render, renderer, scene};
 
 /// Two floors at the same place below a mirror that shows them; the mirror is instance 0.
-const FLOORS: &str = r#"
-version = 1
-[timeline]
-fps = 24
-end = 2
-[camera.main]
-eye = [1.3, 1.1, 3.7]
-target = [0, 0.6, 0]
-[image]
-size = [96, 54]
-[environment]
-color = [1, 1, 1]
-[material.mirror]
-metallic = 1
-roughness = 0
-[material.red]
-base_color = [0.8, 0.1, 0.1]
-reflection = "none"
-[material.green]
-base_color = [0.1, 0.8, 0.1]
-reflection = "none"
-[model.mirror]
-shape = { kind = "box", size = [2.2, 1.7, 0.1] }
-material = "mirror"
-[model.red]
-shape = { kind = "plane", size = [4.1, 3.3] }
-material = "red"
-[model.green]
-shape = { kind = "plane", size = [4.1, 3.3] }
-material = "green"
-[[instance]]
-model = "mirror"
-translation = [0, 0.9, -1.1]
-[[instance]]
-name = "first"
-model = "red"
-translation = [0.1, 0.013, 0.3]
-rotation_deg = [3, 17, 5]
-[[instance]]
-name = "second"
-model = "green"
-translation = [0.1, 0.013, 0.3]
-rotation_deg = [3, 17, 5]
-"#;
+const FLOORS: &str = include_str!("coplanar/floors.toml");
 
 #[test]
 fn the_lower_of_coplanar_instances_is_shown_by_pixels_and_rays() {
@@ -90,41 +47,7 @@ fn the_lower_of_coplanar_instances_is_shown_by_pixels_and_rays() {
 }
 
 /// A floor of patches below a mirror; instance 0 is the mirror, the next ones are out of sight.
-const PATCHES: &str = r#"
-version = 1
-[camera.main]
-eye = [1.3, 2.1, 4.7]
-target = [0.3, 0.4, 0]
-[image]
-size = [144, 81]
-[environment]
-color = [1, 1, 1]
-[material.mirror]
-metallic = 1
-roughness = 0
-[material.solid]
-reflection = "none"
-[material.double]
-reflection = "none"
-double_sided = true
-[material.cutout]
-reflection = "none"
-alpha_cutoff = 0.5
-[material.hole]
-reflection = "none"
-alpha_cutoff = 0.5
-alpha = 0.2
-[material.glass]
-transmission = 1
-[model.mirror]
-shape = { kind = "box", size = [4.2, 1.7, 0.1] }
-material = "mirror"
-[model.patch]
-shape = { kind = "plane", size = [0.71, 0.93] }
-[[instance]]
-model = "mirror"
-translation = [0.4, 0.9, -1.1]
-"#;
+const PATCHES: &str = include_str!("coplanar/patches.toml");
 
 /// Classes of things that are drawn or traced apart: a material, `moving` in another tree, `points` as capsules.
 const CLASSES: [&str; 7] = [

@@ -145,33 +145,7 @@ fn surfaces_without_a_specular_lobe_send_no_rays() {
 
 #[test]
 fn every_lit_pixel_sends_one_shadow_ray_to_each_light() {
-    let text = r#"
-version = 1
-[camera.main]
-eye = [0, 0, 3]
-target = [0, 0, 0]
-fov_deg = 20
-[image]
-size = [16, 9]
-[material.gray]
-reflectivity = 0
-[model.wall]
-shape = { kind = "plane", size = [9, 9] }
-material = "gray"
-[[instance]]
-model = "wall"
-rotation_deg = [90, 0, 0]
-[light.a]
-kind = "point"
-position = [0, 0, 4]
-intensity_cd = 10
-shadow = "ray"
-[light.b]
-kind = "point"
-position = [1, 0, 4]
-intensity_cd = 10
-shadow = "ray"
-"#;
+    let text = include_str!("counts/every_lit_pixel_sends_one_shadow_ray_to_each_light.toml");
     let Some((_, _, counts)) = counted(text, &[]) else {
         return;
     };

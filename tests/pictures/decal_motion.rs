@@ -74,13 +74,7 @@ fn decals_move_and_hide_with_their_parents() {
 /// Place, size, scale, opacity and sight by tracks of the decal's own; a quarter turn exchanges its sides.
 #[test]
 fn decals_move_by_tracks_of_their_own() {
-    let tables = "[decal.a]\nmaterial = \"red\"\nsize = [0.2, 0.2, 0.4]\n[motion.decal.a]\n\
-                  translation = { keys = [{ at_s = 0, value = [-0.5, 0.1, 0] }, { at_s = 2, value = [0.5, 0.1, 0] }] }\n\
-                  rotation_deg = { rate = [0, 0, 90] }\n\
-                  scale = { keys = [{ at_s = 0, value = 1 }, { at_s = 2, value = 2 }] }\n\
-                  size = { rate = [0.05, 0, 0] }\n\
-                  opacity = { keys = [{ at_s = 0, value = 1 }, { at_s = 2, value = 0.5 }] }\n\
-                  shown = { keys = [{ at_s = 0, value = false }, { at_s = 1, value = true }] }\n";
+    let tables = include_str!("decal_motion/decals_move_by_tracks_of_their_own.toml");
     assert_frames(tables, STILL, |frame| {
         let time = frame as f32;
         let scale = 1.0 + 0.5 * time;

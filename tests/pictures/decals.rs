@@ -14,33 +14,7 @@ use crate::common::shaders;
 use crate::kit::{color, floats, gpu, render, renderer, scene, scene_of};
 
 /// A wall in the plane z = 0, seen so that a pixel is 0.05 m wide and the middle of the picture is the origin.
-pub const WALL: &str = r#"
-version = 1
-[image]
-size = [40, 24]
-tone_map = "none"
-[camera.main]
-eye = [0, 0, 3]
-target = [0, 0, 0]
-orthographic_height_m = 1.2
-[environment]
-color = [1, 1, 1]
-shadow = "none"
-[material.wall]
-base_color = [0.5, 0.5, 0.5]
-roughness = 0.75
-[material.red]
-base_color = [0.8, 0.1, 0.0]
-roughness = 0.25
-metallic = 1
-[model.wall]
-shape = { kind = "box", size = [40, 40, 1] }
-material = "wall"
-[[instance]]
-name = "wall"
-model = "wall"
-translation = [0, 0, -0.5]
-"#;
+pub const WALL: &str = include_str!("decals/wall.toml");
 
 /// Width of a pixel of [`WALL`], meters.
 const PIXEL_M: f32 = 0.05;

@@ -20,42 +20,7 @@ const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
 const MIRRORS: &str = include_str!("../../scenes/mirrors.toml");
 
 /// Many small balls on a floor under two kinds of lights; nothing reflects but the last ball.
-const BALLS: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 3, 14]
-[material.chrome]
-metallic = 1
-roughness = 0.05
-[material.dull]
-roughness = 0.9
-[model.ball]
-shape = { kind = "sphere", radius = 0.4, segments = 128 }
-material = "dull"
-[model.floor]
-shape = { kind = "plane", size = [60, 60] }
-material = "dull"
-[[instance]]
-model = "floor"
-[[instance]]
-model = "ball"
-translation = [-10, 0, -10]
-repeat = { count = [20, 1, 20], step = [1, 0, 1] }
-[[instance]]
-model = "ball"
-material = "chrome"
-translation = [0, 1.5, 2]
-[light.lamp]
-kind = "point"
-position = [0, 6, 0]
-intensity_cd = 50
-shadow = "auto"
-[light.sun]
-kind = "directional"
-direction = [0.2, -1, 0.1]
-intensity_lux = 2
-shadow = "auto"
-"#;
+const BALLS: &str = include_str!("decide/balls.toml");
 
 fn decided(text: &str, set: &[&str], software: bool) -> Decided {
     let (desc, world) = scene(text, set);

@@ -14,45 +14,7 @@ use reflet::{
 
 use crate::kit::{gpu, integers, renderer, scene_of};
 
-const SCENE: &str = r#"
-version = 1
-timeline = { fps = 24, end = 40 }
-[camera.main]
-eye = [1.4, 1.2, 2.6]
-target = [0, 0.6, 0]
-fov_deg = 50
-[image]
-size = [64, 48]
-[light.lamp]
-kind = "point"
-position = [1, 3, 1.5]
-intensity_cd = 20
-shadow_px = 256
-[light.sun]
-kind = "directional"
-direction = [0.5, -1, -0.6]
-intensity_lux = 1
-shadow_px = 256
-[material.floor]
-roughness = 0
-reflectivity = 0.5
-reflection = "mirror"
-[model.floor]
-shape = { kind = "plane", size = [6, 6] }
-material = "floor"
-[model.figure]
-file = "walker.glb"
-animation = "walk"
-[[instance]]
-model = "floor"
-[[instance]]
-model = "figure"
-[[instance]]
-model = "figure"
-translation = [-0.8, 0, 0.4]
-scale = 0.7
-animation = { name = "walk", start_s = -0.5 }
-"#;
+const SCENE: &str = include_str!("deform/scene.toml");
 
 pub fn scene() -> (SceneDesc, World) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts");

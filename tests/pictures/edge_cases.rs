@@ -4,23 +4,7 @@ use reflet::render::picture::aov::Aov;
 
 use crate::kit::{assert_color, gpu, integers, render};
 
-const BALL: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 0, 3]
-target = [0, 0, 0]
-[image]
-size = [16, 9]
-tone_map = "none"
-[environment]
-color = [0.25, 0.5, 0.75]
-[material.chrome]
-metallic = 1
-roughness = 0
-[model.ball]
-shape = { kind = "sphere", radius = 1, segments = 16 }
-material = "chrome"
-"#;
+const BALL: &str = include_str!("edge_cases/ball.toml");
 
 #[test]
 fn odd_tiny_and_wide_pictures_render() {

@@ -5,34 +5,7 @@ use reflet::render::picture::aov::Aov;
 use crate::kit::{gpu, integers, render};
 
 /// A box on a mirror, at (X, 0, X).
-const CONTACT: &str = r#"
-version = 1
-[image]
-size = [160, 90]
-[camera.main]
-eye = [X0.9, 0.7, X2.1]
-target = [X0, 0.1, X0]
-fov_deg = 40
-[material.mirror]
-metallic = 1
-roughness = 0
-[model.floor]
-shape = { kind = "plane", size = [6, 6] }
-material = "mirror"
-[model.box]
-shape = { kind = "box", size = [0.4, 0.2, 0.4] }
-[[instance]]
-model = "floor"
-translation = [X0, 0, X0]
-[[instance]]
-model = "box"
-translation = [X0, 0.1, X0]
-[light.lamp]
-kind = "point"
-position = [X0.6, 1.5, X0.8]
-intensity_cd = 3
-shadow = "ray"
-"#;
+const CONTACT: &str = include_str!("far/contact.toml");
 
 /// Number of pixels of the box in the mirror, down to its foot, and number of pixels in its shadow.
 fn shown(kilometers: &str, method: &str) -> Option<(usize, usize)> {

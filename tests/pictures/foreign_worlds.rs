@@ -7,7 +7,7 @@ use reflet::{
     world::{Texture, TextureRef, World, Wrap},
 };
 
-use crate::common::shaders;
+use crate::common::{assert_says, shaders};
 use crate::kit::{gpu, renderer, scene};
 
 const SIZE: &str = "image.size=[32, 18]";
@@ -139,10 +139,7 @@ fn another_world_is_not_taken_as_a_pose() {
         let mut other = world.clone();
         damage(&mut other);
         let refused = reason(renderer.update(gpu, &other));
-        assert!(
-            refused.contains(what) && refused.contains("change"),
-            "{refused}"
-        );
+        assert_says(&refused, &[what, "change"]);
     }
     let after = renderer.picture(gpu, camera, &[]).expect("a picture");
     assert!(before.display == after.display, "an error changes nothing");

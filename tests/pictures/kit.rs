@@ -136,29 +136,4 @@ pub fn share_differing(a: &Picture, b: &Picture, levels: u8) -> f64 {
 }
 
 /// Two mirrors with emission 0.1 and reflectance 1/2 face each other; the camera stands between.
-pub const FACING: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 0, 0]
-target = [0, 0, -1]
-fov_deg = 2
-[image]
-size = [9, 9]
-tone_map = "none"
-[material.mirror]
-base_color = [0, 0, 0]
-reflectivity = 0.5
-reflection = "mirror"
-emission = [0.1, 0.1, 0.1]
-[model.mirror]
-shape = { kind = "plane", size = [4, 4] }
-material = "mirror"
-[[instance]]
-model = "mirror"
-translation = [0, 0, -1]
-rotation_deg = [90, 0, 0]
-[[instance]]
-model = "mirror"
-translation = [0, 0, 1]
-rotation_deg = [-90, 0, 0]
-"#;
+pub const FACING: &str = include_str!("kit/facing.toml");

@@ -6,41 +6,7 @@ use crate::kit::{gpu, render, renderer, scene, share_differing};
 
 /// A shiny floor under a ball and a pillar, with lights whose shadows cross.
 fn scene_with(lights: usize) -> String {
-    let mut text = String::from(
-        r#"
-version = 1
-[camera.main]
-eye = [0, 1.6, 4]
-target = [0, 0.4, 0]
-[image]
-size = [160, 90]
-[environment]
-color = [0.2, 0.2, 0.25]
-[material.floor]
-base_color = [0.3, 0.3, 0.3]
-roughness = 0.05
-reflectivity = 0.3
-[material.wall]
-base_color = [0.8, 0.6, 0.4]
-[model.floor]
-shape = { kind = "plane", size = [8, 8] }
-material = "floor"
-[model.wall]
-shape = { kind = "box", size = [6, 3, 0.2] }
-material = "wall"
-[model.pillar]
-shape = { kind = "cylinder", radius = 0.2, height = 1.5, segments = 24 }
-material = "wall"
-[[instance]]
-model = "floor"
-[[instance]]
-model = "wall"
-translation = [0, 1.5, -1.5]
-[[instance]]
-model = "pillar"
-translation = [0.6, 0.75, -0.4]
-"#,
-    );
+    let mut text = String::from(include_str!("light_reuse/scene_with.toml"));
     for i in 0..lights {
         let angle = i as f32 * 2.4;
         let (x, z) = (2.0 * angle.cos(), 1.5 + angle.sin());
@@ -103,41 +69,7 @@ fn lights_past_the_32nd_are_followed_anew() {
 #[test]
 fn the_other_side_of_a_sheet_lends_nothing() {
     let Some(gpu) = gpu() else { return };
-    let text = r#"
-version = 1
-[camera.main]
-eye = [1.2, 0.8, 3]
-target = [0, 0.3, 0]
-[image]
-size = [160, 90]
-[material.sheet]
-base_color = [1, 1, 1]
-double_sided = true
-[material.mirror]
-base_color = [1, 1, 1]
-metallic = 1
-roughness = 0
-reflection = "mirror"
-[model.sheet]
-shape = { kind = "plane", size = [1, 1] }
-material = "sheet"
-[model.mirror]
-shape = { kind = "plane", size = [6, 6] }
-material = "mirror"
-[[instance]]
-model = "sheet"
-translation = [0, 0.3, 0]
-rotation_deg = [70, 0, 0]
-[[instance]]
-model = "mirror"
-translation = [0, 0, -1]
-rotation_deg = [90, 0, 0]
-[light.front]
-kind = "point"
-shadow = "ray"
-position = [0, 1.5, 3]
-intensity_cd = 20
-"#;
+    let text = include_str!("light_reuse/the_other_side_of_a_sheet_lends_nothing.toml");
     for method in ["reflection.method=hybrid", "reflection.method=rt"] {
         let lent = render(gpu, text, &[method], &[]);
         let anew = render(gpu, text, &[method, ANEW], &[]);

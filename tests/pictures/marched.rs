@@ -18,42 +18,7 @@ use crate::{
 };
 
 /// A mirror floor that shows a wall which the picture shows too, and a mirror ball that shows what it does not.
-const SCENE: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 2, 9]
-target = [0, 1.5, 0]
-[image]
-size = [96, 54]
-[material.mirror]
-metallic = 1
-roughness = 0
-[material.dull]
-base_color = [0.8, 0.3, 0.2]
-roughness = 0.9
-[model.floor]
-shape = { kind = "plane", size = [12, 3] }
-material = "mirror"
-[model.wall]
-shape = { kind = "box", size = [30, 12, 0.5] }
-material = "dull"
-[model.globe]
-shape = { kind = "sphere", radius = 1.2, segments = 32 }
-material = "mirror"
-[[instance]]
-model = "floor"
-translation = [0, 0, -1.2]
-[[instance]]
-model = "wall"
-translation = [0, 6, -3]
-[[instance]]
-model = "globe"
-translation = [2.2, 1.8, 3]
-[light.sun]
-kind = "directional"
-direction = [0.2, -1, -0.4]
-intensity_lux = 2
-"#;
+const SCENE: &str = include_str!("marched/scene.toml");
 
 /// Costs at which a march takes less time than a trace, and passes take none.
 const COSTS: UnitCosts = UnitCosts {

@@ -13,25 +13,7 @@ use reflet::{
 use crate::kit::{assert_color, color, floats, gpu, render, renderer, scene, scene_of};
 
 /// A wall 2 m wide in the plane z = 0, seen from 3 m; it fills the picture.
-const WALL: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 0, 3]
-target = [0, 0, 0]
-fov_deg = 30
-[image]
-size = [48, 40]
-tone_map = "none"
-[material.wall]
-base_color = [0, 0, 0]
-reflectivity = 0
-[model.wall]
-shape = { kind = "plane", size = [2, 2] }
-material = "wall"
-[[instance]]
-model = "wall"
-rotation_deg = [90, 0, 0]
-"#;
+const WALL: &str = include_str!("material/wall.toml");
 
 /// Point where the ray of a pixel meets the wall.
 fn on_wall(size: [u32; 2], x: u32, y: u32) -> Vec3 {
@@ -292,41 +274,7 @@ fn a_gradient_sky_lights_floors_and_walls_by_its_integral() {
 #[test]
 fn a_blurred_mirror_shows_the_gaussian_of_its_picture() {
     let Some(gpu) = gpu() else { return };
-    let text = r#"
-version = 1
-[camera.main]
-eye = [0, 0, 2]
-target = [0, 0, 0]
-fov_deg = 30
-[image]
-size = [40, 32]
-tone_map = "none"
-[reflection]
-method = "rt"
-[environment]
-color = [0, 0, 0]
-[material.mirror]
-base_color = [0, 0, 0]
-reflectivity = 1
-reflection = "mirror"
-[material.lamp]
-base_color = [0, 0, 0]
-reflectivity = 0
-emission = [0.2, 0.5, 0.8]
-[model.mirror]
-shape = { kind = "plane", size = [4, 4] }
-material = "mirror"
-[model.lamp]
-shape = { kind = "plane", size = [0.7, 0.4] }
-material = "lamp"
-[[instance]]
-model = "mirror"
-rotation_deg = [90, 0, 0]
-[[instance]]
-model = "lamp"
-translation = [0.3, 0.2, 3]
-rotation_deg = [-90, 0, 0]
-"#;
+    let text = include_str!("material/a_blurred_mirror_shows_the_gaussian_of_its_picture.toml");
     let sharp = render(gpu, text, &[], &[]);
     let blurred = render(gpu, text, &["reflection.blur_px=1.5"], &[]);
     let [width, height] = sharp.size.map(|side| side as i32);

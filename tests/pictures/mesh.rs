@@ -17,23 +17,7 @@ fn picture(desc: &SceneDesc, world: &World, aovs: &[Aov]) -> Option<Picture> {
 }
 
 /// A ball of 1 m seen from 4 m.
-const BALL: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 0, 4]
-target = [0, 0, 0]
-fov_deg = 30
-[image]
-size = [33, 33]
-tone_map = "none"
-[material.red]
-base_color = [1, 0, 0]
-[model.ball]
-shape = { kind = "sphere", radius = 1, segments = 96 }
-material = "red"
-[[instance]]
-model = "ball"
-"#;
+const BALL: &str = include_str!("mesh/ball.toml");
 
 #[test]
 fn the_normals_of_a_ball_point_away_from_its_center() {
@@ -73,26 +57,7 @@ fn the_normals_of_a_ball_point_away_from_its_center() {
 }
 
 /// A wall in the plane z = 0, 2 m wide, under white light from everywhere.
-const WALL: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 0, 3]
-target = [0, 0, 0]
-fov_deg = 30
-[image]
-size = [41, 41]
-tone_map = "none"
-[environment]
-color = [1, 1, 1]
-[material.wall]
-reflectivity = 0
-[model.wall]
-shape = { kind = "plane", size = [2, 2] }
-material = "wall"
-[[instance]]
-model = "wall"
-rotation_deg = [90, 0, 0]
-"#;
+const WALL: &str = include_str!("mesh/wall.toml");
 
 #[test]
 fn vertex_colors_run_straight_from_corner_to_corner() {
@@ -119,40 +84,7 @@ fn vertex_colors_run_straight_from_corner_to_corner() {
 
 #[test]
 fn vertex_alpha_cuts_out_what_is_seen_and_its_shadow() {
-    let text = r#"
-version = 1
-[camera.main]
-eye = [0, 4, 0]
-target = [0, 0, 0]
-up = [0, 0, -1]
-fov_deg = 30
-[image]
-size = [33, 33]
-tone_map = "none"
-[light.lamp]
-kind = "point"
-position = [-3, 3, 0]
-intensity_cd = 20
-shadow = "SHADOW"
-[material.floor]
-reflectivity = 0
-[material.leaf]
-base_color = [0, 0, 0]
-reflectivity = 0
-emission = [0, 0, 1]
-alpha_cutoff = 0.5
-[model.floor]
-shape = { kind = "plane", size = [8, 8] }
-material = "floor"
-[model.leaf]
-shape = { kind = "plane", size = [0.6, 0.6] }
-material = "leaf"
-[[instance]]
-model = "floor"
-[[instance]]
-model = "leaf"
-translation = [-0.6, 1, 0]
-"#;
+    let text = include_str!("mesh/vertex_alpha_cuts_out_what_is_seen_and_its_shadow.toml");
     for shadow in ["map", "ray"] {
         for (alpha, is_solid) in [(0.75, true), (0.25, false)] {
             let visibility = if shadow == "map" { "raster" } else { "rays" };

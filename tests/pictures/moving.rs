@@ -12,48 +12,13 @@ use reflet::{
     world::{World, load},
 };
 
-use crate::kit::{assert_color, color, gpu, renderer};
+use crate::{
+    common::{cases, words},
+    kit::{assert_color, color, gpu, renderer},
+};
 
 /// A wall with a checker and one with pictures of an alpha that grows to the right, under a spot.
-const SCENE: &str = r#"
-version = 1
-timeline = { fps = 2, end = 4 }
-[camera.main]
-eye = [0, 0, 6]
-[image]
-size = [48, 24]
-tone_map = "none"
-[environment]
-color = [0.2, 0.3, 0.4]
-[material.board]
-checker = { colors = [[0.9, 0.2, 0.1], [0.1, 0.2, 0.9]], size_m = 1.5 }
-roughness = 0.6
-[material.leaf]
-base_color_texture = "leaf.png"
-normal_texture = "leaf.png"
-alpha_cutoff = 0
-emission = [0.2, 0.1, 0]
-[model.board]
-shape = { kind = "plane", size = [3, 3] }
-material = "board"
-[model.leaf]
-shape = { kind = "plane", size = [3, 3] }
-material = "leaf"
-[[instance]]
-model = "board"
-translation = [-1.6, 0, 0]
-rotation_deg = [90, 0, 0]
-[[instance]]
-model = "leaf"
-translation = [1.6, 0, 0]
-rotation_deg = [90, 0, 0]
-[light.spot]
-kind = "spot"
-position = [0, 0, 4]
-target = [0.5, 0, 0]
-intensity_cd = 60
-outer_deg = 40
-"#;
+const SCENE: &str = include_str!("moving/scene.toml");
 
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("moving-{name}"));
@@ -113,64 +78,8 @@ fn difference(a: &Picture, b: &Picture) -> f32 {
     all.map(of).fold(0.0, f32::max)
 }
 
-/// Kind, name, animated key, override for the still scene, and its value in each.
-const MOVES: [[&str; 5]; 19] = [
-    [
-        "material",
-        "board",
-        "base_color",
-        "base_color",
-        "[0.1, 0.9, 0.2]",
-    ],
-    ["material", "board", "metallic", "metallic", "0.8"],
-    ["material", "board", "roughness", "roughness", "0.3"],
-    ["material", "board", "reflectivity", "reflectivity", "0.9"],
-    [
-        "material",
-        "board",
-        "checker_size_m",
-        "checker.size_m",
-        "0.4",
-    ],
-    [
-        "material",
-        "board",
-        "checker_a",
-        "checker.colors.0",
-        "[0.1, 0.9, 0.2]",
-    ],
-    [
-        "material",
-        "board",
-        "checker_b",
-        "checker.colors.1",
-        "[0.1, 0.9, 0.2]",
-    ],
-    ["material", "leaf", "alpha_cutoff", "alpha_cutoff", "0.5"],
-    ["material", "leaf", "uv_scale", "uv_scale", "[2.0, -1.5]"],
-    ["material", "leaf", "normal_scale", "normal_scale", "0.0"],
-    [
-        "material",
-        "leaf",
-        "emission",
-        "emission",
-        "[0.1, 0.0, 0.6]",
-    ],
-    [
-        "material",
-        "leaf",
-        "emission_strength",
-        "emission_strength",
-        "3.0",
-    ],
-    ["light", "spot", "target", "target", "[-1.5, 0.4, 0.0]"],
-    ["light", "spot", "position", "position", "[1.0, 0.5, 3.0]"],
-    ["light", "spot", "inner_deg", "inner_deg", "30.0"],
-    ["light", "spot", "outer_deg", "outer_deg", "15.0"],
-    ["light", "spot", "color", "color", "[1.0, 0.5, 0.1]"],
-    ["light", "spot", "intensity_cd", "intensity_cd", "20.0"],
-    ["camera", "main", "near_m", "near_m", "6.5"],
-];
+/// Kind, name, animated key and override for the still scene, and its value in each.
+const MOVES: &str = include_str!("moving/moves.txt");
 
 #[test]
 fn moved_scene_equals_the_scene_written_in_that_pose() {
@@ -178,7 +87,10 @@ fn moved_scene_equals_the_scene_written_in_that_pose() {
     let Some([before, _]) = frames(&folder, SCENE, &[], [0, 0]) else {
         return;
     };
-    for [kind, name, key, path, value] in MOVES {
+    for (moved, value) in cases(MOVES) {
+        let Ok([kind, name, key, path]) = <[&str; 4]>::try_from(words(moved)) else {
+            panic!("{moved}");
+        };
         let set = [format!("{kind}.{name}.{path}={value}")];
         let Some([still, _]) = frames(&folder, SCENE, &set, [0, 0]) else {
             return;

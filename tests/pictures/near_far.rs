@@ -16,63 +16,7 @@ use reflet::{
 use crate::kit::{assert_color, floats, gpu, integers, render, renderer, scene, share_differing};
 
 /// A courtyard without a roof: two walls that glow, a floor that mirrors, and a ball that glows.
-const COURT: &str = r#"
-version = 1
-[camera.main]
-eye = [2.2, 1.6, 2.6]
-target = [-1, 0.2, -0.5]
-[image]
-size = [64, 36]
-tone_map = "none"
-[environment]
-zenith = [0.1, 0.2, 0.9]
-horizon = [0.1, 0.2, 0.9]
-ground = [0.1, 0.2, 0.9]
-[material.mirror]
-base_color = [1, 1, 1]
-metallic = 1
-roughness = 0
-reflection = "mirror"
-[material.red]
-base_color = [0, 0, 0]
-reflectivity = 0
-emission = [0.8, 0.2, 0.1]
-[material.green]
-base_color = [0, 0, 0]
-reflectivity = 0
-emission = [0.1, 0.7, 0.2]
-[material.ball]
-base_color = [0, 0, 0]
-reflectivity = 0
-emission = [0.7, 0.6, 0.1]
-[model.floor]
-shape = { kind = "plane", size = [8, 8] }
-material = "mirror"
-[model.red]
-shape = { kind = "plane", size = [4, 8] }
-material = "red"
-[model.green]
-shape = { kind = "plane", size = [8, 4] }
-material = "green"
-[model.ball]
-shape = { kind = "sphere", radius = 0.5, segments = 24 }
-material = "ball"
-[[instance]]
-model = "floor"
-[[instance]]
-model = "red"
-translation = [-4, 2, 0]
-rotation_deg = [0, 0, -90]
-[[instance]]
-model = "green"
-translation = [0, 2, -4]
-rotation_deg = [90, 0, 0]
-[[instance]]
-model = "ball"
-name = "ball"
-dynamic = true
-translation = [-1.5, 1, -1]
-"#;
+const COURT: &str = include_str!("near_far/court.toml");
 
 fn by(text: &str, set: &[&str]) -> Option<Picture> {
     Some(render(gpu()?, text, set, &[Aov::Cause, Aov::HitDistance]))

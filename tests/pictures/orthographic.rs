@@ -5,54 +5,7 @@ use reflet::render::{Picture, picture::aov::Aov, pipeline::cause::Cause};
 use crate::kit::{floats, gpu, integers, render, share_differing};
 
 /// A box and a ball on a mirror, before a tilted wall.
-const STAGE: &str = r#"
-version = 1
-[camera.main]
-eye = [3, 2, 5]
-target = [0, 0.5, 0]
-orthographic_height_m = 3
-[image]
-size = [160, 90]
-[environment]
-color = [0.5, 0.6, 0.8]
-[light.sun]
-kind = "directional"
-direction = [-0.3, -1, -0.5]
-intensity_lux = 2
-[material.mirror]
-metallic = 1
-roughness = 0
-[material.red]
-base_color = [0.8, 0.1, 0.1]
-reflection = "none"
-[material.checker]
-checker = { colors = [[0.9, 0.9, 0.9], [0.1, 0.2, 0.7]], size_m = 0.25 }
-reflection = "none"
-[model.floor]
-shape = { kind = "plane", size = [6, 6] }
-material = "mirror"
-[model.box]
-shape = { kind = "box", size = [0.6, 1, 0.6] }
-material = "red"
-[model.ball]
-shape = { kind = "sphere", radius = 0.4 }
-material = "mirror"
-[model.wall]
-shape = { kind = "plane", size = [4, 2] }
-material = "checker"
-[[instance]]
-model = "floor"
-[[instance]]
-model = "box"
-translation = [-0.6, 0.5, 0]
-[[instance]]
-model = "ball"
-translation = [0.5, 0.4, 0.6]
-[[instance]]
-model = "wall"
-translation = [0, 0.6, -1.2]
-rotation_deg = [80, 0, 0]
-"#;
+const STAGE: &str = include_str!("orthographic/stage.toml");
 
 fn hits(picture: &Picture) -> Vec<&[u32]> {
     integers(picture, Aov::HitIds).chunks(2).collect()
@@ -61,23 +14,7 @@ fn hits(picture: &Picture) -> Vec<&[u32]> {
 #[test]
 fn sizes_do_not_depend_on_distance() {
     let Some(gpu) = gpu() else { return };
-    let text = r#"
-version = 1
-[camera.main]
-eye = [0, 0, 10]
-target = [0, 0, 0]
-orthographic_height_m = 4
-[image]
-size = [64, 32]
-[model.near]
-shape = { kind = "box", size = [1, 1, 1] }
-[[instance]]
-model = "near"
-translation = [-2, 0, 8]
-[[instance]]
-model = "near"
-translation = [2, 0, -800]
-"#;
+    let text = include_str!("orthographic/sizes_do_not_depend_on_distance.toml");
     for visibility in ["raster", "rays"] {
         let set = format!("image.visibility={visibility}");
         let picture = render(gpu, text, &[&set], &[Aov::Ids, Aov::Depth]);
@@ -169,33 +106,7 @@ fn march_and_rays_see_the_same() {
 #[test]
 fn what_is_culled_before_a_facing_mirror_is_reflected() {
     let Some(gpu) = gpu() else { return };
-    let text = r#"
-version = 1
-[camera.main]
-eye = [0, 0, 5]
-target = [0, 0, 0]
-orthographic_height_m = 1
-[image]
-size = [32, 32]
-[material.mirror]
-metallic = 1
-roughness = 0
-[model.mirror]
-shape = { kind = "plane", size = [2, 2] }
-material = "mirror"
-[material.screen]
-double_sided = false
-[model.screen]
-shape = { kind = "plane", size = [2, 2] }
-material = "screen"
-[[instance]]
-model = "mirror"
-rotation_deg = [90, 0, 0]
-[[instance]]
-model = "screen"
-translation = [0, 0, 1]
-rotation_deg = [-90, 0, 0]
-"#;
+    let text = include_str!("orthographic/what_is_culled_before_a_facing_mirror_is_reflected.toml");
     for method in ["hybrid", "rt"] {
         let set = format!("reflection.method={method}");
         let picture = render(gpu, text, &[&set], &[Aov::HitIds, Aov::Ids]);

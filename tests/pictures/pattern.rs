@@ -2,29 +2,7 @@
 
 use crate::kit::{color, gpu, mean, render};
 
-const WALL: &str = r#"
-version = 1
-[image]
-size = [96, 64]
-tone_map = "none"
-[camera.main]
-eye = [0.1, 0.2, 4]
-target = [0.1, 0.2, 0]
-fov_deg = 40
-[environment]
-color = [1, 1, 1]
-shadow = "none"
-[material.wall]
-reflectivity = 0
-roughness = 1
-pattern = { kind = "brick", colors = [[0.8, 0.2, 0.1], [0.1, 0.1, 0.9]], size_m = 0.5 }
-[model.wall]
-shape = { kind = "box", size = [400, 400, 1] }
-material = "wall"
-[[instance]]
-model = "wall"
-translation = [0, 0, -0.5]
-"#;
+const WALL: &str = include_str!("pattern/wall.toml");
 
 fn of(kind: &str) -> String {
     WALL.replace("kind = \"brick\"", &format!("kind = \"{kind}\""))

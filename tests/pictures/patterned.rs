@@ -7,27 +7,7 @@ use reflet::render::{Picture, picture::aov::Aov};
 use crate::kit::{color, floats, gpu, mean, render, renderer, scene, share_differing};
 
 /// A wall in the plane z = 0, seen so that a pixel is 0.05 m wide and the middle of the picture is the origin.
-const WALL: &str = r#"
-version = 1
-[image]
-size = [40, 24]
-tone_map = "none"
-[camera.main]
-eye = [0, 0, 3]
-target = [0, 0, 0]
-orthographic_height_m = 1.2
-[environment]
-color = [1, 1, 1]
-shadow = "none"
-[material.wall]
-base_color = [0.5, 0.5, 0.5]
-[model.wall]
-shape = { kind = "box", size = [40, 40, 1] }
-material = "wall"
-[[instance]]
-model = "wall"
-translation = [0, 0, -0.5]
-"#;
+const WALL: &str = include_str!("patterned/wall.toml");
 
 /// Width of a pixel of [`WALL`], meters.
 const PIXEL_M: f32 = 0.05;
@@ -48,14 +28,7 @@ fn values_at_points_are_those_of_the_formulas() {
     let Some(gpu) = gpu() else { return };
     let text = WALL.replace(
         "base_color = [0.5, 0.5, 0.5]",
-        r#"
-        base_color = { pattern = "gradient", from = [0, 0.2, 1], to = [1, 0.2, 0], size_m = 1, offset_m = [-0.5, 0, 0] }
-        roughness = { pattern = "stripes", from = 0.25, to = 0.75, size_m = 0.3, axis = [0, 2, 0], offset_m = [0, 0.1, 0] }
-        metallic = { pattern = "checker", from = 0, to = 1, size_m = 0.4, offset_m = [0, 0, 0.2] }
-        reflectivity = { pattern = "dots", from = 0.5, to = 0.125, size_m = 0.5 }
-        emission = { pattern = "gradient", from = [0, 0, 0], to = [4, 2, 1], size_m = 1, axis = [-1, 0, 0] }
-        emission_strength = 0.5
-        "#,
+        include_str!("patterned/values_at_points_are_those_of_the_formulas.toml"),
     );
     for visibility in ["raster", "rays"] {
         let set = format!("image.visibility={visibility}");
@@ -100,62 +73,7 @@ fn values_at_points_are_those_of_the_formulas() {
 }
 
 /// Spheres whose 16 numbers and colors count; `{key|value}` becomes a number or a pattern that is that number.
-const ALL_KEYS: &str = r#"
-version = 1
-[image]
-size = [96, 40]
-tone_map = "none"
-[camera.main]
-eye = [0, 0.4, 5]
-target = [0, 0, 0]
-orthographic_height_m = 2.5
-[environment]
-zenith = [0.9, 0.9, 1]
-horizon = [0.3, 0.5, 0.4]
-ground = [0.4, 0.2, 0.1]
-[light.lamp]
-kind = "point"
-position = [2, 3, 4]
-intensity_cd = 40
-[material.coated]
-{base_color|[0.7, 0.3, 0.2]}
-{metallic|0.25}
-{roughness|0.375}
-{clearcoat|0.75}
-{clearcoat_roughness|0.25}
-{emission|[0.1, 0.2, 0.05]}
-[material.film]
-{reflectivity|0.25}
-{specular|0.5}
-{specular_color|[0.9, 0.5, 0.6]}
-{iridescence|0.75}
-{iridescence_thickness_nm|320}
-{roughness|0.125}
-[material.cloth]
-{sheen_color|[0.2, 0.6, 0.8]}
-{sheen_roughness|0.375}
-{anisotropy|0.5}
-{alpha|0.75}
-{transmission|0.25}
-{roughness|0.5}
-[model.coated]
-shape = { kind = "sphere", radius = 0.8 }
-material = "coated"
-[model.film]
-shape = { kind = "sphere", radius = 0.8 }
-material = "film"
-[model.cloth]
-shape = { kind = "sphere", radius = 0.8 }
-material = "cloth"
-[[instance]]
-model = "coated"
-translation = [-1.9, 0, 0]
-[[instance]]
-model = "film"
-[[instance]]
-model = "cloth"
-translation = [1.9, 0, 0]
-"#;
+const ALL_KEYS: &str = include_str!("patterned/all_keys.toml");
 
 /// [`ALL_KEYS`] with each value written by a function of its key and value.
 fn written(value: impl Fn(&str, &str) -> String) -> String {
@@ -183,34 +101,7 @@ fn a_pattern_of_one_value_is_that_value() {
 }
 
 /// A mirror beside a patterned ball, whose light is emission alone, so that methods have nothing else to differ by.
-const MARBLE: &str = r#"
-version = 1
-[image]
-size = [64, 36]
-tone_map = "none"
-[camera.main]
-eye = [1.2, 0.7, 3]
-target = [0.2, 0.3, 0]
-fov_deg = 40
-[material.ball]
-base_color = [0, 0, 0]
-reflectivity = 0
-emission = { pattern = "marble", from = [0.9, 0.1, 0.1], to = [0.1, 0.2, 0.9], size_m = 0.2, axis = [1, 1, 0] }
-[material.mirror]
-metallic = 1
-roughness = 0
-[model.ball]
-shape = { kind = "sphere", radius = 0.5 }
-material = "ball"
-[model.mirror]
-shape = { kind = "plane", size = [6, 6] }
-material = "mirror"
-[[instance]]
-model = "ball"
-translation = [0, 0.6, 0]
-[[instance]]
-model = "mirror"
-"#;
+const MARBLE: &str = include_str!("patterned/marble.toml");
 
 #[test]
 fn rays_meet_the_pattern_that_the_screen_shows() {
@@ -252,12 +143,7 @@ fn patterns_cut_holes() {
     let Some(gpu) = gpu() else { return };
     let text = WALL.replace(
         "base_color = [0.5, 0.5, 0.5]",
-        r#"
-        base_color = [0, 0, 0]
-        reflectivity = 0
-        alpha_cutoff = 0.5
-        alpha = { pattern = "dots", from = 1, to = 0, size_m = 0.2 }
-        "#,
+        include_str!("patterned/patterns_cut_holes.toml"),
     );
     let picture = render(gpu, &text, &["image.samples=16"], &[]);
     let open = mean(&picture)[1];
@@ -271,40 +157,7 @@ fn patterns_cut_holes() {
 #[test]
 fn patterned_emission_lights() {
     let Some(gpu) = gpu() else { return };
-    let text = |emission: &str| {
-        format!(
-            r#"
-version = 1
-[image]
-size = [48, 27]
-tone_map = "none"
-samples = 64
-[camera.main]
-eye = [0, 0.9, 6]
-target = [0, 0, 0]
-fov_deg = 30
-[material.floor]
-reflectivity = 0
-[material.panel]
-base_color = [0, 0, 0]
-reflectivity = 0
-light = true
-emission = {emission}
-[model.floor]
-shape = {{ kind = "plane", size = [8, 8] }}
-material = "floor"
-[model.panel]
-shape = {{ kind = "plane", size = [3, 3] }}
-material = "panel"
-[[instance]]
-model = "floor"
-[[instance]]
-model = "panel"
-translation = [0, 2.5, 0]
-rotation_deg = [180, 0, 0]
-"#
-        )
-    };
+    let text = |emission: &str| include_str!("patterned/panel.toml").replace("EMISSION", emission);
     let even = render(gpu, &text("[2, 2, 2]"), &[], &[]);
     let rising = "{ pattern = \"gradient\", from = [0, 0, 0], to = [4, 4, 4], size_m = 3, offset_m = [-1.5, 0, 0] }";
     let rising = render(gpu, &text(rising), &[], &[]);

@@ -10,27 +10,7 @@ use crate::{
 };
 
 /// The upper half of the sky, in 64 rows.
-const SKY: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 0, 0]
-target = [0, 1, -1]
-fov_deg = 80
-[image]
-size = [16, 64]
-tone_map = "none"
-exposure_ev = 20
-[material.any]
-[model.any]
-shape = { kind = "box" }
-material = "any"
-[[instance]]
-model = "any"
-translation = [0, -100, 0]
-[environment]
-zenith = [1e-6, 1e-6, 1e-6]
-horizon = [1e-7, 1e-7, 1e-7]
-"#;
+const SKY: &str = include_str!("precision/sky.toml");
 
 #[test]
 fn what_shines_a_million_times_brighter_than_white_is_as_bright_in_the_picture() {
@@ -74,28 +54,7 @@ fn a_gradient_in_the_dark_keeps_its_steps() {
 }
 
 /// A matte floor below a lamp.
-const FLOOR: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 3, 0]
-target = [0, 0, 0]
-up = [0, 0, -1]
-fov_deg = 60
-[image]
-size = [48, 32]
-tone_map = "none"
-exposure_ev = 0
-[material.matte]
-[model.floor]
-shape = { kind = "plane", size = [8, 8] }
-material = "matte"
-[[instance]]
-model = "floor"
-[light.lamp]
-kind = "point"
-position = [0.3, 2, 0.1]
-intensity_cd = 20
-"#;
+const FLOOR: &str = include_str!("precision/floor.toml");
 
 /// Adapters may round all numbers down that lie between two of 16 bits: 0.035 % darker in the mean.
 #[test]

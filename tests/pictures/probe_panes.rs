@@ -3,35 +3,7 @@
 use crate::kit::{gpu, mean, render};
 
 /// A floor of metal, with a probe above it.
-const SCENE: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 1.2, 2.2]
-target = [0, 0, 0]
-fov_deg = 20
-[image]
-size = [24, 16]
-samples = 16
-tone_map = "none"
-[reflection]
-roughness_cutoff = 1
-glint_limit = 0
-bounces = 4
-[material.metal]
-base_color = [1, 1, 1]
-metallic = 1
-[model.floor]
-shape = { kind = "plane", size = [4, 4] }
-material = "metal"
-[[instance]]
-model = "floor"
-[probe.middle]
-position = [0, 0.3, 0]
-[probes]
-lookup = "infinity"
-face_px = 64
-samples = 4
-"#;
+const SCENE: &str = include_str!("probe_panes/scene.toml");
 
 /// A case of glass around the floor and the probe that lets all light pass, or a share.
 fn pane(share: f32) -> String {
@@ -43,43 +15,11 @@ fn pane(share: f32) -> String {
     )
 }
 
-const ROOM: &str = r#"
-[environment]
-zenith = [0, 0, 0]
-horizon = [0, 0, 0]
-ground = [0, 0, 0]
-[material.glow]
-base_color = [0, 0, 0]
-reflectivity = 0
-emission = [1, 1, 1]
-light = true
-double_sided = true
-[model.room]
-shape = { kind = "box", size = [8, 8, 8] }
-material = "glow"
-[[instance]]
-model = "room"
-"#;
+const ROOM: &str = include_str!("probe_panes/room.toml");
 
-const LAMP: &str = r#"
-[environment]
-zenith = [0, 0, 0]
-horizon = [0, 0, 0]
-ground = [0, 0, 0]
-[light.lamp]
-kind = "rect"
-position = [0, 5, -5]
-direction = [0, -1, 1]
-size = [4, 4]
-intensity_cd = 100
-"#;
+const LAMP: &str = include_str!("probe_panes/lamp.toml");
 
-const SKY: &str = r#"
-[environment]
-zenith = [1, 1, 1]
-horizon = [1, 1, 1]
-ground = [1, 1, 1]
-"#;
+const SKY: &str = include_str!("probe_panes/sky.toml");
 
 /// A case that lets all light pass changes nothing, and one that lets half pass leaves half, of a room that glows, of a lamp
 /// with a size, and of the environment.

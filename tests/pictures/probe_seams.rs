@@ -20,72 +20,7 @@ use reflet::{
 use crate::kit::{color, gpu, render, renderer, scene, scene_of};
 
 /// A mirror below panels that glow red, green and blue, seen from straight above; above each probe is one panel.
-const PANELS: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 2.5, 0]
-target = [0, 0, 0]
-up = [0, 0, -1]
-orthographic_height_m = 4
-[image]
-size = [64, 36]
-tone_map = "none"
-[material.mirror]
-base_color = [1, 1, 1]
-metallic = 1
-roughness = 0
-reflection = "mirror"
-[material.red]
-base_color = [0, 0, 0]
-reflectivity = 0
-emission = [0.8, 0, 0]
-[material.green]
-base_color = [0, 0, 0]
-reflectivity = 0
-emission = [0, 0.8, 0]
-[material.blue]
-base_color = [0, 0, 0]
-reflectivity = 0
-emission = [0, 0, 0.8]
-[model.floor]
-shape = { kind = "plane", size = [8, 5] }
-material = "mirror"
-[model.panel]
-shape = { kind = "plane", size = [2, 5] }
-material = "red"
-[[instance]]
-model = "floor"
-[[instance]]
-model = "panel"
-translation = [-2, 3, 0]
-rotation_deg = [180, 0, 0]
-[[instance]]
-model = "panel"
-material = "green"
-translation = [0, 3, 0]
-rotation_deg = [180, 0, 0]
-[[instance]]
-model = "panel"
-material = "blue"
-translation = [2, 3, 0]
-rotation_deg = [180, 0, 0]
-[probe.red]
-position = [-2, 1, 0]
-box_min = [-4, 0, -3]
-box_max = [1.47, 3, 1.03]
-[probe.green]
-position = [0, 1, 0]
-box_min = [-2.53, 0, -1.07]
-box_max = [2, 3, 2]
-[probe.blue]
-position = [2, 1, 0]
-box_min = [-0.5, 0, -2]
-box_max = [3, 3, 2]
-[probes]
-face_px = 16
-samples = 1
-lookup = "infinity"
-"#;
+const PANELS: &str = include_str!("probe_seams/panels.toml");
 
 #[test]
 fn the_cpu_chooses_the_probes_that_the_look_up_shows() {

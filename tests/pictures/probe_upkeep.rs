@@ -65,66 +65,7 @@ fn maps_are_kept_while_other_sizes_and_methods_are_shown() {
 }
 
 /// A mirror across from a wall behind the camera, with a board that becomes a hole and a decal that moves and fades.
-const FILM: &str = r#"
-version = 1
-[image]
-size = [32, 18]
-tone_map = "none"
-[timeline]
-fps = 1
-end = 3
-[camera.main]
-eye = [0, 1.5, 2]
-target = [0, 1.5, -4]
-[environment]
-color = [0.5, 0.5, 0.5]
-[material.mirror]
-base_color = [1, 1, 1]
-metallic = 1
-roughness = 0
-reflection = "mirror"
-[material.wall]
-base_color = [0.1, 0.2, 0.7]
-[material.board]
-base_color = [0.8, 0.1, 0.1]
-alpha = 0.5
-alpha_cutoff = 0
-[material.paint]
-base_color = [0.9, 0.8, 0.1]
-[model.mirror]
-shape = { kind = "plane", size = [8, 4] }
-material = "mirror"
-[model.board]
-shape = { kind = "plane", size = [1.5, 1.5] }
-material = "board"
-[model.wall]
-shape = { kind = "plane", size = [12, 8] }
-material = "wall"
-[[instance]]
-model = "mirror"
-translation = [0, 1.5, -4]
-rotation_deg = [90, 0, 0]
-[[instance]]
-model = "board"
-translation = [0, 1.5, 4.5]
-rotation_deg = [-90, 0, 0]
-[[instance]]
-model = "wall"
-translation = [0, 1.5, 6]
-rotation_deg = [-90, 0, 0]
-[decal.paint]
-material = "paint"
-rotation_deg = [0, 180, 0]
-size = [1, 4, 1]
-[near_far]
-half_size_m = 0.5
-face_px = 32
-[box_faces]
-face_px = 32
-[probes]
-face_px = 16
-samples = 1
-"#;
+const FILM: &str = include_str!("probe_upkeep/film.toml");
 
 /// Picture of the last of these frames, by a renderer that has rendered the others before.
 fn last_of(frames: &[u32], text: &str, method: &str) -> Option<Picture> {

@@ -35,31 +35,7 @@ pub fn room(colors: [[f32; 3]; 5]) -> String {
         ("[0, 2, -4]", "[90, 0, 0]", "[8, 4]"),
         ("[0, 4, 0]", "[180, 0, 0]", "[8, 8]"),
     ];
-    let mut text = r#"
-version = 1
-[camera.main]
-eye = [2.2, 1.6, 2.6]
-target = [-1, 0.2, -0.5]
-[image]
-size = [64, 36]
-tone_map = "none"
-[material.mirror]
-base_color = [1, 1, 1]
-metallic = 1
-roughness = 0
-reflection = "mirror"
-[model.floor]
-shape = { kind = "plane", size = [8, 8] }
-material = "mirror"
-[[instance]]
-model = "floor"
-[probe.middle]
-position = [0, 2, 0]
-[probes]
-face_px = 64
-samples = 1
-"#
-    .to_owned();
+    let mut text = include_str!("probes/room.toml").to_owned();
     for (k, ((at, turn, size), color)) in places.iter().zip(colors).enumerate() {
         text.push_str(&format!(
             "[material.wall{k}]\nbase_color = [0, 0, 0]\nreflectivity = 0\nemission = {color:?}\n\
@@ -265,11 +241,7 @@ fn shot(renderer: &mut Renderer, world: &World, eye: Vec3) -> Picture {
 #[test]
 fn frames_with_probes_do_not_depend_on_those_before() {
     let Some(gpu) = gpu() else { return };
-    let more = "[light.lamp]\nkind = \"point\"\nposition = [1, 3, 1]\nintensity_cd = 8\n\
-                [material.matte]\nroughness = 0.9\nbase_color = [0.8, 0.8, 0.8]\n\
-                [model.ball]\nshape = { kind = \"sphere\", radius = 0.4, segments = 16 }\nmaterial = \"matte\"\n\
-                [[instance]]\nmodel = \"ball\"\ntranslation = [-2, 1, -2]\n\
-                [[instance]]\nmodel = \"ball\"\nname = \"moves\"\ndynamic = true\ntranslation = [0, 1.5, 0.5]\n";
+    let more = include_str!("probes/frames_with_probes_do_not_depend_on_those_before.toml");
     let text = format!("{}{more}", room(WALLS)).replace("segments = 16", "segments = 12");
     let (mut desc, world): (SceneDesc, World) = scene(&text, &[]);
     desc.reflection.method = Method::Probe;
@@ -308,39 +280,7 @@ fn frames_with_probes_do_not_depend_on_those_before() {
 #[test]
 fn light_beyond_the_probes_is_that_of_traced_rays() {
     let Some(gpu) = gpu() else { return };
-    let text = r#"
-version = 1
-[camera.main]
-eye = [0, 1.5, 3]
-target = [0, 0, 0]
-[image]
-size = [24, 16]
-samples = 4
-tone_map = "none"
-[environment]
-zenith = [0.2, 0.4, 0.9]
-horizon = [0.9, 0.8, 0.7]
-[light.lamp]
-kind = "rect"
-position = [0, 2, -2]
-direction = [0, -1, 0.6]
-size = [1, 1]
-intensity_cd = 3
-[material.metal]
-base_color = [0.9, 0.7, 0.4]
-metallic = 1
-roughness = 0.1
-[model.floor]
-shape = { kind = "plane", size = [8, 8] }
-material = "metal"
-[[instance]]
-model = "floor"
-[reflection]
-filter = false
-[probes]
-face_px = 8
-samples = 1
-"#;
+    let text = include_str!("probes/light_beyond_the_probes_is_that_of_traced_rays.toml");
     for roughness in ["0", "0.15", "0.6", "1"] {
         let of = |method: &str| {
             let set = [

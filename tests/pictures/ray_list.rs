@@ -101,38 +101,7 @@ fn every_ray_gets_an_invocation_and_no_dimension_is_too_large() {
 }
 
 /// A pane that reflects nothing, before a wall.
-const PANE: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 0, 4]
-target = [0, 0, 0]
-[image]
-size = [48, 32]
-[light.key]
-kind = "point"
-position = [1, 2, 3]
-intensity_cd = 20
-shadow = "none"
-[material.pane]
-base_color = [0.9, 0.6, 0.3]
-transmission = 0.5
-roughness = 1
-reflection = "none"
-[material.wall]
-base_color = [0.2, 0.5, 0.8]
-reflection = "none"
-[model.pane]
-shape = { kind = "box", size = [1, 1, 0.1] }
-material = "pane"
-[model.wall]
-shape = { kind = "box", size = [4, 4, 0.1] }
-material = "wall"
-[[instance]]
-model = "pane"
-[[instance]]
-model = "wall"
-translation = [0, 0, -1]
-"#;
+const PANE: &str = include_str!("ray_list/pane.toml");
 
 #[test]
 fn what_lets_light_through_and_reflects_nothing_has_a_list_of_its_own() {

@@ -14,82 +14,10 @@ use reflet::{
 
 use crate::kit::{color, gpu, integers, renderer};
 
-const SCENE: &str = r#"
-version = 1
-script = "mesh.rhai"
-params = { written = -1 }
-timeline = { fps = 24, end = 40 }
-[camera.main]
-eye = [0.4, 1.1, 2.2]
-target = [0, 0.5, 0]
-fov_deg = 50
-[image]
-size = [64, 48]
-[environment]
-zenith = [0.3, 0.5, 0.9]
-horizon = [0.8, 0.7, 0.5]
-[light.sun]
-kind = "directional"
-direction = [0.5, -1, -0.6]
-intensity_lux = 2
-[material.floor]
-roughness = 0
-reflectivity = 0.5
-[material.cloth]
-base_color = [0.7, 0.1, 0.1]
-roughness = 0.35
-metallic = 1
-double_sided = true
-[model.floor]
-shape = { kind = "plane", size = [6, 6] }
-material = "floor"
-[[instance]]
-model = "floor"
-"#;
+const SCENE: &str = include_str!("script_mesh/scene.toml");
 
 /// A cloth of 13 × 9 vertices, in the pose of the frame `params.written` as it is written, or deformed by `frame`.
-const CLOTH: &str = r#"
-fn cloth(t) {
-    let p = floats();
-    for row in 0..=8 {
-        for column in 0..=12 {
-            let x = column / 12.0 - 0.5;
-            let swing = 0.25 * (x + 0.5) * sin(9.0 * x - 7.0 * t);
-            p.add(x, 0.25 + row / 10.0 + 0.1 * swing, swing);
-        }
-    }
-    p
-}
-
-fn setup(ctx) {
-    let indices = floats();
-    let uv = floats();
-    for row in 0..=8 {
-        for column in 0..=12 {
-            uv.add(column / 6.0, row / 8.0);
-            let a = row * 13 + column;
-            if row < 8 && column < 12 {
-                indices.add(a, a + 1, a + 14);
-                indices.add(a, a + 14, a + 13);
-            }
-        }
-    }
-    let written = ctx.params.written;
-    let moves = written < 0;
-    let t = if moves { 0.0 } else { written / ctx.fps };
-    let shape = #{ kind: "mesh", positions: cloth(t), indices: indices, uv: uv, dynamic: moves };
-    #{
-        models: #{ flag: #{ shape: shape, material: "cloth" } },
-        instances: [#{ model: "flag", name: "flag", dynamic: true }],
-    }
-}
-
-fn frame(ctx) {
-    if ctx.params.written < 0 {
-        ctx.mesh("flag", cloth(ctx.t));
-    }
-}
-"#;
+const CLOTH: &str = include_str!("script_mesh/cloth.rhai");
 
 /// The scene with its script in a folder of its own.
 fn load(name: &str, text: &str, script: &str, set: &[String]) -> (Scene, World) {
@@ -157,67 +85,9 @@ fn a_deformed_mesh_is_the_same_mesh_as_written() {
 }
 
 /// A ball that only mirrors show, over a mirror whose height the script moves by its vertices.
-const MIRROR: &str = r#"
-version = 1
-script = "mesh.rhai"
-timeline = { fps = 10, end = 9 }
-[camera.main]
-eye = [0, 1.5, 3]
-target = [0, 0, 0]
-fov_deg = 60
-[image]
-size = [96, 96]
-tone_map = "none"
-[environment]
-zenith = [0, 0, 0]
-horizon = [0, 0, 0]
-ground = [0, 0, 0]
-[material.mirror]
-base_color = [0, 0, 0]
-reflectivity = 1
-roughness = 0
-[material.glow]
-base_color = [0, 0, 0]
-emission = [1, 1, 1]
-[model.ball]
-shape = { kind = "sphere", radius = 0.12 }
-material = "glow"
-[[instance]]
-model = "ball"
-translation = [0.5, 0.9, -0.6]
-visible = false
-"#;
+const MIRROR: &str = include_str!("script_mesh/mirror.toml");
 
-const RISES: &str = r#"
-fn at(h) {
-    let p = floats();
-    p.add(-9, h, 9);
-    p.add(9, h, 9);
-    p.add(9, h, -9);
-    p.add(-9, h, -9);
-    p
-}
-
-fn setup(ctx) {
-    let shape = #{ kind: "mesh", positions: at(0.0), indices: [0, 1, 2, 0, 2, 3], dynamic: true };
-    #{
-        models: #{ water: #{ shape: shape, material: "mirror" } },
-        instances: [#{ model: "water" }],
-    }
-}
-
-fn frame(ctx) {
-    ctx.mesh("water", at(-0.5 * ctx.t), floats_up());
-}
-
-fn floats_up() {
-    let n = floats();
-    for i in 0..4 {
-        n.add(0, 1, 0);
-    }
-    n
-}
-"#;
+const RISES: &str = include_str!("script_mesh/rises.rhai");
 
 #[test]
 fn a_mirror_that_a_script_moves_shows_the_image_at_twice_its_height() {

@@ -10,43 +10,7 @@ use reflet::{
 use crate::kit::{floats, gpu, integers, render, renderer, scene};
 
 /// A board that hangs above a mirror hides the part of the wall that the mirror behind it shows.
-const SCENE: &str = r#"
-version = 1
-[image]
-size = [160, 90]
-[camera.main]
-eye = [0, 0.9, 5]
-target = [0, 0.7, 0]
-fov_deg = 40
-[environment]
-zenith = [0.3, 0.4, 0.6]
-horizon = [0.6, 0.6, 0.6]
-[material.mirror]
-base_color = [0.05, 0.05, 0.05]
-roughness = 0
-reflectivity = 0.6
-[material.board]
-base_color = [0.1, 0.1, 0.1]
-[material.wall]
-checker = { colors = [[0.9, 0.6, 0.2], [0.2, 0.35, 0.6]], size_m = 0.7 }
-[model.floor]
-shape = { kind = "plane", size = [12, 9] }
-material = "mirror"
-[model.wall]
-shape = { kind = "box", size = [12, 4, 0.1] }
-material = "wall"
-[model.board]
-shape = { kind = "box", size = [2.4, 1.2, 0.1] }
-material = "board"
-[[instance]]
-model = "floor"
-[[instance]]
-model = "wall"
-translation = [0, 2, -4]
-[[instance]]
-model = "board"
-translation = [0, 1.4, 1]
-"#;
+const SCENE: &str = include_str!("second_layer/scene.toml");
 
 const AOVS: [Aov; 4] = [Aov::Cause, Aov::HitDistance, Aov::HitIds, Aov::Reflection];
 

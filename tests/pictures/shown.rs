@@ -6,43 +6,7 @@ use reflet::render::picture::aov::Aov;
 use crate::kit::{color, floats, gpu, integers, mean, render};
 
 /// A mirror on the floor, a red box over it, and a lamp above that.
-const BOX: &str = r#"
-version = 1
-[image]
-size = [160, 120]
-tone_map = "none"
-[camera.main]
-eye = [0, 2, 6]
-target = [0, 0.5, 0]
-fov_deg = 45
-[environment]
-color = [0.1, 0.1, 0.1]
-shadow = "none"
-[light.lamp]
-kind = "spot"
-position = [0, 6, 0]
-direction = [0, -1, 0]
-intensity_cd = 100
-[material.floor]
-base_color = [0.5, 0.5, 0.5]
-reflectivity = 0.5
-reflection = "mirror"
-[material.red]
-base_color = [1, 0, 0]
-roughness = 1
-[model.floor]
-shape = { kind = "plane", size = [8, 8] }
-material = "floor"
-[model.box]
-shape = { kind = "box" }
-material = "red"
-[[instance]]
-model = "floor"
-[[instance]]
-name = "box"
-model = "box"
-translation = [0, 1, 0]
-"#;
+const BOX: &str = include_str!("shown/box.toml");
 
 /// Number of pixels that show the box, and number that reflect it.
 fn counts(text: &str, set: &[&str]) -> Option<[usize; 2]> {

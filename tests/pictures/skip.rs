@@ -17,54 +17,7 @@ use reflet::{
 use crate::kit::{floats, gpu, integers, render, renderer, scene, share_differing};
 
 /// A mirror floor and a mirror ball before a wall.
-const HALL: &str = r##"
-version = 1
-[image]
-size = [160, 90]
-tone_map = "none"
-[camera.main]
-eye = [0, 2, 8]
-target = [0, 1.2, 0]
-fov_deg = 40
-[environment]
-color = [0.5, 0.6, 0.8]
-[material.mirror]
-metallic = 1
-roughness = 0
-[material.dull]
-base_color = [0.9, 0.1, 0.05]
-roughness = 0.9
-[material.wall]
-base_color = [0.3, 0.6, 0.3]
-roughness = 0.9
-[model.floor]
-shape = { kind = "plane", size = [24, 14] }
-material = "mirror"
-[model.ball]
-shape = { kind = "sphere", radius = 1.0, segments = 48 }
-material = "mirror"
-[model.wall]
-shape = { kind = "box", size = [60, 20, 0.5] }
-material = "wall"
-[model.grain]
-shape = { kind = "sphere", radius = 0.06, segments = 12 }
-material = "dull"
-[light.sun]
-kind = "directional"
-direction = [0.2, -1, -0.4]
-intensity_lux = 2
-[[instance]]
-name = "floor"
-model = "floor"
-[[instance]]
-name = "ball"
-model = "ball"
-translation = [1.5, 1.2, 0]
-[[instance]]
-name = "wall"
-model = "wall"
-translation = [0, 10, -30]
-"##;
+const HALL: &str = include_str!("skip/hall.toml");
 
 /// Number of grains.
 const GRAINS: usize = 200;
@@ -221,41 +174,7 @@ fn rough_mirrors_count_the_way_behind_them_alone() {
 
 /// A ball that only the mirror shows, before a mirror of some shape.
 fn mirror_and_ball(shape: &str) -> String {
-    format!(
-        r#"
-version = 1
-[image]
-size = [200, 200]
-[camera.main]
-eye = [0, 0, 12]
-target = [0, 0, 0]
-fov_deg = 30
-[environment]
-color = [0.5, 0.6, 0.8]
-[material.mirror]
-metallic = 1
-roughness = 0
-reflection = "mirror"
-double_sided = false
-[material.dull]
-roughness = 0.9
-[model.mirror]
-shape = {shape}
-material = "mirror"
-[model.thing]
-shape = {{ kind = "sphere", radius = 0.4, segments = 64 }}
-material = "dull"
-[[instance]]
-name = "mirror"
-model = "mirror"
-rotation_deg = [90, 0, 0]
-[[instance]]
-name = "thing"
-model = "thing"
-visible = false
-translation = [1.2, 0, 3]
-"#
-    )
+    include_str!("skip/mirror_and_ball.toml").replace("SHAPE", shape)
 }
 
 /// A patch of a paraboloid over XZ, facing +Y; hollow where `bend` is above 0.

@@ -6,29 +6,7 @@ use reflet::render::picture::aov::Aov;
 
 use crate::kit::{color, floats, gpu, render};
 
-const BALL: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 0, 4]
-target = [0, 0, 0]
-fov_deg = 30
-[image]
-size = [64, 64]
-tone_map = "none"
-[material.white]
-base_color = [1, 1, 1]
-reflectivity = 0
-reflection = "none"
-[model.ball]
-shape = { kind = "sphere", radius = 0.9, segments = 16 }
-material = "white"
-[[instance]]
-model = "ball"
-[light.lamp]
-kind = "directional"
-direction = [-1, -0.3, -0.2]
-intensity_lux = 3.14159265
-"#;
+const BALL: &str = include_str!("terminator/ball.toml");
 
 #[test]
 fn light_ends_where_the_smooth_surface_turns_away() {

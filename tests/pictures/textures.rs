@@ -10,25 +10,7 @@ use reflet::{
 use crate::kit::{assert_color, gpu, renderer, scene};
 
 /// A wall 2 m wide that fills the picture.
-const WALL: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 0, 3]
-target = [0, 0, 0]
-fov_deg = 30
-[image]
-size = [32, 32]
-tone_map = "none"
-[material.wall]
-base_color = [0, 0, 0]
-reflectivity = 0
-[model.wall]
-shape = { kind = "plane", size = [2, 2] }
-material = "wall"
-[[instance]]
-model = "wall"
-rotation_deg = [90, 0, 0]
-"#;
+const WALL: &str = include_str!("textures/wall.toml");
 
 fn picture(desc: &SceneDesc, world: &World) -> Option<Picture> {
     let gpu = gpu()?;

@@ -8,44 +8,7 @@ use reflet::{
 use crate::kit::{floats, gpu, integers, render, renderer, scene, share_differing};
 
 /// A mirror that shows one wall, and with a height, a ball before it.
-const SCENE: &str = r#"
-version = 1
-[image]
-size = [96, 54]
-[camera.main]
-eye = [0, 1.2, 4]
-target = [0, 0.5, 0]
-fov_deg = 40
-[environment]
-zenith = [0.3, 0.4, 0.6]
-horizon = [0.6, 0.6, 0.6]
-[material.mirror]
-base_color = [0.05, 0.05, 0.05]
-roughness = 0
-reflectivity = 0.6
-[material.wall]
-checker = { colors = [[0.9, 0.6, 0.2], [0.2, 0.35, 0.6]], size_m = 0.3 }
-[material.ball]
-base_color = [0.8, 0.1, 0.1]
-[model.floor]
-shape = { kind = "plane", size = [30, 12] }
-material = "mirror"
-[model.wall]
-shape = { kind = "box", size = [60, 40, 0.1] }
-material = "wall"
-[model.ball]
-shape = { kind = "sphere", radius = 0.4 }
-material = "ball"
-[[instance]]
-model = "floor"
-[[instance]]
-model = "wall"
-translation = [0, 20, -4]
-[[instance]]
-name = "ball"
-model = "ball"
-translation = [0, -9, 0]
-"#;
+const SCENE: &str = include_str!("undersampled/scene.toml");
 
 const BALL: &str = "instance.ball.translation=[0.3, 0.9, -1]";
 const AOVS: [Aov; 3] = [Aov::HitDistance, Aov::HitIds, Aov::Source];

@@ -3,40 +3,10 @@
 use std::{fs, path::Path, process::Command};
 
 use super::{open, with_set};
-use crate::common::gpu_or_skip;
+use crate::common::{assert_says, gpu_or_skip};
 
 /// A wide lamp behind a post, whose shadow is soft: every sub-frame is grainy. The lamp turns up in the second frame.
-const SCENE: &str = r#"version = 1
-timeline = { fps = 10, end = 1 }
-[image]
-size = [32, 32]
-light_rays = 1
-samples = { error = 0.006, at_most = 400 }
-[camera.main]
-eye = [0, 3, 0.01]
-target = [0, 0, 0]
-[material.white]
-base_color = [0.8, 0.8, 0.8]
-[model.floor]
-shape = { kind = "plane", size = [8, 8] }
-material = "white"
-[model.post]
-shape = { kind = "box", size = [0.3, 1, 0.3] }
-material = "white"
-[[instance]]
-model = "floor"
-[[instance]]
-model = "post"
-translation = [0.4, 0.5, 0]
-[light.lamp]
-kind = "point"
-position = [2, 2, 0]
-radius_m = 0.8
-intensity_cd = 6
-shadow = "ray"
-[motion.light.lamp]
-intensity_cd = { keys = [{ at_s = 0, value = 6 }, { at_s = 0.1, value = 60 }] }
-"#;
+const SCENE: &str = include_str!("error_bound/scene.toml");
 
 fn folder(name: &str) -> std::path::PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("error-bound-{name}"));
@@ -141,8 +111,5 @@ fn files_hold_the_count_of_each_frame_alone() {
         &folder,
         &["-o", "short.#.png", "--frames", "1", "--set", bound],
     );
-    assert!(
-        said.contains("frame 1: warning: 18 samples leave an error of"),
-        "{said}"
-    );
+    assert_says(&said, &["frame 1: warning: 18 samples leave an error of"]);
 }

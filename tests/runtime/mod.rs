@@ -8,7 +8,7 @@ use std::{
     process::Command,
 };
 
-use crate::common::gpu_or_skip;
+use crate::common::{assert_says, gpu_or_skip};
 use reflet::{
     gpu::GpuError,
     render::PlaneData,
@@ -16,47 +16,8 @@ use reflet::{
 };
 
 /// A wall that fills the picture, 3 m away; the script moves it away, 1 m a frame, and says so.
-const SCENE: &str = "version = 1
-script = \"away.rhai\"
-[image]
-size = [24, 16]
-[timeline]
-start = 5
-end = 8
-[params]
-step = 1.0
-[camera.main]
-eye = [0, 0, 3]
-target = [0, 0, 0]
-[camera.near]
-eye = [0, 0, 2]
-target = [0, 0, 0]
-[material.mirror]
-metallic = 1
-roughness = 0
-[model.wall]
-shape = { kind = \"box\", size = [40, 40, 2] }
-material = \"mirror\"
-[[instance]]
-name = \"wall\"
-model = \"wall\"
-translation = [0, 0, -1]
-dynamic = true
-[light.sun]
-kind = \"directional\"
-direction = [0, -1, -1]
-intensity_lux = 3
-[environment]
-zenith = [0.2, 0.3, 0.5]
-horizon = [0.6, 0.6, 0.6]
-ground = [0.1, 0.1, 0.1]
-";
-const SCRIPT: &str = "fn frame(ctx) {
-    print(`frame ${ctx.frame}`);
-    if ctx.frame == 7 { throw \"no frame 7\"; }
-    ctx.place(\"wall\", [0, 0, -1 - ctx.params.step * (ctx.frame - 5)]);
-}
-";
+const SCENE: &str = include_str!("scene.toml");
+const SCRIPT: &str = include_str!("script.rhai");
 
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("session-{name}"));
@@ -247,10 +208,7 @@ fn bad_input_leaves_an_open_session_as_it_was() {
     let frame = refused(session.pose(9));
     assert_eq!(frame, "there is no frame 9; the timeline has 5 to 8");
     let thrown = refused(session.pose(7));
-    assert!(
-        thrown.contains("away.rhai:3") && thrown.contains("no frame 7"),
-        "{thrown}"
-    );
+    assert_says(&thrown, &["away.rhai:3", "no frame 7"]);
     fs::remove_file(folder.join("scene.toml")).expect("removed");
     let gone = refused(session.set(["image.samples=2"]));
     assert!(gone.contains("scene.toml"), "{gone}");

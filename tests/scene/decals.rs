@@ -11,7 +11,10 @@ use reflet::{
     world::{World, load},
 };
 
-use crate::layers::Folder;
+use crate::{
+    common::{assert_says, cases},
+    layers::Folder,
+};
 
 const WALL: &str = "version = 1\n[material.paint]\n[model.wall]\nshape = { kind = \"box\" }\n[[instance]]\n\
                     name = \"wall\"\nmodel = \"wall\"\n";
@@ -38,10 +41,7 @@ fn decals_have_defaults_and_at_most_256() {
     );
     assert!(first.only.is_none() && first.changes.normal && first.changes.color);
     let error = read(&decals(300)).expect_err("too many");
-    assert!(
-        error.contains("`d256` exceeds the limit of 256 decals"),
-        "{error}"
-    );
+    assert_says(&error, &["`d256` exceeds the limit of 256 decals"]);
 }
 
 /// A placed scene keeps its decals to itself, and its names get the prefix.
@@ -128,44 +128,14 @@ fn decals_are_shown_by_their_own_track() {
 /// Boxes that are flat, far away or not finite: at rest by their own text, in a frame by the frame, each with its name.
 #[test]
 fn bad_places_of_decals_are_named() {
-    for (tables, says) in [
-        ("scale = [1, 0, 1]\n", "[singular]: `scale` must not be 0"),
-        ("scale = 1e-30\n", "[singular]: `scale` is too small"),
-        (
-            "size = [1e-38, 1e-38, 1]\n",
-            "[singular]: the box of decal \"a\" is too flat",
-        ),
-        (
-            "translation = [nan, 0, 0]\n",
-            "[not-finite]: `translation[0]`",
-        ),
-        (
-            "rotation_quat = [0, 0, 0, 0]\n",
-            "[zero-direction]: `rotation_quat`",
-        ),
-        (
-            "matrix = [1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n",
-            "[singular]: `matrix`",
-        ),
-        (
-            "parent = \"g\"\ntranslation = [1e12, 0, 0]\n[group.g]\nscale = 1e6\n",
-            "[too-far]: decal \"a\"",
-        ),
-        (
-            "parent = \"g\"\nscale = 1e12\n[group.g]\nscale = 1e12\n",
-            "[too-far]: decal \"a\"",
-        ),
-    ] {
+    for (tables, says) in cases(include_str!("decals/bad_places_of_decals_are_named.txt")) {
         let text = with_decal(tables);
         let errors = match Scene::from_text(&text, Path::new("scene.toml"), &[]) {
             Err(errors) => errors,
             Ok((scene, _)) => load::load(&scene, &load::LoadOptions::default()).expect_err(tables),
         };
         let told = errors[0].to_string();
-        assert!(
-            told.contains(says) && told.contains("scene.toml:1"),
-            "{told}"
-        );
+        assert_says(&told, &[says, "scene.toml:1"]);
     }
 }
 
@@ -214,8 +184,5 @@ fn bad_poses_of_decals_are_named() {
     let (scene, _) = loaded(&with_decal(""), nan);
     let error = Animator::new(&scene).pose(0).expect_err("not a number");
     let told = error[0].to_string();
-    assert!(
-        told.contains("`translation`") && told.contains("test.rhai:1:35"),
-        "{told}"
-    );
+    assert_says(&told, &["`translation`", "test.rhai:1:35"]);
 }

@@ -7,12 +7,7 @@ use crate::layers::Folder;
 
 #[test]
 fn materials_extend_others() {
-    let text = "version = 1\n[material.paint]\nroughness = 0.3\nmetallic = 1\n\
-                checker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 1 }\n[material.red]\n\
-                extends = \"paint\"\nbase_color = \"#ff0000\"\n[material.dark]\nextends = \"red\"\n\
-                base_color = [0.1, 0, 0]\nbase_color_texture = \"a.png\"\n[model.a]\n\
-                shape = { kind = \"box\" }\nmaterial = \"dark\"\n[[instance]]\nmodel = \"a\"\n\
-                [[instance]]\nmodel = \"a\"\nmaterial = { extends = \"red\", metallic = 0.5 }\n";
+    let text = include_str!("extends/materials_extend_others.toml");
     let folder = Folder::new("extends", &[("shot/scene.toml", text)]);
     let scene = folder.expect();
     let material = |name: &str| {
@@ -87,11 +82,7 @@ fn materials_that_extend_nothing_or_themselves_are_named() {
 
 #[test]
 fn colors_are_linear_numbers_or_srgb_text() {
-    let text = "version = 1\n[material.a]\nbase_color = \"#ff8800\"\nemission = \"#fff\"\n\
-                checker = { colors = [\"#000\", [1, 0.5, 0]], size_m = 1 }\n[model.a]\n\
-                shape = { kind = \"box\" }\nmaterial = \"a\"\n[light.a]\nkind = \"point\"\n\
-                position = [0, 1, 0]\nintensity_cd = 1\ncolor = \"#bcbcbc\"\n[environment]\n\
-                zenith = \"#808080\"\n";
+    let text = include_str!("extends/colors_are_linear_numbers_or_srgb_text.toml");
     let folder = Folder::new("colors", &[("shot/scene.toml", text)]);
     let scene = folder.expect();
     let a = &scene.materials[0].value;

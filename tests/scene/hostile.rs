@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::common::Random;
+use crate::common::{Random, assert_says};
 use reflet::scene::{diagnostic::Diagnostic, manual::EXAMPLE, parse, stages::Scene};
 
 fn errors(text: &str) -> Vec<Diagnostic> {
@@ -186,11 +186,7 @@ fn a_carriage_return_alone_is_named() {
         "version = 1\n[params]\nx = 'a\rb'\n",
     ] {
         let errors = errors(text);
-        assert!(
-            errors[0].message.contains("carriage return alone"),
-            "{:?}",
-            errors[0].message
-        );
+        assert_says(&errors[0].message, &["carriage return alone"]);
     }
     for text in ["version = 1\r\n\r\n# a\r\n", "\u{feff}version = 1\r\n"] {
         assert!(Scene::from_text(text, Path::new("scene.toml"), &[]).is_ok());

@@ -11,7 +11,7 @@ use reflet::{
     },
 };
 
-use crate::common::Random;
+use crate::common::{Random, assert_says};
 
 /// A folder with files, removed after the test.
 struct Folder(PathBuf);
@@ -49,38 +49,14 @@ impl Drop for Folder {
     }
 }
 
-const SCENE: &str = r#"version = 1
-include = ["library/materials.toml", "lights.toml"]
-[model.box]
-shape = { kind = "box" }
-material = "chrome"
-[[instance]]
-model = "box"
-"#;
+const SCENE: &str = include_str!("include/scene.toml");
 
-const MATERIALS: &str = r#"version = 1
-include = ["library/colors.toml"]
-[material.chrome]
-metallic = 1
-roughness = 0.02
-"#;
+const MATERIALS: &str = include_str!("include/materials.toml");
 
 const COLORS: &str =
     "[material.red]\nbase_color = [1, 0, 0]\n[model.unused]\nshape = { kind = \"box\" }\n";
 
-const LIGHTS: &str = r#"
-[timeline]
-end = 10
-[light.lamp]
-kind = "point"
-position = [0, 3, 0]
-intensity_cd = 20
-[motion.light.lamp]
-position = { oscillate = { amplitude = [1, 0, 0], period_s = 2 } }
-[[instance]]
-model = "box"
-translation = [2, 0, 0]
-"#;
+const LIGHTS: &str = include_str!("include/lights.toml");
 
 fn library(scene: &str) -> Vec<(&'static str, String)> {
     vec![
@@ -166,9 +142,9 @@ fn includes_cannot_be_set_and_lists_are_no_tables() {
     let said = folder("kinds", &files)
         .parse(&[])
         .expect_err("a list beside a table");
-    assert!(
-        said.contains("`model` is a table in one place and a list in another"),
-        "{said}"
+    assert_says(
+        &said,
+        &["`model` is a table in one place and a list in another"],
     );
 }
 
@@ -257,10 +233,7 @@ fn a_link_out_of_the_folder_is_refused() {
     let to = outside.0.join("secret.toml");
     std::os::unix::fs::symlink(to, folder.0.join("l.toml")).expect("a link");
     let said = folder.parse(&[]).expect_err("it leads out");
-    assert!(
-        said.contains("resolves to a file outside the scene's folder"),
-        "{said}"
-    );
+    assert_says(&said, &["resolves to a file outside the scene's folder"]);
 }
 
 #[test]

@@ -84,38 +84,7 @@ impl Drop for Folder {
     }
 }
 
-pub const BASE: &str = "version = 1
-[camera.main]
-eye = [0, 1, 5]
-fov_deg = 40
-[material.red]
-base_color = [1, 0, 0]
-[model.ball]
-shape = { kind = \"sphere\", radius = 2 }
-material = \"red\"
-[[instance]]
-name = \"a\"
-model = \"ball\"
-translation = [1, 0, 0]
-[[instance]]
-name = \"b\"
-model = \"ball\"
-[light.lamp]
-kind = \"spot\"
-position = [0, 5, 0]
-target = [0, 0, 0]
-intensity_cd = 9
-[light.sun]
-kind = \"directional\"
-direction = [0, -1, 0]
-intensity_lux = 2
-[variant.night.light.sun]
-intensity_lux = 0.1
-[variant.dusk]
-remove = [\"light.lamp\"]
-environment = { color = [1, 0.5, 0] }
-light.sun.intensity_lux = 0.5
-";
+pub const BASE: &str = include_str!("layers/base.toml");
 
 pub fn over_base(name: &str, shot: &str) -> Folder {
     let shot = format!("version = 1\nbase = \"base.toml\"\n{shot}");

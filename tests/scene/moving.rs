@@ -10,50 +10,9 @@ use reflet::scene::{
     stages::{Animator, Scene},
 };
 
-const SCENE: &str = "
-version = 1
-timeline = { fps = 2, end = 8 }
-[camera.main]
-[material.board]
-alpha_cutoff = 0.25
-alpha = 0.75
-transmission = 0.25
-attenuation_distance_m = 2
-clearcoat = 0.5
-specular = 0.5
-specular_color = [1, 0.5, 0.25]
-sheen_color = [0.25, 0.5, 1]
-iridescence = 0.5
-anisotropy = 0.5
-dispersion = 0.5
-checker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 1 }
-[model.ball]
-shape = { kind = \"sphere\" }
-material = \"board\"
-[[instance]]
-name = \"ball\"
-model = \"ball\"
-translation = [1, 2, 3]
-dynamic = true
-[light.point]
-kind = \"point\"
-position = [0, 3, 0]
-intensity_cd = 10
-[light.spot]
-kind = \"spot\"
-position = [0, 3, 0]
-direction = [0, -1, 0]
-intensity_cd = 10
-[light.sun]
-kind = \"directional\"
-direction = [0, -1, 0]
-intensity_lux = 2
-[light.beam]
-kind = \"spot\"
-position = [4, 4, 0]
-target = [4, 0, 0]
-intensity_cd = 10
-";
+use crate::common::{assert_says, cases};
+
+const SCENE: &str = include_str!("moving/scene.toml");
 
 fn read(text: &str) -> Result<Scene, String> {
     let read = Scene::from_text(text, Path::new("scene.toml"), &[]);
@@ -197,10 +156,7 @@ fn every_number_of_a_light_moves_if_its_kind_has_it() {
             let (name, key) = (&light.name, field.key);
             let text = format!("{SCENE}[motion.light.{name}]\n{key} = {{ rate = {value} }}\n");
             let error = pose(&text, 0).expect_err("it has none");
-            assert!(
-                error.contains(&format!("`{key}` does not apply to a")),
-                "{error}"
-            );
+            assert_says(&error, &[&format!("`{key}` does not apply to a")]);
             let script = format!("ctx.light(\"{name}\", #{{ {key}: {value} }});");
             let error = scripted("light-without", &script).expect_err("it has none");
             assert!(error.contains("that can be set"), "{error}");
@@ -236,10 +192,7 @@ fn a_spot_keeps_its_target_wherever_it_goes() {
     assert!(error.contains("light \"beam\" has no direction"), "{error}");
     let both = "direction = { rate = [1, 0, 0] }\ntarget = { rate = [1, 0, 0] }\n";
     let error = pose(&format!("{SCENE}[motion.light.spot]\n{both}"), 0).expect_err("both");
-    assert!(
-        error.contains("`target` cannot be combined with `direction`"),
-        "{error}"
-    );
+    assert_says(&error, &["`target` cannot be combined with `direction`"]);
 }
 
 #[test]
@@ -253,36 +206,13 @@ fn the_lit_part_of_a_cone_is_no_wider_than_the_cone() {
     assert_is(inner, &state.lights[1], Vec3::splat(45.0));
     let error = scripted("cone", "ctx.light(\"spot\", #{ inner_deg: 50 });");
     let error = error.expect_err("wider than the cone");
-    assert!(
-        error.contains("`inner_deg` must be 0 to `outer_deg`"),
-        "{error}"
-    );
+    assert_says(&error, &["`inner_deg` must be 0 to `outer_deg`"]);
 }
 
 #[test]
 fn absent_material_parts_cannot_move() {
-    for (key, value, lacking) in [
-        ("alpha_cutoff", "0.5", "write `alpha_cutoff = 0`"),
-        ("alpha", "0.5", "write `alpha = 1`"),
-        ("transmission", "0.5", "write `transmission = 0`"),
-        ("clearcoat", "0.5", "write `clearcoat = 0`"),
-        ("specular", "0.5", "write `specular = 1`"),
-        (
-            "specular_color",
-            "[0, 0, 1]",
-            "write `specular_color = [1, 1, 1]`",
-        ),
-        (
-            "sheen_color",
-            "[0, 0, 1]",
-            "write `sheen_color = [0, 0, 0]`",
-        ),
-        ("iridescence", "0.5", "write `iridescence = 0`"),
-        ("anisotropy", "0.5", "write `anisotropy = 0`"),
-        ("dispersion", "0.5", "write `dispersion = 0`"),
-        ("checker_size_m", "0.5", "write `checker = { colors ="),
-        ("checker_b", "[0, 0, 1]", "write `checker = { colors ="),
-    ] {
+    for (moved, lacking) in cases(include_str!("moving/absent_material_parts_cannot_move.txt")) {
+        let (key, value) = moved.split_once(" = ").expect("a value");
         let scene = (SCENE.replace("alpha_cutoff = 0.25\nalpha = 0.75\n", ""))
             .replace("transmission = 0.25\n", "")
             .replace(
@@ -296,19 +226,16 @@ fn absent_material_parts_cannot_move() {
         let scene = scene.replace("checker = {", "#");
         let text = format!("{scene}[motion.material.board]\n{key} = {{ rate = {value} }}\n");
         let error = pose(&text, 0).expect_err("there is none");
-        assert!(
-            error.contains(&format!("`{key}` moves, but `[material.board]` has none")),
-            "{error}"
+        assert_says(
+            &error,
+            &[&format!("`{key}` moves, but `[material.board]` has none")],
         );
         assert!(error.contains(lacking), "{error}");
         // Material of a file: its rest values are in its own table, or in the table `*` of all materials.
         let model = "[model.tree]\nfile = \"tree.glb\"\n";
         let motion = format!("[motion.model.tree.material.leaf]\n{key} = {{ rate = {value} }}\n");
         let error = pose(&format!("{SCENE}{model}{motion}"), 0).expect_err("there is none");
-        assert!(
-            error.contains("`[model.tree.material.leaf]` has none"),
-            "{error}"
-        );
+        assert_says(&error, &["`[model.tree.material.leaf]` has none"]);
         let rest = "alpha_cutoff = 0.5\nalpha = 1\ntransmission = 0\nclearcoat = 0\nspecular = 1\nspecular_color = [1, 1, 1]\nsheen_color = [0, 0, 0]\niridescence = 0\nanisotropy = 0\ndispersion = 0\nchecker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 1 }\n";
         for name in ["leaf", "\"*\""] {
             let table = format!("[model.tree.material.{name}]\n{rest}");
@@ -324,10 +251,7 @@ fn absent_material_parts_cannot_move() {
     let errors = Animator::new(&desc).pose(0).expect_err("it is not cut out");
     let error = errors[0].to_string();
     let message = "`alpha_cutoff` cannot be set, because `[material.plain]` has none";
-    assert!(
-        error.contains(message) && error.contains("move.rhai:1:"),
-        "{error}"
-    );
+    assert_says(&error, &[message, "move.rhai:1:"]);
 }
 
 #[test]

@@ -5,76 +5,13 @@ use reflet::{
     world::load,
 };
 
-use crate::layers::Folder;
+use crate::{common::cases, layers::Folder};
 
-const CAR: &str = r#"
-version = 1
-include = ["parts/paint.toml"]
-timeline = { end = 5 }
-image = { size = [8, 8] }
-[model.body]
-shape = { kind = "box" }
-material = "red"
-[model.wheel]
-shape = { kind = "cylinder" }
-material = "black"
-[material.black]
-extends = "paint"
-base_color = [0, 0, 0]
-[group.axle]
-translation = [0, 0, 1]
-[[instance]]
-name = "wheel"
-model = "wheel"
-parent = "axle"
-material = { extends = "red" }
-[light.beam]
-kind = "spot"
-parent = "wheel"
-position = [0, 0, 0]
-direction = [0, 0, 1]
-intensity_cd = 5
-[camera.seat]
-eye = [0, 1, 0]
-target = [0, 1, 5]
-[motion.group.axle]
-rotation_deg = { rate = [360, 0, 0] }
-[motion.camera.seat]
-target = { follow = { instance = "wheel" } }
-"#;
+const CAR: &str = include_str!("placed/car.toml");
 
-const PAINT: &str = r#"
-version = 1
-[material.paint]
-roughness = 0.25
-[material.red]
-extends = "paint"
-base_color = [1, 0, 0]
-[model.unused]
-shape = { kind = "sphere" }
-"#;
+const PAINT: &str = include_str!("placed/paint.toml");
 
-const SHOT: &str = r#"
-version = 1
-[timeline]
-end = 23
-cuts = [{ frame = 12, camera = "left.seat" }]
-[camera.main]
-[material.red]
-base_color = [0, 0, 1]
-[[instance]]
-name = "left"
-model = { scene = "cars/car.toml" }
-translation = [-5, 0, 0]
-in_reflections = false
-[[instance]]
-model = { scene = "cars/car.toml" }
-parent = "left"
-scale = 2
-[model.floor]
-shape = { kind = "plane" }
-material = "red"
-"#;
+const SHOT: &str = include_str!("placed/shot.toml");
 
 fn shot(shot: &str) -> Folder {
     let files = [
@@ -363,22 +300,9 @@ fn scenes_that_multiply_are_refused() {
 #[test]
 fn cuts_are_in_order_and_name_cameras() {
     let cuts = |text: &str| SHOT.replace("[{ frame = 12, camera = \"left.seat\" }]", text);
-    for (text, says) in [
-        (
-            "[{ frame = 3, camera = \"main\" }, { frame = 3, camera = \"main\" }]",
-            "`frame` must be after that of the cut before, which is 3",
-        ),
-        ("[{ frame = 3 }]", "`camera` is missing"),
-        (
-            "[{ frame = -1, camera = \"main\" }]",
-            "`frame` must be 0 to 1000000",
-        ),
-        ("3", "`cuts` must be a list of tables"),
-        (
-            "[{ frame = 0, camera = \"mian\" }]",
-            "did you mean \"main\"?",
-        ),
-    ] {
+    for (text, says) in cases(include_str!(
+        "placed/cuts_are_in_order_and_name_cameras.txt"
+    )) {
         shot(&cuts(text)).assert_says(&[], &[says]);
     }
     let scene = shot(&cuts("[{ frame = 0, camera = \"car/body\" }]")).expect();

@@ -9,61 +9,13 @@ use reflet::scene::{
 
 use crate::layers::Folder;
 
-const CAR: &str = r#"
-version = 1
-script = "drive.rhai"
-params = { bolts = 2, speed = 0.5 }
-[model.body]
-shape = { kind = "box" }
-[model.bolt]
-shape = { kind = "sphere" }
-[[instance]]
-name = "body"
-model = "body"
-dynamic = true
-[light.beam]
-kind = "point"
-position = [0, 0, 0]
-intensity_cd = 5
-"#;
+const CAR: &str = include_str!("placed_script/car.toml");
 
-const DRIVE: &str = r#"
-import "parts/road" as road;
-fn setup(ctx) {
-    let instances = [];
-    for i in 0..ctx.params.bolts {
-        instances += #{ name: `bolt${i}`, model: "bolt", parent: "body", translation: [i, 0, 0] };
-    }
-    print(`${ctx.end} frames`);
-    #{ instances: instances, lights: #{ lamp: #{ kind: "point", position: [0, 1, 0], intensity_cd: 1 } } }
-}
-fn frame(ctx) {
-    ctx.place("body", [0, 0, road::at(ctx.params.speed, ctx.t)]);
-    ctx.light("beam", #{ position: [ctx.position("body").x, 0, 0] });
-}
-"#;
+const DRIVE: &str = include_str!("placed_script/drive.rhai");
 
-const SHOT: &str = r#"
-version = 1
-timeline = { fps = 1, end = 7 }
-[camera.main]
-[[instance]]
-name = "left"
-model = { scene = "cars/car.toml" }
-translation = [-5, 0, 0]
-[[instance]]
-name = "right"
-model = { scene = "cars/car.toml" }
-translation = [5, 0, 0]
-"#;
+const SHOT: &str = include_str!("placed_script/shot.toml");
 
-const PAIR: &str = r#"
-version = 1
-[[instance]]
-name = "inner"
-model = { scene = "car.toml" }
-translation = [0, 1, 0]
-"#;
+const PAIR: &str = include_str!("placed_script/pair.toml");
 
 fn folder(name: &str, shot: &str, drive: &str) -> Folder {
     let files = [
@@ -246,7 +198,7 @@ fn params_that_a_placed_scene_does_not_have_are_refused() {
         (
             "unknown",
             "params = { sped = 2 }",
-            "no parameter is named \"sped\"\n --> shot/scene.toml:7:47",
+            "no parameter is named \"sped\"\n --> shot/scene.toml:6:47",
         ),
         (
             "kind",
@@ -291,10 +243,10 @@ fn mistakes_of_placed_scripts_are_named() {
         let folder = folder(name, SHOT, DRIVE);
         let car = CAR.replacen(from, to, 1);
         std::fs::write(folder.path().join("library/cars/car.toml"), car).expect("writable");
-        folder.assert_says(&[], &[says, "car.toml:3"]);
+        folder.assert_says(&[], &[says, "car.toml:2"]);
     }
     let wrong = DRIVE.replace("model: \"bolt\"", "model: \"bold\"");
-    folder("setup", SHOT, &wrong).assert_says(&[], &["\"bold\"", "drive.rhai:6"]);
+    folder("setup", SHOT, &wrong).assert_says(&[], &["\"bold\"", "drive.rhai:5"]);
 }
 
 /// A mistake in a scene that is placed several times is one mistake.

@@ -63,10 +63,7 @@ fn unknown_key_has_a_suggestion() {
 
 #[test]
 fn what_is_built_by_a_loop_is_counted() {
-    let script = "fn setup(ctx) {\n    let all = [];\n    for i in 0..4 {\n        let ball = \
-                  #{ name: `b${i}`, model: \"ball\" };\n        \
-                  if i == 2 { ball.scale = 0; }\n        all.push(ball);\n    }\n    \
-                  #{ instances: all, models: #{ ball: #{ shape: #{ kind: \"box\" } } } }\n}\n";
+    let script = include_str!("returned/what_is_built_by_a_loop_is_counted.rhai");
     assert_says(
         "list",
         script,
@@ -178,10 +175,7 @@ fn printed_lines_say_where_they_come_from() {
         "\nfn it(x) { print(x); x }\n",
     )
     .expect("written");
-    let script = "import \"parts/say\" as say;\nfn frame(ctx) {\n    print(`frame ${ctx.frame}`);\n    \
-                  print(3); print(2.5); print(true); print('c'); print(());\n    \
-                  print([1, \"a\"]); print(#{ a: 1 }); print(vec3(1, 2, 3));\n    \
-                  debug(\"a\");\n    say::it(7);\n}\n";
+    let script = include_str!("returned/printed_lines_say_where_they_come_from.rhai");
     fs::write(folder.join("walk.rhai"), script).expect("written");
     let (desc, _) = Scene::from_text(SCENE, &folder.join("scene.toml"), &[]).expect("is right");
     let log = Animator::new(&desc).pose(4).expect("it runs").log;
@@ -210,16 +204,8 @@ fn printed_lines_say_where_they_come_from() {
 /// Elements that a broken `setup` would have added are unknown: references to them are not reported.
 #[test]
 fn names_that_a_broken_script_would_add_are_not_reported() {
-    const GOOD: &str = "fn setup(ctx) {\n    \
-        let hop = #{ name: \"hop1\", model: \"ball\", dynamic: true };\n    \
-        hop.translation = [0, ctx.params.height, 0];\n    \
-        #{ instances: [hop], materials: #{ tin: #{} }, lights: #{ top: #{ kind: \"point\", position: [0, 3, 0], \
-        intensity_cd: 20 } } }\n}\n";
-    const SCENE: &str = "script = \"hop.rhai\"\nversion = 1\nparams = { height = 0.5 }\n\
-        timeline = { end = 10 }\n[model.ball]\nshape = { kind = \"sphere\" }\nmaterial = \"tin\"\n\
-        [motion.camera.main]\ntarget = { follow = { instance = \"hop1\" } }\n[camera.main]\n\
-        eye = [0, 1, 4]\ntarget = [0, 0, 0]\n[motion.instance.hop1]\nrotation_deg = { rate = [0, 90, 0] }\n\
-        [motion.light.top]\nposition = { rate = [0, 1, 0] }\n";
+    const GOOD: &str = include_str!("returned/good.rhai");
+    const SCENE: &str = include_str!("returned/scene.toml");
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("returned-names");
     fs::create_dir_all(&folder).expect("temporary folder");
     let read = |script: &str, set: &[&str]| {

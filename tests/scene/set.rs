@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::common::Random;
+use crate::common::{Random, assert_says};
 use glam::Vec3;
 use reflet::scene::{
     desc::*, diagnostic::Diagnostic, manual::EXAMPLE, parse::entry_kinds::ENTRY_KINDS,
@@ -84,10 +84,7 @@ fn only_entries_that_exist_are_set() {
         let option = [format!("{kind}.turntabel.parent='x'")];
         let errors = Scene::from_text(&text, Path::new("scene.toml"), &option).expect_err(kind);
         let message = errors[0].to_string();
-        assert!(
-            message.contains(&format!("no {kind} is named \"turntabel\"")),
-            "{message}"
-        );
+        assert_says(&message, &[&format!("no {kind} is named \"turntabel\"")]);
     }
     let turned = read_with(&text, &["group.turntable.translation=[0, 1, 0]"]);
     assert_eq!(turned.groups.len(), 1);

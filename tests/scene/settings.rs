@@ -5,17 +5,13 @@ use std::path::Path;
 use glam::Vec3;
 use reflet::scene::{desc::*, stages::Scene};
 
-use crate::text::read;
+use crate::{common::cases, text::read};
 
 #[test]
 fn environment_reflection_and_image_arrive() {
-    let scene = read(
-        "environment.color = [1, 2, 3]\n[reflection]\nmethod = \"ssr\"\nmarched = \"all\"\ntrace = \"query\"\nray_length_u = 2\n\
-         accept = \"threshold\"\nedge_px = 0.5\nthreshold_u = 0\nbounces = 16\ndiffuse_bounces = 8\nglint_limit = 3\nsteps = 8\nroughness_cutoff = 1\nunit_m = 0.5\nreuse_light = false\nfade = true\nfilter = false\nmultiple_scattering = true\n\
-         layers = 2\nseparation_m = 0.2\nrate = 4\nsimilarity = 0.5\nskip_px = 2.5\nblur_px = 1.5\n[probes]\nspacing_m = 2.5\nface_px = 2048\nsamples = 1024\nnearest = 4\n\
-         lookup = \"distance\"\nselect = \"instance\"\n[near_far]\nhalf_size_m = 3.5\nface_px = 8\n[box_faces]\nbox_min = [-1, -2, -3]\nbox_max = [1, 2, 3]\nface_px = 16384\n[image]\nsize = [1, 16384]\nsamples = 4096\nlight_rays = 256\nexposure_ev = -20\n\
-         tone_map = \"aces\"\nvisibility = \"rays\"\nradiance = \"full\"\nalpha = true\nshutter = 0.5",
-    );
+    let scene = read(include_str!(
+        "settings/environment_reflection_and_image_arrive.toml"
+    ));
     let color = Vec3::new(1.0, 2.0, 3.0);
     let flat = EnvironmentDesc {
         zenith: color,
@@ -134,33 +130,8 @@ fn exposure_and_bounces_are_numbers_or_auto() {
         [bounces("3"), bounces("\"auto\"")],
         [Bounces::AtMost(3), Bounces::Auto]
     );
-    let (exposure, bounces) = ("image.exposure_ev", "reflection.bounces");
-    for (key, value, message) in [
-        (
-            exposure,
-            "\"automatic\"",
-            "must be a number or \"auto\", not",
-        ),
-        (exposure, "30", "`exposure_ev` must be"),
-        (exposure, "true", "must be a number or \"auto\", not true"),
-        (
-            bounces,
-            "\"autos\"",
-            "must be a whole number or \"auto\", not",
-        ),
-        (
-            bounces,
-            "\"Auto\"",
-            "must be a whole number or \"auto\", not",
-        ),
-        (bounces, "0", "must be 1 to 16, not 0"),
-        (bounces, "-1", "must be 1 to 16, not -1"),
-        (bounces, "1e9", "must be 1 to 16, not"),
-        (bounces, "inf", "must be a finite number, not"),
-        (bounces, "2.5", "must be a whole number, not"),
-        (bounces, "[3]", "must be a whole number or \"auto\", not"),
-    ] {
-        let text = format!("version = 1\n{key} = {value}\n");
+    for (setting, message) in cases(include_str!("settings/exposure_and_bounces.txt")) {
+        let text = format!("version = 1\n{setting}\n");
         let errors = Scene::from_text(&text, Path::new("scene.toml"), &[]).expect_err("is wrong");
         let error = errors[0].to_string();
         assert!(error.contains(message), "{error}");

@@ -1,5 +1,6 @@
 //! Scene text: every feature is read into the description.
 
+use crate::common::assert_says;
 use std::path::Path;
 
 use glam::{Mat4, Quat, Vec3};
@@ -47,29 +48,7 @@ fn cameras_keep_the_order_of_the_file_and_their_defaults() {
 
 #[test]
 fn every_material_key_arrives() {
-    let scene = read(
-        r#"
-        [material.all]
-        base_color = [0.1, 0.2, 0.3]
-        base_color_texture = "c.png"
-        metallic = 0.4
-        roughness = 0.5
-        metallic_roughness_texture = "mr.png"
-        normal_texture = "n.png"
-        normal_scale = 0.6
-        occlusion_strength = 0.9
-        emission = [1, 2, 3]
-        emission_strength = 4
-        emission_texture = "e.png"
-        uv_scale = [2, -3]
-        alpha_cutoff = 0.7
-        double_sided = false
-        reflection = "mirror"
-        reflectivity = 0.8
-        [material.checked]
-        checker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 0.25 }
-        "#,
-    );
+    let scene = read(include_str!("text/every_material_key_arrives.toml"));
     let all = &scene.materials[0].value;
     let text = |t: &Option<At<String>>| t.as_ref().map(|t| t.value.clone()).unwrap_or_default();
     assert_eq!(all.base_color, Some(Vec3::new(0.1, 0.2, 0.3)));
@@ -103,34 +82,9 @@ fn every_material_key_arrives() {
 
 #[test]
 fn models_are_files_with_overrides_or_shapes() {
-    let scene = read(
-        r#"
-        [material.m]
-        [model.hall]
-        file = "hall.glb"
-        lights = false
-        [model.hall.material."*"]
-        roughness = 0
-        [model.hall.material."floor tiles"]
-        reflection = "none"
-        [model.plane]
-        shape = { kind = "plane", size = [2, 3] }
-        material = "m"
-        [model.box]
-        shape = { kind = "box", size = [1, 2, 3] }
-        [model.sphere]
-        shape.kind = "sphere"
-        [model.cylinder.shape]
-        kind = "cylinder"
-        radius = 2
-        height = 5
-        segments = 3
-        [model.cone]
-        shape = {
-            kind = "cone", # TOML 1.1: over lines, with a comma at the end
-        }
-        "#,
-    );
+    let scene = read(include_str!(
+        "text/models_are_files_with_overrides_or_shapes.toml"
+    ));
     let hall = &scene.models[0].value;
     assert!(matches!(&hall.source, ModelSource::File(file) if file.value == "hall.glb"));
     assert!(!hall.lights);
@@ -276,29 +230,7 @@ fn instances_have_names_copies_and_materials() {
 
 #[test]
 fn lights_have_the_keys_of_their_kind() {
-    let scene = read(
-        r#"
-        [light.lamp]
-        kind = "point"
-        position = [0, 6, 0]
-        intensity_cd = 800
-        color = [1, 0.5, 2]
-        [light.beam]
-        kind = "spot"
-        position = [1, 2, 3]
-        target = [1, 0, 3]
-        intensity_cd = 5
-        inner_deg = 10
-        outer_deg = 20
-        shadow = "none"
-        [light.sun]
-        kind = "directional"
-        direction = [0, -2, 0]
-        intensity_lux = 3
-        shadow = "ray"
-        shadow_px = 16
-        "#,
-    );
+    let scene = read(include_str!("text/lights_have_the_keys_of_their_kind.toml"));
     let lights: Vec<_> = scene.lights.iter().map(|l| l.value).collect();
     let common = |kind| LightDesc {
         kind,
@@ -359,8 +291,5 @@ fn a_material_table_of_a_shape_is_one_mistake() {
         panic!("{errors:?}");
     };
     let message = error.to_string();
-    assert!(
-        message.contains("must be the name of a `[material.NAME]`"),
-        "{message}"
-    );
+    assert_says(&message, &["must be the name of a `[material.NAME]`"]);
 }

@@ -6,36 +6,7 @@ use reflet::scene::{script::Bounds, stages::Animator};
 
 use super::{folder, load};
 
-const FAR: &str = "fn spin() {
-    let n = 0;
-    loop {
-        n += 1;
-    }
-}
-fn grow() {
-    let s = \"x\";
-    loop {
-        s += s;
-    }
-}
-fn fill() {
-    let a = [1];
-    loop { a += a; }
-}
-fn down(n) {
-    down(n + 1)
-}
-fn text() {
-    let s = \"\";
-    s.pad(700000, 'x');
-    s
-}
-fn each(list) {
-    list.map(|x| {
-        loop {}
-    })
-}
-";
+const FAR: &str = include_str!("limits/far.rhai");
 
 /// Location of a message, `file:line:column`.
 fn first_place(error: &str) -> &str {
@@ -109,15 +80,7 @@ fn limits_are_reported_where_they_are_met() {
 #[test]
 fn setup_may_name_fifty_thousand_elements() {
     let folder = folder("many");
-    let part = "fn part(from, to) {
-        let all = [];
-        for i in from..to {
-            all.push(#{
-                name: `ball ${i}`, model: \"ball\", translation: vec3(i, 0, 0)
-            });
-        }
-        all
-    }";
+    let part = include_str!("limits/setup_may_name_fifty_thousand_elements.rhai");
     for (setup, count) in [
         // With a size check at each push, these would exceed the time limit of a call.
         ("#{ instances: part(0, 50000) }", 50_000),

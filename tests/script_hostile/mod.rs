@@ -13,174 +13,14 @@ use reflet::scene::{
     stages::{Animator, Scene},
 };
 
-const SCENE: &str = "
-version = 1
-timeline = { end = 9 }
-material.paint = {}
-model.ball = { shape = { kind = \"sphere\" }, material = \"paint\" }
-light.lamp = { kind = \"point\", position = [0, 3, 0], intensity_cd = 10 }
-camera.main = {}
-[[instance]]
-name = \"ball\"
-model = \"ball\"
-dynamic = true
-[[instance]]
-name = \"wall\"
-model = \"ball\"
-";
+use crate::common::cases;
 
-/// Body of `frame`, and text that the message must contain.
-const FRAMES: &[(&str, &str)] = &[
-    // Endless loops.
-    ("loop {}", "was stopped"),
-    ("while true { let x = 1; }", "was stopped"),
-    ("let i = 0; do { i += 1; } while i >= 0;", "was stopped"),
-    ("for i in 0..1000000000 { let x = i; }", "was stopped"),
-    (
-        "for i in 0..1000000 { for j in 0..1000000 { let x = j; } }",
-        "was stopped",
-    ),
-    ("fn_loop(ctx)", "was stopped"),
-    ("loop { try { loop {} } catch { } }", "was stopped"),
-    ("let a = [1]; a.map(|x| { loop {} });", "was stopped"),
-    ("let a = [3, 1, 2]; loop { a.sort(); }", "was stopped"),
-    (
-        "let s = 0; for i in range(0, 10000000000) { s += i % 7; }",
-        "was stopped",
-    ),
-    ("let f = || { loop {} }; f.call();", "was stopped"),
-    // Nesting that is too deep.
-    ("down(ctx)", "more than 32 deep"),
-    ("ping(ctx)", "more than 32 deep"),
-    (
-        "let f = |g, n| g.call(g, n + 1); f.call(f, 0);",
-        "more than 32 deep",
-    ),
-    ("fib(ctx, 60)", "more than 32 deep"),
-    // Values that are too large.
-    ("let s = \"x\"; loop { s += s; }", "too large"),
-    ("let a = [1]; loop { a += a; }", "too large"),
-    ("let a = []; loop { a.push(a); }", "too large"),
-    ("let a = []; loop { a.push([1, [2]]); }", "50,000 elements"),
-    ("let a = [[], 1]; loop { a[0].push(1); }", "50,000 elements"),
-    (
-        "let a = []; loop { a.push(#{ b: #{ c: 1 } }); }",
-        "too large",
-    ),
-    ("const A = []; A.push(1);", "constant"),
-    ("let a = 5; a.push(1);", "no function `push`"),
-    ("let a = []; a.pad(2000000000, 0);", "too large"),
-    ("let s = \"\"; s.pad(2000000000, 'x');", "too large"),
-    (
-        "let m = #{}; for i in 0..1000000000 { m[`k${i}`] = i; }",
-        "was stopped",
-    ),
-    ("let m = #{}; loop { m.a = m; }", "was stopped"),
-    ("let a = [[0; 1]];", "syntax"),
-    (
-        "let a = []; loop { a.push(\"0123456789012345678901234567890123456789\"); }",
-        "bytes",
-    ),
-    ("let a = []; a.pad(49000, 0); let b = [a, a];", "too large"),
-    (
-        "let s = \"\"; for i in 0..100000000 { s += \"more text\"; }",
-        "too large",
-    ),
-    (
-        "let b = []; for i in 0..100 { let c = b; c.push(c); b = [c, c, c]; }",
-        "too large",
-    ),
-    ("loop { print(\"a lot of text\"); }", "was stopped"),
-    // Much work or memory in one built-in function of Rhai.
-    (
-        "let s = \"x\"; s.pad(1000000, \"x\"); let t = s; s.replace(\"x\", t);",
-        "too large",
-    ),
-    (
-        "let s = \"x\"; s.pad(1000000, 'x'); let t = s; s.replace('x', t);",
-        "too large",
-    ),
-    (
-        "let s = \"x\"; s.pad(1000000, 'x'); let t = s; s.replace(\"\", t);",
-        "too large",
-    ),
-    (
-        "let s = \"x\"; s.pad(1000000, 'x'); s.replace('x', 'é');",
-        "too large",
-    ),
-    ("let s = \"x\"; s.pad(10, \"\");", "must not be empty"),
-    ("let s = \"x\"; s.pad(1000000, \"é\");", "too large"),
-    (
-        "let a = []; a.pad(49000, 1); loop { a.index_of(2); }",
-        "more than 100,000 operations",
-    ),
-    // Calls through closures, in which Rhai restarts its counters.
-    (
-        "let a = []; a.pad(4000, 1); a.map(|x| { let b = []; b.pad(3000, 1); b.map(|y| y + 1).len() })",
-        "was stopped",
-    ),
-    (
-        "let a = []; a.pad(4000, 1); a.sort(|x, y| { a_lot().sort(|p, q| p - q); x - y });",
-        "was stopped",
-    ),
-    (
-        "let a = []; a.pad(40000, 1); a.map(|x| { let b = [1]; b.pad(40000, 1); b })",
-        "script-limit",
-    ),
-    // Missing names.
-    ("eval(\"loop {}\")", "eval"),
-    ("sleep(1000)", "no function `sleep`"),
-    ("timestamp()", "no function `timestamp`"),
-    ("open(\"/etc/passwd\")", "no function `open`"),
-    ("import \"other\" as o;", "imports must stand at the top"),
-    ("undefined_variable", "no variable `undefined_variable`"),
-    ("ctx.state", "no property `state`"),
-    ("exit(7)", "no function `exit`"),
-    // Invalid values.
-    ("ctx.place(\"ball\", [0.0 / 0.0, 0, 0])", "finite"),
-    ("ctx.place(\"ball\", [1.0 / 0.0, 0, 0])", "finite"),
-    ("ctx.place(\"ball\", [1e300, 0, 0])", "finite"),
-    (
-        "ctx.place(\"ball\", [0, 0, 0], [0, 0, 0], 0)",
-        "scale must not be 0",
-    ),
-    (
-        "ctx.place(\"ball\", [0, 0, 0], [0, 0, 0], [1, 0, 1])",
-        "scale must not be 0",
-    ),
-    (
-        "ctx.place(\"ball\", mat4([0, 0, 0], [0, 0, 0], 1) * mat4([0, 0, 0], [0, 0, 0], 1e-30))",
-        "flat",
-    ),
-    (
-        "ctx.place(\"nobody\", [0, 0, 0])",
-        "no instance is named \"nobody\"",
-    ),
-    ("ctx.place(\"wall\", [0, 0, 0])", "stands still"),
-    ("ctx.place(1, 2)", "does not take"),
-    (
-        "ctx.material(\"paint\", #{ roughness: \"smooth\" })",
-        "must be a number",
-    ),
-    ("ctx.light(\"lamp\", #{ intensity_cd: -1 })", "0 or more"),
-    (
-        "ctx.camera(\"main\", #{ eye: [0, 0, 0], target: [0, 0, 0] })",
-        "same place",
-    ),
-    ("1 / 0", "division by zero"),
-    ("9223372036854775807 + 1", "overflow"),
-    ("[1, 2][5]", "5"),
-    ("throw #{ a: 1 }", "a"),
-];
+const SCENE: &str = include_str!("scene.toml");
 
-const HELPERS: &str = "
-fn fn_loop(ctx) { loop {} }
-fn down(ctx) { down(ctx) }
-fn ping(ctx) { pong(ctx) }
-fn pong(ctx) { ping(ctx) }
-fn a_lot() { let a = []; a.pad(4000, 1); a }
-fn fib(ctx, n) { fib(ctx, n - 1) + fib(ctx, n - 2) }
-";
+/// Bodies of `frame`, each with text that the message must contain.
+const FRAMES: &str = include_str!("frames.txt");
+
+const HELPERS: &str = include_str!("helpers.rhai");
 
 fn desc() -> Scene {
     let read = Scene::from_text(SCENE, Path::new("scene.toml"), &[]);
@@ -225,10 +65,16 @@ fn run((body, says): &(&str, &str)) -> Option<String> {
     (!right).then(|| format!("{body} should say {says:?}:\n{message}"))
 }
 
+/// Deviations of the bodies of a text from their expected ends.
+fn wrong_ends(bodies: &'static str) -> Vec<String> {
+    cases(bodies).iter().filter_map(run).collect()
+}
+
 #[test]
 fn every_hostile_frame_is_ended_with_a_message() {
-    assert!(FRAMES.len() >= 50);
-    let (some, others) = FRAMES.split_at(FRAMES.len() / 3);
+    let frames = cases(FRAMES);
+    assert!(frames.len() >= 50);
+    let (some, others) = frames.split_at(frames.len() / 3);
     let wrong = std::thread::scope(|scope| {
         let other = scope.spawn(|| others.iter().filter_map(run).collect::<Vec<_>>());
         let mut wrong: Vec<_> = some.iter().filter_map(run).collect();
@@ -299,59 +145,14 @@ fn imports_stay_below_the_folder_of_the_scene() {
 #[test]
 fn what_setup_returns_is_checked_as_scene_text() {
     let folder = folder("setup");
-    for (returned, says) in [
-        ("5", "must return a map"),
-        ("#{ lamps: #{} }", "cannot return `lamps`"),
-        ("#{ lamps: #{} }", "it may return `cameras`, `materials`"),
-        ("#{ light: #{} }", "did you mean `lights`?"),
-        ("#{ lamps: #{} }", "s.rhai:2:4"),
-        ("let r = #{}; r.lamps = 1; r", "s.rhai:2:16"),
-        ("let r = #{}; r[\"la\" + \"mps\"] = 1; r", "s.rhai:1:1"),
-        ("#{ instances: 5 }", "an array of maps"),
-        (
-            "#{ instances: [#{ model: \"bal\" }] }",
-            "did you mean \"ball\"?",
-        ),
-        (
-            "#{ instances: [#{ model: \"ball\", name: \"wall\" }] }",
-            "two instances are named",
-        ),
-        ("#{ materials: #{ paint: #{} } }", "but not replace"),
-        (
-            "#{ materials: #{ gold: #{ roughnes: 1 } } }",
-            "did you mean `roughness`?",
-        ),
-        (
-            "#{ materials: #{ gold: #{ roughness: 0.0 / 0.0 } } }",
-            "finite",
-        ),
-        (
-            "#{ materials: #{ gold: #{ roughness: || 1 } } }",
-            "not a valid value in a scene",
-        ),
-        (
-            "#{\nmaterials: #{ gold: #{ roughness: || 1 } } }",
-            "s.rhai:3:24",
-        ),
-        (
-            "let a = 1; for i in 0..500 { a = [a]; } #{ materials: #{ gold: #{ roughness: a } } }",
-            "nested more than 64 deep",
-        ),
-        (
-            "let a = 1; for i in 0..500 { a = #{ a: a }; } #{ models: #{ m: a } }",
-            "nested more than 64 deep",
-        ),
-        ("ctx.place(\"ball\", [0, 0, 0])", "only frame can pose it"),
-    ] {
+    for (returned, says) in cases(include_str!(
+        "what_setup_returns_is_checked_as_scene_text.txt"
+    )) {
         let script = format!("fn setup(ctx) {{\n{returned}\n}}");
         let error = load(&folder, &script).expect_err(returned);
         assert!(error.contains(says), "{returned}: {error}");
     }
-    let script = "fn setup(ctx) { #{
-        materials: #{ gold: #{ base_color: vec3(1, 0.8, 0.2), metallic: 1 } },
-        lights: #{ \"a b\": #{ kind: \"point\", position: [0, 1, 0], intensity_cd: 3 } },
-        instances: [#{ model: \"ball\", material: \"gold\", rotation_quat: rotation_deg(0, 90, 0) }]
-    } }";
+    let script = include_str!("setup.rhai");
     let desc = load(&folder, script).expect("it is right");
     assert_eq!(
         (

@@ -6,40 +6,11 @@ use std::{
     process::{Command, Stdio},
 };
 
-use crate::common::gpu_or_skip;
+use crate::common::{assert_says, gpu_or_skip};
 use reflet::gpu::ShaderLibrary;
 
 /// A floor that reflects a ball which moves for three frames.
-const SCENE: &str = "\
-# mine: a ball that rolls.
-version = 1
-[image]
-size = [96, 54]
-[timeline]
-end = 2
-[camera.main]
-eye = [0, 1, 3]
-target = [0, 0.3, 0]
-[environment]
-color = [0.5, 0.5, 0.5]
-[material.mirror]
-metallic = 1
-roughness = 0
-[model.floor]
-shape = { kind = \"plane\", size = [4, 4] }
-material = \"mirror\"
-[model.ball]
-shape = { kind = \"sphere\", radius = 0.4, segments = 16 }
-[[instance]]
-model = \"floor\"
-[[instance]]
-name = \"ball\"
-model = \"ball\"
-translation = [0, 0.5, 0]
-dynamic = true
-[motion.instance.ball]
-translation = { rate = [4, 0, 0] }
-";
+const SCENE: &str = include_str!("scene.toml");
 
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("stability-{name}"));
@@ -137,10 +108,7 @@ fn a_regression_fails_and_is_named() {
     let ratchet = ["15", "--ratchet", "tests/stability.toml"];
     let (code, says) = stability(&folder, &[&ratchet[..], &worse[..]].concat());
     assert_eq!(code, 6, "{says}");
-    assert!(
-        says.contains("worse: 15-facing-mirrors, rt: flip is"),
-        "{says}"
-    );
+    assert_says(&says, &["worse: 15-facing-mirrors, rt: flip is"]);
 }
 
 #[test]
@@ -174,10 +142,7 @@ fn a_planted_fault_of_a_shader_turns_cells_red() {
     fs::remove_file(folder.join("samples.csv")).expect("samples");
     let (code, says) = stability(&folder, &[&ratchet[..], &own[..]].concat());
     assert_eq!(code, 2, "{says}");
-    assert!(
-        says.contains("--shaders: ") && says.contains("ssr.wgsl:1"),
-        "{says}"
-    );
+    assert_says(&says, &["--shaders: ", "ssr.wgsl:1"]);
 }
 
 #[test]
@@ -238,10 +203,7 @@ fn what_has_no_score_is_named_and_never_good() {
     let options = [scene, "--methods", "ssr", "--ratchet", ratchet, "--resume"];
     let (code, says) = stability(&folder, &options);
     assert_eq!(code, 6, "{says}");
-    assert!(
-        says.contains("worse: dull, ssr: no score: frame 0"),
-        "{says}"
-    );
+    assert_says(&says, &["worse: dull, ssr: no score: frame 0"]);
 }
 
 #[test]

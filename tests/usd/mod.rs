@@ -3,6 +3,7 @@
 #[cfg(unix)]
 mod process;
 
+use crate::common::assert_says;
 use std::{
     fs,
     path::{Path, PathBuf},
@@ -64,23 +65,7 @@ impl Drop for Workplace {
     }
 }
 
-const QUAD: &str = r#"#usda 1.0
-(
-    defaultPrim = "World"
-    metersPerUnit = 1
-    upAxis = "Y"
-)
-def Xform "World"
-{
-    def Mesh "Quad"
-    {
-        uniform token subdivisionScheme = "none"
-        int[] faceVertexCounts = [4]
-        int[] faceVertexIndices = [0, 1, 2, 3]
-        point3f[] points = [(0, 0, 0), (2, 0, 0), (2, 1, 0), (0, 1, 0)]
-    }
-}
-"#;
+const QUAD: &str = include_str!("quad.usda");
 
 fn said(output: &Output) -> String {
     format!(
@@ -95,24 +80,15 @@ fn a_stage_is_converted_once_and_again_when_it_changes() {
     let Some(tool) = tool() else { return };
     let place = Workplace::new("once");
     let first = said(&place.check(&tool, "quad.usda"));
-    assert!(
-        first.contains("usd: converting") && first.contains("triangles   2 placed"),
-        "{first}"
-    );
+    assert_says(&first, &["usd: converting", "triangles   2 placed"]);
     let second = said(&place.check(&tool, "quad.usda"));
-    assert!(
-        second.contains("is unchanged") && second.contains("triangles   2 placed"),
-        "{second}"
-    );
+    assert_says(&second, &["is unchanged", "triangles   2 placed"]);
     let two = QUAD
         .replace("faceVertexCounts = [4]", "faceVertexCounts = [3]")
         .replace("[0, 1, 2, 3]", "[0, 1, 2]");
     place.write("quad.usda", &two);
     let third = said(&place.check(&tool, "quad.usda"));
-    assert!(
-        third.contains("usd: converting") && third.contains("triangles   1 placed"),
-        "{third}"
-    );
+    assert_says(&third, &["usd: converting", "triangles   1 placed"]);
 }
 
 /// A file that appears later, or a folder that is allowed later, makes another conversion.
@@ -172,39 +148,7 @@ fn a_scene_places_a_stage_like_any_model() {
 }
 
 /// A house in one of two sizes, with a proxy.
-const HOUSE: &str = r#"#usda 1.0
-(
-    defaultPrim = "House"
-    metersPerUnit = 1
-    upAxis = "Y"
-)
-def Xform "House" (
-    variants = { string size = "small" }
-    prepend variantSets = "size"
-)
-{
-    variantSet "size" = {
-        "small" {
-            def Cube "Hut" {}
-        }
-        "large" {
-            def Cube "Left" {}
-            def Cube "Right" {}
-        }
-    }
-    def Cube "StandIn"
-    {
-        uniform token purpose = "proxy"
-    }
-    def Mesh "Roof"
-    {
-        uniform token subdivisionScheme = "catmullClark"
-        int[] faceVertexCounts = [4]
-        int[] faceVertexIndices = [0, 1, 2, 3]
-        point3f[] points = [(0, 0, 0), (2, 0, 0), (2, 1, 0), (0, 1, 0)]
-    }
-}
-"#;
+const HOUSE: &str = include_str!("house.usda");
 
 /// A cube has 12 triangles, the roof has 2, and 8 after one subdivision step.
 #[test]
@@ -243,10 +187,7 @@ fn a_scene_chooses_what_of_a_stage_it_shows() {
         assert!(text.contains(&expected), "{usd}: {text}");
     }
     let text = triangles("variants = \"/House{size=huge}\"");
-    assert!(
-        text.contains("variant-unknown") && text.contains("large, small"),
-        "{text}"
-    );
+    assert_says(&text, &["variant-unknown", "large, small"]);
 }
 
 /// The empty stage is named once; a scene may place it.
@@ -320,10 +261,7 @@ fn a_missing_converter_and_a_broken_stage_are_named() {
     let output = place.check(Path::new("/nonexistent/reflet-usd"), "quad.usda");
     let text = said(&output);
     assert_eq!(output.status.code(), Some(3), "{text}");
-    assert!(
-        text.contains("error[usd-tool-missing]") && text.contains("tools/setup.sh"),
-        "{text}"
-    );
+    assert_says(&text, &["error[usd-tool-missing]", "tools/setup.sh"]);
 
     let Some(tool) = tool() else { return };
     place.write("broken.usda", "#usda 1.0\ndef Mesh {");

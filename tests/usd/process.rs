@@ -1,5 +1,6 @@
 //! Behavior of converter processes, replaced by scripts.
 
+use crate::common::assert_says;
 use std::{
     io::{BufRead as _, BufReader},
     os::unix::fs::PermissionsExt as _,
@@ -100,10 +101,7 @@ fn constantly_changing_stage_is_used_but_not_cached() {
     // A bare stage is read twice, first for its length; each read tries three times.
     for runs in [6, 12] {
         let text = said(&place.check(&tool, "quad.usda"));
-        assert!(
-            text.contains("triangles   1 placed") && text.contains("is not cached"),
-            "{text}"
-        );
+        assert_says(&text, &["triangles   1 placed", "is not cached"]);
         assert_eq!(place.runs(), runs, "{text}");
     }
 }

@@ -232,22 +232,7 @@ fn preview_opens_follows_an_edit_survives_an_error_and_closes() {
 }
 
 /// A ball that moves.
-const SCENE: &str = r#"version = 1
-script = "move.rhai"
-[timeline]
-end = 2000
-[camera.main]
-eye = [0, 0, 5]
-[material.white]
-emission = [1, 1, 1]
-[model.ball]
-shape = { kind = "sphere", segments = 12 }
-material = "white"
-[[instance]]
-name = "ball"
-model = "ball"
-dynamic = true
-"#;
+const SCENE: &str = include_str!("scene.toml");
 
 const SCRIPT: &str = r#"fn frame(ctx) { ctx.place("ball", [2 * sin(ctx.t), 0, 0]); }"#;
 
@@ -299,18 +284,7 @@ fn preview_plays_pauses_and_follows_a_script_edit() {
 #[test]
 #[ignore = "long: opens a window; tests without one write places back daily"]
 fn preview_moves_an_instance_in_the_scene_text() {
-    let text = "version = 1
-[camera.main]
-eye = [0, 0, 5]
-[material.white]
-emission = [1, 1, 1]
-[model.ball]
-shape = { kind = \"sphere\", segments = 12 }
-material = \"white\"
-[[instance]]               # the only one
-model = \"ball\"
-translation = [0, 0, 0.00] # in the middle
-";
+    let text = include_str!("preview_moves_an_instance_in_the_scene_text.toml");
     let Some(session) = Session::open("moves", "640x420", &[("scene.toml", text)]) else {
         return;
     };

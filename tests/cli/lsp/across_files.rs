@@ -1,5 +1,6 @@
 //! Names across the files of a project, structure, colors and quick fixes, as an editor asks for them.
 
+use crate::common::assert_says;
 use std::fs;
 
 use serde_json::{Value, json};
@@ -8,10 +9,7 @@ use super::Client;
 
 const PARTS: &str = "[material.brass]\nmetallic = 1\nbase_color = [0.214041, 1, 0]\n\n[material.red]\nextends = \"brass\"\n\
                      emission = \"#ff0080\"\n[environment]\ncolor = [0.5, 0.5, 0.5]\n";
-const SHOT: &str = "version = 1\ninclude = \"../parts.toml\"\nscript = \"../move.rhai\"\ntimeline.end = 3\n\
-                    [params]\nlift = 1.0\n\n# The ball.\n# It is of brass.\n[model.ball]\nshape = { kind = \"sphere\" }\n\
-                    material = \"brass\"\n\n[[instance]]\nname = \"first\"\nmodel = \"ball\"\ndynamic = true\n\n\
-                    [variant.plain]\nremove = [\"material.red\"]\nmaterial.brass.roughness = 1\n";
+const SHOT: &str = include_str!("across_files/shot.toml");
 const SCRIPT: &str = "fn setup(ctx) { #{} }\nfn frame(ctx) {\n    ctx.place(\"first\", [0, ctx.params.lift, 0]);\n}\n";
 
 /// A project with a shot in a subfolder, all of it open but the parts.
@@ -96,22 +94,13 @@ fn references_are_found_in_all_files_and_renamed() {
         "remove = [\"material.r|ed\"]",
     );
     let renamed = edits(&at, "shots/scene.toml", "blue").to_string();
-    assert!(
-        renamed.contains("\"\\\"material.blue\\\"\"") && renamed.contains("\"blue\""),
-        "{renamed}"
-    );
+    assert_says(&renamed, &["\"\\\"material.blue\\\"\"", "\"blue\""]);
     let at = SHOT.replace("lift = 1.0", "li|ft = 1.0");
     let renamed = edits(&at, "shots/scene.toml", "rise")["result"]["changes"].to_string();
-    assert!(
-        renamed.contains("move.rhai") && renamed.contains("scene.toml"),
-        "{renamed}"
-    );
+    assert_says(&renamed, &["move.rhai", "scene.toml"]);
     let at = SCRIPT.replace("\"first\"", "\"fi|rst\"");
     let renamed = edits(&at, "move.rhai", "second")["result"]["changes"].to_string();
-    assert!(
-        renamed.contains("move.rhai") && renamed.contains("scene.toml"),
-        "{renamed}"
-    );
+    assert_says(&renamed, &["move.rhai", "scene.toml"]);
     client.end();
 }
 
@@ -273,10 +262,7 @@ fn the_text_of_a_project_is_completed_and_checked() {
 
 const LAMP: &str = "version = 1\n[model.glass]\nshape = { kind = \"sphere\" }\n[[instance]]\nname = \"bulb\"\n\
                     model = \"glass\"\ndynamic = true\n";
-const ROOM: &str = "version = 1\nscript = \"room.rhai\"\ntimeline.end = 3\n[model.floor]\n\
-                    shape = { kind = \"plane\", size = [4, 4] }\n[[instance]]\nname = \"left\"\n\
-                    model = { scene = \"lamp.toml\" }\n[[instance]]\nmodel = \"floor\"\nparent = \"left.bulb\"\n[environment]\n\
-                    color = [0.5, 0.5, 0.5]\n";
+const ROOM: &str = include_str!("across_files/room.toml");
 const MOVES: &str = "fn frame(ctx) {\n    ctx.place(\"left.bulb\", [0, 1, 0]);\n}\n";
 
 #[test]
@@ -334,10 +320,7 @@ fn names_of_placed_scenes_have_the_prefix_of_their_group() {
     };
     let renamed = rename(&ROOM.replace("left.bulb", "left.bu|lb"), "globe");
     assert_eq!(renamed.matches("globe").count(), 3, "{renamed}");
-    assert!(
-        renamed.contains("lamp.toml") && renamed.contains("room.rhai"),
-        "{renamed}"
-    );
+    assert_says(&renamed, &["lamp.toml", "room.rhai"]);
     let renamed = rename(&ROOM.replace("left.bulb", "le|ft.bulb"), "right");
     assert_eq!(renamed.matches("right").count(), 3, "{renamed}");
     assert!(!renamed.contains("lamp.toml"), "{renamed}");
