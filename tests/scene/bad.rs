@@ -3,9 +3,45 @@
 //! A file that begins with `# --set …` is read with those overrides. `UPDATE_EXPECTED=1` rewrites
 //! the expectations; read the difference before committing it.
 
-use std::{fs, path::Path};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
 
 use reflet::scene::{diagnostic::render_all, stages::Scene};
+
+/// The folder of bad scenes, which those of people's mistakes are below.
+pub fn bad_scenes() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bad_scenes")
+}
+
+/// Files of a folder with one of these extensions, in the order of their names.
+pub fn files_of(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
+    let mut files: Vec<_> = fs::read_dir(folder)
+        .expect("the folder exists")
+        .map(|entry| entry.expect("it can be listed").path())
+        .filter(|path| {
+            let is_of = |extension: &&str| path.extension().is_some_and(|e| e == *extension);
+            extensions.iter().any(is_of)
+        })
+        .collect();
+    files.sort();
+    files
+}
+
+/// Compares `got` with the expectation of a file, or writes it; returns the difference.
+pub fn unexpected(file: &Path, got: &str) -> Option<String> {
+    let expectation = file.with_extension("txt");
+    if std::env::var_os("UPDATE_EXPECTED").is_some() {
+        fs::write(&expectation, got).expect("the expectation can be written");
+    }
+    let name = file.display();
+    match fs::read_to_string(&expectation) {
+        Ok(want) if want == got => None,
+        Ok(want) => Some(format!("{name}:\n{got}\n--- expected ---\n{want}")),
+        Err(_) => Some(format!("{name} has no expectation; it gives\n{got}")),
+    }
+}
 
 fn overrides(text: &str) -> Vec<String> {
     text.lines()
@@ -16,14 +52,7 @@ fn overrides(text: &str) -> Vec<String> {
 
 #[test]
 fn each_bad_scene_gives_its_exact_messages() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bad_scenes");
-    let update = std::env::var_os("UPDATE_EXPECTED").is_some();
-    let mut files: Vec<_> = fs::read_dir(&folder)
-        .expect("the folder exists")
-        .map(|entry| entry.expect("it can be listed").path())
-        .filter(|path| path.extension().is_some_and(|e| e == "toml"))
-        .collect();
-    files.sort();
+    let files = files_of(&bad_scenes(), &["toml"]);
     assert!(
         files.len() >= 45,
         "only {} bad scenes are there",
@@ -38,26 +67,10 @@ fn each_bad_scene_gives_its_exact_messages() {
             Err(messages) => messages,
         };
         assert!(!messages.is_empty(), "{} is not bad at all", name.display());
-        let got = render_all(&messages, false);
-        let expectation = file.with_extension("txt");
-        if update {
-            fs::write(&expectation, &got).expect("the expectation can be written");
-        }
-        match fs::read_to_string(&expectation) {
-            Ok(want) if want == got => {}
-            Ok(want) => wrong.push(format!(
-                "{}:\n{got}\n--- expected ---\n{want}",
-                name.display()
-            )),
-            Err(_) => wrong.push(format!(
-                "{} has no expectation; it gives\n{got}",
-                name.display()
-            )),
-        }
+        wrong.extend(unexpected(file, &render_all(&messages, false)));
     }
-    let expectations = fs::read_dir(&folder).expect("the folder exists").count() - files.len();
     assert_eq!(
-        expectations,
+        files_of(&bad_scenes(), &["txt"]).len(),
         files.len(),
         "an expectation has lost its scene"
     );

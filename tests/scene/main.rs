@@ -4,8 +4,6 @@
 
 #[path = "../common/mod.rs"]
 mod common;
-#[path = "../mistakes/mod.rs"]
-mod mistakes;
 #[path = "../script_hostile/mod.rs"]
 mod script_hostile;
 
@@ -18,6 +16,8 @@ mod hierarchy;
 mod hostile;
 mod include;
 mod layers;
+mod lint;
+mod mistakes;
 mod moving;
 mod placed;
 mod placed_script;
