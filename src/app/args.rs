@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 
 pub use super::size_arg::{SizeArg, parse_crop, parse_size, parse_size_or_name};
 use crate::{
+    files::Goal,
     output::frames::{Shard, parse_shard},
     render::Crop,
     runtime::scene_text::SceneOptions,
@@ -197,9 +198,9 @@ pub struct RenderArgs {
     pub scene: Option<PathBuf>,
     /// Picture to write, without it that of the project: .png (tone-mapped) or .exr (linear radiance), with #### (at most 20) where the
     /// number of a frame goes, or %04d, $F4, <frame> or {frame:04}; or a film: .apng, or .mp4, .mov, .mkv or .webm through ffmpeg
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", value_hint = clap::ValueHint::AnyPath)]
     #[allow(rustdoc::invalid_html_tags, reason = "the text is that of --help")]
-    pub output: Option<PathBuf>,
+    pub output: Option<Goal>,
     /// Frames of the scene's timeline, or of a model's animation: all, or a list such as 0-949, 1-20:2 or 1,3,5-9.
     /// Default: all where the output is a film or has #### in its name, else the first
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
@@ -230,8 +231,9 @@ pub struct RenderArgs {
 
 impl RenderArgs {
     /// File to write; empty as long as the project has not given it.
-    pub fn output(&self) -> &Path {
-        self.output.as_deref().unwrap_or(Path::new(""))
+    pub fn output(&self) -> &Goal {
+        static NONE: Goal = Goal::typed(PathBuf::new());
+        self.output.as_ref().unwrap_or(&NONE)
     }
 }
 
@@ -301,8 +303,8 @@ pub struct CheckArgs {
 #[derive(Clone, Debug, Args)]
 pub struct CalibrateArgs {
     /// File of unit costs to write, for --plan
-    #[arg(short, long, value_name = "FILE")]
-    pub output: PathBuf,
+    #[arg(short, long, value_name = "FILE", value_hint = clap::ValueHint::AnyPath)]
+    pub output: Goal,
     /// Timed frames of each test scene and setting, 1 to 1000, after one untimed frame; the shortest time counts
     #[arg(long, value_name = "N", default_value_t = 7, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub frames: u32,

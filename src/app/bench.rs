@@ -23,7 +23,7 @@ use crate::{
         },
         sample::Sample,
     },
-    files::write_whole,
+    files::{Goal, write_whole},
     gpu::{Gpu, driver},
     runtime::scene_text::LoadedScene,
     scene::{desc, desc::Method, diagnostic::Diagnostic},
@@ -361,7 +361,7 @@ fn create_folder(folder: &Path) -> Result<(), AppError> {
 }
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), AppError> {
-    write_whole(path, bytes).map_err(|error| match error.kind() {
+    write_whole(&Goal::in_folder(path), bytes).map_err(|error| match error.kind() {
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
             AppError::Internal(format!("cannot write {}: {error}", path.display()))
         }

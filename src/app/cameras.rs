@@ -7,8 +7,7 @@ use std::{
 };
 
 use super::{args::RenderArgs, error::AppError, scene::choose_camera};
-use crate::output::frame_name::CAMERA;
-use crate::runtime::scene_text::LoadedScene;
+use crate::{files::Goal, output::frame_name::CAMERA, runtime::scene_text::LoadedScene};
 
 /// One run for each chosen camera: its index into the world's cameras, `None` where the cuts choose, and the
 /// arguments with the name of its file.
@@ -53,7 +52,7 @@ pub fn runs(
     let mut runs = Vec::new();
     for index in cameras {
         let output = file_of(args.output(), name(index));
-        if let Some(other) = files.insert(output.clone(), name(index)) {
+        if let Some(other) = files.insert(output.to_path_buf(), name(index)) {
             return Err(AppError::Usage(format!(
                 "--output {shown}: the cameras \"{other}\" and \"{}\" would be written to one file, \
                  {}; rename one of them",
@@ -128,11 +127,11 @@ fn is_in(output: &Path) -> bool {
 }
 
 /// Output file of a camera; characters that are unsafe in file names become `_`.
-fn file_of(output: &Path, camera: &str) -> PathBuf {
+fn file_of(output: &Goal, camera: &str) -> Goal {
     let Some(name) = output.file_name().and_then(|name| name.to_str()) else {
-        return output.to_owned();
+        return output.clone();
     };
-    output.with_file_name(name.replace(CAMERA, &safe_name(camera)))
+    output.renamed(output.with_file_name(name.replace(CAMERA, &safe_name(camera))))
 }
 
 /// A name as a part of a file's name; characters that are unsafe there become `_`.

@@ -7,7 +7,7 @@ use std::{
 };
 
 use crate::{
-    files::{Inputs, Temporary, write_together},
+    files::{Goal, Inputs, Temporary, write_together},
     metric::{
         Maps, Scores,
         comparison::{Comparison, MaskReport, MaskScores, notes, scored},
@@ -182,7 +182,7 @@ fn check_outputs(args: &CompareArgs) -> Result<(), Box<Diagnostic>> {
             );
         }
         // Creating a file is the only reliable test of permissions.
-        Temporary::create(path)
+        Temporary::create(&Goal::typed(path.clone()))
             .map_err(|e| unwritable(path, &format!("cannot be written: {e}")))?;
     }
     match outputs {
@@ -216,7 +216,7 @@ fn write_pictures(
     let mut files = Vec::new();
     let mut add = |path: &Path, rgb| {
         let png = encode_png(width, height, rgb).map_err(|why| unwritable(path, &why))?;
-        files.push((path.to_owned(), png));
+        files.push((Goal::typed(path.to_owned()), png));
         Ok::<_, Box<Diagnostic>>(())
     };
     if let Some(path) = &args.difference {

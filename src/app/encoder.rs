@@ -14,6 +14,7 @@ use std::{
 
 use super::{error::AppError, progress::Progress};
 use crate::{
+    files::Goal,
     gpu::Gpu,
     output::{
         denoise::{Denoiser, window::Window},
@@ -36,7 +37,7 @@ pub enum Target {
         /// Kind of file.
         output: PictureFile,
         /// Name of each frame's file.
-        names: Vec<PathBuf>,
+        names: Vec<Goal>,
     },
     /// One video file.
     Film(Box<Mutex<Film>>),
@@ -227,10 +228,10 @@ impl<'a> Encoders<'a> {
                 ("added to", film.path().to_owned())
             }
             Target::Files { output, names } => {
-                let name = names[rendered.index].clone();
+                let name = &names[rendered.index];
                 let own = output.renamed(name.clone());
                 own.write_marked(&picture, Some(&rendered.mark))?;
-                ("wrote", name)
+                ("wrote", name.to_path_buf())
             }
         };
         lock(&self.last).replace(picture.stats);

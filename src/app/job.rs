@@ -20,7 +20,7 @@ use super::{
     scene::{choose_camera, load_scene},
 };
 use crate::{
-    files::write_together,
+    files::{Goal, write_together},
     output::{
         format::Format,
         frame_name::{CAMERA, Template},
@@ -145,7 +145,7 @@ fn openjd(args: &OpenjdArgs) -> Result<(), AppError> {
     let folder = output;
     let inputs = inputs([args.scene.as_path()], &loaded);
     for (name, _) in &files {
-        check_replaceable(&folder.join(name), &inputs)?;
+        check_replaceable(&Goal::in_folder(folder.join(name)), &inputs)?;
     }
     fs::create_dir_all(folder).map_err(|error| {
         AppError::Usage(format!(
@@ -153,8 +153,12 @@ fn openjd(args: &OpenjdArgs) -> Result<(), AppError> {
             folder.display()
         ))
     })?;
-    let text =
-        |(name, value): (&str, Value)| (folder.join(name), format!("{value:#}\n").into_bytes());
+    let text = |(name, value): (&str, Value)| {
+        (
+            Goal::in_folder(folder.join(name)),
+            format!("{value:#}\n").into_bytes(),
+        )
+    };
     let files: Vec<_> = files.into_iter().map(text).collect();
     write_together(&files).map_err(|(path, error)| AppError::unwritten(&path, &error))?;
     for (path, _) in &files {

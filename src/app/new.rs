@@ -9,7 +9,7 @@ use clap::Args;
 
 use super::{error::AppError, pack::unfinished::Unfinished, shutdown};
 use crate::{
-    files::{folder_of, sweep},
+    files::{Goal, folder_of, sweep},
     scene::{project::FILE, toml_text::toml_text},
 };
 use reflet_base::shell::shell_word;
@@ -48,7 +48,7 @@ pub fn new(args: &NewArgs) -> Result<(), AppError> {
         return Err(AppError::Usage(text));
     }
     shutdown::listen();
-    sweep(std::slice::from_ref(folder));
+    sweep(&[Goal::typed(folder.to_path_buf())]);
     if fs::symlink_metadata(folder).is_ok() {
         let text = format!("{shown}: it exists; name a new folder");
         return Err(AppError::Usage(text));

@@ -24,7 +24,7 @@ use self::{
 };
 use super::{args::SceneArgs, error::AppError, scene::load, shutdown};
 use crate::{
-    files::{Inputs, Temporary, folder_of, open_regular, sweep},
+    files::{Goal, Inputs, Temporary, folder_of, open_regular, sweep},
     output::writable::check_writable,
     runtime::scene_text::{SceneText, asset_folders},
     scene::{dependencies::Dependencies, project::UNPACKED},
@@ -36,8 +36,8 @@ pub struct PackArgs {
     /// Scene file or model
     pub scene: PathBuf,
     /// File to write, such as show.zip
-    #[arg(short, long, value_name = "FILE")]
-    pub output: PathBuf,
+    #[arg(short, long, value_name = "FILE", value_hint = clap::ValueHint::AnyPath)]
+    pub output: Goal,
     /// Overrides of scene values, recorded in the pack, whose files stay unchanged
     #[command(flatten)]
     pub from: SceneArgs,

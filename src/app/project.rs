@@ -1,9 +1,6 @@
 //! Arguments that the project of a scene gives: sizes by name, and the output of `render`.
 
-use std::{
-    fs,
-    path::{Component, Path, PathBuf},
-};
+use std::path::Path;
 
 use super::{
     args::{RenderArgs, SceneArgs, SizeArg},
@@ -11,6 +8,7 @@ use super::{
     error::AppError,
 };
 use crate::{
+    files::Goal,
     output::{
         format::Format,
         frame_name::{CAMERA, has_number, number_in},
@@ -20,6 +18,7 @@ use crate::{
         desc::At,
         diagnostic::Diagnostic,
         project::{Project, ProjectChoice},
+        reach::lexical,
     },
 };
 
@@ -92,10 +91,22 @@ pub fn with_output(args: &RenderArgs, loaded: &LoadedScene) -> Result<RenderArgs
         return Err(AppError::Usage(text));
     };
     check_output(output).map_err(|error| AppError::Scene(vec![*error]))?;
-    let path = project.folder.join(filled(args, &output.value, loaded));
-    make_folders(project, &path)?;
+    let refuse = |why: String| {
+        let file = project.file.display();
+        AppError::Usage(format!("`output` of {file}: {why}"))
+    };
+    let name = filled(args, &output.value, loaded);
+    let path = lexical(&project.folder, Path::new(&name));
+    let path = path.ok_or_else(|| refuse(format!("{name} leads out of the project")))?;
+    let goal = Goal::within(&project.folder, path);
+    for folder in goal
+        .make_folders()
+        .map_err(|error| refuse(error.to_string()))?
+    {
+        reflet_base::error_line!("created the folder {}", folder.display());
+    }
     Ok(RenderArgs {
-        output: Some(path),
+        output: Some(goal),
         ..args.clone()
     })
 }
@@ -187,38 +198,6 @@ fn without(name: &str, placeholder: &str) -> String {
         .iter()
         .fold(name.to_owned(), |name, whole| name.replace(whole, ""));
     name.replace(placeholder, "")
-}
-
-/// Makes the folders of an output, none of which may lead out of the project.
-fn make_folders(project: &Project, path: &Path) -> Result<(), AppError> {
-    let refuse =
-        |why: String| AppError::Usage(format!("`output` of {}: {why}", project.file.display()));
-    let mut folder = PathBuf::new();
-    let parts = path.parent().unwrap_or(Path::new("")).components();
-    for part in parts.filter(|part| *part != Component::CurDir) {
-        folder.push(part);
-        if !folder.starts_with(&project.folder) {
-            continue;
-        }
-        if fs::symlink_metadata(&folder).is_err() {
-            match fs::create_dir(&folder) {
-                Ok(()) => reflet_base::error_line!("created the folder {}", folder.display()),
-                Err(_) if folder.is_dir() => {} // made meanwhile by another process
-                Err(error) => {
-                    return Err(refuse(format!(
-                        "cannot create {}: {error}",
-                        folder.display()
-                    )));
-                }
-            }
-        }
-        let real = folder.canonicalize().unwrap_or_default();
-        if !real.starts_with(&project.folder) {
-            let text = format!("{} leads out of the project", folder.display());
-            return Err(refuse(text));
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]

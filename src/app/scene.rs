@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::{args::SceneArgs, error::AppError};
 use crate::{
+    files::Goal,
     output::writable::{check_replaceable, inputs},
     runtime::scene_text::{LoadedScene, OpenedScene, SceneText},
     scene::{dependencies::Dependencies, diagnostic::print_diagnostics},
@@ -52,7 +53,7 @@ pub fn check_reports(
     loaded: &LoadedScene,
 ) -> Result<(), AppError> {
     let inputs = inputs(scene, loaded);
-    let mut paths = names.iter().map(|name| folder.join(name));
+    let mut paths = names.iter().map(|name| Goal::in_folder(folder.join(name)));
     Ok(paths.try_for_each(|path| check_replaceable(&path, &inputs))?)
 }
 

@@ -3,7 +3,6 @@
 
 use std::{
     borrow::Cow,
-    path::PathBuf,
     sync::{Arc, Mutex, PoisonError},
     thread,
     time::Instant,
@@ -18,7 +17,7 @@ use super::{
     shutdown, stats,
 };
 use crate::{
-    files::{Inputs, folder_of, sweep},
+    files::{Goal, Inputs, folder_of, sweep},
     gpu::GpuError,
     output::{
         denoise::window::{FrameError, KeptFrames},
@@ -127,7 +126,7 @@ pub fn check_output(
     let last = frames.0.iter().max().unwrap_or(first);
     let name = |frame: u32| {
         let own = template.as_ref().map(|t| t.path(frame));
-        own.unwrap_or_else(|| args.output().to_owned())
+        own.map_or_else(|| args.output().clone(), |path| args.output().renamed(path))
     };
     let output = PictureFile::new(&name(*last))?;
     let mut frames = frames.0.iter();
@@ -238,9 +237,9 @@ pub fn render(
 }
 
 /// Files to write, with those of AOVs.
-fn files_of(target: &Target, args: &RenderArgs, planes: &[Cow<'static, str>]) -> Vec<PathBuf> {
+fn files_of(target: &Target, args: &RenderArgs, planes: &[Cow<'static, str>]) -> Vec<Goal> {
     match target {
-        Target::Film(_) => vec![args.output().to_owned()],
+        Target::Film(_) => vec![args.output().clone()],
         Target::Files { output, names } => {
             let files = names.iter().cloned().map(|name| output.renamed(name));
             files.flat_map(|file| file.files(planes)).collect()
@@ -323,10 +322,10 @@ fn target(
     let template = Template::new(args.output())?;
     let name = |frame: &u32| {
         let own = template.as_ref().map(|t| t.path(*frame));
-        own.unwrap_or_else(|| args.output().to_owned())
+        own.map_or_else(|| args.output().clone(), |path| args.output().renamed(path))
     };
     let names: Vec<_> = frames.0.iter().map(name).collect();
-    let first = names.first().map_or(args.output(), PathBuf::as_path);
+    let first = names.first().unwrap_or(args.output());
     Ok(Target::Files {
         output: PictureFile::new(first)?,
         names,

@@ -17,7 +17,7 @@ use super::{
     shaders, shutdown,
 };
 use crate::{
-    files::write_whole,
+    files::{Goal, write_whole},
     gpu::ShaderLibrary,
     output::{
         format::{Format, PictureFormat},
@@ -38,8 +38,8 @@ pub struct SheetArgs {
     /// Scene file or model
     pub scene: PathBuf,
     /// Picture to write, .png
-    #[arg(short, long, value_name = "FILE")]
-    pub output: PathBuf,
+    #[arg(short, long, value_name = "FILE", value_hint = clap::ValueHint::AnyPath)]
+    pub output: Goal,
     /// Variants to show, each by itself: all, which begins with the plain scene, or a list
     #[arg(long, value_name = "LIST", conflicts_with = "variant")]
     pub variants: Option<String>,

@@ -1,11 +1,13 @@
 //! Writes files atomically, so that each is either complete or absent, and reads only regular files up to a maximum
 //! size.
 
+mod folder;
 mod goal;
 mod replace;
 
 use std::{
     collections::HashSet,
+    ffi::{OsStr, OsString},
     fs::{self, File, OpenOptions},
     io::{self, Read, Write as _},
     path::{Path, PathBuf},
@@ -16,8 +18,8 @@ use std::{
 use sha2::{Digest as _, Sha256};
 use xxhash_rust::xxh3::{Xxh3Default, xxh3_64};
 
-use goal::resolved;
-pub use goal::{Inputs, check_goal};
+use folder::Folder;
+pub use goal::{Goal, Inputs};
 pub use replace::replace_content;
 
 /// Coarsest clock tick of common file systems.
@@ -26,17 +28,13 @@ const CLOCK_TICK: Duration = Duration::from_millis(50);
 /// system (2 s on FAT).
 const FRESH: Duration = Duration::from_secs(3);
 
-/// Writes `bytes` to a temporary file beside `path`, syncs it to the disk and renames it to `path`; the old content
-/// of `path` stays complete until then.
+/// Writes `bytes` to a temporary file beside `goal`, syncs it to the disk and renames it to `goal`; the old content
+/// stays complete until then.
 ///
 /// # Errors
-/// Same errors as [`check_goal`], a folder that cannot be written to, or a full disk; no temporary file is left behind.
-pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    if path.file_name().is_none() {
-        let message = "the path has no file name";
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
-    }
-    Temporary::create(path)?.fill(bytes)?.persist()
+/// Same errors as [`Goal::check`], a folder that cannot be written to, or a full disk; no temporary file is left behind.
+pub fn write_whole(goal: &Goal, bytes: &[u8]) -> io::Result<()> {
+    Temporary::create(goal)?.fill(bytes)?.persist()
 }
 
 /// Writes several files, none of which gets its name before all are complete and on the disk.
@@ -44,21 +42,24 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// # Errors
 /// The path of the file that cannot be written, with the system's error; no file is then new, unless renaming itself
 /// fails.
-pub fn write_together(files: &[(PathBuf, Vec<u8>)]) -> Result<(), (PathBuf, io::Error)> {
+pub fn write_together(files: &[(Goal, Vec<u8>)]) -> Result<(), (PathBuf, io::Error)> {
     let mut finished = Vec::new();
-    for (path, bytes) in files {
-        let temporary = Temporary::create(path).and_then(|temporary| temporary.fill(bytes));
-        finished.push((path, temporary.map_err(|error| (path.clone(), error))?));
+    for (goal, bytes) in files {
+        let temporary = Temporary::create(goal).and_then(|temporary| temporary.fill(bytes));
+        finished.push((
+            goal,
+            temporary.map_err(|error| (goal.to_path_buf(), error))?,
+        ));
     }
-    for (path, temporary) in finished {
+    for (goal, temporary) in finished {
         let renamed = temporary.persist();
-        renamed.map_err(|error| (path.clone(), error))?;
+        renamed.map_err(|error| (goal.to_path_buf(), error))?;
     }
     Ok(())
 }
 
-/// Opens a file for reading, and for appending where `appends`. A pipe would block and a device never end, so the
-/// file type is checked before opening.
+/// Opens a file for reading, and for appending where `appends`, then through no link. A pipe would block and a device
+/// never end, so the file type is checked before opening.
 ///
 /// # Errors
 /// The system's error, or a path that is not a regular file.
@@ -67,7 +68,11 @@ pub fn open_regular(path: &Path, appends: bool) -> io::Result<File> {
         let message = "it is not a regular file";
         return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
     }
-    OpenOptions::new().read(true).append(appends).open(path)
+    let mut options = OpenOptions::new();
+    if appends {
+        follow_no_link(&mut options);
+    }
+    options.read(true).append(appends).open(path)
 }
 
 /// Reads all of a file.
@@ -174,47 +179,43 @@ pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
 /// A temporary file under a hidden name beside its target path; deleted on drop unless it was renamed.
 #[derive(Debug)]
 pub struct Temporary {
-    /// Target path, with a link at its end followed.
-    goal: PathBuf,
-    path: PathBuf,
+    folder: Folder,
+    /// Name of the target in the folder.
+    goal: OsString,
+    name: OsString,
     /// Open file to write to.
     pub file: File,
     renamed: bool,
 }
 
 impl Temporary {
-    /// Creates the temporary file beside the target path `goal`, or beside the file that a link there leads to.
+    /// Creates the temporary file beside the target, or beside the file that a typed link leads to.
     ///
     /// # Errors
-    /// Same errors as [`check_goal`], or the system's error.
-    pub fn create(goal: &Path) -> io::Result<Self> {
-        Self::open(goal, OpenOptions::new())
+    /// Same errors as [`Goal::check`], or the system's error.
+    pub fn create(goal: &Goal) -> io::Result<Self> {
+        Self::open(goal, false)
     }
 
     /// Creates the temporary file so that only its owner can read it.
     ///
     /// # Errors
     /// Same errors as [`Temporary::create`].
-    pub fn create_private(goal: &Path) -> io::Result<Self> {
-        let mut options = OpenOptions::new();
-        #[cfg(unix)]
-        std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
-        #[cfg(not(unix))]
-        let _ = &mut options; // files of a user's folder are private there
-        Self::open(goal, options)
+    pub fn create_private(goal: &Goal) -> io::Result<Self> {
+        Self::open(goal, true)
     }
 
-    fn open(goal: &Path, mut options: OpenOptions) -> io::Result<Self> {
-        check_goal(goal)?;
-        let goal = resolved(goal);
-        let path = hidden_path(&goal);
-        // A leftover of a killed run may have this name; `create_new` never follows a link.
-        let _ = fs::remove_file(&path);
-        let file = options.write(true).create_new(true).open(&path)?;
+    fn open(goal: &Goal, is_private: bool) -> io::Result<Self> {
+        goal.check()?;
+        let (folder, goal) = goal.opened()?;
+        let name = hidden_name(&goal);
+        // A leftover of a killed run may have this name.
+        let _ = folder.remove(&name);
         Ok(Self {
+            file: folder.create(&name, is_private)?,
+            folder,
             goal,
-            path,
-            file,
+            name,
             renamed: false,
         })
     }
@@ -234,9 +235,9 @@ impl Temporary {
     /// # Errors
     /// The system's error.
     pub fn persist(mut self) -> io::Result<()> {
-        fs::rename(&self.path, &self.goal)?;
+        self.folder.rename(&self.name, &self.goal)?;
         self.renamed = true;
-        sync_name(&self.goal)
+        Ok(())
     }
 }
 
@@ -253,9 +254,13 @@ pub fn sync_name(path: &Path) -> io::Result<()> {
 
 /// Path beside `goal` of what this process has not finished yet; [`sweep`] removes it if the process was killed.
 pub fn hidden_path(goal: &Path) -> PathBuf {
+    folder_of(goal).join(hidden_name(goal.file_name().unwrap_or_default()))
+}
+
+/// Name of what this process has not finished yet, for a target of this name.
+fn hidden_name(goal: &OsStr) -> OsString {
     let [start, place] = [goal_name(goal), place_name()];
-    let name = format!("{start}-{place}-{}.tmp", std::process::id());
-    folder_of(goal).join(name)
+    format!("{start}-{place}-{}.tmp", std::process::id()).into()
 }
 
 /// Hash of where process numbers are unique: this boot of this machine, and this container. Where the system does
@@ -278,9 +283,8 @@ static PLACE: LazyLock<u64> = LazyLock::new(|| {
 });
 
 /// Prefix of the hidden name of a temporary file for `goal`; its length does not depend on the name of `goal`.
-fn goal_name(goal: &Path) -> String {
-    let name = goal.file_name().unwrap_or_default().as_encoded_bytes();
-    format!(".reflet-{:016x}", xxh3_64(name))
+fn goal_name(goal: &OsStr) -> String {
+    format!(".reflet-{:016x}", xxh3_64(goal.as_encoded_bytes()))
 }
 
 /// Middle part of a hidden name, between the hash of the target name and the process number.
@@ -299,10 +303,10 @@ const ABANDONED: Duration = Duration::from_secs(24 * 3600);
 /// Removes temporary files and folders of killed runs beside these target paths. Whether a run is alive can be checked on Linux
 /// only, for processes of this machine, container and boot; elsewhere a temporary file is removed a day after the
 /// last write to it.
-pub fn sweep(goals: &[PathBuf]) {
-    let goals: Vec<_> = goals.iter().map(|goal| resolved(goal)).collect();
-    let of_goals: HashSet<_> = goals.iter().map(|goal| goal_name(goal)).collect();
-    let folders: HashSet<_> = goals.iter().map(|goal| folder_of(goal)).collect();
+pub fn sweep(goals: &[Goal]) {
+    let opened = goals.iter().filter_map(|goal| goal.opened().ok());
+    let opened = opened.map(|(folder, goal)| (goal_name(&goal), folder.path().to_owned()));
+    let (of_goals, folders): (HashSet<_>, HashSet<_>) = opened.unzip();
     let here = place_name();
     let entries = folders.into_iter().filter_map(|f| fs::read_dir(f).ok());
     for entry in entries.flatten().flatten() {
@@ -344,7 +348,7 @@ impl Drop for Temporary {
     fn drop(&mut self) {
         if !self.renamed {
             // Errors cannot be returned from `drop`, and the next run overwrites the file.
-            let _ = fs::remove_file(&self.path);
+            let _ = self.folder.remove(&self.name);
         }
     }
 }
@@ -359,7 +363,17 @@ pub fn folder_of(path: &Path) -> &Path {
 
 impl Temporary {
     /// Path of the temporary file until it is renamed.
-    pub fn path(&self) -> &Path {
-        &self.path
+    pub fn path(&self) -> PathBuf {
+        self.folder.path().join(&self.name)
     }
+}
+
+/// Has a file opened only if its path does not end in a link; other systems than Unix do not tell.
+fn follow_no_link(options: &mut OpenOptions) {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::OpenOptionsExt as _;
+        options.custom_flags(rustix::fs::OFlags::NOFOLLOW.bits().cast_signed());
+    }
+    let _ = options;
 }

@@ -16,7 +16,7 @@ use xxhash_rust::xxh3::xxh3_128;
 
 use reflet_base::{
     cache::is_private,
-    files::{Temporary, open_regular, read_at_most},
+    files::{Goal, Temporary, open_regular, read_at_most},
 };
 
 /// Extension of the files.
@@ -89,7 +89,7 @@ impl KeptFile {
         if bytes.len() as u64 > MOST_BYTES {
             return fs::remove_file(&self.path);
         }
-        (Temporary::create_private(&self.path)?.fill(&bytes)?).persist()?;
+        (Temporary::create_private(&Goal::in_folder(&self.path))?.fill(&bytes)?).persist()?;
         let folder = self.path.parent().unwrap_or(Path::new("."));
         remove_oldest(folder, MOST_BYTES_OF_ALL)
     }

@@ -1,9 +1,6 @@
 //! Picture files with the PNG files of their AOVs, written atomically.
 
-use std::{
-    borrow::Cow,
-    path::{Path, PathBuf},
-};
+use std::borrow::Cow;
 
 use super::{
     exr,
@@ -11,7 +8,7 @@ use super::{
     writable::{check_replaceable, check_writable},
 };
 use crate::error::OutputError;
-use reflet_base::files::{Inputs, write_together};
+use reflet_base::files::{Goal, Inputs, write_together};
 use reflet_render::{
     Picture,
     picture::{
@@ -24,7 +21,7 @@ use reflet_render::{
 /// An output path that was writable at the start of the command.
 #[derive(Clone, Debug)]
 pub struct PictureFile {
-    path: PathBuf,
+    path: Goal,
     format: PictureFormat,
 }
 
@@ -33,7 +30,7 @@ impl PictureFile {
     ///
     /// # Errors
     /// [`OutputError::Usage`] with the invalid part of the path.
-    pub fn new(path: &Path) -> Result<Self, OutputError> {
+    pub fn new(path: &Goal) -> Result<Self, OutputError> {
         let format = match Format::of(path) {
             Some(Format::Picture(format)) => format,
             other => {
@@ -51,7 +48,7 @@ impl PictureFile {
         };
         check_writable(path, &Inputs::default())?;
         Ok(Self {
-            path: path.to_owned(),
+            path: path.clone(),
             format,
         })
     }
@@ -78,7 +75,7 @@ impl PictureFile {
     ///
     /// # Errors
     /// [`OutputError::Disk`] or [`OutputError::Internal`] naming the file; nothing new is left behind.
-    pub fn write(&self, picture: &Picture) -> Result<Vec<PathBuf>, OutputError> {
+    pub fn write(&self, picture: &Picture) -> Result<Vec<Goal>, OutputError> {
         self.write_marked(picture, None)
     }
 
@@ -90,7 +87,7 @@ impl PictureFile {
         &self,
         picture: &Picture,
         mark: Option<&str>,
-    ) -> Result<Vec<PathBuf>, OutputError> {
+    ) -> Result<Vec<Goal>, OutputError> {
         let mut files = Vec::new();
         let samples = picture.stats.samples.to_string();
         let mark = mark.map(|mark| (FINGERPRINT_KEY, mark));
@@ -130,7 +127,7 @@ impl PictureFile {
     }
 
     /// File of the same kind with another name, unchecked.
-    pub fn renamed(&self, path: PathBuf) -> Self {
+    pub fn renamed(&self, path: Goal) -> Self {
         Self {
             path,
             format: self.format,
@@ -138,7 +135,7 @@ impl PictureFile {
     }
 
     /// The files of a picture with these planes.
-    pub fn files(&self, planes: &[Cow<'static, str>]) -> Vec<PathBuf> {
+    pub fn files(&self, planes: &[Cow<'static, str>]) -> Vec<Goal> {
         let beside = match self.format {
             PictureFormat::Png => planes,
             PictureFormat::Exr => &[],
@@ -160,7 +157,8 @@ impl PictureFile {
     }
 
     /// `out.png` and `depth` give `out.depth.png`.
-    fn beside(&self, name: &str) -> PathBuf {
-        self.path.with_extension(format!("{name}.png"))
+    fn beside(&self, name: &str) -> Goal {
+        let path = self.path.with_extension(format!("{name}.png"));
+        self.path.renamed(path)
     }
 }

@@ -9,7 +9,7 @@ use ::exr::prelude::{FlatSamples, read_first_flat_layer_from_file};
 
 use super::picture_file::PictureFile;
 use crate::error::OutputError;
-use reflet_base::files::{Inputs, Temporary};
+use reflet_base::files::{Goal, Inputs, Temporary};
 use reflet_render::{
     Picture, Plane, PlaneData,
     picture::{aov::Aov, tone_map::Tone},
@@ -21,6 +21,10 @@ fn folder(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("reflet-{name}-{}", std::process::id()));
     fs::create_dir_all(&folder).expect("temporary folder");
     folder
+}
+
+fn goal(path: impl Into<PathBuf>) -> Goal {
+    Goal::typed(path.into())
 }
 
 fn names(folder: &Path) -> Vec<String> {
@@ -78,7 +82,7 @@ fn picture() -> Picture {
 }
 
 fn refusal(path: &Path) -> String {
-    match PictureFile::new(path) {
+    match PictureFile::new(&goal(path)) {
         Err(OutputError::Usage(text)) => text,
         other => panic!("{}: {other:?}", path.display()),
     }
@@ -87,7 +91,7 @@ fn refusal(path: &Path) -> String {
 #[test]
 fn a_png_and_its_planes_are_written_whole() {
     let folder = folder("png");
-    let output = PictureFile::new(&folder.join("out.png")).expect("writable");
+    let output = PictureFile::new(&goal(folder.join("out.png"))).expect("writable");
     assert!(names(&folder).is_empty(), "checking leaves nothing");
     output.write(&picture()).expect("written");
     output.write(&picture()).expect("written over");
@@ -103,7 +107,7 @@ fn a_png_and_its_planes_are_written_whole() {
 fn a_folder_where_a_plane_would_go_is_refused_before_rendering() {
     let folder = folder("beside");
     fs::create_dir_all(folder.join("out.source.png")).expect("a folder in the way");
-    let output = PictureFile::new(&folder.join("out.png")).expect("writable");
+    let output = PictureFile::new(&goal(folder.join("out.png"))).expect("writable");
     assert!(
         output
             .check_files(&[Aov::Normal], &Inputs::default())
@@ -122,7 +126,7 @@ fn a_folder_where_a_plane_would_go_is_refused_before_rendering() {
 fn an_exr_keeps_floats_and_codes() {
     let folder = folder("exr");
     let path = folder.join("out.EXR");
-    PictureFile::new(&path)
+    PictureFile::new(&goal(path.clone()))
         .and_then(|output| output.write(&picture()))
         .expect("written");
     assert_eq!(names(&folder), ["out.EXR"]);
@@ -140,7 +144,7 @@ fn an_exr_keeps_floats_and_codes() {
 fn an_exr_that_was_cut_or_changed_is_not_done() {
     let folder = folder("exr-broken");
     let path = folder.join("out.exr");
-    let output = PictureFile::new(&path).expect("writable");
+    let output = PictureFile::new(&goal(path.clone())).expect("writable");
     let side = 64;
     let texels = (side * side) as usize;
     let picture = Picture {
@@ -178,7 +182,7 @@ fn refuses_invalid_paths_before_rendering() {
     let longest = folder.join(format!("{}.png", "a".repeat(251)));
     let mut bare = picture();
     bare.planes.clear();
-    PictureFile::new(&longest)
+    PictureFile::new(&goal(longest.clone()))
         .and_then(|output| output.write(&bare))
         .expect("the longest name that there is");
     assert!(refusal(&folder.join("out.jpg")).contains("must end in .png or .exr"));
@@ -193,9 +197,9 @@ fn refuses_invalid_paths_before_rendering() {
 #[test]
 fn failed_output_leaves_no_file() {
     let folder = folder("none-left");
-    let output = PictureFile::new(&folder.join("out.png")).expect("writable");
+    let output = PictureFile::new(&goal(folder.join("out.png"))).expect("writable");
     // A folder blocks the second file's temporary name: that fails after the first file is complete.
-    let hidden = Temporary::create(&folder.join("out.cause.png"));
+    let hidden = Temporary::create(&goal(folder.join("out.cause.png")));
     let obstacle = hidden.expect("creatable").path().to_owned();
     fs::create_dir(&obstacle).expect("folder");
     let error = output.write(&picture()).expect_err("unwritable plane");
@@ -212,7 +216,7 @@ fn failed_output_leaves_no_file() {
 #[test]
 fn a_transparent_background_is_in_the_file() {
     let folder = folder("alpha");
-    let output = PictureFile::new(&folder.join("out.png")).expect("writable");
+    let output = PictureFile::new(&goal(folder.join("out.png"))).expect("writable");
     let mut transparent = Picture {
         alpha: true,
         ..picture()
@@ -247,7 +251,7 @@ fn the_bytes_of_a_picture_are_the_same_every_time() {
     let folder = folder("same");
     for ending in ["png", "exr"] {
         let path = folder.join(format!("out.{ending}"));
-        let output = PictureFile::new(&path).expect("writable");
+        let output = PictureFile::new(&goal(path.clone())).expect("writable");
         let mut first = None;
         for run in 0..30 {
             output

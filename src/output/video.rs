@@ -11,7 +11,7 @@ use std::{
 
 use super::{format::FilmFormat, writable::check_writable};
 use crate::error::OutputError;
-use reflet_base::files::{Inputs, Temporary};
+use reflet_base::files::{Goal, Inputs, Temporary};
 use reflet_render::picture::png_file::rgb;
 
 /// Maximum length of ffmpeg's output in a message, bytes; its end is quoted.
@@ -19,6 +19,9 @@ const MAX_MESSAGE_BYTES: usize = 600;
 
 /// Threads of ffmpeg's encoder, whose number changes the bytes of a film.
 const ENCODER_THREADS: &str = "4";
+
+/// Path of a process's standard output as a file, on Linux.
+const OPEN_FILE: &str = "/proc/self/fd/1";
 
 /// A video file being written.
 pub struct Film {
@@ -47,7 +50,7 @@ impl Film {
     /// [`OutputError::Usage`] for a path that cannot be written, a size or rate that the format cannot
     /// have, or a missing ffmpeg.
     pub fn new(
-        path: &Path,
+        path: &Goal,
         format: &FilmFormat,
         size: [u32; 2],
         fps: f32,
@@ -61,11 +64,11 @@ impl Film {
         let encoder = match format.ffmpeg {
             None => apng(&temporary, size, fps, frames).map_err(usage)?,
             Some((container, codec)) => {
-                ffmpeg(temporary.path(), size, fps, container, codec).map_err(usage)?
+                ffmpeg(&temporary, size, fps, container, codec).map_err(usage)?
             }
         };
         Ok(Self {
-            path: path.to_owned(),
+            path: path.to_path_buf(),
             temporary,
             encoder,
         })
@@ -98,9 +101,8 @@ impl Film {
             Encoder::Apng(writer) => writer.finish().map_err(apng_failed),
             Encoder::Ffmpeg(pipe) => pipe.finish(),
         };
-        // The encoder writes through a file handle of its own.
         let synced = ended.and_then(|()| {
-            let file = File::open(self.temporary.path()).map_err(FilmError::from)?;
+            let file = &self.temporary.file;
             if file.metadata().map_err(FilmError::from)?.len() == 0 {
                 return Err(FilmError::Encoder(
                     "the encoder has written nothing".to_owned(),
@@ -239,7 +241,7 @@ fn delay(fps: f32) -> (u16, u16) {
 }
 
 fn ffmpeg(
-    path: &Path,
+    temporary: &Temporary,
     size: [u32; 2],
     fps: f32,
     container: &str,
@@ -256,7 +258,15 @@ fn ffmpeg(
     }
     let size = format!("{width}x{height}");
     let rate = fps.to_string();
-    // ffmpeg reads a relative path with a colon as a protocol.
+    // On Linux ffmpeg gets the open file, whose name may have become a link meanwhile. It reads a relative path with a
+    // colon as a protocol.
+    let (path, output) = match cfg!(target_os = "linux") {
+        true => (
+            OPEN_FILE.into(),
+            temporary.file.try_clone().map(Stdio::from),
+        ),
+        false => (temporary.path(), Ok(Stdio::null())),
+    };
     let path = path::absolute(path).map_err(|e| e.to_string())?;
     let mut command = Command::new("ffmpeg");
     command
@@ -286,7 +296,7 @@ fn ffmpeg(
         .args(["-threads", ENCODER_THREADS])
         .args(["-f", container])
         .stdin(Stdio::piped())
-        .stdout(Stdio::null())
+        .stdout(output.map_err(|e| e.to_string())?)
         .stderr(Stdio::piped());
     if matches!(container, "mp4" | "mov") {
         // Index first, for playback while downloading.

@@ -6,7 +6,7 @@ use std::{
 };
 
 use crate::error::OutputError;
-use reflet_base::files::{Inputs, Temporary, folder_of};
+use reflet_base::files::{Goal, Inputs, Temporary, folder_of};
 use reflet_render::runtime::scene_text::LoadedScene;
 
 /// Checks that a file can be created, before rendering: it replaces a regular file or nothing, and none of the
@@ -14,7 +14,7 @@ use reflet_render::runtime::scene_text::LoadedScene;
 ///
 /// # Errors
 /// [`OutputError::Usage`] with the invalid part of the path.
-pub fn check_writable(path: &Path, inputs: &Inputs) -> Result<(), OutputError> {
+pub fn check_writable(path: &Goal, inputs: &Inputs) -> Result<(), OutputError> {
     let folder = folder_of(path);
     if !folder.is_dir() {
         return Err(OutputError::Usage(format!(
@@ -38,7 +38,7 @@ pub fn check_writable(path: &Path, inputs: &Inputs) -> Result<(), OutputError> {
 ///
 /// # Errors
 /// [`OutputError::Usage`] for anything but a regular file or nothing, and for an input.
-pub fn check_replaceable(path: &Path, inputs: &Inputs) -> Result<(), OutputError> {
+pub fn check_replaceable(path: &Goal, inputs: &Inputs) -> Result<(), OutputError> {
     let refuse = |error: io::Error| {
         let path = path.display();
         OutputError::Usage(format!("--output {path}: {error}; name another file"))

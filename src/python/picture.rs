@@ -18,7 +18,7 @@ use crate::{
     errors::{Failure, argument_error},
     render::Rendered,
 };
-use reflet_base::files::Inputs;
+use reflet_base::files::{Goal, Inputs};
 use reflet_output::{
     OutputError, frame_name::Template, picture_file::PictureFile, writable::create_last_folder,
 };
@@ -183,13 +183,18 @@ fn write(
     if template.is_some() {
         create_last_folder(path)?;
     }
-    let path = template.map_or_else(|| path.to_owned(), |template| template.path(frame));
-    let file = PictureFile::new(&path)?;
+    let typed = Goal::typed(path.to_owned());
+    let goal = template.map_or_else(
+        || typed.clone(),
+        |template| typed.renamed(template.path(frame)),
+    );
+    let file = PictureFile::new(&goal)?;
     let aovs: Vec<_> = (picture.planes.iter())
         .filter_map(|plane| Aov::from_name(&plane.name))
         .collect();
     file.check_files(&aovs, inputs)?;
-    file.write_marked(picture, mark)
+    let written = file.write_marked(picture, mark)?;
+    Ok(written.iter().map(|goal| goal.to_path_buf()).collect())
 }
 
 #[pymethods]

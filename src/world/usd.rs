@@ -18,7 +18,7 @@ use self::{
 use super::gltf::Fault;
 use reflet_base::{
     cache::{CACHE_ENV, folder},
-    files::{hex, write_whole},
+    files::{Goal, hex, write_whole},
 };
 use reflet_scene::{
     desc::StageDesc,
@@ -122,7 +122,8 @@ pub fn convert(
         );
         result.warnings.push(warning(stage, message, None));
     } else if let Ok(text) = serde_json::to_vec(&record) {
-        write_whole(&record_path, &text).map_err(|e| cannot_keep(&record_path, &e))?;
+        write_whole(&Goal::in_folder(&record_path), &text)
+            .map_err(|e| cannot_keep(&record_path, &e))?;
     }
     Ok(result)
 }

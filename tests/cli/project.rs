@@ -184,6 +184,50 @@ fn mistakes_of_a_project_have_their_places() {
     assert_eq!(names(&folder), ["outside.toml", "scene.toml", "show"]);
 }
 
+/// Nothing that a project or a scene names for writing follows a link; each of these led out of the project.
+#[test]
+#[cfg(unix)]
+fn no_output_of_a_project_follows_a_link() {
+    use std::os::unix::fs::symlink;
+    let folder = show("project-output-links", "");
+    let show = folder.join("show");
+    let film = format!("{BASE}[[instance]]\nmodel = \"ball\"\n[timeline]\nend = 3\n");
+    write(&show, &[("film.toml", film.as_str()), ("real/x", "")]);
+    let victims = ["victim.png", "out/kept.png"];
+    write(&folder, &victims.map(|name| (name, "precious")));
+    symlink("../out", show.join("linked")).expect("a link");
+    symlink("real", show.join("own")).expect("a link");
+    for name in ["a.png", "f.2.png", "b.normal.png", "c.main.png", "d.apng"] {
+        symlink("../../victim.png", show.join("real").join(name)).expect("a link");
+    }
+    let render = ["render", "show/film.toml", "--frames", "0-3"];
+    for (output, arguments) in [
+        ("real/a.png", &["--frames", "0"][..]),
+        ("linked/kept.png", &["--frames", "0"]),
+        ("linked/new/kept.png", &["--frames", "0"]),
+        ("own/new.png", &["--frames", "0"]),
+        ("real/f.#.png", &[]),
+        ("real/b.png", &["--frames", "0", "--aov", "normal"]),
+        ("real/c.{camera}.png", &["--frames", "0", "--camera", "all"]),
+        ("real/d.apng", &[]),
+    ] {
+        fs::write(show.join("reflet.toml"), format!("output = \"{output}\"\n")).expect("written");
+        let [_, error] = exits(&folder, &[&render[..2], arguments].concat(), 2);
+        assert!(error.contains("is a link"), "{output}: {error}");
+    }
+    let [_, error] = exits(
+        &folder,
+        &[&render[..], &["-o", "show/real/f.#.png"]].concat(),
+        2,
+    );
+    assert!(error.contains("is a link"), "{error}");
+    assert_eq!(names(&folder.join("out")), ["kept.png"]);
+    for victim in &victims {
+        let kept = fs::read(folder.join(victim)).expect("there");
+        assert_eq!(kept, b"precious");
+    }
+}
+
 #[test]
 fn a_pack_of_a_project_names_it_and_is_marked_when_unpacked() {
     let folder = show("project-pack", "scripts = \"scripts\"\n");

@@ -5,7 +5,7 @@ use std::{fs, path::PathBuf};
 
 use image::{Rgb, RgbImage};
 use reflet::{
-    files::write_whole,
+    files::{Goal, write_whole},
     metric::{
         difference::difference_picture,
         picture::{Encoding, Pair, Picture},
@@ -159,9 +159,9 @@ fn invalid_outputs_leave_no_file() {
 fn existing_file_stays_until_the_new_one_is_complete() {
     let folder = Folder::new();
     let path = folder.write("file", b"old");
-    write_whole(&path, b"new and longer").expect("written");
+    write_whole(&Goal::typed(path.clone()), b"new and longer").expect("written");
     assert_eq!(fs::read(&path).expect("the file"), b"new and longer");
-    assert!(write_whole(&folder.path(".."), b"x").is_err());
+    assert!(write_whole(&Goal::typed(folder.path("..")), b"x").is_err());
     assert_eq!(folder.names(), ["file"]);
 }
 

@@ -26,7 +26,7 @@ use crate::{
             ratchet::Ratchet, table,
         },
     },
-    files::{Inputs, write_whole},
+    files::{Goal, Inputs, write_whole},
     output::writable::inputs,
     runtime::scene_text::LoadedScene,
     scene::desc::{Method, Samples, ShadowMode},
@@ -172,7 +172,8 @@ impl Plan<'_> {
         ];
         check_reports(&self.args.output, &reports, Some(&choice.path), &loaded)?;
         if let Some(document) = &self.args.document {
-            let checked = inputs(Some(choice.path.as_path()), &loaded).check(document);
+            let checked =
+                inputs(Some(choice.path.as_path()), &loaded).check(&Goal::typed(document.clone()));
             let refused = |error| format!("--document {}: {error}", document.display());
             checked.map_err(|error| AppError::Usage(refused(error)))?;
         }
@@ -264,7 +265,7 @@ fn first_comment(text: &str) -> String {
 fn check_document(args: &StabilityArgs) -> Result<(), AppError> {
     let inputs = Inputs::of(&args.ratchet);
     let checked = args.document.iter().try_for_each(|path| {
-        let checked = inputs.check(path);
+        let checked = inputs.check(&Goal::typed(path.clone()));
         checked.map_err(|error| format!("--document {}: {error}", path.display()))
     });
     checked.map_err(AppError::Usage)
@@ -296,7 +297,7 @@ fn report(
 }
 
 fn write_to(option: &str, path: &Path, bytes: &[u8]) -> Result<(), AppError> {
-    write_whole(path, bytes).map_err(|error| {
+    write_whole(&Goal::typed(path.to_owned()), bytes).map_err(|error| {
         let path = path.display();
         AppError::Usage(format!("{option}: cannot write {path}: {error}"))
     })

@@ -1,13 +1,13 @@
 //! `job slurm`: a script for `sbatch`, an array whose tasks render chunks of the frames.
 
-use std::{fmt::Write as _, path::PathBuf};
+use std::fmt::Write as _;
 
 use clap::Args;
 
 use super::{Film, TaskArgs, absolute, in_project};
 use crate::{
     app::error::AppError,
-    files::write_whole,
+    files::{Goal, write_whole},
     output::{
         frame_name::CAMERA,
         frames::spans,
@@ -27,8 +27,8 @@ pub struct SlurmArgs {
     #[command(flatten)]
     pub tasks: TaskArgs,
     /// Script to write, such as film.sh; `sbatch film.sh` starts it
-    #[arg(short, long, value_name = "FILE")]
-    pub output: PathBuf,
+    #[arg(short, long, value_name = "FILE", value_hint = clap::ValueHint::AnyPath)]
+    pub output: Goal,
 }
 
 /// Writes the script.

@@ -16,7 +16,7 @@ use super::{
     unfinished::{Unfinished, free_bytes},
 };
 use crate::{
-    files::{folder_of, open_regular, sweep},
+    files::{Goal, folder_of, open_regular, sweep},
     scene::{diagnostic::Diagnostic, project::UNPACKED},
 };
 use reflet_base::shell::shell_word;
@@ -47,7 +47,7 @@ pub fn unpack(args: &UnpackArgs) -> Result<(), AppError> {
         Fault::Interrupted => AppError::Interrupted("stopped; no folder was made".to_owned()),
     };
     shutdown::listen();
-    sweep(std::slice::from_ref(&args.output));
+    sweep(&[Goal::typed(args.output.clone())]);
     if fs::symlink_metadata(&args.output).is_ok() {
         let folder = args.output.display();
         return Err(AppError::Usage(format!(

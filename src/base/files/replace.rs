@@ -6,13 +6,13 @@ use std::{
     path::Path,
 };
 
-use super::{Temporary, goal::check_goal, open_regular};
+use super::{Goal, Temporary, follow_no_link, open_regular};
 
 /// Replaces the content `before` of a file by `after`, and returns whether it did: a file with another content is
 /// left as it is. The new content is on the disk before the old one is compared for the last time, so that nothing
 /// slow lies between that comparison and the replacement. `on_synced` is called in between.
 ///
-/// The file keeps its mode and owner. Where a renamed file could not keep them, or the file has other names (hard
+/// The path is canonical, so a link that takes its place meanwhile is not followed. The file keeps its mode and owner. Where a renamed file could not keep them, or the file has other names (hard
 /// links), it is rewritten in place.
 ///
 /// # Errors
@@ -23,11 +23,12 @@ pub fn replace_content(
     after: &[u8],
     on_synced: impl FnOnce(),
 ) -> io::Result<bool> {
-    check_goal(path)?;
+    let goal = Goal::in_folder(path);
+    goal.check()?;
     if !has_content(path, before)? {
         return Ok(false);
     }
-    let mut temporary = Temporary::create_private(path)?;
+    let mut temporary = Temporary::create_private(&goal)?;
     temporary.file.write_all(after)?;
     let can_rename = keep_identity(&temporary.file, &path.metadata()?)?;
     temporary.file.sync_all()?;
@@ -86,7 +87,9 @@ fn keep_identity(file: &File, other: &Metadata) -> io::Result<bool> {
 /// Overwrites a file in place and returns whether it did: not where it no longer holds `before`, which is compared
 /// through the handle that writes. A full disk brings the content `before` back.
 fn rewrite(path: &Path, before: &[u8], after: &[u8]) -> io::Result<bool> {
-    let mut file = match OpenOptions::new().read(true).write(true).open(path) {
+    let mut options = OpenOptions::new();
+    follow_no_link(&mut options);
+    let mut file = match options.read(true).write(true).open(path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(false),
         opened => opened?,
     };
@@ -186,7 +189,7 @@ mod tests {
             assert_eq!(seen(&path), mode);
             assert_eq!((is.uid(), is.gid()), (was.uid(), was.gid()));
         }
-        let private = Temporary::create_private(&path).expect("creatable");
+        let private = Temporary::create_private(&Goal::typed(path)).expect("creatable");
         let mode = private.file.metadata().expect("open").mode();
         assert_eq!(mode & 0o7777, 0o600, "before the first byte is written");
         drop(private);

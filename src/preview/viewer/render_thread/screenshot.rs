@@ -11,7 +11,7 @@ use super::{
     worker::Worker,
 };
 use crate::viewer::protocol::{Report, Screenshot, ScreenshotGoal, Side, View};
-use reflet_base::files::write_whole;
+use reflet_base::files::{Goal, write_whole};
 use reflet_render::picture::png_file;
 
 impl Worker {
@@ -28,7 +28,7 @@ impl Worker {
         };
         let path = free_name(folder, stem);
         let said = match rendered {
-            Ok(png) => match write_whole(&path, &png) {
+            Ok(png) => match write_whole(&Goal::in_folder(&path), &png) {
                 Ok(()) => format!("wrote {}", path.display()),
                 Err(error) => format!("cannot write {}: {error}", path.display()),
             },
