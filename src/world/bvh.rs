@@ -28,6 +28,7 @@ use reflet_base::memory;
 use reflet_scene::diagnostic::Diagnostic;
 
 pub mod capsule;
+mod cluster;
 mod gpu_layout;
 mod leaves;
 mod oracle;

@@ -1,13 +1,21 @@
-//! Compressed wide BVH over boxes, built by obvhs.
-
-use std::{borrow::Cow, time::Duration};
+//! Compressed wide BVH over boxes, improved and widened by obvhs.
 
 use glam::Vec3A;
 use obvhs::{
-    BvhBuildParams,
     aabb::Aabb,
-    cwbvh::{builder::build_cwbvh, node::CwBvhNode},
+    bvh2::{Bvh2, reinsertion::ReinsertionOptimizer},
+    cwbvh::{bvh2_to_cwbvh::Bvh2Converter, node::CwBvhNode},
 };
+
+use super::{STACK_SIZE, cluster::cluster};
+
+/// Boxes of a leaf at most.
+const MOST_IN_LEAF: u32 = 3;
+/// Share of nodes that are moved to where they cost least. With the reach of the clustering this is the preset
+/// `fast_build` of obvhs: slower ones are within 5 % of it when traced; the fastest is 18 % behind.
+const REINSERTED_SHARE: f32 = 0.02;
+/// Levels of a binary tree, which is widened by recursion.
+const MOST_LEVELS: usize = 500;
 
 /// Nodes with indices that start at 0; see [`rebase`].
 #[derive(Clone, Debug)]
@@ -21,7 +29,7 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// Builds a tree over finite `boxes`, with up to three in a leaf.
+    /// Builds a tree over finite `boxes`. One that takes more than half of the traversal's stack is built anew, balanced.
     pub fn build(boxes: &[Aabb]) -> Self {
         if boxes.is_empty() {
             return Self {
@@ -30,46 +38,42 @@ impl Tree {
                 stack_need: 0,
             };
         }
-        // Slower presets are within 5 % of this one when traced; the fastest is 18 % behind.
-        let params = BvhBuildParams {
-            max_prims_per_leaf: 3,
-            ..BvhBuildParams::fast_build()
-        };
-        let tree = build_cwbvh(&distinct(boxes), params, &mut Duration::default());
+        let mut optimized = cluster(boxes, true);
+        // The default size of its stack: one on which an overfull branch is forgotten, where a larger one panics.
+        ReinsertionOptimizer::default().run(&mut optimized, REINSERTED_SHARE, None);
+        let tree =
+            (!is_deeper(&optimized, 0, MOST_LEVELS)).then(|| Self::of(&optimized, &optimized));
+        let is_shallow = |tree: &Self| tree.stack_need <= STACK_SIZE / 2;
+        tree.filter(is_shallow).unwrap_or_else(|| {
+            let balanced = cluster(boxes, false);
+            // Nodes of one size, so that as many as possible are children of one.
+            let mut even = balanced.clone();
+            let size = Aabb::new(Vec3A::ZERO, Vec3A::ONE);
+            even.nodes.iter_mut().for_each(|node| node.set_aabb(size));
+            Self::of(&balanced, &even)
+        })
+    }
+
+    /// The wide tree of a binary one; which nodes become children of one is chosen by the sizes of those of `chosen_by`.
+    fn of(tree: &Bvh2, chosen_by: &Bvh2) -> Self {
+        let mut wide = Bvh2Converter::new(chosen_by, true, false);
+        wide.calculate_cost(MOST_IN_LEAF);
+        wide.bvh2 = tree;
+        wide.convert_to_cwbvh();
         Self {
-            stack_need: stack_need(&tree.nodes),
-            nodes: tree.nodes,
-            order: tree.primitive_indices,
+            stack_need: stack_need(&wide.nodes),
+            nodes: wide.nodes,
+            order: wide.primitive_indices,
         }
     }
 }
 
-/// The boxes, with those that share a center grown by small amounts that differ. The builder merges boxes that are each
-/// other's nearest neighbor, round by round. Of boxes that are equal, or nested in each other, that is one pair a round,
-/// so that a thousand would take a thousand rounds. What equal boxes grow to lies around them like points, and has one
-/// size.
-fn distinct(boxes: &[Aabb]) -> Cow<'_, [Aabb]> {
-    let center = |&i: &usize| {
-        ((boxes[i].min + boxes[i].max) * 0.5)
-            .to_array()
-            .map(f32::to_bits)
-    };
-    let mut order: Vec<usize> = (0..boxes.len()).collect();
-    order.sort_unstable_by_key(|i| (center(i), *i));
-    let mut grown = Cow::Borrowed(boxes);
-    for same in order.chunk_by(|a, b| center(a) == center(b)) {
-        for (k, &i) in (0u32..).zip(same).skip(1) {
-            let Aabb { min, max } = boxes[i];
-            let growth = ((max - min).max_element() * 1e-3)
-                .max(min.abs().max(max.abs()).max_element() * 1e-5);
-            // Weyl sequence of three dimensions, evenly spread and uncorrelated with the order.
-            let steps = [0xd1b5_4a33_u32, 0xabc9_8389, 0x8cb9_2ba7];
-            let share = steps.map(|step| (k.wrapping_mul(step) >> 8) as f32 / (1u32 << 24) as f32);
-            let below = Vec3A::from_array(share) * growth;
-            grown.to_mut()[i] = Aabb::new(min - below, max + (Vec3A::splat(growth) - below));
-        }
-    }
-    grown
+/// Whether a part of a tree has more than so many levels.
+fn is_deeper(tree: &Bvh2, node: u32, levels: usize) -> bool {
+    let found = &tree.nodes[node as usize];
+    let children = || [found.first_index, found.first_index + 1];
+    let is_deep = |child: u32| levels == 0 || is_deeper(tree, child, levels - 1);
+    !found.is_leaf() && children().into_iter().any(is_deep)
 }
 
 /// Shifts indices in nodes: children by `node_shift`, primitives by `primitive_shift`.
@@ -97,46 +101,54 @@ fn stack_need(nodes: &[CwBvhNode]) -> u32 {
 mod tests {
     use super::*;
 
-    /// Rounds in which boxes are merged that are each other's nearest neighbor within two places of their order, as
-    /// the builder does it, until one is left.
-    fn rounds(boxes: &[Aabb]) -> usize {
-        let mut left = boxes.to_vec();
-        let key = |b: &Aabb| (b.min + b.max).to_array();
-        left.sort_by(|a, b| key(a).partial_cmp(&key(b)).expect("finite"));
-        let mut count = 0;
-        while left.len() > 1 {
-            count += 1;
-            let cost = |i: usize, k: usize| left[i].union(&left[k]).half_area();
-            let nearest = |i: usize| {
-                let others = (i.saturating_sub(2)..left.len().min(i + 3)).filter(|&k| k != i);
-                others.min_by(|&a, &b| cost(i, a).total_cmp(&cost(i, b)))
-            };
-            let best: Vec<_> = (0..left.len()).map(nearest).collect();
-            let merged = (0..left.len()).filter_map(|i| match best[i] {
-                Some(k) if best[k] == Some(i) => (i < k).then(|| left[i].union(&left[k])),
-                _ => Some(left[i]),
-            });
-            left = merged.collect();
-        }
-        count
-    }
-
+    /// Boxes of triangles around one vertex, of ones along a line, nested ones of all sizes, and of equal ones, also of
+    /// points at the origin: the tree is shallow, each box is in one leaf, and inside of all boxes above it.
     #[test]
-    fn boxes_at_one_place_are_merged_in_few_rounds() {
-        let unit = Aabb::new(Vec3A::splat(-0.5), Vec3A::splat(0.5));
-        let far = Aabb::new(Vec3A::splat(1000.0), Vec3A::splat(1000.1));
-        let flat = Aabb::new(Vec3A::new(-1.0, 0.0, -1.0), Vec3A::new(1.0, 0.0, 1.0));
-        let point = Aabb::new(Vec3A::ONE, Vec3A::ONE);
-        for one in [unit, far, flat, point] {
-            let boxes = vec![one; 2000];
-            let grown = distinct(&boxes);
-            let found = rounds(&grown);
-            assert!(found < 100, "{found} rounds for 2,000 copies of {one:?}");
-            let holds = |b: &Aabb| b.min.cmple(one.min).all() && b.max.cmpge(one.max).all();
-            assert!(grown.iter().all(holds) && grown[0] == one);
-            let most = (one.max - one.min).max_element() * 1e-3 + 1e-2;
-            let near = |b: &Aabb| (one.min - b.min).max(b.max - one.max).max_element() <= most;
-            assert!(grown.iter().all(near));
+    fn trees_of_hostile_boxes_are_shallow() {
+        let around = |a: Vec3A, b: Vec3A| Aabb::new(a.min(b), a.max(b));
+        type Corner = fn(f32) -> Vec3A;
+        let kinds: [(&str, Corner, bool); 6] = [
+            (
+                "fan",
+                |i| Vec3A::new(i % 999.0, (i / 999.0).floor(), 0.0),
+                true,
+            ),
+            (
+                "nested",
+                |i| Vec3A::splat(f32::exp2(i / 400.0 - 50.0)),
+                true,
+            ),
+            ("line", |i| Vec3A::X * i, false),
+            ("spiral", |i| Vec3A::new(i.sin(), i.cos(), 0.01) * i, true),
+            ("equal", |_| Vec3A::new(1.0, 2.0, 0.0), true),
+            ("points", |_| Vec3A::ZERO, false),
+        ];
+        for (name, corner, from_origin) in kinds {
+            let other = |i: f32| {
+                if from_origin {
+                    Vec3A::ZERO
+                } else {
+                    corner(i + 1.0)
+                }
+            };
+            let one = |i: i16| around(corner(f32::from(i)), other(f32::from(i)));
+            let boxes: Vec<Aabb> = (0..30_000).map(one).collect();
+            let tree = Tree::build(&boxes);
+            assert!(
+                tree.stack_need <= STACK_SIZE / 2,
+                "{name}: {}",
+                tree.stack_need
+            );
+            let mut order = tree.order.clone();
+            order.sort_unstable();
+            assert!(order.into_iter().eq(0..30_000), "{name}");
+            for patient in [false, true] {
+                let binary = cluster(&boxes, patient);
+                assert!(
+                    !is_deeper(&binary, 0, if patient { 200 } else { 15 }),
+                    "{name}"
+                );
+            }
         }
     }
 }

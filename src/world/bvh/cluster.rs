@@ -1,0 +1,110 @@
+//! Binary trees over boxes by parallel locally-ordered clustering (Meister and Bittner, "Parallel Locally-Ordered
+//! Clustering for Bounding Volume Hierarchy Construction", TVCG 2018), as in obvhs but with a bound of rounds: boxes
+//! that are nested in each other, as triangles around one vertex are, or equal, would merge one pair a round into a tree
+//! as deep as their number.
+
+use std::array;
+
+use obvhs::{
+    aabb::Aabb,
+    bvh2::{Bvh2, node::Bvh2Node},
+    ploc::morton::morton_encode_u64_unorm,
+};
+use rayon::prelude::*;
+
+/// Places in the order before and after a cluster where its nearest neighbor is looked for.
+const REACH: usize = 6;
+/// First rounds, in which only adjacent clusters merge.
+const ADJACENT_ROUNDS: usize = 2;
+/// Visited clusters for each box, after which all adjacent ones merge; ordinary scenes need 3 to 5.
+const PATIENCE: usize = 16;
+/// Number of clusters up to which a round may merge as few as it likes, and its share of them above.
+const FEW: usize = 64;
+const LEAST_SHARE: usize = 32;
+/// Fewest clusters that are worth a task of a thread.
+const TASK: usize = 4096;
+
+/// Merges finite boxes, which there are, to one tree; with `patient` false, all adjacent ones of the Morton order in each
+/// round, so that it is balanced. Its depth grows with the logarithm of the number of boxes.
+pub(super) fn cluster(boxes: &[Aabb], patient: bool) -> Bvh2 {
+    let total = (boxes.iter()).fold(Aabb::empty(), |total, one| total.union(one));
+    let scale = 1.0 / total.diagonal().as_dvec3();
+    let offset = -total.min.as_dvec3() * scale;
+    let code = |one: &Aabb| morton_encode_u64_unorm(one.center().as_dvec3() * scale + offset);
+    let mut order: Vec<(u64, u32)> = boxes.iter().map(code).zip(0..).collect();
+    order.sort_unstable_by_key(|(code, _)| *code);
+    let leaf = |(_, index): (u64, u32)| Bvh2Node::new(boxes[index as usize], 1, index);
+    let mut clusters: Vec<Bvh2Node> = order.into_iter().map(leaf).collect();
+    let mut tree = Bvh2::zeroed(boxes.len());
+    tree.primitive_indices = (0..boxes.len() as u32).collect();
+    let mut free = tree.nodes.len();
+    let (mut round, mut visits) = (0, 0);
+    while clusters.len() > 1 {
+        visits += clusters.len();
+        let reach = if round < ADJACENT_ROUNDS { 1 } else { REACH };
+        let mut partners = match patient && visits <= PATIENCE * boxes.len() + FEW * FEW {
+            true => nearest(&clusters, reach),
+            false => Vec::new(),
+        };
+        let is_pair = |partners: &[u32], i: usize| {
+            let partner = partners[i] as usize;
+            partner != i && partners[partner] as usize == i
+        };
+        let merging = (0..partners.len())
+            .filter(|i| is_pair(&partners, *i))
+            .count();
+        if merging * LEAST_SHARE < clusters.len() && (merging == 0 || clusters.len() > FEW) {
+            let last = clusters.len() as u32 - 1;
+            partners = (0..=last).map(|i| (i ^ 1).min(last)).collect();
+        }
+        let mut next = Vec::with_capacity(clusters.len());
+        for (i, cluster) in clusters.iter().enumerate() {
+            let partner = partners[i] as usize;
+            if !is_pair(&partners, i) {
+                next.push(*cluster);
+            } else if partner < i {
+                free -= 2;
+                tree.nodes[free] = *cluster;
+                tree.nodes[free + 1] = clusters[partner];
+                let both = cluster.aabb().union(clusters[partner].aabb());
+                next.push(Bvh2Node::new(both, 0, free as u32));
+            }
+        }
+        clusters = next;
+        round += 1;
+    }
+    tree.nodes[0] = clusters[0];
+    tree.children_are_ordered_after_parents = true;
+    tree
+}
+
+/// Index of each cluster's nearest neighbor within `reach`, by the area of the box around both; the last of equal ones.
+fn nearest(clusters: &[Bvh2Node], reach: usize) -> Vec<u32> {
+    let area = |i: usize, other: usize| match clusters.get(other) {
+        Some(other) => clusters[i].aabb().union(other.aabb()).half_area(),
+        None => f32::INFINITY,
+    };
+    let indices = (0..clusters.len()).into_par_iter().with_min_len(TASK);
+    let ahead: Vec<[f32; REACH]> = (indices.clone())
+        .map(|i| {
+            array::from_fn(|k| {
+                if k < reach {
+                    area(i, i + k + 1)
+                } else {
+                    f32::INFINITY
+                }
+            })
+        })
+        .collect();
+    let find = |i: usize| {
+        let before = (1..=reach.min(i))
+            .rev()
+            .map(|k| (ahead[i - k][k - 1], i - k));
+        let after = (1..=reach.min(clusters.len() - 1 - i)).map(|k| (ahead[i][k - 1], i + k));
+        let closer =
+            |best: (f32, usize), other: (f32, usize)| if other.0 <= best.0 { other } else { best };
+        let (_, found) = before.chain(after).fold((f32::INFINITY, i), closer);
+        found as u32
+    };
+    indices.map(find).collect()
+}
