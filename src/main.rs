@@ -20,6 +20,9 @@ fn set_driver_variables() {
 fn main() -> ExitCode {
     set_driver_variables();
     panic::set_hook(Box::new(|panic| {
+        if reflet_base::guard::is_guarded() {
+            return;
+        }
         reflet_base::error_line!(
             "internal error: {panic}\nThis is a bug in Reflet {}. Please report it with these \
              lines, the command and the scene.",

@@ -1,6 +1,9 @@
 //! CPU time, which other work on the machine does not lengthen as it does wall time.
 
-use std::time::{Duration, Instant};
+use std::{
+    thread::JoinHandle,
+    time::{Duration, Instant},
+};
 
 /// CPU time of this thread so far; `None` where the system does not tell.
 pub fn of_thread() -> Option<Duration> {
@@ -8,6 +11,20 @@ pub fn of_thread() -> Option<Duration> {
     return clock(libc::CLOCK_THREAD_CPUTIME_ID);
     #[cfg(not(unix))]
     None
+}
+
+/// CPU time of another thread so far; `None` where the system does not tell.
+pub fn of<T>(thread: &JoinHandle<T>) -> Option<Duration> {
+    #[cfg(target_os = "linux")]
+    {
+        use std::os::unix::thread::JoinHandleExt as _;
+        clock_of(thread.as_pthread_t()).and_then(clock)
+    }
+    #[cfg(not(target_os = "linux"))]
+    {
+        let _ = thread;
+        None
+    }
 }
 
 /// CPU time of all threads of the process so far; `None` where the system does not tell.
@@ -67,6 +84,15 @@ fn clock(id: libc::clockid_t) -> Option<Duration> {
     let failed = unsafe { libc::clock_gettime(id, &raw mut time) };
     let nanos = u32::try_from(time.tv_nsec).ok()?;
     (failed == 0).then_some(Duration::new(time.tv_sec.try_into().ok()?, nanos))
+}
+
+#[cfg(target_os = "linux")]
+#[expect(unsafe_code, reason = "the standard library has no such clock")]
+fn clock_of(thread: libc::pthread_t) -> Option<libc::clockid_t> {
+    let mut id = 0;
+    // SAFETY: the handle of the thread exists, so that its number is valid; the call writes the one clock.
+    let failed = unsafe { libc::pthread_getcpuclockid(thread, &raw mut id) };
+    (failed == 0).then_some(id)
 }
 
 #[cfg(all(test, unix))]

@@ -8,6 +8,7 @@ use std::{
 use super::{
     Mesh, World,
     gltf::{self, Fault, Model, Sandbox},
+    shape::MOST_WORK,
     texture::{self, TextureLimits, pool_size::PoolSizes},
 };
 use reflet_base::memory::Budget;
@@ -119,6 +120,8 @@ struct Loader<'a> {
     desc: &'a SceneDesc,
     options: &'a LoadOptions,
     memory: Budget,
+    /// Work that shapes may still take.
+    shape_work: Budget,
     sandbox: Sandbox,
     /// Models and materials of the scene by name.
     models: ByName<'a>,
@@ -197,6 +200,7 @@ impl<'a> Loader<'a> {
             desc,
             options,
             memory: memory.clone(),
+            shape_work: Budget::new(MOST_WORK),
             sandbox: Sandbox::new(roots.map(PathBuf::as_path), options.max_file_bytes)
                 .with_dependencies(&options.dependencies),
             models: ByName::of(&desc.models),

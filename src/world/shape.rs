@@ -3,6 +3,7 @@
 mod boolean;
 mod contour;
 mod crossing;
+mod crossings;
 mod curve;
 mod displaced;
 mod extrude;
@@ -18,6 +19,7 @@ mod outlined;
 mod region;
 mod rounded_box;
 mod solid;
+mod supplies;
 mod sweep;
 mod text;
 mod turn;
@@ -30,22 +32,24 @@ use super::Mesh;
 use reflet_base::math::Bounds;
 use reflet_scene::desc::{LatheSource, ShapeDesc};
 
-pub use self::{curve::Curve, fault::Fault, made::Made, text::Fonts};
+pub use self::{curve::Curve, fault::Fault, made::Made, supplies::MOST_WORK, supplies::Supplies};
 
 /// Tessellates `shape` (sizes in meters, as its description says); a height field gives an empty mesh, see
-/// [`heightfield::mesh`]. `fonts` has the files that [`ShapeDesc::fonts`] names.
+/// [`heightfield::mesh`]. `supplies` has the files that
+/// [`ShapeDesc::fonts`] names, and work that is spent.
 ///
 /// Triangles are counter-clockwise seen from outside; curved sides have smooth normals; texture
 /// coordinates run left to right and top to bottom as seen from outside, once around. Tangents
 /// stay empty.
 ///
 /// # Errors
-/// The same as those of outlines.
-pub fn make(shape: &ShapeDesc, fonts: &Fonts) -> Result<Made, Fault> {
-    let mut made = match outlined::make(shape, fonts)? {
+/// The same as those of outlines, and `shapes-too-large` past the budget of work.
+pub fn make(shape: &ShapeDesc, supplies: &Supplies) -> Result<Made, Fault> {
+    let mut made = match outlined::make(shape, supplies)? {
         Some(made) => made,
         None => Made::from(simple(shape)),
     };
+    supplies.spend(made.mesh.triangles.len())?;
     made.mesh.bounds = Bounds::of(made.mesh.positions.iter().copied());
     Ok(made)
 }

@@ -1,10 +1,7 @@
 //! Decodes PNG, JPEG, WebP and KTX2 into [`Texture`]s: headers first, within stated limits, on all cores. What the
 //! decoders take while they work is held in the memory budget, so that as many images are decoded at once as fit.
 
-use std::{
-    panic::{AssertUnwindSafe, catch_unwind},
-    path::PathBuf,
-};
+use std::path::PathBuf;
 
 use image::RgbaImage;
 use rayon::prelude::*;
@@ -17,7 +14,10 @@ use super::{
     Texture,
     gltf::{Fault, ImageSource},
 };
-use reflet_base::memory::{Budget, wave_length};
+use reflet_base::{
+    guard,
+    memory::{Budget, wave_length},
+};
 use reflet_scene::diagnostic::Diagnostic;
 
 mod decoder;
@@ -168,7 +168,7 @@ fn report_once(errors: &mut Vec<Diagnostic>, error: Diagnostic) {
 
 /// Panic boundary: third-party decoders process untrusted bytes.
 fn guarded<T>(work: impl FnOnce() -> Result<T, Fault>) -> Result<T, Fault> {
-    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| {
+    guard::catch(work).unwrap_or_else(|| {
         Err(fault(
             "internal",
             "the image decoder panicked; please report this",

@@ -103,7 +103,7 @@ pub fn world(offset: Vec3) -> World {
     ]
     .iter()
     .map(|shape| {
-        shape::make(shape, &shape::Fonts::default())
+        shape::make(shape, &shape::Supplies::default())
             .expect("a shape")
             .mesh
     })
@@ -220,7 +220,7 @@ pub fn closed_shape(offset: Vec3, dynamic: bool) -> World {
                     radius: 3.0,
                     segments: 256,
                 },
-                &shape::Fonts::default(),
+                &shape::Supplies::default(),
             )
             .expect("a sphere")
             .mesh,

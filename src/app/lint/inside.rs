@@ -340,7 +340,7 @@ mod tests {
             ),
             (ShapeDesc::Plane { size: [1.0, 1.0] }, false, Vec3::ZERO),
         ] {
-            let mesh = shape::make(&shape, &shape::Fonts::default())
+            let mesh = shape::make(&shape, &shape::Supplies::default())
                 .expect("a shape")
                 .mesh;
             assert_eq!(is_closed_mesh(&mesh), closed, "{shape:?}");

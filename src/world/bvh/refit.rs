@@ -172,7 +172,7 @@ mod tests {
                 radius: 1.0,
                 segments: 32,
             },
-            &shape::Fonts::default(),
+            &shape::Supplies::default(),
         )
         .expect("a sphere")
         .mesh

@@ -115,7 +115,7 @@ fn copies_are_stored_once_where_they_do_not_fit() {
             radius: 1.0,
             segments: 64,
         },
-        &shape::Fonts::default(),
+        &shape::Supplies::default(),
     )
     .expect("a sphere")
     .mesh;

@@ -1,11 +1,6 @@
 //! Reads panoramas in Radiance HDR and OpenEXR: sizes are checked before decoding, and every texel after it.
 
-use std::{
-    io::Cursor,
-    panic::{AssertUnwindSafe, catch_unwind},
-    path::Path,
-    thread::Builder,
-};
+use std::{io::Cursor, path::Path, thread::Builder};
 
 use half::f16;
 use image::{ImageDecoder as _, codecs::hdr::HdrDecoder};
@@ -18,7 +13,7 @@ use super::{
     },
 };
 use crate::gltf::Fault;
-use reflet_base::memory::Reservation;
+use reflet_base::{guard, memory::Reservation};
 
 /// Largest value of a texel, a 16-bit float.
 const LARGEST_TEXEL: f32 = 65504.0;
@@ -27,8 +22,8 @@ const LARGEST_TEXEL: f32 = 65504.0;
 /// # Errors
 /// Damaged files, other formats, sizes past the limits, and texels that are negative or not finite.
 pub fn read(path: &Path, bytes: &[u8], limits: &PanoramaLimits) -> Result<Panorama, Fault> {
-    let decoded = catch_unwind(AssertUnwindSafe(|| decode(bytes, limits)));
-    let (pixels, _held) = decoded.unwrap_or_else(|_| {
+    let decoded = guard::catch(|| decode(bytes, limits));
+    let (pixels, _held) = decoded.unwrap_or_else(|| {
         let text = "the image decoder panicked; please report this";
         Err(Fault::new("internal", text))
     })?;

@@ -3,6 +3,7 @@
 use std::{
     path::{Path, PathBuf},
     thread,
+    time::Duration,
 };
 
 use super::{Loader, Source, error_at, foreign_formats, scripted::posed};
@@ -10,15 +11,19 @@ use crate::{
     Mesh,
     gltf::{self, Fault, Model, Sandbox},
     shape::{
-        self, Fonts,
+        self, Supplies,
         heightfield::{self, Heights},
     },
     usd,
 };
+use reflet_base::guard::{self, Ended};
 use reflet_scene::{
     desc::{At, Entry, ModelDesc, ModelSource, ShapeDesc, is_stage},
     diagnostic::{Diagnostic, Span},
 };
+
+/// Processor time that making a shape may take.
+const MOST_TIME: Duration = Duration::from_secs(30);
 
 /// Key of a file that is read once: its path, and the chosen parts of a USD stage.
 pub type Part = (PathBuf, usd::Choice);
@@ -86,8 +91,8 @@ impl Loader<'_> {
                 said.help = fault.help;
                 said
             };
-            let fonts = self.fonts(shape)?;
-            let made = make_guarded(shape, &fonts).map_err(|fault| Box::new(said(fault)))?;
+            let supplies = self.supplies(shape)?;
+            let made = make_guarded(shape, supplies).map_err(|fault| Box::new(said(fault)))?;
             let warnings = made.warnings.into_iter().map(|fault| said(fault).warning());
             self.world.warnings.extend(warnings);
             return Ok(made.mesh);
@@ -113,9 +118,12 @@ impl Loader<'_> {
         Ok(heightfield::mesh(&heights, *size))
     }
 
-    /// The font files of a shape.
-    fn fonts(&mut self, shape: &ShapeDesc) -> Result<Fonts, Box<Diagnostic>> {
-        let mut fonts = Fonts::default();
+    /// The font files of a shape, and the work that shapes may still take.
+    fn supplies(&mut self, shape: &ShapeDesc) -> Result<Supplies, Box<Diagnostic>> {
+        let mut supplies = Supplies {
+            work: self.shape_work.clone(),
+            ..Supplies::default()
+        };
         for font in shape.fonts() {
             let file = At {
                 value: font.file.clone(),
@@ -127,9 +135,9 @@ impl Loader<'_> {
                 Box::new(error_at(fault.name, &file.at, text))
             })?;
             self.add_files(std::slice::from_ref(&path));
-            fonts.insert(file.value, bytes);
+            supplies.fonts.insert(file.value, bytes);
         }
-        Ok(fonts)
+        Ok(supplies)
     }
 
     /// Index into [`Loader::loaded`]; `None` after an error, which is reported once.
@@ -238,20 +246,32 @@ pub fn read_guarded(
     sandbox: &Sandbox,
     options: &gltf::ReadOptions,
 ) -> Result<Model, Vec<Diagnostic>> {
-    let read = || gltf::read(path, sandbox, options);
+    let read = || guard::catch(|| gltf::read(path, sandbox, options));
     let worker = thread::scope(|scope| scope.spawn(read).join());
-    worker.unwrap_or_else(|_| {
+    worker.ok().flatten().unwrap_or_else(|| {
         let text = "the reader panicked on this file; please report this";
         Err(vec![Diagnostic::in_file("internal", path, text)])
     })
 }
 
-/// Panic boundary: a panic of a library that makes shapes becomes an error about the shape.
-fn make_guarded(shape: &ShapeDesc, fonts: &Fonts) -> Result<shape::Made, shape::Fault> {
-    let make = || shape::make(shape, fonts);
-    let worker = thread::scope(|scope| scope.spawn(make).join());
-    worker.unwrap_or_else(|_| {
-        let text = "making this shape panicked; please report this";
-        Err(shape::Fault::new("internal", text))
+/// Boundary: a panic of a library that makes shapes becomes an error about the shape, and so does work without end.
+fn make_guarded(shape: &ShapeDesc, supplies: Supplies) -> Result<shape::Made, shape::Fault> {
+    let own = shape.clone();
+    let made = guard::within(MOST_TIME, move || shape::make(&own, &supplies));
+    made.unwrap_or_else(|ended| {
+        Err(match ended {
+            Ended::Panicked => {
+                let text = "making this shape panicked; please report this";
+                shape::Fault::new("internal", text)
+            }
+            Ended::TookTooLong => {
+                let text = format!(
+                    "making this shape takes more than {} seconds",
+                    MOST_TIME.as_secs()
+                );
+                let help = "use another `font`, lower `segments`, or combine fewer parts";
+                shape::Fault::new("shape-too-large", text).help(help)
+            }
+        })
     })
 }

@@ -189,7 +189,7 @@ mod tests {
             radius: 2.0,
             segments: 64,
         };
-        let mesh = shape::make(&sphere, &shape::Fonts::default())
+        let mesh = shape::make(&sphere, &shape::Supplies::default())
             .expect("a sphere")
             .mesh;
         let places = places_over(&mesh, &over(2000));

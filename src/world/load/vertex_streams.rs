@@ -1,16 +1,14 @@
 //! Vertex streams that depend on materials: tangents and second texture coordinates, generated
 //! where needed and dropped elsewhere.
 
-use std::{
-    panic::{AssertUnwindSafe, catch_unwind},
-    sync::Arc,
-};
+use std::sync::Arc;
 
 use glam::Vec2;
 use rayon::prelude::*;
 
 use super::tangent;
 use crate::{LayerTexture, Mesh, World, normal_uv::NormalUv};
+use reflet_base::guard;
 use reflet_scene::diagnostic::{Diagnostic, Severity, Span};
 
 /// Streams that a mesh needs for its materials.
@@ -111,8 +109,7 @@ fn finish(mesh: &mut Mesh, need: &Needs) -> Vec<Diagnostic> {
                 scripted.tangents_from = Some(uv);
             }
             mesh.swap_bind();
-            let work = AssertUnwindSafe(|| tangent::generate(mesh, &uv));
-            let has_panicked = catch_unwind(work).is_err();
+            let has_panicked = guard::catch(|| tangent::generate(mesh, &uv)).is_none();
             mesh.swap_bind();
             if let Some(deformation) = &mesh.deformation {
                 mesh.tangents.clone_from(&deformation.bind.tangents);

@@ -14,7 +14,7 @@ use glam::{Affine3A, DVec2, DVec3, Mat3A, Vec3};
 use reflet_scene::desc::{LatheSource, PartDesc, PlacementDesc, ShapeDesc};
 
 use super::{
-    Fault, Fonts, Made,
+    Fault, Made, Supplies,
     crossing::crossing,
     solid::{Corner, Solid, check_size},
 };
@@ -60,13 +60,13 @@ pub fn add(
     solid: &mut Solid,
     operation: OpType,
     parts: &[PartDesc],
-    fonts: &Fonts,
+    supplies: &Supplies,
 ) -> Result<Vec<Fault>, Fault> {
     let mut warnings = Vec::new();
     let mut whole: Option<Manifold<Skin>> = None;
     for (index, part) in parts.iter().enumerate() {
         let here = |fault: Fault| fault.at(part.at.0.clone());
-        let made = super::make(&part.shape, fonts).map_err(here)?;
+        let made = super::make(&part.shape, supplies).map_err(here)?;
         // Its inside is the outside of what it cuts.
         let is_cutter = operation == OpType::Subtract && index > 0;
         let own = match whole_surface(&part.shape, &made) {
@@ -82,7 +82,10 @@ pub fn add(
         warnings.extend(made.warnings.into_iter().map(here));
         whole = Some(match whole {
             None => own,
-            Some(before) => combined(&before, &own, &operation).map_err(here)?,
+            Some(before) => {
+                supplies.spend(before.nf + own.nf).map_err(here)?;
+                combined(&before, &own, &operation).map_err(here)?
+            }
         });
     }
     let Some(whole) = whole else {

@@ -1,7 +1,5 @@
 //! Height fields: meshes with a vertex for each pixel of an image, whose brightness is the height.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
-
 use glam::{Vec2, Vec3};
 use image::ImageReader;
 
@@ -9,7 +7,7 @@ use crate::{
     Mesh,
     texture::{Watched, largest_frame_bytes},
 };
-use reflet_base::math::Bounds;
+use reflet_base::{guard, math::Bounds};
 
 /// Maximum width and height of the image, pixels.
 pub const MOST_PX: u32 = 2048;
@@ -39,8 +37,8 @@ impl Heights {
     /// # Errors
     /// A sentence that says what is wrong with the image.
     pub fn decode(bytes: &[u8]) -> Result<Self, String> {
-        let decoded = catch_unwind(AssertUnwindSafe(|| Self::decode_unguarded(bytes)));
-        decoded.unwrap_or_else(|_| Err("the image decoder panicked; please report this".to_owned()))
+        let decoded = guard::catch(|| Self::decode_unguarded(bytes));
+        decoded.unwrap_or_else(|| Err("the image decoder panicked; please report this".to_owned()))
     }
 
     fn decode_unguarded(bytes: &[u8]) -> Result<Self, String> {

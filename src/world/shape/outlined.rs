@@ -5,7 +5,7 @@ use glam::DVec2;
 use reflet_scene::desc::{FillRule, LatheSource, ShapeDesc};
 
 use super::{
-    Fault, Fonts, Made, boolean,
+    Fault, Made, Supplies, boolean,
     curve::Curve,
     displaced, extrude,
     flatten::{Chord, Loop},
@@ -21,17 +21,17 @@ use super::{
 ///
 /// # Errors
 /// `wrong-outline`, `wrong-bevel`, `wrong-curve`, `wrong-font`, `wrong-parts` and `shape-too-large`.
-pub fn make(shape: &ShapeDesc, fonts: &Fonts) -> Result<Option<Made>, Fault> {
+pub fn make(shape: &ShapeDesc, supplies: &Supplies) -> Result<Option<Made>, Fault> {
     let mut solid = Solid::default();
     let added = match shape.parts() {
-        [] => add_figure(&mut solid, shape, fonts)?,
+        [] => add_figure(&mut solid, shape, supplies)?,
         parts => {
             let operation = match shape {
                 ShapeDesc::Union { .. } => OpType::Add,
                 ShapeDesc::Difference { .. } => OpType::Subtract,
                 _ => OpType::Intersect,
             };
-            Some(boolean::add(&mut solid, operation, parts, fonts)?)
+            Some(boolean::add(&mut solid, operation, parts, supplies)?)
         }
     };
     let mesh = solid.into_mesh();
@@ -42,7 +42,7 @@ pub fn make(shape: &ShapeDesc, fonts: &Fonts) -> Result<Option<Made>, Fault> {
 fn add_figure(
     solid: &mut Solid,
     shape: &ShapeDesc,
-    fonts: &Fonts,
+    supplies: &Supplies,
 ) -> Result<Option<Vec<Fault>>, Fault> {
     let mut warnings = Vec::new();
     match shape {
@@ -51,7 +51,7 @@ fn add_figure(
             rounded_box::add(solid, half, f64::from(bevel.width), bevel.segments);
         }
         ShapeDesc::Torus { .. } | ShapeDesc::Lathe { .. } => {
-            let Some((region, segments, angle_deg)) = turned(shape)? else {
+            let Some((region, segments, angle_deg)) = turned(shape, supplies)? else {
                 return Ok(None);
             };
             let outline = match shape {
@@ -72,19 +72,19 @@ fn add_figure(
             depth,
             bevel,
         } => {
-            let region = Region::of(outline)?;
+            let region = Region::of(outline, supplies)?;
             let at = |fault: Fault| fault.at(outline.at.0.clone());
             extrude::add(solid, &region, *depth, bevel).map_err(at)?;
         }
-        ShapeDesc::Sweep { .. } => warnings.extend(add_sweep(solid, shape)?),
-        ShapeDesc::Text { .. } => warnings.extend(text::add(solid, shape, fonts)?),
+        ShapeDesc::Sweep { .. } => warnings.extend(add_sweep(solid, shape, supplies)?),
+        ShapeDesc::Text { .. } => warnings.extend(text::add(solid, shape, supplies)?),
         ShapeDesc::Displaced {
             shape,
             subdivide,
             smooth,
             noise,
         } => {
-            let inner = super::make(shape, fonts)?;
+            let inner = super::make(shape, supplies)?;
             displaced::add(solid, &inner, (*subdivide, *smooth), noise)?;
             warnings = inner.warnings;
         }
@@ -95,7 +95,7 @@ fn add_figure(
 
 /// The region that a part of a torus or a lathe turns, with its divisions and its angle in degrees; `None` for a whole
 /// torus and whole turns of points.
-fn turned(shape: &ShapeDesc) -> Result<Option<(Region, u32, f32)>, Fault> {
+fn turned(shape: &ShapeDesc, supplies: &Supplies) -> Result<Option<(Region, u32, f32)>, Fault> {
     Ok(match shape {
         ShapeDesc::Torus {
             radius,
@@ -104,7 +104,7 @@ fn turned(shape: &ShapeDesc) -> Result<Option<(Region, u32, f32)>, Fault> {
             angle_deg,
         } if *angle_deg < 360.0 => {
             let tube = circle(*radius, *tube_radius, (segments / 2).max(3));
-            let region = Region::of_loops(&[tube], &[], FillRule::Nonzero)?;
+            let region = Region::of_loops([&[tube], &[]], FillRule::Nonzero, supplies)?;
             Some((region, *segments, *angle_deg))
         }
         ShapeDesc::Lathe {
@@ -113,9 +113,9 @@ fn turned(shape: &ShapeDesc) -> Result<Option<(Region, u32, f32)>, Fault> {
             angle_deg,
         } => {
             let region = match source {
-                LatheSource::Outline(outline) => Region::of(outline)?,
+                LatheSource::Outline(outline) => Region::of(outline, supplies)?,
                 LatheSource::Points(_) if *angle_deg >= 360.0 => return Ok(None),
-                LatheSource::Points(points) => joined_to_axis(points)?,
+                LatheSource::Points(points) => joined_to_axis(points, supplies)?,
             };
             Some((region, (*segments).max(3), *angle_deg))
         }
@@ -124,7 +124,11 @@ fn turned(shape: &ShapeDesc) -> Result<Option<(Region, u32, f32)>, Fault> {
 }
 
 /// Adds a sweep; returns a warning where it passes through itself.
-fn add_sweep(solid: &mut Solid, shape: &ShapeDesc) -> Result<Option<Fault>, Fault> {
+fn add_sweep(
+    solid: &mut Solid,
+    shape: &ShapeDesc,
+    supplies: &Supplies,
+) -> Result<Option<Fault>, Fault> {
     let ShapeDesc::Sweep {
         outline,
         points,
@@ -138,7 +142,7 @@ fn add_sweep(solid: &mut Solid, shape: &ShapeDesc) -> Result<Option<Fault>, Faul
     else {
         return Ok(None);
     };
-    let region = Region::of(outline)?;
+    let region = Region::of(outline, supplies)?;
     let along = Along {
         twist: f64::from(*twist_deg).to_radians(),
         taper: f64::from(*taper),
@@ -163,7 +167,7 @@ fn circle(radius: f32, tube_radius: f32, segments: u32) -> Loop {
 }
 
 /// The region between points from below upwards and the axis.
-fn joined_to_axis(points: &[[f32; 2]]) -> Result<Region, Fault> {
+fn joined_to_axis(points: &[[f32; 2]], supplies: &Supplies) -> Result<Region, Fault> {
     let mut corners: Vec<DVec2> = points
         .iter()
         .map(|p| DVec2::from(p.map(f64::from)))
@@ -176,5 +180,5 @@ fn joined_to_axis(points: &[[f32; 2]]) -> Result<Region, Fault> {
     let around = chords
         .filter_map(|(a, b)| Chord::straight(*a, *b))
         .collect();
-    Region::of_loops(&[around], &[], FillRule::Nonzero)
+    Region::of_loops([&[around], &[]], FillRule::Nonzero, supplies)
 }

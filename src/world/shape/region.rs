@@ -6,24 +6,26 @@
 use std::collections::HashMap;
 
 use glam::DVec2;
-use i_overlay::{
-    core::{fill_rule::FillRule as Rule, overlay::Overlay, overlay_rule::OverlayRule},
-    i_float::int::point::IntPoint,
-};
+use i_overlay::core::{fill_rule::FillRule as Rule, overlay::Overlay, overlay_rule::OverlayRule};
 use i_triangle::int::unchecked::IntUncheckedTriangulatable as _;
+use reflet_base::digits::grouped;
 use reflet_scene::desc::{FillRule, OutlineDesc};
 
 use super::{
     Fault,
     contour::{Column, Contour},
+    crossings::{Grid, crossings},
     flatten::{self, Loop},
     inset::inset,
+    supplies::Supplies,
 };
 
 /// Cosine of the bend between two pieces, 40°, from which on their normals are not smoothed.
 pub const EDGE: f64 = 0.766;
 /// Exponent of the largest coordinate on the grid.
 const GRID_BITS: i32 = 27;
+/// Largest number of crossings of an outline, each of which splits two sides.
+const MOST_CROSSINGS: usize = 1_000_000;
 
 /// A part of the plane: shapes, each an outer contour and those of its holes.
 #[derive(Clone, Debug)]
@@ -34,16 +36,14 @@ pub struct Region {
     scale: f64,
 }
 
-type Grid = IntPoint<i32>;
-
 impl Region {
     /// The region inside an outline.
     ///
     /// # Errors
-    /// `wrong-outline` for one that encloses nothing, or of too many chords.
-    pub fn of(desc: &OutlineDesc) -> Result<Self, Fault> {
+    /// `wrong-outline` for one that encloses nothing, of too many chords or crossings; `shapes-too-large`.
+    pub fn of(desc: &OutlineDesc, supplies: &Supplies) -> Result<Self, Fault> {
         let [figure, holes] = flatten::loops(desc)?;
-        let found = Self::of_loops(&figure, &holes, desc.fill_rule)
+        let found = Self::of_loops([&figure, &holes], desc.fill_rule, supplies)
             .map_err(|fault| fault.at(desc.at.0.clone()))?;
         Ok(found)
     }
@@ -51,8 +51,12 @@ impl Region {
     /// The region inside loops and outside of `holes`.
     ///
     /// # Errors
-    /// `wrong-outline` for loops that enclose nothing.
-    pub fn of_loops(figure: &[Loop], holes: &[Loop], rule: FillRule) -> Result<Self, Fault> {
+    /// `wrong-outline` for loops that enclose nothing or cross too often; `shapes-too-large`.
+    pub fn of_loops(
+        [figure, holes]: [&[Loop]; 2],
+        rule: FillRule,
+        supplies: &Supplies,
+    ) -> Result<Self, Fault> {
         let chords = || figure.iter().chain(holes).flatten();
         let extent = chords().fold(0.0_f64, |most, chord| {
             most.max(chord.ends[0].abs().max_element())
@@ -86,12 +90,24 @@ impl Region {
             let of = |one: &Loop| one.iter().map(|chord| grid(chord.ends[0])).collect();
             loops.iter().map(of).collect()
         };
+        let [figure, holes] = [points(figure), points(holes)];
+        let crossings =
+            crossings(figure.iter().chain(&holes), MOST_CROSSINGS).ok_or_else(|| {
+                let message = format!(
+                    "the outline crosses itself more than {} times",
+                    grouped(MOST_CROSSINGS as u64)
+                );
+                Fault::new("wrong-outline", message)
+                    .help("draw it without crossings, or split it into several shapes")
+            })?;
+        supplies.spend(ways.len() / 2 + crossings)?;
         let rule = match rule {
             FillRule::Nonzero => Rule::NonZero,
             FillRule::Evenodd => Rule::EvenOdd,
         };
-        let mut whole = Overlay::from_subj(&points(figure)).overlay(OverlayRule::Subject, rule);
-        for hole in points(holes) {
+        let mut whole = Overlay::from_subj(&figure).overlay(OverlayRule::Subject, rule);
+        for hole in holes {
+            supplies.spend(whole.iter().flatten().map(Vec::len).sum())?;
             let mut cut = Overlay::from_subj_and_clip(&whole, &hole);
             whole = cut.overlay(OverlayRule::Difference, Rule::NonZero);
         }
@@ -146,6 +162,9 @@ impl Region {
     /// Whether contours with their vertices at these places neither cross nor touch.
     fn is_simple(&self, places: &[DVec2]) -> bool {
         let points = self.moved(places);
+        if crossings(points.iter().flatten(), MOST_CROSSINGS).is_none() {
+            return false;
+        }
         let mut moved = Overlay::from_subj(&points.concat());
         let resolved = moved.overlay(OverlayRule::Subject, Rule::NonZero);
         let count: usize = resolved.iter().map(Vec::len).sum();
@@ -214,7 +233,7 @@ impl Region {
 
 fn to_grid(p: DVec2, scale: f64) -> Grid {
     let at = (p * scale).round();
-    IntPoint::new(at.x as i32, at.y as i32)
+    Grid::new(at.x as i32, at.y as i32)
 }
 
 fn from_grid(p: Grid, scale: f64) -> DVec2 {

@@ -8,7 +8,7 @@ use super::*;
 use reflet_scene::desc::BevelDesc;
 
 fn mesh(shape: &ShapeDesc) -> Mesh {
-    make(shape, &Fonts::default()).expect("a shape").mesh
+    make(shape, &Supplies::default()).expect("a shape").mesh
 }
 
 fn cuboid(size: Vec3) -> ShapeDesc {
@@ -246,3 +246,4 @@ mod displaced;
 mod outlined;
 mod tangents;
 mod text;
+mod work;

@@ -1,9 +1,8 @@
 //! Letters with a thickness.
 
-use std::collections::HashMap;
-
 use epaint_default_fonts::UBUNTU_LIGHT;
 use harfrust::{ShapeOptions, ShaperData, UnicodeBuffer};
+use reflet_base::guard;
 use reflet_scene::{
     desc::{FillRule, ShapeDesc, TextAlign},
     svg_path::PathSegment,
@@ -12,18 +11,24 @@ use skrifa::{
     FontRef, GlyphId, MetadataProvider as _,
     instance::{LocationRef, Size},
     outline::{DrawSettings, OutlineGlyphCollection, OutlinePen},
-    raw::TableProvider as _,
+    raw::{
+        TableProvider as _,
+        tables::{
+            glyf::{Glyf, Glyph},
+            loca::Loca,
+        },
+    },
 };
 
 use super::{
-    Fault, extrude,
+    Fault, Supplies, extrude,
     flatten::{MOST_CHORDS, Pen},
     region::Region,
     solid::Solid,
 };
 
-/// Bytes of font files by their names in the scene.
-pub type Fonts = HashMap<String, Vec<u8>>;
+/// Most parts of a glyph that is put together of others; letters with marks have a few.
+const MOST_PARTS: usize = 1000;
 
 /// Draws the outlines of glyphs, scaled and moved.
 struct GlyphPen {
@@ -35,6 +40,13 @@ struct GlyphPen {
 }
 
 impl GlyphPen {
+    /// Draws a segment, unless a glyph has drawn more than will be shown.
+    fn draw(&mut self, segment: &PathSegment) {
+        if self.pen.count <= MOST_CHORDS {
+            self.pen.draw(segment);
+        }
+    }
+
     fn at(&self, x: f32, y: f32) -> [f64; 2] {
         [
             self.origin[0] + self.scale * f64::from(x),
@@ -46,17 +58,17 @@ impl GlyphPen {
 impl OutlinePen for GlyphPen {
     fn move_to(&mut self, x: f32, y: f32) {
         let [x, y] = self.at(x, y);
-        self.pen.draw(&PathSegment::MoveTo { x, y });
+        self.draw(&PathSegment::MoveTo { x, y });
     }
 
     fn line_to(&mut self, x: f32, y: f32) {
         let [x, y] = self.at(x, y);
-        self.pen.draw(&PathSegment::LineTo { x, y });
+        self.draw(&PathSegment::LineTo { x, y });
     }
 
     fn quad_to(&mut self, cx0: f32, cy0: f32, x: f32, y: f32) {
         let ([x1, y1], [x, y]) = (self.at(cx0, cy0), self.at(x, y));
-        self.pen.draw(&PathSegment::Quadratic { x1, y1, x, y });
+        self.draw(&PathSegment::Quadratic { x1, y1, x, y });
     }
 
     fn curve_to(&mut self, cx0: f32, cy0: f32, cx1: f32, cy1: f32, x: f32, y: f32) {
@@ -69,11 +81,11 @@ impl OutlinePen for GlyphPen {
             x,
             y,
         };
-        self.pen.draw(&curve);
+        self.draw(&curve);
     }
 
     fn close(&mut self) {
-        self.pen.draw(&PathSegment::ClosePath);
+        self.draw(&PathSegment::ClosePath);
     }
 }
 
@@ -81,7 +93,11 @@ impl OutlinePen for GlyphPen {
 ///
 /// # Errors
 /// `wrong-font` for bytes that are no font with outlines; those of [`extrude::add`].
-pub fn add(solid: &mut Solid, shape: &ShapeDesc, fonts: &Fonts) -> Result<Option<Fault>, Fault> {
+pub fn add(
+    solid: &mut Solid,
+    shape: &ShapeDesc,
+    supplies: &Supplies,
+) -> Result<Option<Fault>, Fault> {
     let ShapeDesc::Text {
         font,
         size,
@@ -95,7 +111,7 @@ pub fn add(solid: &mut Solid, shape: &ShapeDesc, fonts: &Fonts) -> Result<Option
         return Ok(None);
     };
     let own = || (UBUNTU_LIGHT, at);
-    let read = |file: &String| fonts.get(file).map(Vec::as_slice);
+    let read = |file: &String| supplies.fonts.get(file).map(Vec::as_slice);
     let (bytes, font_at) = (font.as_ref())
         .and_then(|font| Some((read(&font.file)?, &font.at)))
         .unwrap_or_else(own);
@@ -107,7 +123,11 @@ pub fn add(solid: &mut Solid, shape: &ShapeDesc, fonts: &Fonts) -> Result<Option
         origin: [0.0; 2],
         scale: f64::from(*size) / f64::from(units.max(1)),
     };
-    let missing = draw_lines(&mut pen, shape, &face).map_err(in_font)?;
+    let drawn = guard::catch(|| draw_lines(&mut pen, shape, &face)).unwrap_or_else(|| {
+        let message = "this font is damaged, so that its letters cannot be read";
+        Err(Fault::new("wrong-font", message).help("use another `font`"))
+    });
+    let missing = drawn.map_err(in_font)?;
     pen.pen.close();
     let here = |fault: Fault| fault.at(at.0.clone());
     if pen.pen.loops.is_empty() {
@@ -116,7 +136,8 @@ pub fn add(solid: &mut Solid, shape: &ShapeDesc, fonts: &Fonts) -> Result<Option
             Fault::new("wrong-font", message).help("use another `font`"),
         ));
     }
-    let region = Region::of_loops(&pen.pen.loops, &[], FillRule::Nonzero).map_err(here)?;
+    let region =
+        Region::of_loops([&pen.pen.loops, &[]], FillRule::Nonzero, supplies).map_err(here)?;
     extrude::add(solid, &region, *depth, bevel).map_err(here)?;
     Ok((!missing.is_empty()).then(|| {
         let message = format!("the font has no letters for {missing:?}; boxes stand for them");
@@ -159,7 +180,10 @@ fn draw_lines(pen: &mut GlyphPen, shape: &ShapeDesc, face: &FontRef) -> Result<S
     };
     let data = ShaperData::new(face);
     let shaper = data.shaper(face).build();
-    let glyphs = face.outline_glyphs();
+    let glyphs = Glyphs {
+        outlines: face.outline_glyphs(),
+        tables: face.loca(None).ok().zip(face.glyf().ok()),
+    };
     let spacing = f64::from(letter_spacing * size);
     let mut missing = String::new();
     for (number, line) in text.lines().enumerate() {
@@ -194,12 +218,36 @@ fn draw_lines(pen: &mut GlyphPen, shape: &ShapeDesc, face: &FontRef) -> Result<S
     Ok(missing)
 }
 
-fn draw_glyph(
-    pen: &mut GlyphPen,
-    glyphs: &OutlineGlyphCollection,
-    glyph: u32,
-) -> Result<(), Fault> {
-    if let Some(glyph) = glyphs.get(GlyphId::new(glyph)) {
+/// Outlines of a font, and its tables in which glyphs are put together of others.
+struct Glyphs<'a> {
+    outlines: OutlineGlyphCollection<'a>,
+    tables: Option<(Loca<'a>, Glyf<'a>)>,
+}
+
+impl Glyphs<'_> {
+    /// Counts a glyph and those that it is put together of, as often as it has each, until there are too many.
+    fn count_parts(&self, glyph: GlyphId, count: &mut usize) {
+        *count += 1;
+        let Some((loca, glyf)) = self.tables.as_ref().filter(|_| *count <= MOST_PARTS) else {
+            return;
+        };
+        if let Ok(Some(Glyph::Composite(parts))) = loca.get_glyf(glyph, glyf) {
+            parts
+                .components()
+                .for_each(|part| self.count_parts(part.glyph.into(), count));
+        }
+    }
+}
+
+fn draw_glyph(pen: &mut GlyphPen, glyphs: &Glyphs, glyph: u32) -> Result<(), Fault> {
+    let mut parts = 0;
+    glyphs.count_parts(GlyphId::new(glyph), &mut parts);
+    if parts > MOST_PARTS {
+        let message =
+            format!("a letter of this font is put together of more than {MOST_PARTS} others");
+        return Err(Fault::new("wrong-font", message).help("use another `font`"));
+    }
+    if let Some(glyph) = glyphs.outlines.get(GlyphId::new(glyph)) {
         let settings = DrawSettings::unhinted(Size::unscaled(), LocationRef::default());
         glyph.draw(settings, pen).map_err(|error| {
             let message = format!("a letter of this font cannot be read: {error}");

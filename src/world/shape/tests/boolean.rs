@@ -8,7 +8,7 @@ use super::{
     *,
 };
 
-fn part(shape: ShapeDesc, translation: Vec3, rotation: Quat, scale: Vec3) -> PartDesc {
+pub fn part(shape: ShapeDesc, translation: Vec3, rotation: Quat, scale: Vec3) -> PartDesc {
     let placement = PlacementDesc::Trs {
         translation,
         rotation,
@@ -27,7 +27,7 @@ pub fn at(shape: ShapeDesc, translation: Vec3) -> PartDesc {
 }
 
 fn volume(shape: &ShapeDesc) -> f64 {
-    let made = make(shape, &Fonts::default());
+    let made = make(shape, &Supplies::default());
     let made = made.unwrap_or_else(|fault| panic!("{}: {shape:?}", fault.message));
     assert_eq!(open_edges(&made.mesh), 0, "{shape:?}");
     let mesh = made.mesh;
@@ -131,7 +131,7 @@ fn volumes_of_combined_shapes_add_up() {
 #[test]
 fn open_parts_and_parts_without_overlap_are_refused() {
     let refused = |shape: ShapeDesc, word: &str| {
-        let fault = make(&shape, &Fonts::default()).expect_err(word);
+        let fault = make(&shape, &Supplies::default()).expect_err(word);
         assert_eq!(fault.name, "wrong-parts", "{}", fault.message);
         assert!(fault.message.contains(word), "{}", fault.message);
     };
@@ -154,7 +154,7 @@ fn open_parts_and_parts_without_overlap_are_refused() {
 fn parts_that_pass_through_themselves_are_refused_with_the_place() {
     let with = |first: ShapeDesc| {
         let parts = vec![at(first, Vec3::ZERO), at(cuboid(Vec3::ONE), Vec3::ZERO)];
-        make(&ShapeDesc::Union { parts }, &Fonts::default())
+        make(&ShapeDesc::Union { parts }, &Supplies::default())
     };
     let pipe = |points: &[[f32; 3]], radius: f32| {
         let circle = outline(FigureDesc::Circle(radius));

@@ -5,7 +5,7 @@ use reflet_scene::desc::{FigureDesc, FillRule, OutlineDesc, SweepCurve, Written}
 use super::*;
 
 fn make(shape: &ShapeDesc) -> Result<Made, Fault> {
-    super::make(shape, &Fonts::default())
+    super::make(shape, &Supplies::default())
 }
 
 pub fn outline(figure: FigureDesc) -> OutlineDesc {

@@ -1,5 +1,7 @@
 //! Text is closed, stands where it says, and fonts that are none are refused.
 
+use std::collections::HashMap;
+
 use reflet_scene::desc::{FontDesc, TextAlign, Written};
 
 use super::*;
@@ -17,6 +19,17 @@ pub fn text(text: &str, align: TextAlign) -> ShapeDesc {
         segments: 32,
         at: Written(Default::default()),
     }
+}
+
+/// A text in the font file `a.ttf`.
+pub fn with_font(letters: &str, align: TextAlign) -> ShapeDesc {
+    let mut shape = text(letters, align);
+    if let ShapeDesc::Text { font, .. } = &mut shape {
+        let at = Written(Default::default());
+        let file = "a.ttf".to_owned();
+        *font = Some(FontDesc { file, at });
+    }
+    shape
 }
 
 #[test]
@@ -83,17 +96,12 @@ fn kerning_moves_letters_together() {
 
 #[test]
 fn fonts_that_are_none_are_refused_and_missing_letters_told() {
-    let ShapeDesc::Text { .. } = text("a", TextAlign::Left) else {
-        return;
-    };
     let with = |bytes: &[u8]| {
-        let mut shape = text("a", TextAlign::Left);
-        if let ShapeDesc::Text { font, .. } = &mut shape {
-            let at = Written(Default::default());
-            let file = "a.ttf".to_owned();
-            *font = Some(FontDesc { file, at });
-        }
-        let fonts = Fonts::from([("a.ttf".to_owned(), bytes.to_vec())]);
+        let shape = with_font("a", TextAlign::Left);
+        let fonts = Supplies {
+            fonts: HashMap::from([("a.ttf".to_owned(), bytes.to_vec())]),
+            ..Supplies::default()
+        };
         make(&shape, &fonts)
     };
     let own = epaint_default_fonts::UBUNTU_LIGHT;
@@ -108,8 +116,17 @@ fn fonts_that_are_none_are_refused_and_missing_letters_told() {
         broken[cut..cut + 64].fill(0xff);
         let _ = with(&broken);
     }
-    let made = make(&text("a\u{4e00}", TextAlign::Left), &Fonts::default()).expect("a box");
+    // A table that says of each letter that it is as long as the font.
+    let mut long = own.to_vec();
+    let loca = own
+        .windows(4)
+        .position(|tag| tag == b"loca")
+        .expect("a table");
+    let start = u32::from_be_bytes(own[loca + 8..loca + 12].try_into().expect("4 bytes")) as usize;
+    long[start..start + 4000].fill(0x7f);
+    let _ = with(&long);
+    let made = make(&text("a\u{4e00}", TextAlign::Left), &Supplies::default()).expect("a box");
     assert_eq!(made.warnings[0].name, "missing-letters");
-    let blank = make(&text(" \u{a0}", TextAlign::Left), &Fonts::default());
+    let blank = make(&text(" \u{a0}", TextAlign::Left), &Supplies::default());
     assert_eq!(blank.expect_err("nothing").name, "wrong-font");
 }

@@ -1,0 +1,163 @@
+//! Shapes have one budget of work, whose end is told before memory or hours are spent.
+
+use std::collections::HashMap;
+
+use glam::{Quat, Vec3};
+use reflet_base::memory::Budget;
+use reflet_scene::desc::{ShapeDesc, TextAlign};
+
+use super::{
+    boolean::part,
+    outlined::{extrude, path},
+    text::with_font,
+};
+use crate::shape::{MOST_WORK, Supplies, make};
+
+fn limited(work: u64) -> Supplies {
+    Supplies {
+        work: Budget::new(work),
+        ..Supplies::default()
+    }
+}
+
+fn sphere(segments: u32) -> ShapeDesc {
+    let radius = 1.0;
+    ShapeDesc::Sphere { radius, segments }
+}
+
+#[test]
+fn shapes_within_their_bounds_exceed_that_of_all() {
+    let supplies = limited(MOST_WORK);
+    let made = (0..100)
+        .map_while(|_| make(&sphere(1024), &supplies).ok())
+        .count();
+    assert_eq!(made, 16);
+    let fault = make(&sphere(1024), &supplies).expect_err("too many");
+    assert_eq!(fault.name, "shapes-too-large");
+    assert!(fault.message.contains("16,777,216"), "{}", fault.message);
+}
+
+#[test]
+fn combining_parts_costs_their_triangles_each_time() {
+    let part = |turn: f32| {
+        part(
+            sphere(16),
+            Vec3::ZERO,
+            Quat::from_rotation_y(turn),
+            Vec3::ONE,
+        )
+    };
+    let parts: Vec<_> = (0..5).map(|i| part(i as f32)).collect();
+    let spent = |count: usize| {
+        let supplies = limited(1 << 20);
+        let parts = parts[..count].to_vec();
+        make(&ShapeDesc::Union { parts }, &supplies).expect("a union");
+        (1 << 20) - supplies.work.left()
+    };
+    let (few, many) = (spent(2), spent(5));
+    assert!(many > 4 * few, "{few} {many}");
+    let parts = parts.clone();
+    let fault = make(&ShapeDesc::Intersection { parts }, &limited(many / 2));
+    assert_eq!(fault.expect_err("too much").name, "shapes-too-large");
+}
+
+/// A star whose sides all cross each other, with some of its corners elsewhere.
+#[test]
+fn outlines_that_cross_too_often_are_refused() {
+    let star = |corners: u32| {
+        let corner = |i: u32| {
+            let turn =
+                f64::from(i) * std::f64::consts::PI * f64::from(corners - 2) / f64::from(corners);
+            format!("{} {}", turn.cos(), turn.sin())
+        };
+        let corners = (0..corners).map(corner).collect::<Vec<_>>().join("L");
+        extrude(path(&format!("M{corners}Z")), 1.0, (0.0, 1))
+    };
+    assert!(make(&star(51), &Supplies::default()).is_ok());
+    let fault = make(&star(5001), &Supplies::default()).expect_err("too many");
+    assert_eq!(fault.name, "wrong-outline");
+    assert!(
+        fault.message.contains("1,000,000 times"),
+        "{}",
+        fault.message
+    );
+    let fault = make(&star(501), &limited(50_000)).expect_err("too much work");
+    assert_eq!(fault.name, "shapes-too-large");
+}
+
+/// Table of a font with its tag.
+type Table = (&'static [u8; 4], Vec<u8>);
+
+/// A font of composite glyphs, each of which has the next one so often; the last is empty.
+fn nested(depth: u16, width: u16) -> Vec<u8> {
+    let words = |words: &[u16]| {
+        words
+            .iter()
+            .flat_map(|word| word.to_be_bytes())
+            .collect::<Vec<u8>>()
+    };
+    let part = |next: u16, more: u16| words(&[if more == 0 { 0x0002 } else { 0x0022 }, next, 0]);
+    let (mut glyf, mut loca) = (Vec::new(), vec![0u32]);
+    for glyph in 0..depth {
+        glyf.extend(words(&[0xffff, 0, 0, 0, 0]));
+        glyf.extend((0..width).rev().flat_map(|more| part(glyph + 1, more)));
+        loca.push(glyf.len() as u32);
+    }
+    loca.push(glyf.len() as u32);
+    let head = [
+        &words(&[1, 0, 0, 0, 0, 0, 0x5f0f, 0x3cf5, 0, 1000])[..],
+        &[0; 30],
+        &words(&[1, 0]),
+    ]
+    .concat();
+    let maxp = [&words(&[1, 0, depth + 1])[..], &[0; 26]].concat();
+    let hhea = [&words(&[1, 0])[..], &[0; 30], &words(&[1])].concat();
+    let hmtx = vec![0; 2 + 2 * usize::from(depth + 1)];
+    let group = [65u32, 65, 0].map(u32::to_be_bytes).concat();
+    let map = [
+        &words(&[0, 1, 3, 10, 0, 12, 12, 0, 0, 28, 0, 0, 0, 1])[..],
+        &group,
+    ]
+    .concat();
+    let loca: Vec<u8> = loca.into_iter().flat_map(u32::to_be_bytes).collect();
+    let tables: [Table; 7] = [
+        (b"cmap", map),
+        (b"glyf", glyf),
+        (b"head", head),
+        (b"hhea", hhea),
+        (b"hmtx", hmtx),
+        (b"loca", loca),
+        (b"maxp", maxp),
+    ];
+    let mut file = words(&[1, 0, tables.len() as u16, 0, 0, 0]);
+    let mut at = file.len() + 16 * tables.len();
+    for (tag, table) in &tables {
+        file.extend(*tag);
+        file.extend(
+            [0, at as u32, table.len() as u32]
+                .map(u32::to_be_bytes)
+                .concat(),
+        );
+        at += table.len().next_multiple_of(4);
+    }
+    for (_, mut table) in tables {
+        table.resize(table.len().next_multiple_of(4), 0);
+        file.extend(table);
+    }
+    file
+}
+
+#[test]
+fn letters_of_letters_of_letters_are_refused() {
+    let with = |bytes: Vec<u8>| {
+        let fonts = HashMap::from([("a.ttf".to_owned(), bytes)]);
+        let work = Budget::default();
+        let made = make(&with_font("A", TextAlign::Left), &Supplies { fonts, work });
+        made.expect_err("no outline").message
+    };
+    // 10²⁵ parts, and some that are drawn and empty.
+    let said = with(nested(25, 10));
+    assert!(said.contains("more than 1000 others"), "{said}");
+    let said = with(nested(3, 5));
+    assert!(!said.contains("others"), "{said}");
+}
