@@ -2,6 +2,8 @@
 
 mod tracks;
 
+use std::sync::Arc;
+
 use glam::{Affine3A, DQuat, DVec4, Quat, Vec3};
 use serde::Serialize;
 
@@ -42,13 +44,13 @@ impl Interpolation {
     }
 }
 
-/// Keyframes of one value, which is constant before the first and after the last key.
+/// Keyframes of one value, which is constant before the first and after the last key; clones share them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sampler {
     /// Times of the keys, seconds, increasing; at least one.
-    pub times_s: Vec<f32>,
+    pub times_s: Arc<[f32]>,
     /// Value of each key; for [`Interpolation::Cubic`] three per key: in-tangent, value, out-tangent.
-    pub values: Vec<DVec4>,
+    pub values: Arc<[DVec4]>,
     /// Interpolation between keys.
     pub interpolation: Interpolation,
 }
@@ -248,8 +250,8 @@ mod tests {
 
     fn sampler(interpolation: Interpolation, times_s: &[f32], values: &[DVec4]) -> Sampler {
         Sampler {
-            times_s: times_s.to_vec(),
-            values: values.to_vec(),
+            times_s: times_s.into(),
+            values: values.into(),
             interpolation,
         }
     }

@@ -295,7 +295,7 @@ fn channel_of(judge: &Judge, channel: &::gltf::animation::Channel) -> Option<Cha
         property,
         sampler: reflet::world::animation::Sampler {
             times_s: reader.read_inputs()?.collect(),
-            values,
+            values: values.into(),
             interpolation,
         },
     })
@@ -321,7 +321,7 @@ fn animations(judge: &Judge, model: &Model) -> Vec<String> {
                 == (their.node, their.property, b.interpolation)
                 && a.times_s == b.times_s
                 && a.values.len() == b.values.len()
-                && a.values.iter().zip(&b.values).all(near)
+                && a.values.iter().zip(b.values.iter()).all(near)
         };
         if own.channels.len() != theirs.len() || !own.channels.iter().zip(&theirs).all(same) {
             wrong.push(format!("animation {}", clip.name));

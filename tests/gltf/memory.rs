@@ -214,3 +214,36 @@ fn images_are_decoded_in_turn_where_memory_is_short() {
     let first = |t: &reflet::world::Texture| t.rgba[..4] == [7, 7, 7, 255];
     assert!(world.textures.iter().all(first));
 }
+
+/// Keys that channels share are decoded once, whatever their targets; others are counted.
+#[test]
+fn keys_of_animations_are_shared_or_counted() {
+    let keys = 20_000;
+    let mut doc = Doc::triangle();
+    let times: Vec<f32> = (0..keys).map(|i| i as f32).collect();
+    let input = doc.floats("SCALAR", &times);
+    let output = doc.floats("VEC3", &vec![1.0; 3 * keys]);
+    let nodes: Vec<usize> = (0..400)
+        .map(|_| doc.root_node(json!({"mesh": 0})))
+        .collect();
+    let channel = |(sampler, node): (usize, &usize)| json!({"sampler": sampler, "target": {"node": node, "path": "translation"}});
+    let animation = |samplers: Vec<Value>, channels: Vec<Value>| json!([{"samplers": samplers, "channels": channels}]);
+    let one = json!({"input": input, "output": output});
+    let shared = nodes.iter().map(|node| channel((0, node))).collect();
+    doc.json["animations"] = animation(vec![one.clone()], shared);
+    assert_eq!(error_within(&doc, 32), "loads");
+    let equal = nodes.iter().enumerate().map(channel).collect();
+    doc.json["animations"] = animation(vec![one; nodes.len()], equal);
+    assert_eq!(error_within(&doc, 32), "loads");
+    // Accessors of the same bytes.
+    let copy = doc.json["accessors"][output].clone();
+    let output = |_| doc.add("accessors", copy.clone());
+    let outputs: Vec<usize> = (0..nodes.len()).map(output).collect();
+    let own = outputs
+        .iter()
+        .map(|output| json!({"input": input, "output": output}))
+        .collect();
+    let channels = nodes.iter().enumerate().map(channel).collect();
+    doc.json["animations"] = animation(own, channels);
+    assert_eq!(error_within(&doc, 32), "geometry-too-large");
+}

@@ -1,6 +1,8 @@
 //! Animated values other than transforms and visibility of nodes: weights of morph targets, and values of
 //! materials, lights and cameras.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 
 use super::{Property, Sampler};
@@ -11,7 +13,7 @@ pub struct WeightTrack {
     /// Index of the node in its file.
     pub node: usize,
     /// Sampler of each morph target; the weight is in x.
-    pub samplers: Vec<Sampler>,
+    pub samplers: Arc<[Sampler]>,
 }
 
 impl WeightTrack {

@@ -1,10 +1,10 @@
 //! Animations of a file: validates and decodes their channels.
 
 mod pointer;
+mod shared;
 
 use std::{
     collections::{HashMap, HashSet},
-    rc::Rc,
     sync::Arc,
 };
 
@@ -12,7 +12,10 @@ use glam::DVec4;
 use serde::Deserialize;
 
 pub use self::pointer::moved_material_keys;
-use self::pointer::{pointed_at, weights_pointed_at};
+use self::{
+    pointer::{pointed_at, weights_pointed_at},
+    shared::{Kind, SamplerKey, check_count},
+};
 use super::{
     Fault, Notes,
     accessor::{self, Component, Data},
@@ -106,6 +109,7 @@ pub fn read(root: &Root, data: &Data<'_>) -> Vec<Clip> {
         root,
         data,
         times: HashMap::new(),
+        samplers: HashMap::new(),
     };
     let clip = |(i, value): (usize, &serde_json::Value)| {
         let parsed = parse(value);
@@ -137,8 +141,10 @@ fn parse(value: &serde_json::Value) -> Result<schema::Animation, Fault> {
 struct Reader<'a> {
     root: &'a Root,
     data: &'a Data<'a>,
-    /// Decoded key times by accessor, as many channels share them.
-    times: HashMap<usize, Rc<Vec<f32>>>,
+    /// Decoded key times by accessor, as many samplers share them.
+    times: HashMap<usize, Arc<[f32]>>,
+    /// Decoded samplers, as many channels share them: by their accessors, interpolation and kind of value.
+    samplers: HashMap<SamplerKey, Arc<[Sampler]>>,
 }
 
 impl Reader<'_> {
@@ -219,31 +225,27 @@ impl Reader<'_> {
         else {
             return Ok(None);
         };
-        let interpolation = interpolation(sampler)?;
-        let times_s = self.times(sampler.input).map_err(|f| f.at("input"))?;
-        let accept = accessor::float_or_normalized;
-        let values = self.data.floats::<1>(sampler.output, accept);
-        let values = values.map_err(|f| f.at("output"))?;
-        let per_key = interpolation.values_per_key();
-        let expected = times_s.len().saturating_mul(per_key).saturating_mul(count);
-        if values.len() != expected || !finite(values.as_flattened()) {
-            return Err(fault(format!(
-                "{} keys of {count} weights need {expected} finite output values, there are {}",
-                times_s.len(),
-                values.len()
-            )));
-        }
-        let of_target = |target: usize| Sampler {
-            times_s: times_s.to_vec(),
-            values: (values[target..].iter().step_by(count))
-                .map(|[weight]| DVec4::new(f64::from(*weight), 0.0, 0.0, 0.0))
-                .collect(),
-            interpolation,
-        };
-        Ok(Some(WeightTrack {
-            node,
-            samplers: (0..count).map(of_target).collect(),
-        }))
+        let samplers = self.once(sampler, Kind::Weights(count), |reader, times_s, interpolation| {
+            let accept = accessor::float_or_normalized;
+            let values = reader.data.floats::<1>(sampler.output, accept);
+            let values = values.map_err(|f| f.at("output"))?;
+            let per_key = interpolation.values_per_key();
+            let expected = times_s.len().saturating_mul(per_key).saturating_mul(count);
+            if values.len() != expected || !finite(values.as_flattened()) {
+                return Err(fault(format!(
+                    "{} keys of {count} weights need {expected} finite output values, there are {}",
+                    times_s.len(),
+                    values.len()
+                )));
+            }
+            let of_target = |target: usize| {
+                let own = values[target..].iter().step_by(count);
+                let weights = own.map(|[weight]| DVec4::new(f64::from(*weight), 0.0, 0.0, 0.0));
+                (weights.collect(), interpolation)
+            };
+            Ok((0..count).map(of_target).collect())
+        })?;
+        Ok(Some(WeightTrack { node, samplers }))
     }
 
     /// Target node and property; `None`, with a warning, where the target is not supported.
@@ -296,61 +298,33 @@ impl Reader<'_> {
         sampler: &schema::AnimationSampler,
         property: Property,
     ) -> Result<Sampler, Fault> {
-        let interpolation = interpolation(sampler)?;
-        let times_s = self.times(sampler.input).map_err(|f| f.at("input"))?;
-        let mut values = self.values(sampler.output, property)?;
-        let per_key = interpolation.values_per_key();
-        let expected = times_s.len().saturating_mul(per_key);
-        if values.len() != expected {
-            return Err(fault(format!(
-                "{} keys need {expected} output values, there are {}",
-                times_s.len(),
-                values.len()
-            )));
-        }
-        if property == Property::Rotation {
-            for (i, value) in values.iter_mut().enumerate() {
-                let is_key = per_key == 1 || i % 3 == 1;
-                if is_key && value.length_squared() == 0.0 {
-                    return Err(fault(format!("rotation {i} is zero")));
+        let samplers = self.once(
+            sampler,
+            Kind::Node(property),
+            |reader, times_s, interpolation| {
+                let mut values = reader.values(sampler.output, property)?;
+                check_count(&values, times_s, interpolation)?;
+                let per_key = interpolation.values_per_key();
+                if property == Property::Rotation {
+                    for (i, value) in values.iter_mut().enumerate() {
+                        let is_key = per_key == 1 || i % 3 == 1;
+                        if is_key && value.length_squared() == 0.0 {
+                            return Err(fault(format!("rotation {i} is zero")));
+                        }
+                        if per_key == 1 {
+                            *value = value.normalize();
+                        }
+                    }
                 }
-                if per_key == 1 {
-                    *value = value.normalize();
-                }
-            }
-        }
-        // Visibility is not interpolated.
-        let interpolation = match property {
-            Property::Visible => Interpolation::Step,
-            _ => interpolation,
-        };
-        Ok(Sampler {
-            times_s: times_s.to_vec(),
-            values,
-            interpolation,
-        })
-    }
-
-    fn times(&mut self, input: usize) -> Result<Rc<Vec<f32>>, Fault> {
-        if let Some(known) = self.times.get(&input) {
-            return Ok(known.clone());
-        }
-        let times = self.data.floats::<1>(input, accessor::float_only)?;
-        let times: Vec<f32> = times.into_iter().map(|[t]| t).collect();
-        if !finite(&times) || times.first().is_some_and(|t| *t < 0.0) {
-            return Err(fault("times must be finite and not negative"));
-        }
-        if let Some(i) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
-            return Err(fault(format!(
-                "times must increase, but {} follows {} at position {}",
-                times[i + 1],
-                times[i],
-                i + 1
-            )));
-        }
-        let times = Rc::new(times);
-        self.times.insert(input, times.clone());
-        Ok(times)
+                // Visibility is not interpolated.
+                let interpolation = match property {
+                    Property::Visible => Interpolation::Step,
+                    _ => interpolation,
+                };
+                Ok(vec![(values, interpolation)])
+            },
+        )?;
+        Ok(samplers[0].clone())
     }
 
     fn values(&self, output: usize, property: Property) -> Result<Vec<DVec4>, Fault> {
@@ -370,17 +344,5 @@ impl Reader<'_> {
         }
         let wide = |v: [f32; 4]| DVec4::from_array(v.map(f64::from));
         Ok(values.into_iter().map(wide).collect())
-    }
-}
-
-fn interpolation(sampler: &schema::AnimationSampler) -> Result<Interpolation, Fault> {
-    match sampler.interpolation.as_deref() {
-        None | Some("LINEAR") => Ok(Interpolation::Linear),
-        Some("STEP") => Ok(Interpolation::Step),
-        Some("CUBICSPLINE") => Ok(Interpolation::Cubic),
-        Some(other) => {
-            let text = format!("interpolation \"{}\" is unknown", shorten(other));
-            Err(fault(text))
-        }
     }
 }

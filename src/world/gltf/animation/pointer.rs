@@ -4,7 +4,10 @@ use std::{collections::HashSet, f64::consts::PI};
 
 use glam::DVec4;
 
-use super::{Fault, Reader, fault, finite, interpolation};
+use super::{
+    Fault, Reader, fault, finite,
+    shared::{Kind, check_count},
+};
 use crate::{
     TEXTURE_SLOTS,
     animation::{Interpolation, Pointed, PointedValue, PointerTrack, Property, Sampler},
@@ -278,25 +281,18 @@ impl Reader<'_> {
             let number = channel.sampler;
             fault(format!("sampler {number} does not exist"))
         })?;
-        let interpolation = interpolation(sampler)?;
-        let times_s = self.times(sampler.input).map_err(|f| f.at("input"))?;
-        let values = self.numbers(sampler.output, target.lanes);
-        let values = values.map_err(|f| f.at("output"))?;
-        let expected = times_s.len().saturating_mul(interpolation.values_per_key());
-        if values.len() != expected {
-            let (keys, found) = (times_s.len(), values.len());
-            return Err(fault(format!(
-                "{keys} keys need {expected} output values, there are {found}"
-            )));
-        }
+        let kind = Kind::Numbers(target.lanes, target.factor.to_bits());
+        let samplers = self.once(sampler, kind, |reader, times_s, interpolation| {
+            let values = reader.numbers(sampler.output, target.lanes);
+            let values = values.map_err(|f| f.at("output"))?;
+            check_count(&values, times_s, interpolation)?;
+            let values = values.into_iter().map(|v| v * target.factor).collect();
+            Ok(vec![(values, interpolation)])
+        })?;
         Ok(Some(PointerTrack {
             object: target.object,
             value: target.value,
-            sampler: Sampler {
-                times_s: times_s.to_vec(),
-                values: values.into_iter().map(|v| v * target.factor).collect(),
-                interpolation,
-            },
+            sampler: samplers[0].clone(),
         }))
     }
 
@@ -334,8 +330,8 @@ impl Reader<'_> {
                         object,
                         value: companion,
                         sampler: Sampler {
-                            times_s: vec![0.0],
-                            values: vec![constant],
+                            times_s: [0.0].into(),
+                            values: [constant].into(),
                             interpolation: Interpolation::Step,
                         },
                     });
