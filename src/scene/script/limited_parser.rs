@@ -1,20 +1,23 @@
 //! Parsing of a script within the limits of a call. Rhai's parser has no limits, and its time for some
 //! lists grows with the square of their length; each token is a chance to end it.
 
+use std::sync::{Mutex, PoisonError};
+
 use rhai::{Engine, LexError, OptimizationLevel, Token};
 
-use super::{call_limits::progress, catch_values::Caught};
+use super::{call_limits::progress, catch_values::Caught, limits::ARGUMENTS};
 
 /// Has an engine check the limits at each token, and pass each token to `caught`.
 pub fn register(engine: &mut Engine, caught: &Caught) {
     let caught = caught.clone();
+    let open = Mutex::default();
     // The optimizer runs after the last token, so no check could end it.
     engine.set_optimization_level(OptimizationLevel::None);
     #[expect(
         deprecated,
         reason = "Rhai marks its token callback so to say that it may change"
     )]
-    engine.on_parse_token(move |token, _, _| match wrong_with(&token) {
+    engine.on_parse_token(move |token, _, _| match wrong_with(&token, &open) {
         Some(wrong) => Token::LexError(wrong.into()),
         None => {
             caught.note(&token);
@@ -23,8 +26,11 @@ pub fn register(engine: &mut Engine, caught: &Caught) {
     });
 }
 
-fn wrong_with(token: &Token) -> Option<LexError> {
-    if let Some(why) = progress(1) {
+/// Number of commas so far in each open bracket; `None` in those that hold no arguments.
+type Open = Mutex<Vec<Option<usize>>>;
+
+fn wrong_with(token: &Token, open: &Open) -> Option<LexError> {
+    if let Some(why) = progress(1).or_else(|| too_long(token, open)) {
         return Some(LexError::Runtime(why));
     }
     match token {
@@ -35,4 +41,23 @@ fn wrong_with(token: &Token) -> Option<LexError> {
         }
         _ => None,
     }
+}
+
+/// Message about a call with too many arguments: Rhai's work after the last token of a call grows with their square.
+fn too_long(token: &Token, open: &Open) -> Option<String> {
+    let mut open = open.lock().unwrap_or_else(PoisonError::into_inner);
+    match token {
+        Token::LeftParen => open.push(Some(0)),
+        Token::LeftBracket | Token::LeftBrace | Token::MapStart => open.push(None),
+        Token::RightParen | Token::RightBracket | Token::RightBrace => drop(open.pop()),
+        Token::EOF => open.clear(),
+        Token::Comma => {
+            let commas = open.last_mut()?.as_mut()?;
+            *commas += 1;
+            return (*commas >= ARGUMENTS)
+                .then(|| format!("a call has more than {ARGUMENTS} arguments"));
+        }
+        _ => {}
+    }
+    None
 }

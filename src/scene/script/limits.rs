@@ -13,6 +13,8 @@ pub const TIME_IS: &str = if cfg!(unix) { "processor time" } else { "time" };
 pub const OPERATIONS: u64 = 10_000_000;
 /// Maximum nesting of calls.
 pub const CALLS: usize = 32;
+/// Maximum number of arguments of a call.
+pub const ARGUMENTS: usize = 64;
 /// Maximum nesting of expressions, outside and inside functions.
 pub const DEPTH: [usize; 2] = [64, 48];
 /// Maximum length of a text, bytes. Rhai counts the texts inside an array or a map together, and `setup` may
@@ -65,6 +67,7 @@ pub fn limits() -> Vec<(&'static str, String)> {
             format!("{} MiB", grouped(MEMORY >> 20)),
         ),
         ("nesting of calls", count(CALLS)),
+        ("arguments of a call", count(ARGUMENTS)),
         (
             "nesting of expressions",
             format!("{}; {} inside functions", DEPTH[0], DEPTH[1]),

@@ -283,6 +283,21 @@ fn errors_list_nested_calls() {
 }
 
 #[test]
+fn calls_have_a_maximum_of_arguments() {
+    let call = |count: usize| {
+        let list = vec!["[1, 2]"; count].join(", ");
+        let text = format!("fn setup(ctx) {{\n  f({list})\n}}");
+        Script::from_text("long.rhai", &text).map(drop)
+    };
+    assert!(call(64).is_ok());
+    let error = call(65).expect_err("too many").to_string();
+    assert!(
+        error.contains("more than 64 arguments") && error.contains("long.rhai:2:"),
+        "{error}"
+    );
+}
+
+#[test]
 fn a_halted_call_ends_before_any_limit_and_so_does_what_begins_under_it() {
     // Each operation reads a long text, so the limit of operations is not met.
     let slow = "let text = \"abcdefgh\";
