@@ -368,6 +368,20 @@ impl Temporary {
     }
 }
 
+/// Bytes that can be written below a folder; `None` where the system does not tell.
+pub fn free_bytes(folder: &Path) -> Option<u64> {
+    #[cfg(unix)]
+    {
+        let found = rustix::fs::statvfs(folder).ok()?;
+        found.f_bavail.checked_mul(found.f_frsize)
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = folder;
+        None
+    }
+}
+
 /// Has a file opened only if its path does not end in a link; other systems than Unix do not tell.
 fn follow_no_link(options: &mut OpenOptions) {
     #[cfg(unix)]

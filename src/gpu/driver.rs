@@ -1,9 +1,13 @@
 //! The adapter of a command, which uses compiled pipelines of earlier runs.
 
-use std::{env, ffi::OsString};
+use std::{
+    env,
+    ffi::OsString,
+    path::{Path, PathBuf},
+};
 
 use crate::{Gpu, GpuError, GpuOptions};
-use reflet_base::cache::private_folder;
+use reflet_base::{cache::private_folder, files::free_bytes};
 
 /// Folder of compiled pipelines, below the user's cache folder.
 pub const PIPELINES: &str = "pipelines";
@@ -22,6 +26,9 @@ const MESA_DISABLE_ENV: &str = "MESA_SHADER_CACHE_DISABLE";
 
 /// Maximum size of that folder in Mesa's notation, and in bytes.
 pub const MOST_OF_MESA: (&str, u64) = ("256M", 256 << 20);
+
+/// Least room on the disk of that folder, bytes: an index of 1.3 MB is mapped, and shaders are written beside it.
+const ROOM_OF_MESA: u64 = 16 << 20;
 
 /// Opens an adapter, with compiled pipelines of earlier runs where its driver offers that, and with ray queries where
 /// these are wanted and it has them.
@@ -46,17 +53,29 @@ pub fn driver_variables() -> Vec<(&'static str, OsString)> {
     mesa_variables().into_iter().chain(folder).collect()
 }
 
+/// Whether the disk of a folder has room for the index that Mesa's drivers map there, where the system tells it.
+fn has_room(folder: &Path) -> bool {
+    let free = folder.ancestors().find_map(free_bytes);
+    free.is_none_or(|free| free >= ROOM_OF_MESA)
+}
+
 /// Environment variables that have Mesa's drivers keep compiled shaders beside ours, unless the user names another
 /// place. A driver keeps none where it finds no folder that it can write to, and compiling takes most of a first
 /// picture.
 fn mesa_variables() -> Vec<(&'static str, OsString)> {
-    if !cfg!(target_os = "linux") || env::var_os(MESA_FOLDER_ENV).is_some() {
+    if !cfg!(target_os = "linux") {
         return Vec::new();
     }
-    let Some(folder) = private_folder(PIPELINES) else {
-        // It would say on standard error that it finds no folder either.
+    let named = env::var_os(MESA_FOLDER_ENV).map(PathBuf::from);
+    let is_named = named.is_some();
+    let folder = named.or_else(|| private_folder(PIPELINES));
+    let Some(folder) = folder.filter(|folder| has_room(folder)) else {
+        // It would say on standard error that it finds no folder, or end the process by a signal where the disk is full.
         return vec![(MESA_DISABLE_ENV, "true".into())];
     };
+    if is_named {
+        return Vec::new();
+    }
     let mut variables = vec![(MESA_FOLDER_ENV, folder.into_os_string())];
     if env::var_os(MESA_SIZE_ENV).is_none() {
         variables.push((MESA_SIZE_ENV, MOST_OF_MESA.0.into()));

@@ -77,17 +77,3 @@ fn sync(folder: &Path) -> io::Result<()> {
     }
     Ok(())
 }
-
-/// Bytes that can be written below a folder; `None` where the system does not tell.
-pub fn free_bytes(folder: &Path) -> Option<u64> {
-    #[cfg(unix)]
-    {
-        let found = rustix::fs::statvfs(folder).ok()?;
-        found.f_bavail.checked_mul(found.f_frsize)
-    }
-    #[cfg(not(unix))]
-    {
-        let _ = folder;
-        None
-    }
-}

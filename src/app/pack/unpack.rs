@@ -13,10 +13,10 @@ use super::{
     super::{args::option_words, error::AppError, print_out, shutdown},
     hashed_read::HashedRead,
     manifest::{BUILT_FROM, LIST, MOST_BYTES, Manifest, PackedFile},
-    unfinished::{Unfinished, free_bytes},
+    unfinished::Unfinished,
 };
 use crate::{
-    files::{Goal, folder_of, open_regular, sweep},
+    files::{Goal, folder_of, free_bytes, open_regular, sweep},
     scene::{diagnostic::Diagnostic, project::UNPACKED},
 };
 use reflet_base::shell::shell_word;
