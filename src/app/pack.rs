@@ -7,8 +7,10 @@ mod hashed_read;
 mod manifest;
 pub mod unfinished;
 pub mod unpack;
+mod until_error;
 
 use std::{
+    cell::RefCell,
     collections::{BTreeMap, BTreeSet},
     fs,
     io::{self, Write as _},
@@ -21,6 +23,7 @@ use zip::{ZipWriter, write::SimpleFileOptions};
 use self::{
     hashed_read::HashedRead,
     manifest::{BUILT_FROM, LIST, Manifest, fault_of_name},
+    until_error::UntilError,
 };
 use super::{args::SceneArgs, error::AppError, scene::load, shutdown};
 use crate::{
@@ -53,11 +56,14 @@ pub fn pack(args: &PackArgs) -> Result<(), AppError> {
     let layout = Layout::of(&args.scene, &args.from)?;
     check_writable(&args.output, &Inputs::of(layout.files.values()))?;
     sweep(std::slice::from_ref(&args.output));
-    let mut goal = Temporary::create(&args.output)
+    let goal = Temporary::create(&args.output)
         .map_err(|error| AppError::unwritten(&args.output, &error))?;
     let count = layout.files.len();
     let unwritten = |error: io::Error| AppError::unwritten(&args.output, &error);
-    let manifest = write_zip(&mut goal.file, layout)?;
+    let full = RefCell::new(None);
+    let manifest = write_zip((&goal.file, &full), layout);
+    full.take().map_or(Ok(()), |error| Err(unwritten(error)))?;
+    let manifest = manifest?;
     let pack_bytes = goal.file.metadata().map_err(unwritten)?.len();
     if let Some(fault) = manifest.fault_of_size(pack_bytes) {
         let output = args.output.display();
@@ -352,9 +358,13 @@ impl io::Read for UntilSignal {
 }
 
 /// Writes the files in the order of their names, then the manifest; equal files give equal bytes.
-fn write_zip(goal: &mut fs::File, layout: Layout) -> Result<Manifest, AppError> {
+/// Writes the files into a ZIP file, until `error` holds one of the file itself.
+fn write_zip(
+    (file, error): (&fs::File, &RefCell<Option<io::Error>>),
+    layout: Layout,
+) -> Result<Manifest, AppError> {
     let mut manifest = layout.manifest;
-    let mut zip = ZipWriter::new(io::BufWriter::new(goal));
+    let mut zip = ZipWriter::new(io::BufWriter::new(UntilError { file, error }));
     let failed =
         |error: zip::result::ZipError| AppError::unwritten(Path::new("the pack"), &error.into());
     for (name, path) in layout.files {
@@ -371,6 +381,9 @@ fn write_zip(goal: &mut fs::File, layout: Layout) -> Result<Manifest, AppError> 
             false => unread(error),
         })?;
         manifest.files.push(from.named(name));
+        if error.borrow().is_some() {
+            return Ok(manifest);
+        }
     }
     let list = serde_json::to_vec_pretty(&manifest)
         .map_err(|error| AppError::Internal(format!("as JSON: {error}")))?;

@@ -153,4 +153,13 @@ fn a_pack_for_which_the_disk_has_no_room_is_refused_before_a_file_is_written() {
     assert_eq!(code, 1, "{text}");
     assert!(text.contains("cannot write disk/made: it needs "), "{text}");
     assert!(!text.contains("left:"), "{text}");
+    let line =
+        format!("{reflet} pack scene.toml -o disk/show.zip; code=$?; ls -A disk >&2; exit $code");
+    let (code, text) = with_disk(&folder, 64, &line).expect("as before");
+    assert_eq!(code, 1, "{text}");
+    assert!(
+        text.starts_with("error: cannot write disk/show.zip: No space left"),
+        "{text}"
+    );
+    assert_eq!(text.lines().count(), 1, "{text}");
 }
