@@ -107,6 +107,17 @@ fn in_folder(folder: &Path) -> Option<String> {
     (&text[at.clone()] != "#").then(|| text[at].to_owned())
 }
 
+/// Whether a character, of one byte, has letters or digits on both of its sides.
+fn is_inside_word(name: &str, at: usize) -> bool {
+    let [before, after] = [
+        name[..at].chars().next_back(),
+        name[at + 1..].chars().next(),
+    ];
+    before
+        .zip(after)
+        .is_some_and(|(a, b)| a.is_alphanumeric() && b.is_alphanumeric())
+}
+
 /// Length of a placeholder in bytes and its number of digits, or an error message.
 type Found = Result<(usize, usize), String>;
 
@@ -117,7 +128,10 @@ fn places(name: &str) -> Result<Vec<(Range<usize>, usize)>, String> {
     while let Some(first) = name[at..].chars().next() {
         let rest = &name[at..];
         let here = match first {
-            '#' => run(rest, '#').map(Ok),
+            // A lone `#` inside of a word is a part of it, as in `a#b.png`.
+            '#' => run(rest, '#')
+                .filter(|(length, _)| *length > 1 || !is_inside_word(name, at))
+                .map(Ok),
             '@' => run(rest, '@')
                 .filter(|(length, _)| *length > 1)
                 .map(|(length, _)| {
