@@ -129,6 +129,33 @@ fn what_has_no_effect_is_warned_of() {
 }
 
 #[test]
+fn what_a_near_plane_cuts_away_is_told() {
+    let folder = folder("cut-away");
+    let ball = |z: f32| format!("[[instance]]\nmodel = \"ball\"\ntranslation = [0, 0, {z}]\n");
+    let scene = |near: &str| {
+        format!(
+            "version = 1\n[environment]\ncolor = [1, 1, 1]\n[camera.main]\neye = [0, 0, 5]\ntarget = [0, 0, 0]\n{near}\
+             [model.ball]\nshape = {{ kind = \"sphere\" }}\n{}{}",
+            ball(0.0),
+            ball(3.0)
+        )
+    };
+    for (near, is_told) in [
+        ("near_m = 4\n", true),
+        ("near_m = 0.5\n", false),
+        ("", false),
+    ] {
+        fs::write(folder.join("near.toml"), scene(near)).expect("written");
+        let (code, out, err) = reflet(&folder, "check", "near.toml");
+        assert_eq!(code, Some(0), "{out}{err}");
+        let told = err.contains("cut-view")
+            && err.contains("near.toml:4:9")
+            && err.contains("`near_m = 0.1`");
+        assert_eq!(told, is_told, "{near}: {err}");
+    }
+}
+
+#[test]
 fn text_of_files_does_not_control_the_terminal() {
     let folder = folder("terminal-text");
     let camera =

@@ -2,7 +2,10 @@
 
 use crate::{
     render::{
-        decide::view_estimate::{Reach, ViewEstimate},
+        decide::{
+            view_estimate::{Reach, ViewEstimate},
+            view_rays::ViewRays,
+        },
         settings::view::{Projection, View},
     },
     scene::{
@@ -20,6 +23,8 @@ const BLACK: f32 = 2e-3;
 const BLOWN: f32 = 4.0;
 /// Share of white pixels that is worth a warning.
 const MOSTLY: f32 = 0.9;
+/// Share of the picture that is cut away by the near plane, from which on it is worth a warning.
+const LEAST_CUT: f32 = 0.01;
 /// Minimum number of mirror rays for a statement about a reflector.
 const FEWEST: usize = 8;
 
@@ -65,6 +70,15 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
         found.push(Diagnostic::at("empty-view", at(), message).help(help));
         return found;
     }
+    found.extend(cut(
+        ViewRays {
+            world,
+            trees,
+            view: &whole,
+        },
+        camera,
+        view.near_m,
+    ));
     // Automatic exposure adapts to the picture.
     if let Exposure::Ev(ev) = scene.image.exposure_ev {
         found.extend(brightness(&estimate, ev, camera));
@@ -73,6 +87,24 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
         found.extend(reflector(scene, world, *material, reach, unit_m));
     }
     found
+}
+
+/// Warning about a near plane that cuts away a part of what rays of a camera without one meet.
+fn cut(rays: ViewRays, camera: &Entry<CameraDesc>, near_m: f32) -> Option<Diagnostic> {
+    let depths = rays.depths();
+    let met = depths.iter().flatten().map(|depth_m| *depth_m as f32);
+    let cut: Vec<f32> = met.filter(|depth_m| *depth_m < near_m).collect();
+    let share = cut.len() as f32 / depths.len() as f32;
+    (share >= LEAST_CUT).then(|| {
+        let percent = (share * 100.0).round();
+        let name = &camera.name;
+        let message = format!(
+            "camera \"{name}\" cuts away {percent} % of what it would show: it is nearer than its near plane, {near_m} m"
+        );
+        let nearest_m = rounded_down(cut.into_iter().fold(near_m, f32::min));
+        let help = format!("write `near_m = {nearest_m}` in its table");
+        Diagnostic::at("cut-view", camera.at.clone(), message).help(help)
+    })
 }
 
 /// Warning about a picture that is black or white nearly all over, at an exposure of `ev` stops.

@@ -59,6 +59,13 @@ impl ViewRays<'_> {
         }
     }
 
+    /// Depth of the nearest surface at each of [`places`], meters; `None` where there is none.
+    pub fn depths(&self) -> Vec<Option<f64>> {
+        let nearest = |place| self.trees.nearest(&self.primary(place), |_, _, _| true);
+        let depth = |place| Some(nearest(place)?.t);
+        places().map(depth).collect()
+    }
+
     /// The surface point of a hit along `direction`; its normal faces the ray.
     pub fn point(&self, hit: &RayHit, direction: DVec3) -> SurfacePoint {
         let instance = &self.world.instances[hit.instance as usize];

@@ -146,11 +146,14 @@ impl Coordinates {
     /// A camera in these coordinates.
     pub fn camera(&self, camera: &CameraDesc) -> CameraDesc {
         let scaled = |length_m: Option<f32>| length_m.map(|m| m * self.scale);
+        // The default is a length of the scene; in small scenes it is a part of U, which is scaled with them.
+        let is_large = self.scale < 1.0;
+        let nearest = || is_large.then(|| camera.near_in(f32::INFINITY));
         CameraDesc {
             eye: (camera.eye - self.origin) * self.scale,
             target: (camera.target - self.origin) * self.scale,
             orthographic_height_m: scaled(camera.orthographic_height_m),
-            near_m: scaled(camera.near_m),
+            near_m: scaled(camera.near_m.or_else(nearest)),
             focus_m: scaled(camera.focus_m),
             // The sensor keeps its size, so a wider opening makes the lens as much larger.
             aperture_f: camera.aperture_f.map(|f| f / self.scale),
@@ -212,4 +215,25 @@ fn approached(camera: &CameraDesc, seen: &Bounds, unit_m: f32) -> (CameraDesc, f
         ..camera.clone()
     };
     (near, way as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_default_near_plane_is_as_far_in_scenes_of_any_scale() {
+        let camera = CameraDesc::default();
+        for unit_m in [1.0 / 32.0, 0.1, 1.0, 4096.0, 8192.0, f32::exp2(40.0)] {
+            let scale = if USUAL_UNITS_M.contains(&unit_m) {
+                1.0
+            } else {
+                1.0 / unit_m
+            };
+            let origin = Vec3::ZERO;
+            let coordinates = Coordinates { origin, scale };
+            let near_m = coordinates.camera(&camera).near_in(unit_m * scale) * coordinates.meters();
+            assert_eq!(near_m, camera.near_in(unit_m), "{unit_m}");
+        }
+    }
 }
