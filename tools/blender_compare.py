@@ -17,10 +17,10 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from measuring import add_program, program_of, table, write_tables
-from PIL import Image
+from measuring import add_program, program_of
 from reflet_usd.exr_pixels import read_exr
-from sheet import sheet
+from sheet import sheet, shown
+from tables import table, write_tables
 
 ROOT = Path(__file__).resolve().parents[1]
 SCENES = ROOT / "tools" / "blender" / "scenes.py"
@@ -33,15 +33,6 @@ FRAMES = {"animated": 12}
 def radiance(path: Path) -> np.ndarray:
     """Linear RGB of an EXR file."""
     return read_exr(path.read_bytes())[..., :3]
-
-
-def shown(path: Path) -> Path:
-    """A PNG of linear radiance as sRGB, beside the file."""
-    linear = np.clip(radiance(path), 0, 1)
-    srgb = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-    out = path.with_suffix(".png")
-    Image.fromarray(np.round(srgb * 255).astype(np.uint8)).save(out)
-    return out
 
 
 def compare(reflet: Path, place: Path, samples: int) -> dict[str, float]:
@@ -60,7 +51,8 @@ def compare(reflet: Path, place: Path, samples: int) -> dict[str, float]:
     )
     said = json.loads(judged.stdout)
     a, b = radiance(ours), radiance(cycles)
-    shown(ours), shown(cycles)
+    for path, linear in ((ours, a), (cycles, b)):
+        shown(linear).save(path.with_suffix(".png"))
     return {"flip": said["frame"]["flip_mean"], "brightness": float(a.mean() / b.mean())}
 
 

@@ -24,14 +24,14 @@ import sys
 import time
 from pathlib import Path
 
-import measuring
+import tables
 import tomllib
-from measuring import add_program, program_of
+from measuring import ROOT, add_program, program_of
 from sheet import sheet
 
-PAGE = measuring.ROOT / "docs" / "gltf.md"
-PAGE_SHEETS = measuring.ROOT / "docs" / "images"
-LOOKS = measuring.ROOT / "tools" / "gltf_looks.toml"
+PAGE = ROOT / "docs" / "gltf.md"
+PAGE_SHEETS = ROOT / "docs" / "images"
+LOOKS = ROOT / "tools" / "gltf_looks.toml"
 
 SIZE = 192
 SAMPLES = 16
@@ -196,8 +196,8 @@ def table(roots: list[Root], looks: Looks) -> str:
         f"are refused as `nothing-to-show`, and {len(looks.refused)} must be refused: "
         + "; ".join(f"{file} ({why})" for file, why in sorted(looks.refused.items()))
     )
-    wrong = [measuring.table(["not right", "why"], lines)] if lines else []
-    return "\n\n".join([f"{share}.", *wrong, measuring.table(head, rows)])
+    wrong = [tables.table(["not right", "why"], lines)] if lines else []
+    return "\n\n".join([f"{share}.", *wrong, tables.table(head, rows)])
 
 
 def main() -> None:
@@ -223,7 +223,7 @@ def main() -> None:
     text = table(roots, read_looks(roots))
     (arguments.out / "table.md").write_text(text + "\n", encoding="utf-8")
     if arguments.page and not arguments.only:
-        measuring.write_tables(PAGE, {"corpus": text})
+        tables.write_tables(PAGE, {"corpus": text})
         write_page_sheets(arguments.corpus, roots)
     slowest = max(roots, key=lambda root: root.seconds)
     print(f"{len(roots)} roots on {count} sheets; slowest {slowest.file}: {slowest.seconds:.1f} s")

@@ -1,13 +1,10 @@
-"""Functions that the measuring tools share: finding the program, writing tables."""
+"""Functions that the measuring tools share: finding the program, rendering by it."""
 
 import argparse
-import csv
 import os
 import pathlib
-import re
 import subprocess
 import sys
-from collections.abc import Iterable, Mapping, Sequence
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 
@@ -34,36 +31,20 @@ def program_of(given: pathlib.Path | None) -> pathlib.Path:
     return ROOT / target / "release" / "reflet"
 
 
-def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table in Markdown, without a final newline."""
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines).replace("|  |", "| |")
+def settings(*assignments: str) -> list[str]:
+    """Options that assign values of a scene, each `KEY=VALUE`."""
+    return [word for assignment in assignments for word in ("--set", assignment)]
 
 
-def write_tables(page: pathlib.Path, tables: Mapping[str, str]) -> None:
-    """Writes tables between `<!-- table: NAME -->` and `<!-- end -->` of a page."""
-    text = page.read_text()
-    for name, content in tables.items():
-        before, after = f"<!-- table: {name} -->\n", "\n<!-- end -->"
-        pattern = f"{re.escape(before)}.*?{re.escape(after)}"
-        parts = re.split(pattern, text, flags=re.DOTALL)
-        if len(parts) != 2:
-            sys.exit(f"{page} has {len(parts) - 1} places for the table {name!r}")
-        text = (before + content + after).join(parts)
-    page.write_text(text)
-
-
-def write_rows(path: pathlib.Path, rows: Sequence[Mapping[str, object]]) -> None:
-    """Writes rows of the same columns as CSV."""
-    with path.open("w", newline="") as file:
-        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
-
-
-def read_rows(path: pathlib.Path) -> list[dict[str, str]]:
-    """Rows of a CSV file; empty where there is no file."""
-    if not path.exists():
-        return []
-    with path.open(newline="") as file:
-        return list(csv.DictReader(file))
+def render(
+    program: pathlib.Path,
+    scene: pathlib.Path,
+    picture: pathlib.Path,
+    size: tuple[int, int],
+    *options: str | pathlib.Path,
+) -> pathlib.Path:
+    """Renders a scene at a size in pixels; returns the picture's path."""
+    command: list[str | pathlib.Path] = [program, "render", scene, "-o", picture]
+    command += ["--size", f"{size[0]}x{size[1]}", *options]
+    subprocess.run(command, cwd=ROOT, check=True, stderr=subprocess.DEVNULL)
+    return picture

@@ -6,43 +6,55 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 GAP = 6
 TEXT_HEIGHT = 14
 
 
+def shown(linear: np.ndarray) -> Image.Image:
+    """A picture of linear radiance as sRGB (IEC 61966-2-1)."""
+    c = np.clip(linear, 0, 1)
+    srgb = np.where(c <= 0.0031308, 12.92 * c, 1.055 * c ** (1 / 2.4) - 0.055)
+    return Image.fromarray((255 * srgb + 0.5).astype(np.uint8))
+
+
 def sheet(
-    cells: list[tuple[str, Path]],
+    cells: Sequence[tuple[str, Path | Image.Image]],
     columns: int,
     width: int,
+    *,
     crop: tuple[int, int, int, int] | None = None,
+    gap: int = GAP,
+    scaling: Image.Resampling = Image.Resampling.LANCZOS,
 ) -> Image.Image:
     """The pictures row by row, each `width` pixels wide; captions above where there are any.
 
     `crop` is the shown part of each picture: left, top, right and bottom in its pixels.
     """
-    pictures = [_scaled(path, width, crop) for _, path in cells]
+
+    def scaled(picture: Path | Image.Image) -> Image.Image:
+        opened = Image.open(picture) if isinstance(picture, Path) else picture
+        part = opened.convert("RGB").crop(crop)
+        return part.resize((width, round(part.height * width / part.width)), scaling)
+
+    pictures = [scaled(picture) for _, picture in cells]
     height = max(picture.height for picture in pictures)
     rows = -(-len(cells) // columns)
     text_height = TEXT_HEIGHT if any(caption for caption, _ in cells) else 0
-    step_x, step_y = width + GAP, height + text_height + GAP
-    out = Image.new("RGB", (columns * step_x + GAP, rows * step_y + GAP), "white")
+    step_x, step_y = width + gap, height + text_height + gap
+    out = Image.new("RGB", (columns * step_x + gap, rows * step_y + gap), "white")
     draw = ImageDraw.Draw(out)
     font = ImageFont.load_default()
     for index, ((caption, _), picture) in enumerate(zip(cells, pictures, strict=True)):
-        x, y = GAP + index % columns * step_x, GAP + index // columns * step_y
+        x, y = gap + index % columns * step_x, gap + index // columns * step_y
         draw.text((x, y), caption, fill="black", font=font)
         out.paste(picture, (x, y + text_height))
     return out
-
-
-def _scaled(path: Path, width: int, crop: tuple[int, int, int, int] | None) -> Image.Image:
-    picture = Image.open(path).convert("RGB").crop(crop)
-    height = round(picture.height * width / picture.width)
-    return picture.resize((width, height), Image.Resampling.LANCZOS)
 
 
 def main() -> None:
@@ -66,7 +78,7 @@ def main() -> None:
             parser.error(f"{cell}: expected CAPTION=PICTURE")
         cells.append((caption, Path(path)))
     crop = tuple(arguments.crop) if arguments.crop else None
-    sheet(cells, arguments.columns, arguments.width, crop).save(arguments.out, optimize=True)
+    sheet(cells, arguments.columns, arguments.width, crop=crop).save(arguments.out, optimize=True)
 
 
 if __name__ == "__main__":

@@ -17,9 +17,10 @@ import subprocess
 from pathlib import Path
 
 import numpy as np
-from measuring import add_program, program_of, table
+from measuring import add_program, program_of
 from PIL import Image
 from sheet import sheet
+from tables import table
 
 ENDINGS = {".toml", ".glb", ".gltf"}
 SCENES_PER_SHEET = 14

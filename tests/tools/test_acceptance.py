@@ -1,20 +1,12 @@
-"""tools/acceptance.py: how the threshold T is chosen, and the confidence intervals."""
+"""The page of rules of acceptance: how the threshold T is chosen, and the confidence intervals."""
 
-import importlib.util
 import pathlib
-import sys
 
 import pytest
-
-PATH = pathlib.Path(__file__).resolve().parents[2] / "tools" / "acceptance.py"
-spec = importlib.util.spec_from_file_location("acceptance", PATH)
-assert spec and spec.loader
-acceptance = importlib.util.module_from_spec(spec)
-sys.modules["acceptance"] = acceptance
-spec.loader.exec_module(acceptance)
+from documents import acceptance
 
 
-def score(flip: float, nodes: float) -> "acceptance.Score":
+def score(flip: float, nodes: float) -> acceptance.Score:
     return acceptance.Score(flip * 1000, flip, flip, 1.0 - flip, nodes, 1.0)
 
 
@@ -86,5 +78,5 @@ def test_a_swaying_camera_moves_by_a_share_of_its_distance() -> None:
 
 
 def test_the_page_needs_samples(tmp_path: pathlib.Path) -> None:
-    with pytest.raises(SystemExit, match="run `measure` first"):
-        acceptance.page(tmp_path)
+    with pytest.raises(SystemExit, match="run with --measure first"):
+        acceptance.store([tmp_path])

@@ -13,7 +13,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-from measuring import table, write_tables
+from tables import table, write_tables
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs/blender.md"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from denoised import Frame, View, at_rest, error_change, moved
+from documents.denoised import Frame, View, at_rest, error_change, moved
 
 SIZE = (36, 64)
 DEPTH = 4.0

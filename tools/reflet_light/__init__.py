@@ -1,1 +1,1 @@
-"""Scene text in Mitsuba 3, to compare converged pictures; see tools/light.py."""
+"""Scene text in Mitsuba 3, to compare converged pictures; see tools/documents/light.py."""

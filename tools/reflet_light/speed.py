@@ -2,13 +2,13 @@
 
 import pathlib
 import resource
-import subprocess
 import time
 from collections.abc import Callable
 
 import numpy as np
 import tomllib
-from measuring import read_rows, write_rows
+from measuring import render
+from tables import Rows, read_rows, write_rows
 
 from .scenes import Scene
 
@@ -25,12 +25,7 @@ Picture = np.ndarray
 def reflet(path: pathlib.Path, samples: int, program: pathlib.Path) -> float:
     """Render a scene beside its file; returns seconds of processor time."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    size = f"{SIZE[0]}x{SIZE[1]}"
-    command: list[str | pathlib.Path] = [program, "render", path, "--size", size]
-    command += ["--samples", str(samples)]
-    subprocess.run(
-        [*command, "-o", path.with_suffix(".exr")], check=True, stderr=subprocess.DEVNULL
-    )
+    render(program, path, path.with_suffix(".exr"), SIZE, "--samples", str(samples))
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
@@ -77,10 +72,10 @@ def measure(
         write_rows(out / "speed.csv", rows)
 
 
-def lines(out: pathlib.Path) -> list[list[str]]:
+def lines(rows: Rows) -> list[list[str]]:
     """Rows of the page's table, with the ratio of Reflet's time to Mitsuba's at the same error."""
     made = []
-    for row in read_rows(out / "speed.csv"):
+    for row in rows:
         ours_s, ours, theirs_s, theirs = (float(row[name]) for name in COLUMNS[2:])
         ratio = ours_s * ours / (theirs_s * theirs)
         times = [f"{ours_s:.1f} s", f"{ours:.1e}", f"{theirs_s:.1f} s", f"{theirs:.1e}"]

@@ -1,37 +1,51 @@
-#!/usr/bin/env python3
-"""Measures what docs/paper.md compares with the paper, and rewrites its tables.
+"""The experiments of docs/paper.md, measured on our scenes: tables, charts and sheets.
 
-    tools/paper.py measure --assets DIR OUT    # six experiments and the atrium, about an hour
-    tools/paper.py page OUT [OUT ...]          # the page's tables, charts and sheet, and docs/data
-    tools/paper.py pictures --assets DIR       # the floor with three thresholds
-
-Tables are computed here from the samples.csv of each run, not by the report, so that each checks
-the other. Each OUT is measured on one driver (`eval "$(tools/driver.sh newest)"` has all programs
-use the newest one): all tables are of the first but that of drivers, which has a part of each. The
-text around them is written by hand: check it against new numbers.
+Tables are computed here from the samples of each run, not by the report. Each OUT is measured on
+one driver: all tables are of the first but that of drivers, which has a part of each. The text
+around them is written by hand: check it against new numbers.
 """
 
-import argparse
 import base64
-import collections
-import csv
+import io
 import pathlib
 import re
 import shutil
 import statistics
-import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 
-from measuring import add_program, program_of, table, write_tables
+from measuring import ROOT, render, settings
+from PIL import Image
+from sheet import sheet
+from tables import (
+    Row,
+    Rows,
+    by,
+    count,
+    digits,
+    fixed,
+    mean,
+    median,
+    number,
+    read_rows,
+    table,
+    values,
+    write_rows,
+)
 
-ROOT = pathlib.Path(__file__).resolve().parents[1]
-PAGE = ROOT / "docs" / "paper.md"
-CHARTS = ROOT / "docs" / "charts"
-DATA = ROOT / "docs" / "data"
-IMAGES = ROOT / "docs" / "images"
-METHODS = ["ssr", "hybrid", "rt"]
+from documents.document import (
+    CHARTS,
+    DATA,
+    IMAGES,
+    METHODS,
+    Document,
+    Run,
+    driver_of,
+    in_places,
+    samples,
+)
+
 SMALL = ["--sizes", "320x180"]
 ONCE = ["--frames", "1", "--warm-up", "1"]
 RUNS = {
@@ -57,24 +71,17 @@ PICTURES = {
     "atrium-flip.svg": ("atrium", "chart-1-flip.svg"),
 }
 
-Row = dict[str, str]
-Rows = list[Row]
 
-
-def measure(out: pathlib.Path, assets: pathlib.Path, program: pathlib.Path) -> None:
+def measure(run: Run) -> None:
     for name, arguments in RUNS.items():
-        command: list[str | pathlib.Path] = [program, "bench", *arguments, "--resume"]
-        if name != "atrium":
-            command += ["--assets", assets]
-        print(f"== {name}", flush=True)
-        subprocess.run([*command, "-o", out / name], check=True)
-    if not (out / "systems" / "systems.csv").exists():
-        print("== systems", flush=True)
-        command = [program, "bench", *SYSTEMS, "--assets", assets]
-        subprocess.run([*command, "-o", out / "systems"], check=True)
+        if run.wants(name):
+            models = [] if name == "atrium" else run.models()
+            run.bench(name, *arguments, "--resume", *models)
+    if not (run.out / "systems" / "systems.csv").exists() and run.wants("systems"):
+        run.bench("systems", *SYSTEMS, *run.models())
 
 
-def pictures(assets: pathlib.Path, program: pathlib.Path) -> None:
+def pictures(run: Run) -> None:
     """Render the floor of Fig. 1's scene, where stripes and prolonged reflections show."""
     scene = ROOT / "scenes" / "paper" / "sponza.toml"
     thresholds = ["0.005", "0.025", "0.065"]
@@ -85,73 +92,31 @@ def pictures(assets: pathlib.Path, program: pathlib.Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         for index, (method, t, aov) in enumerate(shots):
             out = pathlib.Path(folder) / f"{index}.png"
-            command: list[str | pathlib.Path] = [program, "render", scene]
-            command += ["--assets", assets]
-            command += ["--size", "1280x720", "--method", method, "-o", out]
             rule = ["reflection.accept=threshold", f"reflection.threshold_u={t}"] if t else []
-            command += [part for setting in rule for part in ("--set", setting)]
-            command += ["--aov", aov] if aov else []
-            subprocess.run(command, check=True, stderr=subprocess.DEVNULL)
-            shown = out.with_suffix(f".{aov}.png") if aov else out
+            options = [*run.models(), "--method", method, *settings(*rule)]
+            render(run.program, scene, out, (1280, 720), *options, *(["--aov", aov] if aov else []))
             rule_name = f", T = {t} U" if t else ", verified"
             what = "rt" if method == "rt" else method + rule_name
-            cells.append(f"{what}{', sources' if aov else ''}={shown}")
-        sheet = [ROOT / ".venv" / "bin" / "python", ROOT / "tools" / "sheet.py"]
-        floor = ["--crop", "320", "390", "860", "720"]
-        out = IMAGES / "paper-fig1.png"
-        subprocess.run(
-            [*sheet, out, "--columns", "4", "--width", "480", *floor, *cells], check=True
-        )
+            caption = f"{what}{', sources' if aov else ''}"
+            cells.append((caption, out.with_suffix(f".{aov}.png") if aov else out))
+        floor = (320, 390, 860, 720)
+        sheet(cells, 4, 480, crop=floor).save(IMAGES / "paper-fig1.png", optimize=True)
 
 
-def of_reflections(row: Row) -> Row:
-    """The row with passes in processor time, where known, since other programs do not lengthen it,
+def of_reflections(rows: Rows) -> Rows:
+    """Rows with passes in processor time, where known, since other programs do not lengthen it,
     and without the work of primary rays, which all methods share."""
-    times = {f"{of}_ms": row.get(f"{of}_cpu_ms") for of in ("passes", "reflection")}
-    work = {
-        column: str(float(row[column]) - float(row[f"primary_{column}"]))
-        for column in ("traversals", "visited_nodes", "tested_triangles")
-        if row[column] and row.get(f"primary_{column}")
-    }
-    return row | {column: ms for column, ms in times.items() if ms} | work
 
+    def alone(row: Row) -> Row:
+        times = {f"{of}_ms": row.get(f"{of}_cpu_ms") for of in ("passes", "reflection")}
+        work = {
+            column: str(float(row[column]) - float(row[f"primary_{column}"]))
+            for column in ("traversals", "visited_nodes", "tested_triangles")
+            if row[column] and row.get(f"primary_{column}")
+        }
+        return row | {column: ms for column, ms in times.items() if ms} | work
 
-def number(row: Row, column: str) -> float | None:
-    return float(row[column]) if row[column] else None
-
-
-def values(rows: Iterable[Row], column: str) -> list[float]:
-    return [v for row in rows if (v := number(row, column)) is not None]
-
-
-def median(rows: Iterable[Row], column: str) -> float:
-    return statistics.median(values(rows, column))
-
-
-def by(rows: Rows, *columns: str) -> dict[tuple[str, ...], Rows]:
-    groups: dict[tuple[str, ...], Rows] = collections.defaultdict(list)
-    for row in rows:
-        groups[tuple(row[column] for column in columns)].append(row)
-    return groups
-
-
-def digits(value: float) -> str:
-    """Three significant digits."""
-    if value == 0:
-        return "0"
-    if abs(value) < 1e-3:
-        return f"{value:.1e}".replace("e-0", "e-")
-    whole = len(str(int(abs(value)))) if abs(value) >= 1 else 0
-    return f"{value:.{max(0, 3 - whole)}f}"
-
-
-def fixed(row: Row, column: str, places: int) -> str:
-    value = number(row, column)
-    return "–" if value is None else f"{value:.{places}f}"
-
-
-def count(value: float) -> str:
-    return f"{round(value):,}"
+    return [alone(row) for row in rows]
 
 
 def frame_ms(rows: Rows) -> dict[str, float]:
@@ -246,8 +211,7 @@ def sizes(rows: Rows) -> str:
         nodes = {m: sum(values(of[(m,)], "visited_nodes")) for m in METHODS}
 
         def ssim(column: str) -> str:
-            means = (statistics.mean(values(of[(m,)], column) or [0.0]) for m in METHODS[:2])
-            return ", ".join(f"{mean:.3f}" for mean in means)
+            return ", ".join(f"{mean(of[(m,)], column):.3f}" for m in METHODS[:2])
 
         ms = ", ".join(f"{total[m]:.0f}" for m in METHODS)
         ratios = [f"{of_both['hybrid'] / of_both['rt']:.2f}" for of_both in (total, nodes)]
@@ -261,7 +225,7 @@ def walk(rows: Rows) -> str:
     each: dict[str, Rows] = {m: sorted(of[(m,)], key=lambda r: int(r["frame"])) for m in METHODS}
     judged = len(values(each["ssr"], "mask_ssim"))
     reflection = {m: values(each[m], "reflection_ms") for m in METHODS}
-    wall = {m: statistics.mean(values(each[m], "frame_ms")) for m in METHODS}
+    wall = {m: mean(each[m], "frame_ms") for m in METHODS}
     pairs = zip(reflection["hybrid"], reflection["rt"], strict=True)
     ratio = statistics.median(a / b for a, b in pairs)
     nodes = {m: sum(values(each[m], "visited_nodes")) for m in METHODS}
@@ -273,15 +237,12 @@ def walk(rows: Rows) -> str:
         parts = [sum(values(each[m], f"temporal_{c}")) for c in ("difference", "change")]
         return f"{100 * parts[0] / parts[1]:.1f} %"
 
-    def mean(m: str, c: str) -> float:
-        return statistics.mean(values(each[m], c) or [0.0])
-
     lines = [
-        row("SSIM of the frame, mean", lambda m: f"{mean(m, 'ssim'):.4f}"),
+        row("SSIM of the frame, mean", lambda m: f"{mean(each[m], 'ssim'):.4f}"),
         row("SSIM of the frame, least", lambda m: f"{min(values(each[m], 'ssim')):.4f}"),
         row(
             f"SSIM in reflections, mean of the {judged} frames that have enough",
-            lambda m: f"{mean(m, 'mask_ssim'):.3f}",
+            lambda m: f"{mean(each[m], 'mask_ssim'):.3f}",
         ),
         row("temporal error", flicker),
         row("wall ms, mean", lambda m: f"{wall[m]:.0f}", f"{wall['hybrid'] / wall['rt']:.2f}"),
@@ -312,8 +273,8 @@ def walk_systems(rows: Rows, walked: Rows) -> str:
         ms, flip = values(rs, "ms"), values(judged, "flip")
         anew = median(rs, "update_ms")
         times = [digits(statistics.median(ms)), digits(max(ms)), digits(anew) if anew else "–"]
-        wrong = statistics.mean(values(judged, "wrong_percent"))
-        errors = [f"{statistics.mean(flip):.4f}", f"{max(flip):.4f}", f"{wrong:.1f}"]
+        wrong = mean(judged, "wrong_percent")
+        errors = [f"{mean(judged, 'flip'):.4f}", f"{max(flip):.4f}", f"{wrong:.1f}"]
         return [f"`{system}`" if system in METHODS else system, *times, *errors]
 
     return table(head, [line(system, rs) for (system,), rs in by(rows, "system").items()])
@@ -406,32 +367,30 @@ def measured(runs: dict[str, Rows]) -> str:
     return table(["command", "commit", "frames a setting"], [line(n, r) for n, r in runs.items()])
 
 
-def drivers(measured_on: list[dict[str, Rows]]) -> str:
-    """Times of rt, and of hybrid over it, on each driver."""
+def driver_rows(runs: dict[str, Rows]) -> Rows:
+    """Times of rt, and of hybrid over it, in each scene on the driver of these runs."""
+    scenes = {"Scenario 1, 320 × 180": runs["scenario1"], "walk, 320 × 180": runs["walk"]}
+    for (width, height), rows in by(runs["sizes"], "width", "height").items():
+        scenes[f"walk, {width} × {height}"] = rows
+    far = [r for r in runs["scenario3"] if float(r["ray_length_u"]) == 16]
+    for name in SURFACES.values():
+        scenes[f"Scenario 3, {name}, 320 × 180"] = [r for r in far if surface(r) == name]
+    driver = driver_of(runs["scenario1"][0])
 
-    def rows_of(runs: dict[str, Rows]) -> dict[str, Rows]:
-        one = {"Scenario 1, 320 × 180": runs["scenario1"], "walk, 320 × 180": runs["walk"]}
-        for (width, height), rows in by(runs["sizes"], "width", "height").items():
-            one[f"walk, {width} × {height}"] = rows
-        far = [r for r in runs["scenario3"] if float(r["ray_length_u"]) == 16]
-        for name in SURFACES.values():
-            one[f"Scenario 3, {name}, 320 × 180"] = [r for r in far if surface(r) == name]
-        return one
-
-    def cells(rows: Rows) -> list[str]:
+    def row(scene: str, rows: Rows) -> Row:
         rt, hybrid = (median(by(rows, "method")[(m,)], "reflection_ms") for m in ("rt", "hybrid"))
-        return [digits(rt), f"{hybrid / rt:.2f}"]
+        times = {"rt_ms": digits(rt), "hybrid_over_rt": f"{hybrid / rt:.2f}"}
+        return {"driver": driver, "scene": scene} | times
 
-    def name(runs: dict[str, Rows]) -> str:
-        driver = runs["scenario1"][0]["driver"]
-        found = re.search(r"Mesa [0-9.]+", driver)
-        return found[0] if found else driver
+    return [row(scene, rows) for scene, rows in scenes.items()]
 
-    each = [rows_of(runs) for runs in measured_on]
-    head = [""]
-    for runs in measured_on:
-        head += [f"{name(runs)}: `rt`, ms", "hybrid / RT"]
-    return table(head, ([k, *(c for rows in each for c in cells(rows[k]))] for k in each[0]))
+
+def drivers(rows: Rows) -> str:
+    names = list(dict.fromkeys(row["driver"] for row in rows))
+    head = ["", *(cell for name in names for cell in (f"{name}: `rt`, ms", "hybrid / RT"))]
+    lines = by(rows, "scene").items()
+    cells = ([s, *(c for r in rs for c in (r["rt_ms"], r["hybrid_over_rt"]))] for (s,), rs in lines)
+    return table(head, cells)
 
 
 TABLES: dict[str, tuple[str, Callable[[Rows], str]]] = {
@@ -448,74 +407,44 @@ TABLES: dict[str, tuple[str, Callable[[Rows], str]]] = {
 }
 
 
+def tables() -> dict[str, str]:
+    runs = {name: of_reflections(read_rows(DATA / f"{name}.csv")) for name in RUNS}
+    return {
+        **{name: make(runs[run]) for name, (run, make) in TABLES.items()},
+        "measured": measured(runs),
+        "walk-systems": walk_systems(read_rows(DATA / "walk-systems.csv"), runs["walk"]),
+        "drivers": drivers(read_rows(DATA / "drivers.csv")),
+    }
+
+
 def scenario3_sheet(report: pathlib.Path) -> None:
     """Sheet of the plane's and the sphere's pictures, taken from the report."""
     text = report.read_text()
-    cells: list[str] = []
-    with tempfile.TemporaryDirectory() as folder:
-        for name in ("ground", "sphere"):
-            section = text.split(f"Scenario 3, {name}, ray length 16 (Sponza): pictures")[1]
-            figure = r'base64,([^"]+)".*?<figcaption>(.*?)</figcaption>'
-            found = [(m[2], m[1]) for m in re.finditer(figure, section, re.DOTALL)][:6]
-            for part in ("rt", ": sources", "hybrid.*difference", "ssr.*difference"):
-                caption, data = next(f for f in found if re.search(rf"^rt$|{part}", f[0]))
-                found.remove((caption, data))
-                path = pathlib.Path(folder) / f"{len(cells)}.png"
-                path.write_bytes(base64.b64decode(data))
-                gain = re.search("× [0-9]+$", caption)
-                label = caption.split(",")[0] + (", sources" if "sources" in part else "")
-                label += f", difference {gain[0].replace('× ', 'x')}" if gain else ""
-                cells.append(f"{label}={path}")
-        python = ROOT / ".venv" / "bin" / "python"
-        sheet = [python, ROOT / "tools" / "sheet.py", IMAGES / "paper-scenario3.png"]
-        subprocess.run([*sheet, "--columns", "4", "--width", "320", *cells], check=True)
+    cells = []
+    for name in ("ground", "sphere"):
+        section = text.split(f"Scenario 3, {name}, ray length 16 (Sponza): pictures")[1]
+        figure = r'base64,([^"]+)".*?<figcaption>(.*?)</figcaption>'
+        found = [(m[2], m[1]) for m in re.finditer(figure, section, re.DOTALL)][:6]
+        for part in ("rt", ": sources", "hybrid.*difference", "ssr.*difference"):
+            caption, data = next(f for f in found if re.search(rf"^rt$|{part}", f[0]))
+            found.remove((caption, data))
+            gain = re.search("× [0-9]+$", caption)
+            label = caption.split(",")[0] + (", sources" if "sources" in part else "")
+            label += f", difference {gain[0].replace('× ', 'x')}" if gain else ""
+            cells.append((label, Image.open(io.BytesIO(base64.b64decode(data)))))
+    sheet(cells, 4, 320).save(IMAGES / "paper-scenario3.png", optimize=True)
 
 
-def read(out: pathlib.Path) -> dict[str, Rows]:
-    runs: dict[str, Rows] = {}
-    for name in RUNS:
-        with (out / name / "samples.csv").open(newline="") as file:
-            runs[name] = [of_reflections(row) for row in csv.DictReader(file)]
-    return runs
-
-
-def page(outs: list[pathlib.Path]) -> None:
-    out, runs = outs[0], read(outs[0])
-    tables = {name: make(runs[run]) for name, (run, make) in TABLES.items()}
-    tables["measured"] = measured(runs)
-    with (out / "systems" / "systems.csv").open(newline="") as file:
-        tables["walk-systems"] = walk_systems(list(csv.DictReader(file)), runs["walk"])
-    tables["drivers"] = drivers([runs, *map(read, outs[1:])])
-    write_tables(PAGE, tables)
-    for name, (run, drawn) in PICTURES.items():
-        shutil.copyfile(out / run / drawn, CHARTS / name)
-    scenario3_sheet(out / "scenario3" / "report.html")
-    DATA.mkdir(exist_ok=True)
+def store(outs: list[pathlib.Path]) -> None:
+    out = outs[0]
     for name in RUNS:
         shutil.copyfile(out / name / "samples.csv", DATA / f"{name}.csv")
     shutil.copyfile(out / "systems" / "systems.csv", DATA / "walk-systems.csv")
+    read = ({name: of_reflections(samples(out, name)) for name in RUNS} for out in outs)
+    write_rows(DATA / "drivers.csv", [row for runs in read for row in driver_rows(runs)])
+    for name, (run, drawn) in PICTURES.items():
+        shutil.copyfile(out / run / drawn, CHARTS / name)
+    scenario3_sheet(out / "scenario3" / "report.html")
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
-    commands = parser.add_subparsers(required=True, dest="command")
-    measuring = commands.add_parser("measure", help="run what OUT lacks")
-    measuring.add_argument("--assets", type=pathlib.Path, required=True)
-    drawing = commands.add_parser("pictures", help="render the floor with three thresholds")
-    drawing.add_argument("--assets", type=pathlib.Path, required=True)
-    for command in (measuring, drawing):
-        add_program(command)
-    writing = commands.add_parser("page", help="write the tables and charts of docs/paper.md")
-    measuring.add_argument("out", type=pathlib.Path, metavar="OUT")
-    writing.add_argument("out", type=pathlib.Path, metavar="OUT", nargs="+")
-    arguments = parser.parse_args()
-    if arguments.command == "measure":
-        measure(arguments.out, arguments.assets, program_of(arguments.reflet))
-    elif arguments.command == "pictures":
-        pictures(arguments.assets, program_of(arguments.reflet))
-    else:
-        page(arguments.out)
-
-
-if __name__ == "__main__":
-    main()
+DOCUMENT = Document("paper.md", in_places(tables), store, measure, pictures)

@@ -1,16 +1,10 @@
-#!/usr/bin/env python3
-"""Compares the two rules by which the march accepts a hit, and writes docs/acceptance.md.
-
-    tools/acceptance.py measure --assets DIR OUT [--reflet PROGRAM]    # scenes that OUT lacks
-    tools/acceptance.py page OUT                                       # the page and docs/data
+"""The two rules by which the march accepts a hit, compared (docs/acceptance.md).
 
 Every shipped scene in five views (frames of its timeline, or a camera that sways), in two sizes.
 The verified rule has no parameter to choose. The threshold rule gets, for each scene, the T that is
 best on all other scenes among the values that cost no more there.
 """
 
-import argparse
-import csv
 import dataclasses
 import json
 import math
@@ -19,14 +13,14 @@ import random
 import statistics
 import subprocess
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 
 import tomllib
-from measuring import add_program, program_of, table, write_rows, write_tables
+from measuring import ROOT, settings
+from tables import Row, Rows, mean, read_rows, table, values, write_rows
 
-ROOT = pathlib.Path(__file__).resolve().parents[1]
-PAGE = ROOT / "docs" / "acceptance.md"
-DATA = ROOT / "docs" / "data" / "acceptance.csv"
+from documents.document import DATA, Document, Run, accepted_px, in_places, some_columns
+
 SCENES = ["scenes/*.toml", "scenes/fail/0[2-6]-*.toml", "scenes/paper/*.toml", "scripts/*.toml"]
 # Their reflections are sampled, so that noise would be scored beside what the march takes.
 SAMPLED = ["studio", "interior", "street"]
@@ -42,8 +36,6 @@ COLUMNS = [
     *["screen_percent", "false_accepts", "mask_px", "mask_flip", "mask_flip_p99", "mask_ssim"],
     *["march_steps", "visited_nodes"],
 ]
-
-Row = dict[str, str]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -64,35 +56,26 @@ VERIFIED: Rule = ("verified", 0.25)
 STRICTEST: Rule = ("verified", 0.0)
 
 
-def measure(out: pathlib.Path, assets: pathlib.Path, program: pathlib.Path) -> None:
+def measure(run: Run) -> None:
     for scene in (path for pattern in SCENES for path in sorted(ROOT.glob(pattern))):
-        if scene.stem not in SAMPLED:
-            print(f"== {scene.relative_to(ROOT)}", flush=True)
-            measure_scene(out / scene.stem, scene.relative_to(ROOT), assets, program)
+        if scene.stem not in SAMPLED and run.wants(scene.stem):
+            measure_scene(run, scene)
 
 
-def measure_scene(
-    out: pathlib.Path, scene: pathlib.Path, assets: pathlib.Path, program: pathlib.Path
-) -> None:
-    info = subprocess.run(
-        [program, "info", scene, "--json", "--assets", assets],
-        cwd=ROOT, check=True, stdout=subprocess.PIPE,
-    )  # fmt: skip
+def measure_scene(run: Run, scene: pathlib.Path) -> None:
+    command = [run.program, "info", scene, "--json", *run.models()]
+    info = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE)
     timeline = json.loads(info.stdout)["timeline"]
-    sets, frames = sway(tomllib.loads((ROOT / scene).read_text())), f"0-{VIEWS - 1}"
+    sets, frames = sway(tomllib.loads(scene.read_text())), f"0-{VIEWS - 1}"
     if timeline:
         step = (timeline["end"] - timeline["start"]) / (VIEWS - 1)
         frames = ",".join(str(timeline["start"] + round(step * i)) for i in range(VIEWS))
         sets = []
-    command: list[str | pathlib.Path] = [program, "bench", scene, "--assets", assets, *sets]
-    command += ["--timeline", frames]
-    command += ["--methods", "hybrid", "--sizes", SIZES, "--frames", "1", "--warm-up", "1"]
-    command += ["--counters", "--resume", "-o", out]
+    options = [scene.relative_to(ROOT), *run.models(), *sets, "--timeline", frames]
+    options += ["--methods", "hybrid", "--sizes", SIZES, "--frames", "1", "--warm-up", "1"]
     for parameter, turned in (("threshold_u", THRESHOLDS), ("edge_px", EDGES)):
-        values = ",".join(map(str, turned))
-        subprocess.run(
-            [*command, "--parameter", parameter, "--values", values], cwd=ROOT, check=True
-        )
+        values = ["--parameter", parameter, "--values", ",".join(map(str, turned))]
+        run.bench(scene.stem, *options, *values, "--counters", "--resume")
 
 
 def sway(scene: dict[str, dict[str, dict[str, list[float]]]]) -> list[str]:
@@ -102,18 +85,8 @@ def sway(scene: dict[str, dict[str, dict[str, list[float]]]]) -> list[str]:
     reach = math.dist(camera["eye"], camera["target"])
     amplitude = [round(share * reach, 4) for share in SWAY]
     motion = f"{{ oscillate = {{ amplitude = {amplitude}, period_s = 7 }} }}"
-    settings = [f"timeline.end={VIEWS - 1}", "timeline.fps=1", f"motion.camera.{name}.eye={motion}"]
-    return [word for setting in settings for word in ("--set", setting)]
-
-
-def read(out: pathlib.Path) -> list[Row]:
-    rows: list[Row] = []
-    for path in sorted(out.glob("*/samples.csv")):
-        with path.open(newline="") as file:
-            for row in csv.DictReader(file):
-                row["scene"] = row["scene"].split(" with ")[0]
-                rows.append({column: row[column] for column in COLUMNS})
-    return rows
+    eye = f"motion.camera.{name}.eye={motion}"
+    return settings(f"timeline.end={VIEWS - 1}", "timeline.fps=1", eye)
 
 
 def rule_of(row: Row) -> Rule:
@@ -121,28 +94,25 @@ def rule_of(row: Row) -> Rule:
     return row["accept"], float(value)
 
 
-def scores(rows: Iterable[Row]) -> Scores:
+def scores(rows: Rows) -> Scores:
     """Scores by scene and rule, over pictures whose reflections are large enough to be scored."""
-    groups: dict[str, dict[Rule, list[Row]]] = {}
+    groups: dict[str, dict[Rule, Rows]] = {}
     for row in rows:
         if row["mask_flip"]:
             groups.setdefault(row["scene"], {}).setdefault(rule_of(row), []).append(row)
     return {s: {rule: score(rs) for rule, rs in rules.items()} for s, rules in groups.items()}
 
 
-def score(rows: Sequence[Row]) -> Score:
-    def mean(column: str) -> float:
-        return statistics.fmean(float(row[column]) for row in rows)
-
-    accepted = sum(float(r["reflective_px"]) * float(r["screen_percent"]) / 100 for r in rows)
-    wrong = sum(float(r["false_accepts"]) for r in rows)
+def score(rows: Rows) -> Score:
+    hits = sum(map(accepted_px, rows))
+    wrong = sum(values(rows, "false_accepts"))
     return Score(
-        wrong_permille=1000 * wrong / accepted if accepted else 0.0,
-        flip=mean("mask_flip"),
-        flip_p99=mean("mask_flip_p99"),
-        ssim=mean("mask_ssim"),
-        nodes=sum(float(r["visited_nodes"]) for r in rows),
-        steps=sum(float(r["march_steps"]) for r in rows),
+        wrong_permille=1000 * wrong / hits if hits else 0.0,
+        flip=mean(rows, "mask_flip"),
+        flip_p99=mean(rows, "mask_flip_p99"),
+        ssim=mean(rows, "mask_ssim"),
+        nodes=sum(values(rows, "visited_nodes")),
+        steps=sum(values(rows, "march_steps")),
     )
 
 
@@ -240,35 +210,17 @@ def sweep(of: Scores) -> str:
     return table(["rule", *(name for name, _, _ in ERRORS), "nodes"], map(line, rules))
 
 
-TABLES = {"summary": summary, "scenes": by_scene, "sweep": sweep}
+def tables() -> dict[str, str]:
+    of = scores(read_rows(DATA / "acceptance.csv"))
+    return {"summary": summary(of), "scenes": by_scene(of), "sweep": sweep(of)}
 
 
-def page(out: pathlib.Path) -> None:
-    rows = read(out)
-    of = scores(rows)
-    if not of:
-        sys.exit(f"{out} holds no samples; run `measure` first")
-    write_tables(PAGE, {name: make(of) for name, make in TABLES.items()})
-    write_rows(DATA, rows)
-    pictures = {(r["scene"], r["frame"], r["width"]) for r in rows}
-    print(f"{len(of)} scenes, {len(pictures)} pictures, {len(rows)} measurements")
+def store(outs: list[pathlib.Path]) -> None:
+    paths = (path for out in outs for path in sorted(out.glob("*/samples.csv")))
+    rows = [row | {"scene": row["scene"].split(" with ")[0]} for p in paths for row in read_rows(p)]
+    if not scores(rows):
+        sys.exit(f"{outs[0]} holds no samples; run with --measure first")
+    write_rows(DATA / "acceptance.csv", some_columns(rows, COLUMNS))
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
-    commands = parser.add_subparsers(required=True, dest="command")
-    measuring = commands.add_parser("measure", help="measure what OUT lacks")
-    measuring.add_argument("--assets", type=pathlib.Path, required=True)
-    add_program(measuring)
-    writing = commands.add_parser("page", help="write the tables of docs/acceptance.md")
-    for command in (measuring, writing):
-        command.add_argument("out", type=pathlib.Path, metavar="OUT")
-    arguments = parser.parse_args()
-    if arguments.command == "measure":
-        measure(arguments.out.resolve(), arguments.assets.resolve(), program_of(arguments.reflet))
-    else:
-        page(arguments.out)
-
-
-if __name__ == "__main__":
-    main()
+DOCUMENT = Document("acceptance.md", in_places(tables), store, measure)

@@ -1,24 +1,20 @@
-#!/usr/bin/env python3
-"""Measures flicker and errors of denoised films, and prints a table as that of docs/films.md.
-
-    tools/denoised.py OUT [--reflet PROGRAM]      # renders into OUT what it lacks
+"""Flicker and errors of denoised films, printed as a table like that of docs/films.md.
 
 Frames have 4 samples and are denoised alone and by windows. REFLET_OIDN names the folder of Open
 Image Denoise.
 """
 
-import argparse
 import pathlib
-import subprocess
 from dataclasses import dataclass
 
 import numpy as np
 import tomllib
-from measuring import add_program, program_of, table
+from measuring import ROOT, render
 from PIL import Image
+from tables import table
 
-ROOT = pathlib.Path(__file__).resolve().parents[1]
-DATA = ROOT / "docs" / "data"
+from documents.document import DATA, Run
+
 SIZE = (96, 54)
 FRAMES = 10
 SAMPLES = 4
@@ -150,17 +146,15 @@ def at_rest(pictures: list[Picture], truth: list[Picture]) -> tuple[float, float
 class Film:
     """A film's frames in a folder; those that are missing are rendered."""
 
-    def __init__(self, name: str, out: pathlib.Path, program: pathlib.Path) -> None:
+    def __init__(self, name: str, run: Run) -> None:
         self.scene = DATA / f"{name}.toml"
-        self.folder = out / name
-        self.program = program
-        self.folder.mkdir(parents=True, exist_ok=True)
+        self.folder = run.out / name
+        self.program = run.program
+        self.folder.mkdir(exist_ok=True)
 
     def render(self, name: str, further: list[str], size: tuple[int, int]) -> list[pathlib.Path]:
-        command: list[str | pathlib.Path] = [self.program, "render", self.scene]
-        command += ["-o", self.folder / name, "--frames", "all", "--resume"]
-        command += ["--assets", ROOT / "scenes", "--size", f"{size[0]}x{size[1]}", *further]
-        subprocess.run(command, check=True, stderr=subprocess.DEVNULL)
+        film = ["--frames", "all", "--resume", "--assets", str(ROOT / "scenes"), *further]
+        render(self.program, self.scene, self.folder / name, size, *film)
         return [self.folder / name.replace("#", str(i)) for i in range(FRAMES)]
 
     def pictures(self, name: str, samples: int, window: int | None) -> list[Picture]:
@@ -223,11 +217,11 @@ def flips(pictures: list[Picture], truth: list[Picture]) -> Picture:
     return np.array(found)
 
 
-def measure(out: pathlib.Path, program: pathlib.Path) -> str:
-    """The table's lines: a film and a window each."""
+def measure(run: Run) -> None:
+    """Prints a table with a line for each film and window."""
     lines = []
     for name in (AT_REST, MOVING):
-        film = Film(name, out, program)
+        film = Film(name, run)
         truth = film.pictures("truth", REFERENCE_SAMPLES, None)
         alone = None
         for window in WINDOWS:
@@ -244,16 +238,4 @@ def measure(out: pathlib.Path, program: pathlib.Path) -> str:
                 [name, str(window), mean, square, f"{error:.3f}", f"{scores.mean():.5f}", worst]
             )
     head = ["film", "`--denoise-window`", "mean change", "root mean square change"]
-    return table([*head, "error", "FLIP", "FLIP, worst frame against alone"], lines)
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
-    add_program(parser)
-    parser.add_argument("out", type=pathlib.Path, metavar="OUT")
-    arguments = parser.parse_args()
-    print(measure(arguments.out.resolve(), program_of(arguments.reflet)))
-
-
-if __name__ == "__main__":
-    main()
+    print(table([*head, "error", "FLIP", "FLIP, worst frame against alone"], lines))
