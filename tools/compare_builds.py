@@ -23,7 +23,6 @@ import argparse
 import concurrent.futures
 import hashlib
 import json
-import os
 import statistics
 import struct
 import subprocess
@@ -32,9 +31,9 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
+from measuring import ROOT, used
 from PIL import Image
 
-ROOT = Path(__file__).resolve().parent.parent
 SIZE = "160x90"
 FILM_FRAMES = 8
 # Number of further sub-frames over which the cost of one is averaged.
@@ -176,14 +175,10 @@ def processor_s(program: Path, scene: Path, sub_frames: int, options: list[str |
         out = Path(folder) / "picture.png"
         size: list[str | Path] = ["--size", SIZE, "--samples", str(sub_frames)]
         command = [program, "render", scene, "-o", out, *size, *options]
-        log = (Path(folder) / "log").open("w+")
-        with log, subprocess.Popen(command, stdout=log, stderr=log) as child:
-            _, status, used = os.wait4(child.pid, 0)
-            child.returncode = os.waitstatus_to_exitcode(status)
-            if child.returncode != 0:
-                log.seek(0)
-                raise CompareError(f"{' '.join(map(str, command))} failed:\n{log.read().strip()}")
-    return used.ru_utime + used.ru_stime
+        ran = used(command)
+    if ran.code != 0:
+        raise CompareError(f"{' '.join(map(str, command))} failed:\n{ran.said.strip()}")
+    return ran.processor_s
 
 
 def interval(values: list[float]) -> tuple[float, float, float]:

@@ -18,16 +18,15 @@ import random
 import re
 import shutil
 import signal
-import subprocess
 import sys
 import tempfile
-import threading
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+import tables
 from gltf_mutations import KINDS, Model, mutate, read_model
+from measuring import ROOT, used
 
-ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "gltf.md"
 CPU_S = 5
 MEMORY_MIB = 1536
@@ -80,30 +79,12 @@ class Mutant:
 def run(command: list[str], space_mib: int, cpu_s: int = CPU_S) -> Answer:
     """Run a command within limits of address space, processor time and wall-clock time."""
     limited = f'ulimit -v {space_mib * 1024}; ulimit -t {cpu_s}; exec "$@"'
-    with tempfile.TemporaryFile() as errors:
-        process = subprocess.Popen(
-            ["sh", "-c", limited, "sh", *command], stdout=subprocess.DEVNULL, stderr=errors
-        )
-        timer = signal_after(process.pid)
-        _, status, usage = os.wait4(process.pid, 0)
-        timer.cancel()
-        process.returncode = os.waitstatus_to_exitcode(status)
-        errors.seek(0)
-        said = errors.read().decode(errors="replace")
-    answer = judge(process.returncode, said)
-    answer.cpu_s = usage.ru_utime + usage.ru_stime
-    answer.memory_mib = usage.ru_maxrss / 1024
+    ran = used(["sh", "-c", limited, "sh", *command], WALL_S)
+    answer = judge(ran.code, ran.said)
+    answer.cpu_s, answer.memory_mib = ran.processor_s, ran.memory_mib
     if answer.what in ("fine", "refused") and answer.memory_mib > MEMORY_MIB:
         answer.what = "memory"
     return answer
-
-
-def signal_after(pid: int) -> threading.Timer:
-    """A timer that ends a process that waits without using processor time."""
-    timer = threading.Timer(WALL_S, lambda: os.kill(pid, signal.SIGXCPU))
-    timer.daemon = True
-    timer.start()
-    return timer
 
 
 def judge(code: int, said: str) -> Answer:
@@ -177,38 +158,25 @@ ENDS = {
 
 def table(mutants: list[Mutant], seed: int, sources: int) -> str:
     """Markdown table: number of files by kind of damage and outcome."""
-    head = ["what is broken", "files", *ENDS.values()]
-    lines = ["| " + " | ".join(head) + " |", "|---" * len(head) + "|"]
+    lines = []
     for kind, words in [*KINDS.items(), ("", "all")]:
         of = [m for m in mutants if not kind or m.kind == kind]
         ends = collections.Counter(m.end for m in of)
-        cells = [words, f"{len(of):,}", *(f"{ends[end]:,}" for end in ENDS)]
-        lines.append("| " + " | ".join(cells) + " |")
+        lines.append([words, f"{len(of):,}", *(f"{ends[end]:,}" for end in ENDS)])
     checks = [m.check for m in mutants]
     renders = [m.render for m in mutants if m.render]
     packed = sum(m.model.is_compressed for m in mutants)
-    lines += [
-        "",
-        f"Seed {seed}, {sources} models, {packed:,} of the broken files made of those that hold "
-        f"compressed geometry or images. At most {worst(checks, 'reading')}"
-        + (f", {worst(renders, 'rendering')}." if renders else "."),
-    ]
-    return "\n".join(lines) + "\n"
+    return tables.table(["what is broken", "files", *ENDS.values()], lines, tight=True) + (
+        f"\n\nSeed {seed}, {sources} models, {packed:,} of the broken files made of those that "
+        f"hold compressed geometry or images. At most {worst(checks, 'reading')}"
+        + (f", {worst(renders, 'rendering')}." if renders else ".")
+    )
 
 
 def worst(answers: Iterable[Answer], doing: str) -> str:
     of = list(answers)
     cpu, memory = max(a.cpu_s for a in of), max(a.memory_mib for a in of)
     return f"{cpu:.1f} s of processor time and {memory:,.0f} MiB for {doing}"
-
-
-def write_page(text: str) -> None:
-    pattern = r"(<!-- table: mutants -->\n).*?(<!-- end -->)"
-    page = PAGE.read_text(encoding="utf-8")
-    changed, count = re.subn(pattern, lambda m: m[1] + text + m[2], page, flags=re.S)
-    if count != 1:
-        raise SystemExit(f"{PAGE}: no place for the table")
-    PAGE.write_text(changed, encoding="utf-8")
 
 
 def main() -> None:
@@ -236,7 +204,7 @@ def main() -> None:
         said = [answer.said[-400:] for answer in mutant.answers]
         print(f"{mutant.number} {mutant.kind} {mutant.model.file}: {mutant.end}: {said}")
     if arguments.page:
-        write_page(text)
+        tables.write_tables(PAGE, {"mutants": text})
     sys.exit(bool(wrong))
 
 

@@ -1,10 +1,16 @@
-"""Functions that the measuring tools share: finding the program, rendering by it."""
+"""Functions that the measuring tools share: finding the program, running it, what that uses."""
 
 import argparse
+import dataclasses
 import os
 import pathlib
+import signal
 import subprocess
 import sys
+import tempfile
+import threading
+import time
+from collections.abc import Sequence
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 
@@ -44,7 +50,39 @@ def render(
     *options: str | pathlib.Path,
 ) -> pathlib.Path:
     """Renders a scene at a size in pixels; returns the picture's path."""
-    command: list[str | pathlib.Path] = [program, "render", scene, "-o", picture]
-    command += ["--size", f"{size[0]}x{size[1]}", *options]
-    subprocess.run(command, cwd=ROOT, check=True, stderr=subprocess.DEVNULL)
+    shape = ["--size", f"{size[0]}x{size[1]}"]
+    ran = used([program, "render", scene, "-o", picture, *shape, *options])
+    if ran.code != 0:
+        sys.exit(f"{scene} cannot be rendered:\n{ran.said}")
     return picture
+
+
+@dataclasses.dataclass(frozen=True)
+class Used:
+    """Exit status of a command, its standard error, and what it used."""
+
+    code: int
+    said: str
+    wall_s: float
+    processor_s: float
+    """Over all threads."""
+    memory_mib: float
+    """Most at a time."""
+
+
+def used(command: Sequence[str | pathlib.Path], limit_s: float = 3600) -> Used:
+    """Runs a command, and ends it by SIGXCPU after so many seconds."""
+    started = time.monotonic()
+    with tempfile.TemporaryFile() as errors:
+        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=errors)
+        timer = threading.Timer(limit_s, lambda: os.kill(process.pid, signal.SIGXCPU))
+        timer.daemon = True
+        timer.start()
+        _, status, usage = os.wait4(process.pid, 0)
+        timer.cancel()
+        process.returncode = os.waitstatus_to_exitcode(status)
+        errors.seek(0)
+        said = errors.read().decode(errors="replace")
+    took = usage.ru_utime + usage.ru_stime
+    wall = time.monotonic() - started
+    return Used(process.returncode, said, wall, took, usage.ru_maxrss / 1024)

@@ -11,18 +11,15 @@ models need are compiled before.
 from __future__ import annotations
 
 import argparse
-import csv
-import json
-import os
-import struct
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 import numpy as np
-from measuring import add_program, program_of
+from gltf_mutant_decoders import glb
+from measuring import add_program, program_of, used
+from tables import Rows, read_rows, write_rows
 
 F3D = """
 import sys, f3d
@@ -117,13 +114,7 @@ class Writer:
         root["scenes"] = [{"nodes": list(range(len(root["nodes"])))}]
         self.data += b"\0" * (-len(self.data) % 4)
         root["buffers"] = [{"byteLength": len(self.data)}]
-        text = json.dumps(root).encode()
-        text += b" " * (-len(text) % 4)
-        head = struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(self.data))
-        with path.open("wb") as file:
-            file.write(head + struct.pack("<I4s", len(text), b"JSON") + text)
-            file.write(struct.pack("<I4s", len(self.data), b"BIN\0"))
-            file.write(self.data)
+        path.write_bytes(glb(root, bytes(self.data)))
 
 
 def triangles(millions: float, path: Path) -> None:
@@ -163,15 +154,11 @@ def textures(path: Path) -> None:
     out.write(path)
 
 
-def measured(command: list[str]) -> tuple[str, str, str, str]:
+def measured(command: list[str]) -> dict[str, str]:
     """Wall-clock and processor seconds, peak memory in MiB, and exit status of a command."""
-    started = time.monotonic()
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    _, status, usage = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    wall = time.monotonic() - started
-    cpu = usage.ru_utime + usage.ru_stime
-    return f"{wall:.2f}", f"{cpu:.2f}", f"{usage.ru_maxrss / 1024:.0f}", str(process.returncode)
+    ran = used(command)
+    times = {"wall_s": f"{ran.wall_s:.2f}", "processor_s": f"{ran.processor_s:.2f}"}
+    return times | {"memory_mib": f"{ran.memory_mib:.0f}", "exit": str(ran.code)}
 
 
 def points(millions: float, path: Path) -> None:
@@ -238,7 +225,7 @@ def main() -> None:
     parser.add_argument("-o", "--out", type=Path, required=True)
     arguments = parser.parse_args()
     program = str(program_of(arguments.reflet))
-    rows: list[tuple[str, ...]] = []
+    rows: Rows = []
     with tempfile.TemporaryDirectory() as folder:
         for name in MAKERS:
             if arguments.only not in name:
@@ -256,24 +243,12 @@ def main() -> None:
             }.items():
                 if tool.startswith("reflet") and not rows[1:]:
                     measured(command)  # fills the driver's cache of compiled shaders
-                row = (name, tool, *measured(command))
-                print(", ".join(row), flush=True)
-                rows.append(row)
-    write(arguments.out, rows)
-
-
-def write(path: Path, rows: list[tuple[str, ...]]) -> None:
-    """Write rows in the order of the models, with those of other models that the file has."""
-    measured_now = {row[0] for row in rows}
-    if path.exists():
-        with path.open(newline="", encoding="utf-8") as file:
-            before = [tuple(row) for row in csv.reader(file)][1:]
-        rows = rows + [row for row in before if row[0] not in measured_now]
-    rows.sort(key=lambda row: list(MAKERS).index(row[0]))
-    with path.open("w", newline="", encoding="utf-8") as file:
-        out = csv.writer(file)
-        out.writerow(["model", "tool", "wall_s", "processor_s", "memory_mib", "exit"])
-        out.writerows(rows)
+                rows.append({"model": name, "tool": tool} | measured(command))
+                print(", ".join(rows[-1].values()), flush=True)
+    now = {row["model"] for row in rows}
+    rows += [row for row in read_rows(arguments.out) if row["model"] not in now]
+    rows.sort(key=lambda row: list(MAKERS).index(row["model"]))
+    write_rows(arguments.out, rows)
 
 
 if __name__ == "__main__":

@@ -71,15 +71,38 @@ def fixed(row: Row, column: str, places: int) -> str:
     return "–" if value is None else f"{value:.{places}f}"
 
 
+class _Cell(str):
+    """Cell that is formatted as its number, where it has a format; a dash where it is empty."""
+
+    def __format__(self, form: str) -> str:
+        if not form:
+            return str(self)
+        return format(float(self), form) if self else "–"
+
+
+def filled(row: Row, form: str) -> str:
+    """Text with cells of a row, such as `{ms:.2f} by {system}`; dashes for empty ones."""
+    return form.format_map({column: _Cell(cell) for column, cell in row.items()})
+
+
 def count(value: float) -> str:
     """A whole number, with commas between thousands."""
     return f"{round(value):,}"
 
 
-def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table in Markdown, without a final newline."""
+def table(head: Sequence[str], rows: Iterable[Sequence[str]], *, tight: bool = False) -> str:
+    """A table in Markdown, without a final newline; `tight` has no blanks in its rule."""
     lines = [head, ["---"] * len(head), *rows]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines).replace("|  |", "| |")
+    text = "\n".join(f"| {' | '.join(line)} |" for line in lines)
+    if tight:
+        return text.replace(" --- ", "---")
+    return text.replace("|  |", "| |")
+
+
+def table_of(rows: Iterable[Row], columns: Mapping[str, str], *, tight: bool = False) -> str:
+    """A table in Markdown with a line for each row: columns by their heads, filled with cells."""
+    lines = ([filled(row, form) for form in columns.values()] for row in rows)
+    return table(list(columns), lines, tight=tight)
 
 
 def with_tables(text: str, tables: Mapping[str, str]) -> str:

@@ -69,7 +69,7 @@ def test_the_median_lies_between_its_bounds() -> None:
 
 def test_a_program_that_fails_has_no_time(tmp_path: Path) -> None:
     program = tmp_path / "program"
-    program.write_text("#!/bin/sh\necho no such scene\nexit 3\n")
+    program.write_text("#!/bin/sh\necho no such scene >&2\nexit 3\n")
     program.chmod(0o755)
     with pytest.raises(compare_builds.CompareError, match="no such scene"):
         compare_builds.processor_s(program, tmp_path / "a.toml", 1, [])

@@ -30,5 +30,5 @@ def test_numbers_have_three_digits() -> None:
 
 
 def test_runs_that_were_not_measured_are_named(tmp_path: pathlib.Path) -> None:
-    with pytest.raises(SystemExit, match="paper-s-walk/samples.csv is missing"):
+    with pytest.raises(SystemExit, match=r"paper-s-walk/samples\.csv is missing"):
         document.samples(tmp_path, "paper's walk")

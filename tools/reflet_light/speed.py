@@ -1,13 +1,13 @@
 """Processor time and error of Reflet and Mitsuba on the same scenes with as many samples."""
 
 import pathlib
-import resource
+import sys
 import time
 from collections.abc import Callable
 
 import numpy as np
 import tomllib
-from measuring import render
+from measuring import used
 from tables import Rows, read_rows, write_rows
 
 from .scenes import Scene
@@ -24,10 +24,11 @@ Picture = np.ndarray
 
 def reflet(path: pathlib.Path, samples: int, program: pathlib.Path) -> float:
     """Render a scene beside its file; returns seconds of processor time."""
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    render(program, path, path.with_suffix(".exr"), SIZE, "--samples", str(samples))
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    command: list[str | pathlib.Path] = [program, "render", path, "-o", path.with_suffix(".exr")]
+    ran = used([*command, "--size", f"{SIZE[0]}x{SIZE[1]}", "--samples", str(samples)])
+    if ran.code != 0:
+        sys.exit(ran.said)
+    return ran.processor_s
 
 
 def mitsuba(scene: Scene, out: pathlib.Path) -> tuple[float, Picture, Picture]:
