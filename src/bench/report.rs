@@ -1,6 +1,7 @@
 //! Report of a table of samples: sentences, charts and tables, as one page and as SVG files. Draws
 //! only from the table and measures nothing.
 
+pub mod canvas;
 pub mod chart;
 pub mod findings;
 pub mod line_chart;

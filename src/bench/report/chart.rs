@@ -17,7 +17,10 @@ use plotters::{
 
 use reflet_scene::desc::Method;
 
-use super::findings::spots;
+use super::{
+    canvas::{Canvas, said},
+    findings::spots,
+};
 use crate::{
     pareto::{Spot, pareto_front},
     sample::Sample,
@@ -219,11 +222,6 @@ fn widened([low, high]: [f64; 2], [first, last]: [f64; 2]) -> [f64; 2] {
     [low.min(first), high.max(last)]
 }
 
-/// Message of plotters as text.
-fn said(error: impl std::fmt::Display) -> String {
-    format!("the chart cannot be drawn: {error}")
-}
-
 fn plot<X, Y>(
     group: &Group,
     axes: Axes,
@@ -237,29 +235,16 @@ where
     X: Ranged<ValueType = f64> + ValueFormatter<f64>,
     Y: Ranged<ValueType = f64> + ValueFormatter<f64>,
 {
-    let mut svg = String::new();
-    let mut overlay = String::new();
-    {
-        let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-        root.fill(&WHITE).map_err(said)?;
-        let mut chart = ChartBuilder::on(&root)
-            .margin(14)
-            .x_label_area_size(44)
-            .y_label_area_size(74)
-            .build_cartesian_2d(times, errors)
-            .map_err(said)?;
-        chart
-            .configure_mesh()
-            .x_desc(x_title(group, axes.time))
-            .y_desc(y_title(group, axes.metric))
-            .x_label_formatter(&|ms| digits(*ms))
-            .y_label_formatter(&|error| digits(*error))
-            .light_line_style(RGBColor(238, 238, 238))
-            .bold_line_style(RGBColor(214, 214, 214))
-            .label_style(("sans-serif", 13))
-            .axis_desc_style(("sans-serif", 14))
-            .draw()
-            .map_err(said)?;
+    let canvas = Canvas {
+        size: SIZE,
+        above: 14,
+        right: 14,
+        titles: [x_title(group, axes.time), &y_title(group, axes.metric)],
+        grid: [238, 214],
+        x_label: &|ms| digits(*ms),
+    };
+    canvas.svg(times, errors, |chart| {
+        let mut overlay = String::new();
         let shown = |spot: &Spot| (spot.ms, spot.error.max(bottom));
         let stairs = LineSeries::new(
             stairs(dots, bottom),
@@ -299,21 +284,17 @@ where
             let x = to_pixels.translate(&(ms, bottom)).0;
             cross(&mut overlay, failure, x);
         }
-        root.present().map_err(said)?;
-    }
-    let end = svg.rfind("</svg>").ok_or_else(|| said("it has no end"))?;
-    svg.insert_str(end, &overlay);
-    Ok(svg)
+        Ok(overlay)
+    })
 }
 
-fn x_title(group: &Group, time: Time) -> String {
+fn x_title(group: &Group, time: Time) -> &'static str {
     let timed = group.points.iter().all(|p| p.reflection_ms.is_some());
     match (time, timed) {
         (Time::Reflection, _) => "milliseconds of march, hits, trace and blur",
         (Time::Frame, true) => "milliseconds a frame (passes that all share: one median)",
         (Time::Frame, false) => "milliseconds a frame (wall time)",
     }
-    .to_owned()
 }
 
 fn y_title(group: &Group, metric: Metric) -> String {

@@ -6,7 +6,10 @@ use std::fmt::Write as _;
 
 use plotters::{coord::CoordTranslate, prelude::*};
 
-use super::chart::{color, escape};
+use super::{
+    canvas::{Canvas, said},
+    chart::{color, escape},
+};
 use crate::summary::{Group, Metric, Point, digits};
 
 /// Quantities on the axes of a line chart.
@@ -219,7 +222,6 @@ fn range(lines: &[Line]) -> Option<[f64; 2]> {
 }
 
 fn svg(plot: &Plot) -> Result<String, String> {
-    let said = |e: &dyn std::fmt::Display| format!("the chart cannot be drawn: {e}");
     let xs = || {
         plot.lines
             .iter()
@@ -233,35 +235,20 @@ fn svg(plot: &Plot) -> Result<String, String> {
         x if x.fract() == 0.0 => x.to_string(), // a frame
         x => digits(*x),
     };
-    let mut svg = String::new();
-    let mut overlay = legend(plot);
-    {
-        let root = SVGBackend::with_string(&mut svg, (WIDTH as u32, 360)).into_drawing_area();
-        root.fill(&WHITE).map_err(|e| said(&e))?;
-        let mut chart = ChartBuilder::on(&root)
-            .margin(14)
-            .margin_top(36) // the legend stands there, over no line
-            .margin_right(34)
-            .x_label_area_size(44)
-            .y_label_area_size(74)
-            .build_cartesian_2d(first..last, plot.bottom..plot.top)
-            .map_err(|e| said(&e))?;
-        chart
-            .configure_mesh()
-            .x_desc(plot.x_title.as_str())
-            .y_desc(plot.y_title)
-            .x_label_formatter(&shown)
-            .y_label_formatter(&|v| digits(*v))
-            .light_line_style(RGBColor(242, 242, 242))
-            .bold_line_style(RGBColor(220, 220, 220))
-            .label_style(("sans-serif", 13))
-            .axis_desc_style(("sans-serif", 14))
-            .draw()
-            .map_err(|e| said(&e))?;
+    let canvas = Canvas {
+        size: (WIDTH as u32, 360),
+        above: 36, // the legend stands there, over no line
+        right: 34,
+        titles: [&plot.x_title, plot.y_title],
+        grid: [242, 220],
+        x_label: &shown,
+    };
+    canvas.svg(first..last, plot.bottom..plot.top, |chart| {
+        let mut overlay = legend(plot);
         for line in plot.lines.iter().filter(|line| !line.dots.is_empty()) {
             let stroke = color(line.method).stroke_width(2);
             let series = LineSeries::new(line.dots.clone(), stroke).point_size(3);
-            chart.draw_series(series).map_err(|e| said(&e))?;
+            chart.draw_series(series).map_err(said)?;
         }
         let to_pixels = chart.as_coord_spec();
         for line in &plot.lines {
@@ -271,11 +258,8 @@ fn svg(plot: &Plot) -> Result<String, String> {
                 hover(&mut overlay, to_pixels.translate(&(x, y)), &what);
             }
         }
-        root.present().map_err(|e| said(&e))?;
-    }
-    let end = svg.rfind("</svg>").ok_or_else(|| said(&"it has no end"))?;
-    svg.insert_str(end, &overlay);
-    Ok(svg)
+        Ok(overlay)
+    })
 }
 
 /// Adds an invisible dot with a hover text.

@@ -5,16 +5,18 @@ use plotters::{coord::CoordTranslate, prelude::*};
 use super::{SceneRows, System, overall::Overall};
 use crate::{
     pareto::{Spot, pareto_front},
-    report::chart::escape,
+    report::{canvas::Canvas, chart::escape},
     summary::digits,
 };
 
 /// Size of a chart, pixels.
 const SIZE: (u32, u32) = (860, 420);
+/// Margin to the right of a chart, in which the legend stands, pixels.
+pub(super) const LEGEND_PX: i32 = 240;
 /// Height of a line of the legend, pixels.
-const LINE_PX: i32 = 18;
+pub(super) const LINE_PX: i32 = 18;
 /// Error at which exact pictures are drawn.
-const LEAST_FLIP: f64 = 1e-4;
+pub(super) const LEAST_FLIP: f64 = 1e-4;
 
 /// Draws a scene's systems as SVG.
 ///
@@ -43,35 +45,21 @@ pub fn of_several(systems: &[Overall]) -> Result<String, String> {
 
 /// Draws named spots as SVG.
 fn draw(dots: &[(&str, Spot)], time: &str) -> Result<String, String> {
-    let said = |error: &dyn std::fmt::Display| format!("the chart cannot be drawn: {error}");
     let spots: Vec<Spot> = dots.iter().map(|(_, spot)| *spot).collect();
     let most = |of: fn(&Spot) -> f64| spots.iter().map(of).fold(0.0, f64::max);
     let times = 0.0..(1.1 * most(|spot| spot.ms)).max(1e-3);
     let errors =
         (LEAST_FLIP * 0.7..most(|spot| spot.error).max(10.0 * LEAST_FLIP) * 1.5).log_scale();
-    let (mut svg, mut overlay) = (String::new(), String::new());
-    {
-        let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-        root.fill(&WHITE).map_err(|e| said(&e))?;
-        let mut chart = ChartBuilder::on(&root)
-            .margin(14)
-            .margin_right(240)
-            .x_label_area_size(44)
-            .y_label_area_size(74)
-            .build_cartesian_2d(times, errors)
-            .map_err(|e| said(&e))?;
-        chart
-            .configure_mesh()
-            .x_desc(time)
-            .y_desc("mean FLIP against rt, in reflections")
-            .x_label_formatter(&|ms| digits(*ms))
-            .y_label_formatter(&|error| digits(*error))
-            .light_line_style(RGBColor(238, 238, 238))
-            .bold_line_style(RGBColor(214, 214, 214))
-            .label_style(("sans-serif", 13))
-            .axis_desc_style(("sans-serif", 14))
-            .draw()
-            .map_err(|e| said(&e))?;
+    let canvas = Canvas {
+        size: SIZE,
+        above: 14,
+        right: LEGEND_PX,
+        titles: [time, "mean FLIP against rt, in reflections"],
+        grid: [238, 214],
+        x_label: &|ms| digits(*ms),
+    };
+    canvas.svg(times, errors, |chart| {
+        let mut overlay = String::new();
         let to_pixels = chart.as_coord_spec();
         let marks = dots.iter().zip(pareto_front(&spots));
         for (line, ((name, spot), is_on_front)) in (0..).zip(marks) {
@@ -82,18 +70,18 @@ fn draw(dots: &[(&str, Spot)], time: &str) -> Result<String, String> {
             dot(&mut overlay, at, system.color, is_on_front);
             let place = (SIZE.0 as i32 - 226, 30 + LINE_PX * line);
             dot(&mut overlay, place, system.color, is_on_front);
-            overlay += &format!(
-                "<text x=\"{}\" y=\"{}\" font-family=\"sans-serif\" font-size=\"13\">{}</text>\n",
-                place.0 + 12,
-                place.1 + 4,
-                escape(name)
-            );
+            overlay += &named((place.0 + 12, place.1 + 4), name);
         }
-        root.present().map_err(|e| said(&e))?;
-    }
-    let end = svg.rfind("</svg>").ok_or("the chart has no end")?;
-    svg.insert_str(end, &overlay);
-    Ok(svg)
+        Ok(overlay)
+    })
+}
+
+/// Name in the legend, with its left end and the bottom of its letters.
+pub(super) fn named((x, y): (i32, i32), name: &str) -> String {
+    format!(
+        "<text x=\"{x}\" y=\"{y}\" font-family=\"sans-serif\" font-size=\"13\">{}</text>\n",
+        escape(name)
+    )
 }
 
 /// A dot, with a ring where it is on the front.
