@@ -42,7 +42,6 @@ pub mod scenario2;
 mod settings;
 mod stability;
 mod timeline;
-mod walk_systems;
 
 use args::{BenchArgs, Experiment, RunArgs};
 use progress::Progress;

@@ -3,6 +3,7 @@
 //! `pareto` is pure (numbers in, numbers out); `run` measures into a table of samples, by the metrics of [`reflet_metric`],
 //! and `report` draws from that table alone. Only `log` touches files.
 
+mod cell;
 pub mod choose;
 pub mod csv;
 pub mod hash;

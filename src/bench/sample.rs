@@ -2,7 +2,10 @@
 
 use std::any::Any;
 
-use super::csv::{self, CsvError, Table};
+use super::{
+    cell::{Cell as _, FromCell},
+    csv::{self, CsvError, Table},
+};
 use reflet_render::{
     passes,
     pipeline::{
@@ -11,13 +14,11 @@ use reflet_render::{
     },
 };
 
-mod cell;
 mod check;
 mod details;
 #[cfg(test)]
 mod tests;
 
-use cell::Cell;
 pub use details::{ACCEPTS, BEHIND_COLUMN, REFUSALS, detail_columns, pass_column};
 
 macro_rules! sample {
@@ -279,7 +280,7 @@ sample! {
     commit: String,
 }
 
-fn read_cell<T: Cell>(column: &str, text: &str) -> Result<T, String> {
+fn read_cell<T: FromCell>(column: &str, text: &str) -> Result<T, String> {
     let cannot = || format!("column {column} cannot be \"{text}\"");
     let value = T::of(text).ok_or_else(cannot)?;
     check::cell(column, text).map_err(|expected| format!("{}; expected {expected}", cannot()))?;

@@ -1,49 +1,16 @@
 //! Scores of failure modes: summarizes a scene's samples by each method as one cell of a table of modes
 //! × methods.
 
-pub mod document;
 pub mod heat_map;
 pub mod ratchet;
-mod rivals;
 #[cfg(test)]
 mod tests;
+pub mod verdict;
 
 use std::fmt;
 
-use super::{csv, run::FrameSeries, sample::Sample, summary::series};
+use super::{cell::columns, csv, run::FrameSeries, sample::Sample, summary::series};
 use reflet_metric::{mask::MIN_AREA_PX, temporal};
-
-/// Columns of the table of cells.
-const HEADER: [&str; 28] = [
-    "mode",
-    "method",
-    "against",
-    "frames",
-    "mask_px",
-    "flip",
-    "flip_p99",
-    "worst",
-    "ssim",
-    "rel_mse",
-    "specks_px",
-    "false_accepts_px",
-    "false_accepts_permille",
-    "flicker",
-    "popping",
-    "traced_percent",
-    "edge_flip",
-    "inner_flip",
-    "recall_1px_percent",
-    "recall_2px_percent",
-    "recall_4px_percent",
-    "seam_step",
-    "probe_seam_step",
-    "error_length_px",
-    "stripes",
-    "source_changes_percent",
-    "met_changes_percent",
-    "status",
-];
 
 /// Reference of the pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,69 +60,59 @@ pub struct Cell {
     pub scores: Result<CellScores, String>,
 }
 
-/// Scores inside the reflective pixels, pooled over all frames and sizes.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct CellScores {
-    /// Number of scored pictures.
-    pub frames: usize,
-    /// Number of scored pixels of the picture that has the fewest.
-    pub mask_px: u64,
-    /// Mean FLIP, 0 to 1.
-    pub flip: f64,
-    /// Largest 99th percentile of FLIP of a picture, 0 to 1.
-    pub flip_p99: f64,
-    /// Picture with the largest 99th percentile of FLIP.
-    pub worst: Place,
-    /// Mean SSIM; none where a picture is too small for it.
-    pub ssim: Option<f64>,
-    /// Mean relMSE.
-    pub rel_mse: f64,
-    /// Number of specks, pixels; none in tables that lack the column.
-    pub specks_px: Option<u64>,
-    /// Number of answers of the march that a ray contradicts, pixels; none where nothing marches.
-    pub false_accepts_px: Option<u64>,
-    /// False accepts per reflective pixel, ‰.
-    pub false_accepts_permille: Option<f64>,
-    /// Flicker of an animation: Σ |Δtest − Δrt| over Σ |Δrt| inside the masks of its frames.
-    pub flicker: Option<f64>,
-    /// Popping of an animation: largest |Δtest − Δrt| of a frame over the largest |Δrt| of one, inside the masks.
-    pub popping: Option<f64>,
-    /// Reflective pixels that were traced, percent.
-    pub traced_percent: f64,
-    /// Structure of the errors in the pictures.
-    pub structure: CellStructure,
-}
-
-/// Structure of errors: means over the pictures that have the score, none where no picture has it.
-/// See [`metric::structure`](reflet_metric::structure).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct CellStructure {
-    /// Mean FLIP within 3 px of edges in the reflections, and elsewhere.
-    pub flip_by_edges: [Option<f64>; 2],
-    /// Share of the pixels of objects 1, 2 and 4 px thin that show the object, percent.
-    pub recall_percent: [Option<f64>; 3],
-    /// Signed step between marched and traced pixels, display code values.
-    pub seam_step: Option<f64>,
-    /// Step along borders between probes, display code values; see [`seams`](super::seams).
-    pub probe_seam_step: Option<f64>,
-    /// Distance at which the autocorrelation of the error falls below 1 / e, pixels.
-    pub error_length_px: Option<f64>,
-    /// Largest autocorrelation beyond its first zero.
-    pub stripes: Option<f64>,
-    /// Shares of pixels that change between march and ray as the camera moves by 1e-4 U, and of pixels whose
-    /// ray then hits another instance, percent; of stills only.
-    pub changes_percent: [Option<f64>; 2],
-}
-
-impl CellStructure {
-    /// Values in the order of the table's columns.
-    fn values(&self) -> impl Iterator<Item = Option<f64>> {
-        let seams = [self.seam_step, self.probe_seam_step];
-        let single = seams
-            .into_iter()
-            .chain([self.error_length_px, self.stripes]);
-        let first = self.flip_by_edges.into_iter().chain(self.recall_percent);
-        first.chain(single).chain(self.changes_percent)
+columns! {
+    /// Scores inside the reflective pixels, pooled over all frames and sizes. Those of the structure of errors are means
+    /// over the pictures that have the score, none where no picture has it (see [`reflet_metric::structure`]).
+    #[derive(Clone, Debug, Default, PartialEq)]
+    pub struct CellScores {
+        /// Number of scored pictures.
+        pub frames: usize,
+        /// Number of scored pixels of the picture that has the fewest.
+        pub mask_px: u64,
+        /// Mean FLIP, 0 to 1.
+        pub flip: f64,
+        /// Largest 99th percentile of FLIP of a picture, 0 to 1.
+        pub flip_p99: f64,
+        /// Picture with the largest 99th percentile of FLIP.
+        pub worst: Place,
+        /// Mean SSIM; none where a picture is too small for it.
+        pub ssim: Option<f64>,
+        /// Mean relMSE.
+        pub rel_mse: f64,
+        /// Number of specks, pixels; none in tables that lack the column.
+        pub specks_px: Option<u64>,
+        /// Number of answers of the march that a ray contradicts, pixels; none where nothing marches.
+        pub false_accepts_px: Option<u64>,
+        /// False accepts per reflective pixel, ‰.
+        pub false_accepts_permille: Option<f64>,
+        /// Flicker of an animation: Σ |Δtest − Δrt| over Σ |Δrt| inside the masks of its frames.
+        pub flicker: Option<f64>,
+        /// Popping of an animation: largest |Δtest − Δrt| of a frame over the largest |Δrt| of one, inside the masks.
+        pub popping: Option<f64>,
+        /// Reflective pixels that were traced, percent.
+        pub traced_percent: f64,
+        /// Mean FLIP within 3 px of edges in the reflections.
+        pub edge_flip: Option<f64>,
+        /// Mean FLIP elsewhere in the reflections.
+        pub inner_flip: Option<f64>,
+        /// Share of the pixels of objects 1 px thin that show the object, percent.
+        pub recall_1px_percent: Option<f64>,
+        /// Share of the pixels of objects 2 px thin that show the object, percent.
+        pub recall_2px_percent: Option<f64>,
+        /// Share of the pixels of objects 4 px thin that show the object, percent.
+        pub recall_4px_percent: Option<f64>,
+        /// Signed step between marched and traced pixels, display code values.
+        pub seam_step: Option<f64>,
+        /// Step along borders between probes, display code values; see [`seams`](super::seams).
+        pub probe_seam_step: Option<f64>,
+        /// Distance at which the autocorrelation of the error falls below 1 / e, pixels.
+        pub error_length_px: Option<f64>,
+        /// Largest autocorrelation beyond its first zero.
+        pub stripes: Option<f64>,
+        /// Share of pixels that change between march and ray as the camera moves by 1e-4 U, percent; of stills only.
+        pub source_changes_percent: Option<f64>,
+        /// Share of pixels whose ray then hits another instance, percent; of stills only.
+        pub met_changes_percent: Option<f64>,
     }
 }
 
@@ -172,6 +129,12 @@ impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { frame, size } = self;
         write!(f, "frame {frame}, {} x {}", size[0], size[1])
+    }
+}
+
+impl crate::cell::Cell for Place {
+    fn text(&self) -> String {
+        self.to_string()
     }
 }
 
@@ -264,8 +227,17 @@ fn scores(parts: &[&Part], method: &str, samples: &[Sample]) -> Result<CellScore
     let Some((place, _, [_, flip_p99, _])) = worst else {
         return Err("no frame".to_owned());
     };
-    let all = || found.iter().map(|(_, sample, _)| *sample);
+    let samples: Vec<&Sample> = found.iter().map(|(_, sample, _)| *sample).collect();
+    let all = || samples.iter().copied();
     let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / found.len() as f64;
+    // Mean over the pictures that have a value.
+    let some = |of: &dyn Fn(&Sample) -> Option<f64>| {
+        let values: Vec<f64> = all().filter_map(of).collect();
+        (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+    };
+    let percent = |of: fn(&Sample) -> Option<u64>| {
+        some(&|s| of(s).map(|px| 100.0 * px as f64 / s.mask_px.max(1) as f64))
+    };
     let accepts: Option<u64> = all().map(|s| s.false_accepts).sum();
     let reflective: u64 = all().map(|s| s.reflective_px).sum();
     let ssim: Option<Vec<f64>> = all().map(|s| s.mask_ssim).collect();
@@ -280,10 +252,20 @@ fn scores(parts: &[&Part], method: &str, samples: &[Sample]) -> Result<CellScore
         specks_px: all().map(specks_px).sum(),
         false_accepts_px: accepts,
         false_accepts_permille: accepts.map(|px| 1e3 * px as f64 / reflective.max(1) as f64),
-        flicker: flicker(&all().collect::<Vec<_>>()),
-        popping: popping(&all().collect::<Vec<_>>()),
+        flicker: flicker(&samples),
+        popping: popping(&samples),
         traced_percent: mean(&mut all().map(|s| s.traced_percent)),
-        structure: structure(&all().collect::<Vec<_>>()),
+        edge_flip: some(&|s| s.edge_flip),
+        inner_flip: some(&|s| s.inner_flip),
+        recall_1px_percent: some(&|s| s.recall_1px_percent),
+        recall_2px_percent: some(&|s| s.recall_2px_percent),
+        recall_4px_percent: some(&|s| s.recall_4px_percent),
+        seam_step: some(&|s| s.seam_step),
+        probe_seam_step: some(&|s| s.probe_seam_step),
+        error_length_px: some(&|s| s.error_length_px),
+        stripes: some(&|s| s.stripes),
+        source_changes_percent: percent(|s| s.source_changes_px),
+        met_changes_percent: percent(|s| s.met_changes_px),
     })
 }
 
@@ -291,32 +273,6 @@ fn scores(parts: &[&Part], method: &str, samples: &[Sample]) -> Result<CellScore
 fn specks_px(sample: &Sample) -> Option<u64> {
     let share = sample.mask_specks?;
     Some((share * sample.mask_px as f64).round() as u64)
-}
-
-fn structure(samples: &[&Sample]) -> CellStructure {
-    let mean = |of: &dyn Fn(&Sample) -> Option<f64>| {
-        let values: Vec<f64> = samples.iter().filter_map(|s| of(s)).collect();
-        (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
-    };
-    let percent = |of: fn(&Sample) -> Option<u64>| {
-        mean(&|s| of(s).map(|px| 100.0 * px as f64 / s.mask_px.max(1) as f64))
-    };
-    CellStructure {
-        flip_by_edges: [mean(&|s| s.edge_flip), mean(&|s| s.inner_flip)],
-        recall_percent: [
-            mean(&|s| s.recall_1px_percent),
-            mean(&|s| s.recall_2px_percent),
-            mean(&|s| s.recall_4px_percent),
-        ],
-        seam_step: mean(&|s| s.seam_step),
-        probe_seam_step: mean(&|s| s.probe_seam_step),
-        error_length_px: mean(&|s| s.error_length_px),
-        stripes: mean(&|s| s.stripes),
-        changes_percent: [
-            percent(|s| s.source_changes_px),
-            percent(|s| s.met_changes_px),
-        ],
-    }
 }
 
 /// Flicker of an animation; none for a still, and where a pair of frames shares too few reflective pixels.
@@ -346,34 +302,31 @@ fn popping(samples: &[&Sample]) -> Option<f64> {
     (reference > 0.0).then(|| difference / reference)
 }
 
-/// Formats the cells as comma-separated values.
-pub fn table(cells: &[Cell]) -> String {
-    let mut out = csv::line(HEADER);
+/// Columns of a cell, before its scores.
+const OF_CELL: [&str; 3] = ["mode", "method", "against"];
+/// Columns of a cell, after its scores.
+const SAID: [&str; 4] = ["adapter", "band", "verdict", "status"];
+
+/// Formats the cells as comma-separated values; `adapter` is that of the measurement.
+pub fn table(cells: &[Cell], adapter: &str) -> String {
+    let columns = OF_CELL.iter().chain(CellScores::COLUMNS).chain(&SAID);
+    let mut out = csv::line(columns);
     for cell in cells {
-        let against = match cell.against {
-            ReferenceKind::Rt => "rt",
-            ReferenceKind::Truth => "truth",
+        let (against, verdict) = match cell.against {
+            ReferenceKind::Rt => ("rt", verdict::verdict(cell, cells)),
+            ReferenceKind::Truth => ("truth", String::new()),
+        };
+        let (scores, band, status) = match &cell.scores {
+            Ok(scores) => (scores.cells(), verdict::band(scores.flip_p99).means, "ok"),
+            Err(why) => (
+                vec![String::new(); CellScores::COLUMNS.len()],
+                "",
+                why.as_str(),
+            ),
         };
         let mut row = vec![cell.mode.clone(), cell.method.clone(), against.to_owned()];
-        match &cell.scores {
-            Ok(s) => {
-                let number = |value: Option<f64>| value.map_or(String::new(), |v| v.to_string());
-                row.extend([s.frames.to_string(), s.mask_px.to_string()]);
-                row.extend([s.flip.to_string(), s.flip_p99.to_string()]);
-                row.extend([s.worst.to_string(), number(s.ssim), s.rel_mse.to_string()]);
-                let pixels = |px: Option<u64>| px.map_or(String::new(), |px| px.to_string());
-                row.extend([pixels(s.specks_px), pixels(s.false_accepts_px)]);
-                row.extend([number(s.false_accepts_permille), number(s.flicker)]);
-                row.push(number(s.popping));
-                row.push(s.traced_percent.to_string());
-                row.extend(s.structure.values().map(number));
-                row.push("ok".to_owned());
-            }
-            Err(why) => {
-                row.resize(HEADER.len() - 1, String::new());
-                row.push(why.clone());
-            }
-        }
+        row.extend(scores);
+        row.extend([adapter, band, &verdict, status].map(str::to_owned));
         out += &csv::line(row);
     }
     out

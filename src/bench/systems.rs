@@ -5,11 +5,9 @@ use crate::pareto::{Spot, pareto_front};
 use reflet_scene::desc::{Accept, Lookup, Method, ProbesDesc, ReflectionDesc, SelectBy, Trace};
 
 pub mod chart;
-pub mod document;
 pub mod frames;
 pub mod overall;
-pub mod probe_seams;
-mod rivals;
+pub mod table;
 
 use frames::FrameRow;
 

@@ -102,7 +102,8 @@ fn no_report_replaces_an_input() {
         "report.html",
         "reload.json",
         "stability.csv",
-        "stability.md",
+        "stability.html",
+        "systems.csv",
     ] {
         let part = format!("version = 1\n[material.\"{name}\"]\n");
         fs::write(folder.join(name), part).expect("written");
@@ -120,11 +121,8 @@ fn no_report_replaces_an_input() {
         (&["bench", "reload"], "reload.json"),
         (&["bench", "stability"], "samples.csv"),
         (&["bench", "stability"], "stability.csv"),
-        (&["bench", "stability"], "stability.md"),
-        (
-            &["bench", "stability", "--document", "reload.json"],
-            "reload.json",
-        ),
+        (&["bench", "stability"], "stability.html"),
+        (&["bench", "comparators"], "systems.csv"),
     ] {
         let scene = format!("{report}.toml");
         let text = refused(&folder, &[command, &[&scene, "-o", "."]].concat());

@@ -1,12 +1,14 @@
 """Documents of the project that are told from tables, by name."""
 
-from documents import acceptance, films, gpu, light, paper, views
+from documents import acceptance, comparators, films, gpu, light, paper, stability, views
 
 DOCUMENTS = {
     "acceptance": acceptance.DOCUMENT,
+    "comparators": comparators.DOCUMENT,
     "films": films.DOCUMENT,
     "gpu": gpu.DOCUMENT,
     "light": light.DOCUMENT,
     "paper": paper.DOCUMENT,
+    "stability": stability.DOCUMENT,
     "views": views.DOCUMENT,
 }

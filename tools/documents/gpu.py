@@ -1,4 +1,4 @@
-"""What the frames of docs/views.md read and write, and what rates of GPUs make of their counts.
+"""Bytes of the frames of docs/views.md, and times that rates of GPUs make of their counts.
 
 Counts are from docs/data/views.csv, bytes from `reflet info --frame`, costs from docs/costs.md
 (docs/gpu.md).

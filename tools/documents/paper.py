@@ -24,12 +24,14 @@ from tables import (
     by,
     count,
     digits,
+    filled,
     fixed,
     mean,
     median,
     number,
     read_rows,
     table,
+    table_of,
     values,
     write_rows,
 )
@@ -66,8 +68,8 @@ PICTURES = {
     "fig1-flip-over-t.svg": ("fig1", "line-chart-1-parameter.svg"),
     "walk-ssim.svg": ("walk", "line-chart-1-ssim.svg"),
     "walk-ms.svg": ("walk", "line-chart-1-ms.svg"),
-    "walk-systems-ms.svg": ("systems", "systems-ms.svg"),
-    "walk-systems-flip.svg": ("systems", "systems-flip.svg"),
+    "walk-systems-ms.svg": ("systems", "walk-ms.svg"),
+    "walk-systems-flip.svg": ("systems", "walk-flip.svg"),
     "atrium-flip.svg": ("atrium", "chart-1-flip.svg"),
 }
 
@@ -77,7 +79,7 @@ def measure(run: Run) -> None:
         if run.wants(name):
             models = [] if name == "atrium" else run.models()
             run.bench(name, *arguments, "--resume", *models)
-    if not (run.out / "systems" / "systems.csv").exists() and run.wants("systems"):
+    if not (run.out / "systems" / "frames.csv").exists() and run.wants("systems"):
         run.bench("systems", *SYSTEMS, *run.models())
 
 
@@ -160,28 +162,26 @@ def scenario1_passes(rows: Rows) -> str:
     return table(head, [line(m, groups[(m,)]) for m in METHODS])
 
 
-def scenario1_work(rows: Rows) -> str:
-    columns = ["march_steps", "traversals", "visited_nodes", "tested_triangles"]
-    head = ["", "march steps", "traversals", "nodes visited", "triangles tested"]
-    groups = by(rows, "method")
+SCENARIO1_WORK = {
+    "": "`{method}`",
+    "march steps": "{march_steps:,.0f}",
+    "traversals": "{traversals:,.0f}",
+    "nodes visited": "{visited_nodes:,.0f}",
+    "triangles tested": "{tested_triangles:,.0f}",
+}
+SCENARIO1_ERRORS = {
+    "": "`{method}`",
+    "SSIM, frame": "{ssim:.4f}",
+    "SSIM, in reflections": "{mask_ssim:.4f}",
+    "FLIP, in reflections": "{mask_flip:.4f}",
+    "false accepts": "{false_accepts:.0f}",
+    "false rejects": "{false_rejects:.0f}",
+}
 
-    def line(method: str) -> list[str]:
-        row = groups[(method,)][0]
-        return [f"`{method}`", *(count(float(row[c])) for c in columns)]
 
-    return table(head, map(line, METHODS))
-
-
-def scenario1_errors(rows: Rows) -> str:
-    def line(method: str, row: Row) -> list[str]:
-        wrong = [row["false_accepts"] or "–", row["false_rejects"] or "–"]
-        errors = [fixed(row, c, 4) for c in ("ssim", "mask_ssim", "mask_flip")]
-        return [f"`{method}`", *errors, *wrong]
-
-    places = ["SSIM, frame", "SSIM, in reflections", "FLIP, in reflections"]
-    groups = by(rows, "method")
-    lines = [line(m, groups[(m,)][0]) for m in METHODS]
-    return table(["", *places, "false accepts", "false rejects"], lines)
+def scenario1(columns: dict[str, str]) -> Callable[[Rows], str]:
+    """Table of the first sample of each method."""
+    return lambda rows: table_of((by(rows, "method")[(m,)][0] for m in METHODS), columns)
 
 
 def fig1(rows: Rows) -> str:
@@ -191,11 +191,10 @@ def fig1(rows: Rows) -> str:
 
     def line(t: float) -> list[str]:
         ssr, hybrid = of["ssr", t], of["hybrid", t]
-        errors = [fixed(r, c, 3) for r in (ssr, hybrid) for c in ("mask_flip", "mask_ssim")]
-        verdicts = ["false_accepts", "false_reject_hidden_px", "cause_hidden_px"]
-        verdicts = [fixed(hybrid, c, 0) for c in verdicts]
-        visits = count(float(hybrid["visited_nodes"]))
-        return [f"{t:g}", fixed(ssr, "screen_percent", 1), *errors, *verdicts, visits]
+        errors = "{mask_flip:.3f}|{mask_ssim:.3f}"
+        own = errors + "|{false_accepts:.0f}|{false_reject_hidden_px:.0f}|{cause_hidden_px:.0f}"
+        cells = filled(ssr, "{screen_percent:.1f}|" + errors).split("|")
+        return [f"{t:g}", *cells, *filled(hybrid, own + "|{visited_nodes:,.0f}").split("|")]
 
     return table(head, map(line, [0.0005, 0.005, 0.025, 0.065, 0.5]))
 
@@ -396,8 +395,8 @@ def drivers(rows: Rows) -> str:
 TABLES: dict[str, tuple[str, Callable[[Rows], str]]] = {
     "scenario1-times": ("scenario1", scenario1_times),
     "scenario1-passes": ("scenario1", scenario1_passes),
-    "scenario1-work": ("scenario1", scenario1_work),
-    "scenario1-errors": ("scenario1", scenario1_errors),
+    "scenario1-work": ("scenario1", scenario1(SCENARIO1_WORK)),
+    "scenario1-errors": ("scenario1", scenario1(SCENARIO1_ERRORS)),
     "fig1": ("fig1", fig1),
     "sizes": ("sizes", sizes),
     "walk": ("walk", walk),
@@ -439,7 +438,7 @@ def store(outs: list[pathlib.Path]) -> None:
     out = outs[0]
     for name in RUNS:
         shutil.copyfile(out / name / "samples.csv", DATA / f"{name}.csv")
-    shutil.copyfile(out / "systems" / "systems.csv", DATA / "walk-systems.csv")
+    shutil.copyfile(out / "systems" / "frames.csv", DATA / "walk-systems.csv")
     read = ({name: of_reflections(samples(out, name)) for name in RUNS} for out in outs)
     write_rows(DATA / "drivers.csv", [row for runs in read for row in driver_rows(runs)])
     for name, (run, drawn) in PICTURES.items():

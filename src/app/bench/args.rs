@@ -164,7 +164,7 @@ pub enum Experiment {
     Reload(ReloadArgs),
     /// Compare the choice of `auto` with the fastest alternative
     Regret(RegretArgs),
-    /// Set other ways of finding reflections beside Reflet's own, and write the document
+    /// Set other ways of finding reflections beside Reflet's own
     Comparators(ComparatorsArgs),
     /// Find failures of methods: scores of a suite of failure modes, or of your own scenes
     Stability(StabilityArgs),
@@ -246,11 +246,8 @@ pub struct ComparatorsArgs {
     /// Frames of scenes with a timeline, such as 0-23:2
     #[arg(long, value_name = "LIST", default_value = "all")]
     pub timeline: String,
-    /// Markdown file to write
-    #[arg(long, value_name = "FILE", default_value = "docs/comparators.md")]
-    pub document: PathBuf,
-    /// Folder for the charts; created if it is missing
-    #[arg(short, long, value_name = "DIR", default_value = "docs/charts")]
+    /// Folder for systems.csv, best.csv, frames.csv, report.html and the charts; created if it is missing
+    #[arg(short, long, value_name = "DIR", default_value = "bench")]
     pub output: PathBuf,
     /// Use the adapter whose name contains this; also REFLET_ADAPTER
     #[arg(long, value_name = "NAME")]
@@ -290,14 +287,11 @@ pub struct StabilityArgs {
     /// Write scores that are better than the ratchet's, and missing ones, into it; never worse ones
     #[arg(long, requires = "ratchet")]
     pub tighten: bool,
-    /// Write stability.html too: for each mode its worst picture by each method, the sources of hybrid's
+    /// Show pictures in stability.html: for each mode its worst one by each method, the sources of hybrid's
     /// reflections, and its errors
     #[arg(long)]
     pub pictures: bool,
-    /// Markdown file for the tables; without it, stability.md in the folder
-    #[arg(long, value_name = "FILE")]
-    pub document: Option<PathBuf>,
-    /// Folder for samples.csv, stability.csv and stability.md; created if it is missing
+    /// Folder for samples.csv, stability.csv and stability.html; created if it is missing
     #[arg(short, long, value_name = "DIR", default_value = "bench")]
     pub output: PathBuf,
     /// Add to the samples that the folder holds, measuring only what they lack
@@ -326,8 +320,8 @@ pub struct PaperArgs {
     /// Sizes such as 640x480,1280x720; without any, 640x360
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_size)]
     pub sizes: Vec<[u32; 2]>,
-    /// Measure all systems of `bench comparators` along the walk of scenario2 instead, at one size: systems.csv has
-    /// each frame, systems.md the means, and charts the curves over the frames
+    /// Measure all systems of `bench comparators` along the walk of scenario2 instead, at one size: frames.csv has
+    /// each frame, systems.csv the means, and charts the curves over the frames
     #[arg(long, conflicts_with_all = ["warm_up", "counters", "split_trace", "resume"])]
     pub systems: bool,
     /// Measurement and output options

@@ -1,47 +1,63 @@
-//! `bench comparators`: the document that sets other ways of finding reflections beside Reflet's own.
+//! `bench comparators`: other ways of finding reflections beside Reflet's own.
 
-mod failures;
 mod measuring;
-mod probe_seams;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use super::{args::ComparatorsArgs, create_folder, timeline::frame_series, write};
-use crate::{
-    app::{error::AppError, scene::load_scene, shaders},
-    bench::systems::{
-        SceneRows, chart,
-        document::{Conditions, document},
-        frames::{self, Curves},
-        overall::best,
-    },
-    gpu::{adapter, driver},
+use super::{
+    args::{ComparatorsArgs, RunArgs},
+    create_folder, open_gpu,
+    timeline::frame_series,
+    write,
 };
-
-pub(super) use measuring::measure;
+use crate::{
+    app::{
+        error::AppError,
+        scene::{check_reports, load_scene},
+        shaders,
+    },
+    bench::{
+        report::{
+            ChartFile,
+            page::{Gallery, page},
+            work::csv_table,
+        },
+        run::FrameSeries,
+        systems::{
+            SceneRows, chart,
+            frames::{self, Curves},
+            overall::best,
+            table::{self, Machine},
+        },
+    },
+    gpu::{Gpu, adapter, driver},
+};
+use measuring::{ENOUGH_PX, MOST_DOUBLINGS, measure};
 
 /// Number of systems in the chart over all scenes.
 const BEST: usize = 5;
-/// Variable of the environment that sets the number of threads of Mesa's software adapters.
-const THREADS: &str = "LP_NUM_THREADS";
-/// File name of the chart over all scenes.
-const BEST_CHART: &str = "comparators-best.svg";
+/// Files beside the charts.
+const FILES: [&str; 4] = ["systems.csv", "best.csv", "frames.csv", "report.html"];
 
 /// Runs the command.
 ///
 /// # Errors
 /// Scenes that do not load, a folder that cannot be written to, errors of the renderer.
 pub fn comparators(args: &ComparatorsArgs) -> Result<(), AppError> {
+    let mut all_series = Vec::new();
+    for path in &args.scenes {
+        let loaded = load_scene(Some(path), &args.from, &[])?;
+        check_reports(&args.output, &FILES, Some(path), &loaded)?;
+        let is_film = loaded.scene.timeline.is_some();
+        let list = is_film.then_some(args.timeline.as_str());
+        let name = path.display().to_string();
+        all_series.push(frame_series(loaded, name, None, list)?);
+    }
     create_folder(&args.output)?;
     let library = shaders::library(None)?;
     let gpu = driver::open_gpu(args.adapter.as_deref(), true)?;
     let mut scenes = Vec::new();
-    for path in &args.scenes {
-        let loaded = load_scene(Some(path), &args.from, &[])?;
-        let is_film = loaded.scene.timeline.is_some();
-        let list = is_film.then_some(args.timeline.as_str());
-        let name = path.display().to_string();
-        let mut series = frame_series(loaded, name, None, list)?;
+    for mut series in all_series {
         let is_moving = series.frames().count() > 1;
         let turns = if is_moving { 1 } else { args.frames };
         let size = measuring::scored_size(&gpu, &library, args.size, &mut series)?;
@@ -49,88 +65,115 @@ pub fn comparators(args: &ComparatorsArgs) -> Result<(), AppError> {
         reflet_base::error_line!("measured {}", rows.scene);
         scenes.push(rows);
     }
-    for scene in &scenes {
-        let svg = chart::of_scene(scene).map_err(AppError::Internal)?;
-        let path = |ending: &str| args.output.join(chart_name(&scene.scene, ending));
-        write(&path(""), svg.as_bytes())?;
-        write_curves(scene, path)?;
-    }
-    let best = best(&scenes, BEST);
-    let svg = chart::of_several(&best).map_err(AppError::Internal)?;
-    write(&args.output.join(BEST_CHART), svg.as_bytes())?;
-    let threads = std::env::var(THREADS).ok().filter(|_| gpu.is_software());
-    let about = Conditions {
-        command: command(args, threads.as_deref()),
-        adapter: adapter::name(&gpu.adapter_info),
-        size: args.size,
-        frames: args.frames,
-        is_processor: gpu.is_software(),
-        threads,
-        enough_px: measuring::ENOUGH_PX,
-        most_doublings: measuring::MOST_DOUBLINGS,
-    };
-    let best_chart = format!("charts/{BEST_CHART}");
-    let failures = failures::failures(&gpu, &library, args)?;
-    let seams = probe_seams::rows(&gpu, &library, args.size)?;
-    let text = document(
-        &about,
-        &scenes,
-        (&best, &best_chart),
-        (&failures, &seams),
-        |scene, ending| format!("charts/{}", chart_name(&scene.scene, ending)),
+    let enlarged = format!(
+        " A scene whose first frame has fewer than {ENOUGH_PX} reflective pixels to score is measured at a larger \
+         size, {} times as wide and high at most.",
+        1 << MOST_DOUBLINGS
     );
-    write(&args.document, text.as_bytes())?;
-    reflet_base::error_line!("wrote {}", args.document.display());
-    Ok(())
+    report(&args.output, &gpu, args.frames, &enlarged, &scenes)
 }
 
-/// File name of a scene's chart; those of a film's frames end by [`Curves::ALL`].
-fn chart_name(scene: &str, ending: &str) -> String {
-    let stem = Path::new(scene).file_stem().unwrap_or_default();
-    format!("comparators-{}{ending}.svg", stem.to_string_lossy())
-}
-
-/// Writes the charts of a film's frames, each to the path that its ending gives; none for a still.
+/// Measures all systems along the paper's walk: a curve of each over its frames (Fig. 7).
 ///
 /// # Errors
-/// A chart that cannot be drawn, a folder that cannot be written to.
-pub(super) fn write_curves(
-    scene: &SceneRows,
-    path: impl Fn(&str) -> PathBuf,
+/// A folder that cannot be written to, errors of the renderer.
+pub(super) fn along_walk(
+    args: &RunArgs,
+    size: [u32; 2],
+    series: &mut FrameSeries,
 ) -> Result<(), AppError> {
-    for (curves, ending) in Curves::ALL {
-        if let Some(svg) = frames::draw(scene, curves).map_err(AppError::Internal)? {
-            write(&path(ending), svg.as_bytes())?;
-        }
+    let library = shaders::library(args.shaders.as_deref())?;
+    let gpu = open_gpu(args, true)?;
+    let mut rows = measure(&gpu, &library, (size, args.frames), series)?;
+    "walk".clone_into(&mut rows.scene);
+    report(&args.output, &gpu, args.frames, "", &[rows])
+}
+
+/// Writes the tables of systems, their charts and the page with both.
+fn report(
+    folder: &Path,
+    gpu: &Gpu,
+    pictures: u32,
+    further: &str,
+    scenes: &[SceneRows],
+) -> Result<(), AppError> {
+    let machine = Machine {
+        adapter: adapter::name(&gpu.adapter_info),
+        is_processor: gpu.is_software(),
+    };
+    let best = best(scenes, BEST);
+    let tables = [
+        table::by_scene(scenes, &machine),
+        table::over_all(&best),
+        frames::table(scenes),
+    ];
+    for (name, text) in FILES.iter().zip(&tables) {
+        write(&folder.join(name), text.as_bytes())?;
     }
+    let mut galleries = vec![gallery(
+        "The best over all scenes",
+        vec![ChartFile {
+            name: "best.svg".to_owned(),
+            svg: chart::of_several(&best).map_err(AppError::Internal)?,
+            caption: format!(
+                "Of the {BEST} methods that come first: time over that of rt, geometric mean of the scenes with \
+                 frames to score, and mean FLIP. A ring marks the front."
+            ),
+        }],
+    )];
+    for scene in scenes {
+        galleries.push(gallery(&scene.scene, charts(scene)?));
+    }
+    for chart in galleries.iter().flat_map(|gallery| &gallery.charts) {
+        write(&folder.join(&chart.name), chart.svg.as_bytes())?;
+    }
+    let time = match machine.is_processor {
+        true => "processor time",
+        false => "GPU time",
+    };
+    let about = format!(
+        "{}. Milliseconds are the {time} of the passes that find reflections, medians of the pictures of a still \
+         ({pictures} of each system, in turns), or of all frames of a film. Errors are against rt with bounces = \
+         \"auto\" and without reuse of light, inside the reflective pixels.{further}",
+        machine.adapter
+    );
+    let head = [
+        csv_table("Systems in each scene", &about, &tables[0]),
+        csv_table("The best over all scenes", "", &tables[1]),
+    ]
+    .concat();
+    let path = folder.join("report.html");
+    write(&path, page("Systems", &head, &[], &galleries).as_bytes())?;
+    reflet_base::error_line!("wrote {}", path.display());
     Ok(())
 }
 
-/// The command line that writes the same document.
-fn command(args: &ComparatorsArgs, threads: Option<&str>) -> String {
-    let threads = threads.map_or(String::new(), |count| format!("{THREADS}={count} "));
-    let scenes: Vec<String> = args
-        .scenes
-        .iter()
-        .map(|p| p.display().to_string())
-        .collect();
-    let set: String = (args.from.set.iter())
-        .map(|set| format!(" --set {set}"))
-        .collect();
-    // The folder's own path is of no use to a reader.
-    let assets = if args.from.assets.is_empty() {
-        ""
-    } else {
-        " --assets DIR"
+fn gallery(title: &str, charts: Vec<ChartFile>) -> Gallery {
+    Gallery {
+        title: title.to_owned(),
+        anchor: String::new(),
+        text: String::new(),
+        charts,
+        figures: Vec::new(),
+    }
+}
+
+/// Charts of a scene: time against error, and of a film the curves over its frames.
+fn charts(scene: &SceneRows) -> Result<Vec<ChartFile>, AppError> {
+    let stem = Path::new(&scene.scene).file_stem().unwrap_or_default();
+    let stem = stem.to_string_lossy();
+    let file = |ending: &str, svg, caption: &str| ChartFile {
+        name: format!("{stem}{ending}.svg"),
+        svg,
+        caption: caption.to_owned(),
     };
-    format!(
-        "{threads}reflet bench comparators {}{set}{assets} --size {}x{} --frames {} --timeline {} -o {} --document {}",
-        scenes.join(" "),
-        args.size[0],
-        args.size[1],
-        args.frames,
-        args.timeline,
-        args.output.display(),
-        args.document.display()
-    )
+    let svg = chart::of_scene(scene).map_err(AppError::Internal)?;
+    let caption = "Time against error of each system; a ring marks the front";
+    let mut charts = vec![file("", svg, caption)];
+    for (curves, ending) in Curves::ALL {
+        if let Some(svg) = frames::draw(scene, curves).map_err(AppError::Internal)? {
+            charts.push(file(ending, svg, curves.caption()));
+        }
+    }
+    Ok(charts)
 }

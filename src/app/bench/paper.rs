@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use super::{
     args::{PaperArgs, PaperExperiment},
-    open_gpu, report,
+    comparators, open_gpu, report,
     report_pictures::{ReportPicture, gallery},
-    run, scenario2, subject, walk_systems,
+    run, scenario2, subject,
 };
 use crate::{
     app::{error::AppError, scene::load, shaders},
@@ -149,7 +149,7 @@ pub fn paper(args: &PaperArgs) -> Result<(), AppError> {
     let subjects = stage.subjects(&args.assets)?.into_iter();
     let mut all_series = subjects.map(series_of).collect::<Result<Vec<_>, _>>()?;
     if let (true, [walk]) = (args.systems, all_series.as_mut_slice()) {
-        return walk_systems::walk(&args.run, protocol.sizes[0], walk);
+        return comparators::along_walk(&args.run, protocol.sizes[0], walk);
     }
     let gpu = open_gpu(&args.run, all_series.iter().any(FrameSeries::may_query))?;
     protocol.count |= gpu.is_software();

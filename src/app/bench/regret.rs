@@ -12,6 +12,7 @@ use crate::{
     },
     bench::{run::Observer as _, summary::digits},
     gpu::{Gpu, ShaderLibrary, driver::open_gpu},
+    metric::percentile,
     render::{RenderOptions, decide::Decision, settings::unit_costs::UnitCosts},
     runtime::{ViewOverrides, renderer_stage::RendererStage, scene_text::LoadedScene},
     scene::desc::{LightKind, Marched, Method, ShadowMode, Visibility},
@@ -226,7 +227,7 @@ fn measure(
         }
     }
     let medians: Vec<(Alternative, f64)> = (timed.into_iter())
-        .map(|(way, _, _, mut times)| (way, median(&mut times)))
+        .map(|(way, _, _, mut times)| (way, percentile(&mut times, 0.5)))
         .collect();
     let best = medians.iter().min_by(|a, b| a.1.total_cmp(&b.1));
     let chosen = medians
@@ -241,12 +242,6 @@ fn measure(
         best_ms: best.1,
         regret: chosen.1 / best.1,
     }))
-}
-
-fn median(times: &mut [f64]) -> f64 {
-    times.sort_by(f64::total_cmp);
-    let [low, high] = [(times.len() - 1) / 2, times.len() / 2].map(|i| times[i]);
-    (low + high) / 2.0
 }
 
 fn table(rows: &[Row]) -> String {
@@ -272,12 +267,6 @@ fn table(rows: &[Row]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn medians_of_odd_and_even_counts() {
-        assert_eq!(median(&mut [3.0, 1.0, 2.0]), 2.0);
-        assert_eq!(median(&mut [4.0, 1.0, 2.0, 3.0]), 2.5);
-    }
 
     #[test]
     fn only_what_is_auto_is_a_choice() {

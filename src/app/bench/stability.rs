@@ -1,4 +1,4 @@
-//! `bench stability`: scores of failure modes, their document and their ratchet file.
+//! `bench stability`: scores of failure modes, their report and their ratchet file.
 
 use std::path::Path;
 
@@ -22,12 +22,10 @@ use crate::{
         run::{FrameSeries, Protocol, Subject, Sweep},
         sample::Sample,
         stability::{
-            Cell, Mode, Part, ReferenceKind, cells, document::document, heat_map::heat_map,
-            ratchet::Ratchet, table,
+            Cell, Mode, Part, ReferenceKind, cells, heat_map::heat_map, ratchet::Ratchet, table,
         },
     },
-    files::{Goal, Inputs, write_whole},
-    output::writable::inputs,
+    files::{Goal, write_whole},
     runtime::scene_text::LoadedScene,
     scene::desc::{Method, Samples, ShadowMode},
 };
@@ -62,7 +60,6 @@ struct Plan<'a> {
 pub fn stability(args: &StabilityArgs) -> Result<(), AppError> {
     let methods = methods(&args.methods);
     let ratchet = open_ratchet(args)?;
-    check_document(args)?;
     let plan = Plan {
         args,
         size: args.size.or(ratchet.as_ref().map(|r| r.size)),
@@ -102,25 +99,24 @@ pub fn stability(args: &StabilityArgs) -> Result<(), AppError> {
     }
     let columns = columns(&protocol.methods);
     let cells = cells(&modes, &columns, &samples);
-    report(args, &modes, &columns, &cells, &samples)?;
-    if args.pictures {
-        let library = shaders::library(args.shaders.as_deref())?;
-        let galleries = pictures::galleries(
-            &gpu,
-            &library,
-            &modes,
-            &columns,
-            &cells,
-            &samples,
-            &mut all_series,
-        )?;
-        let shown: Vec<&str> = galleries.iter().map(|g| g.anchor.as_str()).collect();
-        let head = heat_map(&modes, &columns, &cells, &shown);
-        let page = page("Where methods fail", &head, &[], &galleries);
-        let path = args.output.join("stability.html");
-        write(&path, page.as_bytes())?;
-        reflet_base::error_line!("wrote {}", path.display());
-    }
+    report(args, &cells, &samples)?;
+    let library = shaders::library(args.shaders.as_deref())?;
+    let shown = pictures::Shown {
+        modes: &modes,
+        columns: &columns,
+        cells: &cells,
+        samples: &samples,
+        renders: args.pictures.then_some((&gpu, &library)),
+    };
+    let galleries = shown.galleries(&mut all_series)?;
+    let anchors: Vec<&str> = galleries.iter().map(|g| g.anchor.as_str()).collect();
+    let head = heat_map(&modes, &columns, &cells, &anchors);
+    let path = args.output.join("stability.html");
+    write(
+        &path,
+        page("Where methods fail", &head, &[], &galleries).as_bytes(),
+    )?;
+    reflet_base::error_line!("wrote {}", path.display());
     match (&args.ratchet, ratchet) {
         (Some(path), Some(ratchet)) => hold(path, ratchet, args.tighten, &modes, &columns, &cells),
         _ => Ok(()),
@@ -164,19 +160,8 @@ impl Plan<'_> {
     /// Loads a scene as a mode, with the frame series to measure for it.
     fn load(&self, choice: &Choice) -> Result<(Mode, Vec<FrameSeries>), AppError> {
         let loaded = self.scene(choice, &[])?;
-        let reports = [
-            "samples.csv",
-            "stability.csv",
-            "stability.html",
-            "stability.md",
-        ];
+        let reports = ["samples.csv", "stability.csv", "stability.html"];
         check_reports(&self.args.output, &reports, Some(&choice.path), &loaded)?;
-        if let Some(document) = &self.args.document {
-            let checked =
-                inputs(Some(choice.path.as_path()), &loaded).check(&Goal::typed(document.clone()));
-            let refused = |error| format!("--document {}: {error}", document.display());
-            checked.map_err(|error| AppError::Usage(refused(error)))?;
-        }
         let mut mode = Mode {
             name: choice.name.clone(),
             about: first_comment(&loaded.text),
@@ -261,46 +246,18 @@ fn first_comment(text: &str) -> String {
     lines.map(str::trim).collect::<Vec<_>>().join(" ")
 }
 
-/// Checks the path of `--document` before anything is measured.
-fn check_document(args: &StabilityArgs) -> Result<(), AppError> {
-    let inputs = Inputs::of(&args.ratchet);
-    let checked = args.document.iter().try_for_each(|path| {
-        let checked = inputs.check(&Goal::typed(path.clone()));
-        checked.map_err(|error| format!("--document {}: {error}", path.display()))
-    });
-    checked.map_err(AppError::Usage)
-}
-
-/// Writes the table and the document, and names the cells that have no score.
-fn report(
-    args: &StabilityArgs,
-    modes: &[Mode],
-    columns: &[&str],
-    cells: &[Cell],
-    samples: &[Sample],
-) -> Result<(), AppError> {
+/// Writes the table, and names the cells that have no score.
+fn report(args: &StabilityArgs, cells: &[Cell], samples: &[Sample]) -> Result<(), AppError> {
     for cell in cells {
         if let Err(why) = &cell.scores {
             reflet_base::error_line!("{}, {}: not scored: {why}", cell.mode, cell.method);
         }
     }
     let path = args.output.join("stability.csv");
-    write(&path, table(cells).as_bytes())?;
-    let machine = samples.last().map_or("nothing", |s| s.adapter.as_str());
-    let text = document(modes, columns, cells, machine);
-    match &args.document {
-        Some(path) => write_to("--document", path, text.as_bytes())?,
-        None => write(&args.output.join("stability.md"), text.as_bytes())?,
-    }
+    let adapter = samples.last().map_or("nothing", |s| s.adapter.as_str());
+    write(&path, table(cells, adapter).as_bytes())?;
     reflet_base::error_line!("wrote {}", path.display());
     Ok(())
-}
-
-fn write_to(option: &str, path: &Path, bytes: &[u8]) -> Result<(), AppError> {
-    write_whole(&Goal::typed(path.to_owned()), bytes).map_err(|error| {
-        let path = path.display();
-        AppError::Usage(format!("{option}: cannot write {path}: {error}"))
-    })
 }
 
 /// Compares the scores with the ratchet, and tightens it where that is requested.
@@ -317,7 +274,14 @@ fn hold(
     if tighten {
         let changed = ratchet.tighten(cells);
         if changed > 0 {
-            write_to("--ratchet", path, ratchet.text().as_bytes())?;
+            write_whole(&Goal::typed(path.to_owned()), ratchet.text().as_bytes()).map_err(
+                |error| {
+                    AppError::Usage(format!(
+                        "--ratchet: cannot write {}: {error}",
+                        path.display()
+                    ))
+                },
+            )?;
         }
         print_out(&format!(
             "{changed} numbers and cells are new in {}\n",

@@ -87,6 +87,7 @@ pub fn overview(sections: &[Section]) -> String {
             let number = |v: Option<f64>| v.map_or("–".to_owned(), digits);
             let ratio = reflection(point).zip(rt).map(|(ms, rt)| ms / rt);
             let cells = [
+                point.label(),
                 digits(point.ms.median),
                 number(reflection(point)),
                 number(ratio),
@@ -100,13 +101,7 @@ pub fn overview(sections: &[Section]) -> String {
                 format!("{:.1}", s.rough_percent),
                 format!("{:.1}", s.bytes as f64 / f64::from(1 << 20)),
             ];
-            let _ = write!(out, "<tr><td>{}</td>", escape(&point.label()));
-            out.extend(
-                cells
-                    .iter()
-                    .map(|cell| format!("<td>{}</td>", escape(cell))),
-            );
-            out += "</tr>\n";
+            out += &row("", &cells);
         }
     }
     out + "</table></div>\n"
@@ -144,7 +139,8 @@ fn head(title: &str, names: &[&str]) -> String {
     format!("<h3>{title}</h3>\n<div class=\"scroll\"><table><tr>{names}</tr>\n")
 }
 
-fn row(class: &str, cells: &[String]) -> String {
+/// A line of a table.
+pub(super) fn row(class: &str, cells: &[String]) -> String {
     let cells = cells.iter().map(|c| format!("<td>{}</td>", escape(c)));
     format!("<tr{class}>{}</tr>\n", cells.collect::<String>())
 }

@@ -1,28 +1,39 @@
 //! Tables of counts that do not depend on the machine: work of the passes, and errors of the march by cause.
 
-use std::fmt::Write as _;
-
-use super::chart::escape;
+use super::{chart::escape, tables::row};
 use crate::{
+    csv,
     sample::{ACCEPTS, REFUSALS, Sample},
     summary::{Point, digits},
 };
 use reflet_render::pipeline::cause::Cause;
 
 /// HTML table with its heading and a paragraph; empty without rows.
-fn table(title: &str, text: &str, heads: &[&str], rows: &[Vec<String>]) -> String {
+fn table(title: &str, text: &str, heads: &[impl AsRef<str>], rows: &[Vec<String>]) -> String {
     if rows.is_empty() {
         return String::new();
     }
     let mut out =
         format!("<h3>{title}</h3>\n<p class=\"sub\">{text}</p>\n<div class=\"scroll\"><table><tr>");
-    out.extend(heads.iter().map(|head| format!("<th>{head}</th>")));
+    out.extend((heads.iter()).map(|head| format!("<th>{}</th>", escape(head.as_ref()))));
     out += "</tr>\n";
-    for row in rows {
-        let cells = row.iter().map(|cell| format!("<td>{}</td>", escape(cell)));
-        let _ = writeln!(out, "<tr>{}</tr>", cells.collect::<String>());
-    }
+    out.extend(rows.iter().map(|cells| row("", cells)));
     out + "</table></div>\n"
+}
+
+/// A table of comma-separated values as an HTML table with its heading and a paragraph; fractions have three digits.
+pub fn csv_table(title: &str, text: &str, csv: &str) -> String {
+    let Ok(parsed) = csv::parse(csv) else {
+        return String::new();
+    };
+    let shown = |cell: &String| match cell.parse::<f64>() {
+        Ok(value) if cell.contains('.') => digits(value),
+        _ => cell.clone(),
+    };
+    let rows: Vec<Vec<String>> = (parsed.rows.iter())
+        .map(|row| row.iter().map(shown).collect())
+        .collect();
+    table(title, &escape(text), &parsed.columns, &rows)
 }
 
 /// Counted work of each setting's passes, in total and in the trace pass; empty where nothing was counted.

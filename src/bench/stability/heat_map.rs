@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Cell, Mode, ReferenceKind, document::band, find};
+use super::{Cell, Mode, ReferenceKind, find, verdict::band};
 use crate::report::chart::escape;
 
 /// HTML table of the 99th percentile of FLIP against `rt`; rows whose mode is one of `anchors` link to it.

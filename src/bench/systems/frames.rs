@@ -2,15 +2,21 @@
 
 use plotters::{coord::CoordTranslate, prelude::*};
 
-use super::{SceneRows, Side, System, SystemErrors};
-use crate::{csv, report::chart::escape, summary::digits};
+use super::{
+    SceneRows, Side, System, SystemErrors,
+    chart::{LEAST_FLIP, LEGEND_PX, LINE_PX, named},
+};
+use crate::{
+    csv,
+    report::{
+        canvas::{Canvas, said},
+        chart::escape,
+    },
+    summary::digits,
+};
 
 /// Size of a chart, pixels.
 const SIZE: (u32, u32) = (1000, 430);
-/// Height of a line of the legend, pixels.
-const LINE_PX: i32 = 18;
-/// Error at which exact pictures are drawn.
-const LEAST_FLIP: f64 = 1e-4;
 
 /// Measurements of a system in one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,7 +71,7 @@ impl Curves {
     }
 
     /// First and last frame, lowest and highest value of the chart; none where there is nothing to draw.
-    pub(super) fn ranges(self, scene: &SceneRows) -> Option<([u32; 2], [f64; 2])> {
+    fn ranges(self, scene: &SceneRows) -> Option<([u32; 2], [f64; 2])> {
         let rows = || scene.rows.iter().flat_map(|row| &row.frames);
         let first = rows().map(|row| row.frame).min()?;
         let last = rows().map(|row| row.frame).max()?;
@@ -76,9 +82,10 @@ impl Curves {
     }
 }
 
-/// Table of all systems and frames, as comma-separated values.
-pub fn table(scene: &SceneRows) -> String {
+/// Table with a row for each scene, system and frame.
+pub fn table(scenes: &[SceneRows]) -> String {
     let header = [
+        "scene",
         "system",
         "frame",
         "ms",
@@ -88,11 +95,12 @@ pub fn table(scene: &SceneRows) -> String {
         "wrong_percent",
     ];
     let mut out = csv::line(header);
-    for row in &scene.rows {
+    for (scene, row) in (scenes.iter()).flat_map(|of| of.rows.iter().map(move |row| (of, row))) {
         for of in &row.frames {
             let number = |value: Option<f64>| value.map_or(String::new(), |v| v.to_string());
             let error = |value: fn(SystemErrors) -> Option<f64>| number(of.errors.and_then(value));
             out += &csv::line([
+                scene.scene.clone(),
                 row.system.to_owned(),
                 of.frame.to_string(),
                 of.ms.to_string(),
@@ -111,40 +119,26 @@ pub fn table(scene: &SceneRows) -> String {
 /// # Errors
 /// Message of the drawing library.
 pub fn draw(scene: &SceneRows, curves: Curves) -> Result<Option<String>, String> {
-    let said = |error: &dyn std::fmt::Display| format!("the chart cannot be drawn: {error}");
     let Some(([first, last], [low, high])) = curves.ranges(scene) else {
         return Ok(None);
     };
     let values = (0.8 * low..1.25 * high.max(10.0 * low)).log_scale();
-    let (mut svg, mut overlay) = (String::new(), String::new());
-    {
-        let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-        root.fill(&WHITE).map_err(|e| said(&e))?;
-        let mut chart = ChartBuilder::on(&root)
-            .margin(14)
-            .margin_right(240)
-            .x_label_area_size(44)
-            .y_label_area_size(74)
-            .build_cartesian_2d(f64::from(first)..f64::from(last), values)
-            .map_err(|e| said(&e))?;
-        chart
-            .configure_mesh()
-            .x_desc("frame")
-            .y_desc(curves.title())
-            .x_label_formatter(&|frame| format!("{frame:.0}"))
-            .y_label_formatter(&|value| digits(*value))
-            .light_line_style(RGBColor(242, 242, 242))
-            .bold_line_style(RGBColor(220, 220, 220))
-            .label_style(("sans-serif", 13))
-            .axis_desc_style(("sans-serif", 14))
-            .draw()
-            .map_err(|e| said(&e))?;
+    let canvas = Canvas {
+        size: SIZE,
+        above: 14,
+        right: LEGEND_PX,
+        titles: ["frame", curves.title()],
+        grid: [242, 220],
+        x_label: &|frame| format!("{frame:.0}"),
+    };
+    let svg = canvas.svg(f64::from(first)..f64::from(last), values, |chart| {
+        let mut overlay = String::new();
         for (line, (row, system)) in (0..).zip(scene.of_systems()) {
             let dot = |of: &FrameRow| Some((f64::from(of.frame), curves.of(of)?));
             // A curve ends before a frame without a value.
             for run in row.frames.split(|of| dot(of).is_none()) {
                 let series = LineSeries::new(run.iter().filter_map(dot), stroke(system));
-                chart.draw_series(series).map_err(|e| said(&e))?;
+                chart.draw_series(series).map_err(said)?;
             }
             let to_pixels = chart.as_coord_spec();
             for (frame, value) in row.frames.iter().filter_map(dot) {
@@ -155,31 +149,31 @@ pub fn draw(scene: &SceneRows, curves: Curves) -> Result<Option<String>, String>
                     escape(&text)
                 );
             }
-            overlay += &named(system, 30 + LINE_PX * line);
+            overlay += &legend_line(system, 30 + LINE_PX * line);
         }
-        root.present().map_err(|e| said(&e))?;
-    }
-    let end = svg.rfind("</svg>").ok_or("the chart has no end")?;
-    svg.insert_str(end, &overlay);
+        Ok(overlay)
+    })?;
     Ok(Some(svg))
 }
 
-/// Stroke of a system's curve: Reflet's own are wide.
+/// Width of a system's curve, pixels: Reflet's own are wide.
+fn width(system: &System) -> u32 {
+    if system.side == Side::Own { 3 } else { 1 }
+}
+
+/// Stroke of a system's curve.
 fn stroke(system: &System) -> ShapeStyle {
     let [r, g, b] = system.color;
-    RGBColor(r, g, b).stroke_width(if system.side == Side::Own { 3 } else { 1 })
+    RGBColor(r, g, b).stroke_width(width(system))
 }
 
 /// Line of the legend, at this distance from the top.
-fn named(system: &System, y: i32) -> String {
+fn legend_line(system: &System, y: i32) -> String {
     let ([r, g, b], x) = (system.color, SIZE.0 as i32 - 230);
-    let width = if system.side == Side::Own { 3 } else { 1 };
     format!(
-        "<path d=\"M{x} {y}h20\" stroke=\"rgb({r},{g},{b})\" stroke-width=\"{width}\"/>\
-         <text x=\"{}\" y=\"{}\" font-family=\"sans-serif\" font-size=\"13\">{}</text>\n",
-        x + 26,
-        y + 4,
-        escape(system.name)
+        "<path d=\"M{x} {y}h20\" stroke=\"rgb({r},{g},{b})\" stroke-width=\"{}\"/>{}",
+        width(system),
+        named((x + 26, y + 4), system.name)
     )
 }
 
@@ -225,8 +219,9 @@ mod tests {
             let text = format!("<title>near-far, frame 40: {value}</title>");
             assert!(svg.contains(&text), "{svg}");
         }
-        assert_eq!(table(&film).lines().count(), 7);
-        assert!(table(&film).contains("\nnear-far,80,243,2,0,,0\n"));
+        let table = table(&[film]);
+        assert_eq!(table.lines().count(), 7);
+        assert!(table.contains("\nfilm.toml,near-far,80,243,2,0,,0\n"));
     }
 
     #[test]
@@ -237,7 +232,7 @@ mod tests {
         };
         // Two further curves of the two systems, beside the same axes.
         assert_eq!(lines(&[0, 40, 50, 60, 80]), lines(&[0, 40, 55, 60, 80]) + 2);
-        assert!(table(&film(&[50])).contains("\nssr,50,51,2,,,\n"));
+        assert!(table(&[film(&[50])]).contains("\nfilm.toml,ssr,50,51,2,,,\n"));
         assert_eq!(draw(&film(&[50, 150]), Curves::Error), Ok(None));
     }
 

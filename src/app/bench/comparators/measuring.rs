@@ -9,6 +9,7 @@ use crate::{
     },
     gpu::{Gpu, GpuError, ShaderLibrary},
     metric::{
+        percentile,
         picture::{Pair, PictureError},
         temporal::{Change, Temporal},
     },
@@ -42,7 +43,7 @@ struct Running<'a> {
 
 /// Settings of the system in a scene; pictures are not smoothed, as in all benchmarks. A scene without probes gets a
 /// grid of two along its longest edge.
-pub(super) fn settings(system: &System, subject: &Subject) -> ReflectionDesc {
+fn settings(system: &System, subject: &Subject) -> ReflectionDesc {
     let mut settings = ReflectionDesc {
         filter: false,
         ..subject.reflection
@@ -57,7 +58,7 @@ pub(super) fn settings(system: &System, subject: &Subject) -> ReflectionDesc {
 }
 
 /// Error of the renderer, with the built-in shaders.
-pub(super) fn explain(error: RenderError) -> AppError {
+fn explain(error: RenderError) -> AppError {
     AppError::from_render(error, false)
 }
 
@@ -115,7 +116,7 @@ pub(super) fn scored_size(
 ///
 /// # Errors
 /// Frames that cannot be posed, errors of the renderer.
-pub(in crate::app::bench) fn measure(
+pub(super) fn measure(
     gpu: &Gpu,
     library: &ShaderLibrary,
     (size, turns): ([u32; 2], u32),
@@ -151,7 +152,7 @@ pub(in crate::app::bench) fn measure(
             }
         }
         for system in &mut running {
-            let median_ms = median(std::mem::take(&mut system.times_ms));
+            let median_ms = percentile(&mut std::mem::take(&mut system.times_ms), 0.5);
             if let Some(row) = system.frames.last_mut() {
                 row.ms = median_ms;
             }
@@ -181,7 +182,7 @@ fn refusal(error: RenderError) -> Result<String, AppError> {
 }
 
 /// Picture of a subject with the planes that are scored.
-pub(super) fn picture(
+fn picture(
     gpu: &Gpu,
     subject: &Subject,
     renderer: &mut RendererStage,
@@ -277,12 +278,6 @@ fn time(gpu: &Gpu, subject: &Subject, system: &mut Running<'_>) -> Result<(), Re
     Ok(())
 }
 
-/// The median, of an even number the larger one in the middle; 0 of none.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
-}
-
 /// Measurements of a system over all frames.
 fn row(system: Running<'_>) -> Row {
     let frames = system.frames;
@@ -293,7 +288,7 @@ fn row(system: Running<'_>) -> Row {
     let stats = system.last.as_ref();
     Row {
         system: system.system.name,
-        ms: median(of(|frame| frame.ms)),
+        ms: percentile(&mut of(|frame| frame.ms), 0.5),
         errors: errors_over(&frames),
         popping: (reference > 0.0).then(|| difference / reference),
         nodes: system.work.visited_nodes,
@@ -301,7 +296,7 @@ fn row(system: Running<'_>) -> Row {
         bytes: stats.map_or(0, |s| s.bytes.iter().map(|(_, bytes)| bytes).sum()),
         prepared_bytes: stats.and_then(prepared).map_or(0, |(bytes, _)| bytes),
         prepare_ms: system.prepare_ms,
-        update_ms: median(of(|frame| frame.update_ms)),
+        update_ms: percentile(&mut of(|frame| frame.update_ms), 0.5),
         frames,
     }
 }

@@ -1,74 +1,107 @@
-//! Worst picture of each mode, by all methods.
+//! Galleries of the report: verdicts on each mode, and its worst picture by all methods.
 
 use crate::{
     app::{
-        bench::report_pictures::{ReportPicture, SOURCES, Shown, shown},
+        bench::report_pictures::{ReportPicture, SOURCES, Shown as Picture, shown},
         error::AppError,
     },
     bench::{
-        report::{page::Gallery, sections},
-        run::FrameSeries,
+        report::{
+            page::{Figure, Gallery},
+            sections,
+        },
+        run::{FrameSeries, Subject},
         sample::Sample,
-        stability::{Cell, Mode, Part, Place, ReferenceKind, document::verdicts},
+        stability::{Cell, Mode, Part, Place, ReferenceKind, find, verdict::verdict},
     },
     gpu::{Gpu, ShaderLibrary},
     scene::desc::{Accept, Method, ReflectionDesc},
 };
 
-/// Galleries of every mode with a score: the picture with the largest error of `hybrid`, or of the first method
-/// in a run without `hybrid`.
-///
-/// # Errors
-/// Errors of the renderer.
-pub fn galleries(
+/// Scores of modes, as galleries show them.
+pub struct Shown<'a> {
+    /// Modes in their order.
+    pub modes: &'a [Mode],
+    /// Methods in their order.
+    pub columns: &'a [&'a str],
+    /// Scores of all modes and methods.
+    pub cells: &'a [Cell],
+    /// Samples that the scores are of.
+    pub samples: &'a [Sample],
+    /// Adapter and shaders for pictures; none for galleries without them.
+    pub renders: Option<(&'a Gpu, &'a ShaderLibrary)>,
+}
+
+impl Shown<'_> {
+    /// Gallery of every mode with a score: its verdicts, the flicker of a film, and the picture with the largest error of
+    /// `hybrid`, or of the first method in a run without `hybrid`.
+    ///
+    /// # Errors
+    /// Errors of the renderer.
+    pub fn galleries(&self, all_series: &mut [FrameSeries]) -> Result<Vec<Gallery>, AppError> {
+        let mut galleries = Vec::new();
+        for mode in self.modes {
+            let Some(Place { frame, size }) = worst(mode, self.cells) else {
+                continue;
+            };
+            let is_shown = |part: &&Part| shows(part, frame, size);
+            let Some(part) = mode.parts.iter().find(is_shown) else {
+                continue;
+            };
+            let series = all_series.iter_mut().find(|s| s.name() == part.scene);
+            let (figures, sources) = match (self.renders, series) {
+                (Some((gpu, library)), Some(series)) => {
+                    let subject = series.at(frame).map_err(AppError::Scene)?;
+                    (figures(gpu, library, subject, size)?, SOURCES)
+                }
+                _ => (Vec::new(), ""),
+            };
+            let (title, about) = mode.heading();
+            let at = if part.frames.len() > 1 {
+                format!(" Frame {frame}.")
+            } else {
+                String::new()
+            };
+            let of_part = self.samples.iter().filter(|s| s.scene == part.scene);
+            let of_part: Vec<Sample> = of_part.cloned().collect();
+            let sections = sections(&of_part).map_err(AppError::Internal)?;
+            let charts = sections.into_iter().flat_map(|section| section.charts);
+            galleries.push(Gallery {
+                title,
+                anchor: mode.name.clone(),
+                text: format!("{about}{at} {} {sources}", self.verdicts(mode).join("; ")),
+                charts: charts
+                    .filter(|c| c.name.ends_with("-flicker.svg"))
+                    .collect(),
+                figures,
+            });
+        }
+        Ok(galleries)
+    }
+
+    /// Verdict on each method in a mode.
+    fn verdicts(&self, mode: &Mode) -> Vec<String> {
+        let cell = |method: &&str| find(self.cells, mode, method, ReferenceKind::Rt);
+        let cells = self.columns.iter().filter_map(cell);
+        cells
+            .map(|cell| format!("{}: {}", cell.method, verdict(cell, self.cells)))
+            .collect()
+    }
+}
+
+/// Pictures of a frame by all methods, and the part of it that `hybrid` has most wrong.
+fn figures(
     gpu: &Gpu,
     library: &ShaderLibrary,
-    modes: &[Mode],
-    columns: &[&str],
-    cells: &[Cell],
-    samples: &[Sample],
-    all_series: &mut [FrameSeries],
-) -> Result<Vec<Gallery>, AppError> {
-    let mut galleries = Vec::new();
-    for mode in modes {
-        let Some(Place { frame, size }) = worst(mode, cells) else {
-            continue;
-        };
-        let is_shown = |part: &&Part| shows(part, frame, size);
-        let Some(part) = mode.parts.iter().find(is_shown) else {
-            continue;
-        };
-        let series = all_series.iter_mut().find(|s| s.name() == part.scene);
-        let Some(series) = series else { continue };
-        let subject = series.at(frame).map_err(AppError::Scene)?;
-        let (title, about) = mode.heading();
-        let shots = shots(&subject.reflection);
-        let mut shown = shown(gpu, library, subject, size, &shots)?;
-        if let Some(window) = worst_window(&shown[HYBRID], &shown[RT]) {
-            let crops: Vec<Shown> = shown.iter().map(|shown| window.cut(shown)).collect();
-            shown.extend(crops);
-        }
-        let at = if part.frames.len() > 1 {
-            format!(" Frame {frame}.")
-        } else {
-            String::new()
-        };
-        let says = verdicts(mode, columns, cells);
-        let of_part = samples.iter().filter(|s| s.scene == part.scene);
-        let of_part: Vec<Sample> = of_part.cloned().collect();
-        let sections = sections(&of_part).map_err(AppError::Internal)?;
-        let charts = sections.into_iter().flat_map(|section| section.charts);
-        galleries.push(Gallery {
-            title,
-            anchor: mode.name.clone(),
-            text: format!("{about}{at} {} {SOURCES}", says.join("; ")),
-            charts: charts
-                .filter(|c| c.name.ends_with("-flicker.svg"))
-                .collect(),
-            figures: (shown.into_iter().map(Shown::figure)).collect::<Result<_, _>>()?,
-        });
+    subject: &Subject,
+    size: [u32; 2],
+) -> Result<Vec<Figure>, AppError> {
+    let mut shown = shown(gpu, library, subject, size, &shots(&subject.reflection))?;
+    if let Some(window) = worst_window(&shown[HYBRID], &shown[RT]) {
+        let crops: Vec<Picture> = shown.iter().map(|shown| window.cut(shown)).collect();
+        shown.extend(crops);
     }
-    Ok(galleries)
+    shown.into_iter().map(Picture::figure).collect()
 }
 
 /// Window where a picture differs most from another.
@@ -82,14 +115,14 @@ struct Window {
 const CROP_PX: [u32; 2] = [48, 36];
 
 impl Window {
-    fn cut(self, shown: &Shown) -> Shown {
+    fn cut(self, shown: &Picture) -> Picture {
         let [x, y] = self.corner;
         let [width, height] = self.size;
         let row = |row: u32| {
             let start = 4 * (row * shown.size[0] + x) as usize;
             &shown.rgba[start..start + 4 * width as usize]
         };
-        Shown {
+        Picture {
             caption: format!("{}: the {width} × {height} px at ({x}, {y})", shown.caption),
             size: self.size,
             rgba: (y..y + height).flat_map(row).copied().collect(),
@@ -98,7 +131,7 @@ impl Window {
 }
 
 /// Window with the largest sum of differences; none where the pictures are equal, or hardly larger than it.
-fn worst_window(picture: &Shown, reference: &Shown) -> Option<Window> {
+fn worst_window(picture: &Picture, reference: &Picture) -> Option<Window> {
     let full = picture.size;
     let size = [0, 1].map(|axis| CROP_PX[axis].min(full[axis]));
     if reference.size != full || size == full {
@@ -173,10 +206,10 @@ fn shots(settings: &ReflectionDesc) -> Vec<ReportPicture> {
 mod tests {
     use super::*;
 
-    fn gray(value: impl Fn(u32, u32) -> u8) -> Shown {
+    fn gray(value: impl Fn(u32, u32) -> u8) -> Picture {
         let size = [100, 60];
         let pixels = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| [x, y]));
-        Shown {
+        Picture {
             caption: "gray".to_owned(),
             size,
             rgba: pixels.flat_map(|[x, y]| [value(x, y); 4]).collect(),

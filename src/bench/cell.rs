@@ -1,0 +1,66 @@
+//! Conversion of values to cells of a table and back, and structs whose fields are columns.
+
+/// Value that a cell shows.
+pub(crate) trait Cell {
+    fn text(&self) -> String;
+}
+
+/// Value that a cell is read as.
+pub(crate) trait FromCell: Sized {
+    fn of(text: &str) -> Option<Self>;
+}
+
+macro_rules! plain_cells {
+    ($($kind:ty),*) => {$(
+        impl Cell for $kind {
+            fn text(&self) -> String {
+                self.to_string()
+            }
+        }
+        impl FromCell for $kind {
+            fn of(text: &str) -> Option<Self> {
+                text.parse().ok()
+            }
+        }
+    )*};
+}
+
+plain_cells!(String, u32, u64, usize, f32, f64, bool);
+
+/// An empty cell is `None`.
+impl<T: Cell> Cell for Option<T> {
+    fn text(&self) -> String {
+        self.as_ref().map_or(String::new(), Cell::text)
+    }
+}
+
+impl<T: FromCell> FromCell for Option<T> {
+    fn of(text: &str) -> Option<Self> {
+        if text.is_empty() {
+            Some(None)
+        } else {
+            T::of(text).map(Some)
+        }
+    }
+}
+
+/// Declares a struct whose fields are columns of a table.
+macro_rules! columns {
+    ($(#[$about:meta])* pub struct $Name:ident { $($(#[$doc:meta])* pub $name:ident: $kind:ty,)* }) => {
+        $(#[$about])*
+        pub struct $Name {
+            $($(#[$doc])* pub $name: $kind,)*
+        }
+
+        impl $Name {
+            /// Names of the columns.
+            const COLUMNS: &[&str] = &[$(stringify!($name)),*];
+
+            /// Cells in the order of the columns.
+            fn cells(&self) -> Vec<String> {
+                vec![$($crate::cell::Cell::text(&self.$name)),*]
+            }
+        }
+    };
+}
+pub(crate) use columns;
