@@ -1,16 +1,9 @@
 //! `preview --serve`: the arguments of the page.
 
-use std::{path::Path, sync::Arc};
+use std::path::Path;
 
-use super::{
-    args::PreviewArgs,
-    error::AppError,
-    plan_file::costs,
-    print_out, shutdown,
-    viewed_scene::{denoiser, may_query, source},
-};
-use crate::{gpu::driver::open_gpu, scene::desc::Method};
-use reflet_preview::serve::{Port, ServeError, ServeOptions, serve};
+use super::{args::PreviewArgs, error::AppError, print_out, shutdown, viewed_scene::viewer};
+use reflet_preview::serve::{Port, ServeError, serve};
 
 /// Serves the page until Ctrl-C or SIGTERM.
 ///
@@ -29,17 +22,7 @@ pub fn page(args: &PreviewArgs) -> Result<(), AppError> {
         )));
     }
     let port = Port::listen(address).map_err(refused)?;
-    let source = source(args);
-    let gpu = Arc::new(open_gpu(args.adapter.as_deref(), may_query(&source))?);
-    let plan = args.plan.as_deref();
-    let options = ServeOptions {
-        source,
-        camera: args.camera.clone(),
-        method: args.method.map(Method::from),
-        costs: plan.map(|path| costs(path, &gpu)).transpose()?,
-        size: size.unwrap_or([960, 600]),
-        denoiser: denoiser(args)?,
-    };
+    let (gpu, options) = viewer(args, size.unwrap_or([960, 600]))?;
     shutdown::listen();
     if port.is_open {
         reflet_base::error_line!(

@@ -1,15 +1,9 @@
 //! `preview`: the arguments of the window.
 
-use std::{env, path::PathBuf, sync::Arc};
+use std::{env, path::PathBuf};
 
-use super::{
-    args::PreviewArgs,
-    error::AppError,
-    plan_file::costs,
-    viewed_scene::{denoiser, may_query, source},
-};
-use crate::{gpu::driver::open_gpu, scene::desc::Method};
-use reflet_preview::window::{WindowError, WindowOptions, check_display, show};
+use super::{args::PreviewArgs, error::AppError, viewed_scene::viewer};
+use reflet_preview::window::{WindowError, check_display, show};
 
 /// Opens the window and returns when it is closed.
 ///
@@ -33,17 +27,6 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
     };
     let size = (args.from).size(args.size.as_ref(), args.scene.as_deref())?;
     check_display().map_err(refused)?;
-    let source = source(args);
-    let gpu = Arc::new(open_gpu(args.adapter.as_deref(), may_query(&source))?);
-    let plan = args.plan.as_deref();
-    let options = WindowOptions {
-        source,
-        camera: args.camera.clone(),
-        method: args.method.map(Method::from),
-        costs: plan.map(|path| costs(path, &gpu)).transpose()?,
-        size: size.unwrap_or([1280, 800]),
-        screenshots,
-        denoiser: denoiser(args)?,
-    };
-    show(gpu, &options).map_err(refused)
+    let (gpu, options) = viewer(args, size.unwrap_or([1280, 800]))?;
+    show(gpu, &options, screenshots).map_err(refused)
 }

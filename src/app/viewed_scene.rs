@@ -1,28 +1,45 @@
-//! Scene and denoiser that the arguments of `preview` name, for the window and for the page.
+//! Adapter, scene and denoiser that the arguments of `preview` name, for the window and for the page.
 
-use super::{args::PreviewArgs, error::AppError};
+use std::sync::Arc;
+
+use super::{args::PreviewArgs, error::AppError, plan_file::costs};
 use crate::{
+    gpu::{Gpu, driver::open_gpu},
     output::denoise::Denoiser,
     runtime::{SceneSource, parameters::ParameterOverrides, read},
-    scene::dependencies::Dependencies,
+    scene::{dependencies::Dependencies, desc::Method},
 };
-use reflet_preview::viewer::picture_filter::PictureFilter;
+use reflet_preview::viewer::{opening::ViewerOptions, picture_filter::PictureFilter};
 
-/// The scene of the arguments.
-pub fn source(args: &PreviewArgs) -> SceneSource {
-    SceneSource {
+/// The adapter of the arguments, and the options of their viewer, of this size in pixels.
+///
+/// # Errors
+/// No usable GPU, a plan that cannot be read, and no Open Image Denoise for `--denoise`.
+pub fn viewer(args: &PreviewArgs, size: [u32; 2]) -> Result<(Arc<Gpu>, ViewerOptions), AppError> {
+    let source = SceneSource {
         path: args.scene.clone(),
         options: args.from.options(),
         shaders: args.shaders.clone(),
         text: None,
-    }
+    };
+    let gpu = Arc::new(open_gpu(args.adapter.as_deref(), may_query(&source))?);
+    let plan = args.plan.as_deref();
+    let options = ViewerOptions {
+        source,
+        camera: args.camera.clone(),
+        method: args.method.map(Method::from),
+        costs: plan.map(|path| costs(path, &gpu)).transpose()?,
+        size,
+        denoiser: denoiser(args)?,
+    };
+    Ok((gpu, options))
 }
 
 /// Filter of pictures at rest, if `--denoise` asks for it.
 ///
 /// # Errors
 /// [`AppError::Usage`] if Open Image Denoise is not installed.
-pub fn denoiser(args: &PreviewArgs) -> Result<Option<PictureFilter>, AppError> {
+fn denoiser(args: &PreviewArgs) -> Result<Option<PictureFilter>, AppError> {
     let denoiser = args.denoise.then(|| Denoiser::new(&[])).transpose()?;
     Ok(denoiser.map(|denoiser| {
         PictureFilter::new(move |picture| denoiser.apply(picture).map_err(|e| e.to_string()))
@@ -30,7 +47,7 @@ pub fn denoiser(args: &PreviewArgs) -> Result<Option<PictureFilter>, AppError> {
 }
 
 /// Whether a scene asks for ray queries; not, where it has mistakes, which the window shows.
-pub fn may_query(source: &SceneSource) -> bool {
+fn may_query(source: &SceneSource) -> bool {
     let (none, texts) = (ParameterOverrides::default(), Dependencies::default());
     let read = read::read(source, &none, &texts, 0);
     read.is_ok_and(|read| read.scene().desc.reflection.may_query())

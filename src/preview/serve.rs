@@ -18,10 +18,9 @@ use tungstenite::{
     protocol::{Role, WebSocketConfig},
 };
 
-use crate::{live::SceneSource, viewer::picture_filter::PictureFilter};
+use crate::viewer::opening::ViewerOptions;
 use reflet_gpu::Gpu;
-use reflet_render::{runtime::SessionError, settings::unit_costs::UnitCosts};
-use reflet_scene::desc::Method;
+use reflet_render::runtime::SessionError;
 
 mod actions;
 pub mod client;
@@ -54,23 +53,6 @@ const WRITE_WAIT: Duration = Duration::from_secs(20);
 const PICTURE_WAIT: Duration = Duration::from_secs(600);
 /// Interval in which connections and the end are noticed.
 const POLL: Duration = Duration::from_millis(20);
-
-/// Options of the page and of its scene.
-#[derive(Clone, Debug)]
-pub struct ServeOptions {
-    /// The scene, with changed values.
-    pub source: SceneSource,
-    /// Camera to look through at first; without one that of the scene's cuts, else `main`, else the first.
-    pub camera: Option<String>,
-    /// Reflection method to show first, instead of the scene's.
-    pub method: Option<Method>,
-    /// Unit costs of the adapter, by which settings left to `auto` are decided, instead of the built-in ones.
-    pub costs: Option<UnitCosts>,
-    /// Width and height of the picture, pixels.
-    pub size: [u32; 2],
-    /// Filter of pictures at rest.
-    pub denoiser: Option<PictureFilter>,
-}
 
 /// Error that keeps the page from being served.
 #[derive(Debug)]
@@ -155,7 +137,7 @@ impl Port {
 /// A missing scene, or a camera that the scene does not have.
 pub fn serve(
     gpu: Arc<Gpu>,
-    options: &ServeOptions,
+    options: &ViewerOptions,
     port: Port,
     is_over: &dyn Fn() -> bool,
 ) -> Result<(), ServeError> {

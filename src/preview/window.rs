@@ -7,13 +7,9 @@ use eframe::{
     egui_wgpu::{SurfaceErrorAction, WgpuConfiguration, WgpuSetup, WgpuSetupExisting},
 };
 
-use crate::viewer::picture_filter::PictureFilter;
+use crate::viewer::opening::ViewerOptions;
 use reflet_gpu::Gpu;
-use reflet_render::{
-    runtime::{SceneSource, SessionError},
-    settings::unit_costs::UnitCosts,
-};
-use reflet_scene::desc::Method;
+use reflet_render::runtime::SessionError;
 
 mod display_errors;
 pub mod ui;
@@ -32,25 +28,6 @@ fn on_surface_status(status: &wgpu::CurrentSurfaceTexture) -> SurfaceErrorAction
     }
 }
 
-/// Options of the window and of its first scene.
-#[derive(Clone, Debug)]
-pub struct WindowOptions {
-    /// The first scene, with changed values; later ones are opened without those values.
-    pub source: SceneSource,
-    /// Camera to look through at first; without one that of the scene's cuts, else `main`, else the first.
-    pub camera: Option<String>,
-    /// Reflection method to show first, instead of the scene's.
-    pub method: Option<Method>,
-    /// Unit costs of the adapter, by which settings left to `auto` are decided, instead of the built-in ones.
-    pub costs: Option<UnitCosts>,
-    /// Width and height of the window, pixels.
-    pub size: [u32; 2],
-    /// Folder for screenshots.
-    pub screenshots: PathBuf,
-    /// Filter of pictures at rest.
-    pub denoiser: Option<PictureFilter>,
-}
-
 /// Error that keeps the window from being shown.
 #[derive(Clone, Debug)]
 pub enum WindowError {
@@ -66,13 +43,14 @@ impl From<SessionError> for WindowError {
     }
 }
 
-/// Opens the window and returns when it is closed.
+/// Opens the window, which writes screenshots into a folder, and returns when it is closed. Scenes that are opened later
+/// are opened without the changed values of the first.
 ///
 /// # Errors
 /// A missing scene, a camera that the scene does not have, or a display that refuses.
-pub fn show(gpu: Arc<Gpu>, shown: &WindowOptions) -> Result<(), WindowError> {
-    let opener = Opener::new(gpu.clone(), shown);
-    let opened = opener.first(shown.camera.as_deref())?;
+pub fn show(gpu: Arc<Gpu>, shown: &ViewerOptions, screenshots: PathBuf) -> Result<(), WindowError> {
+    let opener = Opener::new(gpu.clone(), shown, screenshots);
+    let opened = opener.first()?;
     let title = opener.title(&opened);
     let [width, height] = shown.size.map(|side| side as f32);
     let options = eframe::NativeOptions {

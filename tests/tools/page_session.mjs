@@ -64,6 +64,15 @@ step("orbited");
 await page.locator("#frame").fill("7");
 await page.waitForFunction(() => document.getElementById("told").textContent.startsWith("7 of"));
 shown = await changed(shown, "scrubbing");
+// Keys that the window has too.
+await page.locator("#stage").focus();
+for (const [key, frame] of [["Home", "0"], ["End", "9"]]) {
+  await page.keyboard.press(key);
+  await page.waitForFunction((told) => document.getElementById("told").textContent.startsWith(`${told} of`), frame);
+}
+await page.locator("#frame").fill("7");
+await page.waitForFunction(() => document.getElementById("told").textContent.startsWith("7 of"));
+shown = await still();
 step("scrubbed");
 
 const parameter = page.locator("#parameters input").first();

@@ -9,10 +9,13 @@ use super::{
 };
 use crate::{
     viewer::{
+        keys::KeyAction,
         protocol::{FrameAction, FrameRequest, Side, Task},
+        recording::RECORDING,
         scene_summary::MaterialRow,
+        view_channel::ViewChannel,
     },
-    write_back::{KeyChange, KeyEdit, Numbers, numbers_of},
+    write_back::{KeyChange, KeyEdit, Numbers},
 };
 use reflet_scene::desc::{MATERIAL, Method};
 
@@ -41,17 +44,14 @@ impl Session {
             Input::Drop { from } => self.let_go(Some(from)),
             Input::Handles { kind } => self.choose_handle(&kind),
             Input::Camera { name } => self.choose_camera(name.as_deref()),
-            Input::Frame => self.frame(),
+            Input::Press { action } => self.press(action),
             Input::Pick { at } => self.pick(at),
-            Input::Unpick => self.post(Task::Unpick),
             Input::Select { row } => {
                 if let Some(row) = self.state.summary.items.get(row) {
                     self.post(Task::Select(row.item));
                 }
             }
-            Input::Undo { again } => self.post(Task::Undo(again)),
             Input::Number { key, values, write } => self.change_number(&key, values, write),
-            Input::Nudge { by } => self.nudge(by),
             Input::Material { row } => {
                 let count = self.state.summary.materials.len();
                 self.state.settings.material = row.filter(|row| *row < count);
@@ -65,12 +65,7 @@ impl Session {
                 key,
                 change,
             } => self.change_key([&kind, &name, &key], &change),
-            Input::Record => self.record(now_s),
             Input::Parameter { name, value, write } => self.change_parameter(&name, &value, write),
-            Input::Wipe => {
-                self.state.settings.wipe = !self.state.settings.wipe;
-                self.state.settings.start_wipe();
-            }
             Input::Method { side, name } => {
                 let found = state::methods().find(|method: &Method| method.name() == name);
                 if let Some(method) = found {
@@ -78,13 +73,40 @@ impl Session {
                 }
             }
             Input::Channel { side, name } => {
-                if let Some(channel) = state::channels().find(|channel| channel.name() == name) {
+                if let Some(channel) =
+                    ViewChannel::of_frames().find(|channel| channel.name() == name)
+                {
                     self.side(side).channel = channel;
                 }
             }
-            Input::Seek { .. } | Input::Step { .. } | Input::Play | Input::Loop => {
-                self.change_time(&input, now_s);
+            Input::Seek { frame } => {
+                let time = self.state.timeline.iter_mut();
+                time.for_each(|time| time.seek(frame, now_s));
             }
+        }
+    }
+
+    /// Does what a key or a button does.
+    fn press(&mut self, action: KeyAction) {
+        let action = match action {
+            KeyAction::Step(by) => KeyAction::Step(by.clamp(-1_000_000, 1_000_000)),
+            action => action,
+        };
+        if self.state.press(action, self.now_s()) {
+            return;
+        }
+        match action {
+            KeyAction::Frame => {
+                match (self.state).frame_selection(self.picked.as_ref(), self.size) {
+                    Ok(()) => self.moved(),
+                    Err(why) => self.say(why),
+                }
+            }
+            KeyAction::Unpick => self.post(Task::Unpick),
+            KeyAction::Undo(again) => self.post(Task::Undo(again)),
+            KeyAction::Nudge(by) => self.nudge(by),
+            KeyAction::Record => self.record(),
+            _ => {}
         }
     }
 
@@ -133,18 +155,6 @@ impl Session {
         }
     }
 
-    fn change_time(&mut self, input: &Input, now_s: f64) {
-        let Some(time) = &mut self.state.timeline else {
-            return;
-        };
-        match input {
-            Input::Seek { frame } => time.seek(*frame, now_s),
-            Input::Step { by } => time.step((*by).clamp(-1_000_000, 1_000_000)),
-            Input::Play => time.toggle(now_s),
-            _ => time.repeats = !time.repeats,
-        }
-    }
-
     fn choose_camera(&mut self, name: Option<&str>) {
         let Some(name) = name else {
             return match self.state.summary.cuts.is_empty() {
@@ -158,14 +168,6 @@ impl Session {
         }
     }
 
-    fn frame(&mut self) {
-        let picked = self.picked.as_ref().map(|picked| picked.bounds);
-        let bounds = picked.unwrap_or(self.state.summary.bounds);
-        let [width, height] = self.size.map(|side| side.max(1) as f32);
-        self.state.controls.frame(&bounds, width / height);
-        self.moved();
-    }
-
     fn pick(&mut self, at: [f32; 2]) {
         let is_inside = at.iter().all(|part| (0.0..=1.0).contains(part));
         if let (Some(view), true) = (self.state.requested.clone(), is_inside) {
@@ -175,7 +177,7 @@ impl Session {
     }
 
     fn change_number(&mut self, key: &str, values: Vec<f64>, write: bool) {
-        let Some(item) = &self.inspected else {
+        let Some(item) = self.selection.shown() else {
             return self.say("nothing is selected");
         };
         let own = item.numbers.iter().find(|own| own.key == key);
@@ -198,12 +200,11 @@ impl Session {
     }
 
     fn nudge(&mut self, by: [f64; 3]) {
-        let Some(item) = &self.inspected else {
+        if self.selection.item().is_none() {
             return self.say("nothing is selected");
-        };
-        let by = by.map(|x| x.clamp(-1e6, 1e6));
-        match Numbers::moved(&item.numbers, by) {
-            Some(moved) => self.post(Task::Write(item.item, moved)),
+        }
+        match self.selection.moved(by.map(|x| x.clamp(-1e6, 1e6))) {
+            Some(task) => self.post(task),
             None => self.say("the selected item has no place that can be changed"),
         }
     }
@@ -215,25 +216,18 @@ impl Session {
         let Some(row) = row else {
             return self.say("no material is shown");
         };
-        let now = row.edit.over(&row.numbers);
-        let field = MATERIAL.iter().position(|field| field.key == key);
-        let field = field.filter(|index| (MATERIAL[*index].get)(&now).is_some());
-        let value = field.and_then(|index| state::material_value(&MATERIAL[index], values));
-        let (Some(index), Some(value)) = (field, value) else {
+        let own = row.fields().find(|(_, field, _)| field.key == key);
+        let changed =
+            own.and_then(|(index, field, _)| Some((index, state::material_value(field, values)?)));
+        let Some((index, value)) = changed else {
             return self.say("the material has no such number");
         };
         row.edit = row.with(&row.edit, index, value);
-        let (edit, number) = (row.edit, row.edit.material);
+        let edit = row.edit;
         self.state.stir(self.now_s());
         self.post(Task::Edit(Box::new(edit)));
-        if write {
-            let field = &MATERIAL[index];
-            let numbers = Numbers {
-                key: field.key,
-                values: numbers_of(field.form, value),
-            };
-            self.post(Task::WriteMaterial(number, numbers));
-        }
+        let written = MaterialRow::to_write(&edit, index).filter(|_| write);
+        written.into_iter().for_each(|task| self.post(task));
     }
 
     /// Changes a key of a track, given by kind, name and key.
@@ -252,11 +246,11 @@ impl Session {
         self.post(Task::Key(KeyEdit { track, change }));
     }
 
-    fn record(&mut self, now_s: f64) {
-        let ended = self.state.toggle_recording(now_s);
+    fn record(&mut self) {
+        let ended = self.state.toggle_recording(self.now_s());
         ended.into_iter().for_each(|task| self.post(task));
         self.say(match &self.state.recording {
-            Some(_) => "recording: fly with the mouse and W A S D; the end of the timeline ends it",
+            Some(_) => RECORDING,
             None => "the flight is over",
         });
     }

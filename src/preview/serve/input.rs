@@ -2,6 +2,8 @@
 
 use serde::Deserialize;
 
+use crate::viewer::keys::KeyAction;
+
 /// Input of a viewer.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
@@ -30,36 +32,24 @@ pub(super) enum Input {
     Dolly { notches: f32 },
     /// Look through a camera of the scene; without a name as the cuts choose, or again through the last one.
     Camera { name: Option<String> },
-    /// Frame the selection, else the scene.
-    Frame,
+    /// Do what a key or a button does.
+    Press { action: KeyAction },
     /// Go to a frame.
     Seek { frame: u32 },
-    /// Step by frames.
-    Step { by: i64 },
-    /// Play or pause.
-    Play,
-    /// Loop or end at the end.
-    Loop,
     /// Choose the method of a side, 0 or 1.
     Method { side: usize, name: String },
     /// Choose the channel of a side, 0 or 1.
     Channel { side: usize, name: String },
-    /// Begin or end the wipe.
-    Wipe,
     /// Select at a place of the picture, 0 to 1 from the top left.
     Pick { at: [f32; 2] },
     /// Select a row of the outline.
     Select { row: usize },
-    /// Clear the selection.
-    Unpick,
     /// Change numbers of the selected item; write them at the end of a drag.
     Number {
         key: String,
         values: Vec<f64>,
         write: bool,
     },
-    /// Move the selected item by meters along the axes of its parent, and write its place.
-    Nudge { by: [f64; 3] },
     /// Show the numbers of a material, by its row, or those of none.
     Material { row: Option<usize> },
     /// Change numbers of the shown material; write them at the end of a drag.
@@ -77,16 +67,12 @@ pub(super) enum Input {
     },
     /// Fly along right, up and forward, each -1 to 1, for some seconds.
     Fly { by: [f32; 3], seconds: f32 },
-    /// Begin or end the recording of a camera flight.
-    Record,
     /// Change a parameter of the script; write it at the end of a drag.
     Parameter {
         name: String,
         value: serde_json::Value,
         write: bool,
     },
-    /// Undo the last written change, or redo the last undone one.
-    Undo { again: bool },
 }
 
 /// Drags of a viewer without their end: they are shown to all, and would be written at the end.

@@ -14,25 +14,20 @@ use std::{
 use image::{ExtendedColorType, codecs::jpeg::JpegEncoder};
 
 use super::{
-    ServeOptions,
     hub::Hub,
     input::{Input, Unfinished},
     state,
 };
-use crate::{
-    live::{SceneSource, ViewOverrides},
-    viewer::{
-        handles::{Handle, HandleDrag},
-        opening::open,
-        protocol::{
-            FinishedFrame, FrameAction, FrameRequest, Picked, Report, Screenshot, ScreenshotGoal,
-            Task, Visualization,
-        },
-        render_thread::RenderThread,
-        scene_summary::SceneSummary,
-        view_state::ViewState,
+use crate::viewer::{
+    opening::{Opened, ViewerOptions},
+    protocol::{
+        FinishedFrame, FrameAction, FrameRequest, Picked, Reply, Report, Screenshot,
+        ScreenshotGoal, Task, Visualization,
     },
-    write_back::{Inspected, Numbers, SceneItem},
+    render_thread::RenderThread,
+    scene_summary::SceneSummary,
+    selection::Selection,
+    view_state::ViewState,
 };
 use reflet_gpu::Gpu;
 use reflet_render::{
@@ -62,27 +57,16 @@ pub(super) enum Event {
     End,
 }
 
-/// Handle that a viewer drags.
-pub(super) struct Grab {
-    /// Place of the press in the picture, 0 to 1.
-    pub(super) from: [f32; 2],
-    pub(super) item: SceneItem,
-    pub(super) drag: HandleDrag,
-    /// Numbers as the drag has them now.
-    pub(super) now: Numbers,
-}
-
 pub(super) struct Session {
     pub(super) gpu: Arc<Gpu>,
     pub(super) hub: Hub,
     pub(super) render_thread: RenderThread,
     pub(super) state: ViewState,
     pub(super) overrides: ParameterOverrides,
-    pub(super) inspected: Option<Inspected>,
+    pub(super) selection: Selection,
+    /// Place of the press in the picture, 0 to 1, that took hold of the dragged handle.
+    pub(super) grip: Option<[f32; 2]>,
     pub(super) picked: Option<Picked>,
-    /// Kind of the handles, and the one that is dragged.
-    pub(super) handle: Handle,
-    pub(super) grab: Option<Grab>,
     /// Places where drags of handles began that another viewer took over, newest first.
     pub(super) taken: Vec<[f32; 2]>,
     /// Camera of the last picture.
@@ -98,58 +82,33 @@ pub(super) struct Session {
 /// Opens the scene and starts the session on its thread.
 pub(super) fn start(
     gpu: Arc<Gpu>,
-    options: &ServeOptions,
+    options: &ViewerOptions,
     hub: Hub,
 ) -> Result<(Sender<Event>, JoinHandle<()>), SessionError> {
-    let view = ViewOverrides {
-        size: Some([64, 64]),
-        method: options.method,
-        costs: options.costs,
-        guides: options.denoiser.is_some(),
-        ..ViewOverrides::default()
-    };
-    let waits = options.camera.is_none();
-    let (live, is_waiting) = open(&gpu, options.source.clone(), view, waits)?;
-    let camera = live.camera(options.camera.as_deref())?;
-    let summary = SceneSummary::of(&live);
+    let opened = Opened::new(&gpu, options)?;
     let (sender, events) = mpsc::channel();
     let reports = sender.clone();
     // The session may be over already.
     let on_report = move || drop(reports.send(Event::Report));
-    let method = options.method.unwrap_or(summary.method);
+    let name = opened.stem.clone();
+    let (render_thread, state) = opened.start(&gpu, options.denoiser.clone(), on_report);
     let session = Session {
-        state: ViewState::new(summary, method, camera, waits),
-        render_thread: RenderThread::start(
-            gpu.clone(),
-            live,
-            is_waiting,
-            options.denoiser.clone(),
-            on_report,
-        ),
+        render_thread,
+        state,
         gpu,
         hub,
         overrides: ParameterOverrides::default(),
-        inspected: None,
+        selection: Selection::default(),
+        grip: None,
         picked: None,
-        handle: Handle::default(),
-        grab: None,
         taken: Vec::new(),
         shown_camera: None,
         size: options.size,
         started: Instant::now(),
         number: 0,
-        name: name_of(&options.source),
+        name,
     };
     Ok((sender, thread::spawn(move || session.run(&events))))
-}
-
-/// Name of the scene's file, without its ending.
-fn name_of(source: &SceneSource) -> String {
-    let stem = source.path.as_ref().and_then(|path| path.file_stem());
-    stem.map_or_else(
-        || "atrium".to_owned(),
-        |stem| stem.to_string_lossy().into_owned(),
-    )
 }
 
 impl Session {
@@ -185,20 +144,20 @@ impl Session {
 
     /// Tells what changes while something is dragged; what is as before is not sent again.
     fn tell_choices(&self) {
-        let selected = self.inspected.as_ref().map(|inspected| inspected.item);
         let parameters = state::parameters(&self.state.summary, &self.overrides);
         self.hub.text("parameters", &parameters);
         self.hub.text("material", &state::material(&self.state));
         self.tell_item();
         self.tell_handles();
-        self.hub.text("keys", &state::keys(&self.state, selected));
+        self.hub
+            .text("keys", &state::keys(&self.state, self.selection.item()));
     }
 
     /// Has the picture rendered whole, also while something moves.
     fn screenshot(&self, wipe_at: f32, reply: Sender<Result<Vec<u8>, String>>) {
         let view = self.state.view(self.size, self.now_s());
         let action = FrameAction::Screenshot(Screenshot {
-            goal: ScreenshotGoal::Reply(reply),
+            goal: ScreenshotGoal::Reply(Reply(reply)),
             wipe_at,
             error_map: false,
         });
@@ -254,11 +213,10 @@ impl Session {
                     self.picked = picked;
                 }
                 Report::Unpicked => {
-                    (self.picked, self.inspected) = (None, None);
+                    self.picked = None;
+                    self.selection.show(None);
                 }
-                Report::Inspected(inspected) => {
-                    self.inspected = inspected.map(|inspected| *inspected);
-                }
+                Report::Inspected(inspected) => self.selection.show(inspected.map(|i| *i)),
                 Report::Message(text) => self.say(&text),
                 Report::Unwatched(Some(why)) => self.say(&why),
                 _ => {}

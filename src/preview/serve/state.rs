@@ -6,32 +6,43 @@ use serde_json::{Value, json};
 use crate::{
     live::Problems,
     viewer::{
+        keys::{self, KeyAction},
         protocol::{FinishedFrame, Side},
         scene_summary::SceneSummary,
+        selection::Selection,
         timeline::Timeline,
         view_channel::ViewChannel,
         view_settings::METHODS,
         view_state::ViewState,
     },
-    write_back::{Inspected, SceneItem, numbers_of},
+    write_back::{SceneItem, numbers_of},
 };
-use reflet_render::{picture::aov::Aov, runtime::parameters::ParameterOverrides};
+use reflet_render::runtime::parameters::ParameterOverrides;
 use reflet_scene::{
-    desc::{MATERIAL, MaterialDesc, Method, ParamValue},
+    desc::{MaterialDesc, Method, ParamValue},
     number::{Field, Form},
 };
-
-/// Channels that a page offers.
-pub(super) fn channels() -> impl Iterator<Item = ViewChannel> {
-    let aovs = Aov::ALL.into_iter().map(ViewChannel::Aov);
-    std::iter::once(ViewChannel::Picture)
-        .chain(aovs)
-        .chain([ViewChannel::Rays])
-}
 
 /// Methods that a page offers.
 pub(super) fn methods() -> impl Iterator<Item = Method> {
     std::iter::once(Method::Auto).chain(METHODS)
+}
+
+/// Presses that the page understands, and what they do.
+fn presses() -> Vec<(&'static str, KeyAction)> {
+    let all = keys::presses().map(|press| (press.keys, press.action));
+    all.filter(|(_, action)| {
+        !matches!(
+            action,
+            KeyAction::Copy
+                | KeyAction::Compare
+                | KeyAction::Screenshot
+                | KeyAction::SafeArea
+                | KeyAction::Help
+                | KeyAction::Close
+        )
+    })
+    .collect()
 }
 
 /// A message for the status line.
@@ -110,10 +121,8 @@ pub(super) fn material(state: &ViewState) -> String {
     let index = state.settings.material;
     let row = index.and_then(|index| state.summary.materials.get(index));
     json!({ "material": row.map(|row| {
-        let now = row.edit.over(&row.numbers);
-        let numbers = MATERIAL.iter().filter_map(|field| {
-            let values = numbers_of(field.form, (field.get)(&now)?);
-            Some(json!([field.key, values, field.form == Form::Color]))
+        let numbers = row.fields().map(|(_, field, value)| {
+            json!([field.key, numbers_of(field.form, value), field.form == Form::Color])
         });
         json!({
             "row": index,
@@ -145,7 +154,8 @@ pub(super) fn scene(summary: &SceneSummary, name: &str) -> String {
         "cameras": summary.cameras.iter().map(|(name, _)| name).collect::<Vec<_>>(),
         "cuts": !summary.cuts.is_empty(),
         "methods": methods().map(Method::name).collect::<Vec<_>>(),
-        "channels": channels().map(ViewChannel::name).collect::<Vec<_>>(),
+        "channels": ViewChannel::of_frames().map(ViewChannel::name).collect::<Vec<_>>(),
+        "presses": presses(),
         "items": summary.items.iter().map(|row| json!([row.label, row.depth])).collect::<Vec<_>>(),
         "timeline": summary.timeline.as_ref().map(|time| json!([time.start, time.end, time.fps])),
         "log": summary.log,
@@ -171,17 +181,15 @@ pub(super) fn view(state: &ViewState) -> String {
     .to_string()
 }
 
-/// The selected item.
-pub(super) fn item(inspected: Option<&Inspected>) -> String {
-    let numbers = |item: &Inspected| {
-        let numbers = item.numbers.iter();
-        let numbers = numbers.map(|number| json!([number.key, number.values, number.is_color()]));
-        numbers.collect::<Vec<_>>()
-    };
-    json!({ "item": inspected.map(|item| json!({
+/// The selected item, with its numbers as a drag has them.
+pub(super) fn item(selection: &Selection) -> String {
+    let numbers = selection.numbers.iter();
+    let numbers = numbers.map(|number| json!([number.key, number.values, number.is_color()]));
+    let numbers: Vec<_> = numbers.collect();
+    json!({ "item": selection.shown().map(|item| json!({
         "label": item.label,
         "place": item.place,
-        "numbers": numbers(item),
+        "numbers": numbers,
         "held": item.held,
         "refused": item.refused,
     }))})

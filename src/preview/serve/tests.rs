@@ -7,6 +7,7 @@ use std::{
 };
 
 use super::{hub::Hub, *};
+use crate::viewer::keys::KeyAction;
 
 const SOCKET: &str = "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n\
                       Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n";
@@ -144,7 +145,8 @@ fn messages_without_meaning_are_no_input() {
         "{}",
         "{\"do\":\"end\"}",
         "{\"do\":\"orbit\"}",
-        "{\"do\":\"step\",\"by\":1e99}",
+        "{\"do\":\"press\",\"action\":{\"step\":1e99}}",
+        "{\"do\":\"press\",\"action\":\"explode\"}",
         "[[[[",
     ] {
         assert_eq!(read(text), None, "{text}");
@@ -327,11 +329,13 @@ fn garbage_and_long_messages_end_a_connection_and_nothing_else() {
     drop(client);
     ends.join().expect("no panic");
     other
-        .send(Message::text("{\"do\":\"wipe\"}"))
+        .send(Message::text("{\"do\":\"press\",\"action\":\"wipe\"}"))
         .expect("sent");
     assert_eq!(
         viewers.input(),
-        Input::Wipe,
+        Input::Press {
+            action: KeyAction::Wipe
+        },
         "the first that means something"
     );
     drop(other);

@@ -74,7 +74,7 @@ impl View {
 }
 
 /// A one-time task for the rendering thread.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Task {
     /// Files changed; with the time of the first event.
     Reload(Changes, Instant),
@@ -124,7 +124,7 @@ impl Task {
 }
 
 /// Where a screenshot goes.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum ScreenshotGoal {
     /// A new file in a folder, whose name has this prefix.
     File {
@@ -133,12 +133,22 @@ pub enum ScreenshotGoal {
         /// Prefix of the file name.
         stem: String,
     },
-    /// Whoever asked: the bytes of a PNG file, or why there are none.
-    Reply(Sender<Result<Vec<u8>, String>>),
+    /// Whoever asked.
+    Reply(Reply),
+}
+
+/// Takes the bytes of a PNG file, or why there are none. No two are equal.
+#[derive(Clone, Debug)]
+pub struct Reply(pub Sender<Result<Vec<u8>, String>>);
+
+impl PartialEq for Reply {
+    fn eq(&self, _: &Self) -> bool {
+        false
+    }
 }
 
 /// A screenshot to write.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Screenshot {
     /// Where it goes.
     pub goal: ScreenshotGoal,
@@ -149,7 +159,7 @@ pub struct Screenshot {
 }
 
 /// An action on the left side of a view, in its frame.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct FrameRequest {
     /// The view.
     pub view: View,
@@ -158,7 +168,7 @@ pub struct FrameRequest {
 }
 
 /// An action on a rendered frame.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum FrameAction {
     /// Compare its method with `rt`; the revision number is returned with the result.
     Compare(u64),

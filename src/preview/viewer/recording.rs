@@ -2,6 +2,10 @@
 
 use super::{flight::Flight, protocol::Task, view_state::ViewState};
 
+/// Message to the viewer when a recording begins.
+pub const RECORDING: &str =
+    "recording: fly with the mouse and W A S D; the end of the timeline ends it";
+
 impl ViewState {
     /// Starts to record a flight of the scene's camera that was shown last, from the current frame on; or ends it and
     /// returns the task that writes it. Without a camera and a timeline nothing begins.

@@ -1,5 +1,7 @@
 //! Channels of a frame that the preview can display.
 
+use std::iter;
+
 use reflet_render::picture::aov::Aov;
 
 /// Face positions in an unfolded cube map, in faces from the top left; neighbors share an edge.
@@ -30,6 +32,12 @@ pub struct ShadowMapChoice {
 }
 
 impl ViewChannel {
+    /// Channels that every frame has: all but shadow maps.
+    pub fn of_frames() -> impl Iterator<Item = Self> {
+        let aovs = Aov::ALL.into_iter().map(Self::Aov);
+        iter::once(Self::Picture).chain(aovs).chain([Self::Rays])
+    }
+
     /// Name in menus.
     pub fn name(self) -> &'static str {
         match self {

@@ -4,7 +4,7 @@
 use super::{
     camera_controls::CameraControls,
     flight::Flight,
-    protocol::{FinishedFrame, View, ViewCamera},
+    protocol::{FinishedFrame, Picked, View, ViewCamera},
     scene_summary::SceneSummary,
     timeline::{self, Timeline},
     view_settings::ViewSettings,
@@ -96,6 +96,33 @@ impl ViewState {
             true => self.follow_cuts(),
             false => self.choose_camera(self.settings.last_camera),
         }
+    }
+
+    /// Frames the selected instance, else the selected material, else the scene, in a picture of this size.
+    ///
+    /// # Errors
+    /// Sentence for the viewer where there is nothing to frame.
+    pub fn frame_selection(
+        &mut self,
+        picked: Option<&Picked>,
+        size: [u32; 2],
+    ) -> Result<(), &'static str> {
+        let material = self.settings.material;
+        let row = material.and_then(|index| self.summary.materials.get(index));
+        let selected = picked
+            .map(|picked| picked.bounds)
+            .or(row.map(|row| row.bounds));
+        let bounds = selected.unwrap_or(self.summary.bounds);
+        if bounds.is_empty() {
+            return Err(match selected {
+                Some(_) => "nothing to frame: the selection is not there in this frame",
+                None => "nothing to frame: the scene is empty",
+            });
+        }
+        let [width, height] = size.map(|side| side.max(1) as f32);
+        self.controls.frame(&bounds, width / height);
+        self.settings.scene_camera = None;
+        Ok(())
     }
 
     /// Advances the timeline and follows its cuts; returns the time until the view changes by itself, seconds.

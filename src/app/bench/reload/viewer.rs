@@ -22,7 +22,8 @@ use crate::{
 };
 use reflet_preview::{
     live::SceneSource,
-    serve::{Port, ServeError, ServeOptions, client::Client, serve},
+    serve::{Port, ServeError, client::Client, serve},
+    viewer::opening::ViewerOptions,
 };
 
 /// Longest wait for a picture.
@@ -87,7 +88,7 @@ pub fn saves(
     };
     let port = Port::listen(None).map_err(refused)?;
     let url = port.url.clone();
-    let options = ServeOptions {
+    let options = ViewerOptions {
         source,
         camera: None,
         method: None,

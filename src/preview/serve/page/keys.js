@@ -106,4 +106,4 @@ $("key-time").addEventListener("change", ({ target }) => {
 });
 $("key-delete").addEventListener("click", delete_key);
 $("unit").addEventListener("change", show_tracks);
-$("record").addEventListener("click", () => send({ do: "record" }));
+$("record").addEventListener("click", () => press("record"));

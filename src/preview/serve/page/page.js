@@ -241,7 +241,7 @@ function end_drag() {
 canvas.addEventListener("pointerup", (event) => {
   const at = place(event);
   if (drag && drag.kind === "drag" && drag.length <= 3) {
-    send(at.every((part) => part >= 0 && part <= 1) ? { do: "pick", at } : { do: "unpick" });
+    send(at.every((part) => part >= 0 && part <= 1) ? { do: "pick", at } : { do: "press", action: "unpick" });
   }
   end_drag();
 });
@@ -260,35 +260,34 @@ for (const side of [0, 1]) {
 }
 $("camera").addEventListener("change", ({ target }) =>
   send({ do: "camera", name: target.value.startsWith("(") ? null : target.value }));
+const press = (action) => send({ do: "press", action });
 const actions = {
-  wipe: { do: "wipe" }, undo: { do: "undo", again: false }, redo: { do: "undo", again: true },
-  play: { do: "play" }, back: { do: "step", by: -1 }, on: { do: "step", by: 1 },
+  wipe: "wipe", undo: { undo: false }, redo: { undo: true }, play: "play", back: { step: -1 }, on: { step: 1 },
 };
-for (const [id, message] of Object.entries(actions)) $(id).addEventListener("click", () => send(message));
+for (const [id, action] of Object.entries(actions)) $(id).addEventListener("click", () => press(action));
 $("materials").addEventListener("change", ({ target }) => 
   send({ do: "material", row: target.selectedIndex > 0 ? target.selectedIndex - 1 : null }));
 // The line of a wipe is each viewer's own.
 $("screenshot").addEventListener("click", ({ target }) => { target.href = `picture.png?wipe=${$("line").value}`; });
-$("loop").addEventListener("change", () => send({ do: "loop" }));
+$("loop").addEventListener("change", () => press("loop"));
 $("frame").addEventListener("input", ({ target }) => send({ do: "seek", frame: Number(target.value) }));
 $("line").addEventListener("input", paint);
 
+// Keys of the picture, where it has the focus; all others come from the server.
 const STEP = 0.03;
 const keys = {
   ArrowLeft: { do: "orbit", by: [-STEP, 0] }, ArrowRight: { do: "orbit", by: [STEP, 0] },
   ArrowUp: { do: "orbit", by: [0, -STEP] }, ArrowDown: { do: "orbit", by: [0, STEP] },
   "+": { do: "dolly", notches: 1 }, "-": { do: "dolly", notches: -1 },
 };
-const letters = {
-  " ": { do: "play" }, b: { do: "wipe" }, f: { do: "frame" }, r: { do: "camera", name: null },
-  l: { do: "loop" }, Escape: { do: "unpick" },
-};
-// Alt with an arrow or a page key moves the selected item, ten times as far with Shift.
-const STEP_M = 0.1;
-const nudges = {
-  ArrowLeft: [-1, 0, 0], ArrowRight: [1, 0, 0], ArrowUp: [0, 0, -1], ArrowDown: [0, 0, 1],
-  PageUp: [0, 1, 0], PageDown: [0, -1, 0],
-};
+// What a press does; null if it does nothing.
+function pressed({ key, ctrlKey, metaKey, shiftKey, altKey }) {
+  const name = key.length === 1 ? key.toUpperCase() : key;
+  const held = [[ctrlKey || metaKey, "Ctrl"], [altKey, "Alt"], [shiftKey, "Shift"]].filter(([is_down]) => is_down);
+  const keys = [...held.map(([, key]) => key), name].join("+");
+  const found = scene && scene.presses.find(([known]) => known === keys);
+  return found ? { do: "press", action: found[1] } : null;
+}
 // Keys that fly as long as they are down: right, up, forward.
 const flights = { a: [-1, 0, 0], d: [1, 0, 0], e: [0, 1, 0], q: [0, -1, 0], s: [0, 0, -1], w: [0, 0, 1] };
 const flying = new Set();
@@ -308,24 +307,17 @@ const is_field = (target) => target.tagName === "SELECT"
   || (target.tagName === "INPUT" && !["range", "checkbox"].includes(target.type));
 addEventListener("keydown", (event) => {
   const { key, target } = event;
-  if (event.ctrlKey || event.metaKey) {
-    const again = key === "y" || key === "Z";
-    if (!is_field(target) && (key === "z" || again)) {
-      event.preventDefault();
-      send({ do: "undo", again });
-    }
-    return;
-  }
   if (key === "F12") {
     event.preventDefault();
     $("screenshot").click();
     return;
   }
-  if (event.altKey) {
-    if (!nudges[key]) return;
+  const message = pressed(event);
+  const has_command = event.ctrlKey || event.metaKey;
+  if (has_command || event.altKey) {
+    if (!message || (has_command && is_field(target))) return;
     event.preventDefault();
-    const length = event.shiftKey ? 10 * STEP_M : STEP_M;
-    send({ do: "nudge", by: nudges[key].map((part) => part * length) });
+    send(message);
     return;
   }
   if (!is_field(target) && flights[key]) {
@@ -339,10 +331,10 @@ addEventListener("keydown", (event) => {
     return;
   }
   const is_control = ["INPUT", "SELECT", "BUTTON"].includes(target.tagName);
-  const message = is_control ? null : letters[key] || (target === $("stage") ? keys[key] : null);
-  if (!message) return;
+  const done = is_control ? null : (target === $("stage") && keys[key]) || message;
+  if (!done) return;
   event.preventDefault();
-  send(message);
+  send(done);
 });
 
 addEventListener("DOMContentLoaded", connect);

@@ -10,7 +10,7 @@ use super::{
     pixels::{Pixels, compose_wipe},
     worker::Worker,
 };
-use crate::viewer::protocol::{Report, Screenshot, ScreenshotGoal, Side, View};
+use crate::viewer::protocol::{Reply, Report, Screenshot, ScreenshotGoal, Side, View};
 use reflet_base::files::{Goal, write_whole};
 use reflet_render::picture::png_file;
 
@@ -20,7 +20,7 @@ impl Worker {
         let rendered = self.render_screenshot(view, screenshot);
         let (folder, stem) = match &screenshot.goal {
             ScreenshotGoal::File { folder, stem } => (folder, stem),
-            ScreenshotGoal::Reply(reply) => {
+            ScreenshotGoal::Reply(Reply(reply)) => {
                 // Whoever asked may be gone.
                 let _ = reply.send(rendered);
                 return;

@@ -3,23 +3,19 @@
 
 use std::ops::RangeInclusive;
 
-use eframe::egui::{self, Key, Ui};
+use eframe::egui::{self, Ui};
 
 use super::{
     keys::presses,
     panels::{self, ViewRequest},
-    place_panel,
     status_bar::{self, Activity},
     timeline, timeline_keys,
     window::Window,
 };
-use crate::{
-    viewer::{
-        protocol::{FrameAction, Screenshot, ScreenshotGoal, Task},
-        timeline::Timeline,
-        view_settings::METHODS,
-    },
-    write_back::{Numbers, SceneItem},
+use crate::viewer::{
+    keys::{self, KeyAction},
+    protocol::{FrameAction, Screenshot, ScreenshotGoal, Task},
+    timeline::Timeline,
 };
 
 /// Sidebar width: fraction of the window, limits in points, and the narrowest window with a
@@ -32,58 +28,48 @@ const LONG_S: f64 = 0.3;
 const TOLD_EVERY_S: f32 = 1.0;
 
 impl Window {
-    fn keys(&mut self, ui: &Ui, requests: &mut Vec<ViewRequest>) {
-        if ui.ctx().egui_wants_keyboard_input() {
+    fn keys(&mut self, ui: &Ui) {
+        let is_typing = ui.ctx().egui_wants_keyboard_input();
+        for press in keys::presses() {
             // F12 is no text input.
-            if ui.input(|i| i.key_pressed(Key::F12)) {
-                requests.push(ViewRequest::Screenshot);
+            if !is_typing || press.action == KeyAction::Screenshot {
+                (0..presses(ui, press)).for_each(|_| self.press(ui, press.action));
             }
+        }
+    }
+
+    /// Does what a key or a button does.
+    fn press(&mut self, ui: &Ui, action: KeyAction) {
+        if self.state.press(action, ui.input(|i| i.time)) {
             return;
         }
-        let closes = egui::KeyboardShortcut::new(egui::Modifiers::COMMAND, Key::Q);
-        if ui.input_mut(|i| i.consume_shortcut(&closes)) {
-            ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
-        }
-        let pressed = |key| presses(ui, key) > 0;
-        if let Some(timeline) = &mut self.state.timeline {
-            timeline::keys(timeline, |key| presses(ui, key), ui.input(|i| i.time));
-        }
-        let keys = [Key::Num1, Key::Num2, Key::Num3, Key::Num4];
-        for (key, method) in keys.into_iter().zip(METHODS) {
-            if pressed(key) {
-                self.state.settings.a.method = method;
+        match action {
+            KeyAction::Frame => self.frame_selection(),
+            KeyAction::Copy => {
+                ui.ctx().copy_text(self.camera_text());
+                (self.message).set("the camera is in the clipboard, as scene text");
             }
-        }
-        for (key, request) in [
-            (Key::F, ViewRequest::Frame),
-            (Key::C, ViewRequest::Copy),
-            (Key::X, ViewRequest::Compare),
-            (Key::F12, ViewRequest::Screenshot),
-        ] {
-            if pressed(key) {
-                requests.push(request);
-            }
-        }
-        if pressed(Key::R) {
-            self.state.show_scene_camera();
-        }
-        requests.extend(place_panel::keys(ui, &self.selection));
-        if pressed(Key::B) {
-            self.state.settings.wipe = !self.state.settings.wipe;
-            self.state.settings.start_wipe();
-        }
-        if pressed(Key::G) {
-            self.state.settings.image_frame = !self.state.settings.image_frame;
-        }
-        if pressed(Key::H) {
-            self.state.settings.help = !self.state.settings.help;
-        }
-        if pressed(Key::Escape) {
-            if self.state.settings.help || self.state.settings.error_map {
+            KeyAction::Compare => self.request_frame(FrameAction::Compare(self.edits)),
+            KeyAction::Screenshot => self.request_frame(FrameAction::Screenshot(Screenshot {
+                goal: ScreenshotGoal::File {
+                    folder: self.screenshot_folder.clone(),
+                    stem: self.stem.clone(),
+                },
+                wipe_at: self.state.settings.wipe_at,
+                error_map: self.error_map().is_some(),
+            })),
+            KeyAction::Unpick if self.state.settings.help || self.state.settings.error_map => {
                 (self.state.settings.help, self.state.settings.error_map) = (false, false);
-            } else {
-                self.unselect();
             }
+            KeyAction::Unpick => self.unselect(),
+            KeyAction::Nudge(by) => {
+                let moved = self.selection.moved(by);
+                moved.into_iter().for_each(|task| self.send(task));
+            }
+            KeyAction::Undo(again) => self.send(Task::Undo(again)),
+            KeyAction::Record => self.toggle_recording(ui),
+            KeyAction::Close => ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close),
+            _ => {}
         }
     }
 
@@ -92,49 +78,27 @@ impl Window {
             match request {
                 ViewRequest::SceneCamera(index) => self.state.choose_camera(index),
                 ViewRequest::FollowCuts => self.state.follow_cuts(),
-                ViewRequest::Frame => self.frame_selection(),
-                ViewRequest::Copy => {
-                    ui.ctx().copy_text(self.camera_text());
-                    (self.message).set("the camera is in the clipboard, as scene text");
-                }
-                ViewRequest::Compare => self.request_frame(FrameAction::Compare(self.edits)),
-                ViewRequest::Screenshot => {
-                    self.request_frame(FrameAction::Screenshot(Screenshot {
-                        goal: ScreenshotGoal::File {
-                            folder: self.screenshot_folder.clone(),
-                            stem: self.stem.clone(),
-                        },
-                        wipe_at: self.state.settings.wipe_at,
-                        error_map: self.error_map().is_some(),
-                    }));
-                }
-                ViewRequest::Edit(edit) => {
-                    if let Some(row) = self.state.summary.materials.get_mut(edit.material) {
-                        row.edit = *edit;
-                    }
-                    self.comparison = None;
-                    self.edits += 1;
-                    self.send(Task::Edit(Box::new(*edit)));
-                }
-                ViewRequest::SetParameters(overrides) => self.send(Task::SetParameters(overrides)),
-                ViewRequest::Select(item) => self.send(Task::Select(item)),
-                ViewRequest::Drag(item, numbers) => self.drag(ui, item, numbers),
-                ViewRequest::Write(item, numbers) => self.send(Task::Write(item, numbers)),
-                ViewRequest::WriteMaterial(material, numbers) => {
-                    self.send(Task::WriteMaterial(material, numbers));
-                }
-                ViewRequest::WriteParameters(values) => self.send(Task::WriteParameters(values)),
-                ViewRequest::Key(edit) => self.send(Task::Key(edit)),
-                ViewRequest::Record => self.toggle_recording(ui),
-                ViewRequest::Undo(again) => self.send(Task::Undo(again)),
+                ViewRequest::Press(action) => self.press(ui, action),
+                ViewRequest::Task(task) => self.request_task(ui, task),
             }
         }
     }
 
-    /// Requests the picture of a drag, at the reduced resolution of moving views.
-    pub(super) fn drag(&mut self, ui: &Ui, item: SceneItem, numbers: Numbers) {
-        self.state.stir(ui.input(|i| i.time));
-        self.send(Task::Drag(item, numbers));
+    /// Sends a task, and notes what the window shows of it before it is done.
+    pub(super) fn request_task(&mut self, ui: &Ui, task: Task) {
+        match &task {
+            Task::Edit(edit) => {
+                if let Some(row) = self.state.summary.materials.get_mut(edit.material) {
+                    row.edit = **edit;
+                }
+                self.comparison = None;
+                self.edits += 1;
+            }
+            // Pictures of a drag have the reduced resolution of moving views.
+            Task::Drag(..) => self.state.stir(ui.input(|i| i.time)),
+            _ => {}
+        }
+        self.send(task);
     }
 
     /// Requests the view, if it changed.
@@ -201,7 +165,7 @@ impl eframe::App for Window {
         self.message.expire_on_input(ui, now_s);
         self.handle_reports(now_s);
         let mut requests = Vec::new();
-        self.keys(ui, &mut requests);
+        self.keys(ui);
         egui::Panel::top("bar").show(ui, |ui| {
             ui.add_space(3.0);
             panels::bar(

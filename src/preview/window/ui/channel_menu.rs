@@ -7,7 +7,7 @@ use crate::viewer::{
     view_channel::{ShadowLight, ShadowMapChoice, ViewChannel},
     view_settings::METHODS,
 };
-use reflet_render::{lighting::lights::CUBE_FACES, picture::aov::Aov};
+use reflet_render::lighting::lights::CUBE_FACES;
 use reflet_scene::desc::Method;
 
 /// Width of a menu, points; longer names are truncated.
@@ -55,9 +55,7 @@ pub fn side_menu(ui: &mut Ui, id: &str, side: &mut Side, shadow_lights: &[Shadow
 
 /// The list of channels.
 fn channels(ui: &mut Ui, channel: &mut ViewChannel, shadow_lights: &[ShadowLight]) {
-    let all =
-        std::iter::once(ViewChannel::Picture).chain(Aov::ALL.into_iter().map(ViewChannel::Aov));
-    for other in all.chain([ViewChannel::Rays]) {
+    for other in ViewChannel::of_frames() {
         ui.selectable_value(channel, other, other.name());
     }
     let is_shadow = matches!(channel, ViewChannel::Shadow(_));

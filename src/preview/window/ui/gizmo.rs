@@ -4,8 +4,11 @@
 
 use eframe::egui::{self, Color32, Rect, Sense, Stroke, Ui, Vec2, vec2};
 
-use super::{panels::ViewRequest, place_panel::Selection};
-use crate::viewer::handles::{END, Handle};
+use crate::viewer::{
+    handles::{END, Handle},
+    protocol::Task,
+    selection::Selection,
+};
 use reflet_scene::desc::CameraDesc;
 
 /// Color of the edges of a decal's box.
@@ -21,13 +24,13 @@ fn point(at: glam::Vec2) -> Vec2 {
     vec2(at.x, at.y)
 }
 
-/// Shows the handles; returns a request to show numbers during a drag, or to write them when it ends.
+/// Shows the handles; returns the task that shows numbers during a drag, or writes them when it ends.
 pub fn handles(
     ui: &Ui,
     place: Rect,
     camera: &CameraDesc,
     selection: &mut Selection,
-) -> Option<ViewRequest> {
+) -> Option<Task> {
     let size = glam::vec2(place.width(), place.height());
     let painter = ui.painter().with_clip_rect(place);
     for edge in selection.box_edges(camera, size) {
@@ -36,7 +39,7 @@ pub fn handles(
     }
     let shown = selection.handles(camera, size)?;
     let start = place.min + point(shown.start);
-    let mut request = None;
+    let mut task = None;
     for (axis, color) in COLORS.into_iter().enumerate() {
         let end = place.min + point(shown.ends[axis]);
         let stroke = Stroke::new(2.0, color);
@@ -60,21 +63,17 @@ pub fn handles(
             ui.ctx().set_cursor_icon(egui::CursorIcon::Grab);
         }
         if response.drag_started() {
-            selection.start_drag(&shown, axis);
+            selection.grab(&shown, axis);
         }
         let total = response.total_drag_delta().unwrap_or_default();
-        if response.dragged()
-            && let Some(after) = selection.dragged(glam::vec2(total.x, total.y))
-            && selection.put(&after)
-        {
-            request = selection.item().map(|item| ViewRequest::Drag(item, after));
+        if response.dragged() {
+            task = selection.drag_by(glam::vec2(total.x, total.y)).or(task);
         }
         if response.drag_stopped() {
-            let written = selection.end_drag();
-            request = written.map(|(item, numbers)| ViewRequest::Write(item, numbers));
+            task = selection.let_go();
         }
     }
-    request
+    task
 }
 
 #[cfg(test)]
@@ -108,9 +107,7 @@ mod tests {
     }
 
     /// Handles of the lamp, and the requests that they made.
-    fn harness(
-        camera: CameraDesc,
-    ) -> egui_kittest::Harness<'static, (Selection, Vec<ViewRequest>)> {
+    fn harness(camera: CameraDesc) -> egui_kittest::Harness<'static, (Selection, Vec<Task>)> {
         let place = Rect::from_min_size(Pos2::ZERO, vec2(400.0, 400.0));
         let draw = move |ui: &mut Ui, (selection, requests): &mut (Selection, Vec<_>)| {
             requests.extend(handles(ui, place, &camera, selection));
@@ -160,7 +157,7 @@ mod tests {
         ] {
             harness.event(event);
             harness.run();
-            let ViewRequest::Drag(_, numbers) = (match harness.state().1.last() {
+            let Task::Drag(_, numbers) = (match harness.state().1.last() {
                 Some(request) => request.clone(),
                 None => continue,
             }) else {
@@ -199,14 +196,14 @@ mod tests {
             harness.run();
         }
         let requests = &harness.state().1;
-        let is_drag = |request: &ViewRequest| matches!(request, ViewRequest::Drag(..));
+        let is_drag = |request: &Task| matches!(request, Task::Drag(..));
         assert!(requests.iter().all(is_drag), "nothing is written yet");
-        let Some(ViewRequest::Drag(_, dragged)) = requests.last().cloned() else {
+        let Some(Task::Drag(_, dragged)) = requests.last().cloned() else {
             panic!("{requests:?}");
         };
         harness.event(button(goal, false));
         harness.run();
-        let Some(ViewRequest::Write(item, numbers)) = harness.state().1.last() else {
+        let Some(Task::Write(item, numbers)) = harness.state().1.last() else {
             panic!("{:?}", harness.state().1);
         };
         assert_eq!((*item, numbers.key), (SceneItem::Light(1), "position"));

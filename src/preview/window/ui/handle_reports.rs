@@ -58,7 +58,11 @@ impl Window {
                     self.selection.show(None);
                 }
                 Ok(Report::Pixel(values)) => self.pixel = values,
-                Ok(Report::Inspected(inspected)) => self.selection.show(inspected.map(|i| *i)),
+                Ok(Report::Inspected(inspected)) => {
+                    let before = self.selection.item();
+                    self.selection.show(inspected.map(|i| *i));
+                    self.outline.select(before, self.selection.item());
+                }
                 Ok(Report::Message(message)) => self.message.set(message),
                 Ok(Report::Unwatched(why)) => self.unwatched = why,
                 Ok(Report::Idle) => self.is_busy = false,

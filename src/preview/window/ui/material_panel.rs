@@ -9,11 +9,10 @@ use super::panels::{ViewRequest, is_input_over, named};
 use crate::{
     live::Edit,
     viewer::{
-        protocol::Picked,
+        protocol::{Picked, Task},
         scene_summary::{MaterialRow, SceneSummary},
         view_settings::ViewSettings,
     },
-    write_back::{Numbers, numbers_of},
 };
 use reflet_scene::{
     desc::{MATERIAL, MaterialDesc, PLAIN, PatternKind},
@@ -55,7 +54,7 @@ pub fn panel(
         ui.spacing_mut().slider_width = room.clamp(40.0, ui.spacing().slider_width);
         let edit = numbers(ui, row);
         if edit != row.edit {
-            requests.push(ViewRequest::Edit(Box::new(edit)));
+            requests.push(Task::Edit(Box::new(edit)).into());
         }
         requests.extend(to_write(ui, row, &edit));
         if ui.button("copy as scene text").clicked() {
@@ -126,16 +125,11 @@ fn instance(ui: &mut Ui, picked: &Picked) {
 
 /// Controls for all values of the material; returns the resulting edit.
 fn numbers(ui: &mut Ui, row: &MaterialRow) -> Edit {
-    let now = row.edit.over(&row.numbers);
     let mut edit = row.edit;
-    for (index, field) in MATERIAL.iter().enumerate() {
-        let Some(mut value) = (field.get)(&now) else {
-            continue;
-        };
-        if !control(ui, field, &mut value) {
-            continue;
+    for (index, field, mut value) in row.fields() {
+        if control(ui, field, &mut value) {
+            edit = row.with(&edit, index, value);
         }
-        edit = row.with(&edit, index, value);
     }
     edit
 }
@@ -153,14 +147,8 @@ fn to_write(ui: &Ui, row: &MaterialRow, edit: &Edit) -> Option<ViewRequest> {
     }
     let (material, field) = ui.data(|data| data.get_temp::<(usize, usize)>(id))?;
     ui.data_mut(|data| data.remove::<(usize, usize)>(id));
-    let (value, field) = (edit.values[field]?, &MATERIAL[field]);
-    (material == edit.material).then(|| {
-        let numbers = Numbers {
-            key: field.key,
-            values: numbers_of(field.form, value),
-        };
-        ViewRequest::WriteMaterial(material, numbers)
-    })
+    let task = MaterialRow::to_write(edit, field)?;
+    (material == edit.material).then(|| task.into())
 }
 
 /// Index of the field that an input has changed, of emission and its strength, which are set together.

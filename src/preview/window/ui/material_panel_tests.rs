@@ -8,7 +8,10 @@ use egui_kittest::{
 };
 
 use super::*;
-use crate::window::ui::panels::tests::summary;
+use crate::{
+    window::ui::panels::tests::summary,
+    write_back::{Numbers, numbers_of},
+};
 use reflet_base::math::Bounds;
 use reflet_scene::desc::{CheckerDesc, Method};
 
@@ -61,7 +64,7 @@ fn harness<'a>() -> Harness<'a, State> {
             &mut state.requests,
         );
         // The window shows an edit at once.
-        if let Some(ViewRequest::Edit(edit)) = state.requests.last() {
+        if let Some(ViewRequest::Task(Task::Edit(edit))) = state.requests.last() {
             state.summary.materials[edit.material].edit = **edit;
         }
     };
@@ -79,7 +82,7 @@ fn select(harness: &mut Harness<'_, State>, label: &str) {
 fn requested(harness: &Harness<'_, State>) -> Vec<(&'static str, Vec3)> {
     let edits = harness.state().requests.iter().rev();
     let mut edits = edits.filter_map(|request| match request {
-        ViewRequest::Edit(edit) => Some(edit),
+        ViewRequest::Task(Task::Edit(edit)) => Some(edit),
         _ => None,
     });
     let edit = edits.next().expect("an edit");
@@ -156,7 +159,7 @@ fn moved_control_requests_only_its_own_change() {
 fn written(harness: &Harness<'_, State>) -> Vec<Numbers> {
     let requests = harness.state().requests.iter();
     let written = requests.filter_map(|request| match request {
-        ViewRequest::WriteMaterial(1, numbers) => Some(numbers.clone()),
+        ViewRequest::Task(Task::WriteMaterial(1, numbers)) => Some(numbers.clone()),
         _ => None,
     });
     written.collect()

@@ -12,95 +12,55 @@ use std::{
 use eframe::egui;
 
 use super::window::Window;
-use crate::{
-    live::{Live, SceneSource, ViewOverrides},
-    viewer::{
-        opening::open, picture_filter::PictureFilter, render_thread::RenderThread,
-        scene_summary::SceneSummary, view_state::ViewState,
-    },
-    window::WindowOptions,
-};
+use crate::viewer::opening::{Opened, ViewerOptions};
 use reflet_gpu::Gpu;
 use reflet_render::runtime::SessionError;
-use reflet_scene::{desc::Method, diagnostic::print_diagnostics};
+use reflet_scene::diagnostic::print_diagnostics;
 
-/// Device and settings with which scenes are opened.
+/// Device and options with which scenes are opened.
 #[derive(Clone)]
 pub struct Opener {
     gpu: Arc<Gpu>,
-    source: SceneSource,
-    overrides: ViewOverrides,
-    method: Option<Method>,
+    options: ViewerOptions,
+    /// Folder for screenshots.
     screenshots: PathBuf,
-    denoiser: Option<PictureFilter>,
-}
-
-/// A loaded scene with its renderer, and the initial state of its window.
-pub struct Opened {
-    live: Live,
-    /// Whether the scene must be reloaded at once.
-    is_waiting: bool,
-    summary: SceneSummary,
-    method: Method,
-    camera: usize,
-    follows_cuts: bool,
-    stem: String,
 }
 
 impl Opener {
     /// Opener for the options of a window.
-    pub fn new(gpu: Arc<Gpu>, options: &WindowOptions) -> Self {
+    pub fn new(gpu: Arc<Gpu>, options: &ViewerOptions, screenshots: PathBuf) -> Self {
         Self {
             gpu,
-            source: options.source.clone(),
-            overrides: ViewOverrides {
-                size: Some([64, 64]),
-                method: options.method,
-                costs: options.costs,
-                guides: options.denoiser.is_some(),
-                ..ViewOverrides::default()
-            },
-            method: options.method,
-            screenshots: options.screenshots.clone(),
-            denoiser: options.denoiser.clone(),
+            options: options.clone(),
+            screenshots,
         }
     }
 
-    /// Opens the first scene, shown by the camera of this name.
+    /// Opens the first scene.
     ///
     /// # Errors
-    /// Same errors as [`open`], and a camera that the scene does not have.
-    pub fn first(&self, camera: Option<&str>) -> Result<Opened, SessionError> {
-        self.open(self.source.clone(), camera)
+    /// Same errors as [`Opened::new`].
+    pub fn first(&self) -> Result<Opened, SessionError> {
+        self.open(&self.options)
     }
 
     /// Opens another scene or model, without the `--set` and `--variant` of the first one.
     ///
     /// # Errors
-    /// Same errors as [`open`].
+    /// Same errors as [`Opened::new`].
     pub fn another(&self, path: &Path) -> Result<Opened, SessionError> {
-        let mut source = self.source.clone();
+        let mut options = self.options.clone();
+        let source = &mut options.source;
         source.path = Some(path.to_owned());
         (source.options.set, source.options.variant) = (Vec::new(), Vec::new());
-        self.open(source, None)
+        options.camera = None;
+        self.open(&options)
     }
 
-    fn open(&self, source: SceneSource, camera: Option<&str>) -> Result<Opened, SessionError> {
-        let stem = source.path.as_deref().and_then(Path::file_stem);
-        let stem = stem.map_or("atrium".into(), |stem| stem.to_string_lossy().into_owned());
-        let opened = open(&self.gpu, source, self.overrides.clone(), camera.is_none());
-        let (live, is_waiting) = opened?;
-        print_diagnostics(live.warnings());
-        let summary = SceneSummary::of(&live);
-        Ok(Opened {
-            camera: live.camera(camera)?,
-            live,
-            is_waiting,
-            method: self.method.unwrap_or(summary.method),
-            follows_cuts: camera.is_none(),
-            summary,
-            stem,
-        })
+    fn open(&self, options: &ViewerOptions) -> Result<Opened, SessionError> {
+        let opened = Opened::new(&self.gpu, options)?;
+        print_diagnostics(&opened.state.summary.warnings);
+        Ok(opened)
     }
 
     /// Title of the window.
@@ -111,22 +71,9 @@ impl Opener {
     /// Starts rendering, and repaints the window of the context with each report.
     pub fn start(&self, opened: Opened, context: &egui::Context) -> Window {
         let repaint = context.clone();
-        let repaint = move || repaint.request_repaint();
-        let (live, is_waiting) = (opened.live, opened.is_waiting);
-        let thread = RenderThread::start(
-            self.gpu.clone(),
-            live,
-            is_waiting,
-            self.denoiser.clone(),
-            repaint,
-        );
-        let place = (self.screenshots.clone(), opened.stem);
-        let state = ViewState::new(
-            opened.summary,
-            opened.method,
-            opened.camera,
-            opened.follows_cuts,
-        );
+        let place = (self.screenshots.clone(), opened.stem.clone());
+        let denoiser = self.options.denoiser.clone();
+        let (thread, state) = opened.start(&self.gpu, denoiser, move || repaint.request_repaint());
         Window::new(thread, state, place)
     }
 }

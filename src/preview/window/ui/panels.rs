@@ -7,50 +7,33 @@ use super::{
     channel_menu::{MENU, side_menu},
     charts,
 };
-use crate::{
-    live::Edit,
-    viewer::{scene_summary::SceneSummary, view_settings::ViewSettings},
-    write_back::{KeyEdit, Numbers, SceneItem},
+use crate::viewer::{
+    keys::KeyAction, protocol::Task, scene_summary::SceneSummary, view_settings::ViewSettings,
 };
 use reflet_metric::Scores;
-use reflet_render::runtime::parameters::ParameterOverrides;
 use reflet_scene::desc::Method;
 
 /// A user request.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "there are few, and they live for a frame"
+)]
 pub enum ViewRequest {
     /// View through the scene's camera of this index.
     SceneCamera(usize),
     /// Follow the cuts of the timeline.
     FollowCuts,
-    /// Frame the selection or the scene.
-    Frame,
-    /// Copy the camera.
-    Copy,
-    /// Compare with `rt`.
-    Compare,
-    /// Write a screenshot.
-    Screenshot,
-    /// Change a material.
-    Edit(Box<Edit>),
-    /// Change the script's parameters.
-    SetParameters(ParameterOverrides),
-    /// Select an item of the scene.
-    Select(SceneItem),
-    /// Show an item with other numbers during a drag.
-    Drag(SceneItem, Numbers),
-    /// Write numbers of an item into the scene text.
-    Write(SceneItem, Numbers),
-    /// Write a number of a material, by its index, into the scene text.
-    WriteMaterial(usize, Numbers),
-    /// Write values of parameters into the scene text, once they are shown.
-    WriteParameters(ParameterOverrides),
-    /// Change keys of a track in the scene text.
-    Key(KeyEdit),
-    /// Start to record a flight of the camera, or end it.
-    Record,
-    /// Undo the last written edit (`false`), or redo the last undone one (`true`).
-    Undo(bool),
+    /// Do what a key does.
+    Press(KeyAction),
+    /// Change the scene.
+    Task(Task),
+}
+
+impl From<Task> for ViewRequest {
+    fn from(task: Task) -> Self {
+        Self::Task(task)
+    }
 }
 
 /// A control with its label beside it, truncated where it is too long.
@@ -114,41 +97,21 @@ pub fn bar(
             });
         });
         group(ui, "camera", |ui| cameras(ui, settings, summary, requests));
-        let button = |ui: &mut Ui,
-                      requests: &mut Vec<ViewRequest>,
-                      text: &str,
-                      hover: &str,
-                      request: ViewRequest| {
+        let mut button = |ui: &mut Ui, text: &str, hover: &str, action| {
             if ui.button(text).on_hover_text(hover).clicked() {
-                requests.push(request);
+                requests.push(ViewRequest::Press(action));
             }
         };
         group(ui, "of the camera", |ui| {
             let hover = "F: show the selection, or the scene";
-            button(ui, requests, "frame", hover, ViewRequest::Frame);
-            button(
-                ui,
-                requests,
-                "copy camera",
-                "C: as scene text",
-                ViewRequest::Copy,
-            );
+            button(ui, "frame", hover, KeyAction::Frame);
+            button(ui, "copy camera", "C: as scene text", KeyAction::Copy);
         });
         group(ui, "of the picture", |ui| {
-            button(
-                ui,
-                requests,
-                "error",
-                "X: this method against rt",
-                ViewRequest::Compare,
-            );
-            button(
-                ui,
-                requests,
-                "screenshot",
-                "F12: write a PNG file",
-                ViewRequest::Screenshot,
-            );
+            let hover = "X: this method against rt";
+            button(ui, "error", hover, KeyAction::Compare);
+            let hover = "F12: write a PNG file";
+            button(ui, "screenshot", hover, KeyAction::Screenshot);
             ui.checkbox(&mut settings.image_frame, "safe area")
                 .on_hover_text("G: the frame of image.size, with its safe area");
             if ui.button("keys").on_hover_text("H").clicked() {

@@ -10,7 +10,7 @@ use egui_kittest::{
 
 use super::*;
 use crate::{
-    live::Problems,
+    live::{Edit, Problems},
     viewer::scene_summary::MaterialRow,
     window::ui::{
         frame_panels::{shares, times},
@@ -100,14 +100,15 @@ fn the_bar_switches_methods_and_opens_the_wipe() {
     assert!(harness.state().settings.wipe);
     assert_eq!(harness.state().settings.b.method, Method::Hybrid);
     assert_eq!(sides(&harness), 2, "a side each");
-    for (label, request) in [
-        ("frame", ViewRequest::Frame),
-        ("copy camera", ViewRequest::Copy),
-        ("error", ViewRequest::Compare),
-        ("screenshot", ViewRequest::Screenshot),
+    for (label, action) in [
+        ("frame", KeyAction::Frame),
+        ("copy camera", KeyAction::Copy),
+        ("error", KeyAction::Compare),
+        ("screenshot", KeyAction::Screenshot),
     ] {
         click(&mut harness, label);
-        assert_eq!(harness.state_mut().requests.pop(), Some(request), "{label}");
+        let request = harness.state_mut().requests.pop();
+        assert_eq!(request, Some(ViewRequest::Press(action)), "{label}");
     }
 }
 

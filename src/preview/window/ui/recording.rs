@@ -3,7 +3,7 @@
 use eframe::egui::Ui;
 
 use super::window::Window;
-use crate::write_back::KeyTrack;
+use crate::{viewer::recording::RECORDING, write_back::KeyTrack};
 
 impl Window {
     /// Starts to record a flight, or ends it.
@@ -11,8 +11,7 @@ impl Window {
         let ended = self.state.toggle_recording(ui.input(|i| i.time));
         ended.into_iter().for_each(|task| self.send(task));
         if self.state.recording.is_some() {
-            (self.message)
-                .set("recording: fly with the mouse and W A S D; the end of the timeline ends it");
+            self.message.set(RECORDING);
         }
     }
 

@@ -37,14 +37,13 @@ impl Window {
             ui.set_max_width(ui.available_width() - 8.0);
             // Draggable controls first: nothing above them changes its height by itself.
             if parameter_panel::params(ui, &self.state.summary.declared, &mut self.parameters) {
-                requests.push(ViewRequest::SetParameters(
-                    self.parameters.overrides.clone(),
-                ));
+                requests.push(Task::SetParameters(self.parameters.overrides.clone()).into());
             }
             let written = self.parameters.take_finished(ui);
-            requests.extend(written.map(ViewRequest::WriteParameters));
+            requests.extend(written.map(|values| Task::WriteParameters(values).into()));
             // Its rows stay in place when a click in it changes what is below.
-            place_panel::outline(ui, &self.state.summary.items, &mut self.selection, requests);
+            let shown = (self.selection.item(), &mut self.outline);
+            place_panel::outline(ui, &self.state.summary.items, shown, requests);
             place_panel::panel(ui, &mut self.selection, requests);
             place_panel::pixel(ui, &self.pixel);
             let before = self.state.settings.material;

@@ -3,51 +3,8 @@
 use eframe::egui::{self, Align2, Label, RichText, Ui, vec2};
 
 use super::{diagnostics_panel::located, status_message::StatusMessage};
-use crate::viewer::scene_summary::SceneSummary;
+use crate::viewer::{keys::KEYS, scene_summary::SceneSummary};
 use reflet_scene::script::DEADLINE;
-
-/// Keys and what they do.
-pub const KEYS: [(&str, &str); 24] = [
-    ("left drag", "orbit around the target"),
-    ("middle drag", "pan"),
-    ("right drag", "look around"),
-    ("right drag + W A S D Q E", "fly; Shift: four times as fast"),
-    (
-        "wheel",
-        "closer, farther; with the right button: flying speed",
-    ),
-    (
-        "click",
-        "select the instance under the pointer, and its material",
-    ),
-    (
-        "Esc",
-        "close this list or the error map; otherwise deselect",
-    ),
-    (
-        "Alt + arrows, Page Up, Page Down",
-        "move the selection by 0.1 m, with Shift by 1 m, in the scene text",
-    ),
-    ("Ctrl Z, Ctrl Shift Z", "undo, redo what was written"),
-    ("Space", "play, pause"),
-    ("left, right arrow", "one frame back, on"),
-    ("Home, End", "first, last frame"),
-    ("L", "loop: the first frame follows the last"),
-    ("F", "frame the selection, or the scene"),
-    ("1 2 3 4", "hybrid, ssr, rt, path"),
-    ("B", "wipe between two methods or textures; drag its line"),
-    ("G", "the frame of image.size, with its safe area"),
-    ("C", "copy the camera as scene text"),
-    ("R", "back to the scene's camera"),
-    ("X", "error against rt, as numbers and as a map"),
-    (
-        "F12",
-        "write what is shown to a PNG file, without labels and outline",
-    ),
-    ("Ctrl O, or a dropped file", "open another scene or model"),
-    ("H", "this list"),
-    ("Ctrl Q", "close"),
-];
 
 /// Current activity.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -170,9 +127,9 @@ fn keys(ui: &mut Ui) {
         .num_columns(2)
         .striped(true)
         .show(ui, |ui| {
-            for (key, what) in KEYS {
-                ui.monospace(key);
-                ui.add(Label::new(what).wrap());
+            for row in KEYS {
+                ui.monospace(row.keys);
+                ui.add(Label::new(row.what).wrap());
                 ui.end_row();
             }
         });

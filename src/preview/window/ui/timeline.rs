@@ -1,30 +1,11 @@
-//! The timeline's row below the picture, and its keys.
+//! The timeline's row below the picture.
 
-use eframe::egui::{self, Key, Ui};
+use eframe::egui::{self, Ui};
 
 use crate::viewer::timeline::Timeline;
 
 /// Width below which the slider has a row of its own, points.
 const ONE_ROW: f32 = 620.0;
-
-/// Handles keys; `presses` counts those of a key since the last frame of the window.
-pub fn keys(timeline: &mut Timeline, presses: impl Fn(Key) -> usize, now_s: f64) {
-    if presses(Key::Space) % 2 == 1 {
-        timeline.toggle(now_s);
-    }
-    let by = presses(Key::ArrowRight) as i64 - presses(Key::ArrowLeft) as i64;
-    if by != 0 {
-        timeline.step(by);
-    }
-    for (key, frame) in [(Key::Home, timeline.start()), (Key::End, timeline.end())] {
-        if presses(key) > 0 {
-            timeline.seek(frame, now_s);
-        }
-    }
-    if presses(Key::L) % 2 == 1 {
-        timeline.repeats = !timeline.repeats;
-    }
-}
 
 /// The row below the picture. While playing it displays the `shown` frame: the clock is ahead
 /// of slow pictures. If it is stuck, because the current frame cannot be posed, it displays both.

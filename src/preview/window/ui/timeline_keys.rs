@@ -3,7 +3,7 @@
 use eframe::egui::{self, Color32, Key, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
 
 use super::panels::ViewRequest;
-use crate::viewer::{flight::frame_of, timeline::Timeline};
+use crate::viewer::{flight::frame_of, keys::KeyAction, protocol::Task, timeline::Timeline};
 use crate::write_back::{KeyChange, KeyEdit, KeyTrack, TrackName};
 
 /// Height of the row of a track, width of its label, and half the width of a key, points.
@@ -53,7 +53,7 @@ pub fn panel(
         let record = ui.button(word);
         let record = record.on_hover_text("fly while the timeline plays: keys of this camera");
         if record.clicked() {
-            requests.push(ViewRequest::Record);
+            requests.push(ViewRequest::Press(KeyAction::Record));
         }
         for (in_seconds, unit) in [(false, "frames"), (true, "seconds")] {
             if ui
@@ -63,14 +63,15 @@ pub fn panel(
                 keys.in_seconds = in_seconds;
             }
         }
-        requests.extend(selected(ui, timeline, tracks, keys).map(ViewRequest::Key));
+        let edit = selected(ui, timeline, tracks, keys);
+        requests.extend(edit.map(|edit| Task::Key(edit).into()));
     });
     let area = egui::ScrollArea::vertical().id_salt("keys");
     area.max_height(ROWS * ROW).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
         for track in tracks {
             let edit = row(ui, (timeline, now_s), track, keys);
-            requests.extend(edit.map(ViewRequest::Key));
+            requests.extend(edit.map(|edit| Task::Key(edit).into()));
         }
     });
 }

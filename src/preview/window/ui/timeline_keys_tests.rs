@@ -70,10 +70,8 @@ fn at(harness: &Harness<'_, State>, frame: f32) -> Pos2 {
 }
 
 fn key(change: KeyChange) -> ViewRequest {
-    ViewRequest::Key(KeyEdit {
-        track: eye(),
-        change,
-    })
+    let track = eye();
+    Task::Key(KeyEdit { track, change }).into()
 }
 
 #[test]
@@ -94,7 +92,7 @@ fn a_key_is_dragged_selected_and_deleted() {
     harness.event(button(to, false));
     harness.run();
     // To whole frames, unless times are in seconds.
-    let Some(ViewRequest::Key(edit)) = harness.state_mut().requests.pop() else {
+    let Some(ViewRequest::Task(Task::Key(edit))) = harness.state_mut().requests.pop() else {
         panic!("nothing is written");
     };
     let KeyChange::Move(1, to_s) = edit.change else {
@@ -126,7 +124,7 @@ fn keys_are_added_where_the_time_is() {
     harness.run();
     assert_eq!(
         harness.state_mut().requests.pop(),
-        Some(ViewRequest::Record)
+        Some(ViewRequest::Press(KeyAction::Record))
     );
     // A click on a key selects it, and goes to its frame.
     let last = at(&harness, 40.0);

@@ -4,7 +4,10 @@ use eframe::egui::accesskit::Role;
 use egui_kittest::{Harness, kittest::Queryable as _};
 
 use super::*;
-use crate::viewer::timeline::follow;
+use crate::{
+    viewer::{keys, timeline::follow},
+    window::ui::keys::presses,
+};
 use reflet_scene::desc::TimelineDesc;
 
 struct State {
@@ -16,8 +19,10 @@ struct State {
 
 fn timeline_harness<'a>() -> Harness<'a, State> {
     let draw = |ui: &mut Ui, state: &mut State| {
-        let presses = |key| ui.input(|i| i.num_presses(key));
-        keys(&mut state.timeline, presses, state.now_s);
+        for press in keys::presses() {
+            let time = &mut state.timeline;
+            (0..presses(ui, press)).for_each(|_| time.press(press.action, state.now_s));
+        }
         state.timeline.tick(state.now_s);
         let (shown, is_stuck) = (state.shown, state.is_stuck);
         super::panel(ui, &mut state.timeline, shown, is_stuck, state.now_s);

@@ -6,7 +6,6 @@ use glam::{Vec2, Vec3};
 
 use super::{
     diagnostics_panel, gizmo,
-    panels::ViewRequest,
     viewport_paint::{self, fit},
     window::Window,
 };
@@ -49,10 +48,8 @@ impl Window {
         };
         let place = fit(rect, layer.shape);
         let camera = shown.camera.clone();
-        match gizmo::handles(ui, place, &camera, &mut self.selection) {
-            Some(ViewRequest::Drag(item, numbers)) => self.drag(ui, item, numbers),
-            Some(ViewRequest::Write(item, numbers)) => self.send(Task::Write(item, numbers)),
-            _ => {}
+        if let Some(task) = gizmo::handles(ui, place, &camera, &mut self.selection) {
+            self.request_task(ui, task);
         }
     }
 
@@ -88,28 +85,12 @@ impl Window {
 
     /// Frames the selected instance, else the selected material, else the scene.
     pub(super) fn frame_selection(&mut self) {
-        let rows = &self.state.summary.materials;
-        let row = self
+        if let Err(why) = self
             .state
-            .settings
-            .material
-            .and_then(|index| rows.get(index));
-        let bounds = match (&self.picked, row) {
-            (Some(picked), _) => picked.bounds,
-            (None, Some(row)) => row.bounds,
-            (None, None) => self.state.summary.bounds,
-        };
-        if bounds.is_empty() {
-            let is_selected = self.picked.is_some() || row.is_some();
-            self.message.set(match is_selected {
-                true => "nothing to frame: the selection is not there in this frame",
-                false => "nothing to frame: the scene is empty",
-            });
-            return;
+            .frame_selection(self.picked.as_ref(), self.viewport)
+        {
+            self.message.set(why);
         }
-        let [width, height] = self.viewport.map(|side| side.max(1) as f32);
-        self.state.controls.frame(&bounds, width / height);
-        self.state.settings.scene_camera = None;
     }
 
     /// Moves the camera; returns whether it moved.

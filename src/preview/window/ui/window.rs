@@ -9,12 +9,13 @@ use std::{
 use eframe::egui;
 
 use super::{
-    diagnostics_panel::FoldState, parameter_panel::Parameters, place_panel::Selection,
+    diagnostics_panel::FoldState, parameter_panel::Parameters, place_panel::OutlineScroll,
     status_message::StatusMessage, timeline_keys::Keys,
 };
 use crate::viewer::{
     protocol::{Comparison, FinishedFrame, FrameAction, FrameRequest, Picked, PixelValue, Task},
     render_thread::RenderThread,
+    selection::Selection,
     view_state::ViewState,
 };
 use reflet_render::renderer::stats::FrameStats;
@@ -34,6 +35,7 @@ pub struct Window {
     pub(super) picked: Option<Picked>,
     /// The selected item of the scene text.
     pub(super) selection: Selection,
+    pub(super) outline: OutlineScroll,
     /// Values of the clicked pixel.
     pub(super) pixel: Vec<PixelValue>,
     /// Revision of the scene; comparisons of earlier revisions are stale.
@@ -70,6 +72,7 @@ impl Window {
             comparison: None,
             picked: None,
             selection: Selection::default(),
+            outline: OutlineScroll::default(),
             pixel: Vec::new(),
             edits: 0,
             history: VecDeque::new(),

@@ -1,0 +1,193 @@
+//! Keys of a viewer and what they do: the window's list of them, and the presses that the window and the page
+//! understand.
+
+use super::{timeline::Timeline, view_settings::METHODS, view_state::ViewState};
+
+/// Action of a key or a button.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serve",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
+pub enum KeyAction {
+    /// Play or pause.
+    Play,
+    /// Step by frames.
+    Step(i64),
+    /// Go to the first frame.
+    Start,
+    /// Go to the last frame.
+    End,
+    /// Loop or end at the end.
+    Loop,
+    /// Choose a method of the left side, by its index into [`METHODS`].
+    Method(usize),
+    /// Begin or end the wipe.
+    Wipe,
+    /// Show or hide the frame of the image.
+    SafeArea,
+    /// Show or hide the list of keys.
+    Help,
+    /// Look through the scene's camera again.
+    SceneCamera,
+    /// Frame the selection, else the scene.
+    Frame,
+    /// Clear the selection.
+    Unpick,
+    /// Move the selected item by meters along the axes of its parent, and write its place.
+    Nudge([f64; 3]),
+    /// Undo the last written change (`false`), or redo the last undone one (`true`).
+    Undo(bool),
+    /// Begin or end the recording of a camera flight.
+    Record,
+    /// Copy the camera as scene text.
+    Copy,
+    /// Compare with `rt`.
+    Compare,
+    /// Write a screenshot.
+    Screenshot,
+    /// Close the window.
+    Close,
+}
+
+/// A press of a key.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Press {
+    /// Modifiers, in the order Ctrl, Alt and Shift, and the key's name in browsers, in which a letter is a capital:
+    /// `Alt+Shift+PageUp`. Ctrl is the command key on macOS.
+    pub keys: &'static str,
+    /// Action of the press.
+    pub action: KeyAction,
+}
+
+/// A row of the list of keys.
+#[derive(Clone, Copy, Debug)]
+pub struct KeyRow {
+    /// The keys as people know them.
+    pub keys: &'static str,
+    /// Text about their effect.
+    pub what: &'static str,
+    /// Their presses; empty where a face of the viewer has a use of its own for them.
+    pub presses: &'static [Press],
+}
+
+/// Rows of the list: keys, what they do, and the presses with their actions.
+macro_rules! rows {
+    ($($keys:literal: $what:literal $(=> $($press:literal $action:expr),+)?;)+) => {
+        &[$(KeyRow {
+            keys: $keys,
+            what: $what,
+            presses: &[$($(Press { keys: $press, action: $action }),+)?],
+        }),+]
+    };
+}
+
+/// A move of the selection by 0.1 m along an axis, and ten times as far.
+const fn near(x: i8, y: i8, z: i8) -> KeyAction {
+    KeyAction::Nudge([0.1 * x as f64, 0.1 * y as f64, 0.1 * z as f64])
+}
+const fn far(x: i8, y: i8, z: i8) -> KeyAction {
+    KeyAction::Nudge([x as f64, y as f64, z as f64])
+}
+
+/// All keys, and what is done with the mouse.
+pub static KEYS: &[KeyRow] = {
+    use KeyAction::*;
+    rows! {
+        "left drag": "orbit around the target";
+        "middle drag": "pan";
+        "right drag": "look around";
+        "right drag + W A S D Q E": "fly; Shift: four times as fast";
+        "wheel": "closer, farther; with the right button: flying speed";
+        "click": "select the instance under the pointer, and its material";
+        "Esc": "close this list or the error map; otherwise deselect" => "Escape" Unpick;
+        "Alt + arrows, Page Up, Page Down": "move the selection by 0.1 m, with Shift by 1 m, in the scene text" =>
+            "Alt+ArrowLeft" near(-1, 0, 0), "Alt+Shift+ArrowLeft" far(-1, 0, 0),
+            "Alt+ArrowRight" near(1, 0, 0), "Alt+Shift+ArrowRight" far(1, 0, 0),
+            "Alt+ArrowUp" near(0, 0, -1), "Alt+Shift+ArrowUp" far(0, 0, -1),
+            "Alt+ArrowDown" near(0, 0, 1), "Alt+Shift+ArrowDown" far(0, 0, 1),
+            "Alt+PageUp" near(0, 1, 0), "Alt+Shift+PageUp" far(0, 1, 0),
+            "Alt+PageDown" near(0, -1, 0), "Alt+Shift+PageDown" far(0, -1, 0);
+        "Ctrl Z, Ctrl Shift Z": "undo, redo what was written" =>
+            "Ctrl+Z" Undo(false), "Ctrl+Shift+Z" Undo(true), "Ctrl+Y" Undo(true);
+        "Space": "play, pause" => " " Play;
+        "left, right arrow": "one frame back, on" => "ArrowLeft" Step(-1), "ArrowRight" Step(1);
+        "Home, End": "first, last frame" => "Home" Start, "End" End;
+        "L": "loop: the first frame follows the last" => "L" Loop;
+        "F": "frame the selection, or the scene" => "F" Frame;
+        "1 2 3 4": "hybrid, ssr, rt, path" => "1" Method(0), "2" Method(1), "3" Method(2), "4" Method(3);
+        "B": "wipe between two methods or textures; drag its line" => "B" Wipe;
+        "G": "the frame of image.size, with its safe area" => "G" SafeArea;
+        "C": "copy the camera as scene text" => "C" Copy;
+        "R": "back to the scene's camera" => "R" SceneCamera;
+        "X": "error against rt, as numbers and as a map" => "X" Compare;
+        "F12": "write what is shown to a PNG file, without labels and outline" => "F12" Screenshot;
+        "Ctrl O, or a dropped file": "open another scene or model";
+        "H": "this list" => "H" Help;
+        "Ctrl Q": "close" => "Ctrl+Q" Close;
+    }
+};
+
+/// Presses of all keys.
+pub fn presses() -> impl Iterator<Item = &'static Press> + Clone {
+    KEYS.iter().flat_map(|row| row.presses)
+}
+
+impl Timeline {
+    /// Moves time as a key does.
+    pub fn press(&mut self, action: KeyAction, now_s: f64) {
+        match action {
+            KeyAction::Play => self.toggle(now_s),
+            KeyAction::Step(by) => self.step(by),
+            KeyAction::Start => self.seek(self.start(), now_s),
+            KeyAction::End => self.seek(self.end(), now_s),
+            KeyAction::Loop => self.repeats = !self.repeats,
+            _ => {}
+        }
+    }
+}
+
+impl ViewState {
+    /// Does what a key does to time and view alone; returns whether it is such a key.
+    pub fn press(&mut self, action: KeyAction, now_s: f64) -> bool {
+        let settings = &mut self.settings;
+        match action {
+            KeyAction::Play
+            | KeyAction::Step(_)
+            | KeyAction::Start
+            | KeyAction::End
+            | KeyAction::Loop => {
+                let time = self.timeline.iter_mut();
+                time.for_each(|time| time.press(action, now_s));
+            }
+            KeyAction::Method(index) => {
+                settings.a.method = METHODS.get(index).copied().unwrap_or(settings.a.method);
+            }
+            KeyAction::Wipe => {
+                settings.wipe = !settings.wipe;
+                settings.start_wipe();
+            }
+            KeyAction::SafeArea => settings.image_frame = !settings.image_frame,
+            KeyAction::Help => settings.help = !settings.help,
+            KeyAction::SceneCamera => self.show_scene_camera(),
+            _ => return false,
+        }
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_press_does_one_thing_and_keys_of_methods_are_listed() {
+        for press in presses() {
+            let same = presses().filter(|other| other.keys == press.keys);
+            assert_eq!(same.count(), 1, "{press:?}");
+        }
+        let methods: Vec<_> = METHODS[..4].iter().map(|method| method.name()).collect();
+        assert!(KEYS.iter().any(|row| row.what == methods.join(", ")));
+    }
+}
