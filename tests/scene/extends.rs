@@ -3,7 +3,7 @@
 use glam::Vec3;
 use reflet::scene::desc::InstanceMaterialDesc;
 
-use crate::layers::Folder;
+use crate::{common::cases, layers::Folder};
 
 #[test]
 fn materials_extend_others() {
@@ -41,31 +41,12 @@ fn materials_extend_others() {
 
 #[test]
 fn materials_that_extend_nothing_or_themselves_are_named() {
-    for (text, says) in [
-        (
-            "[material.a]\nextends = \"b\"\n",
-            &["scene.toml:3:11", "no material is named \"b\""][..],
-        ),
-        (
-            "[material.a]\nextends = \"b\"\n[material.b]\nextends = \"a\"\n",
-            &[
-                "\"a\" extends itself",
-                "\"b\" extends itself",
-                "take `extends` out",
-            ],
-        ),
-        (
-            "[material.a]\nextends = 3\n",
-            &["`extends` must be text in quotes"],
-        ),
-        (
-            "[material.a]\nroughness = 7\n[material.b]\nextends = \"a\"\n",
-            &["scene.toml:3:13", "`roughness` must be 0 to 1"],
-        ),
-    ] {
-        let text = format!("version = 1\n{text}");
+    for (text, says) in cases(include_str!(
+        "extends/materials_that_extend_nothing_or_themselves.txt"
+    )) {
+        let text = format!("version = 1\n{text}\n");
         let folder = Folder::new("extends-wrong", &[("shot/scene.toml", &text)]);
-        folder.assert_says(&[], says);
+        folder.assert_says(&[], &says.split(" | ").collect::<Vec<_>>());
         let errors = folder.read(&[], &[]).expect_err("it is wrong");
         assert!(
             errors.matches("roughness` must").count() < 2,

@@ -1,6 +1,6 @@
 //! Parents of instances, lights and cameras, at rest, moved by tracks and by scripts; and invalid ones.
 
-use crate::common::assert_says;
+use crate::common::{assert_says, cases};
 use std::{fs, path::Path};
 
 use glam::Vec3;
@@ -158,38 +158,8 @@ fn scripts_move_groups_and_see_the_world() {
 
 #[test]
 fn wrong_parents_are_named() {
-    for (from, to, says) in [
-        (
-            "parent = \"base\"",
-            "parent = \"bas\"",
-            "no instance or group is named \"bas\"",
-        ),
-        (
-            "parent = \"base\"",
-            "parent = \"bas\"",
-            "did you mean \"base\"?",
-        ),
-        (
-            "[group.base]",
-            "[group.base]\nparent = \"hand\"",
-            "parents form a circle: \"hand\" → \"arm\" → \"base\" → \"hand\"",
-        ),
-        (
-            "parent = \"base\"",
-            "parent = \"arm\"",
-            "parents form a circle: \"arm\" → \"arm\"",
-        ),
-        (
-            "[group.base]",
-            "[group.hand]\n[group.base]",
-            "an instance and a group are named \"hand\"",
-        ),
-        (
-            "parent = \"base\"",
-            "parent = 3",
-            "`parent` must be text in quotes",
-        ),
-    ] {
+    for (change, says) in cases(include_str!("hierarchy/wrong_parents_are_named.txt")) {
+        let (from, to) = change.split_once("\n->\n").expect("a change");
         let text = RIG.replacen(from, to, 1);
         assert_ne!(text, RIG, "{from}");
         let read = Scene::from_text(&text, Path::new("scene.toml"), &[]);

@@ -2,6 +2,8 @@
 
 use std::{fs, path::PathBuf};
 
+use crate::common::cases;
+
 use glam::Vec3;
 use reflet::scene::{
     dependencies::Dependencies,
@@ -199,25 +201,9 @@ fn what_is_removed_is_gone() {
     // A model without an instance is not placed at the origin either.
     let all = "remove = [\"instance.a\", \"instance.b\"]\n";
     assert!(over_base("unplaced", all).expect().models.is_empty());
-    for (shot, says) in [
-        (
-            "remove = [\"light.lmap\"]\n",
-            &[
-                "scene.toml:3:11",
-                "nothing at \"light.lmap\"",
-                "did you mean \"lamp\"?",
-            ][..],
-        ),
-        ("remove = \"instance.9\"\n", &["the names are \"a\", \"b\""]),
-        ("remove = \"a..b\"\n", &["is not a path of names"]),
-        ("remove = [3]\n", &["`remove` must be text in quotes"]),
-        // References to a removed element are errors in the file of the reference.
-        (
-            "remove = \"material.red\"\n",
-            &["base.toml:9:12", "no material is named \"red\""],
-        ),
-    ] {
-        over_base("not-removed", shot).assert_says(&[], says);
+    for (shot, says) in cases(include_str!("layers/what_is_removed_is_gone.txt")) {
+        over_base("not-removed", &format!("{shot}\n"))
+            .assert_says(&[], &says.split(" | ").collect::<Vec<_>>());
     }
     let alone = Folder::new(
         "alone",

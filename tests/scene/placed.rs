@@ -220,44 +220,8 @@ fn circles_of_placed_scenes_are_named() {
 
 #[test]
 fn wrong_placed_scenes_are_named() {
-    for (from, to, says) in [
-        (
-            "cars/car.toml\" }\ntranslation",
-            "cars/cat.toml\" }\ntranslation",
-            "does not exist",
-        ),
-        (
-            "cars/car.toml\" }\ntranslation",
-            "scene.toml\" }\ntranslation",
-            "places itself",
-        ),
-        (
-            "parent = \"left\"",
-            "parent = \"left\"\nname = \"left\"",
-            "two groups or placed scenes are named \"left\"",
-        ),
-        (
-            "parent = \"left\"",
-            "repeat = { count = [2, 1, 1], step = [1, 0, 0] }",
-            "`repeat` does not apply to a placed scene",
-        ),
-        (
-            "parent = \"left\"",
-            "parent = \"left.whel\"",
-            "no instance or group is named \"left.whel\"",
-        ),
-        ("left.seat", "left.sear", "no camera is named \"left.sear\""),
-        (
-            "{ scene = \"cars/car.toml\" }\nparent",
-            "{ scen = \"cars/car.toml\" }\nparent",
-            "`scen` is not a key of",
-        ),
-        (
-            "cars/car.toml\" }\ntranslation",
-            "../car.toml\" }\ntranslation",
-            "is not below the scene's folder",
-        ),
-    ] {
+    for (change, says) in cases(include_str!("placed/wrong_placed_scenes_are_named.txt")) {
+        let (from, to) = change.split_once("\n->\n").expect("a change");
         let text = SHOT.replacen(from, to, 1);
         assert_ne!(text, SHOT, "{from}");
         shot(&text).assert_says(&[], &[says]);

@@ -4,6 +4,8 @@ use std::{fs, path::Path};
 
 use reflet::scene::stages::{Animator, Scene};
 
+use crate::common::{assert_says, cases};
+
 const SCENE: &str = "script = \"walk.rhai\"\nversion = 1\nparams = { speed = 1.5 }\n\
                      timeline = { end = 10 }\n";
 
@@ -17,97 +19,18 @@ fn messages(name: &str, script: &str) -> Vec<String> {
     errors.iter().map(|e| e.to_string()).collect()
 }
 
-/// Asserts that the only message contains each of these texts.
-fn assert_says(name: &str, script: &str, says: &[&str]) {
-    let messages = messages(name, script);
-    let text = messages.join("\n");
-    assert_eq!(messages.len(), 1, "{text}");
-    for part in says {
-        assert!(text.contains(part), "no {part:?} in\n{text}");
+/// Values that a script returns, with parts of the only message about each.
+#[test]
+fn wrong_values_are_named_and_placed() {
+    let cases = cases(include_str!("returned/wrong_values.txt"));
+    for (number, (script, says)) in cases.into_iter().enumerate() {
+        let messages = messages(&format!("wrong-{number}"), script);
+        let text = messages.join("\n");
+        assert_eq!(messages.len(), 1, "{text}");
+        assert_says(&text, &says.split(" | ").collect::<Vec<_>>());
+        let is_hidden = !text.contains("| [material.");
+        assert!(is_hidden, "the generated text shows:\n{text}");
     }
-    assert!(
-        !text.contains("| [material."),
-        "the generated text shows:\n{text}"
-    );
-}
-
-#[test]
-fn a_wrong_value_is_named_and_placed() {
-    let script = "fn setup(ctx) {\n    #{\n        materials: #{\n            gold: #{ metallic: 1, \
-                  roughness: \"x\" },\n            tin: #{ roughness: 0.2 },\n        },\n    }\n}\n";
-    assert_says(
-        "value",
-        script,
-        &[
-            "setup() returned materials.gold.roughness = \"x\": `roughness` must be a number",
-            "walk.rhai:4:",
-            "gold: #{ metallic: 1, roughness: \"x\" }",
-        ],
-    );
-}
-
-#[test]
-fn unknown_key_has_a_suggestion() {
-    let script = "// roughnes: not here\nfn setup(ctx) {\n    let all = #{};\n    \
-                  all.gold = #{ roughnes: 0.5 };\n    #{ materials: all }\n}\n";
-    assert_says(
-        "key",
-        script,
-        &[
-            "setup() returned materials.gold.roughnes = 0.5: `roughnes` is not a key",
-            "did you mean `roughness`?",
-            "walk.rhai:4:",
-        ],
-    );
-}
-
-#[test]
-fn what_is_built_by_a_loop_is_counted() {
-    let script = include_str!("returned/what_is_built_by_a_loop_is_counted.rhai");
-    assert_says(
-        "list",
-        script,
-        &["setup() returned instances[2].scale = 0: ", "walk.rhai:5:"],
-    );
-    // References to unknown names, here of a model that every instance has.
-    let script = script.replace("scale = 0", "model = \"bal\"");
-    assert_says(
-        "name",
-        &script,
-        &[
-            "setup() returned instances[2].model = \"bal\": no model is named \"bal\"",
-            "did you mean \"ball\"?",
-            "walk.rhai:",
-        ],
-    );
-}
-
-#[test]
-fn what_is_missing_is_placed_at_the_map_that_lacks_it() {
-    let script = "fn tiles() { #{ colors: [[1, 1, 1], [0, 0, 0]] } }\nfn setup(ctx) {\n    \
-                  #{ materials: #{ floor: #{ checker: tiles() } } }\n}\n";
-    assert_says(
-        "missing",
-        script,
-        &[
-            "setup() returned materials.floor.checker: `size_m` is missing",
-            "walk.rhai:3:",
-        ],
-    );
-}
-
-#[test]
-fn unknown_location_falls_back_to_setup() {
-    let script = "\n\nfn setup(ctx) {\n    let m = #{};\n    m[\"rough\" + \"ness\"] = 3;\n    \
-                  let all = #{};\n    all[\"go\" + \"ld\"] = m;\n    #{ materials: all }\n}\n";
-    assert_says(
-        "computed",
-        script,
-        &[
-            "setup() returned materials.gold.roughness = 3: ",
-            "walk.rhai:3:1",
-        ],
-    );
 }
 
 #[test]
@@ -120,21 +43,12 @@ fn many_mistakes_of_a_long_script_take_no_long_time() {
     let messages = messages("many", &script);
     // Further messages are counted.
     assert_eq!(messages.len(), 2, "{}", messages.join("\n"));
-    assert!(
-        messages[0].contains("(and 99 more like it)"),
-        "{}",
-        messages[0]
-    );
-    assert!(
-        messages[1].contains("19900 more messages"),
-        "{}",
-        messages[1]
-    );
-    assert!(
-        messages[0].contains("setup() returned instances[0].model = \"m0\""),
-        "{}",
-        messages[0]
-    );
+    let first = [
+        "(and 99 more like it)",
+        "setup() returned instances[0].model = \"m0\"",
+    ];
+    assert_says(&messages[0], &first);
+    assert_says(&messages[1], &["19900 more messages"]);
 }
 
 #[test]
@@ -256,27 +170,9 @@ fn setup_gives_the_environment() {
     assert_eq!(zenith, [0.1, 0.2, 1.5]);
     let errors = read(&format!("{SCENE}[environment]\nintensity = 2\n")).expect_err("two of them");
     let text = errors[0].to_string();
-    assert!(
-        text.contains("the scene has an `[environment]` of its own"),
-        "{text}"
-    );
-    assert!(text.contains("walk.rhai:2:8"), "{text}");
-    let wrong = |of: &str| format!("fn setup(ctx) {{\n    #{{ environment: {of} }}\n}}\n");
-    assert_says(
-        "environment-key",
-        &wrong("#{ zenit: 1 }"),
-        &[
-            "`zenit` is not a key",
-            "did you mean `zenith`?",
-            "walk.rhai:2:",
-        ],
-    );
-    assert_says(
-        "environment-list",
-        &wrong("[]"),
-        &[
-            "`environment` of what setup returns must be a map",
-            "walk.rhai:2:",
-        ],
-    );
+    let parts = [
+        "the scene has an `[environment]` of its own",
+        "walk.rhai:2:8",
+    ];
+    assert_says(&text, &parts);
 }
