@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from PIL import Image
-from read_converted import Converted
+from read_converted import Converted, convert_text
 from texts import fill, text_of
 
 MESH = text_of("material_stages/mesh.usda")
@@ -22,6 +22,11 @@ def stage(inputs: str, nodes: str = "", body: str = "") -> str:
 
 def texture(name: str, file: str, body: str = "", st: str = "/Mat/St.outputs:result") -> str:
     return text_of("material_stages/texture.usda", name=name, file=file, st=st, body=body)
+
+
+def shaded(folder: Path, inputs: str, nodes: str = "", body: str = "", **options: Any) -> Converted:
+    """A converted mesh whose material has these inputs and nodes."""
+    return convert_text(folder, stage(inputs, nodes, body), **options)
 
 
 def save(folder: Path, name: str, pixels: np.ndarray, **options: Any) -> bytes:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from material_stages import noise, save, stage, texture
+from material_stages import noise, save, shaded, stage, texture
 from read_converted import convert_text
 from tampering import expect_required
 from texts import text_of
@@ -33,14 +33,14 @@ def test_an_animated_texture_is_named(tmp_path: Path, name: str) -> None:
     if name != "wrapS":
         body += '\ntoken inputs:wrapS = "repeat"'
     node = plain.replace("float3 outputs:rgb", f"{body}\nfloat3 outputs:rgb")
-    done = convert_text(tmp_path, stage(DIFFUSE, node))
+    done = shaded(tmp_path, DIFFUSE, node)
     expect_required(done, "material-animation-frozen", "/Mat/T", f"inputs:{name}")
 
 
 def test_an_animated_transform_is_named(tmp_path: Path) -> None:
     save(tmp_path, "t.png", noise("RGB"))
     nodes = PLACED.replace("BODY", TURNED) + texture("T", "t.png", st="/Mat/X.outputs:result")
-    done = convert_text(tmp_path, stage(DIFFUSE, nodes))
+    done = shaded(tmp_path, DIFFUSE, nodes)
     expect_required(done, "material-animation-frozen", "/Mat/X", "inputs:rotation")
 
 
@@ -56,9 +56,8 @@ def test_an_animated_set_is_named(tmp_path: Path) -> None:
 
 
 def test_an_animated_color_is_named(tmp_path: Path) -> None:
-    done = convert_text(
-        tmp_path,
-        stage("color3f inputs:diffuseColor.timeSamples = { 0: (1, 0, 0), 10: (0, 1, 0) }"),
+    done = shaded(
+        tmp_path, "color3f inputs:diffuseColor.timeSamples = { 0: (1, 0, 0), 10: (0, 1, 0) }"
     )
     expect_required(done, "material-animation-frozen", "/Mat/S", "inputs:diffuseColor")
 
@@ -80,4 +79,4 @@ def test_strict_refuses_animated_looks(tmp_path: Path) -> None:
     save(tmp_path, "t.png", noise("RGB"))
     nodes = PLACED.replace("BODY", TURNED) + texture("T", "t.png", st="/Mat/X.outputs:result")
     with pytest.raises(Exception, match="material-animation-frozen"):
-        convert_text(tmp_path, stage(DIFFUSE, nodes), strict=True)
+        shaded(tmp_path, DIFFUSE, nodes, strict=True)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from material_stages import material, noise, save, stage, texture
+from material_stages import material, noise, save, shaded, stage, texture
 from read_converted import Converted, convert_text
 from texts import text_of
 
@@ -143,9 +143,9 @@ def test_animated_subsets_are_named(tmp_path: Path) -> None:
 def test_a_texture_for_one_number_is_named_and_the_default_taken(tmp_path: Path, name: str) -> None:
     save(tmp_path, "t.png", noise("L"))
     nodes = texture("T", "t.png", "float4 inputs:fallback = (0.9, 0.9, 0.9, 1)")
-    plain = convert_text(tmp_path, stage(""))
+    plain = shaded(tmp_path, "")
     before = material(plain)
-    done = convert_text(tmp_path, stage(f"float inputs:{name}.connect = </Mat/T.outputs:r>", nodes))
+    done = shaded(tmp_path, f"float inputs:{name}.connect = </Mat/T.outputs:r>", nodes)
     assert material(done) == before
     assert "extensions" not in before
     assert f"'{name}'" in messages(done, "material-texture-dropped")["/Mat"]
@@ -162,7 +162,7 @@ def test_recoded_texels_are_named(tmp_path: Path) -> None:
         output, kind = ("rgb", "color3f") if slot == "emissiveColor" else ("b", "float")
         inputs = f"{kind} inputs:{slot}.connect = </Mat/T.outputs:{output}>"
         nodes = texture("T", "t.png", f'token inputs:sourceColorSpace = "{space}"')
-        found = messages(convert_text(tmp_path, stage(inputs, nodes)), "texture-repacked")
+        found = messages(shaded(tmp_path, inputs, nodes), "texture-repacked")
         assert set(found) == (set() if named is None else {"/Mat/T"})
         assert named is None or named in found["/Mat/T"]
 

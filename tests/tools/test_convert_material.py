@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from material_stages import material, noise, save, stage, texture
+from material_stages import material, noise, save, shaded, stage, texture
 from read_converted import convert_text
 from tampering import agrees
 from test_validate_strict import rewrite
@@ -14,15 +14,13 @@ from texts import text_of
 
 
 def test_constants(tmp_path: Path) -> None:
-    done = convert_text(
+    done = shaded(
         tmp_path,
-        stage(
-            "color3f inputs:diffuseColor = (0.1, 0.2, 0.3)\nfloat inputs:metallic = 0.4\n"
-            "float inputs:roughness = 0.6\ncolor3f inputs:emissiveColor = (4, 2, 0)\n"
-            "float inputs:ior = 1.33\nfloat inputs:clearcoat = 0.7\n"
-            "float inputs:clearcoatRoughness = 0.2\nfloat inputs:opacity = 0.5",
-            body="uniform bool doubleSided = 1",
-        ),
+        "color3f inputs:diffuseColor = (0.1, 0.2, 0.3)\nfloat inputs:metallic = 0.4\n"
+        "float inputs:roughness = 0.6\ncolor3f inputs:emissiveColor = (4, 2, 0)\n"
+        "float inputs:ior = 1.33\nfloat inputs:clearcoat = 0.7\n"
+        "float inputs:clearcoatRoughness = 0.2\nfloat inputs:opacity = 0.5",
+        body="uniform bool doubleSided = 1",
     )
     found = material(done)
     pbr = found["pbrMetallicRoughness"]
@@ -40,17 +38,15 @@ def test_constants(tmp_path: Path) -> None:
 
 
 def test_fallbacks_are_those_of_the_preview_surface(tmp_path: Path) -> None:
-    pbr = material(convert_text(tmp_path, stage("")))["pbrMetallicRoughness"]
+    pbr = material(shaded(tmp_path, ""))["pbrMetallicRoughness"]
     assert pbr["baseColorFactor"] == pytest.approx([0.18, 0.18, 0.18, 1])
     assert (pbr["metallicFactor"], pbr["roughnessFactor"]) == (0.0, 0.5)
 
 
 def test_specular_workflow_keeps_the_reflectance(tmp_path: Path) -> None:
-    done = convert_text(
+    done = shaded(
         tmp_path,
-        stage(
-            "int inputs:useSpecularWorkflow = 1\ncolor3f inputs:specularColor = (0.9, 0.5, 0.02)"
-        ),
+        "int inputs:useSpecularWorkflow = 1\ncolor3f inputs:specularColor = (0.9, 0.5, 0.02)",
     )
     found = material(done)
     factor = found["extensions"]["KHR_materials_specular"]["specularColorFactor"]
@@ -63,14 +59,12 @@ def test_second_uv_set_gets_its_own_slot(tmp_path: Path) -> None:
     save(tmp_path, "t.png", noise("RGB"))
     save(tmp_path, "u.png", noise("RGB", seed=9))
     reader = text_of("convert_material/second_uv_set_gets_its_own_slot.usda")
-    done = convert_text(
+    done = shaded(
         tmp_path,
-        stage(
-            "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>\n"
-            "color3f inputs:emissiveColor.connect = </Mat/U.outputs:rgb>",
-            reader + texture("T", "t.png") + texture("U", "u.png", st="/Mat/Other.outputs:result"),
-            'texCoord2f[] primvars:second = [(5,5), (6,5), (6,6), (5,6)] (interpolation="vertex")',
-        ),
+        "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>\n"
+        "color3f inputs:emissiveColor.connect = </Mat/U.outputs:rgb>",
+        reader + texture("T", "t.png") + texture("U", "u.png", st="/Mat/Other.outputs:result"),
+        'texCoord2f[] primvars:second = [(5,5), (6,5), (6,6), (5,6)] (interpolation="vertex")',
     )
     found = material(done)
     slots = {
@@ -86,13 +80,8 @@ def test_display_color_through_a_primvar_reader(tmp_path: Path) -> None:
     reader = text_of("convert_material/display_color_through_a_primvar_reader.usda")
     body = "color3f[] primvars:paint = [(1,0,0), (0,1,0), (0,0,1), (0,0,0)] "
     body += '(interpolation = "vertex")'
-    done = convert_text(
-        tmp_path,
-        stage(
-            "color3f inputs:diffuseColor.connect = </Mat/C.outputs:result>",
-            reader,
-            body,
-        ),
+    done = shaded(
+        tmp_path, "color3f inputs:diffuseColor.connect = </Mat/C.outputs:result>", reader, body
     )
     assert done.attribute(0, 0, "COLOR_0").sum(axis=0)[:3].min() > 0
     assert material(done)["pbrMetallicRoughness"]["baseColorFactor"] == [1, 1, 1, 1]
@@ -101,7 +90,7 @@ def test_display_color_through_a_primvar_reader(tmp_path: Path) -> None:
 def test_display_color_does_not_tint_a_bound_material(tmp_path: Path) -> None:
     body = "color3f[] primvars:displayColor = [(1,0,0), (0,1,0), (0,0,1), (0,0,0)] "
     body += '(interpolation = "vertex")'
-    done = convert_text(tmp_path, stage("color3f inputs:diffuseColor = (1, 1, 1)", "", body))
+    done = shaded(tmp_path, "color3f inputs:diffuseColor = (1, 1, 1)", "", body)
     assert "COLOR_0" not in done.json["meshes"][0]["primitives"][0]["attributes"]
 
 
@@ -129,7 +118,7 @@ def test_textured_emission_above_one_keeps_its_strength(
         "T", "t.png", f"float4 inputs:scale = (3, 7, 100, 1)\nfloat4 inputs:bias = {bias}"
     )
     inputs = f"color3f inputs:emissiveColor.connect = </Mat/T.outputs:{output}>"
-    done = convert_text(tmp_path, stage(inputs, node))
+    done = shaded(tmp_path, inputs, node)
     look = material(done)
     strength = look["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"]
     first, last = float(bias[1:].split(",")[0]), float(bias.split(",")[2])

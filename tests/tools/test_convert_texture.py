@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from material_stages import image, material, noise, pixels, save, stage, texture
+from material_stages import image, material, noise, pixels, save, shaded, stage, texture
 from PIL import Image
 from read_converted import convert_text
 from tampering import agrees, expect_required
@@ -24,12 +24,10 @@ def test_a_color_map_is_copied_byte_for_byte(
 ) -> None:
     data = save(tmp_path, name, noise("RGB"), **options)
     body = "float4 inputs:scale = (0.5, 0.25, 1, 1)"
-    done = convert_text(
+    done = shaded(
         tmp_path,
-        stage(
-            "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>",
-            texture("T", name, body),
-        ),
+        "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>",
+        texture("T", name, body),
     )
     pbr = material(done)["pbrMetallicRoughness"]
     assert image(done, pbr["baseColorTexture"]) == data
@@ -43,14 +41,12 @@ def test_separate_maps_are_packed_losslessly(tmp_path: Path) -> None:
     occlusion = noise("L", seed=3)
     for name, data in (("r.png", rough), ("m.png", metal), ("o.png", occlusion)):
         save(tmp_path, name, data)
-    done = convert_text(
+    done = shaded(
         tmp_path,
-        stage(
-            "float inputs:roughness.connect = </Mat/R.outputs:r>\n"
-            "float inputs:metallic.connect = </Mat/Me.outputs:r>\n"
-            "float inputs:occlusion.connect = </Mat/O.outputs:r>",
-            texture("R", "r.png") + texture("Me", "m.png") + texture("O", "o.png"),
-        ),
+        "float inputs:roughness.connect = </Mat/R.outputs:r>\n"
+        "float inputs:metallic.connect = </Mat/Me.outputs:r>\n"
+        "float inputs:occlusion.connect = </Mat/O.outputs:r>",
+        texture("R", "r.png") + texture("Me", "m.png") + texture("O", "o.png"),
     )
     found = material(done)
     packed = pixels(done, found["pbrMetallicRoughness"]["metallicRoughnessTexture"])
@@ -62,14 +58,12 @@ def test_separate_maps_are_packed_losslessly(tmp_path: Path) -> None:
 def test_a_packed_map_in_gltf_order_is_copied(tmp_path: Path) -> None:
     data = save(tmp_path, "orm.png", noise("RGB"))
     space = 'token inputs:sourceColorSpace = "raw"'
-    done = convert_text(
+    done = shaded(
         tmp_path,
-        stage(
-            "float inputs:occlusion.connect = </Mat/T.outputs:r>\n"
-            "float inputs:roughness.connect = </Mat/T.outputs:g>\n"
-            "float inputs:metallic.connect = </Mat/T.outputs:b>",
-            texture("T", "orm.png", space),
-        ),
+        "float inputs:occlusion.connect = </Mat/T.outputs:r>\n"
+        "float inputs:roughness.connect = </Mat/T.outputs:g>\n"
+        "float inputs:metallic.connect = </Mat/T.outputs:b>",
+        texture("T", "orm.png", space),
     )
     found = material(done)
     assert image(done, found["pbrMetallicRoughness"]["metallicRoughnessTexture"]) == data
@@ -80,12 +74,10 @@ def test_a_packed_map_in_gltf_order_is_copied(tmp_path: Path) -> None:
 def test_color_spaces_of_scalar_maps(tmp_path: Path, space: str) -> None:
     data = noise("RGB")
     save(tmp_path, "t.png", data)
-    done = convert_text(
+    done = shaded(
         tmp_path,
-        stage(
-            "float inputs:roughness.connect = </Mat/T.outputs:b>",
-            texture("T", "t.png", f'token inputs:sourceColorSpace = "{space}"'),
-        ),
+        "float inputs:roughness.connect = </Mat/T.outputs:b>",
+        texture("T", "t.png", f'token inputs:sourceColorSpace = "{space}"'),
     )
     info = material(done)["pbrMetallicRoughness"]["metallicRoughnessTexture"]
     encoded = data[..., 2] / 255
@@ -98,12 +90,8 @@ def test_scale_and_bias_beyond_a_factor_are_written_into_texels(tmp_path: Path) 
     data = noise("L")
     save(tmp_path, "t.png", data)
     body = "float4 inputs:scale = (2, 1, 1, 1)\nfloat4 inputs:bias = (-0.5, 0, 0, 0)"
-    done = convert_text(
-        tmp_path,
-        stage(
-            "float inputs:roughness.connect = </Mat/T.outputs:r>",
-            texture("T", "t.png", body),
-        ),
+    done = shaded(
+        tmp_path, "float inputs:roughness.connect = </Mat/T.outputs:r>", texture("T", "t.png", body)
     )
     info = material(done)["pbrMetallicRoughness"]["metallicRoughnessTexture"]
     expected = np.clip(data / 255 * 2 - 0.5, 0, 1)
@@ -116,14 +104,12 @@ def test_opacity_from_another_map(tmp_path: Path, threshold: float) -> None:
     color, alpha = noise("RGB", seed=4), noise("L", seed=5)
     save(tmp_path, "c.png", color)
     save(tmp_path, "o.png", alpha)
-    done = convert_text(
+    done = shaded(
         tmp_path,
-        stage(
-            "color3f inputs:diffuseColor.connect = </Mat/C.outputs:rgb>\n"
-            "float inputs:opacity.connect = </Mat/O.outputs:r>\n"
-            f"float inputs:opacityThreshold = {threshold}",
-            texture("C", "c.png") + texture("O", "o.png"),
-        ),
+        "color3f inputs:diffuseColor.connect = </Mat/C.outputs:rgb>\n"
+        "float inputs:opacity.connect = </Mat/O.outputs:r>\n"
+        f"float inputs:opacityThreshold = {threshold}",
+        texture("C", "c.png") + texture("O", "o.png"),
     )
     found = material(done)
     packed = pixels(done, found["pbrMetallicRoughness"]["baseColorTexture"])
@@ -138,13 +124,11 @@ def test_an_opaque_alpha_channel_stays_opaque(tmp_path: Path) -> None:
     color = noise("RGBA")
     color[..., 3] = 255
     data = save(tmp_path, "c.png", color)
-    done = convert_text(
+    done = shaded(
         tmp_path,
-        stage(
-            "color3f inputs:diffuseColor.connect = </Mat/C.outputs:rgb>\n"
-            "float inputs:opacity.connect = </Mat/C.outputs:a>",
-            texture("C", "c.png"),
-        ),
+        "color3f inputs:diffuseColor.connect = </Mat/C.outputs:rgb>\n"
+        "float inputs:opacity.connect = </Mat/C.outputs:a>",
+        texture("C", "c.png"),
     )
     found = material(done)
     assert found.get("alphaMode", "OPAQUE") == "OPAQUE"
@@ -166,12 +150,10 @@ def test_normal_maps(
     raw = save(tmp_path, "n.png", data)
     body = f"float4 inputs:scale = {scale}\nfloat4 inputs:bias = {bias}\n"
     body += 'token inputs:sourceColorSpace = "raw"'
-    done = convert_text(
+    done = shaded(
         tmp_path,
-        stage(
-            "normal3f inputs:normal.connect = </Mat/N.outputs:rgb>",
-            texture("N", "n.png", body),
-        ),
+        "normal3f inputs:normal.connect = </Mat/N.outputs:rgb>",
+        texture("N", "n.png", body),
     )
     info = material(done)["normalTexture"]
     assert (image(done, info) == raw) == copied
@@ -199,12 +181,10 @@ def test_texture_transform_for_any_parameters(tmp_path: Path) -> None:
             move_0=move[0],
             move_1=move[1],
         )
-        done = convert_text(
+        done = shaded(
             tmp_path,
-            stage(
-                "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>",
-                node + texture("T", "t.png", st="/Mat/X.outputs:result"),
-            ),
+            "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>",
+            node + texture("T", "t.png", st="/Mat/X.outputs:result"),
         )
         info = material(done)["pbrMetallicRoughness"]["baseColorTexture"]
         transform = info["extensions"]["KHR_texture_transform"]
@@ -242,10 +222,7 @@ def test_wrap_modes(tmp_path: Path, wrap: str, mode: int, warned: bool) -> None:
 def test_wrap_black_inside_the_unit_square_needs_no_warning(tmp_path: Path) -> None:
     save(tmp_path, "t.png", noise("RGB"))
     node = texture("T", "t.png").replace('"repeat"', '"black"')
-    done = convert_text(
-        tmp_path,
-        stage("color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>", node),
-    )
+    done = shaded(tmp_path, "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>", node)
     assert "wrap-black-clamped" not in done.warnings()
 
 
@@ -265,10 +242,7 @@ def test_lost_textures_leave_their_fallback(
     if content is not None:
         (tmp_path / "t.png").write_bytes(content)
     node = texture("T", "t.png", "float4 inputs:fallback = (0.25, 0.5, 0.75, 1)")
-    done = convert_text(
-        tmp_path,
-        stage("color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>", node),
-    )
+    done = shaded(tmp_path, "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>", node)
     assert warning in done.warnings("/Mat/T")
     pbr = material(done)["pbrMetallicRoughness"]
     assert pbr["baseColorFactor"] == pytest.approx([0.25, 0.5, 0.75, 1])
@@ -278,12 +252,10 @@ def test_lost_textures_leave_their_fallback(
 def test_other_image_formats_become_png(tmp_path: Path) -> None:
     data = noise("RGB")
     save(tmp_path, "t.tga", data)
-    done = convert_text(
+    done = shaded(
         tmp_path,
-        stage(
-            "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>",
-            texture("T", "t.tga"),
-        ),
+        "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>",
+        texture("T", "t.tga"),
     )
     info = material(done)["pbrMetallicRoughness"]["baseColorTexture"]
     assert np.array_equal(pixels(done, info)[..., :3], data)
@@ -297,7 +269,7 @@ def test_textures_of_single_numbers_are_named(tmp_path: Path, name: str, workflo
     inputs = f"float inputs:{name}.connect = </Mat/T.outputs:r>\nfloat inputs:metallic = 0.25\n"
     if name != "useSpecularWorkflow":
         inputs += f"int inputs:useSpecularWorkflow = {workflow}\n"
-    done = convert_text(tmp_path, stage(inputs, texture("T", "t.png")))
+    done = shaded(tmp_path, inputs, texture("T", "t.png"))
     if (name, workflow) == ("ior", 1):  # the specular workflow has no ior
         assert agrees(done)
     else:
@@ -321,7 +293,7 @@ def test_a_color_that_is_transparent_stays_so(tmp_path: Path, mode: str) -> None
     keyed(tmp_path, mode)
     inputs = "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>\n"
     inputs += "float inputs:opacity.connect = </Mat/T.outputs:a>"
-    done = convert_text(tmp_path, stage(inputs, texture("T", "t.png")))
+    done = shaded(tmp_path, inputs, texture("T", "t.png"))
     look = material(done)
     assert look["alphaMode"] == "BLEND"
     alpha = pixels(done, look["pbrMetallicRoughness"]["baseColorTexture"])[..., 3]
@@ -337,7 +309,7 @@ def test_a_transparent_color_that_nothing_reads_does_not_show(tmp_path: Path) ->
     keyed(tmp_path, "RGB")
     inputs = "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>\n"
     inputs += "float inputs:opacity = 0.5"
-    done = convert_text(tmp_path, stage(inputs, texture("T", "t.png")))
+    done = shaded(tmp_path, inputs, texture("T", "t.png"))
     info = material(done)["pbrMetallicRoughness"]["baseColorTexture"]
     assert (pixels(done, info)[..., 3] == 255).all()
     assert agrees(done)
@@ -354,12 +326,10 @@ def test_formats_that_need_other_programs_are_not_opened(
     monkeypatch.setattr(EpsImagePlugin, "Ghostscript", start)
     eps = "%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 8 8\n%%EndComments\nshowpage\n%%EOF\n"
     (tmp_path / "a.png").write_text(eps, encoding="ascii")
-    done = convert_text(
+    done = shaded(
         tmp_path,
-        stage(
-            "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>",
-            texture("T", "a.png", ""),
-        ),
+        "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>",
+        texture("T", "a.png", ""),
     )
     assert "texture-unreadable" in done.warnings()
     assert not done.gltf.images
@@ -375,13 +345,11 @@ def test_openexr_is_linear_and_becomes_png(tmp_path: Path, channels: str, peak: 
     planes = {name: np.ascontiguousarray(values[..., i]) for i, name in enumerate(channels)}
     file = OpenEXR.File({"compression": OpenEXR.ZIP_COMPRESSION}, planes)
     file.write(str(tmp_path / "t.exr"))
-    done = convert_text(
+    done = shaded(
         tmp_path,
-        stage(
-            "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>\n"
-            "float inputs:roughness.connect = </Mat/T.outputs:r>",
-            texture("T", "t.exr"),
-        ),
+        "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>\n"
+        "float inputs:roughness.connect = </Mat/T.outputs:r>",
+        texture("T", "t.exr"),
     )
     pbr = material(done)["pbrMetallicRoughness"]
     linear = np.clip(np.nan_to_num(values.astype(np.float64)), 0.0, 1.0)
@@ -409,5 +377,5 @@ def test_broken_openexr_is_named(tmp_path: Path, damage: str) -> None:
     }
     (tmp_path / "t.exr").write_bytes(broken[damage])
     inputs = "float inputs:roughness.connect = </Mat/T.outputs:r>"
-    done = convert_text(tmp_path, stage(inputs, texture("T", "t.exr")))
+    done = shaded(tmp_path, inputs, texture("T", "t.exr"))
     assert "texture-unreadable" in done.warnings("/Mat/T")

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from handwritten_gltf import HandFile
-from material_stages import stage, texture
+from material_stages import shaded, stage, texture
 from PIL import Image
 from pxr import Sdf
 from read_converted import Converted, convert_text
@@ -399,9 +399,7 @@ def test_a_smaller_texture_is_compared_as_it_was_enlarged(tmp_path: Path) -> Non
         Image.fromarray(pixels).save(tmp_path / f"{name}.png")
     inputs = "float inputs:roughness.connect = </Mat/A.outputs:g>\n"
     inputs += "float inputs:metallic.connect = </Mat/B.outputs:b>"
-    done = convert_text(
-        tmp_path, stage(inputs, texture("A", "small.png") + texture("B", "large.png"))
-    )
+    done = shaded(tmp_path, inputs, texture("A", "small.png") + texture("B", "large.png"))
     assert "texture-repacked" in done.warnings("/Mat/A")
     validation = validate_file(done.out, tmp_path / "stage.usda", khronos=False)
     assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
