@@ -44,15 +44,11 @@ pub fn cart() -> Doc {
     doc.json["cameras"] = json!([
         {"name": "eye", "type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}}
     ]);
-    let wheel = doc.add(
-        "nodes",
-        json!({"name": "wheel", "mesh": 0, "translation": [0, 1, 0]}),
-    );
-    let lamp = doc.add(
-        "nodes",
+    let wheel = doc.node(json!({"name": "wheel", "mesh": 0, "translation": [0, 1, 0]}));
+    let lamp = doc.node(
         json!({"name": "lamp", "extensions": {"KHR_lights_punctual": {"light": 0}}, "camera": 0}),
     );
-    let box_ = doc.add("nodes", json!({"name": "box", "mesh": 0}));
+    let box_ = doc.node(json!({"name": "box", "mesh": 0}));
     let cart = doc.root_node(json!({"name": "cart", "children": [wheel, lamp, box_]}));
     animate(
         &mut doc,

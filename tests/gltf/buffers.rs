@@ -20,10 +20,7 @@ fn absent_first_buffer() -> Doc {
         "accessors",
         json!({"bufferView": view, "componentType": 5126, "type": "VEC3", "count": 3}),
     );
-    doc.add(
-        "images",
-        json!({"bufferView": view, "mimeType": "image/png"}),
-    );
+    doc.image(json!({"bufferView": view, "mimeType": "image/png"}));
     doc
 }
 

@@ -58,8 +58,7 @@ fn flat(axis: usize, positive: bool) -> World {
         corners.swap(1, 2);
     }
     let positions = doc.floats("VEC3", &corners.map(|c| c.to_array()).concat());
-    let mesh = doc.mesh(json!({"attributes": {"POSITION": positions}}));
-    doc.root_node(json!({"mesh": mesh}));
+    doc.show(json!({"attributes": {"POSITION": positions}}));
     doc.world()
 }
 
@@ -87,8 +86,7 @@ fn lines_are_seen_from_the_usual_side() {
         };
         let corners: Vec<f32> = (0..4).flat_map(corner).collect();
         let positions = doc.floats("VEC3", &corners);
-        let mesh = doc.mesh(json!({"attributes": {"POSITION": positions}, "mode": 2}));
-        doc.root_node(json!({"mesh": mesh}));
+        doc.show(json!({"attributes": {"POSITION": positions}, "mode": 2}));
         let world = doc.world();
         let camera = camera(&world);
         assert!(camera.eye.z > camera.target.z, "turn {turn}");
@@ -106,8 +104,7 @@ fn what_is_near_the_eye_stays_in_the_default_view() {
         }
     }
     let positions = doc.floats("VEC3", &corners);
-    let mesh = doc.mesh(json!({"attributes": {"POSITION": positions}}));
-    doc.root_node(json!({"mesh": mesh}));
+    doc.show(json!({"attributes": {"POSITION": positions}}));
     let world = doc.world();
     let camera = camera(&world);
     let forward = (camera.target - camera.eye).normalize();
@@ -150,8 +147,7 @@ fn points_and_lines_without_normals_have_no_light() {
             attributes["NORMAL"] = doc.floats("VEC3", &[0.0, 0.0, 1.0].repeat(6)).into();
         }
         doc.json["materials"] = json!([{"name": "ink", "emissiveFactor": [0.5, 0, 0]}]);
-        let mesh = doc.mesh(json!({"attributes": attributes, "mode": mode, "material": 0}));
-        doc.root_node(json!({"mesh": mesh}));
+        doc.show(json!({"attributes": attributes, "mode": mode, "material": 0}));
         let world = doc.world();
         let material = &world.materials[world.instances[0].material];
         assert_eq!(
@@ -193,10 +189,7 @@ fn cameras_inside_of_closed_surfaces_see_nothing() {
                 true => json!({"KHR_materials_unlit": {}}),
                 false => json!({}),
             };
-            doc.add(
-                "materials",
-                json!({"doubleSided": double_sided, "extensions": extensions}),
-            );
+            doc.material(json!({"doubleSided": double_sided, "extensions": extensions}));
             let mesh = doc.mesh(
                 json!({"attributes": {"POSITION": positions}, "indices": indices, "material": 0}),
             );

@@ -240,11 +240,8 @@ fn posed_vertices_are_those_of_the_specification() {
     }));
     let figure = doc.root_node(json!({"mesh": 0, "skin": 0}));
     let hip = doc.root_node(json!({"children": [2, 3], "translation": [0, 1, 0]}));
-    doc.add(
-        "nodes",
-        json!({"translation": [0.5, 0.5, 0], "scale": [1, 2, 1]}),
-    );
-    doc.add("nodes", json!({"translation": [-0.5, 0, 0.25]}));
+    doc.node(json!({"translation": [0.5, 0.5, 0], "scale": [1, 2, 1]}));
+    doc.node(json!({"translation": [-0.5, 0, 0.25]}));
     doc.json["skins"] = json!([{"joints": [hip, 2, 3]}]);
     let times = doc.floats("SCALAR", &[0.0, 1.0]);
     let turn = doc.floats("VEC4", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.6, 0.0, 0.8]);

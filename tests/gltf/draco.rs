@@ -23,7 +23,7 @@ fn document(stream: &[u8]) -> Doc {
     let normals = accessor("VEC3", 5126, count);
     let uv = accessor("VEC2", 5126, count);
     let indices = accessor("SCALAR", 5123, 6 * (SIDE - 1) * (SIDE - 1));
-    let mesh = doc.mesh(json!({
+    doc.show(json!({
         "attributes": {"POSITION": positions, "NORMAL": normals, "TEXCOORD_0": uv},
         "indices": indices,
         "extensions": {NAME: {
@@ -31,7 +31,6 @@ fn document(stream: &[u8]) -> Doc {
             "attributes": {"POSITION": 2, "NORMAL": 1, "TEXCOORD_0": 0}
         }}
     }));
-    doc.root_node(json!({"mesh": mesh}));
     doc.json["extensionsRequired"] = json!([NAME]);
     doc.json["extensionsUsed"] = json!([NAME]);
     doc

@@ -57,11 +57,10 @@ fn images_that_cannot_be_read_are_left_out_when_asked() {
     let good = doc.texture(&png(2, 2, [9, 9, 9, 255]));
     let gif = doc.texture(b"GIF89a\x01\0\x01\0\x80\0\0");
     let cut = doc.texture(&png(2, 2, [9, 9, 9, 255])[..20]);
-    let image = doc.add("images", json!({"uri": "missing.png"}));
+    let image = doc.image(json!({"uri": "missing.png"}));
     let missing = doc.add("textures", json!({"source": image}));
     let slot = |texture: usize| json!({"index": texture});
-    doc.add(
-        "materials",
+    doc.material(
         json!({"name": "rock", "normalTexture": slot(missing), "emissiveTexture": slot(good),
         "occlusionTexture": slot(cut), "pbrMetallicRoughness": {"baseColorTexture": slot(gif)}}),
     );

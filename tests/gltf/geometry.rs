@@ -36,8 +36,7 @@ fn flat_normals_split_shared_corners() {
     let corners = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
     let positions = doc.floats("VEC3", &corners);
     let indices = doc.accessor("SCALAR", 5121, 6, &[0, 1, 2, 0, 2, 3]);
-    let mesh = doc.mesh(json!({"attributes": {"POSITION": positions}, "indices": indices}));
-    doc.root_node(json!({"mesh": mesh}));
+    doc.show(json!({"attributes": {"POSITION": positions}, "indices": indices}));
     let mesh = &doc.world().meshes[0];
     assert_eq!(mesh.normals[..3], [Vec3::Z; 3]);
     assert_eq!(mesh.normals[3..], [Vec3::X; 3]);
@@ -52,9 +51,7 @@ fn strips_and_fans_keep_the_winding() {
         let mut doc = Doc::empty();
         let positions = doc.floats("VEC3", &square);
         let indices = doc.accessor("SCALAR", 5121, 5, &order);
-        let mesh = doc
-            .mesh(json!({"attributes": {"POSITION": positions}, "indices": indices, "mode": mode}));
-        doc.root_node(json!({"mesh": mesh}));
+        doc.show(json!({"attributes": {"POSITION": positions}, "indices": indices, "mode": mode}));
         let mesh = &doc.world().meshes[0];
         assert_eq!(mesh.triangles.len(), faces, "mode {mode}");
         assert!(
@@ -106,8 +103,7 @@ fn broken_triangles_are_dropped_and_counted() {
     let positions = doc.floats("VEC3", &corners);
     // A valid triangle; then one with a NaN corner, a repeated corner, and all corners on one line.
     let indices = doc.accessor("SCALAR", 5121, 12, &[0, 1, 2, 0, 1, 3, 0, 0, 2, 0, 1, 4]);
-    let mesh = doc.mesh(json!({"attributes": {"POSITION": positions}, "indices": indices}));
-    doc.root_node(json!({"mesh": mesh}));
+    doc.show(json!({"attributes": {"POSITION": positions}, "indices": indices}));
     let world = doc.world();
     let mesh = &world.meshes[0];
     assert_eq!(mesh.triangles.len(), 1);
@@ -269,15 +265,11 @@ pub fn mapped_square() -> Doc {
     let uv = doc.floats("VEC2", &[0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
     let indices = doc.accessor("SCALAR", 5121, 6, &[0, 1, 2, 0, 2, 3]);
     let texture = doc.texture(&crate::kit::png(2, 2, [128, 128, 255, 255]));
-    doc.add(
-        "materials",
-        json!({"normalTexture": {"index": texture, "scale": 0.5}}),
-    );
-    let mesh = doc.mesh(json!({
+    doc.material(json!({"normalTexture": {"index": texture, "scale": 0.5}}));
+    doc.show(json!({
         "attributes": {"POSITION": positions, "NORMAL": normals, "TEXCOORD_0": uv},
         "indices": indices, "material": 0
     }));
-    doc.root_node(json!({"mesh": mesh}));
     doc
 }
 

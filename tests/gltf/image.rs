@@ -129,10 +129,7 @@ fn webp_is_read_where_its_extension_names_it() {
     (pixel.write_to(&mut webp, ImageFormat::WebP)).expect("encoded");
     let mut doc = textured(&png(1, 1, [9; 4]));
     let view = doc.view(&webp.into_inner());
-    let image = doc.add(
-        "images",
-        json!({"bufferView": view, "mimeType": "image/webp"}),
-    );
+    let image = doc.image(json!({"bufferView": view, "mimeType": "image/webp"}));
     doc.json["textures"][0]["extensions"] = json!({"EXT_texture_webp": {"source": image}});
     doc.json["extensionsRequired"] = json!(["EXT_texture_webp"]);
     doc.json["extensionsUsed"] = json!(["EXT_texture_webp"]);

@@ -34,10 +34,7 @@ fn lit(alpha: u8, light: Value) -> Doc {
     let faces: Vec<usize> = (0..6)
         .map(|face| {
             let view = doc.view(&png(4, 4, [shade(face), 255, 0, alpha]));
-            doc.add(
-                "images",
-                json!({"bufferView": view, "mimeType": "image/png"}),
-            )
+            doc.image(json!({"bufferView": view, "mimeType": "image/png"}))
         })
         .collect();
     let mut whole = json!({"specularImages": [faces], "specularImageSize": 4});

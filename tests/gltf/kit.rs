@@ -90,6 +90,21 @@ impl Doc {
         list.len() - 1
     }
 
+    /// Adds a node below no other, and returns its index.
+    pub fn node(&mut self, node: Value) -> usize {
+        self.add("nodes", node)
+    }
+
+    /// Adds a material, and returns its index.
+    pub fn material(&mut self, material: Value) -> usize {
+        self.add("materials", material)
+    }
+
+    /// Adds an image, and returns its index.
+    pub fn image(&mut self, image: Value) -> usize {
+        self.add("images", image)
+    }
+
     pub fn view(&mut self, bytes: &[u8]) -> usize {
         self.bin.resize(self.bin.len().next_multiple_of(4), 0);
         let offset = self.bin.len();
@@ -125,7 +140,7 @@ impl Doc {
     }
 
     pub fn root_node(&mut self, node: Value) -> usize {
-        let index = self.add("nodes", node);
+        let index = self.node(node);
         self.json["scenes"][0]["nodes"]
             .as_array_mut()
             .expect("nodes")
@@ -133,13 +148,16 @@ impl Doc {
         index
     }
 
+    /// Adds a node with a mesh of this primitive.
+    pub fn show(&mut self, primitive: Value) -> usize {
+        let mesh = self.mesh(primitive);
+        self.root_node(json!({"mesh": mesh}))
+    }
+
     /// Adds an image in the binary chunk and a texture for it.
     pub fn texture(&mut self, png: &[u8]) -> usize {
         let view = self.view(png);
-        let image = self.add(
-            "images",
-            json!({"bufferView": view, "mimeType": "image/png"}),
-        );
+        let image = self.image(json!({"bufferView": view, "mimeType": "image/png"}));
         self.add("textures", json!({"source": image}))
     }
 
@@ -266,7 +284,7 @@ pub fn textured(image: &[u8]) -> Doc {
     let mut doc = Doc::triangle();
     let texture = doc.texture(image);
     let pbr = json!({"baseColorTexture": {"index": texture}});
-    doc.add("materials", json!({"pbrMetallicRoughness": pbr}));
+    doc.material(json!({"pbrMetallicRoughness": pbr}));
     doc.primitive("material", 0.into());
     doc
 }
@@ -285,8 +303,7 @@ pub fn rich() -> Doc {
     doc.json["samplers"] = json!([{"wrapS": 10497}]);
     doc.json["textures"][texture]["sampler"] = 0.into();
     let slot = json!({"index": texture, "texCoord": 1});
-    doc.add(
-        "materials",
+    doc.material(
         json!({"normalTexture": slot, "pbrMetallicRoughness": {"baseColorTexture": slot}}),
     );
     doc.primitive("material", 0.into());
@@ -301,10 +318,7 @@ pub fn rich() -> Doc {
     doc.json["cameras"] =
         json!([{"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}}]);
     doc.json["extensionsUsed"] = json!(["KHR_lights_punctual", "EXT_mesh_gpu_instancing"]);
-    let child = doc.add(
-        "nodes",
-        json!({"camera": 0, "extensions": {"KHR_lights_punctual": {"light": 0}}}),
-    );
+    let child = doc.node(json!({"camera": 0, "extensions": {"KHR_lights_punctual": {"light": 0}}}));
     doc.root_node(
         json!({"mesh": 0, "translation": [0, 0, 2], "children": [child], "extensions":
         {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": offsets}}}}),
@@ -345,9 +359,7 @@ pub fn stone() -> Doc {
     let texture = doc.texture(&png(3, 2, [10, 20, 30, 40]));
     doc.json["samplers"] = json!([{"magFilter": 9728, "wrapS": 33071, "wrapT": 33648}]);
     doc.json["textures"][texture]["sampler"] = 0.into();
-    doc.add(
-        "materials",
-        json!({
+    doc.material(json!({
             "name": "stone", "alphaMode": "MASK", "doubleSided": true, "emissiveFactor": [1, 0.5, 0],
             "pbrMetallicRoughness": {
                 "baseColorFactor": [0.1, 0.2, 0.3, 0.4], "metallicFactor": 0.25, "roughnessFactor": 0.75,

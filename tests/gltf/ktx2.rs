@@ -32,10 +32,7 @@ fn document(image: &[u8]) -> Doc {
     let mut doc = rich();
     let texture = doc.texture(&png(1, 1, [1, 2, 3, 255]));
     let view = doc.view(image);
-    let image = doc.add(
-        "images",
-        json!({"bufferView": view, "mimeType": "image/ktx2"}),
-    );
+    let image = doc.image(json!({"bufferView": view, "mimeType": "image/ktx2"}));
     doc.json["textures"][texture]["extensions"] = json!({"KHR_texture_basisu": {"source": image}});
     doc.json["extensionsRequired"] = json!(["KHR_texture_basisu"]);
     doc.json["extensionsUsed"] = json!(["KHR_texture_basisu"]);

@@ -44,13 +44,10 @@ fn document(image: &[u8], is_color: bool) -> Doc {
     let mut doc = Doc::triangle();
     let texture = doc.texture(image);
     let slot = json!({"index": texture});
-    doc.add(
-        "materials",
-        match is_color {
-            true => json!({"pbrMetallicRoughness": {"baseColorTexture": slot}}),
-            false => json!({"occlusionTexture": slot}),
-        },
-    );
+    doc.material(match is_color {
+        true => json!({"pbrMetallicRoughness": {"baseColorTexture": slot}}),
+        false => json!({"occlusionTexture": slot}),
+    });
     doc.primitive("material", 0.into());
     doc
 }

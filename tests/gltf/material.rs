@@ -144,7 +144,7 @@ fn generated_tangents_follow_the_texture_transform() {
         doc.attribute("TEXCOORD_0", uv);
         let texture = doc.texture(&png(1, 1, [128, 128, 255, 255]));
         let map = json!({"index": texture, "extensions": {"KHR_texture_transform": transform}});
-        doc.add("materials", json!({"normalTexture": map}));
+        doc.material(json!({"normalTexture": map}));
         doc.primitive("material", 0.into());
         let world = doc.world();
         // u' = u cos + v sin: a map turned by 90° has its u along v.
@@ -222,10 +222,7 @@ fn an_overridden_image_is_never_decoded() {
     let mut doc = Doc::triangle();
     let texture = doc.texture(b"not an image");
     let pbr = json!({"baseColorTexture": {"index": texture}});
-    doc.add(
-        "materials",
-        json!({"name": "stone", "pbrMetallicRoughness": pbr}),
-    );
+    doc.material(json!({"name": "stone", "pbrMetallicRoughness": pbr}));
     doc.primitive("material", 0.into());
     assert_eq!(doc.error().0, "image-unsupported");
     let folder = Folder::new();

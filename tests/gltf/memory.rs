@@ -121,8 +121,7 @@ fn sixteen_bit_pngs_are_counted_twice() {
 fn converted_maps_are_counted_as_large_as_they_become() {
     let mut doc = Doc::triangle();
     let [wide, high] = [(8192, 1), (1, 8192)].map(|(w, h)| doc.texture(&png(w, h, [9; 4])));
-    doc.add(
-        "materials",
+    doc.material(
         json!({"extensions": {"KHR_materials_pbrSpecularGlossiness": {
             "diffuseTexture": {"index": wide}, "specularGlossinessTexture": {"index": high}
         }}}),
@@ -165,7 +164,7 @@ fn windows_of_zstandard_are_no_larger_than_the_picture() {
     let mut doc = textured(&png(1, 1, [1; 4]));
     let view = doc.view(&file);
     let image = json!({"bufferView": view, "mimeType": "image/ktx2"});
-    let image = doc.add("images", image);
+    let image = doc.image(image);
     doc.json["textures"][0]["extensions"] = json!({"KHR_texture_basisu": {"source": image}});
     doc.json["extensionsUsed"] = json!(["KHR_texture_basisu"]);
     let (name, message) = doc.error();
@@ -203,7 +202,7 @@ fn images_are_decoded_in_turn_where_memory_is_short() {
     for material in 0..20 {
         let texture = doc.texture(bytes.get_ref());
         let pbr = json!({"baseColorTexture": {"index": texture}});
-        doc.add("materials", json!({"pbrMetallicRoughness": pbr}));
+        doc.material(json!({"pbrMetallicRoughness": pbr}));
         let mut own = primitive.clone();
         own["material"] = material.into();
         primitives.push(own);

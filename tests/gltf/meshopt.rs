@@ -94,8 +94,7 @@ fn document(name: &str, version: i32, mode: &str, wide: bool) -> Doc {
         json!({"bufferView": view, "componentType": component, "type": "SCALAR", "count": corners.len()}),
     );
     let attributes = json!({"POSITION": positions, "NORMAL": normals});
-    let mesh = doc.mesh(json!({"attributes": attributes, "indices": indices}));
-    doc.root_node(json!({"mesh": mesh}));
+    doc.show(json!({"attributes": attributes, "indices": indices}));
     doc
 }
 
@@ -128,8 +127,7 @@ fn compressed_geometry_equals_the_uncompressed() {
     let positions = plain.floats("VEC3", &points.concat());
     let bytes: Vec<u8> = corners.iter().flat_map(|c| c.to_le_bytes()).collect();
     let indices = plain.accessor("SCALAR", 5125, corners.len(), &bytes);
-    let mesh = plain.mesh(json!({"attributes": {"POSITION": positions}, "indices": indices}));
-    plain.root_node(json!({"mesh": mesh}));
+    plain.show(json!({"attributes": {"POSITION": positions}, "indices": indices}));
     let expected = triangles(&plain.world());
     for (name, version) in [
         ("EXT_meshopt_compression", 0),

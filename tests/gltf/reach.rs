@@ -9,8 +9,7 @@ use crate::kit::Doc;
 fn triangle(x: f32) -> Doc {
     let mut doc = Doc::empty();
     let positions = doc.floats("VEC3", &[x, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
-    let mesh = doc.mesh(json!({"attributes": {"POSITION": positions}}));
-    doc.root_node(json!({"mesh": mesh}));
+    doc.show(json!({"attributes": {"POSITION": positions}}));
     doc
 }
 

@@ -11,7 +11,7 @@ fn material(extension: Value, images: &[Vec<u8>]) -> World {
         doc.texture(image);
     });
     let extensions = json!({"KHR_materials_pbrSpecularGlossiness": extension});
-    doc.add("materials", json!({"extensions": extensions}));
+    doc.material(json!({"extensions": extensions}));
     doc.primitive("material", 0.into());
     doc.world()
 }
@@ -114,7 +114,7 @@ fn a_missing_map_is_an_error() {
     let mut doc = Doc::triangle();
     let extension = json!({"specularGlossinessTexture": {"index": 0}});
     let extensions = json!({"KHR_materials_pbrSpecularGlossiness": extension});
-    doc.add("materials", json!({"extensions": extensions}));
+    doc.material(json!({"extensions": extensions}));
     doc.primitive("material", 0.into());
     assert_eq!(doc.error().0, "gltf-index");
     doc.texture(b"no image");

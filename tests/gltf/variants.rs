@@ -7,7 +7,7 @@ use serde_json::json;
 fn shoe() -> Doc {
     let mut doc = Doc::triangle();
     for name in ["plain", "red", "blue"] {
-        doc.add("materials", json!({"name": name}));
+        doc.material(json!({"name": name}));
     }
     doc.json["extensionsUsed"] = json!(["KHR_materials_variants"]);
     let names = ["beach", "street", "night"].map(|name| json!({"name": name}));
