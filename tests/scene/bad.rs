@@ -76,3 +76,12 @@ fn each_bad_scene_gives_its_exact_messages() {
     );
     assert!(wrong.is_empty(), "{}", wrong.join("\n======\n"));
 }
+
+#[test]
+fn case_files_are_read_line_by_line() {
+    let text = "// A comment.\n// Another one.\na\nb // c\n=> d\ne => f\n=> g\n";
+    let expected = [("a\nb // c", "d"), ("e => f", "g")];
+    assert_eq!(crate::common::cases(text), expected);
+    let cut_off = std::panic::catch_unwind(|| crate::common::cases("a\n=> b\nc\n"));
+    assert!(cut_off.is_err(), "a case without what follows");
+}
