@@ -8,6 +8,7 @@ use reflet::{
 
 use crate::{
     animation::posed_scene,
+    common::cases,
     kit::{Folder, stone},
 };
 
@@ -73,29 +74,8 @@ fn they_change_by_script_over_what_is_below_them() {
 #[test]
 fn instances_without_own_material_are_refused() {
     let folder = Folder::new();
-    for (motion, says) in [
-        (
-            "other.material]\nroughness = { rate = 1 }",
-            "write `material = {}` in its [[instance]]",
-        ),
-        (
-            "ball.material]\nalpha_cutoff = { rate = 1 }",
-            "`alpha_cutoff` moves, but `material` of instance \"ball\" has none",
-        ),
-        (
-            "ball.material]\nroughnes = { rate = 1 }",
-            "did you mean `roughness`?",
-        ),
-        (
-            "ball.material]\nbase_color = { orbit = { period_s = 1 } }",
-            "apply to positions alone",
-        ),
-        (
-            "nobody.material]\nroughness = { rate = 1 }",
-            "no instance is named \"nobody\"",
-        ),
-    ] {
-        let text = format!("{SCENE}[motion.instance.{motion}\n");
+    for (motion, says) in cases(include_str!("overrides/refused_motion.txt")) {
+        let text = format!("{SCENE}{motion}\n");
         let error = read(&folder, &text).expect_err(motion);
         assert!(error.contains(says), "{motion}: {error}");
     }
