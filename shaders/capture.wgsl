@@ -8,7 +8,6 @@
 #import half
 #import indirect
 #import pane_share
-#import path_restart
 #import probes
 #import shade
 

@@ -1,12 +1,10 @@
 // Compose: diffuse and specular of the view, with the found reflection in place of the mirror term; adds
 // the picture to the sum of the sub-frames before it.
 
-#import behind
 #import gbuffer
 #import cause
 #import fogged
 #import lobe_albedo
-#import scattered
 
 override HAS_REFLECTIONS: bool = true;
 override FILTER: bool = true; // rough reflections were smoothed
@@ -26,6 +24,8 @@ struct Params {
 @group(2) @binding(8) var previous: texture_2d<f32>;
 @group(2) @binding(9) var color: texture_storage_2d<rgba32float, write>; // w: sum of display color shares
 @group(2) @binding(10) var<uniform> params: Params;
+@group(2) @binding(11) var transmitted_light: texture_2d<f32>;
+@group(2) @binding(12) var indirect_light: texture_2d<f32>;
 
 // The paper's attenuation: a reflection fades into the environment towards the maximum ray length.
 fn faded(pixel: vec2u, direction: vec3f, found: vec3f) -> vec3f {
@@ -43,8 +43,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let lit = textureLoad(radiance, pixel, 0);
     var out = lit.xyz + textureLoad(specular, pixel, 0).xyz;
     var unlit = lit.w;
-    if (HAS_TRANSMISSION) { out += light_behind(pixel); }
-    out += light_scattered(pixel);
+    if (HAS_TRANSMISSION) { out += textureLoad(transmitted_light, pixel, 0).xyz; }
+    if (HAS_INDIRECT) { out += textureLoad(indirect_light, pixel, 0).xyz; }
     if (HAS_REFLECTIONS) {
         if (reflects(textureLoad(cause, pixel, 0).x)) {
             let s = load_surface(pixel);

@@ -1,7 +1,6 @@
 // Coverage: share of each pixel that shows a surface rather than the background; added to the sum of the sub-frames
 // before it.
 
-#import behind
 #import fogged
 #import gbuffer
 
@@ -14,6 +13,7 @@ struct Params {
 
 @group(2) @binding(3) var coverage_sum: texture_storage_2d<r32float, read_write>;
 @group(2) @binding(4) var<uniform> params: Params;
+@group(2) @binding(11) var transmitted_light: texture_2d<f32>; // w: share of the light behind that surfaces cover
 
 @compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -24,7 +24,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         covered = 1.0;
         if (HAS_TRANSMISSION) {
             let own = coverage(load_surface(pixel));
-            covered = own + (1.0 - own) * covered_behind(pixel);
+            covered = own + (1.0 - own) * textureLoad(transmitted_light, pixel, 0).w;
         }
     }
     covered = 1.0 - (1.0 - covered) * seen_through_fog(pixel);

@@ -6,7 +6,6 @@
 #import lists
 #import probe_lookup
 #import probe_panes
-#import probe_place
 #import radiance
 
 struct Params {
@@ -19,6 +18,15 @@ struct Params {
 @group(2) @binding(3) var reflection: RadianceTexture;
 @group(2) @binding(4) var hit: texture_storage_2d<rgba32uint, write>;
 @group(2) @binding(5) var<uniform> params: Params;
+@group(2) @binding(7) var ids: texture_2d<u32>;
+
+// Whether probes are chosen by the origin of the model that a pixel shows, for all of it, rather than by the pixel's point.
+override PROBES_BY_INSTANCE: bool = false;
+
+fn choosing_point(pixel: vec2u, s: Surface) -> vec3f {
+    if (!PROBES_BY_INSTANCE) { return s.position; }
+    return to_world(textureLoad(ids, pixel, 0).x, vec3f(0.0));
+}
 
 // Part of a reflection that the lobe of a surface averages: the mirror direction of its only lobe, and the level of the
 // maps for its roughness. Sharp reflections, and rays of one lobe of two, keep their own direction.

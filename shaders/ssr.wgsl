@@ -35,8 +35,6 @@ struct Params {
 // Minimum relative difference of the depths of two surfaces over a pixel, beyond rounding.
 const CULLED_SLACK: f32 = 1e-6;
 const START_PX: f32 = 0.7; // start of the march, past the reflector's own pixel
-// Maximum number of pixels at which a ray is tested against the surface shown, and goes on in front of it or behind it.
-const MAX_CANDIDATES: u32 = select(8u, 32u, HAS_SECOND_LAYER);
 // Minimum bilinear weight of the pixels around a hit that must show its surface.
 const SUPPORT: f32 = 0.75;
 
@@ -190,7 +188,9 @@ fn march(s0: Surface, direction: vec3f) -> March {
     var m = March(CAUSE_STEPS, 0.0, vec2u(NONE), vec2f(0.0));
     var last: Candidate;
     var behind_s = r.end; // s at which the ray first goes behind the first layer
-    for (var candidate = 0u; candidate < MAX_CANDIDATES; candidate++) {
+    // Maximum number of pixels at which a ray is tested against the surface shown, and goes on in front of it or behind it.
+    let most_candidates = select(8u, 32u, HAS_SECOND_LAYER);
+    for (var candidate = 0u; candidate < most_candidates; candidate++) {
         var exit = s;
         var is_met = false;
         // This loop does nothing but walk: rays that stop at different steps are then tested together.

@@ -5,7 +5,6 @@
 #import gbuffer
 #import indirect
 #import lists
-#import path_restart
 #import radiance
 
 @group(2) @binding(3) var ids: texture_2d<u32>;

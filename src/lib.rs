@@ -78,7 +78,7 @@
 //! Everything with an extent (a panorama, a light with a size, a rough reflection) is sampled:
 //! `shaders/lib/sampling.wgsl` gives every pixel and sub-frame its own random numbers, and reflection rays and
 //! light samples are combined by multiple importance sampling, so that sub-frames converge.
-//! Glass, blended alpha and clear coats are layers of a surface (`shaders/lib/layers_followed.wgsl`): at the surface
+//! Glass, blended alpha and clear coats are layers of a surface (`shaders/lib/layers.wgsl`): at the surface
 //! of a pixel both the reflection and the transmission are followed; at later hits one layer is chosen with a
 //! probability in proportion to the light that it returns.
 //! [`render::pipeline::shader_variant`] keeps that code out of shaders whose scene needs none of it.

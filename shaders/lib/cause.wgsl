@@ -3,6 +3,9 @@
 
 #import constants
 
+// Whether rays may end in maps, so that the causes of those that are traced first are kept.
+override MAPPED: bool = false;
+
 fn is_traced(cause: u32) -> bool {
     return ((TRACED_CAUSES >> cause) & 1u) != 0u;
 }

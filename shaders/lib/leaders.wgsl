@@ -6,8 +6,6 @@
 const NOT_LED: u32 = 0x80000000u; // exact in single precision, by which some backends clear textures
 // Number of rays of which one is traced first: 2 in a checkerboard, 4 in blocks of 2 × 2 pixels.
 override RATE: u32 = 2u;
-// Whether rays may end in maps, so that the causes of those that are traced first are kept.
-override MAPPED: bool = false;
 
 fn is_leader(pixel: vec2u) -> bool {
     let odd = pixel & vec2u(1u);

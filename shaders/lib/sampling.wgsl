@@ -29,6 +29,9 @@ struct Sampling {
 // found by refracted rays.
 override UNBIASED: bool = false;
 
+// Whether lights or reflections have an extent, so that they are sampled.
+override HAS_EXTENT: bool = true;
+
 // Pairs of dimensions of single decisions at a vertex, beyond those that `next_pair` counts.
 const COAT_PAIR: u32 = 0x10000u; // whether the coat or the base reflects
 const ONWARD_PAIR: u32 = 0x10002u; // whether the path is reflected or transmitted
@@ -78,6 +81,7 @@ fn take_path(index: u32, paths: u32) {
 
 // Starts the random numbers of a path vertex: `vertex` counts the surfaces along a path, 0 is that of the pixel.
 fn start_samples(pixel: vec2u, vertex: u32) {
+    if (!HAS_EXTENT) { return; }
     sample_seed = hash(pixel.x + hash(pixel.y + hash(vertex)));
     sample_pair = 0u;
 }

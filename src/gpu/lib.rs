@@ -25,7 +25,7 @@ pub mod timer;
 pub use bind::{GroupLayout, Named};
 pub use context::{Gpu, GpuOptions};
 pub use error::GpuError;
-pub use reflect::{ShaderModuleInfo, check};
+pub use reflect::{ShaderModuleInfo, check, check_part, parse};
 pub use shader::{ShaderError, ShaderLibrary, ShaderSource};
 pub use shader_cache::{Checks, Shader};
 pub use timer::Timer;

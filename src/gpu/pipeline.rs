@@ -14,7 +14,7 @@ use super::{
     reflect::{self, Binding},
     shader::{ShaderError, ShaderLibrary, ShaderSource},
     shader_cache::{Checks, PipelineKey, Recent, Shader, find, get_or_make},
-    specialize::specialized,
+    specialize::{pruned, specialized},
 };
 
 /// A pipeline of a shader.
@@ -35,12 +35,43 @@ fn binding_key(groups: &[&GroupLayout]) -> String {
 }
 
 impl Gpu {
-    /// Validates the assembled text and creates its shader, or returns the cached shader of the same text.
+    /// The shader of an assembled text, of which these values of boolean overrides leave a part, or the cached shader of
+    /// the same text and values. Values of other overrides, and of those that the text does not declare, change nothing.
     ///
     /// # Errors
     /// Same errors as [`Shader::new`].
-    pub fn shader(&self, source: ShaderSource, checks: Checks) -> Result<Shader, GpuError> {
-        (self.shaders).get_or_make(source, checks, |s| Shader::from_source(self, s, checks))
+    pub fn shader(
+        &self,
+        source: ShaderSource,
+        checks: Checks,
+        constants: &[(&str, f64)],
+    ) -> Result<Shader, GpuError> {
+        let parsed = (self.shaders).parsed(&source, |source| self.parsed(source))?;
+        let is_flag = |(_, known): &(_, &naga::Override)| {
+            parsed.types[known.ty].inner == naga::TypeInner::Scalar(naga::Scalar::BOOL)
+        };
+        let flags = parsed.overrides.iter().filter(is_flag);
+        let given = flags.filter_map(|(_, known)| {
+            let name = known.name.clone()?;
+            let (_, value) = constants.iter().find(|(key, _)| *key == name)?;
+            Some((name, *value != 0.0))
+        });
+        let given: Vec<(String, bool)> = given.collect();
+        let make = |source: &ShaderSource| {
+            let module = pruned(&parsed, constants);
+            Shader::of_module(self, source, checks, module)
+        };
+        self.shaders.get_or_make(source, checks, given, make)
+    }
+
+    /// Parses a text. A text of this program was validated by its tests, so that only parts of it are validated again.
+    fn parsed(&self, source: &ShaderSource) -> Result<naga::Module, GpuError> {
+        let module = reflect::parse(source)?;
+        if !source.embedded {
+            reflect::declared(source, &module, reflect::capabilities(self.features))?;
+        }
+        self.compile_stats.shaders.fetch_add(1, Ordering::Relaxed);
+        Ok(module)
     }
 
     /// Notes that renderers have taken other shader texts: what only older ones made is dropped from the caches, of which
@@ -56,14 +87,18 @@ impl Shader {
     /// # Errors
     /// [`GpuError::Shader`] at the line in its source file, or a wgpu error.
     pub fn new(gpu: &Gpu, library: &ShaderLibrary, name: &str) -> Result<Self, GpuError> {
-        gpu.shader(library.source(name)?, Checks::All)
+        gpu.shader(library.source(name)?, Checks::All, &[])
     }
 
-    /// Validates assembled text and reflects its declarations.
-    fn from_source(gpu: &Gpu, source: &ShaderSource, checks: Checks) -> Result<Self, GpuError> {
+    /// Validates a part of a text and reflects its declarations.
+    fn of_module(
+        gpu: &Gpu,
+        source: &ShaderSource,
+        checks: Checks,
+        module: naga::Module,
+    ) -> Result<Self, GpuError> {
         let capabilities: Capabilities = reflect::capabilities(gpu.features);
-        let (info, module, validated) = reflect::checked(source, capabilities)?;
-        gpu.compile_stats.shaders.fetch_add(1, Ordering::Relaxed);
+        let (info, validated) = reflect::declared(source, &module, capabilities)?;
         Ok(Self {
             info,
             module: Arc::new((module, validated)),

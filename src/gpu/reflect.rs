@@ -13,6 +13,7 @@ use super::{
     naga_errors::{parse_error, validation_error},
     naga_types::{stage_of, storage_access, storage_format, view_dimension},
     shader::{ShaderError, ShaderSource},
+    specialize::pruned,
 };
 
 /// Declarations of a validated shader.
@@ -28,6 +29,8 @@ pub struct ShaderModuleInfo {
     pub bindings: Vec<Binding>,
     /// Pipeline-overridable constants.
     pub overrides: Vec<Override>,
+    /// Names of the functions beside the entry points.
+    pub functions: Vec<String>,
     /// All structs, imported ones too.
     pub structs: Vec<StructLayout>,
 }
@@ -132,20 +135,42 @@ pub fn check(
     source: &ShaderSource,
     capabilities: Capabilities,
 ) -> Result<ShaderModuleInfo, ShaderError> {
-    checked(source, capabilities).map(|(declared, _, _)| declared)
+    declared(source, &parse(source)?, capabilities).map(|(declared, _)| declared)
 }
 
-/// Declarations of a shader, its parsed module, and the results of its validation.
+/// Validates the part of a parsed shader that these values of boolean overrides leave, and lists what it declares. Needs
+/// no GPU.
 ///
 /// # Errors
-/// Same errors as [`check`].
-pub(super) fn checked(
+/// The first validation error, at the line in the shader's source file.
+pub fn check_part(
     source: &ShaderSource,
+    module: &Module,
     capabilities: Capabilities,
-) -> Result<(ShaderModuleInfo, Module, ModuleInfo), ShaderError> {
-    let module = wgsl::parse_str(&source.text).map_err(|error| parse_error(source, &error))?;
+    constants: &[(&str, f64)],
+) -> Result<ShaderModuleInfo, ShaderError> {
+    declared(source, &pruned(module, constants), capabilities).map(|(declared, _)| declared)
+}
+
+/// Parses a shader.
+///
+/// # Errors
+/// The first syntax or type error, at the line in the shader's source file.
+pub fn parse(source: &ShaderSource) -> Result<Module, ShaderError> {
+    wgsl::parse_str(&source.text).map_err(|error| parse_error(source, &error))
+}
+
+/// Declarations of a parsed shader or a part of it, and the results of its validation.
+///
+/// # Errors
+/// The first validation error, at the line in the shader's source file.
+pub(super) fn declared(
+    source: &ShaderSource,
+    module: &Module,
+    capabilities: Capabilities,
+) -> Result<(ShaderModuleInfo, ModuleInfo), ShaderError> {
     let info = Validator::new(ValidationFlags::all(), capabilities)
-        .validate(&module)
+        .validate(module)
         .map_err(|error| validation_error(source, &error))?;
     let mut layouter = Layouter::default();
     layouter
@@ -153,12 +178,12 @@ pub(super) fn checked(
         .map_err(|error| ShaderError::new(&source.file, error.to_string()))?;
     let declared = Reflection {
         source,
-        module: &module,
+        module,
         info: &info,
         layouter: &layouter,
     }
     .reflect()?;
-    Ok((declared, module, info))
+    Ok((declared, info))
 }
 
 /// Builder of a [`ShaderModuleInfo`] from a validated module.
@@ -190,12 +215,14 @@ impl Reflection<'_> {
                 optional: value.init.is_some(),
             }
         });
+        let functions = self.module.functions.iter();
         Ok(ShaderModuleInfo {
             name: self.source.name.clone(),
             file: self.source.file.clone(),
             bindings: self.bindings(&entry_points)?,
             entry_points,
             overrides: overrides.collect(),
+            functions: functions.filter_map(|(_, f)| f.name.clone()).collect(),
             structs: self.structs(),
         })
     }

@@ -91,11 +91,11 @@ pub struct ShaderSource {
     /// The shader's own file, for messages.
     pub file: Arc<str>,
     /// The whole WGSL text.
-    pub text: String,
+    pub text: Arc<str>,
     /// Whether the whole text was built into this program.
     pub embedded: bool,
     /// Source file and line number of every line of `text`.
-    lines: Vec<(Arc<str>, u32)>,
+    lines: Arc<[(Arc<str>, u32)]>,
 }
 
 impl ShaderSource {
@@ -274,9 +274,9 @@ impl ShaderLibrary {
         Ok(ShaderSource {
             name: name.to_owned(),
             file,
-            text: assembly.text,
+            text: assembly.text.into(),
             embedded: self.embedded,
-            lines: assembly.lines,
+            lines: assembly.lines.into(),
         })
     }
 }

@@ -10,7 +10,7 @@ use xxhash_rust::xxh3::Xxh3;
 
 use super::{error::GpuError, reflect::ShaderModuleInfo, shader::ShaderSource};
 
-/// Maximum number of shaders kept; a frame has at most 19. The least recently used is dropped, so that a text that
+/// Maximum number of shaders and of parsed texts kept; a frame has at most 19. The least recently used is dropped, so that a text that
 /// is being edited pushes out its own old versions.
 const SHADERS: usize = 64;
 
@@ -156,9 +156,10 @@ fn locked<T>(cache: &Mutex<T>) -> MutexGuard<'_, T> {
     cache.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Caches of a device: shaders by text, and pipelines by what makes them.
+/// Caches of a device: parsed texts, shaders by text and values of flags, and pipelines by what makes them.
 #[derive(Debug, Default)]
 pub(super) struct ShaderCache {
+    modules: Mutex<Recent<ShaderSource, Arc<naga::Module>, SHADERS>>,
     shaders: Mutex<Recent<Key, Shader, SHADERS>>,
     pub computes: Mutex<Recent<PipelineKey, Arc<wgpu::ComputePipeline>, COMPUTES>>,
     pub renders: Mutex<Recent<PipelineKey, Arc<wgpu::RenderPipeline>, RENDERS>>,
@@ -169,10 +170,26 @@ struct Key {
     /// Text with its files and line numbers, which pipeline errors name.
     source: ShaderSource,
     checks: Checks,
+    /// Values of boolean overrides.
+    given: Vec<(String, bool)>,
 }
 
 impl ShaderCache {
-    /// The shader of this text, made by `make` where it is not cached.
+    /// The module of this text, made by `parse` where it is not cached.
+    ///
+    /// # Errors
+    /// The error of `parse`.
+    pub fn parsed(
+        &self,
+        source: &ShaderSource,
+        parse: impl FnOnce(&ShaderSource) -> Result<naga::Module, GpuError>,
+    ) -> Result<Arc<naga::Module>, GpuError> {
+        get_or_make(&self.modules, source.clone(), |source| {
+            parse(source).map(Arc::new)
+        })
+    }
+
+    /// The shader of this text and these values of its boolean overrides, made by `make` where it is not cached.
     ///
     /// # Errors
     /// The error of `make`.
@@ -180,15 +197,21 @@ impl ShaderCache {
         &self,
         source: ShaderSource,
         checks: Checks,
+        given: Vec<(String, bool)>,
         make: impl FnOnce(&ShaderSource) -> Result<Shader, GpuError>,
     ) -> Result<Shader, GpuError> {
-        let key = Key { source, checks };
+        let key = Key {
+            source,
+            checks,
+            given,
+        };
         get_or_make(&self.shaders, key, |key| make(&key.source))
     }
 
     /// Drops shaders and pipelines of older texts, of which nothing is in use any more.
     pub fn texts_changed(&self) {
         let is_in_use = |shader: &Shader| Arc::strong_count(&shader.module) > 1;
+        locked(&self.modules).texts_changed(|_| false);
         locked(&self.shaders).texts_changed(is_in_use);
         locked(&self.computes).texts_changed(|pipeline| Arc::strong_count(pipeline) > 1);
         locked(&self.renders).texts_changed(|pipeline| Arc::strong_count(pipeline) > 1);

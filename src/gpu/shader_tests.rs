@@ -14,7 +14,7 @@ fn imports_are_included_once_and_lines_map_back() {
     ]);
     let source = library.source("pass").expect("assembles");
     assert_eq!(
-        source.text,
+        &*source.text,
         "// pass\nconst A = 1;\nconst B = A;\nfn main() {}\n"
     );
     for (word, file, line) in [

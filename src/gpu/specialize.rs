@@ -1,8 +1,9 @@
-//! Specializes a shader for one pipeline: overrides get their values, and branches that these values rule out are
-//! removed before the driver sees them. Drivers remove them too, but only after they have read and inlined all code.
+//! Specializes a shader: branches that the values of its overrides rule out are removed, with the functions and bindings
+//! that only they used, before bindings are reflected and before the driver sees them. Drivers remove them too, but only
+//! after they have read and inlined all code.
 
 use naga::{
-    BinaryOperator, Block, Expression, Function, Handle, Literal, LocalVariable, Module,
+    BinaryOperator, Block, Expression, Function, Handle, Literal, LocalVariable, Module, Override,
     ShaderStage, Span, Statement, UnaryOperator,
     back::pipeline_constants::{PipelineConstantError, process_overrides},
     compact::{KeepUnused, compact},
@@ -27,35 +28,75 @@ pub fn specialized(
         .collect();
     let (module, _) = process_overrides(module, info, entry, &values).map_err(Box::new)?;
     let mut module = module.into_owned();
+    prune_module(&mut module, &[]);
+    Ok(module)
+}
+
+/// A module without the branches that these values of boolean overrides rule out, and without what only these used. All
+/// its overrides still have no value.
+pub fn pruned(module: &Module, constants: &[(&str, f64)]) -> Module {
+    let given = module.overrides.iter().filter_map(|(handle, known)| {
+        let name = known.name.as_deref()?;
+        let (_, value) = constants.iter().find(|(key, _)| *key == name)?;
+        Some((handle, *value != 0.0))
+    });
+    let given: Vec<_> = given.collect();
+    let mut module = module.clone();
+    prune_module(&mut module, &given);
+    module
+}
+
+/// An override and its value.
+type Given = (Handle<Override>, bool);
+
+/// Removes the branches that constants and these values of overrides never take, and what is then unused.
+fn prune_module(module: &mut Module, given: &[Given]) {
     let mut functions = std::mem::take(&mut module.functions);
     let mut returned = Vec::new();
     // A function stands behind those that it calls.
     for (handle, function) in functions.iter_mut() {
-        let value = prune(&module, &returned, function);
+        let value = prune(Facts::new(module, given, &returned), function);
         returned.extend(value.map(|value| (handle, value)));
     }
     module.functions = functions;
     let mut entries = std::mem::take(&mut module.entry_points);
     for entry in &mut entries {
-        prune(&module, &returned, &mut entry.function);
+        prune(Facts::new(module, given, &returned), &mut entry.function);
     }
     module.entry_points = entries;
     // `compact` keeps what has a name.
     for (_, constant) in module.constants.iter_mut() {
         constant.name = None;
     }
-    compact(&mut module, KeepUnused::No);
-    Ok(module)
+    compact(module, KeepUnused::No);
+}
+
+/// Values that are known in all functions of a module.
+#[derive(Clone, Copy)]
+struct Facts<'a> {
+    module: &'a Module,
+    given: &'a [Given],
+    returned: &'a [Returned],
+}
+
+impl<'a> Facts<'a> {
+    fn new(module: &'a Module, given: &'a [Given], returned: &'a [Returned]) -> Self {
+        Self {
+            module,
+            given,
+            returned,
+        }
+    }
 }
 
 /// Removes the branches that constants never take, and gives the only value that the function returns, if it is known.
-fn prune(module: &Module, returned: &[Returned], function: &mut Function) -> Option<bool> {
+fn prune(facts: Facts<'_>, function: &mut Function) -> Option<bool> {
     let mut known = Vec::new();
     loop {
         let body = std::mem::take(&mut function.body);
-        let kept = taken(&Values::new(module, returned, function, &known), body);
+        let kept = taken(&Values::new(facts, function, &known), body);
         function.body = kept;
-        let next = constant_temporaries(module, returned, function, &known);
+        let next = constant_temporaries(facts, function, &known);
         if next.len() == known.len() {
             break;
         }
@@ -63,7 +104,7 @@ fn prune(module: &Module, returned: &[Returned], function: &mut Function) -> Opt
     }
     // `compact` keeps what has a name.
     function.named_expressions.clear();
-    let values = Values::new(module, returned, function, &known);
+    let values = Values::new(facts, function, &known);
     let mut all = Vec::new();
     visit(&function.body, &mut |statement| {
         if let Statement::Return { value } = statement {
@@ -83,13 +124,8 @@ type Returned = (Handle<Function>, bool);
 type Known = (Handle<LocalVariable>, bool);
 
 /// Temporary variables, which naga makes for `&&` and `||`, that are only ever assigned one value.
-fn constant_temporaries(
-    module: &Module,
-    returned: &[Returned],
-    function: &Function,
-    known: &[Known],
-) -> Vec<Known> {
-    let values = Values::new(module, returned, function, known);
+fn constant_temporaries(facts: Facts<'_>, function: &Function, known: &[Known]) -> Vec<Known> {
+    let values = Values::new(facts, function, known);
     let mut stores = Vec::new();
     visit(&function.body, &mut |statement| {
         if let Statement::Store { pointer, value } = statement
@@ -137,22 +173,15 @@ fn visit(block: &Block, look: &mut impl FnMut(&Statement)) {
 
 /// Evaluates boolean expressions whose value is known.
 struct Values<'a> {
-    module: &'a Module,
-    returned: &'a [Returned],
+    facts: Facts<'a>,
     function: &'a Function,
     known: &'a [Known],
 }
 
 impl<'a> Values<'a> {
-    fn new(
-        module: &'a Module,
-        returned: &'a [Returned],
-        function: &'a Function,
-        known: &'a [Known],
-    ) -> Self {
+    fn new(facts: Facts<'a>, function: &'a Function, known: &'a [Known]) -> Self {
         Self {
-            module,
-            returned,
+            facts,
             function,
             known,
         }
@@ -162,11 +191,15 @@ impl<'a> Values<'a> {
         match self.function.expressions[expression] {
             Expression::Literal(Literal::Bool(value)) => Some(value),
             Expression::Constant(constant) => {
-                let init = self.module.constants[constant].init;
-                match self.module.global_expressions[init] {
+                let init = self.facts.module.constants[constant].init;
+                match self.facts.module.global_expressions[init] {
                     Expression::Literal(Literal::Bool(value)) => Some(value),
                     _ => None,
                 }
+            }
+            Expression::Override(wanted) => {
+                let found = self.facts.given.iter().find(|(other, _)| *other == wanted);
+                found.map(|(_, value)| *value)
             }
             Expression::Unary {
                 op: UnaryOperator::LogicalNot,
@@ -193,7 +226,7 @@ impl<'a> Values<'a> {
                 _ => None,
             },
             Expression::CallResult(called) => {
-                let found = self.returned.iter().find(|(other, _)| *other == called);
+                let found = self.facts.returned.iter().find(|(other, _)| *other == called);
                 found.map(|(_, value)| *value)
             }
             _ => None,

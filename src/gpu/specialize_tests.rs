@@ -91,7 +91,7 @@ fn variables_of_the_author_are_not_constants() {
     let is_unset = |f: &&Function| f.name.as_deref() == Some("unset");
     let mut functions = module.functions.iter().map(|(_, f)| f);
     let unset = functions.find(is_unset).expect("it is there");
-    assert!(constant_temporaries(&module, &[], unset, &[]).is_empty());
+    assert!(constant_temporaries(Facts::new(&module, &[], &[]), unset, &[]).is_empty());
 }
 
 #[test]

@@ -1,15 +1,11 @@
-//! Scenes without fog have no line and no binding of it in any shader.
+//! Scenes without fog have no code and no binding of it in any shader.
 
-use reflet::{
-    gpu::{ShaderLibrary, check, reflect::capabilities},
-    render::plan::Features,
-};
+use reflet::render::plan::Features;
 
-use super::variant;
+use super::part;
 
 #[test]
 fn shaders_without_fog_have_nothing_of_it() {
-    let embedded = ShaderLibrary::embedded();
     for fog in [false, true] {
         let features = Features {
             fog,
@@ -18,20 +14,13 @@ fn shaders_without_fog_have_nothing_of_it() {
             indirect: true,
             ..Features::default()
         };
-        let library = variant(features)
-            .library(&embedded)
-            .unwrap_or_else(|e| panic!("{e}"));
         for name in ["light", "hits", "trace", "transmit", "indirect", "compose"] {
-            let source = library.source(name).unwrap_or_else(|e| panic!("{e}"));
-            let has_line =
-                ["fog_length", "place_towards", "fog_light"].map(|word| source.text.contains(word));
-            let info = check(&source, capabilities(wgpu::Features::empty()));
-            let info = info.unwrap_or_else(|e| panic!("{e}"));
-            let is_bound = info
-                .bindings
-                .iter()
-                .any(|b| ["fog", "fog_light"].contains(&b.name.as_str()));
-            assert_eq!((has_line.contains(&true), is_bound), (fog, fog), "{name}");
+            let names = part(features, name);
+            let has = |wanted: &[&str]| wanted.iter().any(|name| names.contains(*name));
+            let has_code = has(&["fog_length", "place_towards"]);
+            let is_bound = has(&["fog", "fog_light"]);
+            let blends = name == "compose";
+            assert_eq!((has_code, is_bound), (fog && !blends, fog), "{name}");
         }
     }
 }

@@ -1,12 +1,15 @@
 //! Every shader assembles and validates without a GPU, and stays inside the limits that every
 //! adapter has.
 
-use std::{collections::BTreeSet, sync::LazyLock};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    sync::LazyLock,
+};
 
 use reflet::gpu::{
     ShaderError, ShaderLibrary, ShaderModuleInfo, ShaderSource,
     bind::{merged_bindings, over_limits},
-    check,
+    check, check_part, parse,
     reflect::capabilities,
 };
 use reflet::render::{
@@ -42,19 +45,60 @@ fn variant(features: Features) -> ShaderVariant {
 /// Names and texts of every shader of every variant.
 static SOURCES: LazyLock<Vec<(String, Result<ShaderSource, ShaderError>)>> = LazyLock::new(sources);
 
-/// Every shader of every variant, validated.
-static SHIPPED: LazyLock<Vec<ShaderModuleInfo>> = LazyLock::new(|| {
-    // The optional features that `Gpu` asks for; a shader that needs one has a twin that does not.
-    let capabilities =
-        capabilities(wgpu::Features::PRIMITIVE_INDEX | wgpu::Features::EXPERIMENTAL_RAY_QUERY);
-    let checked = SOURCES.iter().map(|(_, source)| {
-        let source = source.as_ref().map_err(ShaderError::to_string)?;
-        check(source, capabilities).map_err(|error| error.to_string())
-    });
+/// The optional features that `Gpu` asks for; a shader that needs one has a twin that does not.
+const OPTIONAL: wgpu::Features =
+    wgpu::Features::PRIMITIVE_INDEX.union(wgpu::Features::EXPERIMENTAL_RAY_QUERY);
+
+/// Results of checks, or all their errors.
+fn good<T>(checked: impl Iterator<Item = Result<T, ShaderError>>) -> Vec<T> {
     let (good, bad): (Vec<_>, Vec<_>) = checked.partition(Result::is_ok);
-    let errors: Vec<String> = bad.into_iter().filter_map(Result::err).collect();
-    assert!(errors.is_empty(), "\n{}", errors.join("\n\n"));
+    let errors: BTreeSet<String> = (bad.into_iter().filter_map(Result::err))
+        .map(|error| error.to_string())
+        .collect();
+    assert!(errors.is_empty(), "\n{}", Vec::from_iter(errors).join("\n\n"));
     good.into_iter().flatten().collect()
+}
+
+/// Every text of every variant, validated as a whole.
+static SHIPPED: LazyLock<Vec<ShaderModuleInfo>> = LazyLock::new(|| {
+    let checked = SOURCES.iter().map(|(_, source)| {
+        let source = source.as_ref().map_err(Clone::clone)?;
+        check(source, capabilities(OPTIONAL))
+    });
+    good(checked)
+});
+
+/// The part of every text that every set of features leaves, validated: what a pipeline is made of.
+static PARTS: LazyLock<Vec<ShaderModuleInfo>> = LazyLock::new(|| {
+    let mut sets: BTreeMap<(String, &str), BTreeSet<Vec<(&str, bool)>>> = BTreeMap::new();
+    for variant in ShaderVariant::all() {
+        let library = variant.library(&ShaderLibrary::embedded());
+        let library = library.unwrap_or_else(|e| panic!("{e}"));
+        for name in library.names() {
+            let text = library.source(name).unwrap_or_else(|e| panic!("{e}")).text;
+            let mut known = SOURCES.iter().zip(SHIPPED.iter());
+            let known = known.find(|((n, s), _)| n == name && s.as_ref().is_ok_and(|s| s.text == text));
+            let ((_, source), info) = known.expect("all texts are listed");
+            let is_declared = |key: &str| info.overrides.iter().any(|o| o.name == key);
+            let flags = variant.features.constants().filter(|(key, _)| is_declared(key));
+            let flags = flags.map(|(key, value)| (key, value != 0.0)).collect();
+            let text = &*source.as_ref().expect("it assembles").text;
+            sets.entry((name.to_owned(), text)).or_default().insert(flags);
+        }
+    }
+    let checked = SOURCES.iter().flat_map(|(name, source)| {
+        let source = source.as_ref().expect("it assembles");
+        let module = parse(source).unwrap_or_else(|e| panic!("{e}"));
+        let sets = &sets[&(name.clone(), &*source.text)];
+        let part = move |flags: &Vec<(&str, bool)>| {
+            let given: Vec<_> = (flags.iter())
+                .map(|(key, is_on)| (*key, f64::from(u8::from(*is_on))))
+                .collect();
+            check_part(source, &module, capabilities(OPTIONAL), &given)
+        };
+        sets.iter().map(part).collect::<Vec<_>>()
+    });
+    good(checked)
 });
 
 #[test]
@@ -73,7 +117,7 @@ fn every_library_is_imported_somewhere() {
     let sources = SOURCES
         .iter()
         .filter_map(|(_, source)| source.as_ref().ok());
-    let all: String = sources.map(|source| source.text.as_str()).collect();
+    let all: String = sources.map(|source| &*source.text).collect();
     let library = ShaderVariant::all()[0].library(&ShaderLibrary::embedded());
     let library = library.unwrap_or_else(|e| panic!("{e}"));
     for name in library.lib_names() {
@@ -89,8 +133,8 @@ fn every_library_is_imported_somewhere() {
 
 #[test]
 fn every_shader_stays_inside_the_default_limits() {
-    let mut wrong = Vec::new();
-    for info in SHIPPED.iter() {
+    let mut wrong = BTreeSet::new();
+    for info in PARTS.iter() {
         let mut limits = wgpu::Limits::default();
         let is_texture = |ty: &wgpu::BindingType| matches!(ty, wgpu::BindingType::Texture { .. });
         // Only devices with higher limits get BVHs, meshes, instances and materials as textures.
@@ -115,19 +159,19 @@ fn every_shader_stays_inside_the_default_limits() {
         );
         let groups: Vec<_> = groups.iter().map(Vec::as_slice).collect();
         for problem in over_limits(&groups, &limits) {
-            wrong.push(format!("{}: {problem}", info.file));
+            wrong.insert(format!("{}: {problem}", info.file));
         }
         for entry in &info.entry_points {
             let [x, y, z] = entry.workgroup_size;
             if x * y * z > limits.max_compute_invocations_per_workgroup {
-                wrong.push(format!(
+                wrong.insert(format!(
                     "{}: {}: {x}x{y}x{z} threads",
                     info.file, entry.name
                 ));
             }
         }
     }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert!(wrong.is_empty(), "{}", Vec::from_iter(wrong).join("\n"));
 }
 
 #[test]
@@ -230,7 +274,8 @@ fn bound(pass: &Pass) -> [BTreeSet<&'static str>; 3] {
     let (mut reads, mut writes, mut others) = (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
     let compiled = SHIPPED.iter().filter(|shader| shader.name == pass.name);
     for binding in compiled.flat_map(|shader| &shader.bindings) {
-        let targets = named(&binding.name);
+        let name = &binding.name;
+        let targets = named(name.strip_prefix("written_").unwrap_or(name));
         match binding.ty {
             wgpu::BindingType::Texture { .. } if targets.is_empty() => {
                 others.insert(binding.name.as_str());
@@ -289,54 +334,51 @@ fn compute_passes_declare_what_their_shaders_bind() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
+/// Names of the functions and of the bindings of a shader in a frame with these features.
+fn part(features: Features, name: &str) -> BTreeSet<String> {
+    let variant = variant(features);
+    let library = variant.library(&ShaderLibrary::embedded());
+    let source = library.and_then(|library| library.source(name));
+    let source = source.unwrap_or_else(|e| panic!("{e}"));
+    let module = parse(&source).unwrap_or_else(|e| panic!("{e}"));
+    let constants: Vec<_> = variant.features.constants().collect();
+    let info = check_part(&source, &module, capabilities(OPTIONAL), &constants);
+    let info = info.unwrap_or_else(|e| panic!("{e}"));
+    let bindings = info.bindings.into_iter().map(|b| b.name);
+    info.functions.into_iter().chain(bindings).collect()
+}
+
 /// Shaders contain neither code nor bindings for features that a scene does not use.
 #[test]
 fn closed_forms_need_no_samples() {
-    let embedded = ShaderLibrary::embedded();
-    let library = |is_sampled: bool, panorama: bool| {
+    let light = |environment_rays, panorama| {
         let features = Features {
-            environment_rays: is_sampled,
+            environment_rays,
             panorama,
             ..Features::default()
         };
-        variant(features)
-            .library(&embedded)
-            .unwrap_or_else(|e| panic!("{e}"))
-    };
-    let bindings = |library: &ShaderLibrary| {
-        let source = library.source("light").unwrap_or_else(|e| panic!("{e}"));
-        let info = check(&source, capabilities(wgpu::Features::empty()));
-        let info = info.unwrap_or_else(|e| panic!("{e}"));
-        let names = info.bindings.iter().map(|b| b.name.clone());
-        (source.text, names.collect::<Vec<_>>())
-    };
-    let has = |(text, names): &(String, Vec<String>), name: &str| {
-        [text.contains(name), names.iter().any(|n| n == name)]
+        part(features, "light")
     };
     let variants = [(false, false), (true, false), (true, true)];
-    let [closed, sampled, panorama] = variants.map(|(s, p)| bindings(&library(s, p)));
-    assert_eq!(has(&closed, "sampling"), [false; 2]);
-    assert_eq!(has(&sampled, "sampling"), [true; 2]);
-    assert_eq!(has(&sampled, "panorama_density"), [false; 2]);
-    assert_eq!(has(&panorama, "panorama_density"), [true; 2]);
+    let [closed, sampled, panorama] = variants.map(|(s, p)| light(s, p));
+    let has = |names: &BTreeSet<String>, wanted: [&str; 2]| wanted.map(|name| names.contains(name));
+    let samples = ["sample_square", "sampling"];
+    assert_eq!(has(&closed, samples), [false; 2]);
+    assert_eq!(has(&sampled, samples), [true; 2]);
+    let density = ["square_weights", "panorama_density"];
+    assert_eq!(has(&sampled, density), [false; 2]);
+    assert_eq!(has(&panorama, density), [true; 2]);
     let details = |sheen: bool| {
         let features = Features {
             tints: true,
             sheen,
             ..Features::default()
         };
-        bindings(
-            &variant(features)
-                .library(&embedded)
-                .unwrap_or_else(|e| panic!("{e}")),
-        )
+        part(features, "light")
     };
-    let [tinted, sheen] = [false, true].map(details);
-    for name in ["sheen_table", "sheen_lambda"] {
-        assert!(!has(&tinted, name).contains(&true), "{name}");
-        assert!(has(&sheen, name)[0], "{name}");
-    }
-    assert!(has(&sheen, "sheen_table")[1]);
+    let sheen = ["sheen_lambda", "sheen_table"];
+    assert_eq!(has(&details(false), sheen), [false; 2]);
+    assert_eq!(has(&details(true), sheen), [true; 2]);
 }
 
 /// Overrides that neither the table of features nor a pass gives: numbers of the plan and of the adapter, and choices
@@ -379,7 +421,7 @@ fn overrides_are_those_of_features_and_passes() {
 
 /// Pairs of features are validated apart and together.
 #[test]
-fn variants_let_files_of_two_features_meet() {
+fn variants_let_two_features_meet() {
     let sets = Features::variants();
     type Get = fn(&Features) -> bool;
     let pairs: [[Get; 2]; 6] = [

@@ -42,7 +42,7 @@ fn a_second_compiler_accepts_every_shader() {
     for (index, (name, source)) in sources.iter().enumerate() {
         let text = &source.as_ref().expect("it assembles").text;
         let file = format!("{index:04}-{}.wgsl", name.replace('/', "-"));
-        fs::write(folder.join(file), text).expect("writable");
+        fs::write(folder.join(file), text.as_bytes()).expect("writable");
     }
     let mut tint = Command::new("node");
     tint.arg(root.join("tools/tint.mjs"))

@@ -298,12 +298,12 @@ impl Estimator<'_> {
     }
 }
 
-/// Radiance of a gradient, like `environment` in `shaders/lib/environment_gradient.wgsl`.
+/// Radiance of a gradient, like `gradient` in `shaders/lib/environment.wgsl`.
 fn environment(sky: &[DVec3; 3], direction: DVec3) -> DVec3 {
     gradient(sky, direction.y.max(0.0), (-direction.y).max(0.0))
 }
 
-/// Irradiance / π of a gradient, like `ambient` in `shaders/lib/ambient_closed.wgsl`.
+/// Irradiance / π of a gradient, like `ambient` in `shaders/lib/ambient.wgsl`.
 fn ambient(sky: &[DVec3; 3], normal: DVec3) -> DVec3 {
     let overlap = |c: f64| {
         let cosine = c.clamp(-1.0, 1.0);

@@ -5,7 +5,7 @@ use reflet_world::World;
 use super::gpu_struct::gpu_struct;
 
 gpu_struct! {
-    /// Fog; see `shaders/lib/fog_medium.wgsl`.
+    /// Fog; see `shaders/lib/fog.wgsl`.
     pub struct GpuFog = "Fog" {
         /// Corner of the box that homogeneous fog fills, meters.
         lowest: [f32; 3],

@@ -6,7 +6,7 @@ use reflet_world::Decals;
 use super::gpu_struct::gpu_struct;
 
 gpu_struct! {
-    /// A decal; see `shaders/lib/decals_applied.wgsl`.
+    /// A decal; see `shaders/lib/decals.wgsl`.
     pub struct GpuDecal = "Decal" {
         /// Rows of the transform from the world to the cube from -0.5 to 0.5 that is the box.
         box_from_world: [[f32; 4]; 3],

@@ -115,6 +115,15 @@ impl Pass {
         checks: Checks::All,
         counted: false,
     };
+
+    /// Values for the overrides of the pass in a frame, its own in place of the plan's; its shader may declare fewer.
+    pub fn constants(&self, plan: &Plan, options: &RenderOptions) -> Vec<Override> {
+        let own = (self.overrides)(options);
+        let mut all = plan.overrides();
+        all.retain(|(name, _)| own.iter().all(|(other, _)| other != name));
+        all.extend(own);
+        all
+    }
 }
 
 /// Number of workgroups of a pass.
@@ -228,7 +237,8 @@ impl ComputePass {
         self.pass.name
     }
 
-    /// Binds targets, `params` and `extra` by name. `aliases` give targets other names in this shader.
+    /// Binds targets, `params` and `extra` by name. `aliases` give targets other names in this shader; `written_NAME` is the
+    /// target NAME too, in a shader that may read it as well.
     ///
     /// # Errors
     /// A name that is missing on either side, with the shader's file.
@@ -246,6 +256,7 @@ impl ComputePass {
             if let Some((_, resource)) = extra.iter().find(|(n, _)| *n == name) {
                 return Some(resource.clone());
             }
+            let name = name.strip_prefix("written_").unwrap_or(name);
             let alias = aliases.iter().find(|(n, _)| *n == name).map(|(_, t)| *t);
             let mut declared = self.pass.reads.iter().chain(self.pass.writes).copied();
             let target = declared.find(|t| alias.map_or(t.name() == name, |alias| *t == alias))?;

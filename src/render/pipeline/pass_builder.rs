@@ -45,14 +45,11 @@ impl PassBuilder<'_> {
         self.shaders.get(pass)
     }
 
-    /// Values for the overrides of a pass, its own in place of the plan's; its shader may declare fewer.
+    /// Values for the overrides of a pass on this device; its shader may declare fewer.
     pub fn overrides(&self, pass: &Pass) -> Vec<Override> {
-        let own = (pass.overrides)(self.options);
         // Four shuffles put rows that are 16 apart beside each other, which suits 16 threads.
         let shuffles = if self.gpu.is_software() { 4.0 } else { 0.0 };
-        let mut all = self.plan.overrides();
-        all.retain(|(name, _)| own.iter().all(|(other, _)| other != name));
-        all.extend(own);
+        let mut all = pass.constants(self.plan, self.options);
         all.push(("ROW_SHUFFLES", shuffles));
         all
     }

@@ -1,5 +1,6 @@
 //! Shader variants: a library in which files stand for the imports that the table of features lists, and for
-//! `triangles`, so that unused code and bindings are not part of any shader.
+//! `triangles`. Their texts differ in ways that no constant can choose: extensions of WGSL, formats of textures, and
+//! bindings of arrays as buffers or as textures.
 
 use reflet_gpu::{ShaderError, ShaderLibrary};
 
@@ -18,7 +19,7 @@ pub struct ShaderVariant {
 }
 
 impl ShaderVariant {
-    /// Variants in which every two of the files meet that features choose; see [`Features::variants`].
+    /// Variants in which every two of the constants and files meet that features choose; see [`Features::variants`].
     pub fn all() -> Vec<Self> {
         let of = |features| Self {
             features,

@@ -1,17 +1,21 @@
 //! Validated shaders of the passes.
 
-use std::collections::HashMap;
+use std::{collections::HashMap, sync::Arc};
 
 use reflet_gpu::{Gpu, GpuError, Shader, ShaderLibrary, ShaderModuleInfo, shader::ShaderSource};
 
-use super::{pass::Pass, shader_variant::ShaderVariant};
+use super::{
+    pass::{Override, Pass},
+    shader_variant::ShaderVariant,
+};
 
 /// Validated shaders by pass name, each with its source text.
 #[derive(Debug)]
 pub struct Shaders(HashMap<&'static str, (ShaderSource, Shader)>);
 
 impl Shaders {
-    /// The needed shaders of `library`, from the device's cache where it has them.
+    /// The needed shaders of `library`, each without what the values of its overrides rule out, from the device's cache
+    /// where it has them.
     ///
     /// # Errors
     /// The first shader error, at the line in the shader's source file.
@@ -20,11 +24,12 @@ impl Shaders {
         library: &ShaderLibrary,
         variant: ShaderVariant,
         needed: &[&'static Pass],
+        constants: impl Fn(&Pass) -> Vec<Override>,
     ) -> Result<Self, GpuError> {
         let library = variant.library(library)?;
         let shaders = needed.iter().map(|pass| {
             let source = library.source(pass.name)?;
-            let shader = gpu.shader(source.clone(), pass.checks)?;
+            let shader = gpu.shader(source.clone(), pass.checks, &constants(pass))?;
             Ok((pass.name, (source, shader)))
         });
         shaders.collect::<Result<_, GpuError>>().map(Self)
@@ -41,7 +46,7 @@ impl Shaders {
     }
 
     /// Source texts of the shaders of these passes; `None` of a pass that the plan dropped.
-    pub fn texts(&self, passes: &[&'static Pass]) -> Vec<Option<String>> {
+    pub fn texts(&self, passes: &[&'static Pass]) -> Vec<Option<Arc<str>>> {
         let text =
             |pass: &&'static Pass| self.0.get(pass.name).map(|(source, _)| source.text.clone());
         passes.iter().map(text).collect()

@@ -53,7 +53,7 @@ features! {
     /// Whether the march has a second depth layer.
     second_layer {
         used: has_second_layer(scene.world, scene.options),
-        files: second_layer [none, peeled];
+        constant: HAS_SECOND_LAYER,
         dropped: "second depth layer" => "nothing is marched", if scene.options.reflection.layers > 1;
     }
     /// Whether some rays are not traced, because those around them agree.
@@ -77,7 +77,6 @@ features! {
     capsules {
         used: scene.is_general() || scene.world.meshes.iter().any(|m| m.capsule_radius_m.is_some()),
         constant: HAS_CAPSULES,
-        files: capsules_seen [none, drawn], capsules_cast [none, drawn], capsules_peeled [none, drawn];
         dropped: "capsules" => "no model has points or lines";
     }
     /// Whether some material is cut out.
@@ -107,7 +106,7 @@ features! {
     /// Whether decals are projected onto surfaces.
     decals {
         used: !scene.world.decals.list.is_empty(),
-        files: decals [none, applied];
+        constant: HAS_DECALS,
         dropped: "decals" => "the scene has none";
     }
     /// Whether some number or color of a material follows a pattern.
@@ -151,7 +150,7 @@ features! {
     /// Whether the environment is a panorama.
     panorama {
         used: scene.world.environment.panorama.is_some(),
-        files: environment [gradient, panorama];
+        constant: HAS_PANORAMA,
     }
     /// Whether shadow rays are traced for the environment's light.
     environment_rays {
@@ -161,7 +160,7 @@ features! {
     /// Whether the environment's light is sampled rather than computed in closed form.
     sampled_environment {
         follows: panorama || environment_rays,
-        files: ambient [closed, sampled], fog_sky [closed, sampled];
+        constant: SAMPLES_ENVIRONMENT,
         dropped: "samples of the environment" => "the environment is a gradient and casts no shadows";
     }
     /// Whether some light has a size.
@@ -182,7 +181,7 @@ features! {
     /// Whether the light tree has lamps.
     tree_lamps {
         used: !scene.world.lamps.is_empty(),
-        files: lamps [none, chosen];
+        constant: HAS_TREE_LAMPS,
     }
     /// Whether some lamp of the light tree has a size.
     sized_lamps {
@@ -197,7 +196,7 @@ features! {
     /// Whether a light tree chooses emitters.
     emitters {
         follows: emissive_lights || tree_lamps,
-        files: emitters [none, sampled], fog_emitters [none, sampled];
+        constant: HAS_EMITTERS,
         dropped: "samples of emitting surfaces" => "no material has `light = true`";
     }
     /// Whether some light with an extent is sampled.
@@ -222,12 +221,12 @@ features! {
     mapped {
         follows: near_far || box_faces,
         constant: MAPPED,
-        files: nearest_met [traced, mapped], cause_kept [none, mapped];
+        files: nearest_met [traced, mapped];
     }
     /// Whether probes are chosen by instances rather than by pixels.
     probes_by_instance {
         used: scene.options.reflection.probes.select == SelectBy::Instance,
-        files: probe_place [pixel, instance];
+        constant: PROBES_BY_INSTANCE,
     }
     /// Whether some reflection is rough.
     rough_reflections {
@@ -238,7 +237,7 @@ features! {
     /// Whether diffuse surfaces light each other: diffuse interreflection.
     indirect {
         used: scatters(scene.options),
-        files: indirect [none, followed], scattered [none, indirect];
+        constant: HAS_INDIRECT,
         dropped: "indirect light" => "`diffuse_bounces` is 0";
     }
     /// Whether some surface transmits light.
@@ -246,11 +245,6 @@ features! {
         used: passes_light(scene.world),
         constant: HAS_TRANSMISSION,
         dropped: "transmission" => "no material lets light through";
-    }
-    /// Whether probes see through surfaces.
-    probe_panes {
-        follows: probes && transmission,
-        files: capture_panes [none, followed], probe_panes [none, shown];
     }
     /// Whether some surface has a clear coat.
     coats {
@@ -273,20 +267,18 @@ features! {
     sheen {
         used: scene.has(|m| m.sheen_color.is_some()),
         constant: HAS_SHEEN,
-        files: sheen [none, charlie];
         dropped: "sheen" => "no material has one";
     }
     /// Whether some surface has a thin film.
     iridescence {
         used: scene.has(|m| m.iridescence.is_some()),
-        files: film [none, thin];
+        constant: HAS_FILM,
         dropped: "iridescence" => "no material has a thin film";
     }
     /// Whether some specular lobe is anisotropic.
     anisotropy {
         used: scene.has(|m| m.anisotropy.is_some()),
         constant: HAS_ANISOTROPY,
-        files: grooves [mean, tabulated];
         dropped: "anisotropy" => "no material is anisotropic";
     }
     /// Whether some transmissive solid has dispersion.
@@ -298,7 +290,7 @@ features! {
     /// Whether the specular lobe is compensated for multiple scattering between facets.
     multiple_scattering {
         used: scene.options.reflection.multiple_scattering && scatters_twice(scene.world),
-        files: energy [single, conserved];
+        constant: CONSERVES_ENERGY,
         dropped: "multiple scattering" => "no material has a specular lobe",
             if scene.options.reflection.multiple_scattering;
     }
@@ -338,7 +330,6 @@ features! {
     layers {
         follows: transmission || coats,
         constant: HAS_LAYERS,
-        files: behind [none, transmitted], layers [none, followed];
     }
     /// Whether specular lobes have strengths or colors, their own or those of a thin film.
     tinted_lobes {
@@ -352,7 +343,7 @@ features! {
     /// Whether some surface has values that the G-buffer has no bits for.
     details {
         follows: tinted_lobes || sheen || frames,
-        files: details [none, packed];
+        constant: HAS_DETAILS,
     }
     /// Whether light outside of the crop is left out.
     cropped {
@@ -367,17 +358,16 @@ features! {
     /// Whether there is fog between things.
     fog {
         used: scene.world.environment.fog().is_some(),
-        files: fog [none, medium], air [clear, foggy], fogged [none, applied];
+        constant: HAS_FOG,
     }
     /// Whether fog scatters light more than once.
     followed_fog {
         follows: fog && indirect,
         constant: FOLLOWS_FOG,
-        files: fog_path [straight, followed];
     }
     /// Whether lights or reflections have an extent, so that they are sampled.
     extent {
         follows: sampled_light || indirect || rough_reflections || layers || fog,
-        files: extent [none, sampled], path_restart [none, sampled];
+        constant: HAS_EXTENT,
     }
 }

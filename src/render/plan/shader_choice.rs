@@ -20,8 +20,9 @@ impl Features {
         })
     }
 
-    /// Sets in which every two of the files that features choose meet, to find names that are missing or double: none, all,
-    /// and for each feature that chooses files the least set with it and the largest without. Their files differ.
+    /// Sets in which every two of the constants and files that features choose meet, to find bindings that are too many and
+    /// names that are missing or double: none, all, and for each feature that chooses some the least set with it and the
+    /// largest without. Their constants or files differ.
     pub fn variants() -> Vec<Self> {
         let with = |rows: &[&FeatureRow<Self>]| {
             let mut set = Self::default();
@@ -32,17 +33,18 @@ impl Features {
         };
         let own: Vec<_> = Self::ROWS.iter().filter(|row| row.own.is_some()).collect();
         let mut sets = vec![Self::default(), with(&own)];
-        for chosen in Self::ROWS.iter().filter(|row| !row.files.is_empty()) {
+        let is_choice = |row: &&FeatureRow<Self>| row.constant.is_some() || !row.files.is_empty();
+        for chosen in Self::ROWS.iter().filter(is_choice) {
             let brings = |row: &&&FeatureRow<Self>| (chosen.get)(&with(&[**row]));
             let least: Vec<_> = own.iter().filter(brings).take(1).copied().collect();
             let others: Vec<_> = own.iter().filter(|row| !brings(row)).copied().collect();
             sets.extend([with(&least), with(&others)]);
         }
-        let mut seen: Vec<Vec<_>> = Vec::new();
+        let mut seen: Vec<(Vec<_>, Vec<_>)> = Vec::new();
         sets.retain(|set| {
-            let imports = set.imports().collect();
-            let is_new = !seen.contains(&imports);
-            seen.push(imports);
+            let choices = (set.imports().collect(), set.constants().collect());
+            let is_new = !seen.contains(&choices);
+            seen.push(choices);
             is_new
         });
         sets

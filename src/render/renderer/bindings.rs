@@ -93,7 +93,7 @@ impl BindingKey {
 struct KeptMaps {
     maps: Arc<ProbeMaps>,
     overrides: Vec<Override>,
-    shaders: Vec<Option<String>>,
+    shaders: Vec<Option<Arc<str>>>,
 }
 
 impl KeptMaps {

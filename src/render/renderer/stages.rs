@@ -28,7 +28,7 @@ use crate::{
     lighting::lights::ShadowSizes,
     maps::map_keys::MapKeys,
     passes::needed_passes,
-    pipeline::{shader_variant::ShaderVariant, shaders::Shaders},
+    pipeline::{pass::Pass, shader_variant::ShaderVariant, shaders::Shaders},
     plan::{Plan, may_meet_culled},
     settings::{options::RenderOptions, relative::Coordinates},
     upload::{
@@ -105,7 +105,9 @@ impl Made {
         let scene = scene(gpu, world, &trees, &options, rebuilt, old)?;
         let plan = Plan::of(world, &trees, &scene.pools.layers, &options);
         let needed = needed_passes(&plan, &options);
-        let shaders = Shaders::new(gpu, library, variant(gpu, &plan, &scene), &needed)?;
+        let constants = |pass: &Pass| pass.constants(&plan, &options);
+        let variant = variant(gpu, &plan, &scene);
+        let shaders = Shaders::new(gpu, library, variant, &needed, constants)?;
         let shadows = ShadowSizes::of(&world.lights, &options);
         let maps = MapKeys::of(world, &options, coordinates.meters())?;
         let key = BindingKey::new(&plan, &options, shadows, &needed, maps);

@@ -199,7 +199,7 @@ impl GpuEmitters {
     }
 }
 
-/// Record of a lamp whose place in the upper tree is `node`; see `shaders/lib/lamps_chosen.wgsl`.
+/// Record of a lamp whose place in the upper tree is `node`; see `shaders/lib/lamps.wgsl`.
 pub(crate) fn lamp_record(lamp: &Light, node: u32) -> [[u32; 4]; LIGHT_VECTORS] {
     let light = gpu_light(lamp, ShadowMode::Ray);
     let half_v = glam::Vec3::from(light.half_v).length();

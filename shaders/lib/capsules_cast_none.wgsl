@@ -1,1 +1,0 @@
-// Variant without capsules that cast shadows into maps.

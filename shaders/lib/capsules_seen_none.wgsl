@@ -1,1 +1,0 @@
-// Variant without capsules for the camera to see.

@@ -1,0 +1,28 @@
+// Surface values that the G-buffer has no bits for, written by the details pass with a copy of the colors in one
+// array texture: thus passes need no more sampled textures than every adapter has.
+
+#import details_layout
+
+override HAS_DETAILS: bool = true; // else the G-buffer holds all values of surfaces
+
+@group(2) @binding(2) var colors: texture_2d<u32>;
+@group(2) @binding(27) var details: texture_2d_array<u32>;
+
+fn packed_colors(pixel: vec2u) -> vec4u {
+    if (!HAS_DETAILS) { return textureLoad(colors, pixel, 0); }
+    return textureLoad(details, pixel, 0, 0);
+}
+
+fn detailed(s: Surface, pixel: vec2u) -> Surface {
+    if (!HAS_DETAILS) { return s; }
+    var whole = with_details(s, textureLoad(details, pixel, 1, 0));
+    if (HAS_COAT_NORMALS || HAS_ANISOTROPY) {
+        let frames = textureLoad(details, pixel, 2, 0);
+        if (HAS_COAT_NORMALS) { whole.coat_normal = unpack_unit(frames.x); }
+        if (HAS_ANISOTROPY) {
+            whole.tangent = unpack_unit(frames.y);
+            whole.anisotropy = bitcast<f32>(frames.z);
+        }
+    }
+    return whole;
+}

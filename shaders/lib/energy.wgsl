@@ -1,0 +1,69 @@
+// Energy of lobes. Where it is conserved, the specular lobe is scaled up by the light that single scattering between facets
+// loses, and all that a lobe does not reflect reaches the layers below it; else each facet reflects light once, as in glTF
+// 2.0, appendix B, and light that hits other facets is lost.
+
+#import frame
+#import lobe_albedo
+
+override CONSERVES_ENERGY: bool = true;
+
+// Light that the facets of a lobe block, relative to what they reflect.
+fn lost(lobe: vec4f) -> f32 {
+    return 1.0 / max(lobe.x, 1e-3) - 1.0;
+}
+
+// Factor on the specular lobe for the light that facets reflect more than once (Turquin 2019, "Practical
+// Multiple Scattering Compensation for Microfacet Models", eq. 16): metal and dielectric each by its own reflectance.
+fn compensation(s: Surface, view: vec3f) -> vec3f {
+    if (!CONSERVES_ENERGY || mirrors_inside(s)) { return vec3f(1.0); }
+    let dielectric = dielectric_f0(s);
+    let again = mix(dielectric * dielectric, s.base_color * s.base_color, s.metallic) / max(f0(s), vec3f(1e-6));
+    return vec3f(1.0) + again * lost(shown_lobe(s, view));
+}
+
+// Albedo of the specular lobe alone under uniform light. The split sum has Schlick's Fresnel term, glass the exact one:
+// the smoother it is, the more the ratio of both towards the view holds for the lobe.
+fn lobe_reflectance(s: Surface, view: vec3f) -> vec3f {
+    if (!CONSERVES_ENERGY) {
+        let lobe = shown_lobe(s, view);
+        if (is_transmissive(s)) { return transmissive_fresnel(s, saturate(dot(s.normal, view))) * lobe.x; }
+        return split_sum(f0(s), grazing_reflectance(s), lobe);
+    }
+    let rough = split_sum(f0(s), grazing_reflectance(s), shown_lobe(s, view)) * compensation(s, view);
+    if (!is_transmissive(s)) { return rough; }
+    let cosine = dot(s.normal, view);
+    let schlick = f0(s) + (vec3f(grazing_reflectance(s)) - f0(s)) * schlick_weight(cosine);
+    let exact = transmissive_fresnel(s, cosine) / max(schlick, vec3f(1e-6));
+    return rough * mix(exact, vec3f(1.0), shown_roughness(s));
+}
+
+// Share of light that is left of a reflectance: in each color below a film; a tint leaves all colors what it leaves of
+// the strongest, like `fresnel_mix` of KHR_materials_specular.
+fn left_of(s: Surface, reflectance: vec3f) -> vec3f {
+    if (!CONSERVES_ENERGY) {
+        if (!HAS_TINTS) { return vec3f(1.0) - reflectance; }
+        return vec3f(1.0 - max(reflectance.x, max(reflectance.y, reflectance.z)));
+    }
+    if (HAS_TINTS && !s.has_film) { return vec3f(max(1.0 - max(reflectance.x, max(reflectance.y, reflectance.z)), 0.0)); }
+    return max(vec3f(1.0) - reflectance, vec3f(0.0));
+}
+
+// Share of light that the specular lobe leaves to diffuse light, towards this view. Where energy is lost, it is averaged
+// over the hemisphere so that it does not depend on the view: the cosine-weighted mean of Schlick's curve is
+// F0 + (F90 - F0) / 21.
+fn unreflected(s: Surface, view: vec3f) -> vec3f {
+    if (!CONSERVES_ENERGY) {
+        let f = dielectric_reflectance(s);
+        return vec3f(1.0 - (f.x + (f.y - f.x) / 21.0));
+    }
+    var dielectric = s;
+    dielectric.metallic = 0.0;
+    return left_of(s, lobe_reflectance(dielectric, view));
+}
+
+// Share of light that a clear coat does not let through: where energy is lost, its reflectance if it were smooth.
+fn coat_albedo(roughness: f32, cosine: f32) -> f32 {
+    if (!CONSERVES_ENERGY) { return COAT_REFLECTIVITY + (1.0 - COAT_REFLECTIVITY) * schlick_weight(cosine); }
+    let lobe = lobe_at(roughness, cosine);
+    return split_sum(vec3f(COAT_REFLECTIVITY), 1.0, lobe).x * (1.0 + COAT_REFLECTIVITY * lost(lobe));
+}

@@ -1,0 +1,146 @@
+// The environment: a gradient from straight up over the horizon to straight down, or a panorama, with sampling of directions
+// by its brightness.
+
+#import frame
+#import sampling
+
+override HAS_PANORAMA: bool = true;
+
+@group(0) @binding(6) var panorama: texture_2d<f32>;
+@group(0) @binding(7) var panorama_density: texture_2d<f32>; // mean brightness of equal-area squares, all levels
+@group(0) @binding(8) var panorama_sampler: sampler;
+// Cones around the light of coarse squares, those of the coarsest first; see src/world/environment/cones.rs.
+@group(0) @binding(12) var<uniform> panorama_cones: array<vec4f, MOST_CONES>;
+
+fn into_panorama(direction: vec3f) -> vec3f {
+    let t = sampling.turn; // cosine and sine
+    return vec3f(direction.x * t.x - direction.z * t.y, direction.y, direction.x * t.y + direction.z * t.x);
+}
+
+fn out_of_panorama(direction: vec3f) -> vec3f {
+    let t = sampling.turn;
+    return vec3f(direction.x * t.x + direction.z * t.y, direction.y, direction.z * t.x - direction.x * t.y);
+}
+
+fn gradient(direction: vec3f) -> vec3f {
+    let y = clamp(direction.y, -1.0, 1.0);
+    return frame.horizon
+        + (frame.zenith - frame.horizon) * max(y, 0.0)
+        + (frame.ground - frame.horizon) * max(-y, 0.0);
+}
+
+// "Environment Maps" of OpenEXR: longitude 0 is +Z and in the center, growing to the left.
+fn environment(direction: vec3f) -> vec3f {
+    if (!HAS_PANORAMA) { return gradient(direction); }
+    let d = into_panorama(normalize(direction));
+    let is_pole = abs(d.x) + abs(d.z) < 1e-12;
+    let longitude = atan2(select(d.x, 0.0, is_pole), select(d.z, 1.0, is_pole));
+    let uv = vec2f(0.5 - longitude / (2.0 * PI), acos(clamp(d.y, -1.0, 1.0)) / PI);
+    return textureSampleLevel(panorama, panorama_sampler, uv, 0.0).xyz * sampling.scale;
+}
+
+fn with_sign(size: vec2f, signs: vec2f) -> vec2f {
+    return select(size, -size, signs < vec2f(0.0));
+}
+
+// Equal-area octahedral map (Clarberg 2008), [0, 1]² to the sphere and back.
+fn direction_of_square(place: vec2f) -> vec3f {
+    let p = place * 2.0 - 1.0;
+    let size = abs(p);
+    let to_fold = 1.0 - size.x - size.y;
+    let r = 1.0 - abs(to_fold);
+    let phi = select((size.y - size.x) / max(r, 1e-12) + 1.0, 1.0, r == 0.0) * (PI / 4.0);
+    let z = select(1.0 - r * r, r * r - 1.0, to_fold < 0.0);
+    let flat = with_sign(vec2f(cos(phi), sin(phi)), p) * (r * sqrt(max(2.0 - r * r, 0.0)));
+    return vec3f(flat, z);
+}
+
+fn square_of_direction(d: vec3f) -> vec2f {
+    let size = abs(d);
+    let r = sqrt(max(1.0 - size.z, 0.0));
+    let large = max(size.x, size.y);
+    let ratio = select(min(size.x, size.y) / max(large, 1e-30), 0.0, large == 0.0);
+    let angle = atan(ratio) * (2.0 / PI);
+    let phi = select(angle, 1.0 - angle, size.x < size.y);
+    var p = vec2f(r - phi * r, phi * r);
+    if (d.z < 0.0) { p = 1.0 - p.yx; }
+    return (with_sign(p, d.xy) + 1.0) * 0.5;
+}
+
+// Upper bound of the light that a surface with this normal gets from a square: the square's density times the cosine
+// towards the nearest direction of the cone around its light. `cone`: axis and cosine of the half angle, both times the
+// density.
+fn cone_light(cone: vec4f, normal: vec3f) -> f32 {
+    let d2 = dot(cone.xyz, cone.xyz);
+    let towards = dot(cone.xyz, normal);
+    if (towards >= cone.w || d2 <= 0.0) { return sqrt(d2); }
+    let sines = sqrt(max((d2 - towards * towards) * (d2 - cone.w * cone.w), 0.0));
+    return max(towards * cone.w + sines, 0.0) * inverseSqrt(d2);
+}
+
+// Weights of the four squares within a square, for a surface with this normal, at the level `level` of the density.
+fn square_weights(at: vec2u, level: i32, normal: vec3f) -> vec4f {
+    var weights: vec4f;
+    let edge = 1u << (sampling.density_levels - 1u - u32(level));
+    for (var k = 0u; k < 4u; k++) {
+        let child = at + vec2u(k & 1u, k >> 1u);
+        if (edge < 1u << CONE_LEVELS) {
+            weights[k] = cone_light(panorama_cones[(edge * edge - 1u) / 3u + child.y * edge + child.x], normal);
+        } else {
+            weights[k] = textureLoad(panorama_density, child, level).x;
+        }
+    }
+    return weights;
+}
+
+// Share of the panorama's light on a surface with this normal that its density holds; 0 of a gradient. The rest comes from all directions
+// alike: a quarter of it arrives, as the mean of the cosine over the sphere says.
+fn environment_share(normal: vec3f) -> f32 {
+    if (!HAS_PANORAMA) { return 0.0; }
+    let all = panorama_cones[0];
+    let held = cone_light(all, into_panorama(normal));
+    return held / max(held + 0.25 * (1.0 - length(all.xyz)), 1e-30);
+}
+
+// Density per solid angle with which `environment_direction` samples a unit direction, for a surface with this normal.
+fn environment_pdf(direction: vec3f, world_normal: vec3f) -> f32 {
+    if (!HAS_PANORAMA) { return 0.0; }
+    let normal = into_panorama(world_normal);
+    let finest = sampling.density_levels - 1u;
+    let place = square_of_direction(into_panorama(direction));
+    let at = min(vec2u(place * f32(1u << finest)), vec2u((1u << finest) - 1u));
+    var pdf = 1.0 / (4.0 * PI);
+    let least = i32(sampling.density_levels - min(sampling.density_levels, CONE_LEVELS));
+    for (var level = i32(finest) - 1; level >= least; level--) {
+        let child = at >> vec2u(u32(level));
+        let weights = square_weights(child & vec2u(0xfffffffeu), level, normal);
+        let sum = weights.x + weights.y + weights.z + weights.w;
+        let own = weights[(child.x & 1u) + 2u * (child.y & 1u)];
+        pdf *= 4.0 * own / max(sum, 1e-30);
+    }
+    let coarse = textureLoad(panorama_density, at >> vec2u(u32(least)), least).x;
+    return pdf * textureLoad(panorama_density, at, 0).x / max(coarse, 1e-30);
+}
+
+// Samples a unit direction: descends the pyramid, choosing squares by their brightness (Clarberg et al. 2005), the
+// coarser ones also by where they are seen from a surface with this normal.
+fn environment_direction(u_in: vec2f, world_normal: vec3f) -> vec3f {
+    if (!HAS_PANORAMA) { return vec3f(0.0, 1.0, 0.0); }
+    let normal = into_panorama(world_normal);
+    var u = u_in;
+    var at = vec2u(0u);
+    for (var level = i32(sampling.density_levels) - 2; level >= 0; level--) {
+        at *= 2u;
+        let w = square_weights(at, level, normal);
+        let left = (w.x + w.z) / max(w.x + w.y + w.z + w.w, 1e-30);
+        let goes_right = u.x >= left;
+        let upper = select(w.x / max(w.x + w.z, 1e-30), w.y / max(w.y + w.w, 1e-30), goes_right);
+        let goes_down = u.y >= upper;
+        at += vec2u(u32(goes_right), u32(goes_down));
+        u.x = select(u.x / max(left, 1e-30), (u.x - left) / max(1.0 - left, 1e-30), goes_right);
+        u.y = select(u.y / max(upper, 1e-30), (u.y - upper) / max(1.0 - upper, 1e-30), goes_down);
+        u = clamp(u, vec2f(0.0), vec2f(1.0 - 6e-8));
+    }
+    let edge = f32(1u << (sampling.density_levels - 1u));
+    return out_of_panorama(normalize(direction_of_square((vec2f(at) + u) / edge)));
+}

@@ -1,0 +1,18 @@
+// Fog between the camera and what a pixel shows, from the fog pass.
+
+#import fog
+
+@group(2) @binding(13) var fog_light: texture_2d<f32>;
+
+// Light of what a pixel shows, seen through the fog, and the light that the fog scatters.
+fn fogged(pixel: vec2u, light: vec3f) -> vec3f {
+    if (!HAS_FOG) { return light; }
+    let air = textureLoad(fog_light, pixel, 0);
+    return light * air.w + air.xyz;
+}
+
+// Share of what a pixel shows that is seen through the fog before it.
+fn seen_through_fog(pixel: vec2u) -> f32 {
+    if (!HAS_FOG) { return 1.0; }
+    return textureLoad(fog_light, pixel, 0).w;
+}

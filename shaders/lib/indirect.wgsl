@@ -1,0 +1,151 @@
+// Diffuse interreflection: paths also continue in directions that diffuse surfaces scatter.
+
+#import air
+#import cone
+#import extent
+#import layers
+#import lobe
+#import sampling
+
+const FIRST_ENDING: u32 = 4u; // number of vertices before Russian roulette starts
+const MOST_LIKELY: f32 = 0.95; // maximum survival probability
+
+var<private> path_weight: vec3f = vec3f(1.0);
+var<private> path_vertices: u32 = 0u;
+var<private> first_m: f32 = FAR_M; // length of the first ray that was followed
+
+// Number of diffuse scatterings of the path, which do not count as bounces.
+fn scatterings() -> u32 {
+    if (!HAS_INDIRECT) { return 0u; }
+    return path_scatterings;
+}
+
+// Prepares for a path after another one of the same invocation.
+fn forget_scatterings() {
+    path_weight = vec3f(1.0);
+    path_vertices = 0u;
+}
+
+// Maximum length of the path's next ray: only reflections are limited to the scene's ray length.
+fn reach_m() -> f32 {
+    return select(frame.ray_length_m, FAR_M, HAS_INDIRECT && path_scatterings > 0u);
+}
+
+// Diffuse albedo of a surface towards the view, while the path may still scatter.
+fn scattered_albedo(s: Surface, view: vec3f) -> vec3f {
+    if (path_scatterings >= frame.diffuse_bounces) { return vec3f(0.0); }
+    return diffuse_albedo(s, view) * scattered_share(s, view);
+}
+
+fn continues(s: Surface) -> bool {
+    return goes_on(s) || (HAS_INDIRECT && path_scatterings < frame.diffuse_bounces && (has_sheen(s) || (s.metallic < 1.0 && any(s.base_color > vec3f(0.0)))));
+}
+
+// A cosine-distributed scattered ray. The environment's light is left to light samples.
+fn scattered_ray(s: Surface, view: vec3f, albedo: vec3f) -> Reflected {
+    path_scatterings++;
+    path_is_chance = true;
+    leave_vertex(s.position);
+    let out = cosine_direction(s.normal, sample_square(sample_index(), SCATTER_PAIR));
+    if (dot(out, s.geometric_normal) <= 0.0) { return Reflected(s.normal, vec3f(0.0), TAKEN, 0.0, 1.0, s.normal); }
+    let weight = albedo + sheen(s, view, out) * scattered_share(s, view);
+    return Reflected(out, weight, scattered_density(dot(s.normal, out)), 0.0, 1.0, s.normal);
+}
+
+// Next ray of a path: scattered, or mirrored or transmitted, chosen by the light that each returns.
+fn next_ray(before: Reflected, s: Surface) -> Reflected {
+    if (!HAS_INDIRECT) { return onward(before, s); }
+    let view = -before.direction;
+    let albedo = scattered_albedo(s, view);
+    var diffuse = luminance(albedo);
+    if (has_sheen(s) && path_scatterings < frame.diffuse_bounces) {
+        diffuse += luminance(sheen_albedo(s, view)) * scattered_share(s, view);
+    }
+    let rest = select(0.0, max(onward_albedo(s, view), 0.01), goes_on(s));
+    if (diffuse + rest <= 0.0) { return Reflected(s.normal, vec3f(0.0), TAKEN, 0.0, 1.0, s.normal); }
+    let share = diffuse / (diffuse + rest);
+    let u = sample_square(sample_index(), CHOICE_PAIR);
+    var ray: Reflected;
+    if (u.x < share) {
+        ray = scattered_ray(s, view, albedo);
+        ray.weight *= before.kept / share;
+    } else {
+        ray = onward(before, s);
+        ray.weight /= 1.0 - share;
+    }
+    if (UNBIASED) { ray.weight *= survival(ray.weight, u.y); }
+    return ray;
+}
+
+// Russian roulette: factor on a surviving path; 0 ends it.
+fn survival(weight: vec3f, u: f32) -> f32 {
+    path_weight *= weight;
+    path_vertices++;
+    if (path_vertices < FIRST_ENDING) { return 1.0; }
+    let chance = clamp(max(path_weight.x, max(path_weight.y, path_weight.z)), 0.05, MOST_LIKELY);
+    if (u >= chance) { return 0.0; }
+    path_weight /= chance;
+    return 1.0 / chance;
+}
+
+// First ray of a path, and the point where it starts.
+struct Start {
+    ray: Reflected,
+    origin: vec3f,
+}
+
+// Light that a path gathers. `vertex` is the number of its first samples, `hits` the number of its earlier hits.
+fn followed(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: Cone) -> vec3f {
+    var color = vec3f(0.0);
+    if (!HAS_INDIRECT) { return color; }
+    var ray = start.ray;
+    var origin = start.origin;
+    var throughput = ray.weight;
+    var cone = first;
+    for (var k = 0u; k < frame.bounces + crossings() + scatterings(); k++) {
+        if (max(throughput.x, max(throughput.y, throughput.z)) < frame.dimmest) { break; }
+        start_samples(pixel, vertex + k);
+        let h = trace_nearest(origin, ray.direction, 0.0, FAR_M);
+        throughput *= medium_transmittance(h.t);
+        let end = seen_at_end(origin, ray, h.instance, h.t);
+        if (k == 0u) { first_m = end.distance_m; }
+        if (HAS_FOG) {
+            let air = through_air(origin, ray, end.distance_m);
+            color += found_light(throughput * air.light, hits + k);
+            throughput *= air.share;
+            if (air.scatters) {
+                cone = continued(cone, distance(origin, air.position));
+                ray = air.ray;
+                origin = air.position;
+                continue;
+            }
+        }
+        if (end.is_seen) {
+            color += found_light(throughput * end.radiance, hits + k);
+            break;
+        }
+        cone = continued(cone, h.t);
+        var s = surface_at(h.instance, h.triangle, h.bary, ray.direction, cone.width_m);
+        s.emission *= met_emission(ray, h.instance, h.triangle, h.t, s);
+        let lit = shade(s, -ray.direction, vec2u(0u));
+        color += found_light(throughput * met_light(ray, lit), hits + k);
+        if (!continues(s)) { break; }
+        ray = next_ray(ray, s);
+        throughput *= ray.weight;
+        origin = onward_origin(s, ray.direction);
+    }
+    return color;
+}
+
+// Start of the path by which a surface scatters indirect diffuse light along the ray before; without weight where it
+// scatters none.
+fn scattered_by_surface(before: Reflected, s: Surface) -> Start {
+    if (!HAS_INDIRECT) { return Start(before, s.position); }
+    let view = -before.direction;
+    let albedo = scattered_albedo(s, view);
+    let is_matte = any(albedo > vec3f(0.0)) || has_sheen(s);
+    var ray = Reflected(s.normal, vec3f(0.0), TAKEN, 0.0, 1.0, s.normal);
+    if (is_matte && path_scatterings < frame.diffuse_bounces) { ray = scattered_ray(s, view, albedo); }
+    ray.weight *= before.kept;
+    return Start(ray, onward_origin(s, ray.direction));
+}

@@ -1,0 +1,385 @@
+// Layers of a surface beside its own reflection: light that is transmitted, refracted or not, partial coverage
+// (blended alpha), and a clear coat on top. After KHR_materials_transmission, _volume, _ior and _clearcoat.
+//
+// A path that meets such a surface continues along one of its layers, chosen by the light that each returns, so that
+// many sub-frames cover all of them; only at the surface of a pixel both reflection and transmission are followed.
+
+#import bvh
+#import dispersion
+#import frame
+#import lobe
+#import sampling
+#import transmitted
+
+override HAS_TRANSMISSION: bool = true;
+override HAS_COATS: bool = true;
+
+// Most passages through surfaces and reflections inside solids along one path; many, as walls of glass guide light.
+const MAX_CROSSINGS: u32 = 60u;
+// Maximum number of transmissive surfaces between a light and a point.
+const MAX_PANES: u32 = 16u;
+const DARKEST_PANE: f32 = 1.0 / 255.0; // minimum share of light that a shadow ray follows further
+
+var<private> path_crossings: u32 = 0u; // number of surfaces crossed
+var<private> vertex: vec3f = vec3f(0.0); // position of the surface that the path left last
+var<private> medium: vec3f = vec3f(0.0); // absorption coefficient of the medium that the path is in, per meter
+var<private> path_in_solid: bool = false; // whether the path is within a transmissive solid
+
+// Begins a path, outside or on the inner side of a transmissive solid.
+fn start_path(position: vec3f, is_inside: bool) {
+    vertex = position;
+    path_crossings = 0u;
+    path_channel = 0u;
+    medium = vec3f(0.0);
+    path_in_solid = is_inside;
+}
+
+// Whether the path is within a transmissive solid.
+fn is_in_solid() -> bool {
+    return HAS_LAYERS && path_in_solid;
+}
+
+fn crossings() -> u32 {
+    if (!HAS_LAYERS) { return 0u; }
+    return path_crossings;
+}
+
+// Share of light that is left after a distance in the current medium (Beer-Lambert law).
+fn medium_transmittance(distance_m: f32) -> vec3f {
+    if (!HAS_LAYERS) { return vec3f(1.0); }
+    return exp(-medium * distance_m);
+}
+
+// Whether the surface is the inner side of glass, which mirrors part of the light back into it, or all.
+fn mirrors_inside(s: Surface) -> bool {
+    return HAS_TRANSMISSION && s.is_inside && s.transmission > 0.0;
+}
+
+fn is_transmissive(s: Surface) -> bool {
+    return HAS_TRANSMISSION && (s.transmission > 0.0 || s.alpha < 1.0);
+}
+
+// Whether the coat's reflection is traced, rather than lights and environment alone.
+fn has_traced_coat(s: Surface) -> bool {
+    return HAS_COATS && s.clearcoat > 0.0
+        && (s.reflection == REFLECTION_MIRROR || (s.reflection == REFLECTION_AUTO && round(s.clearcoat_roughness * COAT_STEPS) < frame.roughness_cutoff * COAT_STEPS));
+}
+
+// Roughness of the layer whose reflection is traced.
+fn reflected_roughness(s: Surface) -> f32 {
+    return select(s.roughness, s.clearcoat_roughness, has_traced_coat(s));
+}
+
+// Normal of the layer whose reflection is traced.
+fn reflected_normal(s: Surface) -> vec3f {
+    if (has_traced_coat(s)) { return coat_normal(s); }
+    return s.normal;
+}
+
+// Share of the light entering the surface that it scatters rather than transmits.
+fn reflected_share(s: Surface) -> f32 {
+    if (!HAS_TRANSMISSION) { return 1.0; }
+    return 1.0 - s.transmission;
+}
+
+// Unpolarized Fresnel reflectance of a smooth dielectric interface; `index` is the relative index of refraction.
+fn dielectric_fresnel(cosine: f32, index: f32) -> f32 {
+    let c = saturate(cosine);
+    let sine2 = (1.0 - c * c) / (index * index);
+    if (sine2 >= 1.0) { return 1.0; }
+    let t = sqrt(1.0 - sine2);
+    let s_wave = (c - index * t) / (c + index * t);
+    let p_wave = (index * c - t) / (index * c + t);
+    return 0.5 * (s_wave * s_wave + p_wave * p_wave);
+}
+
+// Reflectance with the strength and the color of KHR_materials_specular, interpolated between normal and grazing
+// incidence. Inside a solid it stays untinted, so that reflection and transmission add up to 1.
+fn tinted(s: Surface, reflectance: f32) -> vec3f {
+    if (!HAS_TINTS || s.is_inside) { return vec3f(reflectance); }
+    let least = min(s.reflectivity, 0.999);
+    let rise = saturate((reflectance - least) / (1.0 - least));
+    return mix(dielectric_f0(s), vec3f(s.specular), rise);
+}
+
+// Exact Fresnel equations, as Schlick's approximation has no total reflection; index from the reflectivity.
+fn transmissive_fresnel(s: Surface, cosine: f32) -> vec3f {
+    let root = sqrt(min(s.reflectivity, 0.999));
+    let index = (1.0 + root) / (1.0 - root);
+    let dielectric = dielectric_fresnel(cosine, select(index, 1.0 / index, s.is_inside));
+    let metal = s.base_color + (1.0 - s.base_color) * schlick_weight(cosine);
+    return mix(tinted(s, dielectric), metal, s.metallic);
+}
+
+fn coat_normal(s: Surface) -> vec3f {
+    if (HAS_COAT_NORMALS) { return s.coat_normal; }
+    return s.normal;
+}
+
+// The clear coat alone, as a surface.
+fn coat_of(s: Surface) -> Surface {
+    var coat = s;
+    coat.base_color = vec3f(0.0);
+    coat.emission = vec3f(0.0);
+    coat.metallic = 0.0;
+    coat.roughness = s.clearcoat_roughness;
+    coat.normal = coat_normal(s);
+    coat.reflectivity = COAT_REFLECTIVITY;
+    coat.transmission = 0.0;
+    coat.alpha = 1.0;
+    coat.clearcoat = 0.0;
+    coat.specular = 1.0;
+    coat.specular_color = vec3f(1.0);
+    coat.has_film = false;
+    coat.sheen_color = vec3f(0.0);
+    coat.anisotropy = 0.0;
+    return coat;
+}
+
+fn below_coat(s: Surface) -> Surface {
+    var below = s;
+    below.clearcoat = 0.0;
+    return below;
+}
+
+// Share of the light below the coat that passes it towards the view.
+fn coat_transmittance(s: Surface, cosine: f32) -> f32 {
+    if (!HAS_COATS) { return 1.0; }
+    return 1.0 - s.clearcoat * coat_albedo(select(s.clearcoat_roughness, 0.0, s.reflection == REFLECTION_MIRROR), cosine);
+}
+
+fn shade(s: Surface, view: vec3f, lent: vec2u) -> Shade {
+    if (!HAS_LAYERS) { return shade_layer(s, view, lent); }
+    var out: Shade;
+    // From within a solid, light is seen only by the ray that continues, refracted or mirrored.
+    if (mirrors_inside(s)) { return out; }
+    let has_coat = HAS_COATS && s.clearcoat > 0.0;
+    // One call in a loop keeps the inlined code small: light shading is long.
+    for (var layer = 0u; layer <= u32(has_coat); layer++) {
+        var part = below_coat(s);
+        var share = 1.0;
+        if (layer == 1u) {
+            part = coat_of(s);
+            share = s.clearcoat;
+        } else if (has_coat) {
+            share = coat_transmittance(s, dot(coat_normal(s), view));
+        }
+        let lit = shade_layer(part, view, lent | out.visible);
+        out.diffuse += lit.diffuse * share;
+        out.specular += lit.specular * share;
+        out.visible |= lit.visible;
+    }
+    if (HAS_TRANSMISSION) {
+        out.diffuse *= s.alpha;
+        out.specular *= s.alpha;
+    }
+    return out;
+}
+
+// Share of the emission at a point of a triangle that leaves the surface at this cosine, past its coat and its
+// alpha.
+fn emitted_share(material: u32, instance: u32, index: array<u32, 3>, bary: vec2f, cosine: f32) -> f32 {
+    if (!HAS_LAYERS) { return 1.0; }
+    var s = material_at(material, instance, index, bary, 0.0, 1.0);
+    s.clearcoat *= layer_texel(CLEARCOAT_SLOT, instance, index, bary, 1.0, 0.0).x;
+    s.alpha = 1.0;
+    if (material_is_blended(material) != 0u) { s.alpha = material_alpha(material, instance, index, bary, 0.0, 1.0); }
+    return s.alpha * coat_transmittance(s, cosine);
+}
+
+// One of two rays, chosen by the light that each returns. A ray so unlikely that the sub-frames could not resolve it
+// is never chosen; the other one stands for both.
+fn chosen(a: Reflected, b: Reflected, pair: u32) -> Reflected {
+    let weights = vec2f(luminance(a.weight), luminance(b.weight));
+    let both = weights.x + weights.y;
+    if (both <= 0.0) { return a; }
+    let least = select(0.5 / f32(sample_count()), 0.0, UNBIASED);
+    var share = weights.y / both;
+    if (share < least) { share = 0.0; }
+    if (share > 1.0 - least) { share = 1.0; }
+    path_is_chance = path_is_chance || (share > 0.0 && share < 1.0);
+    let takes_b = share == 1.0 || sample_square(sample_index(), pair).x < share;
+    var ray = a;
+    if (takes_b) { ray = b; }
+    ray.weight *= both / select(weights.x, weights.y, takes_b);
+    return ray;
+}
+
+// Reflection ray of a surface.
+fn reflected(direction: vec3f, s: Surface) -> Reflected {
+    if (!HAS_LAYERS) { return lobe_ray(direction, s); }
+    var ray: Reflected;
+    // One call in a loop keeps the inlined code small.
+    for (var layer = 0u; layer <= u32(has_traced_coat(s)); layer++) {
+        var part = below_coat(s);
+        if (layer == 1u) { part = coat_of(s); }
+        var found = lobe_ray(direction, part);
+        if (layer == 1u) {
+            found.weight *= s.clearcoat;
+            found = chosen(found, ray, COAT_PAIR);
+        } else if (HAS_COATS && s.clearcoat > 0.0) {
+            found.weight *= coat_transmittance(s, dot(coat_normal(s), -direction));
+            if (!is_reflector(part)) { found.weight = vec3f(0.0); }
+        }
+        ray = found;
+    }
+    if (HAS_TRANSMISSION) { ray.weight *= s.alpha; }
+    // From within a solid no light samples are taken, so reflection rays have full weight.
+    if (mirrors_inside(s)) { ray = Reflected(ray.direction, ray.weight, 0.0, 1.0, 1.0, s.normal); }
+    return ray;
+}
+
+fn only_lobe(s: Surface, view: vec3f) -> OnlyLobe {
+    if (!HAS_LAYERS) { return OnlyLobe(s, 1.0); }
+    if (!HAS_COATS || s.clearcoat == 0.0) { return OnlyLobe(s, s.alpha); }
+    let base = below_coat(s);
+    if (!is_reflector(base) || grazing_reflectance(base) == 0.0) { return OnlyLobe(coat_of(s), s.clearcoat * s.alpha); }
+    let passed = coat_transmittance(s, dot(coat_normal(s), view));
+    return OnlyLobe(base, select(passed * s.alpha, 0.0, has_traced_coat(s)));
+}
+
+// First ray of a path through the surface of a pixel.
+fn through(direction: vec3f, s: Surface) -> Reflected {
+    cross_surface(s);
+    return in_one_channel(s, transmitted(direction, dispersed(s)));
+}
+
+// Share of the light scattered below the surface's layers that leaves them towards the view.
+fn scattered_share(s: Surface, view: vec3f) -> f32 {
+    if (!HAS_LAYERS) { return 1.0; }
+    if (mirrors_inside(s)) { return 0.0; }
+    return s.alpha * coat_transmittance(s, dot(coat_normal(s), view));
+}
+
+// Approximate albedo of the directions in which paths continue: mirrored and transmitted light.
+fn onward_albedo(s: Surface, view: vec3f) -> f32 {
+    let mirrored = luminance(fresnel(s, dot(s.normal, view)));
+    if (!HAS_LAYERS) { return mirrored; }
+    let passed = s.transmission * (1.0 - s.metallic) * luminance(s.base_color);
+    return min(mirrored + 0.1 * s.clearcoat + passed, 1.0) * s.alpha + 1.0 - s.alpha;
+}
+
+// Starts the path anew in a scattered direction.
+fn leave_vertex(position: vec3f) {
+    vertex = position;
+    passed_m = 0.0;
+}
+
+// Share of a pixel that its surface covers, by its alpha.
+fn coverage(s: Surface) -> f32 {
+    if (!HAS_LAYERS) { return 1.0; }
+    return s.alpha;
+}
+
+// Records that the path crosses the surface.
+fn cross_surface(s: Surface) {
+    path_crossings++;
+    if (s.is_solid && s.transmission > 0.0) {
+        medium = select(s.absorption, vec3f(0.0), s.is_inside);
+        path_in_solid = !s.is_inside;
+    }
+}
+
+// Whether light behind the surface is found only by refracted or rough transmission rays, not by straight shadow
+// rays.
+fn bends(s: Surface) -> bool {
+    return UNBIASED && s.transmission > 0.0 && (s.is_solid || s.roughness * s.roughness > SMOOTH_ALPHA);
+}
+
+fn is_refracted(s: Surface, before: vec3f, after: vec3f) -> bool {
+    return bends(s) && (s.alpha >= 1.0 || any(before != after));
+}
+
+// Next ray of a path from a surface that it has hit.
+fn onward(before: Reflected, met: Surface) -> Reflected {
+    let s = dispersed(met);
+    let direction = before.direction;
+    var back = reflected(direction, s);
+    back.weight *= before.kept;
+    if (!is_transmissive(s)) { return back; }
+    if (!is_reflector(s)) { back.weight = vec3f(0.0); }
+    var through = transmitted(direction, s);
+    // Light samples go straight through panes, so a light seen through one keeps the weight of the ray before it:
+    // otherwise a rough surface would count a lamp behind glass twice, once as rare, bright specks.
+    if (is_refracted(s, direction, through.direction)) {
+        through.weight *= before.kept;
+    } else {
+        through.pdf = before.pdf;
+        through.sky_weight = before.sky_weight;
+        through.kept = before.kept;
+        through.normal = before.normal;
+    }
+    var ray = chosen(through, back, ONWARD_PAIR);
+    if (met.is_inside || dot(ray.direction, s.geometric_normal) < 0.0) { ray = in_one_channel(met, ray); }
+    let way_m = passed_m + distance(vertex, s.position);
+    vertex = s.position;
+    passed_m = 0.0;
+    if (dot(ray.direction, s.geometric_normal) < 0.0) {
+        passed_m = way_m;
+        cross_surface(s);
+    } else if (s.is_inside) {
+        path_crossings++;
+    }
+    if (path_crossings > MAX_CROSSINGS && !UNBIASED) { return Reflected(ray.direction, vec3f(0.0), 0.0, 0.0, 1.0, s.normal); }
+    return ray;
+}
+
+fn onward_origin(s: Surface, direction: vec3f) -> vec3f {
+    if (!HAS_LAYERS) { return ray_origin(s.position, s.geometric_normal); }
+    return ray_origin(s.position, s.geometric_normal * select(1.0, -1.0, dot(direction, s.geometric_normal) < 0.0));
+}
+
+// The surface as it filters light that passes straight through it: its material, without the textures of color,
+// normal and roughness.
+fn pane_at(h: Hit, direction: vec3f) -> Surface {
+    let m = instance_material(h.instance);
+    let c = corners(h.instance, h.triangle);
+    let normal = outward_normal(h.instance, c.p, h.bary);
+    let bary = weights_at(h.instance, c.p, h.bary);
+    var s = material_at(m, h.instance, c.index, bary, 0.0, 1.0);
+    s.is_solid = material_is_solid(m) != 0u;
+    s.is_inside = s.is_solid && dot(normal, direction) > 0.0;
+    s.normal = select(normal, -normal, dot(normal, direction) > 0.0);
+    s.transmission *= layer_texel(TRANSMISSION_SLOT, h.instance, c.index, bary, 1.0, 0.0).x;
+    s.clearcoat *= layer_texel(CLEARCOAT_SLOT, h.instance, c.index, bary, 1.0, 0.0).x;
+    s = with_textured_details(s, h.instance, c.index, bary, 1.0, 0.0);
+    s = with_film(s, h.instance, c.index, bary, 1.0, 0.0, dot(s.normal, direction));
+    s.absorption = material_absorption(m);
+    s.alpha = 1.0;
+    if (material_is_blended(m) != 0u) { s.alpha = material_alpha(m, h.instance, c.index, bary, 0.0, 1.0); }
+    return s;
+}
+
+// Share of light that arrives along a ray, straight through transmissive surfaces: shadow rays are not refracted.
+fn transmittance(origin: vec3f, direction: vec3f, distance_m: f32) -> vec3f {
+    if (!HAS_TRANSMISSION) { return vec3f(select(1.0, 0.0, trace_any(origin, direction, 0.0, distance_m))); }
+    var share = vec3f(1.0);
+    var start_m = 0.0;
+    var absorption = vec3f(0.0);
+    visits_left = MAX_VISITS;
+    passed_cutout = vec2u(NONE);
+    for (var pane = 0u; pane < MAX_PANES; pane++) {
+        // The nearest hit marked ALPHA_TESTED, or any opaque hit.
+        let h = traverse(origin, direction, start_m, distance_m, true);
+        if (visits_left == 0u) { exhausted_rays++; }
+        if (h.instance == NONE || visits_left == 0u) { return share; }
+        share *= exp(-absorption * (h.t - start_m));
+        start_m = max(start_m, h.t);
+        passed_cutout = vec2u(NONE);
+        if (HAS_CUTOUT && is_cut_out(h)) {
+            passed_cutout = vec2u(h.instance, h.triangle);
+            continue;
+        }
+        var s = pane_at(h, direction);
+        if (!is_transmissive(s)) { break; }
+        absorption = select(vec3f(0.0), s.absorption, s.is_solid && !s.is_inside);
+        let cosine = dot(s.normal, -direction);
+        // Both sides filter alike: the ray leaves at the angle at which it entered.
+        s.is_inside = false;
+        let through = passing_share(s, cosine) * s.base_color
+            * (s.transmission * (1.0 - s.metallic) * coat_transmittance(s, cosine) * base_share(s, -direction));
+        share *= mix(vec3f(1.0), select(through, vec3f(0.0), bends(s)), s.alpha);
+        if (max(share.x, max(share.y, share.z)) < select(DARKEST_PANE, 1e-12, UNBIASED)) { break; }
+    }
+    return vec3f(0.0);
+}
