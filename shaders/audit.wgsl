@@ -1,18 +1,13 @@
 // Audit: traces rays for some of the screen hits, to count how many of these hits lie on a wrong surface.
 
+#import audit_params
 #import gbuffer
 #import hash
 #import lists
 
+@group(2) @binding(3) var hit: texture_2d<u32>;
 // The maximum number of rays is not a parameter: llvmpipe 22.3 crashes on conditions that depend only on values of a
 // fourth uniform block (Mesa's lvp_inline_uniforms.c writes past its table).
-struct Params {
-    tolerance_m: f32, // maximum distance between screen hit and ray hit, m
-    tolerance: f32, // the same as a share of the ray's length; the larger of the two counts
-    seed: u32,
-}
-
-@group(2) @binding(3) var hit: texture_2d<u32>;
 @group(2) @binding(4) var<uniform> params: Params;
 
 // Start of part number `part` of `parts` almost equal parts of a list.

@@ -1,15 +1,10 @@
 // Blur: one direction of the paper's Gaussian over the combined reflection, restricted to reflective
 // pixels of about the same normal so that nothing bleeds over edges.
 
+#import blur_params
 #import gbuffer
 #import cause
 #import radiance
-
-struct Params {
-    direction: vec2i,
-    sigma_px: f32,
-    pad: u32,
-}
 
 @group(2) @binding(3) var cause: texture_2d<u32>;
 @group(2) @binding(4) var source: texture_2d<f32>;

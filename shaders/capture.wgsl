@@ -3,6 +3,7 @@
 // the look-up adds them by the reflection's own ray.
 
 #import capture_panes
+#import capture_params
 #import cone
 #import cube_faces
 #import half
@@ -10,17 +11,6 @@
 #import pane_share
 #import probes
 #import shade
-
-struct Params {
-    first_layer: u32, // six for each probe
-    face_px: u32,
-    samples: u32, // for each pixel of the map
-    first_x: u32, // pixel where the part begins
-    first_y: u32,
-    pad0: u32,
-    pad1: u32,
-    pad2: u32,
-}
 
 @group(2) @binding(0) var captured: texture_storage_2d_array<rgba16float, write>; // w: share that surfaces but clear panes cover
 @group(2) @binding(1) var captured_hits: texture_storage_2d_array<rgba32uint, write>; // distance, instance, triangle, place

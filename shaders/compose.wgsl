@@ -1,6 +1,7 @@
 // Compose: diffuse and specular of the view, with the found reflection in place of the mirror term; adds
 // the picture to the sum of the sub-frames before it.
 
+#import compose_params
 #import gbuffer
 #import cause
 #import fogged
@@ -8,13 +9,6 @@
 
 override HAS_REFLECTIONS: bool = true;
 override FILTER: bool = true; // rough reflections were smoothed
-
-struct Params {
-    sample: u32, // 0 for the first sub-frame
-    pad0: u32,
-    pad1: u32,
-    pad2: u32,
-}
 
 @group(2) @binding(3) var radiance: texture_2d<f32>;
 @group(2) @binding(4) var specular: texture_2d<f32>;

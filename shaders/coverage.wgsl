@@ -1,15 +1,9 @@
 // Coverage: share of each pixel that shows a surface rather than the background; added to the sum of the sub-frames
 // before it.
 
+#import coverage_params
 #import fogged
 #import gbuffer
-
-struct Params {
-    sample: u32, // 0 for the first sub-frame
-    pad0: u32,
-    pad1: u32,
-    pad2: u32,
-}
 
 @group(2) @binding(3) var coverage_sum: texture_storage_2d<r32float, read_write>;
 @group(2) @binding(4) var<uniform> params: Params;

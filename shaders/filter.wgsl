@@ -3,16 +3,10 @@
 // as they are.
 
 #import cause
+#import filter_params
 #import gbuffer
 #import radiance
 #import taps
-
-struct Params {
-    reach: f32, // radius of the taps, in widths of the lobe
-    taps: u32,
-    pad0: u32,
-    pad1: u32,
-}
 
 @group(2) @binding(3) var cause: texture_2d<u32>;
 @group(2) @binding(4) var hit: texture_2d<u32>;

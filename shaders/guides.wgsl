@@ -3,15 +3,9 @@
 
 #import cause
 #import gbuffer
+#import guides_params
 
 override HAS_REFLECTIONS: bool = true;
-
-struct Params {
-    sample: u32, // 0 for the first sub-frame
-    pad0: u32,
-    pad1: u32,
-    pad2: u32,
-}
 
 @group(2) @binding(3) var cause: texture_2d<u32>;
 @group(2) @binding(4) var hit: texture_2d<u32>;

@@ -5,13 +5,7 @@
 #import constants
 #import cube_faces
 #import half
-
-struct Params {
-    face_px: u32, // width of the faces of the level that is written
-    sharp_px: u32, // width of those that were captured
-    alpha: f32, // GGX alpha of the level
-    pad0: u32,
-}
+#import prefilter_params
 
 @group(2) @binding(0) var whole: texture_cube_array<f32>; // all levels of the captured maps
 @group(2) @binding(1) var whole_sampler: sampler;

@@ -6,14 +6,8 @@
 #import lists
 #import probe_lookup
 #import probe_panes
+#import probe_params
 #import radiance
-
-struct Params {
-    count: u32, // number of probes
-    nearest: u32, // maximum number that is blended
-    levels: u32, // of the maps, from sharp to the roughest
-    pad0: u32,
-}
 
 @group(2) @binding(3) var reflection: RadianceTexture;
 @group(2) @binding(4) var hit: texture_storage_2d<rgba32uint, write>;

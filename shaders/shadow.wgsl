@@ -3,12 +3,8 @@
 #import capsules_cast
 #import frame
 #import placed
+#import shadow_params
 #import surface
-
-struct Params {
-    clip_from_world: mat4x4f,
-    world_from_clip: mat4x4f,
-}
 
 @group(2) @binding(0) var<uniform> params: Params;
 

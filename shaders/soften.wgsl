@@ -4,14 +4,8 @@
 
 #import gbuffer
 #import radiance
+#import soften_params
 #import taps
-
-struct Params {
-    reach: f32, // radius of the taps, as a share of the distance that light comes from
-    widest: f32, // maximum radius, as a share of the picture's height
-    taps: u32,
-    is_last: u32, // 1: the last step, which multiplies by the albedo
-}
 
 @group(2) @binding(3) var source: texture_2d<f32>; // see indirect.wgsl
 @group(2) @binding(4) var softened: RadianceTexture;

@@ -9,13 +9,7 @@
 #import met_named
 #import radiance
 #import shaded_hit
-
-struct Params {
-    similarity: f32, // maximum angle between normals, and relative difference of distances along a ray
-    pad0: u32,
-    pad1: u32,
-    pad2: u32,
-}
+#import spread_params
 
 @group(2) @binding(4) var reflection: RadianceTexture;
 @group(2) @binding(6) var hit: texture_storage_2d<rgba32uint, write>;

@@ -12,18 +12,12 @@
 #import screen_ray
 #import second_layer
 #import shown
+#import ssr_params
 #import tangent_plane
 
 override VERIFY: bool = true; // false: accept crossings by the paper's threshold T
 override TRACE: bool = true; // false: method ssr, rays without a screen hit stay black
 override REFUSE: bool = true; // false: accept every crossing, to measure what refusing gains
-
-struct Params {
-    threshold_m: f32, // the paper's T
-    steps: u32,
-    edge_px: f32, // maximum distance of a verified hit from the pixel that shows it
-    separation_m: f32, // minimum distance of the second depth layer from the first
-}
 
 @group(2) @binding(3) var ids: texture_2d<u32>;
 @group(2) @binding(4) var reflection: RadianceTexture;

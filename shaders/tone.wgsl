@@ -1,13 +1,7 @@
 // Tone: linear radiance to display color.
 
 #import constants
-
-struct Params {
-    scale: f32, // exposure over the number of sub-frames
-    curve: u32, // TONE_*
-    sample_share: f32, // one over the number of sub-frames
-    pad0: u32,
-}
+#import tone_params
 
 @group(2) @binding(0) var color: texture_2d<f32>;
 @group(2) @binding(1) var display: texture_storage_2d<rgba8unorm, write>;

@@ -123,8 +123,8 @@
 //! - No import cycles: the modules of one parent can be read in some order (`tests/layers`).
 //! - A dependency on another package stands in the manifest of the crates that use it; its version and its reason
 //!   stand once, in the workspace's `Cargo.toml`.
-//! - Numbers that Rust and the shaders share are written once, in Rust, and generated into
-//!   `lib/constants.wgsl`.
+//! - Numbers and structs that Rust and the shaders share are written once, in Rust, and generated into
+//!   `lib/constants.wgsl` and `lib/structs.wgsl`.
 //! - Groups 0 (frame) and 1 (scene) are shared; group 2 is the pass's own, reflected from its WGSL
 //!   and bound by name. A name that is missing on either side is an error that names the file.
 //! - Shader imports are plain text inclusion, once per file, with a line map: names must survive for

@@ -2,13 +2,7 @@
 
 #import depth_pyramid
 #import frame
-
-struct Params {
-    separation_m: f32, // minimum distance of the second depth layer from the first
-    pad0: u32,
-    pad1: u32,
-    pad2: u32,
-}
+#import peel_params
 
 @group(2) @binding(0) var<uniform> params: Params;
 @group(2) @binding(1) var ids: texture_2d<u32>;

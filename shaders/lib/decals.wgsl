@@ -2,19 +2,10 @@
 
 #import patterned
 #import scene
+#import structs
 #import texture
 
 override HAS_DECALS: bool = true;
-
-struct Decal {
-    box_from_world: mat3x4f, // rows of the transform to the cube from -0.5 to 0.5
-    size: vec3f, // of the box, m, in the decal's own space
-    opacity: f32,
-    material: u32,
-    changes: u32, // DECAL_*
-    least_cosine: f32, // of the angle to a surface's normal
-    per_cosine: f32, // one over the range of cosines in which it fades
-}
 
 struct Decals {
     decals: array<Decal, MOST_DECALS>,

@@ -1,12 +1,7 @@
 // Box of method ssr+box. Its faces are in the order +X, -X, +Y, -Y, +Z, -Z; each sees inwards along its axis. Points are
 // given from the box's least corner, in its size.
 
-struct FaceBox {
-    low: vec3f, // least corner
-    steps: u32, // maximum number of steps of a march through the box
-    size: vec3f, // meters along each axis, above 0
-    pad0: u32,
-}
+#import structs
 
 @group(2) @binding(22) var<uniform> face_box: FaceBox;
 

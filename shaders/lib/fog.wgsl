@@ -1,24 +1,12 @@
 // Fog as a participating medium: how much of it lies on a ray, what it lets through, and its phase function.
 
 #import frame
+#import structs
 
 override HAS_FOG: bool = true;
 
 // Whether fog scatters light more than once: paths go on from points in it.
 override FOLLOWS_FOG: bool = true;
-
-struct Fog {
-    lowest: vec3f, // corner of the box that homogeneous fog fills, m
-    density: f32, // extinction coefficient, per meter; of fog that thins out, up to `height_m`
-    highest: vec3f, // opposite corner of the box, m
-    height_m: f32,
-    albedo: vec3f, // share of the light that meets the fog which it scatters rather than absorbs
-    falloff_m: f32, // height in which the density above `height_m` falls by a factor of e; 0: homogeneous fog in a box
-    anisotropy: f32, // mean cosine of the angle by which light is scattered
-    pad0: f32,
-    pad1: f32,
-    pad2: f32,
-}
 
 @group(0) @binding(13) var<uniform> fog: Fog;
 

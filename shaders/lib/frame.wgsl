@@ -2,57 +2,7 @@
 
 #import constants
 #import hash
-
-struct Frame {
-    clip_from_world: mat4x4f,
-    eye: vec3f,
-    near_m: f32,
-    forward: vec3f,
-    pixel_spread: f32, // angle of one pixel, radians; initial spread of ray cones
-    right: vec3f, // half the picture's width at distance 1; orthographic: at any distance
-    ray_length_m: f32,
-    up: vec3f, // half the picture's height, likewise
-    roughness_cutoff: f32,
-    size: vec2f, // pixels
-    jitter: vec2f, // sub-frame offset, pixels, -0.5 to 0.5, plus the lens shift
-    zenith: vec3f,
-    light_count: u32,
-    horizon: vec3f,
-    bounces: u32,
-    ground: vec3f,
-    fade: u32,
-    reuse_light: u32, // 1: hits reuse the light visibility of the pixels that show them
-    dimmest: f32, // minimum throughput of a path; below it ends
-    pixel_m: f32, // width of an orthographic pixel, m; 0: perspective
-    far_m: f32, // far plane of an orthographic camera, beyond all geometry; 0: perspective
-    has_edge_on: u32, // 1: the march may miss surfaces that are seen edge-on
-    diffuse_bounces: u32, // maximum number of diffuse scatterings along a path
-    glint_limit: f32, // maximum radiance that a path adds after a random choice; 0: no limit
-    hard_lights: u32, // number of lights without a size, which come first
-    moments: u32, // number of moments of the sub-frame; 1: all pixels show it
-    moment: u32, // index of the moment that is rendered
-    whole_surfaces: u32, // 1: surfaces are resolved for the pixels of other moments too
-    pad0: u32,
-    crop: vec4f, // left, top, right and bottom edge of the crop, pixels
-}
-
-struct Light {
-    position: vec3f,
-    kind: u32, // LIGHT_*
-    direction: vec3f, // direction in which the light shines
-    shadow: u32, // SHADOW_*
-    color: vec3f, // candela or lux per channel
-    range_m: f32, // 0: unlimited
-    spot_scale: f32,
-    spot_offset: f32,
-    layer: u32, // layer of its shadow map
-    texel: f32, // world size of a shadow texel: at distance 1, or anywhere for directional
-    clip_from_world: mat4x4f,
-    half_u: vec3f, // half axes of a flat light, m
-    extent: f32, // radius, m; of directional lights half their angle, radians
-    half_v: vec3f,
-    shown: f32, // 1; 0 where the picture shows another light group
-}
+#import structs
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> lights: array<Light, MAX_LIGHTS>;

@@ -1,61 +1,6 @@
 // Parameters of a material, and the surface that has them. scene.wgsl imports this file and binds the materials.
 
-struct TextureUse {
-    row_u: vec3f, // u' = dot(row_u, (u, v, 1))
-    layer: u32, // layer in its texture pool; NONE: no texture
-    row_v: vec3f,
-    bits: u32, // TEXTURE_*
-    texels: vec2f, // size of the source image, pixels, for nearest filtering
-    signs: vec2f, // signs of the material's uv_scale; for clear coat normals times their strength
-}
-
-// A number or color that follows a pattern.
-struct Patterned {
-    first: vec3f, // of a number all three are equal
-    bits: u32, // PATTERN_*, and from PATTERNED_SHIFT on the value that varies
-    second: vec3f,
-    size_m: f32, // 0: none, nor at later places of the list
-    origin: vec3f, // in object space
-    axis: u32, // packed direction of the pattern's X
-}
-
-struct Material {
-    base_color: vec4f,
-    emission: vec3f,
-    metallic: f32,
-    roughness: f32,
-    reflectivity: f32,
-    normal_scale: f32,
-    occlusion_strength: f32,
-    checker_a: vec3f,
-    checker_size_m: f32, // 0: no checker
-    checker_b: vec3f,
-    alpha_cutoff: f32, // below 0: opaque
-    reflection: u32, // REFLECTION_*
-    unlit: u32, // 1: the base color is shown without lighting
-    transmission: f32,
-    clearcoat: f32,
-    absorption: vec3f, // absorption coefficient, per meter
-    ior: f32,
-    clearcoat_roughness: f32,
-    is_solid: u32, // 1: transmitted light is refracted and absorbed up to the other side
-    is_blended: u32, // 1: alpha is the surface's coverage
-    pattern: u32, // PATTERN_*, with the checker's colors and size
-    specular_color: vec3f,
-    specular: f32,
-    sheen_color: vec3f,
-    sheen_roughness: f32,
-    iridescence: f32,
-    iridescence_ior: f32,
-    iridescence_least_nm: f32, // film thickness where the texture is 0
-    iridescence_thickness_nm: f32, // film thickness where the texture is 1
-    anisotropy_turn: vec2f, // cosine and sine of the grain's angle from the tangent
-    anisotropy: f32,
-    dispersion: f32,
-    textures: array<TextureUse, 5>, // base color, metallic-roughness, normal, occlusion, emission
-    layer_textures: array<TextureUse, 11>, // see surface.wgsl
-    patterned: array<Patterned, 6>,
-}
+#import structs
 
 struct Surface {
     position: vec3f,

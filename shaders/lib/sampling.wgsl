@@ -3,25 +3,7 @@
 // alone, and cover the square more evenly the more sub-frames there are.
 
 #import hash
-
-// Where the parts of a light tree begin: see light_tree.wgsl.
-struct LightTree {
-    lights: u32, // vector of the first placed light
-    nodes: u32, // vector of the first node
-    places: u32, // vector of the first words of triangles
-    root: u32, // link of the root; NONE: nothing emits light
-}
-
-struct Sampling {
-    first: u32, // index of the first sample of this sub-frame
-    rays: u32, // number of rays towards lights per pixel and sub-frame
-    turn: vec2f, // cosine and sine of the panorama's rotation
-    density_levels: u32,
-    scale: f32, // radiance of a panorama texel of 1
-    sample: u32, // index of this sub-frame
-    samples: u32, // number of sub-frames of the picture
-    light_tree: LightTree, // of emissive triangles
-}
+#import structs
 
 @group(0) @binding(5) var<uniform> sampling: Sampling;
 

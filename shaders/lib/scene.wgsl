@@ -4,28 +4,7 @@
 #import geometry
 #import material
 #import records
-
-// An instance; functions of the generated `records` read its fields: instance_material(i).
-struct Instance {
-    world_from_object: mat3x4f, // three rows
-    object_from_world: mat3x4f, // rows of the inverse's linear part; w: translation of world_from_object
-    tree_root: u32, // root node of its mesh's BVH, for the top level; NONE: part of the static tree
-    trace_flags: u32, // see bvh.wgsl
-    vertex_base: u32,
-    index_base: u32, // index into mesh_data, three words per triangle
-    uv1_base: u32, // index into mesh_data, two words per vertex; NONE: no second coordinates
-    material: u32,
-    flags: u32, // FLAG_COLORS, FLAG_MIRRORED, FLAG_EMITTER, FLAG_TRACED, FLAG_CAPSULE_NORMALS
-    capsule_radius_m: f32, // radius in object space of a mesh of capsules, of which each triangle names the ends; else 0
-}
-
-struct Vertex {
-    position: vec3f,
-    normal: u32, // octahedral, 2 × snorm16
-    uv: vec2f,
-    tangent: u32, // octahedral 16 + 15 bits, lowest bit: handedness
-    color: u32, // unorm8 × 4, linear
-}
+#import structs
 
 @group(1) @binding(6) var pool_0: texture_2d_array<f32>;
 @group(1) @binding(7) var pool_0_srgb: texture_2d_array<f32>;

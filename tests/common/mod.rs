@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use reflet::{
     gpu::{Gpu, GpuError, GpuOptions, ShaderLibrary},
-    render::pipeline::shader_variant::ShaderVariant,
+    render::{passes, pipeline::shader_variant::ShaderVariant},
 };
 
 /// The GPU, or `None` after printing `SKIPPED` without an adapter.
@@ -59,7 +59,7 @@ pub fn shaders() -> ShaderLibrary {
         || Ok(ShaderLibrary::embedded()),
         |folder| ShaderLibrary::from_dir(Path::new(&folder)),
     );
-    let library = library.and_then(|library| ShaderVariant::default().library(&library));
+    let library = library.and_then(|library| ShaderVariant::default().library(&library, passes::ALL));
     library.unwrap_or_else(|error| panic!("{error}"))
 }
 

@@ -4,6 +4,7 @@ use glam::Vec3;
 use reflet::{
     gpu::{Gpu, ShaderLibrary, readback::read_buffer},
     render::{
+        passes,
         pipeline::shader_variant::ShaderVariant, plan::Features, upload::emitters::GpuEmitters,
     },
     scene::desc::{LightDesc, LightKind, ShadowMode},
@@ -61,7 +62,7 @@ fn answers(gpu: &Gpu, emitters: &GpuEmitters, queries: &[Query]) -> Vec<Answer> 
         ..ShaderVariant::default()
     };
     let library = variant
-        .library(&ShaderLibrary::embedded())
+        .library(&ShaderLibrary::embedded(), passes::ALL)
         .expect("it has all files");
     let pass = library.source("light").expect("it assembles");
     let text = format!("{}\n{KERNEL}", pass.text);
@@ -86,7 +87,7 @@ fn answers(gpu: &Gpu, emitters: &GpuEmitters, queries: &[Query]) -> Vec<Answer> 
         })
     };
     let mut sampling = [0_u32; 12];
-    sampling[8..].copy_from_slice(&emitters.light_tree);
+    sampling[8..].copy_from_slice(&bytemuck::cast::<_, [u32; 4]>(emitters.light_tree));
     let sampling = buffer(bytemuck::bytes_of(&sampling), wgpu::BufferUsages::UNIFORM);
     let asked = buffer(bytemuck::cast_slice(queries), wgpu::BufferUsages::STORAGE);
     let empty = vec![0; size_of::<Answer>() * queries.len()];

@@ -30,7 +30,7 @@ use tint::sources;
 /// Shader libraries of all variants.
 fn libraries() -> Vec<ShaderLibrary> {
     let embedded = ShaderLibrary::embedded();
-    let library = |v: ShaderVariant| v.library(&embedded).unwrap_or_else(|e| panic!("{e}"));
+    let library = |v: ShaderVariant| v.library(&embedded, passes::ALL).unwrap_or_else(|e| panic!("{e}"));
     ShaderVariant::all().into_iter().map(library).collect()
 }
 
@@ -72,7 +72,7 @@ static SHIPPED: LazyLock<Vec<ShaderModuleInfo>> = LazyLock::new(|| {
 static PARTS: LazyLock<Vec<ShaderModuleInfo>> = LazyLock::new(|| {
     let mut sets: BTreeMap<(String, &str), BTreeSet<Vec<(&str, bool)>>> = BTreeMap::new();
     for variant in ShaderVariant::all() {
-        let library = variant.library(&ShaderLibrary::embedded());
+        let library = variant.library(&ShaderLibrary::embedded(), passes::ALL);
         let library = library.unwrap_or_else(|e| panic!("{e}"));
         for name in library.names() {
             let text = library.source(name).unwrap_or_else(|e| panic!("{e}")).text;
@@ -118,7 +118,7 @@ fn every_library_is_imported_somewhere() {
         .iter()
         .filter_map(|(_, source)| source.as_ref().ok());
     let all: String = sources.map(|source| &*source.text).collect();
-    let library = ShaderVariant::all()[0].library(&ShaderLibrary::embedded());
+    let library = ShaderVariant::all()[0].library(&ShaderLibrary::embedded(), passes::ALL);
     let library = library.unwrap_or_else(|e| panic!("{e}"));
     for name in library.lib_names() {
         let lib = library.lib_source(name).unwrap_or_else(|e| panic!("{e}"));
@@ -187,7 +187,7 @@ fn embedded_shaders_equal_the_folder() {
     for name in embedded.names() {
         let text = |library| {
             Ok(ShaderVariant::default()
-                .library(library)?
+                .library(library, passes::ALL)?
                 .source(name)?
                 .text)
         };
@@ -196,43 +196,30 @@ fn embedded_shaders_equal_the_folder() {
     }
 }
 
+/// Shaders read the structs that Rust writes, at the places where it writes them.
 #[test]
-fn shared_structs_have_the_layout_that_the_shaders_declare() {
+fn shared_structs_have_the_same_layout_in_the_shaders() {
     let compare = |spec: &gpu_struct::StructSpec, shader: &ShaderModuleInfo| {
         let Some(layout) = shader.layout_of(spec.name) else {
             return false;
         };
-        let wgsl: Vec<(&str, usize, usize)> = layout
-            .fields
-            .iter()
-            .map(|f| (f.name.as_str(), f.offset as usize, f.size as usize))
-            .collect();
-        assert_eq!(wgsl, spec.fields, "{} in {}", spec.name, shader.file);
-        assert_eq!(
-            layout.size as usize, spec.size,
-            "{} in {}",
-            spec.name, shader.file
-        );
+        let wgsl = (layout.fields.iter()).map(|f| (f.name.as_str(), f.offset as usize));
+        let rust = spec.fields.iter().map(|f| (f.name, f.offset));
+        let (name, file) = (spec.name, &shader.file);
+        assert!(wgsl.eq(rust), "{name} in {file}: {:?}", layout.fields);
+        assert_eq!(layout.size as usize, spec.size, "{name} in {file}");
         true
     };
     for spec in types::SHARED {
-        let found = SHIPPED
-            .iter()
-            .filter(|shader| compare(spec, shader))
-            .count();
-        assert!(found > 0, "no shader declares {}", spec.name);
+        let found = SHIPPED.iter().filter(|shader| compare(spec, shader));
+        assert!(found.count() > 0, "no shader uses {}", spec.name);
     }
     for pass in passes::ALL {
         let shader = SHIPPED.iter().find(|s| s.name == pass.name);
         let shader = shader.unwrap_or_else(|| panic!("pass {} has no shader", pass.name));
-        match &pass.params {
-            Some(spec) => assert!(compare(spec, shader), "{} declares no Params", shader.file),
-            None => assert!(
-                shader.layout_of("Params").is_none(),
-                "{} has Params",
-                shader.file
-            ),
-        }
+        let has = |spec| compare(spec, shader);
+        let is_same = pass.params.as_ref().is_none_or(has);
+        assert!(is_same, "{} does not use its Params", shader.file);
     }
 }
 
@@ -337,7 +324,7 @@ fn compute_passes_declare_what_their_shaders_bind() {
 /// Names of the functions and of the bindings of a shader in a frame with these features.
 fn part(features: Features, name: &str) -> BTreeSet<String> {
     let variant = variant(features);
-    let library = variant.library(&ShaderLibrary::embedded());
+    let library = variant.library(&ShaderLibrary::embedded(), passes::ALL);
     let source = library.and_then(|library| library.source(name));
     let source = source.unwrap_or_else(|e| panic!("{e}"));
     let module = parse(&source).unwrap_or_else(|e| panic!("{e}"));

@@ -11,7 +11,7 @@ use reflet_world::World;
 use crate::{
     layout::{
         fog::GpuFog,
-        types::{Frame, Sampling},
+        types::{Frame, LightTree, Sampling},
     },
     lighting::{
         groove_table::groove_table,
@@ -106,7 +106,8 @@ pub(crate) fn uniform(gpu: &Gpu, label: &str, content: &[u8]) -> wgpu::Buffer {
 pub(crate) fn empty_uniform(gpu: &Gpu, label: &str, size: usize) -> wgpu::Buffer {
     gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
-        size: size as u64,
+        // A struct's size in the shaders is a multiple of its alignment, which is 16 at most.
+        size: size.next_multiple_of(16) as u64,
         usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
         mapped_at_creation: false,
     })
@@ -157,7 +158,6 @@ impl Frame {
             moments: share.moments,
             moment: share.moment,
             whole_surfaces: u32::from(whole_surfaces),
-            pad0: 0,
             crop,
         }
     }
@@ -188,7 +188,7 @@ const SLOPE_AT_BLACK: f32 = 12.92;
 
 impl Sampling {
     /// The block of sub-frame `sample`.
-    pub fn new(world: &World, image: &ImageDesc, light_tree: [u32; 4], sample: u32) -> Self {
+    pub fn new(world: &World, image: &ImageDesc, light_tree: LightTree, sample: u32) -> Self {
         let rays = image.light_rays();
         let environment = &world.environment;
         let panorama = environment.panorama.as_ref();

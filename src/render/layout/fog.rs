@@ -21,12 +21,6 @@ gpu_struct! {
         falloff_m: f32,
         /// Mean cosine of the angle by which light is scattered.
         anisotropy: f32,
-        /// Unused.
-        pad0: f32,
-        /// Unused.
-        pad1: f32,
-        /// Unused.
-        pad2: f32,
     }
 }
 
@@ -46,9 +40,6 @@ impl GpuFog {
             albedo: fog.color.to_array(),
             falloff_m: fog.falloff_m.unwrap_or(0.0),
             anisotropy: fog.anisotropy,
-            pad0: 0.0,
-            pad1: 0.0,
-            pad2: 0.0,
         })
     }
 }

@@ -7,7 +7,7 @@ use super::gpu_struct::gpu_struct;
 
 gpu_struct! {
     /// A decal; see `shaders/lib/decals.wgsl`.
-    pub struct GpuDecal = "Decal" {
+    pub struct GpuDecal = padded "Decal" {
         /// Rows of the transform from the world to the cube from -0.5 to 0.5 that is the box.
         box_from_world: [[f32; 4]; 3],
         /// Size of the box in meters of the decal's own space, in which its patterns lie.

@@ -2,11 +2,11 @@
 
 use reflet_scene::desc::PatternedDesc;
 
-use super::{gpu_struct::gpu_struct, unit_vector::pack_unit};
+use super::{gpu_struct::{Shared as _, gpu_struct}, unit_vector::pack_unit};
 
 gpu_struct! {
     /// A number or color of a material that follows a pattern.
-    pub struct GpuPatterned = "Patterned" {
+    pub struct GpuPatterned = padded "Patterned" {
         /// Value of the pattern's first part; a number is in all three components.
         first: [f32; 3],
         /// Kind of the pattern, and the value that varies from bit [`PATTERNED_SHIFT`] on.
@@ -28,13 +28,14 @@ pub const PATTERNED_SHIFT: u32 = 8;
 impl GpuPatterned {
     /// A pattern in its layout in shaders; one of no size without a pattern.
     pub fn of(pattern: Option<&PatternedDesc>) -> Self {
-        pattern.map_or_else(bytemuck::Zeroable::zeroed, |p| Self {
+        pattern.map_or(Self::ZERO, |p| Self {
             first: p.from.to_array(),
             bits: p.kind as u32 | (p.value as u32) << PATTERNED_SHIFT,
             second: p.to.to_array(),
             size_m: p.size_m,
             origin: p.offset_m.to_array(),
             axis: pack_unit(p.axis),
+            ..Self::ZERO
         })
     }
 }

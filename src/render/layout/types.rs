@@ -1,4 +1,4 @@
-//! Structs shared with the shaders; a test compares each with naga's layout of the WGSL struct of the same name.
+//! Structs shared with the shaders, which get them by `#import structs`.
 
 use super::gpu_struct::{StructSpec, gpu_struct};
 use super::{fog::GpuFog, gpu_decal::GpuDecal, gpu_patterned::GpuPatterned};
@@ -42,6 +42,8 @@ gpu_struct! {
         ground: [f32; 3],
         /// 1: reflections fade along the ray.
         fade: u32,
+        /// Left, top, right and bottom edge of the crop, pixels.
+        crop: [f32; 4],
         /// 1: hits reuse the light visibility of the pixels that show them.
         reuse_light: u32,
         /// Minimum throughput of a path; below it the path ends.
@@ -64,10 +66,20 @@ gpu_struct! {
         moment: u32,
         /// 1: surfaces are resolved for the pixels of other moments too.
         whole_surfaces: u32,
-        /// Unused.
-        pad0: u32,
-        /// Left, top, right and bottom edge of the crop, pixels.
-        crop: [f32; 4],
+    }
+}
+
+gpu_struct! {
+    /// Where the parts of a light tree begin; see `shaders/lib/light_tree.wgsl`.
+    pub struct LightTree = "LightTree" {
+        /// Vector of the first placed light.
+        lights: u32,
+        /// Vector of the first node.
+        nodes: u32,
+        /// Vector of the first words of triangles.
+        places: u32,
+        /// Link of the root; `NONE`: nothing emits light.
+        root: u32,
     }
 }
 
@@ -88,15 +100,14 @@ gpu_struct! {
         sample: u32,
         /// Number of sub-frames of the picture.
         samples: u32,
-        /// Light tree of emissive triangles: vectors of its first placed light, node and words of triangles, and the
-        /// link of its root.
-        light_tree: [u32; 4],
+        /// Light tree of emissive triangles.
+        light_tree: LightTree,
     }
 }
 
 gpu_struct! {
     /// A light; see `shaders/lib/frame.wgsl`.
-    pub struct GpuLight = "Light" {
+    pub struct GpuLight = padded "Light" {
         /// Position, meters.
         position: [f32; 3],
         /// Kind of light: `LIGHT_*`.
@@ -132,7 +143,7 @@ gpu_struct! {
 
 gpu_struct! {
     /// An instance of a mesh; see `shaders/lib/scene.wgsl`.
-    pub struct GpuInstance = "Instance" {
+    pub struct GpuInstance = padded "Instance" {
         /// Rows of the transform from object to world space.
         world_from_object: [[f32; 4]; 3],
         /// Rows of the inverse's linear part; w: translation of `world_from_object`.
@@ -171,7 +182,7 @@ pub const FLAG_CAPSULE_NORMALS: u32 = 16;
 
 gpu_struct! {
     /// A vertex, 32 bytes.
-    pub struct GpuVertex = "Vertex" {
+    pub struct GpuVertex = padded "Vertex" {
         /// Position in object space.
         position: [f32; 3],
         /// Normal, octahedral, 2 × snorm16.
@@ -187,7 +198,7 @@ gpu_struct! {
 
 gpu_struct! {
     /// Settings by which a material slot samples a texture.
-    pub struct GpuTextureUse = "TextureUse" {
+    pub struct GpuTextureUse = padded "TextureUse" {
         /// First row of the texture transform: u' = dot(row_u, (u, v, 1)).
         row_u: [f32; 3],
         /// Layer in its texture pool; `NONE` without a texture.
@@ -241,7 +252,7 @@ pub const WRAP_MIRROR: u32 = 2;
 
 gpu_struct! {
     /// A material; see `shaders/lib/scene.wgsl`.
-    pub struct GpuMaterial = "Material" {
+    pub struct GpuMaterial = padded "Material" {
         /// Linear base color, alpha in w.
         base_color: [f32; 4],
         /// Emitted linear radiance.
@@ -317,7 +328,7 @@ gpu_struct! {
 
 gpu_struct! {
     /// A probe; see `shaders/lib/probes.wgsl`. The fourth numbers are unused.
-    pub struct ProbeBox = "Probe" {
+    pub struct ProbeBox = padded "Probe" {
         /// Position from which it sees, meters.
         position: [f32; 4],
         /// Middle of the box in which it counts, meters.
@@ -344,8 +355,6 @@ gpu_struct! {
         steps: u32,
         /// Minimum distance between what successive maps show along a ray, meters.
         separation_m: f32,
-        /// Unused.
-        pad0: u32,
     }
 }
 
@@ -358,8 +367,6 @@ gpu_struct! {
         steps: u32,
         /// Size along each axis, meters, above 0.
         size: [f32; 3],
-        /// Unused.
-        pad0: u32,
     }
 }
 
@@ -371,9 +378,10 @@ pub fn flag(on: bool, bit: u32) -> u32 {
 /// Index value that stands for none.
 pub const NONE: u32 = u32::MAX;
 
-/// Structs of the shared groups, for the layout test; each pass adds its own `Params`.
+/// Structs of the generated `lib/structs.wgsl`; the `Params` of a pass have a file of their own.
 pub const SHARED: &[StructSpec] = &[
     Frame::LAYOUT,
+    LightTree::LAYOUT,
     Sampling::LAYOUT,
     GpuFog::LAYOUT,
     GpuLight::LAYOUT,

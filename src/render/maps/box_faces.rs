@@ -164,7 +164,6 @@ impl BoxFaces {
             low: self.key.low.to_array(),
             steps: settings.steps,
             size: self.key.size.to_array(),
-            pad0: 0,
         };
         gpu.queue
             .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&face_box));

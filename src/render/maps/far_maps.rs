@@ -136,7 +136,6 @@ impl FarMaps {
             layers: self.key.layers,
             steps: settings.steps,
             separation_m: settings.separation_in(unit_m),
-            pad0: 0,
         };
         gpu.queue
             .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&far_box));

@@ -9,7 +9,7 @@ use reflet_scene::{
 };
 use reflet_world::World;
 
-use crate::layout::types::ProbeBox;
+use crate::layout::{gpu_struct::Shared as _, types::ProbeBox};
 
 /// Maximum number of probes of a frame.
 pub const MOST_PROBES: usize = ProbesDesc::MOST;
@@ -26,6 +26,7 @@ impl ProbeBox {
             half_size: four(half_size.max(Vec3::splat(LEAST_HALF_M))),
             proxy_min: four(proxy.min),
             proxy_max: four(proxy.max),
+            ..Self::ZERO
         }
     }
 }

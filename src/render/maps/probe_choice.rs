@@ -64,6 +64,7 @@ impl ProbeBox {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::layout::gpu_struct::Shared as _;
 
     /// A box of half size 2 around this x.
     fn around(x: f32) -> ProbeBox {
@@ -71,8 +72,7 @@ mod tests {
             position: [x, 0.0, 0.0, 0.0],
             middle: [x, 0.0, 0.0, 0.0],
             half_size: [2.0, 2.0, 2.0, 0.0],
-            proxy_min: [0.0; 4],
-            proxy_max: [0.0; 4],
+            ..ProbeBox::ZERO
         }
     }
 

@@ -43,8 +43,6 @@ gpu_struct! {
         direction: [i32; 2],
         /// Standard deviation, pixels.
         sigma_px: f32,
-        /// Unused.
-        pad: u32,
     }
 }
 
@@ -64,7 +62,6 @@ impl FramePass for Blur {
             let params = Params {
                 direction,
                 sigma_px,
-                pad: 0,
             };
             frame.dispatch_with(pass, &params, &Dispatch::PerPixel);
         }

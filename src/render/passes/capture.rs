@@ -54,12 +54,6 @@ gpu_struct! {
         first_x: u32,
         /// First row of the part.
         first_y: u32,
-        /// Unused.
-        pad0: u32,
-        /// Unused.
-        pad1: u32,
-        /// Unused.
-        pad2: u32,
     }
 }
 
@@ -172,9 +166,6 @@ impl FramePass for Capture {
                     samples: key.samples,
                     first_x,
                     first_y,
-                    pad0: 0,
-                    pad1: 0,
-                    pad2: 0,
                 };
                 self.pass.set_params(gpu, &params);
                 let groups = parts.groups(tile_px);

@@ -56,12 +56,6 @@ gpu_struct! {
     pub struct Params = "Params" {
         /// Index of the sub-frame.
         sample: u32,
-        /// Unused.
-        pad0: u32,
-        /// Unused.
-        pad1: u32,
-        /// Unused.
-        pad2: u32,
     }
 }
 
@@ -78,9 +72,6 @@ impl FramePass for Compose {
     fn record(&self, frame: &mut SubFrame<'_>) {
         let params = Params {
             sample: frame.share.sample,
-            pad0: 0,
-            pad1: 0,
-            pad2: 0,
         };
         let pass = &self.0[frame.share.sample as usize % 2];
         frame.dispatch_with(pass, &params, &Dispatch::PerPixel);

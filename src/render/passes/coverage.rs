@@ -36,12 +36,6 @@ gpu_struct! {
     pub struct Params = "Params" {
         /// Index of the sub-frame.
         sample: u32,
-        /// Unused.
-        pad0: u32,
-        /// Unused.
-        pad1: u32,
-        /// Unused.
-        pad2: u32,
     }
 }
 
@@ -57,9 +51,6 @@ impl FramePass for Coverage {
     fn record(&self, frame: &mut SubFrame<'_>) {
         let params = Params {
             sample: frame.share.sample,
-            pad0: 0,
-            pad1: 0,
-            pad2: 0,
         };
         frame.dispatch_with(&self.0, &params, &Dispatch::PerPixel);
     }

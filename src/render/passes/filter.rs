@@ -59,10 +59,6 @@ gpu_struct! {
         reach: f32,
         /// Number of taps.
         taps: u32,
-        /// Unused.
-        pad0: u32,
-        /// Unused.
-        pad1: u32,
     }
 }
 
@@ -81,8 +77,6 @@ impl FramePass for Filter {
             let params = Params {
                 reach,
                 taps,
-                pad0: 0,
-                pad1: 0,
             };
             frame.dispatch_with(pass, &params, &Dispatch::PerPixel);
         }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::{
+    buffers::frame_uniforms::empty_uniform,
     decide::cull::is_outside,
     layout::gpu_struct::gpu_struct,
     pipeline::{
@@ -44,12 +45,6 @@ gpu_struct! {
     pub struct Params = "Params" {
         /// Minimum distance of the second depth layer from the first, meters.
         separation_m: f32,
-        /// Unused.
-        pad0: u32,
-        /// Unused.
-        pad1: u32,
-        /// Unused.
-        pad2: u32,
     }
 }
 
@@ -65,12 +60,7 @@ impl FramePass for Peel {
     fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
         let (gpu, resources) = (builder.gpu, builder.resources);
         let layout = GroupLayout::new(gpu, PASS.name, &[&builder.shader(&PASS)?.info], 2)?;
-        let params = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(PASS.name),
-            size: size_of::<Params>() as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        let params = empty_uniform(gpu, PASS.name, size_of::<Params>());
         let group = layout.bind_with(gpu, |name| match name {
             "params" => Some(params.as_entire_binding()),
             "lists" => Some(resources.ray_list.lists.as_entire_binding()),
@@ -105,9 +95,6 @@ impl FramePass for Peel {
         };
         let params = Params {
             separation_m: frame.options.reflection.separation_in(frame.unit_m),
-            pad0: 0,
-            pad1: 0,
-            pad2: 0,
         };
         let queue = &frame.recorder.gpu.queue;
         queue.write_buffer(&self.params, 0, bytemuck::bytes_of(&params));

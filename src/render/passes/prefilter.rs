@@ -38,8 +38,6 @@ gpu_struct! {
         sharp_px: u32,
         /// GGX alpha of the level.
         alpha: f32,
-        /// Unused.
-        pad0: u32,
     }
 }
 
@@ -51,7 +49,6 @@ impl Params {
             face_px: key.level_px(level),
             sharp_px: key.face_px,
             alpha: roughness * roughness,
-            pad0: 0,
         }
     }
 }

@@ -50,8 +50,6 @@ gpu_struct! {
         nearest: u32,
         /// Number of levels of the maps.
         levels: u32,
-        /// Unused.
-        pad0: u32,
     }
 }
 
@@ -73,7 +71,6 @@ impl FramePass for Probe {
             count,
             nearest: frame.options.reflection.probes.nearest.min(count),
             levels: maps.key.levels(),
-            pad0: 0,
         };
         let rays = Dispatch::Listed(frame.resources.ray_list, List::Rays);
         frame.dispatch_with(&self.0, &params, &rays);

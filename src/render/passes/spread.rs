@@ -50,12 +50,6 @@ gpu_struct! {
     pub struct Params = "Params" {
         /// Maximum angle between normals, and relative difference of distances.
         similarity: f32,
-        /// Unused.
-        pad0: u32,
-        /// Unused.
-        pad1: u32,
-        /// Unused.
-        pad2: u32,
     }
 }
 
@@ -71,9 +65,6 @@ impl FramePass for Spread {
     fn record(&self, frame: &mut SubFrame<'_>) {
         let params = Params {
             similarity: frame.options.reflection.similarity,
-            pad0: 0,
-            pad1: 0,
-            pad2: 0,
         };
         // The dispatch has workgroups for all rays, of which some find nothing left to do.
         let rays = Dispatch::Listed(frame.resources.ray_list, List::Rays);

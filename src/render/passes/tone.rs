@@ -41,8 +41,6 @@ gpu_struct! {
         curve: u32,
         /// One over the number of sub-frames.
         sample_share: f32,
-        /// Unused.
-        pad0: u32,
     }
 }
 
@@ -53,7 +51,6 @@ impl Params {
             scale: image.exposure_ev.ev().exp2() / image.samples.count() as f32,
             curve: image.tone_map as u32,
             sample_share: 1.0 / image.samples.count() as f32,
-            pad0: 0,
         }
     }
 }

@@ -18,7 +18,10 @@ use super::{
     shared_groups::{SharedGroups, is_used},
     targets::{Target, Targets},
 };
-use crate::{layout::gpu_struct::StructSpec, plan::Plan, settings::options::RenderOptions};
+use crate::{
+    buffers::frame_uniforms::empty_uniform, layout::gpu_struct::StructSpec, plan::Plan,
+    settings::options::RenderOptions,
+};
 
 /// Name of a pipeline override, and its value.
 pub type Override = (&'static str, f64);
@@ -182,7 +185,7 @@ impl ComputePass {
             .map_or([1, 1], |e| [e.workgroup_size[0], e.workgroup_size[1]]);
         let params = pass
             .params
-            .map(|spec| params_buffer(gpu, pass.name, spec.size));
+            .map(|spec| empty_uniform(gpu, pass.name, spec.size));
         Ok(Self {
             pass,
             pipeline,
@@ -307,13 +310,4 @@ pub fn declared_overrides(shader: &Shader, overrides: &[Override]) -> Vec<Overri
     let declared = &shader.info.overrides;
     let is_declared = |(name, _): &&Override| declared.iter().any(|o| o.name == *name);
     overrides.iter().filter(is_declared).copied().collect()
-}
-
-fn params_buffer(gpu: &Gpu, name: &str, size: usize) -> wgpu::Buffer {
-    gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some(name),
-        size: size as u64,
-        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    })
 }

@@ -4,8 +4,13 @@
 
 use reflet_gpu::{ShaderError, ShaderLibrary};
 
-use super::constants::wgsl;
-use crate::{buffers::chunks::Chunks, plan::Features, upload::records};
+use super::{constants::wgsl, pass::Pass};
+use crate::{
+    buffers::chunks::Chunks,
+    layout::{gpu_struct::StructSpec, types::SHARED},
+    plan::Features,
+    upload::records,
+};
 
 /// Shader files that a frame uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -40,24 +45,37 @@ impl ShaderVariant {
         all
     }
 
-    /// The library with the generated constants and the files of this variant.
+    /// The library with the files of this variant, and with generated ones: constants, shared structs, and
+    /// `lib/PASS_params.wgsl` with the `Params` of each of these passes.
     ///
     /// # Errors
     /// The library already has a file with a generated name.
-    pub fn library(self, library: &ShaderLibrary) -> Result<ShaderLibrary, ShaderError> {
-        let triangles = if self.indexed { "indexed" } else { "pulled" };
+    pub fn library(
+        self,
+        library: &ShaderLibrary,
+        passes: &[&Pass],
+    ) -> Result<ShaderLibrary, ShaderError> {
         let library = library
+            .clone()
             .with_generated("constants", wgsl())?
+            .with_generated("structs", SHARED.iter().map(StructSpec::wgsl).collect())?
             .with_generated("geometry", self.chunks.wgsl())?
             .with_generated("records", records::wgsl(self.chunks.record_texels))?;
-        let imports = self
+        let params = passes.iter().filter_map(|pass| {
+            let name = format!("{}_params", pass.name);
+            Some((name, pass.params?.wgsl()))
+        });
+        let triangles = if self.indexed { "indexed" } else { "pulled" };
+        let chosen = self
             .features
             .imports()
             .chain([("triangles", triangles), ("peeled", triangles)]);
-        imports
-            .into_iter()
-            .try_fold(library, |library, (import, ending)| {
-                library.with_generated(import, format!("#import {import}_{ending}\n"))
-            })
+        let chosen = chosen.map(|(import, ending)| {
+            let text = format!("#import {import}_{ending}\n");
+            (import.to_owned(), text)
+        });
+        (params.chain(chosen)).try_fold(library, |library, (name, text)| {
+            library.with_generated(&name, text)
+        })
     }
 }

@@ -26,7 +26,7 @@ impl Shaders {
         needed: &[&'static Pass],
         constants: impl Fn(&Pass) -> Vec<Override>,
     ) -> Result<Self, GpuError> {
-        let library = variant.library(library)?;
+        let library = variant.library(library, needed)?;
         let shaders = needed.iter().map(|pass| {
             let source = library.source(pass.name)?;
             let shader = gpu.shader(source.clone(), pass.checks, &constants(pass))?;

@@ -11,6 +11,7 @@ use crate::{
     buffers::frame_uniforms::empty_uniform,
     layout::{
         gpu_decal::{DECAL_COLOR, DECAL_METALLIC, DECAL_NORMAL, DECAL_ROUGHNESS, GpuDecal},
+        gpu_struct::Shared as _,
         types::flag,
     },
 };
@@ -89,5 +90,6 @@ fn gpu_decal(decal: &Decal) -> GpuDecal {
             | flag(normal, DECAL_NORMAL),
         least_cosine,
         per_cosine: 1.0 / (full - least_cosine).max(LEAST_FADE),
+        ..GpuDecal::ZERO
     }
 }

@@ -9,11 +9,15 @@ use reflet_world::{
 
 use crate::{
     buffers::texel_array::TexelArray,
+    layout::{gpu_struct::Shared as _, types::LightTree},
     lighting::{lights::gpu_light, shown_light::ShownLight},
 };
 
 /// Parameters of shaders for a world without a light tree.
-pub const NO_LIGHT_TREE: [u32; 4] = [0, 0, 0, NO_NODE];
+pub const NO_LIGHT_TREE: LightTree = LightTree {
+    root: NO_NODE,
+    ..LightTree::ZERO
+};
 
 /// Number of vectors of a placed light and of a lamp's record.
 pub const LIGHT_VECTORS: usize = 4;
@@ -36,7 +40,7 @@ pub struct GpuEmitters {
     lamps: Vec<Light>,
     parts: Parts,
     /// Vectors where placed lights, nodes and nodes of triangles begin, and the link of the root.
-    pub light_tree: [u32; 4],
+    pub light_tree: LightTree,
     /// Whether the trees of surfaces may differ from frame to frame.
     is_moving: bool,
 }
@@ -143,8 +147,12 @@ impl GpuEmitters {
             let at = parts.places + *places as usize / 4;
             self.array.write(gpu, at, &in_fours(placed));
         }
-        self.light_tree =
-            [parts.lights, parts.nodes, parts.places, root as usize].map(|n| n as u32);
+        self.light_tree = LightTree {
+            lights: parts.lights as u32,
+            nodes: parts.nodes as u32,
+            places: parts.places as u32,
+            root,
+        };
     }
 
     /// First node and first word of triangles of each mesh's tree.

@@ -13,6 +13,7 @@ use crate::{
         texel_array::TexelArray,
     },
     layout::{
+        gpu_struct::Shared as _,
         types::{GpuVertex, NONE},
         unit_vector::pack_unit,
     },
@@ -163,5 +164,6 @@ fn vertex(mesh: &Mesh, posed: &Posed<'_>, i: usize) -> GpuVertex {
                 .to_array()
                 .map(|v| (v.clamp(0.0, 1.0) * 255.0).round() as u8),
         ),
+        ..GpuVertex::ZERO
     }
 }

@@ -6,6 +6,7 @@ use crate::{
     buffers::textures::Layers,
     layout::{
         gpu_patterned::GpuPatterned,
+        gpu_struct::Shared as _,
         types::{
             GpuMaterial, GpuTextureUse, NONE, TEXTURE_NEAREST, TEXTURE_SIZE_SHIFT, TEXTURE_SRGB,
             TEXTURE_UV1, TEXTURE_WRAP_U_SHIFT, TEXTURE_WRAP_V_SHIFT, WRAP_CLAMP, WRAP_MIRROR,
@@ -71,16 +72,15 @@ pub fn gpu_material(m: &Material, world: &World, layers: &Layers) -> GpuMaterial
         textures: std::array::from_fn(|i| slot(slots[i])),
         layer_textures,
         patterned: std::array::from_fn(|i| GpuPatterned::of(m.patterned.get(i))),
+        ..GpuMaterial::ZERO
     }
 }
 
 const NO_TEXTURE: GpuTextureUse = GpuTextureUse {
-    row_u: [0.0; 3],
     layer: NONE,
-    row_v: [0.0; 3],
-    bits: 0,
     texels: [1.0; 2],
     signs: [1.0; 2],
+    ..GpuTextureUse::ZERO
 };
 
 fn texture_use(
@@ -111,5 +111,6 @@ fn texture_use(
             | (place.px / SMALLEST_POOL_PX).ilog2() << TEXTURE_SIZE_SHIFT,
         texels: [texture.width as f32, texture.height as f32],
         signs: uv_scale.map(|scale| if scale < 0.0 { -1.0 } else { 1.0 }),
+        ..GpuTextureUse::ZERO
     }
 }

@@ -20,6 +20,7 @@ use crate::{
     buffers::textures::Pools,
     layout::{
         gpu_decal::DECAL_SET_SHIFT,
+        gpu_struct::Shared as _,
         types::{
             FLAG_CAPSULE_NORMALS, FLAG_COLORS, FLAG_DARK, FLAG_EMITTER, FLAG_MIRRORED, FLAG_TRACED,
             GpuInstance, flag,
@@ -126,6 +127,7 @@ pub fn instance_records(
                 | flag(has_capsule_normals, FLAG_CAPSULE_NORMALS)
                 | u32::from(world.decals.set_of(index)) << DECAL_SET_SHIFT,
             capsule_radius_m: radius.unwrap_or(0.0),
+            ..GpuInstance::ZERO
         }
     };
     let instances = world.instances[range.clone()].iter();

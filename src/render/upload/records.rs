@@ -11,9 +11,8 @@ use super::geometry::buffer;
 use crate::{
     buffers::texel_array::TexelArray,
     layout::{
-        gpu_patterned::GpuPatterned,
         gpu_struct::StructSpec,
-        types::{GpuInstance, GpuMaterial, GpuTextureUse},
+        types::{GpuInstance, GpuMaterial},
     },
 };
 
@@ -107,47 +106,34 @@ pub fn wgsl(in_texels: bool) -> String {
             text,
             "@group(1) @binding({binding}) var{space} {array}: {of};"
         );
-        for (&(field, offset, _), rust_type) in spec.fields.iter().zip(spec.types) {
+        for field in spec.fields {
             let element = array.trim_end_matches('s');
-            let listed = [&GpuTextureUse::LAYOUT, &GpuPatterned::LAYOUT];
-            let listed = (listed.into_iter())
-                .find(|spec| rust_type.starts_with(&format!("[Gpu{};", spec.name)));
-            let (name, slot, at_slot) = match listed {
-                Some(_) => (field.trim_end_matches('s'), ", slot: u32", "[slot]"),
-                None => (field, "", ""),
+            let (name, slot, at_slot) = match field.listed {
+                Some(_) => (field.name.trim_end_matches('s'), ", slot: u32", "[slot]"),
+                None => (field.name, "", ""),
             };
-            let ty = listed.map_or_else(|| wgsl_type(rust_type), |spec| spec.name);
+            let ty = match field.listed {
+                Some(spec) => spec.name.to_owned(),
+                None => (field.wgsl)(),
+            };
             let _ = writeln!(text, "fn {element}_{name}(i: u32{slot}) -> {ty} {{");
             if in_texels {
                 let element_texels = spec.size / TEXEL;
-                let slots = listed.map_or_else(String::new, |spec| {
+                let slots = field.listed.map_or_else(String::new, |spec| {
                     format!(" + {}u * slot", spec.size / TEXEL)
                 });
                 let texel = format!("{element_texels}u * i{slots}");
-                let value = match listed {
-                    Some(spec) => whole_value(spec, array, &texel, offset),
-                    None => value(array, &texel, offset, ty),
+                let value = match field.listed {
+                    Some(spec) => whole_value(spec, array, &texel, field.offset),
+                    None => value(array, &texel, field.offset, &ty),
                 };
                 let _ = writeln!(text, "    return {value};\n}}");
             } else {
-                let _ = writeln!(text, "    return {array}[i].{field}{at_slot};\n}}");
+                let _ = writeln!(text, "    return {array}[i].{}{at_slot};\n}}", field.name);
             }
         }
     }
     text
-}
-
-/// WGSL type of a field with this Rust type.
-fn wgsl_type(rust_type: &str) -> &'static str {
-    match rust_type {
-        "f32" => "f32",
-        "u32" => "u32",
-        "[f32; 2]" => "vec2f",
-        "[f32; 3]" => "vec3f",
-        "[f32; 4]" => "vec4f",
-        "[[f32; 4]; 3]" => "mat3x4f",
-        _ => panic!("shaders cannot read a field of type {rust_type}"),
-    }
 }
 
 /// Expression for a value at `offset` bytes past the texel of an array that the expression `texel` numbers.
@@ -174,17 +160,11 @@ fn value(array: &str, texel: &str, offset: usize, ty: &str) -> String {
 
 /// Expression for a struct at `offset` bytes past a texel.
 fn whole_value(spec: &StructSpec, array: &str, texel: &str, offset: usize) -> String {
-    let StructSpec {
-        name,
-        fields,
-        types,
-        ..
-    } = spec;
-    let values = fields.iter().zip(*types);
+    let values = spec.fields.iter();
     let values: Vec<_> = values
-        .map(|(&(_, at, _), ty)| value(array, texel, offset + at, wgsl_type(ty)))
+        .map(|field| value(array, texel, offset + field.offset, &(field.wgsl)()))
         .collect();
-    format!("{name}({})", values.join(", "))
+    format!("{}({})", spec.name, values.join(", "))
 }
 
 #[cfg(test)]

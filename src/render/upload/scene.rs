@@ -30,6 +30,7 @@ use crate::{
         tree_array::TreeArray,
     },
     decide::trace_choice::queries,
+    layout::types::LightTree,
     lighting::shown_light::ShownLight,
     settings::options::RenderOptions,
 };
@@ -260,7 +261,7 @@ impl GpuScene {
     }
 
     /// Where the parts of the light tree begin: [`GpuEmitters::light_tree`].
-    pub fn light_tree(&self) -> [u32; 4] {
+    pub fn light_tree(&self) -> LightTree {
         let emitters = self.emitters.as_ref();
         emitters.map_or(NO_LIGHT_TREE, |e| e.light_tree)
     }
