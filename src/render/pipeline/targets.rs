@@ -4,59 +4,106 @@ use std::collections::HashMap;
 
 use reflet_gpu::{Gpu, GpuError};
 
-/// An intermediate texture; its snake_case name is its name in the shaders and on the command line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Target {
+/// Declares the targets. A row names a target, its name in the shaders and on the command line, its format, where `Radiance`
+/// stands for 16 or 32 bits, and where it is not only written by compute shaders: `drawn` targets are attachments alone,
+/// `cleared` ones are rasterized or cleared before shaders write them.
+macro_rules! targets {
+    (@format $full:ident Radiance) => {
+        match $full {
+            true => F::Rgba32Float,
+            false => F::Rgba16Float,
+        }
+    };
+    (@format $full:ident $format:ident) => { F::$format };
+    (@usage) => { wgpu::TextureUsages::STORAGE_BINDING };
+    (@usage drawn) => { wgpu::TextureUsages::RENDER_ATTACHMENT };
+    (@usage cleared) => { targets!(@usage).union(targets!(@usage drawn)) };
+    ($($(#[$doc:meta])* $target:ident = $name:ident: $format:ident $(, $usage:ident)?;)*) => {
+        /// An intermediate texture; its snake_case name is its name in the shaders and on the command line.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum Target {
+            $($(#[$doc])* $target,)*
+        }
+
+        impl Target {
+            /// All targets.
+            pub const ALL: [Self; [$(stringify!($name)),*].len()] = [$(Self::$target),*];
+
+            /// Name of the target in the shaders.
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$target => stringify!($name),)*
+                }
+            }
+
+            /// Pixel format; `full` stores radiance in 32 bits.
+            pub const fn format(self, full: bool) -> F {
+                match self {
+                    $(Self::$target => targets!(@format full $format),)*
+                }
+            }
+
+            fn usage(self) -> wgpu::TextureUsages {
+                let read = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
+                match self {
+                    $(Self::$target => read | targets!(@usage $($usage)?),)*
+                }
+            }
+        }
+    };
+}
+
+targets! {
     /// Hardware depth of the visibility pass.
-    RasterDepth,
+    RasterDepth = raster_depth: Depth32Float, drawn;
     /// Instance and triangle that each pixel shows.
-    Ids,
+    Ids = ids: Rg32Uint, cleared;
     /// Meters along the view direction; [`FAR_M`] is sky.
-    ViewDepth,
+    ViewDepth = view_depth: R32Float;
     /// Hardware depth of the second layer: what lies behind the surfaces that the pixels show.
-    SecondDepth,
+    SecondDepth = second_depth: Depth32Float, drawn;
     /// Instance and triangle of the second layer.
-    SecondIds,
+    SecondIds = second_ids: Rg32Uint, drawn;
     /// Packed normals, roughness, metallic, reflectivity, reflection mode.
-    Surface,
+    Surface = surface: Rgba32Uint;
     /// Linear base color, occlusion and emitted radiance as 16-bit floats, and packed flags.
-    Colors,
+    Colors = colors: Rgba32Uint;
     /// Details, in layers: the colors again, then specular color and strength, and sheen; then clear coat normals
     /// and tangents, where surfaces have them.
-    Details,
+    Details = details: Rgba32Uint;
     /// View-independent radiance.
-    Radiance,
+    Radiance = radiance: Radiance;
     /// View-dependent radiance of lights and environment.
-    Specular,
+    Specular = specular: Radiance;
     /// Lights that reach the surface, two bits each.
-    VisibleLights,
+    VisibleLights = visible_lights: Rg32Uint;
     /// Radiance along the mirror ray.
-    Reflection,
+    Reflection = reflection: Radiance;
     /// The reflection, blurred in one direction.
-    Blurred,
+    Blurred = blurred: Radiance;
     /// Radiance that is transmitted through the surface.
-    TransmittedLight,
+    TransmittedLight = transmitted_light: Radiance, cleared;
     /// Indirect diffuse radiance of the surface.
-    IndirectLight,
+    IndirectLight = indirect_light: Radiance;
     /// Radiance that fog before the surface scatters, and the share of light that passes it.
-    FogLight,
+    FogLight = fog_light: Radiance;
     /// Cause in the low byte; see [`super::cause::Cause`]. Bits above: length of the ray proven free.
-    Cause,
+    Cause = cause: R32Uint;
     /// Hit of the mirror ray: distance (bits of an f32), instance, triangle and barycentrics.
-    Hit,
+    Hit = hit: Rgba32Uint;
     /// Hits of the rays that are traced first, where only some are.
-    LeadHit,
+    LeadHit = lead_hit: Rgba32Uint, cleared;
     /// Sum of the sub-frames, after even ones.
-    ColorEven,
+    ColorEven = color_even: Rgba32Float;
     /// Sum of the sub-frames, after odd ones.
-    ColorOdd,
+    ColorOdd = color_odd: Rgba32Float;
     /// Sum over the sub-frames of the share of a pixel that surfaces cover.
-    CoverageSum,
+    CoverageSum = coverage_sum: R32Float;
     /// Sum over the sub-frames of guides for a denoiser, in layers: red, green and blue of the surface's color, and its
     /// normal.
-    Guides,
+    Guides = guides: R32Float;
     /// Tone-mapped display color.
-    Display,
+    Display = display: Rgba8Unorm;
 }
 
 /// Number of guides of a pixel: three of its color, three of its normal.
@@ -68,89 +115,6 @@ pub const FAR_M: f32 = 1e30;
 use wgpu::TextureFormat as F;
 
 impl Target {
-    /// All targets.
-    pub const ALL: [Self; 24] = [
-        Self::RasterDepth,
-        Self::Ids,
-        Self::ViewDepth,
-        Self::SecondDepth,
-        Self::SecondIds,
-        Self::Surface,
-        Self::Colors,
-        Self::Details,
-        Self::Radiance,
-        Self::Specular,
-        Self::VisibleLights,
-        Self::Reflection,
-        Self::Blurred,
-        Self::TransmittedLight,
-        Self::IndirectLight,
-        Self::FogLight,
-        Self::Cause,
-        Self::Hit,
-        Self::LeadHit,
-        Self::ColorEven,
-        Self::ColorOdd,
-        Self::CoverageSum,
-        Self::Guides,
-        Self::Display,
-    ];
-
-    /// Name of the target in the shaders.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::RasterDepth => "raster_depth",
-            Self::Ids => "ids",
-            Self::ViewDepth => "view_depth",
-            Self::SecondDepth => "second_depth",
-            Self::SecondIds => "second_ids",
-            Self::Surface => "surface",
-            Self::Colors => "colors",
-            Self::Details => "details",
-            Self::Radiance => "radiance",
-            Self::Specular => "specular",
-            Self::VisibleLights => "visible_lights",
-            Self::Reflection => "reflection",
-            Self::Blurred => "blurred",
-            Self::TransmittedLight => "transmitted_light",
-            Self::IndirectLight => "indirect_light",
-            Self::FogLight => "fog_light",
-            Self::Cause => "cause",
-            Self::Hit => "hit",
-            Self::LeadHit => "lead_hit",
-            Self::ColorEven => "color_even",
-            Self::ColorOdd => "color_odd",
-            Self::CoverageSum => "coverage_sum",
-            Self::Guides => "guides",
-            Self::Display => "display",
-        }
-    }
-
-    /// Pixel format; `full` stores radiance in 32 bits.
-    pub const fn format(self, full: bool) -> F {
-        match self {
-            Self::RasterDepth | Self::SecondDepth => F::Depth32Float,
-            Self::Ids | Self::SecondIds | Self::VisibleLights => F::Rg32Uint,
-            Self::ViewDepth | Self::CoverageSum | Self::Guides => F::R32Float,
-            Self::Surface | Self::Colors | Self::Details | Self::Hit | Self::LeadHit => {
-                F::Rgba32Uint
-            }
-            Self::Radiance
-            | Self::Specular
-            | Self::Reflection
-            | Self::Blurred
-            | Self::TransmittedLight
-            | Self::IndirectLight
-            | Self::FogLight => match full {
-                true => F::Rgba32Float,
-                false => F::Rgba16Float,
-            },
-            Self::Cause => F::R32Uint,
-            Self::ColorEven | Self::ColorOdd => F::Rgba32Float,
-            Self::Display => F::Rgba8Unorm,
-        }
-    }
-
     /// Bytes per pixel of a layer.
     pub fn pixel_bytes(self, full: bool) -> u64 {
         u64::from(self.format(full).block_copy_size(None).unwrap_or(4))
@@ -171,21 +135,6 @@ impl Target {
             Self::ColorEven
         } else {
             Self::ColorOdd
-        }
-    }
-
-    fn usage(self) -> wgpu::TextureUsages {
-        let read = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
-        match self {
-            Self::RasterDepth | Self::SecondDepth | Self::SecondIds => {
-                read | wgpu::TextureUsages::RENDER_ATTACHMENT
-            }
-            // Ids are rasterized or written by primary rays; transmitted light and hits that come first are cleared, then
-            // written for listed pixels.
-            Self::Ids | Self::TransmittedLight | Self::LeadHit => {
-                read | wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::STORAGE_BINDING
-            }
-            _ => read | wgpu::TextureUsages::STORAGE_BINDING,
         }
     }
 }
