@@ -12,7 +12,7 @@
 @group(2) @binding(3) var hit: texture_2d<u32>;
 @group(2) @binding(4) var reflection: RadianceTexture;
 @group(2) @binding(5) var visible_lights: texture_2d<u32>; // shadow ray results of the light pass, reused here
-@group(2) @binding(6) var counts: texture_storage_2d<rgba32uint, write>; // written by `counted` only
+@group(2) @binding(6) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
 
 fn shade_pixel(pixel: vec2u) {
     let first = load_surface(pixel);
@@ -58,14 +58,8 @@ fn is_listed(index: u32) -> bool {
 @compute @workgroup_size(RAYS_PER_GROUP)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
     let index = (group.y * groups.x + group.x) * RAYS_PER_GROUP + lane;
-    if (is_listed(index)) { shade_pixel(unpack_pixel(lists[hit_slot(index)])); }
-}
-
-@compute @workgroup_size(RAYS_PER_GROUP)
-fn counted(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let index = (group.y * groups.x + group.x) * RAYS_PER_GROUP + lane;
     if (!is_listed(index)) { return; }
     let pixel = unpack_pixel(lists[hit_slot(index)]);
     shade_pixel(pixel);
-    textureStore(counts, pixel, vec4u(0u, traversals, visited_nodes, tested_triangles));
+    if (COUNT) { textureStore(counts, pixel, vec4u(0u, traversals, visited_nodes, tested_triangles)); }
 }

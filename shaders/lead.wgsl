@@ -62,14 +62,7 @@ fn lead(pixel: vec2u) {
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
     let leader = sorted_leader(group.y * groups.x + group.x, lane);
     if (leader == NONE) { return; }
-    lead(unpack_pixel(leader));
-}
-
-@compute @workgroup_size(RAYS_PER_GROUP)
-fn counted(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let leader = sorted_leader(group.y * groups.x + group.x, lane);
-    if (leader == NONE) { return; }
     let pixel = unpack_pixel(leader);
     lead(pixel);
-    textureStore(counts, pixel, vec4u(map_steps, traversals, visited_nodes, tested_triangles));
+    if (COUNT) { textureStore(counts, pixel, vec4u(map_steps, traversals, visited_nodes, tested_triangles)); }
 }

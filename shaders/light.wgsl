@@ -7,7 +7,7 @@
 @group(2) @binding(3) var radiance: RadianceTexture; // w: 1 where it is a display color
 @group(2) @binding(4) var specular: RadianceTexture;
 @group(2) @binding(5) var visible_lights: texture_storage_2d<rg32uint, write>;
-@group(2) @binding(6) var counts: texture_storage_2d<rgba32uint, write>; // written by `counted` only
+@group(2) @binding(6) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
 
 // Whether a later pass may reuse which lights reach the surface of a pixel.
 override LENDS_LIGHT: bool = true;
@@ -35,12 +35,7 @@ fn light_pixel(pixel: vec2u) {
 
 @compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u) {
-    light_pixel(invoked_pixel(group, groups, local));
-}
-
-@compute @workgroup_size(GROUP_PX, GROUP_PX)
-fn counted(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u) {
     let pixel = invoked_pixel(group, groups, local);
     light_pixel(pixel);
-    textureStore(counts, pixel, vec4u(0u, traversals, visited_nodes, tested_triangles));
+    if (COUNT) { textureStore(counts, pixel, vec4u(0u, traversals, visited_nodes, tested_triangles)); }
 }

@@ -7,7 +7,7 @@
 #import surface
 
 @group(2) @binding(0) var ids: texture_storage_2d<rg32uint, write>;
-@group(2) @binding(1) var counts: texture_storage_2d<rgba32uint, write>; // written by `counted` only
+@group(2) @binding(1) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
 
 fn find(pixel: vec2u) {
     if (any(pixel >= vec2u(frame.size))) { return; }
@@ -24,12 +24,7 @@ fn find(pixel: vec2u) {
 
 @compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u) {
-    find(surface_pixel(invoked_place(group, groups, local)));
-}
-
-@compute @workgroup_size(GROUP_PX, GROUP_PX)
-fn counted(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u) {
     let pixel = surface_pixel(invoked_place(group, groups, local));
     find(pixel);
-    textureStore(counts, pixel, vec4u(0u, traversals, visited_nodes, tested_triangles));
+    if (COUNT) { textureStore(counts, pixel, vec4u(0u, traversals, visited_nodes, tested_triangles)); }
 }

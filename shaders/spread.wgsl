@@ -13,7 +13,7 @@
 
 @group(2) @binding(4) var reflection: RadianceTexture;
 @group(2) @binding(6) var hit: texture_storage_2d<rgba32uint, write>;
-@group(2) @binding(7) var counts: texture_storage_2d<rgba32uint, write>; // written by `counted` only
+@group(2) @binding(7) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
 @group(2) @binding(9) var lead_hit: texture_2d<u32>;
 @group(2) @binding(10) var<uniform> params: Params;
 
@@ -144,11 +144,6 @@ fn spread(index: u32, lane: u32) -> vec2u {
 
 @compute @workgroup_size(RAYS_PER_GROUP)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
-    _ = spread((group.y * groups.x + group.x) * RAYS_PER_GROUP + lane, lane);
-}
-
-@compute @workgroup_size(RAYS_PER_GROUP)
-fn counted(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
     let pixel = spread((group.y * groups.x + group.x) * RAYS_PER_GROUP + lane, lane);
-    if (pixel.x != NONE) { textureStore(counts, pixel, vec4u(0u, traversals, visited_nodes, tested_triangles)); }
+    if (COUNT && pixel.x != NONE) { textureStore(counts, pixel, vec4u(0u, traversals, visited_nodes, tested_triangles)); }
 }

@@ -24,7 +24,7 @@ override REFUSE: bool = true; // false: accept every crossing, to measure what r
 @group(2) @binding(5) var cause: texture_storage_2d<r32uint, write>;
 @group(2) @binding(6) var hit: texture_storage_2d<rgba32uint, write>;
 @group(2) @binding(7) var<uniform> params: Params;
-@group(2) @binding(8) var counts: texture_storage_2d<rgba32uint, write>; // written by `counted` only
+@group(2) @binding(8) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
 
 // Minimum relative difference of the depths of two surfaces over a pixel, beyond rounding.
 const CULLED_SLACK: f32 = 1e-6;
@@ -321,11 +321,6 @@ fn reflect_listed(index: u32, lane: u32) -> vec2u {
 
 @compute @workgroup_size(RAYS_PER_GROUP)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
-    _ = reflect_listed((group.y * groups.x + group.x) * RAYS_PER_GROUP + lane, lane);
-}
-
-@compute @workgroup_size(RAYS_PER_GROUP)
-fn counted(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
     let pixel = reflect_listed((group.y * groups.x + group.x) * RAYS_PER_GROUP + lane, lane);
-    if (pixel.x != NONE) { textureStore(counts, pixel, vec4u(march_steps, 0u, 0u, march_triangles)); }
+    if (COUNT && pixel.x != NONE) { textureStore(counts, pixel, vec4u(march_steps, 0u, 0u, march_triangles)); }
 }

@@ -19,13 +19,5 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
     if (!is_listed(ray)) { return; }
     _ = trace_pixel(pixel_of(ray));
     keep_cause(pixel_of(ray), first_cause);
-}
-
-@compute @workgroup_size(RAYS_PER_GROUP)
-fn counted(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let ray = (group.y * groups.x + group.x) * RAYS_PER_GROUP + lane;
-    if (!is_listed(ray)) { return; }
-    _ = trace_pixel(pixel_of(ray));
-    keep_cause(pixel_of(ray), first_cause);
-    textureStore(counts, pixel_of(ray), vec4u(map_steps, traversals, visited_nodes, tested_triangles));
+    if (COUNT) { textureStore(counts, pixel_of(ray), vec4u(map_steps, traversals, visited_nodes, tested_triangles)); }
 }

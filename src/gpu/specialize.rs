@@ -226,7 +226,11 @@ impl<'a> Values<'a> {
                 _ => None,
             },
             Expression::CallResult(called) => {
-                let found = self.facts.returned.iter().find(|(other, _)| *other == called);
+                let found = self
+                    .facts
+                    .returned
+                    .iter()
+                    .find(|(other, _)| *other == called);
                 found.map(|(_, value)| *value)
             }
             _ => None,

@@ -59,7 +59,8 @@ pub fn shaders() -> ShaderLibrary {
         || Ok(ShaderLibrary::embedded()),
         |folder| ShaderLibrary::from_dir(Path::new(&folder)),
     );
-    let library = library.and_then(|library| ShaderVariant::default().library(&library, passes::ALL));
+    let library =
+        library.and_then(|library| ShaderVariant::default().library(&library, passes::ALL));
     library.unwrap_or_else(|error| panic!("{error}"))
 }
 

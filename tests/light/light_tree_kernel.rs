@@ -4,8 +4,8 @@ use glam::Vec3;
 use reflet::{
     gpu::{Gpu, ShaderLibrary, readback::read_buffer},
     render::{
-        passes,
-        pipeline::shader_variant::ShaderVariant, plan::Features, upload::emitters::GpuEmitters,
+        passes, pipeline::shader_variant::ShaderVariant, plan::Features,
+        upload::emitters::GpuEmitters,
     },
     scene::desc::{LightDesc, LightKind, ShadowMode},
     world::{

@@ -30,7 +30,10 @@ use tint::sources;
 /// Shader libraries of all variants.
 fn libraries() -> Vec<ShaderLibrary> {
     let embedded = ShaderLibrary::embedded();
-    let library = |v: ShaderVariant| v.library(&embedded, passes::ALL).unwrap_or_else(|e| panic!("{e}"));
+    let library = |v: ShaderVariant| {
+        v.library(&embedded, passes::ALL)
+            .unwrap_or_else(|e| panic!("{e}"))
+    };
     ShaderVariant::all().into_iter().map(library).collect()
 }
 
@@ -55,7 +58,11 @@ fn good<T>(checked: impl Iterator<Item = Result<T, ShaderError>>) -> Vec<T> {
     let errors: BTreeSet<String> = (bad.into_iter().filter_map(Result::err))
         .map(|error| error.to_string())
         .collect();
-    assert!(errors.is_empty(), "\n{}", Vec::from_iter(errors).join("\n\n"));
+    assert!(
+        errors.is_empty(),
+        "\n{}",
+        Vec::from_iter(errors).join("\n\n")
+    );
     good.into_iter().flatten().collect()
 }
 
@@ -77,13 +84,19 @@ static PARTS: LazyLock<Vec<ShaderModuleInfo>> = LazyLock::new(|| {
         for name in library.names() {
             let text = library.source(name).unwrap_or_else(|e| panic!("{e}")).text;
             let mut known = SOURCES.iter().zip(SHIPPED.iter());
-            let known = known.find(|((n, s), _)| n == name && s.as_ref().is_ok_and(|s| s.text == text));
+            let known =
+                known.find(|((n, s), _)| n == name && s.as_ref().is_ok_and(|s| s.text == text));
             let ((_, source), info) = known.expect("all texts are listed");
             let is_declared = |key: &str| info.overrides.iter().any(|o| o.name == key);
-            let flags = variant.features.constants().filter(|(key, _)| is_declared(key));
+            let flags = variant
+                .features
+                .constants()
+                .filter(|(key, _)| is_declared(key));
             let flags = flags.map(|(key, value)| (key, value != 0.0)).collect();
             let text = &*source.as_ref().expect("it assembles").text;
-            sets.entry((name.to_owned(), text)).or_default().insert(flags);
+            sets.entry((name.to_owned(), text))
+                .or_default()
+                .insert(flags);
         }
     }
     let checked = SOURCES.iter().flat_map(|(name, source)| {

@@ -2,7 +2,10 @@
 
 use reflet_scene::desc::PatternedDesc;
 
-use super::{gpu_struct::{Shared as _, gpu_struct}, unit_vector::pack_unit};
+use super::{
+    gpu_struct::{Shared as _, gpu_struct},
+    unit_vector::pack_unit,
+};
 
 gpu_struct! {
     /// A number or color of a material that follows a pattern.

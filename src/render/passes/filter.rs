@@ -74,10 +74,7 @@ impl FramePass for Filter {
 
     fn record(&self, frame: &mut SubFrame<'_>) {
         for (pass, (reach, taps)) in self.0.iter().zip(STEPS) {
-            let params = Params {
-                reach,
-                taps,
-            };
+            let params = Params { reach, taps };
             frame.dispatch_with(pass, &params, &Dispatch::PerPixel);
         }
     }

@@ -11,7 +11,7 @@ use crate::{
     passes::{counted_passes, ssr, trace},
     pipeline::{
         instrument::{Counted, Instrument, PassCounts},
-        pass::{COUNTED, MAIN, Pass},
+        pass::{COUNT, Pass},
         pass_builder::PassBuilder,
         recorder::Timing,
     },
@@ -41,7 +41,7 @@ impl Renderer {
     /// listed.
     ///
     /// # Errors
-    /// Same errors as [`Renderer::render`], and custom shaders without the entry point `counted`.
+    /// Same errors as [`Renderer::render`], and custom shaders without the texture `counts`.
     pub fn counts(
         &mut self,
         gpu: &Gpu,
@@ -144,7 +144,7 @@ impl Renderer {
     /// Builds the passes of an instrument on first use; they are kept until the passes are rebuilt.
     fn build_instrument(&self, gpu: &Gpu, instrument: Instrument) -> Result<(), GpuError> {
         let (builder, built) = (self.builder(gpu), &self.bindings.instruments);
-        let variant = |pass, of, constant| builder.variant(pass, of, MAIN, (constant, 0.0), &[]);
+        let variant = |pass, of, constant| builder.variant(pass, of, (constant, 0.0), &[]);
         match instrument {
             Instrument::Count => set_once(&built.counted, || counted(&builder)),
             Instrument::Traverse if builder.needs(&trace::PASS) => {
@@ -179,7 +179,7 @@ fn counted(builder: &PassBuilder<'_>) -> Result<Vec<Counted>, GpuError> {
     let make = |pass: &'static Pass| {
         Counted::new(builder.gpu, size, |view| {
             let counts = ("counts", wgpu::BindingResource::TextureView(view));
-            builder.variant(pass, pass, COUNTED, ("COUNT", 1.0), &[counts])
+            builder.variant(pass, pass, (COUNT, 1.0), &[counts])
         })
     };
     let running = counted_passes().filter(|pass| builder.needs(pass));

@@ -6,11 +6,6 @@ use serde::Serialize;
 
 use reflet_gpu::{Checks, Gpu, GpuError, GroupLayout, Named, Shader};
 
-/// Entry point of a pass's shader.
-pub const MAIN: &str = "main";
-/// Entry point that does the same work and also counts it.
-pub const COUNTED: &str = "counted";
-
 use super::{
     ray_list::{List, RayList},
     recorder::{Recorder, Recording},
@@ -22,6 +17,9 @@ use crate::{
     buffers::frame_uniforms::empty_uniform, layout::gpu_struct::StructSpec, plan::Plan,
     settings::options::RenderOptions,
 };
+
+/// Override with which a shader writes the work of each pixel to `counts`.
+pub const COUNT: &str = "COUNT";
 
 /// Name of a pipeline override, and its value.
 pub type Override = (&'static str, f64);
@@ -96,7 +94,7 @@ pub struct Pass {
     pub overrides: fn(&RenderOptions) -> Vec<Override>,
     /// Run-time checks of the shader.
     pub(crate) checks: Checks,
-    /// Whether the shader has the entry point [`COUNTED`].
+    /// Whether the shader has the override [`COUNT`], with which it also counts its work.
     pub counted: bool,
 }
 
@@ -119,12 +117,14 @@ impl Pass {
         counted: false,
     };
 
-    /// Values for the overrides of the pass in a frame, its own in place of the plan's; its shader may declare fewer.
+    /// Values for the overrides of the pass in a frame that is not measured, its own in place of the plan's; its shader may
+    /// declare fewer.
     pub fn constants(&self, plan: &Plan, options: &RenderOptions) -> Vec<Override> {
         let own = (self.overrides)(options);
         let mut all = plan.overrides();
         all.retain(|(name, _)| own.iter().all(|(other, _)| other != name));
         all.extend(own);
+        all.push((COUNT, 0.0));
         all
     }
 }

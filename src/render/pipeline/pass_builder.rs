@@ -3,7 +3,7 @@
 use reflet_gpu::{Gpu, GpuError, Named, Shader};
 
 use super::{
-    pass::{ComputePass, MAIN, Override, Pass},
+    pass::{ComputePass, Override, Pass},
     resources::Resources,
     shaders::Shaders,
     shared_groups::SharedGroups,
@@ -63,11 +63,12 @@ impl PassBuilder<'_> {
         pass: &'static Pass,
         aliases: &[(&str, Target)],
     ) -> Result<ComputePass, GpuError> {
-        self.bound(pass, pass, MAIN, &self.overrides(pass), aliases, &[])
+        let shader = self.shader(pass)?;
+        self.bound(pass, shader, "main", &self.overrides(pass), aliases, &[])
     }
 
-    /// Builds a compute pass named `pass` that starts at `entry` of the shader of `original`, with one further
-    /// override and further bindings.
+    /// Builds a compute pass named `pass` of the shader of `original`, with another value of one override and further
+    /// bindings.
     ///
     /// # Errors
     /// Same errors as [`PassBuilder::compute`].
@@ -75,13 +76,14 @@ impl PassBuilder<'_> {
         &self,
         pass: &'static Pass,
         original: &Pass,
-        entry: &str,
-        further: Override,
+        other: Override,
         extra: &[Named<'_>],
     ) -> Result<ComputePass, GpuError> {
         let mut overrides = self.overrides(original);
-        overrides.push(further);
-        self.bound(pass, original, entry, &overrides, &[], extra)
+        overrides.retain(|(name, _)| *name != other.0);
+        overrides.push(other);
+        let shader = self.shaders.variant(self.gpu, original, &overrides)?;
+        self.bound(pass, &shader, "main", &overrides, &[], extra)
     }
 
     /// Builds a compute pass that starts at `entry` of its shader, with further bindings.
@@ -94,7 +96,8 @@ impl PassBuilder<'_> {
         entry: &str,
         extra: &[Named<'_>],
     ) -> Result<ComputePass, GpuError> {
-        self.bound(pass, pass, entry, &self.overrides(pass), &[], extra)
+        let shader = self.shader(pass)?;
+        self.bound(pass, shader, entry, &self.overrides(pass), &[], extra)
     }
 
     /// The maps of probes.
@@ -127,13 +130,12 @@ impl PassBuilder<'_> {
     fn bound(
         &self,
         pass: &'static Pass,
-        original: &Pass,
+        shader: &Shader,
         entry: &str,
         overrides: &[Override],
         aliases: &[(&str, Target)],
         extra: &[Named<'_>],
     ) -> Result<ComputePass, GpuError> {
-        let shader = self.shader(original)?;
         let mut built = ComputePass::new(self.gpu, pass, shader, entry, self.shared, overrides)?;
         let mut named = self.resources.ray_list.named().to_vec();
         named.extend(

@@ -66,8 +66,25 @@ impl Shaders {
     /// # Errors
     /// [`GpuError::Binding`] for a pass that the plan dropped.
     pub fn get(&self, pass: &Pass) -> Result<&Shader, GpuError> {
+        Ok(&self.found(pass)?.1)
+    }
+
+    /// The shader of a pass with other values of its overrides.
+    ///
+    /// # Errors
+    /// Same errors as [`Shaders::get`] and [`Shaders::new`].
+    pub fn variant(
+        &self,
+        gpu: &Gpu,
+        pass: &Pass,
+        constants: &[Override],
+    ) -> Result<Shader, GpuError> {
+        let (source, _) = self.found(pass)?;
+        gpu.shader(source.clone(), pass.checks, constants)
+    }
+
+    fn found(&self, pass: &Pass) -> Result<&(ShaderSource, Shader), GpuError> {
         let missing = || GpuError::Binding(format!("pass `{}` was not planned", pass.name));
-        let found = self.0.get(pass.name);
-        found.map(|(_, shader)| shader).ok_or_else(missing)
+        self.0.get(pass.name).ok_or_else(missing)
     }
 }
