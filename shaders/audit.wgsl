@@ -5,10 +5,10 @@
 #import hash
 #import lists
 
-@group(2) @binding(3) var hit: texture_2d<u32>;
+@group(2) @binding(5) var hit: texture_2d<u32>;
 // The maximum number of rays is not a parameter: llvmpipe 22.3 crashes on conditions that depend only on values of a
 // fourth uniform block (Mesa's lvp_inline_uniforms.c writes past its table).
-@group(2) @binding(4) var<uniform> params: Params;
+@group(2) @binding(6) var<uniform> params: Params;
 
 // Start of part number `part` of `parts` almost equal parts of a list.
 fn start_of(part: u32, parts: u32, length: u32) -> u32 {

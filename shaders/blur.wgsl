@@ -6,10 +6,10 @@
 #import cause
 #import radiance
 
-@group(2) @binding(3) var cause: texture_2d<u32>;
-@group(2) @binding(4) var source: texture_2d<f32>;
-@group(2) @binding(5) var blurred: RadianceTexture;
-@group(2) @binding(6) var<uniform> params: Params;
+@group(2) @binding(5) var cause: texture_2d<u32>;
+@group(2) @binding(6) var source: texture_2d<f32>;
+@group(2) @binding(7) var blurred: RadianceTexture;
+@group(2) @binding(8) var<uniform> params: Params;
 
 @compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(global_invocation_id) id: vec3u) {

@@ -10,16 +10,16 @@
 override HAS_REFLECTIONS: bool = true;
 override FILTER: bool = true; // rough reflections were smoothed
 
-@group(2) @binding(3) var radiance: texture_2d<f32>;
-@group(2) @binding(4) var specular: texture_2d<f32>;
-@group(2) @binding(5) var reflection: texture_2d<f32>;
-@group(2) @binding(6) var cause: texture_2d<u32>;
-@group(2) @binding(7) var hit: texture_2d<u32>;
-@group(2) @binding(8) var previous: texture_2d<f32>;
-@group(2) @binding(9) var color: texture_storage_2d<rgba32float, write>; // w: sum of display color shares
-@group(2) @binding(10) var<uniform> params: Params;
-@group(2) @binding(11) var transmitted_light: texture_2d<f32>;
-@group(2) @binding(12) var indirect_light: texture_2d<f32>;
+@group(2) @binding(5) var radiance: texture_2d<f32>;
+@group(2) @binding(6) var specular: texture_2d<f32>;
+@group(2) @binding(7) var reflection: texture_2d<f32>;
+@group(2) @binding(8) var transmitted_light: texture_2d<f32>;
+@group(2) @binding(10) var indirect_light: texture_2d<f32>;
+@group(2) @binding(11) var cause: texture_2d<u32>;
+@group(2) @binding(12) var hit: texture_2d<u32>;
+@group(2) @binding(13) var previous: texture_2d<f32>;
+@group(2) @binding(14) var color: texture_storage_2d<rgba32float, write>; // w: sum of display color shares
+@group(2) @binding(15) var<uniform> params: Params;
 
 // The paper's attenuation: a reflection fades into the environment towards the maximum ray length.
 fn faded(pixel: vec2u, direction: vec3f, found: vec3f) -> vec3f {

@@ -5,9 +5,9 @@
 #import fogged
 #import gbuffer
 
-@group(2) @binding(3) var coverage_sum: texture_storage_2d<r32float, read_write>;
-@group(2) @binding(4) var<uniform> params: Params;
-@group(2) @binding(11) var transmitted_light: texture_2d<f32>; // w: share of the light behind that surfaces cover
+@group(2) @binding(5) var coverage_sum: texture_storage_2d<r32float, read_write>;
+@group(2) @binding(6) var<uniform> params: Params;
+@group(2) @binding(8) var transmitted_light: texture_2d<f32>; // w: share of the light behind that surfaces cover
 
 @compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(global_invocation_id) id: vec3u) {

@@ -8,11 +8,11 @@
 #import radiance
 #import taps
 
-@group(2) @binding(3) var cause: texture_2d<u32>;
-@group(2) @binding(4) var hit: texture_2d<u32>;
-@group(2) @binding(5) var source: texture_2d<f32>; // w: 0 where the facet mirrors the view into the surface
-@group(2) @binding(6) var blurred: RadianceTexture;
-@group(2) @binding(7) var<uniform> params: Params;
+@group(2) @binding(5) var cause: texture_2d<u32>;
+@group(2) @binding(6) var hit: texture_2d<u32>;
+@group(2) @binding(7) var source: texture_2d<f32>; // w: 0 where the facet mirrors the view into the surface
+@group(2) @binding(8) var blurred: RadianceTexture;
+@group(2) @binding(9) var<uniform> params: Params;
 
 const WIDEST: f32 = 0.03; // maximum radius, as a share of the picture's height
 

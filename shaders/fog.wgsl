@@ -7,7 +7,7 @@
 #import lists
 #import radiance
 
-@group(2) @binding(3) var fog_light: RadianceTexture; // w: transmittance
+@group(2) @binding(5) var fog_light: RadianceTexture; // w: transmittance
 
 const FIRST_VERTEX: u32 = 192u; // offset of sample numbers, so that they differ from those of surfaces
 

@@ -7,10 +7,10 @@
 
 override HAS_REFLECTIONS: bool = true;
 
-@group(2) @binding(3) var cause: texture_2d<u32>;
-@group(2) @binding(4) var hit: texture_2d<u32>;
-@group(2) @binding(5) var guides: texture_storage_2d_array<r32float, read_write>; // red, green, blue; x, y, z
-@group(2) @binding(6) var<uniform> params: Params;
+@group(2) @binding(5) var cause: texture_2d<u32>;
+@group(2) @binding(6) var hit: texture_2d<u32>;
+@group(2) @binding(7) var guides: texture_storage_2d_array<r32float, read_write>; // red, green, blue; x, y, z
+@group(2) @binding(8) var<uniform> params: Params;
 
 // Schlick's reflectance, mean over the channels.
 fn reflectance(s: Surface) -> f32 {

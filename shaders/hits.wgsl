@@ -9,10 +9,10 @@
 #import lists
 #import radiance
 
-@group(2) @binding(3) var hit: texture_2d<u32>;
-@group(2) @binding(4) var reflection: RadianceTexture;
-@group(2) @binding(5) var visible_lights: texture_2d<u32>; // shadow ray results of the light pass, reused here
-@group(2) @binding(6) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
+@group(2) @binding(5) var hit: texture_2d<u32>;
+@group(2) @binding(6) var reflection: RadianceTexture;
+@group(2) @binding(7) var visible_lights: texture_2d<u32>; // shadow ray results of the light pass, reused here
+@group(2) @binding(8) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
 
 fn shade_pixel(pixel: vec2u) {
     let first = load_surface(pixel);

@@ -4,7 +4,7 @@
 #import lists
 #import mirror_path
 
-@group(2) @binding(8) var lead_hit: texture_storage_2d<rgba32uint, write>; // distance, instance, triangle, cause
+@group(2) @binding(10) var lead_hit: texture_storage_2d<rgba32uint, write>; // distance, instance, triangle, cause
 
 // Number of rays of a workgroup for each of RATE; fewer than its invocations, so that seldom one has no place among them.
 const SORTED: u32 = RAYS_PER_GROUP - 8u;

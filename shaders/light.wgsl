@@ -4,10 +4,10 @@
 #import lists
 #import radiance
 
-@group(2) @binding(3) var radiance: RadianceTexture; // w: 1 where it is a display color
-@group(2) @binding(4) var specular: RadianceTexture;
-@group(2) @binding(5) var visible_lights: texture_storage_2d<rg32uint, write>;
-@group(2) @binding(6) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
+@group(2) @binding(5) var radiance: RadianceTexture; // w: 1 where it is a display color
+@group(2) @binding(6) var specular: RadianceTexture;
+@group(2) @binding(7) var visible_lights: texture_storage_2d<rg32uint, write>;
+@group(2) @binding(8) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
 
 // Whether a later pass may reuse which lights reach the surface of a pixel.
 override LENDS_LIGHT: bool = true;

@@ -9,10 +9,10 @@
 #import probe_params
 #import radiance
 
-@group(2) @binding(3) var reflection: RadianceTexture;
-@group(2) @binding(4) var hit: texture_storage_2d<rgba32uint, write>;
-@group(2) @binding(5) var<uniform> params: Params;
-@group(2) @binding(7) var ids: texture_2d<u32>;
+@group(2) @binding(5) var reflection: RadianceTexture;
+@group(2) @binding(6) var hit: texture_storage_2d<rgba32uint, write>;
+@group(2) @binding(7) var<uniform> params: Params;
+@group(2) @binding(0) var ids: texture_2d<u32>;
 
 // Whether probes are chosen by the origin of the model that a pixel shows, for all of it, rather than by the pixel's point.
 override PROBES_BY_INSTANCE: bool = false;

@@ -7,9 +7,9 @@
 #import soften_params
 #import taps
 
-@group(2) @binding(3) var source: texture_2d<f32>; // see indirect.wgsl
-@group(2) @binding(4) var softened: RadianceTexture;
-@group(2) @binding(5) var<uniform> params: Params;
+@group(2) @binding(5) var source: texture_2d<f32>; // see indirect.wgsl
+@group(2) @binding(6) var softened: RadianceTexture;
+@group(2) @binding(7) var<uniform> params: Params;
 
 const MOST_BETWEEN: i32 = 8; // pixels looked at between a pixel and a tap
 

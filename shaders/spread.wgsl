@@ -11,11 +11,11 @@
 #import shaded_hit
 #import spread_params
 
-@group(2) @binding(4) var reflection: RadianceTexture;
-@group(2) @binding(6) var hit: texture_storage_2d<rgba32uint, write>;
-@group(2) @binding(7) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
-@group(2) @binding(9) var lead_hit: texture_2d<u32>;
-@group(2) @binding(10) var<uniform> params: Params;
+@group(2) @binding(6) var reflection: RadianceTexture;
+@group(2) @binding(8) var hit: texture_storage_2d<rgba32uint, write>;
+@group(2) @binding(9) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
+@group(2) @binding(11) var lead_hit: texture_2d<u32>;
+@group(2) @binding(12) var<uniform> params: Params;
 
 // Hits around a pixel, which are of one instance.
 struct Around {

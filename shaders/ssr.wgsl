@@ -19,12 +19,12 @@ override VERIFY: bool = true; // false: accept crossings by the paper's threshol
 override TRACE: bool = true; // false: method ssr, rays without a screen hit stay black
 override REFUSE: bool = true; // false: accept every crossing, to measure what refusing gains
 
-@group(2) @binding(3) var ids: texture_2d<u32>;
-@group(2) @binding(4) var reflection: RadianceTexture;
-@group(2) @binding(5) var cause: texture_storage_2d<r32uint, write>;
-@group(2) @binding(6) var hit: texture_storage_2d<rgba32uint, write>;
-@group(2) @binding(7) var<uniform> params: Params;
-@group(2) @binding(8) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
+@group(2) @binding(0) var ids: texture_2d<u32>;
+@group(2) @binding(6) var reflection: RadianceTexture;
+@group(2) @binding(7) var cause: texture_storage_2d<r32uint, write>;
+@group(2) @binding(8) var hit: texture_storage_2d<rgba32uint, write>;
+@group(2) @binding(9) var<uniform> params: Params;
+@group(2) @binding(10) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
 
 // Minimum relative difference of the depths of two surfaces over a pixel, beyond rounding.
 const CULLED_SLACK: f32 = 1e-6;

@@ -7,8 +7,8 @@
 #import lists
 #import radiance
 
-@group(2) @binding(3) var ids: texture_2d<u32>;
-@group(2) @binding(4) var transmitted_light: RadianceTexture;
+@group(2) @binding(0) var ids: texture_2d<u32>;
+@group(2) @binding(6) var transmitted_light: RadianceTexture;
 
 const FIRST_VERTEX: u32 = 64u; // offset of sample numbers, so that they differ from those of reflections
 

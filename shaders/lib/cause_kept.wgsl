@@ -3,7 +3,7 @@
 #import cause
 #import lists
 
-@group(2) @binding(8) var written_cause: texture_storage_2d<r32uint, read_write>;
+@group(2) @binding(10) var written_cause: texture_storage_2d<r32uint, read_write>;
 
 fn keep_cause(pixel: vec2u, ended: u32) {
     if (!MAPPED || ended == CAUSE_UNMARCHED) { return; }

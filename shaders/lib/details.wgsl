@@ -5,8 +5,8 @@
 
 override HAS_DETAILS: bool = true; // else the G-buffer holds all values of surfaces
 
-@group(2) @binding(2) var colors: texture_2d<u32>;
-@group(2) @binding(27) var details: texture_2d_array<u32>;
+@group(2) @binding(3) var colors: texture_2d<u32>;
+@group(2) @binding(4) var details: texture_2d_array<u32>;
 
 fn packed_colors(pixel: vec2u) -> vec4u {
     if (!HAS_DETAILS) { return textureLoad(colors, pixel, 0); }

@@ -2,7 +2,7 @@
 
 #import fog
 
-@group(2) @binding(13) var fog_light: texture_2d<f32>;
+@group(2) @binding(9) var fog_light: texture_2d<f32>;
 
 // Light of what a pixel shows, seen through the fog, and the light that the fog scatters.
 fn fogged(pixel: vec2u, light: vec3f) -> vec3f {

@@ -5,8 +5,8 @@
 #import gbuffer_layout
 #import shade
 
-@group(2) @binding(0) var view_depth: texture_2d<f32>; // meters along the view direction; FAR_M: sky
-@group(2) @binding(1) var surface: texture_2d<u32>;
+@group(2) @binding(1) var view_depth: texture_2d<f32>; // meters along the view direction; FAR_M: sky
+@group(2) @binding(2) var surface: texture_2d<u32>;
 
 fn position_at(pixel: vec2u, depth_m: f32) -> vec3f {
     let center = vec2f(pixel) + 0.5;

@@ -10,11 +10,11 @@
 #import nearest_met
 #import radiance
 
-@group(2) @binding(4) var reflection: RadianceTexture;
-@group(2) @binding(5) var hit: texture_storage_2d<rgba32uint, write>;
+@group(2) @binding(6) var reflection: RadianceTexture;
+@group(2) @binding(7) var hit: texture_storage_2d<rgba32uint, write>;
 
-@group(2) @binding(6) var visible_lights: texture_2d<u32>; // shadow ray results of the light pass, reused here
-@group(2) @binding(7) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
+@group(2) @binding(8) var visible_lights: texture_2d<u32>; // shadow ray results of the light pass, reused here
+@group(2) @binding(9) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
 
 // Whether hits are shaded. false: the same rays are followed and their hits written, to measure how
 // much of the time traversal takes.

@@ -3,7 +3,7 @@
 #import bvh
 #import cause
 
-@group(2) @binding(3) var cause: texture_2d<u32>;
+@group(2) @binding(5) var cause: texture_2d<u32>;
 
 // Number of steps in maps, of which there are none, and how a ray ended in them.
 const map_steps: u32 = 0u;

@@ -14,8 +14,8 @@
 #import shown
 #import tangent_plane
 
-@group(2) @binding(9) var second_depth: texture_depth_2d; // clip-space z; 0: none
-@group(2) @binding(10) var second_ids: texture_2d<u32>;
+@group(2) @binding(11) var second_depth: texture_depth_2d; // clip-space z; 0: none
+@group(2) @binding(12) var second_ids: texture_2d<u32>;
 
 override HAS_SECOND_LAYER: bool = true;
 // Number of pixels by which a ray must be behind a surface, as it slopes there, so that it is not the ray's own

@@ -5,7 +5,7 @@
 #import indirect
 #import light_reuse
 
-@group(2) @binding(5) var visible_lights: texture_2d<u32>; // shadow ray results of the light pass, reused here
+@group(2) @binding(7) var visible_lights: texture_2d<u32>; // shadow ray results of the light pass, reused here
 
 // The pixel's cone where its reflection ray has gone a distance.
 fn reflected_cone(first: Surface, at_m: f32) -> Cone {

@@ -21,6 +21,7 @@ pub mod shader;
 mod shader_cache;
 mod specialize;
 pub mod timer;
+mod used_textures;
 
 pub use bind::{GroupLayout, Named};
 pub use context::{Gpu, GpuOptions};
@@ -28,4 +29,6 @@ pub use error::GpuError;
 pub use reflect::{ShaderModuleInfo, check, check_part, parse};
 pub use shader::{ShaderError, ShaderLibrary, ShaderSource};
 pub use shader_cache::{Checks, Shader};
+pub use specialize::pruned;
 pub use timer::Timer;
+pub use used_textures::UsedTextures;

@@ -15,6 +15,7 @@ use super::{
     shader::{ShaderError, ShaderLibrary, ShaderSource},
     shader_cache::{Checks, PipelineKey, Recent, Shader, find, get_or_make},
     specialize::{pruned, specialized},
+    used_textures::UsedTextures,
 };
 
 /// A pipeline of a shader.
@@ -58,8 +59,16 @@ impl Gpu {
         });
         let given: Vec<(String, bool)> = given.collect();
         let make = |source: &ShaderSource| {
+            let capabilities: Capabilities = reflect::capabilities(self.features);
             let module = pruned(&parsed, constants);
-            Shader::of_module(self, source, checks, module)
+            let (info, validated) = reflect::declared(source, &module, capabilities)?;
+            Ok(Shader {
+                info,
+                textures: Arc::new(UsedTextures::new(&parsed, &module)),
+                module: Arc::new((module, validated)),
+                trusted: checks == Checks::TrustedBuiltin && source.embedded,
+                keys: Arc::default(),
+            })
         };
         self.shaders.get_or_make(source, checks, given, make)
     }
@@ -88,23 +97,6 @@ impl Shader {
     /// [`GpuError::Shader`] at the line in its source file, or a wgpu error.
     pub fn new(gpu: &Gpu, library: &ShaderLibrary, name: &str) -> Result<Self, GpuError> {
         gpu.shader(library.source(name)?, Checks::All, &[])
-    }
-
-    /// Validates a part of a text and reflects its declarations.
-    fn of_module(
-        gpu: &Gpu,
-        source: &ShaderSource,
-        checks: Checks,
-        module: naga::Module,
-    ) -> Result<Self, GpuError> {
-        let capabilities: Capabilities = reflect::capabilities(gpu.features);
-        let (info, validated) = reflect::declared(source, &module, capabilities)?;
-        Ok(Self {
-            info,
-            module: Arc::new((module, validated)),
-            trusted: checks == Checks::TrustedBuiltin && source.embedded,
-            keys: Arc::default(),
-        })
     }
 
     /// The module for one compute entry point or all entry points, with values for its overrides.

@@ -8,7 +8,9 @@ use std::{
 
 use xxhash_rust::xxh3::Xxh3;
 
-use super::{error::GpuError, reflect::ShaderModuleInfo, shader::ShaderSource};
+use super::{
+    error::GpuError, reflect::ShaderModuleInfo, shader::ShaderSource, used_textures::UsedTextures,
+};
 
 /// Maximum number of shaders and of parsed texts kept; a frame has at most 19. The least recently used is dropped, so that a text that
 /// is being edited pushes out its own old versions.
@@ -41,6 +43,8 @@ pub enum Checks {
 pub struct Shader {
     /// Reflection of the module.
     pub info: ShaderModuleInfo,
+    /// Textures of its own group.
+    pub textures: Arc<UsedTextures>,
     pub(super) module: Arc<(naga::Module, naga::valid::ModuleInfo)>,
     /// Whether the text was built into this program, and the caller validates all indices that the shader reads.
     pub(super) trusted: bool,

@@ -146,7 +146,7 @@ fn constant_temporaries(facts: Facts<'_>, function: &Function, known: &[Known]) 
 }
 
 /// Calls `look` with every statement of a block and of the blocks inside it.
-fn visit(block: &Block, look: &mut impl FnMut(&Statement)) {
+pub(super) fn visit(block: &Block, look: &mut impl FnMut(&Statement)) {
     for statement in block {
         look(statement);
         match statement {

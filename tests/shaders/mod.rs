@@ -7,7 +7,7 @@ use std::{
 };
 
 use reflet::gpu::{
-    ShaderError, ShaderLibrary, ShaderModuleInfo, ShaderSource,
+    ShaderError, ShaderLibrary, ShaderModuleInfo, ShaderSource, UsedTextures,
     bind::{merged_bindings, over_limits},
     check, check_part, parse,
     reflect::capabilities,
@@ -17,12 +17,13 @@ use reflet::render::{
     layout::{gpu_struct, types},
     passes,
     pipeline::{
-        pass::Pass, shader_variant::ShaderVariant, shared_data::SharedData, targets::Target,
+        pass::Pass, pass_targets::PassTargets, shader_variant::ShaderVariant,
+        shared_data::SharedData, targets::Target,
     },
     plan::Features,
 };
 
-mod fog;
+mod parts;
 mod tint;
 
 use tint::sources;
@@ -75,9 +76,12 @@ static SHIPPED: LazyLock<Vec<ShaderModuleInfo>> = LazyLock::new(|| {
     good(checked)
 });
 
+/// Values of boolean overrides, by name.
+type Flags<'a> = Vec<(&'a str, bool)>;
+
 /// The part of every text that every set of features leaves, validated: what a pipeline is made of.
 static PARTS: LazyLock<Vec<ShaderModuleInfo>> = LazyLock::new(|| {
-    let mut sets: BTreeMap<(String, &str), BTreeSet<Vec<(&str, bool)>>> = BTreeMap::new();
+    let mut sets: BTreeMap<(String, &str), BTreeSet<Flags<'_>>> = BTreeMap::new();
     for variant in ShaderVariant::all() {
         let library = variant.library(&ShaderLibrary::embedded(), passes::ALL);
         let library = library.unwrap_or_else(|e| panic!("{e}"));
@@ -103,7 +107,7 @@ static PARTS: LazyLock<Vec<ShaderModuleInfo>> = LazyLock::new(|| {
         let source = source.as_ref().expect("it assembles");
         let module = parse(source).unwrap_or_else(|e| panic!("{e}"));
         let sets = &sets[&(name.clone(), &*source.text)];
-        let part = move |flags: &Vec<(&str, bool)>| {
+        let part = move |flags: &Flags<'_>| {
             let given: Vec<_> = (flags.iter())
                 .map(|(key, is_on)| (*key, f64::from(u8::from(*is_on))))
                 .collect();
@@ -236,14 +240,30 @@ fn shared_structs_have_the_same_layout_in_the_shaders() {
     }
 }
 
+/// Targets that the shader of a pass uses in some frame.
+fn targets(pass: &Pass) -> PassTargets {
+    let texts = SOURCES.iter().filter(|(name, _)| name == pass.name);
+    let used = texts.map(|(_, source)| {
+        let module = source.as_ref().map_err(Clone::clone).and_then(parse);
+        let module = module.unwrap_or_else(|e| panic!("{e}"));
+        PassTargets::new(pass, &UsedTextures::new(&module, &module))
+    });
+    used.fold(PassTargets::default(), |mut all, used| {
+        all.reads.extend(used.reads);
+        all.writes.extend(used.writes);
+        all
+    })
+}
+
 #[test]
 fn every_pass_reads_only_what_was_written_before() {
     let mut written: (Vec<Target>, Vec<SharedData>) = Default::default();
     for pass in passes::ORDER {
         let name = pass.name;
-        for target in pass.reads {
+        let PassTargets { reads, writes } = targets(pass);
+        for target in reads {
             // A pass that swaps targets reads what it wrote.
-            let known = written.0.contains(target) || pass.writes.contains(target);
+            let known = written.0.contains(&target) || writes.contains(&target);
             assert!(known, "{name} reads {} too early", target.name());
         }
         for data in pass.reads_shared {
@@ -253,41 +273,13 @@ fn every_pass_reads_only_what_was_written_before() {
                 data.name()
             );
         }
-        written.0.extend(pass.writes);
+        written.0.extend(writes);
         written.1.extend(pass.writes_shared);
     }
-}
-
-/// Names of the data that the compute shader of a pass binds: targets that it reads, targets that it writes, others.
-fn bound(pass: &Pass) -> [BTreeSet<&'static str>; 3] {
-    let named = |name: &str| -> Vec<&'static str> {
-        let aliases = pass.aliases.iter().flat_map(|aliases| aliases.iter());
-        let aliased = aliases.filter(|(alias, _)| *alias == name);
-        let aliased: Vec<_> = aliased.map(|(_, target)| target.name()).collect();
-        match aliased.is_empty() {
-            true => (Target::ALL.iter().map(|t| t.name()))
-                .filter(|t| *t == name)
-                .collect(),
-            false => aliased,
-        }
-    };
-    let (mut reads, mut writes, mut others) = (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
-    let compiled = SHIPPED.iter().filter(|shader| shader.name == pass.name);
-    for binding in compiled.flat_map(|shader| &shader.bindings) {
-        let name = &binding.name;
-        let targets = named(name.strip_prefix("written_").unwrap_or(name));
-        match binding.ty {
-            wgpu::BindingType::Texture { .. } if targets.is_empty() => {
-                others.insert(binding.name.as_str());
-            }
-            wgpu::BindingType::Texture { .. } => reads.extend(targets),
-            wgpu::BindingType::StorageTexture { .. } => writes.extend(targets),
-            _ => {
-                others.insert(binding.name.as_str());
-            }
-        }
-    }
-    [reads, writes, others]
+    let read_by_none: Vec<_> = (Target::ALL.iter())
+        .filter(|target| !written.0.contains(target))
+        .collect();
+    assert!(read_by_none.is_empty(), "no pass writes {read_by_none:?}");
 }
 
 /// Binding that holds shared data; `None` for data that the dispatch itself reads.
@@ -304,81 +296,22 @@ fn binding_of(data: SharedData, pass: &Pass) -> Option<&'static str> {
     }
 }
 
-/// `reflet info --frame` prints what passes declare; their shaders bind the same.
+/// `reflet info --frame` prints the shared data that passes declare; their shaders bind the same.
 #[test]
-fn compute_passes_declare_what_their_shaders_bind() {
+fn compute_passes_declare_the_shared_data_that_their_shaders_bind() {
     let draws = ["shadow", "visibility", "peel"]; // into attachments
-    let mut wrong = Vec::new();
-    for pass in passes::ALL
+    let known = BTreeSet::from(["shadow_maps", "lists", "counters", "arguments"]);
+    let computes = passes::ALL
         .iter()
-        .filter(|pass| !draws.contains(&pass.name))
-    {
-        let [reads, writes, others] = bound(pass);
-        let names = |of: &[Target]| of.iter().map(|t| t.name()).collect::<BTreeSet<_>>();
+        .filter(|pass| !draws.contains(&pass.name));
+    for pass in computes {
+        let shaders = SHIPPED.iter().filter(|shader| shader.name == pass.name);
+        let bound = shaders.flat_map(|shader| shader.bindings.iter().map(|b| b.name.as_str()));
+        let bound: BTreeSet<_> = bound.filter(|name| known.contains(name)).collect();
         let shared = pass.reads_shared.iter().chain(pass.writes_shared);
-        let shared = shared.filter_map(|data| binding_of(*data, pass)).collect();
-        let known = BTreeSet::from(["shadow_maps", "lists", "counters", "arguments"]);
-        for (what, declared, bound) in [
-            ("reads", names(pass.reads), reads),
-            ("writes", names(pass.writes), writes),
-            ("shares", shared, &others & &known),
-        ] {
-            if declared != bound {
-                wrong.push(format!(
-                    "{} {what} {bound:?}, declares {declared:?}",
-                    pass.name
-                ));
-            }
-        }
+        let declared: BTreeSet<_> = shared.filter_map(|data| binding_of(*data, pass)).collect();
+        assert_eq!(declared, bound, "{}", pass.name);
     }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-}
-
-/// Names of the functions and of the bindings of a shader in a frame with these features.
-fn part(features: Features, name: &str) -> BTreeSet<String> {
-    let variant = variant(features);
-    let library = variant.library(&ShaderLibrary::embedded(), passes::ALL);
-    let source = library.and_then(|library| library.source(name));
-    let source = source.unwrap_or_else(|e| panic!("{e}"));
-    let module = parse(&source).unwrap_or_else(|e| panic!("{e}"));
-    let constants: Vec<_> = variant.features.constants().collect();
-    let info = check_part(&source, &module, capabilities(OPTIONAL), &constants);
-    let info = info.unwrap_or_else(|e| panic!("{e}"));
-    let bindings = info.bindings.into_iter().map(|b| b.name);
-    info.functions.into_iter().chain(bindings).collect()
-}
-
-/// Shaders contain neither code nor bindings for features that a scene does not use.
-#[test]
-fn closed_forms_need_no_samples() {
-    let light = |environment_rays, panorama| {
-        let features = Features {
-            environment_rays,
-            panorama,
-            ..Features::default()
-        };
-        part(features, "light")
-    };
-    let variants = [(false, false), (true, false), (true, true)];
-    let [closed, sampled, panorama] = variants.map(|(s, p)| light(s, p));
-    let has = |names: &BTreeSet<String>, wanted: [&str; 2]| wanted.map(|name| names.contains(name));
-    let samples = ["sample_square", "sampling"];
-    assert_eq!(has(&closed, samples), [false; 2]);
-    assert_eq!(has(&sampled, samples), [true; 2]);
-    let density = ["square_weights", "panorama_density"];
-    assert_eq!(has(&sampled, density), [false; 2]);
-    assert_eq!(has(&panorama, density), [true; 2]);
-    let details = |sheen: bool| {
-        let features = Features {
-            tints: true,
-            sheen,
-            ..Features::default()
-        };
-        part(features, "light")
-    };
-    let sheen = ["sheen_lambda", "sheen_table"];
-    assert_eq!(has(&details(false), sheen), [false; 2]);
-    assert_eq!(has(&details(true), sheen), [true; 2]);
 }
 
 /// Overrides that neither the table of features nor a pass gives: numbers of the plan and of the adapter, and choices

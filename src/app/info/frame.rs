@@ -34,7 +34,7 @@ pub struct PlannedFrame {
 /// `plan_file`, the frame of its adapter.
 ///
 /// # Errors
-/// [`AppError::Scene`] when its trees cannot be built.
+/// [`AppError::Scene`] when its trees cannot be built; [`AppError::Gpu`] for a built-in shader with an error.
 pub fn planned_frames(
     loaded: &LoadedScene,
     plan_file: Option<&PlanFile>,
@@ -49,17 +49,19 @@ pub fn planned_frames(
             .options
             .settled();
         let plan = Plan::of(world, &trees, &layers, &options);
-        PlannedFrame {
+        let full = Precision::of(world, &options).full;
+        let passes = recorded_passes(&plan, &options, full);
+        Ok::<_, AppError>(PlannedFrame {
             adapters: adapters.to_owned(),
             method: options.reflection.method.name(),
-            passes: recorded_passes(&plan, &options, Precision::of(world, &options).full),
+            passes: passes.map_err(|error| AppError::Gpu(error.into()))?,
             left_out: plan.dropped,
-        }
+        })
     };
     if let Some(file) = plan_file {
-        return Ok(vec![frame(&file.adapter, false)]);
+        return Ok(vec![frame(&file.adapter, false)?]);
     }
-    let frames = [frame("GPUs", false), frame("software adapters", true)];
+    let frames = [frame("GPUs", false)?, frame("software adapters", true)?];
     let [gpu, software] = &frames;
     Ok(
         match (&gpu.passes, gpu.method, &gpu.left_out)

@@ -11,7 +11,6 @@ use crate::{
         ray_list::{AUDIT_RAYS, RAYS_PER_GROUP},
         shared_data::SharedData,
         sub_frame::SubFrame,
-        targets::Target,
     },
 };
 use reflet_gpu::{Checks, GpuError};
@@ -22,13 +21,6 @@ pub const PASS: Pass = Pass {
     name: "audit",
     group: PassGroup::Measurement,
     color: [122, 122, 122],
-    reads: &[
-        Target::ViewDepth,
-        Target::Surface,
-        Target::Colors,
-        Target::Details,
-        Target::Hit,
-    ],
     reads_shared: &[SharedData::PixelLists, SharedData::Counters],
     writes_shared: &[SharedData::Counters],
     params: Some(Params::LAYOUT),

@@ -17,24 +17,14 @@ pub const PASS: Pass = Pass {
     name: "blur",
     group: PassGroup::Reflection,
     color: [163, 10, 16],
-    reads: &[
-        Target::Surface,
-        Target::Cause,
-        Target::Reflection,
-        Target::Blurred,
+    aliases: &[
+        ("source", &[Target::Reflection, Target::Blurred]),
+        ("blurred", &[Target::Blurred, Target::Reflection]),
     ],
-    writes: &[Target::Blurred, Target::Reflection],
-    aliases: &ALIASES,
     params: Some(Params::LAYOUT),
     needed: |plan, options| plan.features.reflections && options.reflection.blur_px > 0.0,
     ..Pass::DEFAULT
 };
-
-/// Targets of `source` and `blurred` in the horizontal, then in the vertical step.
-const ALIASES: [&[(&str, Target)]; 2] = [
-    &[("source", Target::Reflection), ("blurred", Target::Blurred)],
-    &[("source", Target::Blurred), ("blurred", Target::Reflection)],
-];
 
 gpu_struct! {
     /// Uniforms of the blur in one direction.
@@ -52,7 +42,7 @@ pub struct Blur([ComputePass; 2]);
 
 impl FramePass for Blur {
     fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        let direction = |i: usize| builder.compute(&PASS, ALIASES[i]);
+        let direction = |i: usize| builder.compute(&PASS, &PASS.swapped(i));
         Ok(Self([direction(0)?, direction(1)?]))
     }
 

@@ -19,37 +19,15 @@ pub const PASS: Pass = Pass {
     name: "compose",
     group: PassGroup::Picture,
     color: [204, 105, 205],
-    reads: &[
-        Target::ViewDepth,
-        Target::Surface,
-        Target::Colors,
-        Target::Details,
-        Target::Radiance,
-        Target::Specular,
-        Target::Reflection,
-        Target::TransmittedLight,
-        Target::FogLight,
-        Target::IndirectLight,
-        Target::Cause,
-        Target::Hit,
-        Target::ColorEven,
-        Target::ColorOdd,
-    ],
-    writes: &[Target::ColorEven, Target::ColorOdd],
-    aliases: &ALIASES,
+    aliases: &[("color", &SUMS), ("previous", &SUMS)],
     params: Some(Params::LAYOUT),
     overrides: |options| vec![("FILTER", f64::from(u8::from(filter::is_enabled(options))))],
-    is_written: |_, options, target| {
-        target != Target::ColorOdd || options.image.samples.count() > 1
-    },
+    is_written: |options, target| target != Target::ColorOdd || options.image.samples.count() > 1,
     ..Pass::DEFAULT
 };
 
-/// Targets of `color` and `previous` in even and odd sub-frames.
-const ALIASES: [&[(&str, Target)]; 2] = [
-    &[("color", Target::ColorEven), ("previous", Target::ColorOdd)],
-    &[("color", Target::ColorOdd), ("previous", Target::ColorEven)],
-];
+/// Sums of the sub-frames, after even and after odd ones.
+const SUMS: [Target; 2] = [Target::ColorEven, Target::ColorOdd];
 
 gpu_struct! {
     /// Uniforms of the compose shader for one sub-frame.
@@ -65,7 +43,8 @@ pub struct Compose([ComputePass; 2]);
 
 impl FramePass for Compose {
     fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        let parity = |i: usize| builder.compute(&PASS, ALIASES[i]);
+        let parity =
+            |i: usize| builder.compute(&PASS, &[("color", SUMS[i]), ("previous", SUMS[1 - i])]);
         Ok(Self([parity(0)?, parity(1)?]))
     }
 

@@ -7,7 +7,6 @@ use crate::{
         pass::{ComputePass, Dispatch, Pass, PassGroup},
         pass_builder::PassBuilder,
         sub_frame::SubFrame,
-        targets::Target,
     },
 };
 use reflet_gpu::GpuError;
@@ -17,15 +16,6 @@ pub const PASS: Pass = Pass {
     name: "coverage",
     group: PassGroup::Picture,
     color: [122, 33, 139],
-    reads: &[
-        Target::ViewDepth,
-        Target::Surface,
-        Target::Colors,
-        Target::Details,
-        Target::TransmittedLight,
-        Target::FogLight,
-    ],
-    writes: &[Target::CoverageSum],
     needed: |_, options| options.image.alpha,
     params: Some(Params::LAYOUT),
     ..Pass::DEFAULT

@@ -5,7 +5,6 @@ use crate::pipeline::{
     pass::{ComputePass, Pass, PassGroup},
     pass_builder::PassBuilder,
     sub_frame::SubFrame,
-    targets::Target,
 };
 use reflet_gpu::GpuError;
 
@@ -14,8 +13,6 @@ pub const PASS: Pass = Pass {
     name: "details",
     group: PassGroup::Surfaces,
     color: [70, 78, 207],
-    reads: &[Target::Ids, Target::Colors],
-    writes: &[Target::Details],
     needed: |plan, _| plan.features.details,
     ..Pass::DEFAULT
 };

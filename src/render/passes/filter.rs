@@ -18,18 +18,10 @@ pub const PASS: Pass = Pass {
     name: "filter",
     group: PassGroup::Reflection,
     color: [237, 151, 148],
-    reads: &[
-        Target::ViewDepth,
-        Target::Surface,
-        Target::Colors,
-        Target::Details,
-        Target::Cause,
-        Target::Hit,
-        Target::Reflection,
-        Target::Blurred,
+    aliases: &[
+        ("source", &[Target::Reflection, Target::Blurred]),
+        ("blurred", &[Target::Blurred, Target::Reflection]),
     ],
-    writes: &[Target::Blurred, Target::Reflection],
-    aliases: &ALIASES,
     params: Some(Params::LAYOUT),
     needed: |plan, options| {
         plan.features.reflections && plan.features.rough_reflections && is_enabled(options)
@@ -41,12 +33,6 @@ pub const PASS: Pass = Pass {
 pub fn is_enabled(options: &RenderOptions) -> bool {
     options.smooths()
 }
-
-/// Targets of `source` and `blurred` in the wide and the narrow step.
-const ALIASES: [&[(&str, Target)]; 2] = [
-    &[("source", Target::Reflection), ("blurred", Target::Blurred)],
-    &[("source", Target::Blurred), ("blurred", Target::Reflection)],
-];
 
 /// Radius in lobe widths and number of taps of both steps; the narrow one fills the gaps between the taps of the
 /// wide one.
@@ -68,7 +54,7 @@ pub struct Filter([ComputePass; 2]);
 
 impl FramePass for Filter {
     fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        let step = |i: usize| builder.compute(&PASS, ALIASES[i]);
+        let step = |i: usize| builder.compute(&PASS, &PASS.swapped(i));
         Ok(Self([step(0)?, step(1)?]))
     }
 

@@ -6,7 +6,6 @@ use crate::pipeline::{
     pass_builder::PassBuilder,
     shared_data::SharedData,
     sub_frame::SubFrame,
-    targets::Target,
 };
 use reflet_gpu::{Checks, GpuError};
 
@@ -15,13 +14,6 @@ pub const PASS: Pass = Pass {
     name: "fog",
     group: PassGroup::Light,
     color: [85, 9, 0],
-    reads: &[
-        Target::ViewDepth,
-        Target::Surface,
-        Target::Colors,
-        Target::Details,
-    ],
-    writes: &[Target::FogLight],
     reads_shared: &[SharedData::ShadowMaps],
     writes_shared: &[SharedData::Counters],
     needed: |plan, _| plan.features.fog,

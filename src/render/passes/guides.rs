@@ -7,7 +7,6 @@ use crate::{
         pass::{ComputePass, Dispatch, Pass, PassGroup},
         pass_builder::PassBuilder,
         sub_frame::SubFrame,
-        targets::Target,
     },
 };
 use reflet_gpu::{Checks, GpuError};
@@ -17,15 +16,6 @@ pub const PASS: Pass = Pass {
     name: "guides",
     group: PassGroup::Picture,
     color: [0, 54, 6],
-    reads: &[
-        Target::ViewDepth,
-        Target::Surface,
-        Target::Colors,
-        Target::Details,
-        Target::Cause,
-        Target::Hit,
-    ],
-    writes: &[Target::Guides],
     needed: |_, options| options.guides,
     params: Some(Params::LAYOUT),
     // Hits come from passes whose indices `check_world` and `Trees::build` validated.

@@ -7,7 +7,6 @@ use crate::pipeline::{
     ray_list::List,
     shared_data::SharedData,
     sub_frame::SubFrame,
-    targets::Target,
 };
 use reflet_gpu::{Checks, GpuError};
 
@@ -18,15 +17,6 @@ pub const PASS: Pass = Pass {
     name: "hits",
     group: PassGroup::Reflection,
     color: [114, 65, 79],
-    reads: &[
-        Target::ViewDepth,
-        Target::Surface,
-        Target::Colors,
-        Target::Details,
-        Target::Hit,
-        Target::VisibleLights,
-    ],
-    writes: &[Target::Reflection],
     reads_shared: &[
         SharedData::Counters,
         SharedData::ShadowMaps,

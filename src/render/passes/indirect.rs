@@ -6,7 +6,6 @@ use crate::pipeline::{
     pass_builder::PassBuilder,
     shared_data::SharedData,
     sub_frame::SubFrame,
-    targets::Target,
 };
 use reflet_gpu::{Checks, GpuError};
 
@@ -15,13 +14,6 @@ pub const PASS: Pass = Pass {
     name: "indirect",
     group: PassGroup::Light,
     color: [190, 120, 55],
-    reads: &[
-        Target::ViewDepth,
-        Target::Surface,
-        Target::Colors,
-        Target::Details,
-    ],
-    writes: &[Target::IndirectLight],
     reads_shared: &[SharedData::ShadowMaps],
     writes_shared: &[SharedData::Counters],
     overrides: super::soften::constants,

@@ -17,15 +17,6 @@ pub const PASS: Pass = Pass {
     name: "lead",
     group: PassGroup::Reflection,
     color: [162, 0, 252],
-    reads: &[
-        Target::ViewDepth,
-        Target::Surface,
-        Target::Colors,
-        Target::Details,
-        Target::Cause,
-        Target::VisibleLights,
-    ],
-    writes: &[Target::Reflection, Target::Hit, Target::LeadHit],
     reads_shared: &[
         SharedData::Counters,
         SharedData::ShadowMaps,

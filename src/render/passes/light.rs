@@ -6,7 +6,6 @@ use crate::pipeline::{
     pass_builder::PassBuilder,
     shared_data::SharedData,
     sub_frame::SubFrame,
-    targets::Target,
 };
 use reflet_gpu::{Checks, GpuError};
 
@@ -15,16 +14,8 @@ pub const PASS: Pass = Pass {
     name: "light",
     group: PassGroup::Light,
     color: [182, 167, 38],
-    reads: &[
-        Target::ViewDepth,
-        Target::Surface,
-        Target::Colors,
-        Target::Details,
-    ],
-    writes: &[Target::Radiance, Target::Specular, Target::VisibleLights],
     reads_shared: &[SharedData::ShadowMaps],
     writes_shared: &[SharedData::Counters],
-    is_written: |plan, _, target| target != Target::VisibleLights || plan.features.lends_light,
     // Rays towards lights follow indices that `check_world` and `Trees::build` validated.
     checks: Checks::TrustedBuiltin,
     counted: true,

@@ -34,15 +34,19 @@ pub mod visibility;
 #[cfg(test)]
 mod tests;
 
+use std::collections::HashMap;
+
 use serde::Serialize;
 
-use reflet_gpu::GpuError;
+use reflet_gpu::{GpuError, ShaderError, ShaderLibrary};
 
 use super::{
     pipeline::{
         frame_pass::FramePass,
         pass::{Pass, PassGroup},
         pass_builder::PassBuilder,
+        pass_targets::PassTargets,
+        shader_variant::ShaderVariant,
         shared_data::SharedData,
         sub_frame::SubFrame,
         targets::Target,
@@ -132,16 +136,17 @@ pub fn needed_passes(plan: &Plan, options: &RenderOptions) -> Vec<&'static Pass>
     ALL.iter().copied().filter(is_needed).collect()
 }
 
-/// The targets that these passes write.
-pub fn written_targets(
-    passes: &[&'static Pass],
-    plan: &Plan,
+/// Targets that some of these passes write with these options.
+pub fn written_targets<'a>(
+    passes: impl IntoIterator<Item = (&'a Pass, &'a PassTargets)>,
     options: &RenderOptions,
 ) -> Vec<Target> {
-    let is_written = |target: &Target| {
-        let mut writers = passes.iter().filter(|pass| pass.writes.contains(target));
-        writers.any(|pass| (pass.is_written)(plan, options, *target))
-    };
+    let written = passes.into_iter().flat_map(|(pass, targets)| {
+        let writes = targets.writes.iter().copied();
+        writes.filter(|target| (pass.is_written)(options, *target))
+    });
+    let written: Vec<_> = written.collect();
+    let is_written = |target: &Target| written.contains(target);
     Target::ALL.into_iter().filter(is_written).collect()
 }
 
@@ -177,35 +182,56 @@ pub struct RecordedPass {
     pub written_bytes_per_pixel: u64,
 }
 
-/// The passes that a frame records, in their order; `full` stores radiance in 32 bits.
-pub fn recorded_passes(plan: &Plan, options: &RenderOptions, full: bool) -> Vec<RecordedPass> {
+/// The passes that a frame records with the built-in shaders, in their order; `full` stores radiance in 32 bits.
+///
+/// # Errors
+/// An error of a shader, which tests rule out.
+pub fn recorded_passes(
+    plan: &Plan,
+    options: &RenderOptions,
+    full: bool,
+) -> Result<Vec<RecordedPass>, ShaderError> {
     let needed = needed_passes(plan, options);
-    let targets = written_targets(&needed, plan, options);
+    let variant = ShaderVariant {
+        features: plan.features,
+        ..ShaderVariant::default()
+    };
+    let library = variant.library(&ShaderLibrary::embedded(), &needed)?;
+    let with_targets = |pass: &&'static Pass| {
+        let constants = pass.constants(plan, options);
+        let targets = PassTargets::in_library(pass, &library, &constants)?;
+        Ok((pass.name, (*pass, targets)))
+    };
+    let uses: Result<HashMap<_, _>, ShaderError> = needed.iter().map(with_targets).collect();
+    let uses = uses?;
+    let written = written_targets(uses.values().map(|(pass, of)| (*pass, of)), options);
     let is_shared = |data: &SharedData| {
         data.is_used(plan) && needed.iter().any(|pass| pass.writes_shared.contains(data))
     };
-    let names = |of: &[Target], shared: &[SharedData], is_target: &dyn Fn(&Target) -> bool| {
-        let of = of.iter().filter(|t| is_target(t)).map(|t| t.name());
+    let names = |of: &[Target], shared: &[SharedData]| {
+        let of = of.iter().map(|t| t.name());
         let shared = shared.iter().filter(|data| is_shared(data));
         of.chain(shared.map(|data| data.name())).collect()
     };
-    let bytes = |of: &[Target], is_target: &dyn Fn(&Target) -> bool| {
-        let of = of.iter().filter(|t| is_target(t));
+    let bytes = |of: &[Target]| {
+        let of = of.iter();
         of.map(|t| t.pixel_bytes(full) * u64::from(t.layers(plan.features.frames)))
             .sum()
     };
-    let recorded = ORDER.iter().filter(|pass| (pass.needed)(plan, options));
-    let recorded = recorded.map(|pass| {
-        let is_read = |t: &Target| targets.contains(t);
-        let is_written = |t: &Target| (pass.is_written)(plan, options, *t);
-        RecordedPass {
+    let recorded = ORDER.iter().filter_map(|pass| {
+        let (_, PassTargets { reads, writes }) = uses.get(pass.name)?;
+        let is_read = |t: &&Target| written.contains(t);
+        let reads: Vec<_> = reads.iter().filter(is_read).copied().collect();
+        let is_written = |t: &&Target| (pass.is_written)(options, **t);
+        let writes: Vec<_> = writes.iter().filter(is_written).copied().collect();
+        Some(RecordedPass {
             pass: pass.name,
             group: pass.group,
-            reads: names(pass.reads, pass.reads_shared, &is_read),
-            writes: names(pass.writes, pass.writes_shared, &is_written),
-            read_bytes_per_pixel: bytes(pass.reads, &is_read),
-            written_bytes_per_pixel: bytes(pass.writes, &is_written),
-        }
+            reads: names(&reads, pass.reads_shared),
+            writes: names(&writes, pass.writes_shared),
+            read_bytes_per_pixel: bytes(&reads),
+            written_bytes_per_pixel: bytes(&writes),
+        })
     });
-    recorded.collect()
+    Ok(recorded.collect())
 }

@@ -32,8 +32,7 @@ pub const PASS: Pass = Pass {
     name: "peel",
     group: PassGroup::March,
     color: [0, 198, 9],
-    reads: &[Target::Ids],
-    writes: &[Target::SecondDepth, Target::SecondIds],
+    attachments: &[Target::SecondDepth, Target::SecondIds],
     reads_shared: &[SharedData::DepthPyramid],
     params: Some(Params::LAYOUT),
     needed: |plan, _| plan.features.second_layer,
@@ -65,9 +64,7 @@ impl FramePass for Peel {
             "params" => Some(params.as_entire_binding()),
             "lists" => Some(resources.ray_list.lists.as_entire_binding()),
             _ => {
-                let mut reads = PASS.reads.iter().copied();
-                let target = reads.find(|target| target.name() == name)?;
-                let view = resources.targets.view(target)?;
+                let view = resources.targets.view(Target::named(name)?)?;
                 Some(wgpu::BindingResource::TextureView(view))
             }
         })?;

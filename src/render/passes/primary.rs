@@ -7,7 +7,6 @@ use crate::{
         pass_builder::PassBuilder,
         shared_data::SharedData,
         sub_frame::SubFrame,
-        targets::Target,
     },
     plan::has_primary_rays,
 };
@@ -18,7 +17,6 @@ pub const PASS: Pass = Pass {
     name: "primary",
     group: PassGroup::Surfaces,
     color: [14, 89, 107],
-    writes: &[Target::Ids],
     writes_shared: &[SharedData::CulledDepth, SharedData::Counters],
     needed: |_, options| has_primary_rays(options),
     overrides: |_| vec![("OF_CAMERA", 1.0)],

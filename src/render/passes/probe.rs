@@ -9,7 +9,6 @@ use crate::{
         ray_list::List,
         shared_data::SharedData,
         sub_frame::SubFrame,
-        targets::Target,
     },
 };
 use reflet_gpu::{Checks, GpuError};
@@ -19,14 +18,6 @@ pub const PASS: Pass = Pass {
     name: "probe",
     group: PassGroup::Reflection,
     color: [58, 7, 79],
-    reads: &[
-        Target::Ids,
-        Target::ViewDepth,
-        Target::Surface,
-        Target::Colors,
-        Target::Details,
-    ],
-    writes: &[Target::Reflection, Target::Hit],
     reads_shared: &[
         SharedData::Counters,
         SharedData::PixelLists,

@@ -18,16 +18,10 @@ pub const PASS: Pass = Pass {
     name: "soften",
     group: PassGroup::Light,
     color: [50, 180, 140],
-    reads: &[
-        Target::ViewDepth,
-        Target::Surface,
-        Target::Colors,
-        Target::Details,
-        Target::IndirectLight,
-        Target::Blurred,
+    aliases: &[
+        ("source", &[Target::IndirectLight, Target::Blurred]),
+        ("softened", &[Target::Blurred, Target::IndirectLight]),
     ],
-    writes: &[Target::Blurred, Target::IndirectLight],
-    aliases: &ALIASES,
     params: Some(Params::LAYOUT),
     needed: |plan, options| plan.features.indirect && options.smooths(),
     ..Pass::DEFAULT
@@ -37,18 +31,6 @@ pub const PASS: Pass = Pass {
 pub fn constants(options: &RenderOptions) -> Vec<Override> {
     vec![("SMOOTHED", f64::from(u8::from(options.smooths())))]
 }
-
-const OUT: &[(&str, Target)] = &[
-    ("source", Target::IndirectLight),
-    ("softened", Target::Blurred),
-];
-const BACK: &[(&str, Target)] = &[
-    ("source", Target::Blurred),
-    ("softened", Target::IndirectLight),
-];
-
-/// Targets of `source` and `softened` in each step.
-const ALIASES: [&[(&str, Target)]; STEPS.len()] = [OUT, BACK, OUT, BACK];
 
 /// Radius, as a share of the distance that light comes from, and number of taps of each step; each fills the gaps between
 /// the taps of the one before.
@@ -77,7 +59,7 @@ pub struct Soften([ComputePass; STEPS.len()]);
 
 impl FramePass for Soften {
     fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        let step = |i: usize| builder.compute(&PASS, ALIASES[i]);
+        let step = |i: usize| builder.compute(&PASS, &PASS.swapped(i));
         Ok(Self([step(0)?, step(1)?, step(2)?, step(3)?]))
     }
 

@@ -9,7 +9,6 @@ use crate::{
         ray_list::List,
         shared_data::SharedData,
         sub_frame::SubFrame,
-        targets::Target,
     },
 };
 use reflet_gpu::{Checks, GpuError};
@@ -19,16 +18,6 @@ pub const PASS: Pass = Pass {
     name: "spread",
     group: PassGroup::Reflection,
     color: [189, 252, 0],
-    reads: &[
-        Target::ViewDepth,
-        Target::Surface,
-        Target::Colors,
-        Target::Details,
-        Target::VisibleLights,
-        Target::LeadHit,
-    ],
-    writes: &[Target::Reflection, Target::Hit, Target::Cause],
-    is_written: |plan, _, target| plan.features.mapped || target != Target::Cause,
     reads_shared: &[
         SharedData::Counters,
         SharedData::ShadowMaps,

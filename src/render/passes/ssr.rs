@@ -10,7 +10,6 @@ use crate::{
         ray_list::List,
         shared_data::SharedData,
         sub_frame::SubFrame,
-        targets::Target,
     },
     settings::options::RenderOptions,
 };
@@ -22,16 +21,6 @@ pub const PASS: Pass = Pass {
     name: "ssr",
     group: PassGroup::March,
     color: [100, 229, 167],
-    reads: &[
-        Target::Ids,
-        Target::ViewDepth,
-        Target::Surface,
-        Target::Colors,
-        Target::Details,
-        Target::SecondDepth,
-        Target::SecondIds,
-    ],
-    writes: &[Target::Reflection, Target::Cause, Target::Hit],
     reads_shared: &[
         SharedData::Counters,
         SharedData::PixelLists,

@@ -8,7 +8,6 @@ use crate::{
         pass_builder::PassBuilder,
         shared_data::SharedData,
         sub_frame::SubFrame,
-        targets::Target,
     },
     plan::has_primary_rays,
 };
@@ -21,20 +20,12 @@ pub const PASS: Pass = Pass {
     name: "surface",
     group: PassGroup::Surfaces,
     color: [147, 202, 253],
-    reads: &[Target::Ids, Target::RasterDepth],
-    writes: &[
-        Target::ViewDepth,
-        Target::Surface,
-        Target::Colors,
-        Target::Cause,
-    ],
     reads_shared: &[SharedData::CulledDepth],
     writes_shared: &[
         SharedData::DepthPyramid,
         SharedData::PixelLists,
         SharedData::Counters,
     ],
-    is_written: |plan, _, target| plan.features.reflections || target != Target::Cause,
     overrides: |options| {
         let flag = |on| f64::from(u8::from(on));
         vec![

@@ -18,19 +18,11 @@ pub const PASS: Pass = Pass {
     name: "tone",
     group: PassGroup::Picture,
     color: [251, 171, 238],
-    reads: &[Target::ColorEven, Target::ColorOdd, Target::CoverageSum],
-    writes: &[Target::Display],
-    aliases: &ALIASES,
+    aliases: &[("color", &[Target::ColorEven, Target::ColorOdd])],
     params: Some(Params::LAYOUT),
     overrides: |options| vec![("HAS_ALPHA", f64::from(u8::from(options.image.alpha)))],
     ..Pass::DEFAULT
 };
-
-/// Targets of `color` after an even and an odd last sub-frame.
-const ALIASES: [&[(&str, Target)]; 2] = [
-    &[("color", Target::ColorEven)],
-    &[("color", Target::ColorOdd)],
-];
 
 gpu_struct! {
     /// Uniforms of the tone curve.
@@ -62,7 +54,7 @@ pub struct Tone(ComputePass);
 impl FramePass for Tone {
     fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
         let last = builder.options.image.samples.count() - 1;
-        Ok(Self(builder.compute(&PASS, ALIASES[last as usize % 2])?))
+        Ok(Self(builder.compute(&PASS, &PASS.swapped(last as usize))?))
     }
 
     fn record(&self, frame: &mut SubFrame<'_>) {

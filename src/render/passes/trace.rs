@@ -8,7 +8,6 @@ use crate::{
         ray_list::List,
         shared_data::SharedData,
         sub_frame::SubFrame,
-        targets::Target,
     },
     settings::options::RenderOptions,
 };
@@ -19,16 +18,6 @@ pub const PASS: Pass = Pass {
     name: "trace",
     group: PassGroup::Reflection,
     color: [231, 76, 116],
-    reads: &[
-        Target::ViewDepth,
-        Target::Surface,
-        Target::Colors,
-        Target::Details,
-        Target::Cause,
-        Target::VisibleLights,
-    ],
-    writes: &[Target::Reflection, Target::Hit, Target::Cause],
-    is_written: |plan, _, target| plan.features.mapped || target != Target::Cause,
     reads_shared: &[
         SharedData::Counters,
         SharedData::ShadowMaps,

@@ -19,14 +19,6 @@ pub const PASS: Pass = Pass {
     name: "transmit",
     group: PassGroup::Light,
     color: [253, 208, 126],
-    reads: &[
-        Target::Ids,
-        Target::ViewDepth,
-        Target::Surface,
-        Target::Colors,
-        Target::Details,
-    ],
-    writes: &[Target::TransmittedLight],
     reads_shared: &[
         SharedData::Counters,
         SharedData::ShadowMaps,

@@ -25,7 +25,7 @@ pub const PASS: Pass = Pass {
     name: "visibility",
     group: PassGroup::Surfaces,
     color: [61, 155, 204],
-    writes: &[Target::RasterDepth, Target::Ids],
+    attachments: &[Target::RasterDepth, Target::Ids],
     needed: |_, options| !has_primary_rays(options),
     ..Pass::DEFAULT
 };

@@ -6,6 +6,7 @@ pub(crate) mod frame_pass;
 pub mod instrument;
 pub mod pass;
 pub(crate) mod pass_builder;
+pub mod pass_targets;
 pub mod ray_list;
 pub(crate) mod recorder;
 pub(crate) mod resources;

@@ -73,13 +73,10 @@ pub struct Pass {
     pub group: PassGroup,
     /// Color in charts, sRGB; a test asks for a distance between any two.
     pub color: [u8; 3],
-    /// Targets that the pass samples.
-    pub reads: &'static [Target],
-    /// Targets that the pass writes.
-    pub writes: &'static [Target],
-    /// Other names that the shader has for targets in `reads` and `writes`: for each pipeline of a pass that swaps
-    /// targets.
-    pub aliases: &'static [&'static [(&'static str, Target)]],
+    /// Targets that the pass rasterizes into; its shader says which others it reads and writes.
+    pub attachments: &'static [Target],
+    /// Names in the shader of a pass that swaps targets, with the targets of each in the order of its pipelines.
+    pub aliases: &'static [(&'static str, &'static [Target])],
     /// Data beside the targets that the pass reads.
     pub reads_shared: &'static [SharedData],
     /// Data beside the targets that the pass writes.
@@ -88,8 +85,8 @@ pub struct Pass {
     pub params: Option<StructSpec>,
     /// Whether a frame with this plan and these options records the pass.
     pub needed: fn(&Plan, &RenderOptions) -> bool,
-    /// Whether one of the targets in `writes` is written with this plan and these options.
-    pub is_written: fn(&Plan, &RenderOptions, Target) -> bool,
+    /// Whether one of the targets that the pass stores to is written with these options.
+    pub is_written: fn(&RenderOptions, Target) -> bool,
     /// Values for overrides that only this pass's shader declares.
     pub overrides: fn(&RenderOptions) -> Vec<Override>,
     /// Run-time checks of the shader.
@@ -104,14 +101,13 @@ impl Pass {
         name: "",
         group: PassGroup::Picture,
         color: [0; 3],
-        reads: &[],
-        writes: &[],
+        attachments: &[],
         aliases: &[],
         reads_shared: &[],
         writes_shared: &[],
         params: None,
         needed: |_, _| true,
-        is_written: |_, _, _| true,
+        is_written: |_, _| true,
         overrides: |_| Vec::new(),
         checks: Checks::All,
         counted: false,
@@ -126,6 +122,14 @@ impl Pass {
         all.extend(own);
         all.push((COUNT, 0.0));
         all
+    }
+
+    /// Names and targets of one pipeline of a pass that swaps targets.
+    pub fn swapped(&self, pipeline: usize) -> Vec<(&'static str, Target)> {
+        let one = |&(name, targets): &(&'static str, &[Target])| {
+            (name, targets[pipeline % targets.len()])
+        };
+        self.aliases.iter().map(one).collect()
     }
 }
 
@@ -240,8 +244,7 @@ impl ComputePass {
         self.pass.name
     }
 
-    /// Binds targets, `params` and `extra` by name. `aliases` give targets other names in this shader; `written_NAME` is the
-    /// target NAME too, in a shader that may read it as well.
+    /// Binds targets, `params` and `extra` by name. `aliases` give targets other names in this shader.
     ///
     /// # Errors
     /// A name that is missing on either side, with the shader's file.
@@ -259,10 +262,8 @@ impl ComputePass {
             if let Some((_, resource)) = extra.iter().find(|(n, _)| *n == name) {
                 return Some(resource.clone());
             }
-            let name = name.strip_prefix("written_").unwrap_or(name);
             let alias = aliases.iter().find(|(n, _)| *n == name).map(|(_, t)| *t);
-            let mut declared = self.pass.reads.iter().chain(self.pass.writes).copied();
-            let target = declared.find(|t| alias.map_or(t.name() == name, |alias| *t == alias))?;
+            let target = alias.or_else(|| Target::named(name))?;
             targets.view(target).map(wgpu::BindingResource::TextureView)
         };
         self.bound = Some(self.layout.bind_with(gpu, lookup)?);

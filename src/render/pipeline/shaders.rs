@@ -6,6 +6,7 @@ use reflet_gpu::{Gpu, GpuError, Shader, ShaderLibrary, ShaderModuleInfo, shader:
 
 use super::{
     pass::{Override, Pass},
+    pass_targets::PassTargets,
     shader_variant::ShaderVariant,
 };
 
@@ -81,6 +82,14 @@ impl Shaders {
     ) -> Result<Shader, GpuError> {
         let (source, _) = self.found(pass)?;
         gpu.shader(source.clone(), pass.checks, constants)
+    }
+
+    /// Targets of a pass.
+    ///
+    /// # Errors
+    /// Same errors as [`Shaders::get`].
+    pub fn targets(&self, pass: &Pass) -> Result<PassTargets, GpuError> {
+        Ok(PassTargets::new(pass, &self.get(pass)?.textures))
     }
 
     fn found(&self, pass: &Pass) -> Result<&(ShaderSource, Shader), GpuError> {

@@ -115,6 +115,12 @@ pub const FAR_M: f32 = 1e30;
 use wgpu::TextureFormat as F;
 
 impl Target {
+    /// The target of a name in the shaders; `written_NAME` is NAME too, in a shader that may read it as well.
+    pub fn named(name: &str) -> Option<Self> {
+        let name = name.strip_prefix("written_").unwrap_or(name);
+        Self::ALL.into_iter().find(|target| target.name() == name)
+    }
+
     /// Bytes per pixel of a layer.
     pub fn pixel_bytes(self, full: bool) -> u64 {
         u64::from(self.format(full).block_copy_size(None).unwrap_or(4))

@@ -46,17 +46,26 @@ pub struct BindingKey {
 
 impl BindingKey {
     /// Key of a frame that records these passes.
+    ///
+    /// # Errors
+    /// [`GpuError::Binding`] for a pass without a shader.
     pub fn new(
         plan: &Plan,
         options: &RenderOptions,
         shadows: ShadowSizes,
         passes: &[&'static Pass],
+        shaders: &Shaders,
         maps: MapKeys,
-    ) -> Self {
+    ) -> Result<Self, GpuError> {
         let own = passes.iter().flat_map(|pass| (pass.overrides)(options));
-        Self {
+        let uses = passes
+            .iter()
+            .map(|pass| Ok((*pass, shaders.targets(pass)?)));
+        let uses = uses.collect::<Result<Vec<_>, GpuError>>()?;
+        let uses = uses.iter().map(|(pass, targets)| (*pass, targets));
+        Ok(Self {
             size: options.image.size,
-            targets: written_targets(passes, plan, options),
+            targets: written_targets(uses, options),
             full: plan.precision.full,
             detail_layers: Target::Details.layers(plan.features.frames),
             shadows,
@@ -71,7 +80,7 @@ impl BindingKey {
             audit: options.audit,
             overrides: plan.overrides().into_iter().chain(own).collect(),
             maps,
-        }
+        })
     }
 
     /// Size, precision and layers of the textures.

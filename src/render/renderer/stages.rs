@@ -110,7 +110,7 @@ impl Made {
         let shaders = Shaders::new(gpu, library, variant, &needed, constants)?;
         let shadows = ShadowSizes::of(&world.lights, &options);
         let maps = MapKeys::of(world, &options, coordinates.meters())?;
-        let key = BindingKey::new(&plan, &options, shadows, &needed, maps);
+        let key = BindingKey::new(&plan, &options, shadows, &needed, &shaders, maps)?;
         check_posed(&shown, world, &key, &options)?;
         let tree_pose = PoseKey::of(world);
         let is_posed = rebuilt.materials || rebuilt.poses || PoseKey::of(&shown) != tree_pose;
