@@ -48,19 +48,11 @@ impl Renderer {
         camera: &CameraDesc,
     ) -> Result<Vec<PassCounts>, RenderError> {
         self.build_instrument(gpu, Instrument::Count)?;
-        let view = self.view(gpu, camera);
         let mut sums: Vec<PassCounts> = Vec::new();
-        for sample in 0..self.options.image.samples.count() {
-            let instrument = Some(Instrument::Count);
-            let recorder = self.sub_frame(
-                gpu,
-                &view,
-                PixelShare::all(sample),
-                Timing::None,
-                instrument,
-            );
-            self.submitted(recorder.submit())?;
-            for counted in self
+        let measured = (Timing::None, Some(Instrument::Count));
+        self.each_share(gpu, camera.into(), measured, |renderer, recorder| {
+            renderer.submitted(recorder.submit())?;
+            for counted in renderer
                 .bindings
                 .instruments
                 .counted
@@ -74,7 +66,8 @@ impl Renderer {
                     None => sums.push(new),
                 }
             }
-        }
+            Ok(())
+        })?;
         Ok(sums)
     }
 
@@ -93,23 +86,16 @@ impl Renderer {
         if self.bindings.instruments.traverse.get().is_none() {
             return Ok(None);
         }
-        let view = self.view(gpu, camera);
         let mut sum_ms = None;
-        for sample in 0..self.options.image.samples.count() {
-            let instrument = Some(Instrument::Traverse);
-            let recorder = self.sub_frame(
-                gpu,
-                &view,
-                PixelShare::all(sample),
-                Timing::Passes,
-                instrument,
-            );
-            let times = self.submitted(recorder.finish())?;
+        let measured = (Timing::Passes, Some(Instrument::Traverse));
+        self.each_share(gpu, camera.into(), measured, |renderer, recorder| {
+            let times = renderer.submitted(recorder.finish())?;
             let of = |(name, ms): &(String, f64)| (name == trace::TRAVERSE.name).then_some(*ms);
             if let Some(ms) = times.passes_ms.iter().find_map(of) {
                 sum_ms = Some(sum_ms.unwrap_or(0.0) + ms);
             }
-        }
+            Ok(())
+        })?;
         Ok(sum_ms)
     }
 
@@ -125,18 +111,11 @@ impl Renderer {
         aovs: &[Aov],
     ) -> Result<Vec<Plane>, RenderError> {
         self.build_instrument(gpu, Instrument::AcceptAll)?;
-        let view = self.view(gpu, camera);
-        for sample in 0..self.options.image.samples.count() {
-            let instrument = Some(Instrument::AcceptAll);
-            let recorder = self.sub_frame(
-                gpu,
-                &view,
-                PixelShare::all(sample),
-                Timing::None,
-                instrument,
-            );
-            self.submitted(recorder.submit())?;
-        }
+        let measured = (Timing::None, Some(Instrument::AcceptAll));
+        self.each_share(gpu, camera.into(), measured, |renderer, recorder| {
+            renderer.submitted(recorder.submit())?;
+            Ok(())
+        })?;
         let planes = aovs.iter().map(|aov| aov.plane(gpu, self, camera));
         Ok(planes.collect::<Result<_, _>>()?)
     }

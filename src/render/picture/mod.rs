@@ -7,7 +7,6 @@ pub(crate) mod light_group;
 pub mod measure;
 pub mod png_file;
 pub(crate) mod read_targets;
-pub mod shutter;
 pub mod tone_map;
 
 use reflet_gpu::Gpu;
@@ -26,6 +25,7 @@ use super::{
         Renderer,
         download::{Download, TargetValues},
         error_estimate::{ErrorEstimate, FirstHalf, Halves, tile_means},
+        frame::Shot,
         stats::FrameStats,
     },
     settings::options::Crop,
@@ -265,18 +265,16 @@ impl Renderer {
     ///
     /// # Errors
     /// Same errors as [`Renderer::render`].
-    pub fn begin_picture(
+    pub fn begin_picture<'a>(
         &mut self,
         gpu: &Gpu,
-        camera: &CameraDesc,
+        shot: impl Into<Shot<'a>>,
         request: PictureRequest,
     ) -> Result<PendingPicture, RenderError> {
         self.first_half = FirstHalf::of_picture(request.estimates_error);
-        let stats = match request.timed {
-            true => self.render(gpu, camera)?,
-            false => self.submit(gpu, camera)?,
-        };
-        self.pending(gpu, camera, request, stats)
+        let (stats, camera) = self.shoot(gpu, shot.into(), request.timed)?;
+        let halves = self.take_halves(gpu)?;
+        self.reading(gpu, &camera, request, stats, halves)
     }
 
     /// Reads back linear radiance, display color and guides of the picture that [`Self::render`] has rendered last, seen
@@ -297,17 +295,6 @@ impl Renderer {
             estimates_error: false,
         };
         self.reading(gpu, camera, request, stats, None)?.take(gpu)
-    }
-
-    pub(super) fn pending(
-        &mut self,
-        gpu: &Gpu,
-        camera: &CameraDesc,
-        request: PictureRequest,
-        stats: FrameStats,
-    ) -> Result<PendingPicture, RenderError> {
-        let halves = self.take_halves(gpu)?;
-        self.reading(gpu, camera, request, stats, halves)
     }
 
     /// Starts to read back the targets of a rendered picture.

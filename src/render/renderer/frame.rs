@@ -5,6 +5,7 @@ use std::{sync::Arc, time::Instant};
 use reflet_base::math::Bounds;
 use reflet_gpu::{Gpu, GpuError, readback};
 use reflet_scene::desc::CameraDesc;
+use reflet_world::World;
 
 use super::{
     capture_times::without_capture,
@@ -25,55 +26,119 @@ use crate::{
     },
     renderer::Renderer,
     settings::{
-        pixel_share::PixelShare,
+        pixel_share::{MOMENTS, PixelShare, needs_moments},
         view::{View, jitter},
     },
 };
 
-impl Renderer {
-    /// Renders one picture of the shown world into the targets.
+/// Poses of the moments of one picture.
+pub trait Moments {
+    /// The world at a moment within the time that the shutter is open, -0.5 to 0.5; 0 is the frame's own.
     ///
     /// # Errors
-    /// A lost device or exhausted memory.
-    pub fn render(&mut self, gpu: &Gpu, camera: &CameraDesc) -> Result<FrameStats, RenderError> {
+    /// A script error at that moment.
+    fn pose(&mut self, moment: f64) -> Result<&World, RenderError>;
+}
+
+/// Subject of a picture.
+pub enum Shot<'a> {
+    /// The shown world, seen by this camera.
+    Still(&'a CameraDesc),
+    /// Moments of an open shutter, each seen by the camera at its moment; each sub-frame shows other ones.
+    Moments(&'a mut dyn Moments, &'a dyn Fn(&World) -> CameraDesc),
+}
+
+impl<'a> From<&'a CameraDesc> for Shot<'a> {
+    fn from(camera: &'a CameraDesc) -> Self {
+        Self::Still(camera)
+    }
+}
+
+impl Renderer {
+    /// Renders one picture into the targets.
+    ///
+    /// # Errors
+    /// A lost device or exhausted memory; errors of the poses of moments, and those of [`Renderer::update`].
+    pub fn render<'a>(
+        &mut self,
+        gpu: &Gpu,
+        shot: impl Into<Shot<'a>>,
+    ) -> Result<FrameStats, RenderError> {
+        Ok(self.shoot(gpu, shot.into(), true)?.0)
+    }
+
+    /// Renders one picture, and returns the camera at the frame's own moment. Without timing or counting, at most two of
+    /// its sub-frames wait for the GPU at a time.
+    ///
+    /// # Errors
+    /// Same errors as [`Renderer::render`].
+    pub(crate) fn shoot(
+        &mut self,
+        gpu: &Gpu,
+        shot: Shot<'_>,
+        timed: bool,
+    ) -> Result<(FrameStats, CameraDesc), RenderError> {
         let started = Instant::now();
-        let samples = self.options.image.samples.count();
-        let view = self.view(gpu, camera);
-        let mut times = PassTimes::default();
-        for sample in 0..samples {
-            let recorder =
-                self.sub_frame(gpu, &view, PixelShare::all(sample), Timing::Passes, None);
-            times.extend(self.submitted(recorder.finish())?);
-            self.end_of_sub_frame(gpu, sample)?;
+        let (mut times, mut before) = (PassTimes::default(), None);
+        let timing = if timed { Timing::Passes } else { Timing::None };
+        let camera = self.each_share(gpu, shot, (timing, None), |renderer, recorder| {
+            if timed {
+                times.extend(renderer.submitted(recorder.finish())?);
+                return Ok(());
+            }
+            let submission = renderer.submitted(recorder.submit())?;
+            if let Some(before) = before.replace(submission) {
+                gpu.wait_for(&before)?;
+            }
+            Ok(())
+        })?;
+        if !timed {
+            return Ok((self.stats(PassTimes::default(), 0.0), camera));
         }
         gpu.wait()?;
         let frame_ms = started.elapsed().as_secs_f64() * 1e3;
         let mut stats = self.stats(times.summed(), frame_ms);
         let counters = self.bindings.ray_list.counted();
         stats.set_counters(&readback::read_buffer(gpu, counters)?);
-        Ok(stats)
+        Ok((stats, camera))
     }
 
-    /// Submits one picture without timing or counting; at most two of its sub-frames wait for the GPU at a time.
+    /// Records every share of every sub-frame of a picture, with its pose and camera, and gives it to `submit`; returns
+    /// the last camera, which is that of the frame's own moment.
     ///
     /// # Errors
-    /// Same errors as [`Renderer::render`].
-    pub(crate) fn submit(
+    /// Same errors as [`Renderer::render`], and those of `submit`.
+    pub(crate) fn each_share(
         &mut self,
         gpu: &Gpu,
-        camera: &CameraDesc,
-    ) -> Result<FrameStats, RenderError> {
-        let view = self.view(gpu, camera);
-        let mut before = None;
-        for sample in 0..self.options.image.samples.count() {
-            let recorder = self.sub_frame(gpu, &view, PixelShare::all(sample), Timing::None, None);
-            let submission = self.submitted(recorder.submit())?;
-            if let Some(before) = before.replace(submission) {
-                gpu.wait_for(&before)?;
+        mut shot: Shot<'_>,
+        (timing, instrument): (Timing, Option<Instrument>),
+        mut submit: impl FnMut(&Self, Recorder<'_>) -> Result<(), RenderError>,
+    ) -> Result<CameraDesc, RenderError> {
+        let samples = self.options.image.samples.count();
+        let has_moments = self.plan.features.moments && needs_moments(samples);
+        let (mut seen, moments_each) = match &shot {
+            Shot::Still(camera) => (Some((self.view(gpu, camera), (*camera).clone())), 1),
+            Shot::Moments(..) => (None, if has_moments { MOMENTS } else { 1 }),
+        };
+        for sample in 0..samples {
+            for share in PixelShare::of_sub_frame(sample, moments_each) {
+                if let Shot::Moments(moments, camera) = &mut shot {
+                    let world = moments.pose(share.moment_of(samples))?;
+                    self.update(gpu, world)?;
+                    let camera = camera(world);
+                    seen = Some((self.view(gpu, &camera), camera));
+                }
+                if let Some((view, _)) = &seen {
+                    let recorder = self.sub_frame(gpu, view, share, timing, instrument);
+                    submit(self, recorder)?;
+                }
             }
-            self.end_of_sub_frame(gpu, sample)?;
+            if instrument.is_none() {
+                self.end_of_sub_frame(gpu, sample)?;
+            }
         }
-        Ok(self.stats(PassTimes::default(), 0.0))
+        Ok(seen.map(|(_, camera)| camera).unwrap_or_default())
     }
 
     /// The view of a camera, given in scene coordinates, in the renderer's coordinates; reflection rays skip what this

@@ -4,7 +4,7 @@ pub(crate) mod bindings;
 pub(crate) mod capture_times;
 pub(crate) mod download;
 pub(crate) mod error_estimate;
-pub(crate) mod frame;
+pub mod frame;
 pub mod rebuild_summary;
 pub(crate) mod stages;
 pub mod stats;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::{RenderError, picture::shutter::Moments};
+use crate::{RenderError, renderer::frame::Moments};
 use reflet_scene::{
     diagnostic::Diagnostic,
     stages::{Animator, Scene},

@@ -8,8 +8,9 @@ use super::{
 };
 use crate::{
     PendingPicture, Picture, PictureRequest, RebuildSummary, RenderError,
-    picture::{aov::Aov, shutter::Moments as _},
+    picture::aov::Aov,
     pipeline::instrument::PassCounts,
+    renderer::frame::{Moments as _, Shot},
     renderer::stats::FrameStats,
 };
 use reflet_gpu::Gpu;
@@ -154,8 +155,9 @@ impl Session {
         self.complete()?;
         let renderer = &mut self.renderer;
         if let Some(mut moments) = OpenShutter::of(&mut self.loaded, &self.meshes) {
-            let picture =
-                renderer.begin_picture_of_moments(&self.gpu, &mut moments, camera, request);
+            let seen_by = |world: &World| world.cameras[camera].value.clone();
+            let shot = Shot::Moments(&mut moments, &seen_by);
+            let picture = renderer.begin_picture(&self.gpu, shot, request);
             return picture.inspect_err(|_| close(renderer, &self.gpu, moments));
         }
         let camera = &self.loaded.world.cameras[camera].value;
@@ -199,7 +201,8 @@ impl Session {
         }
         let mut moments = OpenShutter::new(&loaded.scene, &mut loaded.world, loaded.frame, edit)
             .with(&self.meshes);
-        let rendered = (self.renderer).render_moments(&self.gpu, &mut moments, camera);
+        let shot = Shot::Moments(&mut moments, camera);
+        let rendered = self.renderer.render(&self.gpu, shot);
         rendered.inspect_err(|_| close(&mut self.renderer, &self.gpu, moments))
     }
 }
