@@ -14,6 +14,8 @@ use reflet::{
     },
 };
 
+use crate::common::shaders;
+
 use super::kit::{assert_close, color, gpu, mean, render, renderer, scene};
 
 /// A matte floor, a ball of rough metal and a mirror, in the dark.
@@ -118,7 +120,7 @@ fn moved_lamps_build_the_tree_anew() {
     let (read, _) = Scene::from_text(&text, "test.toml".as_ref(), &set).expect("it is a scene");
     let mut world = load::load(&read, &load::LoadOptions::default()).expect("it loads");
     let camera = world.cameras[0].value.clone();
-    let mut posed = renderer(gpu, &read, &world, false);
+    let [mut posed, mut changed] = [(); 2].map(|()| renderer(gpu, &read, &world, false));
     let first = posed.picture(gpu, &camera, &[]).expect("a picture");
     let state = Animator::new(&read).pose(1).expect("it is posed");
     world.apply(&state).expect("it fits");
@@ -134,6 +136,11 @@ fn moved_lamps_build_the_tree_anew() {
         .expect("a picture");
     assert!(first.color != second.color);
     assert!(second.color == anew.color);
+    let options = *changed.options();
+    let rebuilt = changed.change(gpu, &shaders(), &world, &options);
+    assert!(rebuilt.is_ok_and(|rebuilt| !rebuilt.upload));
+    let third = changed.picture(gpu, &camera, &[]).expect("a picture");
+    assert!(third.color == anew.color);
 }
 
 #[test]

@@ -132,8 +132,9 @@ impl Renderer {
     fn pose(&mut self, gpu: &Gpu, pose: Pose) {
         let scene = Arc::make_mut(&mut self.scene);
         scene.set_traced(gpu, &self.world, &self.trees, pose.traced);
-        if let Some(top) = pose.top {
-            self.set_poses(gpu, top);
+        match pose.top {
+            Some(top) => self.set_poses(gpu, top),
+            None => scene.update_emitters(gpu, &self.world),
         }
     }
 
