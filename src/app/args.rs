@@ -2,7 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::{
+    Args, ValueEnum,
+    builder::{PossibleValue, PossibleValuesParser, TypedValueParser},
+};
 
 pub use super::size_arg::{SizeArg, parse_crop, parse_size, parse_size_or_name};
 use crate::{
@@ -10,7 +13,7 @@ use crate::{
     output::frames::{Shard, parse_shard},
     render::Crop,
     runtime::scene_text::SceneOptions,
-    scene::desc::Method,
+    scene::{declared::Words, desc::Method},
 };
 
 /// Source of the scene, and overrides of its values.
@@ -71,8 +74,8 @@ pub struct PictureArgs {
     #[arg(long, value_name = "X,Y,W,H", value_parser = parse_crop, allow_hyphen_values = true)]
     pub crop: Option<Crop>,
     /// How reflections are found
-    #[arg(long)]
-    pub method: Option<MethodArg>,
+    #[arg(long, value_parser = method())]
+    pub method: Option<Method>,
     /// Camera of the scene, or all but those of placed scenes, or a list such as main,side, with {camera} in the name of
     /// the output; without it `main`, else the first
     #[arg(long, value_name = "NAME")]
@@ -144,7 +147,7 @@ impl PictureArgs {
             plan,
         } = self;
         let size = size.as_ref().map(SizeArg::word);
-        let method = method.map(|method| Method::from(method).name().to_owned());
+        let method = method.map(|method| method.name().to_owned());
         let window =
             (*denoise && *denoise_window != DENOISE_WINDOW).then(|| denoise_window.to_string());
         let aov = (!aov.is_empty()).then(|| aov.join(","));
@@ -258,8 +261,8 @@ pub struct PreviewArgs {
     #[arg(long, value_name = "WxH", value_parser = parse_size_or_name)]
     pub size: Option<SizeArg>,
     /// Reflection method to show first
-    #[arg(long)]
-    pub method: Option<MethodArg>,
+    #[arg(long, value_parser = method())]
+    pub method: Option<Method>,
     /// Camera of the scene to look through at first; without it `main`, else the first
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
@@ -335,46 +338,11 @@ pub enum ProgressForm {
     Openjd,
 }
 
-/// `--method`
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum MethodArg {
-    /// Screen space only
-    Ssr,
-    /// Ray tracing only
-    Rt,
-    /// Screen space first, ray traced where that fails
-    Hybrid,
-    /// Cube maps that were captured from probes
-    Probe,
-    /// Screen space first, probes where that fails
-    #[value(name = "ssr+probe")]
-    SsrProbe,
-    /// Screen space first, buffers on the faces of a box where that fails
-    #[value(name = "ssr+box")]
-    SsrBox,
-    /// Rays near the camera, cube maps of depth and ids beyond
-    #[value(name = "near-far")]
-    NearFar,
-    /// Path tracing of all light, with any number of bounces: the reference, and slow
-    Path,
-    /// Hybrid or rt, whichever is expected to take less time
-    Auto,
-}
-
-impl From<MethodArg> for Method {
-    fn from(method: MethodArg) -> Self {
-        match method {
-            MethodArg::Ssr => Self::Ssr,
-            MethodArg::Rt => Self::Rt,
-            MethodArg::Hybrid => Self::Hybrid,
-            MethodArg::Probe => Self::Probe,
-            MethodArg::SsrProbe => Self::SsrProbe,
-            MethodArg::SsrBox => Self::SsrBox,
-            MethodArg::NearFar => Self::NearFar,
-            MethodArg::Path => Self::Path,
-            MethodArg::Auto => Self::Auto,
-        }
-    }
+/// Parser of a method of reflections.
+fn method() -> impl TypedValueParser<Value = Method> {
+    let words = Method::WORDS.iter();
+    PossibleValuesParser::new(words.map(|word| PossibleValue::new(word.name).help(word.summary)))
+        .map(|name| Method::from_name(&name).expect("one of the possible values"))
 }
 
 /// Words of an option on a command line. A value that begins with a hyphen is joined to its option, since it would be

@@ -18,7 +18,7 @@ use crate::{
     output::{picture_file::PictureFile, stats::ReportContext, writable::inputs},
     render::picture::aov::Aov,
     runtime::scene_text::LoadedScene,
-    scene::{dependencies::Dependencies, desc::Method, diagnostic::print_diagnostics},
+    scene::{dependencies::Dependencies, diagnostic::print_diagnostics},
     world::World,
 };
 
@@ -218,6 +218,6 @@ pub fn overrides(args: &PictureArgs, scene: Option<&Path>) -> Result<Vec<String>
         .map(|samples| format!("image.samples={samples}"));
     let method = args
         .method
-        .map(|method| format!("reflection.method=\"{}\"", Method::from(method).name()));
+        .map(|method| format!("reflection.method=\"{}\"", method.name()));
     Ok([size, samples, method].into_iter().flatten().collect())
 }

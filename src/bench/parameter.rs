@@ -6,40 +6,42 @@ use reflet_scene::{
         ABOVE_0, BOUNCES, BOX_FACE_PX, EDGE_PX, LAYERS, NEAREST_PROBES, RATE, RAY_LENGTH_U, Range,
         SEPARATION_M, STEPS, THRESHOLD_U, range,
     },
+    words,
 };
 
 /// Largest number of march steps that a scene may ask for.
 pub const MAX_STEPS: u32 = STEPS.max as u32;
 
-/// A setting that trades time for accuracy.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Parameter {
-    /// Depth threshold `reflection.threshold_u`, with `accept = "threshold"`.
-    ThresholdU,
-    /// Tolerance at pixel edges, `reflection.edge_px`, with `accept = "verified"`.
-    EdgePx,
-    /// Reuse of the picture's light at hits, `reflection.reuse_light`, 0 or 1.
-    ReuseLight,
-    /// Largest number of march steps, `reflection.steps`.
-    Steps,
-    /// Number of depth layers of the march, `reflection.layers`.
-    Layers,
-    /// Distance of the second layer behind the first, `reflection.separation_m`, with `layers = 2`.
-    SeparationM,
-    /// Number of rays of which one is traced first, `reflection.rate`.
-    Rate,
-    /// Length of reflection rays, `reflection.ray_length_u`.
-    RayLengthU,
-    /// Largest number of reflections in a row, `reflection.bounces`.
-    Bounces,
-    /// Maximum number of blended probes, `probes.nearest`.
-    Nearest,
-    /// Half the size of the box in which rays are traced, `near_far.half_size_m`.
-    HalfSizeM,
-    /// Width of the faces of the box, `box_faces.face_px`.
-    FacePx,
-    /// Side of the rendered picture divided by that of the shown one, into which it is enlarged bilinearly.
-    Scale,
+words! {
+    /// A setting that trades time for accuracy.
+    pub enum Parameter {
+        /// Depth threshold `reflection.threshold_u`, with `accept = "threshold"`.
+        ThresholdU = "threshold_u",
+        /// Tolerance at pixel edges, `reflection.edge_px`, with `accept = "verified"`.
+        EdgePx = "edge_px",
+        /// Reuse of the picture's light at hits, `reflection.reuse_light`, 0 or 1.
+        ReuseLight = "reuse_light",
+        /// Largest number of march steps, `reflection.steps`.
+        Steps = "steps",
+        /// Number of depth layers of the march, `reflection.layers`.
+        Layers = "layers",
+        /// Distance of the second layer behind the first, `reflection.separation_m`, with `layers = 2`.
+        SeparationM = "separation_m",
+        /// Number of rays of which one is traced first, `reflection.rate`.
+        Rate = "rate",
+        /// Length of reflection rays, `reflection.ray_length_u`.
+        RayLengthU = "ray_length_u",
+        /// Largest number of reflections in a row, `reflection.bounces`.
+        Bounces = "bounces",
+        /// Maximum number of blended probes, `probes.nearest`.
+        Nearest = "nearest",
+        /// Half the size of the box in which rays are traced, `near_far.half_size_m`.
+        HalfSizeM = "half_size_m",
+        /// Width of the faces of the box, `box_faces.face_px`.
+        FacePx = "face_px",
+        /// Side of the rendered picture divided by that of the shown one, into which it is enlarged bilinearly.
+        Scale = "scale",
+    }
 }
 
 /// One method with one set of settings, which a bench measures.
@@ -90,63 +92,7 @@ pub const HYBRID_ANEW_SERIES: &str = "hybrid (no light reuse)";
 /// Name of the curve of `rt` with `reuse_light = false`.
 pub const RT_ANEW_SERIES: &str = "rt (no light reuse)";
 
-/// Name of a method in scenes and tables.
-pub const fn method_name(method: Method) -> &'static str {
-    method.name()
-}
-
-/// Name of a rule of acceptance in scenes and tables.
-pub const fn accept_name(accept: Accept) -> &'static str {
-    match accept {
-        Accept::Verified => "verified",
-        Accept::Threshold => "threshold",
-    }
-}
-
 impl Parameter {
-    /// All parameters.
-    pub const ALL: [Self; 13] = [
-        Self::ThresholdU,
-        Self::EdgePx,
-        Self::ReuseLight,
-        Self::Steps,
-        Self::Layers,
-        Self::SeparationM,
-        Self::Rate,
-        Self::RayLengthU,
-        Self::Bounces,
-        Self::Nearest,
-        Self::HalfSizeM,
-        Self::FacePx,
-        Self::Scale,
-    ];
-
-    /// Name on the command line and in tables.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::ThresholdU => "threshold_u",
-            Self::EdgePx => "edge_px",
-            Self::ReuseLight => "reuse_light",
-            Self::Steps => "steps",
-            Self::Layers => "layers",
-            Self::SeparationM => "separation_m",
-            Self::Rate => "rate",
-            Self::RayLengthU => "ray_length_u",
-            Self::Bounces => "bounces",
-            Self::Nearest => "nearest",
-            Self::HalfSizeM => "half_size_m",
-            Self::FacePx => "face_px",
-            Self::Scale => "scale",
-        }
-    }
-
-    /// Finds the parameter with this name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL
-            .into_iter()
-            .find(|parameter| parameter.name() == name)
-    }
-
     /// Parameters that are varied for a method when none is chosen: those that change its results most.
     pub const fn own(method: Method) -> &'static [Self] {
         match method {
@@ -325,7 +271,7 @@ impl Variant {
 
     /// Name for people, such as `hybrid, threshold_u = 0.025`.
     pub fn label(&self) -> String {
-        let method = method_name(self.method);
+        let method = self.method.name();
         match (self.parameter, self.value) {
             (Some(parameter), Some(value)) => format!("{method}, {} = {value}", parameter.name()),
             _ => method.to_owned(),

@@ -4,6 +4,9 @@
 //! reader ([`parse`]), the sandbox of scripts ([`script`]), animation tracks ([`motion`]), and the diagnostics that all
 //! crates report ([`diagnostic`]). It reads texts and no assets, and knows no device.
 
+#[macro_use]
+pub mod declared;
+
 mod confined_read;
 pub mod dependencies;
 pub mod desc;

@@ -1,5 +1,5 @@
 //! The manual of the scene text, one text here and the pages of `docs/scene`: keys, types, ranges and
-//! defaults as the reader asks for them, meanings as `desc.rs` comments them.
+//! defaults as the reader asks for them, meanings as the types of descriptions comment them.
 
 mod comments;
 mod pages;
@@ -36,31 +36,26 @@ fn introduction() -> String {
     INTRODUCTION.replace("EXAMPLE\n", EXAMPLE)
 }
 
-/// The types of `desc.rs` that describe a table.
-fn types(section: &SectionRecord) -> Vec<&'static str> {
-    [&[section.type_name], section.also].concat()
-}
-
 /// Comment of a table's type, which says what the table is for.
-pub fn section_text(section: &SectionRecord) -> &'static str {
-    comments::of_type(section.type_name).unwrap_or_default()
+pub fn section_text(section: &SectionRecord) -> String {
+    comments::of_type(section.docs[0]).unwrap_or_default()
 }
 
 /// Comment of the variant of a table whose `kind` is `word`.
-pub fn variant_text(section: &SectionRecord, word: &str) -> &'static str {
-    comments::of_word(&types(section), word).unwrap_or_default()
+pub fn variant_text(section: &SectionRecord, word: &str) -> String {
+    comments::of_word(&section.docs, word).unwrap_or_default()
 }
 
 /// Comment of a key, followed by the comments of its allowed words, if it takes one of a set.
 pub fn key_text(section: &SectionRecord, word: Option<&str>, key: &KeyRecord) -> String {
-    let text = comments::of_key(&types(section), word, key.name).unwrap_or_default();
-    let mut text = without_lead(text, key.name);
-    for word in key.words.iter().flat_map(|(_, words)| *words) {
-        let type_name = key.words.map_or("", |(name, _)| name);
+    let text = comments::of_key(&section.docs, word, key.name).unwrap_or_default();
+    let mut text = without_lead(key.text.as_deref().unwrap_or(&text), key.name);
+    for word in key.words {
         let _ = write!(
             text,
-            "\n{}",
-            comments::of_word(&[type_name], word).unwrap_or_default()
+            "\n`\"{}\"`: {}",
+            word.name,
+            comments::joined(word.lines)
         );
     }
     text
@@ -74,7 +69,7 @@ fn describe_section(out: &mut String, section: &SectionRecord, level: usize, lin
         "SceneDesc" => write!(out, "\n{marks} {heading}\n"),
         _ => write!(out, "\n{marks} `{heading}`\n"),
     };
-    let text = without_lead(section_text(section), heading);
+    let text = without_lead(&section_text(section), heading);
     if !text.is_empty() {
         let _ = write!(out, "\n{text}\n");
     }
@@ -84,7 +79,7 @@ fn describe_section(out: &mut String, section: &SectionRecord, level: usize, lin
     for variant in &section.variants {
         let _ = write!(out, "\n{marks}# `{} = \"{}\"`\n", variant.key, variant.word);
         let lead = format!("\"{}\"", variant.word);
-        let text = without_lead(variant_text(section, variant.word), &lead);
+        let text = without_lead(&variant_text(section, variant.word), &lead);
         if !text.is_empty() {
             let _ = write!(out, "\n{text}\n");
         }

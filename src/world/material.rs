@@ -1,5 +1,7 @@
 //! Materials: the properties of a surface for shading and ray tracing.
 
+use std::ops::{Deref, DerefMut};
+
 use glam::{Vec3, Vec4};
 use serde::Serialize;
 
@@ -8,8 +10,8 @@ use super::{
     material_textures::{CoreTexture, LAYER_SLOTS, LayerTexture, TEXTURE_SLOTS},
 };
 use reflet_scene::desc::{
-    CheckerDesc, LightGroup, MATERIAL, MaterialDesc, PatternKind, PatternedDesc, PatternedKey,
-    ReflectionMode,
+    CheckerDesc, LightGroup, MaterialDesc, MaterialNumbers, PatternKind, PatternedDesc,
+    PatternedKey, ReflectionMode,
 };
 
 /// A surface description after all overrides; textures are indices into [`World::textures`](super::World::textures).
@@ -19,12 +21,8 @@ pub struct Material {
     pub name: String,
     /// Base color, linear; alpha in w.
     pub base_color: Vec4,
-    /// Metallic share, 0 to 1.
-    pub metallic: f32,
-    /// Perceptual roughness, 0 to 1.
-    pub roughness: f32,
-    /// Specular reflectance at normal incidence of the dielectric part, 0 to 1.
-    pub reflectivity: f32,
+    /// Numbers that are plain values of its keys.
+    pub numbers: MaterialNumbers,
     /// Emitted linear radiance, strength already multiplied in.
     pub emission: Vec3,
     /// Whether the emission lights the scene; else it is only seen, directly and in reflections.
@@ -33,57 +31,19 @@ pub struct Material {
     pub light_group: LightGroup,
     /// Whether `light` comes from the file (a mesh light), and not from the scene text.
     pub is_mesh_light: bool,
-    /// Strength of the normal map.
-    pub normal_scale: f32,
-    /// Texture repetitions along u and v, on top of each texture's own transform.
-    pub uv_scale: [f32; 2],
-    /// Strength of the occlusion map, 0 to 1; it darkens the environment's light only, not that of other lights.
-    pub occlusion_strength: f32,
-    /// Alpha threshold of a cut-out; `None`: no cut-out.
-    pub alpha_cutoff: Option<f32>,
     /// Whether the surface is double-sided.
     pub double_sided: bool,
     /// Whether the base color is shown unchanged, without lighting, exposure and tone mapping
     /// (KHR_materials_unlit). Such a material has no specular.
     pub unlit: bool,
-    /// Share of the unreflected light that is transmitted, 0 to 1; `None`: it never is.
-    pub transmission: Option<f32>,
     /// Whether transmitted light is refracted, and absorbed up to the other side of the mesh.
     pub solid: bool,
     /// Index of refraction inside of a solid, 1 or more.
     pub ior: f32,
-    /// Color of white light after the attenuation distance inside.
-    pub attenuation_color: Vec3,
-    /// Attenuation distance, meters; `None`: nothing is absorbed.
-    pub attenuation_distance_m: Option<f32>,
-    /// Strength of the clear coat, 0 to 1; `None`: it never has one.
-    pub clearcoat: Option<f32>,
-    /// Perceptual roughness of the clear coat, 0 to 1.
-    pub clearcoat_roughness: f32,
     /// Strength of the clear coat's own normal map.
     pub clearcoat_normal_scale: f32,
-    /// Factor on the reflectivity and on the grazing reflectance of the dielectric part, 0 to 1; `None`: always 1.
-    pub specular: Option<f32>,
-    /// Color factor on the reflectivity, 0 or more; `None`: always white.
-    pub specular_color: Option<Vec3>,
-    /// Color of the sheen, 0 to 1; `None`: it never has one.
-    pub sheen_color: Option<Vec3>,
-    /// Perceptual roughness of the sheen, 0 to 1.
-    pub sheen_roughness: f32,
-    /// Strength of the thin film, 0 to 1; `None`: it never has one.
-    pub iridescence: Option<f32>,
-    /// Index of refraction of the film, 1 or more.
-    pub iridescence_ior: f32,
-    /// Thickness of the film, nanometers; where a texture varies it, at its largest values.
-    pub iridescence_thickness_nm: f32,
     /// Thickness of the film at the texture's least values, nanometers.
     pub iridescence_least_nm: f32,
-    /// Strength of the anisotropy, which stretches the lobe along its direction, 0 to 1; `None`: always isotropic.
-    pub anisotropy: Option<f32>,
-    /// Angle of the anisotropy's direction from the tangent towards the bitangent, degrees.
-    pub anisotropy_rotation_deg: f32,
-    /// Dispersion: 20 divided by the Abbe number; `None`: all colors are refracted alike.
-    pub dispersion: Option<f32>,
     /// Whether alpha is the share of light that the surface stops (glTF's `BLEND`).
     pub blended: bool,
     /// Reflection mode.
@@ -118,43 +78,36 @@ pub struct ListedVariants {
     pub shown: Option<String>,
 }
 
+impl Deref for Material {
+    type Target = MaterialNumbers;
+
+    fn deref(&self) -> &MaterialNumbers {
+        &self.numbers
+    }
+}
+
+impl DerefMut for Material {
+    fn deref_mut(&mut self) -> &mut MaterialNumbers {
+        &mut self.numbers
+    }
+}
+
 impl Default for Material {
     fn default() -> Self {
         Self {
             name: String::new(),
             base_color: Vec4::ONE,
-            metallic: 0.0,
-            roughness: 1.0,
-            reflectivity: 0.04,
+            numbers: MaterialNumbers::default(),
             emission: Vec3::ZERO,
             light: false,
             light_group: LightGroup::default(),
             is_mesh_light: false,
-            normal_scale: 1.0,
-            uv_scale: [1.0; 2],
-            occlusion_strength: 1.0,
-            alpha_cutoff: None,
             double_sided: false,
             unlit: false,
-            transmission: None,
             solid: false,
             ior: 1.5,
-            attenuation_color: Vec3::ONE,
-            attenuation_distance_m: None,
-            clearcoat: None,
-            clearcoat_roughness: 0.0,
             clearcoat_normal_scale: 1.0,
-            specular: None,
-            specular_color: None,
-            sheen_color: None,
-            sheen_roughness: 0.0,
-            iridescence: None,
-            iridescence_ior: 1.3,
-            iridescence_thickness_nm: 400.0,
             iridescence_least_nm: 100.0,
-            anisotropy: None,
-            anisotropy_rotation_deg: 0.0,
-            dispersion: None,
             blended: false,
             reflection: ReflectionMode::Auto,
             checker: None,
@@ -195,16 +148,19 @@ impl Material {
             base_color_texture: self.base_color_texture,
             checker: self.checker,
             patterned: self.patterned.iter().filter(is_kept).copied().collect(),
-            uv_scale: self.uv_scale,
+            numbers: MaterialNumbers {
+                uv_scale: self.uv_scale,
+                alpha_cutoff: self.alpha_cutoff,
+                reflectivity: 0.0,
+                ..MaterialNumbers::default()
+            },
             emission: self.emission,
             emission_texture: self.emission_texture,
             light: self.light,
             light_group: self.light_group,
             is_mesh_light: self.is_mesh_light,
-            alpha_cutoff: self.alpha_cutoff,
             blended: self.blended,
             double_sided: self.double_sided,
-            reflectivity: 0.0,
             reflection: ReflectionMode::None,
             ..Self::default()
         }
@@ -282,81 +238,24 @@ impl Material {
     pub fn numbers(&self) -> Box<MaterialDesc> {
         Box::new(MaterialDesc {
             base_color: Some(self.base_color.truncate()),
-            metallic: Some(self.metallic),
-            roughness: Some(self.roughness),
-            normal_scale: Some(self.normal_scale),
-            occlusion_strength: Some(self.occlusion_strength),
-            uv_scale: Some(self.uv_scale),
-            alpha_cutoff: self.alpha_cutoff,
             alpha: self.blended.then_some(self.base_color.w),
             emission: Some(self.emission),
             emission_strength: Some(1.0),
-            reflectivity: Some(self.reflectivity),
-            transmission: self.transmission,
-            attenuation_color: Some(self.attenuation_color),
-            attenuation_distance_m: self.attenuation_distance_m,
-            clearcoat: self.clearcoat,
-            clearcoat_roughness: Some(self.clearcoat_roughness),
-            specular: self.specular,
-            specular_color: self.specular_color,
-            sheen_color: self.sheen_color,
-            sheen_roughness: Some(self.sheen_roughness),
-            iridescence: self.iridescence,
-            iridescence_ior: Some(self.iridescence_ior),
-            iridescence_thickness_nm: Some(self.iridescence_thickness_nm),
-            anisotropy: self.anisotropy,
-            anisotropy_rotation_deg: Some(self.anisotropy_rotation_deg),
-            dispersion: self.dispersion,
             checker: self.checker,
             patterned: self.patterned.clone(),
-            ..MaterialDesc::default()
+            ..self.numbers.desc()
         })
     }
 
     /// Sets the values that motion may change, where `desc` has them.
     pub fn set_numbers(&mut self, desc: &MaterialDesc) {
-        fn set<T>(slot: &mut T, value: Option<T>) {
-            if let Some(value) = value {
-                *slot = value;
-            }
-        }
+        self.numbers.set(desc);
         if let Some(color) = desc.base_color {
             self.base_color = color.extend(self.base_color.w);
         }
-        set(&mut self.base_color.w, desc.alpha);
-        set(&mut self.metallic, desc.metallic);
-        set(&mut self.roughness, desc.roughness);
-        set(&mut self.normal_scale, desc.normal_scale);
-        set(&mut self.occlusion_strength, desc.occlusion_strength);
-        set(&mut self.uv_scale, desc.uv_scale);
-        self.alpha_cutoff = desc.alpha_cutoff.or(self.alpha_cutoff);
+        self.base_color.w = desc.alpha.unwrap_or(self.base_color.w);
         self.checker = desc.checker.or(self.checker);
-        set(&mut self.reflectivity, desc.reflectivity);
-        self.transmission = desc.transmission.or(self.transmission);
-        set(&mut self.attenuation_color, desc.attenuation_color);
-        self.attenuation_distance_m = desc.attenuation_distance_m.or(self.attenuation_distance_m);
-        self.clearcoat = desc.clearcoat.or(self.clearcoat);
-        set(&mut self.clearcoat_roughness, desc.clearcoat_roughness);
-        self.specular = desc.specular.or(self.specular);
-        self.specular_color = desc.specular_color.or(self.specular_color);
-        self.sheen_color = desc.sheen_color.or(self.sheen_color);
-        set(&mut self.sheen_roughness, desc.sheen_roughness);
-        self.iridescence = desc.iridescence.or(self.iridescence);
-        set(&mut self.iridescence_ior, desc.iridescence_ior);
-        set(
-            &mut self.iridescence_thickness_nm,
-            desc.iridescence_thickness_nm,
-        );
-        self.anisotropy = desc.anisotropy.or(self.anisotropy);
-        set(
-            &mut self.anisotropy_rotation_deg,
-            desc.anisotropy_rotation_deg,
-        );
-        self.dispersion = desc.dispersion.or(self.dispersion);
-        self.patterned.retain(|old| {
-            let field = MATERIAL.iter().find(|field| field.key == old.value.key());
-            field.is_none_or(|field| (field.get)(desc).is_none())
-        });
+        self.patterned.retain(|old| !desc.has(old.value.key()));
         self.patterned.extend_from_slice(&desc.patterned);
         if let Some(emission) = desc.emission {
             self.emission = emission;

@@ -21,9 +21,19 @@ impl RigPose {
     }
 
     fn put<T>(&self, object: Pointed, fields: &'static [Field<T>], to: &mut T) {
+        self.put_some(object, fields, |_| true, to);
+    }
+
+    fn put_some<T>(
+        &self,
+        object: Pointed,
+        fields: &'static [Field<T>],
+        has: impl Fn(&Field<T>) -> bool,
+        to: &mut T,
+    ) {
         for (value, number) in self.of(object) {
             if let PointedValue::Field(key) = value
-                && let Some(field) = find(fields, key)
+                && let Some(field) = find(fields, key).filter(|field| has(field))
             {
                 field.put_clamped(to, number);
             }
@@ -33,23 +43,9 @@ impl RigPose {
     /// The values of a material of the file in this pose; `own` are those at rest.
     pub fn material(&self, index: usize, own: &MaterialDesc) -> MaterialDesc {
         let mut changed = own.clone();
-        self.put(Pointed::Material(index), &MATERIAL, &mut changed);
         // Layers that the material lacks at rest are not added by animations.
-        for field in MATERIAL.iter().filter(|field| field.lacks(own).is_some()) {
-            match field.key {
-                "alpha_cutoff" => changed.alpha_cutoff = None,
-                "transmission" => changed.transmission = None,
-                "attenuation_distance_m" => changed.attenuation_distance_m = None,
-                "clearcoat" => changed.clearcoat = None,
-                "specular" => changed.specular = None,
-                "specular_color" => changed.specular_color = None,
-                "sheen_color" => changed.sheen_color = None,
-                "iridescence" => changed.iridescence = None,
-                "anisotropy" => changed.anisotropy = None,
-                "dispersion" => changed.dispersion = None,
-                _ => {}
-            }
-        }
+        let has = |field: &Field<_>| field.key == "alpha" || field.lacks(own).is_none();
+        self.put_some(Pointed::Material(index), &MATERIAL, has, &mut changed);
         changed
     }
 

@@ -115,10 +115,13 @@ pub fn world(offset: Vec3) -> World {
         (Some(0.5), false),
         (Some(0.5), true),
     ]
-    .map(|(alpha_cutoff, double_sided)| Material {
-        alpha_cutoff,
-        double_sided,
-        ..Material::default()
+    .map(|(alpha_cutoff, double_sided)| {
+        let mut material = Material {
+            double_sided,
+            ..Material::default()
+        };
+        material.alpha_cutoff = alpha_cutoff;
+        material
     });
     let mut instances = vec![Instance {
         name: "floor".into(),

@@ -47,9 +47,8 @@ const COMPARED: [Method; 7] = {
 
 /// Parser of a method that can be compared.
 fn compared() -> impl TypedValueParser<Value = Method> {
-    let method = |name: String| COMPARED.into_iter().find(|method| method.name() == name);
     PossibleValuesParser::new(COMPARED.map(Method::name))
-        .map(move |name| method(name).expect("one of the possible values"))
+        .map(|name| Method::from_name(&name).expect("one of the possible values"))
 }
 
 /// `bench`

@@ -3,7 +3,6 @@
 use crate::{
     app::error::AppError,
     bench::{
-        parameter::method_name,
         report::page::{Figure, Gallery},
         run::{REFERENCE_BOUNCES, Subject},
         score::View,
@@ -179,7 +178,7 @@ impl<'a> RenderSession<'a> {
 
     fn show(&mut self, shot: &ReportPicture, reference: Option<&View>) -> Result<Shown, AppError> {
         let settings = shot.settings();
-        let method = method_name(settings.method);
+        let method = settings.method.name();
         let label = match settings.method {
             Method::Rt | Method::Probe | Method::NearFar => method.to_owned(), // they have neither
             Method::Hybrid if settings.verifies() => {

@@ -8,7 +8,7 @@ use crate::{
     app::error::AppError,
     bench::{
         host::Host,
-        parameter::{Parameter, method_name},
+        parameter::Parameter,
         run::{Outcome, Protocol, REFERENCE_BOUNCES},
         sample::Sample,
         summary::label,
@@ -56,7 +56,7 @@ struct Varied {
 fn varied(protocol: &Protocol) -> Vec<Varied> {
     let mut methods: Vec<Varied> = Vec::new();
     for variant in protocol.variants(&ReflectionDesc::default()) {
-        let method = method_name(variant.method);
+        let method = variant.method.name();
         let parameter = variant.parameter.map(Parameter::name);
         let is_other = |last: &Varied| (last.method, last.parameter) != (method, parameter);
         if methods.last().is_none_or(is_other) {
@@ -121,7 +121,7 @@ pub fn json(
     let settings = Settings {
         host,
         scenes,
-        methods: protocol.methods.iter().map(|m| method_name(*m)).collect(),
+        methods: protocol.methods.iter().map(|m| m.name()).collect(),
         turned: varied(protocol),
         sizes: &protocol.sizes,
         frames: protocol.frames,

@@ -17,7 +17,7 @@ use crate::{
     },
     bench::{
         hash::Hash,
-        parameter::{THRESHOLD_SERIES, method_name},
+        parameter::THRESHOLD_SERIES,
         report::page::page,
         run::{FrameSeries, Protocol, Subject, Sweep},
         sample::Sample,
@@ -126,8 +126,8 @@ pub fn stability(args: &StabilityArgs) -> Result<(), AppError> {
 /// Columns of the tables: `hybrid` has one for each rule of acceptance.
 fn columns(methods: &[Method]) -> Vec<&'static str> {
     let of = |method: &Method| match method {
-        Method::Hybrid => vec![THRESHOLD_SERIES, method_name(*method)],
-        _ => vec![method_name(*method)],
+        Method::Hybrid => vec![THRESHOLD_SERIES, method.name()],
+        _ => vec![method.name()],
     };
     methods.iter().flat_map(of).collect()
 }

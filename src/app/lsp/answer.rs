@@ -80,7 +80,7 @@ pub fn keys(section: &'static SectionRecord, kind: Option<&str>) -> Vec<Value> {
         .map(|(word, key)| item(key.name, PROPERTY, &key_text(section, word, key)))
         .collect();
     if let Some(first) = section.variants.first() {
-        all.push(item(first.key, PROPERTY, section_text(section)));
+        all.push(item(first.key, PROPERTY, &section_text(section)));
     }
     all
 }
@@ -101,7 +101,7 @@ fn headers(file: &Arc<Source>, word: &Word) -> Vec<Value> {
         }
         Some(Below::Names(section)) => {
             let kind = word.table.last().map_or("", String::as_str);
-            let text = section_text(section);
+            let text = &section_text(section);
             let mut all = names_of_kind(file, kind);
             all.remove(&word.text);
             all.iter().map(|name| item(name, REFERENCE, text)).collect()
@@ -192,7 +192,7 @@ fn values(file: &Arc<Source>, word: &Word, name: &str, quoted: bool) -> Vec<Valu
     let manual = Manual::of(&file.path);
     if let Some((section, _, key)) = manual.key(&word.table, name) {
         let meaning = key_text(section, None, key);
-        let words = key.words.iter().flat_map(|(_, words)| *words);
+        let words = key.words.iter().map(|word| word.name);
         all.extend(words.map(|w| item(&text(w), VALUE, &meaning)));
         let is_switch = |form: &Form| matches!(form, Form::Value(_, s) if s["type"] == "boolean");
         if key.forms.iter().any(is_switch) && !quoted {
@@ -201,7 +201,7 @@ fn values(file: &Arc<Source>, word: &Word, name: &str, quoted: bool) -> Vec<Valu
     }
     if let Some(section) = manual.table(&word.table) {
         let chosen = section.variants.iter().filter(|v| v.key == name);
-        all.extend(chosen.map(|v| item(&text(v.word), VALUE, variant_text(section, v.word))));
+        all.extend(chosen.map(|v| item(&text(v.word), VALUE, &variant_text(section, v.word))));
     }
     if is_project(&file.path) {
         if word.table.is_empty() && ["assets", "scripts"].contains(&name) {
@@ -264,19 +264,19 @@ pub fn hover(file: &Arc<Source>, offset: usize) -> Option<Value> {
                     .variants
                     .iter()
                     .any(|v| v.key == name && v.word == word.text);
-                known.then(|| variant_text(section, &word.text).to_owned())
+                known.then(|| variant_text(section, &word.text))
             });
             chosen.or_else(|| of_key(&word.table, name))?
         }
         Part::Key => of_key(&word.table, &word.text).or_else(|| {
             let section = manual.table(&word.table)?;
             let chooses = section.variants.iter().any(|v| v.key == word.text);
-            chooses.then(|| section_text(section).to_owned())
+            chooses.then(|| section_text(section))
         })?,
         Part::Header => {
             let keys: Vec<_> = word.table.iter().chain([&word.text]).cloned().collect();
             let (Below::Table(section) | Below::Names(section)) = manual.below(&keys)?;
-            section_text(section).to_owned()
+            section_text(section)
         }
         Part::Nothing => return None,
     };

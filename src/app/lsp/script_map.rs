@@ -280,12 +280,12 @@ fn words(goal: &Goal, key: &str) -> Vec<Value> {
     let mut all = Vec::new();
     if let Some((section, kind, record)) = manual.key(&path, key) {
         let text = key_text(section, kind, record);
-        let words = record.words.iter().flat_map(|(_, words)| *words);
+        let words = record.words.iter().map(|word| word.name);
         all.extend(words.map(|word| item(word, VALUE, &text)));
     }
     if let Some(section) = manual.table(&path) {
         let chosen = section.variants.iter().filter(|v| v.key == key);
-        all.extend(chosen.map(|v| item(v.word, VALUE, variant_text(section, v.word))));
+        all.extend(chosen.map(|v| item(v.word, VALUE, &variant_text(section, v.word))));
     }
     all
 }

@@ -3,7 +3,7 @@
 use crate::{
     hash::Hash,
     log::Log,
-    parameter::{Variant, accept_name, method_name},
+    parameter::Variant,
     sample::{Sample, detail_columns},
     score::Reference,
 };
@@ -248,13 +248,13 @@ impl Block<'_> {
             frame: subject.frame,
             width: self.size[0],
             height: self.size[1],
-            method: method_name(variant.method).to_owned(),
+            method: variant.method.name().to_owned(),
             turn: bench.protocol.sweep.name().to_owned(),
             parameter: variant
                 .parameter
                 .map(|parameter| parameter.name().to_owned()),
             value: variant.value,
-            accept: accept_name(settings.accept).to_owned(),
+            accept: settings.accept.name().to_owned(),
             edge_px: Some(settings.edge_px.into()),
             reuse_light: Some(settings.reuse_light),
             threshold_u: settings.threshold_u,

@@ -4,10 +4,7 @@
 use std::collections::HashMap;
 
 use super::Sample;
-use crate::{
-    csv::CsvError,
-    parameter::{Parameter, method_name},
-};
+use crate::{csv::CsvError, parameter::Parameter};
 use reflet_metric::{
     mask::MIN_AREA_PX,
     table::{self, ROUNDING},
@@ -34,7 +31,7 @@ pub fn cell(column: &str, text: &str) -> Result<(), String> {
                 Method::Hybrid,
                 Method::Rt,
             ]
-            .map(method_name),
+            .map(Method::name),
         ),
         "parameter" => named(text, &Parameter::ALL.map(Parameter::name)),
         _ => match (range(column), text.parse::<f64>()) {

@@ -2,101 +2,84 @@
 
 use serde::Serialize;
 
-use reflet_scene::desc::Method;
+use reflet_scene::{desc::Method, words};
 
 /// Bits of a texel of the target `cause` that hold the cause; those above hold the length of the ray that the march has
 /// proven free.
 pub const CAUSE_MASK: u32 = 0xFF;
 
-/// Outcome of the screen-space march at one pixel. In shaders it is the constant `CAUSE_` with its name in capitals.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-#[repr(u32)]
-pub enum Cause {
-    /// The pixel shows no surface, or one that does not reflect.
-    NotReflective = 0,
-    /// The ray hit a surface that the picture shows, by the rule of `reflection.accept`.
-    Hit = 1,
-    /// The ray went behind a surface that the picture shows.
-    Hidden = 2,
-    /// The ray hit a surface from behind.
-    BackFace = 3,
-    /// The ray hit another reflector.
-    Reflector = 4,
-    /// The ray left the picture.
-    OffScreen = 5,
-    /// The march ran out of steps.
-    Steps = 6,
-    /// The ray reached its maximum length without a hit.
-    None = 7,
-    /// The surface is rougher than the cutoff.
-    Rough = 8,
-    /// The pixel was not marched: method `rt`.
-    Unmarched = 9,
-    /// The ray crossed a surface that a pixel shows, but no triangle or plane there confirms the hit.
-    Unconfirmed = 10,
-    /// The pixel was not marched: an orthographic camera sees surfaces edge-on, and no pixel shows these obstacles.
-    EdgeOn = 11,
-    /// The ray went behind what the picture shows, and hit a surface of the second depth layer.
-    HitBehind = 12,
-    /// Method `near-far`: the ray hit what the map of far things shows.
-    Far = 13,
-    /// Method `near-far`: the ray went behind what the map of far things shows, and hit nothing that it shows.
-    FarHidden = 14,
-    /// Method `ssr+box`: the ray hit what a face of the box sees.
-    Box = 15,
-    /// Method `ssr+box`: the ray hit nothing that a face sees, and leaves the box where the face across does not see out
-    /// of it.
-    BoxHidden = 16,
+words! {
+    /// Outcome of the screen-space march at one pixel. In shaders it is the constant `CAUSE_` with its name in capitals.
+    #[derive(Serialize)]
+    #[serde(rename_all = "snake_case")]
+    #[repr(u32)]
+    pub enum Cause {
+        /// The pixel shows no surface, or one that does not reflect.
+        NotReflective = "not_reflective",
+        /// The ray hit a surface that the picture shows, by the rule of `reflection.accept`.
+        Hit = "hit",
+        /// The ray went behind a surface that the picture shows.
+        Hidden = "hidden",
+        /// The ray hit a surface from behind.
+        BackFace = "back_face",
+        /// The ray hit another reflector.
+        Reflector = "reflector",
+        /// The ray left the picture.
+        OffScreen = "off_screen",
+        /// The march ran out of steps.
+        Steps = "steps",
+        /// The ray reached its maximum length without a hit.
+        None = "none",
+        /// The surface is rougher than the cutoff.
+        Rough = "rough",
+        /// The pixel was not marched: method `rt`.
+        Unmarched = "unmarched",
+        /// The ray crossed a surface that a pixel shows, but no triangle or plane there confirms the hit.
+        Unconfirmed = "unconfirmed",
+        /// The pixel was not marched: an orthographic camera sees surfaces edge-on, and no pixel shows these obstacles.
+        EdgeOn = "edge_on",
+        /// The ray went behind what the picture shows, and hit a surface of the second depth layer.
+        HitBehind = "hit_behind",
+        /// Method `near-far`: the ray hit what the map of far things shows.
+        Far = "far",
+        /// Method `near-far`: the ray went behind what the map of far things shows, and hit nothing that it shows.
+        FarHidden = "far_hidden",
+        /// Method `ssr+box`: the ray hit what a face of the box sees.
+        Box = "box",
+        /// Method `ssr+box`: the ray hit nothing that a face sees, and leaves the box where the face across does not see out
+        /// of it.
+        BoxHidden = "box_hidden",
+    }
 }
 
-/// Source of a pixel's reflection.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Source {
-    /// Not a reflective pixel.
-    NotReflective,
-    /// Screen-space hit.
-    Screen,
-    /// Ray traced.
-    Traced,
-    /// Method `ssr`: the pixel is left black where a ray would have been traced; `near-far` and `ssr+box`: it shows the
-    /// environment where the maps do not show what the ray would hit.
-    Failed,
-    /// The environment: the ray hits no surface within its length.
-    None,
-    /// The environment: the surface is too rough.
-    Rough,
-    /// Looked up in probes.
-    Probe,
-    /// Found in the map of far things.
-    Far,
-    /// Found on a face of the box.
-    Box,
+words! {
+    /// Source of a pixel's reflection.
+    #[derive(Serialize)]
+    #[serde(rename_all = "snake_case")]
+    pub enum Source {
+        /// Not a reflective pixel.
+        NotReflective = "not_reflective",
+        /// Screen-space hit.
+        Screen = "screen",
+        /// Ray traced.
+        Traced = "traced",
+        /// Method `ssr`: the pixel is left black where a ray would have been traced; `near-far` and `ssr+box`: it shows the
+        /// environment where the maps do not show what the ray would hit.
+        Failed = "failed",
+        /// The environment: the ray hits no surface within its length.
+        None = "none",
+        /// The environment: the surface is too rough.
+        Rough = "rough",
+        /// Looked up in probes.
+        Probe = "probe",
+        /// Found in the map of far things.
+        Far = "far",
+        /// Found on a face of the box.
+        Box = "box",
+    }
 }
 
 impl Cause {
-    /// All causes; the index is the number.
-    pub const ALL: [Self; 17] = [
-        Self::NotReflective,
-        Self::Hit,
-        Self::Hidden,
-        Self::BackFace,
-        Self::Reflector,
-        Self::OffScreen,
-        Self::Steps,
-        Self::None,
-        Self::Rough,
-        Self::Unmarched,
-        Self::Unconfirmed,
-        Self::EdgeOn,
-        Self::HitBehind,
-        Self::Far,
-        Self::FarHidden,
-        Self::Box,
-        Self::BoxHidden,
-    ];
-
     /// Number of the cause in a texel of the `cause` target, whose upper bits hold the ray length that the march has
     /// proven free.
     pub const fn number_in(texel: u32) -> u32 {
@@ -106,29 +89,6 @@ impl Cause {
     /// The cause with this number.
     pub fn from_number(number: u32) -> Option<Self> {
         Self::ALL.get(number as usize).copied()
-    }
-
-    /// Name in reports and file names.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::NotReflective => "not_reflective",
-            Self::Hit => "hit",
-            Self::Hidden => "hidden",
-            Self::BackFace => "back_face",
-            Self::Reflector => "reflector",
-            Self::OffScreen => "off_screen",
-            Self::Steps => "steps",
-            Self::None => "none",
-            Self::Rough => "rough",
-            Self::Unmarched => "unmarched",
-            Self::Unconfirmed => "unconfirmed",
-            Self::EdgeOn => "edge_on",
-            Self::HitBehind => "hit_behind",
-            Self::Far => "far",
-            Self::FarHidden => "far_hidden",
-            Self::Box => "box",
-            Self::BoxHidden => "box_hidden",
-        }
     }
 
     /// Whether a pixel of this cause shows a reflection along its mirror direction, from whichever source.
@@ -183,34 +143,6 @@ impl Cause {
 }
 
 impl Source {
-    /// All sources; the index is the number in AOVs.
-    pub const ALL: [Self; 9] = [
-        Self::NotReflective,
-        Self::Screen,
-        Self::Traced,
-        Self::Failed,
-        Self::None,
-        Self::Rough,
-        Self::Probe,
-        Self::Far,
-        Self::Box,
-    ];
-
-    /// Name in reports.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::NotReflective => "not_reflective",
-            Self::Screen => "screen",
-            Self::Traced => "traced",
-            Self::Failed => "failed",
-            Self::None => "none",
-            Self::Rough => "rough",
-            Self::Probe => "probe",
-            Self::Far => "far",
-            Self::Box => "box",
-        }
-    }
-
     /// Color in the `source` picture, sRGB: screen hits blue and traced pink, as in the paper's Fig. 8.
     pub const fn color(self) -> [u8; 3] {
         match self {

@@ -2,35 +2,36 @@
 
 use super::At;
 
-/// `animation = { name = "walk", … }`: playback of animations of the model's file. They move nodes of the
-/// file with their children (meshes, lights and cameras), and deform meshes by skin joints and morph
-/// targets; everything else stays in the static BVH. A scale of 0 along all axes hides a node. A file
-/// rendered without a scene plays all of its animations once if they move different things, else the first.
-#[derive(Clone, Debug, PartialEq)]
-pub struct AnimationDesc {
-    /// Name of an animation of the file, as `reflet info` lists them, or an array of several; `"*"` is all
-    /// of them, an empty array none. Where two move the same thing, the later one wins.
-    pub name: Vec<At<String>>,
-    /// Factor on the speed of playback: 2 is twice as fast, less than 0 plays backwards from the end.
-    /// Default 1.
-    pub speed: f32,
-    /// Time of the scene at which playback begins, seconds; until then the animation holds its first pose.
-    /// Less than 0 is a start before the scene's. Default 0.
-    pub start_s: f32,
-    /// How playback goes on after the end of the animation. Default `"loop"`.
-    pub repeat: Playback,
-}
+declared! {
+    /// `animation = { name = "walk", … }`: playback of animations of the model's file. They move nodes of the
+    /// file with their children (meshes, lights and cameras), and deform meshes by skin joints and morph
+    /// targets; everything else stays in the static BVH. A scale of 0 along all axes hides a node. A file
+    /// rendered without a scene plays all of its animations once if they move different things, else the first.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct AnimationDesc {
+        /// Name of an animation of the file, as `reflet info` lists them, or an array of several; `"*"` is all
+        /// of them, an empty array none. Where two move the same thing, the later one wins.
+        pub name: Vec<At<String>>,
+        /// Factor on the speed of playback: 2 is twice as fast, less than 0 plays backwards from the end.
+        /// Default 1.
+        pub speed: f32,
+        /// Time of the scene at which playback begins, seconds; until then the animation holds its first pose.
+        /// Less than 0 is a start before the scene's. Default 0.
+        pub start_s: f32,
+        /// How playback goes on after the end of the animation. Default `"loop"`.
+        pub repeat: Playback,
+    }
 
-/// How playback goes on after the end of an animation.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Playback {
-    /// `"once"`: holds the last pose.
-    Once,
-    /// `"loop"`: starts over, each animation after its own length.
-    #[default]
-    Loop,
-    /// `"ping_pong"`: plays backwards, then forwards again, and so on.
-    PingPong,
+    /// How playback goes on after the end of an animation.
+    #[words]
+    pub enum Playback = Loop {
+        /// holds the last pose.
+        Once = "once",
+        /// starts over, each animation after its own length.
+        Loop = "loop",
+        /// plays backwards, then forwards again, and so on.
+        PingPong = "ping_pong",
+    }
 }
 
 impl AnimationDesc {

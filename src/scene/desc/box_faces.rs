@@ -2,28 +2,21 @@
 
 use glam::Vec3;
 
-/// `[box_faces]`: the box of method `ssr+box`, which stands for a room. What is static in it is seen from each of its
-/// six faces, inwards along the face's axis, and kept as depth and ids in a buffer on the face. What moves (`dynamic`
-/// instances) is on none.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BoxFacesDesc {
-    /// Least corner of the box, meters: inside of the walls of the room or in them. Faces start a ten-thousandth of the
-    /// box's size inside, and do not see surfaces from behind, so that walls on the border do not hide what is between
-    /// them. Without both corners: the bounds of the static scene.
-    pub box_min: Option<Vec3>,
-    /// Greatest corner of the box, meters, above `box_min` along every axis.
-    pub box_max: Option<Vec3>,
-    /// Width of each of the six faces, pixels, 1 to 16384, but at most 2 GiB for all faces: 4729. More shows finer
-    /// things, and takes more time to capture and more memory: 96 bytes for the square of it. Default 256.
-    pub face_px: u32,
-}
-
-impl Default for BoxFacesDesc {
-    fn default() -> Self {
-        Self {
-            box_min: None,
-            box_max: None,
-            face_px: 256,
-        }
+declared! {
+    /// `[box_faces]`: the box of method `ssr+box`, which stands for a room. What is static in it is seen from each of
+    /// its six faces, inwards along the face's axis, and kept as depth and ids in a buffer on the face. What moves
+    /// (`dynamic` instances) is on none.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    #[defaults]
+    pub struct BoxFacesDesc {
+        /// Least corner of the box, meters: inside of the walls of the room or in them. Faces start a ten-thousandth of
+        /// the box's size inside, and do not see surfaces from behind, so that walls on the border do not hide what is
+        /// between them. Without both corners: the bounds of the static scene.
+        pub box_min: Option<Vec3>,
+        /// Greatest corner of the box, meters, above `box_min` along every axis.
+        pub box_max: Option<Vec3>,
+        /// Width of each of the six faces, pixels, 1 to 16384, but at most 2 GiB for all faces: 4729. More shows finer
+        /// things, and takes more time to capture and more memory: 96 bytes for the square of it. Default 256.
+        pub face_px: u32 = 256,
     }
 }

@@ -8,36 +8,39 @@ use crate::{
     range::{ABOVE_0, ANY, APERTURE_F, range},
 };
 
-/// `[camera.NAME]`: a viewpoint with its lens.
-///
-/// - `parent`: `name` of an instance, or of a `[group.NAME]`, to which the camera is attached: its
-///   positions and directions are then relative to the parent and move with it. Default: none.
-#[derive(Clone, Debug, PartialEq)]
-pub struct CameraDesc {
-    /// Position of the camera, meters.
-    pub eye: Vec3,
-    /// Point that the camera looks at, meters; must differ from `eye`.
-    pub target: Vec3,
-    /// Direction that points up in the picture; must not be along the view.
-    pub up: Vec3,
-    /// Vertical field of view, degrees, 1 to 170. More shows more of the scene, and everything smaller.
-    pub fov_deg: f32,
-    /// Height of the part of the scene that the picture shows, meters, above 0: makes the camera
-    /// orthographic. Its rays are parallel, so nothing shrinks with distance, and `fov_deg` has no effect.
-    /// Surfaces that such a camera sees edge-on, as walls from straight above, are on no pixel: if they
-    /// have the area of more than 16 × 16 pixels, `hybrid` traces every reflection. Default: perspective.
-    pub orthographic_height_m: Option<f32>,
-    /// Near plane: surfaces closer to the camera than this are not seen, meters, above 0. There is no far
-    /// plane. Default 0.01, or a hundredth of U where that is less.
-    pub near_m: Option<f32>,
-    /// Aperture as an f-number, 0.1 to 1000: less blurs more of what is out of focus. The lens is that of a
-    /// camera with this field of view and a sensor of 24 mm height; an orthographic camera has none. Each
-    /// sub-frame looks through one point of the lens, so it takes many `image.samples`. Default: a pinhole,
-    /// everything is sharp.
-    pub aperture_f: Option<f32>,
-    /// Distance along the view that is in focus, meters, above 0. Default: the distance of `target`, so
-    /// that what a camera looks at or follows is sharp.
-    pub focus_m: Option<f32>,
+declared! {
+    /// `[camera.NAME]`: a viewpoint with its lens.
+    ///
+    /// - `parent`: `name` of an instance, or of a `[group.NAME]`, to which the camera is attached: its
+    ///   positions and directions are then relative to the parent and move with it. Default: none.
+    #[derive(Clone, Debug, PartialEq)]
+    #[defaults]
+    pub struct CameraDesc {
+        /// Position of the camera, meters.
+        pub eye: Vec3 = Vec3::new(0.0, 1.0, 5.0),
+        /// Point that the camera looks at, meters; must differ from `eye`.
+        pub target: Vec3,
+        /// Direction that points up in the picture; must not be along the view.
+        pub up: Vec3 = Vec3::Y,
+        /// Vertical field of view, degrees, 1 to 170. More shows more of the scene, and everything smaller.
+        pub fov_deg: f32 = 60.0,
+        /// Height of the part of the scene that the picture shows, meters, above 0: makes the camera
+        /// orthographic. Its rays are parallel, so nothing shrinks with distance, and `fov_deg` has no effect.
+        /// Surfaces that such a camera sees edge-on, as walls from straight above, are on no pixel: if they
+        /// have the area of more than 16 × 16 pixels, `hybrid` traces every reflection. Default: perspective.
+        pub orthographic_height_m: Option<f32>,
+        /// Near plane: surfaces closer to the camera than this are not seen, meters, above 0. There is no far
+        /// plane. Default 0.01, or a hundredth of U where that is less.
+        pub near_m: Option<f32>,
+        /// Aperture as an f-number, 0.1 to 1000: less blurs more of what is out of focus. The lens is that of a
+        /// camera with this field of view and a sensor of 24 mm height; an orthographic camera has none. Each
+        /// sub-frame looks through one point of the lens, so it takes many `image.samples`. Default: a pinhole,
+        /// everything is sharp.
+        pub aperture_f: Option<f32>,
+        /// Distance along the view that is in focus, meters, above 0. Default: the distance of `target`, so
+        /// that what a camera looks at or follows is sharp.
+        pub focus_m: Option<f32>,
+    }
 }
 
 /// Near plane where none is given, meters, but in small scenes.
@@ -77,21 +80,6 @@ impl CameraDesc {
     }
 }
 
-impl Default for CameraDesc {
-    fn default() -> Self {
-        Self {
-            eye: Vec3::new(0.0, 1.0, 5.0),
-            target: Vec3::ZERO,
-            up: Vec3::Y,
-            fov_deg: 60.0,
-            orthographic_height_m: None,
-            near_m: None,
-            aperture_f: None,
-            focus_m: None,
-        }
-    }
-}
-
 /// Values of a camera that tracks and scripts may change.
 pub static CAMERA: [Field<CameraDesc>; 8] = [
     plain!(eye, Vector, ANY),
@@ -128,17 +116,19 @@ pub static CAMERA: [Field<CameraDesc>; 8] = [
     },
 ];
 
-/// `[motion.camera.NAME]`: tracks that move a camera and change its lens.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct CameraMotionDesc {
-    /// - `eye`: track of the position, meters.
-    /// - `target`: track of the point that the camera looks at, meters; `{ follow = { instance = "car" } }`
-    ///   looks at an instance.
-    /// - `up`: track of the direction that points up in the picture.
-    /// - `fov_deg`: track of the vertical field of view, degrees, 1 to 170.
-    /// - `orthographic_height_m`: track of the height of an orthographic camera's view, meters, above 0.
-    /// - `near_m`: track of the distance of the near plane, meters, above 0.
-    /// - `aperture_f`: track of the f-number, 0.1 to 1000.
-    /// - `focus_m`: track of the distance in focus, meters, above 0.
-    pub tracks: Tracks,
+declared! {
+    /// `[motion.camera.NAME]`: tracks that move a camera and change its lens.
+    #[derive(Clone, Debug, Default, PartialEq)]
+    pub struct CameraMotionDesc {
+        /// - `eye`: track of the position, meters.
+        /// - `target`: track of the point that the camera looks at, meters; `{ follow = { instance = "car" } }`
+        ///   looks at an instance.
+        /// - `up`: track of the direction that points up in the picture.
+        /// - `fov_deg`: track of the vertical field of view, degrees, 1 to 170.
+        /// - `orthographic_height_m`: track of the height of an orthographic camera's view, meters, above 0.
+        /// - `near_m`: track of the distance of the near plane, meters, above 0.
+        /// - `aperture_f`: track of the f-number, 0.1 to 1000.
+        /// - `focus_m`: track of the distance in focus, meters, above 0.
+        pub tracks: Tracks,
+    }
 }

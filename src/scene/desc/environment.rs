@@ -6,95 +6,80 @@ use glam::Vec3;
 
 use super::{At, LightGroup};
 
-/// Whether objects block the environment's light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum EnvironmentShadow {
-    /// `"ray"`: objects block the environment's light, found by shadow rays: soft shadows and dark corners.
-    Ray,
-    /// `"none"`: the environment's light reaches every surface, as if nothing stood in its way.
-    #[default]
-    None,
-}
+declared! {
+    /// Whether objects block the environment's light.
+    #[words]
+    pub enum EnvironmentShadow = None {
+        /// objects block the environment's light, found by shadow rays: soft shadows and dark corners.
+        Ray = "ray",
+        /// the environment's light reaches every surface, as if nothing stood in its way.
+        None = "none",
+    }
 
-/// `fog = { density = 0.02 }`, in `[environment]`: fog, mist or smoke between things. A way d through it lets exp(-σ d) of
-/// the light pass, and it scatters light of lamps, of surfaces with `light = true` and of the surroundings towards the
-/// eye, with shadows: beams. Reflections and what is behind glass lie in it too; in solid glass there is none. σ is
-/// `density`: with a `falloff_m` up to `height_m`, above which it is `density` · exp(-(y - `height_m`) / `falloff_m`);
-/// else within the box around all instances, lamps and cameras as they are at load, and 0 beyond. Light is scattered
-/// once, or more often by as many `diffuse_bounces`, and without limit by method `path`. It takes `samples` or
-/// `light_rays` to be smooth.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FogDesc {
-    /// Extinction coefficient σ, per meter, 0 or more: 1 over the mean length that light travels before the fog takes it.
-    /// 0.01 is haze, 0.1 thick fog; 0 is no fog at all.
-    pub density: f32,
-    /// Albedo: share of the light that the fog takes which it scatters rather than absorbs, three numbers 0 to 1. Fog and
-    /// mist are nearly white, smoke is darker. Default white.
-    pub color: Vec3,
-    /// Height (y) up to which the density is constant, meters, for fog with a `falloff_m`. Default 0.
-    pub height_m: f32,
-    /// Height above `height_m` in which the density falls to 1/e, about a third, meters, above 0: less ends more sharply.
-    /// Such fog reaches without end to all sides and below. Default: the same density everywhere in the box of the scene.
-    pub falloff_m: Option<f32>,
-    /// Mean cosine of the angle by which light is turned, -0.95 to 0.95: above 0 most goes on nearly straight, so that
-    /// there are halos around lamps and the sun, as in mist (0.6 to 0.9); 0 scatters to all sides alike; below 0 most goes
-    /// back. Default 0.
-    pub anisotropy: f32,
-}
+    /// `fog = { density = 0.02 }`, in `[environment]`: fog, mist or smoke between things. A way d through it lets
+    /// exp(-σ d) of the light pass, and it scatters light of lamps, of surfaces with `light = true` and of the
+    /// surroundings towards the eye, with shadows: beams. Reflections and what is behind glass lie in it too; in solid
+    /// glass there is none. σ is `density`: with a `falloff_m` up to `height_m`, above which it is
+    /// `density` · exp(-(y - `height_m`) / `falloff_m`); else within the box around all instances, lamps and cameras as
+    /// they are at load, and 0 beyond. Light is scattered once, or more often by as many `diffuse_bounces`, and without
+    /// limit by method `path`. It takes `samples` or `light_rays` to be smooth.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct FogDesc {
+        /// Extinction coefficient σ, per meter, 0 or more: 1 over the mean length that light travels before the fog
+        /// takes it. 0.01 is haze, 0.1 thick fog; 0 is no fog at all.
+        pub density: f32,
+        /// Albedo: share of the light that the fog takes which it scatters rather than absorbs, three numbers 0 to 1.
+        /// Fog and mist are nearly white, smoke is darker. Default white.
+        pub color: Vec3,
+        /// Height (y) up to which the density is constant, meters, for fog with a `falloff_m`. Default 0.
+        pub height_m: f32,
+        /// Height above `height_m` in which the density falls to 1/e, about a third, meters, above 0: less ends more
+        /// sharply. Such fog reaches without end to all sides and below. Default: the same density everywhere in the
+        /// box of the scene.
+        pub falloff_m: Option<f32>,
+        /// Mean cosine of the angle by which light is turned, -0.95 to 0.95: above 0 most goes on nearly straight, so
+        /// that there are halos around lamps and the sun, as in mist (0.6 to 0.9); 0 scatters to all sides alike; below
+        /// 0 most goes back. Default 0.
+        pub anisotropy: f32,
+    }
 
-/// `[environment]`: background and light around the scene: a panorama image (`file`), one `color` for all
-/// directions, or a gradient of `zenith`, `horizon` and `ground`. It is seen behind the scene and in
-/// reflections, and lights every surface. Without any of these the first model whose file brings light of images
-/// (glTF's EXT_lights_image_based), and whose `lights` is not `false`, gives the environment; else it is black.
-///
-/// - `color`: linear radiance, the same in all directions, three numbers 0 or more.
-#[derive(Clone, Debug, PartialEq)]
-pub struct EnvironmentDesc {
-    /// Linear radiance straight up, 0 or more. Default black.
-    pub zenith: Vec3,
-    /// Linear radiance at the horizon, 0 or more. Default black.
-    pub horizon: Vec3,
-    /// Linear radiance straight down, 0 or more. Default black.
-    pub ground: Vec3,
-    /// Panorama image with linear radiance, Radiance HDR (`.hdr`) or OpenEXR (`.exr`), searched beside the
-    /// scene, then in each `--assets` folder. It is a latitude-longitude map, twice as wide as high, as in
-    /// OpenEXR's "Environment Maps": longitude across, latitude down, +Z in the middle, +X a quarter of the
-    /// width left of that. Images of more than 4096 × 2048 pixels are reduced to that size.
-    pub file: Option<At<String>>,
-    /// Rotation of the panorama about +Y, degrees, counterclockwise seen from above. Default 0.
-    pub rotation_deg: f32,
-    /// Factor on the environment's radiance, 0 or more. More is brighter. Default 1.
-    pub intensity: f32,
-    /// Whether the camera sees the environment as its background; `false` shows black there. Its light and
-    /// its reflections stay. Default true.
-    pub visible: bool,
-    /// Whether objects block the environment's light: with `"ray"` they cast soft shadows and darken
-    /// corners. Default `"none"` with a color or gradient, else `"ray"`.
-    pub shadow: EnvironmentShadow,
-    /// Fog between things. Default: none.
-    pub fog: Option<FogDesc>,
-    /// Light group of the environment's light, and of the environment itself where it is seen, 1 to 31 letters, digits,
-    /// `-` and `_`. Default "other".
-    pub light_group: LightGroup,
-    /// Whether the scene text says what the environment is, by `file`, `color` or a gradient.
-    pub is_written: bool,
-}
-
-impl Default for EnvironmentDesc {
-    fn default() -> Self {
-        Self {
-            zenith: Vec3::ZERO,
-            horizon: Vec3::ZERO,
-            ground: Vec3::ZERO,
-            file: None,
-            rotation_deg: 0.0,
-            intensity: 1.0,
-            visible: true,
-            shadow: EnvironmentShadow::Ray,
-            fog: None,
-            light_group: LightGroup::default(),
-            is_written: false,
-        }
+    /// `[environment]`: background and light around the scene: a panorama image (`file`), one `color` for all
+    /// directions, or a gradient of `zenith`, `horizon` and `ground`. It is seen behind the scene and in
+    /// reflections, and lights every surface. Without any of these the first model whose file brings light of images
+    /// (glTF's EXT_lights_image_based), and whose `lights` is not `false`, gives the environment; else it is black.
+    ///
+    /// - `color`: linear radiance, the same in all directions, three numbers 0 or more.
+    #[derive(Clone, Debug, PartialEq)]
+    #[defaults]
+    pub struct EnvironmentDesc {
+        /// Linear radiance straight up, 0 or more. Default black.
+        pub zenith: Vec3,
+        /// Linear radiance at the horizon, 0 or more. Default black.
+        pub horizon: Vec3,
+        /// Linear radiance straight down, 0 or more. Default black.
+        pub ground: Vec3,
+        /// Panorama image with linear radiance, Radiance HDR (`.hdr`) or OpenEXR (`.exr`), searched beside the
+        /// scene, then in each `--assets` folder. It is a latitude-longitude map, twice as wide as high, as in
+        /// OpenEXR's "Environment Maps": longitude across, latitude down, +Z in the middle, +X a quarter of the
+        /// width left of that. Images of more than 4096 × 2048 pixels are reduced to that size.
+        pub file: Option<At<String>>,
+        /// Rotation of the panorama about +Y, degrees, counterclockwise seen from above. Default 0.
+        pub rotation_deg: f32,
+        /// Factor on the environment's radiance, 0 or more. More is brighter. Default 1.
+        pub intensity: f32 = 1.0,
+        /// Whether the camera sees the environment as its background; `false` shows black there. Its light and
+        /// its reflections stay. Default true.
+        pub visible: bool = true,
+        /// Whether objects block the environment's light: with `"ray"` they cast soft shadows and darken
+        /// corners. Default `"none"` with a color or gradient, else `"ray"`.
+        pub shadow: EnvironmentShadow = EnvironmentShadow::Ray,
+        /// Fog between things. Default: none.
+        pub fog: Option<FogDesc>,
+        /// Light group of the environment's light, and of the environment itself where it is seen, 1 to 31 letters,
+        /// digits, `-` and `_`. Default "other".
+        pub light_group: LightGroup,
+        /// Whether the scene text says what the environment is, by `file`, `color` or a gradient.
+        pub is_written: bool,
     }
 }
 

@@ -2,53 +2,46 @@
 
 use super::PlacementDesc;
 
-/// `[group.NAME]`: a place without a model, to which other things are attached by `parent = "NAME"`, so
-/// that they move, turn and scale together.
-///
-/// - `parent`: `name` of an instance, or of a `[group.NAME]`, to which this group is attached: its
-///   placement is then relative to the parent and moves with it. If the parent instance has copies, its
-///   first copy counts. Default: none.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GroupDesc {
-    /// Placement of the group, relative to its parent if it has one.
-    pub placement: PlacementDesc,
-    /// Whether a script may move the group, and with it everything attached to it. Default false.
-    pub dynamic: bool,
-}
+declared! {
+    /// `[group.NAME]`: a place without a model, to which other things are attached by `parent = "NAME"`, so
+    /// that they move, turn and scale together.
+    ///
+    /// - `parent`: `name` of an instance, or of a `[group.NAME]`, to which this group is attached: its
+    ///   placement is then relative to the parent and moves with it. If the parent instance has copies, its
+    ///   first copy counts. Default: none.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct GroupDesc {
+        /// Placement of the group, relative to its parent if it has one.
+        pub placement: PlacementDesc,
+        /// Whether a script may move the group, and with it everything attached to it. Default false.
+        pub dynamic: bool,
+    }
 
-/// `model = { scene = "car.toml" }`: places another scene here, as a group with the name of the instance,
-/// or else of the file. Its cameras, lights, materials, models, instances, groups and motion are added to
-/// this scene, with that name and a dot before their own names: `car.wheel`. Tables of this scene with such
-/// a name, as `[material."car.paint"]`, override its keys. Its script is added too: its `frame` runs before
-/// that of this scene, with the names and the `[params]` of its own scene and the timeline of this one. Its
-/// image settings, environment, reflection settings, timeline and variants are ignored. Beside `model`,
-/// such an instance may have `name`, a placement, `parent`, `dynamic`, and `visible`, `casts_shadow` and
-/// `in_reflections` for all of its instances.
-///
-/// - `scene`: name of the placed scene's file, searched beside this scene, then in each `--assets` folder.
-///   File names in it start from its own folder, then from the folders of this scene.
-/// - `params`: values of parameters that the placed scene declares in its `[params]`, such as `{ speed = 3
-///   }`, each of the declared type. Its script reads them. Default: the declared values.
-pub struct PlacedSceneDesc;
+    /// `model = { scene = "car.toml" }`: places another scene here, as a group with the name of the instance,
+    /// or else of the file. Its cameras, lights, materials, models, instances, groups and motion are added to
+    /// this scene, with that name and a dot before their own names: `car.wheel`. Tables of this scene with such
+    /// a name, as `[material."car.paint"]`, override its keys. Its script is added too: its `frame` runs before
+    /// that of this scene, with the names and the `[params]` of its own scene and the timeline of this one. Its
+    /// image settings, environment, reflection settings, timeline and variants are ignored. Beside `model`,
+    /// such an instance may have `name`, a placement, `parent`, `dynamic`, and `visible`, `casts_shadow` and
+    /// `in_reflections` for all of its instances.
+    ///
+    /// - `scene`: name of the placed scene's file, searched beside this scene, then in each `--assets` folder.
+    ///   File names in it start from its own folder, then from the folders of this scene.
+    /// - `params`: values of parameters that the placed scene declares in its `[params]`, such as `{ speed = 3
+    ///   }`, each of the declared type. Its script reads them. Default: the declared values.
+    pub struct PlacedSceneDesc;
 
-/// Visibility of an instance to the camera, to light and to reflections; its children have their own keys.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct ShownDesc {
-    /// Whether the camera sees the instance directly; its shadow and its reflections stay. Default true.
-    pub visible: bool,
-    /// Whether the instance blocks light and casts shadows. Default true.
-    pub casts_shadow: bool,
-    /// Whether the instance is seen in reflections and through glass. Default true.
-    pub in_reflections: bool,
-}
-
-impl Default for ShownDesc {
-    fn default() -> Self {
-        Self {
-            visible: true,
-            casts_shadow: true,
-            in_reflections: true,
-        }
+    /// Visibility of an instance to the camera, to light and to reflections; its children have their own keys.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    #[defaults]
+    pub struct ShownDesc {
+        /// Whether the camera sees the instance directly; its shadow and its reflections stay. Default true.
+        pub visible: bool = true,
+        /// Whether the instance blocks light and casts shadows. Default true.
+        pub casts_shadow: bool = true,
+        /// Whether the instance is seen in reflections and through glass. Default true.
+        pub in_reflections: bool = true,
     }
 }
 

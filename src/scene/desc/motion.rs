@@ -2,48 +2,50 @@
 
 use super::{At, CameraMotionDesc, Entry, LightMotionDesc, MaterialMotionDesc, TrackDesc, Tracks};
 
-/// `[timeline]`: the frames of a film.
-///
-/// - `cuts`: camera that is shown from a frame on, unless `--camera` chooses one. Before the first cut it is
-///   the camera of a scene without cuts: `main`, else the first.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TimelineDesc {
-    /// Frames per second, above 0 and at most 1000. Frame F shows the time F / fps. Default 24.
-    pub fps: f32,
-    /// Number of the first frame, 0 to 1000000. Default 0.
-    pub start: u32,
-    /// Number of the last frame, which is shown too, 0 to 1000000; not before `start`.
-    pub end: u32,
-}
+declared! {
+    /// `[timeline]`: the frames of a film.
+    ///
+    /// - `cuts`: camera that is shown from a frame on, unless `--camera` chooses one. Before the first cut it is
+    ///   the camera of a scene without cuts: `main`, else the first.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct TimelineDesc {
+        /// Frames per second, above 0 and at most 1000. Frame F shows the time F / fps. Default 24.
+        pub fps: f32,
+        /// Number of the first frame, 0 to 1000000. Default 0.
+        pub start: u32,
+        /// Number of the last frame, which is shown too, 0 to 1000000; not before `start`.
+        pub end: u32,
+    }
 
-/// `cuts = [{ frame = 48, camera = "close" }, …]`, in the order of frames.
-#[derive(Clone, Debug, PartialEq)]
-pub struct CutDesc {
-    /// First frame of the cut, 0 to 1000000.
-    pub frame: u32,
-    /// Name of the camera that is shown from that frame on.
-    pub camera: At<String>,
-}
+    /// `cuts = [{ frame = 48, camera = "close" }, …]`, in the order of frames.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct CutDesc {
+        /// First frame of the cut, 0 to 1000000.
+        pub frame: u32,
+        /// Name of the camera that is shown from that frame on.
+        pub camera: At<String>,
+    }
 
-/// `[motion]`: tracks that change the scene over time, by the names of things; a thing without motion keeps the
-/// values of its own table.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct MotionDesc {
-    /// `camera.NAME`: path and lens of a camera.
-    pub cameras: Vec<Entry<CameraMotionDesc>>,
-    /// `instance.NAME`: motion of an instance, by its `name`; it is dynamic then. Also changes numbers of its
-    /// own `material`.
-    pub instances: Vec<Entry<InstanceMotionDesc>>,
-    /// `group.NAME`: motion of a group, and with it of everything attached to it.
-    pub groups: Vec<Entry<InstanceMotionDesc>>,
-    /// `decal.NAME`: motion of a decal's box, and its changing opacity.
-    pub decals: Vec<Entry<DecalMotionDesc>>,
-    /// `light.NAME`: motion and changing brightness of a light.
-    pub lights: Vec<Entry<LightMotionDesc>>,
-    /// `material.NAME`: changing numbers of a `[material.NAME]`.
-    pub materials: Vec<Entry<MaterialMotionDesc>>,
-    /// `model.NAME`: changing numbers of the materials inside a model's file.
-    pub models: Vec<Entry<ModelMotionDesc>>,
+    /// `[motion]`: tracks that change the scene over time, by the names of things; a thing without motion keeps the
+    /// values of its own table.
+    #[derive(Clone, Debug, Default, PartialEq)]
+    pub struct MotionDesc {
+        /// `camera.NAME`: path and lens of a camera.
+        pub cameras: Vec<Entry<CameraMotionDesc>>,
+        /// `instance.NAME`: motion of an instance, by its `name`; it is dynamic then. Also changes numbers of its
+        /// own `material`.
+        pub instances: Vec<Entry<InstanceMotionDesc>>,
+        /// `group.NAME`: motion of a group, and with it of everything attached to it.
+        pub groups: Vec<Entry<InstanceMotionDesc>>,
+        /// `decal.NAME`: motion of a decal's box, and its changing opacity.
+        pub decals: Vec<Entry<DecalMotionDesc>>,
+        /// `light.NAME`: motion and changing brightness of a light.
+        pub lights: Vec<Entry<LightMotionDesc>>,
+        /// `material.NAME`: changing numbers of a `[material.NAME]`.
+        pub materials: Vec<Entry<MaterialMotionDesc>>,
+        /// `model.NAME`: changing numbers of the materials inside a model's file.
+        pub models: Vec<Entry<ModelMotionDesc>>,
+    }
 }
 
 impl MotionDesc {
@@ -59,24 +61,26 @@ impl MotionDesc {
     }
 }
 
-/// `[motion.instance.NAME]`: `translation`, `rotation_deg` and `scale` need an instance that is placed by these
-/// or `rotation_quat`, not by `matrix`.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct InstanceMotionDesc {
-    /// Track of the position of the model's origin, meters.
-    pub translation: Option<TrackDesc>,
-    /// Track of the rotation, degrees about X, then Y, then Z, all fixed axes. Without `keys` it is applied
-    /// before the instance's own rotation, so about the model's own axes.
-    pub rotation_deg: Option<TrackDesc>,
-    /// Track of the factor on the model's size, one number or three; must not pass through 0, except by a
-    /// `"step"`.
-    pub scale: Option<TrackDesc>,
-    /// Track that shows or hides the instance and everything attached to it. While hidden it is not seen, not
-    /// reflected and blocks no light; lights attached to it are dark. Default: always shown.
-    pub shown: Option<TrackDesc>,
-    /// Tracks of numbers of the instance's own `material = { … }`, which it must have and which may be empty;
-    /// numbers left out there start from the material below it.
-    pub material: Option<MaterialMotionDesc>,
+declared! {
+    /// `[motion.instance.NAME]`: `translation`, `rotation_deg` and `scale` need an instance that is placed by these
+    /// or `rotation_quat`, not by `matrix`.
+    #[derive(Clone, Debug, Default, PartialEq)]
+    pub struct InstanceMotionDesc {
+        /// Track of the position of the model's origin, meters.
+        pub translation: Option<TrackDesc>,
+        /// Track of the rotation, degrees about X, then Y, then Z, all fixed axes. Without `keys` it is applied
+        /// before the instance's own rotation, so about the model's own axes.
+        pub rotation_deg: Option<TrackDesc>,
+        /// Track of the factor on the model's size, one number or three; must not pass through 0, except by a
+        /// `"step"`.
+        pub scale: Option<TrackDesc>,
+        /// Track that shows or hides the instance and everything attached to it. While hidden it is not seen, not
+        /// reflected and blocks no light; lights attached to it are dark. Default: always shown.
+        pub shown: Option<TrackDesc>,
+        /// Tracks of numbers of the instance's own `material = { … }`, which it must have and which may be empty;
+        /// numbers left out there start from the material below it.
+        pub material: Option<MaterialMotionDesc>,
+    }
 }
 
 impl InstanceMotionDesc {
@@ -92,40 +96,42 @@ impl InstanceMotionDesc {
     }
 }
 
-/// `[motion.decal.NAME]`: `translation`, `rotation_deg` and `scale` need a decal that is placed by these or
-/// `rotation_quat`, not by `matrix`.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct DecalMotionDesc {
-    /// - `translation`: track of the position of the middle of the box, meters.
-    /// - `rotation_deg`: track of the rotation, degrees about X, then Y, then Z, all fixed axes. Without `keys` it is
-    ///   applied before the decal's own rotation, so about its own axes.
-    /// - `scale`: track of the factor on the size of the box, one number or three; must not pass through 0, except by
-    ///   a `"step"`.
-    /// - `shown`: track that shows or hides the decal, whatever its `opacity`. Default: always shown.
-    pub place: InstanceMotionDesc,
-    /// - `size`: track of the size of the box along its axes, meters, each above 0.
-    /// - `opacity`: track of the factor on its coverage, 0 to 1.
-    pub tracks: Tracks,
-}
+declared! {
+    /// `[motion.decal.NAME]`: `translation`, `rotation_deg` and `scale` need a decal that is placed by these or
+    /// `rotation_quat`, not by `matrix`.
+    #[derive(Clone, Debug, Default, PartialEq)]
+    pub struct DecalMotionDesc {
+        /// - `translation`: track of the position of the middle of the box, meters.
+        /// - `rotation_deg`: track of the rotation, degrees about X, then Y, then Z, all fixed axes. Without `keys` it
+        ///   is applied before the decal's own rotation, so about its own axes.
+        /// - `scale`: track of the factor on the size of the box, one number or three; must not pass through 0, except
+        ///   by a `"step"`.
+        /// - `shown`: track that shows or hides the decal, whatever its `opacity`. Default: always shown.
+        pub place: InstanceMotionDesc,
+        /// - `size`: track of the size of the box along its axes, meters, each above 0.
+        /// - `opacity`: track of the factor on its coverage, 0 to 1.
+        pub tracks: Tracks,
+    }
 
-/// `[motion.group.NAME]`: `translation`, `rotation_deg` and `scale` need a group that is placed by these or
-/// `rotation_quat`, not by `matrix`.
-///
-/// - `translation`: track of the position of the group's origin, meters.
-/// - `rotation_deg`: track of the rotation, degrees about X, then Y, then Z, all fixed axes. Without `keys` it
-///   is applied before the group's own rotation, so about its own axes.
-/// - `scale`: track of the factor on the size of everything attached to the group, one number or three; must
-///   not pass through 0, except by a `"step"`.
-/// - `shown`: track that shows or hides everything attached to the group. While hidden it is not seen, not
-///   reflected and blocks no light; lights attached to it are dark. Default: always shown.
-pub struct GroupMotionDesc;
+    /// `[motion.group.NAME]`: `translation`, `rotation_deg` and `scale` need a group that is placed by these or
+    /// `rotation_quat`, not by `matrix`.
+    ///
+    /// - `translation`: track of the position of the group's origin, meters.
+    /// - `rotation_deg`: track of the rotation, degrees about X, then Y, then Z, all fixed axes. Without `keys` it
+    ///   is applied before the group's own rotation, so about its own axes.
+    /// - `scale`: track of the factor on the size of everything attached to the group, one number or three; must
+    ///   not pass through 0, except by a `"step"`.
+    /// - `shown`: track that shows or hides everything attached to the group. While hidden it is not seen, not
+    ///   reflected and blocks no light; lights attached to it are dark. Default: always shown.
+    pub struct GroupMotionDesc;
 
-/// `[motion.model.NAME]`: changing materials of a model with a `file`.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ModelMotionDesc {
-    /// `material.NAME`: tracks of numbers of the file's material of that name, or of all of them as `"*"`, over
-    /// the values of `[model.M.material.NAME]`; an instance's own `material` wins.
-    pub materials: Vec<Entry<MaterialMotionDesc>>,
+    /// `[motion.model.NAME]`: changing materials of a model with a `file`.
+    #[derive(Clone, Debug, Default, PartialEq)]
+    pub struct ModelMotionDesc {
+        /// `material.NAME`: tracks of numbers of the file's material of that name, or of all of them as `"*"`, over
+        /// the values of `[model.M.material.NAME]`; an instance's own `material` wins.
+        pub materials: Vec<Entry<MaterialMotionDesc>>,
+    }
 }
 
 /// A parameter of the scene's script.

@@ -1,24 +1,19 @@
 //! Box and maps of method `near-far` in scene text.
 
-/// `[near_far]`: the box around the camera in which method `near-far` traces rays, and the cube map of what lies
-/// behind it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NearFarDesc {
-    /// Half the size of the box, meters, above 0: the box reaches as far from the camera along every axis. With a larger
-    /// one more is exact and rays take longer; one that holds the whole scene shows what method `rt` shows. Default:
-    /// 2 U.
-    pub half_size_m: Option<f32>,
-    /// Width of each of the six faces of the map, pixels, 8 to 2048. More shows finer things, and takes more time to
-    /// capture and more memory: 96 bytes for the square of it, twice as much with `reflection.layers = 2`. Default 512.
-    pub face_px: u32,
-}
-
-impl Default for NearFarDesc {
-    fn default() -> Self {
-        Self {
-            half_size_m: None,
-            face_px: 512,
-        }
+declared! {
+    /// `[near_far]`: the box around the camera in which method `near-far` traces rays, and the cube map of what lies
+    /// behind it.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    #[defaults]
+    pub struct NearFarDesc {
+        /// Half the size of the box, meters, above 0: the box reaches as far from the camera along every axis. With a
+        /// larger one more is exact and rays take longer; one that holds the whole scene shows what method `rt` shows.
+        /// Default: 2 U.
+        pub half_size_m: Option<f32>,
+        /// Width of each of the six faces of the map, pixels, 8 to 2048. More shows finer things, and takes more time
+        /// to capture and more memory: 96 bytes for the square of it, twice as much with `reflection.layers = 2`.
+        /// Default 512.
+        pub face_px: u32 = 512,
     }
 }
 

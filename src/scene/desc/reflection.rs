@@ -6,74 +6,42 @@ use crate::{
     range::{EDGE_PX, FROM_0, RAY_LENGTH_U, THRESHOLD_U, UNIT, range},
 };
 
-/// How reflections are found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Method {
-    /// `"ssr"`: screen space only; reflections that the screen does not hold are black.
-    Ssr,
-    /// `"rt"`: every reflective pixel is ray traced.
-    Rt,
-    /// `"hybrid"`: screen space first, ray traced where that finds nothing.
-    Hybrid,
-    /// `"probe"`: cube maps that were captured from some places of the static scene, looked up by `[probes]`. Shows
-    /// nothing that moves, and what the places do not see at a wrong place or not at all.
-    Probe,
-    /// `"ssr+probe"`: screen space first, by the same rule as `"ssr"`; probes where that finds nothing.
-    SsrProbe,
-    /// `"ssr+box"`: screen space first, by the same rule as `"ssr"`; where that finds nothing, rays march through buffers
-    /// of depth and ids on the faces of a box that stands for the room, captured once by `[box_faces]`. Shows nothing
-    /// that moves, and replaces what things hide from all faces by the environment.
-    SsrBox,
-    /// `"near-far"`: rays are traced inside of the box of `[near_far]` around the camera; beyond it they march through a
-    /// cube map of what the camera sees there, captured for each frame, whose hits are shaded as those of rays are
-    /// (Ganestam & Doggett 2015). What the map does not show, behind what it shows, is replaced by the environment.
-    NearFar,
-    /// `"path"`: path tracing, the ground truth for the other methods. All light is followed by rays, however
-    /// often it is reflected and scattered: as `rt` with unlimited `bounces` and `diffuse_bounces`,
-    /// `roughness_cutoff = 1`, shadows by rays and 32 bits of `radiance`, and without light reuse, filter, fade
-    /// and limits of length. Takes hundreds of `samples`. Lamps without a size are not seen through solid or
-    /// rough glass, because no ray can meet them.
-    Path,
-    /// `"auto"`: `rt` or `hybrid`, whichever a cost model for the kind of graphics adapter expects to take less
-    /// time; `reflet info` and `--stats` print the choice and its reason.
-    #[default]
-    Auto,
+declared! {
+    /// How reflections are found.
+    #[words]
+    pub enum Method = Auto {
+        /// screen space only; reflections that the screen does not hold are black.
+        Ssr = "ssr": "Screen space only",
+        /// every reflective pixel is ray traced.
+        Rt = "rt": "Ray tracing only",
+        /// screen space first, ray traced where that finds nothing.
+        Hybrid = "hybrid": "Screen space first, ray traced where that fails",
+        /// cube maps that were captured from some places of the static scene, looked up by `[probes]`. Shows
+        /// nothing that moves, and what the places do not see at a wrong place or not at all.
+        Probe = "probe": "Cube maps that were captured from probes",
+        /// screen space first, by the same rule as `"ssr"`; probes where that finds nothing.
+        SsrProbe = "ssr+probe": "Screen space first, probes where that fails",
+        /// screen space first, by the same rule as `"ssr"`; where that finds nothing, rays march through buffers of
+        /// depth and ids on the faces of a box that stands for the room, captured once by `[box_faces]`. Shows nothing
+        /// that moves, and replaces what things hide from all faces by the environment.
+        SsrBox = "ssr+box": "Screen space first, buffers on the faces of a box where that fails",
+        /// rays are traced inside of the box of `[near_far]` around the camera; beyond it they march through a
+        /// cube map of what the camera sees there, captured for each frame, whose hits are shaded as those of rays are
+        /// (Ganestam & Doggett 2015). What the map does not show, behind what it shows, is replaced by the environment.
+        NearFar = "near-far": "Rays near the camera, cube maps of depth and ids beyond",
+        /// path tracing, the ground truth for the other methods. All light is followed by rays, however
+        /// often it is reflected and scattered: as `rt` with unlimited `bounces` and `diffuse_bounces`,
+        /// `roughness_cutoff = 1`, shadows by rays and 32 bits of `radiance`, and without light reuse, filter, fade
+        /// and limits of length. Takes hundreds of `samples`. Lamps without a size are not seen through solid or
+        /// rough glass, because no ray can meet them.
+        Path = "path": "Path tracing of all light, with any number of bounces: the reference, and slow",
+        /// `rt` or `hybrid`, whichever a cost model for the kind of graphics adapter expects to take less
+        /// time; `reflet info` and `--stats` print the choice and its reason.
+        Auto = "auto": "Hybrid or rt, whichever is expected to take less time",
+    }
 }
 
 impl Method {
-    /// All methods, in the order of the manual.
-    pub const ALL: [Self; 9] = [
-        Self::Ssr,
-        Self::Rt,
-        Self::Hybrid,
-        Self::Probe,
-        Self::SsrProbe,
-        Self::SsrBox,
-        Self::NearFar,
-        Self::Path,
-        Self::Auto,
-    ];
-
-    /// Method of that name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|method| method.name() == name)
-    }
-
-    /// Name of the method in scene text and tables.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Ssr => "ssr",
-            Self::Rt => "rt",
-            Self::Hybrid => "hybrid",
-            Self::Probe => "probe",
-            Self::SsrProbe => "ssr+probe",
-            Self::SsrBox => "ssr+box",
-            Self::NearFar => "near-far",
-            Self::Path => "path",
-            Self::Auto => "auto",
-        }
-    }
-
     /// Whether the method searches reflections in screen space first.
     pub const fn marches(self) -> bool {
         !matches!(self, Self::Rt | Self::Probe | Self::NearFar | Self::Path)
@@ -95,40 +63,40 @@ impl Method {
     }
 }
 
-/// When a crossing of ray and depth buffer counts as a hit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Accept {
-    /// `"verified"`: the ray meets a triangle that the pixels at the crossing show, or their common plane.
-    #[default]
-    Verified,
-    /// `"threshold"`: the ray is at most `threshold_u` behind the stored depth, as in the paper.
-    Threshold,
-}
+declared! {
+    /// When a crossing of ray and depth buffer counts as a hit.
+    #[words]
+    pub enum Accept = Verified {
+        /// the ray meets a triangle that the pixels at the crossing show, or their common plane.
+        Verified = "verified",
+        /// the ray is at most `threshold_u` behind the stored depth, as in the paper.
+        Threshold = "threshold",
+    }
 
-/// Surfaces whose reflections are marched in screen space.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Marched {
-    /// `"all"`: every surface that reflects.
-    All,
-    /// `"cheaper"`: the surfaces, one instance each, whose rays take less time to march than to trace; the others are
-    /// traced at once, and with no such surface the method is `rt`. A cost model for the kind of graphics adapter
-    /// decides by sampled rays of the first frame, so that pictures may differ slightly between kinds.
-    Cheaper,
-    /// `"auto"`: `"cheaper"` where `method` is `"auto"`, else `"all"`.
-    #[default]
-    Auto,
-}
+    /// Surfaces whose reflections are marched in screen space.
+    #[words]
+    pub enum Marched = Auto {
+        /// `"cheaper"` where `method` is `"auto"`, else `"all"`.
+        Auto = "auto",
+        /// every surface that reflects.
+        All = "all",
+        /// the surfaces, one instance each, whose rays take less time to march than to trace; the others are
+        /// traced at once, and with no such surface the method is `rt`. A cost model for the kind of graphics adapter
+        /// decides by sampled rays of the first frame, so that pictures may differ slightly between kinds.
+        Cheaper = "cheaper",
+    }
 
-/// Way to follow rays through the scene: for reflections, shadows, transmission, diffuse light and primary visibility.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Trace {
-    /// `"software"`: Reflet's own traversal of its trees, which runs on every adapter.
-    #[default]
-    Software,
-    /// `"query"`: the adapter's ray queries over acceleration structures that it builds; an error on adapters without.
-    Query,
-    /// `"auto"`: `"query"` on graphics cards that have ray queries, else `"software"`.
-    Auto,
+    /// Way to follow rays through the scene: for reflections, shadows, transmission, diffuse light and primary
+    /// visibility.
+    #[words]
+    pub enum Trace = Software {
+        /// Reflet's own traversal of its trees, which runs on every adapter.
+        Software = "software",
+        /// the adapter's ray queries over acceleration structures that it builds; an error on adapters without.
+        Query = "query",
+        /// `"query"` on graphics cards that have ray queries, else `"software"`.
+        Auto = "auto",
+    }
 }
 
 /// Maximum number of reflections in a row.
@@ -154,139 +122,111 @@ impl Bounces {
     }
 }
 
-/// `[reflection]`: method, quality and limits of reflections. Lengths in U are relative to the size of the
-/// scene: U is `unit_m`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ReflectionDesc {
-    /// Method that finds reflections. Default `"auto"`.
-    /// Every `"auto"` that depends on the view (`method`, `visibility`, `exposure_ev`, `shadow` of lights) is decided
-    /// once: for the first frame of the timeline, at the size of the picture, as the camera shows it that is chosen
-    /// with `--camera` or in the preview, else the camera of the first frame. It then holds for all frames.
-    pub method: Method,
-    /// Surfaces that methods `hybrid` and `auto` march in screen space before tracing what is left. Default `"auto"`.
-    pub marched: Marched,
-    /// Way to follow rays through the scene, of reflections and all others. Hits are the same, but for surfaces closer to
-    /// each other than rounding. Ray queries are experimental in wgpu, and are only asked of an adapter where this is
-    /// `"query"` or `"auto"`; `reflet info` says whether it has them. Default `"software"`.
-    pub trace: Trace,
-    /// Length of a reflection ray in U, above 0. More reflects things that are farther away. Default 16.
-    pub ray_length_u: f32,
-    /// Test by which method `hybrid` accepts a hit that the screen-space march finds. Default `"verified"`;
-    /// methods `ssr`, `ssr+probe` and `ssr+box` always take `"threshold"`.
-    pub accept: Accept,
-    /// Tolerance of `accept = "verified"` in pixels, 0 to 4: how far the hit point may lie outside of the pixel
-    /// that shows its surface, along the ray and beyond the edge of its triangle. More accepts more and errs
-    /// more at edges. Default 0.25.
-    pub edge_px: f32,
-    /// Tolerance of `accept = "threshold"` in U, 0 or more, the paper's T: how far behind the stored depth a
-    /// crossing still counts as a hit. Too small gives stripes, too large prolonged reflections. Default 0.025.
-    pub threshold_u: f32,
-    /// Number of depth layers that the march of methods `ssr`, `ssr+box` and `hybrid` looks at, and of the maps of `near-far`, 1 to 2. The second is the nearest
-    /// surface at least `separation_m` behind what each pixel shows, from whichever side it is seen; a ray that goes
-    /// behind the first layer is marched on between them, and may hit the second (Mara et al. 2016). It takes another
-    /// drawing of the scene and 12 bytes a pixel. Default 1.
-    pub layers: u32,
-    /// Minimum distance of the second depth layer behind the first in meters, 0 or more, with `layers = 2`. What lies
-    /// nearer is in no layer, and rays that pass there are not answered. About the thickness of the things that hide
-    /// others is best: with less the second layer shows the far sides of these things, with more it misses what is
-    /// close behind them. Default: 0.5 U.
-    pub separation_m: Option<f32>,
-    /// Number of traced rays of which one is traced first, 1 to 4, but not 3, in a regular pattern. The others take
-    /// over what the rays around them hit, where these pixels mirror alike and their rays hit one thing at similar
-    /// distances: each is intersected with what they hit, and that point is shaded (Kim et al. 2016). Where they
-    /// disagree, as at edges, rays are traced. Things that lie between the rays are missed, the more the higher the
-    /// rate. Default 1.
-    pub rate: u32,
-    /// Tolerance of `rate` above 1, 0 to 1: the largest angle between the normals of such pixels in radians, and the
-    /// largest relative difference of distances. Less traces more rays and errs less. Default 0.05.
-    pub similarity: f32,
-    /// Size in pixels below which reflection rays skip a static instance, 0 or more: where no flat or convex reflector
-    /// could show it as large as that, and mirrors in mirrors neither (the idea of Andrade et al.). Methods `rt` and
-    /// `hybrid` decide it anew for each picture; shadows and light stay. Nothing is skipped where a reflector is hollow or
-    /// has a normal map, where something lets light through, and with `diffuse_bounces` above 0. `reflet info` names what
-    /// is skipped. Default 0: nothing.
-    pub skip_px: f32,
-    /// Maximum number of reflections in a row, 1 to 16: more shows mirrors in mirrors deeper. `"auto"` follows them
-    /// until what is left of the light cannot be seen: where the product of the reflectances along the path makes
-    /// less than half a step of an 8-bit picture of the brightest thing, shown in the dark; at most 64. Scenes
-    /// without reflectors that see each other end after the first either way. Default `"auto"`.
-    pub bounces: Bounces,
-    /// Maximum number of times that light is scattered by matte surfaces before it reaches the one that is
-    /// seen, 0 to 8: 0 leaves corners that no light and no sky reaches dark; 2 to 4 fill a room. Above 0 the
-    /// environment's light casts shadows, whatever its `shadow`, and surfaces that emit light others also
-    /// without `light = true`, but with more grain. It takes one ray per pixel and sub-frame: good with 64
-    /// `samples` and more. Default 0.
-    pub diffuse_bounces: u32,
-    /// Limit of the radiance that a path may add past its first hit, once it has taken a random direction, 0 or
-    /// more. Less removes more of the bright specks that lamps leave on rough surfaces, glass and coats, and
-    /// some light with them. 1 is white at exposure 0; 0 is no limit, as for method `path`. Default 0.
-    pub glint_limit: f32,
-    /// Maximum number of steps of the screen-space march, 8 to 4096. More misses less and takes longer. Default
-    /// 128.
-    pub steps: u32,
-    /// Roughness below which `"auto"` materials reflect, 0 to 1. Rougher ones show only the environment and the
-    /// lights, which costs less; from four fifths of the cut-off on, reflections fade into that. Metals, which show
-    /// nothing else, fade from five times the cut-off on, up to 6.25 times. With 1 all reflect. Default 0.2.
-    pub roughness_cutoff: f32,
-    /// Length of U in meters, above 0. Default: the diagonal of the bounding box of static geometry / 16; of all
-    /// geometry at the first frame where the static part has less than a quarter of its diagonal.
-    pub unit_m: Option<f32>,
-    /// Whether a reflected point takes over the shadows that pixels of the picture at the same place have, of
-    /// lights with `shadow = "ray"`, where these pixels agree; `false` traces each of its shadow rays anew.
-    /// Default true.
-    pub reuse_light: bool,
-    /// Whether reflections fade to the environment along the ray, as in the paper. Default false.
-    pub fade: bool,
-    /// Box and buffers, as `[box_faces]` sets them, for method `ssr+box`.
-    pub box_faces: BoxFacesDesc,
-    /// Probes, as `[probes]` sets them, for methods `probe` and `ssr+probe`.
-    pub probes: ProbesDesc,
-    /// Box and maps, as `[near_far]` sets them, for method `near-far`.
-    pub near_far: NearFarDesc,
-    /// Whether blurred reflections of rough surfaces, as far as their lobe spreads, and the light of `diffuse_bounces`
-    /// on matte ones, as far as the distance that it comes from, are smoothed over neighboring pixels in pictures of
-    /// fewer than 16 `samples`: less grain, and a little less detail. Sharp reflections, textures and benchmarks are
-    /// never smoothed. Default true.
-    pub filter: bool,
-    /// Whether light that rough surfaces reflect or pass on more than once between their microfacets is added (Turquin
-    /// 2019): they are brighter, metals more colorful, and in even white light white surfaces vanish, whatever
-    /// they are made of: metal, brushed or not, glass, coats, films. `false` is glTF's model, which loses it: up to
-    /// 69 % of what the roughest metal would reflect, and 80 % of what the roughest glass would pass. Default false.
-    pub multiple_scattering: bool,
-    /// Standard deviation of the Gaussian blur of the combined reflection, pixels, 0 to 16: 0 is off. Default 0.
-    pub blur_px: f32,
-}
-
-impl Default for ReflectionDesc {
-    fn default() -> Self {
-        Self {
-            method: Method::Auto,
-            marched: Marched::Auto,
-            trace: Trace::Software,
-            ray_length_u: 16.0,
-            accept: Accept::Verified,
-            edge_px: 0.25,
-            threshold_u: 0.025,
-            layers: 1,
-            separation_m: None,
-            rate: 1,
-            similarity: 0.05,
-            skip_px: 0.0,
-            bounces: Bounces::Auto,
-            diffuse_bounces: 0,
-            glint_limit: 0.0,
-            steps: 128,
-            roughness_cutoff: 0.2,
-            unit_m: None,
-            reuse_light: true,
-            fade: false,
-            box_faces: BoxFacesDesc::default(),
-            probes: ProbesDesc::default(),
-            near_far: NearFarDesc::default(),
-            filter: true,
-            multiple_scattering: false,
-            blur_px: 0.0,
-        }
+declared! {
+    /// `[reflection]`: method, quality and limits of reflections. Lengths in U are relative to the size of the
+    /// scene: U is `unit_m`.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    #[defaults]
+    pub struct ReflectionDesc {
+        /// Method that finds reflections. Default `"auto"`. Every `"auto"` that depends on the view (`method`,
+        /// `visibility`, `exposure_ev`, `shadow` of lights) is decided once: for the first frame of the timeline, at
+        /// the size of the picture, as the camera shows it that is chosen with `--camera` or in the preview, else the
+        /// camera of the first frame. It then holds for all frames.
+        pub method: Method,
+        /// Surfaces that methods `hybrid` and `auto` march in screen space before tracing what is left. Default
+        /// `"auto"`.
+        pub marched: Marched,
+        /// Way to follow rays through the scene, of reflections and all others. Hits are the same, but for surfaces
+        /// closer to each other than rounding. Ray queries are experimental in wgpu, and are only asked of an adapter
+        /// where this is `"query"` or `"auto"`; `reflet info` says whether it has them. Default `"software"`.
+        pub trace: Trace,
+        /// Length of a reflection ray in U, above 0. More reflects things that are farther away. Default 16.
+        pub ray_length_u: f32 = 16.0,
+        /// Test by which method `hybrid` accepts a hit that the screen-space march finds. Default `"verified"`;
+        /// methods `ssr`, `ssr+probe` and `ssr+box` always take `"threshold"`.
+        pub accept: Accept,
+        /// Tolerance of `accept = "verified"` in pixels, 0 to 4: how far the hit point may lie outside of the pixel
+        /// that shows its surface, along the ray and beyond the edge of its triangle. More accepts more and errs
+        /// more at edges. Default 0.25.
+        pub edge_px: f32 = 0.25,
+        /// Tolerance of `accept = "threshold"` in U, 0 or more, the paper's T: how far behind the stored depth a
+        /// crossing still counts as a hit. Too small gives stripes, too large prolonged reflections. Default 0.025.
+        pub threshold_u: f32 = 0.025,
+        /// Number of depth layers that the march of methods `ssr`, `ssr+box` and `hybrid` looks at, and of the maps of
+        /// `near-far`, 1 to 2. The second is the nearest surface at least `separation_m` behind what each pixel shows,
+        /// from whichever side it is seen; a ray that goes behind the first layer is marched on between them, and may
+        /// hit the second (Mara et al. 2016). It takes another drawing of the scene and 12 bytes a pixel. Default 1.
+        pub layers: u32 = 1,
+        /// Minimum distance of the second depth layer behind the first in meters, 0 or more, with `layers = 2`. What
+        /// lies nearer is in no layer, and rays that pass there are not answered. About the thickness of the things
+        /// that hide others is best: with less the second layer shows the far sides of these things, with more it
+        /// misses what is close behind them. Default: 0.5 U.
+        pub separation_m: Option<f32>,
+        /// Number of traced rays of which one is traced first, 1 to 4, but not 3, in a regular pattern. The others take
+        /// over what the rays around them hit, where these pixels mirror alike and their rays hit one thing at similar
+        /// distances: each is intersected with what they hit, and that point is shaded (Kim et al. 2016). Where they
+        /// disagree, as at edges, rays are traced. Things that lie between the rays are missed, the more the higher the
+        /// rate. Default 1.
+        pub rate: u32 = 1,
+        /// Tolerance of `rate` above 1, 0 to 1: the largest angle between the normals of such pixels in radians, and
+        /// the largest relative difference of distances. Less traces more rays and errs less. Default 0.05.
+        pub similarity: f32 = 0.05,
+        /// Size in pixels below which reflection rays skip a static instance, 0 or more: where no flat or convex
+        /// reflector could show it as large as that, and mirrors in mirrors neither (the idea of Andrade et al.).
+        /// Methods `rt` and `hybrid` decide it anew for each picture; shadows and light stay. Nothing is skipped where
+        /// a reflector is hollow or has a normal map, where something lets light through, and with `diffuse_bounces`
+        /// above 0. `reflet info` names what is skipped. Default 0: nothing.
+        pub skip_px: f32,
+        /// Maximum number of reflections in a row, 1 to 16: more shows mirrors in mirrors deeper. `"auto"` follows them
+        /// until what is left of the light cannot be seen: where the product of the reflectances along the path makes
+        /// less than half a step of an 8-bit picture of the brightest thing, shown in the dark; at most 64. Scenes
+        /// without reflectors that see each other end after the first either way. Default `"auto"`.
+        pub bounces: Bounces = Bounces::Auto,
+        /// Maximum number of times that light is scattered by matte surfaces before it reaches the one that is
+        /// seen, 0 to 8: 0 leaves corners that no light and no sky reaches dark; 2 to 4 fill a room. Above 0 the
+        /// environment's light casts shadows, whatever its `shadow`, and surfaces that emit light others also
+        /// without `light = true`, but with more grain. It takes one ray per pixel and sub-frame: good with 64
+        /// `samples` and more. Default 0.
+        pub diffuse_bounces: u32,
+        /// Limit of the radiance that a path may add past its first hit, once it has taken a random direction, 0 or
+        /// more. Less removes more of the bright specks that lamps leave on rough surfaces, glass and coats, and
+        /// some light with them. 1 is white at exposure 0; 0 is no limit, as for method `path`. Default 0.
+        pub glint_limit: f32,
+        /// Maximum number of steps of the screen-space march, 8 to 4096. More misses less and takes longer. Default
+        /// 128.
+        pub steps: u32 = 128,
+        /// Roughness below which `"auto"` materials reflect, 0 to 1. Rougher ones show only the environment and the
+        /// lights, which costs less; from four fifths of the cut-off on, reflections fade into that. Metals, which show
+        /// nothing else, fade from five times the cut-off on, up to 6.25 times. With 1 all reflect. Default 0.2.
+        pub roughness_cutoff: f32 = 0.2,
+        /// Length of U in meters, above 0. Default: the diagonal of the bounding box of static geometry / 16; of all
+        /// geometry at the first frame where the static part has less than a quarter of its diagonal.
+        pub unit_m: Option<f32>,
+        /// Whether a reflected point takes over the shadows that pixels of the picture at the same place have, of
+        /// lights with `shadow = "ray"`, where these pixels agree; `false` traces each of its shadow rays anew.
+        /// Default true.
+        pub reuse_light: bool = true,
+        /// Whether reflections fade to the environment along the ray, as in the paper. Default false.
+        pub fade: bool,
+        /// Box and buffers, as `[box_faces]` sets them, for method `ssr+box`.
+        pub box_faces: BoxFacesDesc,
+        /// Probes, as `[probes]` sets them, for methods `probe` and `ssr+probe`.
+        pub probes: ProbesDesc,
+        /// Box and maps, as `[near_far]` sets them, for method `near-far`.
+        pub near_far: NearFarDesc,
+        /// Whether blurred reflections of rough surfaces, as far as their lobe spreads, and the light of
+        /// `diffuse_bounces` on matte ones, as far as the distance that it comes from, are smoothed over neighboring
+        /// pixels in pictures of fewer than 16 `samples`: less grain, and a little less detail. Sharp reflections,
+        /// textures and benchmarks are never smoothed. Default true.
+        pub filter: bool = true,
+        /// Whether light that rough surfaces reflect or pass on more than once between their microfacets is added
+        /// (Turquin 2019): they are brighter, metals more colorful, and in even white light white surfaces vanish,
+        /// whatever they are made of: metal, brushed or not, glass, coats, films. `false` is glTF's model, which loses
+        /// it: up to 69 % of what the roughest metal would reflect, and 80 % of what the roughest glass would pass.
+        /// Default false.
+        pub multiple_scattering: bool,
+        /// Standard deviation of the Gaussian blur of the combined reflection, pixels, 0 to 16: 0 is off. Default 0.
+        pub blur_px: f32,
     }
 }
 

@@ -6,219 +6,224 @@ use glam::Vec3;
 
 use super::{At, BevelDesc, OutlineDesc, PlacementDesc, Written};
 
-/// `shape = { kind = "…" }`, centered on the origin unless said; curved ones are tessellated.
-#[derive(Clone, Debug, PartialEq)]
-pub enum ShapeDesc {
-    /// `"plane"`: in XZ, facing +Y.
-    Plane {
-        /// Edge lengths along X and Z, meters, above 0. Default [1, 1].
-        size: [f32; 2],
-    },
-    /// `"box"`
-    Box {
-        /// Edge lengths, meters, above 0. Default [1, 1, 1].
-        size: Vec3,
-        /// Rounding of the edges.
+declared! {
+    /// `shape = { kind = "…" }`, centered on the origin unless said; curved ones are tessellated.
+    #[derive(Clone, Debug, PartialEq)]
+    pub enum ShapeDesc {
+        /// `"plane"`: in XZ, facing +Y.
+        Plane {
+            /// Edge lengths along X and Z, meters, above 0. Default [1, 1].
+            size: [f32; 2],
+        },
+        /// `"box"`
+        Box {
+            /// Edge lengths, meters, above 0. Default [1, 1, 1].
+            size: Vec3,
+            /// Rounding of the edges.
+            ///
+            /// - `bevel`: how far edges are cut or rounded, meters, 0 or more, at most half of the shortest length.
+            ///   Default 0.
+            /// - `bevel_segments`: steps of the bevel, 1 to 64: 1 is a flat cut, more is rounder. Default 4.
+            bevel: BevelDesc,
+        },
+        /// `"sphere"`
+        Sphere {
+            /// Radius, meters, above 0. Default 0.5.
+            radius: f32,
+            /// Divisions around, 3 to 1024; half as many from pole to pole. More is rounder. Default 128.
+            segments: u32,
+        },
+        /// `"cylinder"`: axis Y, standing on y = 0, with caps.
+        Cylinder {
+            /// Radius, meters, above 0. Default 0.5.
+            radius: f32,
+            /// Height, meters, above 0. Default 1.
+            height: f32,
+            /// Divisions around, 3 to 1024. Default 64.
+            segments: u32,
+        },
+        /// `"cone"`: axis Y, standing on y = 0, with a cap below.
+        Cone {
+            /// Radius of the foot, meters, above 0. Default 0.5.
+            radius: f32,
+            /// Height, meters, above 0. Default 1.
+            height: f32,
+            /// Divisions around, 3 to 1024. Default 64.
+            segments: u32,
+        },
+        /// `"disk"`: in XZ, facing +Y.
+        Disk {
+            /// Radius, meters, above 0. Default 0.5.
+            radius: f32,
+            /// Divisions around, 3 to 1024. Default 64.
+            segments: u32,
+        },
+        /// `"torus"`: a ring around axis Y.
+        Torus {
+            /// Distance from the center to the middle of the tube, meters, above 0. Default 0.5.
+            radius: f32,
+            /// Radius of the tube, meters, above 0 and at most `radius`. Default 0.15.
+            tube_radius: f32,
+            /// Divisions around, 3 to 1024; half as many around the tube. Default 96.
+            segments: u32,
+            /// Part of the turn around Y, degrees, above 0 and at most 360, from +Z towards +X; less than a turn has
+            /// flat ends. Default 360.
+            angle_deg: f32,
+        },
+        /// `"capsule"`: a cylinder with half spheres at its ends, axis Y, standing on y = 0.
+        Capsule {
+            /// Radius, meters, above 0. Default 0.25.
+            radius: f32,
+            /// Length from end to end, meters, above 0 and at least twice the radius. Default 1.
+            height: f32,
+            /// Divisions around, 3 to 1024. Default 64.
+            segments: u32,
+        },
+        /// `"lathe"`: an outline turned around axis Y, with exactly one of `points` and `outline`.
         ///
-        /// - `bevel`: how far edges are cut or rounded, meters, 0 or more, at most half of the shortest length. Default 0.
-        /// - `bevel_segments`: steps of the bevel, 1 to 64: 1 is a flat cut, more is rounder. Default 4.
-        bevel: BevelDesc,
-    },
-    /// `"sphere"`
-    Sphere {
-        /// Radius, meters, above 0. Default 0.5.
-        radius: f32,
-        /// Divisions around, 3 to 1024; half as many from pole to pole. More is rounder. Default 128.
-        segments: u32,
-    },
-    /// `"cylinder"`: axis Y, standing on y = 0, with caps.
-    Cylinder {
-        /// Radius, meters, above 0. Default 0.5.
-        radius: f32,
-        /// Height, meters, above 0. Default 1.
-        height: f32,
-        /// Divisions around, 3 to 1024. Default 64.
-        segments: u32,
-    },
-    /// `"cone"`: axis Y, standing on y = 0, with a cap below.
-    Cone {
-        /// Radius of the foot, meters, above 0. Default 0.5.
-        radius: f32,
-        /// Height, meters, above 0. Default 1.
-        height: f32,
-        /// Divisions around, 3 to 1024. Default 64.
-        segments: u32,
-    },
-    /// `"disk"`: in XZ, facing +Y.
-    Disk {
-        /// Radius, meters, above 0. Default 0.5.
-        radius: f32,
-        /// Divisions around, 3 to 1024. Default 64.
-        segments: u32,
-    },
-    /// `"torus"`: a ring around axis Y.
-    Torus {
-        /// Distance from the center to the middle of the tube, meters, above 0. Default 0.5.
-        radius: f32,
-        /// Radius of the tube, meters, above 0 and at most `radius`. Default 0.15.
-        tube_radius: f32,
-        /// Divisions around, 3 to 1024; half as many around the tube. Default 96.
-        segments: u32,
-        /// Part of the turn around Y, degrees, above 0 and at most 360, from +Z towards +X; less than a turn has flat
-        /// ends. Default 360.
-        angle_deg: f32,
-    },
-    /// `"capsule"`: a cylinder with half spheres at its ends, axis Y, standing on y = 0.
-    Capsule {
-        /// Radius, meters, above 0. Default 0.25.
-        radius: f32,
-        /// Length from end to end, meters, above 0 and at least twice the radius. Default 1.
-        height: f32,
-        /// Divisions around, 3 to 1024. Default 64.
-        segments: u32,
-    },
-    /// `"lathe"`: an outline turned around axis Y, with exactly one of `points` and `outline`.
-    ///
-    /// - `points`: an outline from below upwards, 2 to 1000 points, each the distance from the axis, 0 or more,
-    ///   and the height, meters. Its right side is outside; bends of more than 40° are edges. Where it ends away from
-    ///   the axis the shape is open, but for a part of a turn, whose ends are joined to the axis.
-    /// - `outline`: a flat figure whose x is the distance from the axis, nowhere less than 0, and whose y is the
-    ///   height: the solid that it passes through.
-    Lathe {
-        /// Figure that is turned.
-        source: LatheSource,
-        /// Divisions around, 3 to 1024, for a whole turn. Default 64.
-        segments: u32,
-        /// Part of a turn, degrees, above 0 and at most 360, from +Z towards +X; less than a turn has flat ends.
-        /// Default 360.
-        angle_deg: f32,
-    },
-    /// `"extrude"`: a flat figure with a thickness: in XY, from z = 0 to its face at z = `depth`. Texture coordinates of
-    /// the faces span the outline's bounds; those of its sides run once around, and from the face to the back.
-    Extrude {
-        /// The figure.
-        outline: OutlineDesc,
-        /// Thickness along Z, meters, above 0. Default 0.1.
-        depth: f32,
-        /// Rounding of the edges of face and back.
-        ///
-        /// - `bevel`: how far the edges of face and back are cut or rounded, meters, 0 or more, at most half of `depth`
-        ///   and as far as the outline is wide enough. Default 0.
-        /// - `bevel_segments`: steps of the bevel, 1 to 64: 1 is a flat cut, more is rounder. Default 4.
-        bevel: BevelDesc,
-    },
-    /// `"sweep"`: a profile moved along a curve, without turning about it: cables, rails, frames. At corners it is mitered.
-    /// Texture coordinates run once around the profile, and along the curve.
-    Sweep {
-        /// The profile; seen along the curve, its x points right and its y up. Default: a circle of radius 0.05.
-        outline: OutlineDesc,
-        /// Points of the curve, each x, y and z, meters, 2 to 10000.
-        points: Vec<[f32; 3]>,
-        /// How the curve goes through its points. Default `"centripetal"`.
-        curve: SweepCurve,
-        /// Whether the curve returns to its first point. Default false: it has flat ends.
-        closed: bool,
-        /// Turn of the profile from start to end, degrees, clockwise seen along the curve; a multiple of 360 if `closed`.
-        /// Default 0.
-        twist_deg: f32,
-        /// Size of the profile at the end, as a factor on that at the start, 0 to 1000; 0 is a tip. In between it changes
-        /// evenly along the curve. Default 1; a closed curve has no other.
-        taper: f32,
-        /// Steps from one point to the next of a curve that bends, 1 to 256: more is smoother. Default 16.
-        segments: u32,
-        /// Place where the points are written.
-        at: Written,
-    },
-    /// `"text"`: letters with a thickness: from z = 0 to their faces at z = `depth`, the first line standing on y = 0.
-    Text {
-        /// The text, 1 to 1000 characters; `\n` begins a new line. Letters are joined and kerned as the font says.
-        text: String,
-        /// A font file with outlines (`.ttf`, `.otf`, or the first of a `.ttc`), searched beside the scene, then in each
-        /// `--assets` folder. Default: Ubuntu Light.
-        font: Option<FontDesc>,
-        /// Size of the font (its em), meters, above 0; capitals are some 0.7 of it high. Default 0.2.
-        size: f32,
-        /// Thickness along Z, meters, above 0. Default 0.05.
-        depth: f32,
-        /// Rounding of the edges of the faces.
-        ///
-        /// - `bevel`: how far the edges of the faces are cut or rounded, meters, 0 or more, at most half of `depth` and as far
-        ///   as the letters are wide enough. Default 0.
-        /// - `bevel_segments`: steps of the bevel, 1 to 64: 1 is a flat cut, more is rounder. Default 4.
-        bevel: BevelDesc,
-        /// Where x = 0 is in each line. Default `"center"`.
-        align: TextAlign,
-        /// Distance between lines, as a factor on `size`, 0 to 100. Default 1.2.
-        line_height: f32,
-        /// Space that is added after each letter, as a factor on `size`, -1 to 100. Default 0.
-        letter_spacing: f32,
-        /// Chords of a full turn of a curve, 3 to 1024: more is rounder. Default 64.
-        segments: u32,
-        /// Place where the text is written.
-        at: Written,
-    },
-    /// `"union"`: closed shapes as one: what is inside any of them.
-    Union {
-        /// The shapes, 2 to 100 tables, each with its place. All must be closed and none may pass through itself; where
-        /// faces lie on each other they are joined. Each face keeps its texture coordinates.
-        parts: Vec<PartDesc>,
-    },
-    /// `"difference"`: what is inside the first of closed shapes and in none of the others.
-    Difference {
-        /// The shapes, 2 to 100 tables, each with its place: the first, from which the others are cut. All must be
-        /// closed and none may pass through itself; where faces lie on each other no skin is left. Each face keeps its
-        /// texture coordinates.
-        parts: Vec<PartDesc>,
-    },
-    /// `"intersection"`: what is inside all of closed shapes.
-    Intersection {
-        /// The shapes, 2 to 100 tables, each with its place. All must be closed and none may pass through itself. Each
-        /// face keeps its texture coordinates.
-        parts: Vec<PartDesc>,
-    },
-    /// `"displaced"`: another shape, cut finer, smoothed and moved in and out by noise. It stays closed.
-    Displaced {
-        /// The shape, with the keys of any other.
-        shape: Box<ShapeDesc>,
-        /// Times that each triangle is cut into four, 0 to 8. More shows finer noise and is smoother. Default 3.
-        subdivide: u32,
-        /// Whether edges and corners are rounded (Loop subdivision); else the shape keeps them. Default false.
-        smooth: bool,
-        /// Noise along the normals.
-        ///
-        /// - `height`: distance that noise moves the surface in or out at most, meters, 0 or more. Default 0.
-        /// - `size`: size of the largest bumps, meters, above 0. Default 0.2.
-        /// - `octaves`: number of sizes of bumps, each half of the one before, 1 to 8. Default 4.
-        /// - `seed`: number that other bumps follow from, 0 to 1000000. Default 0.
-        noise: NoiseDesc,
-    },
-    /// `"mesh"`: triangles, most often of a script: `setup` returns them as `floats`, see `docs/scripting.md`. It is
-    /// closed if each edge belongs to two triangles.
-    Mesh {
-        /// Places of the vertices, three numbers each, meters: 3 to 2000000 vertices.
-        positions: Arc<[f32]>,
-        /// Triangles, three numbers of vertices each, from 0 or more, counter-clockwise seen from outside: 1 to 2000000
-        /// triangles.
-        indices: Arc<[f32]>,
-        /// Directions out of the surface, three numbers for each vertex. Default: smooth over the triangles that share a
-        /// vertex.
-        normals: Arc<[f32]>,
-        /// Texture coordinates, two numbers for each vertex, v down. Default: 0.
-        uv: Arc<[f32]>,
-        /// Linear colors that multiply the base color, three numbers 0 to 1 for each vertex. Default: none.
-        colors: Arc<[f32]>,
-        /// Whether `frame` of a script may deform it, by `ctx.mesh`. Then it is traced apart from what stands still, in a
-        /// tree whose branches are those of `positions`. Default false.
-        dynamic: bool,
-    },
-    /// `"heightfield"`: a surface whose height is the brightness of an image, black at y = 0, facing +Y.
-    Heightfield {
-        /// The image, of 2 to 2048 pixels on each side, 8 or 16 bits; its top row is towards -Z.
-        /// Searched beside the scene, then in each `--assets` folder.
-        file: At<String>,
-        /// Lengths along X, Y and Z, meters, above 0; Y is the height of white. Default [1, 0.25, 1].
-        size: Vec3,
-    },
+        /// - `points`: an outline from below upwards, 2 to 1000 points, each the distance from the axis, 0 or more, and
+        ///   the height, meters. Its right side is outside; bends of more than 40° are edges. Where it ends away from
+        ///   the axis the shape is open, but for a part of a turn, whose ends are joined to the axis.
+        /// - `outline`: a flat figure whose x is the distance from the axis, nowhere less than 0, and whose y is the
+        ///   height: the solid that it passes through.
+        Lathe {
+            /// Figure that is turned.
+            source: LatheSource,
+            /// Divisions around, 3 to 1024, for a whole turn. Default 64.
+            segments: u32,
+            /// Part of a turn, degrees, above 0 and at most 360, from +Z towards +X; less than a turn has flat ends.
+            /// Default 360.
+            angle_deg: f32,
+        },
+        /// `"extrude"`: a flat figure with a thickness: in XY, from z = 0 to its face at z = `depth`. Texture
+        /// coordinates of the faces span the outline's bounds; those of its sides run once around, and from the face to
+        /// the back.
+        Extrude {
+            /// The figure.
+            outline: OutlineDesc,
+            /// Thickness along Z, meters, above 0. Default 0.1.
+            depth: f32,
+            /// Rounding of the edges of face and back.
+            ///
+            /// - `bevel`: how far the edges of face and back are cut or rounded, meters, 0 or more, at most half of
+            ///   `depth` and as far as the outline is wide enough. Default 0.
+            /// - `bevel_segments`: steps of the bevel, 1 to 64: 1 is a flat cut, more is rounder. Default 4.
+            bevel: BevelDesc,
+        },
+        /// `"sweep"`: a profile moved along a curve, without turning about it: cables, rails, frames. At corners it is
+        /// mitered. Texture coordinates run once around the profile, and along the curve.
+        Sweep {
+            /// The profile; seen along the curve, its x points right and its y up. Default: a circle of radius 0.05.
+            outline: OutlineDesc,
+            /// Points of the curve, each x, y and z, meters, 2 to 10000.
+            points: Vec<[f32; 3]>,
+            /// How the curve goes through its points. Default `"centripetal"`.
+            curve: SweepCurve,
+            /// Whether the curve returns to its first point. Default false: it has flat ends.
+            closed: bool,
+            /// Turn of the profile from start to end, degrees, clockwise seen along the curve; a multiple of 360 if
+            /// `closed`. Default 0.
+            twist_deg: f32,
+            /// Size of the profile at the end, as a factor on that at the start, 0 to 1000; 0 is a tip. In between it
+            /// changes evenly along the curve. Default 1; a closed curve has no other.
+            taper: f32,
+            /// Steps from one point to the next of a curve that bends, 1 to 256: more is smoother. Default 16.
+            segments: u32,
+            /// Place where the points are written.
+            at: Written,
+        },
+        /// `"text"`: letters with a thickness: from z = 0 to their faces at z = `depth`, the first line standing on y =
+        /// 0.
+        Text {
+            /// The text, 1 to 1000 characters; `\n` begins a new line. Letters are joined and kerned as the font says.
+            text: String,
+            /// A font file with outlines (`.ttf`, `.otf`, or the first of a `.ttc`), searched beside the scene, then in
+            /// each `--assets` folder. Default: Ubuntu Light.
+            font: Option<FontDesc>,
+            /// Size of the font (its em), meters, above 0; capitals are some 0.7 of it high. Default 0.2.
+            size: f32,
+            /// Thickness along Z, meters, above 0. Default 0.05.
+            depth: f32,
+            /// Rounding of the edges of the faces.
+            ///
+            /// - `bevel`: how far the edges of the faces are cut or rounded, meters, 0 or more, at most half of `depth`
+            ///   and as far as the letters are wide enough. Default 0.
+            /// - `bevel_segments`: steps of the bevel, 1 to 64: 1 is a flat cut, more is rounder. Default 4.
+            bevel: BevelDesc,
+            /// Where x = 0 is in each line. Default `"center"`.
+            align: TextAlign,
+            /// Distance between lines, as a factor on `size`, 0 to 100. Default 1.2.
+            line_height: f32,
+            /// Space that is added after each letter, as a factor on `size`, -1 to 100. Default 0.
+            letter_spacing: f32,
+            /// Chords of a full turn of a curve, 3 to 1024: more is rounder. Default 64.
+            segments: u32,
+            /// Place where the text is written.
+            at: Written,
+        },
+        /// `"union"`: closed shapes as one: what is inside any of them.
+        Union {
+            /// The shapes, 2 to 100 tables, each with its place. All must be closed and none may pass through itself;
+            /// where faces lie on each other they are joined. Each face keeps its texture coordinates.
+            parts: Vec<PartDesc>,
+        },
+        /// `"difference"`: what is inside the first of closed shapes and in none of the others.
+        Difference {
+            /// The shapes, 2 to 100 tables, each with its place: the first, from which the others are cut. All must be
+            /// closed and none may pass through itself; where faces lie on each other no skin is left. Each face keeps
+            /// its texture coordinates.
+            parts: Vec<PartDesc>,
+        },
+        /// `"intersection"`: what is inside all of closed shapes.
+        Intersection {
+            /// The shapes, 2 to 100 tables, each with its place. All must be closed and none may pass through itself.
+            /// Each face keeps its texture coordinates.
+            parts: Vec<PartDesc>,
+        },
+        /// `"displaced"`: another shape, cut finer, smoothed and moved in and out by noise. It stays closed.
+        Displaced {
+            /// The shape, with the keys of any other.
+            shape: Box<ShapeDesc>,
+            /// Times that each triangle is cut into four, 0 to 8. More shows finer noise and is smoother. Default 3.
+            subdivide: u32,
+            /// Whether edges and corners are rounded (Loop subdivision); else the shape keeps them. Default false.
+            smooth: bool,
+            /// Noise along the normals.
+            ///
+            /// - `height`: distance that noise moves the surface in or out at most, meters, 0 or more. Default 0.
+            /// - `size`: size of the largest bumps, meters, above 0. Default 0.2.
+            /// - `octaves`: number of sizes of bumps, each half of the one before, 1 to 8. Default 4.
+            /// - `seed`: number that other bumps follow from, 0 to 1000000. Default 0.
+            noise: NoiseDesc,
+        },
+        /// `"mesh"`: triangles, most often of a script: `setup` returns them as `floats`, see `docs/scripting.md`. It
+        /// is closed if each edge belongs to two triangles.
+        Mesh {
+            /// Places of the vertices, three numbers each, meters: 3 to 2000000 vertices.
+            positions: Arc<[f32]>,
+            /// Triangles, three numbers of vertices each, from 0 or more, counter-clockwise seen from outside: 1 to
+            /// 2000000 triangles.
+            indices: Arc<[f32]>,
+            /// Directions out of the surface, three numbers for each vertex. Default: smooth over the triangles that
+            /// share a vertex.
+            normals: Arc<[f32]>,
+            /// Texture coordinates, two numbers for each vertex, v down. Default: 0.
+            uv: Arc<[f32]>,
+            /// Linear colors that multiply the base color, three numbers 0 to 1 for each vertex. Default: none.
+            colors: Arc<[f32]>,
+            /// Whether `frame` of a script may deform it, by `ctx.mesh`. Then it is traced apart from what stands
+            /// still, in a tree whose branches are those of `positions`. Default false.
+            dynamic: bool,
+        },
+        /// `"heightfield"`: a surface whose height is the brightness of an image, black at y = 0, facing +Y.
+        Heightfield {
+            /// The image, of 2 to 2048 pixels on each side, 8 or 16 bits; its top row is towards -Z.
+            /// Searched beside the scene, then in each `--assets` folder.
+            file: At<String>,
+            /// Lengths along X, Y and Z, meters, above 0; Y is the height of white. Default [1, 0.25, 1].
+            size: Vec3,
+        },
+    }
 }
 
 /// Figure that a lathe turns.
@@ -230,16 +235,17 @@ pub enum LatheSource {
     Outline(OutlineDesc),
 }
 
-/// How a curve goes through its points.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum SweepCurve {
-    /// `"linear"`: straight from point to point.
-    Linear,
-    /// `"centripetal"`: smoothly, as `[motion]` does, without loops and cusps of its own.
-    #[default]
-    Centripetal,
-    /// `"bezier"`: every third point is on it, those between are handles: 4, 7, 10 … points, or 3, 6, 9 … if `closed`.
-    Bezier,
+declared! {
+    /// How a curve goes through its points.
+    #[words]
+    pub enum SweepCurve = Centripetal {
+        /// straight from point to point.
+        Linear = "linear",
+        /// smoothly, as `[motion]` does, without loops and cusps of its own.
+        Centripetal = "centripetal",
+        /// every third point is on it, those between are handles: 4, 7, 10 … points, or 3, 6, 9 … if `closed`.
+        Bezier = "bezier",
+    }
 }
 
 /// Noise that displaces a surface.
@@ -264,27 +270,28 @@ pub struct FontDesc {
     pub at: Written,
 }
 
-/// Where x = 0 is in a line of text.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum TextAlign {
-    /// `"left"`: at its left end.
-    Left,
-    /// `"center"`: in its middle.
-    #[default]
-    Center,
-    /// `"right"`: at its right end.
-    Right,
-}
+declared! {
+    /// Where x = 0 is in a line of text.
+    #[words]
+    pub enum TextAlign = Center {
+        /// at its left end.
+        Left = "left",
+        /// in its middle.
+        Center = "center",
+        /// at its right end.
+        Right = "right",
+    }
 
-/// `parts = [{ shape = { … }, … }]`: a shape with its place among the others.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PartDesc {
-    /// The shape, with the keys of any other; shapes of shapes may be nested.
-    pub shape: ShapeDesc,
-    /// Its place.
-    pub placement: PlacementDesc,
-    /// Place where the part is written.
-    pub at: Written,
+    /// `parts = [{ shape = { … }, … }]`: a shape with its place among the others.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct PartDesc {
+        /// The shape, with the keys of any other; shapes of shapes may be nested.
+        pub shape: ShapeDesc,
+        /// Its place.
+        pub placement: PlacementDesc,
+        /// Place where the part is written.
+        pub at: Written,
+    }
 }
 
 impl ShapeDesc {

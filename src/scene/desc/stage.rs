@@ -4,19 +4,21 @@ use std::path::Path;
 
 use super::At;
 
-/// `usd = { … }`: choices for the conversion of a USD stage. Needs a `file` that ends in `.usd`, `.usda`,
-/// `.usdc` or `.usdz`; models of one stage with different choices are converted separately.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct StageDesc {
-    /// Variant selections, each as USD writes one: `"/Prim{set=variant}"`, or an array of them; if one set
-    /// is chosen twice, the last choice counts. Default: the stage's own choices.
-    pub variants: Vec<At<String>>,
-    /// Purposes of the prims to convert, out of `"default"`, `"render"`, `"proxy"` and `"guide"`; an empty
-    /// array is the default. Default: `"default"` and `"render"`.
-    pub purpose: Vec<At<String>>,
-    /// Number of Catmull-Clark steps for subdivision meshes, 0 to 6. More is smoother; each step makes four
-    /// times as many triangles. Default 0: the control cage with smooth normals.
-    pub subdiv: u32,
+declared! {
+    /// `usd = { … }`: choices for the conversion of a USD stage. Needs a `file` that ends in `.usd`, `.usda`,
+    /// `.usdc` or `.usdz`; models of one stage with different choices are converted separately.
+    #[derive(Clone, Debug, Default, PartialEq)]
+    pub struct StageDesc {
+        /// Variant selections, each as USD writes one: `"/Prim{set=variant}"`, or an array of them; if one set
+        /// is chosen twice, the last choice counts. Default: the stage's own choices.
+        pub variants: Vec<At<String>>,
+        /// Purposes of the prims to convert, out of `"default"`, `"render"`, `"proxy"` and `"guide"`; an empty
+        /// array is the default. Default: `"default"` and `"render"`.
+        pub purpose: Vec<At<String>>,
+        /// Number of Catmull-Clark steps for subdivision meshes, 0 to 6. More is smoother; each step makes four
+        /// times as many triangles. Default 0: the control cage with smooth normals.
+        pub subdiv: u32,
+    }
 }
 
 /// Whether a file is a USD stage, judged by its name.

@@ -1,109 +1,43 @@
-//! Doc comments of `desc.rs` and its submodules, taken from their source: the texts of the manual.
+//! Texts of the manual: the comments of the types that describe scene text.
 
-use std::sync::LazyLock;
+use crate::declared::TypeDoc;
 
-static SOURCE: &str = concat!(
-    include_str!("../desc.rs"),
-    include_str!("../desc/animation.rs"),
-    include_str!("../desc/camera.rs"),
-    include_str!("../desc/decal.rs"),
-    include_str!("../desc/environment.rs"),
-    include_str!("../desc/hierarchy.rs"),
-    include_str!("../desc/image.rs"),
-    include_str!("../desc/light.rs"),
-    include_str!("../desc/material.rs"),
-    include_str!("../desc/motion.rs"),
-    include_str!("../desc/box_faces.rs"),
-    include_str!("../desc/near_far.rs"),
-    include_str!("../desc/outline.rs"),
-    include_str!("../desc/pattern.rs"),
-    include_str!("../desc/probe.rs"),
-    include_str!("../desc/project.rs"),
-    include_str!("../desc/reflection.rs"),
-    include_str!("../desc/scatter.rs"),
-    include_str!("../desc/shape.rs"),
-    include_str!("../desc/stage.rs"),
-    include_str!("../desc/track.rs")
-);
-
-/// Doc comment of one type, variant or field.
-#[derive(Debug)]
-struct Comment {
-    item: String,
-    variant: Option<String>,
-    field: Option<String>,
+/// Text about a type, a variant, a field or a key.
+struct Text {
+    variant: Option<&'static str>,
+    key: Option<&'static str>,
     text: String,
 }
 
-static COMMENTS: LazyLock<Vec<Comment>> = LazyLock::new(|| extract(SOURCE));
+/// Texts of a type: its comments, each after the keys that it lists.
+fn texts(doc: &TypeDoc) -> impl Iterator<Item = Text> {
+    doc.comments.iter().flat_map(|comment| {
+        let mut lines: Vec<_> = comment.lines.iter().map(|line| line.trim()).collect();
+        let keys = split_keys(&mut lines).into_iter();
+        let keys = keys.map(|(key, text)| (Some(key), text));
+        let own = (comment.field, lines.join(" ").trim().to_owned());
+        let variant = comment.variant;
+        keys.chain([own])
+            .map(move |(key, text)| Text { variant, key, text })
+    })
+}
 
-/// Reads rustfmt-formatted source, where indentation tells the depth: types at 0, fields and variants at 4,
-/// fields of variants at 8.
-fn extract(source: &str) -> Vec<Comment> {
-    let (mut all, mut text) = (Vec::new(), Vec::new());
-    let (mut item, mut variant) = (String::new(), None);
-    for line in source.lines() {
-        let code = line.trim_start();
-        if let Some(comment) = code.strip_prefix("///") {
-            text.push(comment.trim().to_owned());
-            continue;
-        }
-        if code.starts_with("#[") {
-            continue; // an attribute between a comment and its item
-        }
-        let mut lines = std::mem::take(&mut text);
-        let indent = line.len() - code.len();
-        let word = |code: &str| -> String {
-            code.chars()
-                .take_while(|c| c.is_alphanumeric() || *c == '_')
-                .collect()
-        };
-        let field = word(code.strip_prefix("pub ").unwrap_or(code));
-        let name = ["pub struct ", "pub enum "]
-            .iter()
-            .find_map(|p| code.strip_prefix(p));
-        let is_variant = indent == 4 && field.starts_with(char::is_uppercase);
-        if let Some(name) = name {
-            (item, variant) = (word(name), None);
-        } else if lines.is_empty() {
-            continue;
-        } else if is_variant {
-            variant = Some(field.clone());
-        }
-        let variant = variant.clone().filter(|_| is_variant || indent == 8);
-        for (key, text) in split_keys(&mut lines) {
-            all.push(Comment {
-                item: item.clone(),
-                variant: variant.clone(),
-                field: Some(key),
-                text,
-            });
-        }
-        let field = (name.is_none() && !is_variant).then_some(field);
-        let text = lines.join(" ").trim().to_owned();
-        all.push(Comment {
-            item: item.clone(),
-            variant,
-            field,
-            text,
-        });
-    }
-    all
+/// Lines of a comment as one text.
+pub fn joined(lines: &[&str]) -> String {
+    let lines: Vec<_> = lines.iter().map(|line| line.trim()).collect();
+    lines.join(" ")
 }
 
 /// Takes the lines ``- `key`: text`` out of a comment; lines that follow one belong to it.
-fn split_keys(lines: &mut Vec<String>) -> Vec<(String, String)> {
-    let first = lines
-        .iter()
-        .position(|line| line.starts_with("- `"))
-        .unwrap_or(lines.len());
-    let mut keys: Vec<(String, String)> = Vec::new();
-    for line in lines.drain(first..) {
+fn split_keys<'a>(lines: &mut Vec<&'a str>) -> Vec<(&'a str, String)> {
+    let first = lines.iter().position(|line| line.starts_with("- `"));
+    let mut keys: Vec<(&str, String)> = Vec::new();
+    for line in lines.drain(first.unwrap_or(lines.len())..) {
         let key = line
             .strip_prefix("- `")
             .and_then(|rest| rest.split_once("`: "));
         match (key, keys.last_mut()) {
-            (Some((key, text)), _) => keys.push((key.to_owned(), sentence(text))),
+            (Some((key, text)), _) => keys.push((key, sentence(text))),
             (None, Some(last)) => last.1 = format!("{} {line}", last.1),
             (None, None) => {}
         }
@@ -119,66 +53,65 @@ pub fn sentence(text: &str) -> String {
     })
 }
 
-/// Doc comment of a type.
-pub fn of_type(name: &str) -> Option<&'static str> {
-    let is_it = |c: &&Comment| c.item == name && c.variant.is_none() && c.field.is_none();
-    COMMENTS.iter().find(is_it).map(|c| c.text.as_str())
+/// Comment of a type.
+pub fn of_type(doc: &TypeDoc) -> Option<String> {
+    let is_it = |text: &Text| text.variant.is_none() && text.key.is_none();
+    texts(doc).find(is_it).map(|text| text.text)
 }
 
-/// Doc comment of the variant that scene text writes as `word`: the comment that begins with it, in quotes.
-pub fn of_word(types: &[&str], word: &str) -> Option<&'static str> {
-    variant(types, word).map(|c| c.text.as_str())
+/// Comment of the variant that scene text writes as `word`: the comment that begins with it, in quotes.
+pub fn of_word(docs: &[&TypeDoc], word: &str) -> Option<String> {
+    variant(docs, word).map(|text| text.text)
 }
 
-fn variant(types: &[&str], word: &str) -> Option<&'static Comment> {
+fn variant(docs: &[&TypeDoc], word: &str) -> Option<Text> {
     let lead = format!("`\"{word}\"`");
-    let of_types = |c: &&Comment| types.contains(&c.item.as_str());
-    COMMENTS
-        .iter()
-        .filter(of_types)
-        .find(|c| c.field.is_none() && c.text.starts_with(&lead))
+    let mut all = docs.iter().flat_map(|doc| texts(doc));
+    all.find(|text| text.key.is_none() && text.text.starts_with(&lead))
 }
 
-/// Doc comment of a key of a table that is described by `types`; with `word`, of a key of that variant.
+/// Comment of a key of a table that is described by `docs`; with `word`, of a key of that variant.
 ///
 /// Candidates, in this order: the field with the key's name, the key's line in the list of another comment, the
 /// comment that begins with the key in code marks.
-pub fn of_key(types: &[&str], word: Option<&str>, key: &str) -> Option<&'static str> {
+pub fn of_key(docs: &[&TypeDoc], word: Option<&str>, key: &str) -> Option<String> {
     let variant = word
-        .and_then(|word| variant(types, word))
-        .map(|c| c.variant.clone());
-    let of_types: Vec<_> = COMMENTS
-        .iter()
-        .filter(|c| types.contains(&c.item.as_str()))
-        .collect();
-    let has_name = |c: &&&Comment| c.field.as_deref() == Some(key);
-    let in_variant = |c: &&&Comment| variant.as_ref().is_none_or(|v| c.variant == *v);
-    let begins = |c: &&&Comment| {
-        let rest = c.text.trim_start_matches(['`', '[']).strip_prefix(key);
+        .and_then(|word| variant(docs, word))
+        .map(|text| text.variant);
+    let mut all: Vec<_> = docs.iter().flat_map(|doc| texts(doc)).collect();
+    let has_name = |text: &Text| text.key == Some(key);
+    let in_variant = |text: &Text| variant.is_none_or(|v| text.variant == v);
+    let begins = |text: &Text| {
+        let rest = text.text.trim_start_matches(['`', '[']).strip_prefix(key);
         let whole = |r: &str| !r.starts_with(|c: char| c.is_alphanumeric() || c == '_');
-        c.text.starts_with('`') && rest.is_some_and(whole)
+        text.text.starts_with('`') && rest.is_some_and(whole)
     };
-    let found = of_types.iter().filter(in_variant).find(has_name);
-    found
-        .or_else(|| of_types.iter().find(begins))
-        .map(|c| c.text.as_str())
+    let named = all
+        .iter()
+        .position(|text| in_variant(text) && has_name(text));
+    let found = named.or_else(|| all.iter().position(begins))?;
+    Some(all.swap_remove(found).text)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{
+        declared::Described,
+        desc::{CameraDesc, InstanceDesc, PlacementDesc, SceneDesc, ShapeDesc},
+    };
 
     #[test]
     fn comments_are_found_by_field_by_list_and_by_beginning() {
-        let fov = of_key(&["CameraDesc"], None, "fov_deg").expect("a field");
+        let fov = of_key(&[CameraDesc::DOC], None, "fov_deg").expect("a field");
         assert!(fov.starts_with("Vertical field of view"), "{fov}");
-        let instance = of_key(&["SceneDesc"], None, "instance").expect("begins so");
+        let instance = of_key(&[SceneDesc::DOC], None, "instance").expect("begins so");
         assert!(instance.starts_with("`[[instance]]`"), "{instance}");
-        let types = ["InstanceDesc", "PlacementDesc"];
+        let types = [InstanceDesc::DOC, PlacementDesc::DOC];
         let quat = of_key(&types, None, "rotation_quat").expect("in a list");
         assert!(quat.starts_with("The same as a quaternion"), "{quat}");
-        let cone = of_key(&["ShapeDesc"], Some("cone"), "radius").expect("a field of a variant");
+        let cone = of_key(&[ShapeDesc::DOC], Some("cone"), "radius").expect("a field of a variant");
         assert!(cone.starts_with("Radius of the foot"), "{cone}");
-        assert_eq!(of_key(&["CameraDesc"], None, "fov"), None);
+        assert_eq!(of_key(&[CameraDesc::DOC], None, "fov"), None);
     }
 }

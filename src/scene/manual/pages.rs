@@ -121,7 +121,7 @@ fn index(sections: &[SectionRecord], places: &[Place]) -> String {
             _ => format!("`{}`", section.heading),
         };
         let file = Some(place.file.as_str()).filter(|file| *file != INDEX);
-        let text = without_lead(section_text(section), section.heading);
+        let text = without_lead(&section_text(section), section.heading);
         let (first, _) = text.split_once(". ").unwrap_or((&text, ""));
         let example = first.strip_prefix('`').and_then(|t| t.split_once('`'));
         let first = match example {

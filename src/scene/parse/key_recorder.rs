@@ -3,7 +3,10 @@
 use serde_json::Value as Json;
 
 use super::value::Value;
-use crate::range::Range;
+use crate::{
+    declared::{TypeDoc, Word},
+    range::Range,
+};
 
 /// One allowed form of the value of a key.
 #[derive(Clone, Debug)]
@@ -27,8 +30,10 @@ pub struct KeyRecord {
     pub forms: Vec<Form>,
     /// Range of its numbers in words; empty without one.
     pub range: String,
-    /// For a value that is one of a set of words: name of the enum in `desc.rs`, and the words.
-    pub words: Option<(&'static str, &'static [&'static str])>,
+    /// Words of which the value is one; none for other values.
+    pub words: &'static [Word],
+    /// Comment of a key that no type has as a field.
+    pub text: Option<String>,
     /// Whether the key is required.
     pub required: bool,
     /// Default value, as in scene text.
@@ -43,7 +48,8 @@ impl KeyRecord {
             name,
             forms,
             range: String::new(),
-            words: None,
+            words: &[],
+            text: None,
             required: false,
             default: None,
         }
@@ -114,10 +120,10 @@ pub struct VariantRecord {
 /// One table of the scene text.
 #[derive(Clone, Debug, Default)]
 pub struct SectionRecord {
-    /// Its type in `desc.rs`.
+    /// Name of its type.
     pub type_name: &'static str,
-    /// Further types whose fields are its keys.
-    pub also: &'static [&'static str],
+    /// Comments of its type, and of further types whose fields are its keys.
+    pub docs: Vec<&'static TypeDoc>,
     /// The table as it is written, such as `[camera.NAME]`.
     pub heading: &'static str,
     /// Its keys.
@@ -143,17 +149,17 @@ impl RecordedKeys {
     /// Starts a table; false if it is known already.
     pub fn open(
         &mut self,
-        type_name: &'static str,
-        also: &'static [&'static str],
+        doc: &'static TypeDoc,
+        also: &'static [&'static TypeDoc],
         heading: &'static str,
     ) -> bool {
-        if self.sections.iter().any(|s| s.type_name == type_name) {
+        if self.sections.iter().any(|s| s.type_name == doc.name) {
             return false;
         }
         self.open.push((self.sections.len(), false));
         self.sections.push(SectionRecord {
-            type_name,
-            also,
+            type_name: doc.name,
+            docs: [&[doc], also].concat(),
             heading,
             ..Default::default()
         });
@@ -165,10 +171,14 @@ impl RecordedKeys {
         self.open.pop();
     }
 
-    /// The open table, and whether one of its variants is open.
-    fn section(&mut self) -> Option<(&mut SectionRecord, bool)> {
+    /// Keys, rules and needed keys of the open table or variant.
+    fn open_part(&mut self) -> Option<(&mut Vec<KeyRecord>, &mut Vec<Rule>, &mut Vec<Needing>)> {
         let (index, in_variant) = *self.open.last()?;
-        Some((self.sections.get_mut(index)?, in_variant))
+        let section = self.sections.get_mut(index)?;
+        Some(match section.variants.last_mut().filter(|_| in_variant) {
+            Some(part) => (&mut part.keys, &mut part.rules, &mut part.needing),
+            None => (&mut section.keys, &mut section.rules, &mut section.needing),
+        })
     }
 
     fn set_in_variant(&mut self, value: bool) {
@@ -179,41 +189,39 @@ impl RecordedKeys {
 
     /// Adds a key to the open table or variant.
     pub fn add(&mut self, key: KeyRecord) {
-        let Some((section, in_variant)) = self.section() else {
-            return;
-        };
-        match section.variants.last_mut() {
-            Some(variant) if in_variant => variant.keys.push(key),
-            _ => section.keys.push(key),
+        if let Some((keys, ..)) = self.open_part() {
+            keys.push(key);
         }
     }
 
     /// Adds a rule to the open table or variant.
     pub fn rule(&mut self, rule: Rule) {
-        let Some((section, in_variant)) = self.section() else {
-            return;
-        };
-        match section.variants.last_mut() {
-            Some(variant) if in_variant => variant.rules.push(rule),
-            _ => section.rules.push(rule),
+        if let Some((_, rules, _)) = self.open_part() {
+            rules.push(rule);
         }
     }
 
     /// Adds a key that others need to the open table or variant.
     pub fn needing(&mut self, needing: Needing) {
-        let Some((section, in_variant)) = self.section() else {
-            return;
-        };
-        match section.variants.last_mut() {
-            Some(variant) if in_variant => variant.needing.push(needing),
-            _ => section.needing.push(needing),
+        if let Some((.., all)) = self.open_part() {
+            all.push(needing);
+        }
+    }
+
+    /// Gives a key of the open table its comment.
+    pub fn explain(&mut self, name: &str, text: String) {
+        let part = self.open_part().map(|(keys, ..)| keys);
+        let mut keys = part.into_iter().flatten();
+        if let Some(key) = keys.find(|key| key.name == name) {
+            key.text = Some(text);
         }
     }
 
     /// Starts a variant of the open table; keys and rules that follow belong to it.
     pub fn open_variant(&mut self, key: &'static str, word: &'static str) {
         self.set_in_variant(true);
-        if let Some((section, _)) = self.section() {
+        let open = self.open.last().map(|(index, _)| *index);
+        if let Some(section) = open.and_then(|index| self.sections.get_mut(index)) {
             section.variants.push(VariantRecord {
                 key,
                 word,

@@ -29,13 +29,13 @@ use super::{
     table::{Either, Section, Table},
     value::{Names, Version},
 };
+use crate::declared::{Described, TypeDoc};
 use crate::range::{
     ABOVE_0, ANY, APERTURE_F, BOUNCES, DIFFUSE_BOUNCES, LAYERS, RATE, SEPARATION_M, STEPS, range,
 };
 use crate::{desc::*, diagnostic::Diagnostic};
 
 impl Section for SceneDesc {
-    const TYPE: &'static str = "SceneDesc";
     const HEADING: &'static str = "the whole file";
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -105,7 +105,6 @@ fn late_settings(t: &Table) -> Vec<LateSetting> {
 }
 
 impl Section for CameraDesc {
-    const TYPE: &'static str = "CameraDesc";
     const HEADING: &'static str = "[camera.NAME]";
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -162,8 +161,7 @@ impl Section for CameraDesc {
 }
 
 impl Section for ModelDesc {
-    const TYPE: &'static str = "ModelDesc";
-    const ALSO: &'static [&'static str] = &["ModelSource"];
+    const ALSO: &'static [&'static TypeDoc] = &[ModelSource::DOC];
     const HEADING: &'static str = "[model.NAME]";
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -218,7 +216,6 @@ impl Section for ModelDesc {
 }
 
 impl Section for ReflectionDesc {
-    const TYPE: &'static str = "ReflectionDesc";
     const HEADING: &'static str = "[reflection]";
 
     fn read(t: &mut Table) -> Option<Self> {

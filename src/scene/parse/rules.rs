@@ -2,16 +2,15 @@
 
 use super::{
     key_recorder::{SectionRecord, VariantRecord},
-    table::Section,
     tables::Below,
 };
-use crate::{desc::SceneDesc, syntax::Entries};
+use crate::{declared::Described, desc::SceneDesc, syntax::Entries};
 
 /// Content below a key of the content at `place`; `None` where no reader declares any.
 pub fn content_below(place: Option<Below>, key: &str) -> Option<Below> {
     match place? {
         // A variant contains the tables of a scene again.
-        Below::Table(section) if section.type_name == SceneDesc::TYPE && key == "variant" => {
+        Below::Table(section) if section.type_name == SceneDesc::DOC.name && key == "variant" => {
             Some(Below::Names(section))
         }
         place => place.below(key),

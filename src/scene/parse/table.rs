@@ -12,6 +12,7 @@ use super::{
     report::Report,
     value::{Named, Value},
 };
+use crate::declared::{Described, TypeDoc};
 use crate::desc::Written;
 use crate::diagnostic::Span;
 use crate::syntax::{Entries, Key, Node};
@@ -20,11 +21,9 @@ use crate::{range::Range, suggest};
 pub use self::nested::{Either, NumberOr, ValueOr};
 
 /// A description that is written as a table.
-pub trait Section: Sized {
-    /// Name of its type in `desc.rs`, which holds its manual.
-    const TYPE: &'static str;
-    /// Further types of `desc.rs` whose fields are keys of the same table.
-    const ALSO: &'static [&'static str] = &[];
+pub trait Section: Described + Sized {
+    /// Comments of further types whose fields are keys of the same table.
+    const ALSO: &'static [&'static TypeDoc] = &[];
     /// How the table is written, such as `[camera.NAME]`.
     const HEADING: &'static str;
     /// Reads every key; mistakes go to the report.
@@ -110,7 +109,7 @@ impl<'r> Table<'r> {
 
     /// Runs `T`'s reader on an empty table, to record the keys that it reads.
     pub fn describe<T: Section>(notes: &mut RecordedKeys) {
-        if notes.open(T::TYPE, T::ALSO, T::HEADING) {
+        if notes.open(T::DOC, T::ALSO, T::HEADING) {
             let (mut report, nothing) = (Report::default(), Entries::new());
             T::read(&mut Table::new(
                 &mut report,
@@ -310,6 +309,13 @@ impl<'r> Table<'r> {
             let error = (self.report).error("missing-key", &self.place.at, message);
             error.help = Some(help);
             error.related.clone_from(&removed);
+        }
+    }
+
+    /// Gives a key that no field stands for its comment in the manual.
+    pub fn explain(&mut self, key: &str, text: impl FnOnce() -> String) {
+        if let Some(notes) = &mut self.notes {
+            notes.explain(key, text());
         }
     }
 

@@ -10,6 +10,7 @@ use super::{
         in_range, list_instead, list_of_length, list_of_scale, number_instead, truth, unquoted,
     },
 };
+use crate::declared::Word;
 use crate::desc::At;
 use crate::syntax::{Content, Node};
 use crate::{
@@ -30,8 +31,8 @@ pub struct Named<'a> {
 pub trait Value: Sized {
     /// Whether it consists of numbers, to which a range applies.
     const RANGED: bool = false;
-    /// For a type with a fixed set of words: name of the enum in `desc.rs`, and the words.
-    const WORDS: Option<(&'static str, &'static [&'static str])> = None;
+    /// Words of which it is one; none for other types.
+    const WORDS: &'static [Word] = &[];
     /// The expected value in words, such as `three numbers`.
     fn expected() -> String;
     /// The expected array of such values in words, such as `two numbers`.

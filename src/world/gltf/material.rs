@@ -16,6 +16,7 @@ use super::{
     uri::{self, Sandbox},
 };
 use crate::Material;
+use reflet_scene::desc::MaterialNumbers;
 
 /// Reads all materials into `model`, the default material last.
 pub fn read(
@@ -154,12 +155,15 @@ fn factors(material: &schema::Material, ranges: &mut Ranges) -> Result<Material,
     let occlusion = number(&material.occlusion_texture, |t| t.strength);
     Ok(Material {
         base_color: Vec4::from_array(ranges.clamped("baseColorFactor", base, 1.0)),
-        metallic: ranges.unit("metallicFactor", metallic),
-        roughness: ranges.unit("roughnessFactor", roughness),
+        numbers: MaterialNumbers {
+            metallic: ranges.unit("metallicFactor", metallic),
+            roughness: ranges.unit("roughnessFactor", roughness),
+            normal_scale: number(&material.normal_texture, |t| t.scale),
+            occlusion_strength: ranges.unit("occlusionTexture/strength", occlusion),
+            ..MaterialNumbers::default()
+        },
         // The cap keeps products finite.
         emission: (emission * strength).min(Vec3::splat(1e30)),
-        normal_scale: number(&material.normal_texture, |t| t.scale),
-        occlusion_strength: ranges.unit("occlusionTexture/strength", occlusion),
         double_sided: material.double_sided,
         ..Material::default()
     })

@@ -10,7 +10,6 @@ use crate::{
 };
 
 impl Section for AnimationDesc {
-    const TYPE: &'static str = "AnimationDesc";
     const HEADING: &'static str = "animation = { … }";
 
     fn read(t: &mut Table) -> Option<Self> {

@@ -8,7 +8,6 @@ use crate::{
 };
 
 impl Section for BoxFacesDesc {
-    const TYPE: &'static str = "BoxFacesDesc";
     const HEADING: &'static str = "[box_faces]";
 
     fn read(t: &mut Table) -> Option<Self> {

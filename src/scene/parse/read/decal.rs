@@ -3,9 +3,10 @@
 use glam::Vec3;
 
 use super::instance::placement;
+use crate::declared::{Described, TypeDoc};
 use crate::range::{ABOVE_0, ANY, DECAL_ANGLE_DEG, UNIT};
 use crate::{
-    desc::{DecalChanges, DecalDesc},
+    desc::{DecalChanges, DecalDesc, PlacementDesc},
     parse::{
         hierarchy,
         table::{Section, Table},
@@ -15,8 +16,7 @@ use crate::{
 };
 
 impl Section for DecalDesc {
-    const TYPE: &'static str = "DecalDesc";
-    const ALSO: &'static [&'static str] = &["PlacementDesc"];
+    const ALSO: &'static [&'static TypeDoc] = &[PlacementDesc::DOC];
     const HEADING: &'static str = "[decal.NAME]";
 
     fn read(t: &mut Table) -> Option<Self> {

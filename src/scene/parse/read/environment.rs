@@ -12,7 +12,6 @@ use crate::{
 };
 
 impl Section for EnvironmentDesc {
-    const TYPE: &'static str = "EnvironmentDesc";
     const HEADING: &'static str = "[environment]";
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -54,7 +53,6 @@ impl Section for EnvironmentDesc {
 }
 
 impl Section for FogDesc {
-    const TYPE: &'static str = "FogDesc";
     const HEADING: &'static str = "fog = { … }";
 
     fn read(t: &mut Table) -> Option<Self> {

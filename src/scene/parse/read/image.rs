@@ -7,7 +7,6 @@ use crate::{
 };
 
 impl Section for ImageDesc {
-    const TYPE: &'static str = "ImageDesc";
     const HEADING: &'static str = "[image]";
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -27,7 +26,6 @@ impl Section for ImageDesc {
 }
 
 impl Section for ErrorBound {
-    const TYPE: &'static str = "ErrorBound";
     const HEADING: &'static str = "samples = { error = … }";
 
     fn read(t: &mut Table) -> Option<Self> {

@@ -3,10 +3,12 @@
 use glam::{DMat4, DQuat, DVec4, Mat4, Quat, Vec3};
 
 use super::animation::animation;
+use crate::declared::{Described, TypeDoc};
 use crate::range::{ANY, range};
 use crate::{
     desc::{
-        At, GroupDesc, InstanceDesc, InstanceMaterialDesc, PlacementDesc, RepeatDesc, ShownDesc,
+        At, GroupDesc, InstanceDesc, InstanceMaterialDesc, PlacedSceneDesc, PlacementDesc,
+        RepeatDesc, ShownDesc,
     },
     motion::turned,
     parse::{
@@ -20,8 +22,7 @@ use crate::{
 const MOST_COPIES: u64 = 100_000;
 
 impl Section for InstanceDesc {
-    const TYPE: &'static str = "InstanceDesc";
-    const ALSO: &'static [&'static str] = &["PlacementDesc", "ShownDesc"];
+    const ALSO: &'static [&'static TypeDoc] = &[PlacementDesc::DOC, ShownDesc::DOC];
     const HEADING: &'static str = "[[instance]]";
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -77,8 +78,11 @@ impl Section for InstanceDesc {
 /// A placed scene; its file was read before.
 struct PlacedScene;
 
+impl Described for PlacedScene {
+    const DOC: &'static TypeDoc = PlacedSceneDesc::DOC;
+}
+
 impl Section for PlacedScene {
-    const TYPE: &'static str = "PlacedSceneDesc";
     const HEADING: &'static str = "model = { scene = … }";
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -89,8 +93,7 @@ impl Section for PlacedScene {
 }
 
 impl Section for GroupDesc {
-    const TYPE: &'static str = "GroupDesc";
-    const ALSO: &'static [&'static str] = &["PlacementDesc"];
+    const ALSO: &'static [&'static TypeDoc] = &[PlacementDesc::DOC];
     const HEADING: &'static str = "[group.NAME]";
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -171,7 +174,6 @@ fn check_matrix(t: &mut Table, columns: &[f32; 16]) {
 }
 
 impl Section for RepeatDesc {
-    const TYPE: &'static str = "RepeatDesc";
     const HEADING: &'static str = "repeat = { … }";
 
     fn read(t: &mut Table) -> Option<Self> {

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use crate::declared::{Described, TypeDoc};
 use crate::range::{ABOVE_0, ANY, FROM_0, range};
 use crate::{
     desc::{LightDesc, LightKind, ShadowMode},
@@ -13,8 +14,7 @@ use crate::{
 };
 
 impl Section for LightDesc {
-    const TYPE: &'static str = "LightDesc";
-    const ALSO: &'static [&'static str] = &["LightKind"];
+    const ALSO: &'static [&'static TypeDoc] = &[LightKind::DOC];
     const HEADING: &'static str = "[light.NAME]";
 
     fn read(t: &mut Table) -> Option<Self> {

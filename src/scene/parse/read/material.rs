@@ -2,19 +2,19 @@
 
 use glam::Vec3;
 
+use crate::declared::{Described, TypeDoc};
 use crate::{
     desc::*,
-    number::Lanes,
+    number::{Form, Lanes},
     parse::{
         color::Color,
         table::{Section, Table, ValueOr},
         value::Value,
     },
-    range::{ABOVE_0, ANY, DISPERSION, FROM_0, INDEX, Range, UNIT, range},
+    range::{ABOVE_0, ANY, INDEX, Range, UNIT},
 };
 
 impl Section for MaterialDesc {
-    const TYPE: &'static str = "MaterialDesc";
     const HEADING: &'static str = "[material.NAME]";
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -27,50 +27,16 @@ impl Section for MaterialDesc {
         // Already resolved in the tree; asking for it makes it a known key.
         t.find::<At<String>>("extends", ANY);
         let ior = t.find("ior", INDEX);
-        let mut patterned = Vec::new();
-        let p = &mut patterned;
-        let material = Self {
-            base_color: color(t, PatternedKey::BaseColor, UNIT, p),
-            base_color_texture: t.find("base_color_texture", ANY),
+        let mut material = Self {
             checker: checker.or(pattern),
-            metallic: number(t, PatternedKey::Metallic, UNIT, p),
-            roughness: number(t, PatternedKey::Roughness, UNIT, p),
-            metallic_roughness_texture: t.find("metallic_roughness_texture", ANY),
-            normal_texture: t.find("normal_texture", ANY),
-            normal_scale: t.find("normal_scale", range(0.0, 4.0)),
-            occlusion_strength: t.find("occlusion_strength", UNIT),
-            emission: color(t, PatternedKey::Emission, FROM_0, p),
-            emission_strength: t.find("emission_strength", FROM_0),
-            emission_texture: t.find("emission_texture", ANY),
-            light: t.find("light", ANY),
-            light_group: t.find("light_group", ANY),
-            unlit: t.find("unlit", ANY),
-            uv_scale: t.find("uv_scale", ANY),
-            alpha_cutoff: t.find("alpha_cutoff", UNIT),
-            alpha: number(t, PatternedKey::Alpha, UNIT, p),
-            double_sided: t.find("double_sided", ANY),
-            reflection: t.find("reflection", ANY),
-            reflectivity: number(t, PatternedKey::Reflectivity, UNIT, p)
-                .or(ior.map(reflectivity_of)),
-            transmission: number(t, PatternedKey::Transmission, UNIT, p),
             ior,
-            thickness_m: t.find("thickness_m", FROM_0),
-            attenuation_color: (t.find("attenuation_color", UNIT)).map(|Color(c)| c),
-            attenuation_distance_m: t.find("attenuation_distance_m", ABOVE_0),
-            clearcoat: number(t, PatternedKey::Clearcoat, UNIT, p),
-            clearcoat_roughness: number(t, PatternedKey::ClearcoatRoughness, UNIT, p),
-            specular: number(t, PatternedKey::Specular, UNIT, p),
-            specular_color: color(t, PatternedKey::SpecularColor, FROM_0, p),
-            sheen_color: color(t, PatternedKey::SheenColor, UNIT, p),
-            sheen_roughness: number(t, PatternedKey::SheenRoughness, UNIT, p),
-            iridescence: number(t, PatternedKey::Iridescence, UNIT, p),
-            iridescence_ior: t.find("iridescence_ior", INDEX),
-            iridescence_thickness_nm: number(t, PatternedKey::IridescenceThickness, FROM_0, p),
-            anisotropy: number(t, PatternedKey::Anisotropy, UNIT, p),
-            anisotropy_rotation_deg: t.find("anisotropy_rotation_deg", ANY),
-            dispersion: t.find("dispersion", DISPERSION),
-            patterned: Vec::new(),
+            ..Self::default()
         };
+        let mut patterned = Vec::new();
+        for key in MATERIAL_KEYS {
+            read_key(t, key, &mut material, &mut patterned);
+        }
+        material.reflectivity = material.reflectivity.or(ior.map(reflectivity_of));
         if let Some(over) = patterned.get(MOST_PATTERNED) {
             let message = format!("a material has at most {MOST_PATTERNED} patterns");
             let help = "write a number in place of a pattern, or an image file for several of them";
@@ -80,6 +46,35 @@ impl Section for MaterialDesc {
             patterned,
             ..material
         })
+    }
+}
+
+/// Reads a key into its place in a material; a pattern in place of a number or color is added to `patterned`.
+fn read_key(
+    t: &mut Table,
+    key: &MaterialKey,
+    to: &mut MaterialDesc,
+    patterned: &mut Vec<PatternedDesc>,
+) {
+    let (name, range) = (key.key, key.range);
+    match key.slot {
+        MaterialSlot::Field { form, varies, put } => {
+            let value = match (form, varies) {
+                (Form::Color, Some(value)) => color(t, value, range, patterned),
+                (Form::Color, None) => t.find(name, range).map(|Color(c)| c),
+                (Form::Pair, _) => t.find::<[f32; 2]>(name, range).map(Lanes::lanes),
+                (_, Some(value)) => number(t, value, range, patterned).map(Lanes::lanes),
+                (_, None) => t.find::<f32>(name, range).map(Lanes::lanes),
+            };
+            if let Some(value) = value {
+                put(to, value);
+            }
+        }
+        MaterialSlot::Text(slot) => *slot(to) = t.find(name, range),
+        MaterialSlot::Switch(slot) => *slot(to) = t.find(name, range),
+        MaterialSlot::Number(slot) => *slot(to) = t.find(name, range),
+        MaterialSlot::Group(slot) => *slot(to) = t.find(name, range),
+        MaterialSlot::Mode(slot) => *slot(to) = t.find(name, range),
     }
 }
 
@@ -148,8 +143,11 @@ impl VariedBy {
 /// Description of the table of a number's pattern.
 struct NumberPattern;
 
+impl Described for NumberPattern {
+    const DOC: &'static TypeDoc = NumberPatternDesc::DOC;
+}
+
 impl Section for NumberPattern {
-    const TYPE: &'static str = "NumberPatternDesc";
     const HEADING: &'static str = "roughness = { pattern = … }";
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -160,8 +158,11 @@ impl Section for NumberPattern {
 /// Description of the table of a color's pattern.
 struct ColorPattern;
 
+impl Described for ColorPattern {
+    const DOC: &'static TypeDoc = ColorPatternDesc::DOC;
+}
+
 impl Section for ColorPattern {
-    const TYPE: &'static str = "ColorPatternDesc";
     const HEADING: &'static str = "base_color = { pattern = … }";
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -170,7 +171,6 @@ impl Section for ColorPattern {
 }
 
 impl Section for CheckerDesc {
-    const TYPE: &'static str = "CheckerDesc";
     const HEADING: &'static str = "checker = { … }";
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -187,8 +187,11 @@ impl Section for CheckerDesc {
 /// A pattern: a checker with a `kind`.
 struct Pattern(CheckerDesc);
 
+impl Described for Pattern {
+    const DOC: &'static TypeDoc = PatternDesc::DOC;
+}
+
 impl Section for Pattern {
-    const TYPE: &'static str = "PatternDesc";
     const HEADING: &'static str = "pattern = { … }";
 
     fn read(t: &mut Table) -> Option<Self> {

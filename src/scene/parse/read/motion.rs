@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use crate::declared::{Described, TypeDoc};
 use crate::range::ANY;
 use crate::{
     desc::*,
@@ -15,7 +16,6 @@ use crate::{
 use super::track::{shown, track, tracks};
 
 impl Section for MotionDesc {
-    const TYPE: &'static str = "MotionDesc";
     const HEADING: &'static str = "[motion]";
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -32,7 +32,6 @@ impl Section for MotionDesc {
 }
 
 impl Section for ModelMotionDesc {
-    const TYPE: &'static str = "ModelMotionDesc";
     const HEADING: &'static str = "[motion.model.NAME]";
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -43,7 +42,6 @@ impl Section for ModelMotionDesc {
 }
 
 impl Section for CameraMotionDesc {
-    const TYPE: &'static str = "CameraMotionDesc";
     const HEADING: &'static str = "[motion.camera.NAME]";
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -53,35 +51,40 @@ impl Section for CameraMotionDesc {
 }
 
 impl Section for InstanceMotionDesc {
-    const TYPE: &'static str = "InstanceMotionDesc";
     const HEADING: &'static str = "[motion.instance.NAME]";
 
     fn read(t: &mut Table) -> Option<Self> {
+        let place = place(t);
         Some(Self {
-            translation: track::<Vec3>(t, "translation", ANY),
-            rotation_deg: track::<Vec3>(t, "rotation_deg", ANY),
-            scale: track::<Scale>(t, "scale", ANY),
-            shown: shown(t),
             material: t.table("material"),
+            ..place
         })
+    }
+}
+
+/// Tracks of a place, without a material.
+fn place(t: &mut Table) -> InstanceMotionDesc {
+    InstanceMotionDesc {
+        translation: track::<Vec3>(t, "translation", ANY),
+        rotation_deg: track::<Vec3>(t, "rotation_deg", ANY),
+        scale: track::<Scale>(t, "scale", ANY),
+        shown: shown(t),
+        material: None,
     }
 }
 
 /// The motion of a group: that of an instance without a material.
 struct GroupMotion(InstanceMotionDesc);
 
+impl Described for GroupMotion {
+    const DOC: &'static TypeDoc = GroupMotionDesc::DOC;
+}
+
 impl Section for GroupMotion {
-    const TYPE: &'static str = "GroupMotionDesc";
     const HEADING: &'static str = "[motion.group.NAME]";
 
     fn read(t: &mut Table) -> Option<Self> {
-        Some(Self(InstanceMotionDesc {
-            translation: track::<Vec3>(t, "translation", ANY),
-            rotation_deg: track::<Vec3>(t, "rotation_deg", ANY),
-            scale: track::<Scale>(t, "scale", ANY),
-            shown: shown(t),
-            material: None,
-        }))
+        Some(Self(place(t)))
     }
 }
 
@@ -96,17 +99,10 @@ fn groups(t: &mut Table) -> Vec<Entry<InstanceMotionDesc>> {
 }
 
 impl Section for DecalMotionDesc {
-    const TYPE: &'static str = "DecalMotionDesc";
     const HEADING: &'static str = "[motion.decal.NAME]";
 
     fn read(t: &mut Table) -> Option<Self> {
-        let place = InstanceMotionDesc {
-            translation: track::<Vec3>(t, "translation", ANY),
-            rotation_deg: track::<Vec3>(t, "rotation_deg", ANY),
-            scale: track::<Scale>(t, "scale", ANY),
-            shown: shown(t),
-            material: None,
-        };
+        let place = place(t);
         let others = tracks(t, &DECAL[DECAL_PLACES..]).into_iter();
         let tracks = others.map(|(field, track)| (field + DECAL_PLACES, track));
         Some(Self {
@@ -117,7 +113,6 @@ impl Section for DecalMotionDesc {
 }
 
 impl Section for LightMotionDesc {
-    const TYPE: &'static str = "LightMotionDesc";
     const HEADING: &'static str = "[motion.light.NAME]";
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -128,11 +123,13 @@ impl Section for LightMotionDesc {
 }
 
 impl Section for MaterialMotionDesc {
-    const TYPE: &'static str = "MaterialMotionDesc";
     const HEADING: &'static str = "[motion.material.NAME]";
 
     fn read(t: &mut Table) -> Option<Self> {
         let tracks = tracks(t, &MATERIAL);
+        for field in &MATERIAL {
+            t.explain(field.key, || field.track_text());
+        }
         Some(Self { tracks })
     }
 }

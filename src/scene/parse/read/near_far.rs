@@ -7,7 +7,6 @@ use crate::{
 };
 
 impl Section for NearFarDesc {
-    const TYPE: &'static str = "NearFarDesc";
     const HEADING: &'static str = "[near_far]";
 
     fn read(t: &mut Table) -> Option<Self> {

@@ -33,7 +33,6 @@ pub fn circle(radius: f32, at: Written) -> OutlineDesc {
 }
 
 impl Section for OutlineDesc {
-    const TYPE: &'static str = "OutlineDesc";
     const HEADING: &'static str = "outline = { … }";
 
     fn read(t: &mut Table) -> Option<Self> {

@@ -9,7 +9,6 @@ use crate::{
 };
 
 impl Section for ProbeDesc {
-    const TYPE: &'static str = "ProbeDesc";
     const HEADING: &'static str = "[probe.NAME]";
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -61,7 +60,6 @@ pub(super) fn check_box(t: &mut Table, [low, high]: [&'static str; 2], corners: 
 }
 
 impl Section for ProbesDesc {
-    const TYPE: &'static str = "ProbesDesc";
     const HEADING: &'static str = "[probes]";
 
     fn read(t: &mut Table) -> Option<Self> {

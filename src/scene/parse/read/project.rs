@@ -15,7 +15,6 @@ use crate::{
 };
 
 impl Section for ProjectDesc {
-    const TYPE: &'static str = "ProjectDesc";
     const HEADING: &'static str = "reflet.toml";
 
     fn read(t: &mut Table) -> Option<Self> {

@@ -16,7 +16,6 @@ use crate::{
 const COUNT: Range = range(1.0, 100_000.0);
 
 impl Section for AlongDesc {
-    const TYPE: &'static str = "AlongDesc";
     const HEADING: &'static str = "along = { … }";
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -53,7 +52,6 @@ impl Section for AlongDesc {
 }
 
 impl Section for OverDesc {
-    const TYPE: &'static str = "OverDesc";
     const HEADING: &'static str = "over = { … }";
 
     fn read(t: &mut Table) -> Option<Self> {

@@ -8,16 +8,16 @@ use super::{
     outline::SEGMENTS,
     outlined::{self, TURN_DEG},
 };
+use crate::declared::{Described, TypeDoc};
 use crate::syntax::Node;
 use crate::{
-    desc::{NoiseDesc, PartDesc, ShapeDesc},
+    desc::{NoiseDesc, PartDesc, PlacementDesc, ShapeDesc},
     parse::table::{Section, Table},
     range::{ABOVE_0, ANY, FROM_0, range},
     suggest,
 };
 
 impl Section for ShapeDesc {
-    const TYPE: &'static str = "ShapeDesc";
     const HEADING: &'static str = "shape = { kind = …, … }";
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -145,8 +145,7 @@ fn parts(t: &mut Table) -> Option<Vec<PartDesc>> {
 }
 
 impl Section for PartDesc {
-    const TYPE: &'static str = "PartDesc";
-    const ALSO: &'static [&'static str] = &["PlacementDesc"];
+    const ALSO: &'static [&'static TypeDoc] = &[PlacementDesc::DOC];
     const HEADING: &'static str = "parts = [{ shape = { … }, … }]";
 
     fn read(t: &mut Table) -> Option<Self> {

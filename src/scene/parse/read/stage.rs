@@ -18,7 +18,6 @@ const SUBDIV: Range = range(0.0, 6.0);
 const PURPOSES: [&str; 4] = ["default", "render", "proxy", "guide"];
 
 impl Section for StageDesc {
-    const TYPE: &'static str = "StageDesc";
     const HEADING: &'static str = "usd = { … }";
 
     fn read(t: &mut Table) -> Option<Self> {

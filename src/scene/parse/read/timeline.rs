@@ -1,5 +1,6 @@
 //! Reader of the timeline and its cuts.
 
+use crate::declared::{Described, TypeDoc};
 use crate::{
     desc::{CutDesc, TimelineDesc},
     diagnostic::Diagnostic,
@@ -17,7 +18,6 @@ pub struct Film {
 }
 
 impl Section for CutDesc {
-    const TYPE: &'static str = "CutDesc";
     const HEADING: &'static str = "cuts = [{ frame = …, camera = … }, …]";
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -59,8 +59,11 @@ fn warn_of_late_cuts(t: &mut Table, cuts: &[CutDesc], end: u32) {
     }
 }
 
+impl Described for Film {
+    const DOC: &'static TypeDoc = TimelineDesc::DOC;
+}
+
 impl Section for Film {
-    const TYPE: &'static str = "TimelineDesc";
     const HEADING: &'static str = "[timeline]";
 
     fn read(t: &mut Table) -> Option<Self> {

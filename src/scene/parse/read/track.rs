@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use crate::declared::{Described, TypeDoc};
 use crate::range::{ABOVE_0, ANY, Range};
 use crate::syntax::{Content, Node};
 use crate::{
@@ -30,52 +31,52 @@ pub fn tracks<T>(t: &mut Table, fields: &[Field<T>]) -> Tracks {
 
 /// Type of the values of a track: one number, two or three.
 pub trait Lane: Value + Lanes {
-    const TRACK: &'static str;
+    const TRACK: &'static TypeDoc;
     const TRACK_HEADING: &'static str;
-    const KEY: &'static str;
+    const KEY: &'static TypeDoc;
     const KEY_HEADING: &'static str;
-    const SWING: &'static str;
+    const SWING: &'static TypeDoc;
     const SWING_HEADING: &'static str;
     /// Whether the value may be a position.
     const IS_VECTOR: bool;
 }
 
 impl Lane for Vec3 {
-    const TRACK: &'static str = "TrackDesc";
+    const TRACK: &'static TypeDoc = TrackDesc::DOC;
     const TRACK_HEADING: &'static str = "eye = { … }";
-    const KEY: &'static str = "KeyDesc";
+    const KEY: &'static TypeDoc = KeyDesc::DOC;
     const KEY_HEADING: &'static str = "keys = [{ at_s = …, value = […] }, …]";
-    const SWING: &'static str = "OscillateDesc";
+    const SWING: &'static TypeDoc = OscillateDesc::DOC;
     const SWING_HEADING: &'static str = "oscillate = { amplitude = […], … }";
     const IS_VECTOR: bool = true;
 }
 
 impl Lane for [f32; 2] {
-    const TRACK: &'static str = "PairTrackDesc";
+    const TRACK: &'static TypeDoc = PairTrackDesc::DOC;
     const TRACK_HEADING: &'static str = "uv_scale = { … }";
-    const KEY: &'static str = "PairKeyDesc";
+    const KEY: &'static TypeDoc = PairKeyDesc::DOC;
     const KEY_HEADING: &'static str = "keys = [{ at_s = …, value = […, …] }, …]";
-    const SWING: &'static str = "PairOscillateDesc";
+    const SWING: &'static TypeDoc = PairOscillateDesc::DOC;
     const SWING_HEADING: &'static str = "oscillate = { amplitude = […, …], … }";
     const IS_VECTOR: bool = false;
 }
 
 impl Lane for f32 {
-    const TRACK: &'static str = "NumberTrackDesc";
+    const TRACK: &'static TypeDoc = NumberTrackDesc::DOC;
     const TRACK_HEADING: &'static str = "roughness = { … }";
-    const KEY: &'static str = "NumberKeyDesc";
+    const KEY: &'static TypeDoc = NumberKeyDesc::DOC;
     const KEY_HEADING: &'static str = "keys = [{ at_s = …, value = … }, …]";
-    const SWING: &'static str = "NumberOscillateDesc";
+    const SWING: &'static TypeDoc = NumberOscillateDesc::DOC;
     const SWING_HEADING: &'static str = "oscillate = { amplitude = …, … }";
     const IS_VECTOR: bool = false;
 }
 
 impl Lane for Scale {
-    const TRACK: &'static str = "ScaleTrackDesc";
+    const TRACK: &'static TypeDoc = ScaleTrackDesc::DOC;
     const TRACK_HEADING: &'static str = "scale = { … }";
-    const KEY: &'static str = "ScaleKeyDesc";
+    const KEY: &'static TypeDoc = ScaleKeyDesc::DOC;
     const KEY_HEADING: &'static str = "keys = [{ at_s = …, value = … or […] }, …]";
-    const SWING: &'static str = "ScaleOscillateDesc";
+    const SWING: &'static TypeDoc = ScaleOscillateDesc::DOC;
     const SWING_HEADING: &'static str = "oscillate = { amplitude = … or […], … }";
     const IS_VECTOR: bool = false;
 }
@@ -124,8 +125,11 @@ pub fn shown(t: &mut Table) -> Option<TrackDesc> {
     Some(track)
 }
 
+impl Described for ShownTrack {
+    const DOC: &'static TypeDoc = ShownTrackDesc::DOC;
+}
+
 impl Section for ShownTrack {
-    const TYPE: &'static str = "ShownTrackDesc";
     const HEADING: &'static str = "shown = { … }";
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -155,8 +159,11 @@ impl Section for ShownTrack {
     }
 }
 
+impl Described for ShownKey {
+    const DOC: &'static TypeDoc = ShownKeyDesc::DOC;
+}
+
 impl Section for ShownKey {
-    const TYPE: &'static str = "ShownKeyDesc";
     const HEADING: &'static str = "keys = [{ at_s = …, value = true or false }, …]";
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -174,9 +181,12 @@ impl Section for ShownKey {
     }
 }
 
+impl<L: Lane> Described for TrackOf<L> {
+    const DOC: &'static TypeDoc = L::TRACK;
+}
+
 impl<L: Lane> Section for TrackOf<L> {
-    const TYPE: &'static str = L::TRACK;
-    const ALSO: &'static [&'static str] = &["TrackDesc"];
+    const ALSO: &'static [&'static TypeDoc] = &[TrackDesc::DOC];
     const HEADING: &'static str = L::TRACK_HEADING;
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -266,9 +276,12 @@ fn check_keys(t: &mut Table, track: &TrackDesc) {
     }
 }
 
+impl<L: Lane> Described for KeyOf<L> {
+    const DOC: &'static TypeDoc = L::KEY;
+}
+
 impl<L: Lane> Section for KeyOf<L> {
-    const TYPE: &'static str = L::KEY;
-    const ALSO: &'static [&'static str] = &["KeyDesc"];
+    const ALSO: &'static [&'static TypeDoc] = &[KeyDesc::DOC];
     const HEADING: &'static str = L::KEY_HEADING;
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -290,9 +303,12 @@ impl<L: Lane> Section for KeyOf<L> {
     }
 }
 
+impl<L: Lane> Described for Oscillation<L> {
+    const DOC: &'static TypeDoc = L::SWING;
+}
+
 impl<L: Lane> Section for Oscillation<L> {
-    const TYPE: &'static str = L::SWING;
-    const ALSO: &'static [&'static str] = &["OscillateDesc"];
+    const ALSO: &'static [&'static TypeDoc] = &[OscillateDesc::DOC];
     const HEADING: &'static str = L::SWING_HEADING;
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -309,7 +325,6 @@ impl<L: Lane> Section for Oscillation<L> {
 }
 
 impl Section for OrbitDesc {
-    const TYPE: &'static str = "OrbitDesc";
     const HEADING: &'static str = "orbit = { … }";
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -331,7 +346,6 @@ impl Section for OrbitDesc {
 }
 
 impl Section for FollowDesc {
-    const TYPE: &'static str = "FollowDesc";
     const HEADING: &'static str = "follow = { … }";
 
     fn instead(key: &str, value: &Node) -> Option<String> {

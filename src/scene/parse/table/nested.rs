@@ -55,7 +55,7 @@ impl Table<'_> {
         read: impl FnOnce(&mut Table) -> Option<T>,
     ) -> Option<ValueOr<V, T>> {
         self.note(key, || {
-            KeyRecord::value::<V>(key, range).or(Form::Table(S::TYPE))
+            KeyRecord::value::<V>(key, range).or(Form::Table(S::DOC.name))
         });
         self.describe_nested::<S>();
         let node = self.values.get(key)?;
@@ -77,7 +77,7 @@ impl Table<'_> {
     ) -> NumberOr<T> {
         self.note(key, || {
             KeyRecord::value::<u32>(key, range)
-                .or(Form::Table(T::TYPE))
+                .or(Form::Table(T::DOC.name))
                 .default(default.to_json())
         });
         self.describe_nested::<T>();
@@ -96,7 +96,7 @@ impl Table<'_> {
 
     /// A table right of `key =`, or `[….key]`.
     pub fn table<T: Section>(&mut self, key: &'static str) -> Option<T> {
-        self.note(key, || KeyRecord::new(key, Form::Table(T::TYPE)));
+        self.note(key, || KeyRecord::new(key, Form::Table(T::DOC.name)));
         self.describe_nested::<T>();
         let node = self.values.get(key)?;
         self.nested(key, node)
@@ -104,7 +104,9 @@ impl Table<'_> {
 
     /// Same as [`Table::table`], for a required key; `example` is a value of it.
     pub fn need_table<T: Section>(&mut self, key: &'static str, example: &str) -> Option<T> {
-        self.note(key, || KeyRecord::new(key, Form::Table(T::TYPE)).required());
+        self.note(key, || {
+            KeyRecord::new(key, Form::Table(T::DOC.name)).required()
+        });
         self.describe_nested::<T>();
         let Some(node) = self.values.get(key) else {
             self.missing
@@ -122,7 +124,7 @@ impl Table<'_> {
     fn either<T: Section>(&mut self, key: &'static str, required: bool) -> Option<Either<T>> {
         self.note(key, || KeyRecord {
             required,
-            ..KeyRecord::value::<At<String>>(key, ANY).or(Form::Table(T::TYPE))
+            ..KeyRecord::value::<At<String>>(key, ANY).or(Form::Table(T::DOC.name))
         });
         self.describe_nested::<T>();
         let node = self.values.get(key)?;
@@ -148,7 +150,7 @@ impl Table<'_> {
         key: &'static str,
     ) -> Option<Either<Vec<Entry<T>>>> {
         self.note(key, || {
-            KeyRecord::value::<At<String>>(key, ANY).or(Form::Entries(T::TYPE))
+            KeyRecord::value::<At<String>>(key, ANY).or(Form::Entries(T::DOC.name))
         });
         self.describe_nested::<T>();
         let node = self.values.get(key)?;
@@ -168,7 +170,7 @@ impl Table<'_> {
 
     /// All tables `[key.NAME]`, in the order of the file.
     pub fn entries<T: Section>(&mut self, key: &'static str) -> Vec<Entry<T>> {
-        self.note(key, || KeyRecord::new(key, Form::Entries(T::TYPE)));
+        self.note(key, || KeyRecord::new(key, Form::Entries(T::DOC.name)));
         self.describe_nested::<T>();
         let node = self.values.get(key);
         node.map_or_else(Vec::new, |node| self.nested_entries(key, node))
@@ -176,7 +178,7 @@ impl Table<'_> {
 
     /// All tables `[[key]]`.
     pub fn list<T: Section>(&mut self, key: &'static str) -> Vec<T> {
-        self.note(key, || KeyRecord::new(key, Form::List(T::TYPE)));
+        self.note(key, || KeyRecord::new(key, Form::List(T::DOC.name)));
         self.describe_nested::<T>();
         let Some(node) = self.values.get(key) else {
             return Vec::new();

@@ -1,0 +1,367 @@
+//! Kinds of lights, and the table of the values of lights that may change over time.
+
+use std::f32::consts::PI;
+
+use glam::Vec3;
+
+use super::LightDesc;
+use crate::{
+    number::{Field, Form, Lanes, plain},
+    range::{ANY, FROM_0, range},
+};
+
+/// Smallest radius of a point or spot light with a size, meters.
+const LEAST_RADIUS_M: f32 = 1e-10;
+
+declared! {
+    /// `kind` of a light, with the keys that only this kind has.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub enum LightKind {
+        /// `"point"`: shines in all directions from `position`.
+        Point {
+            /// Position of the light, meters.
+            position: Vec3,
+            /// Luminous intensity, candela, 0 or more. More is brighter.
+            intensity_cd: f32,
+            /// Radius of the glowing ball that the light is, meters, 0 or more; its intensity stays
+            /// `intensity_cd`. More gives softer shadows and larger highlights; 0, or less than 1e-10, is a
+            /// point without a size. Default 0.
+            radius_m: f32,
+        },
+        /// `"spot"`: a cone from `position`, along `direction` or towards `target`.
+        Spot {
+            /// Position of the light, meters.
+            position: Vec3,
+            /// Direction of the beam, of any length but 0.
+            direction: Vec3,
+            /// Point at the middle of the beam, meters, in place of `direction`; the beam keeps pointing there
+            /// when the light moves.
+            target: Option<Vec3>,
+            /// Luminous intensity in the middle of the beam, candela, 0 or more.
+            intensity_cd: f32,
+            /// Angle from the middle of the beam up to which it has full brightness, degrees, 0 to `outer_deg`.
+            /// Default 0.
+            inner_deg: f32,
+            /// Angle from the middle of the beam at which it ends, degrees, above 0 and below 90. Default 45.
+            outer_deg: f32,
+            /// Radius of a glowing ball that shines inside the cone, meters, 0 or more: more gives softer
+            /// shadows; 0, or less than 1e-10, is a point without a size. Default 0.
+            radius_m: f32,
+        },
+        /// `"directional"`: parallel light, like the sun.
+        Directional {
+            /// Direction in which the light travels, of any length but 0.
+            direction: Vec3,
+            /// Illuminance on a surface that faces the light, lux, 0 or more.
+            intensity_lux: f32,
+            /// Angle that the light spans in the sky, degrees, 0 to 90; the sun spans 0.53. More has softer
+            /// shadows. Default 0.
+            angle_deg: f32,
+        },
+        /// `"rect"`: a flat rectangle around `position` that shines to one side, along `direction` or towards
+        /// `target`, with the same radiance in all directions of that side. Reflections show it, the camera
+        /// itself does not: where it shall be seen, add a shape with `emission`.
+        Rect {
+            /// Position of the center of the light, meters.
+            position: Vec3,
+            /// Direction in which it shines, of any length but 0.
+            direction: Vec3,
+            /// Point that the rectangle faces, meters, in place of `direction`; it keeps facing it when the
+            /// light moves.
+            target: Option<Vec3>,
+            /// Direction of the second edge, turned as far as needed to lie in the rectangle's plane. If it is
+            /// along `direction`, +Z takes its place. Default [0, 1, 0].
+            up: Vec3,
+            /// Edge lengths of the rectangle, meters, above 0; the second edge is along `up`.
+            size: [f32; 2],
+            /// Luminous intensity straight ahead, candela, 0 or more.
+            intensity_cd: f32,
+        },
+        /// `"disk"`: a flat disk around `position` that shines to one side as a `"rect"` does.
+        Disk {
+            /// Position of the center of the light, meters.
+            position: Vec3,
+            /// Direction in which it shines, of any length but 0.
+            direction: Vec3,
+            /// Point that the disk faces, meters, in place of `direction`; it keeps facing it when the light
+            /// moves.
+            target: Option<Vec3>,
+            /// Radius of the disk, meters, above 0.
+            radius_m: f32,
+            /// Luminous intensity straight ahead, candela, 0 or more.
+            intensity_cd: f32,
+        },
+    }
+}
+
+impl LightKind {
+    /// Names of all kinds in scene text and messages; the shaders' constants are `LIGHT_` and this name.
+    pub const NAMES: [&'static str; 5] = ["point", "spot", "directional", "rect", "disk"];
+
+    /// Index of the kind in [`Self::NAMES`].
+    pub fn index(&self) -> usize {
+        match self {
+            Self::Point { .. } => 0,
+            Self::Spot { .. } => 1,
+            Self::Directional { .. } => 2,
+            Self::Rect { .. } => 3,
+            Self::Disk { .. } => 4,
+        }
+    }
+
+    /// Name of the kind in scene text.
+    pub fn name(&self) -> &'static str {
+        Self::NAMES[self.index()]
+    }
+
+    /// Whether the light has a size, so that its light is sampled. A radius below an atom's counts as a
+    /// point: its square over the square of a distance may be 0 in 32-bit floats.
+    pub fn has_size(&self) -> bool {
+        match self {
+            Self::Point { radius_m, .. } | Self::Spot { radius_m, .. } => {
+                *radius_m >= LEAST_RADIUS_M
+            }
+            Self::Directional { angle_deg, .. } => *angle_deg > 0.0,
+            Self::Rect { .. } | Self::Disk { .. } => true,
+        }
+    }
+
+    /// Whether the light is flat, and shines from one side of a plane around its position.
+    pub fn is_flat(&self) -> bool {
+        self.edges().is_some()
+    }
+
+    /// Edges of the smallest rectangle around a flat light, meters, across its direction; `None` for other kinds.
+    pub fn edges(&self) -> Option<[Vec3; 2]> {
+        let direction = self.direction()?.normalize_or(Vec3::NEG_Y);
+        match *self {
+            Self::Rect { up, size, .. } => {
+                let up = up - direction * up.dot(direction);
+                let up = up.try_normalize().unwrap_or_else(|| {
+                    let up = Vec3::Z - direction * direction.z;
+                    up.normalize_or(Vec3::Y)
+                });
+                Some([direction.cross(up) * size[0], up * size[1]])
+            }
+            Self::Disk { radius_m, .. } => {
+                let up = direction.any_orthonormal_vector() * 2.0 * radius_m;
+                Some([direction.cross(up), up])
+            }
+            Self::Point { .. } | Self::Spot { .. } | Self::Directional { .. } => None,
+        }
+    }
+
+    /// Radius of the smallest ball around the light's surface, meters; 0 for a light without a place.
+    pub fn radius_m(&self) -> f32 {
+        match *self {
+            Self::Point { radius_m, .. }
+            | Self::Spot { radius_m, .. }
+            | Self::Disk { radius_m, .. } => radius_m,
+            Self::Rect { size, .. } => 0.5 * Vec3::new(size[0], size[1], 0.0).length(),
+            Self::Directional { .. } => 0.0,
+        }
+    }
+
+    /// Angles from the middle of a beam up to which it has full brightness and at which it ends, degrees; `None` for a
+    /// light without a beam.
+    pub fn cone_deg(&self) -> Option<[f32; 2]> {
+        match *self {
+            Self::Spot {
+                inner_deg,
+                outer_deg,
+                ..
+            } => Some([inner_deg, outer_deg]),
+            _ => None,
+        }
+    }
+
+    /// Multiplies the lengths of the light by a factor, and its intensity so that it lights as before.
+    pub fn scale(&mut self, factor: f32) {
+        match self {
+            Self::Point {
+                intensity_cd,
+                radius_m,
+                ..
+            }
+            | Self::Spot {
+                intensity_cd,
+                radius_m,
+                ..
+            }
+            | Self::Disk {
+                intensity_cd,
+                radius_m,
+                ..
+            } => {
+                *radius_m *= factor;
+                *intensity_cd *= factor * factor;
+            }
+            Self::Rect {
+                intensity_cd, size, ..
+            } => {
+                *size = size.map(|edge_m| edge_m * factor);
+                *intensity_cd *= factor * factor;
+            }
+            Self::Directional { .. } => {}
+        }
+    }
+
+    /// The light as a point or a cone; a flat one as a wide cone.
+    pub fn without_size(mut self) -> Self {
+        if self.is_flat() {
+            return Self::Spot {
+                position: self.position().unwrap_or_default(),
+                direction: self.direction().unwrap_or_default(),
+                target: None,
+                intensity_cd: self.intensity(),
+                inner_deg: 0.0,
+                outer_deg: 89.0,
+                radius_m: 0.0,
+            };
+        }
+        if let Self::Point { radius_m, .. } | Self::Spot { radius_m, .. } = &mut self {
+            *radius_m = 0.0;
+        }
+        self
+    }
+
+    /// Position of the light; `None` if directional.
+    pub fn position(mut self) -> Option<Vec3> {
+        self.position_mut().copied()
+    }
+
+    /// Luminous intensity in candela, or of a directional light the illuminance in lux.
+    pub fn intensity(&self) -> f32 {
+        match *self {
+            Self::Point { intensity_cd, .. }
+            | Self::Spot { intensity_cd, .. }
+            | Self::Rect { intensity_cd, .. }
+            | Self::Disk { intensity_cd, .. } => intensity_cd,
+            Self::Directional { intensity_lux, .. } => intensity_lux,
+        }
+    }
+
+    /// Radiance of the light's surface at its brightest, per unit of color; 0 for a light without a size.
+    pub fn radiance(&self) -> f32 {
+        if !self.has_size() {
+            return 0.0;
+        }
+        let apparent = match *self {
+            Self::Point { radius_m, .. }
+            | Self::Spot { radius_m, .. }
+            | Self::Disk { radius_m, .. } => PI * radius_m * radius_m,
+            Self::Rect { size, .. } => size[0] * size[1],
+            Self::Directional { angle_deg, .. } => {
+                PI * (0.5 * angle_deg).to_radians().sin().powi(2)
+            }
+        };
+        if apparent > 0.0 {
+            self.intensity() / apparent
+        } else {
+            0.0
+        }
+    }
+
+    /// Direction in which the light shines; `None` for a point light.
+    pub fn direction(mut self) -> Option<Vec3> {
+        self.direction_mut().copied()
+    }
+
+    /// Mutable [`Self::position`].
+    pub fn position_mut(&mut self) -> Option<&mut Vec3> {
+        match self {
+            Self::Point { position, .. }
+            | Self::Spot { position, .. }
+            | Self::Rect { position, .. }
+            | Self::Disk { position, .. } => Some(position),
+            Self::Directional { .. } => None,
+        }
+    }
+
+    /// Mutable [`Self::direction`].
+    pub fn direction_mut(&mut self) -> Option<&mut Vec3> {
+        match self {
+            Self::Spot { direction, .. }
+            | Self::Directional { direction, .. }
+            | Self::Rect { direction, .. }
+            | Self::Disk { direction, .. } => Some(direction),
+            Self::Point { .. } => None,
+        }
+    }
+
+    /// Point that the light faces; the outer `None` for kinds that cannot face one.
+    pub fn target_mut(&mut self) -> Option<&mut Option<Vec3>> {
+        match self {
+            Self::Spot { target, .. } | Self::Rect { target, .. } | Self::Disk { target, .. } => {
+                Some(target)
+            }
+            Self::Point { .. } | Self::Directional { .. } => None,
+        }
+    }
+
+    /// Direction of the second edge of a rectangle; `None` for other kinds.
+    pub fn up_mut(&mut self) -> Option<&mut Vec3> {
+        match self {
+            Self::Rect { up, .. } => Some(up),
+            _ => None,
+        }
+    }
+}
+
+/// Row of [`LIGHT`] for a field that only some kinds of lights have.
+macro_rules! of_lights {
+    ($key:ident, $form:ident, $range:expr, $($kind:ident)|+) => {
+        Field {
+            key: stringify!($key),
+            form: Form::$form,
+            range: $range,
+            get: |light| match light.kind {
+                $(LightKind::$kind { $key, .. })|+ => Some($key.lanes()),
+                _ => None,
+            },
+            put: |light, value| match &mut light.kind {
+                $(LightKind::$kind { $key, .. })|+ => *$key = Lanes::of(value),
+                _ => {}
+            },
+        }
+    };
+}
+
+/// Values of a light that tracks and scripts may change; afterwards call [`LightDesc::settle`].
+pub static LIGHT: [Field<LightDesc>; 8] = [
+    of_lights!(position, Vector, ANY, Point | Spot | Rect | Disk),
+    Field {
+        key: "direction",
+        form: Form::Vector,
+        range: ANY,
+        get: |light| light.kind.direction(),
+        put: |light, value| {
+            if let Some(target) = light.kind.target_mut() {
+                *target = None;
+            }
+            if let Some(direction) = light.kind.direction_mut() {
+                *direction = value;
+            }
+        },
+    },
+    Field {
+        key: "target",
+        form: Form::Vector,
+        range: ANY,
+        get: |light| {
+            let mut kind = light.kind;
+            let target = *kind.target_mut()?;
+            target.or_else(|| Some(kind.position()? + kind.direction()?))
+        },
+        put: |light, value| {
+            if let Some(target) = light.kind.target_mut() {
+                *target = Some(value);
+            }
+        },
+    },
+    of_lights!(intensity_cd, Number, FROM_0, Point | Spot | Rect | Disk),
+    of_lights!(intensity_lux, Number, FROM_0, Directional),
+    plain!(color, Color, FROM_0),
+    of_lights!(inner_deg, Number, range(0.0, 90.0).below(), Spot),
+    of_lights!(outer_deg, Number, range(0.0, 90.0).below().above(), Spot),
+];

@@ -1,0 +1,193 @@
+//! Declarations, rows and numbers that follow from the entry of a key of a material.
+
+/// Declares the keys of a material in the order of the manual, each with its comment and its type.
+///
+/// - `as SLOT in RANGE`: a key that the reader finds as a value of this [`MaterialSlot`].
+/// - `FORM in RANGE, "…"`: a number or color that tracks and scripts may change, and what its track is of. It may also
+///   follow a pattern, `varies NAME`. Then its value where a material leaves it out: `rest VALUE`; or for a number without
+///   which a material lacks something that costs time, `off "VALUE"`, a value in scene text that changes nothing, or
+///   `such_as "VALUE"`. After `=>` a loaded material has it in its [`MaterialNumbers`], after `apart` it has it in another form.
+/// - Neither: a key that the reader of materials reads by itself.
+macro_rules! material {
+    (
+        $(#[doc = $doc:literal])*
+        pub struct MaterialDesc {
+            $(
+                $(#[doc = $text:literal])*
+                $key:ident: $type:ty
+                $(as $slot:ident in $slot_range:expr)?
+                $(,
+                    $form:ident in $range:expr, $what:literal $(varies $varies:ident)?
+                    $(=> $at_rest:ident $value:expr)?
+                    $(, apart $elsewhere:ident $other:expr)?
+                )?
+            ;)*
+        }
+    ) => {
+        $(#[doc = $doc])*
+        #[derive(Clone, Debug, PartialEq, Default)]
+        pub struct MaterialDesc {
+            $($(#[doc = $text])* pub $key: Option<$type>,)*
+            /// Numbers and colors that follow a pattern; the fields above have the mean of each.
+            pub patterned: Vec<PatternedDesc>,
+        }
+
+        documented!(MaterialDesc $($doc)*; $((None, Some(stringify!($key))) $($text)*;)*);
+
+        /// Default values of keys that a material leaves out.
+        pub const PLAIN: MaterialDesc = MaterialDesc {
+            $($key: at_rest!(plain $($($at_rest $value)? $($elsewhere $other)?)?),)*
+            patterned: Vec::new(),
+        };
+
+        /// Number of values of a material that may change.
+        pub const MATERIAL_FIELDS: usize = [$($(stringify!($form),)?)*].len() + OF_CHECKERS.len();
+
+        /// Values of a material that tracks and scripts may change.
+        pub static MATERIAL: [Field<MaterialDesc>; MATERIAL_FIELDS] = [
+            $($(Field {
+                key: stringify!($key),
+                form: Form::$form,
+                range: $range,
+                get: |it| it.$key.map(Lanes::lanes),
+                put: |it, value| {
+                    it.patterned.retain(|p| p.value.key() != stringify!($key));
+                    it.$key = Some(Lanes::of(value));
+                },
+            },)?)*
+            of_checkers!("checker_a", Color, UNIT, |checker| checker.colors[0]),
+            of_checkers!("checker_b", Color, UNIT, |checker| checker.colors[1]),
+            of_checkers!("checker_size_m", Number, ABOVE_0, |checker| checker.size_m),
+        ];
+
+        /// Tracks of the values of [`MATERIAL`], in its order.
+        static TRACKS: [Track; MATERIAL_FIELDS] = {
+            let [a, b, size] = OF_CHECKERS;
+            [
+                $($(Track {
+                    what: $what,
+                    needs: at_rest!(needs $key $($at_rest $value)? $($elsewhere $other)?),
+                    off: at_rest!(off $($at_rest $value)? $($elsewhere $other)?),
+                },)?)*
+                a,
+                b,
+                size,
+            ]
+        };
+
+        /// Keys of a material, for its reader.
+        pub static MATERIAL_KEYS: &[MaterialKey] = &[$(
+            $(MaterialKey {
+                key: stringify!($key),
+                range: $slot_range,
+                slot: MaterialSlot::$slot(|it| &mut it.$key),
+            },)?
+            $(MaterialKey {
+                key: stringify!($key),
+                range: $range,
+                slot: MaterialSlot::Field {
+                    form: Form::$form,
+                    varies: at_rest!(varies $($varies)?),
+                    put: |it, value| it.$key = Some(Lanes::of(value)),
+                },
+            },)?
+        )*];
+
+        /// A number or color of a material that may follow a pattern.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum PatternedKey {
+            $($($(#[doc = concat!("Key `", stringify!($key), "`.")] $varies,)?)?)*
+        }
+
+        impl PatternedKey {
+            /// All of them.
+            pub const ALL: [Self; [$($($(stringify!($varies),)?)?)*].len()] =
+                [$($($(Self::$varies,)?)?)*];
+
+            /// Key in scene text.
+            pub const fn key(self) -> &'static str {
+                match self {
+                    $($($(Self::$varies => stringify!($key),)?)?)*
+                }
+            }
+        }
+
+        /// Numbers of a loaded material that are plain values of its keys; `None` where it has nothing of their kind.
+        #[derive(Clone, Debug, PartialEq)]
+        pub struct MaterialNumbers {
+            $($($(
+                #[doc = concat!("Value of [`", stringify!($key), "`](MaterialDesc::", stringify!($key), ").")]
+                pub $key: at_rest!(type $at_rest $type),
+            )?)?)*
+        }
+
+        impl Default for MaterialNumbers {
+            fn default() -> Self {
+                Self { $($($($key: at_rest!(loaded $at_rest $value),)?)?)* }
+            }
+        }
+
+        impl MaterialNumbers {
+            /// The numbers as a description.
+            pub fn desc(&self) -> MaterialDesc {
+                MaterialDesc {
+                    $($($($key: at_rest!(it $at_rest self.$key).into(),)?)?)*
+                    ..MaterialDesc::default()
+                }
+            }
+
+            /// Takes the numbers that a description has.
+            pub fn set(&mut self, desc: &MaterialDesc) {
+                $($($(if let Some(value) = at_rest!(it $at_rest desc.$key) {
+                    self.$key = value.into();
+                })?)?)*
+            }
+        }
+
+        impl MaterialDesc {
+            /// Values of `over`, and of `self` where `over` has none.
+            pub fn overlaid(&self, over: &Self) -> Self {
+                let kept = |pattern: &&PatternedDesc| !over.has(pattern.value.key());
+                let kept = self.patterned.iter().filter(kept);
+                Self {
+                    $($key: over.$key.clone().or_else(|| self.$key.clone()),)*
+                    patterned: kept.chain(&over.patterned).copied().collect(),
+                }
+            }
+        }
+    };
+}
+
+/// Parts of [`material!`] that depend on what is said of a number: its value where a material leaves it out, its pattern.
+macro_rules! at_rest {
+    (plain rest $value:expr) => { Some($value) };
+    (plain $($other:tt)*) => { None };
+    (type rest $type:ty) => { $type };
+    (type $kind:ident $type:ty) => { Option<$type> };
+    (loaded rest $value:expr) => { $value };
+    (loaded $kind:ident $value:expr) => { None };
+    (needs $key:ident rest $value:expr) => { "" };
+    (needs $key:ident $kind:ident $value:expr) => { concat!(stringify!($key), " = ", $value) };
+    (off off $value:expr) => { $value };
+    (off $kind:ident $value:expr) => { "" };
+    (it $kind:ident $it:expr) => { $it };
+    (varies) => { None };
+    (varies $key:ident) => { Some(PatternedKey::$key) };
+}
+
+/// Row of [`MATERIAL`] for a value of the material's checker or pattern.
+macro_rules! of_checkers {
+    ($key:literal, $form:ident, $range:expr, |$checker:ident| $value:expr) => {
+        Field {
+            key: $key,
+            form: Form::$form,
+            range: $range,
+            get: |it| it.checker.as_ref().map(|$checker| $value.lanes()),
+            put: |it, value| {
+                if let Some($checker) = &mut it.checker {
+                    $value = Lanes::of(value);
+                }
+            },
+        }
+    };
+}
