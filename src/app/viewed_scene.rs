@@ -7,7 +7,7 @@ use crate::{
     gpu::{Gpu, driver::open_gpu},
     output::denoise::Denoiser,
     runtime::{SceneSource, parameters::ParameterOverrides, read},
-    scene::{dependencies::Dependencies, desc::Method},
+    scene::dependencies::Dependencies,
 };
 use reflet_preview::viewer::{opening::ViewerOptions, picture_filter::PictureFilter};
 
@@ -27,7 +27,7 @@ pub fn viewer(args: &PreviewArgs, size: [u32; 2]) -> Result<(Arc<Gpu>, ViewerOpt
     let options = ViewerOptions {
         source,
         camera: args.camera.clone(),
-        method: args.method.map(Method::from),
+        method: args.method,
         costs: plan.map(|path| costs(path, &gpu)).transpose()?,
         size,
         denoiser: denoiser(args)?,

@@ -139,30 +139,9 @@ pub fn probes(scene: &Scene, world: &World) -> Vec<Diagnostic> {
 
 /// Points at the edge of a light with a size, on both sides of its center along each axis.
 fn surface(kind: &LightKind, position: Vec3) -> Vec<Vec3> {
-    let steps = match *kind {
-        LightKind::Point { radius_m, .. } | LightKind::Spot { radius_m, .. } => {
-            Vec3::AXES.map(|axis| axis * radius_m).to_vec()
-        }
-        LightKind::Disk {
-            direction,
-            radius_m,
-            ..
-        } => {
-            let (u, v) = direction.normalize_or(Vec3::NEG_Y).any_orthonormal_pair();
-            vec![u * radius_m, v * radius_m]
-        }
-        LightKind::Rect {
-            direction,
-            up,
-            size: [width, height],
-            ..
-        } => {
-            // Axes as in rendering: if `up` is parallel to the direction, Z is up.
-            let across = |up: Vec3| direction.cross(up).try_normalize();
-            let right = across(up).or_else(|| across(Vec3::Z)).unwrap_or(Vec3::X);
-            vec![right * 0.5 * width, right.cross(direction) * 0.5 * height]
-        }
-        LightKind::Directional { .. } => Vec::new(),
+    let steps = match kind.edges() {
+        Some(edges) => edges.map(|edge| 0.5 * edge).to_vec(),
+        None => Vec3::AXES.map(|axis| axis * kind.radius_m()).to_vec(),
     };
     let both = steps
         .iter()

@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
 use reflet_base::math::linear_from_srgb;
-use reflet_scene::desc::{LightKind, ShadowMode};
+use reflet_scene::desc::ShadowMode;
 use reflet_world::{
     Light, Material, TextureRef, World,
     bvh::{Ray, RayHit, SHADOWLESS, Trees},
@@ -269,12 +269,12 @@ impl Estimator<'_> {
         let (to_light, t_max, falloff) = match (kind.position(), kind.direction()) {
             (Some(position), _) => {
                 let offset = position.as_dvec3() - point.position;
-                let facing = match kind {
-                    LightKind::Rect { direction, .. } | LightKind::Disk { direction, .. } => {
+                let facing = match kind.direction().filter(|_| kind.is_flat()) {
+                    Some(direction) => {
                         let direction = direction.as_dvec3().normalize_or_zero();
                         (-offset.normalize_or_zero().dot(direction)).max(0.0)
                     }
-                    _ => 1.0,
+                    None => 1.0,
                 };
                 (offset, 0.9999, facing / offset.length_squared().max(1e-20))
             }

@@ -4,7 +4,6 @@ use glam::{DVec2, DVec3, UVec2, Vec3};
 use rayon::prelude::*;
 
 use reflet_base::math::in_f64;
-use reflet_scene::desc::LightKind;
 use reflet_world::{
     Light, World,
     bvh::{Ray, RayHit, Trees, UNREFLECTED, UNSEEN, capsule::Capsule},
@@ -128,21 +127,14 @@ impl ViewRays<'_> {
 
 /// Whether a light's cone and range include a point; `to_light` is the vector from the point to the light.
 pub fn is_in_reach(light: &Light, to_light: DVec3) -> bool {
-    let in_cone = match light.desc.kind {
-        LightKind::Spot {
-            direction,
-            outer_deg,
-            ..
-        } => {
-            let cosine = -to_light
-                .normalize()
-                .dot(direction.as_dvec3().normalize_or_zero());
+    let kind = &light.desc.kind;
+    let direction = kind.direction().unwrap_or_default().as_dvec3();
+    let in_cone = match kind.cone_deg() {
+        Some([_, outer_deg]) => {
+            let cosine = -to_light.normalize().dot(direction.normalize_or_zero());
             cosine > f64::from(outer_deg.to_radians().cos())
         }
-        LightKind::Rect { direction, .. } | LightKind::Disk { direction, .. } => {
-            direction.as_dvec3().dot(to_light) < 0.0
-        }
-        LightKind::Point { .. } | LightKind::Directional { .. } => true,
+        None => !kind.is_flat() || direction.dot(to_light) < 0.0,
     };
     in_cone
         && light

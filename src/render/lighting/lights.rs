@@ -179,64 +179,21 @@ pub(crate) fn gpu_light(light: &Light, shadow: ShadowMode) -> GpuLight {
     let direction = kind.direction().unwrap_or_default();
     let direction = direction.normalize_or(Vec3::NEG_Y);
     out.direction = direction.to_array();
-    let intensity = match *kind {
-        LightKind::Point {
-            intensity_cd,
-            radius_m,
-            ..
-        } => {
-            out.extent = radius_m;
-            intensity_cd
-        }
-        LightKind::Spot {
-            intensity_cd,
-            inner_deg,
-            outer_deg,
-            radius_m,
-            ..
-        } => {
-            // KHR_lights_punctual: linear in the cosine between the two cones, then squared.
-            let outer = outer_deg.to_radians().cos();
-            let inner = inner_deg.to_radians().cos();
-            out.spot_scale = 1.0 / (inner - outer).max(1e-3);
-            out.spot_offset = -outer * out.spot_scale;
-            out.extent = radius_m;
-            intensity_cd
-        }
-        LightKind::Directional {
-            intensity_lux,
-            angle_deg,
-            ..
-        } => {
-            out.extent = (0.5 * angle_deg).to_radians();
-            intensity_lux
-        }
-        LightKind::Rect {
-            up,
-            size,
-            intensity_cd,
-            ..
-        } => {
-            let up = up - direction * up.dot(direction);
-            let up = up.try_normalize().unwrap_or_else(|| {
-                let up = Vec3::Z - direction * direction.z;
-                up.normalize_or(Vec3::Y)
-            });
-            set_edges(&mut out, direction.cross(up) * size[0], up * size[1]);
-            intensity_cd
-        }
-        LightKind::Disk {
-            radius_m,
-            intensity_cd,
-            ..
-        } => {
-            let up = direction.any_orthonormal_vector() * 2.0 * radius_m;
-            set_edges(&mut out, direction.cross(up), up);
-            intensity_cd
-        }
+    out.extent = match *kind {
+        LightKind::Directional { angle_deg, .. } => (0.5 * angle_deg).to_radians(),
+        _ if kind.is_flat() => 0.0,
+        _ => kind.radius_m(),
     };
+    if let Some(cone_deg) = kind.cone_deg() {
+        let [inner, outer] = cone_deg.map(|deg| deg.to_radians().cos());
+        // KHR_lights_punctual: linear in the cosine between the two cones, then squared.
+        out.spot_scale = 1.0 / (inner - outer).max(1e-3);
+        out.spot_offset = -outer * out.spot_scale;
+    }
+    let halves = kind.edges().unwrap_or_default().map(|edge| 0.5 * edge);
+    [out.half_u, out.half_v] = halves.map(|half| half.to_array());
     out.kind = kind.index() as u32;
-    out.color = (light.desc.color * intensity).to_array();
+    out.color = (light.desc.color * kind.intensity()).to_array();
     out.range_m = light.range_m.unwrap_or(0.0);
     out.shadow = match shadow {
         ShadowMode::None => SHADOW_NONE,
@@ -244,10 +201,6 @@ pub(crate) fn gpu_light(light: &Light, shadow: ShadowMode) -> GpuLight {
         ShadowMode::Ray => SHADOW_RAY,
     };
     out
-}
-
-fn set_edges(light: &mut GpuLight, u: Vec3, v: Vec3) {
-    (light.half_u, light.half_v) = ((0.5 * u).to_array(), (0.5 * v).to_array());
 }
 
 /// Clip matrix of a frustum with these axes: x to the right, y up, depth near / distance along `forward`.

@@ -4,7 +4,7 @@
 use super::Session;
 use crate::{RenderError, RenderOptions};
 use reflet_scene::desc::{
-    EnvironmentShadow, Exposure, LightKind, Method, ReflectionMode, Samples, ShadowMode, Visibility,
+    EnvironmentShadow, Exposure, Method, ReflectionMode, Samples, ShadowMode, Visibility,
 };
 use reflet_world::{Light, MAX_LIGHTS, World, light_tree::power_of_lamp, pose::Moving};
 
@@ -60,54 +60,10 @@ fn stand_ins(lamps: &[Light], most: usize) -> Vec<Light> {
         let mut light = lamp.clone();
         light.desc.color *= (times * share / power) as f32;
         light.desc.shadow = ShadowMode::None;
-        light.desc.kind = without_size(lamp.desc.kind);
+        light.desc.kind = lamp.desc.kind.without_size();
         found.push(light);
     }
     found
-}
-
-/// The light as a point or a cone; flat ones as a wide cone.
-fn without_size(kind: LightKind) -> LightKind {
-    let wide = |position, direction, intensity_cd| LightKind::Spot {
-        position,
-        direction,
-        target: None,
-        intensity_cd,
-        inner_deg: 0.0,
-        outer_deg: 89.0,
-        radius_m: 0.0,
-    };
-    match kind {
-        LightKind::Rect {
-            position,
-            direction,
-            intensity_cd,
-            ..
-        }
-        | LightKind::Disk {
-            position,
-            direction,
-            intensity_cd,
-            ..
-        } => wide(position, direction, intensity_cd),
-        LightKind::Point {
-            position,
-            intensity_cd,
-            ..
-        } => LightKind::Point {
-            position,
-            intensity_cd,
-            radius_m: 0.0,
-        },
-        LightKind::Spot { .. } => {
-            let mut cone = kind;
-            if let LightKind::Spot { radius_m, .. } = &mut cone {
-                *radius_m = 0.0;
-            }
-            cone
-        }
-        LightKind::Directional { .. } => kind,
-    }
 }
 
 /// Options for the coarse picture.

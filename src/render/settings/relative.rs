@@ -114,33 +114,7 @@ impl Coordinates {
         if let Some(position) = kind.position_mut() {
             *position = (*position - self.origin) * self.scale;
         }
-        match kind {
-            LightKind::Point {
-                intensity_cd,
-                radius_m,
-                ..
-            }
-            | LightKind::Spot {
-                intensity_cd,
-                radius_m,
-                ..
-            }
-            | LightKind::Disk {
-                intensity_cd,
-                radius_m,
-                ..
-            } => {
-                *radius_m *= self.scale;
-                *intensity_cd *= self.scale * self.scale;
-            }
-            LightKind::Rect {
-                intensity_cd, size, ..
-            } => {
-                *size = size.map(|edge_m| edge_m * self.scale);
-                *intensity_cd *= self.scale * self.scale;
-            }
-            LightKind::Directional { .. } => {}
-        }
+        kind.scale(self.scale);
     }
 
     /// A camera in these coordinates.

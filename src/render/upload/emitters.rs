@@ -1,7 +1,7 @@
 //! Light trees on the GPU: how shaders choose emissive triangles and lamps.
 
 use reflet_gpu::{Gpu, GpuError};
-use reflet_scene::desc::{LightKind, ShadowMode};
+use reflet_scene::desc::ShadowMode;
 use reflet_world::{
     Light, World,
     light_tree::{LIGHT_LEAF, LIGHT_NODE_VECTORS, LightTrees, NO_NODE, Node, PlacedLight, Tree},
@@ -211,9 +211,9 @@ impl GpuEmitters {
 pub(crate) fn lamp_record(lamp: &Light, node: u32) -> [[u32; 4]; LIGHT_VECTORS] {
     let light = gpu_light(lamp, ShadowMode::Ray);
     let half_v = glam::Vec3::from(light.half_v).length();
-    let form = match lamp.desc.kind {
-        LightKind::Spot { .. } => [light.spot_scale, light.spot_offset, 0.0],
-        _ => light.half_u,
+    let form = match lamp.desc.kind.cone_deg() {
+        Some(_) => [light.spot_scale, light.spot_offset, 0.0],
+        None => light.half_u,
     };
     let row =
         |[x, y, z]: [f32; 3], channel: usize| [x, y, z, light.color[channel]].map(f32::to_bits);

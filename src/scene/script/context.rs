@@ -14,7 +14,7 @@ use super::{
     value::{fail, number, rotation, scale, vector},
 };
 use crate::{
-    desc::{CAMERA, Entry, LIGHT, LightKind, MATERIAL, ParamValue, TimelineDesc},
+    desc::{CAMERA, Entry, LIGHT, MATERIAL, ParamValue, TimelineDesc},
     motion::{
         FrameState, Kind, Names, ScriptNames, ScriptedFields, wrong_with_camera, wrong_with_light,
     },
@@ -297,11 +297,7 @@ impl Context {
         for (field, value) in values {
             (field.put)(&mut light, value);
         }
-        if let LightKind::Spot {
-            inner_deg,
-            outer_deg,
-            ..
-        } = light.kind
+        if let Some([inner_deg, outer_deg]) = light.kind.cone_deg()
             && inner_deg > outer_deg
         {
             return fail(format!(

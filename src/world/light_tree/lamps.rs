@@ -2,7 +2,6 @@
 
 use glam::Vec3;
 use reflet_base::math::Bounds;
-use reflet_scene::desc::LightKind;
 
 use super::{Cluster, Leaf, Sides};
 use crate::{Light, emitters::LUMINANCE};
@@ -24,20 +23,11 @@ pub fn leaf(lamp: &Light, power: f32, item: u32) -> Leaf {
     let kind = &lamp.desc.kind;
     let center = kind.position().unwrap_or_default();
     let ahead = kind.direction().unwrap_or_default().normalize_or(Vec3::Z);
-    let (radius, cosine, sides) = match *kind {
-        LightKind::Point { radius_m, .. } => (radius_m, -1.0, Sides::Front),
-        LightKind::Spot {
-            radius_m,
-            outer_deg,
-            ..
-        } => (radius_m, outer_deg.to_radians().cos(), Sides::Cone),
-        LightKind::Rect { size, .. } => (
-            0.5 * Vec3::new(size[0], size[1], 0.0).length(),
-            1.0,
-            Sides::Front,
-        ),
-        LightKind::Disk { radius_m, .. } => (radius_m, 1.0, Sides::Front),
-        LightKind::Directional { .. } => (0.0, -1.0, Sides::Front),
+    let radius = kind.radius_m();
+    let (cosine, sides) = match kind.cone_deg() {
+        Some([_, outer_deg]) => (outer_deg.to_radians().cos(), Sides::Cone),
+        None if kind.is_flat() => (1.0, Sides::Front),
+        None => (-1.0, Sides::Front),
     };
     let half = Vec3::splat(radius);
     Leaf {
