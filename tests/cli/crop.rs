@@ -140,7 +140,7 @@ fn watching_renders_again_after_each_save_and_keeps_the_last_good_picture() {
         SCENE.replace("eye = [0, 1, 3]", "eya = 3"),
     )
     .expect("saved");
-    wait("message", &|| told("scene.toml:4:1") > 0);
+    wait("message", &|| told("scene.toml:3:1") > 0);
     assert!(fs::read(&picture).expect("kept") == first);
     fs::write(
         folder.join("scene.toml"),

@@ -105,9 +105,9 @@ fn scene_errors_exit_with_3_and_point_at_the_place() {
     )
     .expect("temporary scene");
     for (arguments, says) in [
-        (&["check", "typo.toml"][..], "typo.toml:4:1"),
+        (&["check", "typo.toml"][..], "typo.toml:3:1"),
         (&["info", "typo.toml"], "eye"),
-        (&["render", "typo.toml", "-o", "a.png"], "typo.toml:4:1"),
+        (&["render", "typo.toml", "-o", "a.png"], "typo.toml:3:1"),
         (&["check", "missing.toml"], "missing.toml"),
         (&["check", "."], "folder"),
         (&["check", "file.toml"], "gone.glb"),

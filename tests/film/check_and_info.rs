@@ -117,7 +117,7 @@ fn what_has_no_effect_is_warned_of() {
     fs::write(folder.join("scene.toml"), text).expect("written");
     let (code, _, err) = reflet(&folder, "check", "scene.toml");
     assert_eq!(code, Some(0), "{err}");
-    assert_says(&err, &["warning[late-cut]", "scene.toml:5:64"]);
+    assert_says(&err, &["warning[late-cut]", "scene.toml:4:64"]);
     let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
         .current_dir(&folder)
         .args(["info", "scene.toml", "--assets", "nope", "--assets", "."])

@@ -203,7 +203,7 @@ fn names_missing_on_either_side_are_errors() {
     let missing = group.bind_with(&gpu, |_| None).expect_err("nothing bound");
     assert!(
         matches!(&missing, GpuError::Binding(text)
-            if text.contains("names.wgsl:3") && text.contains("`values`")),
+            if text.contains("names.wgsl:2") && text.contains("`values`")),
         "{missing}"
     );
     let extra = group
