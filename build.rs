@@ -1,4 +1,4 @@
-//! Embeds a hash of all that the program is built from, so that it knows its own frames from those of another build.
+//! Embeds a hash of all files that the program is built from: frames of another build are told from its own.
 
 use std::{
     env, fs,

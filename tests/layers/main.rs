@@ -22,6 +22,16 @@ const LONGER: [(&str, usize); 1] = [
     ("src/scene/desc.rs", 500),
 ];
 
+/// Pronouns in comments of a folder where a noun belongs; the numbers only shrink.
+const PRONOUNS_LEFT: [(&str, usize); 6] = [
+    ("build.rs", 0),
+    ("docs", 0),
+    ("shaders", 102),
+    ("src", 684),
+    ("tests", 125),
+    ("tools", 134),
+];
+
 fn files_below(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
     let Ok(entries) = fs::read_dir(folder) else {
         return Vec::new();
@@ -199,9 +209,9 @@ fn planted_comment_fragments_are_found() {
     }
 }
 
-#[test]
-fn comments_name_their_thing() {
-    let mut wrong = Vec::new();
+/// Path below the root, text and syntax of each file whose comments are checked.
+fn commented_files() -> Vec<(String, String, Syntax)> {
+    let mut all = Vec::new();
     for (folder, extension, syntax) in [
         ("src", "rs", Syntax::Slashes),
         ("tests", "rs", Syntax::Slashes),
@@ -219,16 +229,24 @@ fn comments_name_their_thing() {
             let name = file.strip_prefix(root()).expect("below the root");
             // Installed packages are not the project's.
             let is_installed = |part: &str| part == "node_modules" || part.starts_with('.');
-            if name
+            if !name
                 .iter()
                 .any(|part| is_installed(&part.to_string_lossy()))
             {
-                continue;
+                let text = fs::read_to_string(&file).expect("readable");
+                all.push((name.display().to_string(), text, syntax));
             }
-            let text = fs::read_to_string(&file).expect("readable");
-            for (line, comment) in comments::fragments(&text, syntax) {
-                wrong.push(format!("{}:{line}: {comment}", name.display()));
-            }
+        }
+    }
+    all
+}
+
+#[test]
+fn comments_name_their_thing() {
+    let mut wrong = Vec::new();
+    for (name, text, syntax) in commented_files() {
+        for (line, comment) in comments::fragments(&text, syntax) {
+            wrong.push(format!("{name}:{line}: {comment}"));
         }
     }
     assert!(
@@ -239,6 +257,54 @@ fn comments_name_their_thing() {
         wrong.len(),
         wrong.join("\n")
     );
+}
+
+#[test]
+fn planted_pronouns_without_noun_are_found() {
+    let slashes = "/// Texels of the map and\n/// those of its mips.\nlet x = 1;\
+                   \n//! Times of a frame: what it drew.\n// Depth behind what is seen.\
+                   \n// Keeps the one that is nearer, or the other one.\n/// One of them.\
+                   \nlet y = 2; \u{2f}/ Like that of a film.\n/// Larger ones in front.\n///\
+                   \n/// - Ray lists\n/// - those with hits\n/// These of the bench.\n";
+    let python = "def f():\n    \"\"\"Name the files.\n\n    Skip those\n    that exist.\n    \"\"\"\n\
+                  # Paths, and what they hold.\nx = 1  # Like that of a film.\n";
+    let plain = "/// Says what to do, and knows what it drew; those, not `those of` code.\
+                 \n// Larger ones first, one of each kind.\nlet text = \"those of\";\n";
+    for (text, syntax, expected) in [
+        (
+            slashes,
+            Syntax::Slashes,
+            &[2, 4, 5, 6, 6, 7, 8, 9, 12, 13][..],
+        ),
+        (python, Syntax::Python, &[4, 7, 8]),
+        (plain, Syntax::Slashes, &[]),
+    ] {
+        let found = comments::pronouns(text, syntax);
+        let lines: Vec<usize> = found.iter().map(|(line, _)| *line).collect();
+        assert_eq!(lines, expected, "{text}: {found:?}");
+    }
+}
+
+#[test]
+fn comments_have_nouns_instead_of_pronouns() {
+    for (folder, allowed) in PRONOUNS_LEFT {
+        let mut found = Vec::new();
+        for (name, text, syntax) in commented_files() {
+            if name.starts_with(folder) {
+                for (line, pronoun) in comments::pronouns(&text, syntax) {
+                    found.push(format!("{name}:{line}: {pronoun}"));
+                }
+            }
+        }
+        assert!(
+            found.len() <= allowed,
+            "{} pronouns stand in comments of {folder} where a noun belongs, {allowed} are left over \
+             from before; write \"shading normals of the capsule\", not \"those of the capsule\"; \
+             \"visible surfaces\", not \"what the camera sees\":\n{}",
+            found.len(),
+            found.join("\n")
+        );
+    }
 }
 
 /// Files with `unsafe`, as the map of the crate and the security policy count them.
