@@ -9,13 +9,12 @@
 //! | … | the other nodes of the static tree, then the mesh trees in object space; deformed ones have room to spare |
 //! | [`Trees::reflected_range`] | a second top level, for reflection rays, where they may skip instances |
 //!
-//! Primitives of a node index the triangle buffer, which also holds capsules; those of a top-level node, marked with
-//! [`TOP_LEVEL`], index the node buffer in `u32` words, where the ids of instances stand.
-//! An empty tree is a node without children, so both roots can always be traversed.
+//! Primitives of a node index the triangle buffer, which also holds capsules. Primitives of a top-level node, marked
+//! with [`TOP_LEVEL`], index the `u32` words of the node buffer, where the ids of instances stand. An empty tree is a
+//! node without children, so both roots can always be traversed.
 //!
-//! The layout of a node is that of Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on
-//! GPUs Through Compressed Wide BVHs" (HPG 2017), except that a child's minima and maxima stand
-//! side by side per axis; see [`CwBvhNode`].
+//! Nodes have the layout of Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide
+//! BVHs" (HPG 2017), except that a child's minima and maxima stand side by side per axis; see [`CwBvhNode`].
 
 use std::ops::Range;
 
@@ -92,10 +91,9 @@ pub struct Trees {
     pub mesh_trees: Vec<MeshTree>,
     /// Instances of the top level that rays can hit in the current pose, as indices into [`World::instances`].
     pub placed: Vec<u32>,
-    /// Instances in the top level, as indices into [`World::instances`]; without trees, those that
-    /// may move.
+    /// Instances in the top level, as indices into [`World::instances`]; without trees, the instances that may move.
     pub top_instances: Vec<u32>,
-    /// Maximum stack depth of traversal in the mesh trees below the top level, except those of deformed meshes.
+    /// Maximum stack depth of traversal in the mesh trees below the top level of meshes that are not deformed.
     mesh_stack_need: u32,
     /// Trees of the meshes that animations deform.
     deforming: Vec<DeformingTree>,
@@ -327,7 +325,7 @@ impl Trees {
     }
 }
 
-/// Nodes of the static tree with so many unused ones after its root, and room for more at the end.
+/// Nodes of the static tree with so many unused nodes after its root, and room for more at the end.
 fn with_reserved(mut static_nodes: Vec<CwBvhNode>, reserved: usize, room: usize) -> Vec<CwBvhNode> {
     tree::rebase(&mut static_nodes, reserved as u32, 0);
     let mut nodes = Vec::with_capacity(static_nodes.len() + reserved + room);
@@ -337,7 +335,7 @@ fn with_reserved(mut static_nodes: Vec<CwBvhNode>, reserved: usize, room: usize)
     nodes
 }
 
-/// Records of all instances, `top` being those in the top level; `roots` are the trees of the meshes.
+/// Records of all instances; `top` are the instances in the top level, `roots` the trees of the meshes.
 fn records(world: &World, top: &[u32], roots: &[u32]) -> Vec<TraceInstance> {
     let mut in_top = vec![false; world.instances.len()];
     for i in top {

@@ -72,7 +72,7 @@ pub fn of_corners(mesh: &Mesh, streams: [&[Vec3]; 2], normal_uv: &NormalUv) -> V
     corners.tangents
 }
 
-/// The tangents of a mesh in a pose, whose vertices were split as loading does: each that of its first corner.
+/// Tangents of a posed mesh whose vertices were split by loading: each vertex has the tangent of its first corner.
 pub fn of_vertices(mesh: &Mesh, posed: [&[Vec3]; 2], normal_uv: &NormalUv) -> Vec<Vec4> {
     let corners = of_corners(mesh, posed, normal_uv);
     let [positions, normals] = posed;

@@ -32,7 +32,7 @@ impl Mesh {
 
     fn find_curvature(&self) -> Curvature {
         if self.capsule_radius_m.is_some() {
-            // The round normals of capsules are those of their shape.
+            // Without normals of their own, capsules are shaded round.
             return match self.normals.is_empty() {
                 true => Curvature::Convex,
                 false => Curvature::Other,

@@ -111,8 +111,8 @@ impl Decals {
 const SEEN: f32 = 0.05;
 
 impl World {
-    /// Decals that cover a point of an instance, the topmost first; `normal` is that of the surface there. Images count
-    /// by their nearest texel, patterns as opaque.
+    /// Decals that cover a point of an instance, the topmost first; `normal` is the surface's. Images count by their
+    /// nearest texel, patterns as opaque.
     pub fn covering_decals(
         &self,
         instance: usize,
@@ -146,9 +146,9 @@ impl World {
         decal.opacity * material.base_color.w * texel
     }
 
-    /// Assigns each instance the set of those of `list` that it may show: `is_target` says of a decal and an instance
-    /// whether the decal is projected onto it, `moves` of a decal whether it may move. Of those that stand still, only
-    /// those that meet count. `None` if there are more sets than [`Decals::MOST_SETS`].
+    /// Assigns each instance the set of decals of `list` that it may show. `is_target`: whether the decal is projected
+    /// onto the instance; `moves`: whether the decal may move. A decal that stands still counts only if it meets the
+    /// instance. `None` if there are more sets than [`Decals::MOST_SETS`].
     pub(crate) fn with_decals(
         &self,
         list: Vec<Decal>,

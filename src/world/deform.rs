@@ -86,7 +86,7 @@ pub struct DeformingNodes {
 /// The vertices of a deformed mesh in one pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deformed {
-    /// Posed vertices, parallel to those of the mesh.
+    /// Posed vertices, parallel to the mesh's.
     pub vertices: Vertices,
     /// Bounds of the positions.
     pub bounds: Bounds,
@@ -145,7 +145,7 @@ impl Mesh {
         }
     }
 
-    /// Swaps the vertices of the mesh and the undeformed ones of its deformation.
+    /// Swaps the vertices of the mesh with the undeformed vertices of its deformation.
     pub fn swap_bind(&mut self) {
         let Some(mut deformation) = self.deformation.take() else {
             return;

@@ -1,4 +1,4 @@
-//! Lights of a scene: those in an array, each lit at every pixel, and lamps, of which a light tree chooses.
+//! Lights of a scene: an array of lights that light every pixel, and lamps, of which a light tree chooses.
 
 use reflet_scene::desc::{LightDesc, ShadowMode};
 
@@ -24,7 +24,7 @@ pub(crate) fn light_at<'a>(
 }
 
 impl World {
-    /// Takes over all lights: where they are more than [`MAX_LIGHTS`], those that have a place and a shadow are lamps.
+    /// Takes over all lights: if they are more than [`MAX_LIGHTS`], lights with a place and a shadow become lamps.
     pub(crate) fn set_lights(&mut self, all: Vec<Light>) {
         (self.lamps, self.light_order) = (Vec::new(), Vec::new());
         if all.len() <= MAX_LIGHTS {

@@ -68,11 +68,12 @@ pub struct World {
     pub written: Vec<Option<usize>>,
     /// Index of the `[model.NAME]` in the scene text that each instance places.
     pub placed_models: Vec<usize>,
-    /// The scene's and the files' lights, at most [`MAX_LIGHTS`]; where there are more, those that are not `lamps`.
+    /// The scene's and the files' lights, at most [`MAX_LIGHTS`]; where there are more, some are [`Self::lamps`]
+    /// instead.
     pub lights: Vec<Light>,
     /// Lights of which light trees choose, at most [`SceneDesc::MOST_LIGHTS`](reflet_scene::desc::SceneDesc::MOST_LIGHTS).
     pub lamps: Vec<Light>,
-    /// Place of each light of scene text and files in `lights` and then `lamps`; empty where it is its number.
+    /// Index of each light into `lights`, then `lamps`; empty if light i has index i.
     pub light_order: Vec<usize>,
     /// The scene's and the files' cameras; never empty.
     pub cameras: Vec<Entry<CameraDesc>>,
@@ -114,7 +115,7 @@ pub struct Mesh {
     pub name: String,
     /// Positions in object space, meters, finite.
     pub positions: Vec<Vec3>,
-    /// Normals of unit length; of capsules, those by which they are shaded, or empty where they are round.
+    /// Normals of unit length; for capsules the shading normals, or empty for round shading.
     pub normals: Vec<Vec3>,
     /// Tangents: xyz of unit length, w = ±1 handedness; empty where no normal map needs them.
     pub tangents: Vec<Vec4>,

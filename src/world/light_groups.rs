@@ -7,8 +7,8 @@ use reflet_scene::desc::LightGroup;
 use super::World;
 
 impl World {
-    /// Groups of the lights, emitting surfaces and the environment, sorted by name behind that of everything without a
-    /// name, which is always there.
+    /// Groups of the lights, emitting surfaces and the environment, sorted by name behind the group without a name,
+    /// which is always there.
     pub fn light_groups(&self) -> BTreeSet<LightGroup> {
         let lights = self.all_lights().map(|light| light.desc.light_group);
         let surfaces = self

@@ -2,8 +2,8 @@
 //! on where the lit surface is (Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree
 //! Splitting"; Pharr et al. 2023, "Physically Based Rendering", 12.6.3).
 //!
-//! A tree of each mesh stands below one over all instances, so that what moves as a whole builds only the latter anew.
-//! Shaders descend the same nodes ([`Node::words`]) by the same formulas (`shaders/lib/light_tree.wgsl`).
+//! A tree of each mesh stands below one over all instances, so that instances that move as a whole rebuild only the
+//! upper tree. Shaders descend the same nodes ([`Node::words`]) by the same formulas (`shaders/lib/light_tree.wgsl`).
 
 use std::f32::consts::PI;
 
@@ -84,7 +84,8 @@ pub struct Cluster {
     pub sides: Sides,
 }
 
-/// A node of a light tree. Nodes are in pairs: those below one node stand side by side, at an even index.
+/// A node of a light tree. Nodes are in pairs: the two children of a node stand side by side, the first at an even
+/// index.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node {
     /// Triangles below it.
@@ -157,9 +158,8 @@ const COSINE_STEPS: f32 = 16383.0;
 
 impl Cluster {
     /// Bound of the light that a surface at `point` with this normal gets, up to a factor that all have in common: the
-    /// power over the square of the distance, times bounds of the cosines at which it may leave and arrive (1 for a normal
-    /// of 0, as of a point in fog). 0 only where
-    /// none arrives. `sides` adds to those of the cluster.
+    /// power over the square of the distance, times bounds of the cosines at which it may leave and arrive (1 for a
+    /// normal of 0, as of a point in fog). 0 only where none arrives. `sides` adds to the cluster's own sides.
     ///
     /// An angle less that which the ball covers has at most the angle's cosine plus the ball's sine.
     pub fn importance(&self, point: Vec3, normal: Vec3, sides: Sides) -> f32 {

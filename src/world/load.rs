@@ -63,8 +63,8 @@ pub struct LoadOptions {
     /// Memory limit of geometry, images and trees together, bytes; `None`: three quarters of the free memory,
     /// or 6 GiB where the system does not tell it.
     pub memory_bytes: Option<u64>,
-    /// Whether glTF files are shown without what only changes their look: extensions that they require and that are
-    /// not supported, images that cannot be found or read, and wrong references between their parts.
+    /// Whether glTF files are shown without parts that change only their look: required extensions that are not
+    /// supported, images that cannot be found or read, and wrong references between parts.
     pub lenient: bool,
     /// Records the files that were searched.
     pub dependencies: Dependencies,
@@ -144,7 +144,7 @@ struct Loader<'a> {
     deformed: HashSet<usize>,
     materials: HashMap<place::MaterialKey, usize>,
     materials_by_name: HashMap<String, Vec<usize>>,
-    /// Indices into the world's moving materials of those that may be shared, by name.
+    /// By name, indices of the world's moving materials that may be shared.
     moving_by_name: HashMap<String, Vec<usize>>,
 }
 

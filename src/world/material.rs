@@ -123,8 +123,8 @@ impl Default for Material {
 }
 
 impl Material {
-    /// Base color, metallic-roughness, normal, occlusion and emission textures and those of the layers, in the order
-    /// in which the shaders know them, with `uv_scale` in their transforms.
+    /// Base color, metallic-roughness, normal, occlusion and emission textures, then textures of the layers, in the
+    /// shaders' order, with `uv_scale` in their transforms.
     pub fn slots(&self) -> [Option<TextureRef>; TEXTURE_SLOTS] {
         self.textures().map(|slot| {
             slot.map(|mut slot| {

@@ -40,7 +40,7 @@ impl RigPose {
         }
     }
 
-    /// The values of a material of the file in this pose; `own` are those at rest.
+    /// The values of a material of the file in this pose; `own` are its values at rest.
     pub fn material(&self, index: usize, own: &MaterialDesc) -> MaterialDesc {
         let mut changed = own.clone();
         // Layers that the material lacks at rest are not added by animations.

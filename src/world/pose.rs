@@ -167,9 +167,9 @@ impl World {
     /// Applies the poses of a frame, independent of earlier frames.
     ///
     /// # Errors
-    /// `bad-pose` for instances whose transform is not finite, for those that no animation moves also
-    /// when it is singular or turns front into back, for decals whose box is flat or too far away, and for meshes that are deformed to something
-    /// not finite; the world is unchanged then.
+    /// `bad-pose` for an instance whose transform is not finite; for one that no animation moves also where its
+    /// transform is singular or turns front into back; for a decal whose box is flat or too far away; for a mesh that
+    /// is deformed to something not finite. The world is unchanged then.
     pub fn apply(&mut self, state: &FrameState) -> Result<(), Vec<Diagnostic>> {
         let players = self.moving.players.iter();
         let poses: Vec<_> = players.map(|player| player.pose(state)).collect();

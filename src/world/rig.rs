@@ -10,7 +10,7 @@ use reflet_scene::{desc::AnimationDesc, motion::FrameState};
 /// The nodes of a file's scene, at rest.
 #[derive(Clone, Debug, Default)]
 pub struct Rig {
-    /// Nodes by their index in the file; `None` for those that are not part of the scene.
+    /// Nodes by their index in the file; `None` for a node outside the scene.
     pub nodes: Vec<Option<RigNode>>,
     /// Indices of the nodes of the scene, parents before their children.
     pub order: Vec<usize>,

@@ -298,7 +298,7 @@ impl Builder {
         }
     }
 
-    /// One tip vertex per column: its normal is that of the column's middle.
+    /// One tip vertex per column, with the normal of the column's middle.
     fn cone_side(&mut self, radius: f32, height: f32, segments: u32) {
         // The side rises by `height` over `radius`; its normal is perpendicular to that slope.
         let normal_at =

@@ -6,7 +6,7 @@ use std::{
     sync::Arc,
 };
 
-/// A list whose clones share memory until one of them is changed.
+/// A list whose clones share memory until a clone is changed.
 #[derive(Debug)]
 pub struct Shared<T>(Arc<Vec<T>>);
 

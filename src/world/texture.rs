@@ -1,5 +1,5 @@
-//! Decodes PNG, JPEG, WebP and KTX2 into [`Texture`]s: headers first, within stated limits, on all cores. What the
-//! decoders take while they work is held in the memory budget, so that as many images are decoded at once as fit.
+//! Decodes PNG, JPEG, WebP and KTX2 into [`Texture`]s: headers first, within stated limits, on all cores. The memory
+//! budget counts the decoders' working memory, so that as many images are decoded at once as fit.
 
 use std::path::PathBuf;
 
@@ -143,7 +143,7 @@ fn take_kept(
         );
         return Err((at, fault("image-budget", text).help("use smaller images")));
     }
-    // Cannot fail: it was compared with what is left.
+    // Cannot fail: it was compared with the memory that is left.
     let _ = limits.memory.take(total);
     let left = limits.memory.left();
     match (0..requests.len()).find(|at| needs[*at].working > left) {

@@ -7,7 +7,7 @@ use super::capsule::Capsule;
 use crate::{Instance, World};
 use reflet_base::math::{Bounds, in_f64};
 
-/// Flag: hits are tested again after the traversal: those of cut-outs (`alpha_passes`) and transmissive materials.
+/// Flag: hits on cut-outs (`alpha_passes`) and transmissive materials are tested again after the traversal.
 pub const ALPHA_TESTED: u32 = 1;
 /// Flag: double-sided.
 pub const DOUBLE_SIDED: u32 = 2;

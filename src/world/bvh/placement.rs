@@ -22,7 +22,7 @@ pub(super) struct Placement {
     pub top: Vec<u32>,
     /// Meshes that need a tree of their own.
     pub meshes: Vec<usize>,
-    /// Number of baked triangles beyond those of storing each mesh once.
+    /// Number of triangles that baking copies: none where each mesh is stored once.
     copied: usize,
 }
 

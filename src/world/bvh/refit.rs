@@ -14,8 +14,8 @@ use super::{
 };
 use crate::Mesh;
 
-/// Ratio of the refitted tree's SAH cost to that of the tree at rest, each relative to its root's area, above which
-/// the tree is rebuilt.
+/// Ratio above which a refitted tree is rebuilt: its SAH cost to the cost of the tree at rest, each relative to its
+/// root's area.
 const POOREST: f32 = 1.5;
 /// Largest stack depth of a rebuilt tree; the rest is left to the top level.
 const LARGEST_STACK: u32 = STACK_SIZE / 2;
@@ -89,7 +89,7 @@ impl DeformingTree {
     }
 }
 
-/// Bounding boxes of all triangles, even of those without area, which may have some in another pose.
+/// Bounding boxes of all triangles; a triangle without area may have one in another pose.
 fn boxes(mesh: &Mesh, positions: &[Vec3]) -> Vec<Aabb> {
     let triangles = mesh.triangles.iter();
     triangles

@@ -1,4 +1,4 @@
-//! The top level that reflection rays traverse where they may skip instances: that of all rays without the skipped ones.
+//! The top level without skipped instances, which reflection rays traverse.
 
 use std::ops::Range;
 
@@ -11,7 +11,7 @@ use super::{
 };
 use crate::World;
 
-/// Room of the top level for reflection rays in [`Trees::nodes`], and what it leaves out.
+/// Room of the top level for reflection rays in [`Trees::nodes`], and the instances that it leaves out.
 #[derive(Clone, Debug)]
 pub(super) struct Reflected {
     /// Range of nodes: the root first, then the list of instance ids in leaf order.
@@ -51,7 +51,8 @@ impl Trees {
         own.map_or(TOP_ROOT, |reflected| reflected.range.start as u32)
     }
 
-    /// Range in [`Trees::nodes`] of the top level for reflection rays; `None` where it is that of all rays.
+    /// Range in [`Trees::nodes`] of the top level for reflection rays; `None` where they traverse the top level of all
+    /// rays.
     pub fn reflected_range(&self) -> Option<Range<usize>> {
         self.reflected.as_ref().map(|r| r.range.clone())
     }
@@ -72,7 +73,7 @@ impl Trees {
         true
     }
 
-    /// The top level for reflection rays over those of these instances that are not skipped; over all of them where that
+    /// The top level for reflection rays over the instances of `ids` that are not skipped; over all of `ids` where it
     /// would be deeper than the traversal's stack.
     pub(super) fn reflected_top(&self, ids: &[u32], boxes: &[Aabb]) -> Option<ReflectedTop> {
         let skipped = &self.reflected.as_ref()?.skipped;

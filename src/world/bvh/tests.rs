@@ -167,7 +167,7 @@ fn small_meshes_are_copied_up_to_a_million_triangles() {
         }
         let trees = Trees::build(&world, LIMIT).unwrap();
         assert_eq!((trees.triangles.len(), trees.static_triangles), (64, 0));
-        // Nothing moves, so no nodes are reserved beyond the ids and those of the tree.
+        // Nothing moves, so no nodes are reserved beyond the ids and the tree's own.
         let bytes = size_of_val(trees.nodes.as_slice());
         assert!(bytes < count * 64, "{bytes} for {count}");
         for i in [0, count / 2, count - 1] {

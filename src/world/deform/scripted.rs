@@ -8,10 +8,10 @@ use super::{Deformation, Vertices};
 use crate::{Mesh, corner_tangents, normal_uv::NormalUv};
 use reflet_scene::motion::MeshPose;
 
-/// Relation of the vertices of a mesh to those that its shape writes.
+/// Relation of the mesh's vertices to the vertices that its shape writes.
 #[derive(Clone, Debug, Default)]
 pub struct ScriptedVertices {
-    /// Index of each vertex among those that are written: tangents split vertices.
+    /// For each vertex, the index of its written vertex: tangents split vertices.
     pub(super) written: Vec<u32>,
     /// Texture coordinates that the tangents follow; `None` where the mesh needs none.
     pub tangents_from: Option<NormalUv>,
@@ -35,7 +35,7 @@ impl Mesh {
 }
 
 impl ScriptedVertices {
-    /// The vertices of a mesh that a script has set; directions that it leaves open are those of `bind`.
+    /// The vertices of a mesh that a script has set; directions that it leaves out come from the rest pose `bind`.
     pub(super) fn pose(&self, mesh: &Mesh, bind: &Vertices, set: &MeshPose) -> Vertices {
         let gather = |written: &[Vec3]| -> Vec<Vec3> {
             let own = self.written.iter();

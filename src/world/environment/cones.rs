@@ -1,5 +1,5 @@
-//! Cones around the directions from which the light of a panorama's density comes, so that a surface is not sent
-//! samples of what shines behind it.
+//! Cones around the directions from which the light of a panorama's density comes: a surface is sent no samples of
+//! light that shines behind it.
 
 use std::f32::consts::PI;
 
@@ -13,7 +13,8 @@ pub const CONE_LEVELS: u32 = 4;
 /// Maximum number of squares along an edge of the finest level that has cones.
 const CONE_EDGE: usize = 1 << (CONE_LEVELS - 1);
 
-/// Directions of a grid of points over the square of a density: enough that those of each of its squares bound it.
+/// Directions of a grid of points over the square of a density, so fine that the corners of each cell bound its
+/// directions.
 struct Lattice {
     /// Number of squares along an edge.
     edge: usize,
@@ -51,7 +52,7 @@ impl Lattice {
         })
     }
 
-    /// Angle by which a cone around points of the grid is widened, radians: what lies between two of them, and rounding.
+    /// Angle by which a cone around points of the grid is widened, radians: half their spacing, and rounding.
     fn margin(&self) -> f32 {
         let between = if self.steps == 1 {
             0.0

@@ -19,9 +19,9 @@ pub struct CubeMap<'a> {
     /// Name for messages.
     pub name: String,
     /// The six faces in the order +X, -X, +Y, -Y, +Z, -Z, sRGB-encoded and divided by alpha (RGBD). Rows and columns
-    /// are those of the table of cube map faces in the specifications of OpenGL and Vulkan, the first row at t = 0.
+    /// follow the table of cube map faces in the specifications of OpenGL and Vulkan, the first row at t = 0.
     pub faces: &'a [Texture],
-    /// Rotation from the space of the cube map to that of the scene.
+    /// Rotation from the space of the cube map to the scene.
     pub rotation: Quat,
     /// Factor on its radiance, 0 or more.
     pub intensity: f32,

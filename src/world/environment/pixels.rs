@@ -50,13 +50,13 @@ pub(super) fn check_size(width: u64, height: u64, limits: &PanoramaLimits) -> Re
     Ok(())
 }
 
-/// Upper bound of the memory of a decoded picture and of what is made of it, bytes: the copy that is kept, and that
-/// of which the density is computed, are no larger than the picture.
+/// Upper bound of the memory of a decoded picture and its copies, bytes: neither the kept copy nor the source of the
+/// density is larger than the picture.
 pub(super) fn decoded_bytes([width, height]: [u64; 2]) -> u64 {
     let pixels = width.saturating_mul(height);
     let kept = pixels.min(LARGEST_KEPT.map(u64::from).iter().product());
     let coarse = pixels.min(u64::from(DENSITY_PX).pow(2));
-    // Texels of 12 bytes, reduced ones beside their 16-bit copies, and ones with luminance and density.
+    // Texels of 12 bytes, reduced texels beside their 16-bit copies, and texels with luminance and density.
     (pixels.saturating_mul(12)).saturating_add(kept * 20 + coarse * 32)
 }
 

@@ -1,4 +1,4 @@
-//! OpenEXR files whose blocks are larger than what is shown of them.
+//! OpenEXR files whose blocks are larger than their display windows.
 
 use std::{io::Cursor, path::Path, thread::Builder};
 
@@ -83,7 +83,7 @@ fn every_compression_is_read() {
     }
 }
 
-/// The counters in a block are those that its decoder allocates by.
+/// A decoder allocates by the counters in a block.
 #[test]
 fn counters_of_a_block_are_no_larger_than_its_pixels() {
     let good = file(Compression::DWAA(None), 0);

@@ -32,7 +32,7 @@ pub struct Layout {
     pub stride: usize,
     /// Bytes from the view's start to the end of the last element; 0 without a view.
     pub end: u64,
-    /// Whether all components start at multiples of their size, those of sparse elements too.
+    /// Whether all components, sparse ones too, start at multiples of their size.
     pub is_aligned: bool,
 }
 
@@ -202,7 +202,7 @@ impl<'a> Data<'a> {
             .clone()
     }
 
-    /// The bytes of a buffer view up to `end`, which lies in the view: what follows may be missing in the buffer.
+    /// The bytes of a buffer view up to `end`, which lies in the view; the buffer may end there.
     pub fn view_start(&self, index: usize, end: u64) -> Result<Bytes, Fault> {
         let view = self.view(index)?;
         if view.extensions.meshopt().is_some() {

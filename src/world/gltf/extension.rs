@@ -44,8 +44,8 @@ fn is_look(name: &str) -> bool {
         .any(|part| name.contains(part))
 }
 
-/// Refuses unsupported extensions in `extensionsRequired`; with `lenient` only those that may
-/// change more than the look, the others are ignored as if they were optional.
+/// Refuses unsupported extensions in `extensionsRequired`; with `lenient`, extensions that change only the look are
+/// ignored as if they were optional.
 pub fn check_required(required: &[String], lenient: bool) -> Result<(), Fault> {
     let unknown = || {
         let names = required.iter().map(String::as_str);

@@ -19,7 +19,7 @@ use super::{
 pub struct ImageLight {
     /// Name for messages, such as `image-based light 0 "studio"`.
     pub name: String,
-    /// Rotation from the space of the cube map to that of the model, of unit length.
+    /// Rotation from the space of the cube map to the model, of unit length.
     pub rotation: Quat,
     /// Factor on the radiance of the images, finite and 0 or more.
     pub intensity: f32,

@@ -1,5 +1,4 @@
-//! Forgives wrong references between the parts of a file, with a warning for each kind: what they refer to is left
-//! out, as if the reference were not there.
+//! Forgives wrong references between the parts of a file: they are left out, with a warning for each kind.
 
 use super::{
     Notes, label,
@@ -12,8 +11,8 @@ pub const DROPPED: &str = "reference-dropped";
 pub const DROPPED_WHAT: &str = "references to parts that the file does not have are dropped";
 
 /// Drops references to nodes, meshes, cameras, materials, images, samplers, lights and scenes beyond their lists, and
-/// the later ones of several parents of a node. Textures that a material lacks are dropped where they are used;
-/// accessors that are missing are not forgiven.
+/// later parents of a node with several. A texture that a material lacks is dropped where it is used; a missing
+/// accessor is not forgiven.
 pub fn mend(root: &mut Root, notes: &mut Notes) {
     root.is_lenient = true;
     let mut dropped = Dropped(notes);

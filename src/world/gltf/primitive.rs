@@ -77,7 +77,7 @@ pub fn build(
     Ok(Some(mesh))
 }
 
-/// Refuses vertices that are too far away for trees, but for those that are not finite, which no triangle keeps.
+/// Refuses vertices that are too far away for trees; no triangle keeps a vertex that is not finite.
 fn check_reach(positions: &[Vec3]) -> Result<(), Fault> {
     let is_far = |p: &Vec3| p.is_finite() && p.abs().max_element() > MAX_REACH_M;
     let Some(at) = positions.iter().position(is_far) else {

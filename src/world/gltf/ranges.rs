@@ -2,7 +2,7 @@
 
 use super::Notes;
 
-/// Clamps the factors of a material, and lists those that were outside their range.
+/// Clamps the factors of a material, and lists the factors that were outside their range.
 #[derive(Default)]
 pub struct Ranges(Vec<String>);
 

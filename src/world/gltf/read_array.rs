@@ -161,7 +161,7 @@ impl Data<'_> {
     }
 }
 
-/// Reads `N`-vectors of `SIZE`-byte components, all or those of `rows`; the layout was checked against the view's
+/// Reads `N`-vectors of `SIZE`-byte components, of all rows or of `rows`; the layout was checked against the view's
 /// length.
 fn gather<const SIZE: usize, const N: usize>(
     bytes: &[u8],

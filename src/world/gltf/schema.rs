@@ -272,7 +272,7 @@ pub struct BufferViewExtensions {
 }
 
 impl BufferViewExtensions {
-    /// Parameters of either extension; the two differ only in what encoders may write.
+    /// Parameters of either extension; they differ only in the modes that encoders may write.
     pub fn meshopt(&self) -> Option<&MeshoptCompression> {
         self.khr_meshopt.as_ref().or(self.ext_meshopt.as_ref())
     }

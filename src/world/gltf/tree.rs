@@ -19,8 +19,8 @@ pub fn shown_scene(root: &Root) -> Result<Option<&Scene>, Fault> {
     scene.map(Some)
 }
 
-/// The nodes to begin with: those that the scene lists and that are not below another of them, each once. A listed node
-/// below none of them loses its parent, which is not part of the scene.
+/// The nodes to begin with: nodes that the scene lists, without repetitions and without descendants of listed nodes. A
+/// listed node below none of them loses its parent, which is not part of the scene.
 pub fn roots(
     root: &Root,
     listed: &[usize],

@@ -28,7 +28,7 @@ impl Sandbox {
         }
     }
 
-    /// Allows everything below `roots`; those that do not exist are left out.
+    /// Allows everything below `roots`; folders that do not exist are left out.
     pub fn new<'a>(roots: impl IntoIterator<Item = &'a Path>, max_file_bytes: u64) -> Self {
         let roots = roots.into_iter().filter_map(|root| {
             let root = if root.as_os_str().is_empty() {

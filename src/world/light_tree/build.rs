@@ -39,8 +39,8 @@ const BINS: usize = 12;
 /// Number of items from which on both halves are built at the same time.
 const PARALLEL: usize = 1 << 13;
 
-/// The tree of these items, which are put in its order; `None` without items. It depends on the items and their order
-/// alone.
+/// Builds the tree of `leaves` and sorts them into its order; `None` without leaves. It depends on the leaves and their
+/// order alone.
 pub fn build(leaves: &mut [Leaf]) -> Option<Tree> {
     if leaves.is_empty() {
         return None;

@@ -1,4 +1,4 @@
-//! Light trees of the meshes of a world, and the one over its instances.
+//! Light trees of the meshes of a world, and the tree over its instances.
 
 use std::{collections::HashMap, sync::Arc};
 
@@ -16,8 +16,8 @@ pub struct LightTrees {
     pub meshes: Vec<Arc<MeshTree>>,
     /// Instances that emit light, which are the items of the upper tree.
     pub lights: Vec<PlacedLight>,
-    /// Node of each of [`World::lamps`] in the upper tree; [`NO_NODE`] where it is the only one, [`UNLIT_ITEM`] where it
-    /// emits nothing. Their items come after those of `lights`.
+    /// Node of each of [`World::lamps`] in the upper tree; [`NO_NODE`] for its only item, [`UNLIT_ITEM`] for a dark
+    /// lamp. Items of lamps come after the items of `lights`.
     pub lamp_nodes: Vec<u32>,
     /// Tree over the instances and the lamps, in world space; `None` where nothing emits light.
     pub top: Option<Tree>,
@@ -29,7 +29,7 @@ pub struct MeshTree {
     key: Key,
     /// Nodes and root; `None` where no triangle has an area.
     pub tree: Option<Tree>,
-    /// Node of each triangle; [`NO_NODE`] for the only one of a tree, [`UNLIT_ITEM`] for those without an area.
+    /// Node of each triangle; [`NO_NODE`] for the only one of a tree, [`UNLIT_ITEM`] for a triangle without area.
     pub places: Vec<u32>,
     /// Area of all triangles in the tree's space.
     area: f64,
@@ -61,8 +61,8 @@ pub struct PlacedLight {
 }
 
 impl LightTrees {
-    /// Trees of a world in its current pose. Those of `before`, trees of the same world, are taken over where a mesh is
-    /// as it was, to the same result.
+    /// Trees of a world in its current pose. The tree of an unchanged mesh is taken from `before`, trees of the same
+    /// world, to the same result.
     pub fn new(world: &World, before: Option<&Self>) -> Self {
         let kept: HashMap<Key, &Arc<MeshTree>> = (before.iter())
             .flat_map(|trees| trees.meshes.iter().map(|tree| (tree.key, tree)))

@@ -78,9 +78,8 @@ pub(super) fn sources(desc: &SceneDesc) -> Vec<NamedSource> {
 }
 
 impl AssetCache {
-    /// The world of a changed text over the same files, without meshes and textures, which are
-    /// those of `world`. `None` if it needs another file, shape, image or mesh attribute and must
-    /// be loaded.
+    /// The world of a changed text over the same files, without meshes and textures, which stay in `world`. `None` if
+    /// it needs another file, shape, image or mesh attribute and must be loaded.
     ///
     /// # Errors
     /// All errors in the scene's names, as [`super::load`].

@@ -33,7 +33,7 @@ const EXTREMES: [Vec3; 6] = [
 ];
 
 /// Adds a camera `main` that frames the whole scene if there is no camera, or if nothing moves and all cameras come
-/// from files and see nothing, or one color; returns whether it did. `meshes` are those of the world, with their vertices.
+/// from files and see nothing, or one color; returns whether it did. `meshes` are the world's, with their vertices.
 pub fn add_default(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) -> bool {
     let size = desc.image.size;
     let is_moving = !desc.is_still() || !world.moving.players.is_empty();
@@ -105,7 +105,7 @@ struct Framed<'a> {
 }
 
 impl<'a> Framed<'a> {
-    /// Static instances, and boxes around animated ones over time; all instances if none is static.
+    /// Static instances, and boxes around animated instances over time; all instances if every one is animated.
     fn of(world: &'a World, meshes: &'a [Mesh]) -> Self {
         let mut boxes = world.animated_bounds();
         boxes.extend(world.deformed_bounds(meshes));

@@ -101,8 +101,8 @@ impl Loader<'_> {
         decal
     }
 
-    /// Indices of the instances onto which a decal is projected: those that it names, and all that is attached to
-    /// them; `None` for all.
+    /// Indices of the instances onto which a decal is projected: the named ones, and all that are attached to them;
+    /// `None` for all.
     fn targets(&self, decal: &DecalDesc) -> Option<HashSet<usize>> {
         let only = decal.only.as_ref()?;
         let names: HashSet<_> = only.iter().map(|At { value, .. }| value.as_str()).collect();

@@ -110,7 +110,7 @@ fn check_triangles(world: &World, meshes: &[Mesh], desc: &SceneDesc, errors: &mu
     }
 }
 
-/// Position of an instance in the scene text; else that of its material or of the scene.
+/// Position in the scene text of an instance; else of its material, or of the scene.
 fn place_of(world: &World, desc: &SceneDesc, index: usize) -> Span {
     let written = world.written.get(index).copied().flatten();
     let material = &world.materials[world.instances[index].material].name;

@@ -21,7 +21,7 @@ pub enum PanoramaSource {
 }
 
 impl Loader<'_> {
-    /// Source of the panorama, if the scene has any; `models` are those of the scene text.
+    /// Source of the panorama, if the scene has any; `models` are the scene text's.
     pub fn panorama_source(&self, models: &[Source]) -> Option<PanoramaSource> {
         let environment = &self.desc.environment;
         if environment.is_written {
@@ -54,7 +54,7 @@ impl Loader<'_> {
             None => None,
         };
         if let Some(panorama) = &panorama {
-            // Cannot fail: decoding was limited to what was left.
+            // Cannot fail: decoding was limited to the memory that was left.
             let _ = self.memory.take(size_of_val(&panorama.texels[..]) as u64);
         }
         self.set_environment(panorama.map(Arc::new));

@@ -1,4 +1,4 @@
-//! Lights and cameras of the scene text, then those of model files.
+//! Lights and cameras, first of the scene text, then of model files.
 
 use glam::Affine3A;
 

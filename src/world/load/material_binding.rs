@@ -97,8 +97,8 @@ impl Loader<'_> {
         }
     }
 
-    /// Animated overrides of a file's material, as indices into `FrameState::file_materials`; those
-    /// for all materials first.
+    /// Animated overrides of a file's material, as indices into `FrameState::file_materials`; overrides of all
+    /// materials first.
     fn changes_of<'n>(&'n self, model: usize, material: &'n str) -> Vec<usize> {
         let model = self.desc.models[model].name.as_str();
         let all = &self.file_materials;

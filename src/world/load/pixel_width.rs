@@ -18,7 +18,7 @@ pub struct Width {
 }
 
 /// Radii of all meshes of capsules whose placements the camera `main` shall show at least a pixel wide; `meshes` are
-/// those of the world.
+/// the world's.
 pub fn widths(world: &World, meshes: &[Mesh], desc: &SceneDesc) -> Vec<Width> {
     let mut widths: Vec<_> = meshes.iter().map(|mesh| mesh.least_radius_m).collect();
     let camera = &world.cameras[world.main_camera()].value;

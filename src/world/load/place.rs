@@ -127,7 +127,7 @@ impl Loader<'_> {
         self.list_animations(sources);
     }
 
-    /// Refuses the instances of a job, those from the index `first` on, that are too far away.
+    /// Refuses instances of a job that are too far away; `first` is the index of its first instance.
     fn check_reach(&mut self, job: &Job<'_>, first: usize) {
         let is_far = |instance: &&Instance| !is_within_reach(&self.world.bounds_of(instance));
         if let Some(far) = self.world.instances[first..].iter().find(is_far) {

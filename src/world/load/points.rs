@@ -107,7 +107,7 @@ fn at(path: &Path, text: &str, mistake: Mistake, name: &At<String>) -> Box<Diagn
     Box::new(error.related(name.at.clone(), "named here"))
 }
 
-/// Byte offset of a cell of a record; that of the record if its line has quotes.
+/// Byte offset of a cell of a record, or of the record if its line has quotes.
 fn cell_at(text: &str, record: usize, index: usize) -> usize {
     let line = text[record..].lines().next().unwrap_or("");
     if line.contains('"') {

@@ -102,7 +102,7 @@ pub fn add(
     Ok(warnings)
 }
 
-/// Refuses a surface that passes through itself: where it is wound around twice, the sides of what is left are not known.
+/// Refuses a surface that passes through itself: where it is wound around twice, inside and outside are not known.
 fn whole_surface(shape: &ShapeDesc, made: &Made) -> Result<(), String> {
     if let Some(folded) = made.warnings.iter().find(|w| w.name == "sweep-crosses") {
         return Err(folded.message.clone());

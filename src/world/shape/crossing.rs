@@ -98,7 +98,7 @@ pub fn crossing(triangles: impl Iterator<Item = [DVec3; 3]>) -> Option<DVec3> {
     None
 }
 
-/// Adds the node of the triangles from `start` to `end`, with those below it.
+/// Adds the node of the triangles from `start` to `end`, with its descendants.
 fn split(nodes: &mut Vec<Node>, all: &mut [Triangle], start: usize, end: usize) {
     let own = &mut all[start..end];
     let bounds = Bounds::of(own.iter().flat_map(|t| [t.bounds.min, t.bounds.max]));

@@ -98,7 +98,8 @@ impl Surface {
         }
     }
 
-    /// The vertices that Loop subdivision keeps, moved towards their neighbors; on a rim, towards those along it.
+    /// The old vertices of Loop subdivision, moved towards their neighbors; vertices on a rim, towards their neighbors
+    /// along it.
     fn smoothed(&self, opposite: &HashMap<Edge, Vec<usize>>) -> Vec<DVec3> {
         let count = self.positions.len();
         let mut inside = vec![(DVec3::ZERO, 0_u32); count];
@@ -208,7 +209,7 @@ pub fn add(
     Ok(())
 }
 
-/// Octaves of gradient noise, each half as large and half as high as the one before, -1 to 1.
+/// Octaves of gradient noise, each half as large and high as its predecessor, -1 to 1.
 fn fractal(at: DVec3, noise: &NoiseDesc) -> f64 {
     let (mut sum, mut whole) = (0.0, 0.0);
     for octave in 0..noise.octaves.max(1) {

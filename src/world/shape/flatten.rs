@@ -40,7 +40,7 @@ impl Chord {
 /// A closed row of chords.
 pub type Loop = Vec<Chord>;
 
-/// The loops of an outline and those of its holes, in meters, moved and mirrored as it says.
+/// The loops of an outline and of its holes, in meters, moved and mirrored as it says.
 ///
 /// # Errors
 /// `wrong-outline` for one of too many chords.

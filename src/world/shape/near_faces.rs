@@ -1,4 +1,4 @@
-//! Sums of the faces around a vertex that bend little from one of them.
+//! Sums of the faces around a vertex that bend little from a given face.
 
 use glam::DVec3;
 

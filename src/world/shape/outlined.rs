@@ -1,4 +1,4 @@
-//! Shapes that are made of outlines, and those with bevels and flat ends.
+//! Shapes that are made of outlines, bevelled and flat-ended ones among them.
 
 use boolmesh::prelude::OpType;
 use glam::DVec2;
@@ -38,7 +38,7 @@ pub fn make(shape: &ShapeDesc, supplies: &Supplies) -> Result<Option<Made>, Faul
     Ok(added.map(|warnings| Made { mesh, warnings }))
 }
 
-/// Adds a shape that is not of parts; returns its warnings, or `None` if it is not one of those that are made here.
+/// Adds a shape that is not of parts; returns its warnings, or `None` for a shape that is made elsewhere.
 fn add_figure(
     solid: &mut Solid,
     shape: &ShapeDesc,

@@ -27,7 +27,7 @@ const GRID_BITS: i32 = 27;
 /// Largest number of crossings of an outline, each of which splits two sides.
 const MOST_CROSSINGS: usize = 1_000_000;
 
-/// A part of the plane: shapes, each an outer contour and those of its holes.
+/// A part of the plane: shapes, each an outer contour and the contours of its holes.
 #[derive(Clone, Debug)]
 pub struct Region {
     /// The shapes, not empty.
@@ -173,7 +173,7 @@ impl Region {
         count == self.contours().count() && (area - wanted).abs() <= 1e-6 * wanted.abs()
     }
 
-    /// The contours of each shape on the grid, with their vertices at these places; those that coincide are one.
+    /// The contours of each shape on the grid, with their vertices at these places; vertices that coincide are merged.
     fn moved(&self, places: &[DVec2]) -> Vec<Vec<Vec<Grid>>> {
         let mut rest = places.iter();
         let mut contour = |contour: &Contour| -> Vec<Grid> {
@@ -250,7 +250,7 @@ fn twice_area(points: &[Grid]) -> f64 {
     points.iter().zip(next).map(cross).sum()
 }
 
-/// A contour with its normals: those of the curves that its sides stand for.
+/// A contour with the normals of the curves that its sides stand for.
 fn contour(
     points: &[Grid],
     place: &impl Fn(&Grid) -> DVec2,

@@ -25,7 +25,7 @@ pub fn add(solid: &mut Solid, half: DVec3, bevel: f64, steps: u32) {
     };
     let inner = (half - bevel).max(DVec3::ZERO);
     let vertex = |down: DVec2, side: f64, corner: u32, step: u32| {
-        // Each corner of the box is a quarter of a turn after the one before: x and z change places.
+        // From corner to corner the box turns by a quarter: x and z change places.
         let way = quarter(step);
         let (x, z) = match corner {
             0 => (way.x, way.y),

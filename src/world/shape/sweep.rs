@@ -76,8 +76,8 @@ pub fn add(
     Ok(crossed)
 }
 
-/// The corner of a piece at one of its rings, with the normal that the surface has there: that of the profile, tilted as
-/// twist and taper move it.
+/// The corner of a piece at one of its rings, with the surface's normal there: the profile's, tilted by twist and
+/// taper.
 fn corner(rings: &[Ring], curve: &Curve, [piece, ring]: [usize; 2], column: &Column) -> Corner {
     let here = &rings[ring];
     let at = here.at(column.at);

@@ -1,5 +1,5 @@
-//! One image from its header to RGBA. Sizes are those of the header that the decoder itself reads, and every decoder
-//! comes with an upper bound of the memory that it takes while it decodes.
+//! One image from its header to RGBA. Sizes come from the header that the decoder itself reads, and every decoder has
+//! an upper bound of its working memory.
 
 use std::io::Cursor;
 
@@ -20,7 +20,7 @@ use crate::gltf::Fault;
 
 /// Smallest and largest limit of the memory for the text and color profiles of a PNG file, bytes.
 const PNG_METADATA_BYTES: [u64; 2] = [16 << 20, 64 << 20];
-/// Memory of any decoder beside what its image takes, bytes.
+/// Memory of any decoder beside its image, bytes.
 const SMALL_BYTES: u64 = 1 << 20;
 
 /// Memory of a decoded image, bytes.

@@ -70,7 +70,7 @@ impl Encoded {
         let held = held.ok_or_else(|| too_large(limits.memory.left()))?;
         let rest = size.saturating_sub(bytes.len() as u64);
         (bytes.try_reserve_exact(rest as usize)).map_err(|_| too_large(limits.memory.left()))?;
-        // The file may grow meanwhile: what is held was counted before.
+        // The file may grow meanwhile: memory was counted for its former length.
         file.take(rest)
             .read_to_end(&mut bytes)
             .map_err(unreadable)?;

@@ -38,7 +38,7 @@ impl<'a> Jpeg<'a> {
     /// # Errors
     /// Broken headers, coding that is not supported, files that are too short for their size.
     pub fn open(bytes: &'a [u8]) -> Result<Self, Fault> {
-        // The caller checks the size. What is cut off near its end is shown as far as it goes, as elsewhere.
+        // The caller checks the size. A file that is cut off near its end is shown as far as it goes, as elsewhere.
         let options = DecoderOptions::default()
             .set_strict_mode(false)
             .set_max_width(usize::MAX)

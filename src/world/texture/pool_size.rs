@@ -6,7 +6,7 @@ use crate::Texture;
 pub const NUM_POOLS: usize = 3;
 /// Width and height of the smallest pool's images, pixels; others are that times powers of 2.
 pub const SMALLEST_POOL_PX: u32 = 512;
-/// Width and height of the largest images that are kept, pixels: those of every device.
+/// Width and height of the largest images that are kept, pixels; every device allows them.
 pub const LARGEST_KEPT_PX: u32 = 8192;
 /// Width and height up to which images are kept whatever they take together, pixels.
 const ALWAYS_KEPT_PX: u32 = 2048;

@@ -1,9 +1,9 @@
-//! Rewrites the converter's options in its messages to those of Reflet.
+//! Turns the converter's options in its messages into options of Reflet.
 
 use reflet_scene::toml_text::toml_text;
 
-/// A message of the converter with its options replaced by those of Reflet, for the model `name`: `--subdiv 2`
-/// becomes `--set model.NAME.usd.subdiv=2`.
+/// A message of the converter with Reflet's options instead of its own, for the model `name`: `--subdiv 2` becomes
+/// `--set model.NAME.usd.subdiv=2`.
 pub(super) fn in_reflet(message: &str, name: &str) -> String {
     let message = message.replace("--root ", "--assets ");
     let message = with_value(&message, "--subdiv ", |level| {

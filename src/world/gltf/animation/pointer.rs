@@ -132,7 +132,7 @@ const TEXTURES: [&str; TEXTURE_SLOTS] = [
     "extensions/KHR_materials_anisotropy/anisotropyTexture",
 ];
 
-/// Animatable values of cameras: JSON pointer, key of scene text, factor from the file's unit to that of scene
+/// Animatable values of cameras: JSON pointer, key of scene text, factor from the file's unit to the unit of scene
 /// text.
 const CAMERA: [(&str, &str, f64); 4] = [
     ("perspective/yfov", "fov_deg", 180.0 / PI),
@@ -166,7 +166,7 @@ struct Target {
     value: PointedValue,
     /// Number of components.
     lanes: usize,
-    /// Factor from the file's unit to that of scene text.
+    /// Factor from the file's unit to the unit of scene text.
     factor: f64,
 }
 

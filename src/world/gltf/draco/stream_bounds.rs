@@ -17,7 +17,7 @@ const UNUSED_BYTES_PER_POINT: u64 = 64;
 /// Copies of an attribute while it is decoded: as integers, as numbers, and as the accessor has them.
 const COPIES: u64 = 3;
 
-/// Upper bounds of what a stream may hold.
+/// Upper bounds of the content of a stream.
 #[derive(Clone, Copy, Debug)]
 pub struct StreamBounds {
     /// Number of vertices. Seams of attributes split vertices, at most into one for each corner.
@@ -72,7 +72,7 @@ impl StreamBounds {
             .with_max_decoded_bytes(bytes)
     }
 
-    /// Most bytes that decoding the stream takes beside what is kept.
+    /// Most bytes that decoding the stream takes beside the decoded values.
     ///
     /// # Errors
     /// Streams whose header cannot be read.

@@ -21,7 +21,7 @@ pub struct ImageLights {
     pub lights: Vec<ImageLight>,
 }
 
-/// A cube map. Its irradiance coefficients are not read: what a surface receives is found from the images.
+/// A cube map. Its irradiance coefficients are not read: irradiance is integrated over the images.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct ImageLight {

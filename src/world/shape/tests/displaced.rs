@@ -1,4 +1,4 @@
-//! Shapes that are cut finer and displaced stay closed, and are those that they were made from.
+//! Shapes that are cut finer and displaced stay closed, and keep their form.
 
 use reflet_scene::desc::NoiseDesc;
 

@@ -7,7 +7,7 @@ use crate::gltf::Fault;
 
 /// Number of bytes up to the end of the first level's entry.
 const HEADER_BYTES: usize = 104;
-/// Largest window of Zstandard that is always allowed, bytes: what every decoder should support (RFC 8878, 3.1.1.1.2).
+/// Largest window of Zstandard that is always allowed, bytes; every decoder should support it (RFC 8878, 3.1.1.1.2).
 const SMALL_WINDOW_BYTES: u64 = 8 << 20;
 /// Memory of an inflater of zlib, bytes.
 const ZLIB_BYTES: u64 = 1 << 20;
@@ -100,7 +100,7 @@ impl<'a> Header<'a> {
             Supercompression::Zstandard => {}
             _ => return Ok(0),
         }
-        // The decoder keeps a window of what it has inflated, and inflates up to a whole level beyond it.
+        // The decoder keeps a window of inflated bytes, and inflates up to a whole level beyond it.
         let (frame, _) = ruzstd::frame::read_frame_header(self.level)
             .map_err(|_| broken("its first level is not a frame of Zstandard"))?;
         let window = frame.header.window_size();
