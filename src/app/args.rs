@@ -22,25 +22,24 @@ pub struct SceneArgs {
     /// Change a value of the scene, such as reflection.threshold_u=0.01; repeatable
     #[arg(long, value_name = "PATH=VALUE")]
     pub set: Vec<String>,
-    /// Lay [variant.NAME] of the scene over it; repeatable, the later over the earlier. Without one, those that the
-    /// project names; "" is none
+    /// Lay [variant.NAME] of the scene over it; repeatable, the later over the earlier. Without it, the project's
+    /// variants; "" is none
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub variant: Vec<String>,
     /// Folder to search for models, textures, bases and included files after the scene's own;
     /// repeatable. The folders of REFLET_ASSETS come last
     #[arg(long, value_name = "DIR")]
     pub assets: Vec<PathBuf>,
-    /// Load glTF files without what only changes their look: materials, textures and lights of
-    /// extensions that they require and Reflet does not know; images that are missing or whose
-    /// format or header cannot be read; references to scenes, nodes, meshes, cameras, lights,
-    /// materials, textures, images and samplers that a file does not have. A node of several
-    /// parents stays with the first. Each kind has a warning
+    /// Load glTF files without parts that only change their look: materials, textures and lights of extensions that
+    /// they require and Reflet does not know; images that are missing or whose format or header cannot be read;
+    /// references to scenes, nodes, meshes, cameras, lights, materials, textures, images and samplers that a file does
+    /// not have. A node of several parents stays with the first. Each kind has a warning
     #[arg(long)]
     pub lenient: bool,
     /// File or folder of the scene's project, in place of the reflet.toml that is found in its folder or above
     #[arg(long, value_name = "PATH", conflicts_with = "no_project")]
     pub project: Option<PathBuf>,
-    /// Look for no reflet.toml, so that the scene reads files below its own folder and those of --assets alone
+    /// Look for no reflet.toml, so that the scene reads files below its own folder and folders of --assets alone
     #[arg(long)]
     pub no_project: bool,
 }
@@ -69,7 +68,7 @@ pub struct PictureArgs {
     /// Width and height in pixels, each 1 to 16384, or the name of a size of the project
     #[arg(long, value_name = "WxH", value_parser = parse_size_or_name)]
     pub size: Option<SizeArg>,
-    /// Part of the picture to write: left and top edge, width and height in pixels. Its pixels are those of the whole
+    /// Part of the picture to write: left and top edge, width and height in pixels. It has the same pixels as the whole
     /// picture
     #[arg(long, value_name = "X,Y,W,H", value_parser = parse_crop, allow_hyphen_values = true)]
     pub crop: Option<Crop>,
@@ -89,10 +88,10 @@ pub struct PictureArgs {
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub aov: Vec<String>,
     /// Remove noise with Intel Open Image Denoise, where that library is installed (REFLET_OIDN names its folder),
-    /// guided by albedo and normal of what each pixel shows over all samples, in sharp mirrors by the reflected albedo
+    /// guided by each pixel's albedo and normal over all samples, in sharp mirrors by the reflected albedo
     #[arg(long)]
     pub denoise: bool,
-    /// Frames before and after each frame of a film over which `--denoise` averages what shows the same surface, 0 to 8,
+    /// Frames before and after each frame of a film over which `--denoise` averages pixels of the same surface, 0 to 8,
     /// never across a cut: more leave less flicker, and take more time and memory
     #[arg(long, value_name = "N", default_value_t = DENOISE_WINDOW, value_parser = clap::value_parser!(u32).range(0..=8))]
     pub denoise_window: u32,
@@ -116,7 +115,7 @@ const DENOISE_WINDOW: u32 = 2;
 pub struct PictureWords<'a> {
     /// Words that hold on any machine.
     pub options: Vec<String>,
-    /// Options that name files or folders, apart from those of assets.
+    /// Options that name files or folders, but for asset folders.
     pub paths: Vec<(&'static str, &'a Path)>,
 }
 

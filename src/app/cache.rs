@@ -30,7 +30,7 @@ pub struct CacheArgs {
     pub clear: bool,
 }
 
-/// One kind of what is kept.
+/// One kind of cached files.
 struct Part {
     name: &'static str,
     folder: PathBuf,
@@ -104,7 +104,7 @@ fn remove(path: &Path) -> io::Result<()> {
 /// Prints what is kept between runs, or removes it.
 ///
 /// # Errors
-/// [`AppError::Disk`] for what cannot be removed.
+/// [`AppError::Disk`] for a file that cannot be removed.
 pub fn cache(args: CacheArgs) -> Result<(), AppError> {
     let mut out = String::new();
     for part in Part::all() {

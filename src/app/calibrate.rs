@@ -302,7 +302,7 @@ impl Series {
     }
 }
 
-/// Table of the fitted costs beside the built-in ones of the adapter's kind.
+/// Table of the fitted costs beside the built-in costs of the adapter's kind.
 fn table(found: &UnitCosts, kind: &UnitCosts) -> Result<String, AppError> {
     let values = |costs: &UnitCosts| {
         toml::Table::try_from(costs).map_err(|e| AppError::Internal(e.to_string()))

@@ -98,7 +98,7 @@ pub fn choose(loaded: &LoadedScene, asked: Option<&str>) -> Result<Vec<usize>, A
     Ok(vec![choose_camera(loaded, asked)?])
 }
 
-/// Indices of the scene's own cameras, without those of scenes that it places; all where it has none of its own.
+/// Indices of the scene's own cameras, without cameras of placed scenes; all cameras where it has none of its own.
 fn own(loaded: &LoadedScene) -> Vec<usize> {
     let groups: HashSet<&str> = loaded
         .scene

@@ -102,8 +102,8 @@ pub fn messages(
     messages
 }
 
-/// Options for opening a scene. Without chosen variants it is checked as it is and with each, not with those of its
-/// project.
+/// Options for opening a scene. Without chosen variants it is checked as it is and with each variant, but not with its
+/// project's choice.
 fn options(from: &SceneArgs) -> SceneOptions {
     let mut options = from.options();
     if options.variant.is_empty() {

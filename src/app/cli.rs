@@ -64,7 +64,7 @@ pub enum Command {
     Lsp,
     /// Print the JSON Schema of scene text, for editors
     Schema {
-        /// Print that of projects (reflet.toml) instead
+        /// Print the schema of projects (reflet.toml) instead
         #[arg(long)]
         project: bool,
     },

@@ -86,7 +86,7 @@ pub struct Encoders<'a> {
     last: Mutex<Option<FrameStats>>,
 }
 
-/// Frames of a film that were written, and those that failed.
+/// Numbers of frames of a film that were written, and that failed.
 pub struct Outcome {
     /// Number of frames with a file.
     pub done: usize,

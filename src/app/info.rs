@@ -129,9 +129,9 @@ pub struct Info {
     pub decided_plan: Option<AdapterDecisions>,
     /// Name, driver and API of this machine's adapter; `None` without one.
     pub adapter: Option<String>,
-    /// Abilities that this adapter has, such as ray queries, of those that Reflet uses or could use.
+    /// Abilities of this adapter that Reflet uses or could use, such as ray queries.
     pub adapter_has: Vec<String>,
-    /// Abilities that this adapter lacks, of those that Reflet uses or could use.
+    /// Abilities that Reflet uses or could use and this adapter lacks.
     pub adapter_lacks: Vec<String>,
     /// Features that the plan drops, and why the picture stays the same.
     pub left_out: Vec<Dropped>,
@@ -225,8 +225,8 @@ fn border(loaded: &LoadedScene, args: &InfoArgs) -> Vec<String> {
         .collect()
 }
 
-/// Counts and measures a loaded scene. `plan_file` adds decisions by its unit costs to those of adapter kinds; `at` is
-/// the frame whose skipped instances are listed, by default the first.
+/// Counts and measures a loaded scene. `plan_file` adds decisions by its unit costs to the decisions of adapter kinds;
+/// `at` is the frame whose skipped instances are listed, by default the first.
 ///
 /// # Errors
 /// [`AppError::Scene`] when its trees cannot be built, [`AppError::Usage`] when it has no such frame.
@@ -343,7 +343,7 @@ fn decide_by(
     }
 }
 
-/// Names of what `[motion]` and the script animate.
+/// Names of everything that `[motion]` and the script animate.
 fn moves(desc: &SceneDesc) -> Vec<String> {
     fn of<T>(kind: &str, list: &[Entry<T>]) -> Vec<String> {
         let named = list.iter();

@@ -340,8 +340,7 @@ fn job_name(text: &str) -> Result<String, AppError> {
     }
 }
 
-/// Checks that a text has no braces, which a template would expand, and no control characters but those that
-/// arguments may have.
+/// Refuses braces, which a template would expand, and control characters that arguments cannot have.
 fn plain(text: &str) -> Result<String, AppError> {
     if text
         .chars()

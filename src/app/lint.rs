@@ -34,7 +34,7 @@ const TREE_LIMIT: u64 = 4 << 30;
 pub struct KeptTrees(Option<(World, TreeKey, Trees)>);
 
 impl KeptTrees {
-    /// The trees of a world: those of the last one where they fit. `None` where they cannot be built.
+    /// The trees of a world, cached while its geometry is unchanged; `None` where they cannot be built.
     fn of(&mut self, world: &World) -> Option<&Trees> {
         let key = TreeKey::of(world);
         let fitting = (self.0.take())

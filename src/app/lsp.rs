@@ -306,7 +306,7 @@ impl Server<'_> {
         }
     }
 
-    /// Publishes the diagnostics of a scene's check, and clears those that it does not find any more.
+    /// Publishes the diagnostics of a scene's check, and clears diagnostics that it does not find any more.
     fn publish_diagnostics(&mut self, scene: &str, by_file: BTreeMap<String, Vec<Value>>) {
         for (uri, diagnostics) in self.published.replace(scene, by_file) {
             let params = json!({ "uri": uri, "diagnostics": diagnostics });

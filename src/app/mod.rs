@@ -160,7 +160,7 @@ pub fn print_out(text: &str) -> Result<(), AppError> {
 pub fn print_json(value: &impl serde::Serialize) -> Result<(), AppError> {
     let json = serde_json::to_string_pretty(value)
         .map_err(|error| AppError::Internal(format!("as JSON: {error}")))?;
-    // JSON may hold control characters behind ASCII as they are; as escapes they mean the same.
+    // JSON may hold control characters behind ASCII as they are; escaped as \uXXXX they mean the same.
     let escape = |c: char| match c.is_control() && c != '\n' {
         true => format!("\\u{:04x}", c as u32),
         false => c.to_string(),

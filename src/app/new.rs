@@ -17,7 +17,7 @@ use reflet_base::shell::shell_word;
 /// Arguments of `new`.
 #[derive(Clone, Debug, Args)]
 pub struct NewArgs {
-    /// Folder to create, which must not exist yet; its name is that of the project
+    /// Folder to create, which must not exist yet; the project gets its name
     #[arg(value_name = "NAME")]
     pub folder: PathBuf,
 }

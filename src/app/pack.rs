@@ -95,7 +95,7 @@ pub struct Layout {
     manifest: Manifest,
 }
 
-/// Folder with a copy of what a scene reads.
+/// Folder with a copy of a scene's files.
 #[derive(Debug)]
 pub struct CopiedScene {
     /// Path of the scene's file.
@@ -205,10 +205,10 @@ struct Places {
 }
 
 impl Places {
-    /// Places of the files at `paths`: those of the scene at the top, asset folders elsewhere as `assets`, `assets-2`, …,
-    /// so that a pack does not tell where its maker keeps them. Where a text climbs out of its folder by `..`, all keep
-    /// their places to each other.
-    /// Files of a project, in the folder that is given with the scene, keep theirs in any case.
+    /// Places of the files at `paths`: files of the scene at the top, asset folders elsewhere as `assets`, `assets-2`,
+    /// …, so that a pack does not tell where its maker keeps them. Where a text climbs out of its folder by `..`, all
+    /// keep their places to each other. Files of a project, in the folder that is given with the scene, keep theirs in
+    /// any case.
     fn of(
         (scene, project): (&Path, Option<&Path>),
         paths: &BTreeSet<PathBuf>,
@@ -313,7 +313,7 @@ fn absolute(path: &Path) -> Result<PathBuf, AppError> {
     }
 }
 
-/// Deepest folder that contains all of these folders; it may be one of them.
+/// Deepest folder that contains all of these folders, or is among them.
 fn common_folder<'a>(mut folders: impl Iterator<Item = &'a Path>) -> PathBuf {
     let mut top = folders.next().unwrap_or(Path::new("")).to_owned();
     for folder in folders {

@@ -161,7 +161,7 @@ pub fn check_output(output: &At<String>) -> Result<(), Box<Diagnostic>> {
     }
 }
 
-/// Warnings about names in the scene's project that are nearly those of the scene.
+/// Warnings about names in the scene's project that nearly match names of the scene.
 pub fn misspelt_names(loaded: &LoadedScene) -> Vec<Diagnostic> {
     let Some(project) = &loaded.project else {
         return Vec::new();
@@ -171,8 +171,8 @@ pub fn misspelt_names(loaded: &LoadedScene) -> Vec<Diagnostic> {
     project.misspelt(&loaded.name, &loaded.camera_names(), &variants)
 }
 
-/// Name of the output with the scene and its variants. Placeholders of what the scene lacks are left out, with the
-/// character before each.
+/// Name of the output with the scene and its variants. Placeholders without a value in this scene are left out, with
+/// the character before each.
 fn filled(args: &RenderArgs, output: &str, loaded: &LoadedScene) -> String {
     let scene = args.scene.as_deref().and_then(Path::file_stem);
     let scene = scene.unwrap_or_default().to_string_lossy();

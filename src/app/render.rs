@@ -103,7 +103,7 @@ fn check_kind(args: &RenderArgs) -> Result<bool, AppError> {
     Ok(many)
 }
 
-/// Names likely mistakes of a scene, which `check` explains, on standard error, and warns of what takes long.
+/// Names likely mistakes of a scene, which `check` explains, on standard error, and warns of slow parts.
 fn hint_at_mistakes(scene: Option<&Path>, loaded: &LoadedScene) {
     let first = &loaded.first_frame();
     print_diagnostics(&Lint::slow(&loaded.scene, first));

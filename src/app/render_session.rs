@@ -115,7 +115,7 @@ impl RenderSession {
         self.window = self.denoiser.as_ref().map_or(0, |_| window);
     }
 
-    /// Frames that are denoised with a frame: those around it on the timeline that the same camera shows, up to a cut.
+    /// Frames that are denoised with a frame: its neighbors on the timeline of the same camera, up to a cut.
     pub fn window_of(&self, frame: u32) -> RangeInclusive<u32> {
         let camera = |frame| self.scene.camera_of(frame);
         let timeline = self.scene.scene().scene.timeline.as_ref();

@@ -71,7 +71,7 @@ pub fn load(opened: OpenedScene, name: String) -> Result<LoadedScene, AppError> 
     Ok(loaded)
 }
 
-/// Index of the named camera; without a name the one that is shown at the first frame.
+/// Index of the named camera; without a name the camera of the first frame.
 ///
 /// # Errors
 /// [`AppError::Usage`] with the existing names.

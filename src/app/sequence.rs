@@ -332,7 +332,7 @@ fn target(
     })
 }
 
-/// Starts rendering a frame, and those that it is denoised with.
+/// Starts rendering a frame and the frames that it is denoised with.
 fn rendering(
     session: &mut RenderSession,
     kept: &mut KeptFrames,

@@ -184,7 +184,7 @@ fn picture_of(session: &mut RenderSession, frame: u32) -> Result<Vec<u8>, AppErr
         .collect())
 }
 
-/// Names of what is in a picture, as far as the sheet shows several: its variant, and camera and frame.
+/// Caption of a picture: of variant, camera and frame, whatever differs on the sheet.
 fn label(take: &Take, camera: &str, frame: u32, [has_variants, has_more]: [bool; 2]) -> String {
     let mut parts = Vec::new();
     if has_variants {

@@ -44,8 +44,8 @@ pub fn open_gpu(adapter: Option<&str>, ray_queries: bool) -> Result<Gpu, GpuErro
 }
 
 /// Environment variables of the graphics driver that the user has not set: Mesa's device selection looks for a Wayland
-/// display, and prints an error to standard error without `XDG_RUNTIME_DIR`; its shader compiler keeps what it compiled,
-/// where it finds a place.
+/// display, and prints an error to standard error without `XDG_RUNTIME_DIR`; its shader compiler caches shaders if it
+/// finds a folder.
 pub fn driver_variables() -> Vec<(&'static str, OsString)> {
     const RUNTIME_DIR: &str = "XDG_RUNTIME_DIR";
     let lacks_folder = cfg!(target_os = "linux") && env::var_os(RUNTIME_DIR).is_none();

@@ -83,8 +83,8 @@ impl Denoiser {
         })
     }
 
-    /// AOVs to render for denoising: the requested ones, then those that find surfaces in other frames where
-    /// `has_window`.
+    /// AOVs to render for denoising: the requested ones, with `has_window` also AOVs that find surfaces in other
+    /// frames.
     pub fn aovs(requested: &[Aov], has_window: bool) -> Vec<Aov> {
         let surfaces = MIRRORS.into_iter().chain(Surfaces::AOVS);
         let further = surfaces.filter(|aov| has_window && !requested.contains(aov));
@@ -159,7 +159,7 @@ impl Denoiser {
         }
         macro_rules! function {
             ($name:ident($($argument:ty),* $(,)?) $(-> $result:ty)?) => {
-                // SAFETY: the function type is that of `oidn.h`, version 2.
+                // SAFETY: the function type is declared so in `oidn.h`, version 2.
                 unsafe {
                     let name = concat!(stringify!($name), "\0");
                     self.library

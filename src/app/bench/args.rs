@@ -94,8 +94,8 @@ pub struct BenchArgs {
     /// timed
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub timeline: Option<String>,
-    /// Also score every setting against a picture of method `path` with this many samples, 1 to 4096, as a
-    /// scene "NAME against path": the error of the model beside that of the method. Still scenes only
+    /// Also score every setting against a picture of method `path` with this many samples, 1 to 4096, as a scene "NAME
+    /// against path": the model's error beside the method's. Still scenes only
     #[arg(
         long,
         value_name = "SAMPLES",
@@ -112,10 +112,9 @@ pub struct BenchArgs {
     /// Draw the report of this table of samples and measure nothing
     #[arg(long, value_name = "CSV", conflicts_with_all = MEASURING)]
     pub samples: Option<PathBuf>,
-    /// Print the cheapest setting that meets a bound as a `[reflection]` block: "ssim>=0.98",
-    /// "psnr>=40", "flip<=0.01", "relmse<=0.001" or "ms<=4". Errors are those inside the reflective
-    /// pixels where these are enough to be scored in all settings, else those of the frame; the
-    /// block says which
+    /// Print the cheapest setting that meets a bound as a `[reflection]` block: "ssim>=0.98", "psnr>=40", "flip<=0.01",
+    /// "relmse<=0.001" or "ms<=4". Errors are measured inside the reflective pixels if all settings have enough of
+    /// them, else in the whole frame; the block says which
     #[arg(long, value_name = "BOUND", value_parser = Bound::parse)]
     pub choose: Option<Bound>,
 }
@@ -188,10 +187,10 @@ pub struct BoundsArgs {
     /// Largest number of samples, 16 to 4095
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(16..=4095))]
     pub at_most: u32,
-    /// Samples of the reference, more than those of any picture, 17 to 4096
+    /// Samples of the reference, more than any picture has, 17 to 4096
     #[arg(long, value_name = "N", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(17..=4096))]
     pub reference: u32,
-    /// Width and height; without it, those of the scene
+    /// Width and height; without it, the scene's
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<[u32; 2]>,
     /// Folder for bounds.json and the charts; created if it is missing
@@ -274,7 +273,7 @@ pub struct StabilityArgs {
         default_value = "ssr,hybrid,rt"
     )]
     pub methods: Vec<Method>,
-    /// Size of all pictures; without it, the scenes' own, or that of the ratchet
+    /// Size of all pictures; without it, the scenes' own, or the ratchet's
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<[u32; 2]>,
     /// Score the first frame alone of scenes with a timeline

@@ -35,7 +35,7 @@ struct Row {
     samples: u32,
     /// Estimated error of the tile that has the largest one.
     estimated: f64,
-    /// Largest error of a tile against the reference, without what the reference shares with the picture.
+    /// Largest error of a tile against the reference, without the error that both share.
     measured: f64,
     /// Mean error of the tiles against the reference, likewise.
     measured_mean: f64,

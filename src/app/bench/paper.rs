@@ -51,7 +51,7 @@ type Surface = (&'static str, &'static [&'static str]);
 
 const ON_FLOOR: &str = "instance.0.translation=[-4.4, 0.0, 0.0]";
 
-/// Reflective surfaces of the paper, and those of the atrium that replace them.
+/// Reflective surfaces of the paper, and the surfaces of the atrium that replace them.
 const SURFACES: [(Surface, Option<Surface>); 5] = [
     (
         ("ground", &[]),

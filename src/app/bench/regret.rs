@@ -131,7 +131,7 @@ struct Row {
     chosen_ms: f64,
     best: String,
     best_ms: f64,
-    /// Time of the choice divided by that of the fastest alternative.
+    /// Time of the choice divided by the time of the fastest alternative.
     regret: f64,
 }
 

@@ -11,7 +11,7 @@ use crate::{
     scene::desc::TimelineDesc,
 };
 
-/// The paper's walk: 950 frames. Times of its parts are shares of it, so the rate is not used.
+/// The paper's walk: 950 frames. Keys are at fractions of the walk, so the rate is not used.
 pub const TIMELINE: TimelineDesc = TimelineDesc {
     fps: 24.0,
     start: 0,

@@ -28,7 +28,7 @@ pub fn fit(measured: &[Measured]) -> [f64; 2] {
     let costs = if determinant > 1e-9 * xx * yy && both.iter().all(|cost| *cost >= 0.0) {
         both
     } else {
-        // The counts are proportional, or a cost would be negative: only the one that explains more time is used.
+        // The counts are proportional, or a cost would be negative: only the count that explains more time is used.
         let [first, second] = [alone(x, xx), alone(y, yy)];
         if first * x >= second * y {
             [first, 0.0]

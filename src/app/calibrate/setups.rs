@@ -61,7 +61,7 @@ pub struct FrameSetup {
     diffuse_bounces: u32,
 }
 
-/// A frame with all rays but those to lights.
+/// A frame with all rays but light rays.
 const RAYS: FrameSetup = FrameSetup {
     method: Method::Rt,
     visibility: Visibility::Rays,

@@ -21,7 +21,7 @@ pub struct InfoArgs {
     /// Frame of the timeline for which the instances are listed that reflections skip; default: the first
     #[arg(long, value_name = "FRAME")]
     pub at: Option<u32>,
-    /// Print the passes of the frame instead, in their order, with what each reads and writes
+    /// Print the passes of the frame instead, in their order, with the textures that each reads and writes
     #[arg(long)]
     pub frame: bool,
     /// Print JSON

@@ -49,7 +49,7 @@ pub struct MapsInfo {
     pub probes: Option<ProbesInfo>,
     /// Box and buffers on its faces.
     pub box_faces: Option<BoxInfo>,
-    /// Box and maps of what is far.
+    /// Box and maps of method `near-far`.
     pub near_far: Option<NearFarInfo>,
 }
 

@@ -90,7 +90,7 @@ pub fn table(info: &Info) -> String {
     out
 }
 
-/// Numbers of lights by kind, of those in the light tree, and of triangles that light.
+/// Numbers of lights by kind, of lights in the light tree, and of emitting triangles.
 fn lights(info: &Info) -> String {
     let kinds = info.lights.iter().zip(LightKind::NAMES);
     let mut lights: Vec<_> = kinds.map(|(n, name)| format!("{n} {name}")).collect();

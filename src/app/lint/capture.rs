@@ -1,4 +1,4 @@
-//! Maps that a method captures: those that a renderer refuses, and those that take long.
+//! Captured maps that a renderer refuses, or that take long.
 
 use std::sync::OnceLock;
 
@@ -54,7 +54,7 @@ struct Capture {
     of_picture: u64,
     /// Table of its settings.
     table: &'static str,
-    /// Place of what makes it large.
+    /// Place of the key that makes it large.
     at: Span,
     /// When it is made.
     when: &'static str,

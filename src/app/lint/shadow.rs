@@ -1,4 +1,4 @@
-//! Shadow maps that are too coarse for what the main camera sees, and those that lamps of the light tree lack.
+//! Shadow maps that are too coarse for the main camera, and lamps of the light tree that have none.
 
 use crate::{
     render::{

@@ -1,4 +1,4 @@
-//! Code actions: what messages advise, done by the editor.
+//! Code actions: advice of messages, done by the editor.
 
 use std::ops::Range;
 
@@ -13,10 +13,10 @@ const MEANT: &str = "did you mean ";
 /// Beginnings of comments of other languages.
 const COMMENTS: [&str; 4] = ["//", "/*", "--", "<!--"];
 
-/// An edit: what is replaced, and the text in its place.
+/// An edit: the replaced range and its new text.
 type Edit = (Range<usize>, String);
 
-/// Actions for the messages of a request: those whose help asks about a name, or says what to write.
+/// Actions for messages of a request whose help asks about a name, or says what to write.
 pub fn actions(file: &Source, uri: &str, params: &Value) -> Vec<Value> {
     let messages = params["context"]["diagnostics"].as_array();
     let action = |message: &Value| {
@@ -76,7 +76,7 @@ impl Place<'_> {
         start..start + text.trim().len()
     }
 
-    /// The value that a help text says to write, such as `write 0.5, in meters`, in place of the one of the message.
+    /// The value that a help text says to write, such as `write 0.5, in meters`, in place of the message's value.
     fn value(&self, help: &str) -> Option<Edit> {
         let (_, rest) = help.split_once("write ")?;
         let new = first_value(rest)?;

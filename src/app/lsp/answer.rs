@@ -71,7 +71,7 @@ pub fn item(label: &str, kind: u32, text: &str) -> Value {
     })
 }
 
-/// Keys of a table, without those of other kinds than `kind`, where that is known.
+/// Keys of a table; of its kind alone, where that is known.
 pub fn keys(section: &'static SectionRecord, kind: Option<&str>) -> Vec<Value> {
     let mut seen = BTreeSet::new();
     let is_own = |of: &Option<&str>| kind.is_none() || of.is_none() || *of == kind;
@@ -110,7 +110,7 @@ fn headers(file: &Arc<Source>, word: &Word) -> Vec<Value> {
     }
 }
 
-/// Kind that the table of these keys around a byte offset has, if it is one of those that the manual lists.
+/// Kind of the table of these keys around a byte offset, if the manual lists it.
 fn kind_at(
     file: &Source,
     section: &'static SectionRecord,
@@ -235,7 +235,7 @@ fn values(file: &Arc<Source>, word: &Word, name: &str, quoted: bool) -> Vec<Valu
     all
 }
 
-/// Folder of a file, then the asset folders, those of its project too.
+/// Folder of a file, then the asset folders, also of its project.
 fn folders(path: &Path) -> Vec<PathBuf> {
     let own = path.parent().unwrap_or(Path::new("")).to_owned();
     let border = border_of(path);

@@ -57,7 +57,7 @@ impl<'a> Call<'a> {
         })
     }
 
-    /// Signatures of the functions with that name, of those on `ctx` or of all others.
+    /// Signatures of the functions with that name, on `ctx` or else of all others.
     fn signatures(&self) -> Vec<(&'static str, String)> {
         let entries = api::entries(self.name);
         let forms = entries.iter().flat_map(|entry| {

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use walkdir::{DirEntry, WalkDir};
 
-/// Entries below a folder, by name, without those that are hidden or cannot be read: to `depth` folders below it, and
-/// through links where `follows_links`.
+/// Entries below a folder, by name, without hidden and unreadable entries: to `depth` folders below it, and through
+/// links where `follows_links`.
 pub fn entries_below(
     folder: &Path,
     depth: usize,
@@ -20,7 +20,7 @@ pub fn entries_below(
     shown.filter_map(Result::ok)
 }
 
-/// Whether the name of an entry ends with one of these extensions.
+/// Whether the name of an entry ends with any of these extensions.
 pub fn has_extension(entry: &DirEntry, extensions: &[&str]) -> bool {
     let own = entry.path().extension().and_then(|own| own.to_str());
     own.is_some_and(|own| extensions.contains(&own))

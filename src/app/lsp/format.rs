@@ -35,7 +35,7 @@ fn formatted(text: &str, step: &str) -> String {
     let tokens = tokens(text);
     let end = if text.contains("\r\n") { "\r\n" } else { "\n" };
     let mut new = String::new();
-    // Indentation of the line of each open bracket: what is inside of those of one line is indented once.
+    // Indentation of the line of each open bracket: several brackets opened on one line indent their content once.
     let mut open: Vec<usize> = Vec::new();
     let mut empty = 0;
     for line in tokens.split_inclusive(|token| token.kind == TokenKind::Newline) {

@@ -13,7 +13,7 @@ use crate::scene::{
     parse::entry_kinds::ENTRY_KINDS,
 };
 
-/// Words that the value of a key in a table may be, of those that no list of the manual has.
+/// Words for the value of a key in a table, where no list of the manual has them.
 pub fn known_words(file: &Arc<Source>, table: &[String], key: &str) -> Vec<String> {
     let table: Vec<&str> = table.iter().map(String::as_str).collect();
     match (key, table.as_slice()) {
@@ -39,7 +39,8 @@ fn light_groups(file: &Arc<Source>) -> Vec<String> {
     found.into_iter().collect()
 }
 
-/// Entries of the scene, such as `light.lamp`; of its base and included files alone for those that a layer takes out.
+/// Entries of the scene, such as `light.lamp`; with `below` of its base and included files alone, whose entries a layer
+/// may take out.
 fn entries(file: &Arc<Source>, below: bool) -> Vec<String> {
     let mut found = BTreeSet::new();
     for part in with_scopes(file).iter().skip(usize::from(below)) {

@@ -46,7 +46,7 @@ pub fn names(source: &Source) -> Vec<Name> {
     words.filter_map(name).collect()
 }
 
-/// Names of a text that refer to what is defined elsewhere, each with the kinds that it may be of.
+/// Names of a text that refer to definitions elsewhere, each with its possible kinds.
 pub fn uses(source: &Source) -> Vec<(Name, Vec<String>)> {
     let one = |word: Word| {
         let owned = |kinds: &[&str]| kinds.iter().map(|kind| (*kind).to_owned()).collect();

@@ -9,8 +9,8 @@ use serde_json::Value;
 pub struct Published(BTreeMap<String, BTreeMap<String, Vec<Value>>>);
 
 impl Published {
-    /// Takes what the check of a scene found in place of what it found before; returns all diagnostics of each file that
-    /// either concerns, with those that other scenes have found there.
+    /// Replaces the diagnostics of a scene's check by new ones; returns all diagnostics of each file in either, also
+    /// from checks of other scenes.
     pub fn replace(
         &mut self,
         scene: &str,

@@ -35,7 +35,7 @@ impl Scoped {
 /// A scene that another one places.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Placement {
-    /// Group that stands for the scene: the name of the instance, else that of the file.
+    /// Group that stands for the scene: the name of the instance, else of the file.
     pub group: String,
     /// File of the scene, as it is named.
     pub file: String,
@@ -77,7 +77,7 @@ fn add(
     }
 }
 
-/// Whether a path may be that of a file that a text names, whatever folder the name starts from.
+/// Whether a path may be meant by a file name in a text, from whatever folder the name starts.
 pub fn is_named(path: &Path, name: &str) -> bool {
     let parts = Path::new(name).components();
     let below: PathBuf = parts

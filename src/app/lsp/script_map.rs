@@ -1,4 +1,4 @@
-//! Completion inside of the maps `#{ … }` of scripts: keys that functions of `ctx` take, and those of what `setup` returns.
+//! Completion inside of the maps `#{ … }` of scripts: keys that functions of `ctx` take, and keys of `setup`'s result.
 
 use std::{cell::Cell, ops::Range, path::Path};
 
@@ -134,7 +134,7 @@ impl Script<'_> {
         open
     }
 
-    /// Where the value goes that begins at a byte offset, such as that of a map's brace.
+    /// Meaning of the value that begins at a byte offset, such as a map's brace.
     fn goal(&self, offset: usize, depth: usize) -> Option<Goal> {
         let depth = depth.checked_sub(1)?;
         self.left.set(self.left.get().checked_sub(1)?);
@@ -200,7 +200,7 @@ impl Script<'_> {
         uses.find_map(|at| self.goal(at, depth))
     }
 
-    /// Keys of a map, without those that it has.
+    /// Keys that a map of this goal may still get.
     fn keys(&self, goal: &Goal, map: usize) -> Vec<Value> {
         let own = self.entries(map);
         let has = |item: &Value| own.iter().any(|(key, _)| item["label"] == *key);

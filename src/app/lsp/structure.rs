@@ -1,4 +1,4 @@
-//! Structure of a text: its tables or functions as symbols, and what can be folded.
+//! Structure of a text: its tables or functions as symbols, and its foldable ranges.
 
 use std::ops::Range;
 

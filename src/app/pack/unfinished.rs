@@ -8,8 +8,8 @@ use std::{
 
 use crate::files::{hidden_path, sync_name};
 
-/// A folder under a hidden name beside its target path; deleted on drop unless it was renamed. What a killed run
-/// leaves is deleted by [`crate::files::sweep`].
+/// A folder under a hidden name beside its target path; deleted on drop unless it was renamed. Leftovers of a killed
+/// run are deleted by [`crate::files::sweep`].
 pub struct Unfinished {
     goal: PathBuf,
     folder: PathBuf,

@@ -184,7 +184,7 @@ fn write_file(zip: &mut Zip, file: &PackedFile, folder: &Path) -> Result<(), Fau
     Ok(())
 }
 
-/// Copies like [`io::copy`], distinguishing errors of the pack from those of the disk, until a signal comes.
+/// Copies like [`io::copy`], distinguishing errors of the pack from errors of the disk, until a signal comes.
 fn copy(from: &mut impl io::Read, goal: &mut File, name: &str, path: &Path) -> Result<(), Fault> {
     let mut block = vec![0; 1 << 16];
     loop {

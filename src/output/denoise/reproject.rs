@@ -42,7 +42,7 @@ impl FramePose {
         }
     }
 
-    /// Instances that are elsewhere in another frame, by index: moved, hidden in one of them, or of a deformed mesh.
+    /// Instances that are elsewhere in another frame, by index: moved, hidden in either frame, or of a deformed mesh.
     pub fn moved(&self, other: &Self) -> Vec<bool> {
         let places = self.places.iter().zip(&other.places);
         (places.zip(&self.mesh_of))

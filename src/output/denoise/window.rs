@@ -1,5 +1,5 @@
-//! Frames around a frame of a film: denoised pictures are averaged over them, so that what the denoiser makes of the
-//! grain does not change from frame to frame.
+//! Frames around a frame of a film: denoised pictures are averaged over them, so that denoised grain does not flicker
+//! from frame to frame.
 //!
 //! Each frame of the window is rendered and denoised by itself, so a frame is the same in whatever part of a film it is
 //! rendered. Pixels of other frames count where they show the same surface ([`super::reproject`]), the less the more
@@ -35,15 +35,15 @@ pub struct WindowFrame {
     denoised: OnceLock<Result<Denoised, String>>,
 }
 
-/// A denoised picture with what is needed to find its surfaces in others.
+/// A denoised picture with the data to find its surfaces in others.
 struct Denoised {
     picture: Picture,
     surfaces: Surfaces,
-    /// Means of the display color of those of 3 × 3 pixels that show the same instance.
+    /// Mean display color of those among the 3 × 3 pixels around that show the same instance.
     surroundings: Vec<[f32; 3]>,
 }
 
-/// A frame of a window, seen from the one that is averaged.
+/// A frame of a window, seen from the averaged frame.
 struct Neighbor<'a> {
     denoised: &'a Denoised,
     pose: &'a FramePose,
@@ -56,7 +56,7 @@ struct Neighbor<'a> {
 pub struct KeptFrames(BTreeMap<u32, Result<Arc<WindowFrame>, FrameError>>);
 
 impl KeptFrames {
-    /// The window of a frame: renders those of `range` that are not kept, and forgets those outside of it. Neighbors that
+    /// The window of a frame: renders frames of `range` that are not kept, and forgets frames outside. Neighbors that
     /// cannot be rendered are left out.
     ///
     /// # Errors
@@ -100,7 +100,7 @@ pub struct Window {
 }
 
 impl Window {
-    /// Waits for the frames, denoises those that are not yet, and averages them.
+    /// Waits for the frames, denoises where that was not done yet, and averages them.
     ///
     /// # Errors
     /// Errors of the device and of the denoiser.

@@ -1,4 +1,4 @@
-//! Texts about maps that frames capture: probes, the faces of a box, and what is far.
+//! Texts about maps that frames capture: probes, the faces of a box, and maps of `near-far`.
 
 use super::mebibytes;
 use reflet_render::{
@@ -25,7 +25,7 @@ fn when(update_ms: f64, capture_ms: f64) -> String {
     }
 }
 
-/// Number and size of the probes, and what their maps took.
+/// Number and size of the probes, with bytes and time of their maps.
 fn probes_text(probes: &ProbeStats) -> String {
     format!(
         "{} with faces of {} px, {}; {}",
@@ -36,7 +36,7 @@ fn probes_text(probes: &ProbeStats) -> String {
     )
 }
 
-/// Size of the box of method `ssr+box`, and what its faces took.
+/// Size of the box of method `ssr+box`, with bytes and time of its faces.
 fn faces_text(faces: &FacesStats) -> String {
     let [x, y, z] = faces.size_m;
     format!(
@@ -47,7 +47,7 @@ fn faces_text(faces: &FacesStats) -> String {
     )
 }
 
-/// Size of the box and of the maps of method `near-far`, and what the maps took.
+/// Size of the box and of the maps of method `near-far`, with bytes and time of the maps.
 fn far_text(far: &FarStats) -> String {
     let layers = if far.layers > 1 { ", 2 layers" } else { "" };
     format!(

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::desc::ProjectDesc;
 
-/// Whether a file is that of a project, by its name.
+/// Whether a file is a project, by its name.
 pub fn is_project(path: &Path) -> bool {
     path.file_name() == Some(OsStr::new(ProjectDesc::FILE))
 }

@@ -25,7 +25,7 @@ pub(super) const ENOUGH_PX: usize = 1000;
 /// Maximum number of times that the size of a scene is doubled.
 pub(super) const MOST_DOUBLINGS: u32 = 2;
 
-/// A system in a scene: its renderer, and what was measured until now.
+/// A system in a scene: its renderer, and its measurements until now.
 struct Running<'a> {
     system: &'a System,
     renderer: RendererStage,
@@ -62,7 +62,7 @@ fn explain(error: RenderError) -> AppError {
     AppError::from_render(error, false)
 }
 
-/// Renderer of what pictures are scored against.
+/// Renderer of the reference pictures.
 fn reference_renderer(
     gpu: &Gpu,
     library: &ShaderLibrary,
@@ -315,7 +315,7 @@ fn errors_over(frames: &[FrameRow]) -> Option<SystemErrors> {
     })
 }
 
-/// Bytes of what is made apart from a frame, and the time that it took, milliseconds; `None` where that is nothing.
+/// Bytes and build time, in milliseconds, of structures that are made apart from a frame; `None` without any.
 fn prepared(stats: &FrameStats) -> Option<(u64, f64)> {
     let structures = || Some((stats.structure_bytes()?, stats.structures_ms));
     stats.captured().or_else(structures)

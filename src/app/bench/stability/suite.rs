@@ -21,7 +21,7 @@ pub struct Choice {
     pub path: PathBuf,
 }
 
-/// Scenes that the arguments name; without any, those of the ratchet, otherwise the whole suite.
+/// Scenes that the arguments name; else the ratchet's scenes, else the whole suite.
 ///
 /// # Errors
 /// A scene that does not exist, two scenes of one name, and a suite with a gap.
