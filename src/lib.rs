@@ -9,7 +9,7 @@
 //! # The map
 //!
 //! Reflet is a workspace. Its crates are folders of `src/`, each with its `Cargo.toml` and a first page that says what
-//! it owns; this package is the program. Data flows one way, and a crate depends only on those below it in the table:
+//! it owns; this package is the program. Data flows one way, and a crate depends only on crates below it in the table:
 //!
 //! ```text
 //! scene text ──> SyntaxTree ──> Document ──> setup ──> SceneDesc ──> World ──> GpuScene ──> passes ──> picture
@@ -48,9 +48,8 @@
 //!    with `shadow = "ray"` need none. A map whose light and casters have not moved is not drawn
 //!    again.
 //! 2. **Visibility** rasterizes depth and ids (instance, triangle) and nothing else; points and lines are capsules
-//!    ([`world::Mesh::capsule_radius_m`]), whose id stands for that of a triangle, drawn as quadrilaterals in which
-//!    every pixel tests its ray; with
-//!    `image.visibility = "rays"`, **primary** finds the same ids by a ray a pixel.
+//!    ([`world::Mesh::capsule_radius_m`]), whose id stands for a triangle's, drawn as quadrilaterals in which every
+//!    pixel tests its ray; with `image.visibility = "rays"`, **primary** finds the same ids by a ray a pixel.
 //! 3. **Surface** resolves the G-buffer from the ids in compute and lists the reflective pixels. The
 //!    function that turns (instance, triangle, barycentrics, footprint) into a surface is `surface_at`
 //!    in `shaders/lib/surface.wgsl`; screen hits and traced hits use the same one.
@@ -64,8 +63,8 @@
 //!    listed, and so are the rays to trace, with the distance proven free where the ray left the
 //!    picture. **Arguments** sizes the dispatches over lists.
 //! 7. **Hits** shades the accepted hits at the point where the ray meets the surface, with the ray's footprint.
-//! 8. With `reflection.rate` above 1 **lead** traces one of several rays, and **spread** gives those between them what
-//!    they hit, where they agree. **Trace** follows the listed rays through the static tree and the top level over instances,
+//! 8. With `reflection.rate` above 1 **lead** traces one of several rays, and between leaders whose hits agree **spread**
+//!    reuses their hits. **Trace** follows the listed rays through the static tree and the top level over instances,
 //!    bounce by bounce. With `reflection.trace = "query"` the device's ray queries find candidates in the structures of
 //!    [`render::upload::structures`], for these and all other rays; our own tests choose among them.
 //! 9. **Filter** (rough reflections, below 16 sub-frames), **blur** (if asked for), **compose** (only the
@@ -92,17 +91,16 @@
 //! Saving a file reruns the stages that come after it in the diagram of the data flow, and no others.
 //!
 //! 1. [`reflet_preview::watch`] tells which kind of file has new content.
-//! 2. [`reflet_preview::live::ReloadJob`] reads the text, runs the script and poses the first frame and the one that is shown;
-//!    the preview does it on a thread of its own. A newer save cancels the job ([`scene::script::Halt`]).
+//! 2. [`reflet_preview::live::ReloadJob`] reads the text, runs the script and poses the first frame and the shown
+//!    frame; the preview does it on a thread of its own. A newer save cancels the job ([`scene::script::Halt`]).
 //! 3. [`runtime::Session::show`] does the rest, as for [`runtime::Session::set`]: [`world::load::AssetCache`] builds
 //!    instances and materials anew from the files that are in memory already.
-//! 4. [`render::Renderer::change`] compares meshes and textures by identity, and trees, materials, poses and
-//!    bindings by value, and rebuilds those that differ. Shaders are cached by their text, pipelines by
-//!    their shader.
+//! 4. [`render::Renderer::change`] compares meshes and textures by identity, and trees, materials, poses and bindings
+//!    by value, and rebuilds whatever differs. Shaders are cached by their text, pipelines by their shader.
 //!
-//! Every step builds its results beside those in use and swaps them at its end, so that an error changes nothing.
-//! Other values of the script's parameters are a reload too; values that fail although the scene without them does
-//! not are refused ([`reflet_preview::live::Refusal`]). Showing another frame takes only [`scene::stages::Scene::pose`],
+//! Every step builds its results beside the current ones and swaps them at its end, so that an error changes nothing.
+//! Other values of the script's parameters are a reload too; values that fail although the scene without them does not
+//! are refused ([`reflet_preview::live::Refusal`]). Showing another frame takes only [`scene::stages::Scene::pose`],
 //! [`world::World::apply`] and [`render::Renderer::update`].
 //!
 //! # Rules

@@ -1,4 +1,4 @@
-//! Folder of what Reflet keeps between runs for one user: converted stages and compiled pipelines.
+//! Folder of files that Reflet keeps between runs for one user: converted stages and compiled pipelines.
 
 use std::{
     env, fs, io,

@@ -252,7 +252,7 @@ pub fn sync_name(path: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Path beside `goal` of what this process has not finished yet; [`sweep`] removes it if the process was killed.
+/// Path beside `goal` of an unfinished file of this process; [`sweep`] removes it if the process was killed.
 pub fn hidden_path(goal: &Path) -> PathBuf {
     folder_of(goal).join(hidden_name(goal.file_name().unwrap_or_default()))
 }

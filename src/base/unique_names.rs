@@ -10,8 +10,7 @@ pub struct UniqueNames {
 }
 
 impl UniqueNames {
-    /// Takes a name: the first item keeps it, the next become `name#2`, `name#3` and so on, but for those that are
-    /// taken.
+    /// Takes a name: the first item keeps it, the next become `name#2`, `name#3` and so on, without taken names.
     pub fn take(&mut self, name: &str) -> String {
         let Some(mut number) = self.taken.get(name).copied() else {
             self.taken.insert(name.to_owned(), 1);

@@ -1,4 +1,4 @@
-//! Choice of the adapter: by name, then by the kind that is probably fastest; and what an adapter has and lacks.
+//! Choice of the adapter: by name, then by the kind that is probably fastest; and its abilities.
 
 use std::env;
 
@@ -33,9 +33,9 @@ const ABILITIES: [(&str, wgpu::Features); 5] = [
 pub struct AdapterSummary {
     /// Name, driver with its version, and API.
     pub name: String,
-    /// Abilities that it has, of those that Reflet uses or could use.
+    /// Abilities that Reflet uses or could use and the adapter has.
     pub has: Vec<String>,
-    /// Abilities that it lacks, and limits below those that Reflet can use.
+    /// Abilities that it lacks, and limits below Reflet's needs.
     pub lacks: Vec<String>,
 }
 
@@ -77,7 +77,7 @@ impl AdapterSummary {
     }
 }
 
-/// Names of the abilities that an adapter with these features has, and of those that it lacks.
+/// Names of the abilities that an adapter with these features has, then of abilities that it lacks.
 fn split_abilities(features: wgpu::Features) -> (Vec<String>, Vec<String>) {
     let (has, lacks): (Vec<_>, Vec<_>) = ABILITIES
         .iter()
@@ -111,7 +111,7 @@ pub(super) fn find(filter: Option<&str>) -> Result<(wgpu::Instance, Vec<wgpu::Ad
     Ok((instance, choose(found, filter)?))
 }
 
-/// The adapters to try, best first: those that `filter` names, else [`ADAPTER_ENV`], else all.
+/// The adapters to try, best first: named by `filter`, else by [`ADAPTER_ENV`], else all.
 ///
 /// # Errors
 /// [`GpuError::NoAdapter`] if there is none, or none of that name.

@@ -68,7 +68,7 @@ pub struct Gpu {
     pub compile_stats: CompileStats,
     /// Compiled shaders and pipelines, shared by all renderers of the device.
     pub(super) shaders: ShaderCache,
-    /// Pipelines of earlier runs; those of this run are added when the device is dropped.
+    /// Pipelines of earlier runs; this run's are added when the device is dropped.
     kept: Option<KeptPipelines>,
     /// The first error outside an error scope.
     fault: Arc<Mutex<Option<GpuError>>>,

@@ -25,7 +25,7 @@ impl Experimental {
         }
     }
 
-    /// The default limits, with those of an adapter for acceleration structures where these are used.
+    /// The default limits; for acceleration structures, where used, the adapter's.
     pub fn limits(self, offered: &wgpu::Limits) -> wgpu::Limits {
         let limits = wgpu::Limits::default();
         match self.features.is_empty() {

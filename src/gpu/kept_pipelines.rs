@@ -1,5 +1,5 @@
-//! Compiled pipelines that are kept between runs: what the driver gives to store, in a file for each adapter, driver
-//! and version of Reflet.
+//! Compiled pipelines that are kept between runs: the driver's data, in a file for each adapter, driver and version of
+//! Reflet.
 //!
 //! A driver trusts these bytes, so a file is handed over only if this user alone can write to it, and if it is
 //! complete and of the same adapter and driver. In all other cases, and where nothing can be written, pipelines are
@@ -25,8 +25,8 @@ pub const EXTENSION: &str = "pipelines";
 /// Maximum number of bytes of a file; pipelines that need more are forgotten, as none of them can be removed alone.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// Maximum number of bytes of all files in the folder, those of other adapters and drivers too; the file that was
-/// written longest ago is removed first.
+/// Maximum number of bytes of all files in the folder, of all adapters and drivers; the file that was written longest
+/// ago is removed first.
 pub const MOST_BYTES_OF_ALL: u64 = 4 * MOST_BYTES;
 
 /// First bytes of a file, with the version of its format.
@@ -144,8 +144,8 @@ impl KeptPipelines {
             unsafe_code,
             reason = "a driver is handed bytes that it trusts, which spares compiling in every run"
         )]
-        // SAFETY: the bytes are those that the same version of the same driver returned for the same adapter, by hash,
-        // in a file that only this user can write to.
+        // SAFETY: the same version of the same driver returned these bytes for the same adapter, by hash, in a file
+        // that only this user can write to.
         let cache = unsafe { device.create_pipeline_cache(&descriptor) };
         if pollster::block_on(scope.pop()).is_some() {
             return None;

@@ -83,8 +83,8 @@ impl Gpu {
         Ok(module)
     }
 
-    /// Notes that renderers have taken other shader texts: what only older ones made is dropped from the caches, of which
-    /// software drivers hold several MB for each pipeline.
+    /// Notes that renderers have taken other shader texts: pipelines of older texts are dropped from the caches;
+    /// software drivers hold several MB for each.
     pub fn shader_texts_changed(&self) {
         self.shaders.texts_changed();
     }
@@ -111,8 +111,7 @@ impl Shader {
     }
 
     /// The cached pipeline of these groups, constants and `state`, or a new one from `make`, with the layout of the
-    /// groups and the module on the device. The pipeline may be that of another text that specializes to the same
-    /// module.
+    /// groups and the module on the device. Another text that specializes to the same module shares its pipeline.
     fn pipeline<P: Clone, const MOST: usize>(
         &self,
         gpu: &Gpu,

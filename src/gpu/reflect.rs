@@ -110,8 +110,8 @@ impl ShaderModuleInfo {
     }
 }
 
-/// The naga capabilities of a device with these optional features; `Features::empty()` gives those that every device
-/// has.
+/// The naga capabilities of a device with these optional features; `Features::empty()` gives the capabilities of every
+/// device.
 pub fn capabilities(features: wgpu::Features) -> Capabilities {
     let mut capabilities = Capabilities::CUBE_ARRAY_TEXTURES
         | Capabilities::MULTISAMPLED_SHADING

@@ -121,7 +121,7 @@ impl<K: PartialEq, V: Clone, const MOST: usize> Recent<K, V, MOST> {
         self.entries.push(Kept { key, value, used });
     }
 
-    /// Drops what was last used before the texts changed [`KEPT_CHANGES`] times, but for what is in use.
+    /// Drops entries that are not in use and were last used before the texts changed [`KEPT_CHANGES`] times.
     fn texts_changed(&mut self, is_in_use: impl Fn(&V) -> bool) {
         self.changes += 1;
         let oldest = self.changes.saturating_sub(KEPT_CHANGES);

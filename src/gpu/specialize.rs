@@ -11,7 +11,7 @@ use naga::{
 };
 
 /// A module without overrides and without source locations, for one compute entry point or for all entry points: texts
-/// that differ only in what is removed become one module.
+/// that differ only in removed parts become one module.
 ///
 /// # Errors
 /// A value that does not match its override.
@@ -53,7 +53,7 @@ type Given = (Handle<Override>, bool);
 fn prune_module(module: &mut Module, given: &[Given]) {
     let mut functions = std::mem::take(&mut module.functions);
     let mut returned = Vec::new();
-    // A function stands behind those that it calls.
+    // A function stands behind its callees.
     for (handle, function) in functions.iter_mut() {
         let value = prune(Facts::new(module, given, &returned), function);
         returned.extend(value.map(|value| (handle, value)));

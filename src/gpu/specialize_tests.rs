@@ -69,7 +69,7 @@ fn names(constants: &[(&str, f64)], entry: Option<&str>) -> Vec<String> {
         .collect()
 }
 
-/// `has_b` stays as a call without a use, but what it reads and what it decides is gone.
+/// `has_b` stays as a call without a use, but its reads and its branch are gone.
 #[test]
 fn what_constants_leave_out_is_gone() {
     let main = Some("main");

@@ -73,7 +73,7 @@ impl Scores {
         self.0.max_difference
     }
 
-    /// Share of pixels that stand out where those of the reference do not, 0 to 1.
+    /// Share of pixels that stand out in this picture but not in the reference, 0 to 1.
     #[getter]
     fn specks(&self) -> f64 {
         self.0.specks

@@ -1,4 +1,4 @@
-//! Opening: what a scene is, and what is changed in it.
+//! Opening scenes, and overrides of their content.
 
 use std::{
     path::PathBuf,

@@ -29,7 +29,7 @@ use reflet_render::{
 
 /// A finished picture with its AOVs, `picture["depth"]`. It shows itself in notebooks.
 ///
-/// The arrays are the picture's own memory: what is written to them is saved. They give themselves
+/// The arrays are the picture's own memory: values written to them are saved. They give themselves
 /// to other libraries by DLPack without a copy; the picture itself stands for `display` there, and
 /// in `numpy.asarray` and `PIL.Image.fromarray`.
 ///

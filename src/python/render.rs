@@ -22,7 +22,7 @@ use reflet_scene::desc::Samples;
 pub struct Request {
     /// AOVs, without repetition.
     pub aovs: Vec<Aov>,
-    /// Settings that replace those of the scene.
+    /// Settings in place of the scene's.
     pub view: ViewOverrides,
     /// Part of the picture to keep.
     pub crop: Option<Crop>,

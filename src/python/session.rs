@@ -120,9 +120,9 @@ impl Session {
 
     /// Frames of the timeline, each rendered when it is asked for; without a list all of them.
     ///
-    /// `frames` is such as `"0-47"`, `"1-20:2"`, `"1,3,5-9"` or `range(0, 48)`. Files that they
-    /// save are those of `reflet render --frames`, which goes on after them with `--resume`. `view`
-    /// is as for `render`.
+    /// `frames` is such as `"0-47"`, `"1-20:2"`, `"1,3,5-9"` or `range(0, 48)`. They
+    /// save the same files as `reflet render --frames`, which goes on after them with `--resume`.
+    /// `view` is as for `render`.
     ///
     /// Raises `FrameError` in a scene without a timeline, and for frames outside of it.
     #[pyo3(signature = (frames=None, *, progress=None, **view))]

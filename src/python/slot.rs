@@ -99,7 +99,7 @@ impl Slot {
     /// Reads from the session on the calling thread.
     ///
     /// # Errors
-    /// Same errors as [`Slot::work`], but for those of the work.
+    /// Same errors as [`Slot::work`], but no errors of the work.
     pub fn read<T>(&self, py: Python<'_>, read: impl FnOnce(&Session) -> T) -> PyResult<T> {
         let session = self.take(py)?;
         let value = read(&session);
@@ -110,7 +110,7 @@ impl Slot {
     /// Works with the session on a thread of its own.
     ///
     /// # Errors
-    /// A session that cannot be taken, errors of the work, and those of [`work::run`]. After a panic the session is
+    /// A session that cannot be taken, and errors of the work and of [`work::run`]. After a panic the session is
     /// closed.
     pub fn work<T: Send + 'static>(
         &self,
@@ -141,7 +141,7 @@ impl Slot {
     /// Closes the session and frees its device; a closed one stays closed.
     ///
     /// # Errors
-    /// Same errors as [`Slot::read`], but for that of a closed session.
+    /// Same errors as [`Slot::read`], but a closed session is none.
     pub fn close(&self, py: Python<'_>) -> PyResult<()> {
         if self.is_closed() {
             return Ok(());

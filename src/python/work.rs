@@ -22,7 +22,7 @@ use reflet_gpu::Gpu;
 /// Time between two looks for Ctrl-C.
 const TICK: Duration = Duration::from_millis(40);
 
-/// Stack of a thread that works, bytes: that of a program's first thread on Linux.
+/// Stack of a thread that works, bytes, as of a program's first thread on Linux.
 const STACK: usize = 8 << 20;
 
 /// Process in which threads were started; 0 before that.

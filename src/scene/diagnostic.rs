@@ -1,4 +1,4 @@
-//! Messages to the user: the place in a file, what is wrong and what was expected, and what to do.
+//! Messages to the user: the place in a file, the mistake, the expectation, and the cure.
 
 mod json;
 mod render;
@@ -95,7 +95,7 @@ pub struct Diagnostic {
     pub severity: Severity,
     /// Stable kebab-case name of the kind of message, such as `unknown-key` or `alpha-blend-opaque`.
     pub name: &'static str,
-    /// The mistake and what was expected, in one sentence.
+    /// The mistake and the expectation, in one sentence.
     pub message: String,
     /// Place of the mistake in a text.
     pub span: Span,
@@ -129,8 +129,8 @@ impl Source {
         }
     }
 
-    /// Scene that the program generates for a model file at `path`: a tree whose ranges are all empty. Its text is
-    /// for those who copy or compare scenes.
+    /// Scene that the program generates for a model file at `path`: a tree whose ranges are all empty. Its text is for
+    /// copying and comparing scenes.
     pub fn generated(path: impl AsRef<Path>, root: Entries) -> Self {
         let text = to_text(&root);
         Self {

@@ -44,7 +44,7 @@ use super::{
     number::Field,
 };
 
-/// Everything that may differ from frame to frame; the lists are parallel to those of [`SceneDesc`].
+/// Everything that may differ from frame to frame; the lists are parallel to the lists of [`SceneDesc`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameState {
     /// Number of the frame.
@@ -91,7 +91,7 @@ impl FrameState {
 }
 
 impl SceneDesc {
-    /// Animation that an instance plays: its own choice, else its model's; `models` are those of the scene.
+    /// Animation that an instance plays: its own choice, else its model's; `models` are the scene's.
     pub fn played_by<'a>(
         &'a self,
         instance: &'a InstanceDesc,

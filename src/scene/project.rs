@@ -1,4 +1,4 @@
-//! Projects: `reflet.toml` with what the scenes below its folder share, and the border that it gives them.
+//! Projects: `reflet.toml` with settings that all scenes below its folder share, and the border that it gives them.
 
 mod find;
 
@@ -170,7 +170,7 @@ impl Project {
         format!(", in the project \"{name}\" with the border {folder}")
     }
 
-    /// Adds its folders to those of a scene, after the folders that the user names.
+    /// Adds its folders to a scene's folders, after the folders that the user names.
     pub fn extend(&self, border: &mut Border) {
         border.assets.extend(self.asset_folders());
         let scripts = self.desc.scripts.iter();

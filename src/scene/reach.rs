@@ -8,7 +8,7 @@ use std::{
 
 use super::diagnostic::Source;
 
-/// Texts of files that are open in an editor, which are read in place of what the disk has.
+/// Texts of files that are open in an editor, which are read in place of files on the disk.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct UnsavedTexts(Arc<BTreeMap<PathBuf, Arc<str>>>);
 

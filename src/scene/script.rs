@@ -78,9 +78,9 @@ impl fmt::Debug for Script {
 }
 
 impl Script {
-    /// Reads and compiles a script that a scene names, and all files that it imports. Files are read from
-    /// the folders of the scene and of libraries of scripts alone, the scene's first; those that are looked for are added to `dependencies`, also when
-    /// this fails.
+    /// Reads and compiles a script that a scene names, and all files that it imports. Files are read from the folders
+    /// of the scene and of libraries of scripts alone, the scene's first; every file that is looked for is added to
+    /// `dependencies`, also when this fails.
     ///
     /// # Errors
     /// A file that is missing or outside the folder, and mistakes of the script, with their places.

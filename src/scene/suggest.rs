@@ -155,7 +155,7 @@ pub fn nearest<'a>(typed: &str, words: impl IntoIterator<Item = &'a str>) -> Opt
         .map(|(word, _)| word)
 }
 
-/// `did you mean …?`, else the list of what is allowed.
+/// `did you mean …?`, else the list of allowed words.
 pub fn hint(typed: &str, words: &[&str], quote: impl Fn(&str) -> String, lead: &str) -> String {
     match nearest(typed, words.iter().copied()) {
         Some(word) => format!("did you mean {}?", quote(word)),
@@ -181,7 +181,7 @@ pub fn text(text: &str) -> String {
     format!("\"{}\"", clip(text).escape_debug())
 }
 
-/// User text of any length, cut to what fits a message.
+/// User text of any length, cut to the room of a message.
 pub fn clip(text: &str) -> String {
     if text.chars().count() <= 60 {
         text.to_owned()

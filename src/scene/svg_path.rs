@@ -71,7 +71,7 @@ pub fn read(text: &str) -> Result<Vec<PathSegment>, PathFault> {
     Ok(segments)
 }
 
-/// Byte of the number of a path that is beyond 1e12, by itself or added to those before it.
+/// Byte of the number of a path that is beyond 1e12, by itself or added to the numbers before it.
 fn too_large(text: &str) -> usize {
     let literals: Vec<_> = literals(text).collect();
     let own = |at: &Range<usize>| text[at.clone()].parse::<f64>().ok();

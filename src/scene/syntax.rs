@@ -133,7 +133,7 @@ impl SyntaxTree {
         moved_entries(&self.root, by)
     }
 
-    /// Copy of the entries with all ranges moved, of `[variant.NAME]` only those that `keeps` selects.
+    /// Copy of the entries with all ranges moved, but `[variant.NAME]` only where `keeps` selects it.
     pub fn moved_with_variants(&self, by: usize, keeps: impl Fn(&str) -> bool) -> Entries {
         let copy = |(key, node): (&Key, &Node)| {
             let node = match node.get_ref() {
@@ -150,7 +150,7 @@ impl SyntaxTree {
     }
 }
 
-/// Parses one value, such as that of `--set`.
+/// Parses one value, such as of `--set`.
 ///
 /// # Errors
 /// The first syntax error.

@@ -177,8 +177,8 @@ fn resolved(goal: &Path) -> PathBuf {
     linked.flatten().unwrap_or_else(|| goal.to_owned())
 }
 
-/// Files that a run reads, which none of its outputs may replace. They are told apart by what they are, not by their
-/// names: links, `..` and hard links lead to the same file.
+/// Files that a run reads, which none of its outputs may replace. Their identity counts, not their names: links, `..`
+/// and hard links lead to the same file.
 #[derive(Clone, Debug, Default)]
 pub struct Inputs(HashSet<Identity>);
 

@@ -56,12 +56,12 @@ SOURCES: list[str]
 """Names of the numbers of the AOV `source`: where the reflection of a pixel came from."""
 
 class _View(TypedDict, total=False):
-    """Choices of a picture, which replace those of the scene for this picture alone."""
+    """Choices of a picture, in place of the scene's, for this picture alone."""
 
     aovs: _Aov | Sequence[_Aov] | Sequence[str]
     """AOVs to render too."""
     camera: str
-    """Camera; without one that of the scene's cuts, else `main`, else the first."""
+    """Camera; without a name the camera of the scene's cuts, else `main`, else the first."""
     size: _Integers
     """Width and height, pixels, each 1 to 16384."""
     samples: int
@@ -153,9 +153,9 @@ class Session:
     ) -> Frames:
         """Frames of the timeline, each rendered when it is asked for; without a list all of them.
 
-        `frames` is such as `"0-47"`, `"1-20:2"`, `"1,3,5-9"` or `range(0, 48)`. Files that they
-        save are those of `reflet render --frames`, which goes on after them with `--resume`. `view`
-        is as for `render`.
+        `frames` is such as `"0-47"`, `"1-20:2"`, `"1,3,5-9"` or `range(0, 48)`. They
+        save the same files as `reflet render --frames`, which goes on after them with `--resume`.
+        `view` is as for `render`.
 
         Raises `FrameError` in a scene without a timeline, and for frames outside of it.
         """
@@ -246,7 +246,7 @@ class Frames(Iterator[Picture]):
 class Picture:
     """A finished picture with its AOVs, `picture["depth"]`. It shows itself in notebooks.
 
-    The arrays are the picture's own memory: what is written to them is saved. They give themselves
+    The arrays are the picture's own memory: values written to them are saved. They give themselves
     to other libraries by DLPack without a copy; the picture itself stands for `display` there, and
     in `numpy.asarray` and `PIL.Image.fromarray`.
 
@@ -367,7 +367,7 @@ class Scores:
 
     @property
     def specks(self) -> float:
-        """Share of pixels that stand out where those of the reference do not, 0 to 1."""
+        """Share of pixels that stand out in this picture but not in the reference, 0 to 1."""
 
 @final
 class Comparison(Scores):

@@ -27,13 +27,13 @@ class Diagnostic:
 
 
 class Error(Exception):
-    """Any error of Reflet but those of the disk, which are `OSError`."""
+    """Any error of Reflet; errors of the disk are `OSError`."""
 
 
 class SceneError(Error):
     """Mistakes in a scene, its script or its files. `str` shows all with their lines.
 
-    `file`, `line`, `column`, `message` and `help` are those of the first error.
+    `file`, `line`, `column`, `message` and `help` belong to the first error.
     """
 
     def __init__(self, text: str, diagnostics: list[Diagnostic] | None = None) -> None:
@@ -57,7 +57,7 @@ class ArgumentError(Error, ValueError):
 
 
 class UnknownNameError(Error, LookupError):
-    """A camera, model, AOV or method that does not exist; the message lists those that do."""
+    """A camera, model, AOV or method that does not exist; the message lists the existing names."""
 
     def __str__(self) -> str:
         return str(self.args[0])

@@ -122,8 +122,8 @@ impl Returned {
         (written.unwrap_or_else(place), message)
     }
 
-    /// Place of the key with exactly this value in the script: the only one, or, if it is written as often as
-    /// it was returned, the one in the same order.
+    /// Place of the key with exactly this value in the script: its only place, or, if it is written as often as it was
+    /// returned, the place of the same number.
     fn written(&self, text: &str, entries: &[Entry], found: &Entry) -> Option<Span> {
         let key = found.path.last().filter(|name| !name.starts_with('['))?;
         let value = text.get(found.value.clone()?)?;

@@ -71,8 +71,8 @@ fn project_page() -> Page {
     Page { file, text }
 }
 
-/// Page of each section: that of the top-level table in its heading, or else that of the section before, to
-/// whose keys it belongs.
+/// Page of each section: of the top-level table in its heading, or else of the previous section, to whose keys it
+/// belongs.
 fn places(sections: &[SectionRecord]) -> Vec<Place> {
     let mut file = INDEX.to_owned();
     let mut uses: HashMap<(String, String), usize> = HashMap::new();

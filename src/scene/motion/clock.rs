@@ -12,7 +12,7 @@ impl AnimationDesc {
         match self.repeat {
             _ if duration_s <= 0.0 => 0.0,
             Playback::Once => run.clamp(0.0, duration_s),
-            // The end and the start of a loop are one moment; at first show the one that it begins with.
+            // The end and the start of a loop are one moment; at first show the start.
             Playback::Loop if elapsed == 0.0 => start,
             Playback::Loop => run.rem_euclid(duration_s),
             Playback::PingPong => {

@@ -40,7 +40,7 @@ impl DecalPose {
     }
 }
 
-/// Number of fields of [`DECAL`] that place the box; tracks of these are those of an instance.
+/// Number of fields of [`DECAL`] that place the box; their tracks are an instance's.
 pub const DECAL_PLACES: usize = 2;
 
 /// Numbers of a decal that may change.

@@ -20,8 +20,7 @@ pub struct FileMaterial<'a> {
     pub material: &'a str,
 }
 
-/// Materials inside files that may change: those with motion, and, for a script, those with a table
-/// `[model.NAME.material.M]`.
+/// Materials inside files that may change: by motion, or, with a table `[model.NAME.material.M]`, by a script.
 pub fn file_materials(desc: &SceneDesc) -> Vec<FileMaterial<'_>> {
     let (mut found, mut known) = (Vec::new(), HashSet::new());
     let mut add = |model, material| {
@@ -98,8 +97,8 @@ impl<'a> ModelTables<'a> {
     }
 }
 
-/// Written values of many file materials, in their order; `models` are those of the scene. Materials of one model
-/// follow each other.
+/// Written values of many file materials, in their order; `models` are the scene's. Materials of one model follow each
+/// other.
 pub fn written_all(desc: &SceneDesc, models: &ByName, all: &[FileMaterial]) -> Vec<MaterialDesc> {
     let of_one_model = all.chunk_by(|a, b| a.model == b.model);
     let written = of_one_model.flat_map(|same| {

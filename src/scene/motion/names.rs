@@ -27,7 +27,7 @@ pub struct Names {
     pub known: Known,
 }
 
-/// Names as a script uses them: that of a placed scene writes the names in it without their prefix.
+/// Names as a script uses them: the script of a placed scene writes them without the scene's prefix.
 #[derive(Clone, Debug)]
 pub struct ScriptNames {
     all: Arc<Names>,

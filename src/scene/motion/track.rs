@@ -20,7 +20,7 @@ pub struct Track<'a> {
     follow: Option<usize>,
 }
 
-/// Value of the keys of a track at a time, seconds, without what is added to them; 0 without keys.
+/// Value of the keys of a track at a time, seconds, without added noise or waves; 0 without keys.
 pub fn key_value(desc: &TrackDesc, time_s: f64) -> Vec3 {
     if desc.keys.is_empty() {
         return Vec3::ZERO;
@@ -97,7 +97,7 @@ fn eased(ease: Ease, u: f64) -> f64 {
 struct Keys<'a>(&'a TrackDesc);
 
 impl Keys<'_> {
-    /// Number of pieces between keys, including the one that closes a loop.
+    /// Number of pieces between keys, including the piece that closes a loop.
     fn pieces(&self) -> usize {
         let count = self.0.keys.len();
         if self.0.loop_s.is_some() && count > 1 {

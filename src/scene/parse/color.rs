@@ -154,7 +154,7 @@ fn linear(bytes: [u8; 3]) -> Vec3 {
     Vec3::from_array(bytes.map(|b| linear_from_srgb(f32::from(b) / 255.0)))
 }
 
-/// Three whole numbers up to 255, one of them so large that it is hardly the brightness of linear light.
+/// Three whole numbers up to 255, of which at least one is too large for the brightness of linear light.
 fn seems_bytes(items: &[Node]) -> Option<[u8; 3]> {
     let bytes = bytes_of(items)?;
     (bytes.iter().any(|b| *b >= 128)).then_some(bytes)

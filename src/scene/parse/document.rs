@@ -41,8 +41,8 @@ pub struct Texts {
 }
 
 impl Texts {
-    /// Reads the files that a scene's text names: bases, included files and placed scenes. Relative names start
-    /// from the folder of the text's path, then from those of the border.
+    /// Reads the files that a scene's text names: bases, included files and placed scenes. Relative names start from
+    /// the folder of the text's path, then from the folders of the border.
     pub fn collect(own: Arc<Source>, border: &Border) -> Self {
         let (mut report, searched) = (Report::default(), Dependencies::default());
         report.add(&own);

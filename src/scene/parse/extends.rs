@@ -18,8 +18,8 @@ pub fn extended(table: &Entries) -> Option<&str> {
     table.get("extends")?.get_ref().as_str()
 }
 
-/// Gives every material the keys of those that it extends; also materials of instances, and those
-/// that override a file's.
+/// Gives every material the keys of the materials that it extends; also materials of instances and overrides of a
+/// file's.
 pub fn resolve(root: &mut Node, report: &mut Report) {
     let Content::Table(root) = root.get_mut() else {
         return;
@@ -149,7 +149,7 @@ fn report_circles(materials: &Entries, report: &mut Report) {
     }
 }
 
-/// All tables of materials: those of the scene, of models and of instances.
+/// All tables of materials: of the scene, of models and of instances.
 pub fn tables<'n>(root: &'n Entries) -> impl Iterator<Item = &'n Entries> {
     let table = |node: &'n Node| node.get_ref().as_table();
     let named = move |root: &'n Entries, key: &str| root.get(key).and_then(table);

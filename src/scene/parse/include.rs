@@ -49,9 +49,9 @@ impl Included {
     }
 }
 
-/// Reads the files that a text includes and those that they include, each once, in the order in
-/// which they are named. `is_scene` says whether the text is the outermost scene's own; every file that is
-/// looked for in the folders is added to `dependencies`.
+/// Reads the files that a text includes, and their own included files, each once, in the order in which they are named.
+/// `is_scene` says whether the text is the outermost scene's own; every file that is looked for in the folders is added
+/// to `dependencies`.
 pub fn collect(
     source: &Arc<Source>,
     is_scene: bool,

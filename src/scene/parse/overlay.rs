@@ -118,7 +118,7 @@ impl Instances {
         }
     }
 
-    /// Position of the instance with a name, or else with a number among those that are left.
+    /// Position of the instance with a name, or else with a number among the instances that are left.
     fn find(&self, name: &str) -> Option<usize> {
         let named = self.named.get(name).copied();
         let named = named.filter(|index| !self.is_removed[*index]);
@@ -163,7 +163,7 @@ impl Instances {
     }
 }
 
-/// Whether a value exists at a path such as `light.lamp`; `instances` are those of the tree.
+/// Whether a value exists at a path such as `light.lamp`; `instances` are the tree's.
 pub fn has(root: &mut Node, instances: &Instances, path: &str) -> bool {
     let names = set::names_of(path).unwrap_or_default();
     let found = names
@@ -272,7 +272,7 @@ fn nothing(
     report.error("dangling-name", at, message).help = Some(written);
 }
 
-/// Path in the scene of what a path means whose first part is no table of it: `light.key` for `key` or `lights.key`.
+/// Path in the scene that is meant by a path whose first part is no table: `light.key` for `key` or `lights.key`.
 fn whole_path(path: &str, first: &str, scene: &Node) -> Option<String> {
     if !path.starts_with(first) {
         return None;
@@ -304,7 +304,7 @@ fn names_in(node: &Node) -> Vec<&str> {
     }
 }
 
-/// The child of that name; `instances` are those of the scene where the node is their list.
+/// The child of that name; `instances` are the scene's where the node is their list.
 fn child<'n>(
     node: &'n mut Node,
     name: &str,

@@ -109,7 +109,7 @@ pub fn set(declared: &mut Entries, key: Key, value: Node, report: &mut Report) {
     if matches!(old.get_ref(), Content::Float(_)) || report.is_float(old.span().start) {
         report.keep_float(value.span().start);
     }
-    // Removed first, so that the key's position is that of the new value.
+    // Removed first, so that the key gets the position of the new value.
     declared.remove(key.get_ref().as_str());
     declared.insert(key, value);
 }

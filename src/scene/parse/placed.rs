@@ -95,7 +95,7 @@ struct Expansion<'p> {
     shadows: &'p mut Vec<Shadow>,
     report: &'p mut Report,
     groups: Vec<PlacedGroup>,
-    /// Files of the scenes around the one that is placed.
+    /// Files of the scenes around the placed scene.
     above: Vec<&'p Path>,
     left: usize,
     /// Size of all placed trees, each with the copies of its parts and names that placing it makes.
@@ -269,7 +269,7 @@ impl<'p> Expansion<'p> {
         params
     }
 
-    /// The tree of a placed file, with its bases and what it includes.
+    /// The tree of a placed file, with its bases and included files.
     fn tree(&mut self, file: &PlacedFile) -> Node {
         let (tree, more) = syntax_errors::tree(&file.file.source, self.report);
         self.shadows.extend(more);

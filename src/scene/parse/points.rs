@@ -77,7 +77,7 @@ fn items<T: Value>(
     values.into_iter().collect()
 }
 
-/// Many numbers: an array of them or of points, or what a script has in `floats`.
+/// Many numbers: an array of them or of points, or a script's `floats`.
 pub struct Numbers(pub Arc<[f32]>);
 
 impl Value for Numbers {

@@ -84,7 +84,7 @@ impl Section for SceneDesc {
     }
 }
 
-/// Settings of reflections, with those of probes, of near-far and of the box.
+/// Settings of reflections, also of probes, of near-far and of the box.
 fn reflection(t: &mut Table) -> ReflectionDesc {
     let reflection = t.table("reflection").unwrap_or_default();
     ReflectionDesc {

@@ -13,8 +13,8 @@ use crate::{
 
 /// Messages so far, and the texts they point into.
 ///
-/// All texts share one range of positions: the file begins at 0, every `--set` text after the one
-/// before it. A tree node's range therefore says by itself where it was written.
+/// All texts share one range of positions: the file begins at 0, then the `--set` texts one after another. A tree
+/// node's range therefore says by itself where it was written.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
     sources: Vec<(usize, Arc<Source>)>,
@@ -159,7 +159,7 @@ impl Report {
         self.unplaced.insert(model.to_owned());
     }
 
-    /// Replaces the models of removed instances by those of another scene; returns the previous ones.
+    /// Replaces the models of removed instances by another scene's; returns the previous models.
     pub fn swap_unplaced(&mut self, other: HashSet<String>) -> HashSet<String> {
         std::mem::replace(&mut self.unplaced, other)
     }
@@ -267,7 +267,7 @@ impl Report {
         self.list.iter().any(|d| d.name == name)
     }
 
-    /// Drops messages that `keep` rejects, such as those that only follow from an earlier mistake.
+    /// Drops messages that `keep` rejects, such as consequences of an earlier mistake.
     pub fn retain(&mut self, keep: impl FnMut(&Diagnostic) -> bool) {
         self.list.retain(keep);
     }
@@ -277,7 +277,7 @@ impl Report {
         self.list.retain_mut(keep);
     }
 
-    /// Merges errors that a loop of a script repeats into one, with their number, and those of a scene that is placed
+    /// Merges errors that a loop of a script repeats into one, with their number, and errors of a scene that is placed
     /// several times, whose tables have another prefix each time.
     fn merge_repeated(&mut self) {
         let mut times: Vec<usize> = Vec::new();

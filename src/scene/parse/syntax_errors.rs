@@ -42,7 +42,7 @@ impl Shadow {
             "toml-syntax" | "duplicate-key" | "too-deep" | "scene-too-large"
         );
         let doubtful = match message.name {
-            // A missing key may be the one on the broken line.
+            // A missing key may stand on the broken line.
             "missing-key" => self.table.contains(&at),
             _ => (self.line..self.table.end).contains(&at),
         };

@@ -322,7 +322,7 @@ impl<'r> Table<'r> {
     /// Reports a mistake at a byte of the text of a key, whose quotes are one byte each side.
     pub fn refuse_byte(&mut self, name: &'static str, key: &str, byte: usize, say: (&str, &str)) {
         let mut at = self.value_at(key);
-        // Text with escapes or in triple quotes is longer than what it stands for.
+        // Text with escapes or in triple quotes is longer than its value.
         let text = self
             .values
             .get(key)

@@ -88,7 +88,7 @@ pub fn list_of_length(items: &[Node], count: usize, range: &Range) -> Option<Str
     }
 }
 
-/// Advice for what is no list where a list of `count` is expected, of numbers if `is_ranged`.
+/// Advice for a value that is no list where a list of `count` is expected, of numbers if `is_ranged`.
 pub fn list_instead(node: &Node, key: &str, count: usize, is_ranged: bool) -> Option<String> {
     let point = || "write three numbers, such as [0, 1, 0]".to_owned();
     list_in_text(node, count)

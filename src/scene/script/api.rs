@@ -1,5 +1,5 @@
-//! Functions, operators and properties that scripts have in addition to those of Rhai: one table that
-//! registers them, documents them, and holds an example of each that a test runs.
+//! Functions, operators and properties that scripts have beyond Rhai's own: one table that registers them, documents
+//! them, and holds an example of each that a test runs.
 
 mod definitions;
 mod floats;

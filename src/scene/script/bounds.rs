@@ -124,7 +124,7 @@ pub(super) fn halt() -> Option<Halt> {
     HALT.with_borrow(Clone::clone)
 }
 
-/// Takes the time of a finished call from what is left to all.
+/// Takes the time of a finished call from the time that all calls have left.
 pub(super) fn take(time: Duration) {
     LEFT.set(LEFT.get().map(|left| left.saturating_sub(time)));
 }

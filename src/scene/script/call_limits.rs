@@ -1,5 +1,5 @@
-//! Calls of scripts within limits: each on its own thread, with counters of what it has used, a way to halt
-//! it, and its printed lines.
+//! Calls of scripts within limits: each on its own thread, with counters of its use, a way to halt it, and its printed
+//! lines.
 
 use std::{
     cell::{Cell, RefCell},

@@ -123,7 +123,7 @@ const KEYS: [&str; 16] = [
     "tokens",
 ];
 
-/// Error map of Rhai as `#{ message, line, column }`; line and column are those of the error, if known.
+/// Error map of Rhai as `#{ message, line, column }`; with the error's line and column, if known.
 fn plain(map: &Map) -> Option<Map> {
     let text = |key: &str| map.get(key)?.clone().into_string().ok();
     let error = text("error")?;

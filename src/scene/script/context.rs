@@ -58,7 +58,7 @@ impl Call {
                 .collect::<Vec<_>>()
                 .into(),
         };
-        // From the 32-bit fps of the timeline, so that times are those of tracks.
+        // From the 32-bit fps of the timeline, so that tracks have the same times.
         let fps = f64::from(timeline.map_or(24.0, |t| t.fps));
         Self {
             time_s: f64::from(frame) / fps,

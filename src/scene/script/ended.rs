@@ -28,7 +28,7 @@ pub struct StoppedCall {
     pub met: Option<LimitHit>,
 }
 
-/// Whether an error is that of a limit, whose place Rhai overwrites.
+/// Whether a limit caused an error, whose place Rhai overwrites.
 pub fn is_limit(wrong: &EvalAltResult) -> bool {
     matches!(
         wrong.unwrap_inner(),

@@ -1,5 +1,4 @@
-//! Errors of Rhai as messages for people: file, line, column, call stack, frame, and what was probably
-//! meant.
+//! Errors of Rhai as messages for people: file, line, column, call stack, frame, and the probable intention.
 
 mod foreign;
 mod missing;

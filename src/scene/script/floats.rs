@@ -10,7 +10,7 @@ use crate::toml_text::FLOATS_PREFIX;
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
 
-/// Numbers in single precision; copies share them until one of them changes.
+/// Numbers in single precision; copies share them until a copy changes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Floats(Arc<Vec<f32>>);
 

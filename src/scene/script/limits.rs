@@ -20,11 +20,11 @@ pub const DEPTH: [usize; 2] = [64, 48];
 /// Maximum length of a text, bytes. Rhai counts the texts inside an array or a map together, and `setup` may
 /// give a name to as many elements as an array has.
 pub const TEXT: usize = 1 << 20;
-/// Maximum number of elements of an array, with those inside its elements.
+/// Maximum number of elements of an array, nested elements included.
 pub const ARRAY: usize = 50_000;
 /// Maximum number of numbers of `floats`: the corners of two million triangles.
 pub const FLOATS: usize = 6_000_000;
-/// Maximum number of entries of an object map, with those inside its entries: several for each element.
+/// Maximum number of entries of an object map, nested entries included: several for each element.
 pub const MAP: usize = 500_000;
 /// Maximum number of imports.
 pub const MODULES: usize = 32;
@@ -45,7 +45,7 @@ pub const NESTED: usize = 64;
 /// Maximum size of a script file, bytes.
 pub const FILE_BYTES: u64 = 1 << 20;
 
-/// Limits of scripts for the manual: what is limited, and the limit.
+/// Limits of scripts for the manual: limited quantity and limit.
 pub fn limits() -> Vec<(&'static str, String)> {
     let count = |n: usize| grouped(n as u64);
     vec![

@@ -25,7 +25,7 @@ const FILE: &str = "<push>";
 
 /// Amount that may be added before a list is measured in any case: elements, entries and blocks of text.
 const LITTLE: usize = 1024;
-/// Size of a block of text that counts as one of these, bytes.
+/// Size of a block of text that counts as one element, bytes.
 const BLOCK: usize = 64;
 
 /// Amount that was added on this thread, so by one call, since a list was last measured, and the amount at

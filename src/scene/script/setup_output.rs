@@ -17,7 +17,7 @@ const MOST_OUTPUT_BYTES: usize = 256 << 20;
 /// Mistake in the result of `setup`.
 #[derive(Debug, Default)]
 pub struct Wrong {
-    /// Message: what was found, and what was expected.
+    /// Message: the found value, and the expected one.
     pub message: String,
     /// Advice on what to do.
     pub help: Option<String>,

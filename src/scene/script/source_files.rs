@@ -25,7 +25,7 @@ use crate::{
 /// Maximum number of places that look like the definition of a function and are checked for it.
 const MOST_DEFINITIONS: usize = 1000;
 
-/// Extension of a file, if it is that of another language that people write scripts in.
+/// Extension of a file, if people write scripts of another language in such files.
 fn foreign_ending(file: &str) -> Option<&str> {
     const ENDINGS: [&str; 10] = [
         "js", "lua", "mel", "osl", "py", "rb", "rs", "ts", "vex", "wgsl",

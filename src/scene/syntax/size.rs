@@ -45,7 +45,7 @@ pub fn tables_in(text: &str) -> usize {
 /// Numbers of tables and values of trees, and bytes of their keys and texts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Size {
-    /// Tables, also those in arrays.
+    /// Tables, also inside arrays.
     pub tables: usize,
     /// All values but tables.
     pub values: usize,

@@ -55,7 +55,7 @@ impl PlacedFile {
         name.and_then(|stem| stem.to_str()).unwrap_or("scene")
     }
 
-    /// The file, those that it includes, and its bases.
+    /// The file, its included files, and its bases.
     fn files(&self) -> impl Iterator<Item = &Include> {
         let bases = self.bases.iter().flat_map(Base::files);
         let own = std::iter::once(&self.file);
@@ -90,7 +90,7 @@ impl Placed {
         self.by_name.get(&(folder.to_owned(), name.to_owned())) == Some(&None)
     }
 
-    /// All files, those that placed scenes include and their bases too.
+    /// All files, with included files and bases of placed scenes.
     pub fn files(&self) -> impl Iterator<Item = &Include> {
         self.files.iter().flat_map(PlacedFile::files)
     }
@@ -167,7 +167,7 @@ pub fn collect(
     while let Some(next) = waiting.pop() {
         let key = (next.folder.clone(), next.name.value.clone());
         if let Some(known) = placed.by_name.get(&key) {
-            // The texts are walked depth first, so that of each circle one scene is met again below itself.
+            // The texts are walked depth first, so each circle has a scene that is met again below itself.
             let path = known.map(|index| &placed.files[index].file.path);
             if path.is_some_and(|path| next.above.contains(path)) {
                 report.push(circle(&next));

@@ -11,7 +11,7 @@ use crate::parse::{
 use crate::range::ANY;
 use crate::syntax::{Content, Entries, Key, Node};
 
-/// Tables that are placed with a scene beside those of [`ENTRY_KINDS`]; the others are about its image or its timeline.
+/// Tables that are placed with a scene beside [`ENTRY_KINDS`]; the others are about its image or its timeline.
 const ALSO_PLACED: [&str; 2] = ["instance", "motion"];
 
 /// Kind of entries that are not placed: probes belong to the scene whose reflections they serve.
@@ -207,7 +207,7 @@ impl Prefix<'_> {
         }
     }
 
-    /// Renames the instances and groups onto which a decal is projected; without any, those of the scene are.
+    /// Renames the instances and groups onto which a decal is projected; without any, all of the scene.
     fn projected_onto(&self, decal: &mut Entries) {
         match decal.get_mut("only").map(Node::get_mut) {
             Some(Content::Array(names)) => {

@@ -10,7 +10,7 @@ use crate::{
 
 /// Input of the script of a placed scene.
 pub struct ScriptInput<'a> {
-    /// Folders where files are looked for, those of the placed scene first.
+    /// Folders where files are looked for, the placed scene's first.
     pub reach: &'a Reach,
     /// Name of the script's file, with its place.
     pub file: &'a At<String>,

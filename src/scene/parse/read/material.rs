@@ -123,7 +123,7 @@ impl VariedBy {
             t.refuse("zero-direction", "axis", "`axis` must not be zero", help);
         }
         Some(Self(PatternedDesc {
-            value: PatternedKey::BaseColor, // replaced by that of the key
+            value: PatternedKey::BaseColor, // replaced by the key's
             kind: kind?,
             from: from?,
             to: to?,

@@ -13,7 +13,7 @@ const STEPS: u32 = 8;
 /// Largest number of such times in a timeline.
 const MOST_STEPS: u32 = 1 << 16;
 
-/// Refuses a track of `scale` that is 0 or passes through 0; `placement` is that of what moves.
+/// Refuses a track of `scale` that is 0 or passes through 0; `placement` is the moving thing's.
 pub fn check(
     timeline: Option<&TimelineDesc>,
     placement: &PlacementDesc,
