@@ -101,9 +101,9 @@ impl Bound {
     }
 }
 
-/// Best point of a group under a bound: the fastest one under a bound on error, the one with the least
-/// FLIP under a bound on time. Values are those inside the mask where every setting has scores there, otherwise
-/// those of the frame. The point is on the Pareto front of the bounded quantity.
+/// Best point of a group under a bound: the fastest under a bound on error, the point of least FLIP under a bound on
+/// time. Values are measured inside the mask where every setting has scores there, otherwise in the frame. The point is
+/// on the Pareto front of the bounded quantity.
 ///
 /// # Errors
 /// Message with the closest point when none meets the bound, or the reason why nothing can be bounded.

@@ -73,7 +73,7 @@ fn cpu() -> String {
     format!("{name}, {threads} threads")
 }
 
-/// Commit that was named at build time, otherwise that of the repository around the program.
+/// Commit that was named at build time, otherwise the current commit of the repository around the program.
 fn commit() -> String {
     if let Some(commit) = option_env!("REFLET_COMMIT") {
         return commit.to_owned();

@@ -120,7 +120,7 @@ impl Log {
         known.is_some_and(|repetitions| repetitions.contains(&repetition))
     }
 
-    /// All samples, including those of earlier runs.
+    /// All samples, earlier runs' included.
     pub fn samples(&self) -> &[Sample] {
         &self.samples
     }

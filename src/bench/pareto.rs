@@ -29,7 +29,7 @@ pub fn best_within(spots: &[Spot], ms: f64) -> Option<usize> {
     least(spots, |s| s.ms <= ms, |s| (s.error, s.ms))
 }
 
-/// Index of the fastest spot that errs at most `error`; of equals the one that errs less.
+/// Index of the fastest spot that errs at most `error`; of equally fast spots, the more accurate one.
 pub fn cheapest_within(spots: &[Spot], error: f64) -> Option<usize> {
     least(spots, |s| s.error <= error, |s| (s.ms, s.error))
 }
@@ -97,7 +97,7 @@ mod tests {
         Spot {
             ms: 2.0,
             error: 0.3,
-        }, // slower than none, worse than the one before
+        }, // as slow as its predecessor, and worse
         Spot {
             ms: 3.0,
             error: 0.2,

@@ -342,7 +342,7 @@ impl Bench<'_> {
         Ok(outcome)
     }
 
-    /// Takes a renderer for this frame from the cache or builds one; it can change to all settings of its method.
+    /// Takes a renderer for this frame from the cache or builds one; it supports every setting of its method.
     fn ready(
         &self,
         subject: &Subject,

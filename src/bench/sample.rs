@@ -23,8 +23,8 @@ pub use details::{ACCEPTS, BEHIND_COLUMN, REFUSALS, detail_columns, pass_column}
 
 macro_rules! sample {
     ($($(#[$doc:meta])* $name:ident: $kind:ty,)*) => {
-        /// One timed frame. Errors and shares are those of its picture, which all repetitions
-        /// of a setting share; none means not measured or not measurable.
+        /// One timed frame. Errors and shares belong to its picture, which all repetitions of a setting share; none
+        /// means not measured or not measurable.
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct Sample {
             $($(#[$doc])* pub $name: $kind,)*
@@ -112,7 +112,7 @@ sample! {
     ray_length_u: f32,
     /// Largest number of reflections in a row; [`reflet_scene::desc::Bounces::LIMIT`] for `"auto"`.
     bounces: u32,
-    /// Side of the rendered picture divided by that of the shown one.
+    /// Side of the rendered picture divided by the side of the shown picture.
     scale: f64,
     /// Roughness below which `auto` materials reflect.
     roughness_cutoff: f32,

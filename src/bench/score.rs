@@ -172,9 +172,9 @@ impl Hits {
         (0..self.cause.len()).map(of).collect()
     }
 
-    /// Hits of the march: the accepted hit, or the crossing that it refused or, for `steps`, would have
-    /// reached later; the same march that refuses nothing (`crossings`) ends there. No hit at
-    /// other pixels, whose `distance_m` is that of the traced ray.
+    /// Hits of the march: the accepted hit, or the crossing that it refused or, for `steps`, would have reached later;
+    /// the same march that refuses nothing (`crossings`) ends there. No hit at other pixels, where `distance_m` belongs
+    /// to the traced ray.
     fn candidates(&self, crossings: &Self) -> (Vec<f32>, Vec<u32>) {
         // A march that ends at a pixel beside its own may give a slightly negative distance.
         let met = |hits: &Self, i: usize| {
@@ -269,7 +269,7 @@ impl Reference {
         wrong as f64 / self.mask.area().max(1) as f64
     }
 
-    /// Changes from `hits` to those of the moved camera; none where the reference has no moved hits.
+    /// Changes from `hits` to the hits of the moved camera; none where the reference has no moved hits.
     pub fn changes(&self, hits: &Hits, moved: &Hits) -> Option<Changes> {
         let inside = self.mask.inside();
         let met = [self.hits.shown(true), self.moved.as_ref()?.shown(true)];

@@ -18,7 +18,7 @@ use reflet_render::{
 use reflet_scene::desc::{CameraDesc, ReflectionDesc, SelectBy};
 use reflet_world::World;
 
-/// Planes that tell which probes a pixel takes, beside those that are scored.
+/// Planes that tell which probes a pixel takes, beside the scored planes.
 pub const PLANES: [Aov; 3] = [Aov::Depth, Aov::Normal, Aov::Ids];
 
 /// A picture that looks reflections up in probes.
@@ -30,12 +30,12 @@ pub struct Looked<'a> {
     pub camera: &'a CameraDesc,
     /// Settings of the picture.
     pub settings: &'a ReflectionDesc,
-    /// The picture, with [`PLANES`] and those that are scored.
+    /// The picture, with [`PLANES`] and the scored planes.
     pub picture: &'a render::Picture,
 }
 
-/// Probes of a pixel, as far as a change of them makes a border. Weights of pixels change everywhere, and little from one
-/// to the next; those of instances change at joints alone, and by any amount.
+/// Probes of a pixel, as far as a change of them makes a border. Weights of pixels change everywhere, and little from
+/// one to the next; weights of instances change at joints alone, and by any amount.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Probes {
     /// The probes that take part, as bits.
@@ -46,7 +46,7 @@ struct Probes {
 }
 
 impl Looked<'_> {
-    /// Mean step of the picture along the borders between probes, beyond those beside and that of the reference: see
+    /// Mean step of the picture along the borders between probes, beyond the steps beside them and the reference's: see
     /// [`borders::Maps::step`]. A border is where the set of blended probes changes, or which of them weighs most. None
     /// where the picture has no or few such pixels, or lacks a plane.
     pub fn seam_step(&self, view: &View, reference: &Reference) -> Option<f64> {

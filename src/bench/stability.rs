@@ -154,7 +154,7 @@ impl Mode {
 }
 
 impl Part {
-    /// Measurements of a scene; `size` is that of all pictures, where it is given.
+    /// Measurements of a scene; `size` is the size of all pictures, where it is given.
     pub fn of(series: &FrameSeries, size: Option<[u32; 2]>, against: ReferenceKind) -> Self {
         Self {
             against,

@@ -1,4 +1,4 @@
-//! Samples → points: medians and spreads of repeated frames, grouped by what may share a chart.
+//! Samples → points: medians and spreads of repeated frames, grouped by charts.
 
 use reflet_render::pipeline::pass::Pass;
 
@@ -65,7 +65,7 @@ pub struct Group {
     pub points: Vec<Point>,
     /// Settings that could not be scored or timed, with the reason.
     pub failed: Vec<(Sample, String)>,
-    /// Whether errors are those inside the mask, because the mask is large enough in all points.
+    /// Whether errors are measured inside the mask, because the mask is large enough in all points.
     pub masked: bool,
     /// Frame number and point of every frame of an animation, whose `points` are means over the measured
     /// frames. Empty for a still scene.

@@ -41,8 +41,8 @@ impl System {
         SYSTEMS.iter().find(|system| system.name == name)
     }
 
-    /// Changes the settings of a scene to those of the system: whatever names a system is set here, so that a scene's own
-    /// settings cannot change what a row of a table is called.
+    /// Changes the settings of a scene to the system's: every setting that is part of a system's name is set here, so
+    /// that a scene's own settings cannot make its row of a table untrue.
     pub fn set(&self, settings: &mut ReflectionDesc) {
         let standard = ReflectionDesc::default();
         *settings = ReflectionDesc {
@@ -191,7 +191,8 @@ pub struct Row {
     pub steps: u64,
     /// Bytes of all buffers and textures.
     pub bytes: u64,
-    /// Bytes of what is made apart from the frame: the maps of probes and of far things, the structures of ray queries.
+    /// Bytes of structures that are made apart from the frame: the maps of probes and of far things, the structures of
+    /// ray queries.
     pub prepared_bytes: u64,
     /// Time of a capture of these maps, or of building these structures, milliseconds; it is not part of `ms`.
     pub prepare_ms: f64,
@@ -230,7 +231,7 @@ pub struct SceneRows {
 }
 
 impl SceneRows {
-    /// Rows with their systems; those of no system of [`SYSTEMS`] are left out.
+    /// Rows with their systems; rows of no system of [`SYSTEMS`] are left out.
     pub fn of_systems(&self) -> impl Iterator<Item = (&Row, &'static System)> {
         self.rows
             .iter()

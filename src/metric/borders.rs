@@ -16,7 +16,7 @@ const MOST_SLOPE: f32 = 0.25;
 pub struct Maps<'a, T> {
     /// Pixels that are scored.
     pub mask: &'a Mask,
-    /// Part of its surface that each pixel belongs to, such as that of a probe; none for pixels in no part.
+    /// Part of its surface that each pixel belongs to, such as a probe's; none for pixels in no part.
     pub parts: &'a [Option<T>],
     /// Position of each pixel's surface.
     pub positions: &'a [Vec3],
@@ -61,7 +61,7 @@ impl<T: PartialEq> Maps<'_, T> {
         (pairs >= LEAST_PAIRS).then(|| sum / pairs as f64)
     }
 
-    /// Step from a pixel to the one that is `stride` behind it; none without a border, and where no neighbor along the line
+    /// Step from a pixel to the pixel `stride` behind it; none without a border, and where no neighbor along the line
     /// belongs to the part of either.
     fn step_at(&self, a: usize, stride: usize) -> Option<f64> {
         let b = self.next(a, stride)?;

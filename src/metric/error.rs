@@ -19,7 +19,7 @@ pub struct ErrorMap {
     relative: Vec<f64>,
 }
 
-/// Errors pooled over a region; the fields are those of [`super::Scores`].
+/// Errors pooled over a region; the fields stand in [`super::Scores`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PooledError {
     /// See [`super::Scores::psnr_db`].

@@ -31,7 +31,7 @@ use reflet_scene::diagnostic::Diagnostic;
 pub struct Scores {
     /// Number of pixels of the region.
     pub area_px: usize,
-    /// Area of the region divided by that of the frame, 0 to 1.
+    /// Share of the frame's area in the region, 0 to 1.
     pub area_share: f64,
     /// Mean structural similarity, 1 for equal pictures; none where the frame is under 11 × 11 pixels.
     pub ssim: Option<f64>,

@@ -1,4 +1,4 @@
-//! Flicker: how much the frame-to-frame changes of a sequence differ from those of its reference.
+//! Flicker: how much the frame-to-frame changes of a sequence differ from its reference's.
 
 use super::mask::{MIN_AREA_PX, Mask};
 use crate::picture::{Pair, PictureError};

@@ -1,5 +1,5 @@
-//! A scene that follows its files: changed files are read and built beside what is shown and replace it
-//! in one step; after an error the last good scene stays.
+//! A scene that follows its files: changed files are read and built beside the shown scene and replace it in one step;
+//! after an error the last good scene stays.
 
 use std::{
     collections::BTreeSet,
@@ -165,8 +165,7 @@ pub struct Live {
 }
 
 impl Live {
-    /// Files to watch: those of the shown scene and those searched since, with the time of the
-    /// read.
+    /// Files to watch: read for the shown scene or searched since, with the time of the read.
     pub fn watch_list(&self) -> (WatchList, SystemTime) {
         let kind = |path: &PathBuf| {
             if is_model(path) {
@@ -209,7 +208,7 @@ impl Live {
         (list, self.read_since)
     }
 
-    /// Settings that replace those of the scene.
+    /// Settings in place of the scene's.
     pub fn view(&self) -> &ViewOverrides {
         self.session.view()
     }
@@ -270,7 +269,7 @@ impl Live {
         self.session.renderer()
     }
 
-    /// Index of the named camera; without a name, of the one that the first frame shows.
+    /// Index of the named camera; without a name, of the first frame's camera.
     ///
     /// # Errors
     /// [`SessionError::UnknownName`] with the names of the scene's cameras.

@@ -39,7 +39,7 @@ use session::Event;
 #[cfg(test)]
 mod tests;
 
-/// Most connections at a time, those of no viewer yet among them.
+/// Most connections at a time, also before they are viewers.
 const MOST_CONNECTIONS: usize = 32;
 /// Most bytes of a message from a page.
 const MOST_MESSAGE: usize = 16 * 1024;
@@ -246,7 +246,7 @@ impl Rate {
     }
 }
 
-/// The reading half of a connection: what the protocol answers goes to the writing half.
+/// The reading half of a connection: the protocol's answers go to the writing half.
 struct ReadHalf {
     stream: TcpStream,
     outbox: Outbox,

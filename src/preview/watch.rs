@@ -148,7 +148,7 @@ struct Watched {
     hash: Result<Hash, io::ErrorKind>,
     /// Metadata at the last check.
     stamp: Option<Stamp>,
-    /// All paths whose changes affect the file: its own and those of links to it.
+    /// All paths whose changes affect the file: its own and the paths of links to it.
     resolved_paths: Vec<PathBuf>,
 }
 

@@ -49,7 +49,7 @@ pub struct Numbers {
     pub values: Vec<f64>,
 }
 
-/// Keys of the position of an item, which has at most one of them.
+/// Keys of the position of an item, which has at most one.
 pub const POSITION_KEYS: [&str; 3] = ["translation", "position", "eye"];
 
 impl Numbers {

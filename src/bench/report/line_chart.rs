@@ -80,7 +80,7 @@ pub fn draw(group: &Group, chart: LineChart) -> Result<Option<String>, String> {
 
 /// A named line of dots over error bounds.
 pub struct Curve {
-    /// Name: `bound`, `estimated`, `measured`, or that of a time.
+    /// Name: `bound`, `estimated`, `measured`, or a time's.
     pub name: &'static str,
     /// Bounds, more than 0, and values.
     pub dots: Vec<(f64, f64)>,

@@ -36,7 +36,7 @@ fn pass_of(part: &str) -> Option<&'static Pass> {
     part.split(':').next().and_then(passes::named)
 }
 
-/// Color of a part of a bar: that of its pass; shading is lighter than traversal.
+/// Color of a part of a bar: its pass's color; shading is lighter than traversal.
 fn part_color(part: &str) -> String {
     let [r, g, b] = pass_of(part).map_or(UPDATE_COLOR, |pass| pass.color);
     let lighter = |value: u8| (value / 3).saturating_add(170);
@@ -46,7 +46,7 @@ fn part_color(part: &str) -> String {
     }
 }
 
-/// Table of all sections, with the time of `hybrid` divided by that of `rt`.
+/// Table of all sections, with the time of `hybrid` divided by the time of `rt`.
 pub fn overview(sections: &[Section]) -> String {
     let mut out = "<h2>Overview</h2>\n<div class=\"scroll\"><table><tr><th>setting</th>".to_owned();
     let heads = [

@@ -125,7 +125,7 @@ impl Bench<'_> {
             changes = moved.and_then(|moved| reference.changes(&hits, &moved));
         }
         let mut verdicts = None;
-        // The rays of a truth differ from those of this picture.
+        // The rays of a truth differ from this picture's.
         let is_asked = variant.method.marches() && subject.truth.is_none();
         if let (Some(hits), true) = (Hits::of(&picture.planes), is_asked) {
             renderer.set_reflection_parameters(&ReflectionDesc {

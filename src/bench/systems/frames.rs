@@ -34,7 +34,7 @@ pub struct FrameRow {
 /// Quantity on the vertical axis of a chart, which is logarithmic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Curves {
-    /// Time, with that of what was made anew for the frame.
+    /// Time, including maps and structures that were made anew for the frame.
     Time,
     /// Mean FLIP.
     Error,

@@ -8,7 +8,7 @@ use crate::pareto::{Spot, pareto_front};
 pub struct Overall {
     /// Name of the system.
     pub system: &'static str,
-    /// Geometric mean over the scenes of the time over that of `rt`.
+    /// Geometric mean over the scenes of the time divided by `rt`'s.
     pub time_ratio: f64,
     /// Mean over the scenes of the mean FLIP.
     pub flip: f64,
@@ -46,9 +46,9 @@ fn overall(scenes: &[SceneRows]) -> Vec<Overall> {
     SYSTEMS.iter().filter_map(of_all).collect()
 }
 
-/// The best methods over several scenes, at most `count`, fastest first: those on the Pareto front of time against error,
-/// then those on the front of the rest, and so on; of a front that is too large, those that err least. Of a method's
-/// settings, the one that errs least on the method's first front stands for all.
+/// The best methods over several scenes, at most `count`, fastest first: methods on the Pareto front of time against
+/// error, then on the front of the rest, and so on; of a front that is too large, the most accurate. The most accurate
+/// setting on a method's own first front stands for the method.
 pub fn best(scenes: &[SceneRows], count: usize) -> Vec<Overall> {
     let mut left = overall(scenes);
     let mut found: Vec<Overall> = Vec::new();
@@ -129,8 +129,8 @@ mod tests {
                 .map(|o| o.system)
                 .collect::<Vec<_>>()
         };
-        // `hybrid` is the front of what is left without `rt`, `ssr` and the probes, of which one setting stands for
-        // all; two layers miss in a scene.
+        // `hybrid` is the front of the methods without `rt`, `ssr` and the probes, of which one setting stands for all;
+        // two layers miss in a scene.
         assert_eq!(
             names(5),
             ["probe, box, K = 4", "ssr", "rt", "hybrid", "near-far"]

@@ -154,7 +154,7 @@ impl Live {
         }
     }
 
-    /// Takes the request that a new read answers, with that of a read that runs and is given up for it.
+    /// Takes the request that a new read answers, and gives up a running read for it, whose request it includes.
     pub(super) fn take_request(&mut self) -> Option<ReadRequest> {
         self.pending.wanted?;
         self.leave_read();

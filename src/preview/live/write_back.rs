@@ -22,7 +22,7 @@ impl Live {
         written.map(SceneItem::Instance)
     }
 
-    /// The description, with what is laid over its texts.
+    /// The description, with the overrides laid over its texts.
     fn layered(&self) -> Layered<'_> {
         let options = &self.source().options;
         Layered {

@@ -101,7 +101,7 @@ fn only<'a>(headers: &'a HeaderMap, name: &str) -> Option<&'a str> {
 
 impl Access {
     /// Whether a `Host` is an address, `localhost` or the name that the user wrote: a name that a stranger's page
-    /// resolves to this machine is none of these (DNS rebinding). Its port is that of a tunnel, perhaps.
+    /// resolves to this machine is refused (DNS rebinding). The port may be a tunnel's.
     fn knows(&self, host: &str) -> bool {
         let is_port = |port: &str| port.bytes().all(|byte| byte.is_ascii_digit());
         let name = match host.rsplit_once(':') {

@@ -1,5 +1,5 @@
-//! Viewers: what waits to be sent to each. A newer text of a kind replaces an older one, and a newer picture an older
-//! one, so that a slow connection shows the newest and holds nobody up.
+//! Viewers, with the messages that wait to be sent to each. A newer text of a kind replaces an older one, and a newer
+//! picture an older one, so that a slow connection shows the newest and holds nobody up.
 
 use std::{
     collections::BTreeMap,
@@ -61,7 +61,7 @@ impl Outbox {
         self.change(|waiting| drop(waiting.texts.insert(kind, text)));
     }
 
-    /// Waits for what is to be sent next; `None` once it is closed.
+    /// Waits for the next message to send; `None` once it is closed.
     pub(super) fn next(&self) -> Option<Parcel> {
         let mut waiting = self.0.0.lock().unwrap_or_else(PoisonError::into_inner);
         loop {
@@ -87,7 +87,7 @@ impl Outbox {
     }
 }
 
-/// All viewers, and what a new one is shown first.
+/// All viewers, and the first messages for a new one.
 #[derive(Clone, Default)]
 pub(super) struct Hub(Arc<Mutex<Shown>>);
 

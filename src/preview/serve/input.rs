@@ -24,9 +24,9 @@ pub(super) enum Input {
     Drop { from: [f32; 2] },
     /// Choose the kind of the handles: `move`, `turn` or `scale`.
     Handles { kind: String },
-    /// Turn the camera on the spot, by a drag like that of `orbit`.
+    /// Turn the camera on the spot, by a drag as for `orbit`.
     Look { by: [f32; 2] },
-    /// Move the camera across the view, by a drag like that of `orbit`.
+    /// Move the camera across the view, by a drag as for `orbit`.
     Pan { by: [f32; 2] },
     /// Come closer by notches of the wheel.
     Dolly { notches: f32 },

@@ -116,7 +116,7 @@ pub(super) fn material_value(field: &Field<MaterialDesc>, values: &[f64]) -> Opt
     }
 }
 
-/// The shown material: its name, the table that says its numbers, and these.
+/// The shown material: its name, its table in the text, and its values.
 pub(super) fn material(state: &ViewState) -> String {
     let index = state.settings.material;
     let row = index.and_then(|index| state.summary.materials.get(index));
@@ -144,7 +144,7 @@ pub(super) fn keys(state: &ViewState, selected: Option<SceneItem>) -> String {
     json!({ "keys": tracks.collect::<Vec<_>>(), "records": state.recording.is_some() }).to_string()
 }
 
-/// The scene: what can be chosen, and what is wrong.
+/// The scene: its choices, and its warnings.
 pub(super) fn scene(summary: &SceneSummary, name: &str) -> String {
     let warnings = summary.warnings.iter().map(|warning| warning.render(false));
     let materials = summary.materials.iter().map(|row| &row.name);

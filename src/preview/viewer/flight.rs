@@ -10,7 +10,7 @@ use reflet_scene::desc::CameraDesc;
 pub struct Flight {
     /// Name of the scene's camera that gets the keys.
     pub camera: String,
-    /// Poses by time, each later than the one before.
+    /// Poses in ascending order of their times.
     pub points: Vec<FlightPoint>,
     /// Whether playback looped before.
     pub repeats: bool,

@@ -36,7 +36,7 @@ impl Handle {
         (Self::Scale, "scale"),
     ];
 
-    /// Keys that these handles change; an item has at most one of them.
+    /// Keys that these handles change; an item has at most one such key.
     fn keys(self) -> &'static [&'static str] {
         match self {
             Self::Move => &POSITION_KEYS,

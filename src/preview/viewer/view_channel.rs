@@ -48,7 +48,7 @@ impl ViewChannel {
         }
     }
 
-    /// Whether its pixels correspond to those of the camera, so that a click can pick an instance.
+    /// Whether its pixels correspond to the camera's, so that a click can pick an instance.
     pub fn is_of_camera(self) -> bool {
         !matches!(self, Self::Shadow(_))
     }

@@ -1,5 +1,5 @@
-//! State of what is looked at: the scene's summary, the choices of the viewer, camera and time, and the view that they
-//! make. The window and the page have one each.
+//! State of the view: the scene's summary, the choices of the viewer, camera and time, and the view that they make. The
+//! window and the page have one each.
 
 use super::{
     camera_controls::CameraControls,
@@ -90,7 +90,7 @@ impl ViewState {
         self.settings.scene_camera = Some(self.settings.last_camera);
     }
 
-    /// Looks through the scene's camera again: that of the cuts while they choose, else the one that was shown last.
+    /// Looks through the scene's camera again: the cuts' camera while they choose, else the last shown camera.
     pub fn show_scene_camera(&mut self) {
         match self.settings.follows_cuts && !self.summary.cuts.is_empty() {
             true => self.follow_cuts(),
@@ -172,7 +172,7 @@ impl ViewState {
         }
     }
 
-    /// Keeps a view as the one that was requested last, and tells whether it is another one.
+    /// Keeps a view as the last requested one, and tells whether it is another one.
     pub fn request(&mut self, view: &View) -> bool {
         let is_new = self.requested.as_ref() != Some(view);
         if is_new {

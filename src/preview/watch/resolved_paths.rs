@@ -15,7 +15,7 @@ pub fn canonical(path: &Path) -> PathBuf {
         .unwrap_or_else(|_| path.to_owned())
 }
 
-/// The file's own path and those of the links to it, each in a folder without links.
+/// The file's own path and the paths of links to it, each in a folder without links.
 pub fn resolved_paths(name: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut rest = std::path::absolute(name).unwrap_or_else(|_| name.to_owned());

@@ -8,7 +8,7 @@ use reflet_scene::{
     number::Field,
 };
 
-/// A scene's description, with what is laid over its texts.
+/// A scene's description, with the overrides laid over its texts.
 #[derive(Clone, Copy, Debug)]
 pub struct Layered<'a> {
     /// The description.

@@ -1,5 +1,5 @@
-//! New keys and tables in scene text: a key lands where the manual lists it among those of its table, a table after the
-//! tables of its kind.
+//! New keys and tables in scene text: a key lands where the manual lists it among the keys of its table, a table after
+//! the tables of its kind.
 
 use super::tree::{Step, find};
 use reflet_render::runtime::parameters::key as toml_key;
@@ -37,7 +37,7 @@ fn has_header(text: &str, value: &Node) -> bool {
     }
 }
 
-/// End of the last byte of a value, with those of its table's values.
+/// End of the last byte of a value, with its table's values.
 fn end_of(node: &Node) -> usize {
     let own = node.span().end;
     let inner: Box<dyn Iterator<Item = &Node>> = match node.get_ref() {
@@ -134,7 +134,7 @@ fn insert_dotted(
     let Some((first, value)) = first else {
         return out;
     };
-    // Between the table's own key and that of its first value: `material.`.
+    // Between the table's own key and its first value's: `material.`.
     let prefix = &text[start..first.span().start.max(start)];
     let is_line = text[line_start(text, start)..start].trim().is_empty();
     let end = after.unwrap_or_else(|| end_of(value));

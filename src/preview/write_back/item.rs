@@ -51,7 +51,7 @@ impl SceneItem {
         }
     }
 
-    /// The item of the same name in a reloaded scene; without a name, the one of the same index.
+    /// The item of the same name in a reloaded scene; without a name, the item of the same index.
     pub fn again(self, desc: &SceneDesc, name: Option<&str>) -> Option<Self> {
         let Some(name) = name else {
             return self.named(desc).map(|_| self);
@@ -157,7 +157,7 @@ impl MaterialOrigin {
         }
     }
 
-    /// Keys from the thing's table to that of the material.
+    /// Keys from the thing's table to the material's.
     pub(super) fn below(&self) -> Vec<&str> {
         match self {
             Self::Named(_) => Vec::new(),

@@ -209,7 +209,7 @@ fn motion<'a>(below: &'a [&'a str], section: &'static str) -> Subject<'a> {
     }
 }
 
-/// The text with a key at another time, between those of its neighbors.
+/// The text with a key at another time, between its neighbors'.
 fn moved(
     text: &str,
     items: &[Node],
@@ -294,7 +294,7 @@ fn added(
     Ok(out)
 }
 
-/// Change of the text that gives a camera a recorded flight: tracks of `eye` and `target` in place of those that it has.
+/// Change of the text that gives a camera a recorded flight: tracks of `eye` and `target` in place of its own.
 ///
 /// # Errors
 /// Sentence with the reason why it cannot be written.

@@ -25,7 +25,7 @@ pub struct Subject<'a> {
     pub name: Option<&'a str>,
     /// Place of the thing's table; `None` for tables that exist once.
     pub at: Option<&'a Span>,
-    /// Keys from the thing's table to the one that has the values, such as `material` of an instance.
+    /// Keys from the thing's table to the table that has the values, such as `material` of an instance.
     pub below: &'a [&'a str],
 }
 
@@ -233,7 +233,7 @@ fn own(root: &Entries, kind: &'static str, at: &Span) -> Option<Locator> {
         let Some(Content::Array(list)) = table.get("instance").map(Node::get_ref) else {
             continue;
         };
-        // The span of a placed scene is at its name, or at that of its file.
+        // The span of a placed scene is at its name, or at its file's name.
         let begins = |entry: &Node| {
             let table = entry.get_ref().as_table();
             let key = |key: &str| table?.get(key);

@@ -1,4 +1,4 @@
-//! Tests of values in scene text: what changes, what stays, and where new keys and tables land.
+//! Tests of values in scene text: changed and unchanged parts, and where new keys and tables land.
 
 use super::*;
 use crate::write_back::{

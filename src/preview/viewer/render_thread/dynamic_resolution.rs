@@ -56,8 +56,8 @@ impl FrameCost {
     }
 }
 
-/// Factor from the budget of a picture at rest to that of the next one, which renders all sub-frames anew: all pictures
-/// together take at most a third more time than the last one.
+/// Factor from the budget of a picture at rest to the budget of the next one, which renders all sub-frames anew: all
+/// pictures together take at most a third more time than the last one.
 const REST_GROWTH: f64 = 4.0;
 
 /// Time budget of pictures at rest: they have as many sub-frames as it allows, and it grows from picture to picture

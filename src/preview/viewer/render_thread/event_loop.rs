@@ -48,7 +48,7 @@ impl Worker {
                 let rest_ms = self.view.as_ref().map_or(0.0, |view| view.rest_ms);
                 self.rest_budget = RestBudget::starting(rest_ms);
             }
-            // A picture that was given up for what has come now, or that is to have more sub-frames.
+            // A picture that was given up for these requests, or that is to have more sub-frames.
             let is_unfinished = std::mem::take(&mut self.is_interrupted) || self.is_refining();
             if (redraw || is_unfinished) && !self.renders_other_frame() {
                 self.rest_budget.grow();
@@ -69,8 +69,8 @@ impl Worker {
         }
     }
 
-    /// Performs a task; one that writes waits while the reload of a text that was written before is not over, since it
-    /// starts from what is shown. Returns whether the picture changes.
+    /// Performs a task; one that writes waits until the reload of an earlier written text is over, since it starts from
+    /// the shown scene. Returns whether the picture changes.
     fn take(&mut self, task: Task) -> bool {
         if task.writes() && (self.awaits_reload() || !self.waiting.is_empty()) {
             self.waiting.push_back(task);
@@ -160,7 +160,7 @@ impl Worker {
         redraw
     }
 
-    /// Whether the posed frame is that of a pending request, not the view's.
+    /// Whether the posed frame belongs to a pending request, not to the view.
     fn renders_other_frame(&self) -> bool {
         let posed = self.live.posed_frame();
         let is_posed = |frame: u32| frame == posed;
@@ -188,7 +188,7 @@ impl Worker {
         }
     }
 
-    /// Shows the scene coarsely first, while most of what it needs is not built.
+    /// Shows the scene coarsely first, while most of its pipelines are not built.
     fn draw_coarse(&mut self, view: &View) -> Result<(), RenderError> {
         if view.a.channel == ViewChannel::Picture && view.b.is_none() {
             let stats = self.render_coarse(view)?;
@@ -214,7 +214,7 @@ impl Worker {
         })));
     }
 
-    /// Draws the view. A picture at rest is given up where `news` come: input never waits for it. Those of motion
+    /// Draws the view. A picture at rest is given up where `news` come: input never waits for it. Pictures of motion
     /// are drafts, which take little time, and would never end if the next move gave them up.
     fn draw_unless(&mut self, news: Arc<AtomicBool>) {
         let rests = self.view.as_ref().is_some_and(|v| v.draft_ms.is_none());

@@ -84,7 +84,7 @@ impl Worker {
         }));
     }
 
-    /// Writes values of parameters into the text, if they are those of the picture; others wait.
+    /// Writes values of parameters into the text, if the picture shows them; others wait.
     pub(super) fn write_parameters(&mut self) {
         let is_shown = |values: &mut _| self.live.parameters() == values;
         let Some(values) = self.unwritten.take_if(is_shown) else {

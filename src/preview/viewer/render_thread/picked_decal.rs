@@ -1,4 +1,4 @@
-//! Picking of decals: those that cover a pixel, and the pixels that a selected one covers.
+//! Picking of decals: the decals that cover a pixel, and the pixels that a selected decal covers.
 
 use glam::{DVec2, Vec3};
 
@@ -52,7 +52,7 @@ impl Worker {
     }
 
     /// Item that a click at a place of the picture selects: the topmost decal there, and by further clicks at the same
-    /// place those below it, the instance, and the topmost again.
+    /// place the decals below it, the instance, and the topmost again.
     pub(super) fn clicked(
         &mut self,
         view: &View,

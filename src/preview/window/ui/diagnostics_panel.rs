@@ -18,7 +18,7 @@ const MARGIN: f32 = 8.0;
 /// One entry of the panel.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DiagnosticEntry {
-    /// Error, and what was expected.
+    /// Error, and the expectation.
     pub message: String,
     /// Place of the error: `file:line:column`, a file, or a description.
     pub place: Option<String>,

@@ -39,7 +39,7 @@ impl Window {
         }
     }
 
-    /// Paints the image's frame over the picture: what is outside is dim, and the safe areas have lines.
+    /// Paints the image's frame over the picture: pixels outside are dim, and the safe areas have lines.
     pub(super) fn paint_image_frame(&self, ui: &Ui, rect: Rect) {
         let Some(shown) = self
             .shown

@@ -72,7 +72,7 @@ pub fn panel(
         // The beginning, with the material's name, is shown where not all fits.
         let is_high = all.height() > ui.clip_rect().height();
         ui.scroll_to_rect(all, is_high.then_some(egui::Align::TOP));
-        // The header unfolds over several frames, and so do those above it, which push it out of view.
+        // The header unfolds over several frames, and so do headers above it, which push it out of view.
         let (id, top) = (
             ui.scope_id().with("material top"),
             shown.header_response.rect.top(),
@@ -134,7 +134,7 @@ fn numbers(ui: &mut Ui, row: &MaterialRow) -> Edit {
     edit
 }
 
-/// Number of the material that is written now: the one that was changed last, once its input is over.
+/// Number of the material that is written now: the last changed number, once its input is over.
 fn to_write(ui: &Ui, row: &MaterialRow, edit: &Edit) -> Option<ViewRequest> {
     let id = ui.scope_id().with("changed material");
     let changed = |(a, b): (&Option<Vec3>, &Option<Vec3>)| a != b;

@@ -232,7 +232,7 @@ fn a_color_has_a_picker() {
     let picker = harness.get_all_by_role(Role::ColorWell).next();
     picker.expect("of the base color").click();
     harness.run();
-    // The picker's own numbers range to 255, those of the panel to 1.
+    // The picker's own numbers range to 255, the panel's to 1.
     harness
         .get_all_by_role(Role::SpinButton)
         .find(|n| n.accesskit_node().numeric_value() > Some(1.5))

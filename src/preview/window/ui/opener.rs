@@ -1,4 +1,4 @@
-//! Opens scenes: the first one, and those that are dropped on the window or chosen in it.
+//! Opens scenes: the first one, and scenes that are dropped on the window or chosen in it.
 
 use std::{
     path::{Path, PathBuf},
@@ -78,7 +78,7 @@ impl Opener {
     }
 }
 
-/// A scene that is being opened beside the one that is shown.
+/// A scene that is being opened beside the shown scene.
 pub struct Opening {
     /// Path of the scene.
     pub path: PathBuf,

@@ -46,7 +46,7 @@ pub fn named(ui: &mut Ui, control: impl Widget, name: impl Into<WidgetText>) -> 
     .inner
 }
 
-/// Whether no drag and no input of text goes on: what was changed is written now.
+/// Whether no drag and no input of text goes on: changes are written now.
 pub fn is_input_over(ui: &Ui) -> bool {
     !ui.input(|i| i.pointer.any_down()) && !ui.ctx().egui_wants_keyboard_input()
 }
@@ -155,8 +155,8 @@ fn cameras(
     menu.response.labelled_by(label.id);
 }
 
-/// Scores of the last comparison of a method with `rt`. The panel has the same height with and without them, so
-/// that what is below stays in place.
+/// Scores of the last comparison of a method with `rt`. The panel has the same height with and without them, so that
+/// panels below stay in place.
 pub fn comparison(
     ui: &mut Ui,
     comparison: Option<(Method, &Scores)>,

@@ -56,7 +56,7 @@ impl Parameters {
         self.refused.retain(|refused| !refused.values.is_empty());
     }
 
-    /// Values to write into the scene text: those of an input that is over.
+    /// Values to write into the scene text: values whose input is over.
     pub fn take_finished(&mut self, ui: &Ui) -> Option<ParameterOverrides> {
         let is_due = self.is_changed && is_input_over(ui);
         self.is_changed &= !is_due;

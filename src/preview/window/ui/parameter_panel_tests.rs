@@ -1,5 +1,5 @@
-//! Tests of the parameter panel without a window: each kind has its control, and refused values are
-//! distinguished from those in effect.
+//! Tests of the parameter panel without a window: each kind has its control, and refused values are distinguished from
+//! values in effect.
 
 use eframe::egui::accesskit::Role;
 use egui_kittest::{

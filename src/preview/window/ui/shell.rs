@@ -93,7 +93,7 @@ impl Shell {
         self.opening = Some(Opening::begin(&self.opener, path, ui.ctx()));
     }
 
-    /// Shows a scene that has been opened; after an error the one before stays.
+    /// Shows a scene that has been opened; after an error the former scene stays.
     fn show_opened(&mut self, ui: &Ui) {
         let Some(opening) = &self.opening else { return };
         let Some(outcome) = opening.outcome() else {

@@ -28,7 +28,7 @@ pub struct Keys {
     typed: Option<f64>,
 }
 
-/// A time in the unit of the times, rounded to what keys are dragged by.
+/// A time in the unit of the times, rounded to the steps of dragged keys.
 fn snapped(timeline: &Timeline, in_seconds: bool, at_s: f64) -> f64 {
     match in_seconds {
         true => (at_s / STEP_S).round() * STEP_S,
@@ -76,7 +76,7 @@ pub fn panel(
     });
 }
 
-/// Controls of the selected key: its time, and what deletes it.
+/// Controls of the selected key: its time, and its deletion.
 fn selected(
     ui: &mut Ui,
     timeline: &Timeline,

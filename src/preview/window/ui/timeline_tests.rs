@@ -179,7 +179,7 @@ fn another_timeline_keeps_frame_pause_and_loop() {
     time.toggle(10.0);
     time.tick(10.25);
     assert_eq!(time.frame(), 83);
-    // The new rate counts from now on; what was played stays played.
+    // The new rate counts from now on; the time played so far stays.
     time.replace(&desc(24.0, 90), 10.25);
     time.tick(10.5);
     assert_eq!(time.frame(), 89);

@@ -24,9 +24,9 @@ const TOP: f32 = 8.0;
 /// A texture in a part of the picture area.
 pub(super) struct Layer {
     texture: FrameTexture,
-    /// Aspect ratio as width and height, pixels; for a draft, those of the full picture.
+    /// Aspect ratio as width and height, pixels; a draft has the full picture's.
     pub(super) shape: [u32; 2],
-    /// Whether its pixels correspond to those of the camera.
+    /// Whether its pixels correspond to the camera's.
     pub(super) is_of_camera: bool,
     /// Whether it is an unfolded cube map.
     is_cross: bool,
