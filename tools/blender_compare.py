@@ -4,8 +4,8 @@
     .venv/bin/python tools/blender_compare.py OUT [NAME ...] [--page]
 
 With --page it writes the table and the sheet of docs/blender.md. Cycles and the export run in
-.venv-bpy, which tools/setup.sh makes. Both renderers trace paths of the same length; FLIP is that
-of `reflet compare`, of linear radiance shown as sRGB.
+.venv-bpy, which tools/setup.sh makes. Both renderers trace paths of the same length; FLIP is
+measured by `reflet compare`, of linear radiance shown as sRGB.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ ROOT = Path(__file__).resolve().parents[1]
 SCENES = ROOT / "tools" / "blender" / "scenes.py"
 PAGE = ROOT / "docs" / "blender.md"
 SHEET = ROOT / "docs" / "images" / "blender.png"
-# Frames that are compared, of scenes with any: those that scenes.py leaves as the current ones.
+# Frames that are compared, of scenes with any: the current frames that scenes.py leaves.
 FRAMES = {"animated": 12}
 
 

@@ -107,7 +107,7 @@ def run(command: list[str | Path]) -> str:
 
 
 def shipped(program: Path, assets: list[str | Path]) -> list[Work]:
-    """All scenes of the checkout; those of `scenes/paper` only where asset folders are given."""
+    """All scenes of the checkout; scenes of `scenes/paper` only where asset folders are given."""
     folders = ["scenes", "scripts", *(["scenes/paper"] if assets else [])]
     found = []
     for path in sorted(path for folder in folders for path in (ROOT / folder).glob("*.toml")):
@@ -164,7 +164,7 @@ def folder_of(program: Path, place: Path) -> Path:
 
 
 def compare(old: Path, new: Path, works: list[Work]) -> tuple[int, list[str]]:
-    """Number of pictures, and the names of those that differ."""
+    """Number of pictures, and the names of differing pictures."""
     names = [name for work in works for e in ("png", "exr") for name in work.names(e)]
     return len(names), [name for name in names if not same_file(old / name, new / name)]
 

@@ -6,10 +6,9 @@ python3 tools/fuzz_seeds.py OUT --scenes
 
 Takes every `.glb` and `.gltf` in the folders of at most 64 KiB together with the files it names.
 Models with external files are packed into a `.glb`, since the fuzzer reads one file; WebP and KTX2
-images are put on a triangle. Models with meshopt are written once under each extension name.
-Added are small files whose decoders would take much memory; with `--panoramas` only those of
-panoramas, which are not part of glTF, and with `--scenes` only scene texts with many things of
-a kind.
+images are put on a triangle. Models with meshopt are written once under each extension name. Added
+are small files whose decoders would take much memory; with `--panoramas` only files of panoramas,
+which are not part of glTF, and with `--scenes` only scene texts with many things of a kind.
 """
 
 from __future__ import annotations
@@ -121,7 +120,7 @@ model = "ball"
 name = "b"
 """
 MOVES = "keys = [{ at_s = 0, value = [0, 0, 1] }, { at_s = 1, value = [0, 1, 0] }]"
-# Parts that scenes have many of; `#` is the number of a part, `@` that of the one before it.
+# Parts that scenes have many of; `#` is the number of a part, `@` its predecessor's.
 PARTS = (
     "[params]\np# = 1\n",
     "[variant.v#.image]\nexposure_ev = 1\n",

@@ -168,7 +168,7 @@ def read_looks(roots: list[Root]) -> Looks:
 
 
 def table(roots: list[Root], looks: Looks) -> str:
-    """Markdown table by source: roots shown, and causes of those that are not, or not right."""
+    """Markdown table by source: roots shown, and why others are not, or are wrong."""
     by_source: dict[str, list[Root]] = collections.defaultdict(list)
     for root in roots:
         by_source[root.source].append(root)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Mutation testing: injects small faults into the code and lists those that no test detects.
+"""Mutation testing: injects small faults into the code and lists faults that no test detects.
 
 A mutant is one mechanical change of one line: an operator, a sign, a constant, a component, a
 comparison. They are drawn from a fixed seed, as many from each file as it has places for them.

@@ -36,7 +36,7 @@ class Found:
 
 
 def scenes_of(paths: list[Path]) -> list[Path]:
-    """Scene texts and glTF files, and those in folders."""
+    """Scene texts and glTF files, also from folders."""
     scenes: list[Path] = []
     for path in paths:
         inside = sorted(path.rglob("*")) if path.is_dir() else [path]
@@ -70,7 +70,7 @@ def levels(path: Path) -> np.ndarray:
 
 
 class Pictures:
-    """Pictures of scenes in a folder; those that are missing are rendered."""
+    """Pictures of scenes in a folder; missing pictures are rendered."""
 
     def __init__(self, out: Path, program: Path, size: str, further: list[str]) -> None:
         self.out = out

@@ -22,7 +22,7 @@ from tables import Row, Rows, mean, read_rows, table, values, write_rows
 from documents.document import DATA, Document, Run, accepted_px, in_places, some_columns
 
 SCENES = ["scenes/*.toml", "scenes/fail/0[2-6]-*.toml", "scenes/paper/*.toml", "scripts/*.toml"]
-# Their reflections are sampled, so that noise would be scored beside what the march takes.
+# Their reflections are sampled, so that noise would be scored beside the march's samples.
 SAMPLED = ["studio", "interior", "street"]
 SIZES = "240x135,480x270"
 VIEWS = 5
@@ -122,7 +122,7 @@ def work_ratio(of: Scores, scene: str, rule: Rule) -> float:
 
 
 def best_threshold(of: Scores, scenes: Sequence[str], error: Callable[[Score], float]) -> Rule:
-    """The T of least error among those that cost no more than the verified rule; if all cost more,
+    """The T of least error among rules that cost no more than the verified rule; if all cost more,
     the cheapest."""
     rules = sorted({r for s in scenes for r in of[s] if r[0] == "threshold"})
 

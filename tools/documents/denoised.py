@@ -29,7 +29,7 @@ Picture = np.ndarray
 
 @dataclass
 class View:
-    """A perspective camera without roll: where it is, and what it looks at."""
+    """A perspective camera without roll: its position and target."""
 
     eye: Picture
     target: Picture
@@ -83,8 +83,8 @@ class Frame:
 def moved(values: Picture, before: Frame, frame: Frame) -> tuple[Picture, Picture]:
     """Values of the frame before where the surfaces of a frame were, and where that is known.
 
-    Surfaces rest in the world: what moves by itself has another depth there, and is left out. A
-    place between pixels takes the mean of four, all of which must show the surface.
+    Surfaces rest in the world: a thing that moves by itself has another depth there, and is left
+    out. A place between pixels takes the mean of four, all of which must show the surface.
     """
     height, width = frame.depth.shape
     with np.errstate(invalid="ignore"):
@@ -117,10 +117,10 @@ def error_change(
 ) -> float:
     """Root mean square change of a film's error from frame to frame, along the motion of surfaces.
 
-    What an error has in common with a surface, such as a texture that was smoothed away, moves
-    with the surface and does not count; patches that stay behind or come and go do. The product of
-    the errors against two references has the mean square as its mean, whatever the grain of the
-    references is, as that of one is independent of that of the other.
+    The part of an error that moves with a surface, such as a texture that was smoothed away, does
+    not count; patches that stay behind or come and go do. The product of the errors against two
+    references has the mean square as its mean, whatever the grain of the references is, as their
+    grains are independent.
     """
     squares = []
     for i in range(1, len(frames)):
@@ -134,7 +134,7 @@ def error_change(
 
 
 def at_rest(pictures: list[Picture], truth: list[Picture]) -> tuple[float, float]:
-    """Change from frame to frame where that of many samples rests: mean, and root mean square."""
+    """Change from frame to frame where many samples rest: mean, and root mean square."""
     changes = []
     for i in range(1, len(pictures)):
         rests = (truth[i] == truth[i - 1]).all(axis=2)
@@ -144,7 +144,7 @@ def at_rest(pictures: list[Picture], truth: list[Picture]) -> tuple[float, float
 
 
 class Film:
-    """A film's frames in a folder; those that are missing are rendered."""
+    """A film's frames in a folder; missing frames are rendered."""
 
     def __init__(self, name: str, run: Run) -> None:
         self.scene = DATA / f"{name}.toml"
@@ -178,7 +178,7 @@ class Film:
         return [inner, [levels(path)[1:-1, 1:-1] for path in paths]]
 
     def views(self) -> list[View]:
-        """The camera of each frame: that of the living room, moved along the film's two keys."""
+        """The camera of each frame: the living room's, moved along the film's two keys."""
         room = tomllib.loads((ROOT / "scenes" / "interior.toml").read_text())
         camera = room["camera"]["main"]
         motion = tomllib.loads(self.scene.read_text())["motion"].get("camera")

@@ -1,7 +1,7 @@
 """Owns the measures of the corpus report: the results of all converters are scored alike.
 
-A corpus folder may hold INDEX.tsv (what each root stage is and holds) and PEERS.tsv (what other
-converters made of it). Rivals' rows and ours are scored here by the same functions.
+A corpus folder may hold INDEX.tsv (kind and content of each root stage) and PEERS.tsv (results of
+other converters). Rivals' rows and ours are scored here by the same functions.
 """
 
 from __future__ import annotations

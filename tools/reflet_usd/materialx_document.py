@@ -72,7 +72,7 @@ class Document:
 
     layer: Sdf.Layer
     files: list[str] = field(default_factory=list)
-    """Paths of the document and of those that it includes."""
+    """Paths of the document and its included documents."""
     images: list[str] = field(default_factory=list)
     """Absolute paths of the images that it names, in the document's package where it is in one."""
 
@@ -83,7 +83,7 @@ def is_document(path: str) -> bool:
 
 
 def read_document(path: str, is_allowed: Callable[[str], bool]) -> Document:
-    """The document at `path` with what it includes; raises DocumentError.
+    """The document at `path` with its included documents; raises DocumentError.
 
     `is_allowed` judges the path of every file before it is opened.
     """
@@ -96,7 +96,7 @@ def read_document(path: str, is_allowed: Callable[[str], bool]) -> Document:
     including: list[str] = []
 
     def read(document: Any, path: str, options: Any) -> None:
-        """Read one file, and what it includes."""
+        """Read one file, and its included files."""
         files.append(path)
         including.append(path)
         mx.readFromXmlString(document, _content(path), mx.FileSearchPath(), options)
@@ -165,7 +165,7 @@ def _content(path: str) -> str:
 
 
 def _beside(path: str, name: str) -> str:
-    """Path of a file that the one at `path` names, in the same package where that is in one."""
+    """Path of a file that the file at `path` names, in the same package if it is in a package."""
     package, inner = Ar.SplitPackageRelativePathInner(path)
     if not inner:
         return os.path.normpath(os.path.join(os.path.dirname(path), name))

@@ -65,7 +65,7 @@ def _lower(kind: int, soft: int, hard: int) -> None:
 
 
 def inherited(kind: int, own: int) -> int:
-    """The lower one of a limit of ours and the one that this process has inherited.
+    """The lower of our limit and the limit that this process has inherited.
 
     Of processor time it is a second less than the inherited hard limit, because that one kills
     without a signal that tells why.

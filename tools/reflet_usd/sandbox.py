@@ -70,7 +70,7 @@ class Limits:
     """Names of the limits above that come from the calling process (`ulimit`)."""
 
     def with_inherited(self) -> Limits:
-        """These limits, each lowered to the one that this process has inherited."""
+        """These limits, each lowered to the limit that this process has inherited."""
         kinds = {
             "memory_bytes": resource.RLIMIT_AS,
             "cpu_s": resource.RLIMIT_CPU,

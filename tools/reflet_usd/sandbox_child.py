@@ -35,7 +35,7 @@ def main() -> int:
 
 
 def _confine(job: dict[str, Any], staging: Path) -> list[str]:
-    """Apply every limit; returns descriptions of those that could not be applied."""
+    """Apply every limit; returns descriptions of failures."""
     # Imported here, because the package is found through the job's sys_path.
     isolation = importlib.import_module("reflet_usd.process_isolation")
     isolation.die_with_parent()

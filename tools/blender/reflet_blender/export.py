@@ -6,7 +6,7 @@ blender.toml     everything that Blender says, written anew by each export
 collection-*.toml  collections that it places, each a scene text
 models/*.glb     meshes and rigs
 instances/*.csv  places of many instances
-report.json/txt  what the scene holds, and what could not be carried
+report.json/txt  content of the scene, and losses
 export.json      the files that exports wrote, with their hashes
 """
 
@@ -33,7 +33,7 @@ from .report import Report
 PROJECT = "# A project of scenes for Reflet; exports leave this file alone.\nname = {name}\n"
 LAYER = """\
 # The scene to render and to change: exports leave this file alone, and write blender.toml anew.
-# Keys here win over those of blender.toml; instances are changed by their names:
+# Keys here win over keys of blender.toml; instances are changed by their names:
 #
 # [[instance]]
 # name = "Cube"
@@ -82,7 +82,7 @@ def export_project(scene: bpy.types.Scene, root: Path, options: Options) -> Repo
 
 
 class _Export:
-    """One export: what was found, and what was written of it."""
+    """One export: its input, and its output."""
 
     def __init__(
         self,
@@ -373,7 +373,7 @@ class _Export:
 
 
 def _rigs(bent: list[bpy.types.Object]) -> list[list[bpy.types.Object]]:
-    """Deforming meshes that glTF can animate: by armature, and those of shape keys alone."""
+    """Deforming meshes that glTF can animate: by armature, and meshes with shape keys alone."""
     by_armature: dict[str, list[bpy.types.Object]] = {}
     for thing in bent:
         armature = thing.find_armature()

@@ -89,7 +89,7 @@ def _area(
     round_one = data.shape in {"DISK", "ELLIPSE"}
     size_x, size_y = max(size_x, 1e-6), max(size_y, 1e-6)
     if not data.normalize:
-        # The power is then that of a square meter.
+        # The power is then given per square meter.
         power *= size_x * size_y * (math.pi / 4 if round_one else 1.0)
     out = {"position": position, "direction": direction, "intensity_cd": power / math.pi}
     if round_one and abs(size_x - size_y) <= 1e-4 * size_x:

@@ -1,8 +1,8 @@
 """Owns what the export of glTF does not carry of materials: values of scene text over the file's.
 
-Blender's exporter writes Principled materials with their textures. Here is what it leaves out and
-Reflet has: that glass is solid, that glowing surfaces light others, plain shaders other than
-Principled; and the names of what is lost.
+Blender's exporter writes Principled materials with their textures. Here is the rest that Reflet
+has: that glass is solid, that glowing surfaces light others, plain shaders other than Principled;
+and the names of losses.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _SOLID = {"thickness_m": 1}
 
 
 def overrides(material: bpy.types.Material, report: Report) -> dict[str, Any]:
-    """Keys of `[model.NAME.material.MATERIAL]` over what glTF holds of `material`."""
+    """Keys of `[model.NAME.material.MATERIAL]` over glTF's values of `material`."""
     name = material.name
     if material.node_tree is None or not material.use_nodes:
         return {}

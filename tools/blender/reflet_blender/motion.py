@@ -1,4 +1,4 @@
-"""Owns motion: whether anything may move, and what a scene is at each of its frames."""
+"""Owns motion: whether anything may move, and a scene's state at each of its frames."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def may_move(scene: bpy.types.Scene) -> bool:
 
 
 def frames_of(scene: bpy.types.Scene, report: Report) -> list[int]:
-    """The scene's frames, those that Reflet has."""
+    """The scene's frames, within Reflet's range."""
     first, last = max(scene.frame_start, 0), min(scene.frame_end, _MOST_FRAMES)
     if (first, last) != (scene.frame_start, scene.frame_end):
         report.lose("frames-cut", scene.name)

@@ -31,7 +31,7 @@ class Part:
     placed: list[tuple[Key, things.Thing, Part]] = dataclasses.field(default_factory=list)
     # Lights by their names, each with its key.
     shining: dict[str, tuple[Key, bpy.types.Object]] = dataclasses.field(default_factory=dict)
-    # Names by kind: those given away, and those of entries, with entries of parts that it places.
+    # Names by kind: names given away, and names of entries, with entries of parts that it places.
     names: dict[str, Names] = dataclasses.field(
         default_factory=lambda: {"instance": Names(), "model": Names(), "light": Names()}
     )

@@ -1,4 +1,4 @@
-"""Owns which collections become placed scenes, and what these hold.
+"""Owns which collections become placed scenes, and their content.
 
 An empty that places a collection becomes an instance that places a scene, where a scene can hold
 all that Blender shows there; else the things of the collection are placed one by one.
@@ -41,14 +41,14 @@ class Held:
         return ("in", self.name, full_name(thing))
 
     def place(self, thing: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Matrix:
-        """Where a thing is, relative to what places the collection."""
+        """Where a thing is, relative to the empty that places the collection."""
         offset = Matrix.Translation(-self.collection.instance_offset)
         return offset @ thing.evaluated_get(depsgraph).matrix_world
 
     def leaves(
         self, depsgraph: bpy.types.Depsgraph, place: Matrix
     ) -> Iterator[tuple[bpy.types.Object, Matrix]]:
-        """Things and lights that `place` places, also those of collections that it places."""
+        """Things and lights that `place` places, also of collections that it places."""
         for thing in (*self.things, *self.lights):
             yield thing, place @ self.place(thing, depsgraph)
         for thing, inner in self.holders:
@@ -78,7 +78,7 @@ class _NotHeldError(Exception):
 
 
 class Plan:
-    """Empties of the scene that place scenes, by their full names, with what these hold."""
+    """Empties of the scene that place scenes, by their full names, with the scenes' content."""
 
     def __init__(self, depsgraph: bpy.types.Depsgraph) -> None:
         self.holders: dict[str, tuple[bpy.types.Object, Held]] = {}
@@ -86,7 +86,7 @@ class Plan:
 
     @property
     def scenes(self) -> list[Held]:
-        """Collections that become files, each after those that it places."""
+        """Collections that become files, each after the collections that it places."""
         found: dict[str, Held] = {}
         for _, held in self.holders.values():
             for inner in held.all():
@@ -100,7 +100,7 @@ class Plan:
             yield from held.leaves(self._depsgraph, place)
 
     def places(self, depsgraph: bpy.types.Depsgraph) -> dict[Key, tuple[Matrix, bool]]:
-        """Places at the current frame of what places scenes, and of what is in them."""
+        """Places, at the current frame, of empties that place scenes, and of their things."""
         out = {}
         for name, (thing, _) in self.holders.items():
             place = thing.evaluated_get(depsgraph).matrix_world.copy()

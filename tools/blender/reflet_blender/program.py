@@ -15,7 +15,7 @@ _PATIENCE_S = 5.0
 
 
 class ProgramError(Exception):
-    """Why the program could not run or what it said, in a sentence for its user."""
+    """Why the program could not run or its message, in a sentence for its user."""
 
 
 def find(named: str) -> str:

@@ -20,7 +20,7 @@ def full_name(thing: bpy.types.ID) -> str:
 
 
 def instance_key(instance: bpy.types.DepsgraphObjectInstance) -> Key:
-    """The key of what is drawn at a place."""
+    """The key of a drawn thing at a place."""
     thing = instance.object.original
     if not instance.is_instance:
         return (full_name(thing),)
@@ -34,12 +34,12 @@ def is_holder(thing: bpy.types.Object) -> bool:
 
 
 def is_never_shown(thing: bpy.types.Object) -> bool:
-    """Whether renders show a thing, and what it places, at no frame."""
+    """Whether no frame of a render shows a thing, nor the collection that it places."""
     return thing.hide_render and thing.animation_data is None
 
 
 def members(collection: bpy.types.Collection) -> list[bpy.types.Object]:
-    """Objects that a placed collection shows in renders, with those of collections in it."""
+    """Objects that a placed collection shows in renders, with objects of collections in it."""
     out: dict[str, bpy.types.Object] = {}
     waiting = [collection]
     while waiting:

@@ -1,11 +1,11 @@
-"""Owns the report of an export: what the project holds, and what could not be carried."""
+"""Owns the report of an export: the project's content, and the losses."""
 
 from __future__ import annotations
 
 import dataclasses
 import json
 
-# Every loss that an export can name, with what it means.
+# Every loss that an export can name, with its meaning.
 LOSSES = {
     "area-spread-dropped": "an area light that shines into less than a half space shines into all",
     "bokeh-dropped": "the blades, rotation and ratio of an aperture; the lens is round",

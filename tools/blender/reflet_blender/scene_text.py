@@ -22,7 +22,7 @@ version = 1
 """
 PLACED_HEAD = """\
 # A collection that blender.toml places, written by the export from Blender, and anew by the next
-# one: change scene.toml instead, where names of this file follow that of the place and a dot.
+# one: change scene.toml instead, where names of this file stand behind the place's name and a dot.
 version = 1
 """
 # From so many instances on that one object makes of one model, a table of points holds them.

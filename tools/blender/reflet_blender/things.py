@@ -28,12 +28,12 @@ class Model:
     name: str = ""
     file: str = ""
     overrides: dict[str, dict[str, Any]] = dataclasses.field(default_factory=dict)
-    # Kind of `[motion]` of what places it.
+    # Kind of `[motion]` of the instance or light that places it.
     moved_as = "instance"
 
     @property
     def value(self) -> str:
-        """The key `model` of what places it."""
+        """The key `model` of the instance that places it."""
         return self.name
 
 
@@ -46,7 +46,7 @@ class SceneFile:
 
     @property
     def value(self) -> dict[str, str]:
-        """The key `model` of what places it."""
+        """The key `model` of the instance that places it."""
         return {"scene": self.file}
 
 
@@ -65,7 +65,7 @@ class Thing:
 
 @contextlib.contextmanager
 def as_rendered(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> Iterator[None]:
-    """Evaluate what a render shows, rather than what the viewport shows."""
+    """Evaluate the scene of renders, not of the viewport."""
     before: list[tuple[Any, str, Any]] = []
 
     def change(owner: Any, name: str, wanted: Any) -> None:
@@ -153,7 +153,7 @@ def _slots(thing: bpy.types.Object) -> list[bpy.types.MaterialSlot]:
 def drawn(
     depsgraph: bpy.types.Depsgraph, models: Models, plan: Plan, rigged: set[str], report: Report
 ) -> dict[Key, Thing]:
-    """Things drawn at the current frame, but for those of placed scenes, and objects of rigs."""
+    """Things drawn at the current frame, but for things of placed scenes, and objects of rigs."""
     out: dict[Key, Thing] = {}
     for instance in _instances(depsgraph, plan):
         thing, original = instance.object, instance.object.original
@@ -229,7 +229,7 @@ def lights(
 
 
 def instance_name(instance: bpy.types.DepsgraphObjectInstance) -> str:
-    """The name of what is drawn at a place, with that of what places it."""
+    """The name of a drawn thing at a place, behind the name of its placing object."""
     name = full_name(instance.object.original)
     return f"{full_name(instance.parent.original)}/{name}" if instance.is_instance else name
 

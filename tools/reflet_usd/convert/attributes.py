@@ -142,7 +142,7 @@ def _read_into(
 def _keep_constant(
     found: GprimPrimvars, context: Context, prim: Usd.Prim, primvar: UsdGeom.Primvar
 ) -> None:
-    """Keep a constant primvar in the node's extras; warn about any other one."""
+    """Keep a constant primvar in the node's extras; warn about any other primvar."""
     name = str(primvar.GetPrimvarName())
     value = primvar.ComputeFlattened(context.time)
     plain = plain_value(value)
@@ -162,7 +162,7 @@ def read_display(
     opacity_primvar: str = "displayOpacity",
     fallback: tuple[float, ...] = (0.18, 0.18, 0.18),
 ) -> DisplayColor:
-    """The color that a gprim shows: displayColor, or what a material's primvar readers name.
+    """The color that a gprim shows: displayColor, or the primvar that a material's readers name.
 
     `owned` are the primvars that reach the gprim. `fallback`, UsdPreviewSurface's diffuseColor
     unless a reader has its own, stands in for a missing color.

@@ -75,7 +75,7 @@ class Files:
     missing: set[str] = field(default_factory=set)
     """Asset paths that do not resolve, or were left out."""
     outside: set[str] = field(default_factory=set)
-    """Folders outside the allowed ones that hold layers which the stage names."""
+    """Folders with layers that the stage names, outside the allowed folders."""
     absent: set[str] = field(default_factory=set)
     """Paths of missing files, where an asset path stands for one plain and allowed file."""
     documents: dict[str, Document] = field(default_factory=dict)
@@ -99,8 +99,8 @@ def cut_foreign_layers(
 ) -> tuple[list[Sdf.Layer], list[LeftOut]]:
     """Remove, in memory, every reference to a layer outside `roots`, before USD opens it.
 
-    Returns all layers that were read, which the caller keeps alive while it composes the stage,
-    and what was removed.
+    Returns all layers that were read, which the caller keeps alive while it composes the stage, and
+    the removed ones.
     """
     layers = [root_layer]
     cut: list[LeftOut] = []

@@ -93,7 +93,7 @@ def authored(prim: Usd.Prim, name: str, time: Usd.TimeCode, fallback: Any) -> An
 
 
 def type_name(prim: Usd.Prim) -> str:
-    """The prim's type, or the one that `fallbackPrimTypes` gives where USD lacks the prim's."""
+    """The prim's type, or its fallback in `fallbackPrimTypes` where USD lacks it."""
     return str(prim.GetPrimTypeInfo().GetSchemaTypeName() or prim.GetTypeName())
 
 

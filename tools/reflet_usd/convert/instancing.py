@@ -118,7 +118,7 @@ def quaternions(m: Array) -> Array:
 
 
 def unit_quaternions(value: object) -> Array:
-    """A VtQuatArray as unit rows (x, y, z, w); those without length become the identity."""
+    """A VtQuatArray as unit rows (x, y, z, w); rows without length become the identity."""
     rows = np.array(value, dtype=np.float64).reshape(-1, 4)
     lengths = np.linalg.norm(rows, axis=1, keepdims=True)
     usable = np.isfinite(lengths) & (lengths > 0.0)

@@ -1,7 +1,7 @@
 """MaterialX surfaces (standard surface, OpenPBR, glTF PBR) as inputs of a glTF material.
 
-The counterparts are those of MaterialX's own translations (libraries/bxdf/translation), where there
-is one. Texture reads stay texture reads where one factor or mix remains in front of them.
+The counterparts follow MaterialX's own translations (libraries/bxdf/translation), where there is
+one. Texture reads stay texture reads where one factor or mix remains in front of them.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _NEUTRAL: dict[str, Numbers] = {
 
 
 class _Surface:
-    """Inputs of one surface node, and what of them is lost."""
+    """Inputs of one surface node, and its losses."""
 
     def __init__(self, reader: NetworkReader, shader: UsdShade.Shader) -> None:
         self.reader = reader
@@ -238,7 +238,7 @@ def _normals(surface: _Surface, normal: str, coat_normal: str) -> dict[str, Sour
 
 
 def _scattering(surface: _Surface, base: Source, weight_name: str, white: Numbers) -> Source:
-    """Base color with the color of what is scattered below the surface, at its weight."""
+    """Base color with the subsurface color, at its weight."""
     weight = surface.weight(weight_name, "subsurface_")
     color = surface.get("subsurface_color", white)
     if weight != Constant((0.0,)):

@@ -27,7 +27,7 @@ def morph_target(
     offsets: Array,
     normal_offsets: Array | None,
 ) -> dict[str, int]:
-    """Morph target of one primitive: `offsets` (N, 3) of the points, and those of the normals."""
+    """Morph target of one primitive: `offsets` (N, 3) of the points, and of the normals."""
     target = {"POSITION": _accessor(writer, offsets[parts.points], bounds=True)}
     normals = surface.normals
     if normals is None or polygons is None:

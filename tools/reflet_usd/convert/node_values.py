@@ -1,7 +1,7 @@
 """Values of MaterialX node graphs: constants, and textures with a scale and a bias for each number.
 
-The nodes are those of the standard library (https://materialx.org/Specification.html). A node
-whose value is neither, such as a noise, is named by a warning.
+The nodes belong to the standard library (https://materialx.org/Specification.html). A node whose
+value is neither, such as a noise, is named by a warning.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class NodeValues:
     def output(self, attribute: Usd.Attribute, color_space: str = "") -> Source:
         """Value of a node's output; raises UnfitError.
 
-        `color_space` is the one that the input which reads it states, for images.
+        `color_space` is stated by the input that reads an image.
         """
         key, node = str(attribute.GetPath()), UsdShade.Shader(attribute.GetPrim())
         known = self._known.get(key)

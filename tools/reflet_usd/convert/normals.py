@@ -48,7 +48,7 @@ def smooth_normals(groups: Array, counts: Array, areas: Array, group_count: int)
 
 def smooth_groups(corners: Array, counts: Array, point_count: int, sharp_edges: Array) -> Array:
     """For each corner the group that shares a normal: all corners of a point, but at the ends of
-    sharp edges only those that faces join around the point without crossing one.
+    sharp edges only corners that faces join around the point without crossing such an edge.
 
     `sharp_edges` are sorted keys of `edge_keys`.
     """

@@ -39,7 +39,7 @@ def _count(stage: Usd.Stage) -> int:
 
 
 def _inner_first(inner: dict[str, list[str]], start: str) -> Iterator[str]:
-    """The prototypes below `start`, each after those within it; USD allows no cycles."""
+    """The prototypes below `start`, each after the prototypes within it; USD allows no cycles."""
     done: set[str] = set()
     stack = [(start, iter(inner[start]))]
     while stack:

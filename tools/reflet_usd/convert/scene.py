@@ -74,7 +74,7 @@ class Node:
         """Animate `path`; of keys whose times meet as float32 two stay, as neighbors.
 
         They are the two sides of a jump: the last key keeps its time, the first one moves back.
-        Those in between, and what would begin before 0 seconds, are left out.
+        Keys in between, and keys before 0 seconds, are left out.
         """
         times = np.maximum.accumulate(times)
         rounded = times.astype(np.float32)

@@ -2,7 +2,7 @@
 
 M = (T U Σ) · Vᵀ as for matrices at rest. The singular value decomposition is chosen like an
 analytic one (Bunse-Gerstner et al., Numer. Math. 60, 1991): the order, signs and, where singular
-values are equal, the directions of the vectors follow those of the key before.
+values are equal, the directions of the vectors follow the key before.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ EQUAL = 1e-9
 
 
 def follow(matrix: Array, reference: tuple[Trs, Trs] | None) -> tuple[Trs, Trs]:
-    """The two parts of `matrix` that are closest to those of `reference`."""
+    """The two parts of `matrix` that are closest to the parts of `reference`."""
     if reference is None:
         return split_shear(matrix)
     outer, inner = reference

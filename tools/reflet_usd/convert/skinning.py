@@ -211,7 +211,7 @@ class Deformation:
 
 
 def _proxy_path(prim: Usd.Prim, target: Sdf.Path) -> Sdf.Path:
-    """Path of a target of `prim`; USD gives the one in the prototype within a native instance."""
+    """Path of a target of `prim`; within a native instance USD gives the path in the prototype."""
     if not prim.IsInstanceProxy():
         return target
     instance, prototype = prim, prim.GetPrimInPrototype()

@@ -92,7 +92,7 @@ def mixed(node: UsdShade.Shader, ground: Source, figure: Source, share: Source) 
 
 
 def picked(node: UsdShade.Shader, source: Source, places: tuple[int, ...]) -> Source:
-    """Some numbers of a source; raises UnfitError for those of primvars."""
+    """Some numbers of a source; raises UnfitError for primvars."""
     if isinstance(source, Constant):
         return Constant(tuple(source.value[place] for place in places))
     if isinstance(source, TextureRead):

@@ -38,7 +38,7 @@ class TextureRead:
     """The resolved asset path; empty where it does not resolve."""
     authored_file: str
     parts: tuple[Part, ...]
-    """The numbers that are read, one, or those of a color or a vector."""
+    """The numbers that are read: one, or the components of a color or a vector."""
     uv: UvRead = field(default_factory=UvRead)
     wrap: tuple[str, str] = ("useMetadata", "useMetadata")
     color_space: str = "auto"

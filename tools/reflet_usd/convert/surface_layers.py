@@ -9,7 +9,7 @@ from reflet_usd.convert.channel_packing import Channel
 from reflet_usd.convert.preview_surface import PREVIEW_INPUTS, PreviewMaterial, Slots, factored
 from reflet_usd.convert.sources import Source
 
-# Names of our own; the values are those at which a layer is not there.
+# Names of our own; at these values a layer is absent.
 _LAYER_INPUTS: dict[str, tuple[float, ...]] = {
     "transmission": (0.0,),
     "thickness": (0.0,),

@@ -13,7 +13,7 @@ from reflet_usd.convert.context import Context
 
 @dataclass(frozen=True)
 class Reach:
-    """Conversion of a matrix's deviation into that of corners, as a share of the scene."""
+    """Conversion of a matrix's deviation into the deviation of corners, as a share of the scene."""
 
     lever: float = 0.0
     """Distance of the farthest corner from the origin, in the space before the matrix."""

@@ -44,7 +44,7 @@ PROGRESS_S = 5.0
 
 @dataclass
 class Tree:
-    """A node tree under construction: the stage's own, or that of an instancer's prototype."""
+    """A node tree under construction: the stage's own, or an instancer prototype's."""
 
     root: Node
     unplaced: list[Node] = field(default_factory=list)

@@ -7,9 +7,9 @@ truth computes that value (`usd_rules`) and nothing is excused.
 from __future__ import annotations
 
 SUBTREE = ("animation-resampled", "prim-damaged")
-"""Warnings that apply to their prim and all below it; every other one applies to its prim alone."""
+"""Warnings that apply to their prim and all below it; others apply to their prim alone."""
 PLACED = ("animation-resampled",)
-"""Warnings that allow places to deviate by what they state, and nothing else of the prim."""
+"""Warnings that allow places alone to deviate, by a stated length."""
 ABSENT = ("prim-damaged",)
 """Warnings by which a prim of any type may be missing from the file."""
 MESH_LIGHT = ("mesh-light-dropped", "Volume-dropped")

@@ -156,7 +156,7 @@ class Checks:
     ) -> None:
         """Record one compared value; above the bar plus `slack` it becomes a finding.
 
-        `excuses` are patterns of warnings in place of those of the bar.
+        `excuses` are patterns of warnings in place of the bar's.
         """
         check = self.checks[name]
         check.compared += 1
@@ -180,8 +180,8 @@ class Checks:
     ) -> str | None:
         """The warning on the prim that fits one of the patterns, and reaches `value`.
 
-        Warnings on what an instancer draws count as its own, those of whole subtrees for all that
-        is below. `named` must stand in quotes in the message.
+        Warnings on drawn prims of an instancer count as its own, warnings on whole subtrees for all
+        prims below. `named` must stand in quotes in the message.
         """
         for path in sorted({prim} | self.made_of.get(prim, set())):
             for told in self._warnings.get(path, ()):

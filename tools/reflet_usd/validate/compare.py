@@ -119,7 +119,7 @@ class SceneComparer:
             self._devices("lights", key, expected, output.lights.get(key, []), at, light_values)
 
     def hold_sizes(self, truth: Scene, rest: Scene, frozen: set[str]) -> None:
-        """Set the power of lights in `frozen`, at any time, to that of their size at rest."""
+        """Set the power of lights in `frozen`, at any time, to the power of their size at rest."""
         for key, lights in truth.lights.items():
             first = rest.lights.get(key, [])
             if frozen & (truth.made_of.get(key, set()) | {key}) and len(first) == len(lights):
@@ -252,7 +252,7 @@ class SceneComparer:
         turned = float(np.linalg.norm(expected.vector_area + more[1] - found.vector_area)) / area
         self.checks.add("winding", key, turned, "area vector", slack)
         first, last = (end + more[2] for end in expected.volume_range)
-        # Both volumes are seen from the same center: that of an open mesh depends on it.
+        # Both volumes are seen from the same center: the volume of an open mesh depends on it.
         shift = (found.center - expected.center) @ found.vector_area / 3
         volume = found.volume_range[0] + float(shift)
         beyond = max(first - volume, volume - last, 0.0) / (area * max(size, 1e-30))

@@ -62,7 +62,8 @@ def light_values(expected: Light, found: Light, diagonal: float) -> Iterable[tup
 
 
 def nearby(expected: Sequence[Device], found: Sequence[Device]) -> Iterator[Iterable[int]]:
-    """For each device of the stage, those of the file to compare: all, or of many the nearest.
+    """For each device of the stage, the devices of the file to compare: all, or of many the
+    nearest.
 
     Devices as near as the nearest one, within rounding, are all compared.
     """

@@ -38,8 +38,8 @@ def validate_confined(
 ) -> Verdict:
     """Compare `out` with `stage` in a confined child process; `khronos` joins the verdict.
 
-    The child may read the folders of both and those that the sidecar records. Raises ConvertError
-    like `sandbox.run_confined`, and with `stage-unreadable` or `validate-internal`.
+    The child may read the folders of both and the folders that the sidecar records. Raises
+    ConvertError like `sandbox.run_confined`, and with `stage-unreadable` or `validate-internal`.
     """
     from .sidecar import read_sidecar
 

@@ -29,7 +29,7 @@ def compare_document(
     rest: Usd.TimeCode,
     settings: dict[str, Any],
 ) -> None:
-    """Compare facts that belong to no single prim; `settings` are those of the sidecar."""
+    """Compare facts that belong to no single prim; `settings` are the sidecar's."""
     for text in _animation_faults(output, may_move(truth.stage)):
         checks.add("animation", "/", 1, text)
     checks.add("animation", "/", 0)

@@ -73,7 +73,7 @@ def _compare_properties(
 def _compare_collections(
     checks: Checks, prim: Usd.Prim, kept: dict[str, Any], rest: Usd.TimeCode
 ) -> None:
-    """Check that collections in the file equal those of the stage."""
+    """Check that collections in the file equal the stage's."""
     for name, parts in kept.items():
         for part, value in parts.items():
             item = prim.GetProperty(f"collection:{name}:{part}")

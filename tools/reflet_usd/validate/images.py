@@ -36,7 +36,7 @@ class Texels:
 
 
 def decode(data: bytes) -> Texels | None:
-    """The image in `data`; None where it cannot be read. OpenEXR is clipped to what glTF holds."""
+    """The image in `data`; None where it cannot be read. OpenEXR is clipped to glTF's range."""
     try:
         if is_exr(data):
             texels = _filled(np.clip(read_exr(data).astype(np.float64), 0.0, 1.0), eight_bit=False)

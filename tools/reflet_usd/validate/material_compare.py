@@ -75,7 +75,7 @@ def compare_materials(
     outputs: dict[str, list[int]] = {}
     for index, material in enumerate(file.materials):
         outputs.setdefault(file.prim_of(material) or "", []).append(index)
-    # Native instances share one material, whose path is the one it has in one of them.
+    # Native instances share one material, under its path in any of them.
     by_name: dict[str, list[int]] = {}
     for kept, indices in outputs.items():
         by_name.setdefault(kept.rsplit("/", 1)[-1], []).extend(indices)
@@ -195,7 +195,7 @@ class _Comparison:
         return not _is_constant(self.inputs["useSpecularWorkflow"], 0.0)
 
     def uv_uses(self, found: OutputMaterial) -> list[UvUse]:
-        """UV set of each primvar; where several share one, that of the first texture."""
+        """UV set of each primvar; where several share one, the set of the first texture."""
         uses = []
         for name in DEFAULTS:
             texture, number = self.inputs[name].texture, found.texcoord(name)
@@ -345,7 +345,7 @@ class _Comparison:
         if read.assumed_space:
             read = dataclasses.replace(read, linearize=False)
         if np.allclose(read.scale[:3], 1) and np.allclose(read.bias[:3], 0):
-            # Missing scale and bias are read as those that turn texels into directions.
+            # Missing scale and bias are read as the values that turn texels into directions.
             named = self.checks.excuse(self.path, NORMAL_SCALE)
             if named:
                 read = dataclasses.replace(read, scale=np.full(4, 2.0), bias=np.full(4, -1.0))

@@ -19,7 +19,7 @@ _SKELETAL = "skel:"
 def compare_primvar_extras(
     checks: Checks, stage: Usd.Stage, output: OutputReader, rest: Usd.TimeCode
 ) -> None:
-    """Compare the primvars in nodes' extras; warnings must name those of prims without a node."""
+    """Compare the primvars in nodes' extras; warnings must name all of prims without a node."""
     nodes, meshes = output.file.tree.get("nodes", []), output.file.tree.get("meshes", [])
     seen: set[tuple[str, int | None, str]] = set()
     for index in output.poser.order:
@@ -54,7 +54,7 @@ def _of_gprim(prim: Usd.Prim, rest: Usd.TimeCode) -> dict[str, Any]:
 
 
 def _own(prim: Usd.Prim, rest: Usd.TimeCode) -> dict[str, Any]:
-    """Primvars of a prim that draws nothing; varying ones of an instancer are warned about."""
+    """Primvars of a prim that draws nothing; warnings name varying primvars of an instancer."""
     instancer = prim.IsA(UsdGeom.PointInstancer)
     return {
         name: _value(primvar, rest)

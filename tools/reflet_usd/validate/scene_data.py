@@ -31,7 +31,7 @@ class Corners:
     positions: Array
     """(n, 3) meters."""
     optional_positions: Array
-    """(m, 3) corners that a converter may drop: those of degenerate faces."""
+    """(m, 3) corners of degenerate faces, which a converter may drop."""
     triangles: int = 0
     optional_triangles: int = 0
     area_range: tuple[float, float] = (0.0, 0.0)

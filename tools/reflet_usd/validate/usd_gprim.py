@@ -48,7 +48,7 @@ def read_surface(prim: Usd.Prim, time: Usd.TimeCode, matrix: Array) -> Surface |
         # A negative size gives the same surface.
         return fallback if value is None else abs(float(value))
 
-    # The prim's type, or the one that `fallbackPrimTypes` gives where USD lacks the prim's.
+    # The prim's type, or its fallback in `fallbackPrimTypes` where USD lacks it.
     kind = str(prim.GetPrimTypeInfo().GetSchemaTypeName())
     axis = _AXES.get(str(prim.GetAttribute("axis").Get() or "Z"), 2) if kind != "Sphere" else 2
     height = 0.0
@@ -72,7 +72,7 @@ def read_surface(prim: Usd.Prim, time: Usd.TimeCode, matrix: Array) -> Surface |
 
 
 def _color(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[Array | None, tuple[str, ...]]:
-    """Constant display color and opacity, and names of those with several values (ignored)."""
+    """Constant display color and opacity, and names of primvars with several values (ignored)."""
     api = UsdGeom.PrimvarsAPI(prim)
     names = ("displayColor", "displayOpacity")
     rgb, alpha = (
@@ -108,7 +108,7 @@ def read_polyhedron(prim: Usd.Prim, time: Usd.TimeCode) -> LocalMesh | None:
 
 
 def _boundary(prim: Usd.Prim, time: Usd.TimeCode) -> LocalMesh | None:
-    """Boundary faces of a TetMesh; None where one of them is no triangle."""
+    """Boundary faces of a TetMesh; None where any is no triangle."""
     schema = UsdGeom.TetMesh(prim)
     points = points_of(schema.GetPointsAttr(), time)
     raw = schema.GetSurfaceFaceVertexIndicesAttr().Get(time)

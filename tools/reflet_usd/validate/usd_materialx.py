@@ -1,7 +1,7 @@
 """Owns the truth about MaterialX surfaces: the rules by which a file approximates them.
 
-Every channel is evaluated as a function of texture coordinates; the rules are those that the
-documentation gives for each surface.
+Every channel is evaluated as a function of texture coordinates; the documentation of each surface
+gives the rules.
 """
 
 from __future__ import annotations
@@ -115,7 +115,7 @@ def materialx_inputs(
 ) -> dict[str, PreviewInput] | None:
     """Channels of a surface that the documentation says is approximated; None for others.
 
-    Names beyond UsdPreviewSurface's are those of `OutputMaterial`.
+    Names beyond UsdPreviewSurface's come from `OutputMaterial`.
     """
     shader = surface_shader(material)
     kind = str(shader.GetIdAttr().Get()) if shader else ""
@@ -138,7 +138,7 @@ def _channel(nodes: NodeValues, shader: str, function: Function) -> PreviewInput
     nodes.nodes.clear()
     nodes.primvars.clear()
     try:
-        with np.errstate(all="ignore"):  # what is no number has to be declared
+        with np.errstate(all="ignore"):  # values that are no numbers have to be declared
             few = function(np.random.default_rng(3).random((_FEW, 2)))
     except UnknownError as error:
         image = min(nodes.images, default="")

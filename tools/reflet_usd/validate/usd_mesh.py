@@ -39,7 +39,7 @@ class LocalMesh:
     """(faces,) index into `material_paths`, −1 for none."""
     material_paths: list[str]
     flat_shaded: bool
-    """Whether each corner's normal is that of its face."""
+    """Whether each corner has its face's normal."""
     double_sided: bool
     optional_counts: Indices = dataclasses.field(default_factory=lambda: np.zeros(0, np.int64))
     """(faces,) corners of each face that may be dropped."""

@@ -18,7 +18,7 @@ class Placement:
 
     prim: Usd.Prim
     key: str
-    """Path under which the prim is compared: its own, or that of the outermost instancer."""
+    """Path under which the prim is compared: its own, or the outermost instancer's."""
     matrix: Gf.Matrix4d
     """Matrix from local space to the stage's world."""
 

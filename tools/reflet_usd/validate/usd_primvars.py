@@ -145,7 +145,7 @@ def misfits(
 ) -> tuple[str, ...]:
     """Primvars with values that have no place: too many, too few, or too long elements.
 
-    `entries` are the primvars that are `carried`, `told` the drawn ones of color and normals.
+    `entries` are the primvars that are `carried`, `told` the drawn colors and normals.
     """
     found = {entry.name: entry for entry in entries}
     for name in sorted(told):

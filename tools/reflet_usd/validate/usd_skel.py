@@ -158,7 +158,7 @@ def split_skeletons(stage: Usd.Stage) -> None:
 def baked_codes(
     stage: Usd.Stage, skinned: Iterable[str], keys: Iterable[float]
 ) -> dict[str, set[float]]:
-    """The codes at which baked prims are exact: those of their points, else of their matrices.
+    """The codes at which baked prims are exact: codes of their points, else of their matrices.
 
     Only the animations' own `keys` count: between them USD rounds scales to half floats.
     """

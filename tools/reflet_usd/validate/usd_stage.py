@@ -158,7 +158,7 @@ def _confine(stage: Usd.Stage, roots: tuple[str, ...]) -> None:
         layers = [
             layer for layer in stage.GetUsedLayers() if layer.realPath and not layer.IsMuted()
         ]
-        # Muting one layer releases those that only it brought.
+        # Muting one layer releases the layers that only it brought.
         outside = {layer.identifier for layer in layers if not is_within(layer.realPath, roots)}
         if not outside:
             return
@@ -190,7 +190,7 @@ def stated_codes(stage: Usd.Stage) -> tuple[float | None, float | None]:
 
 
 def codes_between(stage: Usd.Stage, codes: list[float], count: int) -> list[float]:
-    """`count` codes spread evenly over the stage's stated range, or else over that of `codes`.
+    """`count` codes spread evenly over the stage's stated range, or else over the range of `codes`.
 
     Empty where no value may vary over time: that asks USD itself, which also knows of splines and
     of value clips.
@@ -237,7 +237,7 @@ class KeyedOnly:
     """Prims with half-precision xformOps; all that is below them moves along."""
 
     def between(self, code: float, keys: Iterable[str]) -> frozenset[str]:
-        """Prims among those of `keys` that are between keys at `code`."""
+        """Prims of `keys` that are between keys at `code`."""
         moving = [path for path, own in self.subtrees.items() if code not in own]
         found = {prim for prim, own in self.prims.items() if code not in own}
         for key in keys if moving else ():
@@ -330,7 +330,7 @@ def _is_positive(value: Any) -> bool:
 
 
 def _stand_in_documents(stage: Usd.Stage, roots: tuple[str, ...]) -> list[Document]:
-    """Replace MaterialX documents by layers, in memory; those that cannot be read stay lost."""
+    """Replace MaterialX documents by layers, in memory; unreadable documents stay lost."""
     documents: dict[str, Document] = {}
     done: set[str] = set()
     while layers := [layer for layer in stage.GetUsedLayers() if layer.identifier not in done]:

@@ -169,7 +169,7 @@ class TruthReader:
 def _read_shining(
     scene: Scene, prim: Usd.Prim, time: Usd.TimeCode, named: dict[str, Usd.Prim]
 ) -> None:
-    """Light that a gprim sends: its own, or that of a GeometryLight that names it."""
+    """Light that a gprim sends: its own, or from a GeometryLight that names it."""
     path = str(prim.GetPath())
     light = prim if is_light(prim) else named.get(path)
     if light is None:

@@ -77,7 +77,7 @@ def _compare_order(
 
 
 def _uv_rows(checks: Checks, key: str, found: Corners, values: Array) -> np.ndarray:
-    """Mask of all corners but those whose material reads a set that the prim does not have."""
+    """Mask of all corners whose material reads no set that the prim lacks."""
     rows = np.ones(len(values), bool)
     if found.materials is None or not checks.excuse(key, UV_CONSTANT):
         return rows

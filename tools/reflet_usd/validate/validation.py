@@ -47,7 +47,7 @@ class Validation:
     facts: dict[str, Any] = dataclasses.field(default_factory=dict)
     """Counts and the world box of the output, as the third-party reader sees them."""
     about_stage: dict[str, Any] = dataclasses.field(default_factory=dict)
-    """Counts of what the stage holds, as usd-core sees it."""
+    """Counts of the stage's content, as usd-core sees it."""
     roots: list[str] = dataclasses.field(default_factory=list)
     """Folders that the stage was read from, as the sidecar records them."""
     times: int = 0
@@ -264,7 +264,7 @@ def _within(codes: list[float], frames: Any) -> list[float]:
 
 
 def _told_apart(codes: list[float], truth: TruthStage) -> list[float]:
-    """Codes without those whose seconds equal the next one's in single precision.
+    """Codes whose seconds differ from the next code's in single precision.
 
     Such a code is the side before a jump (value clips give one), where a file has a ramp of one
     rounding.
