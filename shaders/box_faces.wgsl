@@ -1,4 +1,4 @@
-// Box faces: what is static in the box of method ssr+box, seen from each of its faces along the face's axis.
+// Box faces: static surfaces in the box of method ssr+box, seen from each of its faces along the face's axis.
 
 #import bvh
 #import face_box
@@ -6,7 +6,7 @@
 
 @group(2) @binding(0) var written_faces: texture_storage_2d_array<rgba32uint, write>; // depth, instance, triangle, place
 
-// Depth up to which faces see: what stands in the border across is seen in spite of rounding.
+// Depth up to which faces see: surfaces in the border across are seen in spite of rounding.
 const FACE_REACH: f32 = 1.001;
 
 @compute @workgroup_size(GROUP_PX, GROUP_PX)

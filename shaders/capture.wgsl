@@ -29,7 +29,7 @@ fn is_lamp(instance: u32) -> bool {
     return HAS_EMITTERS && (instance_flags(instance) & FLAG_EMITTER) != 0u;
 }
 
-// Follows a ray as the trace pass does, and what surfaces reflect along it.
+// Follows a ray as the trace pass does, with the reflections along it.
 fn seen_from(probe: vec3f, towards: vec3f, seed: vec2u) -> Seen {
     var seen = Seen(vec4f(0.0), vec4u(0u, NONE, NONE, 0u));
     var origin = probe;

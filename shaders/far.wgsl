@@ -1,5 +1,5 @@
-// Far: hits of rays from the camera, through the pixels of a cube map, with what lies behind the box of method
-// near-far, in one or two layers.
+// Far: hits of rays from the camera, through the pixels of a cube map, with surfaces behind the box of method near-far,
+// in one or two layers.
 
 #import bvh
 #import cube_faces

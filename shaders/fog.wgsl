@@ -1,4 +1,4 @@
-// Fog: light that the fog between the camera and what a pixel shows scatters, and the share of light that passes it.
+// Fog: light that the fog between the camera and a pixel's surface scatters, and its transmittance.
 
 #import air
 #import cone
@@ -9,7 +9,7 @@
 
 @group(2) @binding(5) var fog_light: RadianceTexture; // w: transmittance
 
-const FIRST_VERTEX: u32 = 192u; // offset of sample numbers, so that they differ from those of surfaces
+const FIRST_VERTEX: u32 = 192u; // offset of sample numbers: others than for surfaces
 
 fn fog_before(pixel: vec2u) -> vec4f {
     let center = vec2f(pixel) + 0.5;

@@ -21,7 +21,7 @@ fn reflectance(s: Surface) -> f32 {
     return (fresnel.x + fresnel.y + fresnel.z) / 3.0;
 }
 
-// Color of the surface of a pixel, in sharp mirrors that of what they show: white for the environment.
+// Color of the surface of a pixel, in sharp mirrors of the reflected surface: white for the environment.
 fn color_of(pixel: vec2u, s: Surface) -> vec3f {
     if (HAS_REFLECTIONS && s.roughness < SHARP_ROUGHNESS && reflects(textureLoad(cause, pixel, 0).x) && reflectance(s) > MIRROR_REFLECTANCE) {
         let instance = textureLoad(hit, pixel, 0).y;

@@ -13,7 +13,7 @@
 // scatters none.
 override SMOOTHED: bool = false;
 
-const FIRST_VERTEX: u32 = 128u; // offset of sample numbers, so that they differ from those of reflections
+const FIRST_VERTEX: u32 = 128u; // offset of sample numbers: others than for reflections
 
 fn gathered(pixel: vec2u) -> vec4f {
     if (textureLoad(view_depth, pixel, 0).x >= FAR_M) { return vec4f(0.0); }

@@ -6,7 +6,7 @@
 
 @group(2) @binding(10) var lead_hit: texture_storage_2d<rgba32uint, write>; // distance, instance, triangle, cause
 
-// Number of rays of a workgroup for each of RATE; fewer than its invocations, so that seldom one has no place among them.
+// Number of rays of a workgroup for each slot of RATE; below the group size, so that overflow is rare.
 const SORTED: u32 = RAYS_PER_GROUP - 8u;
 
 var<workgroup> leaders: array<u32, RAYS_PER_GROUP>;
@@ -51,7 +51,7 @@ fn sorted_leader(group: u32, lane: u32) -> u32 {
     return leaders[lane];
 }
 
-// Traces the ray of a leader, and keeps its first hit for those that follow it. The number of textures that a stage may write
+// Traces the ray of a leader, and keeps its first hit for its followers. The number of textures that a stage may write
 // leaves none for the cause of these pixels: `spread` writes it.
 fn lead(pixel: vec2u) {
     let found = trace_pixel(pixel);

@@ -9,7 +9,7 @@
 
 @group(2) @binding(0) var whole: texture_cube_array<f32>; // all levels of the captured maps
 @group(2) @binding(1) var whole_sampler: sampler;
-@group(2) @binding(2) var finer: texture_2d_array<f32>; // the level before the one that is written
+@group(2) @binding(2) var finer: texture_2d_array<f32>; // the previous level
 @group(2) @binding(3) var level: texture_storage_2d_array<rgba16float, write>;
 @group(2) @binding(4) var<uniform> params: Params;
 

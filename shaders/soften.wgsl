@@ -1,6 +1,6 @@
-// Soften: smooths the light that matte surfaces get from other surfaces, in pictures of few sub-frames, over neighboring
-// pixels of the same surface, as far as that light changes little (Ward et al. 1988): the distance that it comes from.
-// Textures stay sharp, as the light is smoothed before it is multiplied by their colors.
+// Soften: smooths indirect light on matte surfaces, in pictures of few sub-frames, over neighboring pixels of the same
+// surface. The radius is a share of the harmonic mean distance that the light comes from, within which it changes
+// little (Ward et al. 1988). Textures stay sharp, as the light is smoothed before it is multiplied by their colors.
 
 #import gbuffer
 #import radiance

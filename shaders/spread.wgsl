@@ -1,6 +1,6 @@
 // Spread: gives pixels the hits of the rays around them where these agree (Kim et al. 2016), and lists the others for
-// tracing. The geometry of the hit is taken over, not its color: each ray is intersected with what its neighbors hit,
-// and the point is shaded.
+// tracing. The geometry of the hit is taken over, not its color: each ray is intersected with the surface that its
+// neighbors hit, and the point is shaded.
 
 #import cause_kept
 #import gbuffer
@@ -48,7 +48,7 @@ fn hits_around(pixel: vec2u, s: Surface) -> Around {
         if (!mirrors_alike(s, leader)) { return around; }
         around.instance = found.y;
         around.triangles[k] = found.z;
-        around.cause = max(around.cause, found.w); // those of maps are the largest
+        around.cause = max(around.cause, found.w); // causes of maps are the largest
         around.distance_m += bitcast<f32>(found.x);
         count++;
     }
@@ -90,7 +90,7 @@ fn meet_around(around: Around, origin: vec3f, direction: vec3f) -> Met {
     return best;
 }
 
-// Whether the reflection of a pixel follows from those around it, which is then written.
+// Whether the reflection of a pixel follows from the reflections around it; it is written then.
 fn follow_neighbors(pixel: vec2u) -> bool {
     if (is_leader(pixel)) { return false; }
     let first = load_surface(pixel);

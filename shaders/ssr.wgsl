@@ -35,7 +35,7 @@ const SUPPORT: f32 = 0.75;
 // Number of cells visited since the invocation started, with COUNT.
 var<private> march_steps: u32 = 0u;
 
-// Whether a surface that the camera culls is in front of the one that a pixel shows.
+// Whether a surface that the camera culls is in front of the visible surface of a pixel.
 fn has_culled(pixel: vec2u) -> bool {
     if (!HAS_CULLED) { return false; }
     let nearest = bitcast<f32>(lists[pyramid_slot(pyramid(), pixel, 0u)]);
@@ -250,7 +250,7 @@ fn march(s0: Surface, direction: vec3f) -> March {
     }
     if (is_screen_hit(m.cause)) { return m; }
     m.distance_m = 0.0;
-    // A ray that is traced starts before all that it went behind: its answer owes nothing to what no layer shows.
+    // A ray that is traced starts before all that it went behind: its answer does not depend on surfaces in no layer.
     let free_s = select(s, min(s, behind_s), HAS_SECOND_LAYER);
     if (m.cause == CAUSE_OFF_SCREEN || m.cause == CAUSE_STEPS) { m.distance_m = distance_at(r, free_s) * 0.999; }
     return m;

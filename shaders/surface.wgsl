@@ -30,8 +30,8 @@ var<workgroup> marched_start: u32;
 var<workgroup> traced_start: u32;
 var<workgroup> transmissive_start: u32;
 
-// Writes the depth of the surface that the pixel shows, and for the march that of the nearest one which its rays may
-// meet: perhaps a culled triangle in front of it.
+// Writes the depth of the surface that the pixel shows, and for the march the depth of the nearest surface that its
+// rays may meet: perhaps a culled triangle in front of it.
 fn store_depth(pixel: vec2u, depth_m: f32) {
     textureStore(view_depth, pixel, vec4f(depth_m, 0.0, 0.0, 0.0));
     if (!HAS_REFLECTIONS || !MARCH) { return; }

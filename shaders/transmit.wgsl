@@ -1,4 +1,4 @@
-// Transmit: follows rays through the transmissive surfaces that the listed pixels show, to what is behind them.
+// Transmit: follows rays through the transmissive surfaces of the listed pixels, to the surfaces behind.
 
 #import air
 #import cone
@@ -10,7 +10,7 @@
 @group(2) @binding(0) var ids: texture_2d<u32>;
 @group(2) @binding(6) var transmitted_light: RadianceTexture;
 
-const FIRST_VERTEX: u32 = 64u; // offset of sample numbers, so that they differ from those of reflections
+const FIRST_VERTEX: u32 = 64u; // offset of sample numbers: others than for reflections
 
 // Whether the background is transparent, where the camera sees it through surfaces of partial coverage.
 override HIDES_BACKGROUND: bool = false;

@@ -47,7 +47,7 @@ struct Place {
     weight: f32,
 }
 
-// A point at a random free path: its density is that of the light which is scattered and arrives.
+// A point at a random free path: it has the density of the light that is scattered and arrives.
 fn place_by_depth(way: Way, u: f32) -> Place {
     let x = u * way.scattered;
     var depth = -log(max(1.0 - x, 1e-30));
@@ -228,10 +228,10 @@ fn scattered_on_way(way: Way, index: u32, sky_kept: f32) -> vec3f {
     return out * fog.albedo;
 }
 
-// Light on the way of a ray: what fog scatters into it, and how a path goes on past it.
+// Light on the way of a ray: light that fog scatters into it, and the continuation of a path past it.
 struct Air {
     light: vec3f, // light that fog scatters into the ray
-    share: vec3f, // factor on what the path finds further on
+    share: vec3f, // factor on light from further on
     scatters: bool, // whether it goes on from a point in the fog, along `ray`, rather than from the end of the way
     ray: Reflected,
     position: vec3f,

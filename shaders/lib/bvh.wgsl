@@ -17,14 +17,14 @@
 #import shown
 #import walk
 
-// Whether the scene has a static tree, a top level, and cut-outs; without one of them its code is dropped.
+// Whether the scene has a static tree, a top level, and cut-outs; each constant drops its code where it is false.
 override HAS_STATIC: bool = true;
 override HAS_TOP_LEVEL: bool = true;
 override HAS_CUTOUT: bool = true;
 // Whether nearest hits are of camera rays. The traversal then also keeps the nearest triangle that these rays
 // ignore, as a back face or as hidden from the camera, and that reflection rays meet.
 override OF_CAMERA: bool = false;
-// Whether rays pass through what may move.
+// Whether rays pass through instances that may move.
 override STATIC_ONLY: bool = false;
 // Whether some instance is marked ALPHA_TESTED: cut-outs and transmissive materials.
 override HAS_TESTED: bool = true;

@@ -7,7 +7,7 @@
 // Whether the pipeline draws spheres, whose quadrilaterals are squares.
 override SPHERES: bool = false;
 
-// Size of a quadrilateral over that of the capsule it surrounds: rasterization rounds its edges.
+// Size of a quadrilateral over the size of the capsule it surrounds: rasterization rounds its edges.
 const SHAPE_MARGIN: f32 = 1.01;
 
 // Capsule of a drawn vertex.
@@ -22,7 +22,7 @@ fn square_place(vertex: u32) -> vec2f {
     return vec2f(f32(around == 1u || around == 2u), f32(around >= 2u)) * 2.0 - 1.0;
 }
 
-// Position in clip space of a drawn vertex. `eye` is that of the view, or with w = 0 the direction of all its rays.
+// Position in clip space of a drawn vertex. `eye` is the view's, or with w = 0 the direction of all its rays.
 //
 // Seen from the eye, the outer corners of two squares around the ends are equally high over the plane of eye and axis,
 // so that the great circle between them passes above both ends and all between.

@@ -19,7 +19,8 @@ fn unprojected(clip: vec4f) -> vec4f {
 
 // Position in the map of a drawn vertex.
 fn capsule_clip(vertex: u32, instance: u32) -> vec4f {
-    // The light of a perspective map is at the only point with this clip position; that of others is infinitely far.
+    // The light of a perspective map is at the only point with this clip position; an orthographic map's is infinitely
+    // far.
     let light = unprojected(vec4f(0.0, 0.0, 1.0, 0.0));
     let clip = capsule_vertex(instance, vertex, light, params.clip_from_world);
     return vec4f(clip.xy, max(clip.z, 0.0), clip.w);

@@ -8,7 +8,8 @@
 
 @group(2) @binding(3) var captured_panes: texture_storage_2d_array<rgba32uint, write>; // distance, instance, triangle, share
 
-// Whether the light behind a surface is kept apart from the radiance of the maps: where it passes in one direction.
+// Whether the light behind a surface is kept apart from the radiance of the maps: only for smooth transmission without
+// dispersion.
 fn is_clear_pane(s: Surface) -> bool {
     if (!is_transmissive(s)) { return false; }
     if (s.transmission <= 0.0) { return true; }

@@ -1,5 +1,6 @@
-// Coplanar surfaces: which of several at the same place a ray meets. As in rasterization it is that of the lower
-// instance, then the lower triangle, whatever the rounding in the trees; a cut-out counts only where its alpha passes.
+// Coplanar surfaces: which of several at the same place a ray meets. As in rasterization it is the surface of the lower
+// instance, then of the lower triangle, whatever the rounding in the trees; a cut-out counts only where its alpha
+// passes.
 
 #import constants
 
@@ -10,7 +11,7 @@ const TIE: f32 = 2e-6;
 // still met. NONE where the interval does not start at a cut-out.
 var<private> passed_cutout: vec2u = vec2u(NONE);
 
-// Whether two distances of surfaces are those of coplanar ones.
+// Whether two surfaces are coplanar, by their distances.
 fn is_coplanar(t: f32, other: f32) -> bool {
     return abs(t - other) <= TIE * abs(other);
 }

@@ -1,4 +1,4 @@
-// Results of the march: where a ray crosses what a pixel shows, and what it hits.
+// Results of the march: where a ray crosses the surface of a pixel, and its hit.
 
 #import cause
 

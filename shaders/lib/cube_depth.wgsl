@@ -1,4 +1,4 @@
-// Depths of what the maps of a cube see: texels with hits of rays from its middle.
+// Depths of a cube's maps: texels with hits of rays from its middle.
 
 #import constants
 #import cube_faces
@@ -19,7 +19,7 @@ fn cube_hit(map: u32, direction: vec3f) -> vec4u {
     return textureLoad(cube_hits, cube_pixel(at.place), 6u * map + at.face, 0);
 }
 
-// Depth along the axis of its face of what is seen at a pixel of a layer.
+// Depth of a pixel of a layer, along the axis of its face.
 fn depth_at(layer: u32, pixel: vec2i, size: f32) -> f32 {
     let hit = textureLoad(cube_hits, pixel, layer, 0).xy;
     if (hit.y == NONE) { return FAR_M; }
@@ -27,8 +27,8 @@ fn depth_at(layer: u32, pixel: vec2i, size: f32) -> f32 {
     return bitcast<f32>(hit.x) * inverseSqrt(1.0 + dot(place, place));
 }
 
-// Depth of what a map sees at a place of a face. Its inverse is linear on planes, so that interpolating that between
-// pixels of one surface is exact there.
+// Depth of a map at a place of a face. Its inverse is linear on planes, so that interpolating that between pixels of
+// one surface is exact there.
 fn depth_seen(map: u32, at: FacePlace) -> f32 {
     let size = f32(textureDimensions(cube_hits).x);
     let layer = 6u * map + at.face;

@@ -13,8 +13,8 @@ fn mean_curvature(p: array<vec3f, 3>, normals: array<vec3f, 3>, area2_world: f32
 // Minimum lift of smooth surfaces, m, so that they are known as smooth at their vertices too.
 const LEAST_LIFT_M: f32 = 1e-6;
 
-// Height over the triangle, along its normal, of the smooth surface whose tangent planes at the vertices are those
-// of the vertex normals (Hanika 2021, "Hacking the Shadow Terminator"); 0 where it is nowhere above.
+// Height over the triangle, along its normal, of the smooth surface whose tangent planes at the vertices belong to the
+// vertex normals (Hanika 2021, "Hacking the Shadow Terminator"); 0 where it is nowhere above.
 fn smooth_lift(p: array<vec3f, 3>, normals: array<vec3f, 3>, weights: vec3f, normal: vec3f, area2_world: f32) -> f32 {
     let point = p[0] * weights.x + p[1] * weights.y + p[2] * weights.z;
     var offset = vec3f(0.0);

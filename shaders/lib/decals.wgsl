@@ -14,13 +14,13 @@ struct Decals {
 
 @group(1) @binding(18) var<uniform> decals: Decals;
 
-// A decal at a point: the surface of its material, and how much of the one below it covers.
+// A decal at a point: the surface of its material, and its coverage of the surface below.
 struct DecalPoint {
     surface: Surface,
     share: f32,
 }
 
-// Texel of a decal's texture; 1 where it has none. `width` is that of the footprint in coordinates of the projection.
+// Texel of a decal's texture; 1 where it has none. `width` is the footprint's in coordinates of the projection.
 fn decal_texel(m: u32, slot: u32, uv: vec2f, width: f32) -> vec4f {
     let used = material_texture(m, slot);
     if (pools_of(slot) == 0u || used.layer == NONE) { return vec4f(1.0); }
@@ -78,7 +78,7 @@ fn with_decals(s0: Surface, instance: u32, plain: vec3f, behind: bool, footprint
     var s = s0;
     let own = instance_flags(instance) >> DECAL_SET_SHIFT;
     if (own == 0u) { return s; }
-    // An opaque surface shows the decals of the side that is seen, glass those of its outside, a thin sheet both.
+    // An opaque surface shows the decals of the visible side, glass the decals of its outside, a thin sheet both.
     let transmits = HAS_LAYERS && s.transmission > 0.0;
     let is_thin = transmits && material_is_solid(instance_material(instance)) == 0u;
     let side = select(1.0, -1.0, behind && !transmits);

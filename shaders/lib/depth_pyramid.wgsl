@@ -22,7 +22,7 @@ fn pyramid() -> Pyramid {
     return Pyramid(select(2u, 3u, UNDERSAMPLED) * picture_px(), cells.x << PYRAMID_LEVELS, cells.x * cells.y);
 }
 
-// Sum of the powers of 4 up to that of level 0, which is the number of its pixels per cell of the last level.
+// Sum of the powers of 4 up to level 0's, which is the number of its pixels per cell of the last level.
 const POWERS_OF_4: u32 = ((4u << (2u * PYRAMID_LEVELS)) - 1u) / 3u;
 
 // Slot of a cell of the pyramid.

@@ -23,7 +23,7 @@ fn next_channel() -> u32 {
     return 1u + (first + sample_index()) % 3u;
 }
 
-// Number of sub-frames, over the number of those with the channel of this sub-frame.
+// Number of sub-frames divided by the number of sub-frames with this one's channel.
 fn channel_weight() -> f32 {
     return f32(sampling.samples) / f32((sampling.samples + 2u - sample_index() % 3u) / 3u);
 }

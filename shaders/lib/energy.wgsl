@@ -7,7 +7,7 @@
 
 override CONSERVES_ENERGY: bool = true;
 
-// Light that the facets of a lobe block, relative to what they reflect.
+// Light that the facets of a lobe block, relative to the light that they reflect.
 fn lost(lobe: vec4f) -> f32 {
     return 1.0 / max(lobe.x, 1e-3) - 1.0;
 }

@@ -9,7 +9,7 @@ override HAS_PANORAMA: bool = true;
 @group(0) @binding(6) var panorama: texture_2d<f32>;
 @group(0) @binding(7) var panorama_density: texture_2d<f32>; // mean brightness of equal-area squares, all levels
 @group(0) @binding(8) var panorama_sampler: sampler;
-// Cones around the light of coarse squares, those of the coarsest first; see src/world/environment/cones.rs.
+// Cones around the light of coarse squares, the coarsest first; see src/world/environment/cones.rs.
 @group(0) @binding(12) var<uniform> panorama_cones: array<vec4f, MOST_CONES>;
 
 fn into_panorama(direction: vec3f) -> vec3f {

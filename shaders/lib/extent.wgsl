@@ -69,7 +69,7 @@ fn limited(light: vec3f) -> vec3f {
 }
 
 // Reflection ray of one sampled microfacet per sub-frame; over many sub-frames they cover all visible facets.
-// `direction` is that of the arriving ray.
+// `direction` is the arriving ray's.
 fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
     let mirror = mirror_direction(direction, s);
     let kept = kept_share(s);

@@ -5,7 +5,7 @@
 
 @group(2) @binding(22) var<uniform> face_box: FaceBox;
 
-// Depth at which faces start to see: what stands in the box's border hides nothing from them.
+// Depth at which faces start to see: surfaces in the box's border hide nothing from them.
 const FACE_INSET: f32 = 1e-4;
 
 // Point of the box as a face sees it.

@@ -22,9 +22,9 @@ fn visible_facet(s: Surface, direction: vec3f, bound: f32, attempt: u32) -> vec3
     return axes * visible_normal(normalize(view), ggx_alphas(s), bound, sample_square(sample_index(), pair));
 }
 
-// Share of the facets that mirror the view into a direction that neither is blocked by other facets, of those that the
-// view sees: height-correlated masking of both directions over that of the view (Heitz 2014; 2018, eq. 19). On the
-// inner side of glass that conserves energy what is blocked is mirrored again.
+// Share of the visible facets whose mirrored view no other facet blocks: height-correlated masking of both directions
+// over the view's (Heitz 2014; 2018, eq. 19). On the inner side of glass that conserves energy blocked light is
+// mirrored again.
 fn seen_facets(s: Surface, view: vec3f, out: vec3f) -> f32 {
     if (CONSERVES_ENERGY && mirrors_inside(s)) { return 1.0; }
     let nl = dot(s.normal, out);

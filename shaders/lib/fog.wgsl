@@ -119,7 +119,7 @@ fn fog_reached(origin: vec3f, direction: vec3f, span: vec2f, length_m: f32) -> f
     return t + left;
 }
 
-// Phase function of Henyey and Greenstein 1941, per steradian; `cosine` is that of the angle by which light is turned.
+// Phase function of Henyey and Greenstein 1941, per steradian; `cosine` belongs to the angle by which light is turned.
 fn fog_phase(cosine: f32) -> f32 {
     let g = fog.anisotropy;
     let d = 1.0 + g * g - 2.0 * g * cosine;

@@ -2,8 +2,8 @@
 
 #import frame
 
-// Distances along a ray, from `span`, within a cone that is narrower than a half space; `offset` is that of the ray's
-// origin from the tip.
+// Distances along a ray, from `span`, within a cone that is narrower than a half space; `offset` leads from the tip to
+// the ray's origin.
 fn span_in_cone(span: vec2f, offset: vec3f, direction: vec3f, axis: vec3f, cosine: f32) -> vec2f {
     // The cone is (x · axis)² ≥ cos² x², in front of its tip.
     let da = dot(direction, axis);

@@ -12,8 +12,8 @@
 
 const PI: f32 = 3.14159265358979;
 
-// Whether something names a light group, so that pictures may show one group alone. Random choices are those of all lights,
-// so that the groups add up to the whole picture.
+// Whether something names a light group, so that pictures may show one group alone. Random choices are made among all
+// lights, so that the groups add up to the whole picture.
 override HAS_LIGHT_GROUPS: bool = true;
 
 // Share of a light that the picture shows.
@@ -66,8 +66,7 @@ fn surface_pixel(invoked: vec2u) -> vec2u {
     return moment_pixel(invoked);
 }
 
-// Place of an invocation among those of passes over all pixels, or over the squares of which each has one that shows the
-// moment.
+// Place of an invocation of passes over all pixels, or over the squares of which each has one that shows the moment.
 fn invoked_place(group: vec3u, groups: vec3u, local: vec3u) -> vec2u {
     var row = group.y;
     let half = (groups.y + 1u) / 2u;

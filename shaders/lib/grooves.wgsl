@@ -5,7 +5,7 @@
 // Factors of cos 2nφ, where φ is the view's angle to the grooves.
 @group(0) @binding(11) var<uniform> groove_table: array<vec4f, GROOVE_NODES>;
 
-// Albedo of a lobe relative to that of the isotropic one of its mean roughness.
+// Albedo of a lobe relative to the isotropic lobe of its mean roughness.
 fn groove_share(s: Surface, view: vec3f) -> f32 {
     if (!HAS_ANISOTROPY || s.anisotropy <= 0.0 || s.reflection == REFLECTION_MIRROR) { return 1.0; }
     let local = view * lobe_axes(s);

@@ -20,7 +20,7 @@ struct Lamp {
     spot: vec2f, // scale and offset of the cone falloff
 }
 
-// Records of lamps are as long as those of placed lights: kind with LAMP_RECORD, range, node and extent; position,
+// Records of lamps are as long as records of placed lights: kind with LAMP_RECORD, range, node and extent; position,
 // direction, and half of the first edge or the cone falloff, each with a channel of the color.
 fn is_lamp_record(record: vec4u) -> bool {
     return (record.x & ~(7u | DARK_LAMP)) == LAMP_RECORD;

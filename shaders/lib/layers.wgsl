@@ -187,8 +187,8 @@ fn emitted_share(material: u32, instance: u32, index: array<u32, 3>, bary: vec2f
     return s.alpha * coat_transmittance(s, cosine);
 }
 
-// One of two rays, chosen by the light that each returns. A ray so unlikely that the sub-frames could not resolve it
-// is never chosen; the other one stands for both.
+// One of two rays, chosen by the light that each returns. A ray so unlikely that the sub-frames could not resolve it is
+// never chosen; its light is added to the ray that is kept.
 fn chosen(a: Reflected, b: Reflected, pair: u32) -> Reflected {
     let weights = vec2f(luminance(a.weight), luminance(b.weight));
     let both = weights.x + weights.y;

@@ -17,7 +17,7 @@
 struct LitPoint {
     position: vec3f,
     normal: vec3f, // 0: a point in fog, which is lit from all around
-    sides: u32, // sides that emit light, beside those of each node
+    sides: u32, // sides that emit light, beside the sides of each node
 }
 
 // A chosen triangle or lamp; probabilities of 0: none.
@@ -32,7 +32,8 @@ fn sine_of(cosine: f32) -> f32 {
     return sqrt(max(1.0 - cosine * cosine, 0.0));
 }
 
-// Bound of the cosine at which light leaves: the angle to the axis is less by the cone, and by what the ball covers.
+// Bound of the cosine at which light leaves: the angle to the axis is less by the cone, and by the angle that the ball
+// covers.
 fn leaving(cosine: f32, cone: f32, ball_sine: f32) -> f32 {
     if (cosine >= cone) { return 1.0; }
     return saturate(cosine * cone + sine_of(cosine) * sine_of(cone) + ball_sine);
@@ -121,7 +122,8 @@ fn descend_lights(start: Descent, by_power: bool, to: LitPoint) -> Descent {
         let share = select(pair.shares.x, pair.shares.y, by_power);
         let is_second = at.u >= share;
         at.chances *= parts(pair.shares, is_second);
-        // The rest of `u` has fewer digits the rarer the way is. Those that follow are drawn, so that each level chooses by 24.
+        // The rest of `u` has fewer digits the rarer the way is. Further digits are drawn, so that each level chooses
+        // by 24.
         at.digits = hash(at.digits);
         let rest = at.u - select(0.0, share, is_second) + unit_float(at.digits) * exp2(-24.0);
         at.u = min(rest / select(share, 1.0 - share, is_second), 0.99999994);

@@ -5,7 +5,7 @@
 #import depth_pyramid
 #import frame
 
-// Whether there are reflective pixels, and whether those of surfaces without FLAG_TRACED are marched.
+// Whether there are reflective pixels, and whether rays of surfaces without FLAG_TRACED are marched.
 override HAS_REFLECTIONS: bool = true;
 override MARCH: bool = true;
 
@@ -37,7 +37,7 @@ fn hit_slot(index: u32) -> u32 {
     return 2u * picture_px() - 1u - index;
 }
 
-// Slot of a pixel whose ray waits for those of its neighbors, with UNDERSAMPLED.
+// Slot of a pixel whose ray waits for its neighbors' rays, with UNDERSAMPLED.
 fn follower_slot(index: u32) -> u32 {
     return 2u * picture_px() + index;
 }

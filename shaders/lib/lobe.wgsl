@@ -81,8 +81,8 @@ fn masked(s: Surface, direction: vec3f, cosine: f32) -> f32 {
     return sqrt(cosine * cosine * (1.0 - a2) + a2);
 }
 
-// Bound of the spherical cap of visible normals that leaves out most of those which mirror the view below the surface
-// and so find no light (Eto & Tokuyoshi 2023, "Bounded VNDF Sampling for Smith-GGX Reflections", eq. 5).
+// Bound of the spherical cap of visible normals that leaves out most normals that mirror the view below the surface and
+// so find no light (Eto & Tokuyoshi 2023, "Bounded VNDF Sampling for Smith-GGX Reflections", eq. 5).
 fn reflection_bound(s: Surface, nv: f32) -> f32 {
     if (mirrors_inside(s)) { return 1.0; }
     let alphas = ggx_alphas(s);

@@ -1,5 +1,5 @@
 // Variant of method ssr+box: rays march through the depths that the six faces of a box see (Johnsson), with the ids of
-// what is there, and are tested against the triangles that these name.
+// the surfaces there, and are tested against the triangles that the ids name.
 
 #import bvh
 #import constants
@@ -69,8 +69,8 @@ fn is_behind_face(face: u32, point: vec3f) -> bool {
     return at.depth > depth_seen(face, at);
 }
 
-// Hit of a ray that goes behind what a face sees: the triangle or capsule that a pixel there names, where the ray meets
-// it or, between small triangles, its plane beside it, at about this place.
+// Hit of a ray that goes behind the surfaces of a face: the triangle or capsule that a pixel there names, where the ray
+// meets it or, between small triangles, its plane beside it, at about this place.
 fn met_at(face: u32, r: BoxRay, t: f32) -> Hit {
     let none = Hit(r.to_m, NO_INSTANCE, 0u, vec2f(0.0), 0u);
     let at = seen_by_face(face, in_box(r, t));
@@ -85,7 +85,7 @@ fn met_at(face: u32, r: BoxRay, t: f32) -> Hit {
     return named_hit(id, met, r.origin, r.direction, inwards(face), none);
 }
 
-// Hit of a ray in a step at whose end it is behind what a face sees.
+// Hit of a ray in a step at whose end it is behind the surfaces of a face.
 fn met_in_step(face: u32, r: BoxRay, first_m: f32, last_m: f32) -> Hit {
     var low = first_m;
     var high = last_m;

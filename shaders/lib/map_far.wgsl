@@ -1,5 +1,5 @@
 // Variant of method near-far (Ganestam & Doggett 2015): rays are traced through the BVHs inside of a box around the
-// camera only; outside they march through a cube map of what the camera sees behind the box.
+// camera only; outside they march through a cube map of the surfaces behind the box.
 
 #import bvh
 #import constants

@@ -53,7 +53,7 @@ override HAS_SHEEN: bool = true;
 // Whether some specular lobe is anisotropic.
 override HAS_ANISOTROPY: bool = true;
 
-// Whether some clear coat has a normal map other than that of the base layer.
+// Whether some clear coat has a normal map other than the base layer's.
 override HAS_COAT_NORMALS: bool = true;
 
 // A surface with the parameters of a material, before textures.

@@ -45,8 +45,9 @@ fn clamped(bary: vec2f) -> vec2f {
     return positive / max(positive.x + positive.y, 1.0);
 }
 
-// Where a ray meets what a pixel names: distance, and barycentric weights, those of a plane being outside the triangle
-// where the ray misses it, or the place on a capsule; the distance is negative where it misses that.
+// Hit of a ray with the triangle or capsule of a pixel: distance, and barycentric weights, which lie outside the
+// triangle where the ray meets only its plane, or the place on a capsule; the distance is negative where it misses the
+// capsule.
 fn meet_named(id: vec2u, origin: vec3f, direction: vec3f) -> vec3f {
     if (!is_capsule(id.x)) { return meet(triangle_of(id, origin), direction); }
     if (COUNT) { march_triangles++; }

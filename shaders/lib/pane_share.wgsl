@@ -1,6 +1,6 @@
 // Panes on the maps of probes: which of them count, and the share of light that they let pass.
 
-// Maximum number of clear panes behind each other that maps tell from what is behind them.
+// Maximum number of clear panes behind each other that maps tell from the surfaces behind them.
 const MAX_CLEAR_PANES: u32 = 16u;
 // Cosine of the largest angle between rays before and behind panes that count as one.
 const SAME_DIRECTION: f32 = 0.9999;

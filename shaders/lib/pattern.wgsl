@@ -107,8 +107,8 @@ fn dots(p: vec3f, normal: vec3f, width: f32) -> f32 {
     return mix(inside, PI * DOT_RADIUS * DOT_RADIUS, smoothstep(0.25, 1.0, width));
 }
 
-// Share of the second color of stripes across X, filtered by the box of the footprint. The small shift is that of the
-// checker.
+// Share of the second color of stripes across X, filtered by the box of the footprint. The small shift is the
+// checker's.
 fn stripes(x: f32, normal: vec3f, width: f32) -> f32 {
     let w = max(width * sqrt(max(1.0 - normal.x * normal.x, 0.0)), 1e-4);
     let q = x + 1e-3;

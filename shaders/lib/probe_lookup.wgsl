@@ -16,13 +16,13 @@ override LOOKUP: u32 = LOOKUP_BOX;
 const MARCH_STEPS: u32 = 30u;
 const HALVINGS: u32 = 16u;
 
-// Whether a point is behind what a probe sees in its direction.
+// Whether a point is behind the surface that a probe sees in its direction.
 fn is_behind(probe: u32, offset: vec3f) -> bool {
     let at = face_place(offset);
     return at.axis > depth_seen(probe, at);
 }
 
-// Distance along a ray to where it first goes behind what the probe sees; FAR_M: nowhere. The steps are even in the
+// Distance along a ray to where it first goes behind the probe's surfaces; FAR_M: nowhere. The steps are even in the
 // angle by which the probe sees the ray. `offset`: the ray's origin, from the probe.
 fn marched(probe: u32, offset: vec3f, direction: vec3f) -> f32 {
     let scale = max(length(offset), 1e-6);
@@ -70,8 +70,8 @@ fn direction_from(probe: u32, origin: vec3f, direction: vec3f) -> vec3f {
     return normalize(offset + direction * t);
 }
 
-// Shares of the way from the border of a probe's box to its middle along each axis, multiplied: 1 in the middle; below 0
-// outside. Floors and walls may lie on the border, so that what is on it still counts a little.
+// Shares of the way from the border of a probe's box to its middle along each axis, multiplied: 1 in the middle; below
+// 0 outside. Floors and walls may lie on the border, so that points on it still count a little.
 fn depth_in_box(probe: u32, point: vec3f) -> f32 {
     let inside = 1.0 - abs(point - probes[probe].middle.xyz) / probes[probe].half_size.xyz;
     let least = min(inside.x, min(inside.y, inside.z));

@@ -17,13 +17,13 @@ override HAS_EXTENT: bool = true;
 // Pairs of dimensions of single decisions at a vertex, beyond those that `next_pair` counts.
 const COAT_PAIR: u32 = 0x10000u; // whether the coat or the base reflects
 const ONWARD_PAIR: u32 = 0x10002u; // whether the path is reflected or transmitted
-const ALPHA_PAIR: u32 = 0x10003u; // whether the path passes beside what covers the surface
+const ALPHA_PAIR: u32 = 0x10003u; // whether the path passes beside a surface with coverage
 const SCATTER_PAIR: u32 = 0x10004u; // direction of diffuse scattering
 const CHOICE_PAIR: u32 = 0x10005u; // whether the path scatters, and Russian roulette
 const CHANNEL_PAIR: u32 = 0x10006u; // first color channel of dispersion
 
 var<private> sample_seed: u32;
-// Index of a sample within the sub-frame, where an invocation adds up several, as those of a probe's map do.
+// Index of a sample within the sub-frame, where an invocation adds up several, as for a probe's map.
 var<private> added_sample: u32 = 0u;
 // Number of paths by which an invocation samples what is behind a pixel's surface.
 var<private> paths_each: u32 = 1u;
@@ -61,7 +61,7 @@ fn take_path(index: u32, paths: u32) {
     take_sample(sampling.sample * (paths - 1u) + index);
 }
 
-// Starts the random numbers of a path vertex: `vertex` counts the surfaces along a path, 0 is that of the pixel.
+// Starts the random numbers of a path vertex: `vertex` counts the surfaces along a path, 0 is the pixel's.
 fn start_samples(pixel: vec2u, vertex: u32) {
     if (!HAS_EXTENT) { return; }
     sample_seed = hash(pixel.x + hash(pixel.y + hash(vertex)));

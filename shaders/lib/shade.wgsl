@@ -67,8 +67,8 @@ fn reflects_below(s: Surface) -> f32 {
     return frame.roughness_cutoff * (1.0 + METAL_REACH * s.metallic);
 }
 
-// Share of what the reflection rays of one layer find, lamps left out, that its pixel shows. Towards the cut-off that
-// which stands in for reflections past it takes the rest, so that nothing jumps there.
+// Share of the light of one layer's reflection rays, lamps left out, that its pixel shows. Towards the cut-off the
+// replacement of reflections past it takes the rest, so that nothing jumps there.
 fn kept_share(layer: Surface) -> f32 {
     if (layer.reflection == REFLECTION_MIRROR) { return 1.0; }
     let limit = reflects_below(layer);
@@ -174,7 +174,7 @@ fn cone_share(ahead: vec3f, falloff: vec2f, to_light: vec3f) -> f32 {
     return cone * cone;
 }
 
-// Two bits of light `i`; a word holds those of 16 lights. 0 past the last one.
+// Two bits of light `i`; a word holds 16 lights. 0 past the last one.
 fn lent_bits(words: vec2u, i: u32) -> u32 {
     if (i >= LENT_LIGHTS) { return 0u; }
     return (words[i >> 4u] >> (2u * (i & 15u))) & 3u;
@@ -245,8 +245,8 @@ fn beyond(origin: vec3f, ray: Reflected) -> vec3f {
     return environment(ray.direction) * ray.sky_weight;
 }
 
-// Light that the ray of a path sees at its end, unless that is the surface that it meets: a light with a size or, past all
-// surfaces, the environment. `instance` and `distance_m` are those of the surface; NONE where there is none.
+// Light that the ray of a path sees at its end, unless that is the surface that it meets: a light with a size or, past
+// all surfaces, the environment. `instance` and `distance_m` belong to the surface; NONE where there is none.
 fn seen_at_end(origin: vec3f, ray: Reflected, instance: u32, distance_m: f32) -> SeenLight {
     let is_past_all = instance == NONE;
     let seen = seen_light(origin, ray, select(distance_m, 2.0 * FAR_M, is_past_all));

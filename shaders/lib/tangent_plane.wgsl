@@ -1,4 +1,4 @@
-// Height of what pixels show over the tangent plane of a reflector.
+// Height of visible surfaces over the tangent plane of a reflector.
 
 #import frame
 #import surface

@@ -8,9 +8,8 @@ fn passing_share(s: Surface, cosine: f32) -> vec3f {
     return left_of(s, transmissive_fresnel(s, cosine));
 }
 
-// Share of the light that arrives along a ray that a facet passes on. Where energy is conserved that is all that the
-// traced reflection, or what stands in for it, does not return: light that other facets block is transmitted in the
-// end.
+// Share of the light that arrives along a ray that a facet passes on. Where energy is conserved that is all light that
+// the traced reflection, or its replacement, does not return: light that other facets block is transmitted in the end.
 fn passed_share(s: Surface, facet: vec3f, direction: vec3f) -> vec3f {
     let view = -direction;
     if (!CONSERVES_ENERGY) { return passing_share(s, dot(facet, view)); }
@@ -45,7 +44,8 @@ fn through_share(s: Surface, out: vec3f) -> f32 {
 
 // The facet that passes light on where the surface is rough, and the share of it that leaves the surface; see FACET_TRIES.
 fn passing_facet(s: Surface, direction: vec3f) -> ChosenFacet {
-    // The facet that the reflection takes too: what it does not mirror it passes, so that their sum has no grain.
+    // The facet that the reflection takes too: it passes the light that it does not mirror, so that their sum has no
+    // grain.
     let first = visible_facet(s, direction, 1.0, 0u);
     if (sampling.samples > FEW_SAMPLES) {
         return ChosenFacet(first, through_share(s, passed_direction(s, first, direction)), 0.0);

@@ -11,7 +11,7 @@ const PASSES_CUTOUTS = true;
 // Relative distance by which intervals are widened for the device, whose distances are rounded in other ways than ours.
 const QUERY_SLACK = 1e-5;
 
-// Instances that the device looks at, as a mask: those that this kind of ray meets.
+// Mask of the instances that this kind of ray meets, for the device.
 fn query_mask(shadow: bool) -> u32 {
     // Camera rays look at what only reflection rays meet, too: culled_t.
     let kind = select(select(SEEN_BY_REFLECTIONS, SEEN_BY_REFLECTIONS | SEEN_BY_CAMERA, OF_CAMERA), SEEN_BY_LIGHTS, shadow);

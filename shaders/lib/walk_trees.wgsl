@@ -2,7 +2,7 @@
 
 // Whether the traversal passes cut-outs by itself.
 const PASSES_CUTOUTS = false;
-// Node at which reflection rays enter the top level: TOP_ROOT, or that of the one without what they skip.
+// Node at which reflection rays enter the top level: TOP_ROOT, or the root of the top level without skipped instances.
 override REFLECTED_ROOT: u32 = TOP_ROOT;
 // Child mask of the group that holds only a root node: the highest slot, no siblings.
 const ROOT_GROUP = 0x80000000u;
@@ -81,9 +81,9 @@ fn visit_node(index: u32, ray: TraversalRay, t_min: f32, t_max: f32) -> NodeVisi
     );
 }
 
-// Groups to visit later: first those of the top level, then those of the tree being traversed.
-// Trees that need more than STACK_SIZE are refused when they are built; a push past the end is dropped
-// all the same, so that nothing is written out of bounds.
+// Groups to visit later: first groups of the top level, then groups of the tree being traversed. Trees that need more
+// than STACK_SIZE are refused when they are built; a push past the end is dropped all the same, so that nothing is
+// written out of bounds.
 var<private> stack: array<vec2u, STACK_SIZE>;
 
 // Traversal state of one tree. A group stands for the hit children of a node that are still to visit: the index of

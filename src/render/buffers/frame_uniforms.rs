@@ -114,7 +114,7 @@ pub(crate) fn empty_uniform(gpu: &Gpu, label: &str, size: usize) -> wgpu::Buffer
 }
 
 impl Frame {
-    /// The block of a share of one sub-frame; `bounces` is that of the plan, `crop` the edges of what is shown. Pixels
+    /// The block of a share of one sub-frame; `bounces` is the plan's, `crop` the edges of the shown part. Pixels
     /// around lend no light where they show other moments.
     pub fn new(
         world: &World,
@@ -163,8 +163,8 @@ impl Frame {
     }
 }
 
-/// Minimum throughput of a path: what can be seen of the brightest thing that a reflection can show. Lit surfaces
-/// count as white at most.
+/// Minimum throughput of a path: below it the brightest reflected thing is invisible. Lit surfaces count as white at
+/// most.
 fn dimmest(world: &World, exposure_ev: f32, bounces: Bounces) -> f32 {
     let lights = world.all_lights().map(|light| {
         let radiance = light.desc.kind.radiance();

@@ -1,5 +1,5 @@
-//! Rays that mirror rays bring with them: onward from what they meet, mirrored or scattered, and towards its lights.
-//! Counted on the CPU, for the cost model.
+//! Secondary rays of mirror rays: onward from their hits, mirrored or scattered, and towards lights. Counted on the
+//! CPU, for the cost model.
 
 use glam::DVec3;
 use reflet_base::pcg::Pcg;
@@ -66,7 +66,7 @@ impl BroughtRays {
 pub struct LightsOfHits<'a> {
     /// Lamps without a size whose shadows are traced.
     hard: Vec<&'a Light>,
-    /// Lamps with a size whose shadows are traced: one of the suns and one of the others gets each light ray.
+    /// Lamps with a size whose shadows are traced: each hit samples one sun and one other sized lamp.
     sized: [Vec<&'a Light>; 2],
     /// Whether light rays are sent into the environment.
     environment: bool,
@@ -79,7 +79,7 @@ pub struct LightsOfHits<'a> {
 }
 
 impl<'a> LightsOfHits<'a> {
-    /// Lights of a world. Lamps whose shadow is still to be decided count as ones with maps.
+    /// Lights of a world. Lamps whose shadow is still to be decided count as lamps with maps.
     pub fn new(world: &'a World, options: &RenderOptions) -> Self {
         let traced = || (world.lights.iter()).filter(|l| l.desc.shadow == ShadowMode::Ray);
         let sized = |is_sun: bool| {

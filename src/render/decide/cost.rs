@@ -50,7 +50,7 @@ impl Pair {
         self.0.map(|(_, ms)| ms)
     }
 
-    /// Time of the first way, divided by that of the second.
+    /// Time of the first way, divided by the time of the second.
     pub fn ratio(&self) -> f64 {
         let [first, second] = self.0;
         first.1 / second.1
@@ -124,8 +124,8 @@ impl Workload {
         Pair([("hybrid", MS * hybrid), ("rt", MS * rt)])
     }
 
-    /// Whether the mirror rays of each of `instances` take less time to trace than to march. Those of which few rays
-    /// were sampled are taken together; without any they count as all instances.
+    /// Whether the mirror rays of each of `instances` take less time to trace than to march. Instances of which few
+    /// rays were sampled are taken together; without any they count as all instances.
     pub fn cheaper_traced(&self, unit: &UnitCosts, instances: usize) -> Vec<bool> {
         let is_traced = |rays: &MirrorRays| rays.traced(unit) <= rays.marched(unit);
         let few = self.view.mirror.values().filter(|m| m.rays < LEAST_RAYS);

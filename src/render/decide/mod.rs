@@ -62,9 +62,8 @@ pub fn needs_trees(world: &World, options: &RenderOptions) -> bool {
         || world.lights.iter().any(is_auto)
 }
 
-/// Decides the options left to `auto` for a posed world, as its camera [`RenderOptions::camera`] shows it. `trees`
-/// are those of [`needs_trees`]; `software` tells the kind of the adapter. A draft gets the options of the whole
-/// picture.
+/// Decides the options left to `auto` for a posed world, as its camera [`RenderOptions::camera`] shows it. `trees` come
+/// from [`needs_trees`]; `software` tells the kind of the adapter. A draft gets the options of the whole picture.
 pub fn decide(world: &World, trees: &Trees, options: &RenderOptions, software: bool) -> Decided {
     let mut decider = Decider {
         workload: None,

@@ -31,8 +31,8 @@ const MOST_TEXELS: usize = 1024;
 pub struct ViewEstimate {
     /// Largest channel of the linear radiance at each sample, before exposure.
     pub radiance: Vec<f32>,
-    /// Largest channel of the brightest highlight of a light, or reflection of a lamp, at a sample's surface; those of the
-    /// light tree are left out.
+    /// Largest channel of the brightest highlight of a light, or reflection of a lamp, at a sample's surface; lamps of
+    /// the light tree are left out.
     pub highlight: f32,
     /// Number of samples that show a surface.
     pub surfaces: usize,
@@ -208,8 +208,8 @@ impl Estimator<'_> {
         light + f0 * self.radiance(met, ray.direction, bounces - 1)
     }
 
-    /// Radiance of the brightest highlight of a light at a surface, seen along a unit direction: that of GGX by its
-    /// roughness, or of a lobe as wide as a lamp appears.
+    /// Radiance of the brightest highlight of a light at a surface, seen along a unit direction: a GGX lobe by its
+    /// roughness, or a lobe as wide as a lamp appears.
     fn highlight(&self, point: &SurfacePoint, direction: DVec3) -> f32 {
         let world = self.rays.world;
         let index = world.instances[point.instance].material;
@@ -244,7 +244,7 @@ impl Estimator<'_> {
         world.lights.iter().map(of).fold(0.0, f32::max)
     }
 
-    /// Irradiance of the lamps on a surface, by those that a light tree chooses.
+    /// Irradiance of the lamps on a surface, estimated from lamps that a light tree chooses.
     fn incoming_of_lamps(&self, point: &SurfacePoint) -> DVec3 {
         let mut light = DVec3::ZERO;
         let Some(trees) = &self.lamps else {

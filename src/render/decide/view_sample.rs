@@ -73,7 +73,7 @@ pub struct ViewSample {
 }
 
 impl ViewSample {
-    /// Traces the rays of a view; cut-outs count as solid, and what is transmitted is not followed.
+    /// Traces the rays of a view; cut-outs count as solid, and transmission is not followed.
     pub fn new(world: &World, trees: &Trees, view: &View, options: &RenderOptions) -> Self {
         let settings = &options.reflection;
         let sampler = Sampler {

@@ -20,7 +20,7 @@ gpu_struct! {
         changes: u32,
         /// Cosine of the largest angle to a surface's normal.
         least_cosine: f32,
-        /// One over the range of cosines above that in which it fades.
+        /// 1 / width of the interval of cosines above `least_cosine` in which it fades.
         per_cosine: f32,
     }
 }

@@ -175,7 +175,7 @@ pub const FLAG_MIRRORED: u32 = 2;
 pub const FLAG_EMITTER: u32 = 4;
 /// Bit of [`GpuInstance::flags`]: its reflections are traced at once, never marched.
 pub const FLAG_TRACED: u32 = 8;
-/// Bit of [`GpuInstance::flags`]: the picture shows another light group than that of the surface's emission.
+/// Bit of [`GpuInstance::flags`]: the surface's emission belongs to another light group than the shown one.
 pub const FLAG_DARK: u32 = 32;
 /// Bit of [`GpuInstance::flags`]: the mesh is of capsules, and its vertices have normals.
 pub const FLAG_CAPSULE_NORMALS: u32 = 16;
@@ -353,7 +353,7 @@ gpu_struct! {
         layers: u32,
         /// Maximum number of steps of a march through the maps.
         steps: u32,
-        /// Minimum distance between what successive maps show along a ray, meters.
+        /// Minimum distance between the surfaces of successive maps along a ray, meters.
         separation_m: f32,
     }
 }

@@ -14,8 +14,9 @@ pub const GROOVE_NODES: u32 = GROOVE_COSINES * GROOVE_STEPS * GROOVE_STEPS;
 /// Number of facets that each integral sums, in slope and around the normal.
 const STEPS: [u32; 2] = [24, 24];
 
-/// Table nodes by anisotropy, then roughness, then cosine: the albedo under uniform light of a white lobe over that of
-/// the isotropic one with the same mean of alpha², as factors of cos 2nφ, where φ is the view's angle to the grooves.
+/// Table nodes by anisotropy, then roughness, then cosine: the albedo under uniform light of a white lobe over the
+/// albedo of the isotropic lobe with the same mean of alpha², as factors of cos 2nφ, where φ is the view's angle to the
+/// grooves.
 pub fn groove_table() -> &'static [[f32; 4]] {
     static TABLE: LazyLock<Vec<[f32; 4]>> = LazyLock::new(|| {
         let share = |i: u32, count: u32| f64::from(i) / f64::from(count - 1);
@@ -54,7 +55,7 @@ fn node(cosine: f64, roughness: f64, strength: f64) -> [f32; 4] {
 }
 
 /// Albedo of a lobe with these alphas, with the height-correlated Smith term (Heitz 2014, eq. 99), seen at this cosine
-/// and angle around the normal. Steps over facets are those of `lobe_table`, around the whole circle.
+/// and angle around the normal. Steps over facets are the same as in `lobe_table`, around the whole circle.
 fn albedo(cosine: f64, turn: f64, [along, across]: [f64; 2]) -> f64 {
     let sine = (1.0 - cosine * cosine).sqrt();
     let view = [sine * turn.cos(), sine * turn.sin()];

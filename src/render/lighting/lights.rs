@@ -118,14 +118,14 @@ pub fn has_shadow_rays(lights: &[Light], options: &RenderOptions) -> bool {
     LightNeeds::of(lights, options).rays
 }
 
-/// Lights in the order of shaders: those without a size first, and the number of these.
+/// Lights in the order of shaders: lights without a size first, and their number.
 pub fn in_order(lights: &[Light]) -> (impl Iterator<Item = &Light>, usize) {
     let (sized, hard): (Vec<_>, Vec<_>) = lights.iter().partition(|l| l.desc.kind.has_size());
     let count = hard.len();
     (hard.into_iter().chain(sized), count)
 }
 
-/// Uniform block of the lights, those without a size first, and the shadow views of one frame. `bounds` must contain
+/// Uniform block of the lights, lights without a size first, and the shadow views of one frame. `bounds` must contain
 /// all shadow casters.
 pub fn lights(
     lights: &[Light],

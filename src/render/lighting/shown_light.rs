@@ -1,4 +1,4 @@
-//! Light that a picture shows: that of one light group, or all.
+//! Light that a picture shows: of one light group, or all.
 
 use reflet_scene::desc::LightGroup;
 use reflet_world::World;
@@ -6,7 +6,7 @@ use reflet_world::World;
 use super::lights::{LightBlock, in_order};
 use crate::layout::types::{Frame, Sampling};
 
-/// Light that a picture shows: that of one group, or all of it.
+/// Light that a picture shows: of one group, or all of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ShownLight(pub Option<LightGroup>);
 

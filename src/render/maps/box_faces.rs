@@ -99,7 +99,7 @@ pub struct FacesStats {
     /// Time of the last capture, milliseconds: processor time where it is known. It is not part of the times of the
     /// frame's passes.
     pub capture_ms: f64,
-    /// The same, where this picture captured the faces; 0 where it took those of an earlier one.
+    /// The same, where this picture captured the faces; 0 where it took the faces of an earlier one.
     pub update_ms: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Record of what maps show, so that they are captured anew only where that changes.
+//! Record of the content of captured maps, so that they are captured anew only when it changes.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 

@@ -1,4 +1,4 @@
-//! Maps of what lies behind the box of method `near-far`, and their content.
+//! Maps of the surroundings beyond the box of method `near-far`, and their content.
 
 use glam::Vec3;
 use serde::Serialize;
@@ -23,7 +23,7 @@ use crate::{
 pub struct FarKey {
     /// Width of the faces, pixels.
     pub face_px: u32,
-    /// Number of maps, 1 to 2: what is nearest behind the box, and what lies behind that.
+    /// Number of maps, 1 to 2: the nearest surfaces behind the box, and the surfaces behind them.
     pub layers: u32,
 }
 

@@ -1,4 +1,4 @@
-//! Maps that a frame captures: those of probes, of far things and of the faces of a box.
+//! Maps that a frame captures: of probes, of far things and of the faces of a box.
 
 use reflet_scene::diagnostic::Diagnostic;
 use reflet_world::World;
@@ -14,7 +14,7 @@ use crate::{
 pub struct MapKeys {
     /// Maps of probes.
     pub probes: Option<ProbeKey>,
-    /// Maps of what is far from the camera.
+    /// Maps of method `near-far`.
     pub far: Option<FarKey>,
     /// Faces of the box.
     pub faces: Option<FacesKey>,

@@ -1,4 +1,4 @@
-//! Places and boxes of the probes of a world: those of its text, those of a grid, or one in the middle.
+//! Places and boxes of the probes of a world: from its text, from a grid, or one in the middle.
 
 use glam::{DVec3, Vec3};
 
@@ -31,7 +31,7 @@ impl ProbeBox {
     }
 }
 
-/// Bounds of what never moves; a point at the origin where all does.
+/// Bounds of all static instances; a point at the origin if there are none.
 pub(crate) fn still_bounds(world: &World) -> Bounds {
     let still = world.instances.iter().filter(|i| !i.dynamic);
     let bounds = still.fold(Bounds::EMPTY, |all, i| all.union(world.bounds_of(i)));
@@ -41,8 +41,8 @@ pub(crate) fn still_bounds(world: &World) -> Bounds {
     }
 }
 
-/// The probes of a world in these settings, 1 to [`MOST_PROBES`]: those of its text and of the grid, or one in the
-/// middle of what never moves. A length of one is `meters` of the scene.
+/// The probes of a world in these settings, 1 to [`MOST_PROBES`]: of its text and of the grid, or one in the middle of
+/// all static instances. A length of one is `meters` of the scene.
 ///
 /// # Errors
 /// More than [`MOST_PROBES`], with the least spacing of a grid that has no more.

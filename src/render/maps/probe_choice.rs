@@ -88,7 +88,7 @@ mod tests {
         );
         assert_eq!(at(1.5, 4).weights, two.weights);
         assert_eq!((at(1.5, 1).probes[0], at(1.5, 1).weights[0]), (1, 1.0));
-        // Halfway the first counts; in no box the one whose box is nearest.
+        // Halfway the first counts; outside all boxes, the probe with the nearest box.
         assert_eq!(at(1.0, 1).probes[0], 0);
         assert_eq!((at(6.0, 2).probes[0], at(6.0, 2).weights[0]), (2, 1.0));
     }

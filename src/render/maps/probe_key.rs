@@ -10,7 +10,7 @@ use crate::layout::types::ProbeBox;
 
 /// Bytes of a texel of radiance, four halves.
 const RADIANCE_BYTES: u64 = 8;
-/// Width of the faces of the last level, that of the roughest reflections, pixels.
+/// Width of the faces of the last level, for the roughest reflections, pixels.
 const LAST_LEVEL_PX: u32 = 4;
 
 /// Values for which maps are made; where they differ, maps are made and captured anew.
@@ -45,7 +45,7 @@ impl ProbeKey {
         }
     }
 
-    /// Number of levels of the maps, each half as wide as the one before.
+    /// Number of levels of the maps, each half as wide as its predecessor.
     pub fn levels(&self) -> u32 {
         let halvings = (self.face_px / LAST_LEVEL_PX).max(1).ilog2();
         1 + if self.has_levels { halvings.max(1) } else { 0 }

@@ -56,7 +56,7 @@ pub fn hash_of_light(
     hash.digest()
 }
 
-/// Decals that what never moves may show, wherever they are now.
+/// Decals that static instances may show, wherever they are now.
 fn decals_at_rest(world: &World) -> Vec<&Decal> {
     let decals = &world.decals;
     let mut shown = DecalMask::default();
@@ -74,7 +74,7 @@ fn decals_at_rest(world: &World) -> Vec<&Decal> {
         .collect()
 }
 
-/// The lights with shadows by rays, so that what moves casts none.
+/// The lights with shadows by rays, so that moving things cast none.
 pub fn by_rays(lights: &LightBlock) -> LightBlock {
     let mut lights = *lights;
     for light in &mut lights.lights {

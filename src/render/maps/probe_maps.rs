@@ -1,4 +1,4 @@
-//! The cube maps of probes, and what they hold.
+//! The cube maps of probes, and their content.
 
 use serde::Serialize;
 
@@ -39,7 +39,7 @@ pub struct ProbeStats {
     /// Time of the last capture with its prefiltering, milliseconds: processor time where it is known. It is not part of
     /// the times of the frame's passes.
     pub capture_ms: f64,
-    /// The same, where this picture captured the maps anew; 0 where it took those of an earlier one.
+    /// The same, where this picture captured the maps anew; 0 where it took the maps of an earlier one.
     pub update_ms: f64,
 }
 
@@ -186,7 +186,7 @@ impl ProbeMaps {
     }
 
     /// Uploads the blocks of a capture, and says whether the maps must be captured: where the light, the environment or
-    /// a material differs from that of the last capture.
+    /// a material differs from the last capture.
     pub fn prepare(
         &self,
         gpu: &Gpu,

@@ -66,7 +66,7 @@ struct Parts {
     face_px: u32,
     /// Faces of a part: six or one.
     faces: u32,
-    /// Width of a part, pixels: a multiple of that of a tile.
+    /// Width of a part, pixels: a multiple of a tile's.
     side_px: u32,
     /// Number of squares along a face.
     squares: u32,

@@ -1,4 +1,4 @@
-//! Fog: the light that fog between the camera and what pixels show scatters, and what passes it.
+//! Fog: light that the fog between camera and visible surfaces scatters, and its transmittance.
 
 use crate::pipeline::{
     frame_pass::FramePass,

@@ -65,7 +65,7 @@ macro_rules! passes {
         /// All passes, each where it runs first.
         pub const ALL: &[&Pass] = &[$($(passes!(@of $module $type),)?)*];
 
-        /// Passes that a frame records; those that its plan leaves out are `None`.
+        /// Passes that a frame records; passes that its plan leaves out are `None`.
         #[derive(Debug)]
         pub struct Passes {
             $($(pub(super) $module: Option<$module::$type>,)?)*

@@ -1,4 +1,4 @@
-//! Peel: rasterizes depth and ids of the second depth layer, behind what the pixels show, for the march.
+//! Peel: rasterizes depth and ids of the second depth layer, behind the visible surfaces, for the march.
 
 use std::sync::Arc;
 
@@ -117,7 +117,7 @@ impl FramePass for Peel {
 }
 
 impl Peel {
-    /// Draw calls of what reflection rays may meet within the picture.
+    /// Draw calls of instances that reflection rays may meet within the picture.
     fn draw_calls<'a>(&'a self, frame: &SubFrame<'a>) -> DrawCalls<'a> {
         let mut calls = DrawCalls::new(frame.recorder.gpu.is_software());
         let scene = frame.resources.scene;

@@ -53,8 +53,8 @@ impl Params {
     }
 }
 
-/// The prefilter on the device: for each level after the first a pass that averages pixels of the one before, then for
-/// each a pass that averages over a lobe.
+/// The prefilter on the device: for each level after the first a pass that averages pixels of the level before, then
+/// for each a pass that averages over a lobe.
 #[derive(Debug)]
 pub struct Prefilter([Vec<ComputePass>; 2]);
 

@@ -165,7 +165,7 @@ impl Shadow {
         self.drawn.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Draw calls of what may appear in a map.
+    /// Draw calls of instances that may appear in a map.
     fn draw_calls<'a>(
         &'a self,
         scene: &'a GpuScene,

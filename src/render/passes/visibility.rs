@@ -84,7 +84,7 @@ impl FramePass for Visibility {
 }
 
 impl Visibility {
-    /// Draw calls of what the camera may see.
+    /// Draw calls of instances that the camera may see.
     fn draw_calls<'a>(&'a self, frame: &SubFrame<'a>) -> DrawCalls<'a> {
         let mut calls = DrawCalls::new(frame.recorder.gpu.is_software());
         let scene = frame.resources.scene;

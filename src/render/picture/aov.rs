@@ -77,7 +77,7 @@ pub enum Aov {
 const RGB: &[&str] = &["R", "G", "B"];
 
 impl Aov {
-    /// All AOVs but those of light groups.
+    /// All AOVs except light groups.
     pub const ALL: [Self; 14] = [
         Self::Depth,
         Self::Normal,
@@ -124,7 +124,7 @@ impl Aov {
         }
     }
 
-    /// The AOV of this name; that of a light group is `light:NAME`.
+    /// The AOV of this name; a light group's is `light:NAME`.
     pub fn from_name(name: &str) -> Option<Self> {
         if let Some(group) = name.strip_prefix("light:") {
             return LightGroup::new(group).map(Self::Light);

@@ -22,8 +22,8 @@ pub fn view(plane: &Plane) -> Vec<u8> {
             }
         })),
         PlaneData::F32(values) => match plane.channels {
-            // Weights from 0 to 1, used as masks. Rounded up, so that exactly those over 1/255,
-            // which count as reflective, are over 1 here.
+            // Weights from 0 to 1, used as masks. Rounded up, so that exactly weights over 1/255, which count as
+            // reflective, are over 1 here.
             ["Y"] => opaque(values.iter().map(|weight| [byte_up(*weight); 3])),
             // Distances have no fixed maximum.
             [_] => opaque(grays(values).into_iter().map(|gray| [gray; 3])),

@@ -121,7 +121,7 @@ mod tests {
         }
     }
 
-    /// Draws a point into the map and reads its depth back: the distance is that of the point.
+    /// Draws a point into the map and reads its depth back: the distance is the point's.
     #[test]
     fn stored_depths_are_the_distances_that_were_drawn() {
         let bounds = Bounds {

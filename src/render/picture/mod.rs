@@ -165,7 +165,7 @@ impl PendingPicture {
         Ok(self.stats.error)
     }
 
-    /// Statistics, without those of counters that are not read back yet.
+    /// Statistics, without counters that are not read back yet.
     pub fn stats(&self) -> &FrameStats {
         &self.stats
     }

@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use reflet_scene::{desc::Method, words};
 
-/// Bits of a texel of the target `cause` that hold the cause; those above hold the length of the ray that the march has
-/// proven free.
+/// Bits of a texel of the target `cause` that hold the cause; the bits above hold the length of the ray that the march
+/// has proven free.
 pub const CAUSE_MASK: u32 = 0xFF;
 
 words! {

@@ -188,7 +188,7 @@ fn define_numbered(out: &mut String, variant: impl std::fmt::Debug, ending: &str
     define(out, &(name + ending), &number);
 }
 
-/// Number of each cause, and masks of the causes that are traced, of screen hits and of those that reflect.
+/// Number of each cause, and masks of the causes that are traced, of screen hits and of reflecting pixels.
 fn define_causes(out: &mut String) {
     for cause in Cause::ALL {
         let name = format!("CAUSE_{}", cause.name().to_uppercase());

@@ -30,7 +30,7 @@ pub type Override = (&'static str, f64);
 pub enum PassGroup {
     /// Surfaces that the pixels show.
     Surfaces,
-    /// Light at these surfaces, with shadows and what they transmit.
+    /// Light at these surfaces, with shadows and transmission.
     Light,
     /// The march through the picture.
     March,

@@ -6,7 +6,7 @@ use reflet_gpu::{Gpu, GpuError, Named};
 use super::cause::Cause;
 use crate::settings::pixel_share::MOMENTS;
 
-/// Number of counters of a frame: one for each cause at the start, and those below at the end.
+/// Number of counters of a frame: one for each cause at the start, and the counters below at the end.
 pub const COUNTERS: usize = 28;
 /// Index of the counter of listed rays.
 pub const RAY_COUNTER: usize = COUNTERS - 1;
@@ -24,9 +24,9 @@ pub const WRONG_COUNTER: usize = COUNTERS - 6;
 pub const TRANSMISSIVE_COUNTER: usize = COUNTERS - 7;
 /// Index of the counter of marches that went behind the first depth layer, where there is a second.
 pub const BEHIND_COUNTER: usize = COUNTERS - 8;
-/// Index of the counter of rays that wait for those around them, where only some are traced at first.
+/// Index of the counter of followers: rays that wait for the rays around them.
 pub const FOLLOWER_COUNTER: usize = COUNTERS - 9;
-/// Index of the counter of those that are traced in the end.
+/// Index of the counter of followers that are traced after all.
 pub const REST_COUNTER: usize = COUNTERS - 10;
 /// Index of the counter of rays that were traced first, where how they ended is kept.
 pub const LEADER_COUNTER: usize = COUNTERS - 11;
@@ -149,7 +149,7 @@ impl RayList {
         })
     }
 
-    /// Counters of the last sub-frame: those of each of its moments, one after another.
+    /// Counters of the last sub-frame: one block for each of its moments.
     pub fn counted(&self) -> &wgpu::Buffer {
         self.kept_counters.as_ref().unwrap_or(&self.counters)
     }

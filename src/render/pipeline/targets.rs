@@ -159,7 +159,7 @@ pub struct Targets {
 pub const MAX_TARGET_BYTES: u64 = 6 << 30;
 
 impl Targets {
-    /// Creates all textures; those that are not `written` are one pixel large, so that they can be bound.
+    /// Creates all textures; textures that are not `written` are one pixel large, so that they can be bound.
     ///
     /// # Errors
     /// A picture width or height past the adapter's limit, or more memory than [`MAX_TARGET_BYTES`].

@@ -38,7 +38,7 @@ pub struct FeatureRow<F> {
 
 /// Declares the features of a frame. A row names, in this order:
 ///
-/// - `used:` the condition under which a scene needs the feature, or `follows:` the one by which it follows from
+/// - `used:` the condition under which a scene needs the feature, or `follows:` the condition by which it follows from
 ///   features above it;
 /// - `constant:` the pipeline constant that is true with the feature;
 /// - `files:` imports, each with the endings of the file without the feature and of the file with it;
@@ -83,7 +83,7 @@ macro_rules! features {
                 own: features!(@optional $(features!(@first |set| &mut set.$name; $used))?),
             }),*];
 
-            /// Features that a scene needs, and those that are dropped.
+            /// Features that a scene needs, and the dropped features.
             pub fn of($scene: $scene_type) -> (Self, Vec<Dropped>) {
                 let mut dropped = Vec::new();
                 $(

@@ -1,5 +1,5 @@
-//! The table of features: what of a frame is left out where a scene does not need it. A new feature is a row here and
-//! the code in the shaders that its constant or its files switch.
+//! The table of features: parts of a frame that are left out where a scene does not need them. A new feature is a row
+//! here and the code in the shaders that its constant or its files switch.
 
 use reflet_scene::desc::{PatternKind, SelectBy, Trace};
 
@@ -56,7 +56,7 @@ features! {
         constant: HAS_SECOND_LAYER,
         dropped: "second depth layer" => "nothing is marched", if scene.options.reflection.layers > 1;
     }
-    /// Whether some rays are not traced, because those around them agree.
+    /// Whether some rays are not traced, because the rays around them agree.
     undersampled {
         used: is_undersampled(scene.world, scene.options),
         constant: UNDERSAMPLED,
@@ -208,11 +208,11 @@ features! {
     probes {
         used: has_probes(scene.world, scene.options),
     }
-    /// Whether rays are traced near the camera only, and marched through maps of what lies beyond.
+    /// Whether rays are traced near the camera , and marched through maps beyond.
     near_far {
         used: has_far_maps(scene.world, scene.options),
     }
-    /// Whether rays march through what the faces of a box see.
+    /// Whether rays march through the faces of a box.
     box_faces {
         used: has_box(scene.world, scene.options),
         files: map [far, box];
@@ -252,7 +252,7 @@ features! {
         constant: HAS_COATS,
         dropped: "clear coats" => "no material has one";
     }
-    /// Whether some clear coat has normals other than those of the layer below.
+    /// Whether some clear coat has normals other than the layer below.
     coat_normals {
         used: has_coat_normals(scene.world),
         constant: HAS_COAT_NORMALS,
@@ -317,7 +317,7 @@ features! {
         used: scene.world.environment.desc.visible && !scene.options.image.alpha,
         constant: SHOW_ENVIRONMENT,
     }
-    /// Whether rays test the alpha of what they meet.
+    /// Whether rays test the alpha of their hits.
     tested {
         follows: cutouts || transmission,
         constant: HAS_TESTED,
@@ -331,7 +331,7 @@ features! {
         follows: transmission || coats,
         constant: HAS_LAYERS,
     }
-    /// Whether specular lobes have strengths or colors, their own or those of a thin film.
+    /// Whether specular lobes have strengths or colors, their own or a thin film's.
     tinted_lobes {
         follows: tints || iridescence,
         constant: HAS_TINTS,

@@ -154,12 +154,12 @@ pub fn has_probes(world: &World, options: &RenderOptions) -> bool {
     reflects_by(world, options, Method::looks_up)
 }
 
-/// Whether rays are traced near the camera only, and marched through maps of what lies beyond.
+/// Whether rays are traced near the camera , and marched through maps beyond.
 pub fn has_far_maps(world: &World, options: &RenderOptions) -> bool {
     reflects_by(world, options, |method| method == Method::NearFar)
 }
 
-/// Whether rays march through what the faces of a box see.
+/// Whether rays march through the faces of a box.
 pub fn has_box(world: &World, options: &RenderOptions) -> bool {
     reflects_by(world, options, |method| method == Method::SsrBox)
 }
@@ -175,7 +175,7 @@ pub fn is_undersampled(world: &World, options: &RenderOptions) -> bool {
 }
 
 impl Plan {
-    /// The plan of a scene; with [`RenderOptions::general`], the one that drops no feature.
+    /// The plan of a scene; with [`RenderOptions::general`], the plan that drops no feature.
     pub fn of(world: &World, trees: &Trees, layers: &Layers, options: &RenderOptions) -> Self {
         let precision = Precision::of(world, options);
         let used: BTreeSet<usize> = world.instances.iter().map(|i| i.material).collect();

@@ -36,7 +36,7 @@ impl PlannedScene<'_> {
         self.materials.iter().copied().any(feature)
     }
 
-    /// Whether some material has a feature, or that of a decal.
+    /// Whether some material or decal has a feature.
     pub(super) fn paints(&self, feature: fn(&Material) -> bool) -> bool {
         let mut decals = self.world.decals.list.iter();
         self.has(feature) || decals.any(|d| feature(&self.world.materials[d.material]))

@@ -19,7 +19,7 @@ pub fn scatters_twice(world: &World) -> bool {
     uses(world, has_specular)
 }
 
-/// Whether some clear coat has, or may get, normals other than those of the layer below.
+/// Whether some clear coat has, or may get, normals other than the layer below.
 pub fn has_coat_normals(world: &World) -> bool {
     let differ = |index: usize| {
         let material = &world.materials[index];

@@ -106,7 +106,7 @@ struct KeptMaps {
 }
 
 impl KeptMaps {
-    /// The maps of a frame with probes, those of `old` where they fit.
+    /// The maps of a frame with probes, taken from `old` where they fit.
     ///
     /// # Errors
     /// Same errors as [`ProbeMaps::new`].
@@ -145,7 +145,7 @@ pub struct BindingInputs<'a> {
     pub scene: &'a GpuScene,
     /// Uniform buffers, bound as group 0.
     pub uniforms: &'a FrameUniforms,
-    /// Whether trees and materials are those of the bindings before, so that maps of them may be kept.
+    /// Whether trees and materials are unchanged, so that maps of them may be kept.
     pub is_same_world: bool,
 }
 
@@ -162,7 +162,7 @@ pub struct Bindings {
     pub ray_list: RayList,
     /// Cube maps of probes, in frames that look reflections up in them.
     pub probe_maps: Option<Arc<ProbeMaps>>,
-    /// The same, or those of the last frame that had some.
+    /// The same, or the maps of the last frame that had some.
     kept_maps: Option<KeptMaps>,
     /// Maps of far things, in frames of method `near-far`.
     pub far_maps: Option<FarMaps>,

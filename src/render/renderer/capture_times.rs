@@ -14,7 +14,7 @@ pub struct CaptureTimes {
     pub cost_ms: f64,
 }
 
-/// The times of a frame without those of its capture, and these.
+/// Splits the times of a frame into its own and the times of its capture.
 pub fn without_capture(times: PassTimes) -> (PassTimes, CaptureTimes) {
     let is_capture = |name: &str| named(name).is_some_and(|p| p.group == PassGroup::Capture);
     let split = |times: Vec<(String, f64)>| {

@@ -39,7 +39,7 @@ pub struct TargetValues {
     pub precision: Precision,
     /// Coordinates of the renderer.
     pub coordinates: Coordinates,
-    /// Bounding box of what was drawn, in these coordinates.
+    /// Bounding box of drawn surfaces, in these coordinates.
     pub drawn: Bounds,
     /// The unit U in these coordinates.
     pub unit: f32,

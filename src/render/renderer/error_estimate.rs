@@ -83,7 +83,7 @@ fn estimate(
 ) -> ErrorEstimate {
     let (half, count) = (half as f32, count as f32);
     let rest = count - half;
-    // The variance of the difference of both means is σ² (1 / half + 1 / rest), that of the picture σ² / count.
+    // The variance of the difference of both means is σ² (1 / half + 1 / rest), the variance of the picture σ² / count.
     let share = (half * rest).sqrt() / count;
     let pixels = first.chunks_exact(4).zip(all.chunks_exact(4));
     let compared = pixels.map(|(first, all)| {
@@ -114,7 +114,7 @@ pub(crate) fn tile_means(
     let height = pixels.len() / width.max(1);
     let mut tiles = vec![(0.0_f64, 0_u32); tiles_across * height.div_ceil(TILE_PX)];
     for (index, (difference, brightness)) in pixels.enumerate() {
-        // Black pixels are those of which neither half has light.
+        // A pixel is black if neither half has light there.
         let error = difference * exposure / (brightness * exposure).max(1e-4).sqrt();
         let tile = &mut tiles[index / width / TILE_PX * tiles_across + index % width / TILE_PX];
         tile.0 += f64::from(error);

@@ -163,7 +163,7 @@ impl Renderer {
         view
     }
 
-    /// Makes the next picture draw all shadow maps, also those whose lights and casters have not moved.
+    /// Makes the next picture draw all shadow maps, also where neither light nor casters have moved.
     pub fn redraw_shadows(&self) {
         if let Some(shadow) = &self.bindings.passes.shadow {
             shadow.forget();
@@ -191,8 +191,8 @@ impl Renderer {
         })
     }
 
-    /// Whether a share of a sub-frame resolves the surfaces of all pixels: for the march, which meets those around, and
-    /// for AOVs, which show the frame's own moment.
+    /// Whether a share of a sub-frame resolves the surfaces of all pixels: for the march, which meets surrounding
+    /// pixels, and for AOVs, which show the frame's own moment.
     fn resolves_all(&self, share: PixelShare) -> bool {
         let marches = self.plan.features.reflections && self.method().marches();
         marches || (share.is_last() && share.sample + 1 == self.options.image.samples.count())

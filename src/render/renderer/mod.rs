@@ -180,7 +180,7 @@ impl Renderer {
         }
     }
 
-    /// Features and passes that the scene needs, and those that were left out.
+    /// Features and passes that the scene needs, and the ones it does without.
     pub fn plan(&self) -> &Plan {
         &self.plan
     }

@@ -231,8 +231,7 @@ pub struct FrameStats {
 }
 
 impl FrameStats {
-    /// Sets the statistics that follow from the counters of the last sub-frame, those of each of its moments one after
-    /// another.
+    /// Sets the statistics that follow from the counters of the last sub-frame, one block for each of its moments.
     pub fn set_counters(&mut self, counters: &[u32]) {
         let mut sums = vec![0; COUNTERS];
         for moment in counters.chunks(COUNTERS) {

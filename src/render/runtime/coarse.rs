@@ -42,8 +42,8 @@ pub(super) fn world(of: &World) -> World {
     world
 }
 
-/// At most `most` lamps in place of all those of a light tree, with their power together, as points and cones without shadow.
-/// Each stands for the same share of the power (systematic sampling).
+/// At most `most` lamps in place of all lamps of a light tree, with their power together, as points and cones without
+/// shadow. Each stands for the same share of the power (systematic sampling).
 fn stand_ins(lamps: &[Light], most: usize) -> Vec<Light> {
     let powers = lamps.iter().map(power_of_lamp);
     let share = powers.clone().sum::<f64>() / most as f64;
@@ -51,7 +51,7 @@ fn stand_ins(lamps: &[Light], most: usize) -> Vec<Light> {
     let mut found = Vec::new();
     for (lamp, power) in lamps.iter().zip(powers) {
         sum += power;
-        // The next one stands for what is around half a share past those that were taken.
+        // The next stand-in is the lamp around half a share past the taken power.
         let times = ((sum / share + 0.5).floor() - taken).max(0.0);
         if times < 1.0 || found.len() == most {
             continue;

@@ -63,8 +63,8 @@ impl Session {
     }
 }
 
-/// Number of sub-frames to try after one whose error is too large; `None` where the bound is reached, or there may be no
-/// more. Errors of random numbers fall with the square root of their number, those of evenly spread ones faster.
+/// Number of sub-frames to try after one whose error is too large; `None` where the bound is reached, or there may be
+/// no more. Errors of random numbers fall with the square root of their number, errors of evenly spread numbers faster.
 fn next_count(count: u32, estimate: ErrorEstimate, bound: ErrorBound) -> Option<u32> {
     if estimate.error <= bound.error || count >= bound.at_most {
         return None;

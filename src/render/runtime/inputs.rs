@@ -1,4 +1,4 @@
-//! Inputs of the runtime: the files of a scene, and what replaces its view settings.
+//! Inputs of the runtime: the files of a scene, and overrides of its view settings.
 
 use std::{
     path::{Path, PathBuf},
@@ -13,7 +13,7 @@ use reflet_scene::{
     diagnostic::Diagnostic,
 };
 
-/// Files of a scene, and what is changed in them.
+/// Files of a scene, and overrides of its content.
 #[derive(Clone, Debug, Default)]
 pub struct SceneSource {
     /// Scene file or model; `None` is the built-in atrium.
@@ -56,7 +56,7 @@ impl SceneSource {
     }
 }
 
-/// View settings that replace those of the scene.
+/// View settings in place of the scene's.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ViewOverrides {
     /// Picture size, pixels.

@@ -1,4 +1,4 @@
-//! Vertices that a program gives to meshes of a session, in place of those of the scene and its script.
+//! Vertices that a program gives to meshes of a session, in place of vertices from the scene and its script.
 
 use std::{collections::BTreeMap, sync::Arc};
 
@@ -13,7 +13,7 @@ use reflet_scene::{
 pub struct GivenMeshes(BTreeMap<String, MeshPose>);
 
 impl GivenMeshes {
-    /// Whether no mesh has other vertices than those of the scene.
+    /// Whether all meshes have the scene's vertices.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -50,10 +50,10 @@ impl GivenMeshes {
 }
 
 impl Session {
-    /// Gives other vertices to a mesh, in all of its instances and in all frames from now on, over those of its shape and
-    /// of `ctx.mesh`: three numbers for each vertex, meters in the space of the model, in the order in which its shape is
-    /// written, and directions out of the surface, of any length; without them it is smooth over the triangles that
-    /// share a vertex. Its shape must be of `kind = "mesh"` with `dynamic = true`.
+    /// Gives other vertices to a mesh, in all of its instances and in all frames from now on, over the vertices of its
+    /// shape and of `ctx.mesh`: three numbers for each vertex, meters in the space of the model, in the order in which
+    /// its shape is written, and directions out of the surface, of any length; without them it is smooth over the
+    /// triangles that share a vertex. Its shape must be of `kind = "mesh"` with `dynamic = true`.
     ///
     /// # Errors
     /// [`SessionError::UnknownName`] for a model that does not exist; [`SessionError::Mesh`] for one that cannot be
@@ -76,7 +76,7 @@ impl Session {
         Ok(())
     }
 
-    /// Meshes that have other vertices than those of the scene.
+    /// Meshes with vertices in place of the scene's.
     pub fn meshes(&self) -> &GivenMeshes {
         &self.meshes
     }

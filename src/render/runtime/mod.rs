@@ -58,9 +58,9 @@ pub use show::{Refused, Shown};
 pub struct SessionOptions {
     /// Changed values and asset folders.
     pub scene: SceneOptions,
-    /// Camera to look through; without one that of the scene's cuts, else `main`, else the first.
+    /// Camera to look through; without a name the camera of the scene's cuts, else `main`, else the first.
     pub camera: Option<String>,
-    /// Part of the name of the adapter to use; by default that of [`GpuOptions`].
+    /// Part of the name of the adapter to use; by default from [`GpuOptions`].
     pub adapter: Option<String>,
     /// Folder of shaders that replace the built-in ones.
     pub shaders: Option<PathBuf>,
@@ -83,7 +83,7 @@ pub struct Session {
     first: Option<World>,
     /// Pose of the shown frame; `None` before the first, and where all frames are equal.
     state: Option<FrameState>,
-    /// Vertices that replace those of the scene.
+    /// Vertices in place of the scene's.
     meshes: GivenMeshes,
     /// Files of the scene, which another text of it takes over; `None` where only pictures are asked for.
     assets: Option<AssetCache>,
@@ -111,8 +111,8 @@ impl Session {
         Self::open_source(source, options)
     }
 
-    /// Opens a scene from a text in memory, or the built-in atrium: whatever `source` names. Its own options and shaders
-    /// count, not those of `options`.
+    /// Opens a scene from a text in memory, or the built-in atrium: whatever `source` names. Its own options and
+    /// shaders count, not `options`'.
     ///
     /// # Errors
     /// Same errors as [`Session::open`].
@@ -227,7 +227,7 @@ impl Session {
         &self.source
     }
 
-    /// Settings that replace those of the scene.
+    /// Settings in place of the scene's.
     pub fn view(&self) -> &ViewOverrides {
         &self.view
     }
@@ -247,12 +247,12 @@ impl Session {
         &self.renderer
     }
 
-    /// Files that were searched for, existing or not; [`World::files`] are those that were read.
+    /// Files that were searched for, existing or not; [`World::files`] are the files that were read.
     pub fn dependencies(&self) -> &Dependencies {
         &self.dependencies
     }
 
-    /// Index of the named camera; without a name, of the one that the first frame shows.
+    /// Index of the named camera; without a name, of the first frame's camera.
     ///
     /// # Errors
     /// [`SessionError::UnknownName`] with the names of the scene's cameras.

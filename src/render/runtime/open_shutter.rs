@@ -18,7 +18,7 @@ pub struct OpenShutter<'a> {
     frame: u32,
     /// Time that the shutter is open, frames.
     open: f64,
-    /// Vertices that replace those of the scene.
+    /// Vertices in place of the scene's.
     meshes: Option<&'a GivenMeshes>,
     /// Change of the world that is applied after each pose.
     after: &'a dyn Fn(&mut World),
@@ -48,7 +48,7 @@ impl<'a> OpenShutter<'a> {
         }
     }
 
-    /// The same moments with other vertices than those of the scene.
+    /// The same moments with these vertices in place of the scene's.
     pub(super) fn with(self, meshes: &'a GivenMeshes) -> Self {
         Self {
             meshes: Some(meshes),

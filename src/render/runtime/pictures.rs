@@ -1,4 +1,4 @@
-//! Frames and pictures of what is shown.
+//! Frames and pictures of the shown scene.
 
 use std::sync::Arc;
 
@@ -26,7 +26,7 @@ impl Session {
     /// are equal. `edit` is done to the posed world.
     ///
     /// # Errors
-    /// All errors of the frame; the one before stays.
+    /// All errors of the frame; the former frame stays.
     pub fn apply(
         &mut self,
         frame: u32,
@@ -91,7 +91,7 @@ impl Session {
         self.camera_of(self.loaded.frame)
     }
 
-    /// Index of the camera that shows a frame: the chosen one, else that of the last cut.
+    /// Index of the camera that shows a frame: the chosen one, else the camera of the last cut.
     pub fn camera_of(&self, frame: u32) -> usize {
         let chosen = self.view.camera_in(&self.loaded);
         chosen.unwrap_or_else(|| self.loaded.camera_at(frame))
@@ -188,7 +188,7 @@ impl Session {
     /// sub-frame shows another moment. `edit` is applied to each pose.
     ///
     /// # Errors
-    /// Same errors as [`crate::Renderer::render`], and what a script does wrong at one of the moments.
+    /// Same errors as [`crate::Renderer::render`], and errors of a script at one of the moments.
     pub fn draw(
         &mut self,
         camera: &dyn Fn(&World) -> CameraDesc,
@@ -207,8 +207,8 @@ impl Session {
     }
 }
 
-/// Poses the world and the renderer at the end of a frame, where another moment of it failed: what comes after the
-/// error shows the frame, which was valid before.
+/// Poses the world and the renderer at the end of a frame, where another moment of it failed: later pictures show the
+/// frame, which was valid before.
 fn close(renderer: &mut RendererStage, gpu: &Gpu, mut moments: OpenShutter) {
     if let Ok(world) = moments.pose(0.0) {
         let _ = renderer.update(gpu, world);

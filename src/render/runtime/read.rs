@@ -1,5 +1,5 @@
-//! The stages that run scripts: text → document → scene → poses. They use nothing of what is shown, so they
-//! can run on any thread while pictures are rendered.
+//! The stages that run scripts: text → document → scene → poses. They use nothing of the shown scene, so they can run
+//! on any thread while pictures are rendered.
 
 use std::sync::Arc;
 

@@ -10,7 +10,7 @@ use reflet_scene::{
 };
 use reflet_world::load::LoadOptions;
 
-/// Environment variable with asset folders, separated like those in `PATH`.
+/// Environment variable with asset folders, separated as in `PATH`.
 pub const ASSETS_ENV: &str = "REFLET_ASSETS";
 
 /// Changes to a scene, and folders to search for its files.
@@ -18,13 +18,11 @@ pub const ASSETS_ENV: &str = "REFLET_ASSETS";
 pub struct SceneOptions {
     /// Values to change, written as for `--set`, such as `image.size=[320, 180]`.
     pub set: Vec<String>,
-    /// Variants of the scene to apply, in this order, before `set`; empty names are none, and keep those of the project
-    /// away.
+    /// Variants of the scene to apply, in this order, before `set`; empty names are none, and keep the project's away.
     pub variant: Vec<String>,
-    /// Folders to search for models and textures after the scene's own, before those of
-    /// [`ASSETS_ENV`].
+    /// Folders to search for models and textures after the scene's own, before folders of [`ASSETS_ENV`].
     pub assets: Vec<PathBuf>,
-    /// Whether to load glTF files without what only changes their look, as [`LoadOptions::lenient`].
+    /// Whether to load glTF files without parts that only change their look, as [`LoadOptions::lenient`].
     pub lenient: bool,
     /// Project of the scene.
     pub project: ProjectChoice,
@@ -46,7 +44,7 @@ pub(super) fn read_options(from: &SceneOptions, project: Option<&Project>) -> Re
     }
 }
 
-/// Folders that a scene may read besides its own: the given ones, those of its project, and those of [`ASSETS_ENV`].
+/// Folders that a scene may read besides its own: from the command line, then its project, then [`ASSETS_ENV`].
 pub fn border(given: &[PathBuf], project: Option<&Project>) -> Border {
     let mut border = Border {
         assets: given.to_vec(),
@@ -78,7 +76,8 @@ pub fn load_options(from: &SceneOptions, project: Option<&Project>) -> LoadOptio
     }
 }
 
-/// Warnings about given asset folders that do not exist; those of [`ASSETS_ENV`] may be of other scenes.
+/// Warnings about given asset folders that do not exist; folders of [`ASSETS_ENV`] are not checked, as they may be
+/// meant for other scenes.
 pub(super) fn missing_folders(given: &[PathBuf]) -> Vec<Diagnostic> {
     let missing = given.iter().filter(|folder| !folder.is_dir());
     let warning = |folder: &PathBuf| {
@@ -89,7 +88,7 @@ pub(super) fn missing_folders(given: &[PathBuf]) -> Vec<Diagnostic> {
     missing.map(warning).map(Diagnostic::warning).collect()
 }
 
-/// The given asset folders, then those of [`ASSETS_ENV`].
+/// The given asset folders, then folders of [`ASSETS_ENV`].
 pub fn asset_folders(given: &[PathBuf]) -> Vec<PathBuf> {
     let listed = env::var_os(ASSETS_ENV).unwrap_or_default();
     let listed = env::split_paths(&listed).filter(|folder| !folder.as_os_str().is_empty());

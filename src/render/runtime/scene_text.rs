@@ -34,7 +34,7 @@ pub const ATRIUM: &str = include_str!("../../../scenes/atrium.toml");
 /// Text of a scene that is not opened yet.
 #[derive(Clone, Debug)]
 pub struct SceneText {
-    /// The scene's text and those that it names, each with its syntax tree.
+    /// The scene's text and the texts that it names, each with its syntax tree.
     texts: Arc<Texts>,
     /// Name of the whole scene for messages.
     name: String,
@@ -50,7 +50,7 @@ pub struct SceneText {
 /// A scene read from disk, without its assets.
 #[derive(Debug)]
 pub struct OpenedScene {
-    /// Scene text, for fingerprints; that of a model viewer scene has no file.
+    /// Scene text, for fingerprints; a scene made to view a model has no file.
     pub text: String,
     /// Variants and overrides applied to the text.
     pub overrides: Vec<String>,
@@ -188,8 +188,8 @@ impl SceneText {
         declared.map(|list| list.into_iter().map(|p| (p.name, p.value)).collect())
     }
 
-    /// Reads the scene and runs its script's `setup`; `more` are overrides applied after those of the options. Adds
-    /// the paths of scripts and included files to `texts`, also on errors.
+    /// Reads the scene and runs its script's `setup`; `more` are overrides applied after the overrides of the options.
+    /// Adds the paths of scripts and included files to `texts`, also on errors.
     ///
     /// # Errors
     /// All errors in the scene's texts.
@@ -226,7 +226,7 @@ impl SceneText {
 impl OpenedScene {
     /// A loaded scene with another description of the same scene, such as one with changed numbers.
     pub(super) fn of_loaded(loaded: &LoadedScene, scene: Arc<Scene>, options: LoadOptions) -> Self {
-        // Loading adds those of the world again.
+        // Loading adds the world's warnings again.
         let mut warnings = loaded.warnings.clone();
         warnings.retain(|warning| !loaded.world.warnings.contains(warning));
         Self {
@@ -286,7 +286,7 @@ impl OpenedScene {
         Some(Diagnostic::in_file("nothing-to-show", path, text).help(help))
     }
 
-    /// All warnings but those with the same meaning as the error, then the error.
+    /// All warnings, without any that mean the same as the error, then the error.
     fn told_with(&self, world: World, error: Diagnostic) -> Vec<Diagnostic> {
         let warnings = self.warnings.iter().cloned().chain(world.warnings);
         let others = warnings.filter(|warning| ![MODEL_EMPTY, STAGE_EMPTY].contains(&warning.name));
@@ -346,8 +346,8 @@ impl LoadedScene {
         Ok(())
     }
 
-    /// Index of the camera of a frame where none is chosen: that of the last cut at or before the frame, else that of
-    /// the project, else `main`, else the first.
+    /// Index of the camera of a frame where none is chosen: of the last cut at or before the frame, else of the
+    /// project, else `main`, else the first.
     pub fn camera_at(&self, frame: u32) -> usize {
         let cuts = self.scene.cuts.iter().rev();
         let cut = cuts.into_iter().find(|cut| cut.frame <= frame);

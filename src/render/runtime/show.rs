@@ -1,4 +1,4 @@
-//! Changes of what is shown: each is built beside it and swapped in at its end, so that an error changes nothing.
+//! Changes of the shown scene: each is built beside it and swapped in at its end, so that an error changes nothing.
 
 use std::sync::Arc;
 
@@ -303,7 +303,7 @@ impl Session {
         rebuilt
     }
 
-    /// Builds whatever differs from what the scene needs.
+    /// Builds whatever the scene needs and is missing.
     pub(super) fn refresh(&mut self) -> Result<RebuildSummary, RenderError> {
         let options = self.view.options(&self.loaded);
         let poses = poses(&self.loaded, &self.first);

@@ -5,8 +5,8 @@ use half::f16;
 use reflet_scene::desc::{PatternedKey, ReflectionMode};
 use reflet_world::{Decal, LayerTexture, Material};
 
-/// Relative increase of the roughness cut-off for metals: theirs is 1 + this times that of dielectrics, so that what
-/// they reflect begins to fade at five times the cut-off.
+/// Relative increase of the roughness cut-off for metals: their cut-off is 1 + this times the cut-off of dielectrics,
+/// so that their reflections begin to fade at five times the cut-off.
 pub const METAL_REACH: f32 = 5.25;
 
 /// Uppermost part of the roughness below the cut-off, in which reflections fade into the environment.

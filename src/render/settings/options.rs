@@ -19,7 +19,7 @@ pub struct RenderOptions {
     pub auto_shadow: [ShadowMode; LightKind::NAMES.len()],
     /// Index of the camera whose view decides `auto` settings; `None` for [`World::main_camera`].
     pub camera: Option<usize>,
-    /// Unit costs for deciding `auto` settings; `None` for those of the adapter's kind.
+    /// Unit costs for deciding `auto` settings; `None` for the costs of the adapter's kind.
     pub costs: Option<UnitCosts>,
     /// Smaller picture to render with the decisions of the whole one; `None` renders the whole.
     pub draft: Option<Draft>,
@@ -34,7 +34,7 @@ pub struct RenderOptions {
     pub general: bool,
 }
 
-/// A smaller picture of fewer sub-frames with what was decided for the whole one.
+/// A smaller picture of fewer sub-frames with the decisions of the whole picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Draft {
     /// Size, pixels.
@@ -157,7 +157,7 @@ impl RenderOptions {
         self.crop.is_some() && !shares
     }
 
-    /// Left, top, right and bottom edge of the crop, pixels; those of all pixels without one.
+    /// Left, top, right and bottom edge of the crop, pixels; the picture's edges without a crop.
     pub fn crop_edges(&self) -> [f32; 4] {
         let [width, height] = self.image.size;
         let whole = Crop {

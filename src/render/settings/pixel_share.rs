@@ -58,8 +58,8 @@ impl PixelShare {
         self.moment == 0
     }
 
-    /// Moment within the time that the shutter is open, -0.5 to 0.5: that of the sub-frame, turned in equal steps, so
-    /// that the moments of each pixel over all of `samples` sub-frames are as even as those of the sub-frames.
+    /// Moment within the time that the shutter is open, -0.5 to 0.5: the sub-frame's, turned in equal steps, so that
+    /// over all of `samples` sub-frames each pixel has moments as even as the sub-frames'.
     pub fn moment_of(&self, samples: u32) -> f64 {
         let turn = f64::from(self.moment) / f64::from(self.moments);
         let moment = shutter_moment(self.sample, samples) + turn;

@@ -60,7 +60,7 @@ pub fn brightest_emission(world: &World) -> f32 {
             .map(|m| m.extremes(PatternedKey::Emission, m.emission.max_element())[1])
             .fold(0.0, f32::max)
     };
-    // Decals add to what the surfaces under them emit.
+    // Decals add to the emission of the surfaces under them.
     brightest(&mut world.instances.iter().map(|i| i.material))
         + brightest(&mut world.decals.list.iter().map(|d| d.material))
 }

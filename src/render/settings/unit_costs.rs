@@ -1,8 +1,8 @@
 //! Unit costs of the cost model, nanoseconds, each class of adapters with its source.
 //!
 //! The costs of a kind of adapter are constants, so that all machines of a kind decide alike. `docs/costs.md` lists
-//! their sources and what they leave open; `reflet calibrate` measures them on one adapter. Those of software adapters
-//! are processor time of all threads, those of GPUs time on the device: only their ratios decide.
+//! their sources and their gaps; `reflet calibrate` measures them on one adapter. Costs of software adapters are
+//! processor time of all threads, costs of GPUs time on the device: only their ratios decide.
 
 use serde::{Deserialize, Serialize};
 
@@ -79,9 +79,9 @@ impl UnitCosts {
         hit: 251.0,
         pass: 160_000.0,
     };
-    /// Costs of GPUs, which decide for all of them. Their source is an experiment on one data-center GPU (NVIDIA H200),
-    /// whose rasterizer is weak relative to its compute units: a scene of 1.8 million triangles, traversal in WGSL
-    /// without shading, 2,240 million primary and 1,650 million mirror rays a second at 1280 × 720, 2.6 million triangles
+    /// Default costs, for every GPU. Their source is an experiment on one data-center GPU (NVIDIA H200), whose
+    /// rasterizer is weak relative to its compute units: a scene of 1.8 million triangles, traversal in WGSL without
+    /// shading, 2,240 million primary and 1,650 million mirror rays a second at 1280 × 720, 2.6 million triangles
     /// rasterized in 5.6 ms, and a linear march of 64 steps. Rays onward and towards lights were not part of it: they
     /// cost as mirror rays here, and are the same for both methods. No scene has been rendered on a GPU yet.
     pub const GPU: Self = Self {
@@ -106,12 +106,12 @@ impl UnitCosts {
         hit: 0.1,
         pass: 10_000.0,
     };
-    /// Ratios of a graphics card of 2013 (GeForce GTX 780 Ti), from the three frame times of Macedo and Rodrigues (2018):
-    /// SSR takes 6.1 ms, hybrid 16.9 ms, ray tracing 21.2 ms at 1280 × 720. A frame without march and reflections takes 6.1
-    /// ms at most, so tracing all rays takes 15.1 to 21.2 ms; if the hybrid traces 0.6 to 0.71 of that, the march with all of
-    /// its passes takes 0 to 0.16 of the time of tracing. Here it takes 0.16 of it for rays that visit 30 nodes, and the
-    /// costs of a ray are those of [`Self::GPU`], since the paper does not tell how much each ray visits. These costs never
-    /// decide; they are shown where they would choose another method.
+    /// Ratios of a graphics card of 2013 (GeForce GTX 780 Ti), from the three frame times of Macedo and Rodrigues
+    /// (2018): SSR takes 6.1 ms, hybrid 16.9 ms, ray tracing 21.2 ms at 1280 × 720. A frame without march and
+    /// reflections takes 6.1 ms at most, so tracing all rays takes 15.1 to 21.2 ms; if the hybrid traces 0.6 to 0.71 of
+    /// that, the march with all of its passes takes 0 to 0.16 of the time of tracing. Here it takes 0.16 of it for rays
+    /// that visit 30 nodes, and the costs of a ray are taken from [`Self::GPU`], since the paper does not tell how much
+    /// each ray visits. These costs never decide; they are shown where they would choose another method.
     pub const CARD: Self = Self {
         march_ray: 0.03,
         march_node: 0.004,

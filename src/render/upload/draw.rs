@@ -87,7 +87,7 @@ fn class_of(material: &Material, transform: &Affine3A, shape: DrawShape) -> Draw
 pub struct Indexed<'a> {
     /// Vertices: [`GpuVertex`].
     pub vertices: &'a wgpu::Buffer,
-    /// Indices of 32 bits; between those of the meshes lie other words.
+    /// Indices of 32 bits; the buffer also holds other data between the meshes.
     pub indices: &'a wgpu::Buffer,
     /// Instances: [`GpuInstance`].
     pub instances: &'a wgpu::Buffer,

@@ -22,7 +22,7 @@ pub const NO_LIGHT_TREE: LightTree = LightTree {
 /// Number of vectors of a placed light and of a lamp's record.
 pub const LIGHT_VECTORS: usize = 4;
 
-/// First word of a lamp's record, whose lowest three bits are the kind; that of a placed light is a link.
+/// First word of a lamp's record, whose lowest three bits are the kind; a placed light has a link there.
 pub const LAMP_RECORD: u32 = 0xffff_fff0;
 
 /// Bit of the first word of a lamp's record: the picture shows another light group.
@@ -55,7 +55,7 @@ struct Parts {
 }
 
 impl Parts {
-    /// Parts that hold all trees of a world: those of one pose, or with `in_any_pose` those of any.
+    /// Sizes that hold all trees of a world in this pose, or with `in_any_pose` in every pose.
     fn of(world: &World, trees: &LightTrees, in_any_pose: bool) -> Self {
         let meshes: Vec<usize> = match in_any_pose {
             true => (world.lighting_instances())
@@ -105,7 +105,7 @@ impl GpuEmitters {
         Ok(Some(this))
     }
 
-    /// Uploads the trees again, if emitters may have moved: those of meshes only where one changed.
+    /// Uploads the trees again, if emitters may have moved: trees of meshes only if one changed.
     pub fn update(&mut self, gpu: &Gpu, world: &World) {
         if !self.is_moving && self.lamps == world.lamps {
             return;

@@ -87,8 +87,8 @@ pub fn are_texels_preferred(gpu: &Gpu, instances: usize, materials: usize) -> bo
         && TexelArray::is_preferred::<GpuMaterial>(gpu, materials)
 }
 
-/// Shader text with the bindings of both arrays and, for each field, a function of the element's index; that of an
-/// array has a second parameter, the slot.
+/// Shader text with the bindings of both arrays and, for each field, a function of the element's index; an array's has
+/// a second parameter, the slot.
 pub fn wgsl(in_texels: bool) -> String {
     let mut text = String::new();
     if in_texels {

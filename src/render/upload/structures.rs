@@ -23,9 +23,9 @@ pub const SEEN_BY_REFLECTIONS: u32 = 1;
 pub const SEEN_BY_CAMERA: u32 = 2;
 /// Bit of a structure's mask: shadow rays meet it.
 pub const SEEN_BY_LIGHTS: u32 = 4;
-/// Number of bits by which these are shifted for what may move.
+/// Number of bits by which these are shifted for moving instances.
 pub const MOVING_SHIFT: u32 = 3;
-/// Number that stands for the static tree where others have that of an instance; the most that 24 bits hold.
+/// Number of the static tree in place of an instance; the most that 24 bits hold.
 pub const STATIC_STRUCTURE: u32 = (1 << 24) - 1;
 
 /// Bytes of a triangle's corners.
@@ -60,8 +60,8 @@ pub struct Structures {
     pub bytes: u64,
     /// Time in which they were built, milliseconds: processor time on software adapters.
     pub build_ms: f64,
-    /// Time in which those of deformed meshes and the top structure were last built for another pose, milliseconds; 0 where
-    /// they never were.
+    /// Time in which the structures of deformed meshes and the top structure were last built for another pose,
+    /// milliseconds; 0 where they never were.
     pub update_ms: f64,
 }
 
@@ -128,8 +128,8 @@ impl Structures {
         Ok(structures)
     }
 
-    /// Rebuilds the structures of deformed meshes, and the top structure, for a world and trees in another pose, and waits for
-    /// them, so that their time is not part of a frame's. Errors are those of the next submission.
+    /// Rebuilds the structures of deformed meshes, and the top structure, for a world and trees in another pose, and
+    /// waits for them, so that their time is not part of a frame's. Errors appear at the next submission.
     pub fn update(&mut self, gpu: &Gpu, world: &World, trees: &Trees, skipped: &[bool]) {
         let watch = Stopwatch::start();
         let mut deformed = Vec::new();

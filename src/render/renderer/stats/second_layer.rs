@@ -9,7 +9,7 @@ use crate::pipeline::{cause::Cause, ray_list::BEHIND_COUNTER};
 pub struct SecondLayer {
     /// Number of pixels whose ray went behind the first layer, which alone would call them hidden.
     pub behind: u32,
-    /// Number of those whose ray hits the second layer.
+    /// Number of these rays that hit the second layer.
     pub hits: u32,
     /// The same as a percentage.
     pub hit_percent: f64,
