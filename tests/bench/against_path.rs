@@ -1,4 +1,4 @@
-//! `--against-path`: the error of the model beside that of the method.
+//! `--against-path`: the model's error beside the method's.
 
 use std::fs;
 

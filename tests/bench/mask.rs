@@ -1,4 +1,4 @@
-//! The mask of `bench` and that of `compare --mask` are the same pixels.
+//! The masks of `bench` and `compare --mask` are the same pixels.
 
 use std::process::Command;
 

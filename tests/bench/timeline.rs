@@ -7,7 +7,7 @@ use reflet::bench::sample::Sample;
 use super::{exits, folder, samples};
 use crate::common::gpu_or_skip;
 
-/// X positions of camera, ball and lamp; those of frame 4 coincide with keys.
+/// X positions of camera, ball and lamp, at keys.
 const AT_FRAME_4: [&str; 3] = ["1", "0.5", "-1"];
 
 const SCRIPT: &str = include_str!("timeline/script.rhai");

@@ -121,7 +121,7 @@ fn watching_renders_again_after_each_save_and_keeps_the_last_good_picture() {
         .stderr(Stdio::from(errors))
         .spawn()
         .expect("it starts");
-    // Each wait ends with what it waits for; the limit only ends a test that fails.
+    // Each wait ends with its event; the limit only ends a test that fails.
     let wait = |what: &str, is_there: &dyn Fn() -> bool| {
         let started = Instant::now();
         while !is_there() {

@@ -26,7 +26,7 @@ fn without_its_library_denoising_says_what_to_install() {
     assert_eq!(names(&folder), ["scene.toml"]);
 }
 
-/// Folder of the library: `REFLET_OIDN` of the tests, otherwise the one of `tools/setup.sh`.
+/// Folder of the library: `REFLET_OIDN` of the tests, otherwise the folder of `tools/setup.sh`.
 fn library() -> Option<PathBuf> {
     if let Some(folder) = std::env::var_os("REFLET_OIDN") {
         return Some(folder.into());
@@ -97,7 +97,7 @@ fn with_its_library_grain_goes_and_edges_stay() {
     );
 }
 
-/// Denoised radiance has the mean of what it was made from, and edges that many samples smooth stay smooth.
+/// Denoising keeps the mean radiance, and edges that many samples smooth stay smooth.
 #[test]
 fn brightness_and_smooth_edges_stay() {
     let Some((library, folder)) = prepared(
@@ -158,7 +158,7 @@ fn frames_of_a_film_are_denoised_with_their_neighbors() {
         &[&denoised[..], &["--denoise-window", "0"]].concat(),
     );
     render("truth", &["--samples", "64", "--frames", "all"]);
-    // Frames that are rendered apart are those of the film, and no neighbor is taken from across a cut.
+    // Frames that are rendered apart equal the film's, and no neighbor is taken from across a cut.
     render("part", &["--denoise", "--frames", "3"]);
     render(
         "short",

@@ -81,7 +81,7 @@ fn info_names_the_adapter_and_what_it_has_and_lacks() {
     assert_eq!([has, lacks], [has_rays, !has_rays]);
 }
 
-/// A frame of rasterized diffuse surfaces has no lists; a mirror adds the march and what it reads and writes.
+/// A frame of rasterized diffuse surfaces has no lists; a mirror adds the march with its inputs and outputs.
 #[test]
 fn info_prints_the_passes_of_a_frame() {
     let folder = folder("info-frame");

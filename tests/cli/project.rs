@@ -1,4 +1,4 @@
-//! Projects: `reflet.toml`, the border that it gives to scenes, and what commands take from it.
+//! Projects: `reflet.toml`, the border that it gives to scenes, and its settings for commands.
 
 use std::{fs, path::Path};
 
@@ -174,7 +174,7 @@ fn mistakes_of_a_project_have_their_places() {
         let [_, error] = exits(&folder, &["check", "show/base.toml"], 3);
         assert_says(&error, &[says, "reflet.toml"]);
     }
-    // A folder that does not exist is a warning, as that of `--assets` is.
+    // A folder that does not exist is a warning, as for `--assets`.
     fs::write(&file, "assets = [\"gone\"]\n").expect("written");
     let [text, error] = exits(&folder, &["check", "show/base.toml"], 0);
     assert!(

@@ -52,8 +52,8 @@ pub fn shared_folder(variable: &str, name: &str) -> Option<PathBuf> {
     Some(folder)
 }
 
-/// The shaders under test: the built-in ones, or those of the folder that `REFLET_TEST_SHADERS`
-/// names, in which `tools/mutants.py` injects faults without a rebuild.
+/// The shaders under test: built-in, or from the folder that `REFLET_TEST_SHADERS` names, in which `tools/mutants.py`
+/// injects faults without a rebuild.
 pub fn shaders() -> ShaderLibrary {
     let library = std::env::var_os("REFLET_TEST_SHADERS").map_or_else(
         || Ok(ShaderLibrary::embedded()),

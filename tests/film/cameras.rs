@@ -5,7 +5,7 @@ use std::fs;
 use super::{SCENE, folder, pictures, pixels, render};
 use crate::common::{gpu_or_skip, words};
 
-/// Several cameras in one run: each picture equals the one of a run with that camera alone.
+/// Several cameras in one run: each picture equals the picture of a run with that camera alone.
 #[test]
 fn several_cameras_are_written_to_files_with_their_names() {
     let folder = folder("cameras");

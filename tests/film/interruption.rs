@@ -232,8 +232,8 @@ fn a_signal_ends_a_film_between_frames() {
     assert!((1..2000).contains(&told), "{told} frames");
 }
 
-/// Temporary files of films and frames, with and without --resume. Those of running processes stay,
-/// and those of other machines for a day.
+/// Temporary files of films and frames, with and without --resume. Files of running processes stay, and files of other
+/// machines for a day.
 #[cfg(target_os = "linux")]
 #[test]
 fn what_a_killed_run_has_left_is_removed_by_the_next() {

@@ -13,7 +13,7 @@ use std::{
 use super::folder;
 use crate::common::{gpu_or_skip, words};
 
-/// Runs a command with so many threads, and so many busy ones beside it; returns the files that it wrote.
+/// Runs a command with so many threads, beside so many busy threads; returns the files that it wrote.
 fn files_of(
     folder: &Path,
     arguments: &[&str],
@@ -106,7 +106,7 @@ fn frames_and_films_are_the_same_bytes() {
     }
 }
 
-/// Times of a clock that was set back: what was written before is in its future.
+/// Times of a clock that was set back: files from before are in its future.
 #[test]
 fn files_from_the_future_end_no_film() {
     if gpu_or_skip().is_none() {

@@ -341,7 +341,7 @@ fn corpus_is_read_as_the_crate_gltf_reads_it() {
     for line in index.lines().skip(1) {
         let mut cells = line.split('\t');
         let (Some(name), Some("0")) = (cells.next(), cells.next()) else {
-            continue; // what is invalid may be repaired differently
+            continue; // invalid files may be repaired differently
         };
         let path = folder.join(name).canonicalize().expect("it is there");
         let sandbox = Sandbox::new(path.parent(), 4 << 30);

@@ -77,7 +77,7 @@ type Case = (u32, Vec<u8>, Vec<([u32; 2], [u8; 4])>);
 
 /// Red and blue; the first row has the indices 0 to 3 of its four colors.
 const BC1: [u8; 8] = [0x00, 0xF8, 0x1F, 0x00, 0b11_10_01_00, 0, 0, 0];
-/// EAC: 200 with the modifiers 9 of the first texel, 1 of the one below, and 0 of all others, times 1.
+/// EAC: 200 with the modifiers 9 of the first texel, 1 of the texel below, and 0 of all others, times 1.
 const EAC: [u8; 8] = [200, 0x1D, 0b1111_0110, 0x49, 0x24, 0x92, 0x49, 0x24];
 
 fn bc_cases() -> Vec<Case> {
@@ -293,7 +293,7 @@ fn levels_are_inflated() {
             [27, 28, 29, 255],
             "{scheme}"
         );
-        // Another size than that of the picture, stated or not.
+        // Another size than the picture's, stated or not.
         for size in [[4, 5], [4, 3], [16384, 16384]] {
             if scheme == 0 && size == [4, 3] {
                 continue; // padding behind a level is allowed

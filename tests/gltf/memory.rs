@@ -1,4 +1,4 @@
-//! Memory of decoders: what they take while they work is bounded by their own headers, before they take it.
+//! Memory of decoders: bounded by the decoders' own headers, before it is allocated.
 
 use std::io::Cursor;
 
@@ -131,7 +131,7 @@ fn converted_maps_are_counted_as_large_as_they_become() {
     assert_eq!(error_within(&doc, 200), "image-budget"); // 256 MiB each
 }
 
-/// A lossy frame is decoded before its size is compared with that of the picture.
+/// A lossy frame is decoded before its size is compared with the picture's.
 #[test]
 fn frames_of_webp_are_counted_by_their_own_header() {
     let chunk = |name: &[u8; 4], body: &[u8]| {

@@ -1,5 +1,5 @@
-//! Work and size of large scenes, counted: twice as long a text takes twice as many allocations, and what many
-//! places of a scene become is limited.
+//! Work and size of large scenes, counted: twice as long a text takes twice as many allocations, and a scene placed
+//! many times is limited.
 
 use crate::common::assert_says;
 use std::{
@@ -131,7 +131,7 @@ fn twice_as_many_parts_take_twice_the_work() {
     }
 }
 
-/// Messages about a text without unsaved ones beside it.
+/// Messages about a text without unsaved texts beside it.
 fn messages_of(text: &Arc<Source>, from: &SceneArgs) -> Vec<Diagnostic> {
     messages(
         text,
@@ -141,7 +141,7 @@ fn messages_of(text: &Arc<Source>, from: &SceneArgs) -> Vec<Diagnostic> {
     )
 }
 
-/// Variants that leave geometry alone share meshes and trees; those that move it have trees of their own.
+/// Variants that leave geometry alone share meshes and trees; variants that move it have their own trees.
 #[test]
 fn variants_share_meshes_and_trees() {
     let ball = "[model.globe]\nshape = { kind = \"sphere\", segments = 256 }\n\
@@ -159,7 +159,7 @@ fn variants_share_meshes_and_trees() {
         each * 10 < none,
         "{each} bytes for each variant, {none} for the scene"
     );
-    // A variant in which the lamp is inside of what is moved there, between two in which it is not.
+    // A variant that moves something with the lamp inside of it, between two with the lamp outside.
     let text = format!(
         "{START}[environment]\ncolor = [1, 1, 1]\n[light.lamp]\nkind = \"point\"\nposition = [0, 0, 5]\n\
          intensity_cd = 1\n[variant.a.image]\nexposure_ev = 1\n\
@@ -316,7 +316,7 @@ fn inherited_texts_are_limited() {
     assert_eq!((errors.len(), errors[0].name), (1, "scene-too-large"));
 }
 
-/// A script that exceeds a limit ends the running of those that are placed after it.
+/// A script that exceeds a limit keeps the scripts that are placed after it from running.
 #[test]
 fn one_placed_script_that_exceeds_a_limit_is_enough() {
     let part = "version = 1\nscript = \"s.rhai\"\nparams = { n = 0 }\n";

@@ -112,7 +112,7 @@ fn lights_and_cameras_of_files_are_placed() {
         count: [33, 1, 1],
         step: Vec3::X,
     });
-    // More than 64 lights: those with a place are lamps, of which the light tree chooses.
+    // More than 64 lights: lights with a place are lamps, of which the light tree chooses.
     let world = load_scene(&desc).expect("loads");
     assert_eq!((world.lights.len(), world.lamps.len()), (33, 33));
     let placed = world.all_lights().map(|l| l.desc.kind.position().is_some());

@@ -75,21 +75,21 @@ fn is_fragment(comment: &str) -> bool {
     word.is_some_and(|word| FRAGMENTS.contains(&word))
 }
 
-/// Words behind which a pronoun stands for a noun that the sentence leaves out: "those in the cache".
+/// Words behind which a pronoun stands for a noun that the sentence leaves out: "`those` in the cache".
 const RELATIONS: &[&str] = &[
     "that", "which", "who", "whose", "with", "without", "in", "on", "at", "by", "for", "from",
     "to", "behind", "above", "below", "between", "before", "after", "under", "over", "inside",
     "outside", "within", "along", "around", "beside", "beyond", "across", "near", "not",
 ];
 
-/// Words before which `what` is no question: "the depth of what is seen".
+/// Words before which `what` is no question: "the depth of `what` is seen".
 const BEFORE_WHAT: &[&str] = &[
     "of", "with", "without", "for", "by", "from", "to", "in", "on", "over", "through", "between",
     "behind", "beside", "beyond", "than", "and", "or", "but", "that",
 ];
 
-/// Line number (from 1) and pronoun of each place in a comment where a pronoun stands for a noun: "those of
-/// the mesh", "the one behind it", "depth of what is seen".
+/// Line number (from 1) and pronoun of each place in a comment where a pronoun stands for a noun: "`those` of the
+/// mesh", "the `one` behind it", "depth of `what` is seen".
 pub fn pronouns(text: &str, syntax: Syntax) -> Vec<(usize, String)> {
     let mut found = Vec::new();
     for words in paragraphs(text, syntax) {

@@ -26,10 +26,10 @@ const LONGER: [(&str, usize); 1] = [
 const PRONOUNS_LEFT: [(&str, usize); 6] = [
     ("build.rs", 0),
     ("docs", 0),
-    ("shaders", 102),
-    ("src", 684),
-    ("tests", 125),
-    ("tools", 134),
+    ("shaders", 12),
+    ("src", 120),
+    ("tests", 24),
+    ("tools", 24),
 ];
 
 fn files_below(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {

@@ -28,7 +28,7 @@ fn alpha_is_the_share_of_a_pixel_that_shows_something() {
         );
         assert!(shown[3] == 0 || shown[0].abs_diff(188) <= 1, "{shown:?}");
     }
-    // The outline of a ball of radius 1 seen from 4 m: tan of its half angle over that of the view.
+    // The outline of a ball of radius 1 seen from 4 m: tan of its half angle over tan of the view's.
     let radius_px = 16.0 / 15_f32.sqrt() / 20_f32.to_radians().tan();
     assert_close(sum, PI * radius_px * radius_px, 0.01);
     let opaque = render(gpu, BALL, &["image.alpha=false"], &[]);

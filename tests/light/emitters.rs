@@ -84,7 +84,7 @@ fn pair(floor: &str) -> [String; 2] {
                  shape = { kind = \"box\", size = [0.6, 0.8, 0.6] }\nmaterial = \"block\"\n[[instance]]\n\
                  model = \"block\"\ntranslation = [0.5, 0.4, 0.3]\n";
     // Within the block no light reaches it; it lets all floors have the same features, so that shaders are compiled
-    // once. Plans with fewer features are those of the tests around.
+    // once. The tests around have plans with fewer features.
     let hidden = "[material.hidden]\nroughness = 0.4\nclearcoat = 1\n[model.hidden]\n\
                   shape = { kind = \"box\", size = [0.1, 0.1, 0.1] }\nmaterial = \"hidden\"\n[[instance]]\n\
                   model = \"hidden\"\ntranslation = [0.5, 0.4, 0.3]\n";

@@ -79,7 +79,7 @@ fn no_pixel_is_black_where_its_one_facet_turns_light_to_the_wrong_side() {
             return;
         };
         let expected = mean(&many)[0];
-        // A single facet left a quarter of the pixels of the grooves black, and a sixth of those of the pane.
+        // A single facet left a quarter of the pixels of the grooves black, and a sixth of the pane's.
         let pixels = one.color.chunks_exact(4);
         let dark = pixels.filter(|pixel| pixel[0] < 0.3 * expected).count();
         assert!(dark <= 4, "{dark} of 2304 pixels");

@@ -75,8 +75,8 @@ fn a_panorama_of_one_texel_is_a_constant() {
 
 #[test]
 fn a_sun_behind_a_surface_leaves_no_grain_on_it() {
-    // The sun, 100,000 times as bright as the rest, is one texel below the floor. It takes no samples from what the floor
-    // sees: light of one brightness, which a sample by the cosine finds exactly.
+    // The sun, 100,000 times as bright as the rest, is one texel below the floor. It takes no samples from the floor's
+    // view: light of one brightness, which a sample by the cosine finds exactly.
     let sun = |x, y| {
         if (x, y) == (20, 46) {
             [4e4; 3]

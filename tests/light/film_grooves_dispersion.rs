@@ -157,7 +157,7 @@ fn albedo(view: DVec3, alphas: [f64; 2]) -> f64 {
     sum * 2.0 * PI / f64::from(steps * steps)
 }
 
-/// Rotates a direction from the axes of [`lobe`] to those of the world; u of a plane grows along x.
+/// Rotates a direction from the axes of [`lobe`] to the world's; u of a plane grows along x.
 fn on_floor(d: DVec3) -> DVec3 {
     DVec3::new(d.x, d.z, -d.y)
 }

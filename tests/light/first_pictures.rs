@@ -25,7 +25,8 @@ fn one_sample_follows_four_paths_through_glass() {
 /// A checkered floor of two boxes, one higher than the other, in a room that a lamp lights by way of the ceiling alone.
 const ROOM: &str = include_str!("first_pictures/room.toml");
 
-/// Light that one path in a pixel finds now and then is that of all around, but neither crosses edges nor blurs textures.
+/// Indirect light that rare paths of a pixel find is averaged with its surroundings, but neither across edges nor over
+/// textures.
 #[test]
 fn light_between_surfaces_is_smooth_in_first_pictures() {
     let Some(gpu) = gpu() else { return };

@@ -1,4 +1,4 @@
-//! Fog: what it lets through and what it scatters, against closed forms and integrals.
+//! Fog: transmitted and scattered light, against closed forms and integrals.
 
 use std::f64::consts::PI;
 
@@ -57,7 +57,7 @@ fn a_wall_is_dimmed_by_its_distance() {
     }
 }
 
-/// The camera below the top of the layer, in what lies above it, and far above; it looks up, straight and down.
+/// The camera below the top of the layer, in the thin fog above it, and far above; it looks up, straight and down.
 #[test]
 fn fog_that_thins_out_dims_by_its_integral() {
     let Some(gpu) = gpu() else { return };
@@ -233,7 +233,7 @@ fn what_is_behind_a_pane_is_dimmed_by_the_whole_way() {
     }
 }
 
-/// Shadows in the fog are those of the lamp: a map shows the same as rays.
+/// Shadows in the fog are the lamp's: a map shows the same as rays.
 #[test]
 fn beams_end_where_things_block_the_light() {
     let Some(gpu) = gpu() else { return };

@@ -94,7 +94,7 @@ fn radiances(lobes: &[Lobe], light: f32, set: &[&str]) -> Option<Vec<[f32; 3]>> 
     Some(tiles.collect())
 }
 
-/// Reflections by rays, and past the cut-off by what stands in for them.
+/// Reflections by rays, and past the cut-off by their replacement.
 const SIDES: [(&str, &str); 2] = [
     ("traced", "reflection.roughness_cutoff=1"),
     ("past the cut-off", "reflection.roughness_cutoff=0"),
@@ -210,7 +210,7 @@ fn is_update() -> bool {
     env::var_os("UPDATE_DOCS").is_some()
 }
 
-/// Compares the data and the page with what was found, or writes them anew.
+/// Compares the data and the page with this measurement, or writes them anew.
 fn check_page(found: &str) {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
     let [data, page] = ["docs/data/light-furnace.csv", "docs/light.md"].map(|name| root.join(name));

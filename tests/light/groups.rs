@@ -1,4 +1,4 @@
-//! Light groups: the pictures of all groups add up to the whole one, and each is that of its own lights.
+//! Light groups: the pictures of all groups add up to the whole one, and each shows its own lights.
 
 use reflet::{render::Picture, scene::desc::LightGroup};
 
@@ -13,7 +13,7 @@ fn group(name: &str) -> LightGroup {
     LightGroup::new(name).expect("a name of a group")
 }
 
-/// The whole picture, those of the groups by their names, and the whole one again.
+/// The whole picture, the pictures of the groups by their names, and the whole picture again.
 fn apart(text: &str, set: &[&str]) -> Option<(Picture, Vec<Picture>, Picture)> {
     let gpu = gpu()?;
     let (desc, world) = scene(text, set);

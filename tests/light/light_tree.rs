@@ -1,4 +1,4 @@
-//! Light trees: their probabilities, and that what they choose lights as much as it is bright.
+//! Light trees: their probabilities, and light in proportion to brightness.
 
 use std::{collections::HashMap, f64::consts::PI, sync::Arc};
 
@@ -46,7 +46,7 @@ fn triangles(world: &World) -> Vec<Chosen> {
     chosen.collect()
 }
 
-/// Instance and triangle of what a tree of triangles chose.
+/// Instance and triangle that a tree of triangles chose.
 fn parts(chosen: Chosen) -> (u32, u32) {
     match chosen {
         Chosen::Triangle { instance, triangle } => (instance, triangle),

@@ -1,4 +1,4 @@
-//! Probabilities of light trees on the device, beside those of the CPU.
+//! Probabilities of light trees on the device, beside the CPU's.
 
 use glam::Vec3;
 use reflet::{

@@ -23,7 +23,7 @@ impl Random {
         (bits >> 8) as f32 / 16_777_216.0
     }
 
-    /// A number between two limits; half of the time it is one of them.
+    /// A number between two limits; half of the time it is a limit.
     fn between(&mut self, low: f32, high: f32) -> f32 {
         match (self.unit() * 4.0) as u32 {
             0 => low,

@@ -161,7 +161,7 @@ fn what_a_tinted_lobe_leaves_is_not_tinted() {
         let Some(found) = seen(40.0, own, &set) else {
             return;
         };
-        // All red light is reflected; the others have their lobe, and what the strongest channel transmits.
+        // All red light is reflected; green and blue have their lobe, and light that the strongest channel transmits.
         assert_close(found[0], 1.0, 0.01);
         assert!(found[1] < 0.9 && found[2] < found[1], "{found:?}");
     }

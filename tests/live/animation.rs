@@ -22,7 +22,7 @@ fn what_is_played_changes_without_reading_a_file() {
     let mut live = open(&gpu, &scene, None);
     let playing = |what: &str| format!("{SCENE}animation = {what}\n");
     for (text, builds) in [
-        (playing("\"swing\""), true), // what stood still may move
+        (playing("\"swing\""), true), // static things may move
         (playing("\"*\""), false),    // the same things move
         (
             playing("{ name = \"swing\", start_s = 1, repeat = \"once\" }"),

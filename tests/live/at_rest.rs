@@ -1,4 +1,4 @@
-//! The view at rest: its picture becomes the one of `render`, sample by sample, and is denoised where that is asked for.
+//! The view at rest: its picture becomes the picture of `render`, sample by sample, and is denoised on request.
 
 use std::sync::{
     Arc,

@@ -29,8 +29,8 @@ fn picture(set: &[&str], guides: bool) -> Picture {
     session.render(&[]).expect("renders")
 }
 
-/// Guides are means over the sub-frames: at an edge they are between those of both sides, and a mirror has the color of
-/// what it shows. They change no picture.
+/// Guides are means over the sub-frames: at an edge they lie between the values of both sides, and a mirror has the
+/// reflected color. They change no picture.
 #[test]
 fn guides_are_as_smooth_as_the_picture() {
     if gpu_or_skip().is_none() {
@@ -67,7 +67,7 @@ fn guides_are_as_smooth_as_the_picture() {
     }
 }
 
-/// Display color that is made on the CPU is that of the GPU, for all curves, with unlit surfaces and alpha.
+/// Display color that is made on the CPU equals the GPU's, for all curves, with unlit surfaces and alpha.
 #[test]
 fn display_color_made_anew_is_the_same() {
     if gpu_or_skip().is_none() {

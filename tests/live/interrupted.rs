@@ -1,4 +1,4 @@
-//! Pictures that are given up for what is asked for meanwhile.
+//! Pictures that are given up for newer requests.
 
 use std::sync::{
     Arc,

@@ -1,4 +1,4 @@
-//! Every method and setting of reflections in the preview: its picture is that of `render`, also beside another one.
+//! Every method and setting of reflections in the preview: its picture equals `render`'s, also beside another one.
 
 use std::sync::Arc;
 

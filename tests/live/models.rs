@@ -1,5 +1,4 @@
-//! Reloads of a scene with a glTF file: text edits reuse the loaded assets, and the picture equals
-//! that of a new session.
+//! Reloads of a scene with a glTF file: text edits reuse the loaded assets, and the picture equals a new session's.
 
 use std::{
     cell::RefCell,

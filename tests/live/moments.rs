@@ -10,7 +10,7 @@ use crate::{common::gpu_or_skip, kit::Folder};
 /// A ball that falls by 1.6 m while the shutter is open, before a wall and above a mirror.
 const SCENE: &str = include_str!("moments/scene.toml");
 
-/// The picture of frame 1 with settings that replace those of the scene.
+/// The picture of frame 1 with settings in place of the scene's.
 fn picture(scene: &str, set: &[&str], aovs: &[&str]) -> Picture {
     let folder = Folder::new();
     let path = folder.write("scene.toml", scene);
@@ -47,8 +47,8 @@ fn blurred_difference(a: &Picture, b: &Picture) -> f64 {
     (sums.iter().map(|sum| sum * sum).sum::<f64>() / sums.len() as f64).sqrt()
 }
 
-/// One sub-frame shows the whole streak, in the mirror too, and four show it smoothly: what the eye averages is closer
-/// to the converged picture than with a moment for each sub-frame.
+/// One sub-frame shows the whole streak, in the mirror too, and four show it smoothly: the average is closer to the
+/// converged picture than with a moment for each sub-frame.
 #[test]
 fn few_samples_show_streaks_and_not_copies() {
     show_streaks(&["rt"]);
@@ -82,7 +82,7 @@ fn show_streaks(methods: &[&str]) {
     }
 }
 
-/// AOVs are those of the frame's own moment, of all pixels, and statistics count all pixels.
+/// AOVs belong to the frame's own moment, for all pixels, and statistics count all pixels.
 #[test]
 fn depth_and_counts_are_those_of_the_whole_picture() {
     if gpu_or_skip().is_none() {

@@ -196,8 +196,8 @@ fn ray_list_legend_has_its_count() {
     assert!(none.legend.starts_with("no ray list"), "{}", none.legend);
 }
 
-/// The first click selects the decal on top, further ones at the same place what is below it; where its image is clear
-/// the instance is selected.
+/// The first click selects the decal on top, further clicks at the same place select things below it; where its image
+/// is clear the instance is selected.
 #[test]
 fn a_click_selects_the_decal_that_covers_the_pixel() {
     let Some(gpu) = gpu_or_skip() else { return };

@@ -54,7 +54,7 @@ impl Session {
         picture(&self.gpu, &mut open(&self.gpu, &self.scene, None))
     }
 
-    /// Rebuild summary of an edit; checks that the picture equals that of a new session.
+    /// Rebuild summary of an edit; checks that the picture equals a new session's.
     fn shown(&mut self, from: &str, to: &str) -> RebuildSummary {
         let before = self.picture();
         let reload = self.edit(from, to);

@@ -1,5 +1,5 @@
-//! The preview's picture of a frame is that of `render`, at the same size: both decide what is `auto` for the
-//! first frame.
+//! The preview's picture of a frame equals `render`'s, at the same size: both decide `auto` settings for the first
+//! frame.
 
 use std::{fs, path::Path, sync::Arc};
 
@@ -24,8 +24,8 @@ use crate::{
     kit::{Folder, RunNow, SCENE, open},
 };
 
-/// Unit costs by which marching pays where the picture shows what reflects; those of software never choose it in so
-/// small a picture.
+/// Unit costs by which marching pays where the picture shows the reflected things; by costs of software it never pays
+/// in so small a picture.
 const COSTS: UnitCosts = UnitCosts {
     march_ray: 0.0,
     march_node: 0.0,

@@ -1,5 +1,5 @@
 //! Each stage in turn breaks and is mended: the last good picture stays, also where it is posed or resized meanwhile.
-//! Reloads on the preview's threads end with what was asked for last.
+//! Reloads on the preview's threads end with the last request.
 
 use std::{fs, path::Path, thread, time::Duration};
 
@@ -190,8 +190,8 @@ fn a_broken_stage_keeps_the_last_good_picture_and_a_mended_one_shows() {
     assert!(picture(&gpu, &mut live) == picture(&gpu, &mut afresh));
 }
 
-/// A shader that only some scenes need refuses those alone. They are mended in their text, and a picture of what is
-/// shown meanwhile does not hide the error.
+/// A shader that only some scenes need refuses those scenes alone. They are mended in their text, and a picture of
+/// another scene meanwhile does not hide the error.
 #[test]
 fn a_scene_that_a_broken_shader_refuses_is_mended_in_its_text() {
     let Some(gpu) = gpu_or_skip() else { return };

@@ -68,7 +68,7 @@ fn numbers_of_decals_are_written_into_their_tables() {
     let held = live.write(SceneItem::Decal(1), &numbers("translation", &[0.0; 3]));
     let held = held.expect_err("a track moves it");
     assert!(held.contains("[motion.decal.moved]"), "{held}");
-    // Its keys are those below the timeline.
+    // Its keys are the keys below the timeline.
     let tracks = live.key_tracks();
     let [track] = tracks.as_slice() else {
         panic!("{tracks:?}")

@@ -9,8 +9,8 @@ use super::generate::{Random, flat, generated, picture, scores};
 
 #[test]
 fn background_hides_a_wrong_reflection() {
-    // A reflection over about 17 % of the frame is unrelated to what it should be; the rest is
-    // equal. Over the frame SSIM is over 0.8, inside the mask it is next to nothing.
+    // A reflection over about 17 % of the frame is unrelated to the reference; the rest is equal. Over the frame SSIM
+    // is over 0.8, inside the mask it is next to nothing.
     let (width, height) = (160, 120);
     let reflects = |i: usize| (30..110).contains(&(i % width)) && (40..80).contains(&(i / width));
     let reference = generated(width, height, 1);
@@ -111,7 +111,7 @@ fn mask_pictures_hold_weights_as_data() {
 #[test]
 fn a_hundred_pixels_are_enough() {
     let square = |side: usize| {
-        let width = side + 10; // what erosion takes
+        let width = side + 10; // the eroded border
         Mask::reflective(width, width, &vec![1.0; width * width]).expect("finite")
     };
     assert_eq!((square(10).area(), square(10).is_scorable()), (100, true));

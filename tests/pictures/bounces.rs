@@ -81,8 +81,8 @@ fn a_dim_reflection_of_something_bright_is_followed() {
     assert_color(&picture, 16, 8, [shown; 3], 0.1 * shown);
 }
 
-/// Where no mirror sees another, following all that can be seen takes nothing: the passes are those of one bounce, and so
-/// are the constants that their shaders are made with.
+/// Where no mirror sees another, following all reflections takes nothing: passes and shader constants are the same as
+/// for one bounce.
 #[test]
 fn auto_costs_nothing_where_no_mirror_sees_another() {
     let Some(gpu) = gpu() else { return };

@@ -40,8 +40,8 @@ fn share_elsewhere(picture: &Picture, other: &Picture) -> f64 {
     far.count() as f64 / found.len().max(1) as f64
 }
 
-/// Hits are points on the triangles that pixels of the faces name, so that they are those of rays but at outlines. Rays
-/// that others follow keep the cause of the screen's march.
+/// Hits are points on the triangles that pixels of the faces name, so that they equal hits of rays but at outlines.
+/// Rays that others follow keep the cause of the screen's march.
 #[test]
 fn the_faces_of_a_closed_room_answer_as_rays_do() {
     let Some(rt) = by(&["reflection.method=rt"]) else {
@@ -60,7 +60,7 @@ fn the_faces_of_a_closed_room_answer_as_rays_do() {
     }
 }
 
-/// The typical failure: what a thing hides from the face across is on no face, and the environment stands for it.
+/// The typical failure: a surface that is hidden from the face across is on no face, and the environment stands for it.
 #[test]
 fn what_is_hidden_from_all_faces_is_replaced_by_the_environment() {
     let plates = |text: &mut String| {

@@ -106,7 +106,7 @@ fn on_plane(normal: Vec3, x: u32, y: u32) -> Vec3 {
     origin - forward * (origin.dot(normal) / forward.dot(normal))
 }
 
-/// Pixels whose color is further than 1.5 % and 0.002 from what is expected at their points of the plane.
+/// Pixels whose color is further than 1.5 % and 0.002 from the expected color at their points of the plane.
 fn wrong(picture: &Picture, normal: Vec3, expected: impl Fn(Vec3) -> f32) -> Vec<[f32; 4]> {
     let pixels = (0..SIZE).flat_map(|y| (0..SIZE).map(move |x| (x, y)));
     let compared = pixels.map(|(x, y)| {

@@ -229,7 +229,7 @@ fn meshes_alone_carry_no_code_of_capsules() {
 /// More capsules than a software adapter draws in one submission.
 #[test]
 fn capsules_of_several_submissions_are_drawn_as_those_of_one() {
-    // The first capsule stays visible, and so do those that are drawn last; the others are behind the camera.
+    // The first capsule stays visible, and so do the last drawn ones; the others are behind the camera.
     let with_hidden = |count: u32| {
         picture(&["material.floor.reflectivity=0.0"], |world| {
             let mesh = &mut world.meshes[world.instances[1].mesh];

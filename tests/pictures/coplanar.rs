@@ -81,7 +81,7 @@ fn copies_of_different_classes_show_the_lower_of_them() {
             class.contains("moving"),
         );
     };
-    // First those whose pipelines come first where draw calls are sorted by pipeline.
+    // First the classes whose pipelines come first where draw calls are sorted by pipeline.
     for class in CLASSES {
         add(class, 40.0, 40.0);
     }

@@ -98,8 +98,8 @@ fn facing_mirrors_visit_one_node_a_bounce() {
     }
 }
 
-/// With a reflectance of 0.075 the throughput is 1.4 / 255 after two reflections and 0.1 / 255 after
-/// three: the bounce after two is traced, the one after three is not.
+/// With a reflectance of 0.075 the throughput is 1.4 / 255 after two reflections and 0.1 / 255 after three: a third
+/// bounce is traced, a fourth is not.
 #[test]
 fn bounces_end_where_the_throughput_falls_below_a_level_of_255() {
     let set = [
@@ -129,7 +129,7 @@ fn surfaces_without_a_specular_lobe_send_no_rays() {
             !renderer.plan().features.reflections && sent(&counts) == 0,
             "{counts:?}"
         );
-        // The camera sees only one of the two facing mirrors, the one that does not reflect.
+        // The camera sees only one of the two facing mirrors, which does not reflect.
         let (_, _, counts) = counted(FACING, &[mirror, other, &method]).expect("there is a GPU");
         assert_eq!(sent(&counts), 0, "{method}: {counts:?}");
         let gpu = gpu().expect("as before");

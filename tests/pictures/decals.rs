@@ -1,4 +1,4 @@
-//! Decals: closed forms, and pictures that must be those of the same scene without them.
+//! Decals: closed forms, and pictures that must equal the same scene's without decals.
 
 use std::{
     fs,
@@ -146,7 +146,7 @@ fn a_decal_changes_only_what_it_is_asked_to_and_whom() {
     let (own, red) = ([750.0, 0.0, 500.0], [250.0, 1000.0, 800.0]);
     assert_eq!(numbers(""), [red, red]);
     assert_eq!(numbers("only = \"bump\"\n"), [red, own]);
-    // A name stands for what is attached to it too.
+    // A name stands for attached instances too.
     assert_eq!(numbers("only = [\"wall\"]\n"), [red, red]);
     assert_eq!(
         numbers("changes = \"roughness\"\n"),
@@ -305,14 +305,14 @@ fn instances_have_the_decals_that_meet_them() {
         let set = world.decals.sets[usize::from(world.decals.set_of(instance))];
         set.iter().map(|word| word.count_ones()).sum::<u32>()
     };
-    // The wall meets them all but those at its end; boxes are 0.4 m wide, decals 0.3 m and 0.2 m apart.
+    // The wall meets all boxes but the last few at its end; boxes are 0.4 m wide, decals 0.3 m and 0.2 m apart.
     assert!(counts(0) > 100, "{}", counts(0));
     for instance in 2..40 {
         assert_eq!(counts(instance), 3, "instance {instance}");
     }
 }
 
-/// A renderer of a scene without decals shows those of a later version of its text, and none after another.
+/// A renderer of a scene without decals shows decals of a later version of its text, and none after another.
 #[test]
 fn a_renderer_adopts_the_decals_of_a_changed_scene() {
     let Some(gpu) = gpu() else { return };

@@ -1,4 +1,4 @@
-//! Decisions of `auto`: counts of the CPU equal those of the GPU, and choices follow the counts.
+//! Decisions of `auto`: counts of the CPU equal the GPU's, and choices follow the counts.
 
 use glam::DVec3;
 use reflet::{

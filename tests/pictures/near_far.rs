@@ -1,4 +1,4 @@
-//! Rays near the camera, and maps of what lies beyond.
+//! Rays near the camera, and maps of the distance beyond.
 
 use glam::Vec3;
 
@@ -51,7 +51,7 @@ fn a_box_around_everything_shows_exactly_what_rt_shows() {
     }
 }
 
-/// Where the camera sees all that reflections show, hits in the map are those of rays, to the rounding of the
+/// Where the camera sees all that reflections show, hits in the map equal hits of rays, to the rounding of the
 /// intersection with the triangle that a pixel names. A second layer and shared rays change nothing.
 #[test]
 fn the_map_answers_as_rays_do_where_the_camera_sees_everything() {

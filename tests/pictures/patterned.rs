@@ -147,7 +147,7 @@ fn patterns_cut_holes() {
     );
     let picture = render(gpu, &text, &["image.samples=16"], &[]);
     let open = mean(&picture)[1];
-    // The box's back has the same holes behind those of its front, as the view is straight.
+    // Holes in the box's back lie behind the holes in its front, as the view is straight.
     let expected = PI * 0.3 * 0.3;
     assert!((open - expected).abs() < 0.02, "{open}, not {expected}");
 }

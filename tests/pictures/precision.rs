@@ -69,6 +69,6 @@ fn light_of_16_bits_is_as_bright_as_light_of_32() {
     assert_ne!(half, full);
     let shares = (half.iter().zip(&full)).map(|(half, full)| half / full - 1.0);
     let mean = shares.sum::<f64>() / half.len() as f64;
-    // Rounded to the nearest, 1,536 gray pixels deviate by 0.00002 / √1536 and what neighbors have in common.
+    // Rounded to the nearest, 1,536 gray pixels deviate by 0.00002 / √1536 and the common error of neighbors.
     assert!(mean.abs() < 3e-5, "{mean}");
 }

@@ -1,4 +1,4 @@
-//! Seams between probes: the choice of probes on the CPU is that of the look-up, and one probe alone leaves larger steps than
+//! Seams between probes: the CPU chooses the same probes as the look-up, and one probe alone leaves larger steps than
 //! several.
 
 use std::path::Path;

@@ -170,7 +170,7 @@ fn blended_probes_have_no_seam() {
     assert!(one > 0.6 && two < 0.1, "steps of {one} and {two}");
 }
 
-/// The march and its rule are those of `ssr`; only pixels without a hit are looked up, and as `probe` does.
+/// The march and its rule are the same as in `ssr`; only pixels without a hit are looked up, and as `probe` does.
 #[test]
 fn probes_answer_where_the_march_does_not() {
     let text = room(WALLS);
@@ -237,7 +237,7 @@ fn shot(renderer: &mut Renderer, world: &World, eye: Vec3) -> Picture {
         .unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Maps depend on the light and on what is static, not on the frames before, the camera, or what moves.
+/// Maps depend on the light and on static things, not on earlier frames, the camera, or moving things.
 #[test]
 fn frames_with_probes_do_not_depend_on_those_before() {
     let Some(gpu) = gpu() else { return };

@@ -162,7 +162,7 @@ fn structures_follow_poses_and_settings() {
             picture.unwrap_or_else(|e| panic!("{e}"))
         });
         assert_same(&a, &b, &format!("frame {frame}"));
-        // Their times are apart from those of the passes.
+        // Their times are apart from the passes'.
         let [of_trees, of_structures] = [&a, &b].map(|picture| picture.stats.prepared_ms());
         assert!(of_trees <= 0.0 && of_structures > 0.0, "{of_structures} ms");
         assert_eq!(a.stats.structure_bytes(), None);

@@ -1,4 +1,4 @@
-//! The second depth layer of the march: what it shows equals `rt`, and scenes without it are as before.
+//! The second depth layer of the march: its answers equal `rt`, and scenes without it are as before.
 
 use reflet::{
     render::{
@@ -23,7 +23,7 @@ fn count(picture: &Picture, cause: Cause) -> usize {
     causes.filter(|found| **found == cause as u32).count()
 }
 
-/// Number of pixels that the second layer answers, of those whose light is not the ray's, and of those whose hit is
+/// Number of pixels that the second layer answers, of answers whose light is not the ray's, and of answers whose hit is
 /// not.
 fn answered(picture: &Picture, truth: &Picture) -> [usize; 3] {
     let causes = integers(picture, Aov::Cause).iter().enumerate();

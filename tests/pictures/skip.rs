@@ -1,4 +1,4 @@
-//! `reflection.skip_px`: no image of what rays skip is larger, and mirrors that may magnify forbid it.
+//! `reflection.skip_px`: no image of a skipped instance is larger, and mirrors that may magnify forbid it.
 
 use std::fmt::Write as _;
 
@@ -37,7 +37,7 @@ fn hall_with_grains() -> String {
     text
 }
 
-/// Instances that a scene's rays may skip, and those that they skip in its view.
+/// Instances that a scene's rays may skip, and instances that they skip in its view.
 fn skipped(text: &str, set: &[&str]) -> (Skipping, Vec<usize>, World) {
     let (desc, world) = scene(text, set);
     let options = RenderOptions::of(&desc);
@@ -246,7 +246,7 @@ fn images_in_flat_and_convex_mirrors_are_within_the_bound() {
     assert!(skipped(&hollow, &["reflection.skip_px=400"]).1.is_empty());
 }
 
-/// The choice depends on the picture's own camera and pose, not on those before.
+/// The choice depends on the picture's own camera and pose, not on earlier pictures.
 #[test]
 fn each_picture_has_its_own_choice() {
     let Some(gpu) = gpu() else { return };

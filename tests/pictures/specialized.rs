@@ -108,7 +108,7 @@ fn is_slow(path: &Path) -> bool {
     slow.iter().any(|name| path.ends_with(name))
 }
 
-/// Scenes that drop all features that some scene drops, and keep those that others drop.
+/// Scenes that together drop every feature that some scene drops, and keep every feature that some scene keeps.
 const FEW: [&str; 3] = [
     "scenes/cornell.toml",
     "scenes/mirrors.toml",

@@ -1,4 +1,4 @@
-//! Undersampled rays: pixels that take over what the rays around them hit.
+//! Undersampled rays: pixels that reuse hits of the rays around them.
 
 use reflet::{
     render::{Picture, passes::needed_passes, picture::aov::Aov, pipeline::cause::Cause},

@@ -1,4 +1,4 @@
-//! The library's session: its renders equal those of the command line, and bad input is an error.
+//! The library's session: its renders equal the command line's, and bad input is an error.
 
 mod error_bound;
 

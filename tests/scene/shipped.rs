@@ -1,4 +1,4 @@
-//! All shipped scenes, and the one in the README, can be read and loaded.
+//! All shipped scenes, and the README's scene, can be read and loaded.
 
 use std::{
     fs,

@@ -42,7 +42,7 @@ fn assert_whole(source: &Source) {
     assert_eq!(end, source.text.len(), "{}", source.path.display());
 }
 
-/// Asserts that what is written at the place of each value is that value; returns how many there are.
+/// Asserts that the text at the place of each value is that value; returns the number of values.
 fn assert_placed(source: &Source, entries: &Entries) -> usize {
     let all = entries.iter().map(|(key, node)| {
         let written = &source.text[key.span()];

@@ -46,7 +46,7 @@ const SLOW_FRAMES: &str = include_str!("values/slow_frames.txt");
 fn values_of_any_depth_are_made_used_and_freed() {
     let folder = folder("deep");
     for (index, made) in DEEP.into_iter().enumerate() {
-        // Steps that copy take a time quadratic in the depth; the values are like those of steps that move.
+        // Steps that copy take a time quadratic in the depth; the values are the same as after steps that move.
         let done = if index < 2 { &DONE[..2] } else { &DONE };
         for (done, says) in done {
             let script = format!("fn same(x) {{ x }}\nfn frame(ctx) {{\n{made}\n{done}\n}}");

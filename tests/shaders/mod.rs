@@ -38,7 +38,7 @@ fn libraries() -> Vec<ShaderLibrary> {
     ShaderVariant::all().into_iter().map(library).collect()
 }
 
-/// Variant with these features and those that follow from them.
+/// Variant with these features and the features that follow from them.
 fn variant(features: Features) -> ShaderVariant {
     ShaderVariant {
         features: features.with_followers(),

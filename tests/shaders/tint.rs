@@ -6,7 +6,7 @@ use reflet::gpu::{ShaderError, ShaderSource};
 
 use super::libraries;
 
-/// Names and texts of every shader of every variant; those that variants share appear once.
+/// Names and texts of every shader of every variant; shared shaders appear once.
 pub fn sources() -> Vec<(String, Result<ShaderSource, ShaderError>)> {
     let libraries = libraries();
     let all = libraries.iter().flat_map(|library| {

@@ -69,7 +69,7 @@ def scene() -> bpy.types.Scene:
     stretched.scale = (1, 1, 1.6)
     empties[2].parent, empties[2].rotation_euler = stretched, (0.4, 0, 0.5)
     empties[2].visible_camera = False
-    # Its name is that of a ball where `Empty` places one.
+    # It has the name of a ball where `Empty` places one.
     scenes.box("Empty.Cube.001", (0, 2, 0.5), (0.5, 0.5, 1), scenes.principled("yellow"))
     return bpy.context.scene
 

@@ -17,7 +17,7 @@ BY_TYPE = {"Volume-dropped"}
 
 
 def names_in(path: Path) -> set[str]:
-    """Strings that have the shape of a warning's name, and those in brackets at a message's end."""
+    """Strings that have the shape of a warning's name, and words in brackets at a message's end."""
     found = set()
     for item in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(item, ast.Constant) and isinstance(item.value, str):

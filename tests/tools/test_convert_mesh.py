@@ -156,7 +156,7 @@ def test_equal_corners_are_welded_and_seams_are_not(tmp_path: Path) -> None:
     body += '\nnormal3f[] normals = [(0,0,1)] (interpolation = "constant")'
     done = convert_text(tmp_path, mesh(body, "4,4/0,1,2,3,1,4,5,2", points))
     accessor = done.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"]
-    # Six vertices, one of them (1, 0) with two UVs; (1, 1) has the same UV on both faces.
+    # Six vertices; (1, 0) has two UVs, (1, 1) has the same UV on both faces.
     assert done.gltf.accessors[accessor].count == 7
 
 

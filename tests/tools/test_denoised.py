@@ -1,4 +1,4 @@
-"""The flicker of denoised films: what moves with a surface is none, what stays behind is."""
+"""The flicker of denoised films: it counts grain that stays behind surfaces."""
 
 from __future__ import annotations
 

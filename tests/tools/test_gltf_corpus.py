@@ -1,4 +1,4 @@
-"""tools/gltf_corpus.py: which root files count, and what the page says of them."""
+"""tools/gltf_corpus.py: which root files count, and the page about them."""
 
 from __future__ import annotations
 

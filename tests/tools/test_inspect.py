@@ -1,4 +1,4 @@
-"""The inspection of stages: what they hold, and what a conversion would say."""
+"""The inspection of stages: their content, and the messages of a conversion."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""MaterialX documents beside a stage: node graphs of textures, and what cannot be read."""
+"""MaterialX documents beside a stage: node graphs of textures, and unreadable parts."""
 
 from __future__ import annotations
 
@@ -277,7 +277,7 @@ def test_values_beyond_single_precision_are_left_out(tmp_path: Path) -> None:
 
 
 def test_a_graph_of_shared_nodes_is_walked_once(tmp_path: Path) -> None:
-    """Each of 50 nodes reads the one before twice: 2⁵⁰ ways lead to the image."""
+    """Each of 50 nodes reads its predecessor twice: 2⁵⁰ ways lead to the image."""
     nodes = image("x0") + "".join(
         f'<mix name="x{n + 1}" type="color3"><input name="fg" type="color3" nodename="x{n}" />'
         f'<input name="bg" type="color3" nodename="x{n}" />'

@@ -1,4 +1,4 @@
-"""MaterialX documents within usdz packages, read as those beside a stage are."""
+"""MaterialX documents within usdz packages, read like documents beside a stage."""
 
 from __future__ import annotations
 

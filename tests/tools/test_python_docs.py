@@ -61,7 +61,7 @@ def test_types_repeat_the_documentation(reflet: ModuleType) -> None:
     lines = text.splitlines()
     found = list(documented(ast.parse(text)))
     assert len(found) > 40
-    # From the end, so that the places of those before stay.
+    # From the end, so that earlier places stay.
     for path, node in reversed(found):
         value = _reflet
         for name in path.split("."):

@@ -1,4 +1,4 @@
-"""tools/specks.py: what counts as a speck, and what its table says."""
+"""tools/specks.py: its rule for specks, and its table."""
 
 from __future__ import annotations
 

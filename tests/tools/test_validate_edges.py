@@ -1,4 +1,4 @@
-"""The validator's edge cases: empty areas, NaN, deep trees, splines, and what warnings excuse."""
+"""The validator's edge cases: empty areas, NaN, deep trees, splines, and excuses by warnings."""
 
 from __future__ import annotations
 

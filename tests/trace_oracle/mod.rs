@@ -349,8 +349,8 @@ fn no_ray_passes_between_neighboring_triangles() {
     }
 }
 
-/// Capsules are compared by themselves, as the tolerances above are those of planes: rounding decides only for rays
-/// that nearly touch a capsule.
+/// Capsules are compared by themselves, as the tolerances above are for planes: rounding decides only for rays that
+/// nearly touch a capsule.
 #[test]
 fn capsules_agree_with_brute_force() {
     let world = scene::capsules();
