@@ -54,7 +54,6 @@ const OF_DICT: &str = "<dict>";
     scene=None, *, text=None, folder=None, assets=None, set=None, variant=None, project=None, lenient=false,
     camera=None, size=None, samples=None, method=None, adapter=None, shaders=None
 ))]
-#[expect(clippy::too_many_arguments, reason = "each is a keyword of Python")]
 pub fn open(
     py: Python<'_>,
     scene: Option<Bound<'_, PyAny>>,

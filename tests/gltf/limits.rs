@@ -8,7 +8,6 @@ use crate::work::Most;
 use serde_json::{Value, json};
 
 #[test]
-#[expect(clippy::too_many_lines, reason = "one table of cases")]
 fn uris_cannot_leave_the_allowed_folders() {
     let (outside, root) = (Folder::new(), Folder::new());
     let secret = outside.write("secret.bin", [0; 64]);
