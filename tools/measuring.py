@@ -59,7 +59,7 @@ def render(
 
 @dataclasses.dataclass(frozen=True)
 class Used:
-    """Exit status of a command, its standard error, and what it used."""
+    """Exit status of a command, its standard error, and its use of resources."""
 
     code: int
     said: str

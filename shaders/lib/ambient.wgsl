@@ -26,8 +26,8 @@ fn ambient(normal: vec3f) -> vec3f {
         + (frame.ground - frame.horizon) * lobe_overlap(-normal.y);
 }
 
-// Mean absolute height (y) of directions whose mean is `m`: that of a single direction where all are equal, up to
-// that of a cosine lobe, whose mean has a length of 2/3.
+// Mean absolute height (y) of directions whose mean is `m`: of a single direction where all are equal, up to a cosine
+// lobe, whose mean has a length of 2/3.
 fn mean_height(m: vec3f) -> f32 {
     let length_m = max(length(m), 1e-6);
     let c = clamp(m.y / length_m, -1.0, 1.0);

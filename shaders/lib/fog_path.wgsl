@@ -1,7 +1,7 @@
 // Paths through fog: where its light is scattered more than once, they go on from points in the fog.
 
-// Share of what fog scatters of the surroundings that a ray finds: without scattered paths that of the surroundings behind
-// it.
+// Share of the scattered light of the surroundings that a ray finds: without scattered paths the share of the
+// surroundings behind it.
 fn sky_kept(ray: Reflected) -> f32 {
     if (FOLLOWS_FOG) { return 1.0; }
     return ray.sky_weight / max(ray.kept, 1e-30);

@@ -1,5 +1,5 @@
-// Lamps that a light tree chooses: their samples, and the one that a ray meets first. extent.wgsl and
-// emitters.wgsl, which import this file, declare the rest of what it uses.
+// Lamps that a light tree chooses: their samples, and the nearest one on a ray. extent.wgsl and emitters.wgsl, which
+// import this file, declare the rest of its bindings.
 
 #import lamp_shape
 #import sampling

@@ -14,7 +14,7 @@ override UNBIASED: bool = false;
 // Whether lights or reflections have an extent, so that they are sampled.
 override HAS_EXTENT: bool = true;
 
-// Pairs of dimensions of single decisions at a vertex, beyond those that `next_pair` counts.
+// Pairs of dimensions of single decisions at a vertex, beyond the dimensions that `next_pair` counts.
 const COAT_PAIR: u32 = 0x10000u; // whether the coat or the base reflects
 const ONWARD_PAIR: u32 = 0x10002u; // whether the path is reflected or transmitted
 const ALPHA_PAIR: u32 = 0x10003u; // whether the path passes beside a surface with coverage

@@ -75,8 +75,8 @@ pub struct PictureArgs {
     /// How reflections are found
     #[arg(long, value_parser = method())]
     pub method: Option<Method>,
-    /// Camera of the scene, or all but those of placed scenes, or a list such as main,side, with {camera} in the name of
-    /// the output; without it `main`, else the first
+    /// Camera of the scene, or all but cameras of placed scenes, or a list such as main,side, with {camera} in the name
+    /// of the output; without it `main`, else the first
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
     /// Sub-frames averaged, 1 to 4096
@@ -198,8 +198,9 @@ impl PictureArgs {
 pub struct RenderArgs {
     /// Scene file or model; without one, the built-in atrium
     pub scene: Option<PathBuf>,
-    /// Picture to write, without it that of the project: .png (tone-mapped) or .exr (linear radiance), with #### (at most 20) where the
-    /// number of a frame goes, or %04d, $F4, <frame> or {frame:04}; or a film: .apng, or .mp4, .mov, .mkv or .webm through ffmpeg
+    /// Picture to write, without it the project's: .png (tone-mapped) or .exr (linear radiance), with #### (at most 20)
+    /// where the number of a frame goes, or %04d, $F4, <frame> or {frame:04}; or a film: .apng, or .mp4, .mov, .mkv or
+    /// .webm through ffmpeg
     #[arg(short, long, value_name = "FILE", value_hint = clap::ValueHint::AnyPath)]
     #[allow(rustdoc::invalid_html_tags, reason = "the text is that of --help")]
     pub output: Option<Goal>,

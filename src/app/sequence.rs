@@ -236,7 +236,7 @@ pub fn render(
     })
 }
 
-/// Files to write, with those of AOVs.
+/// Files to write, AOVs included.
 fn files_of(target: &Target, args: &RenderArgs, planes: &[Cow<'static, str>]) -> Vec<Goal> {
     match target {
         Target::Film(_) => vec![args.output().clone()],

@@ -257,7 +257,7 @@ pub fn hidden_path(goal: &Path) -> PathBuf {
     folder_of(goal).join(hidden_name(goal.file_name().unwrap_or_default()))
 }
 
-/// Name of what this process has not finished yet, for a target of this name.
+/// Name of an unfinished file of this process, for a target of this name.
 fn hidden_name(goal: &OsStr) -> OsString {
     let [start, place] = [goal_name(goal), place_name()];
     format!("{start}-{place}-{}.tmp", std::process::id()).into()

@@ -37,7 +37,7 @@ pub enum Ended {
 }
 
 /// Result of work on a thread of its own, which may take this much processor time; wall time where the system does not
-/// tell that of a thread.
+/// tell a thread's.
 ///
 /// # Errors
 /// A panic, and work that does not end by then.

@@ -39,7 +39,7 @@ words! {
         HalfSizeM = "half_size_m",
         /// Width of the faces of the box, `box_faces.face_px`.
         FacePx = "face_px",
-        /// Side of the rendered picture divided by that of the shown one, into which it is enlarged bilinearly.
+        /// Side of the rendered picture divided by the side of the shown picture, into which it is enlarged bilinearly.
         Scale = "scale",
     }
 }
@@ -93,7 +93,7 @@ pub const HYBRID_ANEW_SERIES: &str = "hybrid (no light reuse)";
 pub const RT_ANEW_SERIES: &str = "rt (no light reuse)";
 
 impl Parameter {
-    /// Parameters that are varied for a method when none is chosen: those that change its results most.
+    /// Parameters that are varied for a method when none is chosen: they change its results most.
     pub const fn own(method: Method) -> &'static [Self] {
         match method {
             Method::Ssr => &[Self::Steps],

@@ -61,8 +61,8 @@ pub struct Cell {
 }
 
 columns! {
-    /// Scores inside the reflective pixels, pooled over all frames and sizes. Those of the structure of errors are means
-    /// over the pictures that have the score, none where no picture has it (see [`reflet_metric::structure`]).
+    /// Scores inside the reflective pixels, pooled over all frames and sizes. Scores of the structure of errors are
+    /// means over the pictures that have the score, none where no picture has it (see [`reflet_metric::structure`]).
     #[derive(Clone, Debug, Default, PartialEq)]
     pub struct CellScores {
         /// Number of scored pictures.
@@ -307,7 +307,7 @@ const OF_CELL: [&str; 3] = ["mode", "method", "against"];
 /// Columns of a cell, after its scores.
 const SAID: [&str; 4] = ["adapter", "band", "verdict", "status"];
 
-/// Formats the cells as comma-separated values; `adapter` is that of the measurement.
+/// Formats the cells as comma-separated values; `adapter` is the measurement's.
 pub fn table(cells: &[Cell], adapter: &str) -> String {
     let columns = OF_CELL.iter().chain(CellScores::COLUMNS).chain(&SAID);
     let mut out = csv::line(columns);

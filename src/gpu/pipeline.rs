@@ -36,8 +36,8 @@ fn binding_key(groups: &[&GroupLayout]) -> String {
 }
 
 impl Gpu {
-    /// The shader of an assembled text, of which these values of boolean overrides leave a part, or the cached shader of
-    /// the same text and values. Values of other overrides, and of those that the text does not declare, change nothing.
+    /// The shader of an assembled text, of which these values of boolean overrides leave a part, or the cached shader
+    /// of the same text and values. Values of other and of undeclared overrides change nothing.
     ///
     /// # Errors
     /// Same errors as [`Shader::new`].

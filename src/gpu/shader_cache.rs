@@ -160,7 +160,7 @@ fn locked<T>(cache: &Mutex<T>) -> MutexGuard<'_, T> {
     cache.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Caches of a device: parsed texts, shaders by text and values of flags, and pipelines by what makes them.
+/// Caches of a device: parsed texts, shaders by text and values of flags, and pipelines by their ingredients.
 #[derive(Debug, Default)]
 pub(super) struct ShaderCache {
     modules: Mutex<Recent<ShaderSource, Arc<naga::Module>, SHADERS>>,

@@ -32,8 +32,8 @@ pub fn specialized(
     Ok(module)
 }
 
-/// A module without the branches that these values of boolean overrides rule out, and without what only these used. All
-/// its overrides still have no value.
+/// A module without the branches that these values of boolean overrides rule out, and without declarations that only
+/// these used. All its overrides still have no value.
 pub fn pruned(module: &Module, constants: &[(&str, f64)]) -> Module {
     let given = module.overrides.iter().filter_map(|(handle, known)| {
         let name = known.name.as_deref()?;
@@ -49,7 +49,7 @@ pub fn pruned(module: &Module, constants: &[(&str, f64)]) -> Module {
 /// An override and its value.
 type Given = (Handle<Override>, bool);
 
-/// Removes the branches that constants and these values of overrides never take, and what is then unused.
+/// Removes the branches that constants and these values of overrides never take, and declarations that are then unused.
 fn prune_module(module: &mut Module, given: &[Given]) {
     let mut functions = std::mem::take(&mut module.functions);
     let mut returned = Vec::new();

@@ -178,7 +178,7 @@ fn score_mask(maps: &Maps, mask: &Mask) -> MaskReport {
     }
 }
 
-/// Sentences about how two pictures were read, and what that means for their scores.
+/// Sentences about how two pictures were read, and the meaning for their scores.
 pub fn notes(test: &Reading, reference: &Reading) -> Vec<String> {
     let mut notes = [&test.notes[..], &reference.notes[..]].concat();
     let encodings = [test, reference].map(|r| r.picture.encoding());

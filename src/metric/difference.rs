@@ -1,4 +1,4 @@
-//! The picture of what differs.
+//! The picture of differences.
 
 use crate::picture::Pair;
 

@@ -167,7 +167,7 @@ impl Report {
         out
     }
 
-    /// Times of what was made before the first pass: label, work, milliseconds.
+    /// Preparations before the first pass: label, work, milliseconds.
     fn preparations(&self) -> impl Iterator<Item = (&'static str, &'static str, f64)> {
         let frame = &self.frame;
         let all = [

@@ -67,7 +67,7 @@ pub fn create_last_folder(path: &Path) -> Result<bool, OutputError> {
     }
 }
 
-/// Files that a command on this scene reads, which none of its outputs may replace; `named` are those of its
+/// Files that a command on this scene reads, which none of its outputs may replace; `named` are files among its
 /// arguments.
 pub fn inputs<'a>(named: impl IntoIterator<Item = &'a Path>, loaded: &'a LoadedScene) -> Inputs {
     let read = loaded.world.files.iter().map(PathBuf::as_path);

@@ -1,12 +1,12 @@
-//! Declarations of what scene text can hold. Types inside of [`declared!`] are written as anywhere else; the manual, the
-//! JSON Schema, the readers and the command line have their comments and words from here.
+//! Declarations of the content of scene text. Types inside of [`declared!`] are written as anywhere else; the manual,
+//! the JSON Schema, the readers and the command line have their comments and words from here.
 
 /// Comments of a type and of its parts, of which the manual is made.
 #[derive(Debug)]
 pub struct TypeDoc {
     /// Name of the type.
     pub name: &'static str,
-    /// Its own comment first, then those of its variants and fields.
+    /// Its own comment first, then comments of its variants and fields.
     pub comments: &'static [Comment],
 }
 
@@ -208,7 +208,7 @@ macro_rules! declared {
     };
 }
 
-/// A default value, or the one of its type.
+/// A default value, or the default of its type.
 macro_rules! default {
     () => {
         Default::default()
@@ -218,7 +218,7 @@ macro_rules! default {
     };
 }
 
-/// Gives a type its comments: its own, and those of its parts, each after its variant and field.
+/// Gives a type its comments: its own, and its parts', each after its variant and field.
 macro_rules! documented {
     ($name:ident $($doc:literal)*; $(($variant:expr, $field:expr) $($text:literal)*;)*) => {
         impl $crate::declared::Described for $name {

@@ -43,7 +43,7 @@ pub use self::{curve::Curve, fault::Fault, made::Made, supplies::MOST_WORK, supp
 /// stay empty.
 ///
 /// # Errors
-/// The same as those of outlines, and `shapes-too-large` past the budget of work.
+/// The same as for outlines, and `shapes-too-large` past the budget of work.
 pub fn make(shape: &ShapeDesc, supplies: &Supplies) -> Result<Made, Fault> {
     let mut made = match outlined::make(shape, supplies)? {
         Some(made) => made,

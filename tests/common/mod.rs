@@ -90,8 +90,8 @@ pub fn words(line: &str) -> Vec<&str> {
     line.split(' ').collect()
 }
 
-/// Cases of a text, each one or more lines and then `=> ` with what follows from them. Lines that begin with `//`
-/// before a case are comments.
+/// Cases of a text, each one or more lines and then `=> ` with the consequence. Lines that begin with `//` before a
+/// case are comments.
 pub fn cases(text: &'static str) -> Vec<(&'static str, &'static str)> {
     let (mut cases, mut rest) = (Vec::new(), text);
     while let Some((mut case, after)) = rest.split_once("\n=> ") {

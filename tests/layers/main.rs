@@ -21,10 +21,10 @@ const UNLIKE_TUPLES_LEFT: usize = 94;
 const PRONOUNS_LEFT: [(&str, usize); 6] = [
     ("build.rs", 0),
     ("docs", 0),
-    ("shaders", 12),
-    ("src", 120),
-    ("tests", 24),
-    ("tools", 24),
+    ("shaders", 0),
+    ("src", 55),
+    ("tests", 0),
+    ("tools", 0),
 ];
 
 fn files_below(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {

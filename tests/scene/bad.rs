@@ -10,12 +10,12 @@ use std::{
 
 use reflet::scene::{diagnostic::render_all, stages::Scene};
 
-/// The folder of bad scenes, which those of people's mistakes are below.
+/// The folder of bad scenes, above the folder of people's mistakes.
 pub fn bad_scenes() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bad_scenes")
 }
 
-/// Files of a folder with one of these extensions, in the order of their names.
+/// Files of a folder with any of these extensions, in the order of their names.
 pub fn files_of(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
     let mut files: Vec<_> = fs::read_dir(folder)
         .expect("the folder exists")

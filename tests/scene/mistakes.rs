@@ -27,10 +27,10 @@ const GROUPS: [(&str, &str); 7] = [
     ("lint", "Warnings"),
 ];
 
-/// A mistake, and what the program says about it.
+/// A mistake, and the program's messages.
 struct Mistake {
     file: PathBuf,
-    /// First line of the expectation file: what the mistake is, and its place.
+    /// First line of the expectation file: the mistake and its place.
     head: String,
     messages: Vec<Diagnostic>,
 }

@@ -79,7 +79,7 @@ static SHIPPED: LazyLock<Vec<ShaderModuleInfo>> = LazyLock::new(|| {
 /// Values of boolean overrides, by name.
 type Flags<'a> = Vec<(&'a str, bool)>;
 
-/// The part of every text that every set of features leaves, validated: what a pipeline is made of.
+/// The part of every text that every set of features leaves, validated, as a pipeline gets it.
 static PARTS: LazyLock<Vec<ShaderModuleInfo>> = LazyLock::new(|| {
     let mut sets: BTreeMap<(String, &str), BTreeSet<Flags<'_>>> = BTreeMap::new();
     for variant in ShaderVariant::all() {

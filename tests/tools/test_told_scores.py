@@ -1,4 +1,4 @@
-"""Pages of failure modes and of other systems: what of it the stored tables do not show."""
+"""Pages of failure modes and of other systems: facts that the stored tables do not show."""
 
 from __future__ import annotations
 

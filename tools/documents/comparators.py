@@ -155,7 +155,7 @@ def chart(scene: str, ending: str = "") -> str:
     return f"comparators-{pathlib.Path(scene).stem}{ending}.svg"
 
 
-# Columns of a scene's table: their heads, and what stands in them.
+# Columns of a scene's table: their heads, and their cells.
 COLUMNS = {
     "system": "{system}",
     "ms": "{ms:.2f}",
@@ -176,7 +176,7 @@ OF_FILMS = ["popping, %", "made anew in, ms"]
 
 
 def shown(row: Row) -> Row:
-    """A row as its line shows it: what a system does not do or hold has a dash."""
+    """A row as its line shows it: a dash where a system does or holds nothing."""
     shown = row | {"front": "●" if row["front"] == "1" else ""}
     for column in ("visited_nodes", "march_steps", "prepared_bytes", "prepare_ms", "update_ms"):
         shown[column] = row[column] if float(row[column]) > 0 else ""

@@ -1,4 +1,4 @@
-"""Flicker and errors of denoised films, printed as a table like that of docs/films.md.
+"""Flicker and errors of denoised films, printed as a table like the table of docs/films.md.
 
 Frames have 4 samples and are denoised alone and by windows. REFLET_OIDN names the folder of Open
 Image Denoise.

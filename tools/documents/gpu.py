@@ -68,7 +68,7 @@ class View:
         return tuple(float(row[c]) for c in columns)  # type: ignore[return-value]
 
     def megabytes(self, method: str) -> tuple[float, float]:
-        """Bytes of intermediate textures, and of what reflections read beside them, in millions."""
+        """Bytes of intermediate textures, and of other data of reflections, in millions."""
         pixels = self.pixels | ({} if method == "hybrid" else {"refused": self.pixels["listed"]})
         textures = 0.0
         for each in (row for row in self.passes if row["method"] == method):

@@ -25,7 +25,7 @@ from documents.document import DATA, IMAGES, Document, Run, in_places
 
 SIZE = (96, 64)
 THEIR_SAMPLES = 4096
-TRIMMED = 0.01  # share of the pixels that are left out, those that differ most: tessellated edges
+TRIMMED = 0.01  # share of the pixels, the most different ones, that are left out: tessellated edges
 # Scenes whose convergence is measured, and the numbers of sub-frames.
 CONVERGING = ["metal-040", "light-rect", "glass-rough"]
 COUNTS = [1, 4, 16, 64, 256]

@@ -1,7 +1,7 @@
 """The experiments of docs/paper.md, measured on our scenes: tables, charts and sheets.
 
 Tables are computed here from the samples of each run, not by the report. Each OUT is measured on
-one driver: all tables are of the first but that of drivers, which has a part of each. The text
+one driver: all tables are of the first, but the table of drivers has a part of each. The text
 around them is written by hand: check it against new numbers.
 """
 

@@ -1,8 +1,8 @@
 """hybrid beside rt in named views at 1280 x 720 (docs/views.md).
 
-Accuracy is that of the reflections against rt with bounces = "auto"; time is processor time of the
-reflection passes on a software adapter, frames of both methods in turns. Errors and counts are
-those of the first OUT, times those of each.
+Accuracy is measured on the reflections, against rt with bounces = "auto"; time is processor time of
+the reflection passes on a software adapter, frames of both methods in turns. Errors and counts come
+from the first OUT, times from each.
 """
 
 import math
@@ -104,7 +104,7 @@ def errors(rows: Rows) -> str:
 
 
 def times(measured: list[Rows]) -> str:
-    """Times on each driver: that of rt, and those of hybrid over it."""
+    """Times on each driver: of rt, and of hybrid divided by rt's."""
 
     def cells(rows: Rows, view: str) -> list[str]:
         rt_ms = median(of(rows, view, "rt"), "reflection_cpu_ms")

@@ -89,7 +89,7 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
     found
 }
 
-/// Warning about a near plane that cuts away a part of what rays of a camera without one meet.
+/// Warning about a near plane that cuts away a part of the hits of a camera without one.
 fn cut(rays: ViewRays, camera: &Entry<CameraDesc>, near_m: f32) -> Option<Diagnostic> {
     let depths = rays.depths();
     let met = depths.iter().flatten().map(|depth_m| *depth_m as f32);

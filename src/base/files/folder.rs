@@ -107,7 +107,7 @@ impl Folder {
     }
 }
 
-/// Other systems open no file in a folder that is held: what is left is the moment between the check and the write.
+/// Other systems open no file in a folder that is held; only the moment between the check and the write is left.
 #[cfg(not(unix))]
 impl Folder {
     fn make(&self, name: &OsStr) -> io::Result<()> {

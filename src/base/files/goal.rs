@@ -42,7 +42,7 @@ impl Goal {
         Self::within(folder_of(&path), path.clone())
     }
 
-    /// Another path for this one, such as that of a frame: parts that were not typed may be no links.
+    /// Another path for this one, such as a frame's: parts that were not typed may be no links.
     pub fn renamed(&self, path: PathBuf) -> Self {
         let same = || {
             let parts = self.path.components().zip(path.components());

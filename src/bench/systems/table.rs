@@ -8,7 +8,7 @@ use crate::csv;
 pub struct Machine {
     /// Name of the adapter and its driver.
     pub adapter: String,
-    /// Whether times are those of the processor.
+    /// Whether times are the processor's.
     pub is_processor: bool,
 }
 

@@ -50,7 +50,7 @@ pub(super) enum Input {
         values: Vec<f64>,
         write: bool,
     },
-    /// Show the numbers of a material, by its row, or those of none.
+    /// Show the numbers of the material in a row, or of none.
     Material { row: Option<usize> },
     /// Change numbers of the shown material; write them at the end of a drag.
     MaterialNumber {

@@ -28,7 +28,7 @@ pub(super) fn methods() -> impl Iterator<Item = Method> {
     std::iter::once(Method::Auto).chain(METHODS)
 }
 
-/// Presses that the page understands, and what they do.
+/// Presses that the page understands, and their actions.
 fn presses() -> Vec<(&'static str, KeyAction)> {
     let all = keys::presses().map(|press| (press.keys, press.action));
     all.filter(|(_, action)| {

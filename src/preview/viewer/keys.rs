@@ -1,4 +1,4 @@
-//! Keys of a viewer and what they do: the window's list of them, and the presses that the window and the page
+//! Keys of a viewer and their actions: the window's list of them, and the presses that the window and the page
 //! understand.
 
 use super::{timeline::Timeline, view_settings::METHODS, view_state::ViewState};
@@ -91,7 +91,7 @@ const fn far(x: i8, y: i8, z: i8) -> KeyAction {
     KeyAction::Nudge([x as f64, y as f64, z as f64])
 }
 
-/// All keys, and what is done with the mouse.
+/// All keys, and the actions of the mouse.
 pub static KEYS: &[KeyRow] = {
     use KeyAction::*;
     rows! {

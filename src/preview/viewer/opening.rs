@@ -19,7 +19,7 @@ const SCRIPT_WAIT: Duration = Duration::from_secs(1);
 pub struct ViewerOptions {
     /// The scene, with changed values.
     pub source: SceneSource,
-    /// Camera to look through at first; without one that of the scene's cuts, else `main`, else the first.
+    /// Camera to look through at first; without a name the camera of the scene's cuts, else `main`, else the first.
     pub camera: Option<String>,
     /// Reflection method to show first, instead of the scene's.
     pub method: Option<Method>,

@@ -13,7 +13,7 @@ use reflet_scene::desc::CameraDesc;
 #[derive(Clone, Debug, Default)]
 pub struct Selection {
     shown: Option<Inspected>,
-    /// Numbers as they are shown: those of a drag, where one goes on.
+    /// Numbers as they are shown: of a drag, where one goes on.
     pub numbers: Vec<Numbers>,
     /// Kind of the displayed handles.
     pub handle: Handle,

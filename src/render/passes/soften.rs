@@ -32,8 +32,8 @@ pub fn constants(options: &RenderOptions) -> Vec<Override> {
     vec![("SMOOTHED", f64::from(u8::from(options.smooths())))]
 }
 
-/// Radius, as a share of the distance that light comes from, and number of taps of each step; each fills the gaps between
-/// the taps of the one before.
+/// Radius, as a share of the distance that light comes from, and number of taps of each step; each fills the gaps
+/// between the taps of the previous step.
 const STEPS: [(f32, u32); 4] = [(1.0, 24), (0.5, 16), (0.25, 12), (0.1, 8)];
 
 /// Maximum radius of the first step, as a share of the picture's height.

@@ -38,11 +38,11 @@ words! {
         Unconfirmed = "unconfirmed",
         /// The pixel was not marched: an orthographic camera sees surfaces edge-on, and no pixel shows these obstacles.
         EdgeOn = "edge_on",
-        /// The ray went behind what the picture shows, and hit a surface of the second depth layer.
+        /// The ray went behind the visible surfaces, and hit a surface of the second depth layer.
         HitBehind = "hit_behind",
         /// Method `near-far`: the ray hit what the map of far things shows.
         Far = "far",
-        /// Method `near-far`: the ray went behind what the map of far things shows, and hit nothing that it shows.
+        /// Method `near-far`: the ray went behind the surfaces of the map of far things, and hit none of them.
         FarHidden = "far_hidden",
         /// Method `ssr+box`: the ray hit what a face of the box sees.
         Box = "box",

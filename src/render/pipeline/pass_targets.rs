@@ -12,7 +12,7 @@ use super::{
 pub struct PassTargets {
     /// Targets that its shader samples; no pass may have written some of them.
     pub reads: Vec<Target>,
-    /// Targets that it rasterizes into, and those that its shader stores to.
+    /// Targets that it rasterizes into, and targets that its shader stores to.
     pub writes: Vec<Target>,
 }
 

@@ -15,8 +15,8 @@ use super::{
 pub struct Shaders(HashMap<&'static str, (ShaderSource, Shader)>);
 
 impl Shaders {
-    /// The needed shaders of `library`, each without what the values of its overrides rule out, from the device's cache
-    /// where it has them.
+    /// The needed shaders of `library`, each without branches that the values of its overrides rule out, from the
+    /// device's cache where it has them.
     ///
     /// # Errors
     /// The first shader error, at the line in the shader's source file.

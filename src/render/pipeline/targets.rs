@@ -60,7 +60,7 @@ targets! {
     Ids = ids: Rg32Uint, cleared;
     /// Meters along the view direction; [`FAR_M`] is sky.
     ViewDepth = view_depth: R32Float;
-    /// Hardware depth of the second layer: what lies behind the surfaces that the pixels show.
+    /// Hardware depth of the second layer: surfaces behind the visible ones.
     SecondDepth = second_depth: Depth32Float, drawn;
     /// Instance and triangle of the second layer.
     SecondIds = second_ids: Rg32Uint, drawn;

@@ -58,7 +58,7 @@ impl Renderer {
     /// Renders one picture into the targets.
     ///
     /// # Errors
-    /// A lost device or exhausted memory; errors of the poses of moments, and those of [`Renderer::update`].
+    /// A lost device or exhausted memory; errors of the poses of moments, and of [`Renderer::update`].
     pub fn render<'a>(
         &mut self,
         gpu: &Gpu,
@@ -104,10 +104,10 @@ impl Renderer {
     }
 
     /// Records every share of every sub-frame of a picture, with its pose and camera, and gives it to `submit`; returns
-    /// the last camera, which is that of the frame's own moment.
+    /// the last camera, which belongs to the frame's own moment.
     ///
     /// # Errors
-    /// Same errors as [`Renderer::render`], and those of `submit`.
+    /// Same errors as [`Renderer::render`], and errors of `submit`.
     pub(crate) fn each_share(
         &mut self,
         gpu: &Gpu,

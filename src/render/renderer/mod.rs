@@ -253,7 +253,7 @@ impl Renderer {
     }
 }
 
-/// Checks that a world is an uploaded one in another pose, and that what its passes are bound to fits.
+/// Checks that a world is an uploaded one in another pose, and that the bindings of its passes fit.
 ///
 /// # Errors
 /// Other meshes, textures, instances or materials, other shadow maps, too many lights.

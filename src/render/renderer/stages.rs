@@ -74,7 +74,7 @@ pub(super) struct Pose {
 }
 
 impl Made {
-    /// Makes every stage, or takes those of `old` whose keys are equal. An error leaves `old` as it was, but for the
+    /// Makes every stage, or takes stages of `old` whose keys are equal. An error leaves `old` as it was, but for the
     /// top level of its trees on the CPU: the next pose replaces that.
     ///
     /// # Errors
@@ -248,8 +248,8 @@ fn scene(
 }
 
 impl Renderer {
-    /// Whether the BVHs fit a world. Those that are no longer traced are kept while they fit: a preview that compares two
-    /// methods would otherwise rebuild them for each picture.
+    /// Whether the BVHs fit a world. Trees that are no longer traced are kept while they fit: a preview that compares
+    /// two methods would otherwise rebuild them for each picture.
     fn keeps_trees(
         &self,
         world: &World,
@@ -268,7 +268,7 @@ impl Renderer {
             || !has_same_materials(shown, &self.world)
     }
 
-    /// Poses the trees of the CPU, which decide what is `auto`; the device keeps those of the shown pose.
+    /// Poses the trees of the CPU, which decide `auto` settings; the device keeps the shown pose.
     fn pose_trees(&mut self, world: &World) -> Result<(), RenderError> {
         if let Some(top) = top_level(&self.trees, &self.tree_pose, world)? {
             self.set_top_level(top, PoseKey::of(world));

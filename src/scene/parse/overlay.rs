@@ -17,7 +17,7 @@ pub fn overlay(below: &mut Entries, above: Entries) {
     overlay_at(Some(Below::scene()), below, above);
 }
 
-/// Lays the content at `place` over what another layer has there.
+/// Lays the content at `place` over another layer's content there.
 pub fn overlay_at(place: Option<Below>, below: &mut Entries, above: Entries) {
     let rules = Rules::of(place, &[&above, below]);
     for (key, node) in above {

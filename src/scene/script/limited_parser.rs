@@ -26,7 +26,7 @@ pub fn register(engine: &mut Engine, caught: &Caught) {
     });
 }
 
-/// Number of commas so far in each open bracket; `None` in those that hold no arguments.
+/// Number of commas so far in each open bracket; `None` in brackets without arguments.
 type Open = Mutex<Vec<Option<usize>>>;
 
 fn wrong_with(token: &Token, open: &Open) -> Option<LexError> {

@@ -24,8 +24,8 @@ const LEAST_SHARE: usize = 32;
 /// Fewest clusters that are worth a task of a thread.
 const TASK: usize = 4096;
 
-/// Merges finite boxes, which there are, to one tree; with `patient` false, all adjacent ones of the Morton order in each
-/// round, so that it is balanced. Its depth grows with the logarithm of the number of boxes.
+/// Merges finite boxes, which there are, to one tree; with `patient` false, all adjacent boxes of the Morton order in
+/// each round, so that it is balanced. Its depth grows with the logarithm of the number of boxes.
 pub(super) fn cluster(boxes: &[Aabb], patient: bool) -> Bvh2 {
     let total = (boxes.iter()).fold(Aabb::empty(), |total, one| total.union(one));
     let scale = 1.0 / total.diagonal().as_dvec3();

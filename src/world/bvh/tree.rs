@@ -54,7 +54,8 @@ impl Tree {
         })
     }
 
-    /// The wide tree of a binary one; which nodes become children of one is chosen by the sizes of those of `chosen_by`.
+    /// The wide tree of a binary tree; the sizes of nodes of `chosen_by` decide which nodes become children of a wide
+    /// node.
     fn of(tree: &Bvh2, chosen_by: &Bvh2) -> Self {
         let mut wide = Bvh2Converter::new(chosen_by, true, false);
         wide.calculate_cost(MOST_IN_LEAF);
@@ -101,8 +102,8 @@ fn stack_need(nodes: &[CwBvhNode]) -> u32 {
 mod tests {
     use super::*;
 
-    /// Boxes of triangles around one vertex, of ones along a line, nested ones of all sizes, and of equal ones, also of
-    /// points at the origin: the tree is shallow, each box is in one leaf, and inside of all boxes above it.
+    /// Boxes of triangles around one vertex, along a line, nested in all sizes, and equal, also of points at the
+    /// origin: the tree is shallow, each box is in one leaf, and inside of all boxes above it.
     #[test]
     fn trees_of_hostile_boxes_are_shallow() {
         let around = |a: Vec3A, b: Vec3A| Aabb::new(a.min(b), a.max(b));

@@ -67,7 +67,7 @@ pub fn add(
     for (index, part) in parts.iter().enumerate() {
         let here = |fault: Fault| fault.at(part.at.0.clone());
         let made = super::make(&part.shape, supplies).map_err(here)?;
-        // Its inside is the outside of what it cuts.
+        // The inside of a cutter is the outside of the part that it cuts.
         let is_cutter = operation == OpType::Subtract && index > 0;
         let own = match whole_surface(&part.shape, &made) {
             Ok(()) => manifold(&made.mesh, &part.placement, is_cutter),

@@ -1,5 +1,5 @@
-//! Crossings of the sides of outlines, counted before an outline is split at them: their number can grow with the square
-//! of that of the sides.
+//! Crossings of the sides of outlines, counted before an outline is split at them: their number can grow with the
+//! square of the number of sides.
 
 use i_overlay::i_float::int::point::IntPoint;
 

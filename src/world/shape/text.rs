@@ -92,7 +92,7 @@ impl OutlinePen for GlyphPen {
 /// Adds a text; returns a warning where its font lacks a character.
 ///
 /// # Errors
-/// `wrong-font` for bytes that are no font with outlines; those of [`extrude::add`].
+/// `wrong-font` for bytes that are no font with outlines; the errors of [`extrude::add`].
 pub fn add(
     solid: &mut Solid,
     shape: &ShapeDesc,
@@ -225,7 +225,7 @@ struct Glyphs<'a> {
 }
 
 impl Glyphs<'_> {
-    /// Counts a glyph and those that it is put together of, as often as it has each, until there are too many.
+    /// Counts a glyph and its components, as often as it has each, until there are too many.
     fn count_parts(&self, glyph: GlyphId, count: &mut usize) {
         *count += 1;
         let Some((loca, glyf)) = self.tables.as_ref().filter(|_| *count <= MOST_PARTS) else {

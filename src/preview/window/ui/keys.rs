@@ -4,7 +4,7 @@ use eframe::egui::{Event, Key, Modifiers, Ui};
 
 use crate::viewer::keys::Press;
 
-/// Presses since the last frame of the window. The modifiers are those of each press: a slow window may see Alt and an
+/// Presses since the last frame of the window. The modifiers are taken at each press: a slow window may see Alt and an
 /// arrow pressed and released within one frame, after which no modifier is down. With modifiers no control sees them.
 pub fn presses(ui: &Ui, press: &Press) -> usize {
     let has = |modifier| press.keys.contains(modifier);

@@ -73,7 +73,7 @@ fn place(t: &mut Table) -> InstanceMotionDesc {
     }
 }
 
-/// The motion of a group: that of an instance without a material.
+/// The motion of a group: an instance's, without a material.
 struct GroupMotion(InstanceMotionDesc);
 
 impl Described for GroupMotion {

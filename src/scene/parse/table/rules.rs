@@ -45,7 +45,7 @@ impl Table<'_> {
     }
 
     /// Declares keys that mean nothing without `key`, so that an upper table that replaces `key` removes them too;
-    /// returns the ones that are written without it.
+    /// returns keys that are written without it.
     pub fn needing(
         &mut self,
         key: &'static str,
