@@ -1,6 +1,6 @@
 // Fog: light that the fog between the camera and a pixel's surface scatters, and its transmittance.
 
-#import air
+#import in_scattering
 #import cone
 #import gbuffer
 #import indirect

@@ -1,7 +1,7 @@
 // Hits: shades the screen hits of the march, at the point where the ray meets the surface and with the ray's
 // footprint, as the trace pass would.
 
-#import air
+#import in_scattering
 #import cone
 #import gbuffer
 #import indirect
@@ -33,9 +33,9 @@ fn shade_pixel(pixel: vec2u) {
     if (!end.is_seen && !air.scatters) {
         var s = surface_at(found.y, found.z, unpack2x16unorm(found.w), direction, cone_there.width_m);
         s.emission *= met_emission(ray, found.y, found.z, distance_m, s);
-        var lent = vec2u(0u);
-        if (LENDS_LIGHT) { lent = lent_light(visible_lights, s); }
-        let lit = shade(s, -direction, lent);
+        var reused = vec2u(0u);
+        if (REUSES_LIGHT) { reused = reused_visibility(visible_lights, s); }
+        let lit = shade(s, -direction, reused);
         color = met_light(ray, lit);
         start = scattered_by_surface(ray, s);
     }

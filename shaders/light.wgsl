@@ -10,7 +10,7 @@
 @group(2) @binding(8) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
 
 // Whether a later pass may reuse which lights reach the surface of a pixel.
-override LENDS_LIGHT: bool = true;
+override REUSES_LIGHT: bool = true;
 
 // Whether the camera sees the environment.
 override SHOW_ENVIRONMENT: bool = true;
@@ -29,7 +29,7 @@ fn light_pixel(pixel: vec2u) {
     }
     textureStore(radiance, pixel, stored(vec4f(lit.diffuse, unlit)));
     textureStore(specular, pixel, stored(vec4f(lit.specular, 1.0)));
-    if (LENDS_LIGHT) { textureStore(visible_lights, pixel, vec4u(lit.visible, 0u, 0u)); }
+    if (REUSES_LIGHT) { textureStore(visible_lights, pixel, vec4u(lit.visible, 0u, 0u)); }
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
 }
 

@@ -2,11 +2,11 @@
 // tracing. The geometry of the hit is taken over, not its color: each ray is intersected with the surface that its
 // neighbors hit, and the point is shaded.
 
-#import cause_kept
+#import cause_stored
 #import gbuffer
 #import leaders
 #import lists
-#import met_named
+#import id_intersection
 #import radiance
 #import shaded_hit
 #import spread_params

@@ -6,7 +6,7 @@
 #import crossing
 #import gbuffer
 #import lists
-#import met_named
+#import id_intersection
 #import pixel_walk
 #import radiance
 #import screen_ray

@@ -1,6 +1,6 @@
 // Trace: follows the mirror rays of the listed pixels through the BVHs, bounce by bounce.
 
-#import cause_kept
+#import cause_stored
 #import lists
 #import mirror_path
 

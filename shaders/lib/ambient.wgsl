@@ -2,7 +2,7 @@
 // or of an unoccluded gradient in closed form.
 
 #import environment
-#import extent
+#import area_sampling
 #import fog
 #import frame
 #import lobe
@@ -95,7 +95,7 @@ fn environment_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
 }
 
 // Light of one ray towards the environment, which follows its bright parts or the lobes of the surface, weighted by
-// the power heuristic (see extent.wgsl). Reflectors get the environment's specular light by their reflection
+// the power heuristic (see area_sampling.wgsl). Reflectors get the environment's specular light by their reflection
 // rays, and by these rays alone where they are sharp or the environment has no bright part; near the cut-off only a
 // share of it.
 fn returned_of_environment(s: Surface, view: vec3f, to: Receiver, index: u32) -> Returned {

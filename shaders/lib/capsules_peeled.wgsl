@@ -1,6 +1,6 @@
 // Capsules of the second depth layer: the nearer or the farther side.
 
-#import behind_first
+#import layer_test
 #import capsules_seen
 
 @fragment

@@ -1,8 +1,8 @@
 // Diffuse interreflection: paths also continue in directions that diffuse surfaces scatter.
 
-#import air
+#import in_scattering
 #import cone
-#import extent
+#import area_sampling
 #import layers
 #import lobe
 #import sampling

@@ -1,4 +1,4 @@
-// Lamps that a light tree chooses: their samples, and the nearest one on a ray. extent.wgsl and emitters.wgsl, which
+// Lamps that a light tree chooses: their samples, and the nearest one on a ray. area_sampling.wgsl and emitters.wgsl, which
 // import this file, declare the rest of its bindings.
 
 #import lamp_shape

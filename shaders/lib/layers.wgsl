@@ -148,8 +148,8 @@ fn coat_transmittance(s: Surface, cosine: f32) -> f32 {
     return 1.0 - s.clearcoat * coat_albedo(select(s.clearcoat_roughness, 0.0, s.reflection == REFLECTION_MIRROR), cosine);
 }
 
-fn shade(s: Surface, view: vec3f, lent: vec2u) -> Shade {
-    if (!HAS_LAYERS) { return shade_layer(s, view, lent); }
+fn shade(s: Surface, view: vec3f, reused: vec2u) -> Shade {
+    if (!HAS_LAYERS) { return shade_layer(s, view, reused); }
     var out: Shade;
     // From within a solid, light is seen only by the ray that continues, refracted or mirrored.
     if (mirrors_inside(s)) { return out; }
@@ -164,7 +164,7 @@ fn shade(s: Surface, view: vec3f, lent: vec2u) -> Shade {
         } else if (has_coat) {
             share = coat_transmittance(s, dot(coat_normal(s), view));
         }
-        let lit = shade_layer(part, view, lent | out.visible);
+        let lit = shade_layer(part, view, reused | out.visible);
         out.diffuse += lit.diffuse * share;
         out.specular += lit.specular * share;
         out.visible |= lit.visible;

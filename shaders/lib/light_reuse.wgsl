@@ -3,17 +3,17 @@
 // Whether a light reaches a point depends only on the point and its side, so pixels of other instances may be used
 // too, if they lie on the same plane.
 //
-// Two bits per light: 0 is unknown or partly lit, and is computed anew; LENT_DARK and LENT_LIT are reused. Pixels
+// Two bits per light: 0 is unknown or partly lit, and is computed anew; REUSED_DARK and REUSED_LIT are reused. Pixels
 // that disagree leave no bit when they are combined, so shadow edges are never smeared.
 
 #import gbuffer
 #import screen_ray
 
 // Whether some light casts its shadow by rays.
-override LENDS_LIGHT: bool = true;
+override REUSES_LIGHT: bool = true;
 
 // Light bits of the pixels around a point that lie on its plane; 0 unless their bilinear weight is at least half.
-fn lent_light(stored: texture_2d<u32>, s: Surface) -> vec2u {
+fn reused_visibility(stored: texture_2d<u32>, s: Surface) -> vec2u {
     if (frame.reuse_light == 0u) { return vec2u(0u); }
     let distance_m = dot(s.position - frame.eye, frame.forward);
     if (distance_m <= frame.near_m) { return vec2u(0u); }

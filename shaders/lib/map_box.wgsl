@@ -5,7 +5,7 @@
 #import constants
 #import face_box
 #import mapped
-#import met_named
+#import id_intersection
 
 @group(2) @binding(24) var face_hits: texture_2d_array<u32>; // depth, instance, triangle, place; a layer for a face
 
@@ -124,7 +124,7 @@ fn is_seen_out(r: BoxRay, leave: vec3f) -> bool {
     return depth_at(across, face_pixel(at.place)) >= NOTHING;
 }
 
-fn nearest_met(origin: vec3f, direction: vec3f, start_m: f32, end_m: f32) -> Hit {
+fn closest_hit(origin: vec3f, direction: vec3f, start_m: f32, end_m: f32) -> Hit {
     let none = Hit(end_m, NO_INSTANCE, 0u, vec2f(0.0), 0u);
     let start = (origin - face_box.low) / face_box.size;
     let onward = direction / face_box.size;

@@ -6,7 +6,7 @@
 #import cube_depth
 #import far_box
 #import mapped
-#import met_named
+#import id_intersection
 
 // Largest angle of a step, radians: just below a right angle, whose tangent is infinite.
 const STEEPEST: f32 = 1.570795;
@@ -139,7 +139,7 @@ fn march_far(origin: vec3f, direction: vec3f, from_m: f32, to_m: f32) -> Hit {
     return Hit(to_m, NO_INSTANCE, 0u, vec2f(0.0), 0u);
 }
 
-fn nearest_met(origin: vec3f, direction: vec3f, start_m: f32, end_m: f32) -> Hit {
+fn closest_hit(origin: vec3f, direction: vec3f, start_m: f32, end_m: f32) -> Hit {
     map_cause = CAUSE_UNMARCHED;
     let span = span_in_box(origin - far_box.eye, direction);
     let is_crossed = span.x < span.y && span.y > start_m;

@@ -2,7 +2,7 @@
 
 #import bvh
 #import cause
-#import met_named
+#import id_intersection
 
 // Number of halvings of a step in which the ray goes behind a surface.
 const HALVINGS: u32 = 12u;

@@ -1,13 +1,13 @@
 // Paths of mirror rays through the BVHs, bounce by bounce.
 
-#import air
+#import in_scattering
 #import cause
 #import cone
 #import gbuffer
 #import indirect
 #import light_reuse
 #import lists
-#import nearest_met
+#import closest_hit
 #import radiance
 
 @group(2) @binding(6) var reflection: RadianceTexture;
@@ -42,7 +42,7 @@ fn trace_pixel(pixel: vec2u) -> vec4u {
     for (var bounce = 0u; bounce < frame.bounces + crossings() + scatterings(); bounce++) {
         start_samples(pixel, bounce + 1u);
         let direction = ray.direction;
-        let h = nearest_met(origin, direction, start_m, reach_m());
+        let h = closest_hit(origin, direction, start_m, reach_m());
         if (bounce == 0u) { first_cause = map_cause; }
         start_m = 0.0;
         throughput *= medium_transmittance(h.t);
@@ -69,9 +69,9 @@ fn trace_pixel(pixel: vec2u) -> vec4u {
         var s = surface_at(h.instance, h.triangle, h.bary, direction, cone.width_m);
         s.emission *= met_emission(ray, h.instance, h.triangle, h.t, s);
         if (SHADE) {
-            var lent = vec2u(0u);
-            if (LENDS_LIGHT) { lent = lent_light(visible_lights, s); }
-            color += found_light(throughput * met_light(ray, shade(s, -direction, lent)), bounce);
+            var reused = vec2u(0u);
+            if (REUSES_LIGHT) { reused = reused_visibility(visible_lights, s); }
+            color += found_light(throughput * met_light(ray, shade(s, -direction, reused)), bounce);
         }
         if (!continues(s)) { break; }
         ray = next_ray(ray, s);

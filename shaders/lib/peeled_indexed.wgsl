@@ -1,7 +1,7 @@
 // Opaque triangles of the second depth layer, drawn by their indices.
 
 #import triangles
-#import behind_first
+#import layer_test
 
 @fragment
 fn fragment_peeled(in: IndexedVarying, @builtin(primitive_index) triangle: u32) -> @location(0) vec2u {

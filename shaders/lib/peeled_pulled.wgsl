@@ -1,3 +1,3 @@
 // Variant without indexed drawing; see triangles_pulled.wgsl.
 
-#import behind_first
+#import layer_test

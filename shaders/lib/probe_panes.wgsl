@@ -1,6 +1,6 @@
 // Light of lamps and of the environment that a reflection sees through the panes on a probe's map.
 
-#import met_named
+#import id_intersection
 #import pane_share
 #import probe_lookup
 #import shade

@@ -9,7 +9,7 @@
 #import crossing
 #import gbuffer
 #import lists
-#import met_named
+#import id_intersection
 #import pixel_walk
 #import shown
 #import tangent_plane

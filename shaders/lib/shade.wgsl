@@ -4,7 +4,7 @@
 #import emitters
 #import energy
 #import environment
-#import extent
+#import area_sampling
 #import fog
 #import frame
 #import layers
@@ -13,9 +13,9 @@
 #import shadow
 #import sheen
 
-// Light bits, two for each of the first LENT_LIGHTS: 0 is unknown or partly lit.
-const LENT_DARK: u32 = 1u;
-const LENT_LIT: u32 = 2u;
+// Light bits, two for each of the first REUSED_LIGHTS: 0 is unknown or partly lit.
+const REUSED_DARK: u32 = 1u;
+const REUSED_LIT: u32 = 2u;
 
 struct Shade {
     diffuse: vec3f, // view-independent light: emission, lights and environment
@@ -175,13 +175,13 @@ fn cone_share(ahead: vec3f, falloff: vec2f, to_light: vec3f) -> f32 {
 }
 
 // Two bits of light `i`; a word holds 16 lights. 0 past the last one.
-fn lent_bits(words: vec2u, i: u32) -> u32 {
-    if (i >= LENT_LIGHTS) { return 0u; }
+fn reused_bits(words: vec2u, i: u32) -> u32 {
+    if (i >= REUSED_LIGHTS) { return 0u; }
     return (words[i >> 4u] >> (2u * (i & 15u))) & 3u;
 }
 
-// Light on one layer of a surface. `lent`: known light bits of the surface; 0: unknown.
-fn shade_layer(s: Surface, view: vec3f, lent: vec2u) -> Shade {
+// Light on one layer of a surface. `reused`: known light bits of the surface; 0: unknown.
+fn shade_layer(s: Surface, view: vec3f, reused: vec2u) -> Shade {
     let albedo = diffuse_albedo(s, view);
     var out = environment_light(s, view, albedo);
     out.diffuse += s.emission;
@@ -192,14 +192,14 @@ fn shade_layer(s: Surface, view: vec3f, lent: vec2u) -> Shade {
         if (!faces(s, l.to_light) || max(l.color.x, max(l.color.y, l.color.z)) <= 0.0) {
             continue;
         }
-        let known = lent_bits(lent, i);
-        if (known == LENT_DARK) { continue; }
+        let known = reused_bits(reused, i);
+        if (known == REUSED_DARK) { continue; }
         var visible = vec3f(1.0);
-        if (known != LENT_LIT) {
+        if (known != REUSED_LIT) {
             visible = light_visibility(i, smooth_position(s), s.geometric_normal, l.to_light, l.distance_m);
         }
-        if (i < LENT_LIGHTS && lights[i].shadow == SHADOW_RAY) {
-            let bits = select(0u, LENT_DARK, all(visible == vec3f(0.0))) | select(0u, LENT_LIT, all(visible == vec3f(1.0)));
+        if (i < REUSED_LIGHTS && lights[i].shadow == SHADOW_RAY) {
+            let bits = select(0u, REUSED_DARK, all(visible == vec3f(0.0))) | select(0u, REUSED_LIT, all(visible == vec3f(1.0)));
             out.visible[i >> 4u] |= bits << (2u * (i & 15u));
         }
         let lit = l.color * visible * shown_share(i);

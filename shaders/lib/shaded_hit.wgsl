@@ -20,8 +20,8 @@ fn light_of_hit(pixel: vec2u, first: Surface, ray: Reflected, hit_surface: Surfa
     start_samples(pixel, 1u);
     let end = seen_at_end(first.position, ray, id.x, at_m);
     if (end.is_seen) { return end.radiance; }
-    var lent = vec2u(0u);
-    if (LENDS_LIGHT) { lent = lent_light(visible_lights, s); }
-    let lit = met_light(ray, shade(s, -ray.direction, lent));
+    var reused = vec2u(0u);
+    if (REUSES_LIGHT) { reused = reused_visibility(visible_lights, s); }
+    let lit = met_light(ray, shade(s, -ray.direction, reused));
     return lit + followed(pixel, 2u, 1u, scattered_by_surface(ray, s), cone);
 }

@@ -277,7 +277,7 @@ fn sample(
         Log::create(&path)
     }
     .map_err(|d| of_file(*d))?;
-    let mut host = Host::of(gpu);
+    let mut host = Host::detect(gpu);
     if args.shaders.is_some() {
         let texts = library.texts();
         let hash = texts.fold(Hash::default(), |hash, (name, text)| {

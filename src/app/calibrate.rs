@@ -15,7 +15,7 @@ use crate::{
     output::writable::check_writable,
     render::{
         RenderOptions,
-        decide::{brought_light::RayCount, cost::Workload, workload},
+        decide::{cost::Workload, secondary_rays::RayCount, workload},
         passes::{arguments, hits, light, primary, pyramid, shadow, ssr, trace, visibility},
         pipeline::pass::Pass,
         renderer::stats::FrameStats,
@@ -113,7 +113,7 @@ fn measure(
     series: &mut Series,
 ) -> Result<(), AppError> {
     let world = loaded.first_frame();
-    let mut options = RenderOptions::of(&loaded.scene);
+    let mut options = RenderOptions::for_scene(&loaded.scene);
     options.image.size = size;
     options.reflection.bounces = Bounces::AtMost(1);
     let trees = Trees::build(&world, u64::MAX).map_err(|d| AppError::Scene(vec![*d]))?;
@@ -241,13 +241,13 @@ impl Series {
         push(|s| &mut s.mirror, mirrors, ns(rays, &trace::PASS));
         let traced = ns(rays, &trace::PASS);
         let counts = |count: RayCount| [scaled(count.rays), scaled(count.visits)];
-        let to_panel = counts(panel.view.brought.light);
+        let to_panel = counts(panel.view.secondary.light);
         push(
             |s| &mut s.light,
             to_panel,
             ns(lit_by_panel, &trace::PASS) - traced,
         );
-        let onward = counts(matte.view.brought.onward);
+        let onward = counts(matte.view.secondary.onward);
         push(
             |s| &mut s.onward,
             onward,

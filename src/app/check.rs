@@ -97,7 +97,7 @@ pub fn messages(
 ) -> Vec<Diagnostic> {
     let mut options = options(from);
     options.unsaved = unsaved;
-    let text = SceneText::of(Arc::clone(text), &options);
+    let text = SceneText::from_source(Arc::clone(text), &options);
     let (Ok((messages, _)) | Err(messages)) = check_text(&text, from, files);
     messages
 }
@@ -200,7 +200,7 @@ fn check_variant(
     }
     let mut loaded = kept.assets.load(&opened, name)?;
     let mut log = Log::default();
-    let found = pose_and_lint(&mut loaded, &mut kept.trees, (&mut log, posing));
+    let found = pose_and_lint(&mut loaded, &mut kept.trees, &mut log, posing);
     log.print();
     let mut messages = [misspelt_names(&loaded), loaded.warnings].concat();
     let posed = match found {
@@ -239,7 +239,7 @@ fn check_variant(
 /// All warnings of [`Lint`] about a loaded scene; none if a frame cannot be posed, which `check` reports.
 pub fn lint(loaded: &mut LoadedScene) -> Vec<Diagnostic> {
     let mut log = Log::default();
-    let found = pose_and_lint(loaded, &mut KeptTrees::default(), (&mut log, POSING));
+    let found = pose_and_lint(loaded, &mut KeptTrees::default(), &mut log, POSING);
     found.map_or_else(|_| Vec::new(), |(_, warnings)| warnings)
 }
 
@@ -247,7 +247,8 @@ pub fn lint(loaded: &mut LoadedScene) -> Vec<Diagnostic> {
 fn pose_and_lint(
     loaded: &mut LoadedScene,
     trees: &mut KeptTrees,
-    (log, posing): (&mut Log, Duration),
+    log: &mut Log,
+    posing: Duration,
 ) -> Result<(u32, Vec<Diagnostic>), Vec<Diagnostic>> {
     let animator = Animator::new(&loaded.scene);
     let mut lint = Lint::new(&loaded.scene, trees);
@@ -256,7 +257,8 @@ fn pose_and_lint(
     let posed = pose_all(
         &animator,
         &mut loaded.world,
-        (frames, posing),
+        frames,
+        posing,
         log,
         &mut visit,
     )?;
@@ -318,7 +320,8 @@ impl Log {
 fn pose_all(
     animator: &Animator,
     world: &mut World,
-    (frames, posing): (RangeInclusive<u32>, Duration),
+    frames: RangeInclusive<u32>,
+    posing: Duration,
     log: &mut Log,
     visit: &mut dyn FnMut(&World),
 ) -> Result<u32, Vec<Diagnostic>> {

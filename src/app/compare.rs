@@ -78,7 +78,7 @@ pub fn compare(args: &CompareArgs) -> Result<Comparison, Box<Diagnostic>> {
         Some(path) => Some(mask_of(path, args, &reference.picture, &mut notes)?),
         None => None,
     };
-    let maps = Maps::of(&pair);
+    let maps = Maps::compare(&pair);
     let mut comparison = Comparison {
         test: args.test.display().to_string(),
         reference: args.reference.display().to_string(),
@@ -166,7 +166,7 @@ fn crossed(args: &CompareArgs, frame: &Scores, mask: Option<&MaskReport>) -> Vec
 fn check_outputs(args: &CompareArgs) -> Result<(), Box<Diagnostic>> {
     let outputs = [&args.difference, &args.flip_map];
     let inputs = [Some(&args.test), Some(&args.reference), args.mask.as_ref()];
-    let inputs = Inputs::of(inputs.into_iter().flatten());
+    let inputs = Inputs::identify(inputs.into_iter().flatten());
     for path in outputs.into_iter().flatten() {
         let refuse = |message: &str, help: &str| Err(file_error("bad-output", path, message, help));
         if !path

@@ -106,7 +106,8 @@ impl<'a> Encoders<'a> {
         gpu: &'a Gpu,
         target: &'a Target,
         progress: Progress,
-        (denoiser, crop): (Option<Arc<Denoiser>>, Option<Crop>),
+        denoiser: Option<Arc<Denoiser>>,
+        crop: Option<Crop>,
     ) -> Self {
         Self {
             gpu,

@@ -245,11 +245,11 @@ pub fn gather(
     let options = ViewOverrides::default().options(loaded);
     let trees = trees_of(world, &options)?;
     let [software, gpu] = [true, false].map(|software| decide(world, &trees, &options, software));
-    let layers = Layers::of(world);
-    let plan = Plan::of(world, &trees, &layers, &gpu.options);
+    let layers = Layers::for_world(world);
+    let plan = Plan::for_world(world, &trees, &layers, &gpu.options);
     let materials = world.materials.iter();
     let cutoff = reflection.reflects_below();
-    let maps = MapsInfo::of(world, &gpu.options, unit_m);
+    let maps = MapsInfo::for_world(world, &gpu.options, unit_m);
     Ok(Info {
         scene: loaded.name.clone(),
         project: (loaded.project.as_ref()).map(|project| project.file.display().to_string()),
@@ -319,7 +319,7 @@ pub fn gather(
 /// BVHs of a world, empty where no adapter traces rays.
 fn trees_of(world: &World, options: &RenderOptions) -> Result<Trees, AppError> {
     match needs_trees(world, options) {
-        true => Trees::build_apart(world, u64::MAX, &Skipping::of(world, options).apart)
+        true => Trees::build_apart(world, u64::MAX, &Skipping::for_world(world, options).apart)
             .map_err(|d| AppError::Scene(vec![*d])),
         false => Ok(Trees::unbuilt(world)),
     }
@@ -345,19 +345,19 @@ fn decide_by(
 
 /// Names of everything that `[motion]` and the script animate.
 fn moves(desc: &SceneDesc) -> Vec<String> {
-    fn of<T>(kind: &str, list: &[Entry<T>]) -> Vec<String> {
+    fn names<T>(kind: &str, list: &[Entry<T>]) -> Vec<String> {
         let named = list.iter();
         named.map(|e| format!("{kind} \"{}\"", e.name)).collect()
     }
     let motion = &desc.motion;
     let tracks = [
-        of("camera", &motion.cameras),
-        of("instance", &motion.instances),
-        of("group", &motion.groups),
-        of("decal", &motion.decals),
-        of("light", &motion.lights),
-        of("material", &motion.materials),
-        of("materials of model", &motion.models),
+        names("camera", &motion.cameras),
+        names("instance", &motion.instances),
+        names("group", &motion.groups),
+        names("decal", &motion.decals),
+        names("light", &motion.lights),
+        names("material", &motion.materials),
+        names("materials of model", &motion.models),
     ];
     let script = desc.scripts().filter(|script| script.has_frame);
     let script = script.map(|script| format!("what frame() of {} poses", script.name));

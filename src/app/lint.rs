@@ -35,7 +35,7 @@ pub struct KeptTrees(Option<(World, TreeKey, Trees)>);
 
 impl KeptTrees {
     /// The trees of a world, cached while its geometry is unchanged; `None` where they cannot be built.
-    fn of(&mut self, world: &World) -> Option<&Trees> {
+    fn for_world(&mut self, world: &World) -> Option<&Trees> {
         let key = TreeKey::of(world);
         let fitting = (self.0.take())
             .filter(|(had, its_key, _)| has_same_uploads(had, world) && *its_key == key);
@@ -109,7 +109,7 @@ impl<'a> Lint<'a> {
             .extend(probe::empty(self.scene, world, start(self.scene)));
         self.found.extend(capture::slow(self.scene, world));
         self.found.extend(shadow::lamps(self.scene, world));
-        let is_traced = traces_rays(world, &RenderOptions::of(self.scene));
+        let is_traced = traces_rays(world, &RenderOptions::for_scene(self.scene));
         self.found
             .extend(size::lint(world, is_traced, start(self.scene)));
         let triangles = |i: &crate::world::Instance| world.meshes[i.mesh].triangles.len();
@@ -117,7 +117,7 @@ impl<'a> Lint<'a> {
         if total > MOST_TRIANGLES || world.instances.is_empty() {
             return;
         }
-        if let Some(trees) = self.trees.of(world) {
+        if let Some(trees) = self.trees.for_world(world) {
             self.found.extend(probe::close(self.scene, world, trees));
             self.found.extend(view::lint(self.scene, world, trees));
             self.found.extend(shadow::lint(self.scene, world, trees));
@@ -132,7 +132,7 @@ impl<'a> Lint<'a> {
             let message = "the scene has no light: no lamp, no environment, nothing that emits";
             let help = "write `[environment]` with `color = [0.5, 0.6, 0.8]`, or `[light.sun]` with \
                         `kind = \"directional\"`, `direction = [-1, -2, -1]`, `intensity_lux = 3`";
-            let dark = Diagnostic::at("no-light", start(self.scene), message).help(help);
+            let dark = Diagnostic::new("no-light", start(self.scene), message).help(help);
             self.found.insert(0, dark);
         }
         let names: Vec<_> = self.found.iter().map(|d| d.name).collect();
@@ -149,7 +149,7 @@ impl<'a> Lint<'a> {
 
     /// Error that `render` would report on this machine.
     pub fn refused_here(scene: &Scene, world: &World) -> Option<Diagnostic> {
-        let is_traced = traces_rays(world, &RenderOptions::of(scene));
+        let is_traced = traces_rays(world, &RenderOptions::for_scene(scene));
         size::refused_here(world, is_traced).or_else(|| capture::refused(scene, world))
     }
 }

@@ -290,7 +290,7 @@ impl Server<'_> {
             };
             let mut by_file = BTreeMap::from([(uri.clone(), Vec::new())]);
             let files = Dependencies::default();
-            for message in check(file, extent, (&unsaved, &files)) {
+            for message in check(file, extent, &unsaved, &files) {
                 let place = message.span.source.as_ref();
                 let at = match place {
                     Some(source) if source.path != file.path => uri_of(&source.path),
@@ -331,7 +331,8 @@ fn is_scene(file: &Source) -> bool {
 fn check(
     file: &Arc<Source>,
     extent: Extent,
-    (unsaved, files): (&UnsavedTexts, &Dependencies),
+    unsaved: &UnsavedTexts,
+    files: &Dependencies,
 ) -> Vec<Diagnostic> {
     if is_project(&file.path) {
         return check_project(file);
@@ -343,7 +344,7 @@ fn check(
                 unsaved: unsaved.clone(),
                 ..SceneArgs::default().options()
             };
-            let text = SceneText::of(Arc::clone(file), &options);
+            let text = SceneText::from_source(Arc::clone(file), &options);
             match text.open(&[], files) {
                 Ok(opened) => opened.warnings,
                 Err(errors) => errors,

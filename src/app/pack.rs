@@ -53,15 +53,15 @@ pub struct PackArgs {
 /// replaced, and a file that cannot be read or written; then no pack is left.
 pub fn pack(args: &PackArgs) -> Result<(), AppError> {
     shutdown::listen();
-    let layout = Layout::of(&args.scene, &args.from)?;
-    check_writable(&args.output, &Inputs::of(layout.files.values()))?;
+    let layout = Layout::for_scene(&args.scene, &args.from)?;
+    check_writable(&args.output, &Inputs::identify(layout.files.values()))?;
     sweep(std::slice::from_ref(&args.output));
     let goal = Temporary::create(&args.output)
         .map_err(|error| AppError::unwritten(&args.output, &error))?;
     let count = layout.files.len();
     let unwritten = |error: io::Error| AppError::unwritten(&args.output, &error);
     let full = RefCell::new(None);
-    let manifest = write_zip((&goal.file, &full), layout);
+    let manifest = write_zip(&goal.file, &full, layout);
     full.take().map_or(Ok(()), |error| Err(unwritten(error)))?;
     let manifest = manifest?;
     let pack_bytes = goal.file.metadata().map_err(unwritten)?.len();
@@ -109,7 +109,7 @@ impl Layout {
     ///
     /// # Errors
     /// Errors of the scene, and [`AppError::Usage`] for names that a pack cannot hold.
-    pub fn of(scene: &Path, from: &SceneArgs) -> Result<Self, AppError> {
+    pub fn for_scene(scene: &Path, from: &SceneArgs) -> Result<Self, AppError> {
         match from.project_of(Some(scene))? {
             None => Self::of_path(scene, from),
             // The folder of a project has its links resolved.
@@ -163,7 +163,7 @@ impl Layout {
             }
         }
         let own = project.map(|project| project.folder.as_path());
-        let places = Places::of((&scene, own), &paths, &assets);
+        let places = Places::for_files(&scene, own, &paths, &assets);
         let inside = |path: &Path| places.name(path);
         let manifest = Manifest {
             pack: 1,
@@ -209,8 +209,9 @@ impl Places {
     /// …, so that a pack does not tell where its maker keeps them. Where a text climbs out of its folder by `..`, all
     /// keep their places to each other. Files of a project, in the folder that is given with the scene, keep theirs in
     /// any case.
-    fn of(
-        (scene, project): (&Path, Option<&Path>),
+    fn for_files(
+        scene: &Path,
+        project: Option<&Path>,
         paths: &BTreeSet<PathBuf>,
         assets: &[PathBuf],
     ) -> Self {
@@ -360,7 +361,8 @@ impl io::Read for UntilSignal {
 /// Writes the files in the order of their names, then the manifest; equal files give equal bytes.
 /// Writes the files into a ZIP file, until `error` holds one of the file itself.
 fn write_zip(
-    (file, error): (&fs::File, &RefCell<Option<io::Error>>),
+    file: &fs::File,
+    error: &RefCell<Option<io::Error>>,
     layout: Layout,
 ) -> Result<Manifest, AppError> {
     let mut manifest = layout.manifest;

@@ -128,8 +128,13 @@ pub fn check_output_of(text: &SceneText) -> Result<(), Vec<Diagnostic>> {
 /// Message at the place of the name.
 pub fn check_output(output: &At<String>) -> Result<(), Box<Diagnostic>> {
     let path = Path::new(&output.value);
-    let refuse =
-        |message: String| Box::new(Diagnostic::at("project-output", output.at.clone(), message));
+    let refuse = |message: String| {
+        Box::new(Diagnostic::new(
+            "project-output",
+            output.at.clone(),
+            message,
+        ))
+    };
     let format = Format::expect(path).map_err(|error| refuse(error.to_string()))?;
     let known = [SCENE, CAMERA, VARIANT];
     let in_braces = output.value.match_indices('{').filter_map(|(start, _)| {

@@ -71,12 +71,12 @@ pub fn render_once(args: &RenderArgs, files: &Dependencies) -> Result<(), AppErr
             let frames = sequence::choose(&args, loaded.scene.timeline.as_ref())?;
             sequence::check_output(&args, &frames, &aovs, &inputs)?;
             let session = RenderSession::new(&args, loaded, camera, aovs, &library)?;
-            sequence::render(&args, session, &frames, (load_ms, started))
+            sequence::render(&args, session, &frames, load_ms, started)
         } else {
             let output = PictureFile::new(args.output())?;
             output.check_files(&aovs, &inputs)?;
             let session = RenderSession::new(&args, loaded, camera, aovs, &library)?;
-            picture(&args, session, &output, (load_ms, started))
+            picture(&args, session, &output, load_ms, started)
         };
         match rendered {
             Err(error @ AppError::Frames(_)) => {
@@ -121,7 +121,8 @@ fn picture(
     args: &RenderArgs,
     mut session: RenderSession,
     output: &PictureFile,
-    (load_ms, started): (f64, Instant),
+    load_ms: f64,
+    started: Instant,
 ) -> Result<(), AppError> {
     sweep(
         &output.files(

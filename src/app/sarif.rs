@@ -113,7 +113,7 @@ mod tests {
             range,
         };
         let messages = [
-            Diagnostic::at("wrong-type", span(10..14), "no text")
+            Diagnostic::new("wrong-type", span(10..14), "no text")
                 .help("write 2")
                 .related(span(0..1), "as here"),
             Diagnostic::in_file("broken-file", "/a/b.glb".as_ref(), "cut short").warning(),

@@ -155,7 +155,8 @@ pub fn render(
     args: &RenderArgs,
     mut session: RenderSession,
     frames: &FrameList,
-    (load_ms, command): (f64, Instant),
+    load_ms: f64,
+    command: Instant,
 ) -> Result<(), AppError> {
     session.denoise_over(args.picture.denoise_window);
     let run = fingerprint::of_run(&run_settings(args, &session), &session.scene)?;
@@ -177,8 +178,8 @@ pub fn render(
     }
     shutdown::listen();
     let gpu = Arc::clone(session.scene.gpu());
-    let finishing = (session.denoiser.clone(), session.crop);
-    let encoders = Encoders::new(&gpu, &target, progress, finishing);
+    let denoiser = session.denoiser.clone();
+    let encoders = Encoders::new(&gpu, &target, progress, denoiser, session.crop);
     let scene = Arc::clone(&session.scene.scene().scene);
     let animator = Animator::new(&scene);
     let has_color = matches!(&target, Target::Files { output, .. } if output.has_color());

@@ -144,7 +144,7 @@ pub struct Stamp {
 
 impl Stamp {
     /// Stamp of an existing file; `None` where it is missing.
-    pub fn of(path: &Path) -> Option<Self> {
+    pub fn read(path: &Path) -> Option<Self> {
         #[cfg(unix)]
         use std::os::unix::fs::MetadataExt as _;
         let metadata = fs::metadata(path).ok()?;
@@ -159,7 +159,7 @@ impl Stamp {
     /// Whether the file's content may differ from when it had the stamp `before` (`None`: it was missing). A file
     /// can change twice within a tick of the clock, so a file written within the last seconds may always differ.
     pub fn may_differ(before: Option<&Self>, path: &Path) -> bool {
-        let now = Self::of(path);
+        let now = Self::read(path);
         let written = now.as_ref().and_then(|stamp| stamp.modified);
         // A time that is still to come says nothing: the clock was set back.
         let is_fresh = |time: SystemTime| time.elapsed().map_or(true, |age| age < FRESH);

@@ -27,7 +27,7 @@ impl Bounds {
     };
 
     /// The smallest box around `points`.
-    pub fn of(points: impl IntoIterator<Item = Vec3>) -> Self {
+    pub fn around(points: impl IntoIterator<Item = Vec3>) -> Self {
         points.into_iter().fold(Self::EMPTY, |b, p| Self {
             min: b.min.min(p),
             max: b.max.max(p),
@@ -82,7 +82,7 @@ impl Bounds {
         if self.is_empty() {
             return *self;
         }
-        Self::of(
+        Self::around(
             self.corners()
                 .map(|corner| transform.transform_point3(corner)),
         )

@@ -48,12 +48,12 @@ impl Budget {
 
     /// Budget for the memory that this process can allocate now.
     pub fn of_machine() -> Self {
-        Self::of(available_bytes())
+        Self::from_available(available_bytes())
     }
 
     /// Budget of three quarters of the available memory, or of [`ASSUMED_BYTES`] where that is unknown: data that is
     /// read is also copied, and other processes allocate memory too.
-    fn of(available_bytes: Option<u64>) -> Self {
+    fn from_available(available_bytes: Option<u64>) -> Self {
         let left = available_bytes.unwrap_or(ASSUMED_BYTES);
         Self::new(left - left / 4)
     }
@@ -257,7 +257,7 @@ mod tests {
 
     #[test]
     fn parts_share_a_budget() {
-        let budget = Budget::of(Some(1000));
+        let budget = Budget::from_available(Some(1000));
         let part = budget.clone();
         assert_eq!(part.left(), 750);
         assert!(part.take(700) && !budget.take(51) && budget.take(50) && !part.take(1));
@@ -282,6 +282,6 @@ mod tests {
 
     #[test]
     fn systems_that_tell_nothing_have_a_budget_too() {
-        assert_eq!(Budget::of(None).left(), ASSUMED_BYTES / 4 * 3);
+        assert_eq!(Budget::from_available(None).left(), ASSUMED_BYTES / 4 * 3);
     }
 }

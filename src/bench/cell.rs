@@ -7,7 +7,7 @@ pub(crate) trait Cell {
 
 /// Value that a cell is read as.
 pub(crate) trait FromCell: Sized {
-    fn of(text: &str) -> Option<Self>;
+    fn parse(text: &str) -> Option<Self>;
 }
 
 macro_rules! plain_cells {
@@ -18,7 +18,7 @@ macro_rules! plain_cells {
             }
         }
         impl FromCell for $kind {
-            fn of(text: &str) -> Option<Self> {
+            fn parse(text: &str) -> Option<Self> {
                 text.parse().ok()
             }
         }
@@ -35,11 +35,11 @@ impl<T: Cell> Cell for Option<T> {
 }
 
 impl<T: FromCell> FromCell for Option<T> {
-    fn of(text: &str) -> Option<Self> {
+    fn parse(text: &str) -> Option<Self> {
         if text.is_empty() {
             Some(None)
         } else {
-            T::of(text).map(Some)
+            T::parse(text).map(Some)
         }
     }
 }

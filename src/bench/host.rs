@@ -33,7 +33,7 @@ pub struct Host {
 
 impl Host {
     /// Reads the values from the adapter, the system and Git.
-    pub fn of(gpu: &Gpu) -> Self {
+    pub fn detect(gpu: &Gpu) -> Self {
         let info = &gpu.adapter_info;
         let driver = [info.driver.as_str(), info.driver_info.as_str()].join(" ");
         let timing = if gpu.is_software() {

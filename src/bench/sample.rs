@@ -282,7 +282,7 @@ sample! {
 
 fn read_cell<T: FromCell>(column: &str, text: &str) -> Result<T, String> {
     let cannot = || format!("column {column} cannot be \"{text}\"");
-    let value = T::of(text).ok_or_else(cannot)?;
+    let value = T::parse(text).ok_or_else(cannot)?;
     check::cell(column, text).map_err(|expected| format!("{}; expected {expected}", cannot()))?;
     Ok(value)
 }

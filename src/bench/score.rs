@@ -132,7 +132,7 @@ fn enlarge(pixels: Vec<[f32; 3]>, from: [u32; 2], to: [u32; 2]) -> Vec<[f32; 3]>
 
 impl Hits {
     /// Hits from [`PLANES`]; `None` when a plane is missing.
-    pub fn of(planes: &[Plane]) -> Option<Self> {
+    pub fn from_planes(planes: &[Plane]) -> Option<Self> {
         let PlaneData::U32(cause) = plane(planes, Aov::Cause)? else {
             return None;
         };
@@ -206,7 +206,8 @@ impl Reference {
     /// Message about a pixel that is NaN, infinite or negative, or a missing plane.
     pub fn new(picture: &render::Picture) -> Result<Self, String> {
         let view = View::new(picture, picture.size).map_err(|e| e.to_string())?;
-        let hits = Hits::of(&picture.planes).ok_or("the reference lacks its hit planes")?;
+        let hits =
+            Hits::from_planes(&picture.planes).ok_or("the reference lacks its hit planes")?;
         let Some(PlaneData::F32(weights)) = plane(&picture.planes, Aov::Reflectance) else {
             return Err("the reference lacks its reflectance plane".to_owned());
         };
@@ -238,12 +239,12 @@ impl Reference {
         let maps = Maps {
             ssim: SsimMap::of_display(width, height, test, reference),
             flip: flip::flip_map(width, height, test, reference),
-            error: ErrorMap::of(&linear, test, reference),
+            error: ErrorMap::compare(&linear, test, reference),
             specks: specks::specks([width, height], test, reference),
         };
         let scorable = self.mask.is_scorable();
         let structure = hits.filter(|_| scorable).map(|hits| {
-            Structure::of(&structure::Maps {
+            Structure::score(&structure::Maps {
                 mask: &self.mask,
                 flip: &maps.flip,
                 test: &luma(test),

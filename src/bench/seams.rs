@@ -115,7 +115,7 @@ impl Looked<'_> {
                     instance.world_from_object.translation.into()
                 }
             };
-            let choice = ProbeChoice::at(&boxes, point, settings.nearest);
+            let choice = ProbeChoice::at_point(&boxes, point, settings.nearest);
             let taking = choice.probes.iter().zip(choice.weights);
             let which = taking.filter(|(_, weight)| *weight > 0.0);
             Some(Probes {

@@ -155,7 +155,11 @@ impl Mode {
 
 impl Part {
     /// Measurements of a scene; `size` is the size of all pictures, where it is given.
-    pub fn of(series: &FrameSeries, size: Option<[u32; 2]>, against: ReferenceKind) -> Self {
+    pub fn from_series(
+        series: &FrameSeries,
+        size: Option<[u32; 2]>,
+        against: ReferenceKind,
+    ) -> Self {
         Self {
             against,
             scene: series.name().to_owned(),

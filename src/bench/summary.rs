@@ -98,7 +98,7 @@ impl Metric {
 
 impl Spread {
     /// Statistics of some values; none for an empty list.
-    pub fn of(mut values: Vec<f64>) -> Option<Self> {
+    pub fn from_values(mut values: Vec<f64>) -> Option<Self> {
         if values.is_empty() || values.iter().any(|v| v.is_nan()) {
             return None;
         }
@@ -137,19 +137,21 @@ impl Point {
     fn new(samples: &[&Sample]) -> Option<Self> {
         let spread = |of: fn(&Sample) -> Option<f64>| {
             let values: Option<Vec<f64>> = samples.iter().map(|s| of(s)).collect();
-            values.and_then(Spread::of)
+            values.and_then(Spread::from_values)
         };
         let frame_ms = spread(|s| s.frame_ms)?;
         let first = samples.first()?;
         let passes = first.details("pass_", "_ms").into_iter().enumerate();
         let median = |(index, (name, _)): (usize, (String, f64))| {
             let of = |s: &&Sample| s.details("pass_", "_ms")[index].1;
-            let spread = Spread::of(samples.iter().map(of).collect())?;
+            let spread = Spread::from_values(samples.iter().map(of).collect())?;
             (spread.median > 0.0).then_some((name, spread.median))
         };
         let reflection_ms = spread(|s| s.reflection_ms);
         let own = |s: &Sample| reflection_ms.map_or(s.frame_ms, |_| s.reflection_ms);
-        let timed = samples.iter().filter_map(|s| Some(Timed::of(s, own(s)?)));
+        let timed = samples
+            .iter()
+            .filter_map(|s| Some(Timed::from_sample(s, own(s)?)));
         Some(Self {
             ms: frame_ms,
             frame_ms,
@@ -158,7 +160,7 @@ impl Point {
             passes_ms: passes.filter_map(median).collect(),
             is_mean: false,
             flicker: None,
-            split: Split::of(samples),
+            split: Split::from_samples(samples),
             sample: (*first).clone(),
         })
     }
@@ -278,13 +280,16 @@ mod tests {
     #[test]
     fn percentiles_need_twenty_values() {
         let ramp = |n: usize| (0..n).map(|i| i as f64).collect::<Vec<_>>();
-        let few = Spread::of(ramp(19)).expect("values");
+        let few = Spread::from_values(ramp(19)).expect("values");
         assert_eq!((few.n, few.median, few.p5_p95), (19, 9.0, None));
         assert!(few.text().ends_with("(n = 19)"));
-        let many = Spread::of(ramp(21)).expect("values");
+        let many = Spread::from_values(ramp(21)).expect("values");
         assert_eq!(many.p5_p95, Some([1.0, 19.0]));
-        assert_eq!(Spread::of(vec![1.0, 2.0]).expect("values").median, 1.5);
-        assert_eq!(Spread::of(Vec::new()), None);
+        assert_eq!(
+            Spread::from_values(vec![1.0, 2.0]).expect("values").median,
+            1.5
+        );
+        assert_eq!(Spread::from_values(Vec::new()), None);
     }
 
     #[test]

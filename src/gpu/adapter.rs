@@ -46,10 +46,10 @@ impl AdapterSummary {
     /// [`GpuError::NoAdapter`] if there is none, or none that [`ADAPTER_ENV`] names.
     pub fn first() -> Result<Self, GpuError> {
         let (_, adapters) = find(None)?;
-        Ok(Self::of(&adapters[0]))
+        Ok(Self::from_adapter(&adapters[0]))
     }
 
-    fn of(adapter: &wgpu::Adapter) -> Self {
+    fn from_adapter(adapter: &wgpu::Adapter) -> Self {
         let features = adapter.features();
         let (has, mut lacks) = split_abilities(features);
         let offered = adapter.limits();

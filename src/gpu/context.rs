@@ -112,7 +112,7 @@ impl Gpu {
         ray_queries: bool,
     ) -> Result<Self, wgpu::RequestDeviceError> {
         let offered = adapter.limits();
-        let experimental = Experimental::of(&adapter, ray_queries);
+        let experimental = Experimental::for_adapter(&adapter, ray_queries);
         let limits = wgpu::Limits {
             max_storage_buffer_binding_size: offered
                 .max_storage_buffer_binding_size

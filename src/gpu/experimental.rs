@@ -11,7 +11,7 @@ pub(super) struct Experimental {
 
 impl Experimental {
     /// Ray queries, if they are wanted and the adapter has them.
-    pub fn of(adapter: &wgpu::Adapter, ray_queries: bool) -> Self {
+    pub fn for_adapter(adapter: &wgpu::Adapter, ray_queries: bool) -> Self {
         let features = adapter.features() & wgpu::Features::EXPERIMENTAL_RAY_QUERY;
         if !ray_queries || features.is_empty() {
             return Self {

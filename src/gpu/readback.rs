@@ -33,7 +33,7 @@ pub fn read_texture_layer(
     mip_level: u32,
     layer: u32,
 ) -> Result<Vec<u8>, GpuError> {
-    let plane = TexturePlane::of(texture, mip_level, layer)?;
+    let plane = TexturePlane::new(texture, mip_level, layer)?;
     let mut bytes = Vec::with_capacity((plane.row_bytes * u64::from(plane.height)) as usize);
     let rows_per_band = plane.rows_per_band();
     for first_row in (0..plane.height).step_by(rows_per_band as usize) {
@@ -78,7 +78,7 @@ struct TexturePlane<'a> {
 }
 
 impl<'a> TexturePlane<'a> {
-    fn of(texture: &'a wgpu::Texture, mip_level: u32, layer: u32) -> Result<Self, GpuError> {
+    fn new(texture: &'a wgpu::Texture, mip_level: u32, layer: u32) -> Result<Self, GpuError> {
         let format = texture.format();
         let texel_bytes = format.block_copy_size(Some(aspect(format)));
         let texel_bytes = texel_bytes.ok_or_else(|| {
@@ -150,7 +150,7 @@ impl Downloads {
     pub fn texture(&mut self, gpu: &Gpu, texture: &wgpu::Texture) -> Result<(), GpuError> {
         let plane = TexturePlane {
             layers: texture.depth_or_array_layers(),
-            ..TexturePlane::of(texture, 0, 0)?
+            ..TexturePlane::new(texture, 0, 0)?
         };
         self.rows(gpu, &plane, 0..plane.height)
     }

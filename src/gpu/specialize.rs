@@ -108,7 +108,7 @@ fn prune(facts: Facts<'_>, function: &mut Function) -> Option<bool> {
     let mut all = Vec::new();
     visit(&function.body, &mut |statement| {
         if let Statement::Return { value } = statement {
-            all.push(value.and_then(|value| values.of(value)));
+            all.push(value.and_then(|value| values.value_of(value)));
         }
     });
     let first = (*all.first()?)?;
@@ -136,8 +136,8 @@ fn constant_temporaries(facts: Facts<'_>, function: &Function, known: &[Known]) 
     });
     let only = |variable| {
         let mut of = (stores.iter()).filter(|(stored_to, _)| *stored_to == variable);
-        let first = values.of(of.next()?.1)?;
-        of.all(|(_, value)| values.of(*value) == Some(first))
+        let first = values.value_of(of.next()?.1)?;
+        of.all(|(_, value)| values.value_of(*value) == Some(first))
             .then_some((variable, first))
     };
     // The front end stores to temporaries before it loads; a variable in the source text may be read before.
@@ -187,7 +187,7 @@ impl<'a> Values<'a> {
         }
     }
 
-    fn of(&self, expression: Handle<Expression>) -> Option<bool> {
+    fn value_of(&self, expression: Handle<Expression>) -> Option<bool> {
         match self.function.expressions[expression] {
             Expression::Literal(Literal::Bool(value)) => Some(value),
             Expression::Constant(constant) => {
@@ -204,14 +204,14 @@ impl<'a> Values<'a> {
             Expression::Unary {
                 op: UnaryOperator::LogicalNot,
                 expr,
-            } => self.of(expr).map(|value| !value),
+            } => self.value_of(expr).map(|value| !value),
             Expression::Binary { op, left, right } => {
                 let decides = match op {
                     BinaryOperator::And | BinaryOperator::LogicalAnd => false,
                     BinaryOperator::InclusiveOr | BinaryOperator::LogicalOr => true,
                     _ => return None,
                 };
-                match (self.of(left), self.of(right)) {
+                match (self.value_of(left), self.value_of(right)) {
                     (Some(left), Some(right)) if left == right => Some(left),
                     (Some(one), _) | (_, Some(one)) if one == decides => Some(decides),
                     (Some(_), Some(_)) => Some(decides),
@@ -247,7 +247,7 @@ fn taken(values: &Values<'_>, block: Block) -> Block {
                 condition,
                 accept,
                 reject,
-            } => match values.of(condition) {
+            } => match values.value_of(condition) {
                 Some(true) => kept.extend_block(accept),
                 Some(false) => kept.extend_block(reject),
                 None => kept.push(
@@ -283,7 +283,7 @@ fn inner_taken(values: &Values<'_>, statement: Statement) -> Statement {
             accept,
             reject,
         } => {
-            let of = |branch, when| match values.of(condition) {
+            let of = |branch, when| match values.value_of(condition) {
                 Some(value) if value != when => Block::new(),
                 _ => taken(values, branch),
             };

@@ -34,7 +34,7 @@ pub struct PooledError {
 
 impl ErrorMap {
     /// Error maps of a pair of pictures with the display values `test` and `reference`.
-    pub fn of(pair: &Pair, test: &[[f32; 3]], reference: &[[f32; 3]]) -> Self {
+    pub fn compare(pair: &Pair, test: &[[f32; 3]], reference: &[[f32; 3]]) -> Self {
         let display = test.iter().zip(reference);
         let squared = display.clone().map(|(a, r)| mean_of(a, r, |d, _| d * d));
         let largest = display

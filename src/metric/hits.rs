@@ -142,8 +142,8 @@ pub fn tally(
         if codes[index].verdict == Verdict::NotAsked {
             continue; // its distances may be anything
         }
-        let screen = planes.screen.at(pixel)?;
-        let ray = planes.ray.at(pixel)?;
+        let screen = planes.screen.hit_at(pixel)?;
+        let ray = planes.ray.hit_at(pixel)?;
         tallies[index].add(screen, ray, tolerance);
     }
     Ok(tallies)
@@ -168,7 +168,7 @@ fn check_lengths(planes: &HitPlanes) -> Result<(), HitError> {
 type Hit = Option<(f32, u32)>;
 
 impl HitPlane<'_> {
-    fn at(&self, pixel: usize) -> Result<Hit, HitError> {
+    fn hit_at(&self, pixel: usize) -> Result<Hit, HitError> {
         let distance_m = self.distance_m[pixel];
         if distance_m.is_nan() || distance_m < 0.0 {
             return Err(HitError::Distance { pixel });

@@ -68,14 +68,14 @@ pub struct Maps {
 
 impl Maps {
     /// Computes all metrics of the pair.
-    pub fn of(pair: &Pair) -> Self {
+    pub fn compare(pair: &Pair) -> Self {
         let test = pair.test().display();
         let reference = pair.reference().display();
         let (width, height) = (pair.test().width(), pair.test().height());
         let ((ssim, error, specks), flip) = rayon::join(
             || {
                 let ssim = ssim::SsimMap::of_display(width, height, &test, &reference);
-                let error = error::ErrorMap::of(pair, &test, &reference);
+                let error = error::ErrorMap::compare(pair, &test, &reference);
                 (
                     ssim,
                     error,

@@ -45,7 +45,7 @@ impl Mask {
         }
         check_values(width, weights.as_chunks::<1>().0, f32::is_finite)?;
         let inside = weights.iter().map(|w| *w > MIN_WEIGHT).collect();
-        Ok(Self::of(width, inside))
+        Ok(Self::from_pixels(width, inside))
     }
 
     /// Erodes the mask: keeps the pixels whose square neighborhood of `2 * radius + 1` pixels lies wholly
@@ -61,10 +61,10 @@ impl Mask {
         for x in 0..width {
             erode_line(&rows, &mut inside, x, width, height, radius);
         }
-        Self::of(width, inside)
+        Self::from_pixels(width, inside)
     }
 
-    fn of(width: usize, inside: Vec<bool>) -> Self {
+    fn from_pixels(width: usize, inside: Vec<bool>) -> Self {
         let area = inside.iter().filter(|inside| **inside).count();
         Self {
             width,

@@ -59,7 +59,7 @@ impl Structure {
     ///
     /// # Panics
     /// When a slice has another length than the mask.
-    pub fn of(maps: &Maps) -> Self {
+    pub fn score(maps: &Maps) -> Self {
         let pixels = maps.mask.inside().len();
         for length in [maps.flip.len(), maps.test.len(), maps.reference.len()] {
             assert_eq!(length, pixels, "maps differ in size");
@@ -253,7 +253,7 @@ mod tests {
         }
 
         fn structure(&self) -> Structure {
-            Structure::of(&Maps {
+            Structure::score(&Maps {
                 mask: &self.mask,
                 flip: &self.flip,
                 test: &self.test,

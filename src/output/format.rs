@@ -59,7 +59,7 @@ const fn film(
 
 impl Format {
     /// Format of a file extension.
-    pub fn of(path: &Path) -> Option<Self> {
+    pub fn from_path(path: &Path) -> Option<Self> {
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();
         match ending.as_str() {
             "png" => Some(Self::Picture(PictureFormat::Png)),
@@ -73,12 +73,12 @@ impl Format {
     /// # Errors
     /// [`OutputError::Usage`] with the known extensions.
     pub fn expect(path: &Path) -> Result<Self, OutputError> {
-        Self::of(path).ok_or_else(|| unknown(path))
+        Self::from_path(path).ok_or_else(|| unknown(path))
     }
 
     /// Whether a file name has a film extension.
     pub fn is_film(path: &Path) -> bool {
-        matches!(Self::of(path), Some(Self::Film(_)))
+        matches!(Self::from_path(path), Some(Self::Film(_)))
     }
 }
 

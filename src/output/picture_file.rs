@@ -31,7 +31,7 @@ impl PictureFile {
     /// # Errors
     /// [`OutputError::Usage`] with the invalid part of the path.
     pub fn new(path: &Goal) -> Result<Self, OutputError> {
-        let format = match Format::of(path) {
+        let format = match Format::from_path(path) {
             Some(Format::Picture(format)) => format,
             other => {
                 let film = match other {

@@ -72,5 +72,5 @@ pub fn create_last_folder(path: &Path) -> Result<bool, OutputError> {
 pub fn inputs<'a>(named: impl IntoIterator<Item = &'a Path>, loaded: &'a LoadedScene) -> Inputs {
     let read = loaded.world.files.iter().map(PathBuf::as_path);
     let project = loaded.project.iter().map(|project| project.file.as_path());
-    Inputs::of(read.chain(project).chain(named))
+    Inputs::identify(read.chain(project).chain(named))
 }

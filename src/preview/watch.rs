@@ -250,7 +250,7 @@ impl Watching {
             if paths.is_none_or(is_meant) {
                 file.resolved_paths = resolved_paths(name);
                 // Metadata before content, so that a save in between is checked again.
-                file.stamp = Stamp::of(name);
+                file.stamp = Stamp::read(name);
                 let hash = content_hash(name).map_err(|error| error.kind());
                 if hash != file.hash {
                     file.hash = hash;
@@ -283,7 +283,7 @@ impl Watching {
         let mut changes = Changes::new();
         for name in fresh {
             if let Some(file) = self.files.get_mut(&name) {
-                file.stamp = Stamp::of(&name);
+                file.stamp = Stamp::read(&name);
                 file.hash = content_hash(&name).map_err(|error| error.kind());
                 if written_since(&name, since) {
                     changes.insert(file.change);

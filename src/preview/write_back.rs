@@ -2,12 +2,12 @@
 //! and the environment, values of parameters, and keys of tracks, each in its place. All other bytes of a text stay,
 //! and a file that was changed meanwhile is not touched.
 
-mod held;
 mod history;
 mod insert;
 mod inspect;
 mod item;
 mod keys;
+mod overridden;
 mod places;
 mod put;
 mod splice;
@@ -16,7 +16,6 @@ mod tree;
 use glam::{Affine3A, Vec3};
 
 pub use self::{
-    held::Layered,
     history::{Change, History},
     inspect::{exact, inspect, numbers_of, shown_place},
     item::{MaterialOrigin, SceneItem},
@@ -24,6 +23,7 @@ pub use self::{
         FlightPoint, KeyChange, KeyEdit, KeyTrack, TrackName, change_flight, change_keys,
         key_tracks, reduced,
     },
+    overridden::Layered,
     put::put,
 };
 use self::{

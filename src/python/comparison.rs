@@ -183,7 +183,7 @@ fn judge(readings: &[Reading; 2], mask: Option<([usize; 2], Vec<f32>)>) -> Resul
         )),
     });
     let mask = mask.transpose()?;
-    let maps = Maps::of(&pair);
+    let maps = Maps::compare(&pair);
     let table = Table {
         notes: notes(test, reference),
         ..scored(&pair, &maps, mask.as_ref())

@@ -175,7 +175,8 @@ impl Picture {
 /// Writes a picture as the program does; returns the written files.
 fn write(
     picture: &Pixels,
-    (path, frame): (&Path, u32),
+    path: &Path,
+    frame: u32,
     inputs: &Inputs,
     mark: Option<&str>,
 ) -> Result<Vec<PathBuf>, OutputError> {
@@ -280,7 +281,7 @@ impl Picture {
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<Vec<PathBuf>> {
         let whole = self.whole(py)?;
         let (inputs, mark) = (&self.inputs, self.mark.as_deref());
-        let written = py.detach(|| write(&whole, (&path, self.frame), inputs, mark));
+        let written = py.detach(|| write(&whole, &path, self.frame, inputs, mark));
         written.map_err(|error| Failure::from(error).into_py(py))
     }
 

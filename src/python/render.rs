@@ -55,7 +55,8 @@ impl Request {
         &self,
         session: &mut Session,
         frame: Option<u32>,
-        (load_ms, progress): (f64, &Progress),
+        load_ms: f64,
+        progress: &Progress,
     ) -> Result<Rendered, Failure> {
         let gpu = Arc::clone(session.gpu());
         let frame = frame.unwrap_or(session.scene().frame);

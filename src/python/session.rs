@@ -57,7 +57,8 @@ impl Session {
     pub fn rendered(
         &self,
         py: Python<'_>,
-        (request, names): (&Request, &[String]),
+        request: &Request,
+        names: &[String],
         frame: Option<u32>,
         progress: Option<&Bound<'_, PyAny>>,
         marks: bool,
@@ -72,7 +73,7 @@ impl Session {
         let done = self
             .slot
             .work(py, &shown.stop, teller.as_ref(), move |session| {
-                let rendered = request.render(session, frame, (load_ms, &inner))?;
+                let rendered = request.render(session, frame, load_ms, &inner)?;
                 let run = if marks {
                     request.run(session, &names)?
                 } else {
@@ -114,8 +115,8 @@ impl Session {
         view: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Picture> {
         let frame = frame.map(|frame| frame_number(&frame)).transpose()?;
-        let (request, names) = View::of(py, view)?.request(py, self.camera.as_ref())?;
-        self.rendered(py, (&request, &names), frame, progress.as_ref(), false)
+        let (request, names) = View::from_keywords(py, view)?.request(py, self.camera.as_ref())?;
+        self.rendered(py, &request, &names, frame, progress.as_ref(), false)
     }
 
     /// Frames of the timeline, each rendered when it is asked for; without a list all of them.
@@ -133,7 +134,7 @@ impl Session {
         view: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Frames> {
         let (py, own) = (slf.py(), slf.get());
-        let request = View::of(py, view)?.request(py, own.camera.as_ref())?;
+        let request = View::from_keywords(py, view)?.request(py, own.camera.as_ref())?;
         let timeline = own.read(py, |session| session.scene().scene.timeline.clone())?;
         let Some(timeline) = timeline else {
             let text = "the scene has no [timeline], so it has no frames; write `[timeline]` with `end = 47`";
@@ -160,8 +161,7 @@ impl Session {
         let (request, names) = request;
         let render = move |py: Python<'_>, frame| {
             let progress = progress.as_ref().map(|function| function.bind(py));
-            let choices = (&request, &names[..]);
-            (session.get()).rendered(py, choices, Some(frame), progress, true)
+            (session.get()).rendered(py, &request, &names, Some(frame), progress, true)
         };
         Ok(Frames::new(list.0, Box::new(render)))
     }

@@ -91,7 +91,7 @@ pub struct View<'py> {
 
 impl<'py> View<'py> {
     /// Keywords of a call.
-    pub fn of(py: Python<'py>, given: Option<&Bound<'py, PyDict>>) -> PyResult<Self> {
+    pub fn from_keywords(py: Python<'py>, given: Option<&Bound<'py, PyDict>>) -> PyResult<Self> {
         let mut view = Self::default();
         for (name, value) in given.into_iter().flat_map(|given| given.iter()) {
             let name: String = name.extract()?;

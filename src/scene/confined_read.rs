@@ -71,9 +71,9 @@ impl Problem {
     /// The problem as an error at its place in the file, else at `at`, where the file is named.
     pub fn at_name(self, name: &'static str, at: Span) -> Diagnostic {
         let error = match self.inside {
-            Some(inside) => Diagnostic::at("not-utf8", inside, self.message)
+            Some(inside) => Diagnostic::new("not-utf8", inside, self.message)
                 .related(at, "the file is named here"),
-            None => Diagnostic::at(name, at, self.message),
+            None => Diagnostic::new(name, at, self.message),
         };
         error.help(self.help)
     }
@@ -184,7 +184,7 @@ fn read_in(
             None => Problem::new(message, kind.inside),
         });
     }
-    if let Some(text) = reach.unsaved().of(&real) {
+    if let Some(text) = reach.unsaved().text(&real) {
         let text = text.to_owned();
         return Ok(Found { path, real, text });
     }

@@ -24,7 +24,7 @@ impl Dependencies {
     pub fn add(&self, path: PathBuf) {
         let mut list = self.list();
         if list.iter().all(|known| known.path != path) {
-            let stamp = Stamp::of(&path);
+            let stamp = Stamp::read(&path);
             list.push(Dependency { path, stamp });
         }
     }
@@ -40,7 +40,7 @@ impl Dependencies {
         let list = self.list();
         let changed = list
             .iter()
-            .find(|known| Stamp::of(&known.path) != known.stamp);
+            .find(|known| Stamp::read(&known.path) != known.stamp);
         changed.map(|known| known.path.clone())
     }
 

@@ -93,7 +93,7 @@ pub struct ByName<'a>(HashMap<&'a str, usize>);
 
 impl<'a> ByName<'a> {
     /// Indices of named tables.
-    pub fn of<T>(entries: &'a [Entry<T>]) -> Self {
+    pub fn from_entries<T>(entries: &'a [Entry<T>]) -> Self {
         Self::of_names(entries.iter().map(|entry| Some(entry.name.as_str())))
     }
 

@@ -41,7 +41,7 @@ pub fn left_out(count: usize, has_errors: bool) -> Diagnostic {
         1 => "1 more message is not shown".to_owned(),
         _ => format!("{count} more messages are not shown"),
     };
-    let message = Diagnostic::at("too-many-errors", Span::default(), message);
+    let message = Diagnostic::new("too-many-errors", Span::default(), message);
     match has_errors {
         true => message,
         false => message.warning(),
@@ -219,7 +219,7 @@ impl Span {
 impl Diagnostic {
     /// An error at a place in a text; for text that a script returned, the message names the entry and
     /// points into the script.
-    pub fn at(name: &'static str, span: Span, message: impl Into<String>) -> Self {
+    pub fn new(name: &'static str, span: Span, message: impl Into<String>) -> Self {
         let (span, message) = match span.in_script() {
             Some((span, entry)) => (span, format!("{entry}: {}", message.into())),
             None => (span, message.into()),

@@ -74,7 +74,7 @@ fn describe_section(out: &mut String, section: &SectionRecord, level: usize, lin
         let _ = write!(out, "\n{text}\n");
     }
     if !section.keys.is_empty() {
-        describe_keys(out, section, (None, &section.keys), link);
+        describe_keys(out, section, None, &section.keys, link);
     }
     for variant in &section.variants {
         let _ = write!(out, "\n{marks}# `{} = \"{}\"`\n", variant.key, variant.word);
@@ -83,7 +83,7 @@ fn describe_section(out: &mut String, section: &SectionRecord, level: usize, lin
         if !text.is_empty() {
             let _ = write!(out, "\n{text}\n");
         }
-        describe_keys(out, section, (Some(variant.word), &variant.keys), link);
+        describe_keys(out, section, Some(variant.word), &variant.keys, link);
     }
 }
 
@@ -98,7 +98,8 @@ fn without_lead(text: &str, code: &str) -> String {
 fn describe_keys(
     out: &mut String,
     section: &SectionRecord,
-    (word, keys): (Option<&str>, &[KeyRecord]),
+    word: Option<&str>,
+    keys: &[KeyRecord],
     link: Link,
 ) {
     out.push_str("\n| key | value | default | meaning |\n|---|---|---|---|\n");

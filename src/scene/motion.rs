@@ -139,7 +139,7 @@ pub fn moving(desc: &SceneDesc) -> Vec<bool> {
 
 /// Whether a track of `shown`, if there is one, shows its object at a time.
 fn is_shown(track: Option<&Track>, time_s: f64) -> bool {
-    track.is_none_or(|track| track.at(time_s, Vec3::ONE, None).x >= 0.5)
+    track.is_none_or(|track| track.value_at(time_s, Vec3::ONE, None).x >= 0.5)
 }
 
 /// A scene's motion prepared for posing: names resolved, path lengths measured.
@@ -176,7 +176,8 @@ impl Moved<'_> {
         to: &mut T,
         fields: &[Field<T>],
         time_s: f64,
-        (world, parent): (&[Affine3A], Option<usize>),
+        world: &[Affine3A],
+        parent: Option<usize>,
     ) {
         for (field, track) in &self.tracks {
             let field = &fields[*field];
@@ -185,7 +186,7 @@ impl Moved<'_> {
                 Some(parent) => world[parent].inverse() * world[node],
                 None => world[node],
             });
-            field.put_clamped(to, track.at(time_s, rest, followed));
+            field.put_clamped(to, track.value_at(time_s, rest, followed));
         }
     }
 }
@@ -193,7 +194,7 @@ impl Moved<'_> {
 impl<'a> Motion<'a> {
     /// Prepares the motion of a scene whose names were checked.
     pub fn new(desc: &'a SceneDesc) -> Self {
-        let names = Names::of(desc);
+        let names = Names::from_scene(desc);
         let rest = FrameState {
             cameras: desc.cameras.iter().map(|e| e.value.clone()).collect(),
             instances: desc.placements().map(transform).collect(),
@@ -297,7 +298,7 @@ impl<'a> Motion<'a> {
             let decal = &mut state.decals[moved.index];
             let placement = self.desc.decal_placement(moved.index);
             decal.placement = placed(placement, tracks, state.time_s);
-            moved.pose(decal, &DECAL, state.time_s, (&[], None));
+            moved.pose(decal, &DECAL, state.time_s, &[], None);
             decal.shown = is_shown(shown.as_ref(), state.time_s);
         }
         for moved in &self.materials {
@@ -325,7 +326,7 @@ impl<'a> Motion<'a> {
                 let camera = &mut state.cameras[moved.index];
                 camera.clone_from(&self.rest.cameras[moved.index]);
                 let parent = parents.of_camera(moved.index);
-                moved.pose(camera, &CAMERA, time_s, (&world, parent));
+                moved.pose(camera, &CAMERA, time_s, &world, parent);
             }
         }
         for moved in &self.lights {
@@ -333,7 +334,7 @@ impl<'a> Motion<'a> {
                 let light = &mut state.lights[moved.index];
                 *light = self.rest.lights[moved.index];
                 let parent = parents.of_light(moved.index);
-                moved.pose(light, &LIGHT, time_s, (&world, parent));
+                moved.pose(light, &LIGHT, time_s, &world, parent);
                 light.settle();
             }
         }
@@ -372,7 +373,7 @@ impl<'a> Motion<'a> {
         let frame = state.frame;
         let mut errors = Vec::new();
         let mut refuse = |at: &Span, message: String| {
-            errors.push(Diagnostic::at("bad-pose", at.clone(), message));
+            errors.push(Diagnostic::new("bad-pose", at.clone(), message));
         };
         for Moved { index, at, .. } in &self.cameras {
             if let Some(wrong) = wrong_with_camera(&state.cameras[*index]) {

@@ -51,14 +51,14 @@ pub trait Lanes {
     /// The value as three components, as tracks store it.
     fn lanes(self) -> Vec3;
     /// The value from the three components that tracks store.
-    fn of(lanes: Vec3) -> Self;
+    fn from_lanes(lanes: Vec3) -> Self;
 }
 
 impl Lanes for f32 {
     fn lanes(self) -> Vec3 {
         Vec3::splat(self)
     }
-    fn of(lanes: Vec3) -> Self {
+    fn from_lanes(lanes: Vec3) -> Self {
         lanes.x
     }
 }
@@ -67,7 +67,7 @@ impl Lanes for [f32; 2] {
     fn lanes(self) -> Vec3 {
         Vec3::new(self[0], self[1], 0.0)
     }
-    fn of(lanes: Vec3) -> Self {
+    fn from_lanes(lanes: Vec3) -> Self {
         [lanes.x, lanes.y]
     }
 }
@@ -76,7 +76,7 @@ impl Lanes for Vec3 {
     fn lanes(self) -> Vec3 {
         self
     }
-    fn of(lanes: Vec3) -> Self {
+    fn from_lanes(lanes: Vec3) -> Self {
         lanes
     }
 }
@@ -89,7 +89,7 @@ macro_rules! plain {
             form: $crate::number::Form::$form,
             range: $range,
             get: |it| Some($crate::number::Lanes::lanes(it.$key)),
-            put: |it, value| it.$key = $crate::number::Lanes::of(value),
+            put: |it, value| it.$key = $crate::number::Lanes::from_lanes(value),
         }
     };
 }

@@ -114,7 +114,7 @@ pub fn read(path: &Path) -> Result<String, Vec<Diagnostic>> {
     })?;
     String::from_utf8(bytes).map_err(|wrong| {
         let message = "a scene must be UTF-8 text, and this byte is not";
-        let error = Diagnostic::at("not-utf8", Span::not_utf8(path, &wrong), message);
+        let error = Diagnostic::new("not-utf8", Span::not_utf8(path, &wrong), message);
         vec![error.help("save the file as UTF-8 in your editor")]
     })
 }

@@ -213,7 +213,7 @@ impl Project {
             let similar = suggest::nearest(&name.value, known.iter().copied())?;
             let shown = suggest::text(&name.value);
             let message = format!("the scene {scene} has no {kind} {shown}");
-            let warning = Diagnostic::at("project-name", name.at.clone(), message).warning();
+            let warning = Diagnostic::new("project-name", name.at.clone(), message).warning();
             Some(warning.help(format!("did you mean {}?", suggest::text(similar))))
         });
         warnings.collect()
@@ -228,7 +228,7 @@ fn inside(folder: &Path, name: &At<String>) -> Result<PathBuf, Box<Diagnostic>> 
     path.filter(|path| is_name && path.starts_with(folder))
         .ok_or_else(|| {
             let message = format!("{shown} is not inside of the project's folder");
-            let error = Diagnostic::at("project-border", name.at.clone(), message);
+            let error = Diagnostic::new("project-border", name.at.clone(), message);
             let help = "write a name that starts from the folder of reflet.toml; --assets DIR and REFLET_ASSETS name \
                         folders elsewhere";
             Box::new(error.help(help))
@@ -247,7 +247,7 @@ fn check_folder(
     let itself = || {
         let message =
             format!("{shown} is the project's own folder, which is always looked in, last");
-        Box::new(Diagnostic::at("project-itself", at(), message).help("leave it out"))
+        Box::new(Diagnostic::new("project-itself", at(), message).help("leave it out"))
     };
     if path == folder {
         return Err(itself());
@@ -256,7 +256,7 @@ fn check_folder(
         Ok(real) => real,
         Err(_) => {
             let message = format!("there is no folder {shown}, so nothing is found in it");
-            let warning = Diagnostic::at("no-folder", at(), message);
+            let warning = Diagnostic::new("no-folder", at(), message);
             let help = format!("make it, or take it out of `{key}`");
             return Ok(Some(warning.help(help).warning()));
         }
@@ -268,12 +268,12 @@ fn check_folder(
         let message = format!("{shown} is a link that leads out of the project's folder");
         let help = "name the folder that it leads to by --assets DIR or in REFLET_ASSETS";
         return Err(Box::new(
-            Diagnostic::at("project-border", at(), message).help(help),
+            Diagnostic::new("project-border", at(), message).help(help),
         ));
     }
     if !real.is_dir() {
         let message = format!("{shown} is a file, and `{key}` names folders");
-        let error = Diagnostic::at("no-folder", at(), message);
+        let error = Diagnostic::new("no-folder", at(), message);
         return Err(Box::new(error.help("write the folder that has it")));
     }
     Ok(None)

@@ -23,7 +23,7 @@ impl UnsavedTexts {
     }
 
     /// Text of the file of a canonical path.
-    pub fn of(&self, real: &Path) -> Option<&str> {
+    pub fn text(&self, real: &Path) -> Option<&str> {
         self.0.get(real).map(AsRef::as_ref)
     }
 }

@@ -149,11 +149,11 @@ impl Script {
             let error = if found.name == wanted {
                 let message = format!("`{wanted}` has one parameter, `ctx`");
                 let help = format!("write `fn {wanted}(ctx)`");
-                Diagnostic::at("script-function", at, message).help(help)
+                Diagnostic::new("script-function", at, message).help(help)
             } else {
                 let message = format!("`{}` is never called", found.name);
                 let help = format!("did you mean `{wanted}`?");
-                Diagnostic::at("script-function", at, message).help(help)
+                Diagnostic::new("script-function", at, message).help(help)
             };
             return Err(Box::new(error));
         }
@@ -175,7 +175,7 @@ impl Script {
             let start = this.sources.start_of(&this.name);
             let help = "`frame` moves the scene, `setup` adds to it; each has one parameter";
             return Err(Box::new(
-                Diagnostic::at("script-empty", start, message).help(help),
+                Diagnostic::new("script-empty", start, message).help(help),
             ));
         }
         Ok(())
@@ -223,7 +223,7 @@ impl Script {
                 [] => self.0.sources.end_of_function(&self.0.name, "setup"),
                 path => self.returned().place(path),
             };
-            let mut error = Diagnostic::at("script-result", at, wrong.message);
+            let mut error = Diagnostic::new("script-result", at, wrong.message);
             error.help = wrong.help;
             Box::new(error)
         })?;

@@ -65,7 +65,7 @@ impl Sampler {
     }
 
     /// The value at a time, seconds; a rotation is normalized.
-    pub fn at(&self, time_s: f64, property: Property) -> DVec4 {
+    pub fn value_at(&self, time_s: f64, property: Property) -> DVec4 {
         let last = self.times_s.len() - 1;
         let next = self.times_s.partition_point(|t| f64::from(*t) <= time_s);
         let before = next.saturating_sub(1);
@@ -283,7 +283,7 @@ mod tests {
                 (3.0, 4.0),
                 (99.0, 4.0),
             ] {
-                let got = track.at(time, Property::Scale).x;
+                let got = track.value_at(time, Property::Scale).x;
                 assert!(
                     (got - expected).abs() < 1e-12,
                     "{interpolation:?} {time}: {got}"
@@ -291,9 +291,9 @@ mod tests {
             }
         }
         let step = sampler(Interpolation::Step, &times, &values);
-        assert_eq!(step.at(2.999, Property::Translation).x, -1.0);
+        assert_eq!(step.value_at(2.999, Property::Translation).x, -1.0);
         let linear = sampler(Interpolation::Linear, &times, &values);
-        assert_eq!(linear.at(2.0, Property::Translation).x, 1.5);
+        assert_eq!(linear.value_at(2.0, Property::Translation).x, 1.5);
     }
 
     #[test]
@@ -305,7 +305,7 @@ mod tests {
         ] {
             let track = sampler(interpolation, &[1.0], &values);
             for time in [0.0, 1.0, 2.0] {
-                assert_eq!(track.at(time, Property::Scale).x, 3.0);
+                assert_eq!(track.value_at(time, Property::Scale).x, 3.0);
             }
         }
     }
@@ -324,7 +324,7 @@ mod tests {
         let track = sampler(Interpolation::Cubic, &times, values.as_flattened());
         for i in 0..=500 {
             let t = f64::from(i) / 100.0;
-            let got = track.at(t, Property::Translation).x;
+            let got = track.value_at(t, Property::Translation).x;
             assert!((got - f(t)).abs() < 1e-9, "{t}: {got} {}", f(t));
         }
     }
@@ -337,7 +337,7 @@ mod tests {
             let track = sampler(Interpolation::Linear, &[0.0, 2.0], &[about_z(a), b]);
             for i in 0..=20 {
                 let share = f64::from(i) / 20.0;
-                let got = track.at(2.0 * share, Property::Rotation);
+                let got = track.value_at(2.0 * share, Property::Rotation);
                 let expected = about_z((10.0 - 20.0 * share).to_radians());
                 assert!((got.dot(expected).abs() - 1.0).abs() < 1e-12, "{share}");
                 assert!((got.length() - 1.0).abs() < 1e-12);
@@ -351,13 +351,16 @@ mod tests {
         );
         for i in 0..=16 {
             let share = f64::from(i) / 16.0;
-            let q = DQuat::from_vec4(track.at(share, Property::Rotation));
+            let q = DQuat::from_vec4(track.value_at(share, Property::Rotation));
             let turned = q * DVec3::X;
             let angle = turned.y.atan2(turned.x);
             assert!((angle - share * FRAC_PI_2).abs() < 1e-12);
         }
         let same = sampler(Interpolation::Linear, &[0.0, 1.0], &[about_z(1.0); 2]);
-        assert_eq!(same.at(0.3, Property::Rotation), about_z(1.0).normalize());
+        assert_eq!(
+            same.value_at(0.3, Property::Rotation),
+            about_z(1.0).normalize()
+        );
     }
 
     #[test]
@@ -367,12 +370,12 @@ mod tests {
         let values = [zero, about_z(0.0), zero, zero, -about_z(0.0), zero];
         let track = sampler(Interpolation::Cubic, &[0.0, 1.0], &values);
         for i in 0..=8 {
-            let q = track.at(f64::from(i) / 8.0, Property::Rotation);
+            let q = track.value_at(f64::from(i) / 8.0, Property::Rotation);
             assert!((q.length() - 1.0).abs() < 1e-12, "{q}");
         }
         let values = [zero, about_z(0.0), zero, zero, about_z(PI * 0.5), zero];
         let track = sampler(Interpolation::Cubic, &[0.0, 1.0], &values);
-        let q = DQuat::from_vec4(track.at(0.5, Property::Rotation));
+        let q = DQuat::from_vec4(track.value_at(0.5, Property::Rotation));
         assert!((q.to_axis_angle().1 - TAU / 8.0).abs() < 1e-9, "{q}");
     }
 

@@ -102,7 +102,7 @@ mod tests {
 
     fn mesh(triangles: &[[u32; 3]]) -> Mesh {
         let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
-        let bounds = Bounds::of(positions.iter().copied());
+        let bounds = Bounds::around(positions.iter().copied());
         Mesh {
             normals: vec![Vec3::Y; 4],
             uv0: vec![glam::Vec2::ZERO; 4],
@@ -151,7 +151,7 @@ mod tests {
                     ball.triangles.extend([[a, c, d], [a, d, b]]);
                 }
             }
-            ball.bounds = Bounds::of(ball.positions.iter().copied());
+            ball.bounds = Bounds::around(ball.positions.iter().copied());
             ball.is_closed_outward()
         };
         assert!(with_cap(0.02), "a rim of 4 % of the diagonal");

@@ -130,7 +130,7 @@ mod tests {
                 mesh.triangles.push([at + 1, at + SIDE, at + SIDE + 1]);
             }
         }
-        mesh.bounds = Bounds::of(mesh.positions.iter().copied());
+        mesh.bounds = Bounds::around(mesh.positions.iter().copied());
         mesh
     }
 

@@ -208,7 +208,7 @@ impl World {
             let message = format!("in frame {frame}, the box of decal \"{name}\" {wrong}");
             let at = self.moving.decals_placed_at.get(index);
             let at = at.cloned().unwrap_or_default();
-            errors.push(Diagnostic::at("bad-pose", at, message).help(help));
+            errors.push(Diagnostic::new("bad-pose", at, message).help(help));
         }
         match errors.is_empty() {
             true => Ok(()),

@@ -128,7 +128,7 @@ impl Deformed {
 impl Mesh {
     /// Replaces the vertices of the mesh and updates its bounds.
     pub fn set_vertices(&mut self, vertices: Vertices) {
-        self.bounds = Bounds::of(vertices.positions.iter().copied());
+        self.bounds = Bounds::around(vertices.positions.iter().copied());
         self.positions = vertices.positions;
         self.normals = vertices.normals;
         self.tangents = vertices.tangents;

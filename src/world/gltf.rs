@@ -230,7 +230,7 @@ impl Fault {
     }
 
     /// Prefixes the message with a place.
-    pub fn at(mut self, place: &str) -> Self {
+    pub fn placed(mut self, place: &str) -> Self {
         self.message = format!("{place}: {}", self.message);
         self
     }
@@ -333,15 +333,22 @@ fn read_faults(path: &Path, sandbox: &Sandbox, options: &ReadOptions) -> Result<
     if options.lenient {
         lenient::mend(&mut root, &mut notes);
     }
-    let from = (folder, sandbox);
-    let mut buffers =
-        buffer::read(&root, binary, from, (&mut model.files, &mut notes), &budget).map_err(one)?;
+    let mut buffers = buffer::read(
+        &root,
+        binary,
+        folder,
+        sandbox,
+        &mut model.files,
+        &mut notes,
+        &budget,
+    )
+    .map_err(one)?;
     draco::decompress(&mut root, &mut buffers, &budget).map_err(one)?;
     let data = accessor::Data::new(&root, buffers, budget, &mut notes).map_err(one)?;
     check_indices::check(&root).map_err(one)?;
     material::read(&root, &data, folder, sandbox, &mut model, &mut notes).map_err(one)?;
     model.image_light = image_light::read(&root, &data, folder, sandbox).map_err(one)?;
-    model.stage = Stage::of(&root);
+    model.stage = Stage::from_root(&root);
     let variants = root.extensions.variants.iter().flat_map(|v| &v.variants);
     model.variants = variants.map(|v| v.name.clone()).collect();
     model.clips = animation::read(&root, &data);
@@ -354,8 +361,8 @@ fn read_faults(path: &Path, sandbox: &Sandbox, options: &ReadOptions) -> Result<
         notes.add("animation-broken", 1, what, &fault.message);
     }
     let visit =
-        node::traverse(&root, &data, (&model.clips, &options.posed), &mut notes).map_err(one)?;
-    model.posed_names = PosedNames::of(&root, &options.posed, |node| {
+        node::traverse(&root, &data, &model.clips, &options.posed, &mut notes).map_err(one)?;
+    model.posed_names = PosedNames::from_nodes(&root, &options.posed, |node| {
         visit.model_from_node(node).is_some()
     });
     let primitives = geometry::read(&root, &data, &visit, &mut model, &mut notes)?;

@@ -179,7 +179,7 @@ impl Mesh {
 
     /// Bounds of the positions, with the radius of capsules.
     pub fn bounds_at_rest(&self) -> Bounds {
-        let bounds = Bounds::of(self.positions.iter().copied());
+        let bounds = Bounds::around(self.positions.iter().copied());
         let radius_m = self.capsule_radius_m.unwrap_or(0.0);
         Bounds {
             min: bounds.min - radius_m,
@@ -353,7 +353,7 @@ impl World {
     pub fn fog_box(&self) -> Bounds {
         let lamps = self.all_lights().filter_map(|l| l.desc.kind.position());
         let eyes = self.cameras.iter().map(|camera| camera.value.eye);
-        self.bounds().union(Bounds::of(lamps.chain(eyes)))
+        self.bounds().union(Bounds::around(lamps.chain(eyes)))
     }
 
     /// The unit U in meters: the diagonal of the static bounds / 16, or of all where the static ones are small beside

@@ -161,7 +161,7 @@ enum Source {
 
 /// An error at a place in the scene text.
 fn error_at(name: &'static str, at: &Span, message: impl Into<String>) -> Diagnostic {
-    Diagnostic::at(name, at.clone(), message)
+    Diagnostic::new(name, at.clone(), message)
 }
 
 /// Help text `did you mean "…"?` if a known name is similar.
@@ -203,9 +203,9 @@ impl<'a> Loader<'a> {
             shape_work: Budget::new(MOST_WORK),
             sandbox: Sandbox::new(roots.map(PathBuf::as_path), options.max_file_bytes)
                 .with_dependencies(&options.dependencies),
-            models: ByName::of(&desc.models),
-            named_materials: ByName::of(&desc.materials),
-            moved: ByName::of(&desc.motion.materials),
+            models: ByName::from_entries(&desc.models),
+            named_materials: ByName::from_entries(&desc.materials),
+            moved: ByName::from_entries(&desc.motion.materials),
             file_materials: (file_materials(desc).into_iter().enumerate())
                 .map(|(index, material)| (material, index))
                 .collect(),
@@ -375,7 +375,7 @@ impl Loader<'_> {
     }
 
     fn warn_of_reduced(&mut self, requests: &[texture::TextureRequest]) {
-        let sizes = PoolSizes::of(&self.world.textures);
+        let sizes = PoolSizes::for_textures(&self.world.textures);
         for (texture, request) in self.world.textures.iter().zip(requests) {
             if let Some((px, reason)) = sizes.reduced(texture) {
                 let text = format!(

@@ -22,7 +22,7 @@ impl NormalUv {
     };
 
     /// Coordinates of a material's normal map.
-    pub fn of(map: &TextureRef) -> Self {
+    pub fn from_map(map: &TextureRef) -> Self {
         let [u, v] = map.transform.map(|row| row.truncate());
         let turn = if u.y == 0.0 && v.x == 0.0 {
             Mat2::from_diagonal(Vec2::new(u.x, v.y).map(f32::signum))

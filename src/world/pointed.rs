@@ -13,7 +13,7 @@ use reflet_scene::{
 };
 
 impl RigPose {
-    fn of(&self, object: Pointed) -> impl Iterator<Item = (PointedValue, Vec3)> {
+    fn values(&self, object: Pointed) -> impl Iterator<Item = (PointedValue, Vec3)> {
         let values = self.values.iter();
         values
             .filter(move |((of, _), _)| *of == object)
@@ -31,7 +31,7 @@ impl RigPose {
         has: impl Fn(&Field<T>) -> bool,
         to: &mut T,
     ) {
-        for (value, number) in self.of(object) {
+        for (value, number) in self.values(object) {
             if let PointedValue::Field(key) = value
                 && let Some(field) = find(fields, key).filter(|field| has(field))
             {
@@ -51,7 +51,7 @@ impl RigPose {
 
     /// Applies the animated texture transforms of a material of the file.
     pub fn move_textures(&self, index: usize, material: &mut Material) {
-        for (value, offset) in self.of(Pointed::Material(index)) {
+        for (value, offset) in self.values(Pointed::Material(index)) {
             let PointedValue::TextureOffset(slot) = value else {
                 continue;
             };

@@ -283,7 +283,7 @@ impl World {
                     .desc
                     .and_then(|i| self.moving.placed_at.get(i));
                 let at = at.cloned().unwrap_or_default();
-                errors.push(Diagnostic::at("bad-pose", at, message));
+                errors.push(Diagnostic::new("bad-pose", at, message));
             }
         }
         if errors.is_empty() {

@@ -101,7 +101,8 @@ impl Player {
         rig: &Rig,
         animations: Vec<Arc<Animation>>,
         scripted: Scripted,
-        (desc, timing): (Option<usize>, &AnimationDesc),
+        desc: Option<usize>,
+        timing: &AnimationDesc,
     ) -> Self {
         let mut animated = vec![false; rig.nodes.len()];
         for channel in animations.iter().flat_map(|a| &a.channels) {
@@ -193,17 +194,17 @@ impl Player {
                 let Some(slot) = self.slot(channel.node) else {
                     continue; // not part of the scene
                 };
-                let value = channel.sampler.at(time_s, channel.property);
+                let value = channel.sampler.value_at(time_s, channel.property);
                 match channel.property {
                     Property::Visible => nodes[slot].visible = value.x != 0.0,
                     property => nodes[slot].local.set(property, value),
                 }
             }
             for track in &animation.weights {
-                weights.insert(track.node, track.at(time_s));
+                weights.insert(track.node, track.weights_at(time_s));
             }
             for track in &animation.pointers {
-                values.insert((track.object, track.value), track.at(time_s));
+                values.insert((track.object, track.value), track.value_at(time_s));
             }
         }
         self.follow_script(state, &mut nodes, &mut weights);

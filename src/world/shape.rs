@@ -50,7 +50,7 @@ pub fn make(shape: &ShapeDesc, supplies: &Supplies) -> Result<Made, Fault> {
         None => Made::from(simple(shape)),
     };
     supplies.spend(made.mesh.triangles.len())?;
-    made.mesh.bounds = Bounds::of(made.mesh.positions.iter().copied());
+    made.mesh.bounds = Bounds::around(made.mesh.positions.iter().copied());
     Ok(made)
 }
 

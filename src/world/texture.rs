@@ -81,7 +81,8 @@ pub fn decode_all(
     requests: &[TextureRequest],
     limits: &TextureLimits,
 ) -> Result<Vec<Texture>, Vec<Diagnostic>> {
-    let blame = |request: &TextureRequest, f: Fault| f.at(&request.place()).in_file(&request.file);
+    let blame =
+        |request: &TextureRequest, f: Fault| f.placed(&request.place()).in_file(&request.file);
     let mut errors = Vec::new();
     let mut needs = Vec::with_capacity(requests.len());
     for request in requests {

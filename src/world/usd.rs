@@ -51,7 +51,7 @@ pub struct Choice(Vec<String>);
 
 impl Choice {
     /// Choice that the scene text makes.
-    pub fn of(desc: &StageDesc) -> Self {
+    pub fn from_desc(desc: &StageDesc) -> Self {
         let mut arguments = Vec::new();
         for variant in &desc.variants {
             arguments.extend(["--variant".to_owned(), variant.value.clone()]);
@@ -110,11 +110,11 @@ pub fn convert(
                 glb.display()
             );
         }
-        return Ok(converted((stage, model), glb, record));
+        return Ok(converted(stage, model, glb, record));
     }
     let known = earlier.map_or_else(Inputs::default, |record| record.inputs);
-    let (record, is_steady) = run_conversion(&tool, (stage, model), choice, roots, &glb, known)?;
-    let mut result = converted((stage, model), glb, &record);
+    let (record, is_steady) = run_conversion(&tool, stage, model, choice, roots, &glb, known)?;
+    let mut result = converted(stage, model, glb, &record);
     if !is_steady {
         let message = format!(
             "its files changed during each of {MOST_TRIES} conversions, so the result may mix old and \
@@ -132,7 +132,8 @@ pub fn convert(
 /// conversion. `known` are files that it probably reads.
 fn run_conversion(
     tool: &Tool,
-    (stage, model): (&Path, &str),
+    stage: &Path,
+    model: &str,
     choice: &Choice,
     roots: &[PathBuf],
     glb: &Path,
@@ -144,12 +145,12 @@ fn run_conversion(
         attempt += 1;
         reflet_base::error_line!("usd: converting {}", stage.display());
         let stage_path = stage.to_owned();
-        let before = Inputs::of(known.paths().chain([&stage_path]));
+        let before = Inputs::hash(known.paths().chain([&stage_path]));
         let since = SystemTime::now();
-        tool.convert((stage, model), &choice.0, &fresh.0, roots)?;
+        tool.convert(stage, model, &choice.0, &fresh.0, roots)?;
         let sidecar = read_sidecar(&fresh.sidecar())?;
         let read = sidecar.files.iter().chain(&sidecar.absent);
-        let inputs = Inputs::of(read.chain([&stage_path]));
+        let inputs = Inputs::hash(read.chain([&stage_path]));
         let is_steady = inputs.are_steady(&before, since);
         if is_steady || attempt == MOST_TRIES {
             let output = conversion_record::output(&fresh.0);
@@ -191,7 +192,7 @@ fn is_news(name: &str) -> bool {
     told.insert(name.to_owned())
 }
 
-fn converted((stage, model): (&Path, &str), glb: PathBuf, record: &Record) -> Converted {
+fn converted(stage: &Path, model: &str, glb: PathBuf, record: &Record) -> Converted {
     let mut files = record.files.clone();
     if !files.iter().any(|f| f == stage) {
         files.push(stage.to_owned());
@@ -199,7 +200,7 @@ fn converted((stage, model): (&Path, &str), glb: PathBuf, record: &Record) -> Co
     Converted {
         glb,
         files,
-        warnings: summarize((stage, model), &record.warnings),
+        warnings: summarize(stage, model, &record.warnings),
     }
 }
 
@@ -211,7 +212,7 @@ pub const STAGE_EMPTY: &str = "stage-empty";
 const MOST_OF_A_NAME: usize = 3;
 
 /// Summary of the converter's warnings.
-fn summarize(of: (&Path, &str), warnings: &[SidecarWarning]) -> Vec<Diagnostic> {
+fn summarize(stage: &Path, model: &str, warnings: &[SidecarWarning]) -> Vec<Diagnostic> {
     let mut names: Vec<&str> = Vec::new();
     for warning in warnings {
         if !names.contains(&warning.name.as_str()) {
@@ -226,11 +227,11 @@ fn summarize(of: (&Path, &str), warnings: &[SidecarWarning]) -> Vec<Diagnostic> 
     };
     let groups = names.into_iter().map(of_name);
     groups
-        .flat_map(|group| summarize_name(of, &group))
+        .flat_map(|group| summarize_name(stage, model, &group))
         .collect()
 }
 
-fn summarize_name((stage, model): (&Path, &str), group: &[&SidecarWarning]) -> Vec<Diagnostic> {
+fn summarize_name(stage: &Path, model: &str, group: &[&SidecarWarning]) -> Vec<Diagnostic> {
     let is_long = group.len() > MOST_OF_A_NAME;
     let shown = if is_long { &group[..1] } else { group };
     let one = |w: &&SidecarWarning| {
@@ -307,7 +308,7 @@ mod tests {
         };
         let mut warnings = vec![of("a", "/A"), of("b", "/B"), of("a", "/C"), of("a", "/D")];
         let messages = |warnings: &[SidecarWarning]| -> Vec<String> {
-            let told = summarize((Path::new("s.usda"), "model"), warnings);
+            let told = summarize(Path::new("s.usda"), "model", warnings);
             told.into_iter().map(|warning| warning.message).collect()
         };
         let one_by_one = ["/A", "/C", "/D"].map(|prim| format!("{prim}: is left out [a]"));

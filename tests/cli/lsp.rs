@@ -130,7 +130,7 @@ impl Client {
     }
 
     /// Sends a request at the position `|` of a text, which is opened under that name without the mark.
-    fn at(&mut self, method: &str, name: &str, text: &str) -> Value {
+    fn ask_at(&mut self, method: &str, name: &str, text: &str) -> Value {
         let before = text.split('|').next().expect("a mark");
         let line = before.matches('\n').count();
         let character = before
@@ -153,7 +153,7 @@ impl Client {
         let change =
             json!({ "textDocument": { "uri": uri }, "contentChanges": [{ "text": plain }] });
         self.tell("textDocument/didChange", change);
-        let items = self.at("completion", name, text);
+        let items = self.ask_at("completion", name, text);
         let items = items.as_array().expect("a list").iter();
         items
             .map(|i| i["label"].as_str().expect("text").to_owned())
@@ -289,7 +289,7 @@ fn places_are_explained_and_names_lead_to_where_they_are_given() {
         ("parts.toml", PARTS, "meta|llic", "Metalness"),
         ("move.rhai", SCRIPT, "pla|ce", "Places an instance"),
     ] {
-        let hover = client.at("hover", name, &marked(text, mark));
+        let hover = client.ask_at("hover", name, &marked(text, mark));
         let value = hover["contents"]["value"].as_str().unwrap_or_default();
         assert!(value.contains(wanted), "{mark}: {hover}");
     }
@@ -300,7 +300,7 @@ fn places_are_explained_and_names_lead_to_where_they_are_given() {
         ("move.rhai", SCRIPT, "\"fir|st\"", "scene.toml", 12),
         ("move.rhai", SCRIPT, "params.li|ft", "scene.toml", 5),
     ] {
-        let found = client.at("definition", name, &marked(text, mark));
+        let found = client.ask_at("definition", name, &marked(text, mark));
         assert_eq!(found[0]["uri"], client.uri(file), "{mark}: {found}");
         assert_eq!(found[0]["range"]["start"]["line"], line, "{mark}: {found}");
     }

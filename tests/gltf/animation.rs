@@ -12,7 +12,7 @@ use reflet::{
 };
 use serde_json::{Value, json};
 
-use crate::kit::{Doc, Folder, at, instance, load_scene, scene, trs, warnings};
+use crate::kit::{Doc, Folder, instance, load_scene, scene, trs, unplaced, warnings};
 
 /// Adds an animation of one channel.
 pub fn animate(doc: &mut Doc, name: &str, node: usize, path: &str, keys: &[(f32, &[f32])]) {
@@ -76,7 +76,7 @@ pub fn cart() -> Doc {
 }
 
 pub fn playing(names: &[&str]) -> AnimationDesc {
-    AnimationDesc::of(names.iter().map(|name| at(name)).collect())
+    AnimationDesc::endless(names.iter().map(|name| unplaced(name)).collect())
 }
 
 /// Scene of the cart at 24 frames per second, whose model plays these animations.

@@ -16,7 +16,7 @@ use serde_json::Value;
 
 use crate::{
     common::shared_folder,
-    kit::{at, load_scene, scene},
+    kit::{load_scene, scene, unplaced},
 };
 
 /// JSON and buffers of a file.
@@ -262,7 +262,7 @@ fn poses_of_the_corpus_equal_a_second_evaluation() {
         for (i, animation) in world.animations.iter().enumerate() {
             desc.models[0].value.animation = Some(AnimationDesc {
                 repeat: Playback::Once,
-                ..AnimationDesc::of(vec![at(&animation.name)])
+                ..AnimationDesc::endless(vec![unplaced(&animation.name)])
             });
             desc.timeline = Some(TimelineDesc {
                 fps: 12.0 / animation.duration_s.max(0.1),

@@ -1,7 +1,7 @@
 //! Skins and morph targets: at rest, in the pose of the first frame after loading, and moving.
 
 use crate::common::assert_says;
-use crate::kit::{Doc, Folder, at, instance, load_scene, one_error, scene, warnings};
+use crate::kit::{Doc, Folder, instance, load_scene, one_error, scene, unplaced, warnings};
 use glam::{DAffine3, DQuat, DVec3, Vec3};
 use reflet::{
     scene::{
@@ -77,7 +77,7 @@ fn broken_targets_are_named() {
 fn played(folder: &Folder, doc: &Doc, start: u32) -> SceneDesc {
     folder.write("m.glb", doc.glb());
     let mut desc = scene(&folder.0, "m.glb");
-    desc.models[0].value.animation = Some(AnimationDesc::of(vec![at("clip")]));
+    desc.models[0].value.animation = Some(AnimationDesc::endless(vec![unplaced("clip")]));
     desc.timeline = Some(TimelineDesc {
         fps: 10.0,
         start,
@@ -170,7 +170,7 @@ fn skins_begin_with_the_first_frame() {
     let world = load_scene(&desc).expect("loads");
     assert_eq!([0, 1].map(|i| corners(&world, i)[0].y), [2.0, 1.0]);
     desc.instances[1].animation = desc.models[0].value.animation.clone();
-    desc.instances[0].animation = Some(AnimationDesc::of(Vec::new()));
+    desc.instances[0].animation = Some(AnimationDesc::endless(Vec::new()));
     let world = load_scene(&desc).expect("loads");
     assert_eq!([0, 1].map(|i| corners(&world, i)[0].y), [1.0, 2.0]);
 }

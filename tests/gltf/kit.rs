@@ -228,7 +228,7 @@ pub fn one_error(result: Result<World, Vec<Diagnostic>>) -> (&'static str, Strin
 
 /// Scene in `folder` with `file` as model `m`, with one instance at the origin.
 pub fn scene(folder: &Path, file: &str) -> SceneDesc {
-    let source = ModelSource::File(at(file));
+    let source = ModelSource::File(unplaced(file));
     let model = ModelDesc {
         source,
         material: None,
@@ -249,7 +249,7 @@ pub fn load_scene(desc: &SceneDesc) -> Result<World, Vec<Diagnostic>> {
     load(desc, &LoadOptions::default())
 }
 
-pub fn at(text: &str) -> At<String> {
+pub fn unplaced(text: &str) -> At<String> {
     At {
         value: text.to_owned(),
         at: Span::default(),
@@ -329,7 +329,7 @@ pub fn rich() -> Doc {
 pub fn instance(model: &str) -> InstanceDesc {
     InstanceDesc {
         name: None,
-        model: at(model),
+        model: unplaced(model),
         placement: trs(Vec3::ZERO),
         dynamic: false,
         shown: Default::default(),

@@ -4,7 +4,7 @@ use std::io::Cursor;
 
 use crate::{
     common::Random,
-    kit::{Doc, Folder, at, entry, load_scene, png, rich, scene, stone},
+    kit::{Doc, Folder, entry, load_scene, png, rich, scene, stone, unplaced},
     work::Most,
 };
 use image::ImageFormat;
@@ -74,7 +74,7 @@ fn scene_text_names_any_image_that_is_read() {
         folder.write(name, bytes);
         let mut desc = scene(&folder.0, "m.glb");
         let own = MaterialDesc {
-            base_color_texture: Some(at(name)),
+            base_color_texture: Some(unplaced(name)),
             ..MaterialDesc::default()
         };
         desc.models[0].value.overrides = vec![entry("stone", own)];

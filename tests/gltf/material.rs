@@ -2,7 +2,7 @@
 
 use std::f32::consts::FRAC_PI_2;
 
-use crate::kit::{Doc, Folder, at, entry, instance, load_scene, png, scene, stone, warnings};
+use crate::kit::{Doc, Folder, entry, instance, load_scene, png, scene, stone, unplaced, warnings};
 use glam::{Vec3, Vec4};
 use reflet::{
     scene::desc::{InstanceDesc, InstanceMaterialDesc, MaterialDesc, ReflectionMode},
@@ -230,7 +230,7 @@ fn an_overridden_image_is_never_decoded() {
     folder.write("own.png", png(1, 1, [1, 2, 3, 4]));
     let mut desc = scene(&folder.0, "m.glb");
     let own = MaterialDesc {
-        base_color_texture: Some(at("own.png")),
+        base_color_texture: Some(unplaced("own.png")),
         ..MaterialDesc::default()
     };
     desc.models[0].value.overrides = vec![entry("stone", own)];

@@ -10,7 +10,7 @@ use reflet::{
 };
 use serde_json::json;
 
-use crate::kit::{Doc, Folder, at, scene, warnings};
+use crate::kit::{Doc, Folder, scene, unplaced, warnings};
 
 /// A file with an animation of 2 s that changes the target of each pointer from its first to its last value.
 fn doc(pointers: &[(&str, &str, &[f32], &[f32])]) -> Doc {
@@ -50,7 +50,7 @@ fn doc(pointers: &[(&str, &str, &[f32], &[f32])]) -> Doc {
 fn halfway(folder: &Folder, doc: &Doc) -> World {
     folder.write("m.glb", doc.glb());
     let mut desc = scene(&folder.0, "m.glb");
-    desc.models[0].value.animation = Some(AnimationDesc::of(vec![at("clip")]));
+    desc.models[0].value.animation = Some(AnimationDesc::endless(vec![unplaced("clip")]));
     desc.timeline = Some(TimelineDesc {
         fps: 10.0,
         start: 0,
@@ -167,7 +167,7 @@ fn what_a_pointer_cannot_change_is_named() {
         let broken = doc(&[(pointer, form, &[0.0, 0.0, 0.0], &[0.0, 0.0, 0.0])]);
         folder.write("m.glb", broken.glb());
         let mut desc = scene(&folder.0, "m.glb");
-        desc.models[0].value.animation = Some(AnimationDesc::of(vec![at("clip")]));
+        desc.models[0].value.animation = Some(AnimationDesc::endless(vec![unplaced("clip")]));
         let errors = load::load(&desc, &load::LoadOptions::default()).expect_err("broken");
         let message = errors[0].to_string();
         assert!(message.contains(says), "{pointer}: {message}");

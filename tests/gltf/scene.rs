@@ -1,7 +1,7 @@
 //! Lights, cameras, placements and files of glTF in a scene.
 
 use crate::kit::{
-    Doc, Folder, at, entry, instance, load_scene, one_error, png, scene, stone, trs, warnings,
+    Doc, Folder, entry, instance, load_scene, one_error, png, scene, stone, trs, unplaced, warnings,
 };
 use glam::{Affine3A, Vec3};
 use reflet::{
@@ -27,7 +27,7 @@ fn shape(shape: ShapeDesc, material: Option<&str>) -> ModelDesc {
     let source = ModelSource::Shape(shape);
     ModelDesc {
         source,
-        material: material.map(at),
+        material: material.map(unplaced),
         overrides: Vec::new(),
         lights: true,
         variant: None,
@@ -183,7 +183,7 @@ fn shapes_take_named_materials_and_grids() {
                 count: [2, 1, 3],
                 step: Vec3::new(2.0, 0.0, 5.0),
             }),
-            material: Some(InstanceMaterialDesc::Named(at("plain"))),
+            material: Some(InstanceMaterialDesc::Named(unplaced("plain"))),
             ..instance("block")
         }],
         ..SceneDesc::default()
@@ -227,7 +227,7 @@ fn dangling_names_are_all_reported() {
     );
     assert_eq!(errors[0].help.as_deref(), Some("did you mean \"ball\"?"));
     desc.instances.clear();
-    desc.models[0].value.material = Some(at("gold"));
+    desc.models[0].value.material = Some(unplaced("gold"));
     assert_eq!(one_error(load_scene(&desc)).0, "unknown-name");
 }
 

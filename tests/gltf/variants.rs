@@ -1,6 +1,6 @@
 //! KHR_materials_variants: materials chosen by the variant's name.
 
-use crate::kit::{Doc, Folder, at, load_scene, one_error, scene};
+use crate::kit::{Doc, Folder, load_scene, one_error, scene, unplaced};
 use serde_json::json;
 
 /// A triangle with a plain material, and two other materials in three variants.
@@ -39,7 +39,7 @@ fn a_variant_is_chosen_by_name() {
         (Some("street"), "blue"),
         (Some("night"), "red"),
     ] {
-        desc.models[0].value.variant = variant.map(at);
+        desc.models[0].value.variant = variant.map(unplaced);
         let world = load_scene(&desc).expect("loads");
         let names: Vec<_> = world
             .instances
@@ -53,7 +53,7 @@ fn a_variant_is_chosen_by_name() {
         assert_eq!(listed.names, ["beach", "street", "night"]);
         assert_eq!(listed.shown.as_deref(), variant);
     }
-    desc.models[0].value.variant = Some(at("nigt"));
+    desc.models[0].value.variant = Some(unplaced("nigt"));
     let errors = load_scene(&desc).expect_err("no such variant");
     assert_eq!(errors[0].name, "unknown-variant");
     let help = errors[0].help.as_deref().expect("help");

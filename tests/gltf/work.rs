@@ -25,7 +25,7 @@ pub struct Most {
 
 impl Most {
     /// Calls `read`, and keeps its work where it is the largest.
-    pub fn of<T: Send>(&mut self, read: impl FnOnce() -> T + Send) -> T {
+    pub fn keep<T: Send>(&mut self, read: impl FnOnce() -> T + Send) -> T {
         let (result, work) = counted(read);
         self.bytes = self.bytes.max(work.bytes_total);
         self.allocations = self.allocations.max(work.count_total);
@@ -34,7 +34,7 @@ impl Most {
 
     /// Whether a damaged file loads: then its world keeps its promises, otherwise it is refused for a fault of the file.
     pub fn loads(&mut self, doc: &Doc, what: &str) -> bool {
-        match self.of(|| doc.load()) {
+        match self.keep(|| doc.load()) {
             Ok(world) => {
                 check_promises(&world, what);
                 true

@@ -251,7 +251,7 @@ fn after_its_device_is_gone_a_renderer_gives_errors() {
     let set = ["image.size=[32, 18]".to_owned()];
     let (desc, _) = Scene::from_text(text, Path::new("cornell.toml"), &set).expect("a scene");
     let world = load::load(&desc, &load::LoadOptions::default()).expect("a world");
-    let options = RenderOptions::of(&desc);
+    let options = RenderOptions::for_scene(&desc);
     let camera = &world.cameras[0].value;
     let mut renderer = Renderer::new(&gpu, &shaders(), &world, &options).expect("a renderer");
     renderer.render(&gpu, camera).expect("a picture");

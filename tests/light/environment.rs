@@ -18,7 +18,8 @@ fn render_under(
     name: &str,
     size: [usize; 2],
     texel: impl Fn(usize, usize) -> [f32; 3] + Sync,
-    (text, set): (&str, &[&str]),
+    text: &str,
+    set: &[&str],
 ) -> Option<Picture> {
     let gpu = gpu()?;
     let folder = folder(name);
@@ -57,17 +58,17 @@ fn a_constant_environment_on_a_matte_floor_is_albedo_times_radiance() {
 fn a_panorama_of_one_texel_is_a_constant() {
     let text = format!("{FLOOR}{SKY}");
     let one = |_, _| [0.3, 0.6, 0.9];
-    let Some(floor) = render_under("one-texel", [1, 1], one, (&text, &[])) else {
+    let Some(floor) = render_under("one-texel", [1, 1], one, &text, &[]) else {
         return;
     };
     assert_color(&floor, 8, 4, [0.15, 0.3, 0.45], 1e-3);
     let up = ["camera.main.target=[0, 9, 0]"];
-    let Some(sky) = render_under("one-texel-sky", [1, 1], one, (&text, &up)) else {
+    let Some(sky) = render_under("one-texel-sky", [1, 1], one, &text, &up) else {
         return;
     };
     assert_color(&sky, 8, 4, [0.3, 0.6, 0.9], 1e-3);
     let hidden = [up[0], "environment.visible=false"];
-    let Some(sky) = render_under("one-texel-hidden", [1, 1], one, (&text, &hidden)) else {
+    let Some(sky) = render_under("one-texel-hidden", [1, 1], one, &text, &hidden) else {
         return;
     };
     assert_color(&sky, 8, 4, [0.0; 3], 0.0);
@@ -88,7 +89,7 @@ fn a_sun_behind_a_surface_leaves_no_grain_on_it() {
     for turn in ["0", "77"] {
         let turn = format!("environment.rotation_deg={turn}");
         let set = ["image.light_rays=1", turn.as_str()];
-        let Some(picture) = render_under("sun-behind", [128, 64], sun, (&text, &set)) else {
+        let Some(picture) = render_under("sun-behind", [128, 64], sun, &text, &set) else {
             return;
         };
         for (x, y) in [(0, 0), (8, 4), (9, 4), (15, 7)] {
@@ -127,7 +128,7 @@ fn a_panorama_stands_as_its_convention_says_and_turns() {
         let turn = format!("environment.rotation_deg={turn}");
         let away = "instance=[{model=\"mirror\", translation=[0, -9, 0]}]";
         let set = [target.as_str(), &turn, away];
-        let Some(picture) = render_under("quarters", [32, 16], quarters, (&sky, &set)) else {
+        let Some(picture) = render_under("quarters", [32, 16], quarters, &sky, &set) else {
             return;
         };
         assert_color(&picture, 4, 4, expected, 1e-3);
@@ -141,8 +142,7 @@ fn a_panorama_stands_as_its_convention_says_and_turns() {
     for method in ["rt", "hybrid"] {
         let method = format!("reflection.method={method}");
         let set = [set[0], set[1], set[2], &method];
-        let Some(picture) = render_under("quarters-mirror", [32, 16], quarters, (&sky, &set))
-        else {
+        let Some(picture) = render_under("quarters-mirror", [32, 16], quarters, &sky, &set) else {
             return;
         };
         assert_color(&picture, 4, 4, red, 1e-3);
@@ -207,7 +207,7 @@ fn samples_of_a_panorama_converge_to_its_irradiance() {
             "image.light_rays=1".to_owned(),
         ];
         let set: Vec<&str> = set.iter().map(String::as_str).collect();
-        let picture = render_under("sunny", [128, 64], sunny, (&text, &set));
+        let picture = render_under("sunny", [128, 64], sunny, &text, &set);
         let Some(picture) = picture else { return };
         for (c, expected) in expected.into_iter().enumerate() {
             assert_close(mean(&picture)[c], expected, together);

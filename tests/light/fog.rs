@@ -277,7 +277,7 @@ fn fog_of_density_0_costs_nothing() {
     let names = |text: &str| {
         let (desc, world) = scene(text, &[]);
         let renderer = renderer(gpu, &desc, &world, false);
-        let passes = passes::needed_passes(renderer.plan(), &RenderOptions::of(&desc));
+        let passes = passes::needed_passes(renderer.plan(), &RenderOptions::for_scene(&desc));
         passes.iter().map(|pass| pass.name).collect::<Vec<_>>()
     };
     assert_eq!(names(&none), names(&zero));

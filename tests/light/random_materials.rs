@@ -136,7 +136,8 @@ fn check(seeds: Range<u32>) {
         let renderer = match &mut kept {
             None => kept.insert(renderer(gpu, &desc, &world, false)),
             Some(renderer) => {
-                let changed = renderer.change(gpu, &shaders(), &world, &RenderOptions::of(&desc));
+                let changed =
+                    renderer.change(gpu, &shaders(), &world, &RenderOptions::for_scene(&desc));
                 changed.unwrap_or_else(|e| panic!("{seed}: {e}"));
                 renderer
             }

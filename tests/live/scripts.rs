@@ -332,7 +332,7 @@ fn edits_of_materials_of_one_name_stay_with_their_own() {
         instance.expect(name).material
     };
     let (first, second) = (material(&session, "box0"), material(&session, "box1"));
-    let names = SceneSummary::of(&session.live).materials;
+    let names = SceneSummary::from_live(&session.live).materials;
     assert_eq!(names[second].name, format!("{}#2", names[first].name));
     let mut edit = Edit::new(second);
     for (field, value) in MATERIAL.iter().zip(&mut edit.values) {

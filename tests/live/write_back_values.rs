@@ -57,7 +57,10 @@ fn materials_are_written_in_the_layer_that_says_them() {
     let mut live = open(&gpu, &shot, None);
     let write = |live: &mut Live, name: &str, number: Numbers| {
         let before = [read(&base), read(&shot)];
-        let written = live.write_material(material(live, name), &number);
+        let written = {
+            let found = material(live, name);
+            live.write_material(found.0, found.1, &number)
+        };
         written.unwrap_or_else(|why| panic!("{name}: {why}"));
         assert!(live.reload(&[Change::Scene].into()).ok);
         assert_ne!([read(&base), read(&shot)], before, "{name}");
@@ -130,12 +133,12 @@ fn what_does_not_rest_is_said_and_not_written() {
             "`--set light.lamp.color=",
         ),
         (
-            live.write_material(red, &numbers("roughness", &[0.5]))
+            live.write_material(red.0, red.1, &numbers("roughness", &[0.5]))
                 .map(drop),
             "`[motion.material.red]`",
         ),
         (
-            live.write_material(floor, &numbers("roughness", &[0.7]))
+            live.write_material(floor.0, floor.1, &numbers("roughness", &[0.7]))
                 .map(drop),
             "the script sets it",
         ),
@@ -153,7 +156,7 @@ fn what_does_not_rest_is_said_and_not_written() {
     assert!(said.contains("`--set params.height="), "{said}");
     assert_eq!(read(&path), text, "nothing is written");
     // Another number of the same table rests, and is written.
-    let done = live.write_material(floor, &numbers("reflectivity", &[0.25]));
+    let done = live.write_material(floor.0, floor.1, &numbers("reflectivity", &[0.25]));
     assert_eq!(done.as_deref(), Ok("[material.floor]"));
     assert_eq!(
         read(&path),

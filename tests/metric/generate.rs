@@ -37,7 +37,7 @@ pub fn flat(width: usize, height: usize, encoding: Encoding, color: [f32; 3]) ->
 
 /// All metrics of a pair.
 pub fn scores(test: &Picture, reference: &Picture, mask: Option<&Mask>) -> Scores {
-    Maps::of(&Pair::new(test, reference).expect("one size")).scores(mask)
+    Maps::compare(&Pair::new(test, reference).expect("one size")).scores(mask)
 }
 
 /// Pseudo-random numbers from 0 to 2³² − 1 (xorshift; Marsaglia 2003).

@@ -149,7 +149,7 @@ fn the_number_of_threads_changes_no_bit() {
     let [one, four] = [1, 4].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         pool.expect("a pool")
-            .install(|| Maps::of(&pair).scores(None))
+            .install(|| Maps::compare(&pair).scores(None))
     });
     assert_eq!(one, four);
 }

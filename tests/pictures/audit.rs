@@ -36,7 +36,7 @@ fn audited_of(text: &str, size: &str, method: Method) -> Option<(Picture, Audit)
     let of = |method, audit| {
         let mut options = RenderOptions {
             audit,
-            ..RenderOptions::of(&desc)
+            ..RenderOptions::for_scene(&desc)
         };
         options.reflection.method = method;
         let mut renderer =
@@ -135,7 +135,7 @@ fn a_renderer_that_changes_its_method_audits_too() {
     let (desc, world) = scene(ATRIUM, &["image.size=[64, 36]"]);
     let mut options = RenderOptions {
         audit: true,
-        ..RenderOptions::of(&desc)
+        ..RenderOptions::for_scene(&desc)
     };
     options.reflection.method = Method::Rt;
     let library = shaders();

@@ -101,7 +101,7 @@ fn faces_of_one_pixel_are_rendered_and_the_largest_refused() {
     let gpu = gpu().expect("a GPU");
     assert!(one.color.iter().all(|v| v.is_finite()));
     let (desc, world) = scene(ROOM, &["box_faces.face_px=16384"]);
-    let options = reflet::render::RenderOptions::of(&desc);
+    let options = reflet::render::RenderOptions::for_scene(&desc);
     let refused = Renderer::new(gpu, &shaders(), &world, &options).expect_err("too large");
     let text = refused.to_string();
     assert_says(

@@ -42,7 +42,7 @@ const SMALL_BYTES: u64 = 1 << 17;
 const LARGE: u32 = 32;
 
 fn shown(gpu: &Gpu, (desc, world): &(SceneDesc, World), visibility: Visibility) -> Picture {
-    let mut options = RenderOptions::of(desc);
+    let mut options = RenderOptions::for_scene(desc);
     options.reflection.method = Method::Hybrid;
     options.image.visibility = visibility;
     let mut renderer =
@@ -132,7 +132,7 @@ fn more_than_all_buffers_hold_is_refused_by_name() {
     small.limits.max_storage_buffer_binding_size = SMALL_BYTES;
     small.limits.max_storage_buffers_per_shader_stage = 12;
     let (desc, world) = scene(&balls(LARGE), &[]);
-    let mut options = RenderOptions::of(&desc);
+    let mut options = RenderOptions::for_scene(&desc);
     options.reflection.method = Method::Hybrid;
     let error = Renderer::new(&small, &shaders(), &world, &options).expect_err("too much");
     let message = error.to_string();

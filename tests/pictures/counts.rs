@@ -27,7 +27,7 @@ fn counted(text: &str, set: &[&str]) -> Option<(Renderer, World, Vec<PassCounts>
     Some((renderer, world, counts))
 }
 
-fn of(counts: &[PassCounts], pass: &str) -> Counts {
+fn counts_of(counts: &[PassCounts], pass: &str) -> Counts {
     let found = counts.iter().find(|c| c.pass == pass);
     found
         .unwrap_or_else(|| panic!("{pass} did not count"))
@@ -68,7 +68,7 @@ fn a_march_to_the_border_takes_the_steps_that_its_length_says() {
             taken.into()
         };
         let expected: u64 = (0..65).map(steps_of).sum();
-        let ssr = of(&counts, "ssr");
+        let ssr = counts_of(&counts, "ssr");
         assert_eq!(ssr.march_steps, expected, "{steps} steps at most");
         assert_eq!((ssr.traversals, ssr.visited_nodes), (0, 0));
     }
@@ -89,7 +89,7 @@ fn facing_mirrors_visit_one_node_a_bounce() {
         let Some((_, _, counts)) = counted(FACING, &set) else {
             return;
         };
-        let trace = of(&counts, "trace");
+        let trace = counts_of(&counts, "trace");
         let rays = 2 * 81 * bounces; // sub-frames × pixels × bounces
         assert_eq!((trace.traversals, trace.visited_nodes), (rays, rays));
         let tested = trace.tested_triangles;
@@ -110,7 +110,7 @@ fn bounces_end_where_the_throughput_falls_below_a_level_of_255() {
     let Some((_, _, counts)) = counted(FACING, &set) else {
         return;
     };
-    assert_eq!(of(&counts, "trace").traversals, 3 * 81);
+    assert_eq!(counts_of(&counts, "trace").traversals, 3 * 81);
 }
 
 /// With a strength of 0 nothing is reflected, so that no ray is sent, and the picture is the same; but glass
@@ -149,7 +149,7 @@ fn every_lit_pixel_sends_one_shadow_ray_to_each_light() {
     let Some((_, _, counts)) = counted(text, &[]) else {
         return;
     };
-    let light = of(&counts, "light");
+    let light = counts_of(&counts, "light");
     assert_eq!((light.traversals, light.visited_nodes), (288, 288));
     assert_eq!(light.march_steps, 0);
     assert_eq!(counts.len(), 1, "nothing reflects: {counts:?}");
@@ -174,8 +174,12 @@ fn counts_repeat_and_hybrid_visits_no_more_than_rt() {
     let names = |counts: &[PassCounts]| counts.iter().map(|c| c.pass).collect::<Vec<_>>();
     assert_eq!(names(&ssr), ["light", "ssr", "hits"]);
     assert_eq!(names(&rt), ["light", "trace"]);
-    assert_eq!(of(&ssr, "ssr"), of(&hybrid, "ssr"), "the same march");
-    let [some, all] = [&hybrid, &rt].map(|counts| of(counts, "trace"));
+    assert_eq!(
+        counts_of(&ssr, "ssr"),
+        counts_of(&hybrid, "ssr"),
+        "the same march"
+    );
+    let [some, all] = [&hybrid, &rt].map(|counts| counts_of(counts, "trace"));
     for ((what, some), (_, all)) in some.named().into_iter().zip(all.named()).skip(1) {
         assert!(0 < some && some < all, "{what}: {some} of {all}");
     }

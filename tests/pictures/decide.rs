@@ -24,7 +24,7 @@ const BALLS: &str = include_str!("decide/balls.toml");
 
 fn decided(text: &str, set: &[&str], software: bool) -> Decided {
     let (desc, world) = scene(text, set);
-    let options = RenderOptions::of(&desc);
+    let options = RenderOptions::for_scene(&desc);
     let trees = if needs_trees(&world, &options) {
         Trees::build(&world, u64::MAX).expect("small")
     } else {
@@ -170,7 +170,7 @@ fn only_auto_lights_and_what_they_reach_are_weighed() {
         let (desc, world) = scene(&text, &[small]);
         let trees = Trees::build(&world, u64::MAX).expect("small");
         let view = View::new(&world.cameras[0].value, desc.image.size, world.unit_m());
-        ViewSample::new(&world, &trees, &view, &RenderOptions::of(&desc)).shadows[1].0
+        ViewSample::new(&world, &trees, &view, &RenderOptions::for_scene(&desc)).shadows[1].0
     };
     let (narrow, wide) = (spot("30"), spot("60"));
     assert!(0 < narrow && narrow < wide, "{narrow} {wide}");
@@ -207,7 +207,7 @@ fn a_decided_picture_is_the_one_that_says_so_itself() {
     let Some(gpu) = gpu() else { return };
     for text in [BALLS, MIRRORS] {
         let (desc, world) = scene(text, &["image.size=[96, 54]"]);
-        let options = RenderOptions::of(&desc);
+        let options = RenderOptions::for_scene(&desc);
         let mut auto = Renderer::new(gpu, &shaders(), &world, &options).expect("built");
         let camera = &world.cameras[0].value;
         let picture = auto.picture(gpu, camera, &[]).expect("drawn");

@@ -57,7 +57,7 @@ pub fn render(gpu: &Gpu, text: &str, set: &[&str], aovs: &[Aov]) -> Picture {
 pub fn renderer(gpu: &Gpu, desc: &SceneDesc, world: &World, general: bool) -> Renderer {
     let mut options = RenderOptions {
         general,
-        ..RenderOptions::of(desc)
+        ..RenderOptions::for_scene(desc)
     };
     // Choices that tests rely on where the scene leaves them to `auto`.
     if options.reflection.method == Method::Auto {

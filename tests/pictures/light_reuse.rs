@@ -38,19 +38,19 @@ fn shadows_in_reflections_are_the_same_for_less_work() {
     let text = scene_with(4);
     for method in ["hybrid", "rt", "ssr"] {
         let method = format!("reflection.method={method}");
-        let lent = render(gpu, &text, &[&method], &[Aov::Cause]);
+        let reused = render(gpu, &text, &[&method], &[Aov::Cause]);
         let anew = render(gpu, &text, &[&method, ANEW], &[Aov::Cause]);
         // Only details smaller than a pixel may be lost.
-        let differing = share_differing(&lent, &anew, 2);
+        let differing = share_differing(&reused, &anew, 2);
         assert!(differing < 1e-3, "{method}: {differing}");
     }
     for (method, pass) in [("hybrid", "hits"), ("rt", "trace")] {
         let method = format!("reflection.method={method}");
-        let lent = traversals(&text, &[&method], pass);
+        let reused = traversals(&text, &[&method], pass);
         let anew = traversals(&text, &[&method, ANEW], pass);
         assert!(
-            lent * 4 < anew * 3 && anew > 1000,
-            "{method}: {lent} of {anew}"
+            reused * 4 < anew * 3 && anew > 1000,
+            "{method}: {reused} of {anew}"
         );
     }
 }
@@ -59,9 +59,9 @@ fn shadows_in_reflections_are_the_same_for_less_work() {
 fn lights_past_the_32nd_are_followed_anew() {
     let Some(gpu) = gpu() else { return };
     let text = scene_with(40);
-    let lent = render(gpu, &text, &["image.size=[96, 54]"], &[]);
+    let reused = render(gpu, &text, &["image.size=[96, 54]"], &[]);
     let anew = render(gpu, &text, &["image.size=[96, 54]", ANEW], &[]);
-    assert!(share_differing(&lent, &anew, 2) < 1e-3);
+    assert!(share_differing(&reused, &anew, 2) < 1e-3);
 }
 
 /// The camera sees the lit side of a thin sheet, the mirror behind it the dark one: both are at the
@@ -71,8 +71,8 @@ fn the_other_side_of_a_sheet_lends_nothing() {
     let Some(gpu) = gpu() else { return };
     let text = include_str!("light_reuse/the_other_side_of_a_sheet_lends_nothing.toml");
     for method in ["reflection.method=hybrid", "reflection.method=rt"] {
-        let lent = render(gpu, text, &[method], &[]);
+        let reused = render(gpu, text, &[method], &[]);
         let anew = render(gpu, text, &[method, ANEW], &[]);
-        assert_eq!(lent.display, anew.display, "{method}");
+        assert_eq!(reused.display, anew.display, "{method}");
     }
 }

@@ -32,7 +32,7 @@ const COSTS: UnitCosts = UnitCosts {
 
 fn decided(set: &[&str], costs: UnitCosts) -> Decided {
     let (desc, world) = scene(SCENE, set);
-    let mut options = RenderOptions::of(&desc);
+    let mut options = RenderOptions::for_scene(&desc);
     options.costs = Some(costs);
     let trees = Trees::build(&world, u64::MAX).expect("small");
     decide(&world, &trees, &options, true)
@@ -83,7 +83,7 @@ fn surfaces_are_marched_where_that_is_cheaper() {
 fn traced_surfaces_are_not_marched_and_look_as_before() {
     let Some(gpu) = gpu() else { return };
     let (desc, world) = scene(SCENE, &[HYBRID, CHEAPER]);
-    let mut options = RenderOptions::of(&desc);
+    let mut options = RenderOptions::for_scene(&desc);
     options.costs = Some(COSTS);
     let mut renderer = Renderer::new(gpu, &shaders(), &world, &options).expect("built");
     let camera = &world.cameras[0].value;

@@ -4,7 +4,7 @@ use crate::kit::{color, gpu, mean, render};
 
 const WALL: &str = include_str!("pattern/wall.toml");
 
-fn of(kind: &str) -> String {
+fn scene(kind: &str) -> String {
     WALL.replace("kind = \"brick\"", &format!("kind = \"{kind}\""))
 }
 
@@ -22,7 +22,7 @@ fn both_colors_are_seen_from_near() {
         ("noise", 0.3, 0.7),
         ("marble", 0.35, 0.65),
     ] {
-        let picture = render(gpu, &of(kind), &[], &[]);
+        let picture = render(gpu, &scene(kind), &[], &[]);
         let all = (0..64).flat_map(|y| (0..96).map(move |x| (x, y)));
         let shares: Vec<f32> = all.map(|(x, y)| share(color(&picture, x, y))).collect();
         let seen = |low: f32, high: f32| shares.iter().filter(|s| (low..high).contains(*s)).count();
@@ -40,8 +40,8 @@ fn patterns_are_filtered() {
     for kind in ["checker", "brick", "noise", "marble"] {
         for distance in [12, 160] {
             let eye = format!("camera.main.eye=[0.1, 20, {distance}]");
-            let one = render(gpu, &of(kind), &[&eye], &[]);
-            let many = render(gpu, &of(kind), &[&eye, "image.samples=16"], &[]);
+            let one = render(gpu, &scene(kind), &[&eye], &[]);
+            let many = render(gpu, &scene(kind), &[&eye, "image.samples=16"], &[]);
             let mut square = 0.0;
             for (x, y) in (0..64).flat_map(|y| (0..96).map(move |x| (x, y))) {
                 let difference = share(color(&one, x, y)) - share(color(&many, x, y));

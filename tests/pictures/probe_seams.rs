@@ -30,14 +30,14 @@ fn the_cpu_chooses_the_probes_that_the_look_up_shows() {
         let set = ["reflection.method=probe", nearest_set.as_str()];
         let picture = render(gpu, PANELS, &set, &[]);
         let (desc, world) = scene(PANELS, &set);
-        let settings = RenderOptions::of(&desc).reflection.probes;
+        let settings = RenderOptions::for_scene(&desc).reflection.probes;
         let boxes = probe_boxes(&world, &settings, 1.0).expect("three boxes");
         let mut blended = 0;
         for (x, y) in (0..36).flat_map(|y| (0..64).map(move |x| (x, y))) {
             // A pixel is 1 / 9 m wide; the picture's lower edge is nearer to the reader, at larger z.
             let [right, down] = [x - 32, y - 18].map(|i| (i as f32 + 0.5) / 9.0);
             let point = Vec3::new(right, 0.0, down);
-            let choice = ProbeChoice::at(&boxes, point, nearest);
+            let choice = ProbeChoice::at_point(&boxes, point, nearest);
             let mut expected = [0.0; 3];
             for (probe, weight) in choice.probes.iter().zip(choice.weights) {
                 let channel = world.probes[*probe as usize].name.as_str();

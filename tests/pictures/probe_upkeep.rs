@@ -21,7 +21,7 @@ use crate::{
 fn shown(renderer: &mut Renderer, desc: &SceneDesc, world: &World) -> (Option<bool>, Picture) {
     let gpu = gpu().expect("a GPU");
     let camera = &world.cameras[0].value;
-    let changed = renderer.change(gpu, &shaders(), world, &RenderOptions::of(desc));
+    let changed = renderer.change(gpu, &shaders(), world, &RenderOptions::for_scene(desc));
     changed.unwrap_or_else(|e| panic!("{e}"));
     let stats = renderer.render(gpu, camera);
     let probes = stats.unwrap_or_else(|e| panic!("{e}")).probes;

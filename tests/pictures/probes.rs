@@ -330,7 +330,7 @@ fn more_probes_than_there_is_room_for_are_refused() {
         gpu,
         &crate::common::shaders(),
         &world,
-        &RenderOptions::of(&desc),
+        &RenderOptions::for_scene(&desc),
     );
     let error = made.expect_err("too many").to_string();
     assert!(error.contains("probes; there is room for 41"), "{error}");

@@ -185,7 +185,7 @@ fn structures_follow_poses_and_settings() {
 
 fn built(gpu: &Gpu, trace: Trace) -> Result<Renderer, RenderError> {
     let (desc, world) = scene(capsules::SCENE, &["image.size=[32, 18]"]);
-    let mut options = RenderOptions::of(&desc);
+    let mut options = RenderOptions::for_scene(&desc);
     options.reflection.method = Method::Rt;
     options.reflection.trace = trace;
     Renderer::new(gpu, &shaders(), &world, &options)
@@ -221,7 +221,7 @@ fn a_device_that_is_lost_while_structures_are_built_is_an_error() {
     let (mut desc, world) = deform::scene();
     desc.reflection.method = Method::Rt;
     desc.reflection.trace = Trace::Query;
-    let options = RenderOptions::of(&desc);
+    let options = RenderOptions::for_scene(&desc);
     for delay_ms in [0, 2, 8, 32] {
         let Some(gpu) = open() else { return };
         let ended = thread::scope(|scope| {

@@ -108,7 +108,7 @@ fn what_lets_light_through_and_reflects_nothing_has_a_list_of_its_own() {
     let Some(gpu) = gpu() else { return };
     let (desc, world) = scene(PANE, &[]);
     let [of_rt, of_hybrid] = [Method::Rt, Method::Hybrid].map(|method| {
-        let mut options = RenderOptions::of(&desc);
+        let mut options = RenderOptions::for_scene(&desc);
         options.reflection.method = method;
         let mut renderer =
             Renderer::new(gpu, &shaders(), &world, &options).unwrap_or_else(|e| panic!("{e}"));

@@ -139,7 +139,7 @@ fn methods_without_a_second_layer_draw_none() {
         let (desc, world) = scene(SCENE, &set.each_ref().map(String::as_str));
         let renderer = renderer(gpu, &desc, &world, false);
         assert_eq!(renderer.plan().features.second_layer, is_drawn, "{set:?}");
-        let options = RenderOptions::of(&desc);
+        let options = RenderOptions::for_scene(&desc);
         let passes = needed_passes(renderer.plan(), &options);
         assert_eq!(
             passes.iter().any(|pass| pass.name == "peel"),

@@ -40,8 +40,8 @@ fn hall_with_grains() -> String {
 /// Instances that a scene's rays may skip, and instances that they skip in its view.
 fn skipped(text: &str, set: &[&str]) -> (Skipping, Vec<usize>, World) {
     let (desc, world) = scene(text, set);
-    let options = RenderOptions::of(&desc);
-    let skipping = Skipping::of(&world, &options);
+    let options = RenderOptions::for_scene(&desc);
+    let skipping = Skipping::for_world(&world, &options);
     let view = view(&desc, &world);
     let indices = skipping.skipped(&world, &view, &desc.reflection);
     (skipping, indices, world)
@@ -205,7 +205,7 @@ fn bound_px(text: &str) -> f64 {
     let (mut desc, world) = scene(text, &[]);
     let mut is_skipped = |px: f64| {
         desc.reflection.skip_px = px as f32;
-        let skipping = Skipping::of(&world, &RenderOptions::of(&desc));
+        let skipping = Skipping::for_world(&world, &RenderOptions::for_scene(&desc));
         let indices = skipping.skipped(&world, &view(&desc, &world), &desc.reflection);
         indices.contains(&1)
     };

@@ -52,7 +52,7 @@ fn soup(random: &mut Random, count: usize) -> Mesh {
             .extend([(); 3].map(|()| center + random.point(size)));
         mesh.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
     }
-    mesh.bounds = Bounds::of(mesh.positions.iter().copied());
+    mesh.bounds = Bounds::around(mesh.positions.iter().copied());
     mesh
 }
 

@@ -78,7 +78,7 @@ pub fn bounds(args: &BoundsArgs) -> Result<(), AppError> {
         args.adapter.as_deref(),
         loaded.scene.reflection.may_query(),
     )?);
-    let host = Host::of(&gpu);
+    let host = Host::detect(&gpu);
     let source = SceneSource {
         path: args.scene.clone(),
         options: args.from.options(),
@@ -101,7 +101,7 @@ pub fn bounds(args: &BoundsArgs) -> Result<(), AppError> {
     for bound in bounds {
         progress.note(&format!("error = {bound}"));
         let set = within(bound, args.at_most);
-        rows.push(row(&mut session, (set, frame), bound, &reference)?);
+        rows.push(row(&mut session, set, frame, bound, &reference)?);
     }
     let name = session.scene().name.clone();
     let report = Report {
@@ -163,7 +163,8 @@ fn rendered(session: &mut Session) -> Result<Picture, AppError> {
 /// Renders to a bound, and measures the error that the picture has.
 fn row(
     session: &mut Session,
-    (samples, frame): (String, u32),
+    samples: String,
+    frame: u32,
     bound: f64,
     reference: &Picture,
 ) -> Result<Row, AppError> {

@@ -61,7 +61,7 @@ pub fn comparators(args: &ComparatorsArgs) -> Result<(), AppError> {
         let is_moving = series.frames().count() > 1;
         let turns = if is_moving { 1 } else { args.frames };
         let size = measuring::scored_size(&gpu, &library, args.size, &mut series)?;
-        let rows = measure(&gpu, &library, (size, turns), &mut series)?;
+        let rows = measure(&gpu, &library, size, turns, &mut series)?;
         reflet_base::error_line!("measured {}", rows.scene);
         scenes.push(rows);
     }
@@ -84,7 +84,7 @@ pub(super) fn along_walk(
 ) -> Result<(), AppError> {
     let library = shaders::library(args.shaders.as_deref())?;
     let gpu = open_gpu(args, true)?;
-    let mut rows = measure(&gpu, &library, (size, args.frames), series)?;
+    let mut rows = measure(&gpu, &library, size, args.frames, series)?;
     "walk".clone_into(&mut rows.scene);
     report(&args.output, &gpu, args.frames, "", &[rows])
 }

@@ -158,7 +158,7 @@ pub fn paper(args: &PaperArgs) -> Result<(), AppError> {
     let mut galleries = Vec::new();
     for series in &mut all_series {
         let subject = series
-            .at(scenario2::TIMELINE.end / 4)
+            .posed_at(scenario2::TIMELINE.end / 4)
             .map_err(AppError::Scene)?;
         let shots = shots(args.figure, &subject.reflection);
         galleries.push(gallery(&gpu, &library, subject, protocol.sizes[0], &shots)?);

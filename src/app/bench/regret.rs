@@ -37,7 +37,7 @@ struct Alternative {
 
 impl Alternative {
     /// Alternative that was chosen for these options, where only some surfaces are marched or all of them.
-    fn of(options: &RenderOptions, marches_some: bool) -> Self {
+    fn for_options(options: &RenderOptions, marches_some: bool) -> Self {
         Self {
             method: options.reflection.method,
             marched: match marches_some {
@@ -165,7 +165,7 @@ pub fn regret(args: &RegretArgs) -> Result<(), AppError> {
                 let text = "stopped; a table needs all of its rows".to_owned();
                 return Err(AppError::Interrupted(text));
             }
-            let row = measure(&gpu, &loaded, (*size, costs), args.frames, &mut progress)?;
+            let row = measure(&gpu, &loaded, *size, costs, args.frames, &mut progress)?;
             rows.extend(row);
         }
     }
@@ -178,7 +178,8 @@ pub fn regret(args: &RegretArgs) -> Result<(), AppError> {
 fn measure(
     gpu: &Gpu,
     loaded: &LoadedScene,
-    (size, costs): ([u32; 2], Option<UnitCosts>),
+    size: [u32; 2],
+    costs: Option<UnitCosts>,
     frames: u32,
     progress: &mut Progress,
 ) -> Result<Option<Row>, AppError> {
@@ -232,7 +233,7 @@ fn measure(
     let best = medians.iter().min_by(|a, b| a.1.total_cmp(&b.1));
     let chosen = medians
         .iter()
-        .find(|(way, _)| *way == Alternative::of(&decided, marches_some));
+        .find(|(way, _)| *way == Alternative::for_options(&decided, marches_some));
     Ok(best.zip(chosen).map(|(best, chosen)| Row {
         scene: loaded.name.clone(),
         size,

@@ -96,7 +96,7 @@ fn report<S: Timed>(args: &ReloadArgs, gpu: &Gpu, series: &[Series<S>]) -> Resul
         || "the built-in atrium".to_owned(),
         |path| path.display().to_string(),
     );
-    let host = Host::of(gpu);
+    let host = Host::detect(gpu);
     let report = Report {
         host: &host,
         scene: &scene,
@@ -153,8 +153,9 @@ pub fn measure_page(
     progress: &mut Progress,
 ) -> Result<Vec<Series<viewer::PageSample>>, AppError> {
     each_edit(args, progress, |copy, _, edited, progress| {
-        let shown = (copy.origin(), args.size);
-        viewer::saves(gpu, shown, args.saves, progress, |i| edited.save(i))
+        viewer::saves(gpu, copy.origin(), args.size, args.saves, progress, |i| {
+            edited.save(i)
+        })
     })
 }
 

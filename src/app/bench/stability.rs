@@ -169,7 +169,8 @@ impl Plan<'_> {
         };
         let mut all = Vec::new();
         let mut add = |series: FrameSeries, against| {
-            mode.parts.push(Part::of(&series, self.size, against));
+            mode.parts
+                .push(Part::from_series(&series, self.size, against));
             all.push(series);
         };
         let name = loaded.name.clone();

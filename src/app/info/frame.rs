@@ -43,13 +43,13 @@ pub fn planned_frames(
     let mut options = ViewOverrides::default().options(loaded);
     options.costs = plan_file.map(|file| file.unit_ns);
     let trees = trees_of(world, &options)?;
-    let layers = Layers::of(world);
+    let layers = Layers::for_world(world);
     let frame = |adapters: &str, is_software: bool| {
         let options = decide(world, &trees, &options, is_software)
             .options
             .settled();
-        let plan = Plan::of(world, &trees, &layers, &options);
-        let full = Precision::of(world, &options).full;
+        let plan = Plan::for_world(world, &trees, &layers, &options);
+        let full = Precision::for_world(world, &options).full;
         let passes = recorded_passes(&plan, &options, full);
         Ok::<_, AppError>(PlannedFrame {
             adapters: adapters.to_owned(),

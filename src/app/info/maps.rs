@@ -55,8 +55,8 @@ pub struct MapsInfo {
 
 impl MapsInfo {
     /// Maps of a world of this unit in these options; none where they are refused.
-    pub fn of(world: &World, options: &RenderOptions, unit_m: f32) -> Self {
-        let Ok(MapKeys { probes, far, faces }) = MapKeys::of(world, options, 1.0) else {
+    pub fn for_world(world: &World, options: &RenderOptions, unit_m: f32) -> Self {
+        let Ok(MapKeys { probes, far, faces }) = MapKeys::for_world(world, options, 1.0) else {
             return Self::default();
         };
         let near_far = options.reflection.near_far;

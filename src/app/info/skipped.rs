@@ -64,7 +64,7 @@ pub fn skipped(
         return Ok(None);
     }
     let world = loaded.first_frame();
-    let skipping = Skipping::of(&world, options);
+    let skipping = Skipping::for_world(&world, options);
     let mut world = world.into_owned();
     if let Some(state) = loaded.scene.pose(frame).map_err(AppError::Scene)? {
         world.apply(&state).map_err(AppError::Scene)?;

@@ -20,7 +20,7 @@ const MANY_PICTURES: u64 = 16;
 
 /// Error that a renderer would report about the maps of a scene's method, or on this machine about its rays.
 pub fn refused(scene: &Scene, world: &World) -> Option<Diagnostic> {
-    let maps = MapKeys::of(world, &RenderOptions::of(scene), 1.0);
+    let maps = MapKeys::for_world(world, &RenderOptions::for_scene(scene), 1.0);
     let refused = maps.err().map(|error| *error);
     let found = refused.or_else(|| refused_queries(scene.reflection.trace))?;
     Some(scene.located(found))
@@ -135,13 +135,13 @@ impl Capture {
             "write a `face_px` of {face_px} or less in `[{}]`{fewer}",
             self.table
         );
-        Some(Diagnostic::at("capture-slow", self.at, message).help(help))
+        Some(Diagnostic::new("capture-slow", self.at, message).help(help))
     }
 }
 
 /// Warnings about maps that take long to capture, and much longer than a picture.
 pub fn slow(scene: &Scene, world: &World) -> Vec<Diagnostic> {
-    let Ok(keys) = MapKeys::of(world, &RenderOptions::of(scene), 1.0) else {
+    let Ok(keys) = MapKeys::for_world(world, &RenderOptions::for_scene(scene), 1.0) else {
         return Vec::new();
     };
     let captures = Capture::all(scene, &keys).into_iter();

@@ -62,7 +62,7 @@ fn by_path(scene: &Scene, start: &Span) -> Option<Diagnostic> {
         nothing(&names)
     );
     let help = "remove them, or choose another method";
-    Some(Diagnostic::at("ignored-key", at, message).help(help))
+    Some(Diagnostic::new("ignored-key", at, message).help(help))
 }
 
 /// An open shutter in a scene without motion.
@@ -74,7 +74,7 @@ fn shutter(scene: &Scene, start: &Span) -> Option<Diagnostic> {
     let at = key.first().map_or(start, |(at, _)| at).clone();
     let message = format!("nothing moves in the scene, so {}", nothing(&["shutter"]));
     let help = "remove it, or write `[motion]`, a script with `frame`, or `animation` of a model";
-    Some(Diagnostic::at("ignored-key", at, message).help(help))
+    Some(Diagnostic::new("ignored-key", at, message).help(help))
 }
 
 /// Materials that lack a key without which others have no effect. Only materials named by shapes and instances
@@ -107,7 +107,7 @@ fn materials(scene: &Scene) -> Vec<Diagnostic> {
             );
             let them = if names.len() == 1 { "it" } else { "them" };
             let help = format!("write `{needed}`, or remove {them}");
-            found.push(Diagnostic::at("ignored-key", entry.at.clone(), message).help(help));
+            found.push(Diagnostic::new("ignored-key", entry.at.clone(), message).help(help));
         }
     }
     found

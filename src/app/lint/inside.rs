@@ -51,7 +51,7 @@ pub fn lights(scene: &Scene, world: &World) -> Vec<Diagnostic> {
             let help = "if the shape is the lamp's bulb or shade, write `casts_shadow = false` in its instance; else \
                         move one of them";
             found.push(related(
-                Diagnostic::at("light-inside", entry.at.clone(), message).help(help),
+                Diagnostic::new("light-inside", entry.at.clone(), message).help(help),
                 scene,
                 &shape.name,
             ));
@@ -84,7 +84,7 @@ pub fn cameras(scene: &Scene, world: &World) -> Vec<Diagnostic> {
             );
             let help = "move `eye` out of it, or move the instance";
             found.push(related(
-                Diagnostic::at("camera-inside", entry.at.clone(), message).help(help),
+                Diagnostic::new("camera-inside", entry.at.clone(), message).help(help),
                 scene,
                 name,
             ));
@@ -129,7 +129,7 @@ pub fn probes(scene: &Scene, world: &World) -> Vec<Diagnostic> {
             entry.name
         );
         found.push(related(
-            Diagnostic::at("probe-inside", entry.at.clone(), message).help(help),
+            Diagnostic::new("probe-inside", entry.at.clone(), message).help(help),
             scene,
             name,
         ));

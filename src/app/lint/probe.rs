@@ -32,7 +32,7 @@ pub fn empty(scene: &Scene, world: &World, at: Span) -> Option<Diagnostic> {
     }
     let message = format!("{what} nothing: every instance is `dynamic`, so {shown}");
     let help = "leave `dynamic` out where things do not move, or write `method = \"hybrid\"`";
-    Some(Diagnostic::at("probes-see-nothing", at, message).help(help))
+    Some(Diagnostic::new("probes-see-nothing", at, message).help(help))
 }
 
 /// Warnings about probes of the scene text with faces that look at a surface close by.
@@ -63,7 +63,7 @@ pub fn close(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
                 faces.join(", ")
             );
             let help = "move `position` into the open";
-            found.push(Diagnostic::at("probe-close", entry.at.clone(), message).help(help));
+            found.push(Diagnostic::new("probe-close", entry.at.clone(), message).help(help));
         }
     }
     found

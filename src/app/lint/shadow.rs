@@ -23,7 +23,7 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
     let unit_m = (scene.reflection.unit_m).unwrap_or_else(|| world.unit_m());
     let view = View::new(&camera.value, scene.image.size, unit_m);
     let seen = SeenSurfaces::new(world, trees, &view);
-    let sizes = ShadowSizes::of(&world.lights, &RenderOptions::of(&scene.desc));
+    let sizes = ShadowSizes::for_lights(&world.lights, &RenderOptions::for_scene(&scene.desc));
     let mut found = Vec::new();
     for (entry, light) in scene.lights.iter().zip(world.all_lights()) {
         if !has_map(light.desc.shadow) || world.has_lamp(light) {
@@ -44,7 +44,7 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
         );
         let help = "write `shadow = \"ray\"`, or more `shadow_px`";
         let at = entry.at.clone();
-        found.push(Diagnostic::at("coarse-shadow", at, message).help(help));
+        found.push(Diagnostic::new("coarse-shadow", at, message).help(help));
     }
     found
 }
@@ -65,5 +65,5 @@ pub fn lamps(scene: &Scene, world: &World) -> Option<Diagnostic> {
     let help = format!(
         "write `shadow = \"ray\"` for these, which is the same picture, or no more than {MAX_LIGHTS} lights"
     );
-    Some(Diagnostic::at("lamp-shadow", first.at.clone(), message).help(help))
+    Some(Diagnostic::new("lamp-shadow", first.at.clone(), message).help(help))
 }

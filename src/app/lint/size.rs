@@ -31,7 +31,7 @@ pub fn lint(world: &World, is_traced: bool, start: Span) -> Option<Diagnostic> {
     );
     let help = "simplify the models, or render on a device with a larger \
                 `maxStorageBufferBindingSize` or `maxStorageBuffersPerShaderStage`";
-    Some(Diagnostic::at("geometry-large", start, message).help(help))
+    Some(Diagnostic::new("geometry-large", start, message).help(help))
 }
 
 /// Error that `render` would report about the geometry on this machine's device; `None` if it would render it, or
@@ -47,7 +47,7 @@ pub fn refused_here(world: &World, is_traced: bool) -> Option<Diagnostic> {
     }
     let gpu = Gpu::new(&GpuOptions::default()).ok()?;
     let error = check_size(&gpu, sizes).err()?;
-    let found = Diagnostic::at("geometry-too-large", Span::default(), error.to_string());
+    let found = Diagnostic::new("geometry-too-large", Span::default(), error.to_string());
     Some(found.help("simplify the models, or leave some out"))
 }
 

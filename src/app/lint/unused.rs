@@ -27,7 +27,7 @@ pub fn params(scene: &Scene) -> Vec<Diagnostic> {
                 format!("write `ctx.params.{name}` in {}, or remove it", script.name),
             ),
         };
-        Diagnostic::at("unused-param", at.clone(), message).help(help)
+        Diagnostic::new("unused-param", at.clone(), message).help(help)
     };
     unused.map(|p| warn(&p.name, &p.at)).collect()
 }

@@ -53,7 +53,7 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
             "all that camera \"{name}\" would see is nearer than its near plane, {near_m} m"
         );
         let help = format!("write `near_m = {}` in its table", rounded_down(depth_m));
-        found.push(Diagnostic::at("clipped-view", at(), message).help(help));
+        found.push(Diagnostic::new("clipped-view", at(), message).help(help));
         return found;
     }
     if estimate.surfaces == 0 && has_triangle(world, &view) {
@@ -67,7 +67,7 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
             camera.name
         );
         let help = format!("point it at the scene, whose middle is `target = [{x}, {y}, {z}]`");
-        found.push(Diagnostic::at("empty-view", at(), message).help(help));
+        found.push(Diagnostic::new("empty-view", at(), message).help(help));
         return found;
     }
     found.extend(cut(
@@ -103,7 +103,7 @@ fn cut(rays: ViewRays, camera: &Entry<CameraDesc>, near_m: f32) -> Option<Diagno
         );
         let nearest_m = rounded_down(cut.into_iter().fold(near_m, f32::min));
         let help = format!("write `near_m = {nearest_m}` in its table");
-        Diagnostic::at("cut-view", camera.at.clone(), message).help(help)
+        Diagnostic::new("cut-view", camera.at.clone(), message).help(help)
     })
 }
 
@@ -123,7 +123,7 @@ fn brightness(estimate: &ViewEstimate, ev: f32, camera: &Entry<CameraDesc>) -> O
         } else {
             "no light reaches what it sees: move a light, or write `[environment]`".to_owned()
         };
-        return Some(Diagnostic::at("black-picture", at, message).help(help));
+        return Some(Diagnostic::new("black-picture", at, message).help(help));
     }
     (blown > MOSTLY * radiance.len() as f32).then(|| {
         let mut sorted: Vec<f32> = exposed().collect();
@@ -132,7 +132,7 @@ fn brightness(estimate: &ViewEstimate, ev: f32, camera: &Entry<CameraDesc>) -> O
         let ev = shortened(ev - stops);
         let message = format!("the picture of camera \"{name}\" is white nearly all over");
         let help = format!("write `exposure_ev = {ev}` or \"auto\" in `[image]`, or weaker lights");
-        Diagnostic::at("blown-picture", at, message).help(help)
+        Diagnostic::new("blown-picture", at, message).help(help)
     })
 }
 
@@ -163,13 +163,13 @@ fn reflector(
             "write `ray_length_u = {needed}` or more in `[reflection]`; it is {length_u}, in U of {} m",
             shortened(unit_m)
         );
-        return Some(Diagnostic::at("short-reflection", at, message).help(help));
+        return Some(Diagnostic::new("short-reflection", at, message).help(help));
     }
     let has_lamp = world.all_lights().any(|light| light.desc.kind.has_size());
     (world.environment.is_black() && !has_lamp).then(|| {
         let message = format!("material \"{name}\" reflects nothing but the black environment");
         let help = "write `[environment]`, or place what it shall show where its reflection falls";
-        Diagnostic::at("black-reflector", at, message).help(help)
+        Diagnostic::new("black-reflector", at, message).help(help)
     })
 }
 

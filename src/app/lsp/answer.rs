@@ -48,8 +48,8 @@ pub fn complete(file: &Arc<Source>, offset: usize) -> Vec<Value> {
     };
     match &word.part {
         Part::Header => headers(file, &word),
-        Part::Key => match Manual::of(&file.path).table(&word.table) {
-            Some(section) => keys(section, kind_at(file, section, (&word.table, offset))),
+        Part::Key => match Manual::for_file(&file.path).table(&word.table) {
+            Some(section) => keys(section, kind_at(file, section, &word.table, offset)),
             None => (params_at(file, &word).iter())
                 .map(|(name, _)| item(&name.name, PROPERTY, ""))
                 .collect(),
@@ -87,7 +87,7 @@ pub fn keys(section: &'static SectionRecord, kind: Option<&str>) -> Vec<Value> {
 
 /// Completions of a table header: tables, or names in use where users choose names.
 fn headers(file: &Arc<Source>, word: &Word) -> Vec<Value> {
-    match Manual::of(&file.path).below(&word.table) {
+    match Manual::for_file(&file.path).below(&word.table) {
         Some(Below::Table(section)) => {
             let is_table = |key: &KeyRecord| {
                 key.forms
@@ -114,7 +114,8 @@ fn headers(file: &Arc<Source>, word: &Word) -> Vec<Value> {
 fn kind_at(
     file: &Source,
     section: &'static SectionRecord,
-    (table, offset): (&[String], usize),
+    table: &[String],
+    offset: usize,
 ) -> Option<&'static str> {
     let key = section.variants.first()?.key;
     let is_kind = |word: &Word| word.part == Part::Value(key.to_owned()) && word.table == table;
@@ -189,7 +190,7 @@ fn values(file: &Arc<Source>, word: &Word, name: &str, quoted: bool) -> Vec<Valu
         false => format!("\"{text}\""),
     };
     let mut all = Vec::new();
-    let manual = Manual::of(&file.path);
+    let manual = Manual::for_file(&file.path);
     if let Some((section, _, key)) = manual.key(&word.table, name) {
         let meaning = key_text(section, None, key);
         let words = key.words.iter().map(|word| word.name);
@@ -252,7 +253,7 @@ fn word_at(source: &Source, offset: usize) -> Option<Word> {
 /// Manual text about the word at a byte offset.
 pub fn hover(file: &Arc<Source>, offset: usize) -> Option<Value> {
     let word = word_at(file, offset)?;
-    let manual = Manual::of(&file.path);
+    let manual = Manual::for_file(&file.path);
     let of_key = |table: &[String], name: &str| {
         let (section, variant, key) = manual.key(table, name)?;
         Some(key_text(section, variant, key))

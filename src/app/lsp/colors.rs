@@ -48,7 +48,7 @@ fn walk(file: &Source, table: &[String], key: &str, node: &Node, found: &mut Vec
 
 /// Whether the manual says that a key takes a color.
 fn is_color(file: &Source, table: &[String], key: &str) -> bool {
-    let Some((_, _, key)) = Manual::of(&file.path).key(table, key) else {
+    let Some((_, _, key)) = Manual::for_file(&file.path).key(table, key) else {
         return false;
     };
     let is_color = |form: &Form| matches!(form, Form::Value(words, _) if words.contains("#rrggbb"));

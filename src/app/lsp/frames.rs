@@ -100,7 +100,7 @@ fn read(input: &mut impl BufRead) -> io::Result<Option<Message>> {
 mod tests {
     use super::*;
 
-    fn of(text: &str) -> Result<Option<String>, String> {
+    fn read_text(text: &str) -> Result<Option<String>, String> {
         let message = read(&mut text.as_bytes()).map_err(|error| error.to_string())?;
         Ok(message.map(|message| format!("{message:?}")))
     }
@@ -117,7 +117,7 @@ mod tests {
             );
         }
         assert!(matches!(read(&mut input), Ok(None)));
-        assert_eq!(of(""), Ok(None));
+        assert_eq!(read_text(""), Ok(None));
     }
 
     /// The length is refused before the text is waited for.
@@ -135,7 +135,7 @@ mod tests {
             (format!("X: {}\r\n\r\n{{}}", "a".repeat(5000)), "4096 bytes"),
             ("a".repeat(100_000), "4096 bytes"),
         ] {
-            let error = of(&text).expect_err("it is too long");
+            let error = read_text(&text).expect_err("it is too long");
             assert!(error.contains(says), "{error}");
         }
         for text in [
@@ -144,9 +144,9 @@ mod tests {
             "\r\n",
             "x\r\n\r\n",
         ] {
-            assert!(of(text).is_err(), "{text:?}");
+            assert!(read_text(text).is_err(), "{text:?}");
         }
         let many = format!("Content-Length: {}9999\r\n\r\n", usize::MAX);
-        assert!(of(&many).is_err());
+        assert!(read_text(&many).is_err());
     }
 }

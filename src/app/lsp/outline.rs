@@ -169,7 +169,7 @@ mod tests {
     use super::*;
 
     /// Table, role and text of the word at `|`.
-    fn at(text: &str) -> (String, Part, String) {
+    fn word_at_mark(text: &str) -> (String, Part, String) {
         let (before, after) = text.split_once('|').expect("a mark");
         let source = Source::new("a.toml", format!("{before}{after}"));
         let (mut words, end) = words_before(&source, before.len());
@@ -227,7 +227,7 @@ mod tests {
             ("a = { b = 1 }\nc = |", "", value("c"), ""),
         ] {
             assert_eq!(
-                at(text),
+                word_at_mark(text),
                 (table.to_owned(), part, word.to_owned()),
                 "{text}"
             );

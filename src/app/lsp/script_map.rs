@@ -214,7 +214,7 @@ impl Script<'_> {
                     .collect()
             }
             None => {
-                let section = Manual::of(Path::new("")).table(&table(&goal.path));
+                let section = Manual::for_file(Path::new("")).table(&table(&goal.path));
                 section.map_or_else(Vec::new, |section| {
                     let chosen = section.variants.first().map(|variant| variant.key);
                     let kind = own.iter().find(|(key, _)| Some(*key) == chosen);
@@ -259,7 +259,7 @@ fn function_keys(name: &str) -> Vec<Value> {
         "instance_material" => "material",
         name => name,
     };
-    let manual = Manual::of(Path::new(""));
+    let manual = Manual::for_file(Path::new(""));
     let path = [table.to_owned(), String::new()];
     let text = |key: &str| {
         let known = manual.key(&path, key);
@@ -276,7 +276,7 @@ fn words(goal: &Goal, key: &str) -> Vec<Value> {
     if goal.function.is_some() || goal.path.is_empty() {
         return Vec::new();
     }
-    let (manual, path) = (Manual::of(Path::new("")), table(&goal.path));
+    let (manual, path) = (Manual::for_file(Path::new("")), table(&goal.path));
     let mut all = Vec::new();
     if let Some((section, kind, record)) = manual.key(&path, key) {
         let text = key_text(section, kind, record);

@@ -15,20 +15,20 @@ fn asset_folders_elsewhere_do_not_tell_where_they_are() {
     let paths = ["/home/me/show/a.toml", "/srv/lib/x.glb", "/opt/more/y.glb"];
     let paths: BTreeSet<_> = paths.map(PathBuf::from).into();
     let assets = ["/srv/lib", "/opt/more"].map(PathBuf::from);
-    let places = Places::of((Path::new("/home/me/show/a.toml"), None), &paths, &assets);
+    let places = Places::for_files(Path::new("/home/me/show/a.toml"), None, &paths, &assets);
     let name = |path: &str| places.name(Path::new(path)).expect("it is UTF-8");
     assert_eq!(name("/home/me/show/a.toml"), "a.toml");
     assert_eq!(name("/srv/lib/x.glb"), "assets/x.glb");
     assert_eq!(name("/opt/more"), "assets-2");
     let few = BTreeSet::from(["/home/me/show/a.toml", "/srv/lib/x/x.glb"].map(PathBuf::from));
     let nested = ["/srv/lib/x", "/srv/lib"].map(PathBuf::from);
-    let places = Places::of((Path::new("/home/me/show/a.toml"), None), &few, &nested);
+    let places = Places::for_files(Path::new("/home/me/show/a.toml"), None, &few, &nested);
     assert_eq!(
         places.name(Path::new("/srv/lib/x")).expect("it is UTF-8"),
         "assets/x"
     );
     let around = [PathBuf::from("/home/me")];
-    let places = Places::of((Path::new("/home/me/show/a.toml"), None), &paths, &around);
+    let places = Places::for_files(Path::new("/home/me/show/a.toml"), None, &paths, &around);
     assert_eq!(
         places.name(Path::new("/home/me")).expect("it is inside"),
         "home/me"

@@ -193,7 +193,7 @@ enum Identity {
 
 impl Inputs {
     /// Set of these files, as they are on the disk now; a file that does not exist is left out.
-    pub fn of(paths: impl IntoIterator<Item = impl AsRef<Path>>) -> Self {
+    pub fn identify(paths: impl IntoIterator<Item = impl AsRef<Path>>) -> Self {
         let paths = paths.into_iter();
         Self(paths.flat_map(|path| identities(path.as_ref())).collect())
     }
@@ -359,7 +359,7 @@ mod tests {
         }
         fs::hard_link(path("scene"), path("hard")).expect("a hard link");
         std::os::unix::fs::symlink("scene", path("soft")).expect("a link");
-        let inputs = Inputs::of([path("scene"), path("missing")]);
+        let inputs = Inputs::identify([path("scene"), path("missing")]);
         for name in ["scene", "inside/../scene", "hard", "soft"] {
             assert!(inputs.check(&Goal::typed(path(name))).is_err(), "{name}");
         }

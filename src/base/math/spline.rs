@@ -82,7 +82,7 @@ pub struct ArcLength {
 
 impl ArcLength {
     /// Measures `curve`, whose parameter runs from 0 to 1, with `steps` chords.
-    pub fn of(steps: usize, curve: impl Fn(f64) -> DVec3) -> Self {
+    pub fn measure(steps: usize, curve: impl Fn(f64) -> DVec3) -> Self {
         let steps = steps.max(1);
         let mut lengths = vec![0.0];
         let (mut length, mut last) = (0.0, curve(0.0));
@@ -190,7 +190,7 @@ mod tests {
     #[test]
     fn arc_length_makes_speed_constant() {
         let curve = |u: f64| bezier(P, u * u); // far from constant by itself
-        let arc = ArcLength::of(4096, curve);
+        let arc = ArcLength::measure(4096, curve);
         let points: Vec<_> = (0..=50)
             .map(|i| curve(arc.parameter(f64::from(i) / 50.0)))
             .collect();
@@ -199,11 +199,11 @@ mod tests {
         for step in steps {
             assert!((step / mean - 1.0).abs() < 0.01, "{step} {mean}");
         }
-        let circle = ArcLength::of(4096, |u| {
+        let circle = ArcLength::measure(4096, |u| {
             let (sin, cos) = (u * std::f64::consts::TAU).sin_cos();
             DVec3::new(cos, 0.0, sin)
         });
         assert!((circle.total() - std::f64::consts::TAU).abs() < 1e-5);
-        assert_eq!(ArcLength::of(8, |_| P[0]).parameter(0.3), 0.3);
+        assert_eq!(ArcLength::measure(8, |_| P[0]).parameter(0.3), 0.3);
     }
 }

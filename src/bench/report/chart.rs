@@ -126,27 +126,11 @@ pub fn draw(group: &Group, axes: Axes) -> Result<Option<String>, String> {
     // A logarithmic axis needs a decade to be readable.
     if slowest > 8.0 * fastest && fastest > 0.0 {
         let times = (fastest / 1.3..slowest * 1.5).log_scale();
-        plot(
-            group,
-            axes,
-            &dots,
-            &failures,
-            times,
-            errors,
-            (bottom, limits),
-        )
+        plot(group, axes, &dots, &failures, times, errors, bottom, limits)
     } else {
         let margin = (0.08 * (slowest - fastest)).max(0.02 * slowest).max(1e-6);
         let times: RangedCoordf64 = ((fastest - margin).max(0.0)..slowest + 2.0 * margin).into();
-        plot(
-            group,
-            axes,
-            &dots,
-            &failures,
-            times,
-            errors,
-            (bottom, limits),
-        )
+        plot(group, axes, &dots, &failures, times, errors, bottom, limits)
     }
     .map(Some)
 }
@@ -229,7 +213,8 @@ fn plot<X, Y>(
     failures: &[Failure],
     times: impl AsRangedCoord<CoordDescType = X, Value = f64>,
     errors: impl AsRangedCoord<CoordDescType = Y, Value = f64>,
-    (bottom, limits): (f64, [f64; 2]),
+    bottom: f64,
+    limits: [f64; 2],
 ) -> Result<String, String>
 where
     X: Ranged<ValueType = f64> + ValueFormatter<f64>,

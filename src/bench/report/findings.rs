@@ -224,7 +224,7 @@ fn shares(hybrid: &Point, rt: &Point) -> String {
     let (Some(low), Some(high)) = (shares.first(), shares.last()) else {
         return "no frame was timed with both settings in the same repetition".to_owned();
     };
-    let spread = Spread::of(shares.clone()).and_then(|s| s.p5_p95);
+    let spread = Spread::from_values(shares.clone()).and_then(|s| s.p5_p95);
     let ([low, high], ends) = match spread {
         Some(ends) => (ends, "5th to 95th percentile"),
         None => ([*low, *high], "least to most"),

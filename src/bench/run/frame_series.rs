@@ -93,14 +93,14 @@ impl FrameSeries {
     /// # Errors
     /// Same errors as [`FrameSeries::moving`].
     pub(super) fn posed(&mut self, index: usize) -> Result<&Subject, Vec<Diagnostic>> {
-        self.at(self.shots[index].0)
+        self.posed_at(self.shots[index].0)
     }
 
     /// Subject posed at any frame; a still scene is not changed.
     ///
     /// # Errors
     /// Errors of the mover.
-    pub fn at(&mut self, frame: u32) -> Result<&Subject, Vec<Diagnostic>> {
+    pub fn posed_at(&mut self, frame: u32) -> Result<&Subject, Vec<Diagnostic>> {
         if let Some(mover) = &self.mover {
             mover(&mut self.subject, frame)?;
             self.subject.frame = frame;

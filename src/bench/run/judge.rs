@@ -81,7 +81,7 @@ impl Bench<'_> {
             ..camera.clone()
         };
         let picture = renderer.picture(self.gpu, &moved, &PLANES)?;
-        Ok(Hits::of(&picture.planes))
+        Ok(Hits::from_planes(&picture.planes))
     }
 
     /// Errors, false accepts and false rejects of one variant's picture.
@@ -110,7 +110,10 @@ impl Bench<'_> {
             .and_then(|view| {
                 let flicker = &self.cache.flicker;
                 let since = flicker.push(subject, variant, &view, reference)?;
-                let (hits, answers) = (Hits::of(&picture.planes), variant.method.answers_all());
+                let (hits, answers) = (
+                    Hits::from_planes(&picture.planes),
+                    variant.method.answers_all(),
+                );
                 let seam = looked.and_then(|looked| looked.seam_step(&view, reference));
                 Ok((
                     reference.errors(&view, hits.as_ref(), answers)?,
@@ -120,14 +123,14 @@ impl Bench<'_> {
             })
             .map_err(|e| e.to_string());
         let mut changes = None;
-        if let (Some(hits), true) = (Hits::of(&picture.planes), self.moves(subject)) {
+        if let (Some(hits), true) = (Hits::from_planes(&picture.planes), self.moves(subject)) {
             let moved = self.moved(subject, renderer)?;
             changes = moved.and_then(|moved| reference.changes(&hits, &moved));
         }
         let mut verdicts = None;
         // The rays of a truth differ from this picture's.
         let is_asked = variant.method.marches() && subject.truth.is_none();
-        if let (Some(hits), true) = (Hits::of(&picture.planes), is_asked) {
+        if let (Some(hits), true) = (Hits::from_planes(&picture.planes), is_asked) {
             renderer.set_reflection_parameters(&ReflectionDesc {
                 steps: MAX_STEPS,
                 ..variant.reflection
@@ -135,7 +138,7 @@ impl Bench<'_> {
             let planes = renderer.crossings(self.gpu, &subject.camera, &PLANES)?;
             let unit_m = renderer.unit_m();
             let length_m = variant.reflection.ray_length_u * unit_m;
-            verdicts = Hits::of(&planes)
+            verdicts = Hits::from_planes(&planes)
                 .map(|crossings| reference.verdicts(&hits, &crossings, length_m, unit_m));
             renderer.set_reflection_parameters(&variant.reflection);
         }

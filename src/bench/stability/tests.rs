@@ -36,7 +36,7 @@ fn sample(frame: u32, flip: Option<f64>) -> Sample {
     }
 }
 
-fn of(frames: u32, samples: &[Sample]) -> Result<CellScores, String> {
+fn scores_of(frames: u32, samples: &[Sample]) -> Result<CellScores, String> {
     scores(&[&part(frames)], "hybrid", samples)
 }
 
@@ -47,7 +47,7 @@ fn a_film_is_scored_by_its_means_and_its_worst_frame() {
         sample(1, Some(0.3)),
         sample(2, Some(0.2)),
     ];
-    let s = of(3, &samples).expect("scores");
+    let s = scores_of(3, &samples).expect("scores");
     assert!((s.flip - 0.2).abs() < 1e-12);
     assert_eq!(
         (s.flip_p99, s.worst.to_string().as_str()),
@@ -58,12 +58,16 @@ fn a_film_is_scored_by_its_means_and_its_worst_frame() {
         (Some(15), Some(10.0))
     );
     assert_eq!((s.flicker, s.popping, s.ssim), (Some(0.5), Some(0.5), None));
-    assert_eq!(of(1, &samples).expect("scores").flicker, None, "a still");
+    assert_eq!(
+        scores_of(1, &samples).expect("scores").flicker,
+        None,
+        "a still"
+    );
 }
 
 #[test]
 fn one_frame_without_a_score_leaves_the_cell_without_one() {
-    let says = |samples: &[Sample]| of(2, samples).expect_err("no score");
+    let says = |samples: &[Sample]| scores_of(2, samples).expect_err("no score");
     let first = sample(0, Some(0.1));
     assert_eq!(
         says(std::slice::from_ref(&first)),
@@ -83,7 +87,7 @@ fn the_newest_sample_of_the_same_content_counts() {
     let mut threshold = sample(0, Some(0.8));
     threshold.accept = "threshold".to_owned();
     let samples = [sample(0, Some(0.5)), sample(0, Some(0.1)), other, threshold];
-    assert_eq!(of(1, &samples).expect("scores").flip, 0.1);
+    assert_eq!(scores_of(1, &samples).expect("scores").flip, 0.1);
 }
 
 #[test]
@@ -95,7 +99,7 @@ fn every_row_has_all_columns() {
         scores,
     };
     let cells = [
-        cell(of(1, &[sample(0, Some(0.1))])),
+        cell(scores_of(1, &[sample(0, Some(0.1))])),
         cell(Err("a, b".to_owned())),
     ];
     let table = csv::parse(&table(&cells, "a chip")).expect("a table");

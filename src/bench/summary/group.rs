@@ -69,7 +69,7 @@ fn group(samples: &[&Sample]) -> Group {
             (Some(sample), _) => failed.push(((*sample).clone(), sample.status.clone())),
             (None, Some(point)) if moves => {
                 over_frames.extend(by_frame(&samples));
-                let flicker = FlickerRatio::of(&samples, &pairs);
+                let flicker = FlickerRatio::from_pairs(&samples, &pairs);
                 points.push(Point {
                     flicker,
                     ..point.averaged(&samples)
@@ -126,7 +126,7 @@ fn share_common_passes(points: &mut [Point], samples: &[&Sample]) {
         let scale = point.sample.scale;
         let common = |s: &&&Sample| Some(s.passes_ms? - s.reflection_ms?);
         let alike = samples.iter().filter(|s| s.scale == scale && s.is_ok());
-        let common = Spread::of(alike.filter_map(|s| common(&s)).collect());
+        let common = Spread::from_values(alike.filter_map(|s| common(&s)).collect());
         if let (Some(common), Some(own)) = (common, point.reflection_ms) {
             let total = |ms: f64| ms + common.median;
             point.timed.iter_mut().for_each(|t| t.ms = total(t.ms));

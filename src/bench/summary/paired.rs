@@ -25,7 +25,7 @@ pub struct Timed {
 }
 
 impl Timed {
-    pub(super) fn of(sample: &Sample, ms: f64) -> Self {
+    pub(super) fn from_sample(sample: &Sample, ms: f64) -> Self {
         Self {
             frame_repetition: (sample.frame, sample.repetition),
             ms,
@@ -70,7 +70,7 @@ pub fn pairs<'a>(a: &'a [Timed], b: &'a [Timed]) -> impl Iterator<Item = (&'a Ti
 
 impl Pairs {
     /// Counts the pairs of two settings.
-    pub fn of(a: &[Timed], b: &[Timed]) -> Self {
+    pub fn count(a: &[Timed], b: &[Timed]) -> Self {
         let [mut faster, mut slower] = [0; 2];
         for (a, b) in pairs(a, b) {
             faster += usize::from(a.ms < b.ms);
@@ -144,11 +144,11 @@ mod tests {
         // The machine slows down meanwhile: medians overlap, pairs do not.
         let a = timed(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
         let b = timed(&[1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 0.1]);
-        let pairs = Pairs::of(&a, &b);
+        let pairs = Pairs::count(&a, &b);
         assert_eq!((pairs.faster, pairs.slower, pairs.n()), (6, 0, 6));
         assert_eq!(pairs.order(), Order::Faster);
-        assert_eq!(Pairs::of(&b, &a).order(), Order::Slower);
-        assert_eq!(Pairs::of(&a[..5], &b).order(), Order::Undecided);
-        assert_eq!(Pairs::of(&a, &a).n(), 0);
+        assert_eq!(Pairs::count(&b, &a).order(), Order::Slower);
+        assert_eq!(Pairs::count(&a[..5], &b).order(), Order::Undecided);
+        assert_eq!(Pairs::count(&a, &a).n(), 0);
     }
 }

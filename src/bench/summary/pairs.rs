@@ -22,7 +22,7 @@ pub struct FlickerRatio {
 
 impl FlickerRatio {
     /// Ratio over the given pairs of a frame and the measured frame before it.
-    pub(super) fn of(samples: &[&Sample], pairs: &BTreeSet<(u32, u32)>) -> Option<Self> {
+    pub(super) fn from_pairs(samples: &[&Sample], pairs: &BTreeSet<(u32, u32)>) -> Option<Self> {
         let mut changes: BTreeMap<(u32, u32), [f64; 2]> = BTreeMap::new();
         for s in samples {
             let pair = s.since_frame.map(|since| (since, s.frame));
@@ -73,14 +73,14 @@ pub struct Split {
 }
 
 impl Split {
-    pub(super) fn of(samples: &[&Sample]) -> Option<Self> {
+    pub(super) fn from_samples(samples: &[&Sample]) -> Option<Self> {
         let pair = |s: &&Sample| Some((s.traverse_ms?, s.pass_ms(&trace::PASS)));
         let pairs: Vec<(f64, f64)> = samples.iter().filter_map(pair).collect();
         let rest: Vec<f64> = pairs.iter().map(|(rays, all)| all - rays).collect();
         let reversed = rest.iter().filter(|ms| **ms < 0.0).count();
-        let rest_ms = Spread::of(rest)?.median;
+        let rest_ms = Spread::from_values(rest)?.median;
         Some(Self {
-            traverse_ms: Spread::of(pairs.iter().map(|(rays, _)| *rays).collect())?.median,
+            traverse_ms: Spread::from_values(pairs.iter().map(|(rays, _)| *rays).collect())?.median,
             rest_ms: (rest_ms > 0.0).then_some(rest_ms),
             n: pairs.len(),
             reversed,

@@ -62,7 +62,7 @@ impl Curves {
     }
 
     /// Value of a frame; none where it has none above 0.
-    fn of(self, row: &FrameRow) -> Option<f64> {
+    fn value(self, row: &FrameRow) -> Option<f64> {
         let value = match self {
             Self::Time => row.ms + row.update_ms,
             Self::Error => row.errors?.flip.max(LEAST_FLIP),
@@ -75,7 +75,7 @@ impl Curves {
         let rows = || scene.rows.iter().flat_map(|row| &row.frames);
         let first = rows().map(|row| row.frame).min()?;
         let last = rows().map(|row| row.frame).max()?;
-        let shown = || rows().filter_map(|row| self.of(row));
+        let shown = || rows().filter_map(|row| self.value(row));
         let low = shown().fold(f64::INFINITY, f64::min);
         let high = shown().fold(0.0, f64::max);
         (first != last && high > 0.0).then_some(([first, last], [low, high]))
@@ -134,7 +134,7 @@ pub fn draw(scene: &SceneRows, curves: Curves) -> Result<Option<String>, String>
     let svg = canvas.svg(f64::from(first)..f64::from(last), values, |chart| {
         let mut overlay = String::new();
         for (line, (row, system)) in (0..).zip(scene.of_systems()) {
-            let dot = |of: &FrameRow| Some((f64::from(of.frame), curves.of(of)?));
+            let dot = |of: &FrameRow| Some((f64::from(of.frame), curves.value(of)?));
             // A curve ends before a frame without a value.
             for run in row.frames.split(|of| dot(of).is_none()) {
                 let series = LineSeries::new(run.iter().filter_map(dot), stroke(system));

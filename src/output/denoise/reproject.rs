@@ -164,7 +164,7 @@ impl Surfaces {
         Self { size, seen }
     }
 
-    fn at(&self, [x, y]: [u32; 2]) -> Option<Seen> {
+    fn seen_at(&self, [x, y]: [u32; 2]) -> Option<Seen> {
         self.seen[(y * self.size[0] + x) as usize]
     }
 
@@ -188,6 +188,15 @@ impl Surfaces {
     }
 }
 
+/// Surfaces of a frame's pixels, with its camera and the places of its instances.
+#[derive(Clone, Copy)]
+pub struct PosedSurfaces<'a> {
+    /// Surfaces of the pixels.
+    pub surfaces: &'a Surfaces,
+    /// Pose of the frame.
+    pub pose: &'a FramePose,
+}
+
 /// Pixels of another frame that show the surface of a pixel, by index, with weights that add up to 1.
 pub struct Taps(pub Vec<(usize, f32)>);
 
@@ -196,12 +205,13 @@ pub struct Taps(pub Vec<(usize, f32)>);
 /// picture moves otherwise than the mirror.
 pub fn taps(
     pixel: [u32; 2],
-    (surfaces, pose): (&Surfaces, &FramePose),
-    (other_surfaces, other_pose): (&Surfaces, &FramePose),
+    here: PosedSurfaces<'_>,
+    there: PosedSurfaces<'_>,
     moved: &[bool],
 ) -> Option<Taps> {
-    let seen = surfaces.at(pixel)?;
-    let (place, depth_m) = pose.in_frame(other_pose, pixel, seen)?;
+    let (surfaces, other_surfaces) = (here.surfaces, there.surfaces);
+    let seen = surfaces.seen_at(pixel)?;
+    let (place, depth_m) = here.pose.in_frame(there.pose, pixel, seen)?;
     let corner = place - 0.5;
     let motion = corner - DVec2::new(f64::from(pixel[0]), f64::from(pixel[1]));
     let is_still = motion.abs().max_element() < STILL_PX;
@@ -226,11 +236,11 @@ pub fn taps(
             continue;
         }
         let at = [at.x as u32, at.y as u32];
-        let there = other_surfaces.at(at);
-        let is_same = there.is_some_and(|there| {
-            there.ids[0] == seen.ids[0]
-                && there.mirrored == seen.mirrored
-                && (f64::from(there.depth_m) - depth_m).abs() <= SAME_DEPTH * depth_m
+        let other = other_surfaces.seen_at(at);
+        let is_same = other.is_some_and(|other| {
+            other.ids[0] == seen.ids[0]
+                && other.mirrored == seen.mirrored
+                && (f64::from(other.depth_m) - depth_m).abs() <= SAME_DEPTH * depth_m
                 && !other_surfaces.is_beside(moved, at, seen.ids[0])
         });
         if is_same {
@@ -256,6 +266,10 @@ mod tests {
     use reflet_scene::desc::CameraDesc;
 
     const SIZE: [u32; 2] = [64, 48];
+
+    fn posed<'a>(surfaces: &'a Surfaces, pose: &'a FramePose) -> PosedSurfaces<'a> {
+        PosedSurfaces { surfaces, pose }
+    }
 
     fn pose(eye: Vec3, place: DAffine3) -> FramePose {
         let camera = CameraDesc {
@@ -291,8 +305,8 @@ mod tests {
         let of = |other: &FramePose| {
             taps(
                 [20, 30],
-                (&surfaces, &still),
-                (&surfaces, other),
+                posed(&surfaces, &still),
+                posed(&surfaces, other),
                 &still.moved(other),
             )
         };
@@ -315,8 +329,8 @@ mod tests {
         let eye = Vec3::new(0.0, 0.0, 5.0);
         let pose = pose(eye, DAffine3::IDENTITY);
         let (first, hidden) = (plane_of(0), plane_of(1));
-        assert!(taps([20, 30], (&hidden, &pose), (&hidden, &pose), &[]).is_none());
-        assert!(taps([20, 30], (&first, &pose), (&hidden, &pose), &[]).is_none());
+        assert!(taps([20, 30], posed(&hidden, &pose), posed(&hidden, &pose), &[]).is_none());
+        assert!(taps([20, 30], posed(&first, &pose), posed(&hidden, &pose), &[]).is_none());
     }
 
     #[test]
@@ -331,7 +345,7 @@ mod tests {
         }
         let found = |pixel, other: &FramePose| {
             let moved = here.moved(other);
-            taps(pixel, (&plain, &here), (&passed, other), &moved).is_some()
+            taps(pixel, posed(&plain, &here), posed(&passed, other), &moved).is_some()
         };
         assert!(!found([20, 30], &there), "it is beside the moved one");
         assert!(found([19, 30], &there), "it is a pixel away");

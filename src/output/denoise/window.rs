@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use super::{
     Denoiser,
-    reproject::{FramePose, Surfaces, taps},
+    reproject::{FramePose, PosedSurfaces, Surfaces, taps},
 };
 use crate::error::OutputError;
 use reflet_gpu::Gpu;
@@ -120,7 +120,7 @@ impl Window {
         let rows = picture.color.par_chunks_exact_mut(4 * width);
         rows.enumerate().for_each(|(y, row)| {
             for (x, pixel) in row.chunks_exact_mut(4).enumerate() {
-                let mean = mean_of([x, y], (own, &self.own.pose), &neighbors);
+                let mean = mean_of([x, y], own, &self.own.pose, &neighbors);
                 pixel[..3].copy_from_slice(&mean);
             }
         });
@@ -188,10 +188,10 @@ fn surroundings(display: &[u8], surfaces: &Surfaces, [width, height]: [u32; 2]) 
 /// Linear radiance of a pixel: the weighted mean of its cube roots over the frames of a window, cubed.
 fn mean_of(
     [x, y]: [usize; 2],
-    own: (&Denoised, &FramePose),
+    denoised: &Denoised,
+    pose: &FramePose,
     neighbors: &[Neighbor<'_>],
 ) -> [f32; 3] {
-    let (denoised, pose) = own;
     let index = y * denoised.picture.size[0] as usize + x;
     let mut mean = denoised.color(index);
     // Coverage may differ between frames; and a frame alone keeps its bits, which cube roots would round.
@@ -202,7 +202,14 @@ fn mean_of(
     let mut sum = 1.0;
     for neighbor in neighbors {
         let other = neighbor.denoised;
-        let (here, there) = ((&denoised.surfaces, pose), (&other.surfaces, neighbor.pose));
+        let here = PosedSurfaces {
+            surfaces: &denoised.surfaces,
+            pose,
+        };
+        let there = PosedSurfaces {
+            surfaces: &other.surfaces,
+            pose: neighbor.pose,
+        };
         let Some(found) = taps([x as u32, y as u32], here, there, &neighbor.moved) else {
             continue;
         };

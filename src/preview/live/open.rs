@@ -31,7 +31,7 @@ impl Live {
         let texts = Dependencies::default();
         let read = read(&source, &ParameterOverrides::default(), &texts, 0);
         let read = read?;
-        Self::build(gpu, source, (view, initial), (texts, read), read_since)
+        Self::build(gpu, source, view, initial, texts, read, read_since)
     }
 
     /// Shows an empty scene in place of one with errors, until a reload succeeds.
@@ -46,13 +46,7 @@ impl Live {
     ) -> Result<Self, SessionError> {
         let empty = empty_scene(&source)?;
         let (texts, now) = (Dependencies::default(), SystemTime::now());
-        let mut live = Self::build(
-            gpu,
-            source,
-            (view, InitialBuild::Whole),
-            (texts, empty),
-            now,
-        )?;
+        let mut live = Self::build(gpu, source, view, InitialBuild::Whole, texts, empty, now)?;
         live.is_stand_in = true;
         live.problems.scene = mistakes;
         Ok(live)
@@ -62,8 +56,10 @@ impl Live {
     fn build(
         gpu: Arc<Gpu>,
         source: SceneSource,
-        (view, initial): (ViewOverrides, InitialBuild),
-        (texts, read): (Dependencies, Read),
+        view: ViewOverrides,
+        initial: InitialBuild,
+        texts: Dependencies,
+        read: Read,
         read_since: SystemTime,
     ) -> Result<Self, SessionError> {
         let frame = read.frame();

@@ -197,7 +197,8 @@ impl Live {
     /// it is read again.
     pub(super) fn finish_trial(
         &mut self,
-        (asked, is_trial): (&ParameterOverrides, bool),
+        asked: &ParameterOverrides,
+        is_trial: bool,
         request: ReadRequest,
         before: Problems,
         reload: &Reload,

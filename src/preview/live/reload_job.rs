@@ -200,7 +200,7 @@ impl Live {
                 let is_trial = parameters != *live.parameters();
                 let before = live.problems.clone();
                 live.adopt_scene(read.map(|read| *read), request.reuse, reload);
-                is_final = live.finish_trial((&parameters, is_trial), request, before, reload);
+                is_final = live.finish_trial(&parameters, is_trial, request, before, reload);
             }
             Outcome::Posed { scene, frame, pose } => live.adopt_pose(&scene, frame, *pose, reload),
         });

@@ -84,7 +84,8 @@ impl Live {
     /// Sentence with the reason; then no file has changed.
     pub fn write_material(
         &mut self,
-        (material, shown): (usize, Option<usize>),
+        material: usize,
+        shown: Option<usize>,
         numbers: &Numbers,
     ) -> Result<String, String> {
         self.check_text()?;

@@ -40,7 +40,7 @@ impl Session {
         let part = |at: Vec2| (at / size).to_array();
         let kinds = Handle::ALL
             .iter()
-            .filter(|(kind, _)| kind.of(&selection.numbers).is_some());
+            .filter(|(kind, _)| kind.numbers(&selection.numbers).is_some());
         let kinds: Vec<_> = kinds.map(|(_, name)| name).collect();
         let name = Handle::ALL
             .iter()

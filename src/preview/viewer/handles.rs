@@ -46,7 +46,7 @@ impl Handle {
     }
 
     /// Numbers that handles of this kind change.
-    pub fn of(self, numbers: &[Numbers]) -> Option<&Numbers> {
+    pub fn numbers(self, numbers: &[Numbers]) -> Option<&Numbers> {
         numbers.iter().find(|n| self.keys().contains(&n.key))
     }
 }
@@ -91,12 +91,14 @@ impl Handles {
     /// Handles at the place that an item's numbers give it, in the space of a parent; `None` where the item has none of
     /// this kind, or stands before the camera's near plane.
     pub fn new(
-        (kind, numbers, world_from_parent): (Handle, &[Numbers], &Affine3A),
+        kind: Handle,
+        numbers: &[Numbers],
+        world_from_parent: &Affine3A,
         camera: &CameraDesc,
         size: Vec2,
     ) -> Option<Self> {
-        kind.of(numbers)?;
-        let position = vector(Handle::Move.of(numbers)?)?;
+        kind.numbers(numbers)?;
+        let position = vector(Handle::Move.numbers(numbers)?)?;
         let origin = world_from_parent.transform_point3(position);
         let (start, depth) = project(camera, size, origin)?;
         let point_m = 2.0 * camera.half_height_m(depth) / size.y;
@@ -135,7 +137,7 @@ impl Handles {
         Some(HandleDrag {
             kind: self.kind,
             axis,
-            before: self.kind.of(numbers)?.clone(),
+            before: self.kind.numbers(numbers)?.clone(),
             way: (self.ends[axis] - self.start).normalize_or_zero(),
             share: self.shares[axis],
         })
@@ -186,7 +188,8 @@ fn dragged(handle: Handle, before: &Numbers, axis: usize, along: f32, share: f32
 /// Edges of a decal's box in a picture, as its numbers place it; empty for other items and where a corner is not beyond
 /// the near plane.
 pub fn box_edges(
-    (shown, numbers): (&Inspected, &[Numbers]),
+    shown: &Inspected,
+    numbers: &[Numbers],
     camera: &CameraDesc,
     size: Vec2,
 ) -> Vec<[Vec2; 2]> {
@@ -261,7 +264,7 @@ mod tests {
     fn a_press_takes_hold_of_the_end_that_it_hits() {
         let place = [numbers("position", &[0.0; 3])];
         let parent = Affine3A::from_scale(Vec3::splat(2.0));
-        let of = |kind| Handles::new((kind, &place, &parent), &camera(), vec2(400.0, 400.0));
+        let of = |kind| Handles::new(kind, &place, &parent, &camera(), vec2(400.0, 400.0));
         let handles = of(Handle::Move).expect("it is seen");
         assert_eq!(handles.axis_at(vec2(200.0 + LENGTH, 205.0)), Some(0));
         assert_eq!(handles.axis_at(vec2(200.0, 200.0 - LENGTH)), Some(1));
@@ -290,7 +293,7 @@ mod tests {
                 refused: None,
                 world_from_parent: Affine3A::IDENTITY,
             };
-            box_edges((&shown, &numbers), &camera(), vec2(100.0, 100.0))
+            box_edges(&shown, &numbers, &camera(), vec2(100.0, 100.0))
         };
         let edges = of(SceneItem::Decal(0));
         assert_eq!(edges.len(), 12);

@@ -60,7 +60,7 @@ impl Opened {
         let stem = stem.map_or("atrium".into(), |stem| stem.to_string_lossy().into_owned());
         let (live, is_waiting) = open(gpu, options.source.clone(), view, waits)?;
         let camera = live.camera(options.camera.as_deref())?;
-        let summary = SceneSummary::of(&live);
+        let summary = SceneSummary::from_live(&live);
         let method = options.method.unwrap_or(summary.method);
         Ok(Self {
             live,

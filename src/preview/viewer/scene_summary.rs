@@ -91,7 +91,7 @@ impl SceneSummary {
     }
 
     /// Summary of a live scene.
-    pub fn of(live: &Live) -> Self {
+    pub fn from_live(live: &Live) -> Self {
         let world = live.world();
         let names = unique_names(world.materials.iter().map(|m| m.name.as_str()));
         let row = |(material, m): (usize, &reflet_world::Material)| MaterialRow {

@@ -54,14 +54,14 @@ impl Selection {
     /// Handles of the item in a camera's picture of this size.
     pub fn handles(&self, camera: &CameraDesc, size: Vec2) -> Option<Handles> {
         let parent = &self.shown.as_ref()?.world_from_parent;
-        Handles::new((self.handle, &self.numbers, parent), camera, size)
+        Handles::new(self.handle, &self.numbers, parent, camera, size)
     }
 
     /// Edges of a decal's box in a camera's picture of this size.
     pub fn box_edges(&self, camera: &CameraDesc, size: Vec2) -> Vec<[Vec2; 2]> {
         let shown = self.shown.iter();
         shown
-            .flat_map(|shown| handles::box_edges((shown, &self.numbers), camera, size))
+            .flat_map(|shown| handles::box_edges(shown, &self.numbers, camera, size))
             .collect()
     }
 

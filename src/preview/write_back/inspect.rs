@@ -6,8 +6,8 @@ use glam::{Affine3A, EulerRot, Vec3};
 
 use super::{
     Inspected, Numbers,
-    held::Layered,
     item::SceneItem,
+    overridden::Layered,
     places::{self, places},
 };
 use reflet_scene::{

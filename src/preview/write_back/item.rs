@@ -56,7 +56,7 @@ impl SceneItem {
         let Some(name) = name else {
             return self.named(desc).map(|_| self);
         };
-        fn of<T>(list: &[Entry<T>], name: &str) -> Option<usize> {
+        fn index_of<T>(list: &[Entry<T>], name: &str) -> Option<usize> {
             list.iter().position(|e| e.name == name)
         }
         match self {
@@ -65,10 +65,10 @@ impl SceneItem {
                 all.position(|i| i.name.as_deref() == Some(name))
                     .map(Self::Instance)
             }
-            Self::Group(_) => of(&desc.groups, name).map(Self::Group),
-            Self::Decal(_) => of(&desc.decals, name).map(Self::Decal),
-            Self::Light(_) => of(&desc.lights, name).map(Self::Light),
-            Self::Camera(_) => of(&desc.cameras, name).map(Self::Camera),
+            Self::Group(_) => index_of(&desc.groups, name).map(Self::Group),
+            Self::Decal(_) => index_of(&desc.decals, name).map(Self::Decal),
+            Self::Light(_) => index_of(&desc.lights, name).map(Self::Light),
+            Self::Camera(_) => index_of(&desc.cameras, name).map(Self::Camera),
             Self::Environment => Some(self),
         }
     }
@@ -151,7 +151,7 @@ impl MaterialOrigin {
             Self::Named(i) => desc.materials.get(*i)?.value.emission_strength,
             Self::Instance(i) => override_of(desc.instances.get(*i)?)?.emission_strength,
             Self::File(i, name) => {
-                let tables = ModelTables::of(desc.models.get(*i));
+                let tables = ModelTables::for_model(desc.models.get(*i));
                 tables.written(name).emission_strength
             }
         }

@@ -79,7 +79,8 @@ type Found<'d> = (TrackName, &'d TrackDesc, Form);
 
 /// Tracks that place an instance, a group or a decal.
 fn placing<'d>(
-    (kind, name): (&'static str, &str),
+    kind: &'static str,
+    name: &str,
     moved: &'d InstanceMotionDesc,
 ) -> impl Iterator<Item = Found<'d>> {
     let parts = [
@@ -98,7 +99,8 @@ fn all_tracks(desc: &SceneDesc) -> Vec<Found<'_>> {
     let motion = &desc.motion;
     let mut all: Vec<Found<'_>> = Vec::new();
     fn fields<'d, T>(
-        (kind, name): (&'static str, &str),
+        kind: &'static str,
+        name: &str,
         tracks: &'d Tracks,
         table: &'static [Field<T>],
     ) -> Vec<Found<'d>> {
@@ -114,28 +116,25 @@ fn all_tracks(desc: &SceneDesc) -> Vec<Found<'_>> {
         tracks.iter().map(one).collect()
     }
     for entry in &motion.cameras {
-        all.extend(fields(
-            ("camera", &entry.name),
-            &entry.value.tracks,
-            &CAMERA,
-        ));
+        all.extend(fields("camera", &entry.name, &entry.value.tracks, &CAMERA));
     }
     for (kind, list) in [("instance", &motion.instances), ("group", &motion.groups)] {
         for entry in list {
-            all.extend(placing((kind, &entry.name), &entry.value));
+            all.extend(placing(kind, &entry.name, &entry.value));
         }
     }
     for entry in &motion.decals {
         let DecalMotionDesc { place, tracks } = &entry.value;
-        all.extend(placing(("decal", &entry.name), place));
-        all.extend(fields(("decal", &entry.name), tracks, &DECAL));
+        all.extend(placing("decal", &entry.name, place));
+        all.extend(fields("decal", &entry.name, tracks, &DECAL));
     }
     for entry in &motion.lights {
-        all.extend(fields(("light", &entry.name), &entry.value.tracks, &LIGHT));
+        all.extend(fields("light", &entry.name, &entry.value.tracks, &LIGHT));
     }
     for entry in &motion.materials {
         all.extend(fields(
-            ("material", &entry.name),
+            "material",
+            &entry.name,
             &entry.value.tracks,
             &MATERIAL,
         ));
@@ -191,9 +190,9 @@ pub fn change_keys(scene: &Layered<'_>, edit: &KeyEdit) -> Result<Change, String
         return Err("its keys are not there any more".to_owned());
     }
     let after = match edit.change {
-        KeyChange::Move(index, to_s) => moved(text, items, track, (index, to_s)),
+        KeyChange::Move(index, to_s) => moved(text, items, track, index, to_s),
         KeyChange::Delete(index) => deleted(text, items, index),
-        KeyChange::Add(at_s) => added(text, items, (track, form), at_s),
+        KeyChange::Add(at_s) => added(text, items, track, form, at_s),
     }?;
     Ok(changed(&place, after))
 }
@@ -214,7 +213,8 @@ fn moved(
     text: &str,
     items: &[Node],
     track: &TrackDesc,
-    (index, to_s): (usize, f64),
+    index: usize,
+    to_s: f64,
 ) -> Result<String, String> {
     let time = |index: usize| track.keys.get(index).map(|key| super::exact(key.at_s));
     let least = index.checked_sub(1).and_then(time).map(|s| s + APART_S);
@@ -252,7 +252,8 @@ fn deleted(text: &str, items: &[Node], index: usize) -> Result<String, String> {
 fn added(
     text: &str,
     items: &[Node],
-    (track, form): (&TrackDesc, Form),
+    track: &TrackDesc,
+    form: Form,
     at_s: f64,
 ) -> Result<String, String> {
     let is_taken = |key: &reflet_scene::desc::KeyDesc| (f64::from(key.at_s) - at_s).abs() < APART_S;

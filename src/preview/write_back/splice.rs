@@ -80,7 +80,8 @@ pub fn put(
     text: &str,
     root: &Entries,
     locator: &[Step],
-    (key, value): (&str, &Value),
+    key: &str,
+    value: &Value,
     order: &[&str],
 ) -> Result<String, String> {
     let Some(node) = find(root, locator) else {

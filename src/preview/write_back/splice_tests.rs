@@ -13,7 +13,7 @@ const TEXT: &str = "version = 1 # one\r\n[[instance]]\r\n  name = \"a\" # its na
 fn changed(text: &str, path: &[Step], key: &str, value: &Value, order: &[&str]) -> String {
     let tree = SyntaxTree::parse(text);
     let root = tree.correct().expect("it is right");
-    let after = put(text, root, path, (key, value), order).expect("it can be put");
+    let after = put(text, root, path, key, value, order).expect("it can be put");
     let again = SyntaxTree::parse(&after);
     assert!(again.errors().is_empty(), "{after}: {:?}", again.errors());
     let node = find(again.root(), path).expect("the table is there");
@@ -25,7 +25,7 @@ fn changed(text: &str, path: &[Step], key: &str, value: &Value, order: &[&str]) 
     after
 }
 
-fn of(kind: &str, step: Step) -> Locator {
+fn locator(kind: &str, step: Step) -> Locator {
     vec![Step::Key(kind.to_owned()), step]
 }
 
@@ -94,7 +94,7 @@ fn only_what_changes_is_written() {
         ),
     ] {
         let value = Value::Numbers(values.to_vec());
-        let found = changed(TEXT, &of(kind, step), key, &value, &[]);
+        let found = changed(TEXT, &locator(kind, step), key, &value, &[]);
         assert_eq!(found, TEXT.replacen(from, to, 1), "{kind} {key}");
     }
 }
@@ -111,7 +111,7 @@ fn new_keys_land_where_the_manual_lists_them() {
     let number = Value::Numbers(vec![0.25]);
     let between = changed(
         text,
-        &of("material", named("a")),
+        &locator("material", named("a")),
         "roughness",
         &number,
         &order,
@@ -120,7 +120,7 @@ fn new_keys_land_where_the_manual_lists_them() {
     assert_eq!(between, text.replacen(from, to, 1));
     let first = changed(
         text,
-        &of("material", named("b")),
+        &locator("material", named("b")),
         "roughness",
         &number,
         &order,
@@ -132,7 +132,7 @@ fn new_keys_land_where_the_manual_lists_them() {
     let value = Value::Color(vec![1.0, 0.5, 0.0]);
     let found = changed(
         lamp,
-        &of("light", named("a")),
+        &locator("light", named("a")),
         "color",
         &value,
         &order_of("LightDesc"),
@@ -144,7 +144,7 @@ fn new_keys_land_where_the_manual_lists_them() {
     let inline = "material = { a = { base_color = [1, 0, 0], reflectivity = 1 } }\n";
     let found = changed(
         inline,
-        &of("material", named("a")),
+        &locator("material", named("a")),
         "roughness",
         &number,
         &order,
@@ -155,7 +155,7 @@ fn new_keys_land_where_the_manual_lists_them() {
     );
     // Dotted keys stay dotted.
     let dotted = "[[instance]]\nname = \"x\"\nmaterial.base_color = [1, 0, 0]\ndynamic = true\n";
-    let path = [of("instance", named("x")), keys(["material"])].concat();
+    let path = [locator("instance", named("x")), keys(["material"])].concat();
     let found = changed(dotted, &path, "roughness", &number, &order);
     let (from, to) = ("0, 0]\n", "0, 0]\nmaterial.roughness = 0.25\n");
     assert_eq!(found, dotted.replacen(from, to, 1));
@@ -166,7 +166,7 @@ fn colors_stay_as_they_are_written() {
     let text = "[light.a]\ncolor = \"#ff8000\" # warm\n[light.b]\ncolor = [1, 0.50, 0]\n";
     let put = |name: &str, values: [f64; 3]| {
         let value = Value::Color(values.to_vec());
-        changed(text, &of("light", named(name)), "color", &value, &[])
+        changed(text, &locator("light", named(name)), "color", &value, &[])
     };
     // 0.2140 is sRGB 0.5.
     let found = put("a", [1.0, 0.214, 0.0]);
@@ -195,7 +195,7 @@ fn missing_tables_are_made() {
     let found = changed(text, &keys(["environment"]), "intensity", &number, &[]);
     let (from, to) = ("door\n", "door\n\n[environment]\nintensity = 0.5\n");
     assert_eq!(found, text.replacen(from, to, 1));
-    let own = [of("instance", Step::Index(0)), keys(["material"])].concat();
+    let own = [locator("instance", Step::Index(0)), keys(["material"])].concat();
     let found = changed(text, &own, "roughness", &number, &[]);
     let (from, to) = (
         "model = \"fox\"\n",
@@ -215,7 +215,7 @@ fn inline_and_empty_tables_take_new_keys() {
     let text = "light = { a = { kind = \"point\" }, b = {} }\n[light2]\n[light2.c] # c\n";
     let of = |kind, name: &str| {
         let value = Value::Numbers(vec![0.0, 1.0]);
-        changed(text, &of(kind, named(name)), "position", &value, &[])
+        changed(text, &locator(kind, named(name)), "position", &value, &[])
     };
     let a = of("light", "a");
     assert!(a.contains("{ kind = \"point\", position = [0, 1] }"), "{a}");

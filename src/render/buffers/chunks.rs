@@ -98,7 +98,11 @@ impl Chunks {
                 );
             }
             let shift = (self.bytes / size).trailing_zeros();
-            (name.to_owned(), count, shift)
+            Array {
+                name: name.to_owned(),
+                count,
+                shift,
+            }
         };
         let mut functions = Vec::new();
         if !are_trees_whole {
@@ -122,7 +126,7 @@ impl Chunks {
             }
         }
         for (function, array, member, of) in &functions {
-            write_function(&mut text, function, array, (*member, *of));
+            write_function(&mut text, function, array, member, of);
         }
         text
     }
@@ -131,12 +135,22 @@ impl Chunks {
 /// First binding number of group 1 that no shader file declares.
 const FIRST_FREE_BINDING: u32 = 19;
 
-fn write_function(
-    text: &mut String,
-    function: &str,
-    (array, count, shift): &(String, u32, u32),
-    (member, of): (&str, &str),
-) {
+/// An array of shaders in chunks.
+#[derive(Clone)]
+struct Array {
+    name: String,
+    count: u32,
+    /// log2 of the number of elements of a chunk.
+    shift: u32,
+}
+
+/// Writes a function that returns a member, of the type `of`, of an element by its index in all chunks.
+fn write_function(text: &mut String, function: &str, array: &Array, member: &str, of: &str) {
+    let Array {
+        name: array,
+        count,
+        shift,
+    } = array;
     let _ = writeln!(text, "fn {function}(i: u32) -> {of} {{");
     if *count == 1 {
         let _ = writeln!(text, "    return {array}[i]{member};\n}}");

@@ -113,17 +113,36 @@ pub(crate) fn empty_uniform(gpu: &Gpu, label: &str, size: usize) -> wgpu::Buffer
     })
 }
 
+/// Settings of the block of a frame.
+pub struct FrameSettings<'a> {
+    /// Settings of reflections.
+    pub reflection: &'a ReflectionDesc,
+    /// Exposure of the picture.
+    pub exposure_ev: f32,
+    /// Unit U of the scene, meters.
+    pub unit_m: f32,
+    /// Number of bounces of the plan.
+    pub bounces: u32,
+    /// Left, top, right and bottom edge of the shown part, pixels.
+    pub crop: [f32; 4],
+    /// Pixels that the sub-frame renders.
+    pub share: PixelShare,
+    /// Whether the surfaces of all pixels are resolved, not only of the share.
+    pub whole_surfaces: bool,
+}
+
 impl Frame {
-    /// The block of a share of one sub-frame; `bounces` is the plan's, `crop` the edges of the shown part. Pixels
-    /// around lend no light where they show other moments.
-    pub fn new(
-        world: &World,
-        view: &View,
-        jitter: Vec2,
-        (settings, exposure_ev): (&ReflectionDesc, f32),
-        (unit_m, bounces, crop): (f32, u32, [f32; 4]),
-        (share, whole_surfaces): (PixelShare, bool),
-    ) -> Self {
+    /// The block of a share of one sub-frame. Pixels around lend no light where they show other moments.
+    pub fn new(world: &World, view: &View, jitter: Vec2, settings: &FrameSettings<'_>) -> Self {
+        let FrameSettings {
+            reflection: settings,
+            exposure_ev,
+            unit_m,
+            bounces,
+            crop,
+            share,
+            whole_surfaces,
+        } = *settings;
         let environment = &world.environment.desc;
         let radiance = |color: glam::Vec3| (color * environment.intensity).to_array();
         Self {

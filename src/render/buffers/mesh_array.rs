@@ -24,7 +24,8 @@ impl MeshArray {
         gpu: &Gpu,
         name: &str,
         count: usize,
-        (usage, in_texels): (wgpu::BufferUsages, bool),
+        usage: wgpu::BufferUsages,
+        in_texels: bool,
     ) -> Result<Self, GpuError> {
         let texels = in_texels.then(|| TexelArray::sized::<T>(gpu, name, count));
         Ok(Self {
@@ -93,12 +94,13 @@ impl<'a, T: Pod> Upload<'a, T> {
         gpu: &'a Gpu,
         name: &str,
         count: usize,
-        storage: (wgpu::BufferUsages, bool),
+        usage: wgpu::BufferUsages,
+        in_texels: bool,
     ) -> Result<Self, GpuError> {
         let most = Gpu::PIECE_BYTES / size_of::<T>();
         Ok(Self {
             gpu,
-            array: MeshArray::sized::<T>(gpu, name, count, storage)?,
+            array: MeshArray::sized::<T>(gpu, name, count, usage, in_texels)?,
             written: 0,
             piece: Vec::with_capacity(count.min(most)),
             most,

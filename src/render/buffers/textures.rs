@@ -29,7 +29,7 @@ struct Sampling {
 
 impl Sampling {
     /// Settings for a use of `texture` in a pool of size `px`; uses with equal resampled images have equal settings.
-    fn of(used: &TextureRef, texture: &Texture, px: u32) -> Self {
+    fn for_texture(used: &TextureRef, texture: &Texture, px: u32) -> Self {
         // Beyond a mirrored border the nearest texel is the last one, like beyond a clamped border.
         let wrap = |wrap| match wrap {
             Wrap::Mirror => Wrap::Clamp,
@@ -79,7 +79,7 @@ impl Pools {
     pub fn new(gpu: &Gpu, world: &World) -> Result<Self, GpuError> {
         let mut pools = Self {
             views: Vec::new(),
-            layers: Layers::of(world),
+            layers: Layers::for_world(world),
             bytes: 0,
         };
         let images = pools.layers.images();
@@ -172,8 +172,8 @@ pub struct Layers {
 
 impl Layers {
     /// Assigns layers for a world, in the order of its materials.
-    pub fn of(world: &World) -> Self {
-        let sizes = PoolSizes::of(&world.textures);
+    pub fn for_world(world: &World) -> Self {
+        let sizes = PoolSizes::for_textures(&world.textures);
         let mut layers = Self {
             sizes,
             pools: (world.textures.iter())
@@ -199,7 +199,7 @@ impl Layers {
     /// Key of a texture use, and its pool.
     fn key(&self, used: &TextureRef, textures: &[Texture]) -> ((usize, Sampling), usize) {
         let pool = self.pools[used.texture];
-        let sampling = Sampling::of(used, &textures[used.texture], self.sizes.px[pool]);
+        let sampling = Sampling::for_texture(used, &textures[used.texture], self.sizes.px[pool]);
         ((used.texture, sampling), pool)
     }
 

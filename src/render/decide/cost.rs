@@ -6,7 +6,7 @@ use std::fmt;
 use reflet_scene::desc::LightKind;
 
 use super::{
-    brought_light::{BroughtRays, RayCount},
+    secondary_rays::{RayCount, SecondaryRays},
     view_sample::{MirrorRays, ViewSample},
 };
 use crate::settings::unit_costs::UnitCosts;
@@ -118,9 +118,9 @@ impl Workload {
             };
         }
         let fixed = self.samples * (self.pixels * unit.pyramid_pixel + 4.0 * unit.pass);
-        let brought = self.view.brought.time(unit);
-        let hybrid = self.weight() * (hybrid + brought) + fixed;
-        let rt = self.weight() * (rt + brought);
+        let secondary = self.view.secondary.time(unit);
+        let hybrid = self.weight() * (hybrid + secondary) + fixed;
+        let rt = self.weight() * (rt + secondary);
         Pair([("hybrid", MS * hybrid), ("rt", MS * rt)])
     }
 
@@ -139,7 +139,7 @@ impl Workload {
     }
 }
 
-impl BroughtRays {
+impl SecondaryRays {
     /// Expected time of all these rays, nanoseconds: the same for both methods.
     fn time(&self, unit: &UnitCosts) -> f64 {
         let cost = |count: RayCount, ray: f64, node: f64| {

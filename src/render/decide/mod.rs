@@ -1,9 +1,9 @@
 //! Decides the settings that options leave to `auto`, by the cost model.
 
-pub mod brought_light;
 pub mod cost;
 pub(crate) mod cull;
 pub(crate) mod edge_on;
+pub mod secondary_rays;
 pub mod shadow_texels;
 pub mod skip;
 pub mod trace_choice;

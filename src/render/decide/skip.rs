@@ -94,7 +94,7 @@ impl Kept {
 
 impl Skipping {
     /// Instances that the rays of a scene may skip with these options; the world is posed at the first frame.
-    pub fn of(world: &World, options: &RenderOptions) -> Self {
+    pub fn for_world(world: &World, options: &RenderOptions) -> Self {
         let settings = &options.reflection;
         if settings.skip_px <= 0.0 {
             return Self::default();

@@ -80,5 +80,5 @@ fn without_queries(gpu: &Gpu) -> Diagnostic {
             .to_owned(),
     };
     let message = format!("`reflection.trace = \"query\"` needs ray queries, which {name} lacks");
-    Diagnostic::at("no-ray-queries", Span::default(), message).help(help)
+    Diagnostic::new("no-ray-queries", Span::default(), message).help(help)
 }

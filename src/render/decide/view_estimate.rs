@@ -69,7 +69,7 @@ impl ViewEstimate {
             rays: ViewRays { world, trees, view },
             lamps: (!world.lamps.is_empty()).then(|| LightTrees::new(world, None)),
             looks: (world.materials.iter())
-                .map(|material| AverageColors::of(world, material))
+                .map(|material| AverageColors::for_material(world, material))
                 .collect(),
             sky: world.environment.coarse_gradient(),
             cutoff,
@@ -106,7 +106,7 @@ struct AverageColors {
 }
 
 impl AverageColors {
-    fn of(world: &World, material: &Material) -> Self {
+    fn for_material(world: &World, material: &Material) -> Self {
         let checker = material.checker.as_ref();
         let checker = checker.map_or(Vec3::ONE, |c| (c.colors[0] + c.colors[1]) * 0.5);
         let base = material.base_color.truncate() * checker;

@@ -13,7 +13,7 @@ use reflet_world::{
 };
 
 use super::{
-    brought_light::{BroughtRays, Chance, LightsOfHits, towards},
+    secondary_rays::{Chance, LightsOfHits, SecondaryRays, towards},
     view_rays::{SurfacePoint, ViewRays, mirror_ray, off_surface, places},
 };
 use crate::{
@@ -67,7 +67,7 @@ pub struct ViewSample {
     /// Mirror rays by the instance that they start from.
     pub mirror: BTreeMap<usize, MirrorRays>,
     /// Rays that the mirror rays bring from their first hit on.
-    pub brought: BroughtRays,
+    pub secondary: SecondaryRays,
     /// Number of shadow rays to the `auto` lights of each kind, and number of nodes that they visit.
     pub shadows: [(u32, u32); LightKind::NAMES.len()],
 }
@@ -107,7 +107,7 @@ impl ViewSample {
             visits: self.visits + other.visits,
             surfaces: self.surfaces + other.surfaces,
             mirror: self.mirror,
-            brought: self.brought.plus(other.brought),
+            secondary: self.secondary.plus(other.secondary),
             shadows,
         }
     }
@@ -148,15 +148,15 @@ impl Sampler<'_> {
             refused_visits: if shown { 0 } else { visits },
         };
         sum.mirror.insert(point.instance, counts);
-        sum.brought = self.brought(place, ray, met);
+        sum.secondary = self.secondary(place, ray, met);
         sum
     }
 
     /// Counts what a mirror ray brings from its first hit on: rays to the lights of each hit, and onward.
-    fn brought(&self, place: DVec2, first: Ray, first_met: Option<RayHit>) -> BroughtRays {
-        let mut sum = BroughtRays::default();
+    fn secondary(&self, place: DVec2, first: Ray, first_met: Option<RayHit>) -> SecondaryRays {
+        let mut sum = SecondaryRays::default();
         let [x, y] = (place * f64::from(1 << 12)).as_uvec2().to_array();
-        let mut chance = Chance::of(x << 12 | y);
+        let mut chance = Chance::for_sample(x << 12 | y);
         let (mut direction, mut met) = (first.direction, first_met);
         let (mut mirrored, mut scattered) = (1, 0);
         while let Some(hit) = met {

@@ -26,7 +26,7 @@ gpu_struct! {
 
 impl GpuFog {
     /// The fog of a world, if it has any.
-    pub fn of(world: &World) -> Option<Self> {
+    pub fn from_world(world: &World) -> Option<Self> {
         let fog = world.environment.fog()?;
         let corners = match world.environment.fog_box {
             corners if corners.is_empty() => world.fog_box(), // of a world that no scene text made

@@ -30,7 +30,7 @@ pub const PATTERNED_SHIFT: u32 = 8;
 
 impl GpuPatterned {
     /// A pattern in its layout in shaders; one of no size without a pattern.
-    pub fn of(pattern: Option<&PatternedDesc>) -> Self {
+    pub fn from_pattern(pattern: Option<&PatternedDesc>) -> Self {
         pattern.map_or(Self::ZERO, |p| Self {
             first: p.from.to_array(),
             bits: p.kind as u32 | (p.value as u32) << PATTERNED_SHIFT,

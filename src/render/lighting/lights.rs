@@ -52,7 +52,7 @@ pub struct ShadowSizes {
 
 impl ShadowSizes {
     /// Sizes of the shadow maps of these lights.
-    pub fn of(lights: &[Light], options: &RenderOptions) -> Self {
+    pub fn for_lights(lights: &[Light], options: &RenderOptions) -> Self {
         let mut sizes = Self::default();
         let has_map = |l: &&Light| options.shadow_of(&l.desc) == ShadowMode::Map;
         for light in lights.iter().filter(has_map) {
@@ -91,7 +91,7 @@ pub struct LightNeeds {
 
 impl LightNeeds {
     /// Features that these lights need.
-    pub fn of(lights: &[Light], options: &RenderOptions) -> Self {
+    pub fn for_lights(lights: &[Light], options: &RenderOptions) -> Self {
         let is_sized = |light: &Light| light.desc.kind.has_size();
         let has_ray = |light: &Light| options.shadow_of(&light.desc) == ShadowMode::Ray;
         Self {
@@ -115,7 +115,7 @@ impl LightNeeds {
 
 /// Whether some light has ray traced shadows.
 pub fn has_shadow_rays(lights: &[Light], options: &RenderOptions) -> bool {
-    LightNeeds::of(lights, options).rays
+    LightNeeds::for_lights(lights, options).rays
 }
 
 /// Lights in the order of shaders: lights without a size first, and their number.

@@ -80,7 +80,7 @@ impl FacesKey {
             bytes >> 20,
             MAX_MAP_BYTES >> 20
         );
-        let error = Diagnostic::at("box-faces-too-large", Span::default(), message);
+        let error = Diagnostic::new("box-faces-too-large", Span::default(), message);
         Err(Box::new(error.help(format!(
             "write a `face_px` of {most_px} or less in `[box_faces]`"
         ))))

@@ -141,6 +141,6 @@ impl FarMaps {
             .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&far_box));
         let [x, y, z] = far_box.eye;
         let place = [x, y, z, far_box.half_size_m, far_box.separation_m].map(f32::to_bits);
-        (self.captured_for).replace((place, PoseKey::of(world), changing_cut_outs(world)))
+        (self.captured_for).replace((place, PoseKey::from_world(world), changing_cut_outs(world)))
     }
 }

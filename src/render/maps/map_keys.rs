@@ -25,7 +25,7 @@ impl MapKeys {
     ///
     /// # Errors
     /// Too many probes, or maps that are too large.
-    pub fn of(
+    pub fn for_world(
         world: &World,
         options: &RenderOptions,
         meters: f32,

@@ -36,7 +36,7 @@ pub(crate) fn still_bounds(world: &World) -> Bounds {
     let still = world.instances.iter().filter(|i| !i.dynamic);
     let bounds = still.fold(Bounds::EMPTY, |all, i| all.union(world.bounds_of(i)));
     match bounds.is_empty() {
-        true => Bounds::of([Vec3::ZERO]),
+        true => Bounds::around([Vec3::ZERO]),
         false => bounds,
     }
 }
@@ -106,7 +106,7 @@ fn grid(still: Bounds, counts: [u32; 3]) -> impl Iterator<Item = ProbeBox> {
 
 fn too_many(size_m: DVec3, total: f64, room: usize) -> Box<Diagnostic> {
     let message = format!("the grid of `[probes]` has {total:.0} probes; there is room for {room}");
-    let error = Diagnostic::at("too-many-probes", Span::default(), message);
+    let error = Diagnostic::new("too-many-probes", Span::default(), message);
     let fits = |spacing_m: f64| {
         let counts = (size_m / spacing_m)
             .to_array()

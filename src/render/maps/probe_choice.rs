@@ -23,7 +23,7 @@ pub struct ProbeChoice {
 
 impl ProbeChoice {
     /// Choice of at most `nearest` of these probes at a point, in the coordinates of the boxes.
-    pub fn at(boxes: &[ProbeBox], point: Vec3, nearest: u32) -> Self {
+    pub fn at_point(boxes: &[ProbeBox], point: Vec3, nearest: u32) -> Self {
         let mut deepest: Vec<(u32, f32)> = (0..)
             .zip(boxes)
             .map(|(probe, of)| (probe, of.depth_of(point)))
@@ -79,7 +79,7 @@ mod tests {
     #[test]
     fn the_deepest_come_first_and_weigh_by_their_depth() {
         let boxes = [around(0.0), around(2.0), around(9.0)];
-        let at = |x: f32, nearest| ProbeChoice::at(&boxes, Vec3::new(x, 0.0, 0.0), nearest);
+        let at = |x: f32, nearest| ProbeChoice::at_point(&boxes, Vec3::new(x, 0.0, 0.0), nearest);
         // At 1.5 the depths are 0.25 and 0.75; the third box is elsewhere.
         let two = at(1.5, 2);
         assert_eq!(
@@ -95,7 +95,8 @@ mod tests {
 
     #[test]
     fn a_floor_on_the_border_of_a_box_still_chooses_it() {
-        let choice = ProbeChoice::at(&[around(9.0), around(0.0)], Vec3::new(0.0, -2.0, 0.0), 2);
+        let choice =
+            ProbeChoice::at_point(&[around(9.0), around(0.0)], Vec3::new(0.0, -2.0, 0.0), 2);
         assert_eq!(
             (choice.probes[0], choice.weights),
             (1, [1.0, 0.0, 0.0, 0.0])

@@ -99,7 +99,7 @@ impl ProbeKey {
             bytes >> 20,
             MAX_MAP_BYTES >> 20
         );
-        let error = Diagnostic::at("probe-maps-too-large", Span::default(), message);
+        let error = Diagnostic::new("probe-maps-too-large", Span::default(), message);
         Err(Box::new(error.help(format!(
             "write a `face_px` of {most_px} or less in `[probes]`, or fewer probes"
         ))))

@@ -191,7 +191,9 @@ impl ProbeMaps {
         &self,
         gpu: &Gpu,
         world: &World,
-        (frame, lights, sampling): (&Frame, &LightBlock, &Sampling),
+        frame: &Frame,
+        lights: &LightBlock,
+        sampling: &Sampling,
     ) -> bool {
         let (frame, lights) = (self.frame(frame), by_rays(lights));
         let sampling = Sampling {
@@ -200,7 +202,7 @@ impl ProbeMaps {
             samples: self.key.samples,
             ..*sampling
         };
-        let fog = GpuFog::of(world);
+        let fog = GpuFog::from_world(world);
         let hash = hash_of_light(world, &frame, &lights, &sampling, fog.as_ref());
         if !self.captured_for.replace(hash) {
             return false;

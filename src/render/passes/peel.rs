@@ -70,7 +70,7 @@ impl FramePass for Peel {
         })?;
         let mut kinds: Vec<Kind> = Vec::new();
         for draw in resources.scene.draws.iter().filter(|draw| is_met(draw)) {
-            let needed = Kind::of(&draw.class);
+            let needed = Kind::for_class(&draw.class);
             if !kinds.contains(&needed) {
                 kinds.push(needed);
             }
@@ -124,9 +124,9 @@ impl Peel {
         // In the order of instances: of coplanar surfaces the first that is drawn stays.
         for draws in scene
             .draws
-            .chunk_by(|a, b| Kind::of(&a.class) == Kind::of(&b.class))
+            .chunk_by(|a, b| Kind::for_class(&a.class) == Kind::for_class(&b.class))
         {
-            let kind = Kind::of(&draws[0].class);
+            let kind = Kind::for_class(&draws[0].class);
             let found = self.pipelines.iter().find(|(known, _)| *known == kind);
             let Some((_, pipeline)) = found else {
                 continue;

@@ -85,7 +85,7 @@ impl FramePass for Shadow {
         let groups = (0..count).map(slot).collect::<Result<Vec<_>, _>>()?;
         let mut kinds: Vec<Kind> = Vec::new();
         for draw in &builder.resources.scene.draws {
-            let needed = Kind::of(&draw.class);
+            let needed = Kind::for_class(&draw.class);
             if !kinds.contains(&needed) {
                 kinds.push(needed);
             }
@@ -174,7 +174,7 @@ impl Shadow {
     ) -> DrawCalls<'a> {
         let mut calls = DrawCalls::new(is_software);
         for (kind, pipeline) in &self.pipelines {
-            let draws = casters(scene, view).filter(|d| Kind::of(&d.class) == *kind);
+            let draws = casters(scene, view).filter(|d| Kind::for_class(&d.class) == *kind);
             calls.add(
                 draws,
                 pipeline,
@@ -196,7 +196,7 @@ pub struct Kind {
 
 impl Kind {
     /// Kind of a class of draw calls.
-    pub fn of(class: &DrawClass) -> Self {
+    pub fn for_class(class: &DrawClass) -> Self {
         Self {
             cutout: class.cutout,
             shape: class.shape,

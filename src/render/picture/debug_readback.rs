@@ -155,7 +155,12 @@ mod tests {
         for (kind, expected_m) in kinds.into_iter().zip([2.75, 2.75, 3.75]) {
             let all = [light(kind)];
             let options = RenderOptions::default();
-            let (_, views) = lights(&all, ShadowSizes::of(&all, &options), &bounds, &options);
+            let (_, views) = lights(
+                &all,
+                ShadowSizes::for_lights(&all, &options),
+                &bounds,
+                &options,
+            );
             assert_eq!(views.len(), shadow_faces(&all[0], &options));
             // The fourth view, the cube face that looks down; the only view of other maps.
             let view = views.get(3).unwrap_or(&views[0]);

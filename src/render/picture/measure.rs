@@ -49,25 +49,31 @@ impl Renderer {
     ) -> Result<Vec<PassCounts>, RenderError> {
         self.build_instrument(gpu, Instrument::Count)?;
         let mut sums: Vec<PassCounts> = Vec::new();
-        let measured = (Timing::None, Some(Instrument::Count));
-        self.each_share(gpu, camera.into(), measured, |renderer, recorder| {
-            renderer.submitted(recorder.submit())?;
-            for counted in renderer
-                .bindings
-                .instruments
-                .counted
-                .get()
-                .into_iter()
-                .flatten()
-            {
-                let new = counted.read(gpu)?;
-                match sums.iter_mut().find(|sum| sum.pass == new.pass) {
-                    Some(sum) => sum.counts = sum.counts.plus(new.counts),
-                    None => sums.push(new),
+        let measured = Some(Instrument::Count);
+        self.each_share(
+            gpu,
+            camera.into(),
+            Timing::None,
+            measured,
+            |renderer, recorder| {
+                renderer.submitted(recorder.submit())?;
+                for counted in renderer
+                    .bindings
+                    .instruments
+                    .counted
+                    .get()
+                    .into_iter()
+                    .flatten()
+                {
+                    let new = counted.read(gpu)?;
+                    match sums.iter_mut().find(|sum| sum.pass == new.pass) {
+                        Some(sum) => sum.counts = sum.counts.plus(new.counts),
+                        None => sums.push(new),
+                    }
                 }
-            }
-            Ok(())
-        })?;
+                Ok(())
+            },
+        )?;
         Ok(sums)
     }
 
@@ -87,15 +93,21 @@ impl Renderer {
             return Ok(None);
         }
         let mut sum_ms = None;
-        let measured = (Timing::Passes, Some(Instrument::Traverse));
-        self.each_share(gpu, camera.into(), measured, |renderer, recorder| {
-            let times = renderer.submitted(recorder.finish())?;
-            let of = |(name, ms): &(String, f64)| (name == trace::TRAVERSE.name).then_some(*ms);
-            if let Some(ms) = times.passes_ms.iter().find_map(of) {
-                sum_ms = Some(sum_ms.unwrap_or(0.0) + ms);
-            }
-            Ok(())
-        })?;
+        let measured = Some(Instrument::Traverse);
+        self.each_share(
+            gpu,
+            camera.into(),
+            Timing::Passes,
+            measured,
+            |renderer, recorder| {
+                let times = renderer.submitted(recorder.finish())?;
+                let of = |(name, ms): &(String, f64)| (name == trace::TRAVERSE.name).then_some(*ms);
+                if let Some(ms) = times.passes_ms.iter().find_map(of) {
+                    sum_ms = Some(sum_ms.unwrap_or(0.0) + ms);
+                }
+                Ok(())
+            },
+        )?;
         Ok(sum_ms)
     }
 
@@ -111,11 +123,17 @@ impl Renderer {
         aovs: &[Aov],
     ) -> Result<Vec<Plane>, RenderError> {
         self.build_instrument(gpu, Instrument::AcceptAll)?;
-        let measured = (Timing::None, Some(Instrument::AcceptAll));
-        self.each_share(gpu, camera.into(), measured, |renderer, recorder| {
-            renderer.submitted(recorder.submit())?;
-            Ok(())
-        })?;
+        let measured = Some(Instrument::AcceptAll);
+        self.each_share(
+            gpu,
+            camera.into(),
+            Timing::None,
+            measured,
+            |renderer, recorder| {
+                renderer.submitted(recorder.submit())?;
+                Ok(())
+            },
+        )?;
         let planes = aovs.iter().map(|aov| aov.plane(gpu, self, camera));
         Ok(planes.collect::<Result<_, _>>()?)
     }

@@ -181,7 +181,7 @@ impl PendingPicture {
             stats.set_counters(counters);
         }
         let (color, unlit) = self.color.map_or_else(Default::default, |target| {
-            mean(&values, target, (stats.samples, self.alpha))
+            mean(&values, target, stats.samples, self.alpha)
         });
         let mut guides = Vec::new();
         if self.has_guides {
@@ -216,11 +216,7 @@ impl PendingPicture {
 
 /// Mean of the sub-frames, whose sum a target holds, and the share of each pixel that shows a display color; no shares
 /// where none does.
-fn mean(
-    values: &TargetValues,
-    target: Target,
-    (samples, alpha): (u32, bool),
-) -> (Vec<f32>, Vec<f32>) {
+fn mean(values: &TargetValues, target: Target, samples: u32, alpha: bool) -> (Vec<f32>, Vec<f32>) {
     let mut color: Vec<f32> = values.texels(target);
     let scale = 1.0 / samples as f32;
     let has_unlit = color.chunks_exact(4).any(|pixel| pixel[3] > 0.0);

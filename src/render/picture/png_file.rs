@@ -17,7 +17,7 @@ pub type PngText<'a> = (&'a str, &'a str);
 /// # Errors
 /// Encoder error.
 pub fn encode(size: [u32; 2], rgba: &[u8], texts: &[PngText]) -> Result<Vec<u8>, String> {
-    encode_texels(size, (&rgb(rgba), png::ColorType::Rgb), texts)
+    encode_texels(size, &rgb(rgba), png::ColorType::Rgb, texts)
 }
 
 /// Encodes RGBA with straight alpha (not premultiplied) as a PNG with texts.
@@ -29,12 +29,13 @@ pub fn encode_with_alpha(
     rgba: &[u8],
     texts: &[PngText],
 ) -> Result<Vec<u8>, String> {
-    encode_texels(size, (rgba, png::ColorType::Rgba), texts)
+    encode_texels(size, rgba, png::ColorType::Rgba, texts)
 }
 
 fn encode_texels(
     size: [u32; 2],
-    (texels, color): (&[u8], png::ColorType),
+    texels: &[u8],
+    color: png::ColorType,
     texts: &[PngText],
 ) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();

@@ -124,8 +124,12 @@ pub fn wgsl() -> String {
         }
         reflet_world::texture::pool_size { SMALLEST_POOL_PX }
     }
-    let lent_bytes = Target::VisibleLights.format(false).block_copy_size(None);
-    define(&mut out, "LENT_LIGHTS", &(lent_bytes.unwrap_or(0) * 8 / 2));
+    let visibility_bytes = Target::VisibleLights.format(false).block_copy_size(None);
+    define(
+        &mut out,
+        "REUSED_LIGHTS",
+        &(visibility_bytes.unwrap_or(0) * 8 / 2),
+    );
     define(&mut out, "CONE_SIDES", &(Sides::Cone as u32));
     define_variants(&mut out);
     define_causes(&mut out);

@@ -56,7 +56,7 @@ impl Counts {
     }
 
     /// Sum over the pixels of a counting pass.
-    fn of(pixels: &[[u32; 4]]) -> Self {
+    fn sum(pixels: &[[u32; 4]]) -> Self {
         let of_pixel = |&[steps, traversals, nodes, triangles]: &[u32; 4]| Self {
             march_steps: steps.into(),
             traversals: traversals.into(),
@@ -150,7 +150,7 @@ impl Counted {
         let pixels = readback::read_texture(gpu, &self.counts)?;
         Ok(PassCounts {
             pass: self.pass.name(),
-            counts: Counts::of(&bytemuck::pod_collect_to_vec::<u8, [u32; 4]>(&pixels)),
+            counts: Counts::sum(&bytemuck::pod_collect_to_vec::<u8, [u32; 4]>(&pixels)),
         })
     }
 }

@@ -84,7 +84,7 @@ macro_rules! features {
             }),*];
 
             /// Features that a scene needs, and the dropped features.
-            pub fn of($scene: $scene_type) -> (Self, Vec<Dropped>) {
+            pub fn for_scene($scene: $scene_type) -> (Self, Vec<Dropped>) {
                 let mut dropped = Vec::new();
                 $(
                     let $name: bool = $($used)? $($follows)?;

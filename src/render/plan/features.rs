@@ -144,7 +144,7 @@ features! {
     /// Whether reflections may reuse the light pass's results of shadow rays.
     lends_light {
         follows: reflections && hard_shadow_rays,
-        constant: LENDS_LIGHT,
+        constant: REUSES_LIGHT,
         dropped: "light reuse" => "no light without a size casts its shadow by rays", if reflections;
     }
     /// Whether the environment is a panorama.
@@ -221,7 +221,7 @@ features! {
     mapped {
         follows: near_far || box_faces,
         constant: MAPPED,
-        files: nearest_met [traced, mapped];
+        files: closest_hit [traced, mapped];
     }
     /// Whether probes are chosen by instances rather than by pixels.
     probes_by_instance {

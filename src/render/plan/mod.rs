@@ -59,7 +59,7 @@ pub fn may_reflect(world: &World, material: usize, cutoff: f32) -> bool {
     let mut decals = world.decals.over(material);
     can_reflect(own, cutoff)
         || world.may_change(material)
-        || decals.any(|d| can_reflect_under(own, (d, &world.materials[d.material]), cutoff))
+        || decals.any(|d| can_reflect_under(own, d, &world.materials[d.material], cutoff))
 }
 
 /// Whether a reflection of this roughness takes more than a single sharp ray.
@@ -176,10 +176,15 @@ pub fn is_undersampled(world: &World, options: &RenderOptions) -> bool {
 
 impl Plan {
     /// The plan of a scene; with [`RenderOptions::general`], the plan that drops no feature.
-    pub fn of(world: &World, trees: &Trees, layers: &Layers, options: &RenderOptions) -> Self {
-        let precision = Precision::of(world, options);
+    pub fn for_world(
+        world: &World,
+        trees: &Trees,
+        layers: &Layers,
+        options: &RenderOptions,
+    ) -> Self {
+        let precision = Precision::for_world(world, options);
         let used: BTreeSet<usize> = world.instances.iter().map(|i| i.material).collect();
-        let (features, dropped) = Features::of(&PlannedScene {
+        let (features, dropped) = Features::for_scene(&PlannedScene {
             world,
             materials: used.iter().map(|&m| &world.materials[m]).collect(),
             trees,

@@ -68,10 +68,10 @@ impl PlannedScene<'_> {
     }
 
     pub(super) fn lights(&self) -> LightNeeds {
-        LightNeeds::of(&self.world.lights, self.options)
+        LightNeeds::for_lights(&self.world.lights, self.options)
     }
 
     pub(super) fn shadows(&self) -> ShadowSizes {
-        ShadowSizes::of(&self.world.lights, self.options)
+        ShadowSizes::for_lights(&self.world.lights, self.options)
     }
 }

@@ -91,8 +91,10 @@ impl BindingKey {
     /// Whether the existing shadow maps fit these lights, and the passes were built for all their shadow rays and
     /// sizes.
     pub fn fits_lights(&self, lights: &[Light], options: &RenderOptions) -> bool {
-        self.shadows == ShadowSizes::of(lights, options)
-            && self.light_needs.cover(LightNeeds::of(lights, options))
+        self.shadows == ShadowSizes::for_lights(lights, options)
+            && self
+                .light_needs
+                .cover(LightNeeds::for_lights(lights, options))
     }
 }
 

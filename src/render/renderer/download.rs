@@ -13,7 +13,7 @@ use reflet_scene::desc::Method;
 
 use crate::{
     pipeline::targets::Target,
-    settings::{precision::Precision, relative::Coordinates},
+    settings::{coordinates::Coordinates, precision::Precision},
 };
 
 /// Copies of targets that the CPU has not received yet.

@@ -65,19 +65,16 @@ impl Halves {
         let all = all.take(gpu)?;
         let width = all.size[0] as usize;
         let all: Vec<f32> = all.texels(target);
-        Ok(estimate(
-            (&first, half),
-            (&all, count),
-            width,
-            self.exposure,
-        ))
+        Ok(estimate(&first, half, &all, count, width, self.exposure))
     }
 }
 
-/// Largest error of a tile; sums of RGBA, each with its number of sub-frames.
+/// Largest error of a tile; `first` is the sum of `half` sub-frames, `all` of `count`, in RGBA.
 fn estimate(
-    (first, half): (&[f32], u32),
-    (all, count): (&[f32], u32),
+    first: &[f32],
+    half: u32,
+    all: &[f32],
+    count: u32,
     width: usize,
     exposure: f32,
 ) -> ErrorEstimate {
@@ -139,7 +136,7 @@ mod tests {
     #[test]
     fn equal_halves_have_no_error() {
         let (first, all) = (gray(&[2.0; 512]), gray(&[4.0; 512]));
-        let found = estimate((&first, 4), (&all, 8), 32, 1.0);
+        let found = estimate(&first, 4, &all, 8, 32, 1.0);
         assert_eq!(found.error, 0.0);
     }
 
@@ -154,14 +151,14 @@ mod tests {
             }
         }
         let (first, all) = (gray(&first), gray(&all));
-        let found = estimate((&first, 2), (&all, 4), width, 1.0);
+        let found = estimate(&first, 2, &all, 4, width, 1.0);
         // Means .75 and .25; half their difference is the error of .5: 3 · .25 / √1.5.
         assert!(
             (found.error - 0.75 / 1.5_f32.sqrt()).abs() < 1e-6,
             "{found:?}"
         );
         assert_eq!(found.tile, [32, 16]);
-        let twice = estimate((&first, 2), (&all, 4), width, 4.0);
+        let twice = estimate(&first, 2, &all, 4, width, 4.0);
         assert!(
             (twice.error / found.error - 2.0).abs() < 1e-5,
             "√ of the exposure"
@@ -180,7 +177,7 @@ mod tests {
             first.push(half);
             all.push(half + (0..7).map(|_| number()).sum::<f32>());
         }
-        let found = estimate((&gray(&first), 5), (&gray(&all), 12), 16, 1.0);
+        let found = estimate(&gray(&first), 5, &gray(&all), 12, 16, 1.0);
         let want = 3.0 / 12.0 * (2.0 / std::f32::consts::PI).sqrt() / 1.5_f32.sqrt();
         assert!((found.error / want - 1.0).abs() < 0.15, "{found:?}, {want}");
     }

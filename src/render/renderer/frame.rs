@@ -12,6 +12,7 @@ use super::{
     stats::{FrameStats, Shares},
 };
 use crate::{
+    buffers::frame_uniforms::FrameSettings,
     decide::edge_on::has_edge_on_surfaces,
     error::RenderError,
     layout::{
@@ -81,7 +82,7 @@ impl Renderer {
         let started = Instant::now();
         let (mut times, mut before) = (PassTimes::default(), None);
         let timing = if timed { Timing::Passes } else { Timing::None };
-        let camera = self.each_share(gpu, shot, (timing, None), |renderer, recorder| {
+        let camera = self.each_share(gpu, shot, timing, None, |renderer, recorder| {
             if timed {
                 times.extend(renderer.submitted(recorder.finish())?);
                 return Ok(());
@@ -112,7 +113,8 @@ impl Renderer {
         &mut self,
         gpu: &Gpu,
         mut shot: Shot<'_>,
-        (timing, instrument): (Timing, Option<Instrument>),
+        timing: Timing,
+        instrument: Option<Instrument>,
         mut submit: impl FnMut(&Self, Recorder<'_>) -> Result<(), RenderError>,
     ) -> Result<CameraDesc, RenderError> {
         let samples = self.options.image.samples.count();
@@ -219,22 +221,28 @@ impl Renderer {
             world,
             view,
             jitter,
-            (settings, self.options.image.exposure_ev.ev()),
-            (self.unit_m, self.plan.bounces, self.options.crop_edges()),
-            (share, whole_surfaces),
+            &FrameSettings {
+                reflection: settings,
+                exposure_ev: self.options.image.exposure_ev.ev(),
+                unit_m: self.unit_m,
+                bounces: self.plan.bounces,
+                crop: self.options.crop_edges(),
+                share,
+                whole_surfaces,
+            },
         );
         let mut sampling =
             Sampling::new(world, &self.options.image, self.scene.light_tree(), sample);
         (self.shown_light).leave(world, &mut frame, &mut sampling, &mut block);
         self.uniforms.set(gpu, &frame, &block, &sampling);
-        if let Some(fog) = GpuFog::of(world) {
+        if let Some(fog) = GpuFog::from_world(world) {
             self.uniforms.set_fog(gpu, &fog);
         }
         let maps = self.bindings.probe_maps.as_ref().filter(|_| sample == 0);
         let captures = match (&self.bindings.far_maps, &self.bindings.box_faces) {
             (Some(far), _) => far.prepare(gpu, world, eye, settings, self.unit_m),
             (None, Some(faces)) => faces.prepare(gpu, world, settings),
-            _ => maps.is_some_and(|m| m.prepare(gpu, world, (&frame, &block, &sampling))),
+            _ => maps.is_some_and(|m| m.prepare(gpu, world, &frame, &block, &sampling)),
         };
         let size = self.options.image.size;
         let mut frame = SubFrame {

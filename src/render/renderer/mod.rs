@@ -30,7 +30,7 @@ use super::{
         targets::{Target, Targets},
     },
     plan::Plan,
-    settings::{options::RenderOptions, relative::Coordinates},
+    settings::{coordinates::Coordinates, options::RenderOptions},
     upload::{
         scene::GpuScene,
         validate::{check_deformed, check_lights, check_moving_materials, refuse},
@@ -141,7 +141,7 @@ impl Renderer {
     /// Uploads the pose of the world, with another top level if there is one.
     fn set_poses(&mut self, gpu: &Gpu, top: Option<TopLevel>) {
         if let Some(top) = top {
-            self.set_top_level(top, PoseKey::of(&self.world));
+            self.set_top_level(top, PoseKey::from_world(&self.world));
         }
         let scene = Arc::make_mut(&mut self.scene);
         scene.update(gpu, &self.world, &self.trees);
@@ -288,6 +288,6 @@ pub(super) fn top_level(
     pose: &PoseKey,
     world: &World,
 ) -> Result<Option<TopLevel>, RenderError> {
-    let moves = !trees.top_instances.is_empty() && PoseKey::of(world) != *pose;
+    let moves = !trees.top_instances.is_empty() && PoseKey::from_world(world) != *pose;
     Ok(moves.then(|| trees.top_level(world)).transpose()?)
 }

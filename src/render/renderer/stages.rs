@@ -30,7 +30,7 @@ use crate::{
     passes::needed_passes,
     pipeline::{pass::Pass, shader_variant::ShaderVariant, shaders::Shaders},
     plan::{Plan, may_meet_culled},
-    settings::{options::RenderOptions, relative::Coordinates},
+    settings::{coordinates::Coordinates, options::RenderOptions},
     upload::{
         geometry::geometry_bytes,
         scene::GpuScene,
@@ -87,7 +87,7 @@ impl Made {
         old: Option<&mut Renderer>,
     ) -> Result<Self, RenderError> {
         check_world(first)?;
-        let coordinates = Coordinates::of(first, options);
+        let coordinates = Coordinates::for_view(first, options);
         let (options, why) = with_trace(gpu, coordinates.options(&options.settled()))?;
         let (first, shown) = (coordinates.world(first), coordinates.world(shown));
         let world = &*first;
@@ -103,17 +103,18 @@ impl Made {
 
         let mut rebuilt = differences(old, traced.is_new, &shown, &options);
         let scene = scene(gpu, world, &trees, &options, rebuilt, old)?;
-        let plan = Plan::of(world, &trees, &scene.pools.layers, &options);
+        let plan = Plan::for_world(world, &trees, &scene.pools.layers, &options);
         let needed = needed_passes(&plan, &options);
         let constants = |pass: &Pass| pass.constants(&plan, &options);
         let variant = variant(gpu, &plan, &scene);
         let shaders = Shaders::new(gpu, library, variant, &needed, constants)?;
-        let shadows = ShadowSizes::of(&world.lights, &options);
-        let maps = MapKeys::of(world, &options, coordinates.meters())?;
+        let shadows = ShadowSizes::for_lights(&world.lights, &options);
+        let maps = MapKeys::for_world(world, &options, coordinates.meters())?;
         let key = BindingKey::new(&plan, &options, shadows, &needed, &shaders, maps)?;
         check_posed(&shown, world, &key, &options)?;
-        let tree_pose = PoseKey::of(world);
-        let is_posed = rebuilt.materials || rebuilt.poses || PoseKey::of(&shown) != tree_pose;
+        let tree_pose = PoseKey::from_world(world);
+        let is_posed =
+            rebuilt.materials || rebuilt.poses || PoseKey::from_world(&shown) != tree_pose;
         let top = is_posed.then(|| top_level(&trees, &tree_pose, &shown));
         let pose = Pose {
             traced: decided.traced,
@@ -178,7 +179,8 @@ fn differences(
     options: &RenderOptions,
 ) -> RebuildSummary {
     let differs = |differs: &dyn Fn(&Renderer) -> bool| old.is_some_and(differs);
-    let has_other_pose = |old: &Renderer| PoseKey::of(&old.world) != PoseKey::of(shown);
+    let has_other_pose =
+        |old: &Renderer| PoseKey::from_world(&old.world) != PoseKey::from_world(shown);
     RebuildSummary {
         upload: old.is_none(),
         trees: has_new_trees,
@@ -205,7 +207,7 @@ impl Traced {
         options: &RenderOptions,
         old: Option<&mut Renderer>,
     ) -> Result<Self, RenderError> {
-        let (key, skip) = (TreeKey::of(world), Skipping::of(world, options));
+        let (key, skip) = (TreeKey::of(world), Skipping::for_world(world, options));
         let kept = old.filter(|old| old.keeps_trees(world, &key, options, &skip));
         let is_new = kept.is_none();
         let (trees, ms) = match kept {
@@ -271,7 +273,7 @@ impl Renderer {
     /// Poses the trees of the CPU, which decide `auto` settings; the device keeps the shown pose.
     fn pose_trees(&mut self, world: &World) -> Result<(), RenderError> {
         if let Some(top) = top_level(&self.trees, &self.tree_pose, world)? {
-            self.set_top_level(top, PoseKey::of(world));
+            self.set_top_level(top, PoseKey::from_world(world));
         }
         Ok(())
     }

@@ -242,7 +242,7 @@ impl FrameStats {
         let counters = sums.as_slice();
         self.shares = Shares::new(counters, self.size, self.method);
         self.exhausted_rays = counters.get(EXHAUSTED_COUNTER).copied().unwrap_or(0);
-        self.second_layer = SecondLayer::of(counters);
+        self.second_layer = SecondLayer::from_counters(counters);
         let counter = |index: usize| counters.get(index).copied().unwrap_or(0);
         let (hits, wrong) = (counter(AUDITED_COUNTER), counter(WRONG_COUNTER));
         // The list of hits holds rays past all surfaces too where there is fog.

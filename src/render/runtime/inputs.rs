@@ -96,7 +96,7 @@ impl ViewOverrides {
             crop: self.crop,
             audit: self.audit,
             guides: self.guides,
-            ..RenderOptions::of(&loaded.scene)
+            ..RenderOptions::for_scene(&loaded.scene)
         };
         options.reflection.method = self.method.unwrap_or(options.reflection.method);
         options.image.size = self.size.unwrap_or(options.image.size);

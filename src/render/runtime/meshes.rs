@@ -97,5 +97,5 @@ fn checked(
     })?;
     let vertices = found.value.deforming_vertices();
     let vertices = vertices.ok_or_else(|| SessionError::Mesh(MeshPose::refusal(model)))?;
-    MeshPose::new((model, vertices), positions, normals).map_err(SessionError::Mesh)
+    MeshPose::new(model, vertices, positions, normals).map_err(SessionError::Mesh)
 }

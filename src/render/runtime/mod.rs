@@ -138,7 +138,8 @@ impl Session {
         };
         Self::build(
             source,
-            (view, InitialBuild::Whole),
+            view,
+            InitialBuild::Whole,
             library,
             read,
             gpu,

@@ -146,7 +146,7 @@ fn choice_of(path: &Path, name: &str, overrides: &[String]) -> usd::Choice {
     let models = scene.map_or(Vec::new(), |(desc, _)| desc.models);
     let model = models.first();
     model.map_or_else(usd::Choice::default, |model| {
-        usd::Choice::of(&model.value.usd)
+        usd::Choice::from_desc(&model.value.usd)
     })
 }
 

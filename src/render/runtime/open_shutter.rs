@@ -26,7 +26,7 @@ pub struct OpenShutter<'a> {
 
 impl<'a> OpenShutter<'a> {
     /// Moments of the loaded frame; `None` where all show the same pose.
-    pub(super) fn of(loaded: &'a mut LoadedScene, meshes: &'a GivenMeshes) -> Option<Self> {
+    pub(super) fn for_frame(loaded: &'a mut LoadedScene, meshes: &'a GivenMeshes) -> Option<Self> {
         let LoadedScene { scene, world, .. } = loaded;
         moves(scene).then(|| Self::new(scene, world, loaded.frame, &|_| ()).with(meshes))
     }

@@ -154,7 +154,7 @@ impl Session {
         let camera = self.camera();
         self.complete()?;
         let renderer = &mut self.renderer;
-        if let Some(mut moments) = OpenShutter::of(&mut self.loaded, &self.meshes) {
+        if let Some(mut moments) = OpenShutter::for_frame(&mut self.loaded, &self.meshes) {
             let seen_by = |world: &World| world.cameras[camera].value.clone();
             let shot = Shot::Moments(&mut moments, &seen_by);
             let picture = renderer.begin_picture(&self.gpu, shot, request);

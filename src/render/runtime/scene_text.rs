@@ -125,17 +125,17 @@ impl SceneText {
         let own = model_viewer_scene(path, &options, &from.set).map_err(|error| vec![*error])?;
         Ok(Self {
             options,
-            ..Self::of(Arc::new(own), from)
+            ..Self::from_source(Arc::new(own), from)
         })
     }
 
     /// Scene text from memory; `file` is its name in messages.
     pub fn new(text: &str, file: &Path, from: &SceneOptions) -> Self {
-        Self::of(Arc::new(Source::new(file, text)), from)
+        Self::from_source(Arc::new(Source::new(file, text)), from)
     }
 
     /// Scene of a text that may have its syntax tree already.
-    pub fn of(own: Arc<Source>, from: &SceneOptions) -> Self {
+    pub fn from_source(own: Arc<Source>, from: &SceneOptions) -> Self {
         let (project, mistakes) = match from.project.project_of(&own.path) {
             Ok(project) => (project, Vec::new()),
             Err(mistakes) => (None, mistakes),

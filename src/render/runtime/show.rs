@@ -72,7 +72,8 @@ impl Session {
     /// Same errors as [`Session::open`].
     pub(super) fn build(
         source: SceneSource,
-        (view, initial): (ViewOverrides, InitialBuild),
+        view: ViewOverrides,
+        initial: InitialBuild,
         library: ShaderLibrary,
         read: Read,
         gpu: impl FnOnce() -> Result<Arc<Gpu>, GpuError>,
@@ -122,7 +123,8 @@ impl Session {
         let library = source.library()?;
         Self::build(
             source,
-            (view, initial),
+            view,
+            initial,
             library,
             read,
             || Ok(gpu),

@@ -72,7 +72,7 @@ pub fn can_reflect(material: &Material, cutoff: f32) -> bool {
 }
 
 /// Whether a material can reflect where a decal with a material of its own covers some of it.
-pub fn can_reflect_under(own: &Material, (decal, over): (&Decal, &Material), cutoff: f32) -> bool {
+pub fn can_reflect_under(own: &Material, decal: &Decal, over: &Material, cutoff: f32) -> bool {
     let values = |m: &Material| match m.metallic_roughness_texture {
         Some(_) => [0.0, 1.0],
         None => [

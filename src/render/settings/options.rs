@@ -111,7 +111,7 @@ impl RenderOptions {
     }
 
     /// Options of a scene, with unused features dropped.
-    pub fn of(desc: &SceneDesc) -> Self {
+    pub fn for_scene(desc: &SceneDesc) -> Self {
         Self {
             reflection: desc.reflection,
             image: desc.image,

@@ -23,7 +23,7 @@ pub struct Precision {
 
 impl Precision {
     /// Precision that a scene needs, or that its text sets.
-    pub fn of(world: &World, options: &RenderOptions) -> Self {
+    pub fn for_world(world: &World, options: &RenderOptions) -> Self {
         let emitted = brightest_emission(world);
         let needs_full = || {
             let brightest = emitted.max(brightest_light(world));

@@ -18,7 +18,7 @@ pub enum DrawShape {
 
 impl DrawShape {
     /// Shape of a mesh.
-    pub fn of(mesh: &Mesh) -> Self {
+    pub fn for_mesh(mesh: &Mesh) -> Self {
         let is_sphere = |[a, b, _]: &[u32; 3]| a == b;
         match mesh.capsule_radius_m {
             None => Self::Triangles,

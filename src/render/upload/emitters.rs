@@ -56,7 +56,7 @@ struct Parts {
 
 impl Parts {
     /// Sizes that hold all trees of a world in this pose, or with `in_any_pose` in every pose.
-    fn of(world: &World, trees: &LightTrees, in_any_pose: bool) -> Self {
+    fn for_world(world: &World, trees: &LightTrees, in_any_pose: bool) -> Self {
         let meshes: Vec<usize> = match in_any_pose {
             true => (world.lighting_instances())
                 .map(|(_, i)| world.meshes[i.mesh].triangles.len())
@@ -90,7 +90,7 @@ impl GpuEmitters {
         }
         let trees = LightTrees::new(world, None);
         let is_moving = world.has_moving_emitters();
-        let parts = Parts::of(world, &trees, is_moving);
+        let parts = Parts::for_world(world, &trees, is_moving);
         let mut this = Self {
             array: TexelArray::sized::<[u32; 4]>(gpu, "emitters", parts.end)?,
             trees,

@@ -112,7 +112,7 @@ pub fn geometry(
                 NONE
             },
             has_colors: !mesh.colors.is_empty(),
-            shape: DrawShape::of(mesh),
+            shape: DrawShape::for_mesh(mesh),
         });
         vertex_count += mesh.positions.len();
         data_count += index_count + 2 * mesh.uv1.len();
@@ -121,12 +121,12 @@ pub fn geometry(
     let usage = storage | wgpu::BufferUsages::VERTEX;
     let in_texels = TexelArray::is_preferred::<GpuVertex>(gpu, vertex_count)
         && TexelArray::is_preferred::<u32>(gpu, data_count);
-    let mut vertices = Upload::new(gpu, "vertices", vertex_count, (usage, in_texels))?;
+    let mut vertices = Upload::new(gpu, "vertices", vertex_count, usage, in_texels)?;
     for (index, mesh) in world.meshes.iter().enumerate() {
         vertices.extend(mesh_vertices(mesh, &world.posed(index)))?;
     }
     let usage = storage | wgpu::BufferUsages::INDEX;
-    let mut data = Upload::new(gpu, "mesh data", data_count, (usage, in_texels))?;
+    let mut data = Upload::new(gpu, "mesh data", data_count, usage, in_texels)?;
     for mesh in &world.meshes {
         data.extend(mesh.triangles.iter().flatten().copied())?;
         data.extend(

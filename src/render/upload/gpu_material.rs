@@ -71,7 +71,7 @@ pub fn gpu_material(m: &Material, world: &World, layers: &Layers) -> GpuMaterial
         dispersion: m.dispersion.unwrap_or(0.0),
         textures: std::array::from_fn(|i| slot(slots[i])),
         layer_textures,
-        patterned: std::array::from_fn(|i| GpuPatterned::of(m.patterned.get(i))),
+        patterned: std::array::from_fn(|i| GpuPatterned::from_pattern(m.patterned.get(i))),
         ..GpuMaterial::ZERO
     }
 }

@@ -69,7 +69,7 @@ pub struct PoseKey {
 
 impl PoseKey {
     /// Pose of a world.
-    pub fn of(world: &World) -> Self {
+    pub fn from_world(world: &World) -> Self {
         let dynamic = world.instances.iter().filter(|i| i.dynamic);
         Self {
             instances: dynamic.map(|i| i.world_from_object).collect(),

@@ -41,7 +41,7 @@ impl AnimationDesc {
     }
 
     /// Endless playback of the named animations from time 0, at their own speed.
-    pub fn of(name: Vec<At<String>>) -> Self {
+    pub fn endless(name: Vec<At<String>>) -> Self {
         Self {
             name,
             speed: 1.0,

@@ -91,28 +91,28 @@ pub static CAMERA: [Field<CameraDesc>; 8] = [
         form: Form::Number,
         range: ABOVE_0,
         get: |camera| camera.orthographic_height_m.map(Lanes::lanes),
-        put: |camera, value| camera.orthographic_height_m = Some(Lanes::of(value)),
+        put: |camera, value| camera.orthographic_height_m = Some(Lanes::from_lanes(value)),
     },
     Field {
         key: "near_m",
         form: Form::Number,
         range: ABOVE_0,
         get: |camera| Some(camera.near_m.unwrap_or(NEAR_M).lanes()),
-        put: |camera, value| camera.near_m = Some(Lanes::of(value)),
+        put: |camera, value| camera.near_m = Some(Lanes::from_lanes(value)),
     },
     Field {
         key: "aperture_f",
         form: Form::Number,
         range: APERTURE_F,
         get: |camera| camera.aperture_f.map(Lanes::lanes),
-        put: |camera, value| camera.aperture_f = Some(Lanes::of(value)),
+        put: |camera, value| camera.aperture_f = Some(Lanes::from_lanes(value)),
     },
     Field {
         key: "focus_m",
         form: Form::Number,
         range: ABOVE_0,
         get: |camera| Some(camera.focused_m().lanes()),
-        put: |camera, value| camera.focus_m = Some(Lanes::of(value)),
+        put: |camera, value| camera.focus_m = Some(Lanes::from_lanes(value)),
     },
 ];
 

@@ -58,11 +58,11 @@ pub struct DecalChanges {
 }
 
 impl DecalChanges {
-    /// Words of `changes`, in the order of [`DecalChanges::of`].
+    /// Words of `changes`, in the order of [`DecalChanges::from_flags`].
     pub const WORDS: [&'static str; 4] = ["color", "metallic", "roughness", "normal"];
 
     /// Changes from one flag for each of [`DecalChanges::WORDS`].
-    pub const fn of([color, metallic, roughness, normal]: [bool; 4]) -> Self {
+    pub const fn from_flags([color, metallic, roughness, normal]: [bool; 4]) -> Self {
         Self {
             color,
             metallic,

@@ -69,7 +69,7 @@ mod tests {
             source: Some(Arc::clone(&source)),
             range,
         };
-        let message = Diagnostic::at("wrong-length", span(14..20), "too short")
+        let message = Diagnostic::new("wrong-length", span(14..20), "too short")
             .help("add one")
             .related(span(0..2), "like this one");
         let want = json!({

@@ -166,31 +166,39 @@ mod tests {
         syntax::Entries,
     };
 
-    fn at(text: &str, range: std::ops::Range<usize>) -> Diagnostic {
+    fn diagnostic(text: &str, range: std::ops::Range<usize>) -> Diagnostic {
         let source = Source::new("a.toml", text);
         let span = Span {
             source: Some(Arc::new(source)),
             range,
         };
-        Diagnostic::at("kind-of", span, "it is wrong")
+        Diagnostic::new("kind-of", span, "it is wrong")
     }
 
     #[test]
     fn a_byte_order_mark_is_neither_counted_nor_shown() {
         let text = "\u{feff}verion = 1\nb = 2\n";
         let want = "error[kind-of]: it is wrong\n --> a.toml:1:1\n  |\n1 | verion = 1\n  | ^^^^^^";
-        assert_eq!(at(text, 3..9).render(false), want);
-        assert!(at(text, 0..0).render(false).contains(" --> a.toml:1:1\n"));
-        assert!(at(text, 14..15).render(false).contains(" --> a.toml:2:1\n"));
-        assert_eq!(at(text, 3..9).to_json()["end_column"], 7);
+        assert_eq!(diagnostic(text, 3..9).render(false), want);
+        assert!(
+            diagnostic(text, 0..0)
+                .render(false)
+                .contains(" --> a.toml:1:1\n")
+        );
+        assert!(
+            diagnostic(text, 14..15)
+                .render(false)
+                .contains(" --> a.toml:2:1\n")
+        );
+        assert_eq!(diagnostic(text, 3..9).to_json()["end_column"], 7);
     }
 
     #[test]
     fn errors_are_shown_rather_than_warnings() {
-        let warning = || at("a = 1\n", 0..1).warning();
+        let warning = || diagnostic("a = 1\n", 0..1).warning();
         let mut all: Vec<_> = (0..MOST_SHOWN + 1).map(|_| warning()).collect();
         assert_eq!(at_most(all.clone()).len(), MOST_SHOWN + 1);
-        all.push(at("a = 1\n", 0..1));
+        all.push(diagnostic("a = 1\n", 0..1));
         let shown = at_most(all);
         assert_eq!(shown.len(), MOST_SHOWN + 1);
         let errors = shown.iter().filter(|d| d.severity == Severity::Error);
@@ -204,7 +212,7 @@ mod tests {
         let x = text.find('x').expect("it is there");
         let want = "error[kind-of]: it is wrong\n --> a.toml:1:8\n  |\n\
                     1 |     大e\u{301} = x\n  |           ^";
-        assert_eq!(at(text, x..x + 1).render(false), want);
+        assert_eq!(diagnostic(text, x..x + 1).render(false), want);
     }
 
     /// Scene that the program generates for a model file: the user never saw a text of it.
@@ -215,7 +223,7 @@ mod tests {
             source: Some(Arc::new(source)),
             range: 0..0,
         };
-        let message = Diagnostic::at("kind-of", span.clone(), "it is wrong");
+        let message = Diagnostic::new("kind-of", span.clone(), "it is wrong");
         let want = "error[kind-of]: it is wrong\n--> a.glb";
         assert_eq!(message.render(false), want);
         assert_eq!(message.to_json()["path"], "a.glb");
@@ -228,17 +236,17 @@ mod tests {
     fn a_span_over_lines_is_marked_to_the_end_of_its_first() {
         let text = "a = [\n1,\n]\n";
         assert!(
-            at(text, 4..text.len())
+            diagnostic(text, 4..text.len())
                 .render(false)
                 .ends_with("1 | a = [\n  |     ^")
         );
-        let end = at(text, text.len()..text.len()).render(false);
+        let end = diagnostic(text, text.len()..text.len()).render(false);
         assert!(end.ends_with(" --> a.toml:4:1\n  |\n4 |\n  | ^"), "{end}");
     }
 
     #[test]
     fn color_adds_styles_and_nothing_else() {
-        let message = at("a = 1\n", 0..1).help("rename it");
+        let message = diagnostic("a = 1\n", 0..1).help("rename it");
         let colored = message.render(true);
         assert!(colored.contains("\u{1b}["));
         let mut plain = String::new();
@@ -258,7 +266,7 @@ mod tests {
         for times in [400, 100_000] {
             let text = format!("{}wrong{}", "é, ".repeat(times), " b".repeat(times));
             let start = text.find("wrong").expect("it is there");
-            let shown = at(&text, start..start + 5).render(false);
+            let shown = diagnostic(&text, start..start + 5).render(false);
             let place = format!(" a.toml:1:{}\n", 3 * times + 1);
             assert!(shown.contains(&place), "{shown}");
             let mut lines = shown.lines().rev();
@@ -273,7 +281,7 @@ mod tests {
     #[test]
     fn what_moves_cursor_or_direction_is_not_passed_on() {
         let text = "a = \"\u{1b}[31m\u{9b}1m\u{200f}\u{202e}\" wrong";
-        let mut message = at(text, text.len() - 5..text.len()).help("\u{1b}[2J");
+        let mut message = diagnostic(text, text.len() - 5..text.len()).help("\u{1b}[2J");
         message.message = "a\u{9b}\rb".into();
         let shown = message.render(false);
         assert!(

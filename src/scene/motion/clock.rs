@@ -91,7 +91,7 @@ mod tests {
                 speed,
                 start_s,
                 repeat,
-                ..AnimationDesc::of(Vec::new())
+                ..AnimationDesc::endless(Vec::new())
             };
             for (time, expected) in times {
                 let got = desc.local_s(time, 2.0);

@@ -72,11 +72,11 @@ pub struct ModelTables<'a> {
 
 impl<'a> ModelTables<'a> {
     /// Tables of a model, if the scene has it.
-    pub fn of(model: Option<&'a Entry<ModelDesc>>) -> Self {
+    pub fn for_model(model: Option<&'a Entry<ModelDesc>>) -> Self {
         let tables = model.map_or(&[][..], |model| &model.value.overrides);
         Self {
             tables,
-            names: ByName::of(tables),
+            names: ByName::from_entries(tables),
         }
     }
 
@@ -103,7 +103,7 @@ pub fn written_all(desc: &SceneDesc, models: &ByName, all: &[FileMaterial]) -> V
     let of_one_model = all.chunk_by(|a, b| a.model == b.model);
     let written = of_one_model.flat_map(|same| {
         let model = same.first().and_then(|first| models.index(first.model));
-        let tables = ModelTables::of(model.map(|index| &desc.models[index]));
+        let tables = ModelTables::for_model(model.map(|index| &desc.models[index]));
         same.iter().map(move |m| tables.written(m.material))
     });
     written.collect()
@@ -135,7 +135,7 @@ pub fn change(tracks: &[(usize, Track)], time_s: f64) -> MaterialChange {
         } else {
             &mut change.add
         };
-        values[*field] = Some(track.at(time_s, Vec3::ZERO, None));
+        values[*field] = Some(track.value_at(time_s, Vec3::ZERO, None));
     }
     change
 }

@@ -20,7 +20,8 @@ impl MeshPose {
     /// # Errors
     /// One sentence: another number of vertices, or numbers that are not finite or too large.
     pub fn new(
-        (model, vertices): (&str, usize),
+        model: &str,
+        vertices: usize,
         positions: Arc<Vec<f32>>,
         normals: Option<Arc<Vec<f32>>>,
     ) -> Result<Self, String> {

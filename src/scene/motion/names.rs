@@ -88,7 +88,7 @@ pub struct Known {
 
 impl Names {
     /// Names of all things of a scene.
-    pub fn of(desc: &SceneDesc) -> Self {
+    pub fn from_scene(desc: &SceneDesc) -> Self {
         fn entries<T>(list: &[Entry<T>]) -> HashMap<String, usize> {
             let names = list.iter().enumerate();
             names.map(|(i, e)| (e.name.clone(), i)).collect()
@@ -96,7 +96,7 @@ impl Names {
         let values = |names: &[At<String>]| names.iter().map(|name| name.value.clone()).collect();
         let named = desc.node_names().enumerate();
         let of_files = file_materials(desc);
-        let models = ByName::of(&desc.models);
+        let models = ByName::from_entries(&desc.models);
         Self {
             cameras: entries(&desc.cameras),
             instances: named

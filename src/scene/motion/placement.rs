@@ -40,10 +40,13 @@ pub(super) fn placed(
         return transform(placement);
     };
     let [moves, turns, grows] = tracks;
-    let at =
-        |track: &Option<Track>, base| track.as_ref().map_or(base, |t| t.at(time_s, base, None));
+    let at = |track: &Option<Track>, base| {
+        track
+            .as_ref()
+            .map_or(base, |t| t.value_at(time_s, base, None))
+    };
     let rotation = turns.as_ref().map_or(rotation, |track| {
-        let turn = turned(track.at(time_s, Vec3::ZERO, None));
+        let turn = turned(track.value_at(time_s, Vec3::ZERO, None));
         if track.is_absolute() {
             turn
         } else {

@@ -26,7 +26,7 @@ pub fn key_value(desc: &TrackDesc, time_s: f64) -> Vec3 {
         return Vec3::ZERO;
     }
     let track = Track::new(desc, |_| None);
-    Keys(desc).at(time_s, track.arc.as_ref()).as_vec3()
+    Keys(desc).value_at(time_s, track.arc.as_ref()).as_vec3()
 }
 
 impl<'a> Track<'a> {
@@ -34,7 +34,7 @@ impl<'a> Track<'a> {
     pub fn new(desc: &'a TrackDesc, find: impl Fn(&str) -> Option<usize>) -> Self {
         let keys = Keys(desc);
         let arc = (desc.constant_speed && desc.keys.len() > 1).then(|| {
-            ArcLength::of(CHORDS * keys.pieces(), |share| {
+            ArcLength::measure(CHORDS * keys.pieces(), |share| {
                 keys.on_curve(share * keys.pieces() as f64)
             })
         });
@@ -54,11 +54,11 @@ impl<'a> Track<'a> {
 
     /// Value at a time, seconds; `base` is the value in the thing's own table, `followed` is the pose of the
     /// followed node at that time.
-    pub fn at(&self, time_s: f64, base: Vec3, followed: Option<Affine3A>) -> Vec3 {
+    pub fn value_at(&self, time_s: f64, base: Vec3, followed: Option<Affine3A>) -> Vec3 {
         let desc = self.desc;
         let mut value = base.as_dvec3();
         if !desc.keys.is_empty() {
-            value = Keys(desc).at(time_s, self.arc.as_ref());
+            value = Keys(desc).value_at(time_s, self.arc.as_ref());
         } else if let (Some(followed), Some(follow)) = (followed, &desc.follow) {
             value = followed.transform_point3(follow.offset).as_dvec3();
         }
@@ -132,7 +132,7 @@ impl Keys<'_> {
         }
     }
 
-    fn at(&self, time_s: f64, arc: Option<&ArcLength>) -> DVec3 {
+    fn value_at(&self, time_s: f64, arc: Option<&ArcLength>) -> DVec3 {
         let pieces = self.pieces();
         if pieces == 0 {
             return self.point(0);
@@ -229,7 +229,9 @@ mod tests {
     }
 
     fn x(desc: &TrackDesc, time_s: f64) -> f32 {
-        Track::new(desc, |_| None).at(time_s, Vec3::ZERO, None).x
+        Track::new(desc, |_| None)
+            .value_at(time_s, Vec3::ZERO, None)
+            .x
     }
 
     fn with(keys: Vec<KeyDesc>, curve: CurveKind) -> TrackDesc {
@@ -370,7 +372,7 @@ mod tests {
             orbit: Some(orbit),
             ..TrackDesc::default()
         };
-        let at = Track::new(&track, |_| None).at(1.0, Vec3::new(3.0, 5.0, 0.0), None);
+        let at = Track::new(&track, |_| None).value_at(1.0, Vec3::new(3.0, 5.0, 0.0), None);
         // A quarter turn, counterclockwise seen from above: +X goes to −Z.
         assert!(at.distance(Vec3::new(1.0, 5.0, -2.0)) < 1e-5, "{at}");
         let track = TrackDesc {
@@ -382,7 +384,7 @@ mod tests {
             }),
             ..TrackDesc::default()
         };
-        let at = Track::new(&track, |_| None).at(2.0, Vec3::new(10.0, 0.0, 0.0), None);
+        let at = Track::new(&track, |_| None).value_at(2.0, Vec3::new(10.0, 0.0, 0.0), None);
         assert!((at.x - 12.5).abs() < 1e-6, "{at}");
     }
 }

@@ -70,7 +70,7 @@ impl Value for Color {
                         "if bytes were meant, write \"#{r:02x}{g:02x}{b:02x}\"; brightness has a key of its own"
                     );
                     let warning =
-                        Diagnostic::at("bytes-as-color", report.span(&node.span()), message);
+                        Diagnostic::new("bytes-as-color", report.span(&node.span()), message);
                     report.push(warning.help(help).warning());
                 }
                 Vec3::read(node, named, report).map(Self)

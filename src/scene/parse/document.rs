@@ -163,7 +163,8 @@ impl<'t> Document<'t> {
         self.placed_groups = placed::expand(
             &mut self.root,
             &self.texts.placed,
-            (run, timeline.as_ref()),
+            run,
+            timeline.as_ref(),
             &mut self.shadows,
             &mut self.report,
         );

@@ -153,7 +153,7 @@ pub fn parents(scene: &SceneDesc, root: &Entries) -> Parents {
     let parent = |table: &Entries| named(table).and_then(|(name, _)| index.get(name).copied());
     let mut nodes: Vec<_> = instances(root).map(parent).collect();
     nodes.resize(scene.instances.len(), None);
-    fn of<T>(
+    fn parents_of<T>(
         root: &Entries,
         kind: &str,
         entries: &[Entry<T>],
@@ -166,9 +166,9 @@ pub fn parents(scene: &SceneDesc, root: &Entries) -> Parents {
         };
         entries.iter().map(one).collect()
     }
-    nodes.extend(of(root, "group", &scene.groups, parent));
-    let lights = of(root, "light", &scene.lights, parent);
-    let cameras = of(root, "camera", &scene.cameras, parent);
-    let decals = of(root, "decal", &scene.decals, parent);
+    nodes.extend(parents_of(root, "group", &scene.groups, parent));
+    let lights = parents_of(root, "light", &scene.lights, parent);
+    let cameras = parents_of(root, "camera", &scene.cameras, parent);
+    let decals = parents_of(root, "decal", &scene.decals, parent);
     Parents::new(nodes, lights, cameras, decals)
 }

@@ -67,7 +67,7 @@ pub fn collect(
     while let Some(name) = waiting.pop() {
         if included.0.len() == MOST {
             let message = format!("a scene may include at most {MOST} files");
-            report.push(Diagnostic::at("too-many-files", name.at, message));
+            report.push(Diagnostic::new("too-many-files", name.at, message));
             report.note_lacking_names();
             break;
         }

@@ -67,7 +67,7 @@ pub fn collect(
     while let Some(name) = next.take() {
         if bases.len() == MOST {
             let message = format!("a chain of bases may have at most {MOST} files");
-            report.push(Diagnostic::at("too-many-files", name.at, message));
+            report.push(Diagnostic::new("too-many-files", name.at, message));
             report.note_lacking_names();
             break;
         }
@@ -82,7 +82,7 @@ pub fn collect(
         if !known.insert(found.real.clone()) {
             let shown = suggest::text(&name.value);
             let message = format!("{shown} is its own base, directly or through others");
-            let error = Diagnostic::at("circle", name.at, message);
+            let error = Diagnostic::new("circle", name.at, message);
             report.push(error.help("take `base` out of one file of the circle"));
             report.note_lacking_names();
             break;
@@ -223,7 +223,7 @@ fn remove_all(below: &mut Node, removed: &Node, has_script: bool, report: &mut R
         range: &ANY,
     };
     if Names::read(removed, &named, report).is_some() {
-        let mut instances = Instances::of(below);
+        let mut instances = Instances::from_tree(below);
         for (path, at) in each {
             let names = set::names_of(path).unwrap_or_default();
             let group = match names.as_slice() {
@@ -232,7 +232,7 @@ fn remove_all(below: &mut Node, removed: &Node, has_script: bool, report: &mut R
                 }
                 _ => None,
             };
-            overlay::remove((below, &mut instances), path, has_script, &at, report);
+            overlay::remove(below, &mut instances, path, has_script, &at, report);
             if let Some(name) = group {
                 instances.remove_unnamed_of(name, below, report);
             }
@@ -267,7 +267,7 @@ pub fn choose(mut root: Node, chosen: &[Arc<Source>], report: &mut Report) -> No
                 report.begin_variant(name);
                 refuse_layers(&variant, report);
                 root = over(root, variant, report);
-                let instances = Instances::of(&root);
+                let instances = Instances::from_tree(&root);
                 report.end_variant(|path| overlay::has(&mut root, &instances, path));
             }
             None if report.lacks_names() => {}

@@ -27,7 +27,7 @@ struct Names<'a> {
 
 impl<'a> Names<'a> {
     /// Names from the tree, not from the description: a table with a mistake still has its name.
-    fn of(kind: &'static str, root: &'a Entries) -> Self {
+    fn from_tree(kind: &'static str, root: &'a Entries) -> Self {
         let table = root.get(kind).and_then(|node| node.get_ref().as_table());
         let keys = table.into_iter().flat_map(|t| t.keys());
         let mut keys: Vec<_> = keys.map(|k| (k.get_ref().as_str(), k.span())).collect();
@@ -57,7 +57,7 @@ impl<'a> Names<'a> {
         }
         let (kind, name) = (self.kind, suggest::text(&to.value));
         let message = format!("no {kind} is named {name}");
-        let mut error = Diagnostic::at("dangling-name", to.at.clone(), message);
+        let mut error = Diagnostic::new("dangling-name", to.at.clone(), message);
         if !report.is_full() {
             if self.first.is_empty() {
                 error.help = Some(format!(
@@ -84,9 +84,9 @@ pub fn check(
     is_included: &dyn Fn(&Span) -> bool,
     report: &mut Report,
 ) {
-    let mut models = Names::of("model", root);
-    let mut materials = Names::of("material", root);
-    let by_name = ByName::of(&scene.models);
+    let mut models = Names::from_tree("model", root);
+    let mut materials = Names::from_tree("material", root);
+    let by_name = ByName::from_entries(&scene.models);
     for model in &scene.models {
         let is_shape = matches!(model.value.source, ModelSource::Shape(_));
         if let (true, Some(name)) = (is_shape, &model.value.material) {
@@ -106,7 +106,7 @@ pub fn check(
             .map(|index| &scene.models[index]);
         if let Some(shape) = model.filter(|m| matches!(m.value.source, ModelSource::Shape(_))) {
             let message = "the model of this instance is a shape, which has no animations";
-            let error = Diagnostic::at("wrong-motion", instance.at.clone(), message)
+            let error = Diagnostic::new("wrong-motion", instance.at.clone(), message)
                 .help("remove `animation`; `[motion.instance.NAME]` moves it")
                 .related(shape.at.clone(), "the model is here");
             report.push(error);
@@ -118,7 +118,7 @@ pub fn check(
     check_projected_onto(scene, report);
     check_instance_names(root, report);
     hierarchy::check(root, report);
-    let mut cameras = Names::of("camera", root);
+    let mut cameras = Names::from_tree("camera", root);
     // Cameras of model files, with a `/` in their names, are known only when the files are loaded.
     let own = (scene.cuts.iter()).filter(|cut| !cut.camera.value.contains('/'));
     own.for_each(|cut| cameras.refer(&cut.camera, report));
@@ -154,7 +154,7 @@ fn check_projected_onto(scene: &SceneDesc, report: &mut Report) {
                 suggest::hint(&name.value, first, suggest::text, "the names are")
             }
         };
-        report.push(Diagnostic::at("dangling-name", name.at.clone(), message).help(help));
+        report.push(Diagnostic::new("dangling-name", name.at.clone(), message).help(help));
     }
 }
 
@@ -198,7 +198,7 @@ fn warn(
                 "no model, instance or decal uses {}",
                 suggest::text(&material.name)
             );
-            let warning = Diagnostic::at("unused-material", material.at.clone(), message);
+            let warning = Diagnostic::new("unused-material", material.at.clone(), message);
             let help = format!(
                 "name it by `material = {}`, or remove it",
                 suggest::text(&material.name)
@@ -211,7 +211,7 @@ fn warn(
         let help = "write `[model.NAME]` with `file = \"….glb\"` or `shape = { kind = \"box\" }`";
         let start = report.span(&(0..0));
         report.push(
-            Diagnostic::at("empty-scene", start, message)
+            Diagnostic::new("empty-scene", start, message)
                 .help(help)
                 .warning(),
         );

@@ -32,7 +32,7 @@ pub fn warn(below: &Node, above: &Entries, report: &mut Report) {
             let message =
                 format!("{kind} {name} is new, and the scene below this layer has {other}");
             let help = format!("did you mean {other}? if not, choose a name that differs more");
-            let warning = Diagnostic::at("near-name", report.span(at), message).help(help);
+            let warning = Diagnostic::new("near-name", report.span(at), message).help(help);
             let first = report.span(first);
             report.push(warning.related(first, format!("{other} is here")).warning());
         }

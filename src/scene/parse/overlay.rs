@@ -102,7 +102,7 @@ pub struct Instances {
 
 impl Instances {
     /// Instances of a scene's tree.
-    pub fn of(root: &Node) -> Self {
+    pub fn from_tree(root: &Node) -> Self {
         let list = root.get_ref().as_table().and_then(|t| t.get("instance"));
         let list = list.and_then(|node| node.get_ref().as_array());
         let list = list.map_or(&[][..], Vec::as_slice);
@@ -179,7 +179,8 @@ pub fn has(root: &mut Node, instances: &Instances, path: &str) -> bool {
 /// Removes the value at a path such as `light.lamp`; `at` is the place of the path, and `has_script` says
 /// whether a script may add to the scene. An instance is only noted in `instances` as removed.
 pub fn remove(
-    (root, instances): (&mut Node, &mut Instances),
+    root: &mut Node,
+    instances: &mut Instances,
     path: &str,
     has_script: bool,
     at: &Range<usize>,
@@ -197,7 +198,7 @@ pub fn remove(
         let instances = (depth == 1 && names[0] == "instance").then_some(&*instances);
         // Looked for twice, as a reference that is returned early would last until the end.
         if child(node, name, instances).is_none() {
-            return nothing(path, (name, node), has_script, at, report);
+            return nothing(path, name, node, has_script, at, report);
         }
         let Some(next) = child(node, name, instances) else {
             return;
@@ -227,14 +228,15 @@ pub fn remove(
             }
             report.note_removed(path, at);
         }
-        _ => nothing(path, (last, node), has_script, at, report),
+        _ => nothing(path, last, node, has_script, at, report),
     }
 }
 
 /// Reports a path that leads nowhere: `name` is its first part that `node` does not have.
 fn nothing(
     path: &str,
-    (name, node): (&str, &Node),
+    name: &str,
+    node: &Node,
     has_script: bool,
     at: &Range<usize>,
     report: &mut Report,

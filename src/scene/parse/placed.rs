@@ -64,7 +64,8 @@ fn placed_by(instance: &Node) -> Option<(&str, &Node)> {
 pub fn expand(
     root: &mut Node,
     placed: &Placed,
-    (run, timeline): (Run, Option<&TimelineDesc>),
+    run: Run,
+    timeline: Option<&TimelineDesc>,
     shadows: &mut Vec<Shadow>,
     report: &mut Report,
 ) -> Vec<PlacedGroup> {
@@ -120,7 +121,7 @@ impl<'p> Expansion<'p> {
         let own = own.filter_map(|(i, instance)| Some((overlay::name_of(instance)?.to_owned(), i)));
         let own: HashMap<_, _> = own.collect();
         for instance in scenes {
-            self.place((root, &own), instance, folder);
+            self.place(root, &own, instance, folder);
         }
     }
 
@@ -181,7 +182,8 @@ impl<'p> Expansion<'p> {
     /// Adds a placed scene to a tree whose own instances are `own`, by name.
     fn place(
         &mut self,
-        (root, own_instances): (&mut Entries, &HashMap<String, usize>),
+        root: &mut Entries,
+        own_instances: &HashMap<String, usize>,
         instance: Node,
         folder: &str,
     ) {

@@ -70,14 +70,14 @@ impl Section for SceneDesc {
             let most = ProbesDesc::MOST;
             let message = format!("`{}` exceeds the limit of {most} probes", probe.name);
             let help = "remove some, or write a grid in their place: `[probes]` with `spacing_m`";
-            let error = Diagnostic::at("too-many-probes", probe.at.clone(), message).help(help);
+            let error = Diagnostic::new("too-many-probes", probe.at.clone(), message).help(help);
             t.report.push(error);
         }
         if let Some(decal) = scene.decals.get(DecalDesc::MOST) {
             let most = DecalDesc::MOST;
             let message = format!("`{}` exceeds the limit of {most} decals", decal.name);
             let help = "put several of them into one image with alpha, or remove some";
-            let error = Diagnostic::at("too-many-decals", decal.at.clone(), message).help(help);
+            let error = Diagnostic::new("too-many-decals", decal.at.clone(), message).help(help);
             t.report.push(error);
         }
         Some(scene)

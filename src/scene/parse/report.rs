@@ -81,7 +81,7 @@ impl Report {
             return true;
         };
         let message = format!("with this file, the texts of the scene have more than {excess}");
-        let error = Diagnostic::at("scene-too-large", at.clone(), message);
+        let error = Diagnostic::new("scene-too-large", at.clone(), message);
         self.push(error.help("geometry belongs in glTF files, named by `file`"));
         self.note_lacking_names();
         false
@@ -253,10 +253,10 @@ impl Report {
         if self.is_full() {
             // This error is never shown, and finding its place may take long.
             self.left_out += 1;
-            let diagnostic = Diagnostic::at(name, Span::default(), message);
+            let diagnostic = Diagnostic::new(name, Span::default(), message);
             return self.surplus.insert(diagnostic);
         }
-        let diagnostic = Diagnostic::at(name, self.span(at), message);
+        let diagnostic = Diagnostic::new(name, self.span(at), message);
         self.list.push(diagnostic);
         let last = self.list.len() - 1;
         &mut self.list[last]

@@ -53,7 +53,7 @@ impl Below {
 
 impl Manual {
     /// The manual of a file, by its name.
-    pub fn of(path: &Path) -> Self {
+    pub fn for_file(path: &Path) -> Self {
         Self(match is_project(path) {
             true => recorded_project_keys(),
             false => recorded_keys(),

@@ -100,13 +100,13 @@ mod tests {
             Self(folder.canonicalize().expect("there"))
         }
 
-        fn at(&self, path: &str) -> PathBuf {
+        fn path(&self, path: &str) -> PathBuf {
             self.0.join(path)
         }
 
         /// Search from `a/b/c` where one folder or file is different.
         fn search(&self, ends: &[PathBuf], other: &str, change: &dyn Fn(&mut Facts)) -> bool {
-            let other = self.at(other);
+            let other = self.path(other);
             let facts = |path: &Path| {
                 let mut found = facts(path)?;
                 if path == other {
@@ -114,8 +114,8 @@ mod tests {
                 }
                 Some(found)
             };
-            let found = find_by(&self.at("a/b/c"), ends, &facts);
-            assert!(found.iter().all(|file| *file == self.at("a").join(FILE)));
+            let found = find_by(&self.path("a/b/c"), ends, &facts);
+            assert!(found.iter().all(|file| *file == self.path("a").join(FILE)));
             found.is_some()
         }
     }
@@ -140,7 +140,7 @@ mod tests {
             assert!(!tree.search(&[], folder, &device), "{folder}");
             assert!(!tree.search(&[], folder, &open), "{folder}");
             assert!(
-                !tree.search(&[tree.at(folder)], "", &same),
+                !tree.search(&[tree.path(folder)], "", &same),
                 "home is {folder}"
             );
         }
@@ -155,10 +155,10 @@ mod tests {
     #[test]
     fn a_link_to_nothing_is_a_project_that_cannot_be_read() {
         let tree = Tree::new("link");
-        let file = tree.at("a/b").join(FILE);
+        let file = tree.path("a/b").join(FILE);
         for target in ["nowhere.toml", FILE] {
             std::os::unix::fs::symlink(target, &file).expect("writable");
-            assert_eq!(find(&tree.at("a/b/c")).as_ref(), Some(&file), "{target}");
+            assert_eq!(find(&tree.path("a/b/c")).as_ref(), Some(&file), "{target}");
             fs::remove_file(&file).expect("there");
         }
     }
@@ -167,9 +167,9 @@ mod tests {
     fn unpacked_folders_and_temporary_ones_hold_no_project() {
         let tree = Tree::new("unpacked");
         for folder in ["a", "a/b"] {
-            let mark = tree.at(folder).join(UNPACKED);
+            let mark = tree.path(folder).join(UNPACKED);
             fs::write(&mark, "").expect("writable");
-            assert_eq!(find(&tree.at("a/b/c")), None, "{folder}");
+            assert_eq!(find(&tree.path("a/b/c")), None, "{folder}");
             fs::remove_file(&mark).expect("there");
         }
         let above = env::temp_dir().join(FILE);

@@ -125,7 +125,7 @@ pub fn runtime(
         _ => None,
     };
     let written = key.and_then(|key| key_of_call(&span, &key));
-    let mut error = Diagnostic::at(kind, written.unwrap_or(span), message);
+    let mut error = Diagnostic::new(kind, written.unwrap_or(span), message);
     error.help = help;
     with_calls(error, &calls, sources)
 }

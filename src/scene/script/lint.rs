@@ -102,7 +102,7 @@ impl<'t> ScriptLint<'t, '_> {
         let source = Some(Arc::clone(&self.source));
         let span = Span { source, range };
         self.found
-            .push(Diagnostic::at(name, span, message).help(help));
+            .push(Diagnostic::new(name, span, message).help(help));
         let last = self.found.len() - 1;
         &mut self.found[last]
     }

@@ -40,7 +40,7 @@ pub fn values<T>(
             .into());
         };
         let lanes = lanes(value, key, field.form, &field.range);
-        found.push((field, lanes.map_err(WrongKey::of(key))?));
+        found.push((field, lanes.map_err(WrongKey::in_key(key))?));
     }
     Ok(found)
 }
@@ -69,7 +69,7 @@ pub fn refuse_lacking(
                 field.key,
                 path()
             ))
-            .map_err(WrongKey::of(field.key));
+            .map_err(WrongKey::in_key(field.key));
         }
     }
     Ok(())

@@ -21,7 +21,7 @@ pub struct WrongKey {
 
 impl WrongKey {
     /// Adds the key to an error that is a plain message.
-    pub fn of(key: &str) -> impl FnOnce(Box<EvalAltResult>) -> Box<EvalAltResult> {
+    pub fn in_key(key: &str) -> impl FnOnce(Box<EvalAltResult>) -> Box<EvalAltResult> {
         move |wrong| match *wrong {
             EvalAltResult::ErrorRuntime(message, _) => Self {
                 key: key.to_owned(),

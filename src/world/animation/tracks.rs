@@ -18,8 +18,8 @@ pub struct WeightTrack {
 
 impl WeightTrack {
     /// The weights at a time, seconds.
-    pub fn at(&self, time_s: f64) -> Vec<f32> {
-        let weight = |sampler: &Sampler| sampler.at(time_s, Property::Scale).x as f32;
+    pub fn weights_at(&self, time_s: f64) -> Vec<f32> {
+        let weight = |sampler: &Sampler| sampler.value_at(time_s, Property::Scale).x as f32;
         self.samplers.iter().map(weight).collect()
     }
 }
@@ -61,9 +61,9 @@ pub struct PointerTrack {
 
 impl PointerTrack {
     /// The value at a time, seconds.
-    pub fn at(&self, time_s: f64) -> Vec3 {
+    pub fn value_at(&self, time_s: f64) -> Vec3 {
         self.sampler
-            .at(time_s, Property::Scale)
+            .value_at(time_s, Property::Scale)
             .truncate()
             .as_vec3()
     }

@@ -33,9 +33,9 @@ impl Placement {
     /// # Errors
     /// Too many triangles even without copies.
     pub fn within(world: &World, limit: u64, apart: &[bool]) -> Result<Self, Box<Diagnostic>> {
-        let mut placement = Self::of(world, MAX_COPIED_TRIANGLES, SMALL_MESH, apart);
+        let mut placement = Self::choose(world, MAX_COPIED_TRIANGLES, SMALL_MESH, apart);
         if placement.copied > MAX_ALL_COPIES || placement.triangle_bytes(world) > limit {
-            placement = Self::of(world, 0, 0, apart);
+            placement = Self::choose(world, 0, 0, apart);
         }
         check_size(world, &placement, limit)?;
         Ok(placement)
@@ -43,7 +43,7 @@ impl Placement {
 
     /// Bakes a static mesh into the static tree where its copies take at most `max_copied`
     /// triangles more than storing it once, or where it has at most `small` triangles.
-    fn of(world: &World, max_copied: usize, small: usize, apart: &[bool]) -> Self {
+    fn choose(world: &World, max_copied: usize, small: usize, apart: &[bool]) -> Self {
         let mut uses = vec![0usize; world.meshes.len()];
         let are_capsules = |i: &Instance| world.meshes[i.mesh].capsule_radius_m.is_some();
         for i in world.instances.iter().filter(|i| !i.dynamic) {

@@ -17,7 +17,7 @@ fn triangle_mesh(corners: &[[Vec3; 3]]) -> Mesh {
         triangles: (0..corners.len() as u32)
             .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
             .collect(),
-        bounds: Bounds::of(positions.iter().copied()),
+        bounds: Bounds::around(positions.iter().copied()),
         positions,
         ..Mesh::default()
     }

@@ -54,7 +54,8 @@ impl Deformer {
     /// Deformer of a mesh by `nodes` of its file, which a player of that file moves.
     pub fn new(
         mesh: usize,
-        (index, player): (usize, &Player),
+        index: usize,
+        player: &Player,
         rig: &Rig,
         nodes: &DeformingNodes,
     ) -> Self {
@@ -94,7 +95,7 @@ impl Deformer {
             },
         };
         let finite = vertices.positions.iter().all(|p| p.is_finite());
-        let bounds = Bounds::of(vertices.positions.iter().copied());
+        let bounds = Bounds::around(vertices.positions.iter().copied());
         (finite && is_within_reach(&bounds)).then(|| Deformed {
             bounds,
             hash: xxh3_64(bytemuck::cast_slice(&vertices.positions)),

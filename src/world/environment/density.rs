@@ -42,7 +42,7 @@ impl Density {
                 for tap in 0..TAPS * TAPS {
                     let inside = UVec2::new(tap % TAPS, tap / TAPS).as_vec2();
                     let place = UVec2::new(x, y).as_vec2() + inside / (TAPS - 1) as f32;
-                    sum += f64::from(picture.at(direction_of_square(place / edge as f32)));
+                    sum += f64::from(picture.luminance(direction_of_square(place / edge as f32)));
                 }
                 sum
             };
@@ -95,7 +95,7 @@ struct Bilinear<'a> {
 impl Bilinear<'_> {
     /// Luminance in a direction. Longitude 0 is +Z and in the middle, π/2 is +X; latitude π/2 is +Y ("Environment
     /// Maps" of OpenEXR).
-    fn at(&self, direction: Vec3) -> f32 {
+    fn luminance(&self, direction: Vec3) -> f32 {
         let [width, height] = self.size.map(|edge| edge as i64);
         let longitude = direction.x.atan2(direction.z);
         let x = (0.5 - longitude / (2.0 * PI)) * width as f32 - 0.5;

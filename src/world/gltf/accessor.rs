@@ -131,7 +131,7 @@ impl<'a> Data<'a> {
         };
         for (i, view) in root.buffer_views.iter().enumerate() {
             data.check_view(view)
-                .map_err(|f| f.at(&format!("bufferView {i}")))?;
+                .map_err(|f| f.placed(&format!("bufferView {i}")))?;
         }
         for (i, accessor) in root.accessors.iter().enumerate() {
             // Unknown types are an error only where they are used.
@@ -149,7 +149,7 @@ impl<'a> Data<'a> {
         if let Some(stream) = view.extensions.meshopt() {
             self.check_range(stream.buffer, stream.byte_offset, stream.byte_length)
                 .and_then(|()| meshopt::check(view, stream).map(|_| ()))
-                .map_err(|f| f.at("meshopt compression"))?;
+                .map_err(|f| f.placed("meshopt compression"))?;
         }
         Ok(())
     }
@@ -186,7 +186,7 @@ impl<'a> Data<'a> {
         let place = || format!("bufferView {index}");
         let Some(stream) = view.extensions.meshopt() else {
             let bytes = self.buffer_bytes(view.buffer, view.byte_offset, view.byte_length);
-            return bytes.map_err(|f| f.at(&place()));
+            return bytes.map_err(|f| f.placed(&place()));
         };
         let decompress = || {
             let decoding = meshopt::check(view, stream)?;
@@ -198,7 +198,7 @@ impl<'a> Data<'a> {
             meshopt::decode(&decoding, &encoded).map(Bytes::new)
         };
         self.decompressed[index]
-            .get_or_init(|| decompress().map_err(|f| f.at(&place())))
+            .get_or_init(|| decompress().map_err(|f| f.placed(&place())))
             .clone()
     }
 
@@ -209,7 +209,7 @@ impl<'a> Data<'a> {
             return self.view_bytes(index);
         }
         let bytes = self.buffer_bytes(view.buffer, view.byte_offset, end);
-        bytes.map_err(|f| f.at(&format!("bufferView {index}")))
+        bytes.map_err(|f| f.placed(&format!("bufferView {index}")))
     }
 
     fn buffer_bytes(&self, buffer: usize, offset: u64, length: u64) -> Result<Bytes, Fault> {
@@ -233,7 +233,7 @@ impl<'a> Data<'a> {
     pub(super) fn layout(&self, index: usize) -> Result<Layout, Fault> {
         let accessor = self.accessor(index)?;
         self.check_accessor(accessor)
-            .map_err(|f| f.at(&format!("accessor {index}")))
+            .map_err(|f| f.placed(&format!("accessor {index}")))
     }
 
     fn check_accessor(&self, accessor: &Accessor) -> Result<Layout, Fault> {
@@ -331,8 +331,8 @@ impl<'a> Data<'a> {
         };
         let indices = is_aligned(indices, sparse.indices.buffer_view);
         let values = is_aligned(values, sparse.values.buffer_view);
-        Ok(indices.map_err(|f| f.at("sparse.indices"))?
-            & values.map_err(|f| f.at("sparse.values"))?)
+        Ok(indices.map_err(|f| f.placed("sparse.indices"))?
+            & values.map_err(|f| f.placed("sparse.values"))?)
     }
 
     /// Number of elements of an accessor.

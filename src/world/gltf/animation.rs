@@ -74,7 +74,7 @@ pub struct Stage {
 
 impl Stage {
     /// Stage metadata from the extras of a file's scene.
-    pub fn of(root: &Root) -> Self {
+    pub fn from_root(root: &Root) -> Self {
         let scene = root.scenes.get(root.scene.unwrap_or(0));
         let usd = scene.and_then(|scene| scene.extras.get("usd"));
         Self {
@@ -121,7 +121,7 @@ pub fn read(root: &Root, data: &Data<'_>) -> Vec<Clip> {
         let read = parsed.and_then(|animation| reader.animation(&animation, &place, &mut notes));
         Clip {
             name: names.take(&base),
-            animation: read.map(Arc::new).map_err(|fault| fault.at(&place)),
+            animation: read.map(Arc::new).map_err(|fault| fault.placed(&place)),
             notes,
         }
     };
@@ -160,7 +160,7 @@ impl Reader<'_> {
         let (mut channels, mut weights, mut pointers) = (Vec::new(), Vec::new(), Vec::new());
         let mut targets = HashSet::new();
         for (c, channel) in animation.channels.iter().enumerate() {
-            let at = |fault: Fault| fault.at(&format!("channel {c}"));
+            let at = |fault: Fault| fault.placed(&format!("channel {c}"));
             if let Some(track) = self.weights(animation, channel).map_err(at)? {
                 weights.push(track);
                 continue;
@@ -228,7 +228,7 @@ impl Reader<'_> {
         let samplers = self.once(sampler, Kind::Weights(count), |reader, times_s, interpolation| {
             let accept = accessor::float_or_normalized;
             let values = reader.data.floats::<1>(sampler.output, accept);
-            let values = values.map_err(|f| f.at("output"))?;
+            let values = values.map_err(|f| f.placed("output"))?;
             let per_key = interpolation.values_per_key();
             let expected = times_s.len().saturating_mul(per_key).saturating_mul(count);
             if values.len() != expected || !finite(values.as_flattened()) {
@@ -338,7 +338,7 @@ impl Reader<'_> {
                     .map(|values| values.into_iter().map(|[x, y, z]| [x, y, z, 0.0]).collect())
             }
         }
-        .map_err(|f| f.at("output"))?;
+        .map_err(|f| f.placed("output"))?;
         if let Some(i) = values.iter().position(|v| !finite(v)) {
             return Err(fault(format!("output value {i} is not finite")));
         }

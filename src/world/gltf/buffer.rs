@@ -15,21 +15,23 @@ use super::{
 pub fn read(
     root: &Root,
     mut binary: Option<Bytes>,
-    from: (&Path, &Sandbox),
-    (files, notes): (&mut Vec<PathBuf>, &mut Notes),
+    folder: &Path,
+    sandbox: &Sandbox,
+    files: &mut Vec<PathBuf>,
+    notes: &mut Notes,
     budget: &GeometryBudget,
 ) -> Result<Vec<Option<Bytes>>, Fault> {
     let mut buffers = Vec::with_capacity(root.buffers.len());
     for (i, buffer) in root.buffers.iter().enumerate() {
         let chunk = if i == 0 { binary.take() } else { None };
-        let bytes = read_one(buffer, chunk, from, files);
+        let bytes = read_one(buffer, chunk, folder, sandbox, files);
         let bytes = bytes.and_then(|bytes| {
             // A chunk of the file was taken with it.
             let own = bytes.as_ref().filter(|_| buffer.uri.is_some());
             budget.take_file(own.map_or(0, |bytes| bytes.len()))?;
             Ok(bytes)
         });
-        let bytes = bytes.map_err(|f| f.at(&format!("buffer {i}")))?;
+        let bytes = bytes.map_err(|f| f.placed(&format!("buffer {i}")))?;
         if let Some(got) = bytes.as_ref().map(|bytes| bytes.len() as u64)
             && got < buffer.byte_length
         {
@@ -49,7 +51,8 @@ pub fn read(
 fn read_one(
     buffer: &Buffer,
     chunk: Option<Bytes>,
-    (folder, sandbox): (&Path, &Sandbox),
+    folder: &Path,
+    sandbox: &Sandbox,
     files: &mut Vec<PathBuf>,
 ) -> Result<Option<Bytes>, Fault> {
     Ok(match buffer.uri.as_deref().map(uri::parse).transpose()? {
@@ -58,7 +61,7 @@ fn read_one(
         Some(uri::Target::Relative(name)) => {
             let path = sandbox.resolve(folder, &name)?;
             let place = || format!("\"{}\"", uri::shorten(&name));
-            let bytes = sandbox.read(&path).map_err(|f| f.at(&place()))?;
+            let bytes = sandbox.read(&path).map_err(|f| f.placed(&place()))?;
             files.push(path);
             Some(Bytes::new(bytes))
         }

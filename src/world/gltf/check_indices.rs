@@ -9,7 +9,7 @@ pub fn check(root: &Root) -> Result<(), Fault> {
             .filter(|&i| i >= count)
         {
             Some(i) => {
-                Err(Fault::new("gltf-index", format!("{kind} {i} does not exist")).at(&place()))
+                Err(Fault::new("gltf-index", format!("{kind} {i} does not exist")).placed(&place()))
             }
             None => Ok(()),
         };

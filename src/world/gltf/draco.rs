@@ -65,11 +65,11 @@ pub fn decompress(
     for stream in &streams {
         let fits = budget.take(stream.kept);
         let fits = fits.and_then(|()| budget.hold(stream.working).map(drop));
-        fits.map_err(|fault| at(root, stream.users[0], fault))?;
+        fits.map_err(|fault| place_fault(root, stream.users[0], fault))?;
     }
     let shared: &Root = root;
     let decode = |stream: &Stream| {
-        decode(shared, stream).map_err(|fault| at(shared, stream.users[0], fault))
+        decode(shared, stream).map_err(|fault| place_fault(shared, stream.users[0], fault))
     };
     let mut decoded = Vec::with_capacity(streams.len());
     while decoded.len() < streams.len() {
@@ -86,9 +86,9 @@ pub fn decompress(
     Ok(())
 }
 
-fn at(root: &Root, (m, p): Place, fault: Fault) -> Fault {
+fn place_fault(root: &Root, (m, p): Place, fault: Fault) -> Fault {
     let place = label("mesh", m, root.meshes[m].name.as_deref());
-    fault.at(&format!("{place} primitive {p}"))
+    fault.placed(&format!("{place} primitive {p}"))
 }
 
 /// All streams that must be decoded.
@@ -102,8 +102,8 @@ fn streams(root: &Root, buffers: &[Option<Bytes>]) -> Result<Vec<Stream>, Fault>
             if !is_compressed(root, primitive) {
                 continue;
             }
-            let blame = |fault| at(root, (m, p), fault);
-            let claim = StreamBounds::of(root, primitive).map_err(blame)?;
+            let blame = |fault| place_fault(root, (m, p), fault);
+            let claim = StreamBounds::from_accessors(root, primitive).map_err(blame)?;
             let bytes = stream_bytes(root, buffers, draco.buffer_view).map_err(blame)?;
             let stream = streams.entry(draco.buffer_view).or_insert(Stream {
                 bytes,
@@ -130,7 +130,7 @@ fn streams(root: &Root, buffers: &[Option<Bytes>]) -> Result<Vec<Stream>, Fault>
         let indices = stream.claim.faces.saturating_mul(3 * 4);
         stream.kept = points.saturating_add(indices);
         let working = stream.claim.working_bytes(&stream.bytes);
-        stream.working = working.map_err(|fault| at(root, stream.users[0], fault))?;
+        stream.working = working.map_err(|fault| place_fault(root, stream.users[0], fault))?;
     }
     Ok(streams)
 }
@@ -174,7 +174,7 @@ fn decode(root: &Root, stream: &Stream) -> Result<Geometry, Fault> {
     })?;
     let num_points = mesh.num_points();
     for (m, p) in &stream.users {
-        let claim = StreamBounds::of(root, &root.meshes[*m].primitives[*p])?;
+        let claim = StreamBounds::from_accessors(root, &root.meshes[*m].primitives[*p])?;
         claim.check(num_points, mesh.num_faces())?;
     }
     let corners = mesh.faces().iter().flatten().map(|point| point.0);
@@ -187,10 +187,11 @@ fn decode(root: &Root, stream: &Stream) -> Result<Geometry, Fault> {
     for &(id, index) in &stream.attributes {
         let name = || attribute_name(root, stream, (id, index));
         let accessor = (root.accessors.get(index))
-            .ok_or_else(|| fault(format!("accessor {index} does not exist")).at(name()))?;
+            .ok_or_else(|| fault(format!("accessor {index} does not exist")).placed(name()))?;
         let values = mesh.attribute_by_unique_id(id);
-        let values = values.ok_or_else(|| fault(format!("no attribute {id} in it")).at(name()))?;
-        let bytes = encode(accessor, values, num_points).map_err(|f| f.at(name()))?;
+        let values =
+            values.ok_or_else(|| fault(format!("no attribute {id} in it")).placed(name()))?;
+        let bytes = encode(accessor, values, num_points).map_err(|f| f.placed(name()))?;
         geometry.attributes.push(((id, index), bytes));
     }
     Ok(geometry)

@@ -136,7 +136,7 @@ pub fn read(
         let skin = Skin::read(root, data, visit, index);
         skins.insert(
             index,
-            skin.map_err(|f| vec![f.at(&format!("skin {index}"))])?,
+            skin.map_err(|f| vec![f.placed(&format!("skin {index}"))])?,
         );
     }
     let reader = Reader {
@@ -165,9 +165,9 @@ pub fn read(
                     let mut number = primitive.material.unwrap_or(root.materials.len());
                     let mut of_variants = variant_materials(primitive);
                     if primitive::is_without_light(primitive) {
-                        number = unlit.of(model, number);
+                        number = unlit.index_of(model, number);
                         for (_, number) in &mut of_variants {
-                            *number = unlit.of(model, *number);
+                            *number = unlit.index_of(model, *number);
                         }
                     }
                     if !of_variants.is_empty() {
@@ -220,7 +220,7 @@ impl Faults {
             Entry::Occupied(entry) => self.list[*entry.get()].1 += 1,
             Entry::Vacant(entry) => {
                 entry.insert(next);
-                self.list.push((fault.at(&place()), 0));
+                self.list.push((fault.placed(&place()), 0));
             }
         }
     }
@@ -250,7 +250,7 @@ impl Faults {
 struct UnlitMaterials(HashMap<usize, usize>);
 
 impl UnlitMaterials {
-    fn of(&mut self, model: &mut Model, lit: usize) -> usize {
+    fn index_of(&mut self, model: &mut Model, lit: usize) -> usize {
         *self.0.entry(lit).or_insert_with(|| {
             model.materials.push(model.materials[lit].without_light());
             model.uv_sets.push(model.uv_sets[lit]);

@@ -54,7 +54,7 @@ pub fn read(
     let light = light.ok_or_else(|| fault(&format!("{name} does not exist")))?;
     convert(light, &name, &Textures::new(root, data, folder, sandbox))
         .map(Some)
-        .map_err(|fault| fault.at(&name))
+        .map_err(|fault| fault.placed(&name))
 }
 
 fn fault(text: &str) -> Fault {

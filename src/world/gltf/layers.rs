@@ -95,9 +95,9 @@ pub fn textures(extensions: &MaterialExtensions) -> [&Option<TextureInfo>; LAYER
 /// Warns of a clear coat whose normal map has other texture coordinates than the material's, as vertices have only
 /// one tangent each.
 pub fn note_shared_tangents(material: &Material, place: &str, notes: &mut Notes) {
-    let own = material.normal_texture.as_ref().map(NormalUv::of);
+    let own = material.normal_texture.as_ref().map(NormalUv::from_map);
     let coat = material.layer_texture(LayerTexture::ClearcoatNormal);
-    let coat = coat.as_ref().map(NormalUv::of);
+    let coat = coat.as_ref().map(NormalUv::from_map);
     let differs = own.zip(coat).is_some_and(|(own, coat)| own != coat);
     let what = "materials have a clear coat whose normal map has other texture coordinates than their own; tangents \
                 follow the latter";

@@ -32,8 +32,8 @@ pub fn read(
     for (i, material) in root.materials.iter().enumerate() {
         let place = label("material", i, material.name.as_deref());
         let moves = |key: &str| moved.contains(&(i, key));
-        let read = convert(material, (i, &place), &moves, &mut textures, notes);
-        let mut read = read.map_err(|f| f.at(&place))?;
+        let read = convert(material, i, &place, &moves, &mut textures, notes);
+        let mut read = read.map_err(|f| f.placed(&place))?;
         model.uv_sets.push(choose_uv_sets(&mut read, &place, notes));
         let name = material
             .name
@@ -43,8 +43,14 @@ pub fn read(
     }
     // Primitives without a material get glTF's defaults: white, metallic 1, roughness 1.
     let default = schema::Material::default();
-    let no_place = (root.materials.len(), "");
-    let default = convert(&default, no_place, &|_| false, &mut textures, notes)?;
+    let default = convert(
+        &default,
+        root.materials.len(),
+        "",
+        &|_| false,
+        &mut textures,
+        notes,
+    )?;
     model.materials.push(Material {
         name: "default".into(),
         ..default
@@ -84,7 +90,8 @@ const MESH_LIGHT: &str = "mesh_light";
 
 fn convert(
     material: &schema::Material,
-    (index, place): (usize, &str),
+    index: usize,
+    place: &str,
     moves: &dyn Fn(&str) -> bool,
     textures: &mut Textures<'_>,
     notes: &mut Notes,
@@ -120,8 +127,7 @@ fn convert(
     out.light = out.is_mesh_light;
     out.blended = material.alpha_mode.as_deref() == Some("BLEND");
     if let Some(gloss) = &material.extensions.specular_glossiness {
-        let place = (index, place);
-        specular_glossiness::convert(gloss, &mut out, textures, place, &mut ranges, notes)?;
+        specular_glossiness::convert(gloss, &mut out, textures, index, place, &mut ranges, notes)?;
     }
     ranges.note(place, notes);
     if material.extensions.unlit.is_some() {

@@ -46,12 +46,12 @@ fn target(context: &Context<'_>, number: usize) -> Result<MorphTarget, Fault> {
             false => accessor::float_only,
         };
         let place = format!("target {number} {attribute}");
-        let own = context.data.count(index).map_err(|f| f.at(&place))?;
+        let own = context.data.count(index).map_err(|f| f.placed(&place))?;
         if own != count {
             let text = format!("{place} has {own} elements, POSITION has {count}");
             return Err(Fault::new("gltf-attribute", text));
         }
-        let offsets = (context.floats::<3>(index, accept)).map_err(|f| f.at(&place))?;
+        let offsets = (context.floats::<3>(index, accept)).map_err(|f| f.placed(&place))?;
         Ok(offsets.into_iter().map(Vec3::from_array).collect())
     };
     Ok(MorphTarget {

@@ -94,7 +94,8 @@ fn fault(text: impl Into<String>) -> Fault {
 pub fn traverse(
     root: &Root,
     data: &Data<'_>,
-    (clips, posed): (&[Clip], &Posed),
+    clips: &[Clip],
+    posed: &Posed,
     notes: &mut Notes,
 ) -> Result<Visit, Fault> {
     let mut parents = tree::parents(root)?;
@@ -126,7 +127,7 @@ pub fn traverse(
         if !visible && !visit.animated.visibility.contains(&i) {
             continue;
         }
-        let local = transform::of_node(node).map_err(|f| f.at(&place()))?;
+        let local = transform::of_node(node).map_err(|f| f.placed(&place()))?;
         let model_from_node = step.parent * local.transform();
         let hidden = step.hidden || !visible;
         visit.rig.order.push(i);
@@ -152,7 +153,7 @@ pub fn traverse(
         (found.mesh(data))
             .and_then(|()| found.light())
             .and_then(|()| found.camera())
-            .map_err(|f| f.at(&place()))?;
+            .map_err(|f| f.placed(&place()))?;
         let children = node.children.iter().rev();
         stack.extend(children.map(|&node| Step {
             node,
@@ -270,7 +271,7 @@ impl Found<'_> {
         let light = lights.and_then(|l| l.lights.get(used.light));
         let light = light.ok_or_else(|| fault(format!("light {} does not exist", used.light)))?;
         let place = label("light", used.light, light.name.as_deref());
-        let light = light::read(light, self.path).map_err(|f| f.at(&place))?;
+        let light = light::read(light, self.path).map_err(|f| f.placed(&place))?;
         let mut light = self.attached(light);
         light.index = Some(used.light);
         self.visit.lights.push(light);

@@ -46,7 +46,7 @@ pub struct PosedNames {
 
 impl PosedNames {
     /// Names in the nodes for which `is_part` tells that they are part of the scene; empty if nothing is posed.
-    pub(super) fn of(root: &Root, posed: &Posed, is_part: impl Fn(usize) -> bool) -> Self {
+    pub(super) fn from_nodes(root: &Root, posed: &Posed, is_part: impl Fn(usize) -> bool) -> Self {
         let mut names = Self::default();
         if posed.is_empty() {
             return names;

@@ -37,9 +37,9 @@ pub fn build(
         true => accessor::any_but_u32,
         false => accessor::float_only,
     };
-    context.num_vertices = data.count(position).map_err(|f| f.at("POSITION"))?;
+    context.num_vertices = data.count(position).map_err(|f| f.placed("POSITION"))?;
     let num_corners = match primitive.indices {
-        Some(index) => data.count(index).map_err(|f| f.at("indices"))?,
+        Some(index) => data.count(index).map_err(|f| f.placed("indices"))?,
         None => context.num_vertices,
     };
     data.spend(own_bytes(&context, context.num_vertices, num_corners))?;
@@ -213,7 +213,7 @@ fn vectors<T, const N: usize>(
     attribute: &str,
     convert: fn([f32; N]) -> T,
 ) -> Result<Vec<T>, Fault> {
-    let raw = raw.map_err(|f| f.at(attribute))?;
+    let raw = raw.map_err(|f| f.placed(attribute))?;
     Ok(raw.into_iter().map(convert).collect())
 }
 
@@ -273,7 +273,7 @@ fn read_attributes(context: &Context<'_>, mesh: &mut Mesh) -> Result<(), Fault> 
 }
 
 fn indices(data: &Data<'_>, index: usize, vertices: usize) -> Result<Vec<u32>, Fault> {
-    let corners = data.indices(index).map_err(|f| f.at("indices"))?;
+    let corners = data.indices(index).map_err(|f| f.placed("indices"))?;
     if let Some((at, bad)) = corners
         .iter()
         .enumerate()

@@ -39,7 +39,7 @@ impl Context<'_> {
         let Some(&index) = self.primitive.attributes.get(name) else {
             return Ok(None);
         };
-        let own = self.data.count(index).map_err(|f| f.at(name))?;
+        let own = self.data.count(index).map_err(|f| f.placed(name))?;
         if own != count {
             let text = format!("{name} has {own} elements, POSITION has {count}");
             return Err(Fault::new("gltf-attribute", text));

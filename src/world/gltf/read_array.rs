@@ -80,7 +80,7 @@ impl Data<'_> {
             }),
         };
         let all = self.assemble(accessor, &layout, [0.0; N], convert, gathered);
-        let all = all.map_err(|f| f.at(&format!("accessor {index}")))?;
+        let all = all.map_err(|f| f.placed(&format!("accessor {index}")))?;
         Ok(match rows.filter(|_| gathered.is_none()) {
             Some(rows) => rows.iter().map(|&row| all[row as usize]).collect(),
             None => all,
@@ -107,7 +107,7 @@ impl Data<'_> {
             |bytes: &[u8], layout: &Layout, _: Option<&[u32]>| gather_unsigned(bytes, layout);
         self.assemble(accessor, &layout, [0; 1], convert, None)
             .map(|v| v.into_iter().map(|[i]| i).collect())
-            .map_err(|f| f.at(&format!("accessor {index}")))
+            .map_err(|f| f.placed(&format!("accessor {index}")))
     }
 
     /// Base elements (zeros without a view), overwritten by the sparse ones. `rows` may be given only for accessors

@@ -60,9 +60,9 @@ pub fn influences(context: &Context<'_>, num_joints: usize) -> Result<Vec<Vec<In
         };
         let joint_type =
             |c, normalized: bool| !normalized && matches!(c, Component::U8 | Component::U16);
-        let joints = (context.floats::<4>(j, joint_type)).map_err(|f| f.at(&joints))?;
-        let weights =
-            (context.floats::<4>(w, accessor::float_or_unsigned)).map_err(|f| f.at(&weights))?;
+        let joints = (context.floats::<4>(j, joint_type)).map_err(|f| f.placed(&joints))?;
+        let weights = (context.floats::<4>(w, accessor::float_or_unsigned))
+            .map_err(|f| f.placed(&weights))?;
         let of_vertex = |(joints, weights): ([f32; 4], [f32; 4])| {
             // Slots with weight 0 are unused and may name any joint.
             let is_missing =

@@ -98,7 +98,8 @@ pub fn convert(
     gloss: &SpecularGlossiness,
     material: &mut Material,
     textures: &mut Textures<'_>,
-    (index, place): (usize, &str),
+    index: usize,
+    place: &str,
     ranges: &mut Ranges,
     notes: &mut Notes,
 ) -> Result<(), Fault> {
@@ -155,7 +156,8 @@ pub fn convert(
         factors,
         material,
         textures,
-        (index, place),
+        index,
+        place,
         notes,
     );
     Ok(())
@@ -168,7 +170,8 @@ fn convert_maps(
     factors: Factors,
     material: &mut Material,
     textures: &mut Textures<'_>,
-    (index, place): (usize, &str),
+    index: usize,
+    place: &str,
     notes: &mut Notes,
 ) {
     let [diffuse_map, specular_map] = maps;

@@ -66,7 +66,7 @@ impl Textures<'_> {
         notes: &mut Notes,
     ) -> Result<Option<TextureRef>, Fault> {
         let found = self.find(info, srgb, slot, notes);
-        found.map_err(|fault| fault.at(&slot.to_string()))
+        found.map_err(|fault| fault.placed(&slot.to_string()))
     }
 
     fn find(
@@ -128,7 +128,7 @@ impl Textures<'_> {
         let name = label("image", index, image.name.as_deref().or(uri));
         let place = format!("{name}, {used_by}");
         Ok(ImageUse {
-            source: self.source(image).map_err(|f| f.at(&place)),
+            source: self.source(image).map_err(|f| f.placed(&place)),
             name,
             used_by: used_by.to_owned(),
             index,

@@ -99,7 +99,7 @@ pub fn of_copies(
             scales.as_ref().map_or([1.0; 3], |v| v[k]),
         )
         .map(|local| local.transform())
-        .map_err(|f| f.at(&format!("EXT_mesh_gpu_instancing {k}")))
+        .map_err(|f| f.placed(&format!("EXT_mesh_gpu_instancing {k}")))
     };
     (0..count).map(copy).collect()
 }

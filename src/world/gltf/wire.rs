@@ -19,7 +19,7 @@ const RADIUS_M: f32 = 0.01;
 pub fn build(mesh: &mut Mesh, mode: u32, corners: &[u32], data: &Data<'_>) -> Result<(), Fault> {
     let position = |i: u32| mesh.positions[i as usize];
     let used = corners.iter().map(|i| position(*i));
-    let diagonal = Bounds::of(used.filter(|p| p.is_finite())).diagonal();
+    let diagonal = Bounds::around(used.filter(|p| p.is_finite())).diagonal();
     let fraction = if mode == 0 { POINT_RADIUS } else { LINE_RADIUS };
     let radius_m = match diagonal * fraction {
         size if size > 0.0 && size.is_finite() => size,

@@ -207,7 +207,7 @@ fn emitted_measure(cone: f32) -> f32 {
 /// Puts the items of the left half first and returns their number, at least 1 and less than all.
 fn split(leaves: &mut [Leaf], level: u32) -> usize {
     let half = leaves.len() / 2;
-    let centers = Bounds::of(leaves.iter().map(|l| l.cluster.center));
+    let centers = Bounds::around(leaves.iter().map(|l| l.cluster.center));
     let extent = centers.max - centers.min;
     let best = match level < HALVED_LEVEL && leaves.len() > 2 {
         true => best_plane(leaves, &centers),

@@ -39,12 +39,12 @@ impl LightTrees {
             digits: u[1].to_bits(),
             chances: [1.0; 2],
         };
-        let item = descent.item(top, by_power, (point, normal, Sides::Front))? as usize;
+        let item = descent.item(top, by_power, &Receiver::of_front(point, normal))? as usize;
         let what = match self.lights.get(item) {
             None => Chosen::Lamp((item - self.lights.len()) as u32),
             Some(light) => {
                 let tree = self.meshes[light.mesh_tree].tree.as_ref()?;
-                let triangle = descent.item(tree, by_power, light.seen_from(point, normal))?;
+                let triangle = descent.item(tree, by_power, &light.receiver(point, normal))?;
                 Chosen::Triangle {
                     instance: light.instance,
                     triangle,
@@ -65,7 +65,7 @@ impl LightTrees {
         };
         let in_top = |node| match node {
             UNLIT_ITEM => [0.0; 2],
-            node => chances_of(top, node, (point, normal, Sides::Front)),
+            node => chances_of(top, node, &Receiver::of_front(point, normal)),
         };
         let (instance, triangle) = match of {
             Chosen::Lamp(lamp) => {
@@ -84,18 +84,41 @@ impl LightTrees {
         if *place == UNLIT_ITEM {
             return [0.0; 2];
         }
-        let below = chances_of(tree, *place, light.seen_from(point, normal));
+        let below = chances_of(tree, *place, &light.receiver(point, normal));
         let above = in_top(light.node);
         [above[0] * below[0], above[1] * below[1]]
     }
 }
 
+/// A surface in the space of a tree, which the tree's emitters light.
+struct Receiver {
+    point: Vec3,
+    normal: Vec3,
+    /// Sides of the emitters that emit light.
+    sides: Sides,
+}
+
+impl Receiver {
+    /// A surface that the fronts of emitters light.
+    const fn of_front(point: Vec3, normal: Vec3) -> Self {
+        let sides = Sides::Front;
+        Self {
+            point,
+            normal,
+            sides,
+        }
+    }
+}
+
 impl PlacedLight {
-    /// A surface in the space of the mesh's tree, and the sides that emit light.
-    fn seen_from(&self, point: Vec3, normal: Vec3) -> (Vec3, Vec3, Sides) {
+    /// A surface in the space of the mesh's tree.
+    fn receiver(&self, point: Vec3, normal: Vec3) -> Receiver {
         let normal = self.tree_from_world.transform_vector3(normal);
-        let point = self.tree_from_world.transform_point3(point);
-        (point, normal.normalize_or_zero(), self.sides)
+        Receiver {
+            point: self.tree_from_world.transform_point3(point),
+            normal: normal.normalize_or_zero(),
+            sides: self.sides,
+        }
     }
 }
 
@@ -108,10 +131,10 @@ struct Descent {
 }
 
 impl Descent {
-    fn item(&mut self, tree: &Tree, by_power: bool, from: (Vec3, Vec3, Sides)) -> Option<u32> {
+    fn item(&mut self, tree: &Tree, by_power: bool, receiver: &Receiver) -> Option<u32> {
         let mut link = tree.link;
         while link & LIGHT_LEAF == 0 {
-            let shares = shares_of(tree, link, from);
+            let shares = shares_of(tree, link, receiver);
             let share = shares[usize::from(by_power)];
             if share.is_nan() {
                 return None;
@@ -137,19 +160,19 @@ const BELOW_ONE: f32 = 0.999_999_94;
 const DIGITS_24: f32 = 1.0 / (1 << 24) as f32;
 
 /// Shares of the first node of a pair by importance, NaN where neither node is important, and by power.
-fn shares_of(tree: &Tree, pair: u32, (point, normal, sides): (Vec3, Vec3, Sides)) -> [f32; 2] {
+fn shares_of(tree: &Tree, pair: u32, receiver: &Receiver) -> [f32; 2] {
     let nodes = [pair, pair + 1].map(|i| Node::of_words(tree.nodes[i as usize].words()).cluster);
-    let [a, b] = nodes.map(|c| c.importance(point, normal, sides));
+    let [a, b] = nodes.map(|c| c.importance(receiver.point, receiver.normal, receiver.sides));
     let [power_a, power_b] = nodes.map(|c| c.power);
     [a / (a + b), power_a / (power_a + power_b)]
 }
 
 /// Probabilities of a node, from it up.
-fn chances_of(tree: &Tree, node: u32, from: (Vec3, Vec3, Sides)) -> [f32; 2] {
+fn chances_of(tree: &Tree, node: u32, receiver: &Receiver) -> [f32; 2] {
     let mut chances = [1.0; 2];
     let mut node = node;
     while node != NO_NODE {
-        let shares = shares_of(tree, node & !1, from);
+        let shares = shares_of(tree, node & !1, receiver);
         let parts = shares.map(|share| if node & 1 == 1 { 1.0 - share } else { share });
         chances[0] *= if parts[0].is_nan() { 0.0 } else { parts[0] };
         chances[1] *= parts[1];

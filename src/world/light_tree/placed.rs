@@ -202,7 +202,7 @@ fn note_places(tree: &Option<Tree>, mut note: impl FnMut(usize, u32)) {
 
 /// A triangle, with its area as power.
 fn triangle(corners: [Vec3; 3], across: Vec3, area: f32, item: u32) -> Leaf {
-    let bounds = Bounds::of(corners);
+    let bounds = Bounds::around(corners);
     let center = bounds.center();
     let radius = corners
         .map(|p| p.distance(center))

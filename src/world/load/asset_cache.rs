@@ -47,10 +47,12 @@ pub struct AssetCache {
 pub(super) fn sources(desc: &SceneDesc) -> Vec<NamedSource> {
     let named = desc.models.iter().map(|entry| {
         let source = match &entry.value.source {
-            ModelSource::File(file) => Ok((file.value.clone(), usd::Choice::of(&entry.value.usd))),
+            ModelSource::File(file) => {
+                Ok((file.value.clone(), usd::Choice::from_desc(&entry.value.usd)))
+            }
             // The position of the name in the text does not matter.
             ModelSource::Shape(ShapeDesc::Heightfield { file, size }) => {
-                let choice = usd::Choice::of(&StageDesc::default());
+                let choice = usd::Choice::from_desc(&StageDesc::default());
                 Ok((format!("{} {size}", file.value), choice))
             }
             ModelSource::Shape(shape) => Err(shape.clone()),
@@ -63,14 +65,17 @@ pub(super) fn sources(desc: &SceneDesc) -> Vec<NamedSource> {
         .iter()
         .filter_map(|i| i.instances_from.as_ref());
     let points = points.map(|file| {
-        let source = Ok((file.value.clone(), usd::Choice::of(&StageDesc::default())));
+        let source = Ok((
+            file.value.clone(),
+            usd::Choice::from_desc(&StageDesc::default()),
+        ));
         (String::new(), source)
     });
     // The names that scripts pose affect how files are read.
     let posed = desc.instances.iter().flat_map(|i| [&i.joints, &i.morphs]);
     let posed = posed.enumerate().flat_map(|(i, names)| {
         names.iter().map(move |name| {
-            let choice = usd::Choice::of(&StageDesc::default());
+            let choice = usd::Choice::from_desc(&StageDesc::default());
             (format!("posed {i}"), Ok((name.value.clone(), choice)))
         })
     });

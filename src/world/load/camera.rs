@@ -41,7 +41,7 @@ pub fn add_default(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) -> bool
     if is_fixed && !world.cameras.is_empty() {
         return false;
     }
-    let framed = Framed::of(world, meshes);
+    let framed = Framed::from_world(world, meshes);
     let bounds = framed.bounds();
     let aspect = size[0] as f32 / size[1] as f32;
     let mut left = MOST_TRIED;
@@ -78,7 +78,7 @@ pub fn add_default(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) -> bool
     };
     if !world.cameras.is_empty() {
         let message = "no camera of the files sees anything, or more than one color; a camera `main` that shows the whole scene is added";
-        let note = Diagnostic::at("cameras-see-nothing", Span::default(), message).warning();
+        let note = Diagnostic::new("cameras-see-nothing", Span::default(), message).warning();
         world.warnings.push(note);
     }
     world.cameras.push(main);
@@ -106,7 +106,7 @@ struct Framed<'a> {
 
 impl<'a> Framed<'a> {
     /// Static instances, and boxes around animated instances over time; all instances if every one is animated.
-    fn of(world: &'a World, meshes: &'a [Mesh]) -> Self {
+    fn from_world(world: &'a World, meshes: &'a [Mesh]) -> Self {
         let mut boxes = world.animated_bounds();
         boxes.extend(world.deformed_bounds(meshes));
         let has_players = !world.moving.players.is_empty();
@@ -178,7 +178,7 @@ impl<'a> Framed<'a> {
     }
 
     fn bounds(&self) -> Bounds {
-        Bounds::of(self.points())
+        Bounds::around(self.points())
     }
 
     /// Whether some triangle may be seen; of boxes one may. `left` triangles are tried.

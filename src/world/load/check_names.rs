@@ -27,7 +27,7 @@ impl Loader<'_> {
                 self.errors.push(error);
             }
         }
-        let moved = ByName::of(&desc.motion.models);
+        let moved = ByName::from_entries(&desc.motion.models);
         for (model, source) in desc.models.iter().zip(sources) {
             if let Some(played) = &model.value.animation {
                 self.check_animation(source, played);

@@ -129,6 +129,6 @@ impl Loader<'_> {
     fn decal_material(&mut self, name: &At<String>) -> usize {
         let material = self.named_material(name, Material::default());
         let key = (self.desc.models.len(), self.materials.len(), None); // of no model
-        self.add_moving_material(key, Some(name), (MaterialDesc::default(), None), material)
+        self.add_moving_material(key, Some(name), MaterialDesc::default(), None, material)
     }
 }

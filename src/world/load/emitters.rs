@@ -20,7 +20,7 @@ pub fn check(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) -> Result<(),
     let mut errors = Vec::new();
     let moving = world.moving.materials.iter().map(|m| m.material);
     let moving: HashSet<_> = moving.collect();
-    let written = ByName::of(&desc.materials);
+    let written = ByName::from_entries(&desc.materials);
     for index in 0..world.materials.len() {
         let material = &world.materials[index];
         let changes = moving.contains(&index);

@@ -115,7 +115,7 @@ impl Loader<'_> {
                     intensity: light.intensity,
                 };
                 let made = of_cube(&cube, limits);
-                made.map_err(|fault| vec![fault.at(&light.name).in_file(&file)])
+                made.map_err(|fault| vec![fault.placed(&light.name).in_file(&file)])
             }),
             false => Err(errors),
         };

@@ -75,7 +75,7 @@ impl Extras {
     ) {
         if model.value.lights {
             for part in &file.lights {
-                let place = instance.of(world, part);
+                let place = instance.place(world, part);
                 if part.hidden && !place.is_animated() {
                     continue;
                 }
@@ -84,7 +84,7 @@ impl Extras {
                 let anchor = place.anchor.clone();
                 let anchor = anchor.or_else(|| pointed.map(|_| instance.still(part)));
                 if self.lights.len() < SceneDesc::MOST_LIGHTS {
-                    self.add_light(&part.value, name, &place, (anchor, pointed));
+                    self.add_light(&part.value, name, &place, anchor, pointed);
                 } else if self.past_most_at.is_none() {
                     self.past_most_at = Some(model.at.clone());
                 }
@@ -93,7 +93,7 @@ impl Extras {
         for part in file.cameras.iter().filter(|_| with_cameras) {
             let (own, camera) = &part.value;
             let unique = self.camera_names.take(&format!("{name}/{own}"));
-            let place = instance.of(world, part);
+            let place = instance.place(world, part);
             let value = placed_camera(camera, &place.world);
             let pointed = instance.pointed(world, part.index.map(Pointed::Camera));
             let anchor = place.anchor;
@@ -118,7 +118,8 @@ impl Extras {
         light: &Light,
         name: &str,
         place: &Place,
-        (anchor, pointed): (Option<Anchor>, Option<(usize, Pointed)>),
+        anchor: Option<Anchor>,
+        pointed: Option<(usize, Pointed)>,
     ) {
         if let Some(anchor) = anchor {
             self.moving_lights.push(Moved {
@@ -142,7 +143,8 @@ impl Loader<'_> {
         let (count, most) = (extras.light_count, SceneDesc::MOST_LIGHTS);
         if count > most {
             self.too_many_lights(
-                (most, extras.past_most_at.as_ref()),
+                most,
+                extras.past_most_at.as_ref(),
                 format!("{count} lights including those of files, at most {most} are allowed"),
                 "leave a file's lights out with `lights = false` in its [model.NAME]",
             );
@@ -151,7 +153,7 @@ impl Loader<'_> {
         let array = self.world.lights.len();
         if array > MAX_LIGHTS && count <= most {
             self.too_many_lights(
-                (MAX_LIGHTS, None),
+                MAX_LIGHTS, None,
                 format!(
                     "{array} lights are directional or cast no shadow, at most {MAX_LIGHTS} are allowed"
                 ),
@@ -178,12 +180,7 @@ impl Loader<'_> {
     }
 
     /// Adds an error about lights past a limit, at the first of the scene text past it or else where a file brings one.
-    fn too_many_lights(
-        &mut self,
-        (most, of_file): (usize, Option<&Span>),
-        text: String,
-        help: &str,
-    ) {
+    fn too_many_lights(&mut self, most: usize, of_file: Option<&Span>, text: String, help: &str) {
         let first_extra = self.desc.lights.get(most).map(|entry| &entry.at);
         let at = first_extra.or(of_file).cloned().unwrap_or_default();
         let mut error = error_at("lights-too-many", &at, text);

@@ -97,7 +97,7 @@ impl Loader<'_> {
         let source = source.and_then(|source| match lenient {
             true => texture::check_header(&source, &self.texture_limits())
                 .map(|()| source)
-                .map_err(|fault| fault.at(&format!("{}, {}", image.name, image.used_by))),
+                .map_err(|fault| fault.placed(&format!("{}, {}", image.name, image.used_by))),
             false => Ok(source),
         });
         let source = match source {

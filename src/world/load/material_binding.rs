@@ -40,7 +40,7 @@ impl Loader<'_> {
             None => base,
         };
         self.apply(&over, &mut material);
-        self.add_moving_material(key, name, (over, job.over_change), material)
+        self.add_moving_material(key, name, over, job.over_change, material)
     }
 
     pub fn instance_material(
@@ -66,8 +66,8 @@ impl Loader<'_> {
                 ..Material::default()
             };
             let material = self.named_material(name, base);
-            let over = (MaterialDesc::default(), None);
-            return self.add_moving_material(key, Some(name), over, material);
+            let over = MaterialDesc::default();
+            return self.add_moving_material(key, Some(name), over, None, material);
         }
         // "*" first, then by name, then the instance: merged before they are applied, so that
         // factors such as uv_scale act once.
@@ -92,7 +92,7 @@ impl Loader<'_> {
         });
         let material = self.file_material(loaded, index, &desc.overlaid(&over));
         match from {
-            Some(from) => self.add_source(key, from, (over, job.over_change), material),
+            Some(from) => self.add_source(key, from, over, job.over_change, material),
             None => self.add_material(key, material),
         }
     }
@@ -111,12 +111,13 @@ impl Loader<'_> {
         &mut self,
         key: MaterialKey,
         name: Option<&At<String>>,
-        over: (MaterialDesc, Option<usize>),
+        over: MaterialDesc,
+        over_change: Option<usize>,
         material: Material,
     ) -> usize {
         let desc = self.desc;
         let by_script = desc.has_frame_script();
-        let over_changes = over.1.is_some();
+        let over_changes = over_change.is_some();
         let moves = |name: &str| over_changes || by_script || self.moved.index(name).is_some();
         let found = name.filter(|name| moves(&name.value));
         let found = found.and_then(|n| self.named_materials.index(&n.value));
@@ -125,14 +126,15 @@ impl Loader<'_> {
             None if over_changes => MaterialSource::Plain,
             None => return self.add_material(key, material),
         };
-        self.add_source(key, from, over, material)
+        self.add_source(key, from, over, over_change, material)
     }
 
     fn add_source(
         &mut self,
         key: MaterialKey,
         from: MaterialSource,
-        (over, over_change): (MaterialDesc, Option<usize>),
+        over: MaterialDesc,
+        over_change: Option<usize>,
         material: Material,
     ) -> usize {
         let alike = |m: &&MovingMaterial| {

@@ -37,7 +37,7 @@ impl Place {
 
 impl ModelInstance<'_> {
     /// Transform of an item attached to a node of its file.
-    pub fn of<T>(&self, world: &World, part: &Attached<T>) -> Place {
+    pub fn place<T>(&self, world: &World, part: &Attached<T>) -> Place {
         let transforms = [part.node_from_object, part.model_from_object];
         self.place_on(world, part.node, part.is_skinned, transforms)
     }

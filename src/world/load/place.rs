@@ -106,7 +106,8 @@ impl Loader<'_> {
             let mut dropped = Vec::new();
             let placement = self.at_rest(job, &rest, sources);
             self.place(
-                (job, placement),
+                job,
+                placement,
                 &sources[job.model],
                 &mut extras,
                 &mut dropped,
@@ -206,7 +207,8 @@ impl Loader<'_> {
 
     fn place(
         &mut self,
-        (job, at): (&Job<'_>, InstancePlacement),
+        job: &Job<'_>,
+        at: InstancePlacement,
         source: &Source,
         extras: &mut Extras,
         dropped: &mut Vec<String>,
@@ -253,7 +255,7 @@ impl Loader<'_> {
             None => self.desc.models[job.model].value.animation.as_ref(),
         };
         let scripted = job.instance.and_then(|i| self.scripted(i, *loaded));
-        let nothing = AnimationDesc::of(Vec::new());
+        let nothing = AnimationDesc::endless(Vec::new());
         let played = match (played, &scripted) {
             (Some(played), _) => played,
             (None, Some(_)) => &nothing,
@@ -275,7 +277,7 @@ impl Loader<'_> {
             return None;
         }
         let scripted = scripted.unwrap_or_default();
-        let player = Player::new(&model.rig, animations, scripted, (job.index, played));
+        let player = Player::new(&model.rig, animations, scripted, job.index, played);
         self.world.moving.players.push(player);
         Some(self.world.moving.players.len() - 1)
     }
@@ -290,7 +292,7 @@ impl Loader<'_> {
     ) {
         for i in 0..self.loaded[loaded].placements.len() {
             let placement = self.loaded[loaded].placements[i].clone();
-            let place = instance.of(&self.world, &placement);
+            let place = instance.place(&self.world, &placement);
             if placement.hidden && !place.is_animated() {
                 continue;
             }
@@ -391,8 +393,8 @@ impl Loader<'_> {
         if let Some(nodes) = model.deforming.get(&mesh)
             && self.deformed.insert(index)
         {
-            let playing = (player, &moving.players[player]);
-            let deformer = Deformer::new(index, playing, &model.rig, nodes);
+            let playing = &moving.players[player];
+            let deformer = Deformer::new(index, player, playing, &model.rig, nodes);
             moving.deformers.push(deformer);
         }
     }

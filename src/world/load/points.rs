@@ -65,14 +65,15 @@ impl Loader<'_> {
         let text = String::from_utf8(bytes).map_err(|wrong| {
             let span = Span::not_utf8(&path, &wrong);
             let message = "a table of points must be UTF-8 text, and this byte is not";
-            Box::new(Diagnostic::at("not-utf8", span, message))
+            Box::new(Diagnostic::new("not-utf8", span, message))
         })?;
-        let (points, unused) = read(&text).map_err(|mistake| at(&path, &text, mistake, name))?;
+        let (points, unused) =
+            read(&text).map_err(|mistake| diagnostic(&path, &text, mistake, name))?;
         if let Some(first) = unused.first() {
             let message = format!("column {} is unknown and ignored", quoted(first));
             let warning = Diagnostic {
                 severity: Severity::Warning,
-                ..at(&path, &text, Mistake(0, message, HELP), name)
+                ..diagnostic(&path, &text, Mistake(0, message, HELP), name)
                     .as_ref()
                     .clone()
             };
@@ -90,7 +91,7 @@ fn quoted(text: &str) -> String {
 }
 
 /// Diagnostic at a place of the file; its copy of the text ends with the line of the error.
-fn at(path: &Path, text: &str, mistake: Mistake, name: &At<String>) -> Box<Diagnostic> {
+fn diagnostic(path: &Path, text: &str, mistake: Mistake, name: &At<String>) -> Box<Diagnostic> {
     let Mistake(start, message, help) = mistake;
     let start = text.floor_char_boundary(start);
     let line = text[start..]
@@ -103,7 +104,7 @@ fn at(path: &Path, text: &str, mistake: Mistake, name: &At<String>) -> Box<Diagn
         source: Some(Arc::new(Source::new(path, &text[..line]))),
         range: start..cell,
     };
-    let error = Diagnostic::at("wrong-points", span, message).help(help);
+    let error = Diagnostic::new("wrong-points", span, message).help(help);
     Box::new(error.related(name.at.clone(), "named here"))
 }
 

@@ -73,7 +73,7 @@ impl Loader<'_> {
                 return Source::Broken;
             }
         };
-        let part = (path, usd::Choice::of(&model.usd));
+        let part = (path, usd::Choice::from_desc(&model.usd));
         let loaded = self.read_once(&part, &entry.name, &file.at);
         loaded.map_or(Source::Broken, Source::File)
     }

@@ -35,8 +35,13 @@ pub fn needs(world: &World) -> Vec<Needs> {
     for instance in &world.instances {
         let material = &world.materials[instance.material];
         let need = &mut needs[instance.mesh];
-        let layer = |which| material.layer_texture(which).as_ref().map(NormalUv::of);
-        let wanted = (material.normal_texture.as_ref().map(NormalUv::of))
+        let layer = |which| {
+            material
+                .layer_texture(which)
+                .as_ref()
+                .map(NormalUv::from_map)
+        };
+        let wanted = (material.normal_texture.as_ref().map(NormalUv::from_map))
             .or_else(|| layer(LayerTexture::ClearcoatNormal))
             .or_else(|| layer(LayerTexture::Anisotropy))
             .or_else(|| material.anisotropy.map(|_| NormalUv::PLAIN));

@@ -58,7 +58,7 @@ impl World {
                     mesh.name
                 );
                 let at = desc.and_then(|i| self.moving.placed_at.get(i));
-                vec![Diagnostic::at(
+                vec![Diagnostic::new(
                     "bad-pose",
                     at.cloned().unwrap_or_default(),
                     message,

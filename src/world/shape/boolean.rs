@@ -65,7 +65,7 @@ pub fn add(
     let mut warnings = Vec::new();
     let mut whole: Option<Manifold<Skin>> = None;
     for (index, part) in parts.iter().enumerate() {
-        let here = |fault: Fault| fault.at(part.at.0.clone());
+        let here = |fault: Fault| fault.placed(part.at.0.clone());
         let made = super::make(&part.shape, supplies).map_err(here)?;
         // The inside of a cutter is the outside of the part that it cuts.
         let is_cutter = operation == OpType::Subtract && index > 0;

@@ -19,7 +19,7 @@ struct Bounds {
 }
 
 impl Bounds {
-    fn of(points: impl IntoIterator<Item = DVec3>) -> Self {
+    fn around(points: impl IntoIterator<Item = DVec3>) -> Self {
         let nothing = Self {
             min: DVec3::INFINITY,
             max: DVec3::NEG_INFINITY,
@@ -60,7 +60,7 @@ pub fn crossing(triangles: impl Iterator<Item = [DVec3; 3]>) -> Option<DVec3> {
                 let key = (corner + DVec3::ZERO).to_array().map(f64::to_bits);
                 *places.entry(key).or_insert(count)
             });
-            let bounds = Bounds::of(corners);
+            let bounds = Bounds::around(corners);
             Triangle {
                 corners,
                 places,
@@ -101,7 +101,7 @@ pub fn crossing(triangles: impl Iterator<Item = [DVec3; 3]>) -> Option<DVec3> {
 /// Adds the node of the triangles from `start` to `end`, with its descendants.
 fn split(nodes: &mut Vec<Node>, all: &mut [Triangle], start: usize, end: usize) {
     let own = &mut all[start..end];
-    let bounds = Bounds::of(own.iter().flat_map(|t| [t.bounds.min, t.bounds.max]));
+    let bounds = Bounds::around(own.iter().flat_map(|t| [t.bounds.min, t.bounds.max]));
     let index = nodes.len();
     nodes.push(Node {
         bounds,

@@ -28,7 +28,7 @@ fn edge(a: usize, b: usize) -> Edge {
 }
 
 impl Surface {
-    fn of(mesh: &Mesh) -> Self {
+    fn from_mesh(mesh: &Mesh) -> Self {
         let mut known: HashMap<[u32; 3], usize> = HashMap::new();
         let mut positions = Vec::new();
         let mut join = |at: Vec3| {
@@ -183,7 +183,8 @@ impl Surface {
 pub fn add(
     solid: &mut Solid,
     made: &Made,
-    (steps, smooth): (u32, bool),
+    steps: u32,
+    smooth: bool,
     noise: &NoiseDesc,
 ) -> Result<(), Fault> {
     let triangles = made
@@ -192,7 +193,7 @@ pub fn add(
         .len()
         .saturating_mul(4_usize.saturating_pow(steps));
     check_size(triangles, "`subdivide`, or `segments` of its shape")?;
-    let mut surface = Surface::of(&made.mesh);
+    let mut surface = Surface::from_mesh(&made.mesh);
     if surface.triangles.is_empty() {
         let message = "there is nothing to displace: a `heightfield` has no triangles here";
         return Err(

@@ -33,7 +33,7 @@ impl Fault {
     }
 
     /// Adds a place, unless one is known.
-    pub fn at(self, at: Span) -> Self {
+    pub fn placed(self, at: Span) -> Self {
         let at = self.at.or(Some(at));
         Self { at, ..self }
     }

@@ -94,7 +94,7 @@ fn rectangle(size: &[f32; 2], radius: f64, segments: u32) -> Loop {
         let center = inner * DVec2::new(x, y);
         let angles = [quarter as f64, quarter as f64 + 1.0].map(|q| q * FRAC_PI_2);
         if radius > 0.0 {
-            arc(&mut chords, (center, radius), angles, segments);
+            arc(&mut chords, center, radius, angles, segments);
         }
         let (next_x, next_y) = centers[(quarter + 1) % 4];
         let turn = unit(angles[1]) * radius;
@@ -109,7 +109,7 @@ fn rectangle(size: &[f32; 2], radius: f64, segments: u32) -> Loop {
 /// A circle of `segments` chords.
 pub fn circle(center: DVec2, radius: f64, segments: u32) -> Loop {
     let mut chords = Loop::new();
-    arc(&mut chords, (center, radius), [0.0, TAU], segments);
+    arc(&mut chords, center, radius, [0.0, TAU], segments);
     chords
 }
 
@@ -121,7 +121,7 @@ fn unit(angle: f64) -> DVec2 {
 }
 
 /// Adds an arc of a circle, from one angle to another, radians, with `segments` chords for a whole turn.
-fn arc(chords: &mut Loop, (center, radius): (DVec2, f64), [from, to]: [f64; 2], segments: u32) {
+fn arc(chords: &mut Loop, center: DVec2, radius: f64, [from, to]: [f64; 2], segments: u32) {
     let share = (to - from).abs() / TAU;
     let steps = (share * f64::from(segments) - 1e-9).ceil().max(1.0) as u32;
     let angle = |i: u32| match i == steps {

@@ -65,7 +65,7 @@ impl Heights {
         })
     }
 
-    fn at(&self, x: u32, y: u32) -> f32 {
+    fn height(&self, x: u32, y: u32) -> f32 {
         self.values[(y * self.width + x) as usize]
     }
 }
@@ -89,15 +89,20 @@ pub fn mesh(heights: &Heights, size: Vec3) -> Mesh {
             (high - low) * size.y / (cells as f32 * cell)
         };
         let slope_x = rise(
-            heights.at(right, y),
-            heights.at(left, y),
+            heights.height(right, y),
+            heights.height(left, y),
             right - left,
             step.x,
         );
-        let slope_z = rise(heights.at(x, down), heights.at(x, up), down - up, step.y);
+        let slope_z = rise(
+            heights.height(x, down),
+            heights.height(x, up),
+            down - up,
+            step.y,
+        );
         mesh.positions.push(Vec3::new(
             (uv.x - 0.5) * size.x,
-            heights.at(x, y) * size.y,
+            heights.height(x, y) * size.y,
             (uv.y - 0.5) * size.z,
         ));
         mesh.normals
@@ -108,7 +113,7 @@ pub fn mesh(heights: &Heights, size: Vec3) -> Mesh {
         let (a, b) = (y * width + x, (y + 1) * width + x);
         mesh.triangles.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
     }
-    mesh.bounds = Bounds::of(mesh.positions.iter().copied());
+    mesh.bounds = Bounds::around(mesh.positions.iter().copied());
     mesh
 }
 

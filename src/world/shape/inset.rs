@@ -20,7 +20,7 @@ struct Vertex {
 }
 
 impl Vertex {
-    fn at(&self, distance: f64) -> DVec2 {
+    fn position(&self, distance: f64) -> DVec2 {
         self.from + self.way * (distance - self.since)
     }
 }
@@ -71,7 +71,7 @@ pub fn inset(contour: &Contour, distances: &[f64]) -> Option<Vec<Vec<DVec2>>> {
             let before = all[(index + all.len() - 1) % all.len()];
             let after = (index + 1) % all.len();
             let (first, second) = (all[index], all[after]);
-            let [a, b] = [first, second].map(|live| vertices[live.vertex].at(at));
+            let [a, b] = [first, second].map(|live| vertices[live.vertex].position(at));
             let merged = Vertex {
                 from: (a + b) / 2.0,
                 since: at,
@@ -89,7 +89,7 @@ pub fn inset(contour: &Contour, distances: &[f64]) -> Option<Vec<Vec<DVec2>>> {
             while let Some(next) = vertices[i].now {
                 i = next;
             }
-            vertices[i].at(distance)
+            vertices[i].position(distance)
         };
         places.push((0..count).map(place).collect());
     }
@@ -102,7 +102,10 @@ fn next_event(vertices: &[Vertex], all: &[Live], ways: &[DVec2], now: f64) -> Op
         let first = all[index];
         let [a, b] = [first, all[(index + 1) % all.len()]].map(|live| &vertices[live.vertex]);
         let way = ways[first.side];
-        let (length, rate) = ((b.at(now) - a.at(now)).dot(way), (b.way - a.way).dot(way));
+        let (length, rate) = (
+            (b.position(now) - a.position(now)).dot(way),
+            (b.way - a.way).dot(way),
+        );
         (rate < -1e-12).then(|| (index, now + length.max(0.0) / -rate))
     };
     (0..all.len())

@@ -62,7 +62,7 @@ fn add_figure(
                 _ => None,
             };
             let at = |fault: Fault| match outline {
-                Some(outline) => fault.at(outline.at.0.clone()),
+                Some(outline) => fault.placed(outline.at.0.clone()),
                 None => fault,
             };
             turn::add(solid, &region, segments, angle_deg).map_err(at)?;
@@ -72,8 +72,8 @@ fn add_figure(
             depth,
             bevel,
         } => {
-            let region = Region::of(outline, supplies)?;
-            let at = |fault: Fault| fault.at(outline.at.0.clone());
+            let region = Region::enclosed(outline, supplies)?;
+            let at = |fault: Fault| fault.placed(outline.at.0.clone());
             extrude::add(solid, &region, *depth, bevel).map_err(at)?;
         }
         ShapeDesc::Sweep { .. } => warnings.extend(add_sweep(solid, shape, supplies)?),
@@ -85,7 +85,7 @@ fn add_figure(
             noise,
         } => {
             let inner = super::make(shape, supplies)?;
-            displaced::add(solid, &inner, (*subdivide, *smooth), noise)?;
+            displaced::add(solid, &inner, *subdivide, *smooth, noise)?;
             warnings = inner.warnings;
         }
         _ => return Ok(None),
@@ -113,7 +113,7 @@ fn turned(shape: &ShapeDesc, supplies: &Supplies) -> Result<Option<(Region, u32,
             angle_deg,
         } => {
             let region = match source {
-                LatheSource::Outline(outline) => Region::of(outline, supplies)?,
+                LatheSource::Outline(outline) => Region::enclosed(outline, supplies)?,
                 LatheSource::Points(_) if *angle_deg >= 360.0 => return Ok(None),
                 LatheSource::Points(points) => joined_to_axis(points, supplies)?,
             };
@@ -142,12 +142,12 @@ fn add_sweep(
     else {
         return Ok(None);
     };
-    let region = Region::of(outline, supplies)?;
+    let region = Region::enclosed(outline, supplies)?;
     let along = Along {
         twist: f64::from(*twist_deg).to_radians(),
         taper: f64::from(*taper),
     };
-    let here = |fault: Fault| fault.at(at.0.clone());
+    let here = |fault: Fault| fault.placed(at.0.clone());
     let curve = Curve::through(points, *curve, *closed, *segments).map_err(here)?;
     let crossed = sweep::add(solid, &region, &curve, along).map_err(here)?;
     Ok(crossed.map(|point| {
@@ -156,7 +156,7 @@ fn add_sweep(
             point + 1
         );
         let help = "make the profile smaller, or the bend wider";
-        Fault::new("sweep-crosses", message).help(help).at(at.0.clone())
+        Fault::new("sweep-crosses", message).help(help).placed(at.0.clone())
     }))
 }
 

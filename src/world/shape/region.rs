@@ -41,10 +41,10 @@ impl Region {
     ///
     /// # Errors
     /// `wrong-outline` for one that encloses nothing, of too many chords or crossings; `shapes-too-large`.
-    pub fn of(desc: &OutlineDesc, supplies: &Supplies) -> Result<Self, Fault> {
+    pub fn enclosed(desc: &OutlineDesc, supplies: &Supplies) -> Result<Self, Fault> {
         let [figure, holes] = flatten::loops(desc)?;
         let found = Self::of_loops([&figure, &holes], desc.fill_rule, supplies)
-            .map_err(|fault| fault.at(desc.at.0.clone()))?;
+            .map_err(|fault| fault.placed(desc.at.0.clone()))?;
         Ok(found)
     }
 

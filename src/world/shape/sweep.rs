@@ -35,7 +35,7 @@ struct Ring {
 }
 
 impl Ring {
-    fn at(&self, p: DVec2) -> DVec3 {
+    fn point(&self, p: DVec2) -> DVec3 {
         self.center + self.axes[0] * p.x + self.axes[1] * p.y
     }
 }
@@ -80,7 +80,7 @@ pub fn add(
 /// taper.
 fn corner(rings: &[Ring], curve: &Curve, [piece, ring]: [usize; 2], column: &Column) -> Corner {
     let here = &rings[ring];
-    let at = here.at(column.at);
+    let at = here.point(column.at);
     // Along the surface: through the neighbors where the curve bends smoothly, else within the piece.
     let pieces = curve.pieces();
     let [mut from, mut to] = [piece, piece + 1];
@@ -94,7 +94,7 @@ fn corner(rings: &[Ring], curve: &Curve, [piece, ring]: [usize; 2], column: &Col
     } else if ring == piece + 1 && after != piece && is_smooth(after) {
         to = after + 1;
     }
-    let along = (rings[to].at(column.at) - at) + (at - rings[from].at(column.at));
+    let along = (rings[to].point(column.at) - at) + (at - rings[from].point(column.at));
     let across_way = column.normal.perp();
     let across = here.axes[0] * across_way.x + here.axes[1] * across_way.y;
     let mut normal = along.cross(across);
@@ -187,7 +187,7 @@ fn add_ends(
                 let uv = (place - low) / (high - low);
                 // Seen from outside, right is the profile's right at the start.
                 let u = if ring == 0 { uv.x } else { 1.0 - uv.x };
-                Corner::new(rings[ring].at(place), way, DVec2::new(u, 1.0 - uv.y))
+                Corner::new(rings[ring].point(place), way, DVec2::new(u, 1.0 - uv.y))
             });
             if ring != 0 {
                 face.reverse();

@@ -47,7 +47,7 @@ impl GlyphPen {
         }
     }
 
-    fn at(&self, x: f32, y: f32) -> [f64; 2] {
+    fn point(&self, x: f32, y: f32) -> [f64; 2] {
         [
             self.origin[0] + self.scale * f64::from(x),
             self.origin[1] + self.scale * f64::from(y),
@@ -57,22 +57,23 @@ impl GlyphPen {
 
 impl OutlinePen for GlyphPen {
     fn move_to(&mut self, x: f32, y: f32) {
-        let [x, y] = self.at(x, y);
+        let [x, y] = self.point(x, y);
         self.draw(&PathSegment::MoveTo { x, y });
     }
 
     fn line_to(&mut self, x: f32, y: f32) {
-        let [x, y] = self.at(x, y);
+        let [x, y] = self.point(x, y);
         self.draw(&PathSegment::LineTo { x, y });
     }
 
     fn quad_to(&mut self, cx0: f32, cy0: f32, x: f32, y: f32) {
-        let ([x1, y1], [x, y]) = (self.at(cx0, cy0), self.at(x, y));
+        let ([x1, y1], [x, y]) = (self.point(cx0, cy0), self.point(x, y));
         self.draw(&PathSegment::Quadratic { x1, y1, x, y });
     }
 
     fn curve_to(&mut self, cx0: f32, cy0: f32, cx1: f32, cy1: f32, x: f32, y: f32) {
-        let ([x1, y1], [x2, y2], [x, y]) = (self.at(cx0, cy0), self.at(cx1, cy1), self.at(x, y));
+        let ([x1, y1], [x2, y2], [x, y]) =
+            (self.point(cx0, cy0), self.point(cx1, cy1), self.point(x, y));
         let curve = PathSegment::CurveTo {
             x1,
             y1,
@@ -115,7 +116,7 @@ pub fn add(
     let (bytes, font_at) = (font.as_ref())
         .and_then(|font| Some((read(&font.file)?, &font.at)))
         .unwrap_or_else(own);
-    let in_font = |fault: Fault| fault.at(font_at.0.clone());
+    let in_font = |fault: Fault| fault.placed(font_at.0.clone());
     let face = open(bytes).map_err(in_font)?;
     let units = face.head().map_or(0, |head| head.units_per_em());
     let mut pen = GlyphPen {
@@ -129,7 +130,7 @@ pub fn add(
     });
     let missing = drawn.map_err(in_font)?;
     pen.pen.close();
-    let here = |fault: Fault| fault.at(at.0.clone());
+    let here = |fault: Fault| fault.placed(at.0.clone());
     if pen.pen.loops.is_empty() {
         let message = "the font has no outlines for this text";
         return Err(here(

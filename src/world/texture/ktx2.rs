@@ -45,7 +45,7 @@ impl<'a> Ktx2<'a> {
     pub fn open(bytes: &'a [u8]) -> Result<Self, Fault> {
         let header = Header::read(bytes)?;
         let size = header.size;
-        if let Some(format) = Format::of(header.vk_format) {
+        if let Some(format) = Format::from_vulkan(header.vk_format) {
             return Ok(Self {
                 header,
                 content: Content::Plain(format),

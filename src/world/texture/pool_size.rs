@@ -27,14 +27,14 @@ pub struct PoolSizes {
 
 impl Default for PoolSizes {
     fn default() -> Self {
-        Self::of(&[])
+        Self::for_textures(&[])
     }
 }
 
 impl PoolSizes {
     /// The sizes for these images: the largest that they have, as far as the budget goes, and two smaller ones so that all
     /// take the fewest bytes.
-    pub fn of(textures: &[Texture]) -> Self {
+    pub fn for_textures(textures: &[Texture]) -> Self {
         let mut most = NUM_SIZES - 1;
         loop {
             let mut counts = [0; NUM_SIZES];
@@ -168,7 +168,7 @@ mod tests {
             (vec![[20_000, 20_000]], [512, 1024, 8192], 8192),
         ] {
             let images = textures(&images);
-            let pools = PoolSizes::of(&images);
+            let pools = PoolSizes::for_textures(&images);
             assert_eq!(pools.px, sizes, "{images:?}");
             if let Some(last) = images.last() {
                 assert_eq!(pools.px[pools.pool_of(last)], kept, "{images:?}");

@@ -55,7 +55,7 @@ impl Record {
     pub(super) fn holds(&self, glb: &Path, converter: &str) -> bool {
         self.converter == converter
             && fs::metadata(glb).is_ok_and(|file| file.len() == self.glb.0)
-            && self.inputs == Inputs::of(self.inputs.paths())
+            && self.inputs == Inputs::hash(self.inputs.paths())
             && output(glb).as_ref() == Some(&self.glb)
     }
 }
@@ -71,7 +71,7 @@ pub(super) struct Inputs(BTreeMap<PathBuf, Option<String>>);
 
 impl Inputs {
     /// Hashes the current content of these files.
-    pub(super) fn of<'a>(paths: impl IntoIterator<Item = &'a PathBuf>) -> Self {
+    pub(super) fn hash<'a>(paths: impl IntoIterator<Item = &'a PathBuf>) -> Self {
         let hashed = paths.into_iter().map(|path| (path.clone(), hash_of(path)));
         Self(hashed.collect())
     }
@@ -109,20 +109,23 @@ mod tests {
         let (file, none) = (folder.join("a.usda"), folder.join("b.usda"));
         fs::write(&file, "one").expect("written");
         let paths = [file.clone(), none.clone()];
-        let before = Inputs::of(&paths);
+        let before = Inputs::hash(&paths);
         let now = SystemTime::now();
         let later = now + Duration::from_secs(60);
         let earlier = now - Duration::from_secs(60);
         let unknown = Inputs::default();
-        let same = Inputs::of(&paths);
+        let same = Inputs::hash(&paths);
         assert!(same.are_steady(&before, earlier), "its content is known");
         assert!(same.are_steady(&unknown, later), "it was there long before");
         assert!(!same.are_steady(&unknown, earlier), "it may be new");
         fs::write(&none, "two").expect("written");
-        let came = Inputs::of(&paths);
+        let came = Inputs::hash(&paths);
         assert!(!came.are_steady(&before, later), "a file came");
         fs::write(&file, "two").expect("written");
-        assert!(!Inputs::of(&paths).are_steady(&came, later), "one changed");
+        assert!(
+            !Inputs::hash(&paths).are_steady(&came, later),
+            "one changed"
+        );
         let _ = fs::remove_dir_all(&folder);
     }
 }

@@ -49,7 +49,8 @@ impl Tool {
     /// passed on.
     pub(super) fn convert(
         &self,
-        (stage, name): (&Path, &str),
+        stage: &Path,
+        name: &str,
         choice: &[String],
         glb: &Path,
         roots: &[PathBuf],

@@ -52,7 +52,7 @@ fn document(client: &Client, name: &str) -> Value {
 fn references_are_found_in_all_files_and_renamed() {
     let mut client = project("across");
     let at = SHOT.replace("material = \"brass\"", "material = \"br|ass\"");
-    let found = client.at("references", "shots/scene.toml", &at);
+    let found = client.ask_at("references", "shots/scene.toml", &at);
     let own = |file: &str, line| (file.to_owned(), line);
     let want = [
         own("parts.toml", 0),
@@ -61,7 +61,7 @@ fn references_are_found_in_all_files_and_renamed() {
         own("scene.toml", 20),
     ];
     assert_eq!(lines(&found), want);
-    let name = client.at("prepareRename", "shots/scene.toml", &at);
+    let name = client.ask_at("prepareRename", "shots/scene.toml", &at);
     assert_eq!(name["start"], json!({ "line": 11, "character": 11 }));
     let mut edits = |at: &str, file: &str, new: &str| {
         let before = at.split('|').next().expect("a mark");
@@ -112,7 +112,7 @@ fn a_name_in_another_place_of_a_script_is_left_alone() {
                   instances: [#{ model: \"ball\" }] }\n}\nfn frame(ctx) { ctx.light(\"ball\", #{}); }\n";
     client.open("move.rhai", script);
     let at = SHOT.replace("[model.ball]", "[model.ba|ll]");
-    let found = client.at("references", "shots/scene.toml", &at);
+    let found = client.ask_at("references", "shots/scene.toml", &at);
     let found = lines(&found).into_iter();
     let found: Vec<_> = found.filter(|(file, _)| file == "move.rhai").collect();
     assert_eq!(
@@ -282,10 +282,10 @@ fn names_of_placed_scenes_have_the_prefix_of_their_group() {
         labels.collect::<Vec<_>>()
     };
     let at = ROOM.replace("\"left.bulb\"", "\"|left.bulb\"");
-    let found = labels(&client.at("completion", "room.toml", &at));
+    let found = labels(&client.ask_at("completion", "room.toml", &at));
     assert_eq!(found, ["left", "left.bulb"]);
     let at = MOVES.replace("\"left.bulb\"", "\"|left.bulb\"");
-    let found = labels(&client.at("completion", "room.rhai", &at));
+    let found = labels(&client.ask_at("completion", "room.rhai", &at));
     assert!(found.contains(&"left.bulb".to_owned()) && !found.contains(&"bulb".to_owned()));
     let own = |file: &str, line| (file.to_owned(), line);
     let all = [
@@ -296,12 +296,16 @@ fn names_of_placed_scenes_have_the_prefix_of_their_group() {
     for (file, text) in [("room.toml", ROOM), ("room.rhai", MOVES)] {
         let at = text.replace("left.bulb", "left.bu|lb");
         assert_eq!(
-            lines(&client.at("definition", file, &at)),
+            lines(&client.ask_at("definition", file, &at)),
             all[..1],
             "{file}"
         );
-        assert_eq!(lines(&client.at("references", file, &at)), all, "{file}");
-        let name = client.at("prepareRename", file, &at);
+        assert_eq!(
+            lines(&client.ask_at("references", file, &at)),
+            all,
+            "{file}"
+        );
+        let name = client.ask_at("prepareRename", file, &at);
         let [start, end] = ["start", "end"].map(|end| name[end]["character"].as_u64());
         assert_eq!(
             end.zip(start).map(|(end, start)| end - start),

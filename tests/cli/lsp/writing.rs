@@ -23,7 +23,7 @@ fn calls_in_scripts_show_their_signatures() {
     let mut help = |call: &str| {
         let text = format!("fn frame(ctx) {{\n  {call}");
         client.open("move.rhai", &text.replace('|', ""));
-        client.at("signatureHelp", "move.rhai", &text)
+        client.ask_at("signatureHelp", "move.rhai", &text)
     };
     let found = help("ctx.place(\"a, b\", [0, 1, |");
     let signatures = found["signatures"].as_array().expect("a list");
@@ -175,7 +175,7 @@ fn keys_are_those_of_the_kind_and_of_placed_scenes() {
     assert_eq!(proposed(placed), ["teeth", "spokes"]);
     let at = format!("version = 1\n{}", placed.replace('|', "te|eth = 3"));
     client.proposed("room.toml", &at);
-    let found = client.at("definition", "room.toml", &at);
+    let found = client.ask_at("definition", "room.toml", &at);
     assert_eq!(found[0]["range"]["start"]["line"], 2, "{found}");
     client.end();
 }

@@ -95,7 +95,7 @@ pub(super) fn scored_size(
     series: &mut FrameSeries,
 ) -> Result<[u32; 2], AppError> {
     let frame = series.frames().next().unwrap_or(0);
-    let subject = series.at(frame).map_err(AppError::Scene)?;
+    let subject = series.posed_at(frame).map_err(AppError::Scene)?;
     let px = |size: [u32; 2]| {
         let mut truth = reference_renderer(gpu, library, size, subject)?;
         let picture = picture(gpu, subject, &mut truth).map_err(explain)?;
@@ -119,11 +119,12 @@ pub(super) fn scored_size(
 pub(super) fn measure(
     gpu: &Gpu,
     library: &ShaderLibrary,
-    (size, turns): ([u32; 2], u32),
+    size: [u32; 2],
+    turns: u32,
     series: &mut FrameSeries,
 ) -> Result<SceneRows, AppError> {
     let frames: Vec<u32> = series.frames().collect();
-    let first = series.at(frames[0]).map_err(AppError::Scene)?;
+    let first = series.posed_at(frames[0]).map_err(AppError::Scene)?;
     let mut truth = reference_renderer(gpu, library, size, first)?;
     let (mut running, mut left_out) = (Vec::new(), Vec::new());
     for system in SYSTEMS {
@@ -137,7 +138,7 @@ pub(super) fn measure(
     }
     let mut scored_px = Vec::new();
     for frame in &frames {
-        let subject = series.at(*frame).map_err(AppError::Scene)?;
+        let subject = series.posed_at(*frame).map_err(AppError::Scene)?;
         let picture = picture(gpu, subject, &mut truth).map_err(explain)?;
         let reference = Reference::new(&picture).map_err(AppError::Internal)?;
         if reference.mask.is_scorable() {
@@ -232,7 +233,7 @@ fn judge(
     let picture = picture(gpu, subject, &mut system.renderer).map_err(explain)?;
     let internal = |error: PictureError| AppError::Internal(error.to_string());
     let view = View::new(&picture, picture.size).map_err(internal)?;
-    let hits = Hits::of(&picture.planes);
+    let hits = Hits::from_planes(&picture.planes);
     let answers = system.settings.method.answers_all();
     let errors = reference.errors(&view, hits.as_ref(), answers);
     let errors = errors.map_err(internal)?;

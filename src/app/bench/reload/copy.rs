@@ -130,7 +130,7 @@ impl SceneCopy {
         fs::create_dir(&own).map_err(|e| failed(&own, &e))?;
         let CopiedScene { scene, from } = match path.filter(|path| !is_model(path)) {
             Some(path) => {
-                let copied = Layout::of(path, from)?.copy_to(&own);
+                let copied = Layout::for_scene(path, from)?.copy_to(&own);
                 copied.map_err(|e| failed(&own, &e))?
             }
             None => generated(path, from, &own)?,

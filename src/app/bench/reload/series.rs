@@ -53,7 +53,7 @@ impl<S: Timed> Series<S> {
     /// Saves of this kind of edit of a file.
     pub fn new(edit: Edit, file: String, samples: Vec<S>) -> Self {
         let part = |(name, of): &NamedPart<S>| {
-            let spread = Spread::of(samples.iter().map(of).collect())?;
+            let spread = Spread::from_values(samples.iter().map(of).collect())?;
             Some(Part {
                 name,
                 p50: spread.median,

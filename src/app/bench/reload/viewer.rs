@@ -77,7 +77,8 @@ impl Timed for PageSample {
 /// request.
 pub fn saves(
     gpu: &Arc<Gpu>,
-    (source, size): (SceneSource, [u32; 2]),
+    source: SceneSource,
+    size: [u32; 2],
     count: u32,
     progress: &mut Progress,
     save: impl Fn(u32) -> Result<(), AppError>,

@@ -51,7 +51,7 @@ impl Shown<'_> {
             let series = all_series.iter_mut().find(|s| s.name() == part.scene);
             let (figures, sources) = match (self.renders, series) {
                 (Some((gpu, library)), Some(series)) => {
-                    let subject = series.at(frame).map_err(AppError::Scene)?;
+                    let subject = series.posed_at(frame).map_err(AppError::Scene)?;
                     (figures(gpu, library, subject, size)?, SOURCES)
                 }
                 _ => (Vec::new(), ""),

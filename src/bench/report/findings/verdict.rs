@@ -56,7 +56,7 @@ pub fn verdict(spots: &[Spot], points: &[&Point]) -> Vec<String> {
 fn undecided(spots: &[Spot], points: &[&Point], on_front: &[bool]) -> Vec<usize> {
     let beats = |a: usize, b: usize| {
         spots[a].error <= spots[b].error
-            && Pairs::of(&points[a].timed, &points[b].timed).order() == Order::Faster
+            && Pairs::count(&points[a].timed, &points[b].timed).order() == Order::Faster
     };
     let all = 0..points.len();
     let is_undecided = |&b: &usize| !on_front[b] && !all.clone().any(|a| beats(a, b));
@@ -84,7 +84,7 @@ fn doubts(undecided: &[usize], points: &[&Point]) -> Option<String> {
 
 /// Sentence on two settings: how often one was faster, and whether that decides between them.
 fn pair_counts(a: &Point, b: &Point) -> String {
-    let pairs = Pairs::of(&a.timed, &b.timed);
+    let pairs = Pairs::count(&a.timed, &b.timed);
     let doubt = match pairs.order() {
         Order::Undecided => ", so the two cannot be told apart",
         Order::Faster | Order::Slower => "",

@@ -70,7 +70,7 @@ impl Worker {
             self.send(Report::Message(format!("{test_size:?} is not {size:?}")));
             return Ok(());
         };
-        let maps = Maps::of(&pair);
+        let maps = Maps::compare(&pair);
         let old = self.error_map.take().map(|(texture, _)| texture);
         let error_map = FrameTexture::of_size(&self.gpu, old, size)?;
         let rgb = flip::heat(&maps.flip);

@@ -16,7 +16,7 @@ impl Worker {
             SceneItem::Instance(index) => world.written.iter().position(|w| *w == Some(index)),
             _ => None,
         };
-        self.selected = index.and_then(|index| InstanceKey::of(world, index));
+        self.selected = index.and_then(|index| InstanceKey::from_index(world, index));
         self.show_item(Some(item));
     }
 
@@ -74,7 +74,7 @@ impl Worker {
         let world = self.live.world();
         let shown = self.selected.as_ref().and_then(|key| key.find(world));
         let shown = shown.map(|(index, _)| index);
-        let done = self.live.write_material((material, shown), numbers);
+        let done = self.live.write_material(material, shown, numbers);
         self.send(Report::Message(match done {
             Ok(table) => format!("{} is written into {table}", numbers.key),
             Err(why) => {

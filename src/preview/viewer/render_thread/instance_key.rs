@@ -12,7 +12,7 @@ pub struct InstanceKey {
 
 impl InstanceKey {
     /// Key of the instance of this index.
-    pub(super) fn of(world: &World, index: usize) -> Option<Self> {
+    pub(super) fn from_index(world: &World, index: usize) -> Option<Self> {
         let name = &world.instances.get(index)?.name;
         let before = world.instances[..index].iter();
         Some(Self {
@@ -64,14 +64,18 @@ mod tests {
     #[test]
     fn instance_key_resolves_in_a_reloaded_scene() {
         let old = world(&["ball", "floor", "ball", "ball"]);
-        let key = InstanceKey::of(&old, 2).expect("is there");
+        let key = InstanceKey::from_index(&old, 2).expect("is there");
         assert_eq!(key.find(&old), Some((2, 3)));
         assert_eq!(key.label(3), "ball (2 of 3)");
         assert_eq!(key.find(&world(&["ball", "lamp", "ball"])), Some((2, 2)));
         assert_eq!(key.find(&world(&["floor", "ball"])), None);
-        let floor = InstanceKey::of(&old, 1).expect("is there");
+        let floor = InstanceKey::from_index(&old, 1).expect("is there");
         assert_eq!(floor.find(&world(&["a", "b", "floor"])), Some((2, 1)));
         assert_eq!(floor.label(1), "floor");
-        assert_eq!(InstanceKey::of(&old, u32::MAX as usize), None, "the sky");
+        assert_eq!(
+            InstanceKey::from_index(&old, u32::MAX as usize),
+            None,
+            "the sky"
+        );
     }
 }

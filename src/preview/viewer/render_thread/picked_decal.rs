@@ -21,7 +21,7 @@ struct Surfaces {
 
 impl Surfaces {
     /// Point and normal at a pixel, if it shows a surface.
-    fn at(&self, pixel: usize) -> Option<(Vec3, Vec3)> {
+    fn point_at(&self, pixel: usize) -> Option<(Vec3, Vec3)> {
         let [width, height] = self.view.size;
         let (x, y) = (pixel as u32 % width, pixel as u32 / width);
         let depth = *self.depths.get(pixel)?;
@@ -64,7 +64,7 @@ impl Worker {
         if self.live.world().decals.set_of(instance) == 0 {
             return Ok(below);
         }
-        let Some((point, normal)) = self.surfaces(view)?.at(pixel) else {
+        let Some((point, normal)) = self.surfaces(view)?.point_at(pixel) else {
             return Ok(below);
         };
         let covering = self.live.world().covering_decals(instance, point, normal);
@@ -96,7 +96,7 @@ impl Worker {
             if world.decals.set_of(instance) == 0 {
                 return false;
             }
-            surfaces.at(pixel).is_some_and(|(point, normal)| {
+            surfaces.point_at(pixel).is_some_and(|(point, normal)| {
                 bounds.min.cmple(point).all()
                     && point.cmple(bounds.max).all()
                     && (world.covering_decals(instance, point, normal)).any(|other| other == index)

@@ -40,7 +40,7 @@ impl Worker {
         let item = self.clicked(view, at, (instance, index as usize))?;
         self.selected = match item {
             Some(SceneItem::Decal(_)) => None,
-            _ => InstanceKey::of(self.live.world(), instance),
+            _ => InstanceKey::from_index(self.live.world(), instance),
         };
         self.show_item(item);
         let picked = self.picked_among(&ids)?;

@@ -141,7 +141,9 @@ impl Worker {
 
     pub(super) fn send_summary(&mut self) {
         (self.summary_frame, self.summary_sent_at) = (self.live.posed_frame(), Instant::now());
-        self.send(Report::SceneSummary(Box::new(SceneSummary::of(&self.live))));
+        self.send(Report::SceneSummary(Box::new(SceneSummary::from_live(
+            &self.live,
+        ))));
     }
 
     pub(super) fn watch(&mut self, watcher: Option<&Watcher>) {

@@ -195,9 +195,11 @@ impl eframe::App for Window {
                 let keys = &mut self.keys;
                 timeline_keys::panel(
                     ui,
-                    (timeline, now_s),
+                    timeline,
+                    now_s,
                     &tracks,
-                    (keys, is_recording),
+                    keys,
+                    is_recording,
                     &mut requests,
                 );
                 ui.add_space(1.0);

@@ -45,7 +45,7 @@ impl FoldState {
 }
 
 impl DiagnosticEntry {
-    fn of(diagnostic: &Diagnostic) -> Self {
+    fn from_diagnostic(diagnostic: &Diagnostic) -> Self {
         let help = diagnostic.help.iter().map(|help| ("help", help.clone()));
         let related = diagnostic.related.iter().map(|(span, note)| {
             let place = place_in(span).map_or(String::new(), |place| format!("{place}: "));
@@ -62,7 +62,7 @@ impl DiagnosticEntry {
     pub fn all(problems: &Problems) -> Vec<Self> {
         let of_scene = problems.scene.iter().chain(&problems.pose);
         let errors = of_scene.filter(|diagnostic| diagnostic.severity == Severity::Error);
-        let mut all: Vec<_> = errors.map(Self::of).collect();
+        let mut all: Vec<_> = errors.map(Self::from_diagnostic).collect();
         all.extend(problems.unbuilt().map(|problem| match problem {
             BuildProblem::Shader(error) => Self::of_shader(error),
             BuildProblem::Device(text) => Self::of_text(text),

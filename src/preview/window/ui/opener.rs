@@ -71,10 +71,10 @@ impl Opener {
     /// Starts rendering, and repaints the window of the context with each report.
     pub fn start(&self, opened: Opened, context: &egui::Context) -> Window {
         let repaint = context.clone();
-        let place = (self.screenshots.clone(), opened.stem.clone());
+        let stem = opened.stem.clone();
         let denoiser = self.options.denoiser.clone();
         let (thread, state) = opened.start(&self.gpu, denoiser, move || repaint.request_repaint());
-        Window::new(thread, state, place)
+        Window::new(thread, state, self.screenshots.clone(), stem)
     }
 }
 

@@ -101,7 +101,8 @@ pub fn pixel(ui: &mut Ui, values: &[PixelValue]) {
 pub fn outline(
     ui: &mut Ui,
     rows: &[OutlineRow],
-    (selected, scroll): (Option<SceneItem>, &mut OutlineScroll),
+    selected: Option<SceneItem>,
+    scroll: &mut OutlineScroll,
     requests: &mut Vec<ViewRequest>,
 ) {
     if rows.is_empty() {
@@ -182,7 +183,7 @@ mod tests {
             }
             panel(ui, selection, requests);
             let mut scroll = OutlineScroll::default();
-            outline(ui, &rows, (selection.item(), &mut scroll), requests);
+            outline(ui, &rows, selection.item(), &mut scroll, requests);
         };
         Harness::builder()
             .with_size(egui::vec2(320.0, 700.0))

@@ -42,8 +42,8 @@ impl Window {
             let written = self.parameters.take_finished(ui);
             requests.extend(written.map(|values| Task::WriteParameters(values).into()));
             // Its rows stay in place when a click in it changes what is below.
-            let shown = (self.selection.item(), &mut self.outline);
-            place_panel::outline(ui, &self.state.summary.items, shown, requests);
+            let (items, item) = (&self.state.summary.items, self.selection.item());
+            place_panel::outline(ui, items, item, &mut self.outline, requests);
             place_panel::panel(ui, &mut self.selection, requests);
             place_panel::pixel(ui, &self.pixel);
             let before = self.state.settings.material;

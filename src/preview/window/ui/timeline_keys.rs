@@ -39,9 +39,11 @@ fn snapped(timeline: &Timeline, in_seconds: bool, at_s: f64) -> f64 {
 /// The rows of keys; `is_recording` tells whether a flight is being recorded.
 pub fn panel(
     ui: &mut Ui,
-    (timeline, now_s): (&mut Timeline, f64),
+    timeline: &mut Timeline,
+    now_s: f64,
     tracks: &[KeyTrack],
-    (keys, is_recording): (&mut Keys, bool),
+    keys: &mut Keys,
+    is_recording: bool,
     requests: &mut Vec<ViewRequest>,
 ) {
     ui.horizontal(|ui| {
@@ -70,7 +72,7 @@ pub fn panel(
     area.max_height(ROWS * ROW).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
         for track in tracks {
-            let edit = row(ui, (timeline, now_s), track, keys);
+            let edit = row(ui, timeline, now_s, track, keys);
             requests.extend(edit.map(|edit| Task::Key(edit).into()));
         }
     });
@@ -131,7 +133,7 @@ struct Bar {
 }
 
 impl Bar {
-    fn of(rect: Rect, timeline: &Timeline) -> Self {
+    fn in_rect(rect: Rect, timeline: &Timeline) -> Self {
         let [start, end] = [timeline.start(), timeline.end()].map(f64::from);
         Self {
             rect,
@@ -161,7 +163,8 @@ impl Bar {
 /// The row of one track.
 fn row(
     ui: &mut Ui,
-    (timeline, now_s): (&mut Timeline, f64),
+    timeline: &mut Timeline,
+    now_s: f64,
     track: &KeyTrack,
     keys: &mut Keys,
 ) -> Option<KeyEdit> {
@@ -181,7 +184,7 @@ fn row(
     let text_place = Rect::from_min_max(label.min + vec2(ROW + 4.0, 0.0), label.max);
     ui.put(text_place, text.truncate());
     let place = Rect::from_min_max(pos2(label.right() + HALF + 4.0, rect.top()), rect.max);
-    let bar = Bar::of(place.with_max_x(place.max.x - HALF), timeline);
+    let bar = Bar::in_rect(place.with_max_x(place.max.x - HALF), timeline);
     let scope = ui.scope_id().with((name.kind, &name.name, name.key));
     let back = ui.interact(bar.rect, scope, Sense::click());
     let painter = ui.painter().with_clip_rect(rect);
@@ -193,7 +196,13 @@ fn row(
     painter.vline(now, bar.rect.y_range(), line);
     let mut found = None;
     for (index, &at_s) in track.at_s.iter().enumerate() {
-        let moved = key(ui, (timeline, now_s), (&bar, name), (index, at_s), keys);
+        let handle = KeyHandle {
+            bar: &bar,
+            name,
+            index,
+            at_s,
+        };
+        let moved = handle.show(ui, timeline, now_s, keys);
         found = found.or(moved.map(|to_s| edit(KeyChange::Move(index, to_s))));
     }
     if back.double_clicked()
@@ -209,54 +218,64 @@ fn row(
     found
 }
 
-/// One key; returns the time to which a drag has moved it, seconds.
-fn key(
-    ui: &Ui,
-    (timeline, now_s): (&mut Timeline, f64),
-    (bar, name): (&Bar, &TrackName),
-    (index, at_s): (usize, f64),
-    keys: &mut Keys,
-) -> Option<f64> {
-    let is_it = |track: &TrackName, i: usize| track == name && i == index;
-    let dragged = keys.dragged.as_ref().filter(|(t, i, _)| is_it(t, *i));
-    let x = bar.x_of(dragged.map_or(at_s, |(_, _, to_s)| *to_s));
-    if x < bar.rect.left() - HALF || x > bar.rect.right() + HALF {
-        return None;
+/// A key on the bar of its track.
+struct KeyHandle<'a> {
+    bar: &'a Bar,
+    name: &'a TrackName,
+    index: usize,
+    at_s: f64,
+}
+
+impl KeyHandle<'_> {
+    /// Shows the key; returns the time to which a drag has moved it, seconds.
+    fn show(&self, ui: &Ui, timeline: &mut Timeline, now_s: f64, keys: &mut Keys) -> Option<f64> {
+        let Self {
+            bar,
+            name,
+            index,
+            at_s,
+        } = *self;
+        let is_it = |track: &TrackName, i: usize| track == name && i == index;
+        let dragged = keys.dragged.as_ref().filter(|(t, i, _)| is_it(t, *i));
+        let x = bar.x_of(dragged.map_or(at_s, |(_, _, to_s)| *to_s));
+        if x < bar.rect.left() - HALF || x > bar.rect.right() + HALF {
+            return None;
+        }
+        let center = pos2(x, bar.rect.center().y);
+        let rests = pos2(bar.x_of(at_s), center.y);
+        let grip = Rect::from_center_size(rests, vec2(2.0 * HALF, ROW));
+        let id = ui.scope_id().with((name.kind, &name.name, name.key, index));
+        let response = ui.interact(grip, id, Sense::click_and_drag());
+        let is_selected = keys.selected.as_ref().is_some_and(|(t, i)| is_it(t, *i));
+        let color = match is_selected || response.hovered() {
+            true => Color32::from_rgb(255, 150, 30),
+            false => ui.visuals().text_color(),
+        };
+        let corners = [(0.0, -HALF), (HALF, 0.0), (0.0, HALF), (-HALF, 0.0)];
+        let corners = corners.map(|(x, y)| center + vec2(x, y)).to_vec();
+        let shape = Shape::convex_polygon(corners, color, Stroke::NONE);
+        ui.painter().add(shape);
+        if response.clicked() || response.drag_started() {
+            keys.selected = Some((name.clone(), index));
+        }
+        if response.clicked() {
+            timeline.seek(frame_of(timeline, at_s), now_s);
+        }
+        if response.dragged()
+            && let Some(pointer) = response.interact_pointer_pos()
+        {
+            let to_s = snapped(timeline, keys.in_seconds, bar.s_of(pointer.x));
+            keys.dragged = Some((name.clone(), index, to_s));
+        }
+        let is_over = response.drag_stopped();
+        let frame = at_s / bar.frame_s;
+        response.on_hover_text(format!(
+            "{} at frame {frame:.1}, {at_s:.3} s; drag moves it, Delete deletes it",
+            name.key
+        ));
+        let (_, _, to_s) = keys.dragged.take_if(|_| is_over)?;
+        ((to_s - at_s).abs() > 1e-6).then_some(to_s)
     }
-    let center = pos2(x, bar.rect.center().y);
-    let rests = pos2(bar.x_of(at_s), center.y);
-    let grip = Rect::from_center_size(rests, vec2(2.0 * HALF, ROW));
-    let id = ui.scope_id().with((name.kind, &name.name, name.key, index));
-    let response = ui.interact(grip, id, Sense::click_and_drag());
-    let is_selected = keys.selected.as_ref().is_some_and(|(t, i)| is_it(t, *i));
-    let color = match is_selected || response.hovered() {
-        true => Color32::from_rgb(255, 150, 30),
-        false => ui.visuals().text_color(),
-    };
-    let corners = [(0.0, -HALF), (HALF, 0.0), (0.0, HALF), (-HALF, 0.0)];
-    let corners = corners.map(|(x, y)| center + vec2(x, y)).to_vec();
-    let shape = Shape::convex_polygon(corners, color, Stroke::NONE);
-    ui.painter().add(shape);
-    if response.clicked() || response.drag_started() {
-        keys.selected = Some((name.clone(), index));
-    }
-    if response.clicked() {
-        timeline.seek(frame_of(timeline, at_s), now_s);
-    }
-    if response.dragged()
-        && let Some(pointer) = response.interact_pointer_pos()
-    {
-        let to_s = snapped(timeline, keys.in_seconds, bar.s_of(pointer.x));
-        keys.dragged = Some((name.clone(), index, to_s));
-    }
-    let is_over = response.drag_stopped();
-    let frame = at_s / bar.frame_s;
-    response.on_hover_text(format!(
-        "{} at frame {frame:.1}, {at_s:.3} s; drag moves it, Delete deletes it",
-        name.key
-    ));
-    let (_, _, to_s) = keys.dragged.take_if(|_| is_over)?;
-    ((to_s - at_s).abs() > 1e-6).then_some(to_s)
 }
 
 #[cfg(test)]

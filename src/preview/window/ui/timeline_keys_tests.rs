@@ -33,7 +33,7 @@ fn harness<'a>() -> Harness<'a, State> {
             requests,
         } = state;
         ui.set_max_width(400.0 + LABEL + 2.0 * HALF + 4.0);
-        panel(ui, (timeline, 0.0), &tracks, (keys, false), requests);
+        panel(ui, timeline, 0.0, &tracks, keys, false, requests);
     };
     let desc = TimelineDesc {
         fps: 10.0,
@@ -60,7 +60,7 @@ fn button(pos: Pos2, pressed: bool) -> Event {
 }
 
 /// Position of a frame in the row of the track.
-fn at(harness: &Harness<'_, State>, frame: f32) -> Pos2 {
+fn frame_position(harness: &Harness<'_, State>, frame: f32) -> Pos2 {
     let label = harness.get_by_label("main.eye").rect();
     let plus = harness.get_by_label("+").rect();
     pos2(
@@ -78,7 +78,10 @@ fn key(change: KeyChange) -> ViewRequest {
 fn a_key_is_dragged_selected_and_deleted() {
     let mut harness = harness();
     harness.run();
-    let (from, to) = (at(&harness, 10.0), at(&harness, 17.3));
+    let (from, to) = (
+        frame_position(&harness, 10.0),
+        frame_position(&harness, 17.3),
+    );
     for event in [
         Event::PointerMoved(from),
         button(from, true),
@@ -127,7 +130,7 @@ fn keys_are_added_where_the_time_is() {
         Some(ViewRequest::Press(KeyAction::Record))
     );
     // A click on a key selects it, and goes to its frame.
-    let last = at(&harness, 40.0);
+    let last = frame_position(&harness, 40.0);
     for event in [
         Event::PointerMoved(last),
         button(last, true),

@@ -86,7 +86,7 @@ fn scores(difference: u8) -> reflet_metric::Scores {
     };
     let gray = |value: u8| Picture::from_rgb8(16, 16, &[value; 768]).expect("a picture");
     let (a, b) = (gray(100), gray(100 + difference));
-    Maps::of(&Pair::new(&a, &b).expect("one size")).scores(None)
+    Maps::compare(&Pair::new(&a, &b).expect("one size")).scores(None)
 }
 
 #[test]

@@ -60,7 +60,8 @@ impl Window {
     pub fn new(
         render_thread: RenderThread,
         state: ViewState,
-        (screenshot_folder, stem): (PathBuf, String),
+        screenshot_folder: PathBuf,
+        stem: String,
     ) -> Self {
         Self {
             state,

@@ -320,7 +320,7 @@ macro_rules! of_lights {
                 _ => None,
             },
             put: |light, value| match &mut light.kind {
-                $(LightKind::$kind { $key, .. })|+ => *$key = Lanes::of(value),
+                $(LightKind::$kind { $key, .. })|+ => *$key = Lanes::from_lanes(value),
                 _ => {}
             },
         }

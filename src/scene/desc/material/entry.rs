@@ -52,7 +52,7 @@ macro_rules! material {
                 get: |it| it.$key.map(Lanes::lanes),
                 put: |it, value| {
                     it.patterned.retain(|p| p.value.key() != stringify!($key));
-                    it.$key = Some(Lanes::of(value));
+                    it.$key = Some(Lanes::from_lanes(value));
                 },
             },)?)*
             of_checkers!("checker_a", Color, UNIT, |checker| checker.colors[0]),
@@ -88,7 +88,7 @@ macro_rules! material {
                 slot: MaterialSlot::Field {
                     form: Form::$form,
                     varies: at_rest!(varies $($varies)?),
-                    put: |it, value| it.$key = Some(Lanes::of(value)),
+                    put: |it, value| it.$key = Some(Lanes::from_lanes(value)),
                 },
             },)?
         )*];
@@ -185,7 +185,7 @@ macro_rules! of_checkers {
             get: |it| it.checker.as_ref().map(|$checker| $value.lanes()),
             put: |it, value| {
                 if let Some($checker) = &mut it.checker {
-                    $value = Lanes::of(value);
+                    $value = Lanes::from_lanes(value);
                 }
             },
         }

@@ -31,15 +31,15 @@ struct Indexed<'a> {
 }
 
 impl<'a> Indexed<'a> {
-    fn of(scene: &'a SceneDesc, root: &'a Entries) -> Self {
+    fn new(scene: &'a SceneDesc, root: &'a Entries) -> Self {
         Self {
             scene,
             instances: ByName::of_names(scene.instances.iter().map(|i| i.name.as_deref())),
-            groups: ByName::of(&scene.groups),
-            lights: ByName::of(&scene.lights),
-            materials: ByName::of(&scene.materials),
-            models: ByName::of(&scene.models),
-            nodes: NodeNames::of(root),
+            groups: ByName::from_entries(&scene.groups),
+            lights: ByName::from_entries(&scene.lights),
+            materials: ByName::from_entries(&scene.materials),
+            models: ByName::from_entries(&scene.models),
+            nodes: NodeNames::from_tree(root),
         }
     }
 
@@ -57,7 +57,7 @@ struct NodeNames<'a> {
 }
 
 impl<'a> NodeNames<'a> {
-    fn of(root: &'a Entries) -> Self {
+    fn from_tree(root: &'a Entries) -> Self {
         let list = root.get("instance").and_then(|n| n.get_ref().as_array());
         let names = || list.into_iter().flatten().filter_map(overlay::name_of);
         Self {
@@ -77,7 +77,7 @@ impl<'a> NodeNames<'a> {
             return;
         }
         let message = format!("no instance is named {}", suggest::text(name));
-        let error = Diagnostic::at("dangling-name", at.clone(), message);
+        let error = Diagnostic::new("dangling-name", at.clone(), message);
         if report.is_full() {
             return report.push(error);
         }
@@ -99,21 +99,31 @@ impl<'a> NodeNames<'a> {
 /// Checks all names of `[motion]`, and that there is a timeline to move on.
 pub fn check(scene: &SceneDesc, root: &Entries, report: &mut Report) {
     let motion = &scene.motion;
-    refer_all(&mut Names::of("camera", root), &motion.cameras, report);
-    refer_all(&mut Names::of("light", root), &motion.lights, report);
-    refer_all(&mut Names::of("material", root), &motion.materials, report);
-    refer_all(&mut Names::of("model", root), &motion.models, report);
-    refer_all(&mut Names::of("group", root), &motion.groups, report);
-    refer_all(&mut Names::of("decal", root), &motion.decals, report);
-    let all = Indexed::of(scene, root);
+    refer_all(
+        &mut Names::from_tree("camera", root),
+        &motion.cameras,
+        report,
+    );
+    refer_all(&mut Names::from_tree("light", root), &motion.lights, report);
+    refer_all(
+        &mut Names::from_tree("material", root),
+        &motion.materials,
+        report,
+    );
+    refer_all(&mut Names::from_tree("model", root), &motion.models, report);
+    refer_all(&mut Names::from_tree("group", root), &motion.groups, report);
+    refer_all(&mut Names::from_tree("decal", root), &motion.decals, report);
+    let all = Indexed::new(scene, root);
     for entry in &motion.instances {
         all.nodes.refer(&entry.name, &entry.at, report);
         check_override(&all, entry, report);
         if let Some(instance) = all.instance(&entry.name) {
             check_placed(
                 scene,
-                (&instance.placement, &instance.at),
-                (&entry.value, &entry.at),
+                &instance.placement,
+                &instance.at,
+                &entry.value,
+                &entry.at,
                 report,
             );
         }
@@ -124,8 +134,10 @@ pub fn check(scene: &SceneDesc, root: &Entries, report: &mut Report) {
             let group = &scene.groups[index];
             check_placed(
                 scene,
-                (&group.value.placement, &group.at),
-                (&entry.value, &entry.at),
+                &group.value.placement,
+                &group.at,
+                &entry.value,
+                &entry.at,
                 report,
             );
         }
@@ -167,32 +179,29 @@ fn warn_of_standing_still(scene: &SceneDesc, root: &Entries, report: &mut Report
         (None, None) => return,
     };
     let message = format!("{what}, but there is no `[timeline]`, so only time 0 is shown");
-    let warning = Diagnostic::at("no-timeline", at, message);
+    let warning = Diagnostic::new("no-timeline", at, message);
     report.push(warning.help("write `[timeline]` with `end = 47`").warning());
 }
 
 /// Refuses motion of an entry that is placed by `matrix`, and scale tracks that pass through 0.
 fn check_placed(
     scene: &SceneDesc,
-    (placement, at): (&PlacementDesc, &Span),
-    (motion, moved_at): (&InstanceMotionDesc, &Span),
+    placement: &PlacementDesc,
+    at: &Span,
+    motion: &InstanceMotionDesc,
+    moved_at: &Span,
     report: &mut Report,
 ) {
     let is_moved = motion.is_placed_by_tracks() || motion.shown.is_none();
     if is_moved && motion.moves() && matches!(placement, PlacementDesc::Matrix(_)) {
         let message =
             "an instance, a group or a decal that is placed by `matrix` cannot have motion";
-        let error = Diagnostic::at("wrong-motion", moved_at.clone(), message)
+        let error = Diagnostic::new("wrong-motion", moved_at.clone(), message)
             .help("place it by `translation`, `rotation_deg` and `scale`")
             .related(at.clone(), "it is placed here");
         report.push(error);
     }
-    zero_scale::check(
-        scene.timeline.as_ref(),
-        placement,
-        (motion, moved_at),
-        report,
-    );
+    zero_scale::check(scene.timeline.as_ref(), placement, motion, moved_at, report);
 }
 
 /// Refuses instances, groups and decals that follow others: in a loop of these no order would be right.
@@ -200,7 +209,7 @@ fn check_own(motion: &InstanceMotionDesc, report: &mut Report) {
     for track in [&motion.translation, &motion.rotation_deg] {
         if let Some(follow) = track.as_ref().and_then(|t| t.follow.as_ref()) {
             let message = "an instance, a group or a decal cannot follow another one";
-            let error = Diagnostic::at("wrong-motion", follow.instance.at.clone(), message);
+            let error = Diagnostic::new("wrong-motion", follow.instance.at.clone(), message);
             report.push(
                 error.help("only cameras and lights follow; name the other one as its `parent`"),
             );
@@ -213,12 +222,12 @@ fn check_model(all: &Indexed, entry: &Entry<ModelMotionDesc>, report: &mut Repor
     let model = model.map(|index| &all.scene.models[index]);
     if let Some(model) = model.filter(|m| matches!(m.value.source, ModelSource::Shape(_))) {
         let message = "this model is a shape, which has no materials of its own";
-        let error = Diagnostic::at("wrong-motion", entry.at.clone(), message)
+        let error = Diagnostic::new("wrong-motion", entry.at.clone(), message)
             .help("write `[motion.material.NAME]` with the name of its `[material.NAME]`")
             .related(model.at.clone(), "the model is here");
         report.push(error);
     }
-    let tables = ModelTables::of(model);
+    let tables = ModelTables::for_model(model);
     for material in &entry.value.materials {
         check_tracks(all, &material.value.tracks, &MATERIAL, &material.at, report);
         let path = || {
@@ -256,7 +265,7 @@ fn check_override(all: &Indexed, entry: &Entry<InstanceMotionDesc>, report: &mut
         None => "write `material = {}` in its [[instance]]".to_owned(),
     };
     let message = "this instance has no `material = { … }` of its own that could change";
-    let error = Diagnostic::at("wrong-motion", entry.at.clone(), message).help(help);
+    let error = Diagnostic::new("wrong-motion", entry.at.clone(), message).help(help);
     report.push(error.related(instance.at.clone(), "the instance is here"));
 }
 
@@ -292,14 +301,20 @@ fn refer_all<T>(names: &mut Names, entries: &[Entry<T>], report: &mut Report) {
 
 /// Checks motion of decals. One that is placed by `matrix` may still change its size and opacity.
 fn decals(all: &Indexed, motion: &[Entry<DecalMotionDesc>], report: &mut Report) {
-    let known = ByName::of(&all.scene.decals);
+    let known = ByName::from_entries(&all.scene.decals);
     for Entry { name, at, value } in motion {
         check_own(&value.place, report);
         check_tracks(all, &value.tracks, &DECAL, at, report);
         if let (Some(index), true) = (known.index(name), value.place.is_placed_by_tracks()) {
             let decal = &all.scene.decals[index];
-            let placed = (&decal.value.placement, &decal.at);
-            check_placed(all.scene, placed, (&value.place, at), report);
+            check_placed(
+                all.scene,
+                &decal.value.placement,
+                &decal.at,
+                &value.place,
+                at,
+                report,
+            );
         }
     }
 }
@@ -321,7 +336,7 @@ fn check_tracks<T>(
             }
         } else if track.follow.is_some() || track.orbit.is_some() {
             let message = "`follow` and `orbit` apply to positions alone";
-            report.push(Diagnostic::at("wrong-motion", at.clone(), message));
+            report.push(Diagnostic::new("wrong-motion", at.clone(), message));
         }
     }
 }
@@ -335,7 +350,7 @@ fn check_light(all: &Indexed, entry: &Entry<LightMotionDesc>, report: &mut Repor
     let fields = entry.value.tracks.iter().map(|(field, _)| &LIGHT[*field]);
     for field in fields.filter(|field| (field.get)(&light.value).is_none()) {
         let message = format!("`{}` does not apply to a {kind} light", field.key);
-        let error = Diagnostic::at("wrong-motion", entry.at.clone(), message);
+        let error = Diagnostic::new("wrong-motion", entry.at.clone(), message);
         report.push(error.related(light.at.clone(), "the light is here"));
     }
 }
@@ -351,7 +366,7 @@ fn check_material(
         let field = &MATERIAL[*field];
         if let Some(lacking) = field.lacks(rest) {
             let message = format!("`{}` moves, but {} has none", field.key, path());
-            let error = Diagnostic::at("wrong-motion", entry.at.clone(), message);
+            let error = Diagnostic::new("wrong-motion", entry.at.clone(), message);
             report.push(error.help(format!("write `{lacking}` in {}", path())));
         }
     }

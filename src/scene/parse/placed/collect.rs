@@ -194,7 +194,7 @@ pub fn collect(
 fn circle(next: &Wanted) -> Diagnostic {
     let shown = suggest::text(&next.name.value);
     let message = format!("{shown} places itself, directly or through other scenes");
-    let error = Diagnostic::at("circle", next.name.at.clone(), message);
+    let error = Diagnostic::new("circle", next.name.at.clone(), message);
     error.help("take its `[[instance]]` out of one file of the circle")
 }
 
@@ -208,7 +208,7 @@ fn read(
     let at = next.name.at.clone();
     if placed.files.len() == MOST {
         let message = format!("at most {MOST} files can be placed in a scene");
-        report.push(Diagnostic::at("too-many-files", at, message));
+        report.push(Diagnostic::new("too-many-files", at, message));
         return None;
     }
     let name = placed.file_name(&next.folder, &next.name.value);

@@ -26,7 +26,7 @@ impl Section for AnimationDesc {
 /// `animation = "walk"`, or a table.
 pub fn animation(t: &mut Table) -> Option<AnimationDesc> {
     t.name_or_table("animation").map(|found| match found {
-        Either::Name(name) => AnimationDesc::of(vec![name]),
+        Either::Name(name) => AnimationDesc::endless(vec![name]),
         Either::Nested(desc) => desc,
     })
 }

@@ -53,7 +53,7 @@ impl Section for DecalDesc {
 fn changes(t: &mut Table) -> DecalChanges {
     let words = DecalChanges::WORDS;
     let Some(Names(names)) = t.find("changes", ANY) else {
-        return DecalChanges::of([true; 4]);
+        return DecalChanges::from_flags([true; 4]);
     };
     let unknown = names
         .iter()
@@ -71,5 +71,5 @@ fn changes(t: &mut Table) -> DecalChanges {
         let help = "write `changes = [\"color\"]`, or leave it out for all";
         t.refuse("empty-list", "changes", message, help);
     }
-    DecalChanges::of(words.map(|word| names.iter().any(|name| name.value == word)))
+    DecalChanges::from_flags(words.map(|word| names.iter().any(|name| name.value == word)))
 }

@@ -34,7 +34,7 @@ impl Section for ProjectDesc {
                 || size.name.starts_with(|c: char| !c.is_alphabetic())
             {
                 let message = "the name of a size is one word that begins with a letter";
-                let error = Diagnostic::at("wrong-name", size.at.clone(), message);
+                let error = Diagnostic::new("wrong-name", size.at.clone(), message);
                 t.report
                     .push(error.help("write such as `draft = [640, 360]`, for `--size draft`"));
             }

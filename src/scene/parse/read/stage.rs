@@ -58,7 +58,7 @@ pub fn stage(t: &mut Table, file: Option<&At<String>>) -> StageDesc {
 }
 
 fn refuse(t: &mut Table, name: &'static str, at: &At<String>, text: String, help: String) {
-    let mut error = Diagnostic::at(name, at.at.clone(), text);
+    let mut error = Diagnostic::new(name, at.at.clone(), text);
     error.help = Some(help);
     t.report.push(error);
 }

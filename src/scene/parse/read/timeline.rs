@@ -38,7 +38,7 @@ fn cuts(t: &mut Table) -> Vec<CutDesc> {
             let message =
                 format!("`frame` must be after that of the cut before, which is {before}");
             let at = pair[1].camera.at.clone();
-            let error = Diagnostic::at("key-order", at, message);
+            let error = Diagnostic::new("key-order", at, message);
             t.report
                 .push(error.related(pair[0].camera.at.clone(), "the cut before is here"));
         }
@@ -53,7 +53,7 @@ fn warn_of_late_cuts(t: &mut Table, cuts: &[CutDesc], end: u32) {
             "the cut at frame {} is never shown: the last frame is {end}",
             cut.frame
         );
-        let warning = Diagnostic::at("late-cut", cut.camera.at.clone(), message);
+        let warning = Diagnostic::new("late-cut", cut.camera.at.clone(), message);
         let help = "remove the cut, or move `end`";
         t.report.push(warning.help(help).warning());
     }

@@ -85,7 +85,7 @@ impl Lanes for Scale {
     fn lanes(self) -> Vec3 {
         self.0
     }
-    fn of(lanes: Vec3) -> Self {
+    fn from_lanes(lanes: Vec3) -> Self {
         Self(lanes)
     }
 }
@@ -108,7 +108,7 @@ pub fn track<L: Lane>(t: &mut Table, key: &'static str, range: Range) -> Option<
         if let Some(x) = wrong {
             let message = format!("`value` of `{key}` must be {}, not {x}", range.words());
             t.report
-                .push(Diagnostic::at("key-range", point.at.clone(), message));
+                .push(Diagnostic::new("key-range", point.at.clone(), message));
         }
     }
     Some(track)
@@ -246,7 +246,7 @@ fn check_keys(t: &mut Table, track: &TrackDesc) {
                 "`at_s` must be later than that of the previous key, which is {}",
                 pair[0].at_s
             );
-            let error = Diagnostic::at("key-order", pair[1].at.clone(), message);
+            let error = Diagnostic::new("key-order", pair[1].at.clone(), message);
             t.report
                 .push(error.related(pair[0].at.clone(), "the previous key is here"));
         }
@@ -264,7 +264,7 @@ fn check_keys(t: &mut Table, track: &TrackDesc) {
         let message = "`ease` of a key cannot be combined with `constant_speed`";
         let help = "remove it, or write `ease` beside `keys`: that eases the whole path";
         t.report
-            .push(Diagnostic::at("no-ease", key.at.clone(), message).help(help));
+            .push(Diagnostic::new("no-ease", key.at.clone(), message).help(help));
     }
     let bent = |key: &&KeyDesc| key.handle_in.is_some() || key.handle_out.is_some();
     if let Some(key) = track.keys.iter().find(bent)
@@ -272,7 +272,7 @@ fn check_keys(t: &mut Table, track: &TrackDesc) {
     {
         let message = "`handle_in` and `handle_out` need `curve = \"bezier\"`";
         t.report
-            .push(Diagnostic::at("no-handles", key.at.clone(), message));
+            .push(Diagnostic::new("no-handles", key.at.clone(), message));
     }
 }
 

@@ -26,7 +26,7 @@ impl Context {
         let normals = normals
             .map(|normals| numbers(normals, "normals"))
             .transpose()?;
-        let pose = MeshPose::new((model, vertices), positions, normals).or_else(fail)?;
+        let pose = MeshPose::new(model, vertices, positions, normals).or_else(fail)?;
         self.scene().state.meshes.insert(index, pose);
         Ok(())
     }

@@ -21,7 +21,7 @@ impl Context {
         let mut scene = self.scene();
         let mut pose = scene.state.joints.get(&place).copied().unwrap_or_default();
         for (key, value) in keys {
-            set(&mut pose, key, value).map_err(WrongKey::of(key))?;
+            set(&mut pose, key, value).map_err(WrongKey::in_key(key))?;
         }
         scene.state.joints.insert(place, pose);
         Ok(())

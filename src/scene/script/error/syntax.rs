@@ -21,7 +21,7 @@ pub fn syntax(wrong: &ParseErrorType, at: Position, sources: &Sources, name: &st
             range: open.at..open.at + 1,
             ..span
         };
-        let error = Diagnostic::at(kind_of(wrong), span, "`{` is not closed");
+        let error = Diagnostic::new(kind_of(wrong), span, "`{` is not closed");
         return error.help(format!("add `}}`, such as after line {last}"));
     }
     let word = source.and_then(|source| source.text.get(span.range.clone()));
@@ -37,7 +37,7 @@ pub fn syntax(wrong: &ParseErrorType, at: Position, sources: &Sources, name: &st
             range: start..end,
             ..span
         };
-        let error = Diagnostic::at(
+        let error = Diagnostic::new(
             kind_of(wrong),
             span,
             "a `;` is missing after this statement",
@@ -51,7 +51,7 @@ pub fn syntax(wrong: &ParseErrorType, at: Position, sources: &Sources, name: &st
         }
         _ => foreign.unwrap_or_else(|| explain_syntax(wrong, sources, name)),
     };
-    let mut error = Diagnostic::at(kind_of(wrong), span, message);
+    let mut error = Diagnostic::new(kind_of(wrong), span, message);
     error.help = help;
     error
 }

@@ -284,7 +284,7 @@ impl Reader<'_> {
         let kind = Kind::Numbers(target.lanes, target.factor.to_bits());
         let samplers = self.once(sampler, kind, |reader, times_s, interpolation| {
             let values = reader.numbers(sampler.output, target.lanes);
-            let values = values.map_err(|f| f.at("output"))?;
+            let values = values.map_err(|f| f.placed("output"))?;
             check_count(&values, times_s, interpolation)?;
             let values = values.into_iter().map(|v| v * target.factor).collect();
             Ok(vec![(values, interpolation)])

@@ -46,7 +46,7 @@ impl Reader<'_> {
             return Ok(known.clone());
         }
         let interpolation = interpolation(sampler)?;
-        let times_s = self.times(sampler.input).map_err(|f| f.at("input"))?;
+        let times_s = self.times(sampler.input).map_err(|f| f.placed("input"))?;
         let keys = read(self, &times_s, interpolation)?;
         let bytes: usize = keys
             .iter()

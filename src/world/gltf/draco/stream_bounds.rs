@@ -33,7 +33,7 @@ impl StreamBounds {
     ///
     /// # Errors
     /// Primitives that are not triangles.
-    pub fn of(root: &Root, primitive: &Primitive) -> Result<Self, Fault> {
+    pub fn from_accessors(root: &Root, primitive: &Primitive) -> Result<Self, Fault> {
         let accessor = |index: &usize| root.accessors.get(*index);
         let count = |index: &usize| accessor(index).map_or(0, |a| a.count);
         let vertices = primitive.attributes.values().map(count).max().unwrap_or(0);

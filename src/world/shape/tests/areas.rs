@@ -3,7 +3,7 @@
 use reflet_scene::desc::{FigureDesc, SweepCurve, TextAlign};
 
 use super::{
-    boolean::at,
+    boolean::moved,
     outlined::{extrude, outline, path, polygon, rect, sweep},
     text::text,
     *,
@@ -24,17 +24,17 @@ fn perimeter(corners: f64, radius: f64) -> f64 {
 fn extruded_outlines_have_the_area_of_faces_and_sides() {
     let circle = outline(FigureDesc::Circle(1.0));
     let area = 2.0 * polygon(64.0, 1.0) + 2.0 * perimeter(64.0, 1.0);
-    check_area(&extrude(circle, 2.0, (0.0, 1)), area, 1e-6);
+    check_area(&extrude(circle, 2.0, 0.0, 1), area, 1e-6);
     let mut framed = rect(2.0, 1.0);
     framed.holes = vec![vec![[-0.5, -0.25], [0.5, -0.25], [0.5, 0.25], [-0.5, 0.25]]];
     let area = 2.0 * (2.0 - 0.5) + 0.5 * (6.0 + 3.0);
-    check_area(&extrude(framed, 0.5, (0.0, 1)), area, 1e-6);
+    check_area(&extrude(framed, 0.5, 0.0, 1), area, 1e-6);
     // Cut edges: each face is smaller by the cut all around, and frustums stand around it.
     let (a, b, cut, depth) = (2.0, 1.0, 0.125, 0.5);
     let face = (a - 2.0 * cut) * (b - 2.0 * cut);
     let slant = 2.0_f64.sqrt() * cut * (2.0 * (a + b) - 4.0 * cut);
     let area = 2.0 * (face + slant) + 2.0 * (a + b) * (depth - 2.0 * cut);
-    let plate = extrude(rect(2.0, 1.0), 0.5, (0.125, 1));
+    let plate = extrude(rect(2.0, 1.0), 0.5, 0.125, 1);
     check_area(&plate, area, 1e-6);
 }
 
@@ -107,7 +107,7 @@ fn rounded_boxes_have_the_area_of_steiner() {
 #[test]
 fn combined_shapes_and_letters_have_the_area_of_what_is_left() {
     let cube = || cuboid(Vec3::ONE);
-    let parts = || vec![at(cube(), Vec3::ZERO), at(cube(), Vec3::X * 0.5)];
+    let parts = || vec![moved(cube(), Vec3::ZERO), moved(cube(), Vec3::X * 0.5)];
     check_area(&ShapeDesc::Union { parts: parts() }, 8.0, 1e-5);
     check_area(&ShapeDesc::Difference { parts: parts() }, 4.0, 1e-5);
     check_area(&ShapeDesc::Intersection { parts: parts() }, 4.0, 1e-5);
@@ -116,7 +116,7 @@ fn combined_shapes_and_letters_have_the_area_of_what_is_left() {
         radius: 0.5,
         segments: 128,
     };
-    let parts = vec![at(ball, Vec3::ZERO), at(cube(), Vec3::Y * 0.5)];
+    let parts = vec![moved(ball, Vec3::ZERO), moved(cube(), Vec3::Y * 0.5)];
     check_area(&ShapeDesc::Intersection { parts }, 0.75 * PI, 2e-3);
     // The sides of a letter are as long as its outline: faces and sides of two depths tell it.
     let deep = |deep: f32| {

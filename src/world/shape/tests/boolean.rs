@@ -22,7 +22,7 @@ pub fn part(shape: ShapeDesc, translation: Vec3, rotation: Quat, scale: Vec3) ->
     }
 }
 
-pub fn at(shape: ShapeDesc, translation: Vec3) -> PartDesc {
+pub fn moved(shape: ShapeDesc, translation: Vec3) -> PartDesc {
     part(shape, translation, Quat::IDENTITY, Vec3::ONE)
 }
 
@@ -49,7 +49,7 @@ fn volume(shape: &ShapeDesc) -> f64 {
 #[test]
 fn boxes_on_each_other_are_joined_and_cut_without_a_skin() {
     let cube = || cuboid(Vec3::ONE);
-    let (here, beside) = (at(cube(), Vec3::ZERO), at(cube(), Vec3::X * 0.5));
+    let (here, beside) = (moved(cube(), Vec3::ZERO), moved(cube(), Vec3::X * 0.5));
     let parts = || vec![here.clone(), beside.clone()];
     let near = |shape: ShapeDesc, want: f64| {
         let got = volume(&shape);
@@ -63,17 +63,17 @@ fn boxes_on_each_other_are_joined_and_cut_without_a_skin() {
     near(ShapeDesc::Intersection { parts: parts() }, 0.5);
     // Faces that touch, and a mirrored part.
     let parts = vec![
-        at(cube(), Vec3::ZERO),
+        moved(cube(), Vec3::ZERO),
         part(cube(), Vec3::X, Quat::IDENTITY, Vec3::new(-1.0, 1.0, 1.0)),
     ];
     near(ShapeDesc::Union { parts }, 2.0);
     // A square hole through a plate, and a drilled one.
-    let plate = || at(extrude(rect(2.0, 2.0), 0.5, (0.0, 1)), Vec3::ZERO);
-    let hole = at(extrude(rect(1.0, 1.0), 0.5, (0.0, 1)), Vec3::ZERO);
+    let plate = || moved(extrude(rect(2.0, 2.0), 0.5, 0.0, 1), Vec3::ZERO);
+    let hole = moved(extrude(rect(1.0, 1.0), 0.5, 0.0, 1), Vec3::ZERO);
     let parts = vec![plate(), hole];
     near(ShapeDesc::Difference { parts }, 1.5);
-    let drill = extrude(outline(FigureDesc::Circle(0.5)), 2.0, (0.0, 1));
-    let parts = vec![plate(), at(drill, Vec3::NEG_Z)];
+    let drill = extrude(outline(FigureDesc::Circle(0.5)), 2.0, 0.0, 1);
+    let parts = vec![plate(), moved(drill, Vec3::NEG_Z)];
     let round = 32.0 * 0.25 * (PI / 32.0).sin();
     near(ShapeDesc::Difference { parts }, 0.5 * (4.0 - round));
 }
@@ -113,7 +113,7 @@ fn volumes_of_combined_shapes_add_up() {
             let offset = Vec3::new(0.1 * turn.sin(), 0.2, 0.1 * turn.cos());
             let parts = || {
                 let second = part(b.clone(), offset, rotation, Vec3::new(1.0, 1.2, 0.9));
-                vec![at(a.clone(), Vec3::ZERO), second]
+                vec![moved(a.clone(), Vec3::ZERO), second]
             };
             let own = [
                 area_and_volume(&mesh(a)).1,
@@ -135,14 +135,14 @@ fn open_parts_and_parts_without_overlap_are_refused() {
         assert_eq!(fault.name, "wrong-parts", "{}", fault.message);
         assert!(fault.message.contains(word), "{}", fault.message);
     };
-    let cube = || at(cuboid(Vec3::ONE), Vec3::ZERO);
-    let plane = at(ShapeDesc::Plane { size: [1.0, 1.0] }, Vec3::ZERO);
+    let cube = || moved(cuboid(Vec3::ONE), Vec3::ZERO);
+    let plane = moved(ShapeDesc::Plane { size: [1.0, 1.0] }, Vec3::ZERO);
     let parts = vec![cube(), plane];
     refused(ShapeDesc::Difference { parts }, "part 2");
-    let far = || at(cuboid(Vec3::ONE), Vec3::X * 3.0);
+    let far = || moved(cuboid(Vec3::ONE), Vec3::X * 3.0);
     let parts = vec![cube(), far()];
     refused(ShapeDesc::Intersection { parts }, "nothing");
-    let parts = vec![cube(), at(cuboid(Vec3::splat(2.0)), Vec3::ZERO)];
+    let parts = vec![cube(), moved(cuboid(Vec3::splat(2.0)), Vec3::ZERO)];
     refused(ShapeDesc::Difference { parts }, "nothing");
     let parts = vec![cube(), far()];
     let apart = volume(&ShapeDesc::Union { parts });
@@ -153,7 +153,10 @@ fn open_parts_and_parts_without_overlap_are_refused() {
 #[test]
 fn parts_that_pass_through_themselves_are_refused_with_the_place() {
     let with = |first: ShapeDesc| {
-        let parts = vec![at(first, Vec3::ZERO), at(cuboid(Vec3::ONE), Vec3::ZERO)];
+        let parts = vec![
+            moved(first, Vec3::ZERO),
+            moved(cuboid(Vec3::ONE), Vec3::ZERO),
+        ];
         make(&ShapeDesc::Union { parts }, &Supplies::default())
     };
     let pipe = |points: &[[f32; 3]], radius: f32| {

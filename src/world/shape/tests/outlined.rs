@@ -33,7 +33,7 @@ pub fn rect(width: f32, height: f32) -> OutlineDesc {
     })
 }
 
-pub fn extrude(outline: OutlineDesc, depth: f32, (width, segments): (f32, u32)) -> ShapeDesc {
+pub fn extrude(outline: OutlineDesc, depth: f32, width: f32, segments: u32) -> ShapeDesc {
     let bevel = BevelDesc { width, segments };
     ShapeDesc::Extrude {
         outline,
@@ -94,24 +94,24 @@ pub fn polygon(corners: f64, radius: f64) -> f64 {
 
 #[test]
 fn extruded_outlines_have_the_volume_of_their_area() {
-    check(extrude(rect(2.0, 1.0), 0.5, (0.0, 1)), 7.0, 1.0, 1e-6);
+    check(extrude(rect(2.0, 1.0), 0.5, 0.0, 1), 7.0, 1.0, 1e-6);
     let mut framed = rect(2.0, 1.0);
     framed.holes = vec![
         vec![[-0.5, -0.25], [0.5, -0.25], [0.5, 0.25], [-0.5, 0.25]],
         vec![[0.75, 0.0], [0.75, 0.25], [0.875, 0.0]],
     ];
     let volume = 0.5 * (2.0 - 0.5 - 0.015_625);
-    check_volume(&extrude(framed, 0.5, (0.0, 1)), volume, 1e-6);
+    check_volume(&extrude(framed, 0.5, 0.0, 1), volume, 1e-6);
     let disk = path("M 1 0 A 1 1 0 0 1 -1 0 A 1 1 0 0 1 1 0 Z");
-    check_volume(&extrude(disk, 2.0, (0.0, 1)), 2.0 * PI, 2e-3);
+    check_volume(&extrude(disk, 2.0, 0.0, 1), 2.0 * PI, 2e-3);
     let circle = outline(FigureDesc::Circle(1.0));
     let volume = 2.0 * polygon(64.0, 1.0);
-    check_volume(&extrude(circle, 2.0, (0.0, 1)), volume, 1e-6);
+    check_volume(&extrude(circle, 2.0, 0.0, 1), volume, 1e-6);
     let mut drawn = path("M 10 10 h 4 v -2 q 0 -2 -2 -2 h -2 z");
     (drawn.flip_y, drawn.centered, drawn.scale) = (true, true, 0.5);
     // The curve cuts off a third of the triangle of its handles.
     let volume = 0.25 * (16.0 - 2.0 / 3.0);
-    check_volume(&extrude(drawn, 1.0, (0.0, 1)), volume, 2e-3);
+    check_volume(&extrude(drawn, 1.0, 0.0, 1), volume, 2e-3);
 }
 
 #[test]
@@ -129,7 +129,7 @@ fn a_star_that_crosses_itself_is_filled_by_its_rule() {
     ] {
         let mut star = outline(FigureDesc::Points((0..5).map(corner).collect()));
         star.fill_rule = rule;
-        let mesh = mesh(&extrude(star, 1.0, (0.0, 1)));
+        let mesh = mesh(&extrude(star, 1.0, 0.0, 1));
         // Tips that touch in one corner share an edge of four triangles.
         assert_eq!(open_edges(&mesh), 0);
         let volume = area_and_volume(&mesh).1;
@@ -146,11 +146,11 @@ fn bevels_cut_what_they_say_and_too_large_ones_say_the_largest() {
     let inner = polygon(64.0, 1.0 - 0.1 / (PI / 64.0).cos());
     let outer = polygon(64.0, 1.0);
     let cut = 2.0 * frustum(inner, outer, 0.1) + 0.8 * outer;
-    check_volume(&extrude(circle(), 1.0, (0.1, 1)), cut, 1e-6);
+    check_volume(&extrude(circle(), 1.0, 0.1, 1), cut, 1e-6);
     // A rounded edge lacks a square without its quarter of a circle, turned around the axis (Guldin).
     let lost = 2.0 * PI * (0.01 - PI * 0.01 / 4.0) * (1.0 - 0.022);
     let volume = PI - 2.0 * lost;
-    check_volume(&extrude(circle(), 1.0, (0.1, 16)), volume, 3e-3);
+    check_volume(&extrude(circle(), 1.0, 0.1, 16), volume, 3e-3);
     let mut frame = rect(2.0, 1.0);
     frame.holes = vec![vec![
         [-0.75, -0.25],
@@ -158,9 +158,9 @@ fn bevels_cut_what_they_say_and_too_large_ones_say_the_largest() {
         [0.75, 0.25],
         [-0.75, 0.25],
     ]];
-    let shape = extrude(frame.clone(), 1.0, (0.1, 4));
+    let shape = extrude(frame.clone(), 1.0, 0.1, 4);
     assert_eq!(open_edges(&mesh(&shape)), 0);
-    let fault = make(&extrude(frame, 1.0, (0.2, 4))).expect_err("sides of 0.25");
+    let fault = make(&extrude(frame, 1.0, 0.2, 4)).expect_err("sides of 0.25");
     assert_eq!(fault.name, "wrong-bevel");
     let largest = fault.message.rsplit(' ').next().expect("a number");
     let largest: f64 = largest.parse().expect("a number");
@@ -178,7 +178,7 @@ fn bevels_go_on_where_sides_shrink_to_nothing() {
     let inner = 1.6 * 0.6;
     // Steps that end before, at and after the distance at which the corners are gone.
     for steps in [1, 2, 3, 8] {
-        let shape = extrude(outline(figure()), 1.0, (0.2, steps));
+        let shape = extrude(outline(figure()), 1.0, 0.2, steps);
         let mesh = mesh(&shape);
         assert_eq!(open_edges(&mesh), 0, "{steps}");
         let face: f64 = (corners(&mesh))
@@ -348,7 +348,7 @@ fn normals_of_curves_are_their_own_and_not_of_their_chords() {
         size,
         corner_radius,
     };
-    let mesh = mesh(&extrude(outline(figure), 1.0, (0.0, 1)));
+    let mesh = mesh(&extrude(outline(figure), 1.0, 0.0, 1));
     let mut seen = 0;
     for (at, normal) in mesh.positions.iter().zip(&mesh.normals) {
         let (x, y) = (at.x.abs(), at.y.abs());
@@ -369,6 +369,6 @@ fn huge_shapes_are_refused_before_they_are_made() {
     let shape = sweep(fine, &points, SweepCurve::Centripetal);
     assert_eq!(make(&shape).expect_err("large").name, "shape-too-large");
     let flat = vec![[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]];
-    let flat = extrude(outline(FigureDesc::Points(flat)), 1.0, (0.0, 1));
+    let flat = extrude(outline(FigureDesc::Points(flat)), 1.0, 0.0, 1);
     assert_eq!(make(&flat).expect_err("flat").name, "wrong-outline");
 }

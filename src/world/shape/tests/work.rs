@@ -71,7 +71,7 @@ fn outlines_that_cross_too_often_are_refused() {
             format!("{} {}", turn.cos(), turn.sin())
         };
         let corners = (0..corners).map(corner).collect::<Vec<_>>().join("L");
-        extrude(path(&format!("M{corners}Z")), 1.0, (0.0, 1))
+        extrude(path(&format!("M{corners}Z")), 1.0, 0.0, 1)
     };
     assert!(make(&star(51), &Supplies::default()).is_ok());
     let fault = make(&star(5001), &Supplies::default()).expect_err("too many");

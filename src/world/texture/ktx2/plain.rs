@@ -61,7 +61,7 @@ pub fn is_astc(vk_format: u32) -> bool {
 
 impl Format {
     /// The format of a `VkFormat`, whose sRGB variant decodes to the same bytes; `None` for all that is not decoded here.
-    pub fn of(vk_format: u32) -> Option<Self> {
+    pub fn from_vulkan(vk_format: u32) -> Option<Self> {
         Some(match vk_format {
             9 | 15 => Self::Channels(Number::U8, 1),
             16 | 22 => Self::Channels(Number::U8, 2),

@@ -17,7 +17,8 @@ const MOST_STEPS: u32 = 1 << 16;
 pub fn check(
     timeline: Option<&TimelineDesc>,
     placement: &PlacementDesc,
-    (motion, at): (&InstanceMotionDesc, &Span),
+    motion: &InstanceMotionDesc,
+    at: &Span,
     report: &mut Report,
 ) {
     let Some(track) = &motion.scale else {
@@ -31,7 +32,7 @@ pub fn check(
         let help = "it would flatten the model; for growth, start from a small scale, such as \
                     at 0.001";
         let message = "a key of `scale` must not be 0";
-        report.push(Diagnostic::at("singular", key.at.clone(), message).help(help));
+        report.push(Diagnostic::new("singular", key.at.clone(), message).help(help));
         return;
     }
     if track.curve == CurveKind::Step && !track.keys.is_empty() {
@@ -40,11 +41,11 @@ pub fn check(
     let help = "write sizes of one sign; to mirror a model, write `curve = \"step\"`";
     if let Some([before, key]) = between_keys(track) {
         let message = "`scale` passes through 0 before this key";
-        let error = Diagnostic::at("passes-zero", key.at.clone(), message).help(help);
+        let error = Diagnostic::new("passes-zero", key.at.clone(), message).help(help);
         report.push(error.related(before.at.clone(), "the previous key is here"));
     } else if let Some(time_s) = on_the_way(timeline, placement, track) {
         let message = format!("`scale` passes 0 at about {time_s:.2} s");
-        report.push(Diagnostic::at("passes-zero", at.clone(), message).help(help));
+        report.push(Diagnostic::new("passes-zero", at.clone(), message).help(help));
     }
 }
 
@@ -79,7 +80,12 @@ fn on_the_way(
         let share = f64::from(step) / f64::from(steps.max(1));
         start + share * (end - start)
     });
-    let signs = |time_s: f64| ready.at(time_s, base, None).to_array().map(f32::signum);
+    let signs = |time_s: f64| {
+        ready
+            .value_at(time_s, base, None)
+            .to_array()
+            .map(f32::signum)
+    };
     let first = signs(start);
     times
         .map(|time_s| (time_s, signs(time_s)))

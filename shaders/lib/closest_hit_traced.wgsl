@@ -14,6 +14,6 @@ fn free_start_m(pixel: vec2u) -> f32 {
     return free_m(textureLoad(cause, pixel, 0).x);
 }
 
-fn nearest_met(origin: vec3f, direction: vec3f, start_m: f32, end_m: f32) -> Hit {
+fn closest_hit(origin: vec3f, direction: vec3f, start_m: f32, end_m: f32) -> Hit {
     return trace_nearest(origin, direction, start_m, end_m);
 }

@@ -41,7 +41,7 @@ impl RayCount {
 
 /// Rays that mirror rays bring, however their first hit is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct BroughtRays {
+pub struct SecondaryRays {
     /// Rays onward from the hits, mirrored again or scattered by matte surfaces.
     pub onward: RayCount,
     /// Shadow rays towards lamps without a size.
@@ -50,7 +50,7 @@ pub struct BroughtRays {
     pub light: RayCount,
 }
 
-impl BroughtRays {
+impl SecondaryRays {
     /// Sums of the counts of both.
     pub fn plus(self, other: Self) -> Self {
         Self {
@@ -114,7 +114,7 @@ impl<'a> LightsOfHits<'a> {
         rays: &ViewRays<'_>,
         point: &SurfacePoint,
         chance: &mut Chance,
-        sum: &mut BroughtRays,
+        sum: &mut SecondaryRays,
     ) {
         let visits = |to: Option<(DVec3, f64)>| {
             let to = to.filter(|(direction, _)| direction.dot(point.normal) > 0.0)?;
@@ -201,7 +201,7 @@ pub struct Chance(Pcg);
 
 impl Chance {
     /// The numbers of one sample of a view.
-    pub fn of(sample: u32) -> Self {
+    pub fn for_sample(sample: u32) -> Self {
         Self(Pcg::new(sample.wrapping_mul(0x9e37_79b9)))
     }
 

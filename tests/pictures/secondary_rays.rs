@@ -3,7 +3,7 @@
 use reflet::{
     render::{
         RenderOptions,
-        decide::{brought_light::BroughtRays, cost::Pair, decide, workload},
+        decide::{cost::Pair, decide, secondary_rays::SecondaryRays, workload},
         settings::unit_costs::UnitCosts,
     },
     world::bvh::Trees,
@@ -12,7 +12,7 @@ use reflet::{
 use crate::kit::{gpu, renderer, scene};
 
 /// A mirror floor before a bright wall, in a room without gaps.
-const ROOM: &str = include_str!("brought/room.toml");
+const ROOM: &str = include_str!("secondary_rays/room.toml");
 
 #[test]
 fn the_cpu_counts_the_rays_that_mirror_rays_bring() {
@@ -31,14 +31,14 @@ fn the_cpu_counts_the_rays_that_mirror_rays_bring() {
     ] {
         let (desc, world) = scene(&text, set);
         let trees = Trees::build(&world, u64::MAX).expect("small");
-        let work = workload(&world, &trees, &RenderOptions::of(&desc));
-        let brought = work.view.brought;
-        let rays = brought.onward.rays + brought.shadow.rays + brought.light.rays;
+        let work = workload(&world, &trees, &RenderOptions::for_scene(&desc));
+        let secondary = work.view.secondary;
+        let rays = secondary.onward.rays + secondary.shadow.rays + secondary.light.rays;
         let is_plain = text == ROOM && set.is_empty();
-        assert_eq!(rays == 0, is_plain, "{brought:?}");
+        assert_eq!(rays == 0, is_plain, "{secondary:?}");
         // Both methods take the same time for them.
         let mut plain = work.clone();
-        plain.view.brought = BroughtRays::default();
+        plain.view.secondary = SecondaryRays::default();
         let [with, without] =
             [&work, &plain].map(|w| w.reflections(&UnitCosts::PROCESSOR, |_| false));
         let difference = |pair: &Pair| pair.ms()[0] - pair.ms()[1];
@@ -55,7 +55,7 @@ fn the_cpu_counts_the_rays_that_mirror_rays_bring() {
         let ratio = on_cpu / on_gpu;
         assert!(
             (0.8..1.25).contains(&ratio),
-            "{on_cpu} against {on_gpu}: {brought:?}"
+            "{on_cpu} against {on_gpu}: {secondary:?}"
         );
     }
 }
@@ -66,7 +66,7 @@ fn costs_of_other_adapters_are_shown_where_they_choose_otherwise() {
     let why = |software: bool| {
         let (desc, world) = scene(&text, &[]);
         let trees = Trees::build(&world, u64::MAX).expect("small");
-        let found = decide(&world, &trees, &RenderOptions::of(&desc), software);
+        let found = decide(&world, &trees, &RenderOptions::for_scene(&desc), software);
         let method = found
             .decisions
             .iter()

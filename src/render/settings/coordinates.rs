@@ -32,7 +32,7 @@ pub struct Coordinates {
 
 impl Coordinates {
     /// Best coordinates for a renderer: the origin is a grid point near the eye of the options' camera.
-    pub fn of(world: &World, options: &RenderOptions) -> Self {
+    pub fn for_view(world: &World, options: &RenderOptions) -> Self {
         let camera = options.camera.unwrap_or_else(|| world.main_camera());
         let unit_m = world.unit_m();
         let eye = world.cameras.get(camera).map_or(Vec3::ZERO, |c| {
