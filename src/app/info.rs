@@ -2,7 +2,6 @@
 
 pub mod args;
 mod frame;
-mod maps;
 mod skipped;
 mod table;
 
@@ -14,7 +13,6 @@ use std::{
 use serde::Serialize;
 
 use args::InfoArgs;
-use maps::{BoxInfo, MapsInfo, NearFarInfo, ProbesInfo};
 use skipped::{SkippedInfo, skipped};
 
 use super::{
@@ -29,6 +27,8 @@ use crate::{
         buffers::textures::Layers,
         decide::{Decision, decide, needs_trees, skip::Skipping},
         layout::types::GpuVertex,
+        maps::method_maps::MapFacts,
+        methods,
         plan::{Dropped, Plan},
         settings::cutoff::can_reflect,
     },
@@ -107,15 +107,9 @@ pub struct Info {
     pub texture_bytes: u64,
     /// BVHs that rays are traced through, bytes.
     pub tree_bytes: u64,
-    /// Probes of the scene's method; `None` where it looks nothing up.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub probes: Option<ProbesInfo>,
-    /// Box and buffers of method `ssr+box`; `None` with another.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub box_faces: Option<BoxInfo>,
-    /// Box and maps of method `near-far`; `None` with another.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub near_far: Option<NearFarInfo>,
+    /// Maps that the scene's method captures; `None` where it captures or needs none, or they are refused.
+    #[serde(flatten)]
+    pub maps: Option<MapFacts>,
     /// Instances that reflection rays skip; `None` with `skip_px = 0`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub skipped: Option<SkippedInfo>,
@@ -249,7 +243,7 @@ pub fn gather(
     let plan = Plan::for_world(world, &trees, &layers, &gpu.options);
     let materials = world.materials.iter();
     let cutoff = reflection.reflects_below();
-    let maps = MapsInfo::for_world(world, &gpu.options, unit_m);
+    let key = methods::map_key(world, &gpu.options, 1.0).ok().flatten();
     Ok(Info {
         scene: loaded.name.clone(),
         project: (loaded.project.as_ref()).map(|project| project.file.display().to_string()),
@@ -299,9 +293,7 @@ pub fn gather(
         tree_bytes: (size_of_val(trees.nodes.as_slice())
             + size_of_val(trees.triangles.as_slice())
             + size_of_val(trees.instances.as_slice())) as u64,
-        probes: maps.probes,
-        box_faces: maps.box_faces,
-        near_far: maps.near_far,
+        maps: key.map(|key| key.facts(&gpu.options.reflection, unit_m, 1.0)),
         skipped: skipped(loaded, &gpu.options, at)?,
         bounces: plan.bounces,
         decided_software: software.decisions,

@@ -7,9 +7,9 @@ use reflet_metric::borders;
 use reflet_render as render;
 use reflet_render::{
     PlaneData,
-    maps::{
-        probe_boxes::probe_boxes,
-        probe_choice::{MOST_BLENDED, ProbeChoice},
+    methods::probes::{
+        boxes::probe_boxes,
+        choice::{MOST_BLENDED, ProbeChoice},
     },
     picture::aov::Aov,
     pipeline::cause::{Cause, Source},

@@ -73,9 +73,7 @@ fn picture() -> Picture {
             exhausted_rays: 0,
             audit: None,
             second_layer: None,
-            probes: None,
-            far: None,
-            box_faces: None,
+            maps: None,
             bytes: Vec::new(),
         },
     }

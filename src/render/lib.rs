@@ -11,8 +11,9 @@
 //! | [`plan`] | features and passes that a scene needs |
 //! | [`decide`] | settings left to `auto`, chosen from rays that the CPU follows |
 //! | [`upload`] | a world on the device |
-//! | [`maps`] | maps that are drawn before a frame and kept: shadows, probes |
+//! | [`maps`] | maps that are drawn before a frame and kept: shadows, and maps captured for a method |
 //! | [`pipeline`] | mechanism of passes: declaration, targets, lists, bindings, shader variants, recording |
+//! | [`methods`] | methods of reflections beside rays and the march, a folder each: their maps and passes |
 //! | [`passes`] | the passes in their order |
 //! | [`renderer`] | a world that is rendered, changed and posed; statistics and error of its frames |
 //! | [`picture`] | pictures and AOVs that are read back, tone mapped or encoded as PNG |
@@ -26,6 +27,7 @@ pub mod error;
 pub mod layout;
 pub mod lighting;
 pub mod maps;
+pub mod methods;
 pub mod passes;
 pub mod picture;
 pub mod pipeline;

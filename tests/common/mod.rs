@@ -60,7 +60,7 @@ pub fn shaders() -> ShaderLibrary {
         |folder| ShaderLibrary::from_dir(Path::new(&folder)),
     );
     let library =
-        library.and_then(|library| ShaderVariant::default().library(&library, passes::ALL));
+        library.and_then(|library| ShaderVariant::default().library(&library, &passes::ALL));
     library.unwrap_or_else(|error| panic!("{error}"))
 }
 

@@ -62,7 +62,7 @@ fn answers(gpu: &Gpu, emitters: &GpuEmitters, queries: &[Query]) -> Vec<Answer> 
         ..ShaderVariant::default()
     };
     let library = variant
-        .library(&ShaderLibrary::embedded(), passes::ALL)
+        .library(&ShaderLibrary::embedded(), &passes::ALL)
         .expect("it has all files");
     let pass = library.source("light").expect("it assembles");
     let text = format!("{}\n{KERNEL}", pass.text);

@@ -2,9 +2,7 @@
 
 use reflet::{
     render::{
-        Picture, Renderer,
-        passes::{box_faces, needed_passes},
-        picture::aov::Aov,
+        Picture, Renderer, methods::box_faces, passes::needed_passes, picture::aov::Aov,
         pipeline::cause::Cause,
     },
     scene::desc::{Method, SceneDesc},
@@ -132,8 +130,8 @@ fn shot(renderer: &mut Renderer, world: &World) -> (Picture, f64) {
     let stats = renderer.render(gpu, camera);
     let stats = stats.unwrap_or_else(|e| panic!("{e}"));
     let picture = renderer.picture(gpu, camera, &PLANES);
-    let faces = stats.box_faces.expect("a box");
-    assert_eq!(faces.bytes, 96 * 256 * 256);
+    let faces = stats.maps.expect("a box");
+    assert_eq!(faces.facts.bytes, 96 * 256 * 256);
     (picture.unwrap_or_else(|e| panic!("{e}")), faces.update_ms)
 }
 

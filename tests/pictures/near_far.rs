@@ -4,9 +4,7 @@ use glam::Vec3;
 
 use reflet::{
     render::{
-        Picture, Renderer,
-        passes::{far, needed_passes},
-        picture::aov::Aov,
+        Picture, Renderer, methods::near_far, passes::needed_passes, picture::aov::Aov,
         pipeline::cause::Cause,
     },
     scene::desc::Method,
@@ -144,7 +142,7 @@ fn maps_cost_nothing_where_they_are_not_used() {
         desc.reflection.method = method;
         let renderer = renderer(gpu, &desc, &world, false);
         let passes = needed_passes(renderer.plan(), renderer.options());
-        let has = passes.iter().any(|pass| pass.name == far::PASS.name);
+        let has = passes.iter().any(|pass| pass.name == near_far::PASS.name);
         assert_eq!(has, is_used, "{method:?}");
     }
 }
@@ -162,7 +160,7 @@ fn shot(renderer: &mut Renderer, world: &World, eye: Vec3) -> (Picture, f64) {
     let picture = renderer
         .picture(gpu, &camera, &[])
         .unwrap_or_else(|e| panic!("{e}"));
-    (picture, stats.far.expect("a far map").update_ms)
+    (picture, stats.maps.expect("a far map").update_ms)
 }
 
 /// The map shows what moves where it is, and depends on no frame before.

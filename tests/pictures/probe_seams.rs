@@ -12,7 +12,7 @@ use reflet::{
     },
     render::{
         RenderOptions,
-        maps::{probe_boxes::probe_boxes, probe_choice::ProbeChoice},
+        methods::probes::{boxes::probe_boxes, choice::ProbeChoice},
     },
     scene::desc::{Method, ReflectionDesc},
 };

@@ -24,10 +24,10 @@ fn shown(renderer: &mut Renderer, desc: &SceneDesc, world: &World) -> (Option<bo
     let changed = renderer.change(gpu, &shaders(), world, &RenderOptions::for_scene(desc));
     changed.unwrap_or_else(|e| panic!("{e}"));
     let stats = renderer.render(gpu, camera);
-    let probes = stats.unwrap_or_else(|e| panic!("{e}")).probes;
+    let maps = stats.unwrap_or_else(|e| panic!("{e}")).maps;
     let picture = renderer.picture(gpu, camera, &[]);
     (
-        probes.map(|probes| probes.update_ms > 0.0),
+        maps.map(|maps| maps.update_ms > 0.0),
         picture.unwrap_or_else(|e| panic!("{e}")),
     )
 }

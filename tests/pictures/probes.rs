@@ -5,7 +5,8 @@ use glam::Vec3;
 use reflet::{
     render::{
         Picture, RenderOptions, Renderer,
-        passes::{capture, needed_passes, prefilter, probe},
+        methods::probes::{capture, look_up, prefilter},
+        passes::needed_passes,
         picture::aov::Aov,
         pipeline::cause::Cause,
     },
@@ -220,7 +221,7 @@ fn probes_cost_nothing_where_they_are_not_used() {
         let passes = needed_passes(renderer.plan(), renderer.options());
         let has = |name| passes.iter().any(|pass| pass.name == name);
         assert_eq!(has(capture::PASS.name), is_used, "{method:?}");
-        assert_eq!(has(probe::PASS.name), is_used, "{method:?}");
+        assert_eq!(has(look_up::PASS.name), is_used, "{method:?}");
         assert!(!has(prefilter::PASS.name), "nothing is rough");
     }
 }
@@ -269,7 +270,7 @@ fn frames_with_probes_do_not_depend_on_those_before() {
         let stats = forwards
             .render(gpu, camera)
             .unwrap_or_else(|e| panic!("{e}"));
-        stats.probes.expect("probes").update_ms
+        stats.maps.expect("probes").update_ms
     };
     assert!(update_ms(&world) > 0.0, "the lamp has another color");
     assert!(update_ms(&moved) <= 0.0, "captured again");

@@ -32,7 +32,7 @@ use tint::sources;
 fn libraries() -> Vec<ShaderLibrary> {
     let embedded = ShaderLibrary::embedded();
     let library = |v: ShaderVariant| {
-        v.library(&embedded, passes::ALL)
+        v.library(&embedded, &passes::ALL)
             .unwrap_or_else(|e| panic!("{e}"))
     };
     ShaderVariant::all().into_iter().map(library).collect()
@@ -83,7 +83,7 @@ type Flags<'a> = Vec<(&'a str, bool)>;
 static PARTS: LazyLock<Vec<ShaderModuleInfo>> = LazyLock::new(|| {
     let mut sets: BTreeMap<(String, &str), BTreeSet<Flags<'_>>> = BTreeMap::new();
     for variant in ShaderVariant::all() {
-        let library = variant.library(&ShaderLibrary::embedded(), passes::ALL);
+        let library = variant.library(&ShaderLibrary::embedded(), &passes::ALL);
         let library = library.unwrap_or_else(|e| panic!("{e}"));
         for name in library.names() {
             let text = library.source(name).unwrap_or_else(|e| panic!("{e}")).text;
@@ -135,7 +135,7 @@ fn every_library_is_imported_somewhere() {
         .iter()
         .filter_map(|(_, source)| source.as_ref().ok());
     let all: String = sources.map(|source| &*source.text).collect();
-    let library = ShaderVariant::all()[0].library(&ShaderLibrary::embedded(), passes::ALL);
+    let library = ShaderVariant::all()[0].library(&ShaderLibrary::embedded(), &passes::ALL);
     let library = library.unwrap_or_else(|e| panic!("{e}"));
     for name in library.lib_names() {
         let lib = library.lib_source(name).unwrap_or_else(|e| panic!("{e}"));
@@ -204,7 +204,7 @@ fn embedded_shaders_equal_the_folder() {
     for name in embedded.names() {
         let text = |library| {
             Ok(ShaderVariant::default()
-                .library(library, passes::ALL)?
+                .library(library, &passes::ALL)?
                 .source(name)?
                 .text)
         };
@@ -231,7 +231,7 @@ fn shared_structs_have_the_same_layout_in_the_shaders() {
         let found = SHIPPED.iter().filter(|shader| compare(spec, shader));
         assert!(found.count() > 0, "no shader uses {}", spec.name);
     }
-    for pass in passes::ALL {
+    for pass in passes::ALL.iter() {
         let shader = SHIPPED.iter().find(|s| s.name == pass.name);
         let shader = shader.unwrap_or_else(|| panic!("pass {} has no shader", pass.name));
         let has = |spec| compare(spec, shader);
@@ -258,7 +258,7 @@ fn targets(pass: &Pass) -> PassTargets {
 #[test]
 fn every_pass_reads_only_what_was_written_before() {
     let mut written: (Vec<Target>, Vec<SharedData>) = Default::default();
-    for pass in passes::ORDER {
+    for pass in passes::ORDER.iter() {
         let name = pass.name;
         let PassTargets { reads, writes } = targets(pass);
         for target in reads {

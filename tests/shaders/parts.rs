@@ -12,7 +12,7 @@ use super::{OPTIONAL, variant};
 /// Names of the functions and of the bindings of a shader in a frame with these features.
 fn part(features: Features, name: &str) -> BTreeSet<String> {
     let variant = variant(features);
-    let library = variant.library(&ShaderLibrary::embedded(), passes::ALL);
+    let library = variant.library(&ShaderLibrary::embedded(), &passes::ALL);
     let source = library.and_then(|library| library.source(name));
     let source = source.unwrap_or_else(|e| panic!("{e}"));
     let module = parse(&source).unwrap_or_else(|e| panic!("{e}"));

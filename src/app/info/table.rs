@@ -141,21 +141,9 @@ fn frame(info: &Info) -> Vec<(&'static str, String)> {
             lines.push(("", format!("{verb} {}", abilities.join(", "))));
         }
     }
-    if let Some(probes) = info.probes {
-        let (count, px) = (probes.count, probes.face_px);
-        let bytes = mebibytes(probes.bytes);
-        lines.push(("probes", format!("{count} with faces of {px} px, {bytes}")));
-    }
-    if let Some(faces) = info.box_faces {
-        let ([x0, y0, z0], [x1, y1, z1]) = (faces.box_min, faces.box_max);
-        let (px, bytes) = (faces.face_px, mebibytes(faces.bytes));
-        let corners = format!("({x0}, {y0}, {z0}) to ({x1}, {y1}, {z1}) m");
-        lines.push(("box", format!("{corners}, faces of {px} px, {bytes}")));
-    }
-    if let Some(far) = info.near_far {
-        let (near_m, px, bytes) = (far.half_size_m, far.face_px, mebibytes(far.bytes));
-        let text = format!("box of ±{near_m} m, map with faces of {px} px, {bytes}");
-        lines.push(("near-far", text));
+    if let Some(maps) = &info.maps {
+        let (text, bytes) = (&maps.texts[1], mebibytes(maps.bytes));
+        lines.push((maps.label, format!("{text}, {bytes}")));
     }
     lines.extend(info.skipped.iter().flat_map(skipped::lines));
     lines.extend(decisions(info).into_iter().map(|text| ("decided", text)));

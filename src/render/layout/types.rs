@@ -2,7 +2,7 @@
 
 use super::gpu_struct::{StructSpec, gpu_struct};
 use super::{fog::GpuFog, gpu_decal::GpuDecal, gpu_patterned::GpuPatterned};
-use reflet_scene::desc::MOST_PATTERNED;
+use reflet_scene::desc::{MOST_PATTERNED, ProbesDesc};
 use reflet_world::{CORE_SLOTS, LAYER_SLOTS};
 
 gpu_struct! {
@@ -325,6 +325,11 @@ gpu_struct! {
         patterned: [GpuPatterned; MOST_PATTERNED],
     }
 }
+
+/// Maximum number of probes of a frame.
+pub const MOST_PROBES: usize = ProbesDesc::MOST;
+/// Share of a probe's half size within which a point lies on the border of its box.
+pub const ON_BORDER: f32 = 1e-3;
 
 gpu_struct! {
     /// A probe; see `shaders/lib/probes.wgsl`. The fourth numbers are unused.

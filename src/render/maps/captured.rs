@@ -2,6 +2,18 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+/// Upkeep of maps, whatever their content follows from.
+pub trait Upkeep {
+    /// Makes the next picture capture the maps.
+    fn forget(&self);
+
+    /// Keeps the time of a capture, milliseconds.
+    fn set_ms(&self, ms: f64);
+
+    /// Time of the last capture, milliseconds: processor time where it is known.
+    fn ms(&self) -> f64;
+}
+
 /// Values that the content of maps follows from, and the time of its capture.
 #[derive(Debug)]
 pub struct Captured<K>(Mutex<State<K>>);
@@ -34,26 +46,25 @@ impl<K: PartialEq> Captured<K> {
         state.shown = Some(needed);
         differs
     }
+}
 
-    /// Makes the next picture capture the maps.
-    pub fn forget(&self) {
+impl<K: PartialEq> Upkeep for Captured<K> {
+    fn forget(&self) {
         self.state().shown = None;
     }
 
-    /// Keeps the time of a capture.
-    pub fn set_ms(&self, ms: f64) {
+    fn set_ms(&self, ms: f64) {
         self.state().ms = ms;
     }
 
-    /// Time of the last capture, milliseconds: processor time where it is known.
-    pub fn ms(&self) -> f64 {
+    fn ms(&self) -> f64 {
         self.state().ms
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Captured;
+    use super::{Captured, Upkeep as _};
 
     #[test]
     fn only_what_differs_or_is_forgotten_is_captured() {

@@ -3,27 +3,19 @@
 pub mod arguments;
 pub mod audit;
 pub mod blur;
-pub mod box_faces;
-pub mod capture;
 pub mod compose;
 pub mod coverage;
 pub mod details;
-pub mod far;
 pub mod filter;
 pub mod fog;
 pub mod guides;
 pub mod hits;
 pub mod indirect;
-pub mod lead;
 pub mod light;
-pub mod peel;
-pub mod prefilter;
 pub mod primary;
-pub mod probe;
 pub mod pyramid;
 pub mod shadow;
 pub mod soften;
-pub mod spread;
 pub mod ssr;
 pub mod surface;
 pub mod tone;
@@ -34,15 +26,19 @@ pub mod visibility;
 #[cfg(test)]
 mod tests;
 
-use std::collections::HashMap;
+use std::{
+    collections::HashMap,
+    sync::{Arc, LazyLock},
+};
 
 use serde::Serialize;
 
 use reflet_gpu::{GpuError, ShaderError, ShaderLibrary};
 
 use super::{
+    methods::{Place, passes_at},
     pipeline::{
-        frame_pass::FramePass,
+        frame_pass::{FramePass, FrameRow},
         pass::{Pass, PassGroup},
         pass_builder::PassBuilder,
         pass_targets::PassTargets,
@@ -55,79 +51,101 @@ use super::{
     settings::options::RenderOptions,
 };
 
-/// Lists the passes in the order of the frame, by their modules, and by their types where they run first.
-macro_rules! passes {
-    (@of $module:ident $type:ident) => { &$module::PASS };
-    ($($module:ident $(: $type:ident)?,)*) => {
-        /// All passes in the order of the frame.
-        pub const ORDER: &[&Pass] = &[$(&$module::PASS),*];
-
-        /// All passes, each where it runs first.
-        pub const ALL: &[&Pass] = &[$($(passes!(@of $module $type),)?)*];
-
-        /// Passes that a frame records; passes that its plan leaves out are `None`.
-        #[derive(Debug)]
-        pub struct Passes {
-            $($(pub(super) $module: Option<$module::$type>,)?)*
-        }
-
-        impl Passes {
-            /// Builds every pass that the plan needs.
-            ///
-            /// # Errors
-            /// A shader or wgpu error.
-            pub fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-                Ok(Self {
-                    $($($module: needed::<$module::$type>(builder, &$module::PASS)?,)?)*
-                })
-            }
-
-            /// Records one sub-frame.
-            pub(super) fn record(&self, frame: &mut SubFrame<'_>) {
-                frame.clear();
-                $(self.$module.record(frame);)*
-                frame.keep_counters();
-            }
-        }
-    };
+/// The list of a frame, in its order.
+fn rows() -> Vec<FrameRow> {
+    let mut rows = vec![FrameRow::of::<shadow::Shadow>(&shadow::PASS)];
+    rows.extend(passes_at(Place::Capture));
+    rows.extend([
+        FrameRow::of::<visibility::Visibility>(&visibility::PASS),
+        FrameRow::of::<primary::Primary>(&primary::PASS),
+        FrameRow::of::<surface::Surface>(&surface::PASS),
+        FrameRow::of::<details::Details>(&details::PASS),
+        FrameRow::of::<light::Light>(&light::PASS),
+        // For the lists of the surface pass.
+        FrameRow::of::<arguments::Arguments>(&arguments::PASS),
+        FrameRow::of::<transmit::Transmit>(&transmit::PASS),
+        FrameRow::of::<indirect::Indirect>(&indirect::PASS),
+        FrameRow::of::<soften::Soften>(&soften::PASS),
+        FrameRow::of::<fog::Fog>(&fog::PASS),
+    ]);
+    rows.extend(passes_at(Place::March));
+    rows.extend([
+        FrameRow::of::<pyramid::Pyramid>(&pyramid::PASS),
+        FrameRow::of::<ssr::Ssr>(&ssr::PASS),
+        // For the lists of hits and rays.
+        FrameRow::of::<arguments::Arguments>(&arguments::PASS),
+        FrameRow::of::<hits::Hits>(&hits::PASS),
+    ]);
+    rows.extend(passes_at(Place::Lead));
+    rows.push(FrameRow::of::<trace::Trace>(&trace::PASS));
+    rows.extend(passes_at(Place::LookUp));
+    rows.extend([
+        FrameRow::of::<audit::Audit>(&audit::PASS),
+        FrameRow::of::<filter::Filter>(&filter::PASS),
+        FrameRow::of::<blur::Blur>(&blur::PASS),
+        FrameRow::of::<compose::Compose>(&compose::PASS),
+        FrameRow::of::<coverage::Coverage>(&coverage::PASS),
+        FrameRow::of::<guides::Guides>(&guides::PASS),
+        FrameRow::of::<tone::Tone>(&tone::PASS),
+    ]);
+    rows
 }
 
-passes! {
-    shadow: Shadow,
-    capture: Capture,
-    prefilter: Prefilter,
-    far: Far,
-    box_faces: BoxFaces,
-    visibility: Visibility,
-    primary: Primary,
-    surface: Surface,
-    details: Details,
-    light: Light,
-    arguments: Arguments, // for the lists of the surface pass
-    transmit: Transmit,
-    indirect: Indirect,
-    soften: Soften,
-    fog: Fog,
-    peel: Peel,
-    pyramid: Pyramid,
-    ssr: Ssr,
-    arguments, // for the lists of hits and rays
-    hits: Hits,
-    lead: Lead,
-    spread: Spread,
-    trace: Trace,
-    probe: Probe,
-    audit: Audit,
-    filter: Filter,
-    blur: Blur,
-    compose: Compose,
-    coverage: Coverage,
-    guides: Guides,
-    tone: Tone,
-}
+/// All passes in the order of the frame.
+pub static ORDER: LazyLock<Vec<&'static Pass>> =
+    LazyLock::new(|| rows().into_iter().map(|row| row.pass).collect());
 
-fn needed<P: FramePass>(builder: &PassBuilder<'_>, pass: &Pass) -> Result<Option<P>, GpuError> {
-    builder.needs(pass).then(|| P::new(builder)).transpose()
+/// All passes, each where it runs first.
+pub static ALL: LazyLock<Vec<&'static Pass>> = LazyLock::new(|| {
+    let mut all: Vec<&Pass> = Vec::new();
+    for pass in ORDER.iter() {
+        if all.iter().all(|known| known.name != pass.name) {
+            all.push(pass);
+        }
+    }
+    all
+});
+
+/// Passes that a frame records, in their order, without passes that its plan leaves out.
+#[derive(Debug)]
+pub struct Passes(Vec<(&'static str, Arc<dyn FramePass>)>);
+
+impl Passes {
+    /// Builds every pass that the plan needs.
+    ///
+    /// # Errors
+    /// A shader or wgpu error.
+    pub fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
+        let mut built: Vec<(&'static str, Arc<dyn FramePass>)> = Vec::new();
+        for row in rows().iter().filter(|row| builder.needs(row.pass)) {
+            let known = built.iter().find(|(name, _)| *name == row.pass.name);
+            let pass = match known {
+                Some((_, pass)) => Arc::clone(pass),
+                None => (row.build)(builder)?,
+            };
+            built.push((row.pass.name, pass));
+        }
+        Ok(Self(built))
+    }
+
+    /// Whether the frame records a pass.
+    pub fn records(&self, pass: &Pass) -> bool {
+        self.0.iter().any(|(name, _)| *name == pass.name)
+    }
+
+    /// Makes the next frame do again what passes keep from frame to frame: shadow maps.
+    pub fn forget(&self) {
+        self.0.iter().for_each(|(_, pass)| pass.forget());
+    }
+
+    /// Records one sub-frame.
+    pub(super) fn record(&self, frame: &mut SubFrame<'_>) {
+        frame.clear();
+        for (_, pass) in &self.0 {
+            pass.record(frame);
+        }
+        frame.keep_counters();
+    }
 }
 
 /// The passes that a frame with this plan and these options records.

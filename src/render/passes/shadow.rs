@@ -10,16 +10,16 @@ use crate::{
     layout::gpu_struct::gpu_struct,
     lighting::lights::ShadowView,
     maps::shadow_maps::FORMAT,
-    passes::visibility::{depth_of_part, reversed_depth},
     pipeline::{
         frame_pass::FramePass,
         pass::{Pass, PassGroup, declared_overrides},
         pass_builder::PassBuilder,
+        raster::{Kind, depth_of_part, reversed_depth},
         shared_data::SharedData,
         sub_frame::SubFrame,
     },
     upload::{
-        draw::{Draw, DrawClass, Indexed},
+        draw::{Draw, Indexed},
         draw_calls::DrawCalls,
         draw_shape::DrawShape,
         scene::GpuScene,
@@ -153,14 +153,13 @@ impl FramePass for Shadow {
             });
         }
     }
+
+    fn forget(&self) {
+        self.drawn().fill(None);
+    }
 }
 
 impl Shadow {
-    /// Makes the next frame draw all maps.
-    pub fn forget(&self) {
-        self.drawn().fill(None);
-    }
-
     fn drawn(&self) -> MutexGuard<'_, Vec<Option<u64>>> {
         self.drawn.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -182,30 +181,6 @@ impl Shadow {
             );
         }
         calls
-    }
-}
-
-/// Properties of a draw call that need a pipeline of their own: both faces of all shapes are drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Kind {
-    /// Whether alpha is tested.
-    pub cutout: bool,
-    /// Shape that is drawn.
-    pub shape: DrawShape,
-}
-
-impl Kind {
-    /// Kind of a class of draw calls.
-    pub fn for_class(class: &DrawClass) -> Self {
-        Self {
-            cutout: class.cutout,
-            shape: class.shape,
-        }
-    }
-
-    /// Whether it is drawn by indices where the device allows it.
-    pub fn is_indexed(self) -> bool {
-        !self.cutout && self.shape == DrawShape::Triangles
     }
 }
 

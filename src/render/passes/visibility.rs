@@ -8,6 +8,7 @@ use crate::{
         frame_pass::FramePass,
         pass::{Pass, PassGroup, declared_overrides},
         pass_builder::PassBuilder,
+        raster::{depth_of_part, ids_of_part, reversed_depth},
         sub_frame::SubFrame,
         targets::Target,
     },
@@ -164,61 +165,6 @@ fn pipelines<'a>(
     }
     Ok(pipelines)
 }
-
-/// Color attachment of the ids, cleared to "sky" in the first part of a pass.
-pub fn ids_of_part(view: &wgpu::TextureView, part: usize) -> wgpu::RenderPassColorAttachment<'_> {
-    wgpu::RenderPassColorAttachment {
-        view,
-        depth_slice: None,
-        resolve_target: None,
-        ops: wgpu::Operations {
-            load: load_of_part(NO_IDS, part),
-            store: wgpu::StoreOp::Store,
-        },
-    }
-}
-
-/// A reversed depth attachment, cleared to infinitely far in the first part of a pass.
-pub fn depth_of_part(
-    view: &wgpu::TextureView,
-    part: usize,
-) -> wgpu::RenderPassDepthStencilAttachment<'_> {
-    wgpu::RenderPassDepthStencilAttachment {
-        view,
-        depth_ops: Some(wgpu::Operations {
-            load: load_of_part(0.0, part),
-            store: wgpu::StoreOp::Store,
-        }),
-        stencil_ops: None,
-    }
-}
-
-/// Clears before the first part of a pass; later parts add to it.
-fn load_of_part<T: Default>(cleared: T, part: usize) -> wgpu::LoadOp<T> {
-    match part {
-        0 => wgpu::LoadOp::Clear(cleared),
-        _ => wgpu::LoadOp::Load,
-    }
-}
-
-/// Depth test with reversed depth: the nearer (larger) value wins.
-pub fn reversed_depth(format: wgpu::TextureFormat) -> wgpu::DepthStencilState {
-    wgpu::DepthStencilState {
-        format,
-        depth_write_enabled: Some(true),
-        depth_compare: Some(wgpu::CompareFunction::Greater),
-        stencil: wgpu::StencilState::default(),
-        bias: wgpu::DepthBiasState::default(),
-    }
-}
-
-/// Clear value for "sky": all bits set in both ids.
-const NO_IDS: wgpu::Color = wgpu::Color {
-    r: u32::MAX as f64,
-    g: u32::MAX as f64,
-    b: 0.0,
-    a: 0.0,
-};
 
 fn pipeline(
     builder: &PassBuilder<'_>,

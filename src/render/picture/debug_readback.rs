@@ -11,6 +11,7 @@ use reflet_world::Light;
 
 use crate::{
     lighting::lights::{CUBE_FACES, SHADOW_NEAR_M, has_cube_map, in_order},
+    passes::trace,
     pipeline::{cause::Cause, ray_list::RAY_COUNTER},
     renderer::Renderer,
     settings::options::RenderOptions,
@@ -85,7 +86,7 @@ impl Renderer {
     /// # Errors
     /// A readback error.
     pub fn ray_list(&self, gpu: &Gpu) -> Result<Option<Vec<[u32; 2]>>, GpuError> {
-        if self.bindings.passes.trace.is_none() {
+        if !self.bindings.passes.records(&trace::PASS) {
             return Ok(None);
         }
         let counters: Vec<u32> = read_buffer(gpu, &self.bindings.ray_list.counters)?;

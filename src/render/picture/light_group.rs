@@ -18,6 +18,6 @@ impl Renderer {
         self.shown_light = shown;
         Arc::make_mut(&mut self.scene).show_light(gpu, &self.world, &self.trees, shown);
         // Maps of probes hold the light of other groups.
-        self.recapture_probes();
+        self.recapture_maps();
     }
 }

@@ -31,8 +31,10 @@ impl Renderer {
         self.submitted(recorder.submit())?;
         gpu.wait()?;
         self.redraw_shadows();
-        if let Some(maps) = &self.bindings.far_maps {
-            maps.captured_for.forget();
+        if let Some(maps) = &self.bindings.captured
+            && maps.are_of_a_view()
+        {
+            maps.upkeep().forget();
         }
         Ok(())
     }

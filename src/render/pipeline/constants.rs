@@ -81,6 +81,7 @@ pub fn wgsl() -> String {
             TEXTURE_POOL_MASK, TEXTURE_SIZE_MASK, TEXTURE_SIZE_SHIFT, TEXTURE_SRGB, TEXTURE_UV1,
             TEXTURE_WRAP_U_SHIFT, TEXTURE_WRAP_V_SHIFT, TEXTURE_NEAREST, TEXTURE_WRAP_MASK,
             WRAP_REPEAT, WRAP_MIRROR, WRAPS_RR, WRAPS_RC, WRAPS_CR, WRAPS_CC, WRAPS_ALL,
+            MOST_PROBES, ON_BORDER,
         }
         crate::layout::gpu_decal {
             DECAL_COLOR, DECAL_METALLIC, DECAL_ROUGHNESS, DECAL_NORMAL, DECAL_SET_SHIFT, MOST_DECALS,
@@ -93,8 +94,6 @@ pub fn wgsl() -> String {
         crate::lighting::lights { SHADOW_NONE, SHADOW_MAP, SHADOW_RAY, SHADOW_NEAR_M }
         crate::lighting::lobe_table { LOBE_COSINES, LOBE_ROUGHNESSES, LOBE_NODES, SMOOTH_ALPHA }
         crate::lighting::sheen_table { LEAST_SHEEN_ALPHA }
-        crate::maps::probe_boxes { MOST_PROBES }
-        crate::maps::probe_choice { ON_BORDER }
         crate::pipeline::cause { CAUSE_MASK }
         crate::pipeline::pass { GROUP_PX }
         crate::pipeline::ray_list {

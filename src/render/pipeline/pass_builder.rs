@@ -9,11 +9,7 @@ use super::{
     shared_groups::SharedGroups,
     targets::Target,
 };
-use crate::{
-    maps::{box_faces::BoxFaces, far_maps::FarMaps, probe_maps::ProbeMaps},
-    plan::Plan,
-    settings::options::RenderOptions,
-};
+use crate::{maps::method_maps::MethodMaps, plan::Plan, settings::options::RenderOptions};
 
 /// Context for building passes.
 pub struct PassBuilder<'a> {
@@ -100,31 +96,13 @@ impl PassBuilder<'_> {
         self.bound(pass, shader, entry, &self.overrides(pass), &[], extra)
     }
 
-    /// The maps of probes.
+    /// The maps of the frame's method.
     ///
     /// # Errors
-    /// [`GpuError::Binding`] in a frame without probes.
-    pub fn probe_maps(&self) -> Result<&ProbeMaps, GpuError> {
-        let missing = || GpuError::Binding("maps of probes were not planned".to_owned());
-        self.resources.probe_maps.ok_or_else(missing)
-    }
-
-    /// The maps of far things.
-    ///
-    /// # Errors
-    /// [`GpuError::Binding`] in a frame of another method than `near-far`.
-    pub fn far_maps(&self) -> Result<&FarMaps, GpuError> {
-        let missing = || GpuError::Binding("maps of far things were not planned".to_owned());
-        self.resources.far_maps.ok_or_else(missing)
-    }
-
-    /// The faces of the box.
-    ///
-    /// # Errors
-    /// [`GpuError::Binding`] in a frame of another method than `ssr+box`.
-    pub fn box_faces(&self) -> Result<&BoxFaces, GpuError> {
-        let missing = || GpuError::Binding("faces of a box were not planned".to_owned());
-        self.resources.box_faces.ok_or_else(missing)
+    /// [`GpuError::Binding`] in a frame of another method.
+    pub fn maps<M: MethodMaps>(&self) -> Result<&M, GpuError> {
+        let missing = || GpuError::Binding("maps of another method were planned".to_owned());
+        self.resources.maps().ok_or_else(missing)
     }
 
     fn bound(
@@ -138,14 +116,7 @@ impl PassBuilder<'_> {
     ) -> Result<ComputePass, GpuError> {
         let mut built = ComputePass::new(self.gpu, pass, shader, entry, self.shared, overrides)?;
         let mut named = self.resources.ray_list.named().to_vec();
-        named.extend(
-            self.resources
-                .probe_maps
-                .iter()
-                .flat_map(|maps| maps.named()),
-        );
-        named.extend(self.resources.far_maps.iter().flat_map(|maps| maps.named()));
-        named.extend(self.resources.box_faces.iter().flat_map(|f| f.named()));
+        named.extend(self.resources.captured.iter().flat_map(|maps| maps.named()));
         named.extend_from_slice(extra);
         built.bind(self.gpu, self.resources.targets, aliases, &named)?;
         Ok(built)

@@ -1,11 +1,11 @@
 //! Resources that all passes are bound to.
 
+use std::any::Any;
+
 use super::{ray_list::RayList, targets::Targets};
 use crate::{
     buffers::frame_uniforms::FrameUniforms,
-    maps::{
-        box_faces::BoxFaces, far_maps::FarMaps, probe_maps::ProbeMaps, shadow_maps::ShadowMaps,
-    },
+    maps::{method_maps::MethodMaps, shadow_maps::ShadowMaps},
     upload::scene::GpuScene,
 };
 
@@ -22,10 +22,14 @@ pub struct Resources<'a> {
     pub targets: &'a Targets,
     /// Lists of the frame, in one buffer.
     pub ray_list: &'a RayList,
-    /// Cube maps of probes, in frames that look reflections up in them.
-    pub probe_maps: Option<&'a ProbeMaps>,
-    /// Maps of far things, in frames of method `near-far`.
-    pub far_maps: Option<&'a FarMaps>,
-    /// Faces of the box, in frames of method `ssr+box`.
-    pub box_faces: Option<&'a BoxFaces>,
+    /// Maps that the frame's method captures, if it has some.
+    pub captured: Option<&'a dyn MethodMaps>,
+}
+
+impl<'a> Resources<'a> {
+    /// The captured maps of a method; `None` in frames of others.
+    pub fn maps<M: MethodMaps>(&self) -> Option<&'a M> {
+        let maps: &dyn Any = self.captured?;
+        maps.downcast_ref()
+    }
 }

@@ -9,13 +9,13 @@ use crate::{
     buffers::frame_uniforms::FrameUniforms,
     lighting::lights::{LightNeeds, ShadowSizes},
     maps::{
-        box_faces::BoxFaces, far_maps::FarMaps, map_keys::MapKeys, probe_key::ProbeKey,
-        probe_maps::ProbeMaps, shadow_maps::ShadowMaps,
+        method_maps::{MapKey, MethodMaps},
+        shadow_maps::ShadowMaps,
     },
-    passes::{Passes, capture, needed_passes, prefilter, written_targets},
+    passes::{Passes, needed_passes, written_targets},
     pipeline::{
         instrument::Instruments,
-        pass::{Override, Pass},
+        pass::{Override, Pass, PassGroup},
         pass_builder::PassBuilder,
         ray_list::{ListedParts, RayList},
         resources::Resources,
@@ -41,7 +41,8 @@ pub struct BindingKey {
     color: Target,
     audit: bool,
     overrides: Vec<Override>,
-    maps: MapKeys,
+    /// Values that the maps of the frame's method depend on, if it captures some.
+    pub(super) maps: Option<Arc<dyn MapKey>>,
 }
 
 impl BindingKey {
@@ -55,7 +56,7 @@ impl BindingKey {
         shadows: ShadowSizes,
         passes: &[&'static Pass],
         shaders: &Shaders,
-        maps: MapKeys,
+        maps: Option<Arc<dyn MapKey>>,
     ) -> Result<Self, GpuError> {
         let own = passes.iter().flat_map(|pass| (pass.overrides)(options));
         let uses = passes
@@ -98,36 +99,40 @@ impl BindingKey {
     }
 }
 
-/// Maps of probes, and the code and constants that captured them. They are kept while they fit: a preview that changes the
-/// size of its pictures, or compares two methods, would otherwise capture them for each picture.
+/// Maps of a method, and the code and constants that captured them. They are kept while they fit: a preview that changes
+/// the size of its pictures, or compares two methods, would otherwise capture them for each picture.
 #[derive(Clone, Debug)]
 struct KeptMaps {
-    maps: Arc<ProbeMaps>,
+    maps: Arc<dyn MethodMaps>,
+    key: Arc<dyn MapKey>,
     overrides: Vec<Override>,
     shaders: Vec<Option<Arc<str>>>,
 }
 
 impl KeptMaps {
-    /// The maps of a frame with probes, taken from `old` where they fit.
+    /// The maps of a frame with this key, taken from `old` where its maps fit.
     ///
     /// # Errors
-    /// Same errors as [`ProbeMaps::new`].
+    /// Same errors as [`MapKey::make`].
     fn new(
         gpu: &Gpu,
         key: &BindingKey,
-        probes: ProbeKey,
-        shaders: &Shaders,
+        maps: &Arc<dyn MapKey>,
+        inputs: BindingInputs<'_>,
         old: Option<&Self>,
     ) -> Result<Self, GpuError> {
-        let shaders = shaders.texts(&[&capture::PASS, &prefilter::PASS]);
+        let mut captures = needed_passes(inputs.plan, inputs.options);
+        captures.retain(|pass| pass.group == PassGroup::Capture);
+        let shaders = inputs.shaders.texts(&captures);
         let fits = |old: &&Self| {
-            old.maps.key == probes && old.overrides == key.overrides && old.shaders == shaders
+            *old.key == **maps && old.overrides == key.overrides && old.shaders == shaders
         };
         if let Some(old) = old.filter(fits) {
             return Ok(old.clone());
         }
         Ok(Self {
-            maps: Arc::new(ProbeMaps::new(gpu, probes)?),
+            maps: maps.make(gpu)?,
+            key: Arc::clone(maps),
             overrides: key.overrides.clone(),
             shaders,
         })
@@ -162,14 +167,10 @@ pub struct Bindings {
     pub targets: Targets,
     /// Lists of the frame, in one buffer.
     pub ray_list: RayList,
-    /// Cube maps of probes, in frames that look reflections up in them.
-    pub probe_maps: Option<Arc<ProbeMaps>>,
+    /// Maps that the frame's method captures, if it has some.
+    pub captured: Option<Arc<dyn MethodMaps>>,
     /// The same, or the maps of the last frame that had some.
     kept_maps: Option<KeptMaps>,
-    /// Maps of far things, in frames of method `near-far`.
-    pub far_maps: Option<FarMaps>,
-    /// Faces of the box, in frames of method `ssr+box`.
-    pub box_faces: Option<BoxFaces>,
     /// Groups 0 and 1.
     pub shared: SharedGroups,
     /// Passes that the frame records.
@@ -202,16 +203,12 @@ impl Bindings {
             Some(old) => old.ray_list.clone(),
             None => RayList::new(gpu, key.size, key.lists)?,
         };
-        let MapKeys { probes, far, faces } = key.maps.clone();
         let kept = old.filter(|_| inputs.is_same_world);
         let kept = kept.and_then(|old| old.kept_maps.as_ref());
-        let made = probes.map(|probes| KeptMaps::new(gpu, &key, probes, inputs.shaders, kept));
+        let made = (key.maps.as_ref()).map(|maps| KeptMaps::new(gpu, &key, maps, inputs, kept));
         let made = made.transpose()?;
-        let probe_maps = made.as_ref().map(|made| Arc::clone(&made.maps));
+        let captured = made.as_ref().map(|made| Arc::clone(&made.maps));
         let kept_maps = made.or_else(|| kept.cloned());
-        // Maps of far things follow the camera, and faces of the box are captured fast.
-        let far_maps = far.map(|key| FarMaps::new(gpu, key)).transpose()?;
-        let box_faces = faces.map(|key| BoxFaces::new(gpu, key)).transpose()?;
         let BindingInputs {
             plan,
             options,
@@ -226,9 +223,7 @@ impl Bindings {
             uniforms,
             targets: &targets,
             ray_list: &ray_list,
-            probe_maps: probe_maps.as_deref(),
-            far_maps: far_maps.as_ref(),
-            box_faces: box_faces.as_ref(),
+            captured: captured.as_deref(),
         };
         let infos = shaders.infos(&needed_passes(plan, options))?;
         let shared = SharedGroups::new(gpu, &infos, resources)?;
@@ -245,10 +240,8 @@ impl Bindings {
             maps,
             targets,
             ray_list,
-            probe_maps,
+            captured,
             kept_maps,
-            far_maps,
-            box_faces,
             shared,
             passes,
             instruments: Instruments::default(),

@@ -20,6 +20,7 @@ use crate::{
         types::{Frame, Sampling},
     },
     lighting::lights::{LightBlock, ShadowView, lights},
+    maps::method_maps::{CaptureInputs, MapStats},
     pipeline::{
         instrument::Instrument,
         recorder::{PassTimes, Recorder, Timing},
@@ -167,21 +168,13 @@ impl Renderer {
 
     /// Makes the next picture draw all shadow maps, also where neither light nor casters have moved.
     pub fn redraw_shadows(&self) {
-        if let Some(shadow) = &self.bindings.passes.shadow {
-            shadow.forget();
-        }
+        self.bindings.passes.forget();
     }
 
-    /// Makes the next picture capture all maps of probes, of far things and of the box, also where nothing that they see has changed.
-    pub fn recapture_probes(&self) {
-        if let Some(maps) = &self.bindings.probe_maps {
-            maps.captured_for.forget();
-        }
-        if let Some(maps) = &self.bindings.far_maps {
-            maps.captured_for.forget();
-        }
-        if let Some(faces) = &self.bindings.box_faces {
-            faces.captured_for.forget();
+    /// Makes the next picture capture the maps of its method, also where nothing that they see has changed.
+    pub fn recapture_maps(&self) {
+        if let Some(maps) = &self.bindings.captured {
+            maps.upkeep().forget();
         }
     }
 
@@ -189,7 +182,7 @@ impl Renderer {
     pub(crate) fn submitted<T>(&self, result: Result<T, GpuError>) -> Result<T, GpuError> {
         result.inspect_err(|_| {
             self.redraw_shadows();
-            self.recapture_probes();
+            self.recapture_maps();
         })
     }
 
@@ -238,12 +231,17 @@ impl Renderer {
         if let Some(fog) = GpuFog::from_world(world) {
             self.uniforms.set_fog(gpu, &fog);
         }
-        let maps = self.bindings.probe_maps.as_ref().filter(|_| sample == 0);
-        let captures = match (&self.bindings.far_maps, &self.bindings.box_faces) {
-            (Some(far), _) => far.prepare(gpu, world, eye, settings, self.unit_m),
-            (None, Some(faces)) => faces.prepare(gpu, world, settings),
-            _ => maps.is_some_and(|m| m.prepare(gpu, world, &frame, &block, &sampling)),
+        let inputs = CaptureInputs {
+            world,
+            frame: &frame,
+            lights: &block,
+            sampling: &sampling,
+            eye,
+            settings,
+            unit_m: self.unit_m,
         };
+        let maps = self.bindings.captured.as_ref();
+        let captures = maps.is_some_and(|maps| maps.prepare(gpu, &inputs));
         let size = self.options.image.size;
         let mut frame = SubFrame {
             recorder: Recorder::new(gpu, &self.timer, timing, &self.bindings.shared, size)
@@ -273,12 +271,6 @@ impl Renderer {
         )
     }
 
-    /// Half the size of the box of method `near-far`, meters of the scene.
-    fn near_m(&self) -> f32 {
-        let settings = &self.options.reflection.near_far;
-        settings.half_size_in(self.unit_m) * self.coordinates.meters()
-    }
-
     /// Bounding box of everything that is drawn.
     pub(crate) fn drawn_bounds(&self) -> Bounds {
         let draws = self.scene.draws.iter();
@@ -288,18 +280,7 @@ impl Renderer {
     /// Statistics of a frame whose counters are not read back.
     pub(crate) fn stats(&self, times: PassTimes, frame_ms: f64) -> FrameStats {
         let (times, captured) = without_capture(times);
-        let maps = self.bindings.probe_maps.as_ref();
-        if let (Some(maps), true) = (maps, captured.cost_ms > 0.0) {
-            maps.captured_for.set_ms(captured.cost_ms);
-        }
-        let far = self.bindings.far_maps.as_ref();
-        if let (Some(far), true) = (far, captured.cost_ms > 0.0) {
-            far.captured_for.set_ms(captured.cost_ms);
-        }
-        let faces = self.bindings.box_faces.as_ref();
-        if let (Some(faces), true) = (faces, captured.cost_ms > 0.0) {
-            faces.captured_for.set_ms(captured.cost_ms);
-        }
+        let maps = self.map_stats(captured.cost_ms);
         let mut bytes: Vec<(String, u64)> = Vec::new();
         let named = |(name, size): (&str, u64)| (name.to_owned(), size);
         bytes.extend(self.scene.report().into_iter().map(named));
@@ -311,15 +292,7 @@ impl Renderer {
                 .into_iter()
                 .map(|(n, b)| (format!("target_{n}"), b)),
         );
-        if let Some(maps) = &self.bindings.probe_maps {
-            bytes.push(("probe_maps".to_owned(), maps.bytes));
-        }
-        if let Some(far) = far {
-            bytes.push(("far_maps".to_owned(), far.key.bytes()));
-        }
-        if let Some(faces) = faces {
-            bytes.push(("box_faces".to_owned(), faces.key.bytes()));
-        }
+        bytes.extend((maps.iter()).map(|maps| (maps.facts.buffer.to_owned(), maps.facts.bytes)));
         if self.plan.features.lists {
             bytes.push(("lists".to_owned(), self.bindings.ray_list.lists.size()));
         }
@@ -342,10 +315,23 @@ impl Renderer {
             passes_ms: times.passes_ms,
             processor_ms: times.processor_ms,
             frame_ms: frame_ms - captured.passes_ms,
-            probes: maps.map(|maps| maps.stats(captured.cost_ms)),
-            far: far.map(|far| far.stats(self.near_m(), captured.cost_ms)),
-            box_faces: faces.map(|f| f.stats(self.coordinates.meters(), captured.cost_ms)),
+            maps,
             bytes,
         }
+    }
+
+    /// Statistics of the maps of the frame's method, which were captured in this time; 0 where they were kept.
+    fn map_stats(&self, update_ms: f64) -> Option<MapStats> {
+        let maps = self.bindings.captured.as_ref()?;
+        if update_ms > 0.0 {
+            maps.upkeep().set_ms(update_ms);
+        }
+        let (settings, meters) = (&self.options.reflection, self.coordinates.meters());
+        let key = self.bindings.key.maps.as_ref()?;
+        Some(MapStats {
+            facts: key.facts(settings, self.unit_m, meters),
+            capture_ms: maps.upkeep().ms(),
+            update_ms,
+        })
     }
 }

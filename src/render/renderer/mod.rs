@@ -162,9 +162,7 @@ impl Renderer {
             uniforms: &self.uniforms,
             targets: &self.bindings.targets,
             ray_list: &self.bindings.ray_list,
-            probe_maps: self.bindings.probe_maps.as_deref(),
-            far_maps: self.bindings.far_maps.as_ref(),
-            box_faces: self.bindings.box_faces.as_ref(),
+            captured: self.bindings.captured.as_deref(),
         }
     }
 

@@ -26,7 +26,7 @@ use crate::{
     },
     error::RenderError,
     lighting::lights::ShadowSizes,
-    maps::map_keys::MapKeys,
+    methods,
     passes::needed_passes,
     pipeline::{pass::Pass, shader_variant::ShaderVariant, shaders::Shaders},
     plan::{Plan, may_meet_culled},
@@ -109,7 +109,7 @@ impl Made {
         let variant = variant(gpu, &plan, &scene);
         let shaders = Shaders::new(gpu, library, variant, &needed, constants)?;
         let shadows = ShadowSizes::for_lights(&world.lights, &options);
-        let maps = MapKeys::for_world(world, &options, coordinates.meters())?;
+        let maps = methods::map_key(world, &options, coordinates.meters())?;
         let key = BindingKey::new(&plan, &options, shadows, &needed, &shaders, maps)?;
         check_posed(&shown, world, &key, &options)?;
         let tree_pose = PoseKey::from_world(world);

@@ -7,7 +7,8 @@ use reflet_scene::desc::Method;
 use super::error_estimate::ErrorEstimate;
 use crate::{
     decide::Decision,
-    maps::{box_faces::FacesStats, far_maps::FarStats, probe_maps::ProbeStats},
+    maps::method_maps::{MapStats, as_map},
+    methods::second_layer::stats::SecondLayer,
     passes::trace,
     pipeline::{
         cause::{Cause, Source},
@@ -17,10 +18,6 @@ use crate::{
         },
     },
 };
-
-mod second_layer;
-
-pub use second_layer::SecondLayer;
 
 /// Counts of pixels by cause and by source.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -216,15 +213,9 @@ pub struct FrameStats {
     /// Work of the second depth layer in the last sub-frame, where there is one and rays went behind the first.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub second_layer: Option<SecondLayer>,
-    /// Maps of probes, in frames that look reflections up in them.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub probes: Option<ProbeStats>,
-    /// Maps of far things, in frames of method `near-far`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub far: Option<FarStats>,
-    /// Faces of the box, in frames of method `ssr+box`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub box_faces: Option<FacesStats>,
+    /// Maps of the frame's method, if it captures some.
+    #[serde(flatten)]
+    pub maps: Option<MapStats>,
     /// Size of every buffer and texture class, bytes.
     #[serde(serialize_with = "as_map")]
     pub bytes: Vec<(String, u64)>,
@@ -258,10 +249,7 @@ impl FrameStats {
     /// Bytes of the maps that are captured apart from the frame, and milliseconds of their last capture; `None` where
     /// there are none.
     pub fn captured(&self) -> Option<(u64, f64)> {
-        let probes = self.probes.map(|maps| (maps.bytes, maps.capture_ms));
-        let far = self.far.map(|maps| (maps.bytes, maps.capture_ms));
-        let faces = self.box_faces.map(|f| (f.bytes, f.capture_ms));
-        probes.or(far).or(faces)
+        (self.maps.as_ref()).map(|maps| (maps.facts.bytes, maps.capture_ms))
     }
 
     /// Bytes of the structures of ray queries, 0 where the driver does not tell; `None` without queries.
@@ -274,10 +262,7 @@ impl FrameStats {
     /// Time in which maps were captured, or structures of ray queries updated, for this picture, milliseconds; it is not
     /// part of the times of its passes.
     pub fn prepared_ms(&self) -> f64 {
-        let probes = self.probes.map(|maps| maps.update_ms);
-        let far = self.far.map(|maps| maps.update_ms);
-        let faces = self.box_faces.map(|f| f.update_ms);
-        probes.or(far).or(faces).unwrap_or(0.0) + self.structures_update_ms
+        self.maps.as_ref().map_or(0.0, |maps| maps.update_ms) + self.structures_update_ms
     }
 
     /// Sum of the times of all passes, milliseconds.
@@ -314,14 +299,6 @@ impl FrameStats {
 
 fn method_name<S: serde::Serializer>(method: &Method, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(method.name())
-}
-
-/// Serializes named values as an object, in their order.
-fn as_map<S: serde::Serializer, T: Serialize>(
-    pairs: &[(String, T)],
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
-    serializer.collect_map(pairs.iter().map(|(name, value)| (name, value)))
 }
 
 #[cfg(test)]

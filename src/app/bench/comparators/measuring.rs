@@ -159,13 +159,15 @@ pub(super) fn measure(
             }
         }
     }
-    let probes = running.iter().filter_map(|r| r.last.as_ref()?.probes);
+    let probes = running
+        .iter()
+        .filter_map(|r| r.last.as_ref()?.maps.as_ref()?.facts.count("probes"));
     Ok(SceneRows {
         scene: series.name().to_owned(),
         size,
         frames: frames.len(),
         scored_px,
-        probes: probes.map(|p| p.probes).max().unwrap_or(0),
+        probes: probes.max().unwrap_or(0) as u32,
         rows: running.into_iter().map(row).collect(),
         left_out,
     })
@@ -204,7 +206,7 @@ fn start<'a>(
     let mut renderer = subject.renderer(gpu, library, &settings, size)?;
     renderer.set_reflection_parameters(&settings);
     renderer.render(gpu, &subject.camera)?;
-    renderer.recapture_probes();
+    renderer.recapture_maps();
     let stats = renderer.render(gpu, &subject.camera)?;
     let counted = renderer.counts(gpu, &subject.camera)?;
     let found = counted.iter().filter(|pass| finds(pass.pass));

@@ -198,9 +198,7 @@ fn panels_list_times_shares_and_keys() {
             wrong: 2,
         }),
         second_layer: None,
-        probes: None,
-        far: None,
-        box_faces: None,
+        maps: None,
         bytes: Vec::new(),
     };
     let history = VecDeque::from([stats.clone(), stats.clone()]);

@@ -17,7 +17,7 @@ pub struct SecondLayer {
 
 impl SecondLayer {
     /// Work that the counters of a frame tell; `None` where no ray went behind a first layer with a second.
-    pub(super) fn from_counters(counters: &[u32]) -> Option<Self> {
+    pub(crate) fn from_counters(counters: &[u32]) -> Option<Self> {
         let counter = |index: usize| counters.get(index).copied().unwrap_or(0);
         let (behind, hits) = (counter(BEHIND_COUNTER), counter(Cause::HitBehind as usize));
         (behind > 0).then(|| Self {

@@ -10,6 +10,7 @@ use crate::{
         frame_pass::FramePass,
         pass::{Pass, PassGroup, declared_overrides},
         pass_builder::PassBuilder,
+        raster::{Kind, depth_of_part, ids_of_part, reversed_depth},
         shared_data::SharedData,
         sub_frame::SubFrame,
         targets::Target,
@@ -21,11 +22,6 @@ use crate::{
     },
 };
 use reflet_gpu::{GpuError, GroupLayout};
-
-use super::{
-    shadow::Kind,
-    visibility::{depth_of_part, ids_of_part, reversed_depth},
-};
 
 /// See `shaders/peel.wgsl`.
 pub const PASS: Pass = Pass {

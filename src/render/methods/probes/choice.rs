@@ -3,12 +3,10 @@
 
 use glam::Vec3;
 
-use crate::layout::types::ProbeBox;
+use crate::layout::types::{ON_BORDER, ProbeBox};
 
 /// Maximum number of probes that are blended at a point.
 pub const MOST_BLENDED: usize = 4;
-/// Share of a box's half size within which a point lies on its border.
-pub const ON_BORDER: f32 = 1e-3;
 /// Least sum of the depths in boxes that is divided by; below it the first probe counts alone.
 const LEAST_SUM: f32 = 1e-12;
 

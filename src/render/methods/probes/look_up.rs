@@ -13,6 +13,8 @@ use crate::{
 };
 use reflet_gpu::{Checks, GpuError};
 
+use super::maps::ProbeMaps;
+
 /// See `shaders/probe.wgsl`.
 pub const PASS: Pass = Pass {
     name: "probe",
@@ -54,7 +56,7 @@ impl FramePass for Probe {
     }
 
     fn record(&self, frame: &mut SubFrame<'_>) {
-        let Some(maps) = frame.resources.probe_maps else {
+        let Some(maps) = frame.resources.maps::<ProbeMaps>() else {
             return;
         };
         let count = maps.key.boxes.len() as u32;

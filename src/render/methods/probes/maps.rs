@@ -1,15 +1,13 @@
 //! The cube maps of probes, and their content.
 
-use serde::Serialize;
+use std::sync::Arc;
 
 use reflet_gpu::{Gpu, GpuError, Named};
-use reflet_world::World;
+use reflet_scene::desc::{ProbesDesc, ReflectionDesc};
 
 use super::{
-    captured::Captured,
-    probe_boxes::MOST_PROBES,
-    probe_key::ProbeKey,
-    probe_light::{by_rays, hash_of_light},
+    key::ProbeKey,
+    light::{by_rays, hash_of_light},
 };
 use crate::{
     buffers::frame_uniforms::{FrameUniforms, uniform},
@@ -17,31 +15,17 @@ use crate::{
         fog::GpuFog,
         types::{Frame, Sampling},
     },
-    lighting::lights::LightBlock,
+    maps::{
+        captured::{Captured, Upkeep},
+        cube::{HITS, level_view, texture, whole},
+        method_maps::{CaptureInputs, CaptureWork, MapFacts, MapKey, MethodMaps, Number, is_equal},
+    },
 };
 
 /// Format of the maps' radiance.
 const RADIANCE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
-/// Format of the maps' hits.
-pub const HITS: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
 /// Maximum length of the rays of a capture, in the renderer's lengths.
 const REACH_M: f32 = 1e12;
-
-/// Size of the maps of a scene, and the time that they took.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct ProbeStats {
-    /// Number of probes.
-    pub probes: u32,
-    /// Width of the faces, pixels.
-    pub face_px: u32,
-    /// Size of all maps, bytes.
-    pub bytes: u64,
-    /// Time of the last capture with its prefiltering, milliseconds: processor time where it is known. It is not part of
-    /// the times of the frame's passes.
-    pub capture_ms: f64,
-    /// The same, where this picture captured the maps anew; 0 where it took the maps of an earlier one.
-    pub update_ms: f64,
-}
 
 /// The maps of all probes.
 #[derive(Debug)]
@@ -50,8 +34,6 @@ pub struct ProbeMaps {
     pub key: ProbeKey,
     /// Uniform blocks of the capture, which do not depend on the camera.
     pub uniforms: FrameUniforms,
-    /// Size of all maps, bytes.
-    pub bytes: u64,
     boxes: wgpu::Buffer,
     sampler: wgpu::Sampler,
     /// Captured radiance, and its means over ever larger pixels.
@@ -66,7 +48,7 @@ pub struct ProbeMaps {
     hits_view: wgpu::TextureView,
     panes_view: Option<wgpu::TextureView>,
     /// Hash of everything that the maps depend on.
-    pub captured_for: Captured<u64>,
+    captured_for: Captured<u64>,
 }
 
 impl ProbeMaps {
@@ -77,9 +59,8 @@ impl ProbeMaps {
     pub fn new(gpu: &Gpu, key: ProbeKey) -> Result<Self, GpuError> {
         let (px, levels) = (key.face_px, key.levels());
         gpu.check_texture_size("a face of a probe", px, px)?;
-        let bytes = key.bytes();
         let mut boxes = key.boxes.clone();
-        boxes.resize(MOST_PROBES, bytemuck::Zeroable::zeroed());
+        boxes.resize(ProbesDesc::MOST, bytemuck::Zeroable::zeroed());
         let faces = (px, key.layers());
         let make = |label, format, levels| texture(gpu, label, format, faces, levels);
         let captured = make("probe radiance", RADIANCE, levels)?;
@@ -94,7 +75,6 @@ impl ProbeMaps {
         .transpose()?;
         Ok(Self {
             uniforms: FrameUniforms::new(gpu),
-            bytes,
             boxes: uniform(gpu, "probes", bytemuck::cast_slice(&boxes)),
             sampler: gpu.device.create_sampler(&wgpu::SamplerDescriptor {
                 label: Some("probe sampler"),
@@ -114,22 +94,6 @@ impl ProbeMaps {
             captured_for: Captured::default(),
             key,
         })
-    }
-
-    /// The resources that every pass may read, by their names in the shaders.
-    pub fn named(&self) -> Vec<Named<'_>> {
-        let view = wgpu::BindingResource::TextureView;
-        let mut named = vec![
-            ("probes", self.boxes.as_entire_binding()),
-            ("probe_radiance", view(&self.radiance)),
-            ("cube_hits", view(&self.hits_view)),
-            (
-                "probe_sampler",
-                wgpu::BindingResource::Sampler(&self.sampler),
-            ),
-        ];
-        named.extend((self.panes_view.iter()).map(|panes| ("pane_hits", view(panes))));
-        named
     }
 
     /// The captured radiance with all of its levels, and its sampler.
@@ -174,46 +138,6 @@ impl ProbeMaps {
         encoder.copy_texture_to_texture(from, to, size);
     }
 
-    /// Statistics, after a picture that captured for this time.
-    pub fn stats(&self, update_ms: f64) -> ProbeStats {
-        ProbeStats {
-            probes: self.key.boxes.len() as u32,
-            face_px: self.key.face_px,
-            bytes: self.bytes,
-            capture_ms: self.captured_for.ms(),
-            update_ms,
-        }
-    }
-
-    /// Uploads the blocks of a capture, and says whether the maps must be captured: where the light, the environment or
-    /// a material differs from the last capture.
-    pub fn prepare(
-        &self,
-        gpu: &Gpu,
-        world: &World,
-        frame: &Frame,
-        lights: &LightBlock,
-        sampling: &Sampling,
-    ) -> bool {
-        let (frame, lights) = (self.frame(frame), by_rays(lights));
-        let sampling = Sampling {
-            first: 0,
-            sample: 0,
-            samples: self.key.samples,
-            ..*sampling
-        };
-        let fog = GpuFog::from_world(world);
-        let hash = hash_of_light(world, &frame, &lights, &sampling, fog.as_ref());
-        if !self.captured_for.replace(hash) {
-            return false;
-        }
-        self.uniforms.set(gpu, &frame, &lights, &sampling);
-        if let Some(fog) = &fog {
-            self.uniforms.set_fog(gpu, fog);
-        }
-        true
-    }
-
     /// The frame's block without anything that depends on its camera, or on the share of a sub-frame.
     fn frame(&self, frame: &Frame) -> Frame {
         let px = self.key.face_px as f32;
@@ -248,52 +172,96 @@ impl ProbeMaps {
     }
 }
 
-/// View of all layers and levels.
-pub fn whole(texture: &wgpu::Texture, dimension: wgpu::TextureViewDimension) -> wgpu::TextureView {
-    texture.create_view(&wgpu::TextureViewDescriptor {
-        dimension: Some(dimension),
-        ..Default::default()
-    })
+impl MethodMaps for ProbeMaps {
+    fn named(&self) -> Vec<Named<'_>> {
+        let view = wgpu::BindingResource::TextureView;
+        let mut named = vec![
+            ("probes", self.boxes.as_entire_binding()),
+            ("probe_radiance", view(&self.radiance)),
+            ("cube_hits", view(&self.hits_view)),
+            (
+                "probe_sampler",
+                wgpu::BindingResource::Sampler(&self.sampler),
+            ),
+        ];
+        named.extend((self.panes_view.iter()).map(|panes| ("pane_hits", view(panes))));
+        named
+    }
+
+    /// The maps are captured where the light, the environment or a material is another than in the last capture.
+    fn prepare(&self, gpu: &Gpu, inputs: &CaptureInputs<'_>) -> bool {
+        if inputs.sampling.sample > 0 {
+            return false;
+        }
+        let (world, frame, lights) = (
+            inputs.world,
+            self.frame(inputs.frame),
+            by_rays(inputs.lights),
+        );
+        let sampling = Sampling {
+            first: 0,
+            sample: 0,
+            samples: self.key.samples,
+            ..*inputs.sampling
+        };
+        let fog = GpuFog::from_world(world);
+        let hash = hash_of_light(world, &frame, &lights, &sampling, fog.as_ref());
+        if !self.captured_for.replace(hash) {
+            return false;
+        }
+        self.uniforms.set(gpu, &frame, &lights, &sampling);
+        if let Some(fog) = &fog {
+            self.uniforms.set_fog(gpu, fog);
+        }
+        true
+    }
+
+    fn upkeep(&self) -> &dyn Upkeep {
+        &self.captured_for
+    }
 }
 
-/// View of all layers of a level.
-pub fn level_view(texture: &wgpu::Texture, level: u32) -> wgpu::TextureView {
-    texture.create_view(&wgpu::TextureViewDescriptor {
-        dimension: Some(wgpu::TextureViewDimension::D2Array),
-        base_mip_level: level,
-        mip_level_count: Some(1),
-        ..Default::default()
-    })
-}
+impl MapKey for ProbeKey {
+    fn make(&self, gpu: &Gpu) -> Result<Arc<dyn MethodMaps>, GpuError> {
+        Ok(Arc::new(ProbeMaps::new(gpu, self.clone())?))
+    }
 
-/// Texture of square faces, given by their width in pixels and their number, with these levels.
-///
-/// # Errors
-/// Exhausted memory.
-pub fn texture(
-    gpu: &Gpu,
-    label: &str,
-    format: wgpu::TextureFormat,
-    (face_px, layers): (u32, u32),
-    levels: u32,
-) -> Result<wgpu::Texture, GpuError> {
-    gpu.scoped("cube maps", || {
-        gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some(label),
-            size: wgpu::Extent3d {
-                width: face_px,
-                height: face_px,
-                depth_or_array_layers: layers,
-            },
-            mip_level_count: levels,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING
-                | wgpu::TextureUsages::STORAGE_BINDING
-                | wgpu::TextureUsages::COPY_SRC
-                | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[],
-        })
-    })
+    fn is_same(&self, other: &dyn MapKey) -> bool {
+        is_equal(self, other)
+    }
+
+    fn facts(&self, _: &ReflectionDesc, _: f32, _: f32) -> MapFacts {
+        let (count, px) = (self.boxes.len() as u64, self.face_px);
+        let text = format!("{count} with faces of {px} px");
+        let counts = |name| [(name, count), ("face_px", px.into())];
+        let numbers = |name| {
+            counts(name)
+                .map(|(name, n)| (name, Number::Count(n)))
+                .to_vec()
+        };
+        MapFacts {
+            buffer: "probe_maps",
+            label: "probes",
+            keys: ["probes"; 2],
+            texts: [text.clone(), text],
+            numbers: ["probes", "count"].map(numbers),
+            bytes: self.bytes(),
+        }
+    }
+
+    fn work(&self) -> CaptureWork {
+        let (count, px, samples) = (self.boxes.len(), self.face_px, self.samples);
+        CaptureWork {
+            maps: format!(
+                "{count} probes, six faces of {px} × {px} pixels with {samples} samples each"
+            ),
+            paths: self.paths(),
+            face_px: px,
+            serves_samples: true,
+            table: "probes",
+            sized_by: &["face_px", "samples", "spacing_m"],
+            or: ", fewer `samples`, or fewer probes",
+            when: "before the first picture, and again where light or a material changes",
+        }
+    }
 }

@@ -16,6 +16,8 @@ use crate::{
 };
 use reflet_gpu::{Checks, GpuError};
 
+use super::maps::ProbeMaps;
+
 /// See `shaders/capture.wgsl`.
 pub const PASS: Pass = Pass {
     name: "capture",
@@ -125,7 +127,7 @@ pub struct Capture {
 
 impl FramePass for Capture {
     fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        let maps = builder.probe_maps()?;
+        let maps = builder.maps::<ProbeMaps>()?;
         let resources = Resources {
             uniforms: &maps.uniforms,
             ..builder.resources
@@ -149,7 +151,11 @@ impl FramePass for Capture {
     }
 
     fn record(&self, frame: &mut SubFrame<'_>) {
-        let Some(maps) = frame.resources.probe_maps.filter(|_| frame.captures) else {
+        let Some(maps) = frame
+            .resources
+            .maps::<ProbeMaps>()
+            .filter(|_| frame.captures)
+        else {
             return;
         };
         let (gpu, key) = (frame.recorder.gpu, &maps.key);

@@ -9,10 +9,11 @@ use reflet_scene::{
 };
 use reflet_world::World;
 
-use crate::layout::{gpu_struct::Shared as _, types::ProbeBox};
+use crate::{
+    layout::{gpu_struct::Shared as _, types::ProbeBox},
+    maps::cube::still_bounds,
+};
 
-/// Maximum number of probes of a frame.
-pub const MOST_PROBES: usize = ProbesDesc::MOST;
 /// Half the size of the box of a scene without extent along an axis, in the renderer's lengths.
 const LEAST_HALF_M: f32 = 1e-3;
 
@@ -31,21 +32,11 @@ impl ProbeBox {
     }
 }
 
-/// Bounds of all static instances; a point at the origin if there are none.
-pub(crate) fn still_bounds(world: &World) -> Bounds {
-    let still = world.instances.iter().filter(|i| !i.dynamic);
-    let bounds = still.fold(Bounds::EMPTY, |all, i| all.union(world.bounds_of(i)));
-    match bounds.is_empty() {
-        true => Bounds::around([Vec3::ZERO]),
-        false => bounds,
-    }
-}
-
-/// The probes of a world in these settings, 1 to [`MOST_PROBES`]: of its text and of the grid, or one in the middle of
-/// all static instances. A length of one is `meters` of the scene.
+/// The probes of a world in these settings, 1 to [`ProbesDesc::MOST`]: the probes of its text and of the grid, or one in
+/// the middle of all that never moves. A length of one is `meters` of the scene.
 ///
 /// # Errors
-/// More than [`MOST_PROBES`], with the least spacing of a grid that has no more.
+/// More than [`ProbesDesc::MOST`], with the least spacing of a grid that has no more.
 pub fn probe_boxes(
     world: &World,
     settings: &ProbesDesc,
@@ -54,7 +45,7 @@ pub fn probe_boxes(
     let still = still_bounds(world);
     let mut boxes: Vec<ProbeBox> = world.probes.iter().map(|e| placed(e, still)).collect();
     if let Some(spacing_m) = settings.spacing_m {
-        let room = MOST_PROBES.saturating_sub(boxes.len());
+        let room = ProbesDesc::MOST.saturating_sub(boxes.len());
         let counts = grid_counts(still, spacing_m);
         let total: f64 = counts.iter().product();
         if total > room as f64 {
@@ -188,7 +179,7 @@ mod tests {
         let still = bounds(Vec3::new(100.0, 10.0, 50.0));
         let counts = grid_counts(still, 2.0);
         let size_m = (still.max - still.min).as_dvec3();
-        let error = too_many(size_m, counts.iter().product(), MOST_PROBES);
+        let error = too_many(size_m, counts.iter().product(), ProbesDesc::MOST);
         assert!(
             error.message.contains("6250 probes; there is room for 42"),
             "{}",

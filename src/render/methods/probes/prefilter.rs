@@ -4,7 +4,6 @@ use wgpu::BindingResource;
 
 use crate::{
     layout::gpu_struct::gpu_struct,
-    maps::probe_key::ProbeKey,
     pipeline::{
         frame_pass::FramePass,
         pass::{ComputePass, Pass, PassGroup},
@@ -15,7 +14,7 @@ use crate::{
 };
 use reflet_gpu::GpuError;
 
-use super::capture;
+use super::{capture, key::ProbeKey, maps::ProbeMaps};
 
 /// See `shaders/prefilter.wgsl`.
 pub const PASS: Pass = Pass {
@@ -60,7 +59,7 @@ pub struct Prefilter([Vec<ComputePass>; 2]);
 
 impl FramePass for Prefilter {
     fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        let maps = builder.probe_maps()?;
+        let maps = builder.maps::<ProbeMaps>()?;
         let shrink = |level: u32| {
             let (finer, written) = (maps.captured_level(level - 1), maps.captured_level(level));
             let extra = [
@@ -87,7 +86,11 @@ impl FramePass for Prefilter {
     }
 
     fn record(&self, frame: &mut SubFrame<'_>) {
-        let Some(maps) = frame.resources.probe_maps.filter(|_| frame.captures) else {
+        let Some(maps) = frame
+            .resources
+            .maps::<ProbeMaps>()
+            .filter(|_| frame.captures)
+        else {
             return;
         };
         let (gpu, key) = (frame.recorder.gpu, &maps.key);

@@ -5,8 +5,10 @@ use reflet_scene::{
     diagnostic::{Diagnostic, Span},
 };
 
-use super::map_size::{FACES, HIT_BYTES, MAX_MAP_BYTES, texels};
-use crate::layout::types::ProbeBox;
+use crate::{
+    layout::types::ProbeBox,
+    maps::cube::{FACES, HIT_BYTES, MAX_MAP_BYTES, texels},
+};
 
 /// Bytes of a texel of radiance, four halves.
 const RADIANCE_BYTES: u64 = 8;

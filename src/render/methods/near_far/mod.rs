@@ -1,0 +1,148 @@
+//! Method `near-far`: rays near the camera, and a march through maps of the scene beyond.
+
+use std::sync::Arc;
+
+use reflet_gpu::{Checks, Gpu, GpuError};
+use reflet_scene::desc::ReflectionDesc;
+use reflet_world::Material;
+
+use super::{
+    MethodRow, Place,
+    face_maps::{CaptureFaces, FaceKey, FaceMaps},
+};
+use crate::{
+    layout::types::FarBox,
+    maps::method_maps::{
+        CaptureInputs, CaptureWork, MapFacts, MapKey, MethodMaps, Number, is_equal,
+    },
+    pipeline::{
+        frame_pass::FrameRow,
+        pass::{Pass, PassGroup},
+        shared_data::SharedData,
+    },
+    plan::has_far_maps,
+    upload::world_key::{PoseKey, changing_cut_outs},
+};
+
+/// Entry of the method.
+pub(super) const ROW: MethodRow = MethodRow {
+    map_key: |world, options, _| {
+        let key = || Arc::new(FarKey::new(&options.reflection)) as _;
+        Ok(has_far_maps(world, options).then(key))
+    },
+    passes: &[(Place::Capture, FrameRow::of::<CaptureFaces<FarKey>>(&PASS))],
+};
+
+/// Captures what the camera sees behind the box, in all directions, before every sub-frame for which the camera or the
+/// scene has moved; see `shaders/far.wgsl`.
+pub const PASS: Pass = Pass {
+    name: "far",
+    group: PassGroup::Capture,
+    color: [0, 0, 0],
+    writes_shared: &[SharedData::FarMaps],
+    needed: |plan, _| plan.features.near_far,
+    // `check_world` and `Trees::build` validated every index that rays follow.
+    checks: Checks::TrustedBuiltin,
+    ..Pass::DEFAULT
+};
+
+/// Values for which maps are made; where they differ, maps are made anew.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct FarKey {
+    face_px: u32,
+    /// Number of maps, 1 to 2: the nearest surfaces behind the box, and the surfaces behind them.
+    layers: u32,
+}
+
+impl FarKey {
+    fn new(settings: &ReflectionDesc) -> Self {
+        Self {
+            face_px: settings.near_far.face_px,
+            layers: settings.layers,
+        }
+    }
+}
+
+impl FaceKey for FarKey {
+    const PASS: &'static Pass = &PASS;
+    const NAMES: [&'static str; 3] = ["far_box", "cube_hits", "far_hits"];
+    const FACE: &'static str = "a face of the far map";
+    const OF_A_VIEW: bool = true;
+    type Block = FarBox;
+    /// Place, box, pose and cut-outs.
+    type Content = ([u32; 5], PoseKey, Vec<Material>);
+
+    fn face_px(&self) -> u32 {
+        self.face_px
+    }
+
+    fn cubes(&self) -> u32 {
+        self.layers
+    }
+
+    fn block(&self, inputs: &CaptureInputs<'_>) -> FarBox {
+        let (settings, unit_m) = (inputs.settings, inputs.unit_m);
+        FarBox {
+            eye: inputs.eye.to_array(),
+            half_size_m: settings.near_far.half_size_in(unit_m),
+            layers: self.layers,
+            steps: settings.steps,
+            separation_m: settings.separation_in(unit_m),
+        }
+    }
+
+    fn content(inputs: &CaptureInputs<'_>, far_box: &FarBox) -> Self::Content {
+        let ([x, y, z], world) = (far_box.eye, inputs.world);
+        let place = [x, y, z, far_box.half_size_m, far_box.separation_m].map(f32::to_bits);
+        (place, PoseKey::from_world(world), changing_cut_outs(world))
+    }
+}
+
+impl MapKey for FarKey {
+    fn make(&self, gpu: &Gpu) -> Result<Arc<dyn MethodMaps>, GpuError> {
+        Ok(Arc::new(FaceMaps::new(gpu, self)?))
+    }
+
+    fn is_same(&self, other: &dyn MapKey) -> bool {
+        is_equal(self, other)
+    }
+
+    fn facts(&self, settings: &ReflectionDesc, unit_m: f32, meters: f32) -> MapFacts {
+        let (px, near_m) = (
+            self.face_px,
+            settings.near_far.half_size_in(unit_m) * meters,
+        );
+        let layers = if self.layers > 1 { ", 2 layers" } else { "" };
+        let box_and_faces = vec![
+            ("half_size_m", Number::Length(near_m)),
+            ("face_px", Number::Count(px.into())),
+        ];
+        let layered = [("layers", Number::Count(self.layers.into()))];
+        MapFacts {
+            buffer: "far_maps",
+            label: "near-far",
+            keys: ["far", "near_far"],
+            texts: [
+                format!(
+                    "rays up to {near_m} m from the camera along each axis; map with faces of {px} px{layers}"
+                ),
+                format!("box of ±{near_m} m, map with faces of {px} px"),
+            ],
+            numbers: [[&box_and_faces[..], &layered].concat(), box_and_faces],
+            bytes: self.bytes(),
+        }
+    }
+
+    fn work(&self) -> CaptureWork {
+        CaptureWork {
+            maps: format!("six faces of {0} × {0} pixels", self.face_px),
+            paths: self.pixels(),
+            face_px: self.face_px,
+            serves_samples: false,
+            table: "near_far",
+            sized_by: &["face_px"],
+            or: "",
+            when: "for each picture in which the camera or a thing moves",
+        }
+    }
+}

@@ -1,0 +1,42 @@
+//! Methods `probe` and `ssr+probe`: reflections looked up in cube maps of the static scene.
+
+pub mod boxes;
+pub mod capture;
+pub mod choice;
+pub mod key;
+mod light;
+pub mod look_up;
+pub mod maps;
+pub mod prefilter;
+
+use std::sync::Arc;
+
+use super::{MethodRow, Place};
+use crate::{
+    pipeline::frame_pass::FrameRow,
+    plan::{has_probes, passes_light, reflects_roughly},
+};
+use boxes::probe_boxes;
+use capture::Capture;
+use key::ProbeKey;
+use look_up::Probe;
+use prefilter::Prefilter;
+
+/// Entry of the methods.
+pub(super) const ROW: MethodRow = MethodRow {
+    map_key: |world, options, meters| {
+        let settings = &options.reflection;
+        if !has_probes(world, options) {
+            return Ok(None);
+        }
+        let is_rough = reflects_roughly(world, settings.reflects_below());
+        let boxes = probe_boxes(world, &settings.probes, meters)?;
+        let key = ProbeKey::new(boxes, &settings.probes, is_rough, passes_light(world));
+        Ok(Some(Arc::new(key.checked()?)))
+    },
+    passes: &[
+        (Place::Capture, FrameRow::of::<Capture>(&capture::PASS)),
+        (Place::Capture, FrameRow::of::<Prefilter>(&prefilter::PASS)),
+        (Place::LookUp, FrameRow::of::<Probe>(&look_up::PASS)),
+    ],
+};

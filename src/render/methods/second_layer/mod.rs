@@ -1,0 +1,14 @@
+//! A second depth layer for the march: the surfaces behind the first.
+
+pub mod peel;
+pub mod stats;
+
+use super::{MethodRow, Place};
+use crate::pipeline::frame_pass::FrameRow;
+use peel::Peel;
+
+/// Entry of the second layer.
+pub(super) const ROW: MethodRow = MethodRow {
+    passes: &[(Place::March, FrameRow::of::<Peel>(&peel::PASS))],
+    ..MethodRow::NONE
+};

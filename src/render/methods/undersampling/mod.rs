@@ -1,0 +1,18 @@
+//! Rays of some pixels only, whose hits the pixels around them share where they agree.
+
+pub mod lead;
+pub mod spread;
+
+use super::{MethodRow, Place};
+use crate::pipeline::frame_pass::FrameRow;
+use lead::Lead;
+use spread::Spread;
+
+/// Entry of undersampling.
+pub(super) const ROW: MethodRow = MethodRow {
+    passes: &[
+        (Place::Lead, FrameRow::of::<Lead>(&lead::PASS)),
+        (Place::Lead, FrameRow::of::<Spread>(&spread::PASS)),
+    ],
+    ..MethodRow::NONE
+};
