@@ -265,9 +265,9 @@ def test_errors_have_places(reflet: ModuleType, scene: Path, tmp_path: Path) -> 
     with pytest.raises(reflet.SceneError) as caught:
         reflet.open(scene)
     error = caught.value
-    assert (error.file, error.line, error.column) == (scene, 9, 35)
+    assert (error.file, error.line, error.column) == (scene, 8, 35)
     assert "roughness" in error.help
-    assert f"{scene}:9:35" in str(error)
+    assert f"{scene}:8:35" in str(error)
     assert error.diagnostics[0].severity == "error"
     with pytest.raises(reflet.SceneError, match="<text>:1:"):
         reflet.open(text="version = 1\nx = 2\n".replace("version = 1\n", "versio = 1\n"))
