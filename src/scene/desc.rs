@@ -151,8 +151,9 @@ declared! {
         pub instances: Vec<InstanceDesc>,
         /// `[group.NAME]`: transforms without geometry, which other entries name as their `parent`.
         pub groups: Vec<Entry<GroupDesc>>,
-        /// `[light.NAME]`: lights, at most 1,048,576 with those inside glTF files. Where they are more than 64, those
-        /// with a place and a shadow are lit by rays, towards a few that are chosen for each point and sample.
+        /// `[light.NAME]`: lights, at most 1,048,576, with the lights of glTF files. Where there are
+        /// more than 64, a few of the lights that have a place and a shadow are chosen for each point and sample, and
+        /// light it with shadow rays.
         pub lights: Vec<Entry<LightDesc>>,
         /// `[decal.NAME]`: materials that are projected onto surfaces.
         pub decals: Vec<Entry<DecalDesc>>,
@@ -189,7 +190,7 @@ declared! {
         pub placed_params: Vec<(String, Vec<Entry<ParamValue>>)>,
         /// Names of the cameras that placed scenes define.
         pub placed_cameras: HashSet<String>,
-        /// Places of those of [`LATE_SETTINGS`] that are written.
+        /// Places in the text of settings of [`LATE_SETTINGS`].
         pub late: Vec<LateSetting>,
     }
 

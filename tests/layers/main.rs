@@ -19,7 +19,7 @@ const PRONOUNS_LEFT: [(&str, usize); 6] = [
     ("build.rs", 0),
     ("docs", 0),
     ("shaders", 0),
-    ("src", 55),
+    ("src", 0),
     ("tests", 0),
     ("tools", 0),
 ];

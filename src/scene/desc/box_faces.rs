@@ -3,9 +3,9 @@
 use glam::Vec3;
 
 declared! {
-    /// `[box_faces]`: the box of method `ssr+box`, which stands for a room. What is static in it is seen from each of
-    /// its six faces, inwards along the face's axis, and kept as depth and ids in a buffer on the face. What moves
-    /// (`dynamic` instances) is on none.
+    /// `[box_faces]`: the box of method `ssr+box`, which stands for a room. Its static instances are seen from
+    /// each of its six faces, inwards along the face's axis, and kept as depth and ids in a buffer on the face. Moving
+    /// (`dynamic`) instances are on none.
     #[derive(Clone, Copy, Debug, PartialEq)]
     #[defaults]
     pub struct BoxFacesDesc {

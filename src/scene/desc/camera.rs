@@ -32,13 +32,13 @@ declared! {
         /// Near plane: surfaces closer to the camera than this are not seen, meters, above 0. There is no far
         /// plane. Default 0.01, or a hundredth of U where that is less.
         pub near_m: Option<f32>,
-        /// Aperture as an f-number, 0.1 to 1000: less blurs more of what is out of focus. The lens is that of a
-        /// camera with this field of view and a sensor of 24 mm height; an orthographic camera has none. Each
+        /// Aperture as an f-number, 0.1 to 1000: less blurs things out of focus more. The diameter of the lens
+        /// follows from it for this field of view on a sensor of 24 mm height; an orthographic camera has no lens. Each
         /// sub-frame looks through one point of the lens, so it takes many `image.samples`. Default: a pinhole,
         /// everything is sharp.
         pub aperture_f: Option<f32>,
         /// Distance along the view that is in focus, meters, above 0. Default: the distance of `target`, so
-        /// that what a camera looks at or follows is sharp.
+        /// that the thing that a camera looks at or follows is sharp.
         pub focus_m: Option<f32>,
     }
 }

@@ -6,13 +6,13 @@ use super::{At, PlacementDesc};
 
 declared! {
     /// `[decal.NAME]`: a material that is projected onto the surfaces inside a box, such as a poster, a road marking,
-    /// rust or a puddle; at most 256 with those of placed scenes. It is projected along the box's -Z, with the image's
-    /// right along +X and its top along +Y: `rotation_deg = [-90, 0, 0]` projects down onto a floor, no rotation onto a
-    /// wall that faces +Z. Where decals overlap, those that are written later lie above. All methods show them, also in
-    /// reflections. A decal takes base color, metalness, roughness, reflectivity, emission and normal map of its
-    /// material, with their textures and patterns, and the alpha as its coverage. Emission is added to that of the
-    /// surface, and is never sampled as a light. A clear coat lies over decals. Glass passes less light where a decal
-    /// covers it, but its shadow stays clear.
+    /// rust or a puddle; at most 256, with the decals of placed scenes. It is projected along the box's -Z, with the
+    /// image's right along +X and its top along +Y: `rotation_deg = [-90, 0, 0]` projects down onto a floor, no
+    /// rotation onto a wall that faces +Z. Where decals overlap, later decals of the text lie above. All methods show
+    /// them, also in reflections. A decal takes base color, metalness, roughness, reflectivity, emission and normal map
+    /// of its material, with their textures and patterns, and the alpha as its coverage. Its emission is added to the
+    /// emission of the surface, and is never sampled as a light. A clear coat lies over decals. Glass passes less light
+    /// where a decal covers it, but its shadow stays clear.
     ///
     /// - `parent`: `name` of an instance, or of a `[group.NAME]`: the decal's placement is then relative to it and
     ///   moves with it, and the decal is hidden with it. Default: none.

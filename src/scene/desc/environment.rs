@@ -18,7 +18,7 @@ declared! {
 
     /// `fog = { density = 0.02 }`, in `[environment]`: fog, mist or smoke between things. A way d through it lets
     /// exp(-σ d) of the light pass, and it scatters light of lamps, of surfaces with `light = true` and of the
-    /// surroundings towards the eye, with shadows: beams. Reflections and what is behind glass lie in it too; in solid
+    /// surroundings towards the eye, with shadows: beams. Reflections and surfaces behind glass lie in it too; in solid
     /// glass there is none. σ is `density`: with a `falloff_m` up to `height_m`, above which it is
     /// `density` · exp(-(y - `height_m`) / `falloff_m`); else within the box around all instances, lamps and cameras as
     /// they are at load, and 0 beyond. Light is scattered once, or more often by as many `diffuse_bounces`, and without

@@ -21,7 +21,7 @@ declared! {
     /// or else of the file. Its cameras, lights, materials, models, instances, groups and motion are added to
     /// this scene, with that name and a dot before their own names: `car.wheel`. Tables of this scene with such
     /// a name, as `[material."car.paint"]`, override its keys. Its script is added too: its `frame` runs before
-    /// that of this scene, with the names and the `[params]` of its own scene and the timeline of this one. Its
+    /// the `frame` of this scene, with the names and the `[params]` of its own scene and the timeline of this one. Its
     /// image settings, environment, reflection settings, timeline and variants are ignored. Beside `model`,
     /// such an instance may have `name`, a placement, `parent`, `dynamic`, and `visible`, `casts_shadow` and
     /// `in_reflections` for all of its instances.

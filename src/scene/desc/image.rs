@@ -20,7 +20,7 @@ declared! {
 pub enum Exposure {
     /// Exposure in stops: +1 doubles the brightness.
     Ev(f32),
-    /// Chosen when the scene is loaded, for what the camera sees in the first frame.
+    /// Chosen when the scene is loaded, for the camera's view in the first frame.
     Auto,
 }
 
@@ -42,7 +42,7 @@ declared! {
         Raster = "raster",
         /// one ray per pixel is traced through the BVH; cheaper for small pictures of many triangles.
         Rays = "rays",
-        /// the one that a cost model expects to take less time; `raster` where nothing else traces
+        /// `raster` or `rays`, whichever a cost model expects to take less time; `raster` where nothing else traces
         /// rays.
         Auto = "auto",
     }

@@ -14,12 +14,12 @@ declared! {
         /// depth maps (cube maps for point lights), filtered; not for lights with a size.
         Map = "map",
         /// shadow rays through the BVH that reflections use; exact, hard-edged for lights without a
-        /// size, soft for those with one.
+        /// size, soft for lights with a size.
         Ray = "ray",
         /// no shadows; the light shines through everything.
         None = "none",
-        /// `map` or `ray`, the same for all lights of a kind: the one that a cost model expects to
-        /// take less time if every picture drew all shadow maps; `ray` where a texel of the map would cover
+        /// `map` or `ray`, the same for all lights of a kind: whichever a cost model expects to take
+        /// less time if every picture drew all shadow maps; `ray` where a texel of the map would cover
         /// more than 16 pixels of the view; `map` where nothing else traces rays. Lights with a size take
         /// `ray`.
         Auto = "auto",
@@ -27,7 +27,7 @@ declared! {
 }
 
 impl SceneDesc {
-    /// Maximum number of lights of a scene, with those of files.
+    /// Maximum number of lights of a scene, with the lights of files.
     pub const MOST_LIGHTS: usize = 1 << 20;
 }
 
@@ -49,8 +49,8 @@ declared! {
         pub shadow: ShadowMode,
         /// Edge length of the shadow map in pixels, 16 to 4096; for point lights, of each of six faces. More is
         /// sharper. The map of a directional light spans the whole scene, so large scenes need more, or `shadow
-        /// = "ray"`. The largest value of a point light holds for all point lights, and that of another kind
-        /// for all others. Default 1024.
+        /// = "ray"`. The largest value of a point light holds for all point lights, the largest value
+        /// of any other light for all others. Default 1024.
         pub shadow_px: u32,
         /// Light group, 1 to 31 letters, digits, `-` and `_`: `--aov light:NAME` writes the light of all lights,
         /// materials and the environment of this name apart. Default "other".

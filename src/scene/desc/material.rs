@@ -32,8 +32,8 @@ material! {
     /// plain white, rough, non-metallic surface.
     ///
     /// A number or color whose kind says "or a table" varies over the surface where a pattern is written in its place:
-    /// `roughness = { pattern = "noise", from = 0.1, to = 0.6, size_m = 0.2 }`. A track, a script or an override that sets it
-    /// replaces the pattern. At most 6 in a material.
+    /// `roughness = { pattern = "noise", from = 0.1, to = 0.6, size_m = 0.2 }`. A track, a script or an override that
+    /// sets it replaces the pattern. At most 6 in a material.
     ///
     /// - `pattern`: a procedural pattern of two colors, in place of `checker` and of a base color texture.
     /// - `extends`: name of a `[material.NAME]` that gives the values of keys left out here.
@@ -124,8 +124,8 @@ material! {
         /// Perceptual roughness of the sheen, 0 to 1: 0.1 is a thin rim as of satin, 1 an even glow as of felt; less
         /// than 0.07 counts as 0.07. Default 0, or the glTF value.
         sheen_roughness: f32, Number in UNIT, "perceptual roughness of the sheen" varies SheenRoughness => rest 0.0;
-        /// Strength of a thin film over the material, whose colors change with the angle as those of soap bubbles and
-        /// oil, 0 to 1 (`KHR_materials_iridescence`). Default 0, none, or the glTF value.
+        /// Strength of a thin film over the material, whose interference colors change with the angle as on soap
+        /// bubbles and oil, 0 to 1 (`KHR_materials_iridescence`). Default 0, none, or the glTF value.
         iridescence: f32, Number in UNIT, "strength of the thin film" varies Iridescence => off "0";
         /// Index of refraction of the thin film, 1 to 4: 1.33 is water. Default 1.3, or the glTF value.
         iridescence_ior: f32, Number in INDEX, "thin film's index of refraction" => rest 1.3;
@@ -233,7 +233,7 @@ struct Track {
     off: &'static str,
 }
 
-/// Tracks of the values of a checker, after those of [`material!`].
+/// Tracks of the values of a checker, listed after the tracks of [`material!`].
 const OF_CHECKERS: [Track; 3] = {
     const fn track(what: &'static str) -> Track {
         let needs = "checker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 1 }";

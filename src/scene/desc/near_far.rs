@@ -1,8 +1,8 @@
 //! Box and maps of method `near-far` in scene text.
 
 declared! {
-    /// `[near_far]`: the box around the camera in which method `near-far` traces rays, and the cube map of what lies
-    /// behind it.
+    /// `[near_far]`: the box around the camera in which method `near-far` traces rays, and the cube map of the
+    /// surfaces behind it.
     #[derive(Clone, Copy, Debug, PartialEq)]
     #[defaults]
     pub struct NearFarDesc {

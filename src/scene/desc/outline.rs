@@ -65,9 +65,9 @@ declared! {
     /// Rule that says which parts are inside an outline that crosses or contains itself.
     #[words]
     pub enum FillRule = Nonzero {
-        /// those that the outline turns around, whether once or more.
+        /// points that the outline turns around, whether once or more.
         Nonzero = "nonzero",
-        /// those from which a ray to the outside crosses the outline an odd number of times.
+        /// points from which a ray to the outside crosses the outline an odd number of times.
         Evenodd = "evenodd",
     }
 }

@@ -28,7 +28,7 @@ declared! {
     }
 
     /// `[probe.NAME]`: a place from which the static scene is captured for methods `probe` and `ssr+probe`, at most 42
-    /// with those of the grid. What moves (`dynamic` instances) is on no probe, and casts no shadow there. Probes of
+    /// with the probes of the grid. Moving (`dynamic`) instances are on no probe, and cast no shadow there. Probes of
     /// placed scenes are left out. Without any probe and without a grid, one stands in the middle of the static scene.
     #[derive(Clone, Debug, PartialEq)]
     pub struct ProbeDesc {

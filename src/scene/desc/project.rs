@@ -1,20 +1,20 @@
-//! `reflet.toml`: what all scenes of a project share.
+//! `reflet.toml`: settings that all scenes of a project share.
 
 use super::{At, Entry};
 
 declared! {
     /// `reflet.toml`: the file of a project. Its folder is the border of the scenes in it and below: names of files may
     /// begin with `../` as long as they stay inside, and files are also looked for in this folder itself, after the
-    /// asset folders. It is looked for in the folder of a scene and in those above, see `docs/project.md`. All keys may
-    /// be left out; it never runs anything.
+    /// asset folders. It is looked for in the folder of a scene and in the folders above, see `docs/project.md`. All
+    /// keys may be left out; it never runs anything.
     ///
     /// - `sizes`: sizes of pictures by names of your choice, `draft = [640, 360]`, for `--size draft`.
     #[derive(Clone, Debug, Default, PartialEq)]
     pub struct ProjectDesc {
-        /// Name of the project in messages. Default: that of its folder.
+        /// Name of the project in messages. Default: the name of its folder.
         pub name: Option<String>,
-        /// Folders of the project where files are looked for after a scene's own folder and those of `--assets`, such
-        /// as `assets = ["lib", "textures"]`.
+        /// Folders of the project where files are looked for after a scene's own folder and the folders of `--assets`,
+        /// such as `assets = ["lib", "textures"]`.
         pub assets: Vec<At<String>>,
         /// Folder of the project with scripts that all scenes may name and import, looked for after all other folders.
         pub scripts: Option<At<String>>,
@@ -24,7 +24,7 @@ declared! {
         /// at all.
         pub variant: Vec<At<String>>,
         /// File in the project that `render` writes without `--output`, such as `"renders/{scene}.{camera}.####.exr"`:
-        /// `{scene}` is the name of the scene's file, `{camera}` that of the camera, `{variant}` the variants, and
+        /// `{scene}` is the name of the scene's file, `{camera}` the name of the camera, `{variant}` the variants, and
         /// `####` the number of the frame, which is left out where a scene has no frames. Missing folders are made.
         pub output: Option<At<String>>,
         /// Sizes by their names.

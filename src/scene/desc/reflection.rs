@@ -17,7 +17,7 @@ declared! {
         /// screen space first, ray traced where that finds nothing.
         Hybrid = "hybrid": "Screen space first, ray traced where that fails",
         /// cube maps that were captured from some places of the static scene, looked up by `[probes]`. Shows
-        /// nothing that moves, and what the places do not see at a wrong place or not at all.
+        /// nothing that moves, and surfaces that the places do not see at a wrong place or not at all.
         Probe = "probe": "Cube maps that were captured from probes",
         /// screen space first, by the same rule as `"ssr"`; probes where that finds nothing.
         SsrProbe = "ssr+probe": "Screen space first, probes where that fails",
@@ -25,9 +25,9 @@ declared! {
         /// depth and ids on the faces of a box that stands for the room, captured once by `[box_faces]`. Shows nothing
         /// that moves, and replaces what things hide from all faces by the environment.
         SsrBox = "ssr+box": "Screen space first, buffers on the faces of a box where that fails",
-        /// rays are traced inside of the box of `[near_far]` around the camera; beyond it they march through a
-        /// cube map of what the camera sees there, captured for each frame, whose hits are shaded as those of rays are
-        /// (Ganestam & Doggett 2015). What the map does not show, behind what it shows, is replaced by the environment.
+        /// rays are traced inside of the box of `[near_far]` around the camera; beyond it they march through a cube map
+        /// of the surfaces there, captured for each frame, whose hits are shaded like hits of rays (Ganestam & Doggett
+        /// 2015). Surfaces that the map does not show, behind others, are replaced by the environment.
         NearFar = "near-far": "Rays near the camera, cube maps of depth and ids beyond",
         /// path tracing, the ground truth for the other methods. All light is followed by rays, however
         /// often it is reflected and scattered: as `rt` with unlimited `bounces` and `diffuse_bounces`,
@@ -153,20 +153,21 @@ declared! {
         /// crossing still counts as a hit. Too small gives stripes, too large prolonged reflections. Default 0.025.
         pub threshold_u: f32 = 0.025,
         /// Number of depth layers that the march of methods `ssr`, `ssr+box` and `hybrid` looks at, and of the maps of
-        /// `near-far`, 1 to 2. The second is the nearest surface at least `separation_m` behind what each pixel shows,
-        /// from whichever side it is seen; a ray that goes behind the first layer is marched on between them, and may
-        /// hit the second (Mara et al. 2016). It takes another drawing of the scene and 12 bytes a pixel. Default 1.
+        /// `near-far`, 1 to 2. The second is the nearest surface at least `separation_m` behind the surface of each
+        /// pixel, from whichever side it is seen; a ray that goes behind the first layer is marched on between them,
+        /// and may hit the second (Mara et al. 2016). It takes another drawing of the scene and 12 bytes a pixel.
+        /// Default 1.
         pub layers: u32 = 1,
-        /// Minimum distance of the second depth layer behind the first in meters, 0 or more, with `layers = 2`. What
-        /// lies nearer is in no layer, and rays that pass there are not answered. About the thickness of the things
+        /// Minimum distance of the second depth layer behind the first in meters, 0 or more, with `layers = 2`. A
+        /// nearer surface is in no layer, and rays that pass there are not answered. About the thickness of the things
         /// that hide others is best: with less the second layer shows the far sides of these things, with more it
         /// misses what is close behind them. Default: 0.5 U.
         pub separation_m: Option<f32>,
         /// Number of traced rays of which one is traced first, 1 to 4, but not 3, in a regular pattern. The others take
-        /// over what the rays around them hit, where these pixels mirror alike and their rays hit one thing at similar
-        /// distances: each is intersected with what they hit, and that point is shaded (Kim et al. 2016). Where they
-        /// disagree, as at edges, rays are traced. Things that lie between the rays are missed, the more the higher the
-        /// rate. Default 1.
+        /// over the hits of the rays around them, where these pixels mirror alike and their rays hit one thing at
+        /// similar distances: each is intersected with the thing that was hit, and that point is shaded (Kim et al.
+        /// 2016). Where they disagree, as at edges, rays are traced. Things that lie between the rays are missed, the
+        /// more the higher the rate. Default 1.
         pub rate: u32 = 1,
         /// Tolerance of `rate` above 1, 0 to 1: the largest angle between the normals of such pixels in radians, and
         /// the largest relative difference of distances. Less traces more rays and errs less. Default 0.05.
@@ -182,11 +183,11 @@ declared! {
         /// less than half a step of an 8-bit picture of the brightest thing, shown in the dark; at most 64. Scenes
         /// without reflectors that see each other end after the first either way. Default `"auto"`.
         pub bounces: Bounces = Bounces::Auto,
-        /// Maximum number of times that light is scattered by matte surfaces before it reaches the one that is
+        /// Maximum number of times that light is scattered by matte surfaces before it reaches the surface that is
         /// seen, 0 to 8: 0 leaves corners that no light and no sky reaches dark; 2 to 4 fill a room. Above 0 the
-        /// environment's light casts shadows, whatever its `shadow`, and surfaces that emit light others also
-        /// without `light = true`, but with more grain. It takes one ray per pixel and sub-frame: good with 64
-        /// `samples` and more. Default 0.
+        /// environment's light casts shadows, whatever its `shadow`, and surfaces that emit light others also without
+        /// `light = true`, but with more grain. It takes one ray per pixel and sub-frame: good with 64 `samples` and
+        /// more. Default 0.
         pub diffuse_bounces: u32,
         /// Limit of the radiance that a path may add past its first hit, once it has taken a random direction, 0 or
         /// more. Less removes more of the bright specks that lamps leave on rough surfaces, glass and coats, and
@@ -222,7 +223,8 @@ declared! {
         /// Whether light that rough surfaces reflect or pass on more than once between their microfacets is added
         /// (Turquin 2019): they are brighter, metals more colorful, and in even white light white surfaces vanish,
         /// whatever they are made of: metal, brushed or not, glass, coats, films. `false` is glTF's model, which loses
-        /// it: up to 69 % of what the roughest metal would reflect, and 80 % of what the roughest glass would pass.
+        /// it: up to 69 % of the light that the roughest metal would reflect, and 80 % of the light that the roughest
+        /// glass would pass.
         /// Default false.
         pub multiple_scattering: bool,
         /// Standard deviation of the Gaussian blur of the combined reflection, pixels, 0 to 16: 0 is off. Default 0.
@@ -261,7 +263,7 @@ impl ReflectionDesc {
         "blur_px",
     ];
 
-    /// Effective settings: method `path` replaces those of [`ReflectionDesc::REPLACED_BY_PATH`].
+    /// Effective settings: method `path` replaces the settings of [`ReflectionDesc::REPLACED_BY_PATH`].
     pub fn settled(&self) -> Self {
         /// Number of bounces that no path reaches: paths end by chance before.
         const ENDLESS: u32 = 1 << 12;

@@ -32,7 +32,7 @@ declared! {
         pub count: u32,
         /// Number that other places follow from, 0 to 1000000. Default 0.
         pub seed: u32,
-        /// Whether the Y of copies points out of the surface; else it is that of the instance. Default true.
+        /// Whether the Y of copies points out of the surface; else it is the Y of the instance. Default true.
         pub upright: bool,
         /// Whether each copy is turned about its Y by an angle of its own. Default true.
         pub spun: bool,

@@ -96,8 +96,8 @@ declared! {
             angle_deg: f32,
         },
         /// `"extrude"`: a flat figure with a thickness: in XY, from z = 0 to its face at z = `depth`. Texture
-        /// coordinates of the faces span the outline's bounds; those of its sides run once around, and from the face to
-        /// the back.
+        /// coordinates of the faces span the outline's bounds; coordinates of its sides run once around, and from the
+        /// face to the back.
         Extrude {
             /// The figure.
             outline: OutlineDesc,
@@ -161,20 +161,20 @@ declared! {
             /// Place where the text is written.
             at: Written,
         },
-        /// `"union"`: closed shapes as one: what is inside any of them.
+        /// `"union"`: closed shapes as one: all points inside any of them.
         Union {
             /// The shapes, 2 to 100 tables, each with its place. All must be closed and none may pass through itself;
             /// where faces lie on each other they are joined. Each face keeps its texture coordinates.
             parts: Vec<PartDesc>,
         },
-        /// `"difference"`: what is inside the first of closed shapes and in none of the others.
+        /// `"difference"`: all points inside the first of closed shapes and in none of the others.
         Difference {
             /// The shapes, 2 to 100 tables, each with its place: the first, from which the others are cut. All must be
             /// closed and none may pass through itself; where faces lie on each other no skin is left. Each face keeps
             /// its texture coordinates.
             parts: Vec<PartDesc>,
         },
-        /// `"intersection"`: what is inside all of closed shapes.
+        /// `"intersection"`: all points inside all of closed shapes.
         Intersection {
             /// The shapes, 2 to 100 tables, each with its place. All must be closed and none may pass through itself.
             /// Each face keeps its texture coordinates.
@@ -192,7 +192,7 @@ declared! {
             ///
             /// - `height`: distance that noise moves the surface in or out at most, meters, 0 or more. Default 0.
             /// - `size`: size of the largest bumps, meters, above 0. Default 0.2.
-            /// - `octaves`: number of sizes of bumps, each half of the one before, 1 to 8. Default 4.
+            /// - `octaves`: number of sizes of bumps, each half of the size before, 1 to 8. Default 4.
             /// - `seed`: number that other bumps follow from, 0 to 1000000. Default 0.
             noise: NoiseDesc,
         },
@@ -211,8 +211,8 @@ declared! {
             uv: Arc<[f32]>,
             /// Linear colors that multiply the base color, three numbers 0 to 1 for each vertex. Default: none.
             colors: Arc<[f32]>,
-            /// Whether `frame` of a script may deform it, by `ctx.mesh`. Then it is traced apart from what stands
-            /// still, in a tree whose branches are those of `positions`. Default false.
+            /// Whether `frame` of a script may deform it, by `ctx.mesh`. Then it is traced apart from static
+            /// instances, in a tree with the branches of `positions`. Default false.
             dynamic: bool,
         },
         /// `"heightfield"`: a surface whose height is the brightness of an image, black at y = 0, facing +Y.
@@ -243,7 +243,7 @@ declared! {
         Linear = "linear",
         /// smoothly, as `[motion]` does, without loops and cusps of its own.
         Centripetal = "centripetal",
-        /// every third point is on it, those between are handles: 4, 7, 10 … points, or 3, 6, 9 … if `closed`.
+        /// every third point is on it, points between are handles: 4, 7, 10 … points, or 3, 6, 9 … if `closed`.
         Bezier = "bezier",
     }
 }

@@ -252,7 +252,7 @@ impl<'r> Table<'r> {
                 .or_else(|| {
                     let is_name = self.place.path == "motion" && !self.place.in_list;
                     is_name.then(|| {
-                        format!("write `[motion.instance.{name}]`, or that of another kind")
+                        format!("write `[motion.instance.{name}]`, or the table of another kind")
                     })
                 })
                 .unwrap_or_else(|| suggest::hint(name, &self.asked, suggest::key, "its keys are"));

@@ -3,10 +3,11 @@
 /// Declares the keys of a material in the order of the manual, each with its comment and its type.
 ///
 /// - `as SLOT in RANGE`: a key that the reader finds as a value of this [`MaterialSlot`].
-/// - `FORM in RANGE, "…"`: a number or color that tracks and scripts may change, and what its track is of. It may also
-///   follow a pattern, `varies NAME`. Then its value where a material leaves it out: `rest VALUE`; or for a number without
-///   which a material lacks something that costs time, `off "VALUE"`, a value in scene text that changes nothing, or
-///   `such_as "VALUE"`. After `=>` a loaded material has it in its [`MaterialNumbers`], after `apart` it has it in another form.
+/// - `FORM in RANGE, "…"`: a number or color that tracks and scripts may change, and a name of its quantity for the text of
+///   its track. It may also follow a pattern, `varies NAME`. Then its value where a material leaves it out: `rest VALUE`; or
+///   for a number without which a material lacks something that costs time, `off "VALUE"`, a value in scene text that
+///   changes nothing, or `such_as "VALUE"`. After `=>` a loaded material has it in its [`MaterialNumbers`], after `apart`
+///   it has it in another form.
 /// - Neither: a key that the reader of materials reads by itself.
 macro_rules! material {
     (
@@ -158,7 +159,7 @@ macro_rules! material {
     };
 }
 
-/// Parts of [`material!`] that depend on what is said of a number: its value where a material leaves it out, its pattern.
+/// Parts of [`material!`] that depend on the entry of a number: its value where a material leaves it out, its pattern.
 macro_rules! at_rest {
     (plain rest $value:expr) => { Some($value) };
     (plain $($other:tt)*) => { None };

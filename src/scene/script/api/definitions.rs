@@ -6,7 +6,7 @@ use super::{API, Entry};
 
 const HEADER: &str = "\
 // Generated from src/scene/script/api; `UPDATE_DOCS=1 cargo test --test scene` writes it anew.
-// Functions that scripts of Reflet have in addition to those of Rhai, for language servers that read Rhai
+// Functions that scripts of Reflet have in addition to Rhai's own, for language servers that read Rhai
 // definition files. A script has `fn setup(ctx)`, `fn frame(ctx)` or both; docs/scripting.md explains them.
 module static;
 ";
