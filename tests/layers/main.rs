@@ -14,16 +14,6 @@ use std::{
 
 use comments::Syntax;
 
-/// Pronouns in comments of a folder where a noun belongs; the numbers only shrink.
-const PRONOUNS_LEFT: [(&str, usize); 6] = [
-    ("build.rs", 0),
-    ("docs", 0),
-    ("shaders", 0),
-    ("src", 0),
-    ("tests", 0),
-    ("tools", 0),
-];
-
 fn files_below(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
     let Ok(entries) = fs::read_dir(folder) else {
         return Vec::new();
@@ -339,24 +329,19 @@ fn planted_pronouns_without_noun_are_found() {
 
 #[test]
 fn comments_have_nouns_instead_of_pronouns() {
-    for (folder, allowed) in PRONOUNS_LEFT {
-        let mut found = Vec::new();
-        for (name, text, syntax) in commented_files() {
-            if name.starts_with(folder) {
-                for (line, pronoun) in comments::pronouns(&text, syntax) {
-                    found.push(format!("{name}:{line}: {pronoun}"));
-                }
-            }
+    let mut found = Vec::new();
+    for (name, text, syntax) in commented_files() {
+        for (line, pronoun) in comments::pronouns(&text, syntax) {
+            found.push(format!("{name}:{line}: {pronoun}"));
         }
-        assert!(
-            found.len() <= allowed,
-            "{} pronouns stand in comments of {folder} where a noun belongs, {allowed} are left over \
-             from before; write \"shading normals of the capsule\", not \"those of the capsule\"; \
-             \"visible surfaces\", not \"what the camera sees\":\n{}",
-            found.len(),
-            found.join("\n")
-        );
     }
+    assert!(
+        found.is_empty(),
+        "{} pronouns stand in comments where a noun belongs; write \"shading normals of the capsule\", not \"those of \
+         the capsule\"; \"visible surfaces\", not \"what the camera sees\":\n{}",
+        found.len(),
+        found.join("\n")
+    );
 }
 
 /// Files with `unsafe`, as the map of the crate and the security policy count them.
