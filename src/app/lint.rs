@@ -36,7 +36,7 @@ pub struct KeptTrees(Option<(World, TreeKey, Trees)>);
 impl KeptTrees {
     /// The trees of a world, cached while its geometry is unchanged; `None` where they cannot be built.
     fn for_world(&mut self, world: &World) -> Option<&Trees> {
-        let key = TreeKey::of(world);
+        let key = TreeKey::from_world(world);
         let fitting = (self.0.take())
             .filter(|(had, its_key, _)| has_same_uploads(had, world) && *its_key == key);
         let trees = match fitting {

@@ -54,7 +54,7 @@ pub fn within<T: Send + 'static>(
             Err(RecvTimeoutError::Disconnected) => return Err(Ended::Panicked),
             Err(RecvTimeoutError::Timeout) => {}
         }
-        let used = processor_time::of(&worker).unwrap_or(most);
+        let used = processor_time::of_other_thread(&worker).unwrap_or(most);
         left = most.saturating_sub(used);
         if left.is_zero() {
             return Err(Ended::TookTooLong);

@@ -14,7 +14,7 @@ pub fn of_thread() -> Option<Duration> {
 }
 
 /// CPU time of another thread so far; `None` where the system does not tell.
-pub fn of<T>(thread: &JoinHandle<T>) -> Option<Duration> {
+pub fn of_other_thread<T>(thread: &JoinHandle<T>) -> Option<Duration> {
     #[cfg(target_os = "linux")]
     {
         use std::os::unix::thread::JoinHandleExt as _;

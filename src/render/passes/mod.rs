@@ -53,40 +53,40 @@ use super::{
 
 /// The list of a frame, in its order.
 fn rows() -> Vec<FrameRow> {
-    let mut rows = vec![FrameRow::of::<shadow::Shadow>(&shadow::PASS)];
+    let mut rows = vec![FrameRow::new::<shadow::Shadow>(&shadow::PASS)];
     rows.extend(passes_at(Place::Capture));
     rows.extend([
-        FrameRow::of::<visibility::Visibility>(&visibility::PASS),
-        FrameRow::of::<primary::Primary>(&primary::PASS),
-        FrameRow::of::<surface::Surface>(&surface::PASS),
-        FrameRow::of::<details::Details>(&details::PASS),
-        FrameRow::of::<light::Light>(&light::PASS),
+        FrameRow::new::<visibility::Visibility>(&visibility::PASS),
+        FrameRow::new::<primary::Primary>(&primary::PASS),
+        FrameRow::new::<surface::Surface>(&surface::PASS),
+        FrameRow::new::<details::Details>(&details::PASS),
+        FrameRow::new::<light::Light>(&light::PASS),
         // For the lists of the surface pass.
-        FrameRow::of::<arguments::Arguments>(&arguments::PASS),
-        FrameRow::of::<transmit::Transmit>(&transmit::PASS),
-        FrameRow::of::<indirect::Indirect>(&indirect::PASS),
-        FrameRow::of::<soften::Soften>(&soften::PASS),
-        FrameRow::of::<fog::Fog>(&fog::PASS),
+        FrameRow::new::<arguments::Arguments>(&arguments::PASS),
+        FrameRow::new::<transmit::Transmit>(&transmit::PASS),
+        FrameRow::new::<indirect::Indirect>(&indirect::PASS),
+        FrameRow::new::<soften::Soften>(&soften::PASS),
+        FrameRow::new::<fog::Fog>(&fog::PASS),
     ]);
     rows.extend(passes_at(Place::March));
     rows.extend([
-        FrameRow::of::<pyramid::Pyramid>(&pyramid::PASS),
-        FrameRow::of::<ssr::Ssr>(&ssr::PASS),
+        FrameRow::new::<pyramid::Pyramid>(&pyramid::PASS),
+        FrameRow::new::<ssr::Ssr>(&ssr::PASS),
         // For the lists of hits and rays.
-        FrameRow::of::<arguments::Arguments>(&arguments::PASS),
-        FrameRow::of::<hits::Hits>(&hits::PASS),
+        FrameRow::new::<arguments::Arguments>(&arguments::PASS),
+        FrameRow::new::<hits::Hits>(&hits::PASS),
     ]);
     rows.extend(passes_at(Place::Lead));
-    rows.push(FrameRow::of::<trace::Trace>(&trace::PASS));
+    rows.push(FrameRow::new::<trace::Trace>(&trace::PASS));
     rows.extend(passes_at(Place::LookUp));
     rows.extend([
-        FrameRow::of::<audit::Audit>(&audit::PASS),
-        FrameRow::of::<filter::Filter>(&filter::PASS),
-        FrameRow::of::<blur::Blur>(&blur::PASS),
-        FrameRow::of::<compose::Compose>(&compose::PASS),
-        FrameRow::of::<coverage::Coverage>(&coverage::PASS),
-        FrameRow::of::<guides::Guides>(&guides::PASS),
-        FrameRow::of::<tone::Tone>(&tone::PASS),
+        FrameRow::new::<audit::Audit>(&audit::PASS),
+        FrameRow::new::<filter::Filter>(&filter::PASS),
+        FrameRow::new::<blur::Blur>(&blur::PASS),
+        FrameRow::new::<compose::Compose>(&compose::PASS),
+        FrameRow::new::<coverage::Coverage>(&coverage::PASS),
+        FrameRow::new::<guides::Guides>(&guides::PASS),
+        FrameRow::new::<tone::Tone>(&tone::PASS),
     ]);
     rows
 }

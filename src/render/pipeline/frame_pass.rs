@@ -34,7 +34,7 @@ pub struct FrameRow {
 
 impl FrameRow {
     /// Entry of a pass of this type.
-    pub const fn of<P: FramePass>(pass: &'static Pass) -> Self {
+    pub const fn new<P: FramePass>(pass: &'static Pass) -> Self {
         Self {
             pass,
             build: |builder| Ok(Arc::new(P::new(builder)?)),

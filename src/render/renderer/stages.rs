@@ -207,7 +207,10 @@ impl Traced {
         options: &RenderOptions,
         old: Option<&mut Renderer>,
     ) -> Result<Self, RenderError> {
-        let (key, skip) = (TreeKey::of(world), Skipping::for_world(world, options));
+        let (key, skip) = (
+            TreeKey::from_world(world),
+            Skipping::for_world(world, options),
+        );
         let kept = old.filter(|old| old.keeps_trees(world, &key, options, &skip));
         let is_new = kept.is_none();
         let (trees, ms) = match kept {

@@ -23,11 +23,11 @@ struct TreeInstance {
 
 impl TreeKey {
     /// Key of a world that passed [`crate::check_world`].
-    pub fn of(world: &World) -> Self {
+    pub fn from_world(world: &World) -> Self {
         let tree = |i: &Instance| {
             let material = &world.materials[i.material];
             TreeInstance {
-                placed: Placed::of(i),
+                placed: Placed::from_instance(i),
                 is_cutout: material.alpha_cutoff.is_some() || material.passes_light(),
                 is_double_sided: material.double_sided,
             }
@@ -49,7 +49,7 @@ struct Placed {
 }
 
 impl Placed {
-    fn of(instance: &Instance) -> Self {
+    fn from_instance(instance: &Instance) -> Self {
         let bits = || instance.world_from_object.to_cols_array().map(f32::to_bits);
         Self {
             mesh: instance.mesh,
@@ -108,7 +108,7 @@ fn has_same_records(a: &World, b: &World) -> bool {
 /// of materials and lights, so that its records fit the existing buffers.
 pub fn is_posed_from(uploaded: &World, world: &World) -> bool {
     fn placed(world: &World) -> impl Iterator<Item = Placed> {
-        world.instances.iter().map(Placed::of)
+        world.instances.iter().map(Placed::from_instance)
     }
     has_same_uploads(uploaded, world)
         && uploaded.materials.len() == world.materials.len()

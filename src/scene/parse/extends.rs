@@ -80,7 +80,7 @@ pub fn resolve(root: &mut Node, report: &mut Report) {
 /// Adds the keys that the table does not have, also to `size`.
 fn add_missing(table: &mut Entries, parent: &Entries, size: &mut Size) {
     let materials = content_below(Some(Below::scene()), "material");
-    let rules = Rules::of(content_below(materials, ""), &[]);
+    let rules = Rules::at_place(content_below(materials, ""), &[]);
     for (key, node) in parent {
         let name = key.get_ref().as_str();
         let mut excluded = rules.into_iter().flat_map(|rules| rules.excluded_by(name));

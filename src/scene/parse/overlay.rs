@@ -19,7 +19,7 @@ pub fn overlay(below: &mut Entries, above: Entries) {
 
 /// Lays the content at `place` over another layer's content there.
 pub fn overlay_at(place: Option<Below>, below: &mut Entries, above: Entries) {
-    let rules = Rules::of(place, &[&above, below]);
+    let rules = Rules::at_place(place, &[&above, below]);
     for (key, node) in above {
         if let Some(rules) = rules {
             rules.make_room(below, key.get_ref());

@@ -27,7 +27,7 @@ pub struct Rules {
 impl Rules {
     /// Rules of the table at `place`, whose kind the first of `layers` says that has one; `None` where no reader
     /// declares any, and for names, which exclude nothing: a model may be called "file", and another one "shape".
-    pub fn of(place: Option<Below>, layers: &[&Entries]) -> Option<Self> {
+    pub fn at_place(place: Option<Below>, layers: &[&Entries]) -> Option<Self> {
         let Below::Table(section) = place? else {
             return None;
         };

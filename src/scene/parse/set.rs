@@ -144,7 +144,7 @@ fn put(root: &mut Node, path: &[Segment], value: Node, report: &mut Report) {
         if is_param {
             params::set(table, key, value, report);
         } else {
-            if let Some(rules) = Rules::of(place, &[table]) {
+            if let Some(rules) = Rules::at_place(place, &[table]) {
                 rules.make_room(table, &last.name);
             }
             // Removed first, so that the key has the position of the option.

@@ -42,7 +42,7 @@ impl Tree {
         // The default size of its stack: one on which an overfull branch is forgotten, where a larger one panics.
         ReinsertionOptimizer::default().run(&mut optimized, REINSERTED_SHARE, None);
         let tree =
-            (!is_deeper(&optimized, 0, MOST_LEVELS)).then(|| Self::of(&optimized, &optimized));
+            (!is_deeper(&optimized, 0, MOST_LEVELS)).then(|| Self::widened(&optimized, &optimized));
         let is_shallow = |tree: &Self| tree.stack_need <= STACK_SIZE / 2;
         tree.filter(is_shallow).unwrap_or_else(|| {
             let balanced = cluster(boxes, false);
@@ -50,13 +50,13 @@ impl Tree {
             let mut even = balanced.clone();
             let size = Aabb::new(Vec3A::ZERO, Vec3A::ONE);
             even.nodes.iter_mut().for_each(|node| node.set_aabb(size));
-            Self::of(&balanced, &even)
+            Self::widened(&balanced, &even)
         })
     }
 
     /// The wide tree of a binary tree; the sizes of nodes of `chosen_by` decide which nodes become children of a wide
     /// node.
-    fn of(tree: &Bvh2, chosen_by: &Bvh2) -> Self {
+    fn widened(tree: &Bvh2, chosen_by: &Bvh2) -> Self {
         let mut wide = Bvh2Converter::new(chosen_by, true, false);
         wide.calculate_cost(MOST_IN_LEAF);
         wide.bvh2 = tree;

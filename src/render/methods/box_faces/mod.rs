@@ -39,7 +39,7 @@ pub(super) const ROW: MethodRow = MethodRow {
     },
     passes: &[(
         Place::Capture,
-        FrameRow::of::<CaptureFaces<FacesKey>>(&PASS),
+        FrameRow::new::<CaptureFaces<FacesKey>>(&PASS),
     )],
 };
 

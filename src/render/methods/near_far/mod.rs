@@ -30,7 +30,7 @@ pub(super) const ROW: MethodRow = MethodRow {
         let key = || Arc::new(FarKey::new(&options.reflection)) as _;
         Ok(has_far_maps(world, options).then(key))
     },
-    passes: &[(Place::Capture, FrameRow::of::<CaptureFaces<FarKey>>(&PASS))],
+    passes: &[(Place::Capture, FrameRow::new::<CaptureFaces<FarKey>>(&PASS))],
 };
 
 /// Captures what the camera sees behind the box, in all directions, before every sub-frame for which the camera or the

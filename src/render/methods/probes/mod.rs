@@ -35,8 +35,8 @@ pub(super) const ROW: MethodRow = MethodRow {
         Ok(Some(Arc::new(key.checked()?)))
     },
     passes: &[
-        (Place::Capture, FrameRow::of::<Capture>(&capture::PASS)),
-        (Place::Capture, FrameRow::of::<Prefilter>(&prefilter::PASS)),
-        (Place::LookUp, FrameRow::of::<Probe>(&look_up::PASS)),
+        (Place::Capture, FrameRow::new::<Capture>(&capture::PASS)),
+        (Place::Capture, FrameRow::new::<Prefilter>(&prefilter::PASS)),
+        (Place::LookUp, FrameRow::new::<Probe>(&look_up::PASS)),
     ],
 };

@@ -9,6 +9,6 @@ use peel::Peel;
 
 /// Entry of the second layer.
 pub(super) const ROW: MethodRow = MethodRow {
-    passes: &[(Place::March, FrameRow::of::<Peel>(&peel::PASS))],
+    passes: &[(Place::March, FrameRow::new::<Peel>(&peel::PASS))],
     ..MethodRow::NONE
 };

@@ -11,8 +11,8 @@ use spread::Spread;
 /// Entry of undersampling.
 pub(super) const ROW: MethodRow = MethodRow {
     passes: &[
-        (Place::Lead, FrameRow::of::<Lead>(&lead::PASS)),
-        (Place::Lead, FrameRow::of::<Spread>(&spread::PASS)),
+        (Place::Lead, FrameRow::new::<Lead>(&lead::PASS)),
+        (Place::Lead, FrameRow::new::<Spread>(&spread::PASS)),
     ],
     ..MethodRow::NONE
 };
