@@ -153,6 +153,7 @@ fn gallery(title: &str, charts: Vec<ChartFile>) -> Gallery {
         title: title.to_owned(),
         anchor: String::new(),
         text: String::new(),
+        points: Vec::new(),
         charts,
         figures: Vec::new(),
     }

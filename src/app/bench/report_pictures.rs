@@ -75,6 +75,7 @@ pub fn gallery(
         title: format!("{}: pictures", subject.name),
         anchor: String::new(),
         text: SOURCES.to_owned(),
+        points: Vec::new(),
         charts: Vec::new(),
         figures: shown.map(Shown::figure).collect::<Result<_, _>>()?,
     })

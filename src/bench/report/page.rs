@@ -28,6 +28,8 @@ pub struct Gallery {
     pub anchor: String,
     /// Paragraph that says what to look for.
     pub text: String,
+    /// Points of a list below the paragraph.
+    pub points: Vec<String>,
     /// Charts, shown before the figures.
     pub charts: Vec<ChartFile>,
     /// Figures, shown side by side.
@@ -233,13 +235,14 @@ fn charts(charts: &[ChartFile]) -> String {
 
 fn gallery(gallery: &Gallery) -> String {
     let mut out = format!(
-        "<h2{}>{}</h2>\n<p>{}</p>\n<div class=\"charts\">{}</div>\n<div class=\"shots\">",
+        "<h2{}>{}</h2>\n<p>{}</p>\n{}<div class=\"charts\">{}</div>\n<div class=\"shots\">",
         match gallery.anchor.as_str() {
             "" => String::new(),
             anchor => format!(" id=\"{}\"", escape(anchor)),
         },
         escape(&gallery.title),
         escape(&gallery.text),
+        list(&gallery.points),
         charts(&gallery.charts)
     );
     for figure in &gallery.figures {
@@ -252,6 +255,17 @@ fn gallery(gallery: &Gallery) -> String {
         );
     }
     out + "</div>\n"
+}
+
+/// HTML list; nothing without points.
+fn list(points: &[String]) -> String {
+    let items = points
+        .iter()
+        .map(|point| format!("<li>{}</li>\n", escape(point)));
+    match points.is_empty() {
+        true => String::new(),
+        false => format!("<ul>\n{}</ul>\n", items.collect::<String>()),
+    }
 }
 
 /// Encodes bytes as base64 (RFC 4648, with padding).

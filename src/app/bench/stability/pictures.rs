@@ -69,7 +69,8 @@ impl Shown<'_> {
             galleries.push(Gallery {
                 title,
                 anchor: mode.name.clone(),
-                text: format!("{about}{at} {} {sources}", self.verdicts(mode).join("; ")),
+                text: format!("{about}{at} {sources}"),
+                points: self.verdicts(mode),
                 charts: charts
                     .filter(|c| c.name.ends_with("-flicker.svg"))
                     .collect(),
