@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use data_encoding::BASE64;
+
 use super::{
     ChartFile, Section,
     chart::escape,
@@ -251,7 +253,7 @@ fn gallery(gallery: &Gallery) -> String {
             out,
             "<figure><img alt=\"{caption}\" src=\"data:image/png;base64,{}\">\
              <figcaption>{caption}</figcaption></figure>",
-            base64(&figure.png)
+            BASE64.encode(&figure.png)
         );
     }
     out + "</div>\n"
@@ -265,46 +267,5 @@ fn list(points: &[String]) -> String {
     match points.is_empty() {
         true => String::new(),
         false => format!("<ul>\n{}</ul>\n", items.collect::<String>()),
-    }
-}
-
-/// Encodes bytes as base64 (RFC 4648, with padding).
-fn base64(bytes: &[u8]) -> String {
-    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for chunk in bytes.chunks(3) {
-        let group = chunk
-            .iter()
-            .fold(0_u32, |bits, b| bits << 8 | u32::from(*b));
-        let group = group << (8 * (3 - chunk.len()));
-        for digit in 0..4 {
-            if digit <= chunk.len() {
-                text.push(char::from(
-                    DIGITS[(group >> (18 - 6 * digit)) as usize & 63],
-                ));
-            } else {
-                text.push('=');
-            }
-        }
-    }
-    text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn base64_is_that_of_the_rfc() {
-        for (bytes, text) in [
-            ("", ""),
-            ("f", "Zg=="),
-            ("fo", "Zm8="),
-            ("foo", "Zm9v"),
-            ("foobar", "Zm9vYmFy"),
-        ] {
-            assert_eq!(base64(bytes.as_bytes()), text);
-        }
-        assert_eq!(base64(&[0xFB, 0xFF]), "+/8=");
     }
 }

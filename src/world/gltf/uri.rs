@@ -6,6 +6,8 @@ use std::{
     path::{Component, Path, PathBuf},
 };
 
+use data_encoding::BASE64_NOPAD;
+
 use super::Fault;
 use reflet_scene::dependencies::Dependencies;
 
@@ -210,33 +212,13 @@ fn percent_decode(text: &str) -> Vec<u8> {
     out
 }
 
-/// Standard base64, with or without padding.
+/// Standard base64, with or without padding, and with any bits after the last byte.
 fn base64(text: &[u8]) -> Option<Vec<u8>> {
     let text = text.strip_suffix(b"=").unwrap_or(text);
     let text = text.strip_suffix(b"=").unwrap_or(text);
-    if text.len() % 4 == 1 {
-        return None;
-    }
-    let mut out = Vec::with_capacity(text.len() / 4 * 3 + 2);
-    let (mut held, mut bits) = (0u32, 0);
-    for &c in text {
-        let value = match c {
-            b'A'..=b'Z' => c - b'A',
-            b'a'..=b'z' => c - b'a' + 26,
-            b'0'..=b'9' => c - b'0' + 52,
-            b'+' => 62,
-            b'/' => 63,
-            _ => return None,
-        };
-        held = held << 6 | u32::from(value);
-        bits += 6;
-        if bits >= 8 {
-            bits -= 8;
-            out.push((held >> bits) as u8);
-            held &= (1 << bits) - 1;
-        }
-    }
-    Some(out)
+    let mut lax = BASE64_NOPAD.specification();
+    lax.check_trailing_bits = false;
+    lax.encoding().ok()?.decode(text).ok()
 }
 
 /// A name shortened for messages.
