@@ -19,6 +19,7 @@ mod light_group;
 mod material;
 mod motion;
 mod near_far;
+mod or_auto;
 mod outline;
 mod pattern;
 mod probe;
@@ -56,10 +57,10 @@ pub use self::{
     },
     motion::{
         CutDesc, DecalMotionDesc, GroupMotionDesc, InstanceMotionDesc, ModelMotionDesc, MotionDesc,
-        ParamValue, TimelineDesc,
+        TimelineDesc,
     },
     near_far::NearFarDesc,
-    outline::{BevelDesc, FigureDesc, FillRule, OutlineDesc, Written},
+    outline::{BevelDesc, FigureDesc, FillRule, OutlineDesc},
     pattern::{CheckerDesc, ColorPatternDesc, NumberPatternDesc, PatternDesc, PatternKind},
     probe::{Lookup, ProbeDesc, ProbesDesc, SelectBy},
     project::ProjectDesc,
@@ -75,17 +76,10 @@ pub use self::{
     },
 };
 use super::diagnostic::Span;
-
-/// A named table such as `[camera.main]`, in file order.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Entry<T> {
-    /// The name after the dot.
-    pub name: String,
-    /// Place where the name is written.
-    pub at: Span,
-    /// The table's content.
-    pub value: T,
-}
+pub use super::table::{
+    located::{At, Entry, Written},
+    params::ParamValue,
+};
 
 /// Indices of entries by their names, for lists that are searched once for each of many names.
 #[derive(Clone, Debug, Default)]
@@ -112,15 +106,6 @@ impl<'a> ByName<'a> {
     pub fn index(&self, name: &str) -> Option<usize> {
         self.0.get(name).copied()
     }
-}
-
-/// A value together with the place where it is written.
-#[derive(Clone, Debug, PartialEq)]
-pub struct At<T> {
-    /// The value.
-    pub value: T,
-    /// Place where the value is written.
-    pub at: Span,
 }
 
 declared! {

@@ -1,7 +1,7 @@
 //! Scene text as users write it, read with all its errors at once.
 //!
 //! This crate owns the scene format ([`desc`]), its manual and schema, the syntax tree of a text ([`syntax`]) and its
-//! reader ([`parse`]), the sandbox of scripts ([`script`]), animation tracks ([`motion`]), and the diagnostics that all
+//! readers ([`table`], [`parse`]), the sandbox of scripts ([`script`]), animation tracks ([`motion`]), and the diagnostics that all
 //! crates report ([`diagnostic`]). It reads texts and no assets, and knows no device.
 
 #[macro_use]
@@ -24,4 +24,5 @@ pub mod stages;
 mod suggest;
 pub mod svg_path;
 pub mod syntax;
+pub mod table;
 pub mod toml_text;

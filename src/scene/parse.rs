@@ -2,40 +2,31 @@
 //! a file are reported at once.
 
 mod additions;
-mod color;
 mod document;
 pub mod entry_kinds;
-mod enum_values;
 mod extends;
 mod hierarchy;
 mod include;
-mod key_recorder;
 mod layers;
-mod light_group;
 mod names;
 mod near_names;
-mod or_auto;
 mod overlay;
-mod params;
 mod placed;
-mod points;
 mod read;
-mod report;
 mod rules;
 mod set;
 mod syntax_errors;
-mod table;
 pub mod tables;
-mod value;
-mod value_advice;
 
 use std::{path::Path, sync::LazyLock};
 
 pub use self::document::{Document, Texts};
-pub use self::key_recorder::{Form, KeyRecord, RecordedKeys, Rule, SectionRecord, VariantRecord};
 pub use self::placed::{PlacedGroup, RanScript, Run, ScriptInput};
 pub use self::read::project::read_project;
-use self::table::{Section, Table};
+pub use crate::table::key_recorder::{
+    Form, KeyRecord, RecordedKeys, Rule, SectionRecord, VariantRecord,
+};
+use crate::table::{Section, Table};
 use reflet_base::files::{open_regular, read_at_most};
 
 use super::{

@@ -2,6 +2,18 @@
 
 use std::fmt;
 
+use serde_json::{Value as Json, json};
+
+use crate::{
+    range::Range,
+    suggest,
+    syntax::Node,
+    table::{
+        report::Report,
+        value::{Named, Value},
+    },
+};
+
 /// Name of a light group; it lies in place, so that descriptions of lights stay plain data. The default is the group
 /// [`LightGroup::OTHER`] of all that name none.
 #[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -47,5 +59,29 @@ impl LightGroup {
 impl fmt::Debug for LightGroup {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         fmt::Debug::fmt(self.name(), f)
+    }
+}
+
+impl Value for LightGroup {
+    fn expected() -> String {
+        String::expected()
+    }
+    fn schema(_: &Range) -> Json {
+        json!({ "type": "string", "pattern": "^[A-Za-z0-9_-]{1,31}$" })
+    }
+    fn to_json(&self) -> Json {
+        json!(self.name())
+    }
+    fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
+        let name = String::read(node, named, report)?;
+        let group = Self::new(&name);
+        if group.is_none() {
+            let (key, most, name) = (named.key, Self::MOST, suggest::text(&name));
+            let message =
+                format!("`{key}` must be 1 to {most} letters, digits, `-` and `_`, not {name}");
+            let error = report.error("wrong-name", &node.span(), message);
+            error.help = Some("the name stands in names of layers, such as `light_key.R`".into());
+        }
+        group
     }
 }

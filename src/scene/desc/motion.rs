@@ -133,18 +133,3 @@ declared! {
         pub materials: Vec<Entry<MaterialMotionDesc>>,
     }
 }
-
-/// A parameter of the scene's script.
-#[derive(Clone, Debug, PartialEq)]
-pub enum ParamValue {
-    /// A number written without a decimal point.
-    Integer(i64),
-    /// A number written with a decimal point.
-    Number(f64),
-    /// `true` or `false`.
-    Switch(bool),
-    /// Text.
-    Text(String),
-    /// An array of numbers.
-    Numbers(Vec<f64>),
-}

@@ -1,16 +1,6 @@
 //! Flat figures that shapes are made of.
 
-use crate::diagnostic::Span;
-
-/// Place of a value, for messages; equal to any other place, so that text that only moved is no change.
-#[derive(Clone, Debug)]
-pub struct Written(pub Span);
-
-impl PartialEq for Written {
-    fn eq(&self, _: &Self) -> bool {
-        true
-    }
-}
+use super::Written;
 
 declared! {
     /// `outline = { … }`: a flat figure in XY, meters, with exactly one of `path`, `points`, `rect` and `radius`.

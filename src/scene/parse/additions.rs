@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::report::Report;
+use crate::table::report::Report;
 use crate::{
     diagnostic::Source,
     suggest,

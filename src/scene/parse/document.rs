@@ -11,14 +11,13 @@ use super::{
     OVERRIDE, Parsed, ReadOptions, VARIANT, additions, extends, hierarchy,
     include::{self, Included},
     layers::{self, Base},
-    names, params,
+    names,
     placed::{self, Placed, PlacedGroup, Run},
     read::timeline::Film,
-    report::Report,
-    set,
+    recorded_keys, set,
     syntax_errors::{self, Shadow},
-    table::{Place, Table},
 };
+use crate::table::{Place, Table, params, report::Report};
 use crate::{
     dependencies::Dependencies,
     desc::{At, Entry, Include, ParamValue, SceneDesc, ScriptDesc, TimelineDesc},
@@ -256,8 +255,11 @@ impl<'t> Document<'t> {
         extends::resolve(&mut root, &mut report);
         let nothing = Entries::new();
         let table = root.get_ref().as_table().unwrap_or(&nothing);
-        let mut scene =
-            Table::read::<SceneDesc>(&mut report, table, Place::default()).unwrap_or_default();
+        let place = Place {
+            all: Some(recorded_keys),
+            ..Place::default()
+        };
+        let mut scene = Table::read::<SceneDesc>(&mut report, table, place).unwrap_or_default();
         scene.own = Span {
             source: Some(Arc::clone(&texts.own)),
             range: 0..0,

@@ -3,12 +3,12 @@
 use std::collections::{HashMap, HashSet};
 
 use super::{
-    report::Report,
     rules::{Rules, content_below},
     tables::Below,
 };
 use crate::suggest;
 use crate::syntax::{Content, Entries, Node, Size};
+use crate::table::report::Report;
 
 /// Largest number of materials that extend each other in a chain.
 const MOST: usize = 100;

@@ -6,8 +6,8 @@ use std::{
     ops::Range,
 };
 
-use super::{report::Report, table::Table};
 use crate::syntax::{Entries, Node};
+use crate::table::{Table, report::Report};
 use crate::{
     desc::{At, Entry, Parents, SceneDesc},
     range::ANY,

@@ -5,10 +5,9 @@ use std::{collections::HashSet, mem::discriminant, path::PathBuf, sync::Arc};
 
 use super::{
     MOST_BYTES,
-    report::Report,
     syntax_errors::{self, Shadow},
-    value::{Named, Names, Value as _, Version},
 };
+use crate::table::{report::Report, value::Named, value::Names, value::Value as _, value::Version};
 use crate::{
     confined_read::{self, Kind},
     dependencies::Dependencies,

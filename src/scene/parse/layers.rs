@@ -6,11 +6,10 @@ use super::{
     include::{self, Included},
     near_names,
     overlay::{self, Instances},
-    report::Report,
     set,
     syntax_errors::{self, Shadow},
-    value::{Named, Names, Value as _},
 };
+use crate::table::{report::Report, value::Named, value::Names, value::Value as _};
 use crate::{
     confined_read::{self, Kind},
     dependencies::Dependencies,

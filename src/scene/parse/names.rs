@@ -5,9 +5,10 @@ use std::{
     ops::Range,
 };
 
-use super::{extends, hierarchy, report::Report};
+use super::{extends, hierarchy};
 use crate::suggest;
 use crate::syntax::Entries;
+use crate::table::report::Report;
 use crate::{
     desc::{At, ByName, InstanceMaterialDesc, ModelSource, SceneDesc},
     diagnostic::{Diagnostic, Span},

@@ -3,8 +3,9 @@
 
 use std::{collections::HashSet, ops::Range};
 
-use super::{entry_kinds::ENTRY_KINDS, report::Report};
+use super::entry_kinds::ENTRY_KINDS;
 use crate::syntax::{Content, Entries, Node};
+use crate::table::report::Report;
 use crate::{diagnostic::Diagnostic, suggest};
 
 /// Largest number of names of a kind that are compared; more are hardly written by hand.

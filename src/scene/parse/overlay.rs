@@ -4,13 +4,13 @@
 use std::{collections::HashMap, ops::Range};
 
 use super::{
-    report::Report,
     rules::{Rules, content_below},
     set,
     tables::Below,
 };
 use crate::suggest;
 use crate::syntax::{Content, Entries, Key, Node};
+use crate::table::report::Report;
 
 /// Lays a scene over another one: tables key by key, instances by their names, all else replaced.
 pub fn overlay(below: &mut Entries, above: Entries) {

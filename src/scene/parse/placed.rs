@@ -23,11 +23,11 @@ use self::{
 };
 use super::{
     include, layers, overlay,
-    report::Report,
     rules::content_below,
     syntax_errors::{self, Shadow},
     tables::Below,
 };
+use crate::table::report::Report;
 use crate::{
     desc::TimelineDesc,
     suggest,

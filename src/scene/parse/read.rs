@@ -24,15 +24,12 @@ mod track;
 
 use glam::Vec3;
 
-use super::{
-    hierarchy,
-    table::{Either, Section, Table},
-    value::{Names, Version},
-};
+use super::hierarchy;
 use crate::declared::{Described, TypeDoc};
 use crate::range::{
     ABOVE_0, ANY, APERTURE_F, BOUNCES, DIFFUSE_BOUNCES, LAYERS, RATE, SEPARATION_M, STEPS, range,
 };
+use crate::table::{Either, Section, Table, value::Names, value::Version};
 use crate::{desc::*, diagnostic::Diagnostic};
 
 impl Section for SceneDesc {

@@ -1,9 +1,7 @@
 //! Rules about keys that exclude each other, as the readers of their tables declare them.
 
-use super::{
-    key_recorder::{SectionRecord, VariantRecord},
-    tables::Below,
-};
+use super::tables::Below;
+use crate::table::{key_recorder::SectionRecord, key_recorder::VariantRecord};
 use crate::{declared::Described, desc::SceneDesc, syntax::Entries};
 
 /// Content below a key of the content at `place`; `None` where no reader declares any.

@@ -5,12 +5,11 @@ use std::{ops::Range, sync::Arc};
 
 use super::{
     entry_kinds::ENTRY_KINDS,
-    params,
-    report::Report,
     rules::{Rules, content_below},
     syntax_errors::in_plain_words,
     tables::Below,
 };
+use crate::table::{params, report::Report};
 use crate::{
     diagnostic::Source,
     suggest,

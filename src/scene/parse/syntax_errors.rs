@@ -11,7 +11,7 @@ pub use plain_words::in_plain_words;
 use std::{ops::Range, sync::Arc};
 
 use self::unclosed::Unclosed;
-use super::report::Report;
+use crate::table::report::Report;
 use crate::{
     diagnostic::{Diagnostic, Source, Span},
     suggest,

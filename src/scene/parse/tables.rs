@@ -3,11 +3,9 @@
 
 use std::{ffi::OsStr, path::Path};
 
-use super::{
-    key_recorder::{Form, KeyRecord, SectionRecord},
-    recorded_keys, recorded_project_keys,
-};
+use super::{recorded_keys, recorded_project_keys};
 use crate::desc::ProjectDesc;
+use crate::table::{key_recorder::Form, key_recorder::KeyRecord, key_recorder::SectionRecord};
 
 /// Whether a file is a project, by its name.
 pub fn is_project(path: &Path) -> bool {

@@ -106,14 +106,3 @@ fn finite(x: f64) -> Result<f32> {
         )),
     }
 }
-
-/// The numbers that a text stands for; `None` if it is not such a text.
-pub(crate) fn read(text: &str) -> Option<Vec<f32>> {
-    let digits = text.strip_prefix(FLOATS_PREFIX)?.as_bytes();
-    let number = |eight: &[u8]| {
-        let digit = |bits: Option<u32>, byte: &u8| Some(bits? << 4 | (*byte as char).to_digit(16)?);
-        eight.iter().fold(Some(0), digit).map(f32::from_bits)
-    };
-    let whole = digits.len().is_multiple_of(8) && digits.len() / 8 <= FLOATS;
-    whole.then(|| digits.chunks_exact(8).map(number).collect())?
-}

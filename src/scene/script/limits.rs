@@ -23,7 +23,7 @@ pub const TEXT: usize = 1 << 20;
 /// Maximum number of elements of an array, nested elements included.
 pub const ARRAY: usize = 50_000;
 /// Maximum number of numbers of `floats`: the corners of two million triangles.
-pub const FLOATS: usize = 6_000_000;
+pub use crate::toml_text::MOST_FLOATS as FLOATS;
 /// Maximum number of entries of an object map, nested entries included: several for each element.
 pub const MAP: usize = 500_000;
 /// Maximum number of imports.

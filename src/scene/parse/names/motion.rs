@@ -6,6 +6,7 @@ use std::collections::HashSet;
 
 use super::Names;
 use crate::syntax::{Entries, key_text};
+use crate::table::report::Report;
 use crate::{
     desc::{
         At, ByName, CAMERA, DecalMotionDesc, Entry, InstanceDesc, InstanceMaterialDesc,
@@ -15,7 +16,7 @@ use crate::{
     diagnostic::{Diagnostic, Span},
     motion::{DECAL, ModelTables},
     number::{Field, Form},
-    parse::{overlay, report::Report},
+    parse::overlay,
     suggest,
 };
 

@@ -7,6 +7,7 @@ use std::{
 };
 
 use super::placed_by;
+use crate::table::report::Report;
 use crate::{
     confined_read::{self, Kind},
     dependencies::Dependencies,
@@ -16,7 +17,6 @@ use crate::{
         MOST_BYTES,
         include::{self, Included},
         layers::{self, Base},
-        report::Report,
     },
     reach::Reach,
     suggest,

@@ -1,10 +1,10 @@
 //! Groups that stand for placed scenes, and names of placed scenes in messages.
 
 use super::{Placed, run::RanScript};
+use crate::table::report::Report;
 use crate::{
     desc::{Entry, ParamValue},
     diagnostic::{Diagnostic, Span},
-    parse::report::Report,
     suggest,
 };
 

@@ -3,13 +3,10 @@
 use std::{collections::HashSet, ops::Range};
 
 use super::{Placed, PlacedFile};
-use crate::parse::{
-    entry_kinds::ENTRY_KINDS,
-    report::Report,
-    value::{Named, Value as _, Version},
-};
+use crate::parse::entry_kinds::ENTRY_KINDS;
 use crate::range::ANY;
 use crate::syntax::{Content, Entries, Key, Node};
+use crate::table::{report::Report, value::Named, value::Value as _, value::Version};
 
 /// Tables that are placed with a scene beside [`ENTRY_KINDS`]; the others are about its image or its timeline.
 const ALSO_PLACED: [&str; 2] = ["instance", "motion"];

@@ -6,10 +6,11 @@ use super::{
     collect::PlacedFile,
     run::{RanScript, ScriptInput},
 };
+use crate::table::params;
 use crate::{
     desc::{At, Entry, ParamValue},
     diagnostic::Diagnostic,
-    parse::{additions, params},
+    parse::additions,
     syntax::{Content, Entries, Node},
 };
 

@@ -1,13 +1,8 @@
 //! Reader of the animation that a model or an instance plays.
 
+use crate::desc::{AnimationDesc, Playback};
 use crate::range::ANY;
-use crate::{
-    desc::{AnimationDesc, Playback},
-    parse::{
-        table::{Either, Section, Table},
-        value::Names,
-    },
-};
+use crate::table::{Either, Section, Table, value::Names};
 
 impl Section for AnimationDesc {
     const HEADING: &'static str = "animation = { … }";

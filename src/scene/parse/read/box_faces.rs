@@ -1,9 +1,9 @@
 //! Reader of the box and the buffers of method `ssr+box`.
 
 use super::probe::check_box;
+use crate::table::{Section, Table};
 use crate::{
     desc::BoxFacesDesc,
-    parse::table::{Section, Table},
     range::{ANY, BOX_FACE_PX},
 };
 

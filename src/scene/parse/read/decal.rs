@@ -5,13 +5,10 @@ use glam::Vec3;
 use super::instance::placement;
 use crate::declared::{Described, TypeDoc};
 use crate::range::{ABOVE_0, ANY, DECAL_ANGLE_DEG, UNIT};
+use crate::table::{Section, Table, value::Names};
 use crate::{
     desc::{DecalChanges, DecalDesc, PlacementDesc},
-    parse::{
-        hierarchy,
-        table::{Section, Table},
-        value::Names,
-    },
+    parse::hierarchy,
     suggest,
 };
 

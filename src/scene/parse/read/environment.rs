@@ -2,14 +2,9 @@
 
 use glam::Vec3;
 
+use crate::desc::{EnvironmentDesc, EnvironmentShadow, FogDesc};
 use crate::range::{ABOVE_0, ANY, FROM_0, UNIT, range};
-use crate::{
-    desc::{EnvironmentDesc, EnvironmentShadow, FogDesc},
-    parse::{
-        color::Color,
-        table::{Section, Table},
-    },
-};
+use crate::table::{Section, Table, color::Color};
 
 impl Section for EnvironmentDesc {
     const HEADING: &'static str = "[environment]";

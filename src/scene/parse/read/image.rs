@@ -1,8 +1,8 @@
 //! Reader of `[image]`.
 
+use crate::table::{NumberOr, Section, Table};
 use crate::{
     desc::{ErrorBound, ImageDesc, Samples},
-    parse::table::{NumberOr, Section, Table},
     range::{ANY, UNIT, range},
 };
 

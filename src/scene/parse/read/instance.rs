@@ -5,17 +5,14 @@ use glam::{DMat4, DQuat, DVec4, Mat4, Quat, Vec3};
 use super::animation::animation;
 use crate::declared::{Described, TypeDoc};
 use crate::range::{ANY, range};
+use crate::table::{Either, Section, Table, value::Names, value::Scale};
 use crate::{
     desc::{
         At, GroupDesc, InstanceDesc, InstanceMaterialDesc, PlacedSceneDesc, PlacementDesc,
         RepeatDesc, ShownDesc,
     },
     motion::turned,
-    parse::{
-        hierarchy,
-        table::{Either, Section, Table},
-        value::{Names, Scale},
-    },
+    parse::hierarchy,
 };
 
 /// Largest number of copies of one instance.

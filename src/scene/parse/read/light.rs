@@ -4,13 +4,10 @@ use glam::Vec3;
 
 use crate::declared::{Described, TypeDoc};
 use crate::range::{ABOVE_0, ANY, FROM_0, range};
+use crate::table::{Section, Table, color::Color};
 use crate::{
     desc::{LightDesc, LightKind, ShadowMode},
-    parse::{
-        color::Color,
-        hierarchy,
-        table::{Section, Table},
-    },
+    parse::hierarchy,
 };
 
 impl Section for LightDesc {

@@ -3,14 +3,11 @@
 use glam::Vec3;
 
 use crate::declared::{Described, TypeDoc};
+use crate::syntax::Node;
+use crate::table::{Section, Table, ValueOr, color::Color, value::Value};
 use crate::{
     desc::*,
     number::{Form, Lanes},
-    parse::{
-        color::Color,
-        table::{Section, Table, ValueOr},
-        value::Value,
-    },
     range::{ABOVE_0, ANY, INDEX, Range, UNIT},
 };
 
@@ -153,6 +150,11 @@ impl Section for NumberPattern {
     fn read(t: &mut Table) -> Option<Self> {
         VariedBy::read::<f32>(t, ANY, Lanes::lanes).map(|_| Self)
     }
+
+    fn instead(key: &str, value: &Node) -> Option<String> {
+        let range = MATERIAL_KEYS.iter().find(|known| known.key == key)?.range;
+        pattern_instead(value, [0.2, 0.8].map(|x| range.clamp(x).to_string()))
+    }
 }
 
 /// Description of the table of a color's pattern.
@@ -168,6 +170,19 @@ impl Section for ColorPattern {
     fn read(t: &mut Table) -> Option<Self> {
         VariedBy::read::<Color>(t, ANY, |Color(c)| c).map(|_| Self)
     }
+
+    fn instead(_: &str, value: &Node) -> Option<String> {
+        pattern_instead(value, ["\"#404040\"", "\"#c0c0c0\""].map(str::to_owned))
+    }
+}
+
+/// Advice for the name of a pattern in place of its table: a pattern between these two values.
+fn pattern_instead(value: &Node, [from, to]: [String; 2]) -> Option<String> {
+    let name = value.get_ref().as_str()?;
+    PatternKind::from_name(name)?;
+    Some(format!(
+        "write {{ pattern = \"{name}\", from = {from}, to = {to}, size_m = 0.1 }}"
+    ))
 }
 
 impl Section for CheckerDesc {

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use crate::table::{Table, points::Numbers};
 use crate::{
     desc::ShapeDesc,
-    parse::{points::Numbers, table::Table},
     range::{ANY, FROM_0, UNIT},
 };
 

@@ -4,13 +4,10 @@ use glam::Vec3;
 
 use crate::declared::{Described, TypeDoc};
 use crate::range::ANY;
+use crate::table::{Section, Table, value::Scale};
 use crate::{
     desc::*,
     motion::{DECAL, DECAL_PLACES},
-    parse::{
-        table::{Section, Table},
-        value::Scale,
-    },
 };
 
 use super::track::{shown, track, tracks};

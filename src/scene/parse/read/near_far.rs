@@ -1,8 +1,8 @@
 //! Reader of the box and the maps of method `near-far`.
 
+use crate::table::{Section, Table};
 use crate::{
     desc::NearFarDesc,
-    parse::table::{Section, Table},
     range::{ABOVE_0, FACE_PX},
 };
 

@@ -1,11 +1,8 @@
 //! Reader of flat figures.
 
+use crate::table::{Section, Table, points::Figures, points::Points};
 use crate::{
     desc::{FigureDesc, FillRule, OutlineDesc, Written},
-    parse::{
-        points::{Figures, Points},
-        table::{Section, Table},
-    },
     range::{ABOVE_0, ANY, FROM_0, Range, range},
     suggest, svg_path,
     syntax::Node,

@@ -1,9 +1,9 @@
 //! Readers of shapes that are made of a flat figure: turned, thickened, or moved along a curve.
 
 use super::outline::{self, SEGMENTS};
+use crate::table::{Table, points::Points};
 use crate::{
     desc::{BevelDesc, FontDesc, LatheSource, ShapeDesc, SweepCurve, TextAlign},
-    parse::{points::Points, table::Table},
     range::{ABOVE_0, ANY, FROM_0, Range, range},
 };
 

@@ -2,11 +2,9 @@
 
 use glam::Vec3;
 
+use crate::desc::{ProbeDesc, ProbesDesc};
 use crate::range::{ABOVE_0, ANY, FACE_PX, NEAREST_PROBES, PROBE_SAMPLES};
-use crate::{
-    desc::{ProbeDesc, ProbesDesc},
-    parse::table::{Section, Table},
-};
+use crate::table::{Section, Table};
 
 impl Section for ProbeDesc {
     const HEADING: &'static str = "[probe.NAME]";

@@ -2,15 +2,11 @@
 
 use std::sync::Arc;
 
+use crate::table::{Place, Section, Table, report::Report, value::Names};
 use crate::{
     desc::{At, ProjectDesc},
     diagnostic::{Diagnostic, Source},
-    parse::{
-        report::Report,
-        syntax_errors,
-        table::{Place, Section, Table},
-        value::Names,
-    },
+    parse::syntax_errors,
     range::{ANY, range},
 };
 

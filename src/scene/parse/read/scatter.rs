@@ -1,12 +1,9 @@
 //! Readers of copies along curves and over surfaces.
 
 use super::outlined::{MOST_CURVE_POINTS, wrong_curve};
+use crate::table::{Section, Table, points::Points};
 use crate::{
     desc::{AlongDesc, At, OverDesc, SweepCurve},
-    parse::{
-        points::Points,
-        table::{Section, Table},
-    },
     range::{ABOVE_0, ANY, Range, range},
     suggest,
     syntax::Node,

@@ -10,9 +10,9 @@ use super::{
 };
 use crate::declared::{Described, TypeDoc};
 use crate::syntax::Node;
+use crate::table::{Section, Table};
 use crate::{
     desc::{NoiseDesc, PartDesc, PlacementDesc, ShapeDesc},
-    parse::table::{Section, Table},
     range::{ABOVE_0, ANY, FROM_0, range},
     suggest,
 };

@@ -2,13 +2,10 @@
 
 use std::path::Path;
 
+use crate::table::{Section, Table, value::Names};
 use crate::{
     desc::{At, StageDesc, is_stage},
     diagnostic::Diagnostic,
-    parse::{
-        table::{Section, Table},
-        value::Names,
-    },
     range::{ANY, Range, range},
     suggest,
 };

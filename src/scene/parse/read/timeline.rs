@@ -1,10 +1,10 @@
 //! Reader of the timeline and its cuts.
 
 use crate::declared::{Described, TypeDoc};
+use crate::table::{Section, Table};
 use crate::{
     desc::{CutDesc, TimelineDesc},
     diagnostic::Diagnostic,
-    parse::table::{Section, Table},
     range::{ANY, Range, range},
 };
 

@@ -5,14 +5,11 @@ use glam::Vec3;
 use crate::declared::{Described, TypeDoc};
 use crate::range::{ABOVE_0, ANY, Range};
 use crate::syntax::{Content, Node};
+use crate::table::{Section, Table, value::Scale, value::Value};
 use crate::{
     desc::*,
     diagnostic::{Diagnostic, Span},
     number::{Field, Form, Lanes},
-    parse::{
-        table::{Section, Table},
-        value::{Scale, Value},
-    },
 };
 
 /// Reads the tracks of all `fields`.

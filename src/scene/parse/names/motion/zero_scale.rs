@@ -1,11 +1,11 @@
 //! Rejects scale tracks that pass through 0: the model would turn inside out between two frames, and
 //! vanish in a frame at 0.
 
+use crate::table::report::Report;
 use crate::{
     desc::{CurveKind, InstanceMotionDesc, KeyDesc, PlacementDesc, TimelineDesc, TrackDesc},
     diagnostic::{Diagnostic, Span},
     motion::track::Track,
-    parse::report::Report,
 };
 
 /// Number of times per frame at which a track is sampled.

@@ -9,8 +9,8 @@ use super::{
     value::{Named, Value, wrong_type},
 };
 use crate::range::Range;
-use crate::script::floats;
 use crate::syntax::{Content, Node};
+use crate::toml_text::read_floats;
 
 /// Points of `N` numbers each, as many as there are.
 pub struct Points<const N: usize>(pub Vec<[f32; N]>);
@@ -95,7 +95,7 @@ impl Value for Numbers {
         self.0.iter().map(Value::to_json).collect()
     }
     fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
-        if let Some(read) = node.get_ref().as_str().and_then(floats::read) {
+        if let Some(read) = node.get_ref().as_str().and_then(read_floats) {
             let wrong = |x: &f32| !x.is_finite() || named.range.check(f64::from(*x)).is_err();
             let Some(index) = read.iter().position(wrong) else {
                 return Some(Self(read.into()));

@@ -1,19 +1,28 @@
 //! The cursor from which readers take keys. It remembers every key that was asked for, so that any other
 //! key is an error; when run for the manual, it records each key instead.
 
+pub mod color;
+mod enum_values;
+pub mod key_recorder;
+pub mod located;
 mod nested;
+pub mod params;
+pub mod points;
+pub mod report;
 mod rules;
+pub mod value;
+mod value_advice;
 mod variants;
 
 use std::ops::Range as Bytes;
 
-use super::{
-    key_recorder::{KeyRecord, RecordedKeys},
+use self::{
+    key_recorder::{KeyRecord, RecordedKeys, SectionRecord},
+    located::Written,
     report::Report,
     value::{Named, Value},
 };
 use crate::declared::{Described, TypeDoc};
-use crate::desc::Written;
 use crate::diagnostic::Span;
 use crate::syntax::{Entries, Key, Node};
 use crate::{range::Range, suggest};
@@ -45,6 +54,8 @@ pub struct Place {
     pub at: Bytes<usize>,
     /// The whole file in messages; empty for a scene.
     pub whole: &'static str,
+    /// Tables of the whole file as their readers declare them, for advice about keys of another table.
+    pub all: Option<fn() -> &'static [SectionRecord]>,
 }
 
 impl Place {
@@ -64,7 +75,7 @@ impl Place {
             path: format!("{}{dot}{key}", self.path),
             in_list: false,
             at,
-            whole: self.whole,
+            ..self.clone()
         }
     }
 }
@@ -262,7 +273,7 @@ impl<'r> Table<'r> {
 
     /// Help for a key of the whole file that stands below the header of this table.
     fn key_of_the_file(&self, name: &str) -> Option<String> {
-        let file = super::recorded_keys();
+        let file = self.place.all?();
         let is_key = file.first()?.keys.iter().any(|k| k.name == name);
         (is_key && !self.place.path.is_empty()).then(|| {
             format!(

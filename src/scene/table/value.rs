@@ -5,13 +5,13 @@ use glam::Vec3;
 use serde_json::{Value as Json, json};
 
 use super::{
+    located::At,
     report::Report,
     value_advice::{
         in_range, list_instead, list_of_length, list_of_scale, number_instead, truth, unquoted,
     },
 };
 use crate::declared::Word;
-use crate::desc::At;
 use crate::syntax::{Content, Node};
 use crate::{
     diagnostic::Diagnostic,
@@ -100,7 +100,7 @@ fn number(node: &Node, named: &Named, expected: &str, report: &mut Report) -> Op
                 is_toml && x.is_some_and(|x| named.range.check(x).is_ok())
             });
             wrong_type(node, named.key, expected, report).help =
-                quoted.or_else(|| number_instead(node, named.key, named.range));
+                quoted.or_else(|| number_instead(node, named.range));
             return None;
         }
     };

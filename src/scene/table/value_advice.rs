@@ -1,7 +1,6 @@
 //! Advice for values of a wrong type, length or range: the text to write instead.
 
 use crate::{
-    desc::{PatternKind, PatternedKey},
     range::{LIMIT, Range, UNIT},
     syntax::{Content, Node},
 };
@@ -96,23 +95,9 @@ pub fn list_instead(node: &Node, key: &str, count: usize, is_ranged: bool) -> Op
         .or_else(|| (is_ranged && count == 3).then(point))
 }
 
-/// Advice for the name of a pattern where a number or a color that may follow one is expected, between these values.
-pub fn pattern_instead(text: &str, key: &str, ends: [&str; 2]) -> Option<String> {
-    let is_kind = PatternKind::ALL.iter().any(|kind| kind.name() == text);
-    let may_vary = PatternedKey::ALL.iter().any(|k| k.key() == key);
-    let [from, to] = ends;
-    (is_kind && may_vary).then(|| {
-        format!("write {{ pattern = \"{text}\", from = {from}, to = {to}, size_m = 0.1 }}")
-    })
-}
-
 /// Advice for a truth value or a text where a number in this range is expected.
-pub fn number_instead(node: &Node, key: &str, range: &Range) -> Option<String> {
-    let ends = [0.2, 0.8].map(|x| range.clamp(x).to_string());
-    let text = node.get_ref().as_str();
-    number_of_truth(node, range)
-        .or_else(|| pattern_instead(text?, key, [&ends[0], &ends[1]]))
-        .or_else(|| number_for_text(node, range))
+pub fn number_instead(node: &Node, range: &Range) -> Option<String> {
+    number_of_truth(node, range).or_else(|| number_for_text(node, range))
 }
 
 /// Advice for a truth value where a number in this range is expected.

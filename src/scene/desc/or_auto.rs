@@ -2,16 +2,10 @@
 
 use serde_json::{Value as Json, json};
 
-use super::{
-    report::Report,
-    value::{Named, Value, wrong_type},
-};
+use super::{Bounces, Exposure};
 use crate::syntax::{Content, Node};
-use crate::{
-    desc::{Bounces, Exposure},
-    range::Range,
-    suggest,
-};
+use crate::table::{report::Report, value::Named, value::Value, value::wrong_type};
+use crate::{range::Range, suggest};
 
 const AUTO: &str = "auto";
 

@@ -2,15 +2,15 @@
 
 use serde_json::json;
 
-use super::{Place, Section, Table};
+use super::{
+    Place, Section, Table,
+    key_recorder::{Form, KeyRecord},
+    located::{At, Entry, Written},
+    params::{self, ParamValue},
+    value::{Named, Value, found, wrong_type},
+};
 use crate::syntax::{Content, Key, Node};
 use crate::{
-    desc::{At, Entry, ParamValue, Written},
-    parse::{
-        key_recorder::{Form, KeyRecord},
-        params,
-        value::{Named, Value, found, wrong_type},
-    },
     range::{ANY, Range},
     suggest,
 };
@@ -64,7 +64,13 @@ impl Table<'_> {
                 let place = self.place.nested(key, node.span());
                 Table::read_by(self.report, values, place, read).map(ValueOr::Table)
             }
-            _ => self.plain(key, range).map(ValueOr::Value),
+            _ => {
+                let value = self.plain(key, range).map(ValueOr::Value);
+                if let Some(help) = S::instead(key, node).filter(|_| value.is_none()) {
+                    self.report.advise(help);
+                }
+                value
+            }
         }
     }
 

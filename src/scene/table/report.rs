@@ -262,6 +262,13 @@ impl Report {
         &mut self.list[last]
     }
 
+    /// Replaces the help of the newest message.
+    pub fn advise(&mut self, help: String) {
+        if let Some(newest) = self.list.last_mut().filter(|_| self.left_out == 0) {
+            newest.help = Some(help);
+        }
+    }
+
     /// Whether a message with that diagnostic name was kept.
     pub fn has(&self, name: &str) -> bool {
         self.list.iter().any(|d| d.name == name)

@@ -1,7 +1,9 @@
 //! Keys that exclude each other, and keys that mean nothing without another.
 
-use super::Table;
-use crate::parse::key_recorder::{Needing, Rule};
+use super::{
+    Table,
+    key_recorder::{Needing, Rule},
+};
 use crate::suggest;
 
 impl Table<'_> {

@@ -3,14 +3,29 @@
 use serde_json::{Value as Json, json};
 
 use super::{
+    located::Entry,
     report::Report,
     value::{Named, Value as _, wrong_type},
 };
-use crate::desc::{Entry, ParamValue};
 use crate::syntax::{Content, Entries, Key, Node};
 use crate::{range::ANY, suggest};
 
 const EXPECTED: &str = "a number, text in quotes, true or false, or an array of numbers";
+
+/// A parameter of the scene's script.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ParamValue {
+    /// A number written without a decimal point.
+    Integer(i64),
+    /// A number written with a decimal point.
+    Number(f64),
+    /// `true` or `false`.
+    Switch(bool),
+    /// Text.
+    Text(String),
+    /// An array of numbers.
+    Numbers(Vec<f64>),
+}
 
 /// JSON Schema of the table.
 pub fn schema() -> Json {

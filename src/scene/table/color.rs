@@ -6,7 +6,7 @@ use serde_json::{Value as Json, json};
 use super::{
     report::Report,
     value::{Named, Value, wrong_type},
-    value_advice::{list_of_number, pattern_instead},
+    value_advice::list_of_number,
 };
 use crate::syntax::{Content, Node};
 use crate::{diagnostic::Diagnostic, range::Range, suggest};
@@ -40,9 +40,7 @@ impl Value for Color {
                     let key = named.key;
                     let shown = suggest::text(text);
                     let message = format!("`{key}` must be {}, not {shown}", Self::expected());
-                    report.error("wrong-color", &node.span(), message).help =
-                        pattern_instead(text, key, ["\"#404040\"", "\"#c0c0c0\""])
-                            .or_else(|| Some(advice(text)));
+                    report.error("wrong-color", &node.span(), message).help = Some(advice(text));
                     None
                 }
             },

@@ -1,7 +1,7 @@
 //! Tables with a `kind` that decides about their other keys.
 
-use super::{Place, Table};
-use crate::parse::{
+use super::{
+    Place, Table,
     enum_values::{one_of, word},
     key_recorder::RecordedKeys,
     report::Report,
