@@ -5,6 +5,9 @@
 //! no field of its own has a line `- KEY: …`, the key in code marks, in the comment of the field or the
 //! type that it sets.
 
+#[macro_use]
+mod declare;
+
 mod animation;
 mod box_faces;
 mod camera;

@@ -52,12 +52,8 @@ pub const RATE: Range = range(1.0, 4.0);
 pub const BOUNCES: Range = range(1.0, 16.0);
 /// Range of `reflection.diffuse_bounces`.
 pub const DIFFUSE_BOUNCES: Range = range(0.0, 8.0);
-/// Range of `probes.face_px` and `near_far.face_px`.
-pub const FACE_PX: Range = range(8.0, 2048.0);
 /// Range of `box_faces.face_px`.
 pub const BOX_FACE_PX: Range = range(1.0, 16384.0);
-/// Range of `probes.samples`.
-pub const PROBE_SAMPLES: Range = range(1.0, 1024.0);
 /// Range of `probes.nearest`.
 pub const NEAREST_PROBES: Range = range(1.0, 4.0);
 /// Range of `decal.NAME.max_angle_deg` and `decal.NAME.fade_deg`.

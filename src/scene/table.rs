@@ -18,13 +18,13 @@ use std::ops::Range as Bytes;
 
 use self::{
     key_recorder::{KeyRecord, RecordedKeys, SectionRecord},
-    located::Written,
+    located::{At, Written},
     report::Report,
-    value::{Named, Value},
+    value::{Named, Names, Value},
 };
 use crate::declared::{Described, TypeDoc};
 use crate::diagnostic::Span;
-use crate::syntax::{Entries, Key, Node};
+use crate::syntax::{self, Entries, Node};
 use crate::{range::Range, suggest};
 
 pub use self::nested::{Either, NumberOr, ValueOr};
@@ -41,6 +41,49 @@ pub trait Section: Described + Sized {
     fn instead(_key: &str, _value: &Node) -> Option<String> {
         None
     }
+}
+
+/// A description with a reader of its keys, made of its declaration.
+pub trait Keys: Sized {
+    /// Reads every key; mistakes go to the report.
+    fn read_keys(t: &mut Table) -> Option<Self>;
+}
+
+/// Type of a key without a default: an `Option` may be left out, and a list of names; any other value must be there.
+pub trait Key: Sized {
+    /// Reads the key; `None` where it must be there and is missing, or is wrong.
+    fn read(t: &mut Table, key: &'static str, range: Range) -> Option<Self>;
+}
+
+impl<V: Value> Key for V {
+    fn read(t: &mut Table, key: &'static str, range: Range) -> Option<Self> {
+        t.need(key, range)
+    }
+}
+
+impl<V: Value> Key for Option<V> {
+    fn read(t: &mut Table, key: &'static str, range: Range) -> Option<Self> {
+        Some(t.find(key, range))
+    }
+}
+
+impl Key for Vec<At<String>> {
+    fn read(t: &mut Table, key: &'static str, range: Range) -> Option<Self> {
+        Some(
+            t.find(key, range)
+                .map_or_else(Vec::new, |Names(names)| names),
+        )
+    }
+}
+
+/// Reads a key by a function.
+pub fn read_by<T>(t: &mut Table, read: fn(&mut Table) -> Option<T>) -> Option<T> {
+    read(t)
+}
+
+/// Checks a description by a function.
+pub fn check<T>(t: &mut Table, it: &T, check: fn(&T, &mut Table)) {
+    check(it, t);
 }
 
 /// Location of a table.
@@ -231,7 +274,7 @@ impl<'r> Table<'r> {
         V::read(node, &Named { key, range: &range }, self.report)
     }
 
-    fn unknown(&self) -> Vec<(&'r Key, &'r Node)> {
+    fn unknown(&self) -> Vec<(&'r syntax::Key, &'r Node)> {
         let asked = |key: &str| self.asked.contains(&key);
         self.values
             .iter()

@@ -5,6 +5,10 @@ use std::path::Path;
 use glam::Vec3;
 
 use super::{At, LightGroup};
+use crate::{
+    range::{ABOVE_0, FROM_0, UNIT, range},
+    table::{Table, color::Color},
+};
 
 declared! {
     /// Whether objects block the environment's light.
@@ -24,23 +28,29 @@ declared! {
     /// they are at load, and 0 beyond. Light is scattered once, or more often by as many `diffuse_bounces`, and without
     /// limit by method `path`. It takes `samples` or `light_rays` to be smooth.
     #[derive(Clone, Copy, Debug, PartialEq)]
+    #[table("fog = { … }", Self::check)]
     pub struct FogDesc {
         /// Extinction coefficient σ, per meter, 0 or more: 1 over the mean length that light travels before the fog
         /// takes it. 0.01 is haze, 0.1 thick fog; 0 is no fog at all.
+        #[within(FROM_0)]
         pub density: f32,
         /// Albedo: share of the light that the fog takes which it scatters rather than absorbs, three numbers 0 to 1.
         /// Fog and mist are nearly white, smoke is darker. Default white.
-        pub color: Vec3,
+        #[within(UNIT)]
+        #[form(Color)]
+        pub color: Vec3 = Vec3::ONE,
         /// Height (y) up to which the density is constant, meters, for fog with a `falloff_m`. Default 0.
-        pub height_m: f32,
+        pub height_m: f32 = 0.0,
         /// Height above `height_m` in which the density falls to 1/e, about a third, meters, above 0: less ends more
         /// sharply. Such fog reaches without end to all sides and below. Default: the same density everywhere in the
         /// box of the scene.
+        #[within(ABOVE_0)]
         pub falloff_m: Option<f32>,
         /// Mean cosine of the angle by which light is turned, -0.95 to 0.95: above 0 most goes on nearly straight, so
         /// that there are halos around lamps and the sun, as in mist (0.6 to 0.9); 0 scatters to all sides alike; below
         /// 0 most goes back. Default 0.
-        pub anisotropy: f32,
+        #[within(range(-0.95, 0.95))]
+        pub anisotropy: f32 = 0.0,
     }
 
     /// `[environment]`: background and light around the scene: a panorama image (`file`), one `color` for all
@@ -87,5 +97,18 @@ impl EnvironmentDesc {
     /// Name of the panorama file, as the scene writes it.
     pub fn file_name(&self) -> Option<&Path> {
         self.file.as_ref().map(|file| Path::new(&file.value))
+    }
+}
+
+impl FogDesc {
+    fn check(&self, t: &mut Table) {
+        if t.has("height_m") && self.falloff_m.is_none() && t.clean() {
+            t.refuse(
+                "missing-key",
+                "height_m",
+                "`height_m` is where fog begins to thin out, which takes a `falloff_m`",
+                "add `falloff_m`, the height in which the density falls to about a third",
+            );
+        }
     }
 }

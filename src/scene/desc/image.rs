@@ -1,5 +1,10 @@
 //! The `[image]` table of scene text: size, sampling, exposure.
 
+use crate::{
+    range::{UNIT, range},
+    table::{NumberOr, Table},
+};
+
 declared! {
     /// How linear radiance becomes display color.
     #[words]
@@ -76,16 +81,27 @@ declared! {
     /// expected distance from the picture of endless sub-frames (Dammertz et al. 2010, "A Hierarchical Automatic
     /// Stopping Condition for Monte Carlo Global Illumination").
     #[derive(Clone, Copy, Debug, PartialEq)]
+    #[table("samples = { error = … }")]
     pub struct ErrorBound {
         /// Largest error that a tile of 16 × 16 pixels may have, the mean of its pixels, 0.0005 to 1. About 0.01 is a
         /// grain of 1 of 255 steps in a mid-gray, which is hardly seen.
+        #[within(range(0.0005, 1.0))]
         pub error: f32,
         /// Number of sub-frames past which the picture stays as it is, 2 to 4096. Default 1024.
-        pub at_most: u32,
+        #[within(range(2.0, 4096.0))]
+        pub at_most: u32 = 1024,
     }
 }
 
 impl Samples {
+    /// `samples = 16`, or a table.
+    fn read(t: &mut Table) -> Option<Self> {
+        Some(match t.number_or_table("samples", range(1.0, 4096.0), 1) {
+            NumberOr::Number(count) => Self::Count(count),
+            NumberOr::Nested(bound) => Self::UntilError(bound),
+        })
+    }
+
     /// Number of sub-frames; the largest one that a bound allows.
     pub fn count(self) -> u32 {
         match self {
@@ -99,12 +115,15 @@ declared! {
     /// `[image]`: size, sampling, exposure and tone mapping of the picture.
     #[derive(Clone, Copy, Debug, PartialEq)]
     #[defaults]
+    #[table("[image]")]
     pub struct ImageDesc {
         /// Width and height in pixels, each 1 to 16384. Default [1280, 720].
+        #[within(range(1.0, 16384.0))]
         pub size: [u32; 2] = [1280, 720],
         /// Number of sub-frames, each with its own pixel offset, that are averaged to a picture, 1 to 4096.
         /// More gives smoother edges and less grain, and takes longer. `{ error = 0.01 }` chooses a number for each
         /// picture. Default 1.
+        #[by(Samples::read)]
         pub samples: Samples = Samples::Count(1),
         /// Number of rays per pixel and sub-frame towards each kind of light that is sampled, 1 to 256. The
         /// kinds are lamps with a size (each ray picks one, by how much it may light the pixel), suns with a
@@ -112,30 +131,33 @@ declared! {
         /// true` together; in fog it is the number of points before each pixel. More is less grainy and takes
         /// longer; `samples` multiplies it. Default 4 with 1 sample, 3 with 2, 2 with 3 to 6, else 1, so that more
         /// samples always send more rays than one does.
+        #[within(range(1.0, 256.0))]
         pub light_rays: Option<u32>,
         /// Exposure in stops, -20 to 20: +1 doubles the brightness. `"auto"` chooses it so that the brightest
         /// tenth of the first frame of the timeline shows as light gray or brighter, and keeps it for all frames;
         /// `reflet info` prints the number. Default 0.
+        #[within(range(-20.0, 20.0))]
         pub exposure_ev: Exposure = Exposure::Ev(0.0),
         /// Curve from radiance to display color; EXR output is never tone-mapped. Default `"neutral"`.
-        pub tone_map: ToneMap,
+        pub tone_map: ToneMap = ToneMap::Neutral,
         /// How the nearest surface of each pixel is found: by rasterizing or by rays. The two pictures differ
         /// only by rounding, at edges of triangles and where surfaces intersect or coincide. Default `"auto"`.
-        pub visibility: Visibility,
+        pub visibility: Visibility = Visibility::Auto,
         /// Number of bits per channel that hold the light of a frame until it is shown, or written as EXR.
         /// Brighter light than they can hold is cut. Default `"auto"`.
-        pub radiance: Radiance,
+        pub radiance: Radiance = Radiance::Auto,
         /// Whether the background is transparent: PNG and EXR files get alpha, the share of each pixel that
         /// objects cover. Radiance in EXR files is multiplied by it, colors in PNG files are not. The
         /// environment still lights the scene and shows in reflections, but is not seen itself. Glass counts as
         /// an object, blended surfaces by their `alpha`. Films stay opaque. Default false.
-        pub alpha: bool,
+        pub alpha: bool = false,
         /// Time that the shutter is open around the frame's time, in frames, 0 to 1: more gives longer motion
         /// blur, 0.5 is the 180° shutter of film cameras. Tracks, animations of files, and scripts that use
         /// `ctx.t` move while it is open. Each sub-frame of up to 16 shows four moments, in different pixels, so that
         /// few `samples` give grainy streaks rather than copies; each of more shows one. The preview shows motion
         /// blur where the view rests. Default 0.
-        pub shutter: f32,
+        #[within(UNIT)]
+        pub shutter: f32 = 0.0,
     }
 }
 

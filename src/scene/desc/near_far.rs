@@ -1,18 +1,23 @@
 //! Box and maps of method `near-far` in scene text.
 
+use crate::range::{ABOVE_0, range};
+
 declared! {
     /// `[near_far]`: the box around the camera in which method `near-far` traces rays, and the cube map of the
     /// surfaces behind it.
     #[derive(Clone, Copy, Debug, PartialEq)]
     #[defaults]
+    #[table("[near_far]")]
     pub struct NearFarDesc {
         /// Half the size of the box, meters, above 0: the box reaches as far from the camera along every axis. With a
         /// larger one more is exact and rays take longer; one that holds the whole scene shows what method `rt` shows.
         /// Default: 2 U.
+        #[within(ABOVE_0)]
         pub half_size_m: Option<f32>,
         /// Width of each of the six faces of the map, pixels, 8 to 2048. More shows finer things, and takes more time
         /// to capture and more memory: 96 bytes for the square of it, twice as much with `reflection.layers = 2`.
         /// Default 512.
+        #[within(range(8.0, 2048.0))]
         pub face_px: u32 = 512,
     }
 }

@@ -2,6 +2,11 @@
 
 use glam::Vec3;
 
+use crate::{
+    range::{ABOVE_0, NEAREST_PROBES, range},
+    table::Table,
+};
+
 declared! {
     /// Way in which a reflection ray is turned into a direction of a probe's cube map.
     #[words]
@@ -31,6 +36,7 @@ declared! {
     /// with the probes of the grid. Moving (`dynamic`) instances are on no probe, and cast no shadow there. Probes of
     /// placed scenes are left out. Without any probe and without a grid, one stands in the middle of the static scene.
     #[derive(Clone, Debug, PartialEq)]
+    #[table("[probe.NAME]", Self::check)]
     pub struct ProbeDesc {
         /// Position from which the probe sees, meters.
         pub position: Vec3,
@@ -51,24 +57,72 @@ declared! {
     /// a grid of them.
     #[derive(Clone, Copy, Debug, PartialEq)]
     #[defaults]
+    #[table("[probes]")]
     pub struct ProbesDesc {
         /// Distance between the probes of a grid over the bounds of the static scene, meters, above 0: as many along
         /// each axis as it takes for neighbors to be no farther apart. Each counts up to the places of its neighbors,
         /// and its proxy is the bounds. Default: no grid.
+        #[within(ABOVE_0)]
         pub spacing_m: Option<f32>,
         /// Width of each of the six faces of a map, pixels, 8 to 2048. More is sharper, and takes more time to capture
         /// and more memory. Default 128.
+        #[within(range(8.0, 2048.0))]
         pub face_px: u32 = 128,
         /// Number of samples for each pixel of a map, 1 to 1024, in scenes whose light is sampled: lights with a size,
         /// panoramas, rough reflections. More is less grainy. Default 16.
+        #[within(range(1.0, 1024.0))]
         pub samples: u32 = 16,
         /// Maximum number of probes that are blended at a point, 1 to 4, or all where there are fewer. With 1 there are
         /// seams where probes meet. Default 2.
+        #[within(NEAREST_PROBES)]
         pub nearest: u32 = 2,
         /// Way of looking a ray up in a map. Default `"box"`.
-        pub lookup: Lookup,
+        pub lookup: Lookup = Lookup::Box,
         /// Point by which probes are chosen. Default `"pixel"`.
-        pub select: SelectBy,
+        pub select: SelectBy = SelectBy::Pixel,
+    }
+}
+
+impl ProbeDesc {
+    fn check(&self, t: &mut Table) {
+        check_box(t, ["box_min", "box_max"], [self.box_min, self.box_max]);
+        check_box(
+            t,
+            ["proxy_min", "proxy_max"],
+            [self.proxy_min, self.proxy_max],
+        );
+    }
+}
+
+/// Refuses a box of which a corner is missing, or that has no size along an axis.
+pub(super) fn check_box(t: &mut Table, [low, high]: [&'static str; 2], corners: [Option<Vec3>; 2]) {
+    if !t.clean() {
+        return;
+    }
+    match corners {
+        [None, None] => {}
+        [Some(min), Some(max)] => {
+            let flat = (0..3).find(|&axis| min[axis] >= max[axis]);
+            if let Some(axis) = flat {
+                let name = ["X", "Y", "Z"][axis];
+                let (low_m, high_m) = (min[axis], max[axis]);
+                let message = format!(
+                    "`{high}` must be above `{low}` along every axis; along {name} the box goes from {low_m} to {high_m}"
+                );
+                let help = "a box needs a size: move one of its corners";
+                t.refuse("empty-box", high, &message, help);
+            }
+        }
+        [min, _] => {
+            let (has, lacks) = if min.is_some() {
+                (low, high)
+            } else {
+                (high, low)
+            };
+            let message = format!("`{has}` needs the other corner of the box, `{lacks}`");
+            let help = format!("write `{lacks} = [x, y, z]`");
+            t.refuse("missing-corner", has, &message, &help);
+        }
     }
 }
 

@@ -3,11 +3,13 @@
 use std::path::Path;
 
 use super::At;
+use crate::{diagnostic::Diagnostic, range::range, suggest, table::Table};
 
 declared! {
     /// `usd = { … }`: choices for the conversion of a USD stage. Needs a `file` that ends in `.usd`, `.usda`,
     /// `.usdc` or `.usdz`; models of one stage with different choices are converted separately.
     #[derive(Clone, Debug, Default, PartialEq)]
+    #[table("usd = { … }", Self::check)]
     pub struct StageDesc {
         /// Variant selections, each as USD writes one: `"/Prim{set=variant}"`, or an array of them; if one set
         /// is chosen twice, the last choice counts. Default: the stage's own choices.
@@ -17,7 +19,8 @@ declared! {
         pub purpose: Vec<At<String>>,
         /// Number of Catmull-Clark steps for subdivision meshes, 0 to 6. More is smoother; each step makes four
         /// times as many triangles. Default 0: the control cage with smooth normals.
-        pub subdiv: u32,
+        #[within(range(0.0, 6.0))]
+        pub subdiv: u32 = 0,
     }
 }
 
@@ -27,4 +30,58 @@ pub fn is_stage(path: &Path) -> bool {
     ["usd", "usda", "usdc", "usdz"]
         .iter()
         .any(|known| extension.eq_ignore_ascii_case(known))
+}
+
+const PURPOSES: [&str; 4] = ["default", "render", "proxy", "guide"];
+
+impl StageDesc {
+    /// Reads `usd` of a model, which only USD stages may have.
+    pub fn find(t: &mut Table, file: Option<&At<String>>) -> Self {
+        let desc = t.table("usd");
+        if t.has("usd") && !file.is_some_and(|file| is_stage(Path::new(&file.value))) {
+            let message = "`usd` is for USD stages: files .usd, .usda, .usdc and .usdz";
+            t.refuse("wrong-source", "usd", message, "remove `usd`");
+        }
+        desc.unwrap_or_default()
+    }
+
+    fn check(&self, t: &mut Table) {
+        for choice in self
+            .variants
+            .iter()
+            .filter(|choice| !is_choice(&choice.value))
+        {
+            let text = format!(
+                "{} is not a variant selection",
+                suggest::text(&choice.value)
+            );
+            let help = "write it as USD does: \"/Prim{set=variant}\"";
+            refuse(t, "bad-variant", choice, text, help.into());
+        }
+        for word in &self.purpose {
+            if !PURPOSES.contains(&word.value.as_str()) {
+                let text = format!("{} is not a USD purpose", suggest::text(&word.value));
+                let help = suggest::hint(&word.value, &PURPOSES, suggest::text, "they are");
+                refuse(t, "unknown-word", word, text, help);
+            }
+        }
+    }
+}
+
+fn refuse(t: &mut Table, name: &'static str, at: &At<String>, text: String, help: String) {
+    let mut error = Diagnostic::new(name, at.at.clone(), text);
+    error.help = Some(help);
+    t.report.push(error);
+}
+
+/// Whether a text has the form `/Prim{set=variant}`.
+fn is_choice(text: &str) -> bool {
+    let inner = text.strip_suffix('}').and_then(|rest| rest.split_once('{'));
+    inner.is_some_and(|(prim, choice)| {
+        prim.starts_with('/')
+            && !choice.contains(['{', '}'])
+            && choice
+                .split_once('=')
+                .is_some_and(|(set, variant)| !set.is_empty() && !variant.contains('='))
+    })
 }

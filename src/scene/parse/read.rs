@@ -1,24 +1,18 @@
 //! The readers: one per table of the scene text, one line per key. The type, range and default of a
 //! key are written here and nowhere else; the manual and the JSON Schema come from running the same readers.
 
-mod animation;
-mod box_faces;
 mod decal;
 mod environment;
-mod image;
 mod instance;
 mod light;
 mod material;
 mod mesh;
 mod motion;
-mod near_far;
 mod outline;
 mod outlined;
-mod probe;
 pub mod project;
 mod scatter;
 mod shape;
-mod stage;
 pub mod timeline;
 mod track;
 
@@ -187,7 +181,7 @@ impl Section for ModelDesc {
             let message = "`lights` applies to files only; shapes have no lights";
             t.refuse("wrong-source", "lights", message, "remove `lights`");
         }
-        let animation = animation::animation(t);
+        let animation = AnimationDesc::find(t);
         if t.has("shape") && t.has("animation") {
             let message = "`animation` applies to files only; shapes have no animations";
             let help = "move its instance by `[motion.instance.NAME]`";
@@ -198,7 +192,7 @@ impl Section for ModelDesc {
             let message = "`variant` applies to files only; shapes have no variants";
             t.refuse("wrong-source", "variant", message, "remove `variant`");
         }
-        let usd = stage::stage(t, file.as_ref());
+        let usd = StageDesc::find(t, file.as_ref());
         let source = file.map(ModelSource::File).or(shape);
         Some(Self {
             source: source?,

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use crate::desc::{EnvironmentDesc, EnvironmentShadow, FogDesc};
-use crate::range::{ABOVE_0, ANY, FROM_0, UNIT, range};
+use crate::desc::{EnvironmentDesc, EnvironmentShadow};
+use crate::range::{ANY, FROM_0};
 use crate::table::{Section, Table, color::Color};
 
 impl Section for EnvironmentDesc {
@@ -44,29 +44,5 @@ impl Section for EnvironmentDesc {
             );
         }
         Some(environment)
-    }
-}
-
-impl Section for FogDesc {
-    const HEADING: &'static str = "fog = { … }";
-
-    fn read(t: &mut Table) -> Option<Self> {
-        let density = t.need("density", FROM_0);
-        let fog = Self {
-            density: density.unwrap_or_default(),
-            color: t.get("color", UNIT, Color(Vec3::ONE)).0,
-            height_m: t.get("height_m", ANY, 0.0),
-            falloff_m: t.find("falloff_m", ABOVE_0),
-            anisotropy: t.get("anisotropy", range(-0.95, 0.95), 0.0),
-        };
-        if t.has("height_m") && !t.has("falloff_m") && t.clean() {
-            t.refuse(
-                "missing-key",
-                "height_m",
-                "`height_m` is where fog begins to thin out, which takes a `falloff_m`",
-                "add `falloff_m`, the height in which the density falls to about a third",
-            );
-        }
-        density.map(|_| fog)
     }
 }

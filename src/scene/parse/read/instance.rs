@@ -2,14 +2,13 @@
 
 use glam::{DMat4, DQuat, DVec4, Mat4, Quat, Vec3};
 
-use super::animation::animation;
 use crate::declared::{Described, TypeDoc};
 use crate::range::{ANY, range};
 use crate::table::{Either, Section, Table, value::Names, value::Scale};
 use crate::{
     desc::{
-        At, GroupDesc, InstanceDesc, InstanceMaterialDesc, PlacedSceneDesc, PlacementDesc,
-        RepeatDesc, ShownDesc,
+        AnimationDesc, At, GroupDesc, InstanceDesc, InstanceMaterialDesc, PlacedSceneDesc,
+        PlacementDesc, RepeatDesc, ShownDesc,
     },
     motion::turned,
     parse::hierarchy,
@@ -48,7 +47,7 @@ impl Section for InstanceDesc {
             Either::Name(name) => InstanceMaterialDesc::Named(name),
             Either::Nested(desc) => InstanceMaterialDesc::Override(Box::new(desc)),
         });
-        let animation = animation(t);
+        let animation = AnimationDesc::find(t);
         let [joints, morphs] = ["joints", "morphs"].map(|key| {
             let names = t.find::<Names>(key, ANY);
             names.map_or_else(Vec::new, |Names(names)| names)
