@@ -10,9 +10,7 @@ const SCENE: &str = include_str!("against_path/scene.toml");
 
 #[test]
 fn a_second_reference_judges_the_model() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("against-path");
     fs::write(folder.join("room.toml"), SCENE).expect("a scene");
     let run: Vec<&str> =

@@ -16,9 +16,7 @@ const ARGUMENTS: [&str; 6] = [
 
 #[test]
 fn tighter_bounds_take_more_samples_and_leave_less_error() {
-    if crate::common::gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(crate::common::gpu_or_skip());
     let folder = folder("bounds");
     std::fs::write(folder.join("scene.toml"), SCENE).expect("a scene");
     let further = ["--bounds", "0.05,0.2", "--reference=512"];

@@ -7,9 +7,7 @@ use crate::common::gpu_or_skip;
 
 #[test]
 fn a_rendered_mask_holds_the_pixels_that_bench_scores() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("mask");
     let reflet = |arguments: &[&str]| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_reflet"));

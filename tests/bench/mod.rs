@@ -101,9 +101,7 @@ fn assert_measured(sample: &Sample) {
 
 #[test]
 fn a_run_writes_samples_settings_and_a_report_and_resumes() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("run");
     let run: Vec<&str> = "--sizes 64x36 --parameter threshold_u --values 0.001,0.1 --frames 2 \
                           --warm-up 1 --counters --split-trace --set image.visibility=raster -o out"
@@ -182,9 +180,7 @@ fn a_run_writes_samples_settings_and_a_report_and_resumes() {
 #[cfg(unix)]
 #[test]
 fn an_interrupted_run_keeps_its_samples() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("interrupted");
     let run = words("--sizes 64x36 --methods rt --parameter bounces --values 1,2 -o .");
     let mut command = Command::new(env!("CARGO_BIN_EXE_reflet"));

@@ -33,9 +33,7 @@ fn it_lists_choice_and_best() {
 #[test]
 #[ignore = "long: measures all methods in two sizes"]
 fn it_lists_each_scene_and_size_with_its_regret() {
-    let Some(folder) = room("regret-sizes") else {
-        return;
-    };
+    let folder = or_skip!(room("regret-sizes"));
     let arguments = words("regret room.toml --sizes 32x18,64x36 --frames 2");
     let [json, _] = exits(&folder, &[&arguments[..], &["--json"]].concat(), 0);
     let rows: serde_json::Value = serde_json::from_str(&json).expect("JSON");

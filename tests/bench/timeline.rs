@@ -67,9 +67,7 @@ fn seen(sample: &Sample) -> impl PartialEq + std::fmt::Debug + use<> {
 
 #[test]
 fn frames_of_a_timeline_are_posed_measured_and_resumed() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("timeline");
     write_scenes(&folder);
     let [_, said] = exits(
@@ -120,9 +118,7 @@ fn frames_of_a_timeline_are_posed_measured_and_resumed() {
 
 #[test]
 fn without_a_list_the_first_frame_is_posed_and_it_is_said() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("first-frame");
     write_scenes(&folder);
     let at_4 = ["--set", "timeline.start=4"];

@@ -19,9 +19,7 @@ fn all_methods_find_surfaces_as_render_does() {
 }
 
 fn found_as_render_does(methods: &[&str]) {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder(&format!("visibility-{}", methods.len()));
     let list = methods.join(",");
     for (segments, by_rays) in [("128", true), ("4", false)] {

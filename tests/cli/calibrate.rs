@@ -22,9 +22,7 @@ fn unit_costs_of_a_plan_decide_and_only_on_its_adapter() {
 #[test]
 #[ignore = "long: times frames of up to 640 x 360 pixels"]
 fn what_calibrate_measures_decides_and_only_on_its_adapter() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("calibrate");
     let calibrate = ["calibrate", "-o", "plan.toml", "--frames", "1"];
     let [table, _] = exits(&folder, &calibrate, 0);

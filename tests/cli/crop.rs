@@ -44,9 +44,7 @@ fn check_crops(folder_name: &str, kinds: &[(&str, &str)]) -> PathBuf {
 
 #[test]
 fn a_crop_has_the_pixels_of_the_whole_picture() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = check_crops(
         "crop",
         &[
@@ -83,9 +81,7 @@ fn a_crop_has_the_pixels_of_the_whole_picture() {
 #[test]
 #[ignore = "long: the same by further pipelines"]
 fn a_crop_in_fog_and_without_filters_has_the_pixels_of_the_whole_picture() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     check_crops(
         "crop-further",
         &[
@@ -108,9 +104,7 @@ fn watching_renders_again_after_each_save_and_keeps_the_last_good_picture() {
         process::Stdio,
         time::{Duration, Instant},
     };
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("watch");
     let picture = folder.join("a.png");
     let project = |text: &str| fs::write(folder.join("reflet.toml"), text).expect("saved");

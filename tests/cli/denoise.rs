@@ -68,12 +68,10 @@ fn luma(picture: &Path) -> image::ImageBuffer<image::Luma<f32>, Vec<f32>> {
 
 #[test]
 fn with_its_library_grain_goes_and_edges_stay() {
-    let Some((library, folder)) = prepared(
+    let (library, folder) = or_skip!(prepared(
         "denoise",
         "angle_deg = 40\nshadow = \"ray\"\n[image]\nlight_rays = 1\n",
-    ) else {
-        return;
-    };
+    ));
     run(&library, &folder, &words(RENDER));
     let read = |name: &str| luma(&folder.join(name));
     let clean = read("a.png");
@@ -100,12 +98,10 @@ fn with_its_library_grain_goes_and_edges_stay() {
 /// Denoising keeps the mean radiance, and edges that many samples smooth stay smooth.
 #[test]
 fn brightness_and_smooth_edges_stay() {
-    let Some((library, folder)) = prepared(
+    let (library, folder) = or_skip!(prepared(
         "denoise-mean",
         "angle_deg = 40\nshadow = \"ray\"\n[image]\nlight_rays = 1\n",
-    ) else {
-        return;
-    };
+    ));
     let render = |name: &str, further: &[&str]| {
         let fixed = ["render", "scene.toml", "--size", "96x64", "-o", name];
         run(&library, &folder, &[&fixed[..], further].concat());
@@ -138,9 +134,7 @@ const MOVING: &str = "angle_deg = 40\nshadow = \"ray\"\n[image]\nlight_rays = 1\
 
 #[test]
 fn frames_of_a_film_are_denoised_with_their_neighbors() {
-    let Some((library, folder)) = prepared("denoise-film", MOVING) else {
-        return;
-    };
+    let (library, folder) = or_skip!(prepared("denoise-film", MOVING));
     let scene = fs::read_to_string(folder.join("scene.toml")).expect("a scene");
     let mirror = "metallic = 1\nroughness = 0\nreflection = \"mirror\"";
     assert!(scene.contains(mirror));
@@ -194,12 +188,10 @@ fn frames_of_a_film_are_denoised_with_their_neighbors() {
 /// A film of one frame has no neighbors to average: it is the denoised picture of that frame.
 #[test]
 fn a_film_of_one_frame_is_denoised_as_a_picture() {
-    let Some((library, folder)) = prepared(
+    let (library, folder) = or_skip!(prepared(
         "denoise-one",
         "angle_deg = 40\nshadow = \"ray\"\n[timeline]\nend = 0\n",
-    ) else {
-        return;
-    };
+    ));
     let render = |further: &[&str]| {
         let fixed = ["render", "scene.toml", "--size", "48x32", "--denoise"];
         run(&library, &folder, &[&fixed[..], further].concat());

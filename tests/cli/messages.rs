@@ -17,9 +17,7 @@ fn usage_errors_exit_with_2_and_say_what_is_wrong() {
 
 #[test]
 fn render_names_likely_mistakes_that_check_explains() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("hint");
     let lamp = "[light.bulb]\nkind = \"point\"\nposition = [0, 0.7, 0]\nintensity_cd = 3\n";
     fs::write(folder.join("lamp.toml"), format!("{SCENE}{lamp}")).expect("written");
@@ -34,9 +32,7 @@ fn render_names_likely_mistakes_that_check_explains() {
 #[cfg(target_os = "linux")]
 #[test]
 fn messages_that_cannot_be_written_end_nothing() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("stderr");
     let full = || {
         let device = fs::OpenOptions::new().write(true).open("/dev/full");

@@ -169,9 +169,7 @@ fn without_a_matching_adapter_the_code_is_4_and_no_file_appears() {
 
 #[test]
 fn a_picture_is_written_with_its_aovs_and_statistics() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("picture");
     let render = "render scene.toml --size 33x17 --set reflection.method=hybrid \
                   --set image.visibility=raster --aov source,depth";
@@ -232,9 +230,7 @@ fn a_picture_is_written_with_its_aovs_and_statistics() {
 
 #[test]
 fn one_pixel_and_a_broken_shader_of_ones_own() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("edges");
     exits(
         &folder,

@@ -312,9 +312,7 @@ fn a_new_project_checks_and_renders() {
 
 #[test]
 fn a_new_project_renders_without_arguments() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("project-new-render");
     exits(&folder, &["new", "show"], 0);
     let quick = ["--size", "64x36", "--samples", "1"];

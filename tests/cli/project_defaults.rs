@@ -7,9 +7,7 @@ use crate::common::{gpu_or_skip, words};
 
 #[test]
 fn render_takes_camera_variant_size_and_output_from_the_project() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let project = "camera = \"side\"\nvariant = [\"night\", \"other\"]\n\
                    output = \"out/{scene}.{camera}.{variant}.####.png\"\n[sizes]\ntiny = [16, 9]\n";
     let folder = show("project-render", project);

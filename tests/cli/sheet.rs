@@ -7,9 +7,7 @@ use crate::common::{gpu_or_skip, words};
 
 #[test]
 fn a_sheet_has_the_pictures_that_render_writes() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("sheet");
     let more = "[variant.dark]\nlight.sun.intensity_lux = 0.5\n[timeline]\nend = 1\n";
     fs::write(folder.join("scene.toml"), format!("{SCENE}{more}")).expect("written");

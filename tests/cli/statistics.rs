@@ -8,9 +8,7 @@ use crate::common::gpu_or_skip;
 /// Software drivers compile pipelines in a sub-frame that is not timed; shadow maps that it drew are drawn again.
 #[test]
 fn passes_are_timed_after_a_warm_up_that_changes_no_picture() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("statistics");
     let render = |output: &str, stats: &[&str]| {
         let scene = ["render", "scene.toml", "--size", "33x17", "--samples", "2"];

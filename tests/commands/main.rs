@@ -2,12 +2,13 @@
 
 #![allow(clippy::print_stderr, reason = "tests say what they skip")]
 
+#[macro_use]
+#[path = "../common/mod.rs"]
+mod common;
 #[path = "../bench/mod.rs"]
 mod bench;
 #[path = "../cli/mod.rs"]
 mod cli;
-#[path = "../common/mod.rs"]
-mod common;
 #[path = "../compare/mod.rs"]
 mod compare;
 #[path = "../film/mod.rs"]

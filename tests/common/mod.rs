@@ -20,6 +20,16 @@ pub fn gpu_or_skip() -> Option<Gpu> {
     required_or_skip(Gpu::new(&GpuOptions::default()))
 }
 
+/// The value, or the end of the test where there is none, which has been told by then.
+macro_rules! or_skip {
+    ($value:expr $(,)?) => {
+        match $value {
+            Some(value) => value,
+            None => return,
+        }
+    };
+}
+
 /// A value that needs an adapter, or `None` with the same exceptions as [`gpu_or_skip`].
 pub fn required_or_skip<T>(made: Result<T, GpuError>) -> Option<T> {
     let required = std::env::var("REFLET_REQUIRE_GPU").is_ok_and(|value| value == "1");

@@ -35,9 +35,7 @@ fn several_cameras_are_written_to_files_with_their_names() {
     let several = ["-o", "f.#.png", "--frames", "1-2", "--stats", "text"];
     let text = render(&folder, &several, 2);
     assert!(text.contains("write --frames 1"), "{text}");
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     render(
         &folder,
         &words("-o f.{camera}.#.png --camera all --frames 0-1"),
@@ -76,9 +74,7 @@ fn several_cameras_are_written_to_files_with_their_names() {
 
 #[test]
 fn all_leaves_out_cameras_of_placed_scenes() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("cameras-placed");
     let placed = "version = 1\n[camera.inside]\n[model.ball]\nshape = { kind = \"sphere\" }\n\
                   [[instance]]\nmodel = \"ball\"\n";

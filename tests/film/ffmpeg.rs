@@ -100,9 +100,7 @@ fn a_folder_may_have_a_colon_in_its_name() {
 
 #[test]
 fn rates_that_a_format_cannot_have_are_refused_before_rendering() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("rates");
     let before = names(&folder);
     for (name, fps) in [("f.mp4", "1e-9"), ("f.webm", "0.5"), ("f.apng", "1e-9")] {
@@ -181,9 +179,7 @@ fn ctrl_c_in_a_terminal_ends_a_film_and_leaves_nothing() {
 
 #[test]
 fn an_ffmpeg_that_fails_is_quoted_and_leaves_nothing() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("ffmpeg-fails");
     let tools = folder.join("tools");
     fs::create_dir(&tools).expect("new");
@@ -253,9 +249,7 @@ fn an_ffmpeg_that_fails_is_quoted_and_leaves_nothing() {
 
 #[test]
 fn missing_ffmpeg_error_has_help() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("ffmpeg-none");
     let before = names(&folder);
     let (code, text) = with_path(&folder, "/nowhere", &["-o", "f.mp4"]);

@@ -29,16 +29,12 @@ fn with_disk(folder: &std::path::Path, kib: u32, line: &str) -> Option<(i32, Str
 
 #[test]
 fn a_full_disk_ends_a_film_and_says_what_is_missing() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("full");
     let reflet = env!("CARGO_BIN_EXE_reflet");
     let film = "render scene.toml --set timeline.end=39 -o disk/f.##.png";
     let line = format!("{reflet} {film}; code=$?; cp disk/*.png .; ls -A disk >&2; exit $code");
-    let Some((code, text)) = with_disk(&folder, 64, &line) else {
-        return;
-    };
+    let (code, text) = or_skip!(with_disk(&folder, 64, &line));
     assert_eq!(code, 5, "{text}");
     let written = pictures(&folder).len();
     assert!((1..40).contains(&written), "{written} written: {text}");
@@ -69,18 +65,14 @@ fn a_full_disk_ends_a_film_and_says_what_is_missing() {
 
 #[test]
 fn a_full_disk_leaves_no_picture() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("full-one");
     let reflet = env!("CARGO_BIN_EXE_reflet");
     let fill = "head -c 60000 /dev/zero > disk/filler";
     let line = format!(
         "{fill}; {reflet} render scene.toml --size 400x300 -o disk/f.png; code=$?; ls -A disk >&2; exit $code"
     );
-    let Some((code, text)) = with_disk(&folder, 64, &line) else {
-        return;
-    };
+    let (code, text) = or_skip!(with_disk(&folder, 64, &line));
     assert_eq!(code, 1, "{text}");
     assert_says(&text, &["error: cannot write disk/f.png: No space left"]);
     assert!(text.ends_with("filler\n"), "{text}");
@@ -89,9 +81,7 @@ fn a_full_disk_leaves_no_picture() {
 
 #[test]
 fn a_full_disk_leaves_no_film() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("full-film");
     let reflet = env!("CARGO_BIN_EXE_reflet");
     for (name, encoder) in [
@@ -108,9 +98,7 @@ fn a_full_disk_leaves_no_film() {
         let line = format!(
             "{reflet} {film} -o disk/{name}; code=$?; ls -A disk | sed s/^/left:/ >&2; exit $code"
         );
-        let Some((code, text)) = with_disk(&folder, 8, &line) else {
-            return;
-        };
+        let (code, text) = or_skip!(with_disk(&folder, 8, &line));
         assert_eq!(code, 1, "{name}: {text}");
         let start = format!("error: cannot write disk/{name}: ");
         assert!(text.contains(&start), "{text}");
@@ -147,9 +135,7 @@ fn a_pack_for_which_the_disk_has_no_room_is_refused_before_a_file_is_written() {
         "{reflet} pack scene.toml -o show.zip && {reflet} unpack show.zip -o disk/made; \
          code=$?; ls -A disk | sed s/^/left:/ >&2; exit $code"
     );
-    let Some((code, text)) = with_disk(&folder, 64, &line) else {
-        return;
-    };
+    let (code, text) = or_skip!(with_disk(&folder, 64, &line));
     assert_eq!(code, 1, "{text}");
     assert!(text.contains("cannot write disk/made: it needs "), "{text}");
     assert!(!text.contains("left:"), "{text}");

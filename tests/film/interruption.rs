@@ -76,9 +76,7 @@ const PATIENCE: u32 = 60;
 /// Ends a sequence at `rounds` random times, alternating SIGKILL and SIGTERM, and at some more times if
 /// none of them left it incomplete.
 fn end_at_random_moments(name: &str, rounds: u32) {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let whole = folder(&format!("{name}-whole"));
     let started = Instant::now();
     let (code, text) = end(start(&whole, FRAMES));
@@ -203,9 +201,7 @@ fn a_hundred_kills_leave_no_film_in_part() {
 #[test]
 fn a_signal_ends_a_film_between_frames() {
     use std::io::{BufRead as _, BufReader, Read as _};
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("signal");
     let long = ["--set", "timeline.end=2000"];
     for (output, name, code, says) in [
@@ -238,9 +234,7 @@ fn a_signal_ends_a_film_between_frames() {
 #[test]
 fn what_a_killed_run_has_left_is_removed_by_the_next() {
     use std::io::{BufRead as _, BufReader};
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("leftovers");
     let long = ["-o", "f.apng", "--set", "timeline.end=2000"];
     let mut child = start(&folder, &long);

@@ -82,9 +82,7 @@ fn a_bundle_in_chunks_gives_the_frames_of_one_run() {
     for name in ["scene.toml", "s.rhai", "light.toml"] {
         assert!(files.contains(name), "{files}");
     }
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let progress = run_task(&bundle, "0-3");
     assert!(progress.contains("openjd_progress: 25.0\n"), "{progress}");
     assert!(progress.ends_with("f.03.png\n") && progress.contains("openjd_progress: 100.0"));
@@ -250,9 +248,7 @@ fn an_array_of_slurm_gives_the_frames_of_one_run() {
     ] {
         assert!(script.contains(line), "{script}");
     }
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     for task in [0, 1, 0] {
         let (success, text) = run_array_task(&folder.join("film.sh"), task);
         assert!(success, "{text}");

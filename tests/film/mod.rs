@@ -86,9 +86,7 @@ fn pictures(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 
 #[test]
 fn order_and_shards_do_not_change_a_byte() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let whole = folder("whole");
     let text = render(&whole, &["-o", "f.###.png", "--frames", "all"], 0);
     assert!(text.contains("frame 5 (6 of 6): wrote f.005.png"), "{text}");
@@ -125,9 +123,7 @@ fn order_and_shards_do_not_change_a_byte() {
 
 #[test]
 fn resuming_keeps_what_is_the_same_and_renders_the_rest() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("resume");
     let frames = [
         "-o", "f.#.png", "--frames", "0-2", "--aov", "depth", "--resume",
@@ -166,9 +162,7 @@ fn resuming_keeps_what_is_the_same_and_renders_the_rest() {
 
 #[test]
 fn failing_frames_are_listed_and_others_are_written() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("failing");
     let script = "fn frame(ctx) {\n  if ctx.frame == 2 { throw \"no such day\" }\n}";
     fs::write(folder.join("s.rhai"), script).expect("writable");
@@ -202,9 +196,7 @@ fn pixels(file: &Path) -> Vec<u8> {
 /// Plan of a film: covers all frames, not only the values at load.
 #[test]
 fn a_material_that_becomes_a_mirror_shows_what_a_mirror_shows() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("mirror");
     render(&folder, &["-o", "moved.png", "--frames", "5"], 0);
     let key = "[motion.material.mirror]";
@@ -227,9 +219,7 @@ fn a_material_that_becomes_a_mirror_shows_what_a_mirror_shows() {
 
 #[test]
 fn films_in_one_file_decode() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("apng");
     render(&folder, &["-o", "f.apng"], 0);
     let file = fs::File::open(folder.join("f.apng")).expect("it is there");

@@ -105,9 +105,7 @@ fn a_pack_renders_the_same_elsewhere() {
     let goal = goal.to_str().expect("UTF-8");
     let [command, _] = reflet(&top, &["unpack", "show.zip", "-o", goal], 0);
     assert_says(&command, &["--set params.lift=0.9 --frames all"]);
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let frame = ["-o", "f.#.png", "--frames", "3"];
     fs::rename(top.join("shots/scene.toml"), top.join("scene.toml")).expect("moved");
     fs::rename(top.join("shots/s.rhai"), top.join("s.rhai")).expect("moved");

@@ -14,9 +14,7 @@ fn the_folder_of_frames_is_created() {
     let text = render(&folder, &["-o", "out/f.#.png", "--shard", "7/7"], 2);
     assert!(text.contains("no frames in this part"), "{text}");
     assert!(!folder.join("out").exists());
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let text = render(&folder, &["-o", "out/f.#.png", "--frames", "1"], 0);
     assert!(text.contains("created the folder out"), "{text}");
     assert!(folder.join("out/f.1.png").is_file());

@@ -87,9 +87,7 @@ fn packs_and_jobs_are_the_same_bytes() {
 
 #[test]
 fn frames_and_films_are_the_same_bytes() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("same-films");
     let film = words("render scene.toml --set timeline.end=7 --size 64x36 -o");
     let aov = ["--aov", "depth,normal,cause"];
@@ -109,9 +107,7 @@ fn frames_and_films_are_the_same_bytes() {
 /// Times of a clock that was set back: files from before are in its future.
 #[test]
 fn files_from_the_future_end_no_film() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("clock");
     let film = ["render", "scene.toml", "--frames", "0-1", "-o"];
     let commands = ["f.#.png", "f.apng"].map(|name| [&film[..], &[name]].concat());

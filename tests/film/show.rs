@@ -40,9 +40,7 @@ fn every_shot_and_variant_of_the_show_is_right() {
 #[test]
 #[ignore = "long: renders a shot twice; kills and chunks are tested apart daily"]
 fn a_shot_in_chunks_killed_and_resumed_gives_the_bytes_of_one_run() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("show");
     let shot = show().join("shot020.toml");
     let shot = shot.to_str().expect("text");

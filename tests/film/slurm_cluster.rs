@@ -185,12 +185,8 @@ fn said(folder: &Path) -> String {
 
 #[test]
 fn a_cancelled_array_goes_on_where_it_is_sent_again() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
-    let Some(cluster) = Cluster::start() else {
-        return;
-    };
+    or_skip!(gpu_or_skip());
+    let cluster = or_skip!(Cluster::start());
     let folder = folder("slurm-cluster");
     let parts = folder.join("parts");
     fs::create_dir(&parts).expect("temporary folder");

@@ -242,9 +242,7 @@ fn valid_files() -> Option<(PathBuf, Vec<String>)> {
 
 #[test]
 fn poses_of_the_corpus_equal_a_second_evaluation() {
-    let Some((folder, files)) = valid_files() else {
-        return;
-    };
+    let (folder, files) = or_skip!(valid_files());
     let (mut played, mut compared, mut worst) = (0, 0, 0.0_f64);
     for file in files {
         let path = folder.join(&file);

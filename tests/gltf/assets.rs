@@ -8,9 +8,7 @@ use crate::{common::shared_folder, kit::scene, promises::check_promises};
 
 #[test]
 fn sponza_is_complete() {
-    let Some(folder) = shared_folder("REFLET_ASSETS", "assets") else {
-        return;
-    };
+    let folder = or_skip!(shared_folder("REFLET_ASSETS", "assets"));
     let options = LoadOptions {
         assets: vec![folder],
         ..LoadOptions::default()

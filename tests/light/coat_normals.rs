@@ -92,16 +92,10 @@ fn check_coats(cases: &[(&str, &str, &str)]) {
         let set = [method.as_str(), samples.as_str()];
         let dielectric = format!("reflectivity = 0.04\nroughness = {roughness}\n");
         let coat = format!("reflectivity = 0\nclearcoat = 1\nclearcoat_roughness = {roughness}\n");
-        let [tipped, plain, own, over_map] = [
-            picture(&wall(&format!("{dielectric}{MAP}"), &set)),
-            picture(&wall(&dielectric, &set)),
-            picture(&to_coat(wall(&format!("{coat}{MAP}"), &set))),
-            picture(&wall(&format!("{coat}{MAP}"), &set)),
-        ];
-        let (Some(tipped), Some(plain), Some(own), Some(over_map)) = (tipped, plain, own, over_map)
-        else {
-            return;
-        };
+        let tipped = or_skip!(picture(&wall(&format!("{dielectric}{MAP}"), &set)));
+        let plain = or_skip!(picture(&wall(&dielectric, &set)));
+        let own = or_skip!(picture(&to_coat(wall(&format!("{coat}{MAP}"), &set))));
+        let over_map = or_skip!(picture(&wall(&format!("{coat}{MAP}"), &set)));
         let case = format!("{roughness}, {method}, {samples}");
         let shown = differing(&tipped.0, &plain.0);
         assert!(shown > 0.1, "{case}: the map shows at {shown}");
@@ -130,9 +124,8 @@ fn a_coat_that_is_tipped_takes_more_from_below() {
         "camera.main.eye=[0, 0, 4]",
         "camera.main.target=[0, 0, 0]",
     ];
-    let Some((found, _)) = picture(&to_coat(wall(&format!("{keys}{STEEP_MAP}"), &dark))) else {
-        return;
-    };
+    let steep = wall(&format!("{keys}{STEEP_MAP}"), &dark);
+    let (found, _) = or_skip!(picture(&to_coat(steep)));
     let normal = Vec3::from_array(STEEP.map(|v| f32::from(v) / 127.5 - 1.0)).normalize();
     let fresnel = 0.04 + 0.96 * (1.0 - normal.z).powi(5);
     let [middle, ..] = color(&found, 24, 20);
@@ -144,8 +137,6 @@ fn a_coat_that_is_tipped_takes_more_from_below() {
 
 #[test]
 fn coats_without_maps_have_no_normals_of_their_own() {
-    let Some((_, has_own)) = picture(&wall("clearcoat = 1\n", &["image.samples=1"])) else {
-        return;
-    };
+    let (_, has_own) = or_skip!(picture(&wall("clearcoat = 1\n", &["image.samples=1"])));
     assert!(!has_own);
 }

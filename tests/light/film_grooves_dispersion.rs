@@ -81,9 +81,7 @@ fn a_film_has_the_colors_of_its_interference() {
             let metal = format!("{film}\nmetallic = 1")
                 .replace("[0, 0, 0]", &format!("{:?}", [reflectivity; 3]));
             for material in [dielectric, metal] {
-                let Some(found) = seen(up, &material, &[]) else {
-                    return;
-                };
+                let found = or_skip!(seen(up, &material, &[]));
                 let expected = film_color(ior, below, thickness_nm);
                 let errors = found.iter().zip(expected);
                 let error = errors.map(|(f, e)| (f64::from(*f) - e).abs());
@@ -103,9 +101,7 @@ fn a_film_of_no_strength_or_no_thickness_is_not_seen() {
         "base_color = [0, 0, 0]",
         "metallic = 1\nbase_color = [0.9, 0.6, 0.3]",
     ] {
-        let Some(plain) = seen(view, base, &[]) else {
-            return;
-        };
+        let plain = or_skip!(seen(view, base, &[]));
         for film in [
             "iridescence = 0",
             "iridescence = 1\niridescence_thickness_nm = 0",
@@ -174,9 +170,7 @@ fn grooves_reflect_their_directional_albedo() {
         let metal = format!("metallic = 1\nbase_color = [1, 1, 1]\nanisotropy = {anisotropy}");
         let expected = albedo(view, alphas(roughness, anisotropy)) as f32;
         let own = format!("material.floor.roughness={roughness}");
-        let Some(found) = seen(on_floor(view), &metal, &[&own]) else {
-            return;
-        };
+        let found = or_skip!(seen(on_floor(view), &metal, &[&own]));
         assert_close(found[0], expected, 0.015);
         // Above the cut-off an isotropic lobe replaces the anisotropic one.
         let far = [own.as_str(), "reflection.roughness_cutoff=0"];

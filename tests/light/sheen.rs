@@ -58,9 +58,7 @@ fn a_sheen_in_even_light_shows_its_directional_albedo() {
     let cloth = "base_color = [0, 0, 0]\nreflectivity = 0\nsheen_color = [1, 0.5, 0.25]";
     let check = |light: &str, roughness: f64, angle_deg: f64| {
         let own = format!("{cloth}\nsheen_roughness = {roughness}");
-        let Some(found) = seen(angle_deg, &own, &[light, "image.samples=16"]) else {
-            return;
-        };
+        let found = or_skip!(seen(angle_deg, &own, &[light, "image.samples=16"]));
         let expected = sheen_albedo(angle_deg.to_radians().cos(), roughness) as f32;
         for (found, share) in found.iter().zip([1.0, 0.5, 0.25]) {
             let error = (found - share * expected).abs();
@@ -90,9 +88,7 @@ fn what_is_below_a_sheen_keeps_the_rest_of_the_light() {
                 "reflection.multiple_scattering=true",
                 "reflection.roughness_cutoff=1",
             ];
-            let Some(found) = seen(angle_deg, &own, &set) else {
-                return;
-            };
+            let found = or_skip!(seen(angle_deg, &own, &set));
             assert_close(found[0], 1.0, 0.015);
         }
     }
@@ -133,9 +129,7 @@ fn a_smooth_dielectric_has_the_strength_and_color_of_its_lobe() {
                 "base_color = [0, 0, 0]\nroughness = 0\nspecular = {strength}\nspecular_color = {color:?}\n\
                  reflectivity = {reflectivity}"
             );
-            let Some(found) = seen(angle_deg, &own, &["image.samples=1"]) else {
-                return;
-            };
+            let found = or_skip!(seen(angle_deg, &own, &["image.samples=1"]));
             let schlick = (1.0 - angle_deg.to_radians().cos() as f32).powi(5);
             for (found, color) in found.iter().zip(color) {
                 let f0 = (reflectivity * color).min(1.0) * strength;
@@ -158,9 +152,7 @@ fn what_a_tinted_lobe_leaves_is_not_tinted() {
             "reflection.multiple_scattering=true",
             "image.samples=16",
         ];
-        let Some(found) = seen(40.0, own, &set) else {
-            return;
-        };
+        let found = or_skip!(seen(40.0, own, &set));
         // All red light is reflected; green and blue have their lobe, and light that the strongest channel transmits.
         assert_close(found[0], 1.0, 0.01);
         assert!(found[1] < 0.9 && found[2] < found[1], "{found:?}");

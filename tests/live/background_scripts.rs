@@ -224,9 +224,7 @@ impl Watched {
 
 #[test]
 fn a_save_with_an_endless_setup_leaves_everything_usable_until_the_next_save() {
-    let Some(session) = Session::new() else {
-        return;
-    };
+    let session = or_skip!(Session::new());
     let mut preview = Watched::new(session);
     let slow = SCRIPT.replace("let all = [];", &format!("{SLOW} let all = [];"));
     preview.save_script(&slow, "slow");
@@ -254,9 +252,7 @@ fn a_save_with_an_endless_setup_leaves_everything_usable_until_the_next_save() {
 
 #[test]
 fn an_endless_frame_keeps_the_one_before_and_is_left_for_another() {
-    let Some(session) = Session::new() else {
-        return;
-    };
+    let session = or_skip!(Session::new());
     let mut preview = Watched::new(session);
     let slow = format!("fn frame(ctx) {{\n if ctx.frame == 9 {{ {SLOW} }}");
     let slow = SCRIPT.replace("fn frame(ctx) {", &slow);
@@ -286,9 +282,7 @@ fn an_endless_frame_keeps_the_one_before_and_is_left_for_another() {
 
 #[test]
 fn what_is_asked_of_a_frame_is_done_with_that_frame_whatever_is_shown() {
-    let Some(mut session) = Session::new() else {
-        return;
-    };
+    let mut session = or_skip!(Session::new());
     // Pictures do not wait for the script at frame 9.
     let late = "fn frame(ctx) { if ctx.frame == 9 { let text = \"abcdefgh\"; \
                 for i in 0..16 { text += text; } for i in 0..3000 { text.contains(\"no\"); } }";
@@ -340,9 +334,7 @@ fn what_is_asked_of_a_frame_is_done_with_that_frame_whatever_is_shown() {
 
 #[test]
 fn material_numbers_are_reported_during_playback() {
-    let Some(session) = Session::new() else {
-        return;
-    };
+    let session = or_skip!(Session::new());
     let mut preview = Watched::new(session);
     let told = Duration::from_millis(300); // longer ago than they are told again
     thread::sleep(told);
@@ -355,9 +347,7 @@ fn material_numbers_are_reported_during_playback() {
 
 #[test]
 fn other_parameters_take_the_place_of_those_whose_setup_is_endless() {
-    let Some(session) = Session::new() else {
-        return;
-    };
+    let session = or_skip!(Session::new());
     let count = session.live.declared()[0].1.clone();
     let mut preview = Watched::new(session);
     let slow = format!("if ctx.params.count == 3 {{ {SLOW} }} let all = [];");
@@ -379,12 +369,9 @@ fn other_parameters_take_the_place_of_those_whose_setup_is_endless() {
 
 #[test]
 fn a_scene_whose_script_is_slow_from_the_start_opens_empty_and_is_shown_once_mended() {
-    let Some(Session {
+    let Session {
         gpu, folder, live, ..
-    }) = Session::new()
-    else {
-        return;
-    };
+    } = or_skip!(Session::new());
     let endless = SCRIPT.replace("fn setup(ctx) {", &format!("fn setup(ctx) {{ {SLOW}"));
     folder.write("sub/move.rhai", endless);
     let (live, is_waiting) =

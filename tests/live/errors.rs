@@ -16,9 +16,7 @@ use crate::{
 
 #[test]
 fn an_error_in_a_frame_keeps_the_last_good_one() {
-    let Some(mut session) = Session::new() else {
-        return;
-    };
+    let mut session = or_skip!(Session::new());
     let failing = SCRIPT.replace(
         "fn frame(ctx) {\n",
         "fn frame(ctx) {\n    if ctx.frame > 9 { throw \"too late\"; }\n",
@@ -36,9 +34,7 @@ fn an_error_in_a_frame_keeps_the_last_good_one() {
 
 #[test]
 fn a_save_that_fails_in_the_wanted_frame_is_shown_from_the_next_good_frame_on() {
-    let Some(mut session) = Session::new() else {
-        return;
-    };
+    let mut session = or_skip!(Session::new());
     let failing = SCRIPT.replace("vec3(i - 1", "vec3(i - 2").replace(
         "fn frame(ctx) {\n",
         "fn frame(ctx) {\n    if ctx.frame > 9 { throw \"too late\"; }\n    \
@@ -76,9 +72,7 @@ fn a_save_that_fails_in_the_wanted_frame_is_shown_from_the_next_good_frame_on() 
 
 #[test]
 fn a_save_that_waits_for_a_good_frame_has_its_own_timeline() {
-    let Some(mut session) = Session::new() else {
-        return;
-    };
+    let mut session = or_skip!(Session::new());
     session.live.pose_now(12);
     let good = session.picture();
     let failing = "fn frame(ctx) { if ctx.frame < 42 { throw \"too early\"; } }";

@@ -33,9 +33,7 @@ fn picture(set: &[&str], guides: bool) -> Picture {
 /// reflected color. They change no picture.
 #[test]
 fn guides_are_as_smooth_as_the_picture() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let plain = picture(&["image.samples=8"], false);
     assert!(plain.guides.is_empty());
     for set in [
@@ -70,9 +68,7 @@ fn guides_are_as_smooth_as_the_picture() {
 /// Display color that is made on the CPU equals the GPU's, for all curves, with unlit surfaces and alpha.
 #[test]
 fn display_color_made_anew_is_the_same() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     for curve in ["none", "neutral", "aces", "agx"] {
         for alpha in ["image.alpha=false", "image.alpha=true"] {
             let curve = format!("image.tone_map={curve:?}");

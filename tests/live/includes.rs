@@ -13,9 +13,7 @@ const RED: &str = "[material.red]\nbase_color = [0.9, 0.1, 0.1]\n";
 
 #[test]
 fn an_included_file_is_watched_and_taken_over() {
-    let Some(gpu) = gpu_or_skip().map(Arc::new) else {
-        return;
-    };
+    let gpu = or_skip!(gpu_or_skip().map(Arc::new));
     let folder = Folder::new();
     let text = format!("include = \"parts/red.toml\"\n{}", SCENE.replace(RED, ""));
     let scene = folder.write("scene.toml", text);

@@ -41,9 +41,7 @@ fn rendered(folder: &Folder, set: &[String]) -> Vec<u8> {
 
 /// Shows pairs of methods beside each other, and compares each side with `render`.
 fn check_pairs(methods: &[Method]) {
-    let Some(gpu) = gpu_or_skip().map(Arc::new) else {
-        return;
-    };
+    let gpu = or_skip!(gpu_or_skip().map(Arc::new));
     let folder = Folder::new();
     let path = folder.write("scene.toml", format!("{SCENE}{MAPS}"));
     let live = open(&gpu, &path, None);
@@ -91,9 +89,7 @@ fn all_methods_are_shown_beside_each_other() {
 #[test]
 #[ignore = "long: builds the passes of many settings"]
 fn settings_of_reflections_are_shown_after_a_save() {
-    let Some(gpu) = gpu_or_skip().map(Arc::new) else {
-        return;
-    };
+    let gpu = or_skip!(gpu_or_skip().map(Arc::new));
     let folder = Folder::new();
     let text = format!("{SCENE}{MAPS}");
     let path = folder.write("scene.toml", &text);

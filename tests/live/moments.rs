@@ -61,9 +61,7 @@ fn few_samples_show_streaks_by_other_methods() {
 }
 
 fn show_streaks(methods: &[&str]) {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     for method in methods {
         let of = |set: &[&str]| {
             let method = format!("reflection.method={method:?}");
@@ -85,9 +83,7 @@ fn show_streaks(methods: &[&str]) {
 /// AOVs belong to the frame's own moment, for all pixels, and statistics count all pixels.
 #[test]
 fn depth_and_counts_are_those_of_the_whole_picture() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     for method in ["reflection.method=\"rt\"", "reflection.method=\"hybrid\""] {
         let aovs = ["depth", "ids", "normal"];
         let blurred = picture(SCENE, &[method, "image.samples=2"], &aovs);
@@ -103,9 +99,7 @@ fn depth_and_counts_are_those_of_the_whole_picture() {
 /// A shadow map shows the moment of each sub-frame, as shadow rays do.
 #[test]
 fn shadow_maps_move_while_the_shutter_is_open() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let lamp = "[light.lamp]\nkind = \"directional\"\ndirection = [0, 0, -1]\nintensity_lux = 3\n";
     let of = |shadow: &str, samples: &str| {
         let scene = format!("{SCENE}{lamp}shadow = \"{shadow}\"\nshadow_px = 512\n");
@@ -122,9 +116,7 @@ fn shadow_maps_move_while_the_shutter_is_open() {
 /// Coverage adds up over moments, and pictures of odd sizes have all their pixels.
 #[test]
 fn alpha_and_odd_sizes_work_with_moments() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let scene = SCENE.replace("size = [8, 8]", "size = [0.01, 0.01]");
     let scene = scene.replace("radius = 0.2", "radius = 0.7");
     let set = ["image.size=[47, 63]", "image.alpha=true"];

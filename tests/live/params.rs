@@ -15,9 +15,7 @@ use crate::{
 
 #[test]
 fn parameters_are_laid_over_as_set_does_and_stay_as_long_as_they_exist() {
-    let Some(mut session) = Session::new() else {
-        return;
-    };
+    let mut session = or_skip!(Session::new());
     session.live.pose_now(10);
     let first = session.picture();
     let own = session.live.declared().clone();
@@ -45,9 +43,7 @@ fn parameters_are_laid_over_as_set_does_and_stay_as_long_as_they_exist() {
 
 #[test]
 fn values_that_do_not_work_are_refused_and_leave_everything_as_it_was() {
-    let Some(mut session) = Session::new() else {
-        return;
-    };
+    let mut session = or_skip!(Session::new());
     session.live.pose_now(10);
     let own = session.live.declared()[0].1.clone();
     let overrides = |count| {
@@ -97,9 +93,7 @@ fn values_that_do_not_work_are_refused_and_leave_everything_as_it_was() {
 
 #[test]
 fn parameters_outlive_a_save_that_fails() {
-    let Some(mut session) = Session::new() else {
-        return;
-    };
+    let mut session = or_skip!(Session::new());
     let count = session.live.declared()[0].1.clone();
     let mut overrides = ParameterOverrides::default();
     overrides.set("count", ParamValue::Integer(3), &count);

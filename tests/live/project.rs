@@ -20,9 +20,7 @@ const RED: &str = "[material.red]\nbase_color = [0.9, 0.1, 0.1]\n";
 
 #[test]
 fn a_changed_project_is_taken_over_and_its_mistakes_are_shown() {
-    let Some(gpu) = gpu_or_skip().map(Arc::new) else {
-        return;
-    };
+    let gpu = or_skip!(gpu_or_skip().map(Arc::new));
     let folder = Folder::new();
     let text = format!("include = \"red.toml\"\n{}", SCENE.replace(RED, ""));
     let scene = folder.write("scene.toml", text);

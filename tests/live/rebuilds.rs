@@ -87,9 +87,7 @@ const MATERIALS: RebuildSummary = RebuildSummary {
 
 #[test]
 fn lights_cameras_tone_and_environment_rebuild_nothing() {
-    let Some(mut session) = Session::new(SCENE) else {
-        return;
-    };
+    let mut session = or_skip!(Session::new(SCENE));
     for (from, to) in [
         ("position = [2, 4, 3]", "position = [-2, 4, 3]"),
         ("intensity_cd = 30", "intensity_cd = 60"),
@@ -104,9 +102,7 @@ fn lights_cameras_tone_and_environment_rebuild_nothing() {
 
 #[test]
 fn materials_and_static_instances_rebuild_only_their_data() {
-    let Some(mut session) = Session::new(SCENE) else {
-        return;
-    };
+    let mut session = or_skip!(Session::new(SCENE));
     let color = (
         "base_color = [0.9, 0.1, 0.1]",
         "base_color = [0.1, 0.9, 0.1]",
@@ -130,9 +126,7 @@ fn moved_dynamic_instance_rebuilds_only_the_top_level() {
         "translation = [0, 0.5, 0]",
         "translation = [0, 0.5, 0]\ndynamic = true",
     );
-    let Some(mut session) = Session::new(&text) else {
-        return;
-    };
+    let mut session = or_skip!(Session::new(&text));
     let poses = RebuildSummary {
         poses: true,
         ..NOTHING
@@ -144,9 +138,7 @@ fn moved_dynamic_instance_rebuilds_only_the_top_level() {
 #[test]
 fn another_shape_reads_the_scene_whole() {
     let text = SCENE.replace("[image]", "[reflection]\nmethod = \"hybrid\"\n[image]");
-    let Some(mut session) = Session::new(&text) else {
-        return;
-    };
+    let mut session = or_skip!(Session::new(&text));
     let reload = session.edit("kind = \"box\"", "kind = \"sphere\"");
     assert!(reload.ok && reload.files && reload.rebuilt.upload && reload.rebuilt.trees);
     assert_eq!(reload.shaders, 0, "the text of the shaders is the same");
@@ -155,9 +147,7 @@ fn another_shape_reads_the_scene_whole() {
 
 #[test]
 fn broken_then_good_keeps_the_last_picture() {
-    let Some(mut session) = Session::new(SCENE) else {
-        return;
-    };
+    let mut session = or_skip!(Session::new(SCENE));
     for round in 0..50 {
         let before = session.picture();
         let good = session.text.clone();
@@ -184,9 +174,7 @@ fn broken_then_good_keeps_the_last_picture() {
 #[test]
 fn a_second_renderer_on_a_device_compiles_nothing() {
     let text = SCENE.replace("[image]", "[reflection]\nmethod = \"hybrid\"\n[image]");
-    let Some(mut session) = Session::new(&text) else {
-        return;
-    };
+    let mut session = or_skip!(Session::new(&text));
     let first = session.picture();
     let stats = &session.gpu.compile_stats;
     let made = (stats.shaders(), stats.pipelines());
@@ -198,9 +186,7 @@ fn a_second_renderer_on_a_device_compiles_nothing() {
 #[test]
 fn methods_share_what_they_have_in_common() {
     let text = SCENE.replace("[image]", "[reflection]\nmethod = \"hybrid\"\n[image]");
-    let Some(mut session) = Session::new(&text) else {
-        return;
-    };
+    let mut session = or_skip!(Session::new(&text));
     let first = session.picture();
     let set_overrides = |session: &mut Session, method| {
         let overrides = ViewOverrides {
@@ -230,9 +216,7 @@ fn trees_are_built_when_rays_are_first_followed_and_kept_from_then_on() {
     let text = SCENE
         .replace("[image]", "[reflection]\nmethod = \"ssr\"\n[image]")
         .replace("translation = [0, 0.5, 0]", moving);
-    let Some(mut session) = Session::new(&text) else {
-        return;
-    };
+    let mut session = or_skip!(Session::new(&text));
     let held = |session: &mut Session| {
         let stats = session.live.render(&first_camera).expect("renders");
         let of = |wanted: &str| stats.bytes.iter().find(|(name, _)| name == wanted);
@@ -321,9 +305,7 @@ fn an_asset_that_changes_or_comes_late_is_read() {
         "base_color = [0.9, 0.1, 0.1]",
         "base_color_texture = \"paint.png\"",
     );
-    let Some(mut session) = Session::new(SCENE) else {
-        return;
-    };
+    let mut session = or_skip!(Session::new(SCENE));
     fs::write(&session.scene, &text).expect("written");
     assert!(
         !session.live.reload(&[Change::Scene].into()).ok,

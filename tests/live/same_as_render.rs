@@ -149,9 +149,7 @@ fn rendered(
 
 #[test]
 fn what_is_auto_is_decided_for_the_first_frame_in_preview_and_render() {
-    let Some(mut fixture) = Fixture::new() else {
-        return;
-    };
+    let mut fixture = or_skip!(Fixture::new());
     let (wanted, first) = fixture.rendered(LATE, None);
     let path = fixture.folder.path("scene.toml");
     let (other, late) = rendered(&path, LATE, None, &[&format!("timeline.start={LATE}")]);
@@ -181,9 +179,7 @@ fn what_is_auto_is_decided_for_the_first_frame_in_preview_and_render() {
 
 #[test]
 fn the_chosen_camera_decides() {
-    let Some(mut fixture) = Fixture::new() else {
-        return;
-    };
+    let mut fixture = or_skip!(Fixture::new());
     assert!(fixture.live.pose_now(LATE));
     let by_main = fixture.live.renderer().options().image.exposure_ev;
     let side = view(Some("side"));
@@ -198,9 +194,7 @@ fn the_chosen_camera_decides() {
 
 #[test]
 fn a_draft_shows_what_was_decided_for_the_whole_picture() {
-    let Some(mut fixture) = Fixture::new() else {
-        return;
-    };
+    let mut fixture = or_skip!(Fixture::new());
     assert!(fixture.live.pose_now(LATE));
     let whole = *fixture.live.renderer().options();
     let decisions = fixture.live.renderer().decisions().to_vec();
@@ -224,9 +218,7 @@ fn a_draft_shows_what_was_decided_for_the_whole_picture() {
 /// A set value that moves what the first frame shows decides as it does from the start, whichever frame is posed.
 #[test]
 fn a_session_that_is_changed_at_a_late_frame_decides_as_a_new_one() {
-    let Some(fixture) = Fixture::new() else {
-        return;
-    };
+    let fixture = or_skip!(Fixture::new());
     let path = fixture.folder.path("scene.toml");
     let mut session = session(&path, None, &[]);
     session.pose(LATE).expect("it poses");
@@ -246,12 +238,9 @@ fn a_session_that_is_changed_at_a_late_frame_decides_as_a_new_one() {
 /// The window's own thread, with the menu's `auto`.
 #[test]
 fn a_screenshot_is_what_render_writes() {
-    let Some(Fixture {
+    let Fixture {
         gpu, folder, live, ..
-    }) = Fixture::new()
-    else {
-        return;
-    };
+    } = or_skip!(Fixture::new());
     let (wanted, _) = rendered(&folder.path("scene.toml"), LATE, None, &[]);
     let wanted = png_file::encode(SIZE, &wanted, &[]).expect("encodes");
     let mut preview = Watched::start(gpu, folder, live, false);

@@ -92,9 +92,7 @@ const POSES: RebuildSummary = RebuildSummary {
 
 #[test]
 fn the_script_and_its_imports_are_watched_also_while_they_are_broken() {
-    let Some(mut session) = Session::new() else {
-        return;
-    };
+    let mut session = or_skip!(Session::new());
     let is_watched = |session: &Session, name: &str| {
         let wanted = session.folder.path(name);
         let list = session.live.watch_list().0;
@@ -127,9 +125,7 @@ fn the_script_and_its_imports_are_watched_also_while_they_are_broken() {
 
 #[test]
 fn edit_of_frame_only_poses_again() {
-    let Some(mut session) = Session::new() else {
-        return;
-    };
+    let mut session = or_skip!(Session::new());
     assert!(session.live.pose_now(20));
     let before = session.picture();
     assert!(before == session.afresh(20, &[]));
@@ -158,9 +154,7 @@ fn edit_of_frame_only_poses_again() {
 
 #[test]
 fn frames_are_what_a_fresh_start_shows_in_any_order() {
-    let Some(mut session) = Session::new() else {
-        return;
-    };
+    let mut session = or_skip!(Session::new());
     for frame in [30, 3, 40, 0, 99, 30] {
         let made = (
             session.gpu.compile_stats.shaders(),
@@ -180,9 +174,7 @@ fn frames_are_what_a_fresh_start_shows_in_any_order() {
 
 #[test]
 fn broken_then_good_keeps_the_last_picture() {
-    let Some(mut session) = Session::new() else {
-        return;
-    };
+    let mut session = or_skip!(Session::new());
     session.live.pose_now(8);
     for round in 0..ROUNDS {
         let before = session.picture();
@@ -205,9 +197,7 @@ fn broken_then_good_keeps_the_last_picture() {
 
 #[test]
 fn every_way_of_saving_a_script_ends_with_its_last_text() {
-    let Some(session) = Session::new() else {
-        return;
-    };
+    let session = or_skip!(Session::new());
     let watch = Watch::settled(session.live.watch_list().0);
     let path = session.folder.path("sub/move.rhai");
     let session = RefCell::new(session);
@@ -250,9 +240,7 @@ fn every_way_of_saving_a_script_ends_with_its_last_text() {
 
 #[test]
 fn an_edited_material_wins_over_motion_until_the_next_save() {
-    let Some(mut session) = Session::new() else {
-        return;
-    };
+    let mut session = or_skip!(Session::new());
     let red = |session: &Session| {
         let materials = &session.live.world().materials;
         materials.iter().position(|m| m.name == "red").expect("red")
@@ -299,9 +287,7 @@ fn an_edited_material_wins_over_motion_until_the_next_save() {
 
 #[test]
 fn where_nothing_stands_still_lengths_do_not_depend_on_the_frame() {
-    let Some(mut session) = Session::new() else {
-        return;
-    };
+    let mut session = or_skip!(Session::new());
     let text = fs::read_to_string(&session.scene).expect("readable");
     let text = text.replace(
         "[[instance]]\nmodel = \"floor\"",
@@ -320,9 +306,7 @@ fn where_nothing_stands_still_lengths_do_not_depend_on_the_frame() {
 /// Materials with the same name, one in each box.
 #[test]
 fn edits_of_materials_of_one_name_stay_with_their_own() {
-    let Some(mut session) = Session::new() else {
-        return;
-    };
+    let mut session = or_skip!(Session::new());
     let own = "dynamic: true, material: #{ metallic: 0.5 * i } }";
     let script = SCRIPT.replace("dynamic: true }", own);
     assert!(session.save_script(&script).ok);

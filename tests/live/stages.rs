@@ -258,9 +258,7 @@ fn a_refused_scene_leaves_the_watched_files() {
 /// Values that replace each other do not add up.
 #[test]
 fn a_value_that_is_set_again_takes_the_place_of_the_earlier_one() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = Folder::new();
     let path = folder.write("scene.toml", SCENE);
     let mut session = Session::open(&path, &SessionOptions::default()).expect("it opens");
@@ -274,9 +272,7 @@ fn a_value_that_is_set_again_takes_the_place_of_the_earlier_one() {
 
 #[test]
 fn overrides_that_fail_leave_the_earlier_ones() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = Folder::new();
     let path = folder.write("scene.toml", scene());
     folder.write("s.rhai", MOVES);
@@ -327,9 +323,7 @@ fn png(path: &Path, size: [u32; 2]) -> Vec<u8> {
 
 #[test]
 fn a_resize_during_a_reload_is_shown_at_once_and_keeps_its_end() {
-    let Some(session) = Scripted::new() else {
-        return;
-    };
+    let session = or_skip!(Scripted::new());
     let path = session.scene.clone();
     let mut preview = Watched::new(session);
     let slow = "let text = \"abcdefgh\"; for i in 0..16 { text += text; } \
@@ -349,9 +343,7 @@ fn a_resize_during_a_reload_is_shown_at_once_and_keeps_its_end() {
 
 #[test]
 fn ten_saves_in_a_second_end_in_the_picture_of_the_last() {
-    let Some(session) = Scripted::new() else {
-        return;
-    };
+    let session = or_skip!(Scripted::new());
     let path = session.scene.clone();
     let text = fs::read_to_string(&path).expect("readable");
     let mut preview = Watched::new(session);

@@ -134,9 +134,7 @@ fn moving_what_was_clicked_changes_one_line_and_can_be_undone() {
         "translation = [0, 0.5, 0]",
         "translation = [0, 0.50, 0] # on the floor",
     );
-    let Some(mut preview) = preview(&[("scene.toml", &text)]) else {
-        return;
-    };
+    let mut preview = or_skip!(preview(&[("scene.toml", &text)]));
     let path = preview.folder.path("scene.toml");
     let read = || fs::read_to_string(&path).expect("it is there");
     let pick = FrameRequest {
@@ -187,9 +185,7 @@ fn moving_what_was_clicked_changes_one_line_and_can_be_undone() {
 
 #[test]
 fn what_must_not_be_written_is_named_and_stays() {
-    let Some(mut preview) = preview(&[("scene.toml", SCENE)]) else {
-        return;
-    };
+    let mut preview = or_skip!(preview(&[("scene.toml", SCENE)]));
     let path = preview.folder.path("scene.toml");
     let lamp = select(&mut preview, SceneItem::Light(0));
     assert_eq!(lamp.label, "light lamp");
@@ -248,9 +244,7 @@ fn changes_go_where_a_thing_is_written() {
         ("more.rhai", script),
         ("scene.toml", SHOT),
     ];
-    let Some(mut preview) = preview(&files) else {
-        return;
-    };
+    let mut preview = or_skip!(preview(&files));
     let read = |preview: &Watched, name: &str| {
         fs::read_to_string(preview.folder.path(name)).expect("it is there")
     };

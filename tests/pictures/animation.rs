@@ -76,9 +76,7 @@ fn a_moving_node_and_its_reflection_are_where_they_should_be() {
     let frames = [0, 4, 8];
     for method in ["hybrid", "rt"] {
         let text = format!("{SCENE}[reflection]\nmethod = \"{method}\"\n");
-        let Some(pictures) = film(&folder, &text, &frames) else {
-            return;
-        };
+        let pictures = or_skip!(film(&folder, &text, &frames));
         let camera = read(&folder, &text).0.cameras[0].value.clone();
         for (picture, frame) in pictures.iter().zip(frames) {
             let share = frame as f32 / 8.0;
@@ -99,9 +97,7 @@ fn a_moving_node_and_its_reflection_are_where_they_should_be() {
 #[test]
 fn a_frame_alone_is_the_frame_of_the_film() {
     let folder = folder("alone");
-    let Some(all) = film(&folder, SCENE, &[0, 3, 16, 5, 9]) else {
-        return;
-    };
+    let all = or_skip!(film(&folder, SCENE, &[0, 3, 16, 5, 9]));
     for (i, frame) in [0, 3, 16, 5, 9].into_iter().enumerate() {
         let alone = film(&folder, SCENE, &[frame]).expect("there is a device");
         assert!(all[i].display == alone[0].display, "frame {frame}");
@@ -119,9 +115,7 @@ fn what_is_hidden_leaves_no_trace() {
     let sun =
         "[light.sun]\nkind = \"directional\"\ndirection = [0.2, -1, 0.1]\nintensity_lux = 3\n";
     let text = format!("{SCENE}{sun}");
-    let Some(pictures) = film(&folder, &text, &[8, 16]) else {
-        return;
-    };
+    let pictures = or_skip!(film(&folder, &text, &[8, 16]));
     let json = fs::read_to_string(folder.join("arm.gltf")).expect("it is there");
     let without = json.replace("\"name\": \"hand\", \"mesh\": 1,", "\"name\": \"hand\",");
     assert_ne!(json, without);
@@ -140,9 +134,7 @@ fn materials_of_files_change_over_time() {
     let motion = "[motion.model.arm.material.glow]\n\
         emission = { keys = [{ at_s = 0, value = [1, 0, 0] }, { at_s = 2, value = [0, 1, 0] }] }\n";
     let text = format!("{SCENE}{motion}").replace("[\"swing\", \"lift\"]", "\"swing\"");
-    let Some(pictures) = film(&folder, &text, &[0, 8]) else {
-        return;
-    };
+    let pictures = or_skip!(film(&folder, &text, &[0, 8]));
     let camera = read(&folder, &text).0.cameras[0].value.clone();
     for (picture, hand, expected) in [
         (&pictures[0], Vec3::new(1.0, 0.5, 0.0), [1.0, 0.0, 0.0]),
@@ -171,9 +163,7 @@ fn render(folder: &Path, arguments: &[&str], code: i32) -> String {
 
 #[test]
 fn bare_model_renders_as_a_film() {
-    if gpu().is_none() {
-        return;
-    }
+    or_skip!(gpu());
     let folder = folder("bare");
     let frames = [
         "arm.gltf", "--size", "32x24", "-o", "f.##.png", "--resume", "--frames",
@@ -201,9 +191,7 @@ fn bare_model_renders_as_a_film() {
 
 #[test]
 fn resume_depends_on_the_played_animation() {
-    if gpu().is_none() {
-        return;
-    }
+    or_skip!(gpu());
     let folder = folder("resume");
     fs::write(folder.join("scene.toml"), SCENE).expect("written");
     let frames = [

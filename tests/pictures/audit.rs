@@ -70,9 +70,7 @@ fn audited_of(text: &str, size: &str, method: Method) -> Option<(Picture, Audit)
 
 #[test]
 fn few_hits_are_all_traced_and_many_are_sampled() {
-    let Some((small, all)) = audited("image.size=[64, 36]", Method::Hybrid) else {
-        return;
-    };
+    let (small, all) = or_skip!(audited("image.size=[64, 36]", Method::Hybrid));
     assert!(all.hits < 1024 && all.wrong > 5, "{all}");
     assert_eq!(small.stats.audit, Some(all));
 
@@ -96,9 +94,7 @@ fn rays_into_fog_are_not_counted_as_hits() {
     let fog = "fog = { density = 0.01 }\nzenith = [0.13, 0.24, 0.52]";
     let text = ATRIUM.replace("zenith = [0.13, 0.24, 0.52]", fog);
     let small = audited_of(&text, "image.size=[64, 36]", Method::Hybrid);
-    let Some((small, all)) = small else {
-        return;
-    };
+    let (small, all) = or_skip!(small);
     let past = |p: &Picture| {
         let causes = integers(p, Aov::Cause);
         causes.iter().filter(|c| **c == Cause::None as u32).count()
@@ -122,9 +118,7 @@ fn rays_into_fog_are_not_counted_as_hits() {
 #[test]
 fn nothing_is_audited_where_no_hit_is_taken_from_the_screen() {
     for method in [Method::Rt, Method::Ssr] {
-        let Some((picture, _)) = audited("image.size=[32, 18]", method) else {
-            return;
-        };
+        let (picture, _) = or_skip!(audited("image.size=[32, 18]", method));
         assert_eq!(picture.stats.audit, None);
     }
 }

@@ -42,9 +42,7 @@ fn share_elsewhere(picture: &Picture, other: &Picture) -> f64 {
 /// Rays that others follow keep the cause of the screen's march.
 #[test]
 fn the_faces_of_a_closed_room_answer_as_rays_do() {
-    let Some(rt) = by(&["reflection.method=rt"]) else {
-        return;
-    };
+    let rt = or_skip!(by(&["reflection.method=rt"]));
     for (set, least) in [(&[][..], 500), (&["reflection.rate=4"], 300)] {
         let picture = by(set).expect("a GPU");
         let [found, hidden, unmarched] =
@@ -93,9 +91,7 @@ fn what_is_hidden_from_all_faces_is_replaced_by_the_environment() {
 /// Faces of one pixel answer something, and those past the limits are refused.
 #[test]
 fn faces_of_one_pixel_are_rendered_and_the_largest_refused() {
-    let Some(one) = by(&["box_faces.face_px=1"]) else {
-        return;
-    };
+    let one = or_skip!(by(&["box_faces.face_px=1"]));
     let gpu = gpu().expect("a GPU");
     assert!(one.color.iter().all(|v| v.is_finite()));
     let (desc, world) = scene(ROOM, &["box_faces.face_px=16384"]);

@@ -156,9 +156,7 @@ fn check_sheets(place: &[&str]) {
         for (lamp, light) in LAMPS {
             for way in ways {
                 let set = [place, &[lamp], &way].concat();
-                let Some(picture) = picture(SHEET, &set, sheet, &[]) else {
-                    return;
-                };
+                let picture = or_skip!(picture(SHEET, &set, sheet, &[]));
                 let wrong = wrong(&picture, plane, |at| {
                     let (to_light, irradiance) = light(at);
                     let shading = turned(normal(object_from_world.transform_point3(at)));
@@ -191,9 +189,7 @@ fn mirrors_show_sheets_of_points_as_lit_by_their_normals() {
         let method = format!("reflection.method=\"{method}\"");
         let set = [&set[..], &[&method]].concat();
         let aovs = [Aov::Ids, Aov::HitIds];
-        let Some(picture) = picture(&text, &set, &points(), &aovs) else {
-            return;
-        };
+        let picture = or_skip!(picture(&text, &set, &points(), &aovs));
         let ids = integers(&picture, Aov::Ids).chunks(2);
         let mut seen = [0, 0];
         let mut wrong = 0;
@@ -223,9 +219,7 @@ fn points_that_mirror_do_not_mirror_themselves() {
         let method = format!("reflection.method=\"{method}\"");
         let set = [&set[..], &[&method]].concat();
         for sheet in [points(), lines()] {
-            let Some(picture) = picture(&text, &set, &sheet, &[]) else {
-                return;
-            };
+            let picture = or_skip!(picture(&text, &set, &sheet, &[]));
             let wrong = wrong(&picture, Vec3::Y, |_| 1.0);
             assert!(wrong.is_empty(), "{method}: {}", wrong.len());
         }
@@ -287,9 +281,7 @@ fn capsules_cast_no_shadow_maps_on_themselves() {
                         &[Aov::Ids],
                     )
                 };
-                let (Some(map), Some(none)) = (of("map"), of("none")) else {
-                    return;
-                };
+                let (map, none) = (or_skip!(of("map")), or_skip!(of("none")));
                 let ids = (0..).zip(integers(&none, Aov::Ids).chunks(2));
                 let own = ids
                     .filter(|(_, id)| id[0] == 0)

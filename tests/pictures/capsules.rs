@@ -79,9 +79,7 @@ fn rasterized_and_traced_capsules_are_the_same() {
             let visibility = format!("image.visibility=\"{visibility}\"");
             picture(&[view, "reflection.method=\"rt\"", &visibility], |_| {})
         };
-        let (Some(raster), Some(rays)) = (of("raster"), of("rays")) else {
-            return;
-        };
+        let (raster, rays) = (or_skip!(of("raster")), or_skip!(of("rays")));
         let pairs = || {
             integers(&raster, Aov::Ids)
                 .chunks(2)
@@ -111,9 +109,8 @@ fn the_march_accepts_capsules_where_rays_meet_them() {
         "reflection.separation_m=0.05",
     ];
     for set in [one, two] {
-        let (Some(hybrid), Some(rt)) = (of(set), of(&["reflection.method=rt"])) else {
-            return;
-        };
+        let hybrid = or_skip!(of(set));
+        let rt = or_skip!(of(&["reflection.method=rt"]));
         assert_capsules_are_met(&hybrid, &rt);
     }
 }
@@ -153,11 +150,8 @@ fn shadows_of_capsules_are_those_of_rays() {
             let set = [light, &shadow, "material.floor.reflectivity=0.0"];
             picture(&set, |world| world.instances.iter_mut().for_each(hide))
         };
-        let (Some(map), Some(ray), Some(none)) =
-            (of("map", true), of("ray", true), of("ray", false))
-        else {
-            return;
-        };
+        let (map, ray) = (or_skip!(of("map", true)), or_skip!(of("ray", true)));
+        let none = or_skip!(of("ray", false));
         let shadowed = share_differing(&ray, &none, 24);
         let differing = share_differing(&map, &ray, 24);
         assert!(shadowed > 0.015, "{shadowed} of the pixels are shadowed");
@@ -240,9 +234,8 @@ fn capsules_of_several_submissions_are_drawn_as_those_of_one() {
             mesh.bounds = mesh.bounds_at_rest();
         })
     };
-    let (Some(one), Some(several)) = (with_hidden(1), with_hidden(300_000)) else {
-        return;
-    };
+    let one = or_skip!(with_hidden(1));
+    let several = or_skip!(with_hidden(300_000));
     assert!(
         one.display == several.display,
         "pixels of the two pictures differ"

@@ -68,9 +68,7 @@ fn drawn_pictures_do_not_depend_on_how_much_a_small_buffer_holds() {
 
 /// Compares pictures of a device with small bindings, and with buffers of so many bytes where they are given.
 fn check_buffers(cases: &[(Visibility, Option<u64>)]) {
-    let (Some(gpu), Some(mut small)) = (gpu(), gpu_or_skip()) else {
-        return;
-    };
+    let (gpu, mut small) = (or_skip!(gpu()), or_skip!(gpu_or_skip()));
     small.limits.max_storage_buffer_binding_size = SMALL_BYTES;
     let large = scene(&balls(LARGE), &[]);
     for &(visibility, buffer_bytes) in cases {
@@ -106,9 +104,7 @@ fn pictures_by_rays_do_not_depend_on_how_the_device_reads() {
 }
 
 fn check_reading(visibility: Visibility) {
-    let (Some(gpu), Some(mut plain)) = (gpu(), gpu_or_skip()) else {
-        return;
-    };
+    let (gpu, mut plain) = (or_skip!(gpu()), or_skip!(gpu_or_skip()));
     // A device without primitive indices: vertices are pulled, and BVHs are in buffers.
     plain.features.remove(wgpu::Features::PRIMITIVE_INDEX);
     plain.reads_texels_faster = false;
@@ -126,9 +122,7 @@ fn check_reading(visibility: Visibility) {
 
 #[test]
 fn more_than_all_buffers_hold_is_refused_by_name() {
-    let Some(mut small) = gpu_or_skip() else {
-        return;
-    };
+    let mut small = or_skip!(gpu_or_skip());
     small.limits.max_storage_buffer_binding_size = SMALL_BYTES;
     small.limits.max_storage_buffers_per_shader_stage = 12;
     let (desc, world) = scene(&balls(LARGE), &[]);

@@ -46,9 +46,7 @@ fn a_march_to_the_border_takes_the_steps_that_its_length_says() {
             "reflection.method=ssr",
             &format!("reflection.steps={steps}"),
         ];
-        let Some((_, _, counts)) = counted(FACING, &set) else {
-            return;
-        };
+        let (_, _, counts) = or_skip!(counted(FACING, &set));
         let steps_of = |start: i32| -> u64 {
             if start == 32 {
                 return 0; // straight back: no pixel is left
@@ -86,9 +84,7 @@ fn facing_mirrors_visit_one_node_a_bounce() {
             "image.samples=2".to_owned(),
         ];
         let set: Vec<&str> = set.iter().map(String::as_str).collect();
-        let Some((_, _, counts)) = counted(FACING, &set) else {
-            return;
-        };
+        let (_, _, counts) = or_skip!(counted(FACING, &set));
         let trace = counts_of(&counts, "trace");
         let rays = 2 * 81 * bounces; // sub-frames × pixels × bounces
         assert_eq!((trace.traversals, trace.visited_nodes), (rays, rays));
@@ -107,9 +103,7 @@ fn bounces_end_where_the_throughput_falls_below_a_level_of_255() {
         "reflection.bounces=16",
         "material.mirror.reflectivity=0.075",
     ];
-    let Some((_, _, counts)) = counted(FACING, &set) else {
-        return;
-    };
+    let (_, _, counts) = or_skip!(counted(FACING, &set));
     assert_eq!(counts_of(&counts, "trace").traversals, 3 * 81);
 }
 
@@ -121,9 +115,7 @@ fn surfaces_without_a_specular_lobe_send_no_rays() {
     for method in ["rt", "hybrid"] {
         let method = format!("reflection.method={method}");
         let other = "instance.1.material={ specular = 1 }";
-        let Some((renderer, _, counts)) = counted(FACING, &[mirror, &method]) else {
-            return;
-        };
+        let (renderer, _, counts) = or_skip!(counted(FACING, &[mirror, &method]));
         let sent = |counts: &[PassCounts]| counts.iter().map(|c| c.counts.traversals).sum::<u64>();
         assert!(
             !renderer.plan().features.reflections && sent(&counts) == 0,
@@ -146,9 +138,7 @@ fn surfaces_without_a_specular_lobe_send_no_rays() {
 #[test]
 fn every_lit_pixel_sends_one_shadow_ray_to_each_light() {
     let text = include_str!("counts/every_lit_pixel_sends_one_shadow_ray_to_each_light.toml");
-    let Some((_, _, counts)) = counted(text, &[]) else {
-        return;
-    };
+    let (_, _, counts) = or_skip!(counted(text, &[]));
     let light = counts_of(&counts, "light");
     assert_eq!((light.traversals, light.visited_nodes), (288, 288));
     assert_eq!(light.march_steps, 0);

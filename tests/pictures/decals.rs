@@ -56,12 +56,10 @@ pub fn mixed(share: f32) -> [f32; 3] {
 
 #[test]
 fn a_decal_covers_its_box_and_nothing_else() {
-    let Some(found) = wall(
+    let found = or_skip!(wall(
         "[decal.a]\nmaterial = \"red\"\ntranslation = [0.2, -0.1, 0.1]\nsize = [0.6, 0.4, 0.3]\n\
          rotation_deg = [0, 0, 30]\nopacity = 0.5\n",
-    ) else {
-        return;
-    };
+    ));
     let (sin, cos) = 30_f32.to_radians().sin_cos();
     assert_colors(&found, |[x, y]| {
         let (x, y) = (x - 0.2, y + 0.1);
@@ -73,12 +71,10 @@ fn a_decal_covers_its_box_and_nothing_else() {
         (border.abs() > 0.01).then(|| if border < 0.0 { mixed(0.5) } else { GRAY })
     });
     // The same box, moved along its Z until the wall is outside; the second decal keeps the code in the shaders.
-    let Some(found) = wall(
+    let found = or_skip!(wall(
         "[decal.a]\nmaterial = \"red\"\ntranslation = [0.2, -0.1, 0.16]\nsize = [0.6, 0.4, 0.3]\n\
          [decal.b]\nmaterial = \"red\"\ntranslation = [30, 0, 0]\n",
-    ) else {
-        return;
-    };
+    ));
     assert_colors(&found, |_| Some(GRAY));
 }
 
@@ -91,12 +87,11 @@ fn decals_fade_by_the_angle_and_lie_in_the_order_of_the_text() {
         (46.0, 0.0, 1.0),
         (90.0, 10.0, 1.0),
     ] {
-        let Some(found) = wall(&format!(
+        let decal = format!(
             "[decal.a]\nmaterial = \"red\"\nsize = [3, 3, 3]\nrotation_deg = [0, 45, 0]\n\
              max_angle_deg = {most}\nfade_deg = {fade}\n"
-        )) else {
-            return;
-        };
+        );
+        let found = or_skip!(wall(&decal));
         // Linear in the cosine: (cos 45 - cos 60) / (cos 30 - cos 60) of the first.
         let expected: f32 = if fade == 30.0 {
             (0.5_f32.sqrt() - 0.5) / (0.75_f32.sqrt() - 0.5)
@@ -106,12 +101,10 @@ fn decals_fade_by_the_angle_and_lie_in_the_order_of_the_text() {
         assert!((expected - share).abs() < 0.03);
         assert_colors(&found, |_| Some(mixed(expected)));
     }
-    let Some(found) = wall(
+    let found = or_skip!(wall(
         "[material.blue]\nbase_color = [0, 0, 1]\n[decal.z]\nmaterial = \"blue\"\n[decal.a]\n\
          material = \"red\"\nsize = [0.5, 3, 1]\nopacity = 0.25\n",
-    ) else {
-        return;
-    };
+    ));
     assert_colors(&found, |[x, y]| {
         let near = (x.abs() - 0.25).abs() < 0.01
             || (x.abs() - 0.5).abs() < 0.01
@@ -213,25 +206,24 @@ fn a_decal_is_the_image_as_the_texture_of_a_plane() {
         )
     };
     let wanted = [Aov::BaseColor, Aov::Normal];
-    let Some(textured) = picture_of(
+    let textured = or_skip!(picture_of(
         &folder,
         &solid(scene("paint", "[material.unused]\n")),
         &[],
         &wanted,
-    ) else {
-        return;
-    };
-    let Some(projected) = picture_of(&folder, &solid(scene("plain", decal)), &[], &wanted) else {
-        return;
-    };
+    ));
+    let projected = or_skip!(picture_of(
+        &folder,
+        &solid(scene("plain", decal)),
+        &[],
+        &wanted
+    ));
     for aov in wanted {
         let pairs = floats(&textured, aov).iter().zip(floats(&projected, aov));
         let worst = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
         assert!(worst < 0.02, "{}: {worst}", aov.name());
     }
-    let Some(clear) = picture_of(&folder, &scene("plain", decal), &[], &wanted) else {
-        return;
-    };
+    let clear = or_skip!(picture_of(&folder, &scene("plain", decal), &[], &wanted));
     // The image's blue is 0.102 everywhere, its alpha 0 or 1 at texels.
     let blues = floats(&clear, Aov::BaseColor).chunks_exact(3).map(|c| c[2]);
     let black = blues.clone().filter(|blue| *blue == 0.0).count();

@@ -91,9 +91,7 @@ fn every_wrap_mode_shows_the_texel_that_it_means() {
             ..SLOT
         };
         let (desc, world) = textured(3, 2, value, slot);
-        let Some(picture) = picture(&desc, &world, &[]) else {
-            return;
-        };
+        let picture = or_skip!(picture(&desc, &world, &[]));
         let [du, dv, origin] = wall_axes(&world);
         let mut seen = 0;
         for i in 0..48 * 40 {
@@ -127,9 +125,7 @@ fn a_texture_finer_than_pixels_shows_its_mean() {
         ..SLOT
     };
     let (desc, world) = textured(2048, 16, stripes, slot);
-    let Some(picture) = picture(&desc, &world, &[]) else {
-        return;
-    };
+    let picture = or_skip!(picture(&desc, &world, &[]));
     for (x, y) in [(5, 5), (17, 20), (24, 20), (25, 31), (40, 33)] {
         assert_color(&picture, x, y, [0.5; 3], 0.02);
     }
@@ -157,9 +153,7 @@ fn a_normal_map_tips_the_normal_along_its_texture() {
         let set = format!("instance.0.scale={scale}");
         let uv = format!("material.wall.uv_scale={uv_scale:?}");
         let (desc, world) = scene_of(&folder.join("test.toml"), &text, &[&set, &uv]);
-        let Some(picture) = picture(&desc, &world, &[Aov::Normal]) else {
-            return;
-        };
+        let picture = or_skip!(picture(&desc, &world, &[Aov::Normal]));
         let [du, dv, _] = wall_axes(&world);
         let (du, dv) = (du * uv_scale[0], dv * uv_scale[1]);
         let expected = tipped.x * du.normalize() - tipped.y * dv.normalize() + tipped.z * Vec3::Z;

@@ -29,9 +29,7 @@ fn the_normals_of_a_ball_point_away_from_its_center() {
                 mesh.colors = vec![Vec4::ONE; mesh.positions.len()];
             }
         }
-        let Some(picture) = picture(&desc, &world, &[Aov::Normal, Aov::Depth]) else {
-            return;
-        };
+        let picture = or_skip!(picture(&desc, &world, &[Aov::Normal, Aov::Depth]));
         let [normals, depths] = [Aov::Normal, Aov::Depth].map(|aov| floats(&picture, aov));
         let mut seen = 0;
         for i in 0..33 * 33 {
@@ -71,9 +69,7 @@ fn vertex_colors_run_straight_from_corner_to_corner() {
         .iter()
         .map(|p| of(p).with_z(0.25).extend(1.0))
         .collect();
-    let Some(picture) = picture(&desc, &world, &[]) else {
-        return;
-    };
+    let picture = or_skip!(picture(&desc, &world, &[]));
     for (x, y) in [(3, 3), (20, 20), (37, 5), (8, 30), (30, 36)] {
         let at = |pixel: u32| (pixel as f32 + 0.5) / 41.0 * 2.0 - 1.0;
         let reach = 3.0 * 15f32.to_radians().tan() * 0.5;
@@ -93,9 +89,7 @@ fn vertex_alpha_cuts_out_what_is_seen_and_its_shadow() {
             let leaf = world.instances[1].mesh;
             let count = world.meshes[leaf].positions.len();
             world.meshes[leaf].colors = vec![Vec4::new(1.0, 1.0, 1.0, alpha); count];
-            let Some(picture) = picture(&desc, &world, &[]) else {
-                return;
-            };
+            let picture = or_skip!(picture(&desc, &world, &[]));
             // The leaf at x = -0.6 covers pixels left of the middle; its shadow falls on 0.6.
             let pixel_of = |x: f32, height: f32| {
                 let across = x / ((4.0 - height) * 15f32.to_radians().tan());
@@ -118,9 +112,7 @@ fn light_too_bright_for_half_floats_stays_finite() {
         "image.radiance=half",
     ];
     let (desc, world) = scene(WALL, &set);
-    let Some(picture) = picture(&desc, &world, &[]) else {
-        return;
-    };
+    let picture = or_skip!(picture(&desc, &world, &[]));
     let [red, green, blue] = color(&picture, 20, 20);
     for bright in [red, green] {
         assert!((bright - 65_000.0).abs() < 40.0, "{bright}");

@@ -84,17 +84,13 @@ const MOVES: &str = include_str!("moving/moves.txt");
 #[test]
 fn moved_scene_equals_the_scene_written_in_that_pose() {
     let folder = folder("numbers");
-    let Some([before, _]) = frames(&folder, SCENE, &[], [0, 0]) else {
-        return;
-    };
+    let [before, _] = or_skip!(frames(&folder, SCENE, &[], [0, 0]));
     for (moved, value) in cases(MOVES) {
         let Ok([kind, name, key, path]) = <[&str; 4]>::try_from(words(moved)) else {
             panic!("{moved}");
         };
         let set = [format!("{kind}.{name}.{path}={value}")];
-        let Some([still, _]) = frames(&folder, SCENE, &set, [0, 0]) else {
-            return;
-        };
+        let [still, _] = or_skip!(frames(&folder, SCENE, &set, [0, 0]));
         let keys = format!("{{ curve = \"step\", keys = [{{ at_s = 1, value = {value} }}] }}");
         let track = format!("{SCENE}[motion.{kind}.{name}]\n{key} = {keys}\n");
         let frame =
@@ -102,9 +98,7 @@ fn moved_scene_equals_the_scene_written_in_that_pose() {
         let script = format!("fn frame(ctx) {{ {frame} }}");
         fs::write(folder.join("move.rhai"), script).expect("the script can be written");
         let script = format!("script = \"move.rhai\"\n{SCENE}");
-        let Some([_, after]) = frames(&folder, &track, &[], [0, 2]) else {
-            return;
-        };
+        let [_, after] = or_skip!(frames(&folder, &track, &[], [0, 2]));
         let (far, near) = (difference(&before, &after), difference(&still, &after));
         assert!(far > 0.01, "{key} by a track changes nothing: {far}");
         assert!(
@@ -122,12 +116,8 @@ fn leaves_that_are_cut_away_over_time_are_there_again_in_the_first_frame() {
     let folder = folder("cutoff");
     let keys = "{ keys = [{ at_s = 0, value = 0 }, { at_s = 2, value = 1 }] }";
     let text = format!("{SCENE}[motion.material.leaf]\nalpha_cutoff = {keys}\n");
-    let Some([alone, _]) = frames(&folder, &text, &[], [0, 0]) else {
-        return;
-    };
-    let Some([gone, again]) = frames(&folder, &text, &[], [4, 0]) else {
-        return;
-    };
+    let [alone, _] = or_skip!(frames(&folder, &text, &[], [0, 0]));
+    let [gone, again] = or_skip!(frames(&folder, &text, &[], [4, 0]));
     assert_eq!(
         alone.color, again.color,
         "a frame depends on those before it"

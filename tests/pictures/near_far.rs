@@ -33,9 +33,7 @@ fn count(picture: &Picture, cause: Cause) -> usize {
 /// In a box that holds the scene every ray is traced to its end.
 #[test]
 fn a_box_around_everything_shows_exactly_what_rt_shows() {
-    let Some(rt) = by(COURT, &["reflection.method=rt"]) else {
-        return;
-    };
+    let rt = or_skip!(by(COURT, &["reflection.method=rt"]));
     let picture = near_far(COURT, &["near_far.half_size_m=20"]).expect("a GPU");
     assert!(picture.color == rt.color);
     let bits = |picture: &Picture| -> Vec<u32> {
@@ -54,9 +52,7 @@ fn a_box_around_everything_shows_exactly_what_rt_shows() {
 #[test]
 fn the_map_answers_as_rays_do_where_the_camera_sees_everything() {
     let text = COURT.replace("translation = [-1.5, 1, -1]", "translation = [0, 50, 0]");
-    let Some(rt) = by(&text, &["reflection.method=rt"]) else {
-        return;
-    };
+    let rt = or_skip!(by(&text, &["reflection.method=rt"]));
     for set in [
         &["near_far.half_size_m=0.3"][..],
         &["near_far.half_size_m=2"],
@@ -81,9 +77,7 @@ fn the_map_answers_as_rays_do_where_the_camera_sees_everything() {
 /// stands for it, and the cause says so. A box that holds the ball shows it.
 #[test]
 fn what_the_camera_does_not_see_is_replaced_by_the_environment() {
-    if gpu().is_none() {
-        return;
-    }
+    or_skip!(gpu());
     let view = [
         "camera.main.eye=[-1.5, 3.5, 1.5]",
         "camera.main.target=[-1.5, 0, -0.6]",
@@ -119,9 +113,7 @@ fn a_second_layer_shows_what_the_first_hides() {
         ];
         near_far(&text, &set)
     };
-    let (Some(one), Some(two)) = (of(1), of(2)) else {
-        return;
-    };
+    let (one, two) = (or_skip!(of(1)), or_skip!(of(2)));
     let [of_one, of_two] = [&one, &two].map(|p| count(p, Cause::FarHidden));
     assert!(
         of_one > 20 && 2 * of_two < of_one,

@@ -94,9 +94,7 @@ fn step(set: &[&str]) -> Option<f64> {
 
 #[test]
 fn one_probe_alone_steps_and_several_hardly_do_but_objects_step_at_joints() {
-    let Some(one) = step(&["probes.nearest=1"]) else {
-        return;
-    };
+    let one = or_skip!(step(&["probes.nearest=1"]));
     let by = |set: &[&str]| step(set).expect("borders");
     let four = by(&["probes.nearest=4"]);
     assert!(one > 10.0 && four.abs() < 0.3 * one, "{one} and {four}");

@@ -57,9 +57,7 @@ fn by(text: &str, set: &[&str], aovs: &[Aov]) -> Option<Picture> {
 fn a_box_look_up_in_a_box_shows_what_a_mirror_shows() {
     let text = room(WALLS);
     let aovs = [Aov::HitDistance];
-    let Some(rt) = by(&text, &["reflection.method=rt"], &aovs) else {
-        return;
-    };
+    let rt = or_skip!(by(&text, &["reflection.method=rt"], &aovs));
     let of = |lookup: &str| {
         let set = [
             "reflection.method=probe",
@@ -102,9 +100,7 @@ fn a_capture_in_parts_shows_what_one_in_a_piece_shows() {
             &[],
         )
     };
-    let Some(whole) = of("probes.face_px=512") else {
-        return;
-    };
+    let whole = or_skip!(of("probes.face_px=512"));
     let parts = of("probes.face_px=1024").expect("a GPU");
     let wrong = share_differing(&parts, &whole, 2);
     assert!(wrong < 0.02, "{wrong}");
@@ -125,9 +121,7 @@ fn weights_of_probes_sum_to_one() {
         "probes.spacing_m=3",
         "probes.select=instance",
     ] {
-        let Some(picture) = by(&text, &["reflection.method=probe", set], &[]) else {
-            return;
-        };
+        let picture = or_skip!(by(&text, &["reflection.method=probe", set], &[]));
         for (x, y) in [(5, 30), (32, 20), (60, 35), (32, 35)] {
             assert_color(&picture, x, y, [0.2, 0.5, 0.8], 2e-3);
         }
@@ -165,9 +159,7 @@ fn blended_probes_have_no_seam() {
         let reds = (0..63).map(|x| color(&picture, x, 18)[0] - color(&picture, x + 1, 18)[0]);
         Some(reds.fold(0.0, |most: f32, step| most.max(step.abs())))
     };
-    let (Some(one), Some(two)) = (step(1), step(2)) else {
-        return;
-    };
+    let (one, two) = (or_skip!(step(1)), or_skip!(step(2)));
     assert!(one > 0.6 && two < 0.1, "steps of {one} and {two}");
 }
 
@@ -182,9 +174,8 @@ fn probes_answer_where_the_march_does_not() {
             &[Aov::Cause],
         )
     };
-    let (Some(ssr), Some(both), Some(probe)) = (of("ssr"), of("ssr+probe"), of("probe")) else {
-        return;
-    };
+    let (ssr, both) = (or_skip!(of("ssr")), or_skip!(of("ssr+probe")));
+    let probe = or_skip!(of("probe"));
     let causes = integers(&both, Aov::Cause);
     assert_eq!(causes, integers(&ssr, Aov::Cause));
     let mut counts = [0; 2];

@@ -50,9 +50,7 @@ fn what_the_board_hides_is_found_behind_it() {
     for visibility in ["image.visibility=raster", "image.visibility=rays"] {
         let set = [visibility, "reflection.separation_m=0.2"];
         let with = |further: &[&str]| shown(SCENE, &[&set, further].concat());
-        let Some(truth) = with(&["reflection.method=rt"]) else {
-            return;
-        };
+        let truth = or_skip!(with(&["reflection.method=rt"]));
         let one = with(&["reflection.method=hybrid"]).expect("a GPU");
         let two = with(&["reflection.method=hybrid", "reflection.layers=2"]).expect("a GPU");
         let hidden = count(&one, Cause::Hidden);
@@ -110,9 +108,7 @@ fn hits(picture: &Picture, truth: &Picture) -> [usize; 2] {
 fn the_second_layer_adds_hits_and_hardly_any_wrong_ones() {
     const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
     let with = |set: &[&str]| shown(ATRIUM, &[&["image.size=[160, 90]"], set].concat());
-    let Some(truth) = with(&["reflection.method=rt"]) else {
-        return;
-    };
+    let truth = or_skip!(with(&["reflection.method=rt"]));
     let of = |set: &[&str]| hits(&with(set).expect("a GPU"), &truth);
     let [one, one_wrong] = of(&["reflection.method=hybrid"]);
     let [two, two_wrong] = of(&["reflection.method=hybrid", "reflection.layers=2"]);

@@ -32,9 +32,7 @@ fn camera_and_reflections_show_what_they_are_to() {
     };
     let count =
         |text: &str, [method, visibility]: [String; 2]| counts(text, &[&method, &visibility]);
-    let Some([seen, reflected]) = count(BOX, ways("rt", "rays")) else {
-        return;
-    };
+    let [seen, reflected] = or_skip!(count(BOX, ways("rt", "rays")));
     assert!(seen > 500 && reflected > 300, "{seen} {reflected}");
     for dynamic in ["", "\ndynamic = true"] {
         for (keys, want) in [

@@ -30,9 +30,7 @@ fn true_error(color: &[f32], truth: &[f32], width: usize) -> f32 {
 
 #[test]
 fn the_error_is_within_the_bound_and_the_count_makes_the_same_picture() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("estimate");
     let mut session = open(&folder, &with_set(&[])).expect("it opens");
     let found = session.render(&["depth"]).expect("it renders");
@@ -82,9 +80,7 @@ fn reflet(folder: &Path, args: &[&str]) -> String {
 
 #[test]
 fn files_hold_the_count_of_each_frame_alone() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("files");
     let read = |name: &str| fs::read(folder.join(name)).expect(name);
     let said = reflet(&folder, &["-o", "bound.png"]);

@@ -62,9 +62,7 @@ fn refused<T>(result: Result<T, SessionError>) -> String {
 
 #[test]
 fn frames_and_cameras_show_what_stands_there() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("frames");
     let mut session = open(&folder, &SessionOptions::default()).expect("it opens");
     let near = |depth: f32, wanted: f32| (depth - wanted).abs() < 1e-3;
@@ -93,9 +91,7 @@ fn frames_and_cameras_show_what_stands_there() {
 /// Changed sessions render like new ones, also when another mesh is needed or all files are reused.
 #[test]
 fn a_changed_session_renders_what_a_new_one_does() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("set");
     for set in [
         &[
@@ -120,9 +116,7 @@ fn a_changed_session_renders_what_a_new_one_does() {
 
 #[test]
 fn session_and_command_line_write_the_same_pixels() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("command-line");
     let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
         .current_dir(&folder)
@@ -189,9 +183,7 @@ fn a_missing_adapter_is_an_error() {
 
 #[test]
 fn bad_input_leaves_an_open_session_as_it_was() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("stays");
     let mut session = open(&folder, &SessionOptions::default()).expect("it opens");
     session.pose(6).expect("it poses");
@@ -218,9 +210,7 @@ fn bad_input_leaves_an_open_session_as_it_was() {
 
 #[test]
 fn a_lost_device_is_an_error() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("lost");
     let mut session = open(&folder, &SessionOptions::default()).expect("it opens");
     session.gpu().device.destroy();
@@ -233,9 +223,7 @@ fn a_lost_device_is_an_error() {
 /// A glowing bar that moves by its own width in a frame, by tracks or by a script that knows the time.
 #[test]
 fn an_open_shutter_smears_what_moves() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let bar = |motion: &str| {
         format!(
             "version = 1\n{motion}\n[image]\nsize = [32, 2]\nsamples = 256\nshutter = 1\n\

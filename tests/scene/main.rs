@@ -2,6 +2,7 @@
 
 #![allow(clippy::print_stderr, reason = "tests say what they skip")]
 
+#[macro_use]
 #[path = "../common/mod.rs"]
 mod common;
 #[path = "../script_hostile/mod.rs"]

@@ -89,9 +89,7 @@ fn the_ratchet_has_scores_of_all_modes_and_methods() {
 }
 
 fn check_ratchet(name: &str, arguments: &[&str]) {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let ratchet = ["--ratchet", "tests/stability.toml"];
     let (code, says) = stability(&folder(name), &[arguments, &ratchet].concat());
     assert_eq!(code, 0, "{says}");
@@ -100,9 +98,7 @@ fn check_ratchet(name: &str, arguments: &[&str]) {
 
 #[test]
 fn a_regression_fails_and_is_named() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("regression");
     let worse = ["--set", "reflection.bounces=1", "--methods", "rt"];
     let ratchet = ["15", "--ratchet", "tests/stability.toml"];
@@ -113,9 +109,7 @@ fn a_regression_fails_and_is_named() {
 
 #[test]
 fn a_planted_fault_of_a_shader_turns_cells_red() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("planted");
     let shaders = folder.join("shaders");
     let verified = "if (support < SUPPORT || !is_near) { m.cause = CAUSE_UNCONFIRMED; }";
@@ -147,9 +141,7 @@ fn a_planted_fault_of_a_shader_turns_cells_red() {
 
 #[test]
 fn a_film_of_ones_own_is_scored_and_resumed() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("film");
     let scene = folder.join("mine.toml");
     fs::write(&scene, SCENE).expect("a scene");
@@ -189,9 +181,7 @@ fn a_film_of_ones_own_is_scored_and_resumed() {
 
 #[test]
 fn what_has_no_score_is_named_and_never_good() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     let folder = folder("empty");
     let scene = folder.join("dull.toml");
     let dull = "roughness = 0\nreflection = \"none\"";

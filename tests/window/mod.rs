@@ -193,9 +193,7 @@ fn brightness(picture: &[u8]) -> f64 {
 fn preview_opens_follows_an_edit_survives_an_error_and_closes() {
     let cornell = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell.toml");
     let text = fs::read_to_string(cornell).expect("readable");
-    let Some(session) = Session::open("window", SMALL, &[("scene.toml", &text)]) else {
-        return;
-    };
+    let session = or_skip!(Session::open("window", SMALL, &[("scene.toml", &text)]));
     let first = session.steady();
     assert!(brightness(&first) > 10.0, "something is seen");
     session.key("b");
@@ -240,9 +238,7 @@ const SCRIPT: &str = r#"fn frame(ctx) { ctx.place("ball", [2 * sin(ctx.t), 0, 0]
 #[ignore = "long: opens a window; tests without one play and edit scripts daily"]
 fn preview_plays_pauses_and_follows_a_script_edit() {
     let files = [("scene.toml", SCENE), ("move.rhai", SCRIPT)];
-    let Some(session) = Session::open("play", SMALL, &files) else {
-        return;
-    };
+    let session = or_skip!(Session::open("play", SMALL, &files));
     let first = session.steady();
     session.key("End");
     let last = until("the last frame", || {
@@ -285,9 +281,7 @@ fn preview_plays_pauses_and_follows_a_script_edit() {
 #[ignore = "long: opens a window; tests without one write places back daily"]
 fn preview_moves_an_instance_in_the_scene_text() {
     let text = include_str!("preview_moves_an_instance_in_the_scene_text.toml");
-    let Some(session) = Session::open("moves", "640x420", &[("scene.toml", text)]) else {
-        return;
-    };
+    let session = or_skip!(Session::open("moves", "640x420", &[("scene.toml", text)]));
     let first = session.steady();
     let read = || fs::read_to_string(session.folder.join("scene.toml")).expect("it is there");
     until("a line of the file", || {

@@ -116,9 +116,7 @@ fn check_and_render_refuse_a_setting_at_the_same_place() {
         ..GpuOptions::default()
     };
     let has_queries = Gpu::new(&options).is_ok_and(|gpu| gpu.has_ray_queries());
-    if gpu_or_skip().is_none() {
-        return;
-    }
+    or_skip!(gpu_or_skip());
     for (text, expected, at) in REFUSED {
         if has_queries && expected == "no-ray-queries" {
             continue;
