@@ -18,8 +18,9 @@ use reflet_render::{
     Plane, PlaneData,
     passes::audit::{TOLERANCE_RELATIVE, TOLERANCE_U},
     picture::aov::Aov,
-    pipeline::cause::Cause,
+    pipeline::cause::{Cause, Source},
 };
+use reflet_scene::desc::Method;
 
 /// Planes (per-pixel outputs of the renderer) that scoring reads.
 pub const PLANES: [Aov; 4] = [Aov::Cause, Aov::HitDistance, Aov::HitIds, Aov::Reflectance];
@@ -332,18 +333,12 @@ fn codes() -> Vec<CauseCode> {
     let code = |cause: Cause| CauseCode {
         code: cause as u32,
         name: cause.name(),
-        verdict: match cause {
-            Cause::Hit | Cause::HitBehind | Cause::Far | Cause::Box => Verdict::Accepted,
-            Cause::None => Verdict::Empty,
-            Cause::NotReflective | Cause::Rough | Cause::Unmarched | Cause::EdgeOn => {
-                Verdict::NotAsked
-            }
-            Cause::Hidden | Cause::Unconfirmed | Cause::BackFace | Cause::Reflector => {
-                Verdict::Rejected
-            }
-            Cause::OffScreen | Cause::Steps | Cause::FarHidden | Cause::BoxHidden => {
-                Verdict::Rejected
-            }
+        verdict: match cause.source(Method::Hybrid) {
+            _ if matches!(cause, Cause::Unmarched | Cause::EdgeOn) => Verdict::NotAsked,
+            Source::NotReflective | Source::Rough => Verdict::NotAsked,
+            Source::Traced | Source::Failed => Verdict::Rejected,
+            Source::None => Verdict::Empty,
+            _ => Verdict::Accepted, // the screen, or maps
         },
     };
     Cause::ALL.into_iter().map(code).collect()

@@ -28,7 +28,7 @@ pub struct Shares {
     pub reflective: u64,
     /// Number of pixels of each cause but `not_reflective`, with the percentage of all reflective pixels.
     pub causes: Vec<Share>,
-    /// Number of pixels by source: screen + traced (probe with methods that look up, failed with method `ssr`, far and failed with `near-far`, box and failed with `ssr+box`) + none + rough = 100 %.
+    /// Number of pixels by source: screen + traced (failed with method `ssr`, sources of their own with methods that have maps) + none + rough = 100 %.
     pub sources: Vec<Share>,
 }
 
@@ -48,11 +48,11 @@ impl Shares {
     pub fn new(counters: &[u32], size: [u32; 2], method: Method) -> Self {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         let counter = |cause: Cause| u64::from(counters.get(cause as usize).copied().unwrap_or(0));
-        // Pixels are counted as not marched when they are listed, and again where their rays end in a far map.
+        // Pixels are counted as not marched when they are listed, and again where their rays end in maps.
         let count = |cause: Cause| match cause {
-            Cause::Unmarched if method == Method::NearFar => {
-                let far = [Cause::Far, Cause::FarHidden, Cause::None].map(counter);
-                counter(cause).saturating_sub(far.iter().sum())
+            Cause::Unmarched if !method.marches() && method.traces() => {
+                let ended = Cause::ALL.into_iter().filter(|c| c.is_end_in_maps());
+                counter(cause).saturating_sub(ended.map(counter).sum())
             }
             _ => counter(cause),
         };
@@ -80,20 +80,17 @@ impl Shares {
                     .sum(),
             )
         };
+        let maps = Source::ALL.into_iter().filter(|source| source.is_map());
         Self {
             pixels,
             reflective,
             causes: reflecting().map(|c| share(c.name(), count(c))).collect(),
-            sources: vec![
-                source(Source::Screen),
-                source(Source::Traced),
-                source(Source::Probe),
-                source(Source::Far),
-                source(Source::Box),
-                source(Source::Failed),
-                source(Source::None),
-                source(Source::Rough),
-            ],
+            sources: [Source::Screen, Source::Traced]
+                .into_iter()
+                .chain(maps)
+                .chain([Source::Failed, Source::None, Source::Rough])
+                .map(source)
+                .collect(),
         }
     }
 }

@@ -11,6 +11,7 @@ use reflet_render::{
         targets::Target,
     },
 };
+use reflet_scene::declared::Words as _;
 
 /// AOVs that are shown, most informative first.
 const SHOWN: [Aov; 12] = [
@@ -66,8 +67,8 @@ impl Worker {
                 Cause::from_number(*cause).map_or_else(String::new, |c| c.name().to_owned())
             }
             (Aov::Source, [source]) => {
-                let known = Source::ALL.into_iter().find(|s| *s as u32 == *source);
-                known.map_or("", source_name).to_owned()
+                let known = Source::WORDS.get(*source as usize);
+                known.map_or("", |word| word.summary).to_owned()
             }
             (_, [NONE, _]) => "nothing".to_owned(),
             (_, [instance, triangle]) => {
@@ -78,20 +79,6 @@ impl Worker {
             }
             _ => String::new(),
         }
-    }
-}
-
-fn source_name(source: Source) -> &'static str {
-    match source {
-        Source::NotReflective => "not reflective",
-        Source::Screen => "screen",
-        Source::Traced => "traced",
-        Source::Probe => "probe",
-        Source::Far => "far map",
-        Source::Box => "face of the box",
-        Source::Failed => "failed",
-        Source::None => "environment",
-        Source::Rough => "rough",
     }
 }
 
