@@ -8,10 +8,11 @@ use super::{
     parameter::{Parameter, Variant},
 };
 use reflet_gpu::{Gpu, ShaderLibrary};
-use reflet_render::{Poses, RenderError, RenderOptions, runtime::renderer_stage::RendererStage};
+use reflet_render::{
+    Poses, RenderError, RenderOptions, renderer::adopted, runtime::renderer_stage::RendererStage,
+};
 use reflet_scene::desc::{
-    Accept, Bounces, BoxFacesDesc, CameraDesc, Exposure, ImageDesc, Method, ProbesDesc,
-    ReflectionDesc, Visibility,
+    Accept, Bounces, CameraDesc, Exposure, ImageDesc, Method, ReflectionDesc, Visibility,
 };
 use reflet_world::World;
 
@@ -190,13 +191,8 @@ impl AnimationCache {
 /// A renderer that shows a subject at its present frame.
 #[derive(Debug)]
 struct ReadyRenderer {
-    method: Method,
-    verifies: bool,
-    layers: u32,
-    probes: ProbesDesc,
-    far_px: u32,
-    box_faces: BoxFacesDesc,
-    rate: u32,
+    /// Settings that it was made for.
+    reflection: ReflectionDesc,
     renderer: RendererStage,
     /// CPU time to update moved instances, milliseconds; none for a still scene.
     update_ms: Option<f64>,
@@ -205,23 +201,7 @@ struct ReadyRenderer {
 impl ReadyRenderer {
     /// Whether the renderer can change to these settings without being built again.
     fn fits(&self, reflection: &ReflectionDesc) -> bool {
-        // The number of blended probes needs no other maps.
-        let probes = ProbesDesc {
-            nearest: self.probes.nearest,
-            ..reflection.probes
-        };
-        let has_far = self.method != Method::NearFar || self.far_px == reflection.near_far.face_px;
-        let has_box = self.method != Method::SsrBox || self.box_faces == reflection.box_faces;
-        let has_maps = has_far && has_box && (!self.method.looks_up() || self.probes == probes);
-        let own = (self.method, self.verifies, self.layers, self.rate);
-        has_maps
-            && own
-                == (
-                    reflection.method,
-                    reflection.verifies(),
-                    reflection.layers,
-                    reflection.rate,
-                )
+        adopted(&self.reflection, reflection) == *reflection
     }
 }
 
@@ -365,13 +345,7 @@ impl Bench<'_> {
             update_ms = Some(started.elapsed().as_secs_f64() * 1e3);
         }
         Ok(ReadyRenderer {
-            method: reflection.method,
-            verifies: reflection.verifies(),
-            layers: reflection.layers,
-            probes: reflection.probes,
-            far_px: reflection.near_far.face_px,
-            box_faces: reflection.box_faces,
-            rate: reflection.rate,
+            reflection: *reflection,
             renderer,
             update_ms,
         })

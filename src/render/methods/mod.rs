@@ -10,7 +10,7 @@ pub mod undersampling;
 
 use std::sync::Arc;
 
-use reflet_scene::diagnostic::Diagnostic;
+use reflet_scene::{desc::ReflectionDesc, diagnostic::Diagnostic};
 use reflet_world::World;
 
 use crate::{
@@ -32,6 +32,8 @@ type KeyOf = fn(&World, &RenderOptions, f32) -> Result<Option<Arc<dyn MapKey>>, 
 /// Entry of a method.
 struct MethodRow {
     map_key: KeyOf,
+    /// Adopts of the second settings what needs no other maps and passes.
+    adopt: fn(&mut ReflectionDesc, &ReflectionDesc),
     /// Passes, each with its place in the frame.
     passes: &'static [(Place, FrameRow)],
 }
@@ -40,6 +42,7 @@ impl MethodRow {
     /// A method without maps and passes.
     const NONE: Self = Self {
         map_key: |_, _, _| Ok(None),
+        adopt: |_, _| {},
         passes: &[],
     };
 }
@@ -63,6 +66,11 @@ pub fn passes_at(place: Place) -> impl Iterator<Item = FrameRow> {
     passes
         .filter(move |(at, _)| *at == place)
         .map(|(_, row)| *row)
+}
+
+/// Adopts of the settings of `asked` what needs no other maps and passes of a method.
+pub fn adopt(own: &mut ReflectionDesc, asked: &ReflectionDesc) {
+    METHODS.iter().for_each(|method| (method.adopt)(own, asked));
 }
 
 /// Key of the maps that a frame captures, or `None` where it has none; a length of one is `meters` of the scene.

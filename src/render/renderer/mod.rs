@@ -23,6 +23,7 @@ use super::{
     decide::{Decision, skip::Skipping},
     error::RenderError,
     lighting::shown_light::ShownLight,
+    methods,
     pipeline::{
         pass_builder::PassBuilder,
         resources::Resources,
@@ -213,9 +214,8 @@ impl Renderer {
         Target::last_color(self.options.image.samples.count())
     }
 
-    /// Adopts the settings that need no rebuilding: threshold, edge, steps, separation of layers, ray length,
-    /// bounces, light reuse, number of blended probes, box of `near-far`. Other
-    /// settings, and features that the plan left out, stay as the renderer was made.
+    /// Adopts the settings that need no rebuilding; see [`adopted`]. Other settings, and features that the plan left out,
+    /// stay as the renderer was made.
     pub fn set_reflection_parameters(&mut self, settings: &ReflectionDesc) {
         let own = self.options.reflection;
         let asked = ReflectionDesc {
@@ -227,28 +227,33 @@ impl Renderer {
             ..self.options
         };
         let asked = self.coordinates.options(&asked).reflection;
-        let mut new = own;
+        self.options.reflection = adopted(&own, &asked);
         if self.plan.features.further_bounces {
             self.plan.bounces = asked.bounces.most();
-            new.bounces = asked.bounces;
+        } else {
+            self.options.reflection.bounces = own.bounces;
         }
-        if own.diffuse_bounces > 0 {
-            new.diffuse_bounces = asked.diffuse_bounces.max(1);
-        }
-        new.probes.nearest = asked.probes.nearest;
-        new.near_far.half_size_m = asked.near_far.half_size_m;
-        self.options.reflection = ReflectionDesc {
-            threshold_u: asked.threshold_u,
-            edge_px: asked.edge_px,
-            steps: asked.steps,
-            separation_m: asked.separation_m,
-            similarity: asked.similarity,
-            skip_px: asked.skip_px,
-            ray_length_u: asked.ray_length_u,
-            reuse_light: asked.reuse_light,
-            ..new
-        };
     }
+}
+
+/// The settings that a renderer shows which was made for `own` ones, when it is asked for others: it adopts threshold,
+/// edge, steps, ray length, bounces, light reuse, and of methods what needs no other maps and passes.
+pub fn adopted(own: &ReflectionDesc, asked: &ReflectionDesc) -> ReflectionDesc {
+    let mut new = ReflectionDesc {
+        threshold_u: asked.threshold_u,
+        edge_px: asked.edge_px,
+        steps: asked.steps,
+        skip_px: asked.skip_px,
+        ray_length_u: asked.ray_length_u,
+        bounces: asked.bounces,
+        reuse_light: asked.reuse_light,
+        ..*own
+    };
+    if own.diffuse_bounces > 0 {
+        new.diffuse_bounces = asked.diffuse_bounces.max(1);
+    }
+    methods::adopt(&mut new, asked);
+    new
 }
 
 /// Checks that a world is an uploaded one in another pose, and that the bindings of its passes fit.

@@ -41,6 +41,7 @@ pub(super) const ROW: MethodRow = MethodRow {
         Place::Capture,
         FrameRow::new::<CaptureFaces<FacesKey>>(&PASS),
     )],
+    ..MethodRow::NONE
 };
 
 /// Captures what is static in the box, as its faces see it, before the first frame; see `shaders/box_faces.wgsl`.

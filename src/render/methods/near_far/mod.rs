@@ -30,6 +30,7 @@ pub(super) const ROW: MethodRow = MethodRow {
         let key = || Arc::new(FarKey::new(&options.reflection)) as _;
         Ok(has_far_maps(world, options).then(key))
     },
+    adopt: |own, asked| own.near_far.half_size_m = asked.near_far.half_size_m,
     passes: &[(Place::Capture, FrameRow::new::<CaptureFaces<FarKey>>(&PASS))],
 };
 

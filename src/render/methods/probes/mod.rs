@@ -34,6 +34,7 @@ pub(super) const ROW: MethodRow = MethodRow {
         let key = ProbeKey::new(boxes, &settings.probes, is_rough, passes_light(world));
         Ok(Some(Arc::new(key.checked()?)))
     },
+    adopt: |own, asked| own.probes.nearest = asked.probes.nearest,
     passes: &[
         (Place::Capture, FrameRow::new::<Capture>(&capture::PASS)),
         (Place::Capture, FrameRow::new::<Prefilter>(&prefilter::PASS)),

@@ -9,6 +9,7 @@ use peel::Peel;
 
 /// Entry of the second layer.
 pub(super) const ROW: MethodRow = MethodRow {
+    adopt: |own, asked| own.separation_m = asked.separation_m,
     passes: &[(Place::March, FrameRow::new::<Peel>(&peel::PASS))],
     ..MethodRow::NONE
 };

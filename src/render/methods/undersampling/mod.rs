@@ -10,6 +10,7 @@ use spread::Spread;
 
 /// Entry of undersampling.
 pub(super) const ROW: MethodRow = MethodRow {
+    adopt: |own, asked| own.similarity = asked.similarity,
     passes: &[
         (Place::Lead, FrameRow::new::<Lead>(&lead::PASS)),
         (Place::Lead, FrameRow::new::<Spread>(&spread::PASS)),
