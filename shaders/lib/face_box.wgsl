@@ -1,7 +1,7 @@
 // Box of method ssr+box. Its faces are in the order +X, -X, +Y, -Y, +Z, -Z; each sees inwards along its axis. Points are
 // given from the box's least corner, in its size.
 
-#import structs
+#import box_faces_structs
 
 @group(2) @binding(22) var<uniform> face_box: FaceBox;
 

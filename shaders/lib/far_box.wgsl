@@ -1,5 +1,5 @@
 // Box around the camera in which method near-far traces rays.
 
-#import structs
+#import far_structs
 
 @group(2) @binding(22) var<uniform> far_box: FarBox;

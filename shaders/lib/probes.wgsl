@@ -1,6 +1,6 @@
 // Probes: places with a cube map of the static scene.
 
 #import constants
-#import structs
+#import capture_structs
 
 @group(2) @binding(22) var<uniform> probes: array<Probe, MOST_PROBES>;

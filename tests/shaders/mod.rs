@@ -235,8 +235,8 @@ fn shared_structs_have_the_same_layout_in_the_shaders() {
         let shader = SHIPPED.iter().find(|s| s.name == pass.name);
         let shader = shader.unwrap_or_else(|| panic!("pass {} has no shader", pass.name));
         let has = |spec| compare(spec, shader);
-        let is_same = pass.params.as_ref().is_none_or(has);
-        assert!(is_same, "{} does not use its Params", shader.file);
+        let is_same = pass.params.iter().chain(pass.structs).all(has);
+        assert!(is_same, "{} does not use its structs", shader.file);
     }
 }
 
@@ -267,11 +267,7 @@ fn every_pass_reads_only_what_was_written_before() {
             assert!(known, "{name} reads {} too early", target.name());
         }
         for data in pass.reads_shared {
-            assert!(
-                written.1.contains(data),
-                "{name} reads {} too early",
-                data.name()
-            );
+            assert!(written.1.contains(data), "{name} reads {data:?} too early");
         }
         written.0.extend(writes);
         written.1.extend(pass.writes_shared);
@@ -291,7 +287,7 @@ fn binding_of(data: SharedData, pass: &Pass) -> Option<&'static str> {
         }
         SharedData::Counters => Some("counters"),
         // Their textures have a name for each use.
-        SharedData::ProbeMaps | SharedData::FarMaps | SharedData::BoxFaces => None,
+        SharedData::MethodMaps => None,
         SharedData::DispatchSizes => pass.writes_shared.contains(&data).then_some("arguments"),
     }
 }

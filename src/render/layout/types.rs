@@ -331,50 +331,6 @@ pub const MOST_PROBES: usize = ProbesDesc::MOST;
 /// Share of a probe's half size within which a point lies on the border of its box.
 pub const ON_BORDER: f32 = 1e-3;
 
-gpu_struct! {
-    /// A probe; see `shaders/lib/probes.wgsl`. The fourth numbers are unused.
-    pub struct ProbeBox = padded "Probe" {
-        /// Position from which it sees, meters.
-        position: [f32; 4],
-        /// Middle of the box in which it counts, meters.
-        middle: [f32; 4],
-        /// Half the size of that box, meters, above 0.
-        half_size: [f32; 4],
-        /// Least corner of the box that stands for its surroundings, meters.
-        proxy_min: [f32; 4],
-        /// Greatest corner of that box, meters.
-        proxy_max: [f32; 4],
-    }
-}
-
-gpu_struct! {
-    /// The box of method `near-far`; see `shaders/lib/far_box.wgsl`.
-    pub struct FarBox = "FarBox" {
-        /// Middle of the box, from which the maps are captured, meters.
-        eye: [f32; 3],
-        /// Half the size of the box, meters, above 0.
-        half_size_m: f32,
-        /// Number of maps.
-        layers: u32,
-        /// Maximum number of steps of a march through the maps.
-        steps: u32,
-        /// Minimum distance between the surfaces of successive maps along a ray, meters.
-        separation_m: f32,
-    }
-}
-
-gpu_struct! {
-    /// The box of method `ssr+box`; see `shaders/lib/face_box.wgsl`.
-    pub struct FaceBox = "FaceBox" {
-        /// Least corner, meters.
-        low: [f32; 3],
-        /// Maximum number of steps of a march through the box.
-        steps: u32,
-        /// Size along each axis, meters, above 0.
-        size: [f32; 3],
-    }
-}
-
 /// Returns `bit` if `on`, else 0.
 pub fn flag(on: bool, bit: u32) -> u32 {
     if on { bit } else { 0 }
@@ -396,9 +352,6 @@ pub const SHARED: &[StructSpec] = &[
     GpuPatterned::LAYOUT,
     GpuMaterial::LAYOUT,
     GpuDecal::LAYOUT,
-    ProbeBox::LAYOUT,
-    FarBox::LAYOUT,
-    FaceBox::LAYOUT,
 ];
 
 const _: () = assert!(size_of::<GpuVertex>() == 32 && size_of::<GpuInstance>() == 128);

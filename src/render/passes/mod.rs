@@ -212,6 +212,7 @@ pub fn recorded_passes(
     let needed = needed_passes(plan, options);
     let variant = ShaderVariant {
         features: plan.features,
+        maps: plan.maps,
         ..ShaderVariant::default()
     };
     let library = variant.library(&ShaderLibrary::embedded(), &needed)?;
@@ -229,7 +230,7 @@ pub fn recorded_passes(
     let names = |of: &[Target], shared: &[SharedData]| {
         let of = of.iter().map(|t| t.name());
         let shared = shared.iter().filter(|data| is_shared(data));
-        of.chain(shared.map(|data| data.name())).collect()
+        of.chain(shared.map(|data| data.name(plan))).collect()
     };
     let bytes = |of: &[Target]| {
         let of = of.iter();

@@ -83,6 +83,8 @@ pub struct Pass {
     pub writes_shared: &'static [SharedData],
     /// Layout of the shader's `Params`, where it has them.
     pub params: Option<StructSpec>,
+    /// Further structs that it shares with shaders, by `#import NAME_structs`.
+    pub structs: &'static [StructSpec],
     /// Whether a frame with this plan and these options records the pass.
     pub needed: fn(&Plan, &RenderOptions) -> bool,
     /// Whether one of the targets that the pass stores to is written with these options.
@@ -106,6 +108,7 @@ impl Pass {
         reads_shared: &[],
         writes_shared: &[],
         params: None,
+        structs: &[],
         needed: |_, _| true,
         is_written: |_, _| true,
         overrides: |_| Vec::new(),

@@ -3,6 +3,7 @@
 //! bindings of arrays as buffers or as textures.
 
 use reflet_gpu::{ShaderError, ShaderLibrary};
+use reflet_scene::desc::Method;
 
 use super::{constants::wgsl, pass::Pass};
 use crate::{
@@ -17,6 +18,8 @@ use crate::{
 pub struct ShaderVariant {
     /// Features of the frame.
     pub features: Features,
+    /// Method whose maps answer reflections, if maps do.
+    pub maps: Option<Method>,
     /// Whether opaque triangles are drawn with indices, for which the device must support primitive indices.
     pub indexed: bool,
     /// Number of shader bindings of the geometry's arrays.
@@ -42,11 +45,27 @@ impl ShaderVariant {
             },
             ..variant
         }));
+        let mapped = Features {
+            mapped: true,
+            ..Features::default()
+        };
+        for variant in [of(mapped.with_followers()), largest] {
+            let maps = Self::marched_maps().map(|method| Self {
+                maps: Some(method),
+                ..variant
+            });
+            all.extend(maps);
+        }
         all
     }
 
+    /// Methods through whose maps rays march.
+    fn marched_maps() -> impl Iterator<Item = Method> {
+        Method::with_maps().filter(|method| method.traces())
+    }
+
     /// The library with the files of this variant, and with generated ones: constants, shared structs, and
-    /// `lib/PASS_params.wgsl` with the `Params` of each of these passes.
+    /// `lib/PASS_params.wgsl` and `lib/PASS_structs.wgsl` with the `Params` and further structs of each of these passes.
     ///
     /// # Errors
     /// The library already has a file with a generated name.
@@ -61,15 +80,22 @@ impl ShaderVariant {
             .with_generated("structs", SHARED.iter().map(StructSpec::wgsl).collect())?
             .with_generated("geometry", self.chunks.wgsl())?
             .with_generated("records", records::wgsl(self.chunks.record_texels))?;
-        let params = passes.iter().filter_map(|pass| {
-            let name = format!("{}_params", pass.name);
-            Some((name, pass.params?.wgsl()))
+        let params = passes.iter().flat_map(|pass| {
+            let (params, structs) = (pass.params.as_slice(), pass.structs);
+            let parts = [("params", params), ("structs", structs)].into_iter();
+            let parts = parts.filter(|(_, structs)| !structs.is_empty());
+            parts.map(|(part, structs)| {
+                let text = structs.iter().map(StructSpec::wgsl).collect();
+                (format!("{}_{part}", pass.name), text)
+            })
         });
         let triangles = if self.indexed { "indexed" } else { "pulled" };
-        let chosen = self
-            .features
-            .imports()
-            .chain([("triangles", triangles), ("peeled", triangles)]);
+        // Without maps, no shader imports the march through them.
+        let maps = self.maps.filter(|method| method.traces());
+        let maps = maps.or_else(|| Self::marched_maps().next());
+        let map = maps.and_then(Method::maps).map(|maps| ("map", maps));
+        let drawn = [("triangles", triangles), ("peeled", triangles)];
+        let chosen = self.features.imports().chain(map).chain(drawn);
         let chosen = chosen.map(|(import, ending)| {
             let text = format!("#import {import}_{ending}\n");
             (import.to_owned(), text)

@@ -1,5 +1,7 @@
 //! Data beside the targets that one pass of a frame leaves for another.
 
+use reflet_scene::desc::Method;
+
 use crate::plan::Plan;
 
 /// Data that passes share through buffers and shadow maps.
@@ -17,17 +19,13 @@ pub enum SharedData {
     DispatchSizes,
     /// The nearest depth of pixels and of ever larger cells of them.
     DepthPyramid,
-    /// Cube maps of probes.
-    ProbeMaps,
-    /// Maps of far things.
-    FarMaps,
-    /// Buffers on the faces of a box.
-    BoxFaces,
+    /// Maps of the frame's method.
+    MethodMaps,
 }
 
 impl SharedData {
-    /// Name in the output of `info --frame`.
-    pub const fn name(self) -> &'static str {
+    /// Name in the output of `info --frame`, in frames with this plan.
+    pub fn name(self, plan: &Plan) -> &'static str {
         match self {
             Self::ShadowMaps => "shadow_maps",
             Self::CulledDepth => "culled_depth",
@@ -35,9 +33,7 @@ impl SharedData {
             Self::Counters => "counters",
             Self::DispatchSizes => "dispatch_sizes",
             Self::DepthPyramid => "depth_pyramid",
-            Self::ProbeMaps => "probe_maps",
-            Self::FarMaps => "far_maps",
-            Self::BoxFaces => "box_faces",
+            Self::MethodMaps => plan.maps.and_then(Method::maps).unwrap_or("method_maps"),
         }
     }
 
@@ -50,9 +46,7 @@ impl SharedData {
             Self::PixelLists | Self::DispatchSizes => features.lists,
             Self::Counters => features.lists || features.traced,
             Self::DepthPyramid => true,
-            Self::ProbeMaps => features.probes,
-            Self::FarMaps => features.near_far,
-            Self::BoxFaces => features.box_faces,
+            Self::MethodMaps => plan.maps.is_some(),
         }
     }
 }

@@ -1,12 +1,12 @@
 //! The table of features: parts of a frame that are left out where a scene does not need them. A new feature is a row
 //! here and the code in the shaders that its constant or its files switch.
 
-use reflet_scene::desc::{PatternKind, SelectBy, Trace};
+use reflet_scene::desc::{Method, PatternKind, Trace};
 
 use super::{
     environment_casts_rays,
     feature_table::{Dropped, FeatureRow, FileChoice, features},
-    has_box, has_far_maps, has_probes, has_second_layer, is_undersampled, may_meet_culled,
+    has_second_layer, is_undersampled, mapped_method, may_meet_culled,
     planned_scene::PlannedScene,
     reflects, reflects_roughly, scatters, traces_rays,
     uses::{has_coat_normals, passes_light, scatters_twice},
@@ -204,29 +204,11 @@ features! {
         follows: sized_lights || sampled_environment || emitters,
         constant: HAS_SAMPLED_LIGHT,
     }
-    /// Whether reflections are looked up in probes.
-    probes {
-        used: has_probes(scene.world, scene.options),
-    }
-    /// Whether rays are traced near the camera , and marched through maps beyond.
-    near_far {
-        used: has_far_maps(scene.world, scene.options),
-    }
-    /// Whether rays march through the faces of a box.
-    box_faces {
-        used: has_box(scene.world, scene.options),
-        files: map [far, box];
-    }
     /// Whether reflection rays march through maps.
     mapped {
-        follows: near_far || box_faces,
+        used: mapped_method(scene.world, scene.options).is_some_and(Method::traces),
         constant: MAPPED,
         files: closest_hit [traced, mapped];
-    }
-    /// Whether probes are chosen by instances rather than by pixels.
-    probes_by_instance {
-        used: scene.options.reflection.probes.select == SelectBy::Instance,
-        constant: PROBES_BY_INSTANCE,
     }
     /// Whether some reflection is rough.
     rough_reflections {

@@ -39,6 +39,8 @@ pub struct Plan {
     pub features: Features,
     /// Features that were left out.
     pub dropped: Vec<Dropped>,
+    /// Method whose maps answer reflections, if maps do.
+    pub maps: Option<Method>,
     /// Precision of stored light.
     pub precision: Precision,
     /// Maximum number of successive reflections.
@@ -143,25 +145,12 @@ pub fn has_second_layer(world: &World, options: &RenderOptions) -> bool {
         && (options.general || reflects(world, options.reflection.reflects_below()))
 }
 
-/// Whether something reflects, in frames of methods that `finds` chooses.
-fn reflects_by(world: &World, options: &RenderOptions, finds: fn(Method) -> bool) -> bool {
-    finds(options.reflection.method)
-        && (options.general || reflects(world, options.reflection.reflects_below()))
-}
-
-/// Whether reflections are looked up in probes.
-pub fn has_probes(world: &World, options: &RenderOptions) -> bool {
-    reflects_by(world, options, Method::looks_up)
-}
-
-/// Whether rays are traced near the camera , and marched through maps beyond.
-pub fn has_far_maps(world: &World, options: &RenderOptions) -> bool {
-    reflects_by(world, options, |method| method == Method::NearFar)
-}
-
-/// Whether rays march through the faces of a box.
-pub fn has_box(world: &World, options: &RenderOptions) -> bool {
-    reflects_by(world, options, |method| method == Method::SsrBox)
+/// The method, if something reflects and its reflections are answered by maps.
+pub fn mapped_method(world: &World, options: &RenderOptions) -> Option<Method> {
+    let method = options.reflection.method;
+    let is_mapped = method.maps().is_some()
+        && (options.general || reflects(world, options.reflection.reflects_below()));
+    is_mapped.then_some(method)
 }
 
 /// Whether only some reflection rays are traced at first. In fog, each collects the light along its own way, and where
@@ -204,6 +193,7 @@ impl Plan {
         Self {
             features,
             dropped,
+            maps: mapped_method(world, options),
             precision,
             reflected_root: trees.reflected_root(),
             bounces: match features.further_bounces {

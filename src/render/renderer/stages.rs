@@ -307,5 +307,6 @@ fn variant(gpu: &Gpu, plan: &Plan, scene: &GpuScene) -> ShaderVariant {
         indexed: numbers_triangles && scene.indexed().is_some(),
         chunks: scene.chunks,
         features: plan.features,
+        maps: plan.maps,
     }
 }

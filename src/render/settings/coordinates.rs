@@ -145,21 +145,12 @@ impl Coordinates {
     /// Options in these coordinates.
     pub fn options(&self, options: &RenderOptions) -> RenderOptions {
         let mut options = *options;
-        let settings = &mut options.reflection;
-        for length_m in [
-            &mut settings.unit_m,
-            &mut settings.separation_m,
-            &mut settings.near_far.half_size_m,
-            &mut settings.probes.spacing_m,
-        ] {
-            *length_m = length_m.map(|length_m| length_m * self.scale);
+        let (lengths, points) = options.reflection.lengths_and_points();
+        for length_m in lengths.into_iter().flatten() {
+            *length_m *= self.scale;
         }
-        let faces = &mut settings.box_faces;
-        for corner in [&mut faces.box_min, &mut faces.box_max]
-            .into_iter()
-            .flatten()
-        {
-            *corner = (*corner - self.origin) * self.scale;
+        for point in points.into_iter().flatten() {
+            *point = (*point - self.origin) * self.scale;
         }
         options
     }

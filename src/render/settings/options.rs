@@ -148,12 +148,9 @@ impl RenderOptions {
     /// blurred over neighbors, or reuse the light of the pixels that screen hits are shown at.
     pub fn leaves_out_light(&self) -> bool {
         let reflection = &self.reflection;
-        let marches = !matches!(
-            reflection.method,
-            Method::Rt | Method::NearFar | Method::Path
-        );
+        let has_hits = reflection.method.marches() || reflection.method.looks_up();
         let shares =
-            self.smooths() || reflection.blur_px > 0.0 || reflection.reuse_light && marches;
+            self.smooths() || reflection.blur_px > 0.0 || reflection.reuse_light && has_hits;
         self.crop.is_some() && !shares
     }
 

@@ -1,5 +1,7 @@
 //! The `[reflection]` table of scene text.
 
+use glam::Vec3;
+
 use super::{BoxFacesDesc, NearFarDesc, ProbesDesc};
 use crate::{
     number::{Field, plain},
@@ -60,6 +62,31 @@ impl Method {
     /// Whether reflections that the screen does not answer are looked up in probes.
     pub const fn looks_up(self) -> bool {
         matches!(self, Self::Probe | Self::SsrProbe)
+    }
+
+    /// Name of the maps that the method captures before frames, if it answers reflections by maps.
+    pub const fn maps(self) -> Option<&'static str> {
+        match self {
+            Self::Probe | Self::SsrProbe => Some("probe_maps"),
+            Self::SsrBox => Some("box_faces"),
+            Self::NearFar => Some("far_maps"),
+            _ => None,
+        }
+    }
+
+    /// Methods that answer reflections by maps.
+    pub fn with_maps() -> impl Iterator<Item = Self> {
+        Self::ALL
+            .into_iter()
+            .filter(|method| method.maps().is_some())
+    }
+
+    /// Methods that benchmarks compare: `auto` chooses among them, and `path` is a reference.
+    pub fn compared() -> impl Iterator<Item = Self> {
+        let plain = [Self::Hybrid, Self::Rt];
+        std::iter::once(Self::Ssr)
+            .chain(Self::with_maps())
+            .chain(plain)
     }
 }
 
@@ -248,6 +275,18 @@ impl ReflectionDesc {
         self.separation_m.unwrap_or(SEPARATION_U * unit_m)
     }
 
+    /// Lengths in meters and points of the scene among the settings.
+    pub fn lengths_and_points(&mut self) -> ([&mut Option<f32>; 4], [&mut Option<Vec3>; 2]) {
+        let lengths = [
+            &mut self.unit_m,
+            &mut self.separation_m,
+            &mut self.near_far.half_size_m,
+            &mut self.probes.spacing_m,
+        ];
+        let faces = &mut self.box_faces;
+        (lengths, [&mut faces.box_min, &mut faces.box_max])
+    }
+
     /// Keys whose values [`ReflectionDesc::settled`] replaces.
     pub const REPLACED_BY_PATH: [&str; 11] = [
         "rate",
@@ -296,13 +335,7 @@ impl ReflectionDesc {
         match self.method {
             Method::Auto => self.marched != Marched::All,
             Method::Hybrid => self.marched == Marched::Cheaper,
-            Method::Ssr
-            | Method::Rt
-            | Method::Probe
-            | Method::SsrProbe
-            | Method::SsrBox
-            | Method::NearFar
-            | Method::Path => false,
+            _ => false,
         }
     }
 

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use reflet_gpu::{Checks, Gpu, GpuError};
 use reflet_scene::{
-    desc::{BoxFacesDesc, ReflectionDesc},
+    desc::{BoxFacesDesc, Method, ReflectionDesc},
     diagnostic::{Diagnostic, Span},
 };
 use reflet_world::{Material, World};
@@ -16,7 +16,7 @@ use super::{
     face_maps::{CaptureFaces, FaceKey, FaceMaps},
 };
 use crate::{
-    layout::types::FaceBox,
+    layout::gpu_struct::gpu_struct,
     maps::{
         cube::{FACES, HIT_BYTES, MAX_MAP_BYTES, still_bounds},
         method_maps::{CaptureInputs, CaptureWork, MapFacts, MapKey, MethodMaps, Number, is_equal},
@@ -26,7 +26,7 @@ use crate::{
         pass::{Pass, PassGroup},
         shared_data::SharedData,
     },
-    plan::has_box,
+    plan::mapped_method,
     upload::world_key::changing_cut_outs,
 };
 
@@ -34,7 +34,8 @@ use crate::{
 pub(super) const ROW: MethodRow = MethodRow {
     map_key: |world, options, _| {
         let key = || FacesKey::new(world, &options.reflection.box_faces).checked();
-        let key = has_box(world, options).then(key).transpose()?;
+        let is_used = mapped_method(world, options) == Some(Method::SsrBox);
+        let key = is_used.then(key).transpose()?;
         Ok(key.map(|key| Arc::new(key) as _))
     },
     passes: &[(
@@ -49,13 +50,26 @@ pub const PASS: Pass = Pass {
     name: "box_faces",
     group: PassGroup::Capture,
     color: [0, 0, 250],
-    writes_shared: &[SharedData::BoxFaces],
-    needed: |plan, _| plan.features.box_faces,
+    writes_shared: &[SharedData::MethodMaps],
+    structs: &[FaceBox::LAYOUT],
+    needed: |plan, _| plan.maps == Some(Method::SsrBox),
     overrides: |_| vec![("STATIC_ONLY", 1.0)],
     // `check_world` and `Trees::build` validated every index that rays follow.
     checks: Checks::TrustedBuiltin,
     ..Pass::DEFAULT
 };
+
+gpu_struct! {
+    /// The box of method `ssr+box`; see `shaders/lib/face_box.wgsl`.
+    pub struct FaceBox = "FaceBox" {
+        /// Least corner, meters.
+        low: [f32; 3],
+        /// Maximum number of steps of a march through the box.
+        steps: u32,
+        /// Size along each axis, meters, above 0.
+        size: [f32; 3],
+    }
+}
 
 /// Size of the default box along an axis in which the static scene has none, over its diagonal.
 const LEAST_SHARE: f32 = 1e-3;

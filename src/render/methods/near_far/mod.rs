@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use reflet_gpu::{Checks, Gpu, GpuError};
-use reflet_scene::desc::ReflectionDesc;
+use reflet_scene::desc::{Method, ReflectionDesc};
 use reflet_world::Material;
 
 use super::{
@@ -11,7 +11,7 @@ use super::{
     face_maps::{CaptureFaces, FaceKey, FaceMaps},
 };
 use crate::{
-    layout::types::FarBox,
+    layout::gpu_struct::gpu_struct,
     maps::method_maps::{
         CaptureInputs, CaptureWork, MapFacts, MapKey, MethodMaps, Number, is_equal,
     },
@@ -20,7 +20,7 @@ use crate::{
         pass::{Pass, PassGroup},
         shared_data::SharedData,
     },
-    plan::has_far_maps,
+    plan::mapped_method,
     upload::world_key::{PoseKey, changing_cut_outs},
 };
 
@@ -28,7 +28,8 @@ use crate::{
 pub(super) const ROW: MethodRow = MethodRow {
     map_key: |world, options, _| {
         let key = || Arc::new(FarKey::new(&options.reflection)) as _;
-        Ok(has_far_maps(world, options).then(key))
+        let is_used = mapped_method(world, options) == Some(Method::NearFar);
+        Ok(is_used.then(key))
     },
     adopt: |own, asked| own.near_far.half_size_m = asked.near_far.half_size_m,
     passes: &[(Place::Capture, FrameRow::new::<CaptureFaces<FarKey>>(&PASS))],
@@ -40,12 +41,29 @@ pub const PASS: Pass = Pass {
     name: "far",
     group: PassGroup::Capture,
     color: [0, 0, 0],
-    writes_shared: &[SharedData::FarMaps],
-    needed: |plan, _| plan.features.near_far,
+    writes_shared: &[SharedData::MethodMaps],
+    structs: &[FarBox::LAYOUT],
+    needed: |plan, _| plan.maps == Some(Method::NearFar),
     // `check_world` and `Trees::build` validated every index that rays follow.
     checks: Checks::TrustedBuiltin,
     ..Pass::DEFAULT
 };
+
+gpu_struct! {
+    /// The box of method `near-far`; see `shaders/lib/far_box.wgsl`.
+    pub struct FarBox = "FarBox" {
+        /// Middle of the box, from which the maps are captured, meters.
+        eye: [f32; 3],
+        /// Half the size of the box, meters, above 0.
+        half_size_m: f32,
+        /// Number of maps.
+        layers: u32,
+        /// Maximum number of steps of a march through the maps.
+        steps: u32,
+        /// Minimum distance between the surfaces of successive maps along a ray, meters.
+        separation_m: f32,
+    }
+}
 
 /// Values for which maps are made; where they differ, maps are made anew.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -10,12 +10,28 @@ use reflet_scene::{
 use reflet_world::World;
 
 use crate::{
-    layout::{gpu_struct::Shared as _, types::ProbeBox},
+    layout::gpu_struct::{Shared as _, gpu_struct},
     maps::cube::still_bounds,
 };
 
 /// Half the size of the box of a scene without extent along an axis, in the renderer's lengths.
 const LEAST_HALF_M: f32 = 1e-3;
+
+gpu_struct! {
+    /// A probe; see `shaders/lib/probes.wgsl`. The fourth numbers are unused.
+    pub struct ProbeBox = padded "Probe" {
+        /// Position from which it sees, meters.
+        position: [f32; 4],
+        /// Middle of the box in which it counts, meters.
+        middle: [f32; 4],
+        /// Half the size of that box, meters, above 0.
+        half_size: [f32; 4],
+        /// Least corner of the box that stands for its surroundings, meters.
+        proxy_min: [f32; 4],
+        /// Greatest corner of that box, meters.
+        proxy_max: [f32; 4],
+    }
+}
 
 impl ProbeBox {
     fn new(position: Vec3, counts_in: Bounds, proxy: Bounds) -> Self {

@@ -15,8 +15,9 @@ use crate::{
     plan::Plan,
 };
 use reflet_gpu::{Checks, GpuError};
+use reflet_scene::desc::Method;
 
-use super::maps::ProbeMaps;
+use super::{boxes::ProbeBox, maps::ProbeMaps};
 
 /// See `shaders/capture.wgsl`.
 pub const PASS: Pass = Pass {
@@ -26,8 +27,9 @@ pub const PASS: Pass = Pass {
     params: Some(Params::LAYOUT),
     // Bound, as the code of light names them, but left unread by the overrides.
     reads_shared: &[SharedData::ShadowMaps],
-    writes_shared: &[SharedData::ProbeMaps],
-    needed: |plan, _| plan.features.probes,
+    writes_shared: &[SharedData::MethodMaps],
+    structs: &[ProbeBox::LAYOUT],
+    needed: |plan, _| plan.maps.is_some_and(Method::looks_up),
     // Things that move are left out, and so are shadow maps, on which they may be.
     overrides: |_| {
         vec![
@@ -182,7 +184,7 @@ impl FramePass for Capture {
 
 /// Whether a frame with this plan has maps with levels for rough reflections.
 pub fn has_levels(plan: &Plan) -> bool {
-    plan.features.probes && plan.features.rough_reflections
+    plan.maps.is_some_and(Method::looks_up) && plan.features.rough_reflections
 }
 
 #[cfg(test)]

@@ -3,7 +3,8 @@
 
 use glam::Vec3;
 
-use crate::layout::types::{ON_BORDER, ProbeBox};
+use super::boxes::ProbeBox;
+use crate::layout::types::ON_BORDER;
 
 /// Maximum number of probes that are blended at a point.
 pub const MOST_BLENDED: usize = 4;

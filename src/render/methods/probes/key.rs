@@ -5,10 +5,9 @@ use reflet_scene::{
     diagnostic::{Diagnostic, Span},
 };
 
-use crate::{
-    layout::types::ProbeBox,
-    maps::cube::{FACES, HIT_BYTES, MAX_MAP_BYTES, texels},
-};
+use crate::maps::cube::{FACES, HIT_BYTES, MAX_MAP_BYTES, texels};
+
+use super::boxes::ProbeBox;
 
 /// Bytes of a texel of radiance, four halves.
 const RADIANCE_BYTES: u64 = 8;

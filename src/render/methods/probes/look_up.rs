@@ -12,6 +12,7 @@ use crate::{
     },
 };
 use reflet_gpu::{Checks, GpuError};
+use reflet_scene::desc::{Method, SelectBy};
 
 use super::maps::ProbeMaps;
 
@@ -24,11 +25,18 @@ pub const PASS: Pass = Pass {
         SharedData::Counters,
         SharedData::PixelLists,
         SharedData::DispatchSizes,
-        SharedData::ProbeMaps,
+        SharedData::MethodMaps,
     ],
     params: Some(Params::LAYOUT),
-    needed: |plan, _| plan.features.probes,
-    overrides: |options| vec![("LOOKUP", f64::from(options.reflection.probes.lookup as u32))],
+    needed: |plan, _| plan.maps.is_some_and(Method::looks_up),
+    overrides: |options| {
+        let probes = &options.reflection.probes;
+        let by_instance = u8::from(probes.select == SelectBy::Instance);
+        vec![
+            ("LOOKUP", f64::from(probes.lookup as u32)),
+            ("PROBES_BY_INSTANCE", by_instance.into()),
+        ]
+    },
     // The maps' ids come from traced rays, whose indices `check_world` and `Trees::build` validated.
     checks: Checks::TrustedBuiltin,
     ..Pass::DEFAULT

@@ -11,10 +11,12 @@ pub mod prefilter;
 
 use std::sync::Arc;
 
+use reflet_scene::desc::Method;
+
 use super::{MethodRow, Place};
 use crate::{
     pipeline::frame_pass::FrameRow,
-    plan::{has_probes, passes_light, reflects_roughly},
+    plan::{mapped_method, passes_light, reflects_roughly},
 };
 use boxes::probe_boxes;
 use capture::Capture;
@@ -26,7 +28,7 @@ use prefilter::Prefilter;
 pub(super) const ROW: MethodRow = MethodRow {
     map_key: |world, options, meters| {
         let settings = &options.reflection;
-        if !has_probes(world, options) {
+        if !mapped_method(world, options).is_some_and(Method::looks_up) {
             return Ok(None);
         }
         let is_rough = reflects_roughly(world, settings.reflects_below());

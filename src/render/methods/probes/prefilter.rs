@@ -22,8 +22,8 @@ pub const PASS: Pass = Pass {
     group: PassGroup::Capture,
     color: [11, 6, 154],
     params: Some(Params::LAYOUT),
-    reads_shared: &[SharedData::ProbeMaps],
-    writes_shared: &[SharedData::ProbeMaps],
+    reads_shared: &[SharedData::MethodMaps],
+    writes_shared: &[SharedData::MethodMaps],
     needed: |plan, _| capture::has_levels(plan),
     ..Pass::DEFAULT
 };
