@@ -109,6 +109,24 @@ fn any_number_of_instances_is_found() {
 }
 
 #[test]
+fn a_ray_through_boxes_that_lie_over_one_another_ends() {
+    let world = world(
+        vec![triangle_mesh(&vec![unit_triangle(); 100_000])],
+        &[(0, Affine3A::IDENTITY, false)],
+    );
+    let trees = Trees::build(&world, LIMIT).unwrap();
+    // Within every box, and beside every triangle.
+    let ray = Ray {
+        origin: DVec3::new(0.75, 0.75, 5.0),
+        direction: DVec3::NEG_Z,
+        t_min: 0.0,
+        t_max: 1e30,
+        passes: 0,
+    };
+    assert_eq!(trees.nearest_counted(&ray), (None, oracle::MOST_VISITS));
+}
+
+#[test]
 fn copies_are_stored_once_where_they_do_not_fit() {
     let sphere = shape::make(
         &ShapeDesc::Sphere {
