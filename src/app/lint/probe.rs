@@ -1,9 +1,8 @@
 //! Probes that see little: inside of a closed shape, close before a surface, or where nothing is static.
 
 use crate::{
-    render::lighting::lights::CUBE_FACES,
+    render::{lighting::lights::CUBE_FACES, methods},
     scene::{
-        desc::Method,
         diagnostic::{Diagnostic, Span},
         stages::Scene,
     },
@@ -16,17 +15,10 @@ use crate::{
 /// Distance of a surface that fills most of a probe's face, U.
 const CLOSE_U: f32 = 0.01;
 
-/// Warning about a scene without anything that its probes, or the faces of its box, could see.
+/// Warning about a scene without anything that the maps of its method could show.
 pub fn empty(scene: &Scene, world: &World, at: Span) -> Option<Diagnostic> {
     let is_empty = world.instances.iter().all(|i| i.dynamic || i.is_hidden());
-    let (what, shown) = match scene.reflection.method {
-        method if method.looks_up() => ("probes see", "reflections show the environment alone"),
-        Method::SsrBox => (
-            "the faces of the box see",
-            "reflections that the screen loses show the environment",
-        ),
-        _ => return None,
-    };
+    let [what, shown] = methods::of_static(scene.reflection.method)?;
     if world.instances.is_empty() || !is_empty {
         return None;
     }

@@ -10,11 +10,15 @@ pub mod undersampling;
 
 use std::sync::Arc;
 
-use reflet_scene::{desc::ReflectionDesc, diagnostic::Diagnostic};
+use reflet_scene::{
+    desc::{Method, ReflectionDesc},
+    diagnostic::Diagnostic,
+};
 use reflet_world::World;
 
 use crate::{
-    maps::method_maps::MapKey, pipeline::frame_pass::FrameRow, settings::options::RenderOptions,
+    maps::method_maps::MapKey, pipeline::frame_pass::FrameRow, plan::mapped_method,
+    settings::options::RenderOptions,
 };
 
 /// The methods, in the order in which their passes run.
@@ -26,12 +30,21 @@ const METHODS: [MethodRow; 5] = [
     undersampling::ROW,
 ];
 
-/// Key of the maps that a method captures, or `None` where a frame has none; a length of one is `meters` of the scene.
-type KeyOf = fn(&World, &RenderOptions, f32) -> Result<Option<Arc<dyn MapKey>>, Box<Diagnostic>>;
+/// Key of the maps that a method captures; a length of one is `meters` of the scene.
+type KeyOf = fn(&World, &RenderOptions, f32) -> Result<Arc<dyn MapKey>, Box<Diagnostic>>;
+
+/// Maps that answer reflections.
+struct Maps {
+    /// Methods that have them.
+    methods: &'static [Method],
+    key: KeyOf,
+    /// For maps that only static things are on: words for who sees, and for reflections where nothing is static.
+    of_static: Option<[&'static str; 2]>,
+}
 
 /// Entry of a method.
 struct MethodRow {
-    map_key: KeyOf,
+    maps: Option<Maps>,
     /// Adopts of the second settings what needs no other maps and passes.
     adopt: fn(&mut ReflectionDesc, &ReflectionDesc),
     /// Passes, each with its place in the frame.
@@ -41,7 +54,7 @@ struct MethodRow {
 impl MethodRow {
     /// A method without maps and passes.
     const NONE: Self = Self {
-        map_key: |_, _, _| Ok(None),
+        maps: None,
         adopt: |_, _| {},
         passes: &[],
     };
@@ -82,8 +95,18 @@ pub fn map_key(
     options: &RenderOptions,
     meters: f32,
 ) -> Result<Option<Arc<dyn MapKey>>, Box<Diagnostic>> {
-    let mut keys = METHODS
-        .iter()
-        .map(|method| (method.map_key)(world, options, meters));
-    keys.find_map(Result::transpose).transpose()
+    let maps = mapped_method(world, options).and_then(maps);
+    let key = maps.map(|maps| (maps.key)(world, options, meters));
+    key.transpose()
+}
+
+/// Maps of a method, if it has maps.
+fn maps(method: Method) -> Option<&'static Maps> {
+    let mut all = METHODS.iter().filter_map(|row| row.maps.as_ref());
+    all.find(|maps| maps.methods.contains(&method))
+}
+
+/// For methods whose maps only static things are on: words for who sees, and for reflections where nothing is static.
+pub fn of_static(method: Method) -> Option<[&'static str; 2]> {
+    maps(method)?.of_static
 }

@@ -61,7 +61,8 @@ impl ShaderVariant {
 
     /// Methods through whose maps rays march.
     fn marched_maps() -> impl Iterator<Item = Method> {
-        Method::with_maps().filter(|method| method.traces())
+        let has_march = |method: &Method| method.maps().is_some() && method.traces();
+        Method::ALL.into_iter().filter(has_march)
     }
 
     /// The library with the files of this variant, and with generated ones: constants, shared structs, and

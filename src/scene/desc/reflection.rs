@@ -73,21 +73,6 @@ impl Method {
             _ => None,
         }
     }
-
-    /// Methods that answer reflections by maps.
-    pub fn with_maps() -> impl Iterator<Item = Self> {
-        Self::ALL
-            .into_iter()
-            .filter(|method| method.maps().is_some())
-    }
-
-    /// Methods that benchmarks compare: `auto` chooses among them, and `path` is a reference.
-    pub fn compared() -> impl Iterator<Item = Self> {
-        let plain = [Self::Hybrid, Self::Rt];
-        std::iter::once(Self::Ssr)
-            .chain(Self::with_maps())
-            .chain(plain)
-    }
 }
 
 declared! {

@@ -12,7 +12,7 @@ use reflet_scene::{
 use reflet_world::{Material, World};
 
 use super::{
-    MethodRow, Place,
+    Maps, MethodRow, Place,
     face_maps::{CaptureFaces, FaceKey, FaceMaps},
 };
 use crate::{
@@ -26,18 +26,22 @@ use crate::{
         pass::{Pass, PassGroup},
         shared_data::SharedData,
     },
-    plan::mapped_method,
     upload::world_key::changing_cut_outs,
 };
 
 /// Entry of the method.
 pub(super) const ROW: MethodRow = MethodRow {
-    map_key: |world, options, _| {
-        let key = || FacesKey::new(world, &options.reflection.box_faces).checked();
-        let is_used = mapped_method(world, options) == Some(Method::SsrBox);
-        let key = is_used.then(key).transpose()?;
-        Ok(key.map(|key| Arc::new(key) as _))
-    },
+    maps: Some(Maps {
+        methods: &[Method::SsrBox],
+        key: |world, options, _| {
+            let key = FacesKey::new(world, &options.reflection.box_faces);
+            Ok(Arc::new(key.checked()?))
+        },
+        of_static: Some([
+            "the faces of the box see",
+            "reflections that the screen loses show the environment",
+        ]),
+    }),
     passes: &[(
         Place::Capture,
         FrameRow::new::<CaptureFaces<FacesKey>>(&PASS),

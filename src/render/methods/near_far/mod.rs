@@ -7,7 +7,7 @@ use reflet_scene::desc::{Method, ReflectionDesc};
 use reflet_world::Material;
 
 use super::{
-    MethodRow, Place,
+    Maps, MethodRow, Place,
     face_maps::{CaptureFaces, FaceKey, FaceMaps},
 };
 use crate::{
@@ -20,17 +20,16 @@ use crate::{
         pass::{Pass, PassGroup},
         shared_data::SharedData,
     },
-    plan::mapped_method,
     upload::world_key::{PoseKey, changing_cut_outs},
 };
 
 /// Entry of the method.
 pub(super) const ROW: MethodRow = MethodRow {
-    map_key: |world, options, _| {
-        let key = || Arc::new(FarKey::new(&options.reflection)) as _;
-        let is_used = mapped_method(world, options) == Some(Method::NearFar);
-        Ok(is_used.then(key))
-    },
+    maps: Some(Maps {
+        methods: &[Method::NearFar],
+        key: |_, options, _| Ok(Arc::new(FarKey::new(&options.reflection))),
+        of_static: None,
+    }),
     adopt: |own, asked| own.near_far.half_size_m = asked.near_far.half_size_m,
     passes: &[(Place::Capture, FrameRow::new::<CaptureFaces<FarKey>>(&PASS))],
 };

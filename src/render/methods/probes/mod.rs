@@ -13,10 +13,10 @@ use std::sync::Arc;
 
 use reflet_scene::desc::Method;
 
-use super::{MethodRow, Place};
+use super::{Maps, MethodRow, Place};
 use crate::{
     pipeline::frame_pass::FrameRow,
-    plan::{mapped_method, passes_light, reflects_roughly},
+    plan::{passes_light, reflects_roughly},
 };
 use boxes::probe_boxes;
 use capture::Capture;
@@ -26,16 +26,17 @@ use prefilter::Prefilter;
 
 /// Entry of the methods.
 pub(super) const ROW: MethodRow = MethodRow {
-    map_key: |world, options, meters| {
-        let settings = &options.reflection;
-        if !mapped_method(world, options).is_some_and(Method::looks_up) {
-            return Ok(None);
-        }
-        let is_rough = reflects_roughly(world, settings.reflects_below());
-        let boxes = probe_boxes(world, &settings.probes, meters)?;
-        let key = ProbeKey::new(boxes, &settings.probes, is_rough, passes_light(world));
-        Ok(Some(Arc::new(key.checked()?)))
-    },
+    maps: Some(Maps {
+        methods: &[Method::Probe, Method::SsrProbe],
+        key: |world, options, meters| {
+            let settings = &options.reflection;
+            let is_rough = reflects_roughly(world, settings.reflects_below());
+            let boxes = probe_boxes(world, &settings.probes, meters)?;
+            let key = ProbeKey::new(boxes, &settings.probes, is_rough, passes_light(world));
+            Ok(Arc::new(key.checked()?))
+        },
+        of_static: Some(["probes see", "reflections show the environment alone"]),
+    }),
     adopt: |own, asked| own.probes.nearest = asked.probes.nearest,
     passes: &[
         (Place::Capture, FrameRow::new::<Capture>(&capture::PASS)),
