@@ -10,7 +10,7 @@ use reflet_preview::{
     viewer::{
         protocol::{Report, Side, Visualization},
         view_channel::ViewChannel,
-        view_settings::METHODS,
+        view_settings::{FIRST_METHODS, rivals},
     },
     watch::Change,
 };
@@ -82,7 +82,8 @@ fn probes_are_shown_beside_another_method() {
 #[test]
 #[ignore = "long: builds the passes of all methods"]
 fn all_methods_are_shown_beside_each_other() {
-    check_pairs(&METHODS);
+    let all: Vec<_> = FIRST_METHODS.into_iter().chain(rivals()).collect();
+    check_pairs(&all);
 }
 
 /// Settings of systems that are no methods of their own, saved one after another.

@@ -12,7 +12,7 @@ use crate::{
         selection::Selection,
         timeline::Timeline,
         view_channel::ViewChannel,
-        view_settings::METHODS,
+        view_settings::{FIRST_METHODS, rivals},
         view_state::ViewState,
     },
     write_back::{SceneItem, numbers_of},
@@ -25,7 +25,9 @@ use reflet_scene::{
 
 /// Methods that a page offers.
 pub(super) fn methods() -> impl Iterator<Item = Method> {
-    std::iter::once(Method::Auto).chain(METHODS)
+    std::iter::once(Method::Auto)
+        .chain(FIRST_METHODS)
+        .chain(rivals())
 }
 
 /// Presses that the page understands, and their actions.

@@ -1,7 +1,7 @@
 //! Keys of a viewer and their actions: the window's list of them, and the presses that the window and the page
 //! understand.
 
-use super::{timeline::Timeline, view_settings::METHODS, view_state::ViewState};
+use super::{timeline::Timeline, view_settings::FIRST_METHODS, view_state::ViewState};
 
 /// Action of a key or a button.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +21,7 @@ pub enum KeyAction {
     End,
     /// Loop or end at the end.
     Loop,
-    /// Choose a method of the left side, by its index into [`METHODS`].
+    /// Choose a method of the left side, by its index into [`FIRST_METHODS`].
     Method(usize),
     /// Begin or end the wipe.
     Wipe,
@@ -162,7 +162,10 @@ impl ViewState {
                 time.for_each(|time| time.press(action, now_s));
             }
             KeyAction::Method(index) => {
-                settings.a.method = METHODS.get(index).copied().unwrap_or(settings.a.method);
+                settings.a.method = FIRST_METHODS
+                    .get(index)
+                    .copied()
+                    .unwrap_or(settings.a.method);
             }
             KeyAction::Wipe => {
                 settings.wipe = !settings.wipe;
@@ -187,7 +190,7 @@ mod tests {
             let same = presses().filter(|other| other.keys == press.keys);
             assert_eq!(same.count(), 1, "{press:?}");
         }
-        let methods: Vec<_> = METHODS[..4].iter().map(|method| method.name()).collect();
+        let methods = FIRST_METHODS.map(|method| method.name());
         assert!(KEYS.iter().any(|row| row.what == methods.join(", ")));
     }
 }

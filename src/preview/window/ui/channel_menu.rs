@@ -5,7 +5,7 @@ use eframe::egui::{self, Ui};
 use crate::viewer::{
     protocol::Side,
     view_channel::{ShadowLight, ShadowMapChoice, ViewChannel},
-    view_settings::METHODS,
+    view_settings::{FIRST_METHODS, rivals},
 };
 use reflet_render::lighting::lights::CUBE_FACES;
 use reflet_scene::desc::Method;
@@ -13,18 +13,14 @@ use reflet_scene::desc::Method;
 /// Width of a menu, points; longer names are truncated.
 pub const MENU: f32 = 88.0;
 
-/// Number of methods with a button of their own; the others are in a menu.
-const BUTTONS: usize = 4;
-
 /// Method and channel of one side.
 pub fn side_menu(ui: &mut Ui, id: &str, side: &mut Side, shadow_lights: &[ShadowLight]) {
     let auto = ui.selectable_value(&mut side.method, Method::Auto, Method::Auto.name());
     auto.on_hover_text("hybrid or rt, as render decides for this size and the chosen camera");
-    let (own, rivals) = METHODS.split_at(BUTTONS);
-    for method in own {
-        ui.selectable_value(&mut side.method, *method, method.name());
+    for method in FIRST_METHODS {
+        ui.selectable_value(&mut side.method, method, method.name());
     }
-    let is_rival = rivals.contains(&side.method);
+    let is_rival = rivals().any(|method| method == side.method);
     egui::ComboBox::from_id_salt((id, "others"))
         .selected_text(if is_rival {
             side.method.name()
@@ -34,8 +30,8 @@ pub fn side_menu(ui: &mut Ui, id: &str, side: &mut Side, shadow_lights: &[Shadow
         .width(MENU)
         .truncate()
         .show_ui(ui, |ui| {
-            for method in rivals {
-                ui.selectable_value(&mut side.method, *method, method.name());
+            for method in rivals() {
+                ui.selectable_value(&mut side.method, method, method.name());
             }
         })
         .response
