@@ -11,7 +11,7 @@ use crate::{
     metric::{difference::difference_picture, picture::Pair},
     render::{Picture, picture::aov::Aov},
     runtime::renderer_stage::RendererStage,
-    scene::desc::{Accept, Method, ReflectionDesc},
+    scene::desc::{Method, ReflectionDesc},
 };
 use reflet_render::picture::{aov_view, png_file::encode};
 
@@ -98,34 +98,23 @@ pub fn shown(
 ) -> Result<Vec<Shown>, AppError> {
     let mut figures: Vec<Option<Shown>> = vec![None; shots.len()];
     let mut reference = None;
+    let key = |settings: &ReflectionDesc| {
+        let layers = settings.method.marches().then_some(settings.layers);
+        (settings.method, settings.verifies(), layers)
+    };
     // The reference comes first: differences need it.
-    let with = |method, accept, layers| ReflectionDesc {
-        method,
-        accept,
-        layers,
+    let traced = ReflectionDesc {
+        method: Method::Rt,
         ..subject.reflection
     };
-    for built in [
-        with(Method::Rt, Accept::Verified, 1),
-        with(Method::Hybrid, Accept::Verified, 1),
-        with(Method::Hybrid, Accept::Verified, 2),
-        with(Method::Hybrid, Accept::Threshold, 1),
-        with(Method::Hybrid, Accept::Threshold, 2),
-        with(Method::Ssr, Accept::Threshold, 1),
-        with(Method::Ssr, Accept::Threshold, 2),
-        with(Method::Probe, Accept::Threshold, 1),
-        with(Method::SsrProbe, Accept::Threshold, 1),
-        with(Method::SsrBox, Accept::Threshold, 1),
-        with(Method::NearFar, Accept::Threshold, 1),
-    ] {
-        let key = |settings: &ReflectionDesc| {
-            let layers = settings.method.marches().then_some(settings.layers);
-            (settings.method, settings.verifies(), layers)
-        };
-        let is_of = |shot: &ReportPicture| key(&shot.settings()) == key(&built);
-        if built.method != Method::Rt && !shots.iter().any(is_of) {
-            continue;
+    let mut all = vec![traced];
+    for settings in shots.iter().map(ReportPicture::settings) {
+        if !all.iter().any(|built| key(built) == key(&settings)) {
+            all.push(settings);
         }
+    }
+    for built in all {
+        let is_of = |shot: &ReportPicture| key(&shot.settings()) == key(&built);
         let mut session = RenderSession::new(gpu, library, subject, size, &built)?;
         if built.method == Method::Rt {
             let settings = ReflectionDesc {
@@ -181,7 +170,7 @@ impl<'a> RenderSession<'a> {
         let settings = shot.settings();
         let method = settings.method.name();
         let label = match settings.method {
-            Method::Rt | Method::Probe | Method::NearFar => method.to_owned(), // they have neither
+            named if !named.marches() => method.to_owned(), // it has neither
             Method::Hybrid if settings.verifies() => {
                 format!("{method}, verified within {} px", settings.edge_px)
             }
