@@ -4,7 +4,7 @@ use reflet_scene::{
     desc::{Accept, Bounces, Method, ReflectionDesc},
     range::{
         ABOVE_0, BOUNCES, BOX_FACE_PX, EDGE_PX, LAYERS, NEAREST_PROBES, RATE, RAY_LENGTH_U, Range,
-        SEPARATION_M, STEPS, THRESHOLD_U, range,
+        SEPARATION_M, STEPS, THRESHOLD_U, UNIT, range,
     },
     words,
 };
@@ -12,36 +12,119 @@ use reflet_scene::{
 /// Largest number of march steps that a scene may ask for.
 pub const MAX_STEPS: u32 = STEPS.max as u32;
 
-words! {
-    /// A setting that trades time for accuracy.
-    pub enum Parameter {
-        /// Depth threshold `reflection.threshold_u`, with `accept = "threshold"`.
-        ThresholdU = "threshold_u",
-        /// Tolerance at pixel edges, `reflection.edge_px`, with `accept = "verified"`.
-        EdgePx = "edge_px",
-        /// Reuse of the picture's light at hits, `reflection.reuse_light`, 0 or 1.
-        ReuseLight = "reuse_light",
-        /// Largest number of march steps, `reflection.steps`.
-        Steps = "steps",
-        /// Number of depth layers of the march, `reflection.layers`.
-        Layers = "layers",
-        /// Distance of the second layer behind the first, `reflection.separation_m`, with `layers = 2`.
-        SeparationM = "separation_m",
-        /// Number of rays of which one is traced first, `reflection.rate`.
-        Rate = "rate",
-        /// Length of reflection rays, `reflection.ray_length_u`.
-        RayLengthU = "ray_length_u",
-        /// Largest number of reflections in a row, `reflection.bounces`.
-        Bounces = "bounces",
-        /// Maximum number of blended probes, `probes.nearest`.
-        Nearest = "nearest",
-        /// Half the size of the box in which rays are traced, `near_far.half_size_m`.
-        HalfSizeM = "half_size_m",
-        /// Width of the faces of the box, `box_faces.face_px`.
-        FacePx = "face_px",
-        /// Side of the rendered picture divided by the side of the shown picture, into which it is enlarged bilinearly.
-        Scale = "scale",
-    }
+/// Form of the values of a parameter.
+#[derive(PartialEq)]
+enum Form {
+    Number,
+    Whole,
+}
+
+/// Values of a parameter, and the setting that they change.
+struct Row {
+    /// Values that a scene allows.
+    range: Range,
+    form: Form,
+    /// Values that are compared when none are listed.
+    compared: &'static [f64],
+    /// Whether varying the parameter can change the picture of a method.
+    acts_on: fn(Method) -> bool,
+    /// Writes a value into settings.
+    set: fn(&mut ReflectionDesc, f64),
+}
+
+/// Declares the parameters, each with its row.
+macro_rules! parameters {
+    ($(
+        #[doc = $text:literal]
+        $variant:ident = $word:literal, $form:ident, $range:expr, $compared:expr,
+        $acts_on:expr => $set:expr;
+    )*) => {
+        words! {
+            /// A setting that trades time for accuracy.
+            pub enum Parameter {
+                $(#[doc = $text] $variant = $word,)*
+            }
+        }
+
+        impl Parameter {
+            const fn row(self) -> &'static Row {
+                match self {
+                    $(Self::$variant => const {
+                        &Row {
+                            range: $range,
+                            form: Form::$form,
+                            compared: &$compared,
+                            acts_on: $acts_on,
+                            set: $set,
+                        }
+                    },)*
+                }
+            }
+        }
+    };
+}
+
+parameters! {
+    /// Depth threshold `reflection.threshold_u`, with `accept = "threshold"`.
+    ThresholdU = "threshold_u", Number, THRESHOLD_U, [0.001, 0.005, 0.025, 0.065, 0.2],
+        Method::marches => |settings, value| {
+            settings.accept = Accept::Threshold;
+            settings.threshold_u = value as f32;
+        };
+    /// Tolerance at pixel edges, `reflection.edge_px`, with `accept = "verified"`.
+    EdgePx = "edge_px", Number, EDGE_PX, [0.0, 0.125, 0.25, 0.5, 1.0],
+        |m| matches!(m, Method::Hybrid | Method::Auto) => |settings, value| {
+            settings.accept = Accept::Verified;
+            settings.edge_px = value as f32;
+        };
+    /// Reuse of the picture's light at hits, `reflection.reuse_light`, 0 or 1.
+    ReuseLight = "reuse_light", Whole, UNIT, [0.0, 1.0],
+        has_hits => |settings, value| settings.reuse_light = value != 0.0;
+    /// Largest number of march steps, `reflection.steps`.
+    Steps = "steps", Whole, STEPS, [16.0, 32.0, 64.0, 128.0, 256.0],
+        marches_somewhere => |settings, value| settings.steps = value as u32;
+    /// Number of depth layers of the march, `reflection.layers`.
+    Layers = "layers", Whole, LAYERS, [1.0, 2.0],
+        marches_somewhere => |settings, value| settings.layers = value as u32;
+    /// Distance of the second layer behind the first, `reflection.separation_m`, with `layers = 2`.
+    SeparationM = "separation_m", Number, SEPARATION_M, [0.0, 0.03, 0.1, 0.3, 1.0],
+        marches_somewhere => |settings, value| {
+            settings.layers = 2;
+            settings.separation_m = Some(value as f32);
+        };
+    /// Number of rays of which one is traced first, `reflection.rate`.
+    Rate = "rate", Whole, RATE, [1.0, 2.0, 4.0],
+        Method::traces => |settings, value| settings.rate = value as u32;
+    /// Length of reflection rays, `reflection.ray_length_u`.
+    RayLengthU = "ray_length_u", Number, RAY_LENGTH_U, [1.0, 2.0, 4.0, 8.0, 16.0],
+        has_hits => |settings, value| settings.ray_length_u = value as f32;
+    /// Largest number of reflections in a row, `reflection.bounces`: methods that trace no ray follow one.
+    Bounces = "bounces", Whole, BOUNCES, [1.0, 2.0, 3.0, 4.0, 6.0],
+        Method::traces => |settings, value| settings.bounces = Bounces::AtMost(value as u32);
+    /// Maximum number of blended probes, `probes.nearest`.
+    Nearest = "nearest", Whole, NEAREST_PROBES, [1.0, 2.0, 3.0, 4.0],
+        Method::looks_up => |settings, value| settings.probes.nearest = value as u32;
+    /// Half the size of the box in which rays are traced, `near_far.half_size_m`.
+    HalfSizeM = "half_size_m", Number, ABOVE_0, [0.5, 1.0, 2.0, 4.0, 8.0],
+        |m| m == Method::NearFar => |settings, value| {
+            settings.near_far.half_size_m = Some(value as f32);
+        };
+    /// Width of the faces of the box, `box_faces.face_px`.
+    FacePx = "face_px", Whole, BOX_FACE_PX, [32.0, 64.0, 128.0, 256.0, 512.0],
+        |m| m == Method::SsrBox => |settings, value| settings.box_faces.face_px = value as u32;
+    /// Side of the rendered picture divided by the side of the shown picture, into which it is enlarged bilinearly.
+    Scale = "scale", Number, range(0.05, 1.0), [0.25, 0.375, 0.5, 0.75, 1.0],
+        |_| true => |_, _| {}; // no setting
+}
+
+/// Whether a method finds hits, by a march or by rays.
+fn has_hits(method: Method) -> bool {
+    method.marches() || method.traces()
+}
+
+/// Whether a method marches through the picture, or rays through its maps.
+fn marches_somewhere(method: Method) -> bool {
+    method.marches() || method.traces() && method.maps().is_some()
 }
 
 /// One method with one set of settings, which a bench measures.
@@ -59,88 +142,27 @@ pub struct Variant {
     pub scale: f64,
 }
 
-/// Names of the curves in charts: one per method, with curves of their own for `hybrid` that accepts by the
-/// paper's threshold, for two depth layers, and for methods that trace shadow rays at hits anew.
-pub const SERIES: [&str; 14] = [
-    Method::Ssr.name(),
-    SSR_LAYERS_SERIES,
-    Method::Probe.name(),
-    Method::SsrProbe.name(),
-    Method::SsrBox.name(),
-    Method::NearFar.name(),
-    THRESHOLD_SERIES,
-    Method::Hybrid.name(),
-    HYBRID_LAYERS_SERIES,
-    HYBRID_RATE_SERIES,
-    Method::Rt.name(),
-    RT_RATE_SERIES,
-    HYBRID_ANEW_SERIES,
-    RT_ANEW_SERIES,
-];
-/// Name of the curve of `hybrid` with `accept = "threshold"`.
-pub const THRESHOLD_SERIES: &str = "hybrid (threshold)";
-/// Name of the curve of `ssr` with `layers = 2`.
-pub const SSR_LAYERS_SERIES: &str = "ssr (2 layers)";
-/// Name of the curve of `hybrid` with `layers = 2`.
-pub const HYBRID_LAYERS_SERIES: &str = "hybrid (2 layers)";
-/// Name of the curve of `hybrid` with `rate` above 1.
-pub const HYBRID_RATE_SERIES: &str = "hybrid (undersampled)";
-/// Name of the curve of `rt` with `rate` above 1.
-pub const RT_RATE_SERIES: &str = "rt (undersampled)";
-/// Name of the curve of `hybrid` with `reuse_light = false`.
-pub const HYBRID_ANEW_SERIES: &str = "hybrid (no light reuse)";
-/// Name of the curve of `rt` with `reuse_light = false`.
-pub const RT_ANEW_SERIES: &str = "rt (no light reuse)";
-
 impl Parameter {
     /// Parameters that are varied for a method when none is chosen: they change its results most.
-    pub const fn own(method: Method) -> &'static [Self] {
+    pub fn own(method: Method) -> Vec<Self> {
         match method {
-            Method::Ssr => &[Self::Steps],
-            Method::Probe => &[Self::Nearest],
-            Method::SsrProbe => &[Self::Steps, Self::Nearest],
-            Method::SsrBox => &[Self::Steps, Self::FacePx],
-            Method::NearFar => &[Self::HalfSizeM],
-            Method::Rt | Method::Path => &[Self::Bounces, Self::ReuseLight],
-            Method::Hybrid | Method::Auto => &[Self::ThresholdU, Self::EdgePx, Self::ReuseLight],
-        }
-    }
-
-    /// Whether varying the parameter can change the picture of this method.
-    pub const fn acts_on(self, method: Method) -> bool {
-        match self {
-            Self::ThresholdU => method.marches(),
-            Self::Steps | Self::Layers | Self::SeparationM => {
-                method.marches() || matches!(method, Method::NearFar)
+            Method::Rt | Method::Path => vec![Self::Bounces, Self::ReuseLight],
+            Method::Hybrid | Method::Auto => vec![Self::ThresholdU, Self::EdgePx, Self::ReuseLight],
+            // Its march, and parameters of its own.
+            _ => {
+                let acts_on = |p: &Self, method| (p.row().acts_on)(method);
+                let is_own = |p: &Self| match p {
+                    Self::Steps => method.marches(),
+                    _ => acts_on(p, method) && !acts_on(p, Method::Ssr) && !acts_on(p, Method::Rt),
+                };
+                Self::ALL.into_iter().filter(is_own).collect()
             }
-            Self::HalfSizeM => matches!(method, Method::NearFar),
-            Self::FacePx => matches!(method, Method::SsrBox),
-            Self::EdgePx => matches!(method, Method::Hybrid | Method::Auto),
-            // Methods that trace no ray follow one reflection and nothing beyond it.
-            Self::Bounces | Self::Rate => method.traces(),
-            Self::Nearest => method.looks_up(),
-            Self::RayLengthU | Self::ReuseLight => !matches!(method, Method::Probe),
-            Self::Scale => true,
         }
     }
 
     /// Values that are compared when none are listed.
     pub const fn default_values(self) -> &'static [f64] {
-        match self {
-            Self::ThresholdU => &[0.001, 0.005, 0.025, 0.065, 0.2],
-            Self::ReuseLight => &[0.0, 1.0],
-            Self::EdgePx => &[0.0, 0.125, 0.25, 0.5, 1.0],
-            Self::Steps => &[16.0, 32.0, 64.0, 128.0, 256.0],
-            Self::Layers => &[1.0, 2.0],
-            Self::SeparationM => &[0.0, 0.03, 0.1, 0.3, 1.0],
-            Self::Rate => &[1.0, 2.0, 4.0],
-            Self::RayLengthU => &[1.0, 2.0, 4.0, 8.0, 16.0],
-            Self::Bounces => &[1.0, 2.0, 3.0, 4.0, 6.0],
-            Self::Nearest => &[1.0, 2.0, 3.0, 4.0],
-            Self::HalfSizeM => &[0.5, 1.0, 2.0, 4.0, 8.0],
-            Self::FacePx => &[32.0, 64.0, 128.0, 256.0, 512.0],
-            Self::Scale => &[0.25, 0.375, 0.5, 0.75, 1.0],
-        }
+        self.row().compared
     }
 
     /// Checks a value against the setting's range.
@@ -149,76 +171,15 @@ impl Parameter {
     /// Message with the allowed range.
     pub fn check(self, value: f64) -> Result<(), String> {
         let refused = |words: &str| format!("{} = {value:?}: must be {words}", self.name());
-        let range = self.range();
-        if matches!(
-            self,
-            Self::Steps
-                | Self::Layers
-                | Self::Rate
-                | Self::Bounces
-                | Self::ReuseLight
-                | Self::Nearest
-                | Self::FacePx
-        ) {
-            let is_gap = self == Self::Rate && value == 3.0;
-            return if value.fract() == 0.0 && range.contains(value) && !is_gap {
-                Ok(())
-            } else if self == Self::Rate {
-                Err(refused("1, 2 or 4"))
-            } else {
-                Err(refused(&format!(
-                    "a whole number from {} to {}",
-                    range.min, range.max
-                )))
-            };
-        }
-        range.check(value).map_err(|words| refused(&words))
-    }
-
-    /// Range that a scene allows for the setting.
-    const fn range(self) -> Range {
+        let Row { range, form, .. } = self.row();
+        let is_fit = value.fract() == 0.0 && range.contains(value);
         match self {
-            Self::ThresholdU => THRESHOLD_U,
-            Self::EdgePx => EDGE_PX,
-            Self::ReuseLight => range(0.0, 1.0),
-            Self::Steps => STEPS,
-            Self::Layers => LAYERS,
-            Self::SeparationM => SEPARATION_M,
-            Self::Rate => RATE,
-            Self::RayLengthU => RAY_LENGTH_U,
-            Self::Bounces => BOUNCES,
-            Self::Nearest => NEAREST_PROBES,
-            Self::HalfSizeM => ABOVE_0,
-            Self::FacePx => BOX_FACE_PX,
-            Self::Scale => range(0.05, 1.0),
-        }
-    }
-
-    /// Writes the value into the settings; `scale` is not part of them.
-    fn apply(self, value: f64, settings: &mut ReflectionDesc) {
-        match self {
-            Self::ThresholdU => {
-                settings.accept = Accept::Threshold;
-                settings.threshold_u = value as f32;
-            }
-            Self::EdgePx => {
-                settings.accept = Accept::Verified;
-                settings.edge_px = value as f32;
-            }
-            Self::ReuseLight => settings.reuse_light = value != 0.0,
-            Self::Steps => settings.steps = value as u32,
-            Self::Layers => settings.layers = value as u32,
-            Self::SeparationM => {
-                settings.layers = 2;
-                settings.separation_m = Some(value as f32);
-            }
-            Self::Rate => settings.rate = value as u32,
-            Self::RayLengthU => settings.ray_length_u = value as f32,
-            Self::Bounces => settings.bounces = Bounces::AtMost(value as u32),
-            Self::Nearest => settings.probes.nearest = value as u32,
-            Self::HalfSizeM => settings.near_far.half_size_m = Some(value as f32),
-            Self::FacePx => settings.box_faces.face_px = value as u32,
-            Self::Scale => {}
+            Self::Rate if !is_fit || value == 3.0 => Err(refused("1, 2 or 4")),
+            _ if *form == Form::Whole && !is_fit => Err(refused(&format!(
+                "a whole number from {} to {}",
+                range.min, range.max
+            ))),
+            _ => range.check(value).map_err(|words| refused(&words)),
         }
     }
 }
@@ -249,13 +210,13 @@ impl Variant {
             parameter: Some(parameter),
             ..Self::fixed(method, settings)
         };
-        if !parameter.acts_on(method) {
+        if !(parameter.row().acts_on)(method) {
             return vec![fixed];
         }
         let with_value = |&value: &f64| {
             let mut variant = fixed;
             variant.value = Some(value);
-            parameter.apply(value, &mut variant.reflection);
+            (parameter.row().set)(&mut variant.reflection, value);
             if parameter == Parameter::Scale {
                 variant.scale = value;
             }

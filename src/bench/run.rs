@@ -241,9 +241,8 @@ impl Protocol {
                 }
             }
             Sweep::Own => {
-                let own = Parameter::own(method).iter();
-                let variants =
-                    own.map(|p| Variant::sweep(method, settings, *p, p.default_values()));
+                let own = Parameter::own(method).into_iter();
+                let variants = own.map(|p| Variant::sweep(method, settings, p, p.default_values()));
                 variants.flatten().collect()
             }
         };

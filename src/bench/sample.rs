@@ -15,6 +15,7 @@ use reflet_render::{
 };
 
 mod check;
+pub mod curve;
 mod details;
 #[cfg(test)]
 mod tests;

@@ -9,7 +9,12 @@ pub mod verdict;
 
 use std::fmt;
 
-use super::{cell::columns, csv, run::FrameSeries, sample::Sample, summary::series};
+use super::{
+    cell::columns,
+    csv,
+    run::FrameSeries,
+    sample::{Sample, curve::series},
+};
 use reflet_metric::{mask::MIN_AREA_PX, temporal};
 
 /// Reference of the pictures.
@@ -52,7 +57,7 @@ pub struct Part {
 pub struct Cell {
     /// Name of the mode, [`Mode::name`].
     pub mode: String,
-    /// Method, one of [`SERIES`](super::parameter::SERIES).
+    /// Method, one of [`series_names`](super::sample::curve::series_names).
     pub method: String,
     /// Reference of its pictures.
     pub against: ReferenceKind,

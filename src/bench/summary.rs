@@ -2,13 +2,7 @@
 
 use reflet_render::pipeline::pass::Pass;
 
-use super::{
-    parameter::{
-        HYBRID_ANEW_SERIES, HYBRID_LAYERS_SERIES, HYBRID_RATE_SERIES, RT_ANEW_SERIES,
-        RT_RATE_SERIES, SSR_LAYERS_SERIES, THRESHOLD_SERIES,
-    },
-    sample::Sample,
-};
+use super::sample::Sample;
 use reflet_metric::{percentile, table};
 
 mod group;
@@ -248,20 +242,6 @@ impl Point {
     /// Name for people, such as `hybrid, threshold_u = 0.025`.
     pub fn label(&self) -> String {
         label(&self.sample)
-    }
-}
-
-/// Curve that a sample belongs to, one of [`SERIES`](super::parameter::SERIES).
-pub fn series(sample: &Sample) -> &str {
-    match (sample.method.as_str(), sample.accept.as_str()) {
-        ("ssr", _) if sample.layers > Some(1) => SSR_LAYERS_SERIES,
-        ("hybrid", "verified") if sample.layers > Some(1) => HYBRID_LAYERS_SERIES,
-        ("hybrid", "verified") if sample.rate > Some(1) => HYBRID_RATE_SERIES,
-        ("rt", _) if sample.rate > Some(1) => RT_RATE_SERIES,
-        ("hybrid", "threshold") => THRESHOLD_SERIES,
-        ("hybrid", _) if sample.reuse_light == Some(false) => HYBRID_ANEW_SERIES,
-        ("rt", _) if sample.reuse_light == Some(false) => RT_ANEW_SERIES,
-        (method, _) => method,
     }
 }
 

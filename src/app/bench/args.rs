@@ -10,7 +10,7 @@ use clap::{
 use super::reload::ReloadArgs;
 use crate::{
     app::args::{SceneArgs, parse_size},
-    bench::{choose::Bound, parameter::Parameter},
+    bench::{choose::Bound, parameter::Parameter, sample::curve::compared_methods},
     scene::desc::Method,
 };
 
@@ -39,15 +39,9 @@ const MEASURING: [&str; 21] = [
     "adapter",
 ];
 
-/// Methods that can be compared; `auto` chooses among them, and `path` is a reference with --against-path.
-const COMPARED: [Method; 7] = {
-    use Method::{Hybrid, NearFar, Probe, Rt, Ssr, SsrBox, SsrProbe};
-    [Ssr, Probe, SsrProbe, SsrBox, NearFar, Hybrid, Rt]
-};
-
 /// Parser of a method that can be compared.
 fn compared() -> impl TypedValueParser<Value = Method> {
-    PossibleValuesParser::new(COMPARED.map(Method::name))
+    PossibleValuesParser::new(compared_methods())
         .map(|name| Method::from_name(&name).expect("one of the possible values"))
 }
 

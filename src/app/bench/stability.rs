@@ -17,10 +17,10 @@ use crate::{
     },
     bench::{
         hash::Hash,
-        parameter::THRESHOLD_SERIES,
         report::page::page,
         run::{FrameSeries, Protocol, Subject, Sweep},
         sample::Sample,
+        sample::curve::THRESHOLD_SERIES,
         stability::{
             Cell, Mode, Part, ReferenceKind, cells, heat_map::heat_map, ratchet::Ratchet, table,
         },

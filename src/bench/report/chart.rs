@@ -1,12 +1,16 @@
 //! Chart of milliseconds against error as SVG: a curve per method, the Pareto front, every point.
 
-use crate::{
-    parameter::{
-        HYBRID_ANEW_SERIES, HYBRID_LAYERS_SERIES, HYBRID_RATE_SERIES, RT_ANEW_SERIES,
-        RT_RATE_SERIES, SERIES, SSR_LAYERS_SERIES, THRESHOLD_SERIES,
-    },
-    summary::series,
+use super::{
+    canvas::{Canvas, said},
+    findings::spots,
 };
+use crate::sample::curve::{self, series, series_names};
+use crate::{
+    pareto::{Spot, pareto_front},
+    sample::Sample,
+    summary::{Group, Metric, Point, digits, label},
+};
+use marks::{End, Labels, cross, legend, mark};
 use plotters::{
     coord::{
         ranged1d::{AsRangedCoord, Ranged, ValueFormatter},
@@ -14,19 +18,6 @@ use plotters::{
     },
     prelude::*,
 };
-
-use reflet_scene::desc::Method;
-
-use super::{
-    canvas::{Canvas, said},
-    findings::spots,
-};
-use crate::{
-    pareto::{Spot, pareto_front},
-    sample::Sample,
-    summary::{Group, Metric, Point, digits, label},
-};
-use marks::{End, Labels, cross, legend, mark};
 
 mod marks;
 
@@ -57,32 +48,10 @@ pub const BAR_REACH: f64 = 1.5;
 /// Size of a chart, pixels.
 const SIZE: (u32, u32) = (860, 500);
 
-/// Color of a method's curve, from colors that stay apart for color-blind readers (Okabe and Ito 2008).
-pub fn color(method: &str) -> RGBColor {
-    const SSR: &str = Method::Ssr.name();
-    const HYBRID: &str = Method::Hybrid.name();
-    const PROBE: &str = Method::Probe.name();
-    const NEAR_FAR: &str = Method::NearFar.name();
-    const SSR_BOX: &str = Method::SsrBox.name();
-    const SSR_PROBE: &str = Method::SsrProbe.name();
-    match method {
-        SSR => RGBColor(0, 114, 178),
-        THRESHOLD_SERIES => RGBColor(230, 159, 0),
-        SSR_LAYERS_SERIES => RGBColor(0, 0, 0),
-        HYBRID_LAYERS_SERIES => RGBColor(150, 60, 60),
-        HYBRID_RATE_SERIES => RGBColor(120, 120, 0),
-        RT_RATE_SERIES => RGBColor(0, 90, 60),
-        HYBRID => RGBColor(213, 94, 0),
-        "bound" => RGBColor(140, 140, 140),
-        "estimated" => RGBColor(230, 159, 0),
-        PROBE => RGBColor(240, 228, 66),
-        SSR_PROBE => RGBColor(110, 110, 110),
-        SSR_BOX => RGBColor(120, 140, 60),
-        NEAR_FAR => RGBColor(90, 40, 140),
-        HYBRID_ANEW_SERIES => RGBColor(204, 121, 167),
-        RT_ANEW_SERIES => RGBColor(86, 180, 233),
-        _ => RGBColor(0, 158, 115),
-    }
+/// Color of a curve in charts.
+pub fn color(name: &str) -> RGBColor {
+    let [r, g, b] = curve::color(name);
+    RGBColor(r, g, b)
 }
 
 /// One point of a group, ready to be drawn.
@@ -236,7 +205,7 @@ where
             RGBColor(150, 150, 150).stroke_width(6),
         );
         chart.draw_series(stairs).map_err(said)?;
-        for method in SERIES {
+        for method in series_names() {
             let curve = dots.iter().filter(|d| series(&d.point.sample) == method);
             let curve: Vec<(f64, f64)> = curve.map(|d| shown(&d.spot)).collect();
             let line = LineSeries::new(curve, color(method).stroke_width(2));

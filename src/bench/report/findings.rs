@@ -1,7 +1,7 @@
 //! Findings on the points of a group, in sentences: the fastest method, comparisons at equal time and at
 //! equal error, and the share of rays from which marching first no longer pays.
 
-use crate::summary::series;
+use crate::sample::curve::series;
 use std::collections::BTreeSet;
 
 use crate::{

@@ -1,7 +1,7 @@
 //! Line charts as SVG: time and SSIM over the frames of an animation, a line per setting; errors over a
 //! parameter, a line per method.
 
-use crate::{parameter::SERIES, summary::series};
+use crate::sample::curve::{series, series_names};
 use std::fmt::Write as _;
 
 use plotters::{coord::CoordTranslate, prelude::*};
@@ -122,7 +122,7 @@ fn over_frames(group: &Group, chart: LineChart) -> Option<Plot> {
         _ => point.sample.ssim,
     };
     let mut lines: Vec<Line> = Vec::new();
-    for method in SERIES {
+    for method in series_names() {
         let has_one = group
             .points
             .iter()
@@ -197,7 +197,7 @@ fn over_parameter(group: &Group) -> Option<Plot> {
             dots: dots.flat_map(ends).collect(),
         }
     };
-    let lines: Vec<Line> = SERIES.map(line).into();
+    let lines: Vec<Line> = series_names().map(line).collect();
     let [_, high] = range(&lines)?;
     Some(Plot {
         lines,

@@ -1,6 +1,6 @@
 //! Tables of the page: all settings, their errors, shares and times, pass by pass.
 
-use crate::summary::series;
+use crate::sample::curve::series;
 use std::fmt::Write as _;
 
 use plotters::style::RGBColor;

@@ -3,13 +3,12 @@
 
 use std::collections::HashMap;
 
-use super::Sample;
+use super::{Sample, curve::compared_methods};
 use crate::{csv::CsvError, parameter::Parameter};
 use reflet_metric::{
     mask::MIN_AREA_PX,
     table::{self, ROUNDING},
 };
-use reflet_scene::desc::Method;
 
 /// Checks the text of a cell; an empty one is a missing value.
 ///
@@ -20,19 +19,7 @@ pub fn cell(column: &str, text: &str) -> Result<(), String> {
         return Ok(());
     }
     match column {
-        "method" => named(
-            text,
-            &[
-                Method::Ssr,
-                Method::Probe,
-                Method::SsrProbe,
-                Method::SsrBox,
-                Method::NearFar,
-                Method::Hybrid,
-                Method::Rt,
-            ]
-            .map(Method::name),
-        ),
+        "method" => named(text, &compared_methods().collect::<Vec<_>>()),
         "parameter" => named(text, &Parameter::ALL.map(Parameter::name)),
         _ => match (range(column), text.parse::<f64>()) {
             (Some((low, high, words)), Ok(value)) if !(low..=high).contains(&value) => {

@@ -5,7 +5,7 @@ use std::{fmt::Write as _, io, path::Path};
 use serde::Deserialize;
 
 use super::{Cell, CellScores, ReferenceKind};
-use crate::parameter::SERIES;
+use crate::sample::curve::series_names;
 use reflet_base::files::{open_regular, read_at_most};
 use reflet_metric::file_error;
 use reflet_scene::diagnostic::Diagnostic;
@@ -43,7 +43,7 @@ pub struct Ratchet {
 pub struct Allowed {
     /// Mode, such as `03-rails`.
     pub mode: String,
-    /// Method, one of [`SERIES`].
+    /// Method, one of [`series_names`].
     pub method: String,
     /// Mean FLIP inside the reflections.
     pub flip: f64,
@@ -119,7 +119,8 @@ impl Ratchet {
         let mut worse = Vec::new();
         let is_asked = |cell: &&Allowed| {
             let method = cell.method.as_str();
-            let is_left_out = SERIES.contains(&method) && !methods.contains(&method);
+            let is_left_out =
+                series_names().any(|name| name == method) && !methods.contains(&method);
             modes.contains(&cell.mode.as_str()) && !is_left_out
         };
         for allowed in self.cells.iter().filter(is_asked) {
@@ -277,8 +278,11 @@ mod tests {
 
     #[test]
     fn the_slack_is_five_percent_or_three_pixels() {
-        let worse =
-            |ratchet: &Ratchet, cell| ratchet.regressions(&["03-rails"], &SERIES, &[cell]).len();
+        let worse = |ratchet: &Ratchet, cell| {
+            ratchet
+                .regressions(&["03-rails"], &["hybrid"], &[cell])
+                .len()
+        };
         let coarse = ratchet(0.1, 100);
         assert_eq!(worse(&coarse, cell(0.1049, 105)), 0);
         assert_eq!(worse(&coarse, cell(0.1051, 106)), 2);
@@ -298,7 +302,7 @@ mod tests {
         let ratchet = ratchet(0.1, 0);
         let says = |cells: &[Cell]| {
             ratchet
-                .regressions(&["03-rails"], &SERIES, cells)
+                .regressions(&["03-rails"], &["hybrid"], cells)
                 .join("; ")
         };
         assert_eq!(says(&[]), "03-rails, hybrid: not measured any more");
@@ -307,7 +311,7 @@ mod tests {
         let expected = "03-rails, hybrid: no score: frame 0: not measured";
         assert_eq!(says(&[failed]), expected);
         let others = [
-            ratchet.regressions(&["04-grazing"], &SERIES, &[]),
+            ratchet.regressions(&["04-grazing"], &["hybrid"], &[]),
             ratchet.regressions(&["03-rails"], &["ssr", "rt"], &[]),
         ];
         assert!(others.concat().is_empty(), "{others:?}");

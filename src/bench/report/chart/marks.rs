@@ -1,8 +1,8 @@
 //! Marks on a chart beside its curves: dots with hover text, labels, the legend.
 
 use crate::{
-    parameter::{Parameter, SERIES},
-    summary::series,
+    parameter::Parameter,
+    sample::curve::{series, series_names},
 };
 use std::fmt::Write as _;
 
@@ -142,7 +142,7 @@ const LETTER_PX: i32 = 7;
 /// Draws methods with their parameters, and the meaning of the marks, in the upper right corner.
 pub fn legend(out: &mut String, dots: &[Dot], has_failures: bool) {
     let mut lines: Vec<(String, String, &str)> = Vec::new();
-    for method in SERIES {
+    for method in series_names() {
         let of = dots.iter().filter(|d| series(&d.point.sample) == method);
         let parameters: Vec<&str> = of
             .clone()
