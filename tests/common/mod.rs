@@ -1,6 +1,6 @@
 //! Shared helpers of integration tests.
 
-#![allow(dead_code, reason = "not every test uses every helper")]
+#![allow(dead_code, unused_macros, reason = "not every test uses every helper")]
 
 pub mod animated;
 pub mod readme;
@@ -27,6 +27,13 @@ macro_rules! or_skip {
             Some(value) => value,
             None => return,
         }
+    };
+}
+
+/// The value of a result, or a panic with the message of its error.
+macro_rules! or_panic {
+    ($result:expr $(,)?) => {
+        $result.unwrap_or_else(|error| panic!("{error}"))
     };
 }
 

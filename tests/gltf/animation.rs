@@ -100,9 +100,9 @@ pub fn posed(desc: &SceneDesc, frame: u32) -> World {
 
 /// World at a frame.
 pub fn posed_scene(scene: &Scene, frame: u32) -> World {
-    let mut world = load_scene(scene).unwrap_or_else(|e| panic!("{e:#?}"));
+    let mut world = load_scene(scene).expect("valid");
     let state = Animator::new(scene).pose(frame).expect("it can be posed");
-    world.apply(&state).unwrap_or_else(|e| panic!("{e:#?}"));
+    world.apply(&state).expect("valid");
     world
 }
 

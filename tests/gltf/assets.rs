@@ -14,8 +14,7 @@ fn sponza_is_complete() {
         ..LoadOptions::default()
     };
     let start = Instant::now();
-    let world = load(&scene(std::path::Path::new(""), "sponza.glb"), &options)
-        .unwrap_or_else(|e| panic!("{e:#?}"));
+    let world = load(&scene(std::path::Path::new(""), "sponza.glb"), &options).expect("valid");
     println!("sponza.glb: loaded in {:?}", start.elapsed());
     if let Ok(status) = std::fs::read_to_string("/proc/self/status") {
         status

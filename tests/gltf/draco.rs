@@ -240,7 +240,7 @@ fn a_shared_stream_is_decoded_once() {
     let primitive = doc.json["meshes"][0]["primitives"][0].clone();
     doc.json["meshes"][0]["primitives"] = serde_json::Value::Array(vec![primitive; 1000]);
     // Decoded for each, the accessors alone would take 26 MiB.
-    let world = within(&doc, 24).unwrap_or_else(|e| panic!("{e:?}"));
+    let world = within(&doc, 24).expect("valid");
     assert_eq!(world.meshes.len(), 1000);
     assert_eq!(triangles(&world.meshes[0]), triangles(&world.meshes[999]));
 }

@@ -114,7 +114,7 @@ fn in_scene(doc: &Doc, change: impl FnOnce(&mut SceneDesc)) -> World {
     folder.write("m.glb", doc.glb());
     let mut desc = scene(&folder.0, "m.glb");
     change(&mut desc);
-    load_scene(&desc).unwrap_or_else(|errors| panic!("{errors:#?}"))
+    load_scene(&desc).expect("valid")
 }
 
 #[test]
@@ -170,7 +170,7 @@ fn images_that_are_missing_are_left_out_where_asked() {
         lenient: true,
         ..LoadOptions::default()
     };
-    let world = load(&desc, &lenient).unwrap_or_else(|errors| panic!("{errors:#?}"));
+    let world = load(&desc, &lenient).expect("valid");
     assert_eq!(warnings(&world), ["image-left-out"]);
     assert!(world.environment.panorama.is_none());
 }

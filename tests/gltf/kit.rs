@@ -210,7 +210,7 @@ impl Doc {
 
     /// Loads the document, which must succeed.
     pub fn world(&self) -> World {
-        self.load().unwrap_or_else(|e| panic!("{e:#?}"))
+        self.load().expect("valid")
     }
 
     /// Loads the document, which must be refused with one error; returns its name and message.

@@ -90,7 +90,7 @@ fn coefficients_of_progressive_jpegs_are_counted() {
     let doc = textured(&jpeg(&[], 0xC2, 2048, 3 * (2048 / 8) * (2048 / 8) / 8));
     assert_eq!(error_within(&doc, 18), "image-budget");
     assert_eq!(error_within(&doc, 38), "image-budget");
-    let world = within(&doc, 128).unwrap_or_else(|e| panic!("{e:?}"));
+    let world = within(&doc, 128).expect("valid");
     assert_eq!(world.textures[0].width, 2048);
     // Memory that was taken for a while is given back.
     assert!(world.memory.left() > 100 << 20, "{}", world.memory.left());
@@ -208,7 +208,7 @@ fn images_are_decoded_in_turn_where_memory_is_short() {
         primitives.push(own);
     }
     doc.json["meshes"][0]["primitives"] = Value::Array(primitives);
-    let world = within(&doc, 80).unwrap_or_else(|e| panic!("{e:?}"));
+    let world = within(&doc, 80).expect("valid");
     assert_eq!(world.textures.len(), 20);
     let first = |t: &reflet::world::Texture| t.rgba[..4] == [7, 7, 7, 255];
     assert!(world.textures.iter().all(first));

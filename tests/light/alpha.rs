@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use super::kit::{assert_close, gpu, render, renderer, scene};
+use super::kit::{FirstView, assert_close, gpu, render, renderer, scene};
 
 /// A white matte ball in the middle of a bright world.
 const BALL: &str = include_str!("alpha/ball.toml");
@@ -47,8 +47,7 @@ fn blended_surfaces_cover_by_their_alpha_and_glass_wholly() {
             material.base_color.w = 0.3;
         }
         let mut renderer = renderer(gpu, &desc, &world, false);
-        let picture = renderer.picture(gpu, &world.cameras[0].value, &[]);
-        let picture = picture.unwrap_or_else(|e| panic!("{e}"));
+        let picture = renderer.first_view(&world, &[]);
         let alpha = |x: usize, y: usize| picture.color[4 * (y * 32 + x) + 3];
         let middle: f32 = (12..20)
             .flat_map(|y| (12..20).map(move |x| alpha(x, y)))

@@ -51,7 +51,7 @@ fn picture((desc, world): &(SceneDesc, World)) -> Option<(Picture, bool)> {
     let mut renderer = renderer(gpu, desc, world, false);
     let picture = renderer.picture(gpu, &world.cameras[0].value, &[]);
     let has_own = renderer.plan().features.coat_normals;
-    Some((picture.unwrap_or_else(|e| panic!("{e}")), has_own))
+    Some((or_panic!(picture), has_own))
 }
 
 /// Share of pixels that differ by more than rounding of packed values allows.

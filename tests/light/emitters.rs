@@ -2,15 +2,13 @@
 
 use std::f32::consts::PI;
 
-use reflet::{
-    render::Picture,
-    scene::stages::{Animator, Scene},
-    world::load,
-};
+use reflet::{render::Picture, scene::stages::Scene, world::load};
 
 use super::{
     extent::FLOOR,
-    kit::{assert_close, assert_color, gpu, mean, render, renderer, scene},
+    kit::{
+        FirstView, assert_close, assert_color, film_of, gpu, mean, pose, render, renderer, scene,
+    },
 };
 
 /// Scene text of a shape that emits light, with these keys of its instance.
@@ -223,17 +221,11 @@ fn what_lights_may_move_and_change() {
         + "[motion.instance.lamp]\ntranslation = { keys = [{ at_s = 0, value = [0, 1, 0] }, \
            { at_s = 1, value = [0, 2, 0] }] }\n[motion.material.lamp]\nemission_strength = \
            { keys = [{ at_s = 0, value = 0 }, { at_s = 1, value = 3 }] }\n";
-    let (read, _) = Scene::from_text(&text, "test.toml".as_ref(), &[]).expect("it is a scene");
-    let mut world = load::load(&read, &load::LoadOptions::default()).expect("it loads");
-    let animator = Animator::new(&read);
-    let mut renderer = renderer(gpu, &read, &world, false);
-    let camera = world.cameras[0].value.clone();
+    let (film, mut world) = film_of("test.toml".as_ref(), &text, &[]);
+    let mut renderer = renderer(gpu, &film, &world, false);
     for (frame, expected) in [(0, 0.0), (1, 3.0 * rectangle(1.5, 0.5)), (0, 0.0)] {
-        let state = animator.pose(frame).expect("it is posed");
-        world.apply(&state).expect("it fits");
-        renderer.update(gpu, &world).expect("it fits");
-        let picture = renderer.picture(gpu, &camera, &[]);
-        let found = mean(&picture.expect("it renders"))[0];
+        pose(&film, &mut world, frame);
+        let found = mean(&renderer.moved_view(&world, &[]))[0];
         assert!(
             (found - expected).abs() <= 5e-3 * expected,
             "{found}, not {expected}"

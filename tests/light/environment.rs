@@ -1,16 +1,26 @@
 //! The environment as background, in mirrors and as a light, against closed forms and integrals.
 
-use std::{f32::consts::PI, fs, path::PathBuf};
+use std::{
+    f32::consts::PI,
+    fs,
+    path::{Path, PathBuf},
+};
 
 use reflet::render::Picture;
 
-use super::kit::{assert_close, assert_color, color, gpu, mean, render, renderer, scene_of};
+use super::kit::{assert_close, assert_color, color, gpu, mean, picture, render, scene_of};
 
 /// Folder for the files of one test.
 pub fn folder(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("reflet-{name}-{}", std::process::id()));
-    fs::create_dir_all(&folder).unwrap_or_else(|e| panic!("{e}"));
+    or_panic!(fs::create_dir_all(&folder));
     folder
+}
+
+/// Writes a panorama whose texels are these.
+pub fn write_sky(file: &Path, size: [usize; 2], texel: impl Fn(usize, usize) -> [f32; 3] + Sync) {
+    let texel = |x, y| texel(x, y).into();
+    or_panic!(exr::prelude::write_rgb_file(file, size[0], size[1], texel));
 }
 
 /// Renders scene text with the panorama `sky.exr`, filled by `texel`.
@@ -21,16 +31,13 @@ fn render_under(
     text: &str,
     set: &[&str],
 ) -> Option<Picture> {
-    let gpu = gpu()?;
     let folder = folder(name);
     let file = folder.join("sky.exr");
-    exr::prelude::write_rgb_file(&file, size[0], size[1], |x, y| texel(x, y).into())
-        .unwrap_or_else(|e| panic!("{e}"));
+    write_sky(&file, size, texel);
     let (desc, world) = scene_of(&folder.join("scene.toml"), text, set);
-    let camera = &world.cameras[0].value;
-    let picture = renderer(gpu, &desc, &world, false).picture(gpu, camera, &[]);
-    fs::remove_dir_all(folder).unwrap_or_else(|e| panic!("{e}"));
-    Some(picture.unwrap_or_else(|e| panic!("{e}")))
+    let shown = picture(&desc, &world, &[]);
+    or_panic!(fs::remove_dir_all(folder));
+    shown
 }
 
 /// A floor that fills the picture, seen from above.

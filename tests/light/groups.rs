@@ -2,7 +2,7 @@
 
 use reflet::{render::Picture, scene::desc::LightGroup};
 
-use super::kit::{gpu, mean, renderer, scene};
+use super::kit::{FirstView, gpu, mean, renderer, scene};
 
 /// A point light with a map, a softbox, a glowing ball that lights, and a sky, on a glossy floor beside a mirror.
 const LIT: &str = include_str!("groups/lit.toml");
@@ -18,11 +18,9 @@ fn apart(text: &str, set: &[&str]) -> Option<(Picture, Vec<Picture>, Picture)> {
     let gpu = gpu()?;
     let (desc, world) = scene(text, set);
     let mut renderer = renderer(gpu, &desc, &world, false);
-    let camera = &world.cameras[0].value;
     let mut render = |shown: Option<LightGroup>| {
         renderer.show_light(gpu, shown);
-        let picture = renderer.picture(gpu, camera, &[]);
-        picture.unwrap_or_else(|e| panic!("{e}"))
+        renderer.first_view(&world, &[])
     };
     let whole = render(None);
     let groups = world.light_groups();
@@ -105,8 +103,7 @@ fn a_group_is_the_light_of_its_lights_alone() {
         let (desc, world) = scene(LIT, set);
         let mut renderer = renderer(gpu, &desc, &world, false);
         renderer.show_light(gpu, shown);
-        let picture = renderer.picture(gpu, &world.cameras[0].value, &[]);
-        mean(&picture.unwrap_or_else(|e| panic!("{e}")))
+        mean(&renderer.first_view(&world, &[]))
     };
     let key = of(&set, Some(group("key")));
     let alone = of(&[&set[..], &dark].concat(), None);

@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use reflet::render::picture::aov::Aov;
 
-use super::kit::{assert_color, color, floats, gpu, render, renderer, scene};
+use super::kit::{FirstView, assert_color, color, floats, gpu, render, renderer, scene};
 
 /// A white floor seen from 4 m above.
 const FLOOR: &str = include_str!("lamp/floor.toml");
@@ -47,8 +47,7 @@ fn a_range_ends_light_by_the_fourth_power() {
     let (desc, mut world) = scene(&text, &[]);
     world.lights[0].range_m = Some(1.5);
     let mut renderer = renderer(gpu, &desc, &world, false);
-    let picture = renderer.picture(gpu, &world.cameras[0].value, &[]);
-    let picture = picture.unwrap_or_else(|e| panic!("{e}"));
+    let picture = renderer.first_view(&world, &[]);
     for x in 0..33 {
         let d2 = offset_m(x).powi(2) + 1.0;
         let rest = (1.0 - (d2 / (1.5 * 1.5)).powi(2)).max(0.0);

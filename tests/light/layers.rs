@@ -2,7 +2,7 @@
 
 use super::{
     environment::directional_albedo,
-    kit::{assert_close, assert_color, color, gpu, mean, render, renderer, scene},
+    kit::{FirstView, assert_close, assert_color, color, gpu, mean, render, renderer, scene},
 };
 
 /// The camera looks along -Z at an emissive wall, through an object that a test adds at the origin.
@@ -250,9 +250,7 @@ emission = [0, 0, 1]",
     let pane = pane.expect("it is used");
     pane.blended = true;
     pane.base_color.w = 0.25;
-    let camera = &world.cameras[0].value;
-    let picture = renderer(gpu, &desc, &world, false).picture(gpu, camera, &[]);
-    let picture = picture.unwrap_or_else(|e| panic!("{e}"));
+    let picture = renderer(gpu, &desc, &world, false).first_view(&world, &[]);
     assert_color(&picture, 4, 4, [0.75, 0.375, 0.75 * 0.25 + 0.25], 5e-3);
 }
 

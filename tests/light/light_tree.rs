@@ -3,16 +3,12 @@
 use std::{collections::HashMap, f64::consts::PI, sync::Arc};
 
 use glam::{DVec3, Vec3};
-use reflet::{
-    scene::stages::{Animator, Scene},
-    world::{
-        World,
-        light_tree::{Chosen, LightTrees},
-        load,
-    },
+use reflet::world::{
+    World,
+    light_tree::{Chosen, LightTrees},
 };
 
-use super::kit::{assert_close, gpu, mean, render, scene};
+use super::kit::{assert_close, film_of, gpu, mean, pose, render, scene};
 
 /// A camera above a floor.
 pub const FLOOR: &str = "version = 1\n[camera.main]\neye = [0, 2.5, 0.2]\ntarget = [0, 0, 0]\nfov_deg = 40\n\
@@ -130,11 +126,9 @@ fn moved_lamps_keep_the_trees_of_their_meshes() {
             .to_owned(),
     ]
     .concat();
-    let (read, _) = Scene::from_text(&text, "test.toml".as_ref(), &[]).expect("it is a scene");
-    let mut world = load::load(&read, &load::LoadOptions::default()).expect("it loads");
+    let (film, mut world) = film_of("test.toml".as_ref(), &text, &[]);
     let before = LightTrees::new(&world, None);
-    let state = Animator::new(&read).pose(1).expect("it is posed");
-    world.apply(&state).expect("it fits");
+    pose(&film, &mut world, 1);
     let moved = LightTrees::new(&world, Some(&before));
     let anew = LightTrees::new(&world, None);
     let are_kept = |(a, b): (&Arc<_>, &Arc<_>)| Arc::ptr_eq(a, b);

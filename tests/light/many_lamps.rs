@@ -3,20 +3,18 @@
 use glam::Vec3;
 use reflet::{
     render::Picture,
-    scene::{
-        desc::LightKind,
-        stages::{Animator, Scene},
-    },
+    scene::desc::LightKind,
     world::{
         World,
         light_tree::{Chosen, LightTrees, NO_NODE, UNLIT_ITEM},
-        load,
     },
 };
 
 use crate::common::shaders;
 
-use super::kit::{assert_close, color, gpu, mean, render, renderer, scene};
+use super::kit::{
+    FirstView, assert_close, color, film_of, gpu, mean, pose, render, renderer, scene,
+};
 
 /// A matte floor, a ball of rough metal and a mirror, in the dark.
 const THINGS: &str = include_str!("many_lamps/things.toml");
@@ -116,30 +114,23 @@ fn moved_lamps_build_the_tree_anew() {
             .to_owned(),
     ]
     .concat();
-    let set = ["image.samples=4".to_owned()];
-    let (read, _) = Scene::from_text(&text, "test.toml".as_ref(), &set).expect("it is a scene");
-    let mut world = load::load(&read, &load::LoadOptions::default()).expect("it loads");
-    let camera = world.cameras[0].value.clone();
-    let [mut posed, mut changed] = [(); 2].map(|()| renderer(gpu, &read, &world, false));
-    let first = posed.picture(gpu, &camera, &[]).expect("a picture");
-    let state = Animator::new(&read).pose(1).expect("it is posed");
-    world.apply(&state).expect("it fits");
+    let (film, mut world) = film_of("test.toml".as_ref(), &text, &["image.samples=4"]);
+    let [mut posed, mut changed] = [(); 2].map(|()| renderer(gpu, &film, &world, false));
+    let first = posed.first_view(&world, &[]);
+    pose(&film, &mut world, 1);
     let at = world
         .all_lights()
         .nth(2)
         .and_then(|l| l.desc.kind.position());
     assert_eq!(at, Some(Vec3::new(-0.2, 0.3, 0.6)));
-    posed.update(gpu, &world).expect("posed");
-    let second = posed.picture(gpu, &camera, &[]).expect("a picture");
-    let anew = renderer(gpu, &read, &world, false)
-        .picture(gpu, &camera, &[])
-        .expect("a picture");
+    let second = posed.moved_view(&world, &[]);
+    let anew = renderer(gpu, &film, &world, false).first_view(&world, &[]);
     assert!(first.color != second.color);
     assert!(second.color == anew.color);
     let options = *changed.options();
     let rebuilt = changed.change(gpu, &shaders(), &world, &options);
     assert!(rebuilt.is_ok_and(|rebuilt| !rebuilt.upload));
-    let third = changed.picture(gpu, &camera, &[]).expect("a picture");
+    let third = changed.first_view(&world, &[]);
     assert!(third.color == anew.color);
 }
 

@@ -9,8 +9,8 @@ use reflet::{
 };
 
 use super::{
-    environment::{FLOOR, SKY, folder},
-    kit::{assert_color, gpu, renderer, scene_of},
+    environment::{FLOOR, SKY, folder, write_sky},
+    kit::{FirstView, assert_color, gpu, renderer, scene_of},
 };
 
 /// Name and text of the error for these bytes as the panorama `sky.exr`.
@@ -21,12 +21,11 @@ fn error_of(name: &str, bytes: &[u8]) -> (&'static str, String) {
 
 fn whole_error_of(name: &str, bytes: &[u8]) -> Diagnostic {
     let folder = folder(name);
-    fs::write(folder.join("sky.exr"), bytes).unwrap_or_else(|e| panic!("{e}"));
+    or_panic!(fs::write(folder.join("sky.exr"), bytes));
     let file = folder.join("scene.toml");
-    let scene = Scene::from_text(&format!("version = 1\n{SKY}"), &file, &[]);
-    let (scene, _) = scene.unwrap_or_else(|e| panic!("{e:?}"));
+    let (scene, _) = Scene::from_text(&format!("version = 1\n{SKY}"), &file, &[]).expect("valid");
     let errors = load::load(&scene, &load::LoadOptions::default()).err();
-    fs::remove_dir_all(folder).unwrap_or_else(|e| panic!("{e}"));
+    or_panic!(fs::remove_dir_all(folder));
     let first = errors.and_then(|errors| errors.into_iter().next());
     let error = first.unwrap_or_else(|| panic!("{name} is no error"));
     assert!(
@@ -40,10 +39,9 @@ fn whole_error_of(name: &str, bytes: &[u8]) -> Diagnostic {
 fn exr_bytes(name: &str, texel: impl Fn(usize, usize) -> [f32; 3] + Sync) -> Vec<u8> {
     let folder = folder(name);
     let file = folder.join("made.exr");
-    exr::prelude::write_rgb_file(&file, 8, 4, |x, y| texel(x, y).into())
-        .unwrap_or_else(|e| panic!("{e}"));
-    let bytes = fs::read(&file).unwrap_or_else(|e| panic!("{e}"));
-    fs::remove_dir_all(folder).unwrap_or_else(|e| panic!("{e}"));
+    write_sky(&file, [8, 4], texel);
+    let bytes = or_panic!(fs::read(&file));
+    or_panic!(fs::remove_dir_all(folder));
     bytes
 }
 
@@ -104,14 +102,10 @@ fn a_radiance_file_is_read_too() {
     let mut bytes = Vec::new();
     let texels = [image::Rgb([1.0, 0.5, 0.25]); 8];
     let encoder = image::codecs::hdr::HdrEncoder::new(&mut bytes);
-    encoder
-        .encode(&texels, 4, 2)
-        .unwrap_or_else(|e| panic!("{e}"));
-    fs::write(folder.join("sky.exr"), bytes).unwrap_or_else(|e| panic!("{e}"));
+    or_panic!(encoder.encode(&texels, 4, 2));
+    or_panic!(fs::write(folder.join("sky.exr"), bytes));
     let (desc, world) = scene_of(&folder.join("scene.toml"), &format!("{FLOOR}{SKY}"), &[]);
-    let camera = &world.cameras[0].value;
-    let picture = renderer(gpu, &desc, &world, false).picture(gpu, camera, &[]);
-    fs::remove_dir_all(folder).unwrap_or_else(|e| panic!("{e}"));
-    let picture = picture.unwrap_or_else(|e| panic!("{e}"));
+    let picture = renderer(gpu, &desc, &world, false).first_view(&world, &[]);
+    or_panic!(fs::remove_dir_all(folder));
     assert_color(&picture, 8, 4, [0.5, 0.25, 0.125], 1e-3);
 }

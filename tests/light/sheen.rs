@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::Vec3;
 use reflet::world::{LAYER_SLOTS, LayerTexture, Texture, TextureRef, Wrap};
 
-use super::kit::{assert_close, color, gpu, mean, render, renderer, scene};
+use super::kit::{FirstView, assert_close, color, gpu, mean, render, renderer, scene};
 
 /// A floor seen from 3 m at an angle that a test sets, in even light.
 const FLOOR: &str = include_str!("sheen/floor.toml");
@@ -273,9 +273,7 @@ fn textures_of_layers_multiply_their_numbers() {
     }); LAYER_SLOTS];
     // Texels of the normal map are no factors.
     world.materials[material].layer_textures[LayerTexture::ClearcoatNormal as usize] = None;
-    let camera = &world.cameras[0].value;
-    let picture = renderer(gpu, &desc, &world, false).picture(gpu, camera, &[]);
-    let found = mean(&picture.unwrap_or_else(|e| panic!("{e}")));
+    let found = mean(&renderer(gpu, &desc, &world, false).first_view(&world, &[]));
     for (found, expected) in found.iter().zip(expected) {
         assert_close(*found, expected, 0.01);
     }

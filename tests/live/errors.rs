@@ -123,8 +123,8 @@ fn a_scene_that_is_broken_at_first_is_shown_when_it_is_mended() {
         Err(SessionError::Scene(mistakes)) => mistakes,
         other => panic!("{other:?}"),
     };
-    let mut live = Live::open_empty(gpu.clone(), source, ViewOverrides::default(), mistakes)
-        .unwrap_or_else(|e| panic!("{e:?}"));
+    let mut live =
+        Live::open_empty(gpu.clone(), source, ViewOverrides::default(), mistakes).expect("valid");
     for changes in [[].into(), [Change::Scene].into()] {
         live.reload(&changes);
         assert!(live.problems.scene[0].to_string().contains("bx"));

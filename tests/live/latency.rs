@@ -29,8 +29,7 @@ fn saves_of_all_kinds_are_measured() {
     let Some(Experiment::Reload(args)) = args.experiment else {
         panic!("another experiment");
     };
-    let measured = measure_all(&Arc::new(gpu), &args, &mut Progress::new());
-    let series = measured.unwrap_or_else(|error| panic!("{error}"));
+    let series = or_panic!(measure_all(&Arc::new(gpu), &args, &mut Progress::new()));
     let kinds: Vec<&str> = series.iter().map(|one| one.edit).collect();
     assert_eq!(kinds, ["text", "shader", "shader", "shader", "script"]);
     for one in &series {
@@ -76,8 +75,7 @@ fn saves_of_a_project_are_measured_to_a_viewer_of_the_page() {
     let Some(Experiment::Reload(args)) = args.experiment else {
         panic!("another experiment");
     };
-    let measured = measure_page(&Arc::new(gpu), &args, &mut Progress::new());
-    let series = measured.unwrap_or_else(|error| panic!("{error}"));
+    let series = or_panic!(measure_page(&Arc::new(gpu), &args, &mut Progress::new()));
     assert_eq!(series.len(), 5);
     for one in &series {
         let [sample] = one.samples.as_slice() else {

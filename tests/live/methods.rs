@@ -35,8 +35,7 @@ fn rendered(folder: &Folder, set: &[String]) -> Vec<u8> {
         ..SessionOptions::default()
     };
     let session = Session::open(folder.path("scene.toml"), &options);
-    let picture = session.and_then(|mut session| session.render(&[]));
-    picture.unwrap_or_else(|e| panic!("{e}")).display
+    or_panic!(session.and_then(|mut session| session.render(&[]))).display
 }
 
 /// Shows pairs of methods beside each other, and compares each side with `render`.
@@ -68,7 +67,7 @@ fn check_pairs(methods: &[Method]) {
             _ => None,
         });
         for ((side, wanted), method) in shown.iter().zip(wanted).zip(pair) {
-            let found = side.texture.read(&gpu).unwrap_or_else(|e| panic!("{e}"));
+            let found = or_panic!(side.texture.read(&gpu));
             assert!(found == *wanted, "{} of {pair:?}", method.name());
         }
     }

@@ -125,7 +125,7 @@ fn session(path: &Path, camera: Option<&str>, set: &[&str]) -> Session {
         camera: camera.map(str::to_owned),
         ..SessionOptions::default()
     };
-    let mut session = Session::open(path, &options).unwrap_or_else(|error| panic!("{error}"));
+    let mut session = or_panic!(Session::open(path, &options));
     let costs = ViewOverrides {
         costs: Some(COSTS),
         ..session.view().clone()

@@ -310,7 +310,7 @@ fn rendered(path: &Path, frame: u32, set: &[&str]) -> Vec<u8> {
         },
         ..SessionOptions::default()
     };
-    let mut session = Session::open(path, &options).unwrap_or_else(|error| panic!("{error}"));
+    let mut session = or_panic!(Session::open(path, &options));
     session.pose(frame).expect("it poses");
     session.render(&[]).expect("renders").display
 }

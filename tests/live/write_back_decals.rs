@@ -53,8 +53,7 @@ fn numbers_of_decals_are_written_into_their_tables() {
         numbers("opacity", &[2.0]),
         numbers("size", &[1.0, 2.0, 0.5]),
     ] {
-        live.write(sticker, &number)
-            .unwrap_or_else(|why| panic!("{why}"));
+        or_panic!(live.write(sticker, &number));
         assert!(live.reload(&[Change::Scene].into()).ok);
     }
     let shown = &live.world().decals.list[0];
@@ -81,6 +80,6 @@ fn numbers_of_decals_are_written_into_their_tables() {
         track: track.track.clone(),
         change: KeyChange::Move(1, 2.0),
     };
-    live.edit_key(&edit).unwrap_or_else(|why| panic!("{why}"));
+    or_panic!(live.edit_key(&edit));
     assert_eq!(read(&path), written.replace("at_s = 1,", "at_s = 2,"));
 }

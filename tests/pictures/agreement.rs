@@ -185,9 +185,7 @@ fn moved_instances_and_lights_look_as_if_built_there() {
     );
     let mut moving = renderer(gpu, &desc, &world, false);
     let camera = world.cameras[0].value.clone();
-    moving
-        .picture(gpu, &camera, &[])
-        .unwrap_or_else(|e| panic!("{e}"));
+    or_panic!(moving.picture(gpu, &camera, &[]));
 
     let turn =
         Affine3A::from_rotation_translation(Quat::from_rotation_y(0.7), Vec3::new(0.4, 0.2, 0.5));
@@ -198,13 +196,9 @@ fn moved_instances_and_lights_look_as_if_built_there() {
         *position = Vec3::new(-2.0, 3.0, 1.0);
     }
     moving.update(gpu, &world).expect("posed");
-    let moved = moving
-        .picture(gpu, &camera, &[])
-        .unwrap_or_else(|e| panic!("{e}"));
+    let moved = or_panic!(moving.picture(gpu, &camera, &[]));
     let mut fresh = renderer(gpu, &desc, &world, false);
-    let built = fresh
-        .picture(gpu, &camera, &[])
-        .unwrap_or_else(|e| panic!("{e}"));
+    let built = or_panic!(fresh.picture(gpu, &camera, &[]));
     assert_eq!(moved.display, built.display);
 }
 

@@ -10,16 +10,13 @@ use std::{
 use glam::{Quat, Vec3, camera::rh};
 use reflet::{
     render::Picture,
-    scene::{
-        desc::CameraDesc,
-        stages::{Animator, Scene},
-    },
+    scene::{desc::CameraDesc, stages::Scene},
     world::{World, load},
 };
 
 use crate::{
     common::animated::write_arm,
-    kit::{assert_color, color, gpu, renderer},
+    kit::{FirstView, assert_color, color, gpu, pose, renderer},
 };
 
 const SCENE: &str = include_str!("animation/scene.toml");
@@ -33,11 +30,9 @@ fn folder(name: &str) -> PathBuf {
 }
 
 fn read(folder: &Path, text: &str) -> (Scene, World) {
-    let (scene, warnings) = Scene::from_text(text, &folder.join("scene.toml"), &[])
-        .unwrap_or_else(|errors| panic!("{errors:?}"));
+    let (scene, warnings) = Scene::from_text(text, &folder.join("scene.toml"), &[]).expect("valid");
     assert_eq!(warnings, []);
-    let world = load::load(&scene, &load::LoadOptions::default())
-        .unwrap_or_else(|errors| panic!("{errors:?}"));
+    let world = load::load(&scene, &load::LoadOptions::default()).expect("valid");
     (scene, world)
 }
 
@@ -45,15 +40,10 @@ fn read(folder: &Path, text: &str) -> (Scene, World) {
 fn film(folder: &Path, text: &str, frames: &[u32]) -> Option<Vec<Picture>> {
     let gpu = gpu()?;
     let (scene, mut world) = read(folder, text);
-    let motion = Animator::new(&scene);
     let mut renderer = renderer(gpu, &scene, &world, false);
     let pictures = frames.iter().map(|frame| {
-        let state = motion.pose(*frame).unwrap_or_else(|e| panic!("{e:?}"));
-        world.apply(&state).unwrap_or_else(|e| panic!("{e:?}"));
-        renderer.update(gpu, &world).expect("posed");
-        let camera = &world.cameras[0].value;
-        let picture = renderer.picture(gpu, camera, &[]);
-        picture.unwrap_or_else(|e| panic!("{e}"))
+        pose(&scene, &mut world, *frame);
+        renderer.moved_view(&world, &[])
     });
     Some(pictures.collect())
 }

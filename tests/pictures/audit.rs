@@ -13,7 +13,7 @@ use reflet::{
 
 use crate::{
     common::shaders,
-    kit::{floats, gpu, integers, scene},
+    kit::{FirstView, floats, gpu, integers, scene},
 };
 
 const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
@@ -39,12 +39,9 @@ fn audited_of(text: &str, size: &str, method: Method) -> Option<(Picture, Audit)
             ..RenderOptions::for_scene(&desc)
         };
         options.reflection.method = method;
-        let mut renderer =
-            Renderer::new(gpu, &shaders(), &world, &options).unwrap_or_else(|e| panic!("{e}"));
+        let mut renderer = or_panic!(Renderer::new(gpu, &shaders(), &world, &options));
         let aovs = [Aov::Cause, Aov::HitDistance, Aov::HitIds];
-        renderer
-            .picture(gpu, &world.cameras[0].value, &aovs)
-            .unwrap_or_else(|e| panic!("{e}"))
+        renderer.first_view(&world, &aovs)
     };
     let (picture, truth) = (of(method, true), of(Method::Rt, false));
     let mut all = Audit::default();
@@ -133,8 +130,7 @@ fn a_renderer_that_changes_its_method_audits_too() {
     };
     options.reflection.method = Method::Rt;
     let library = shaders();
-    let mut renderer =
-        Renderer::new(gpu, &library, &world, &options).unwrap_or_else(|e| panic!("{e}"));
+    let mut renderer = or_panic!(Renderer::new(gpu, &library, &world, &options));
     for (method, size) in [
         (Method::Rt, [64, 36]),
         (Method::Hybrid, [64, 36]),
@@ -142,13 +138,9 @@ fn a_renderer_that_changes_its_method_audits_too() {
     ] {
         options.reflection.method = method;
         options.image.size = size;
-        renderer
-            .change(gpu, &library, &world, &options)
-            .unwrap_or_else(|e| panic!("{e}"));
+        or_panic!(renderer.change(gpu, &library, &world, &options));
         for _ in 0..3 {
-            let picture = renderer
-                .picture(gpu, &world.cameras[0].value, &[])
-                .unwrap_or_else(|e| panic!("{e}"));
+            let picture = renderer.first_view(&world, &[]);
             assert_eq!(picture.stats.audit.is_some(), method == Method::Hybrid);
         }
     }

@@ -11,7 +11,7 @@ use reflet::{
 
 use crate::{
     common::{assert_says, shaders},
-    kit::{assert_color, floats, gpu, integers, render, renderer, scene},
+    kit::{FirstView, assert_color, floats, gpu, integers, render, renderer, scene},
 };
 
 /// A closed room with glowing walls, a floor that mirrors, a block, and a ball that moves.
@@ -120,15 +120,12 @@ fn a_scene_without_static_things_reflects_the_environment() {
 fn shot(renderer: &mut Renderer, world: &World) -> (Picture, f64) {
     let gpu = gpu().expect("a GPU");
     let camera = &world.cameras[0].value;
-    renderer
-        .update(gpu, world)
-        .unwrap_or_else(|e| panic!("{e}"));
-    let stats = renderer.render(gpu, camera);
-    let stats = stats.unwrap_or_else(|e| panic!("{e}"));
+    or_panic!(renderer.update(gpu, world));
+    let stats = or_panic!(renderer.render(gpu, camera));
     let picture = renderer.picture(gpu, camera, &PLANES);
     let faces = stats.maps.expect("a box");
     assert_eq!(faces.facts.bytes, 96 * 256 * 256);
-    (picture.unwrap_or_else(|e| panic!("{e}")), faces.update_ms)
+    (or_panic!(picture), faces.update_ms)
 }
 
 /// Moving things are on no face: faces are captured once, and no frame depends on another.
@@ -160,9 +157,7 @@ fn faces_are_captured_once_without_what_moves() {
         ..desc
     };
     let mut traced = renderer(gpu, &rt, &later, false);
-    let camera = &later.cameras[0].value;
-    let traced = traced.picture(gpu, camera, &PLANES);
-    let traced = traced.unwrap_or_else(|e| panic!("{e}"));
+    let traced = traced.first_view(&later, &PLANES);
     let by_rays = integers(&traced, Aov::HitIds);
     let missed = on_faces.iter().filter(|&&i| by_rays[2 * i] == ball);
     assert!(missed.count() > 10, "rays hit the ball where faces do not");

@@ -8,7 +8,7 @@ use reflet::{
     world::Mesh,
 };
 
-use crate::kit::{color, gpu, integers, renderer, scene};
+use crate::kit::{self, color, integers, scene};
 
 const SIZE: u32 = 48;
 
@@ -85,14 +85,10 @@ fn incoming(lamp: Vec3, at: Vec3) -> (Vec3, f32) {
 }
 
 fn picture(text: &str, set: &[&str], sheet: &Mesh, aovs: &[Aov]) -> Option<Picture> {
-    let gpu = gpu()?;
     let (desc, mut world) = scene(text, set);
     let replaced = world.instances[0].mesh;
     world.meshes[replaced] = sheet.clone();
-    let mut renderer = renderer(gpu, &desc, &world, false);
-    let camera = &world.cameras[0].value;
-    let picture = renderer.picture(gpu, camera, aovs);
-    Some(picture.unwrap_or_else(|e| panic!("{e}")))
+    kit::picture(&desc, &world, aovs)
 }
 
 /// Point of the plane through the origin that a pixel of [`SHEET`] shows.

@@ -8,7 +8,7 @@ use reflet::{
     world::{Instance, Mesh, World},
 };
 
-use crate::kit::{floats, gpu, integers, renderer, scene, share_differing};
+use crate::kit::{self, FirstView, floats, gpu, integers, renderer, scene, share_differing};
 
 /// A mirror below things that are replaced by capsules, and a lamp.
 pub const SCENE: &str = include_str!("capsules/scene.toml");
@@ -35,7 +35,6 @@ pub fn helix(are_spheres: bool) -> Mesh {
 }
 
 fn picture(set: &[&str], change: impl Fn(&mut World)) -> Option<Picture> {
-    let gpu = gpu()?;
     let (desc, mut world) = scene(SCENE, set);
     let things = world.instances[1].mesh;
     world.meshes[things] = helix(false);
@@ -43,13 +42,7 @@ fn picture(set: &[&str], change: impl Fn(&mut World)) -> Option<Picture> {
     world.instances[3].mesh = world.meshes.len() - 1;
     change(&mut world);
     let aovs = [Aov::Ids, Aov::Source, Aov::HitIds, Aov::HitDistance];
-    let mut renderer = renderer(gpu, &desc, &world, false);
-    let camera = &world.cameras[0].value;
-    Some(
-        renderer
-            .picture(gpu, camera, &aovs)
-            .unwrap_or_else(|e| panic!("{e}")),
-    )
+    kit::picture(&desc, &world, &aovs)
 }
 
 fn is_capsule(id: u32) -> bool {
@@ -169,10 +162,7 @@ fn capsules_look_like_meshes_of_their_form() {
     let (desc, mut world) = scene(SCENE, &[shape]);
     let of = |world: &World| {
         let mut renderer = renderer(gpu, &desc, world, false);
-        let camera = &world.cameras[0].value;
-        renderer
-            .picture(gpu, camera, &[Aov::Ids])
-            .unwrap_or_else(|e| panic!("{e}"))
+        renderer.first_view(world, &[Aov::Ids])
     };
     let mesh = of(&world);
     let things = world.instances[1].mesh;

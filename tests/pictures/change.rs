@@ -8,7 +8,7 @@ use reflet::{
 };
 
 use crate::common::shaders;
-use crate::kit::{gpu, renderer, scene};
+use crate::kit::{FirstView, gpu, renderer, scene};
 
 const SIZE: &str = "image.size=[64, 36]";
 
@@ -16,16 +16,11 @@ const SIZE: &str = "image.size=[64, 36]";
 fn shown(first: &(SceneDesc, World), second: &(SceneDesc, World)) -> Option<RebuildSummary> {
     let gpu = gpu()?;
     let (desc, world) = second;
-    let camera = &world.cameras[0].value;
-    let picture = |renderer: &mut Renderer| {
-        let picture = renderer.picture(gpu, camera, &[]);
-        picture.unwrap_or_else(|e| panic!("{e}")).display
-    };
+    let picture = |renderer: &mut Renderer| renderer.first_view(world, &[]).display;
     let mut fresh = renderer(gpu, desc, world, false);
     let mut changed = renderer(gpu, &first.0, &first.1, false);
     let options = *fresh.options();
-    let rebuilt = changed.change(gpu, &shaders(), world, &options);
-    let rebuilt = rebuilt.unwrap_or_else(|e| panic!("{e}"));
+    let rebuilt = or_panic!(changed.change(gpu, &shaders(), world, &options));
     assert!(picture(&mut changed) == picture(&mut fresh));
     Some(rebuilt)
 }

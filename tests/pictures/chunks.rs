@@ -45,11 +45,9 @@ fn shown(gpu: &Gpu, (desc, world): &(SceneDesc, World), visibility: Visibility) 
     let mut options = RenderOptions::for_scene(desc);
     options.reflection.method = Method::Hybrid;
     options.image.visibility = visibility;
-    let mut renderer =
-        Renderer::new(gpu, &shaders(), world, &options).unwrap_or_else(|e| panic!("{e}"));
+    let mut renderer = or_panic!(Renderer::new(gpu, &shaders(), world, &options));
     let camera = &world.cameras[0].value;
-    let picture = renderer.picture(gpu, camera, &[Aov::Ids, Aov::HitIds]);
-    picture.unwrap_or_else(|e| panic!("{e}"))
+    or_panic!(renderer.picture(gpu, camera, &[Aov::Ids, Aov::HitIds]))
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use reflet::{render::picture::aov::Aov, world::Mesh};
 
-use crate::kit::{gpu, integers, render, renderer, scene};
+use crate::kit::{FirstView, gpu, integers, render, renderer, scene};
 
 /// Two floors at the same place below a mirror that shows them; the mirror is instance 0.
 const FLOORS: &str = include_str!("coplanar/floors.toml");
@@ -102,9 +102,8 @@ fn copies_of_different_classes_show_the_lower_of_them() {
         for k in [2, first_pair + 18, first_pair + 19] {
             world.instances[k].mesh = world.meshes.len() - 1;
         }
-        let picture = renderer(gpu, &desc, &world, false)
-            .picture(gpu, &world.cameras[0].value, &[Aov::Ids, Aov::HitIds])
-            .unwrap_or_else(|e| panic!("{e}"));
+        let picture =
+            renderer(gpu, &desc, &world, false).first_view(&world, &[Aov::Ids, Aov::HitIds]);
         for aov in [Aov::Ids, Aov::HitIds] {
             let mut counts = vec![0; first_pair + 2 * PAIRS.len()];
             for id in integers(&picture, aov).chunks_exact(2).map(|ids| ids[0]) {

@@ -21,9 +21,7 @@ fn counted(text: &str, set: &[&str]) -> Option<(Renderer, World, Vec<PassCounts>
     let gpu = gpu()?;
     let (desc, world) = scene(text, set);
     let mut renderer = renderer(gpu, &desc, &world, false);
-    let counts = renderer
-        .counts(gpu, &world.cameras[0].value)
-        .unwrap_or_else(|e| panic!("{e}"));
+    let counts = or_panic!(renderer.counts(gpu, &world.cameras[0].value));
     Some((renderer, world, counts))
 }
 
@@ -156,8 +154,7 @@ fn counts_repeat_and_hybrid_visits_no_more_than_rt() {
         ];
         let (mut renderer, world, first) = counted(ATRIUM, &set).expect("a GPU");
         let camera = &world.cameras[0].value;
-        let again = renderer.counts(gpu, camera);
-        assert_eq!(again.unwrap_or_else(|e| panic!("{e}")), first);
+        assert_eq!(or_panic!(renderer.counts(gpu, camera)), first);
         first
     };
     let [ssr, hybrid, rt] = ["ssr", "hybrid", "rt"].map(of_method);
@@ -183,26 +180,16 @@ fn probes_leave_pictures_alone() {
     let mut renderer = renderer(gpu, &desc, &world, false);
     let camera = &world.cameras[0].value;
     let hits = [Aov::Cause, Aov::HitDistance, Aov::HitIds];
-    let mut picture = || {
-        let picture = renderer.picture(gpu, camera, &hits);
-        picture.unwrap_or_else(|e| panic!("{e}"))
-    };
+    let mut picture = || or_panic!(renderer.picture(gpu, camera, &hits));
     let before = picture();
-    renderer
-        .counts(gpu, camera)
-        .unwrap_or_else(|e| panic!("{e}"));
-    let ms = renderer
-        .traversal_ms(gpu, camera)
-        .unwrap_or_else(|e| panic!("{e}"));
+    or_panic!(renderer.counts(gpu, camera));
+    let ms = or_panic!(renderer.traversal_ms(gpu, camera));
     assert!(ms.is_none_or(|ms| ms > 0.0));
     // The rays without shading have the same hits.
     for (aov, plane) in hits.iter().zip(&before.planes) {
-        let traversed = aov.plane(gpu, &renderer, camera);
-        assert_eq!(traversed.unwrap_or_else(|e| panic!("{e}")), *plane);
+        assert_eq!(or_panic!(aov.plane(gpu, &renderer, camera)), *plane);
     }
-    let crossings = renderer
-        .crossings(gpu, camera, &hits)
-        .unwrap_or_else(|e| panic!("{e}"));
+    let crossings = or_panic!(renderer.crossings(gpu, camera, &hits));
     let [PlaneData::U32(cause), PlaneData::F32(distance_m)] = [0, 1].map(|i| &crossings[i].data)
     else {
         panic!("other planes were asked for");
@@ -222,8 +209,7 @@ fn probes_leave_pictures_alone() {
         }
     }
     assert!(refused > 100, "only {refused} crossings were refused");
-    let after = renderer.picture(gpu, camera, &hits);
-    let after = after.unwrap_or_else(|e| panic!("{e}"));
+    let after = or_panic!(renderer.picture(gpu, camera, &hits));
     assert_eq!(
         (&after.display, &after.planes),
         (&before.display, &before.planes)

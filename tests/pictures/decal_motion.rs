@@ -4,15 +4,12 @@ use std::path::Path;
 
 use reflet::{
     render::picture::aov::Aov,
-    scene::{
-        script::Script,
-        stages::{Animator, Scene},
-    },
+    scene::{script::Script, stages::Scene},
     world::load,
 };
 
 use crate::decals::{GRAY, WALL, assert_colors, mixed};
-use crate::kit::{floats, gpu, renderer};
+use crate::kit::{FirstView, floats, gpu, pose, renderer};
 
 /// A script that moves nothing.
 const STILL: &str = "fn frame(ctx) {}";
@@ -29,21 +26,14 @@ struct Shown {
 fn assert_frames(tables: &str, script: &str, expected: impl Fn(u32) -> Shown) {
     let Some(gpu) = gpu() else { return };
     let text = format!("{WALL}[timeline]\nfps = 1\nend = 2\n{tables}");
-    let read = Scene::from_text(&text, Path::new("test.toml"), &[]);
-    let (scene, _) = read.unwrap_or_else(|errors| panic!("{errors:?}"));
-    let script = Script::from_text("test.rhai", script).unwrap_or_else(|e| panic!("{e}"));
+    let (scene, _) = Scene::from_text(&text, Path::new("test.toml"), &[]).expect("valid");
+    let script = or_panic!(Script::from_text("test.rhai", script));
     let scene = Scene::new(scene.desc, script);
-    let world = load::load(&scene, &load::LoadOptions::default());
-    let mut world = world.unwrap_or_else(|errors| panic!("{errors:?}"));
-    let motion = Animator::new(&scene);
+    let mut world = load::load(&scene, &load::LoadOptions::default()).expect("valid");
     let mut renderer = renderer(gpu, &scene, &world, false);
     for frame in [1, 0, 2] {
-        let state = motion.pose(frame).unwrap_or_else(|e| panic!("{e:?}"));
-        world.apply(&state).unwrap_or_else(|e| panic!("{e:?}"));
-        renderer.update(gpu, &world).expect("posed");
-        let camera = &world.cameras[0].value;
-        let picture = renderer.picture(gpu, camera, &[Aov::BaseColor]);
-        let picture = picture.unwrap_or_else(|e| panic!("{e}"));
+        pose(&scene, &mut world, frame);
+        let picture = renderer.moved_view(&world, &[Aov::BaseColor]);
         let shown = expected(frame);
         assert_colors(floats(&picture, Aov::BaseColor), |at| {
             let beyond =

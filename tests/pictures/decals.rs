@@ -11,7 +11,7 @@ use reflet::{
 };
 
 use crate::common::shaders;
-use crate::kit::{color, floats, gpu, render, renderer, scene, scene_of};
+use crate::kit::{FirstView, color, floats, gpu, picture, render, renderer, scene, scene_of};
 
 /// A wall in the plane z = 0, seen so that a pixel is 0.05 m wide and the middle of the picture is the origin.
 pub const WALL: &str = include_str!("decals/wall.toml");
@@ -173,11 +173,8 @@ fn folder(name: &str) -> PathBuf {
 }
 
 fn picture_of(folder: &Path, text: &str, set: &[&str], aovs: &[Aov]) -> Option<Picture> {
-    let gpu = gpu()?;
     let (desc, world) = scene_of(&folder.join("scene.toml"), text, set);
-    let mut renderer = renderer(gpu, &desc, &world, false);
-    let picture = renderer.picture(gpu, &world.cameras[0].value, aovs);
-    Some(picture.unwrap_or_else(|e| panic!("{e}")))
+    picture(&desc, &world, aovs)
 }
 
 /// The plane has the image as its texture, or shows it as a decal that covers it.
@@ -315,10 +312,8 @@ fn a_renderer_adopts_the_decals_of_a_changed_scene() {
     let mut renderer = renderer(gpu, &desc, &bare, false);
     let options = *renderer.options();
     for (world, expected) in [(&bare, GRAY), (&painted, RED), (&bare, GRAY)] {
-        let changed = renderer.change(gpu, &shaders(), world, &options);
-        assert!(!changed.unwrap_or_else(|e| panic!("{e}")).upload);
-        let picture = renderer.picture(gpu, &world.cameras[0].value, &[Aov::BaseColor]);
-        let picture = picture.unwrap_or_else(|e| panic!("{e}"));
+        assert!(!or_panic!(renderer.change(gpu, &shaders(), world, &options)).upload);
+        let picture = renderer.first_view(world, &[Aov::BaseColor]);
         let middle = 3 * (12 * 40 + 20);
         let found = &floats(&picture, Aov::BaseColor)[middle..middle + 3];
         assert!(

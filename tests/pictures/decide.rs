@@ -13,7 +13,7 @@ use reflet::{
 
 use crate::{
     common::shaders,
-    kit::{gpu, render, renderer, scene},
+    kit::{FirstView, gpu, render, renderer, scene},
 };
 
 const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
@@ -209,8 +209,7 @@ fn a_decided_picture_is_the_one_that_says_so_itself() {
         let (desc, world) = scene(text, &["image.size=[96, 54]"]);
         let options = RenderOptions::for_scene(&desc);
         let mut auto = Renderer::new(gpu, &shaders(), &world, &options).expect("built");
-        let camera = &world.cameras[0].value;
-        let picture = auto.picture(gpu, camera, &[]).expect("drawn");
+        let picture = auto.first_view(&world, &[]);
         let chosen = auto.options();
         let method = format!("reflection.method={}", chosen.reflection.method.name());
         let visibility = match chosen.image.visibility {

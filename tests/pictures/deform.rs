@@ -7,12 +7,12 @@ use reflet::{
     render::{Picture, picture::aov::Aov},
     scene::{
         desc::{Method, SceneDesc, ShadowMode, Visibility},
-        stages::{Animator, Scene},
+        stages::Scene,
     },
     world::World,
 };
 
-use crate::kit::{gpu, integers, renderer, scene_of};
+use crate::kit::{self, FirstView, gpu, integers, renderer, scene_of};
 
 const SCENE: &str = include_str!("deform/scene.toml");
 
@@ -33,9 +33,7 @@ fn frozen(world: &World) -> World {
 }
 
 pub fn pose(desc: &SceneDesc, world: &mut World, frame: u32) {
-    let scene = Scene::from(desc.clone());
-    let state = Animator::new(&scene).pose(frame).expect("poses");
-    world.apply(&state).expect("applies");
+    kit::pose(&Scene::from(desc.clone()), world, frame);
 }
 
 #[test]
@@ -61,12 +59,10 @@ fn a_skinned_figure_is_its_frozen_poses() {
         let mut before: Option<Picture> = None;
         for frame in [30, 3, 14] {
             pose(&desc, &mut world, frame);
-            moving.update(gpu, &world).expect("the same meshes");
-            let camera = &world.cameras[0].value;
-            let picture = moving.picture(gpu, camera, &aovs).expect("renders");
+            let picture = moving.moved_view(&world, &aovs);
             let still = frozen(&world);
             let mut fixed = renderer(gpu, &desc, &still, false);
-            let expected = fixed.picture(gpu, camera, &aovs).expect("renders");
+            let expected = fixed.first_view(&world, &aovs);
             let name = format!("{method:?}, frame {frame}");
             for aov in aovs {
                 assert_eq!(integers(&picture, aov), integers(&expected, aov), "{name}");

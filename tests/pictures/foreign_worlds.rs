@@ -8,7 +8,7 @@ use reflet::{
 };
 
 use crate::common::{assert_says, shaders};
-use crate::kit::{gpu, renderer, scene};
+use crate::kit::{FirstView, gpu, renderer, scene};
 
 const SIZE: &str = "image.size=[32, 18]";
 
@@ -77,8 +77,7 @@ fn worlds_with_foreign_indices_or_too_many_lights_are_refused() {
     let (desc, world) = scene(include_str!("../../scenes/cornell.toml"), &[SIZE]);
     let mut good = renderer(gpu, &desc, &world, false);
     let options = *good.options();
-    let camera = &world.cameras[0].value;
-    let before = good.picture(gpu, camera, &[]).expect("a picture");
+    let before = good.first_view(&world, &[]);
     for (damage, what) in BROKEN {
         let mut broken = world.clone();
         damage(&mut broken);
@@ -87,7 +86,7 @@ fn worlds_with_foreign_indices_or_too_many_lights_are_refused() {
         let refused = reason(good.change(gpu, &shaders(), &broken, &options));
         assert!(refused.contains(what), "change: {refused}");
     }
-    let after = good.picture(gpu, camera, &[]).expect("a picture");
+    let after = good.first_view(&world, &[]);
     assert!(before.display == after.display, "an error changes nothing");
 }
 
@@ -133,14 +132,13 @@ fn another_world_is_not_taken_as_a_pose() {
     let Some(gpu) = gpu() else { return };
     let (desc, world) = scene(include_str!("../../scenes/cornell.toml"), &[SIZE]);
     let mut renderer = renderer(gpu, &desc, &world, false);
-    let camera = &world.cameras[0].value;
-    let before = renderer.picture(gpu, camera, &[]).expect("a picture");
+    let before = renderer.first_view(&world, &[]);
     for (damage, what) in NOT_POSED {
         let mut other = world.clone();
         damage(&mut other);
         let refused = reason(renderer.update(gpu, &other));
         assert_says(&refused, &[what, "change"]);
     }
-    let after = renderer.picture(gpu, camera, &[]).expect("a picture");
+    let after = renderer.first_view(&world, &[]);
     assert!(before.display == after.display, "an error changes nothing");
 }

@@ -7,7 +7,8 @@ use reflet::{
     render::{Picture, PlaneData, RenderOptions, Renderer, picture::aov::Aov},
     scene::{
         desc::{Method, SceneDesc, Visibility},
-        stages::Scene,
+        diagnostic::Diagnostic,
+        stages::{Animator, Scene},
     },
     world::{World, load},
 };
@@ -27,30 +28,58 @@ pub fn scene(text: &str, set: &[&str]) -> (SceneDesc, World) {
 
 /// Scene and world from text as the contents of `file`, beside the images that it names.
 pub fn scene_of(file: &Path, text: &str, set: &[&str]) -> (SceneDesc, World) {
+    let (scene, world) = film_of(file, text, set);
+    (scene.desc, world)
+}
+
+/// Scene that may move, and its world, from text as the contents of `file`.
+pub fn film_of(file: &Path, text: &str, set: &[&str]) -> (Scene, World) {
+    let all = |errors: Vec<Diagnostic>| -> String {
+        errors.iter().map(|error| error.to_string()).collect()
+    };
     let set: Vec<String> = set.iter().map(|&s| s.to_owned()).collect();
-    let (desc, _) = Scene::from_text(text, file, &set).unwrap_or_else(|errors| {
-        panic!(
-            "{}",
-            errors.iter().map(|e| e.to_string()).collect::<String>()
-        )
-    });
-    let world = load::load(&desc, &load::LoadOptions::default()).unwrap_or_else(|errors| {
-        panic!(
-            "{}",
-            errors.iter().map(|e| e.to_string()).collect::<String>()
-        )
-    });
-    (desc.desc, world)
+    let (scene, _) = or_panic!(Scene::from_text(text, file, &set).map_err(all));
+    let world = or_panic!(load::load(&scene, &load::LoadOptions::default()).map_err(all));
+    (scene, world)
+}
+
+/// Poses a world as it is in a frame.
+pub fn pose(scene: &Scene, world: &mut World, frame: u32) {
+    let state = Animator::new(scene).pose(frame).expect("a pose");
+    world.apply(&state).expect("a world in this pose");
 }
 
 /// Renders with the plan that drops unused features.
 pub fn render(gpu: &Gpu, text: &str, set: &[&str], aovs: &[Aov]) -> Picture {
     let (desc, world) = scene(text, set);
-    let mut renderer = renderer(gpu, &desc, &world, false);
-    let camera = &world.cameras[0].value;
-    renderer
-        .picture(gpu, camera, aovs)
-        .unwrap_or_else(|e| panic!("{e}"))
+    renderer(gpu, &desc, &world, false).first_view(&world, aovs)
+}
+
+/// Picture of a world by a renderer of its own; `None` where tests are skipped.
+pub fn picture(desc: &SceneDesc, world: &World, aovs: &[Aov]) -> Option<Picture> {
+    Some(renderer(gpu()?, desc, world, false).first_view(world, aovs))
+}
+
+/// Pictures by a renderer on the device of the process; an error ends the test.
+pub trait FirstView {
+    /// Picture from the world's first camera.
+    fn first_view(&mut self, world: &World, aovs: &[Aov]) -> Picture;
+
+    /// Picture from the first camera of a world that has moved.
+    fn moved_view(&mut self, world: &World, aovs: &[Aov]) -> Picture;
+}
+
+impl FirstView for Renderer {
+    fn first_view(&mut self, world: &World, aovs: &[Aov]) -> Picture {
+        let gpu = gpu().expect("the GPU of this renderer");
+        or_panic!(self.picture(gpu, &world.cameras[0].value, aovs))
+    }
+
+    fn moved_view(&mut self, world: &World, aovs: &[Aov]) -> Picture {
+        let gpu = gpu().expect("the GPU of this renderer");
+        or_panic!(self.update(gpu, world));
+        self.first_view(world, aovs)
+    }
 }
 
 /// A renderer for a scene.
@@ -66,7 +95,7 @@ pub fn renderer(gpu: &Gpu, desc: &SceneDesc, world: &World, general: bool) -> Re
     if options.image.visibility == Visibility::Auto {
         options.image.visibility = Visibility::Raster;
     }
-    Renderer::new(gpu, &shaders(), world, &options).unwrap_or_else(|e| panic!("{e}"))
+    or_panic!(Renderer::new(gpu, &shaders(), world, &options))
 }
 
 /// Linear color of a pixel.

@@ -26,8 +26,7 @@ fn traversals(text: &str, set: &[&str], pass: &str) -> u64 {
     let Some(gpu) = gpu() else { return 0 };
     let (desc, world): (_, World) = scene(text, set);
     let mut renderer = renderer(gpu, &desc, &world, false);
-    let counts = renderer.counts(gpu, &world.cameras[0].value);
-    let counts = counts.unwrap_or_else(|e| panic!("{e}"));
+    let counts = or_panic!(renderer.counts(gpu, &world.cameras[0].value));
     let of = counts.iter().find(|c| c.pass == pass);
     of.expect("a pass that counts").counts.traversals
 }

@@ -14,7 +14,7 @@ use reflet::{
 
 use crate::{
     common::shaders,
-    kit::{gpu, integers, render, scene, share_differing},
+    kit::{FirstView, gpu, integers, render, scene, share_differing},
 };
 
 /// A mirror floor that shows a wall which the picture shows too, and a mirror ball that shows what it does not.
@@ -86,9 +86,8 @@ fn traced_surfaces_are_not_marched_and_look_as_before() {
     let mut options = RenderOptions::for_scene(&desc);
     options.costs = Some(COSTS);
     let mut renderer = Renderer::new(gpu, &shaders(), &world, &options).expect("built");
-    let camera = &world.cameras[0].value;
     let aovs = [Aov::Cause, Aov::Ids];
-    let split = renderer.picture(gpu, camera, &aovs).expect("drawn");
+    let split = renderer.first_view(&world, &aovs);
     let traced = renderer.ray_list(gpu).expect("read").expect("a list");
     let all = render(gpu, SCENE, &[HYBRID], &aovs);
     let rt = render(gpu, SCENE, &["reflection.method=rt"], &[]);

@@ -5,12 +5,12 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 use reflet::{
-    render::{Picture, picture::aov::Aov},
+    render::picture::aov::Aov,
     scene::desc::SceneDesc,
     world::{Texture, TextureRef, World, Wrap},
 };
 
-use crate::kit::{assert_color, color, floats, gpu, render, renderer, scene, scene_of};
+use crate::kit::{assert_color, color, floats, gpu, picture, render, scene, scene_of};
 
 /// A wall 2 m wide in the plane z = 0, seen from 3 m; it fills the picture.
 const WALL: &str = include_str!("material/wall.toml");
@@ -34,13 +34,6 @@ fn wall_axes(world: &World) -> [Vec3; 3] {
     };
     let origin = corner(0.0, 0.0);
     [corner(1.0, 0.0) - origin, corner(0.0, 1.0) - origin, origin]
-}
-
-fn picture(desc: &SceneDesc, world: &World, aovs: &[Aov]) -> Option<Picture> {
-    let gpu = gpu()?;
-    let mut renderer = renderer(gpu, desc, world, false);
-    let picture = renderer.picture(gpu, &world.cameras[0].value, aovs);
-    Some(picture.unwrap_or_else(|e| panic!("{e}")))
 }
 
 /// Renders the wall with an emission texture.

@@ -1,20 +1,9 @@
 //! Vertex attributes: smooth normals, colors, and alpha cut-outs.
 
 use glam::{Vec3, Vec4};
-use reflet::{
-    render::{Picture, picture::aov::Aov},
-    scene::desc::SceneDesc,
-    world::World,
-};
+use reflet::render::picture::aov::Aov;
 
-use crate::kit::{assert_color, color, floats, gpu, renderer, scene};
-
-fn picture(desc: &SceneDesc, world: &World, aovs: &[Aov]) -> Option<Picture> {
-    let gpu = gpu()?;
-    let mut renderer = renderer(gpu, desc, world, false);
-    let picture = renderer.picture(gpu, &world.cameras[0].value, aovs);
-    Some(picture.unwrap_or_else(|e| panic!("{e}")))
-}
+use crate::kit::{assert_color, color, floats, picture, scene};
 
 /// A ball of 1 m seen from 4 m.
 const BALL: &str = include_str!("mesh/ball.toml");

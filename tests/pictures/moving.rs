@@ -6,15 +6,11 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use reflet::{
-    render::Picture,
-    scene::stages::{Animator, Scene},
-    world::{World, load},
-};
+use reflet::render::Picture;
 
 use crate::{
     common::{cases, words},
-    kit::{assert_color, color, gpu, renderer},
+    kit::{FirstView, assert_color, color, film_of, gpu, pose, renderer},
 };
 
 /// A wall with a checker and one with pictures of an alpha that grows to the right, under a spot.
@@ -34,35 +30,21 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-fn read(folder: &Path, text: &str, set: &[String]) -> (Scene, World) {
-    let read = Scene::from_text(text, &folder.join("scene.toml"), set);
-    let (scene, _) = read.unwrap_or_else(|errors| panic!("{errors:?}"));
-    let world = load::load(&scene, &load::LoadOptions::default());
-    (scene, world.unwrap_or_else(|errors| panic!("{errors:?}")))
-}
-
 /// Pictures of two frames, one after the other with the same renderer.
-fn frames(folder: &Path, text: &str, set: &[String], wanted: [u32; 2]) -> Option<[Picture; 2]> {
+fn frames(folder: &Path, text: &str, set: &[&str], wanted: [u32; 2]) -> Option<[Picture; 2]> {
     let gpu = gpu()?;
-    let (scene, mut world) = read(folder, text, set);
-    let motion = Animator::new(&scene);
+    let (scene, mut world) = film_of(&folder.join("scene.toml"), text, set);
     let mut renderer = renderer(gpu, &scene, &world, false);
     Some(wanted.map(|frame| {
-        let state = motion.pose(frame).unwrap_or_else(|e| panic!("{e:?}"));
-        world.apply(&state).unwrap_or_else(|e| panic!("{e:?}"));
-        renderer.update(gpu, &world).expect("posed");
-        let camera = &world.cameras[0].value;
-        let picture = renderer.picture(gpu, camera, &[]);
-        picture.unwrap_or_else(|e| panic!("{e}"))
+        pose(&scene, &mut world, frame);
+        renderer.moved_view(&world, &[])
     }))
 }
 
 /// Materials, lights and cameras of the world in the third frame.
 fn posed(folder: &Path, text: &str) -> String {
-    let (scene, mut world) = read(folder, text, &[]);
-    let state = Animator::new(&scene).pose(2);
-    let state = state.unwrap_or_else(|e| panic!("{e:?}"));
-    world.apply(&state).unwrap_or_else(|e| panic!("{e:?}"));
+    let (scene, mut world) = film_of(&folder.join("scene.toml"), text, &[]);
+    pose(&scene, &mut world, 2);
     let cameras = world.cameras.iter().map(|camera| &camera.value);
     let cameras: Vec<_> = cameras.collect();
     format!("{:?} {:?} {cameras:?}", world.materials, world.lights)
@@ -89,8 +71,8 @@ fn moved_scene_equals_the_scene_written_in_that_pose() {
         let Ok([kind, name, key, path]) = <[&str; 4]>::try_from(words(moved)) else {
             panic!("{moved}");
         };
-        let set = [format!("{kind}.{name}.{path}={value}")];
-        let [still, _] = or_skip!(frames(&folder, SCENE, &set, [0, 0]));
+        let set = format!("{kind}.{name}.{path}={value}");
+        let [still, _] = or_skip!(frames(&folder, SCENE, &[&set], [0, 0]));
         let keys = format!("{{ curve = \"step\", keys = [{{ at_s = 1, value = {value} }}] }}");
         let track = format!("{SCENE}[motion.{kind}.{name}]\n{key} = {keys}\n");
         let frame =

@@ -143,15 +143,9 @@ fn shot(renderer: &mut Renderer, world: &World, eye: Vec3) -> (Picture, f64) {
     let gpu = gpu().expect("a GPU");
     let mut camera = world.cameras[0].value.clone();
     camera.eye = eye;
-    renderer
-        .update(gpu, world)
-        .unwrap_or_else(|e| panic!("{e}"));
-    let stats = renderer
-        .render(gpu, &camera)
-        .unwrap_or_else(|e| panic!("{e}"));
-    let picture = renderer
-        .picture(gpu, &camera, &[])
-        .unwrap_or_else(|e| panic!("{e}"));
+    or_panic!(renderer.update(gpu, world));
+    let stats = or_panic!(renderer.render(gpu, &camera));
+    let picture = or_panic!(renderer.picture(gpu, &camera, &[]));
     (picture, stats.maps.expect("a far map").update_ms)
 }
 

@@ -121,8 +121,7 @@ fn check(desc: &SceneDesc, world: &World) {
         Aov::HitIds,
         Aov::HitDistance,
     ];
-    let picture = renderer.picture(gpu, camera, &wanted);
-    let picture = picture.unwrap_or_else(|e| panic!("{e}"));
+    let picture = or_panic!(renderer.picture(gpu, camera, &wanted));
     let length_m = f64::from(desc.reflection.ray_length_u * renderer.unit_m());
     let oracle = Oracle::new(world);
     let view = View::new(camera, picture.size, world.unit_m());
@@ -178,7 +177,7 @@ fn moving_instances_are_met_where_brute_force_meets_them() {
     for instance in desc.instances.iter_mut().step_by(2) {
         instance.dynamic = true;
     }
-    let world = load::load(&desc, &LoadOptions::default()).unwrap_or_else(|e| panic!("{e:?}"));
+    let world = load::load(&desc, &LoadOptions::default()).expect("valid");
     assert!(world.instances.iter().any(|i| i.dynamic));
     assert!(world.instances.iter().any(|i| !i.dynamic));
     check(&desc, &world);

@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use reflet::render::{Picture, picture::aov::Aov};
 
-use crate::kit::{color, floats, gpu, mean, render, renderer, scene, share_differing};
+use crate::kit::{FirstView, color, floats, gpu, mean, render, renderer, scene, share_differing};
 
 /// A wall in the plane z = 0, seen so that a pixel is 0.05 m wide and the middle of the picture is the origin.
 const WALL: &str = include_str!("patterned/wall.toml");
@@ -119,10 +119,8 @@ fn general_pipelines_and_paths_meet_the_same_pattern() {
     let Some(gpu) = gpu() else { return };
     let specialized = render(gpu, MARBLE, &[], &[]);
     let (desc, world) = scene(MARBLE, &[]);
-    let camera = &world.cameras[0].value;
     let mut general = renderer(gpu, &desc, &world, true);
-    let general = general.picture(gpu, camera, &[]);
-    let general = general.unwrap_or_else(|e| panic!("{e}"));
+    let general = general.first_view(&world, &[]);
     let differing = share_differing(&specialized, &general, 1);
     assert!(differing < 0.005, "general: {differing}");
     let samples = ["image.samples=16"];

@@ -72,8 +72,7 @@ fn step(set: &[&str]) -> Option<f64> {
         let mut desc = desc.clone();
         desc.reflection.method = method;
         let mut renderer = renderer(gpu, &desc, &world, false);
-        let picture = renderer.picture(gpu, camera, &planes);
-        picture.unwrap_or_else(|e| panic!("{e}"))
+        or_panic!(renderer.picture(gpu, camera, &planes))
     };
     let truth = shown(Method::Rt);
     let picture = shown(Method::Probe);

@@ -4,16 +4,13 @@ use std::path::Path;
 
 use reflet::{
     render::{Picture, RenderOptions, Renderer},
-    scene::{
-        desc::{Method, SceneDesc},
-        stages::{Animator, Scene},
-    },
-    world::{World, load},
+    scene::desc::{Method, SceneDesc},
+    world::World,
 };
 
 use crate::{
     common::shaders,
-    kit::{gpu, renderer, scene},
+    kit::{FirstView, film_of, gpu, pose, renderer, scene},
     probes::{WALLS, room},
 };
 
@@ -21,15 +18,10 @@ use crate::{
 fn shown(renderer: &mut Renderer, desc: &SceneDesc, world: &World) -> (Option<bool>, Picture) {
     let gpu = gpu().expect("a GPU");
     let camera = &world.cameras[0].value;
-    let changed = renderer.change(gpu, &shaders(), world, &RenderOptions::for_scene(desc));
-    changed.unwrap_or_else(|e| panic!("{e}"));
-    let stats = renderer.render(gpu, camera);
-    let maps = stats.unwrap_or_else(|e| panic!("{e}")).maps;
+    or_panic!(renderer.change(gpu, &shaders(), world, &RenderOptions::for_scene(desc)));
+    let maps = or_panic!(renderer.render(gpu, camera)).maps;
     let picture = renderer.picture(gpu, camera, &[]);
-    (
-        maps.map(|maps| maps.update_ms > 0.0),
-        picture.unwrap_or_else(|e| panic!("{e}")),
-    )
+    (maps.map(|maps| maps.update_ms > 0.0), or_panic!(picture))
 }
 
 /// A preview changes the size of its pictures, and wipes between methods.
@@ -70,18 +62,12 @@ const FILM: &str = include_str!("probe_upkeep/film.toml");
 /// Picture of the last of these frames, by a renderer that has rendered the others before.
 fn last_of(frames: &[u32], text: &str, method: &str) -> Option<Picture> {
     let gpu = gpu()?;
-    let set = [format!("reflection.method=\"{method}\"")];
-    let read = Scene::from_text(text, Path::new("test.toml"), &set);
-    let (scene, _) = read.unwrap_or_else(|errors| panic!("{errors:?}"));
-    let mut world = load::load(&scene, &load::LoadOptions::default()).expect("loads");
-    let motion = Animator::new(&scene);
+    let set = format!("reflection.method=\"{method}\"");
+    let (scene, mut world) = film_of(Path::new("test.toml"), text, &[&set]);
     let mut renderer = renderer(gpu, &scene, &world, false);
     let shown = frames.iter().map(|frame| {
-        let state = motion.pose(*frame).unwrap_or_else(|e| panic!("{e:?}"));
-        world.apply(&state).unwrap_or_else(|e| panic!("{e:?}"));
-        renderer.update(gpu, &world).expect("posed");
-        let picture = renderer.picture(gpu, &world.cameras[0].value, &[]);
-        picture.unwrap_or_else(|e| panic!("{e}"))
+        pose(&scene, &mut world, *frame);
+        renderer.moved_view(&world, &[])
     });
     shown.last()
 }

@@ -221,12 +221,8 @@ fn shot(renderer: &mut Renderer, world: &World, eye: Vec3) -> Picture {
     let gpu = gpu().expect("a GPU");
     let mut camera = world.cameras[0].value.clone();
     camera.eye = eye;
-    renderer
-        .update(gpu, world)
-        .unwrap_or_else(|e| panic!("{e}"));
-    renderer
-        .picture(gpu, &camera, &[])
-        .unwrap_or_else(|e| panic!("{e}"))
+    or_panic!(renderer.update(gpu, world));
+    or_panic!(renderer.picture(gpu, &camera, &[]))
 }
 
 /// Maps depend on the light and on static things, not on earlier frames, the camera, or moving things.
@@ -255,12 +251,8 @@ fn frames_with_probes_do_not_depend_on_those_before() {
     ball.world_from_object.translation.x += 0.7;
     let camera = &world.cameras[0].value;
     let mut update_ms = |world: &World| {
-        forwards
-            .update(gpu, world)
-            .unwrap_or_else(|e| panic!("{e}"));
-        let stats = forwards
-            .render(gpu, camera)
-            .unwrap_or_else(|e| panic!("{e}"));
+        or_panic!(forwards.update(gpu, world));
+        let stats = or_panic!(forwards.render(gpu, camera));
         stats.maps.expect("probes").update_ms
     };
     assert!(update_ms(&world) > 0.0, "the lamp has another color");

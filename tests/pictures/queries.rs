@@ -13,7 +13,7 @@ use crate::{
     capsules,
     common::{gpu_or_skip, required_or_skip, shaders},
     deform,
-    kit::{floats, integers, renderer, scene, scene_of, share_differing},
+    kit::{FirstView, floats, integers, renderer, scene, scene_of, share_differing},
 };
 
 /// A device with ray queries, or `None` after printing `SKIPPED`.
@@ -84,9 +84,7 @@ fn check(gpu: &Gpu, what: &str, desc: &SceneDesc, world: &World) {
             desc.reflection.trace = trace;
             desc.image.visibility = visibility;
             let mut renderer = renderer(gpu, &desc, world, false);
-            let camera = &world.cameras[0].value;
-            let picture = renderer.picture(gpu, camera, &THINGS);
-            picture.unwrap_or_else(|e| panic!("{e}"))
+            renderer.first_view(world, &THINGS)
         });
         assert_same(&software, &query, &format!("{what}, {}", method.name()));
     }
@@ -155,11 +153,8 @@ fn structures_follow_poses_and_settings() {
     for frame in [0, 17] {
         deform::pose(&desc, &mut world, frame % 40);
         let [a, b] = [&mut software, &mut query].map(|renderer| {
-            renderer
-                .update(gpu, &world)
-                .unwrap_or_else(|e| panic!("{e}"));
-            let picture = renderer.picture(gpu, &camera, &THINGS);
-            picture.unwrap_or_else(|e| panic!("{e}"))
+            or_panic!(renderer.update(gpu, &world));
+            or_panic!(renderer.picture(gpu, &camera, &THINGS))
         });
         assert_same(&a, &b, &format!("frame {frame}"));
         // Their times are apart from the passes'.
@@ -174,10 +169,8 @@ fn structures_follow_poses_and_settings() {
     for trace in [Trace::Software, Trace::Query] {
         let mut options = *query.options();
         options.reflection.trace = trace;
-        let changed = query.change(gpu, &shaders(), &world, &options);
-        changed.unwrap_or_else(|e| panic!("{e}"));
-        let picture = query.picture(gpu, &camera, &THINGS);
-        let picture = picture.unwrap_or_else(|e| panic!("{e}"));
+        or_panic!(query.change(gpu, &shaders(), &world, &options));
+        let picture = or_panic!(query.picture(gpu, &camera, &THINGS));
         let last = last.as_ref().expect("a frame was rendered");
         assert_same(last, &picture, "changed");
     }
@@ -200,7 +193,7 @@ fn devices_without_queries_refuse_them_and_auto_goes_on() {
     assert_eq!(error.name, "no-ray-queries");
     assert!(error.message.contains(&gpu.adapter_info.name), "{error}");
     assert!(error.help.is_some_and(|help| help.contains("adapter")));
-    let renderer = built(&gpu, Trace::Auto).unwrap_or_else(|e| panic!("{e}"));
+    let renderer = or_panic!(built(&gpu, Trace::Auto));
     assert_eq!(renderer.options().reflection.trace, Trace::Software);
     let mut decisions = renderer.decisions().iter();
     assert!(decisions.any(|d| d.what == "reflection.trace" && d.chosen == "software"));

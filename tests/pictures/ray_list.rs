@@ -13,18 +13,15 @@ use wgpu::util::DeviceExt as _;
 
 use crate::{
     common::shaders,
-    kit::{gpu, scene},
+    kit::{FirstView, gpu, scene},
 };
 
 /// Workgroups that `arguments.wgsl` computes for this many entries of a list.
 fn arguments(gpu: &Gpu, list: List, counter: usize, entries: u32) -> [u32; 3] {
-    let shader = Shader::new(gpu, &shaders(), "arguments").unwrap_or_else(|e| panic!("{e}"));
-    let empty = GroupLayout::new(gpu, "empty", &[], 0).unwrap_or_else(|e| panic!("{e}"));
-    let layout =
-        GroupLayout::new(gpu, "arguments", &[&shader.info], 2).unwrap_or_else(|e| panic!("{e}"));
-    let pipeline = shader
-        .compute_pipeline(gpu, "main", &[&empty, &empty, &layout], &[])
-        .unwrap_or_else(|e| panic!("{e}"));
+    let shader = or_panic!(Shader::new(gpu, &shaders(), "arguments"));
+    let empty = or_panic!(GroupLayout::new(gpu, "empty", &[], 0));
+    let layout = or_panic!(GroupLayout::new(gpu, "arguments", &[&shader.info], 2));
+    let pipeline = or_panic!(shader.compute_pipeline(gpu, "main", &[&empty, &empty, &layout], &[]));
     let mut counters = [0u32; COUNTERS];
     counters[counter] = entries;
     let buffer = |contents: &[u8]| {
@@ -37,16 +34,14 @@ fn arguments(gpu: &Gpu, list: List, counter: usize, entries: u32) -> [u32; 3] {
     };
     let counters = buffer(bytemuck::bytes_of(&counters));
     let out = buffer(&[0; 64]);
-    let none = empty.bind(gpu, &[]).unwrap_or_else(|e| panic!("{e}"));
-    let group = layout
-        .bind(
-            gpu,
-            &[
-                ("counters", counters.as_entire_binding()),
-                ("arguments", out.as_entire_binding()),
-            ],
-        )
-        .unwrap_or_else(|e| panic!("{e}"));
+    let none = or_panic!(empty.bind(gpu, &[]));
+    let group = or_panic!(layout.bind(
+        gpu,
+        &[
+            ("counters", counters.as_entire_binding()),
+            ("arguments", out.as_entire_binding()),
+        ],
+    ));
     let mut encoder = gpu
         .device
         .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -58,8 +53,8 @@ fn arguments(gpu: &Gpu, list: List, counter: usize, entries: u32) -> [u32; 3] {
         pass.set_bind_group(2, &group, &[]);
         pass.dispatch_workgroups(1, 1, 1);
     }
-    gpu.submit(encoder).unwrap_or_else(|e| panic!("{e}"));
-    let words: Vec<u32> = readback::read_buffer(gpu, &out).unwrap_or_else(|e| panic!("{e}"));
+    or_panic!(gpu.submit(encoder));
+    let words: Vec<u32> = or_panic!(readback::read_buffer(gpu, &out));
     let first = list.arguments_offset() as usize / 4;
     [words[first], words[first + 1], words[first + 2]]
 }
@@ -110,11 +105,9 @@ fn what_lets_light_through_and_reflects_nothing_has_a_list_of_its_own() {
     let [of_rt, of_hybrid] = [Method::Rt, Method::Hybrid].map(|method| {
         let mut options = RenderOptions::for_scene(&desc);
         options.reflection.method = method;
-        let mut renderer =
-            Renderer::new(gpu, &shaders(), &world, &options).unwrap_or_else(|e| panic!("{e}"));
+        let mut renderer = or_panic!(Renderer::new(gpu, &shaders(), &world, &options));
         assert!(!renderer.plan().features.reflections, "nothing reflects");
-        let picture = renderer.picture(gpu, &world.cameras[0].value, &[]);
-        picture.unwrap_or_else(|e| panic!("{e}"))
+        renderer.first_view(&world, &[])
     });
     let lists = of_rt.stats.bytes.iter().find(|(name, _)| name == "lists");
     assert_eq!(lists.map(|(_, bytes)| *bytes), Some(4 * 48 * 32));

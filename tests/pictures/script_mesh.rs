@@ -7,12 +7,12 @@ use reflet::{
     render::{Picture, picture::aov::Aov},
     scene::{
         desc::{Method, Visibility},
-        stages::{Animator, Scene},
+        stages::Scene,
     },
-    world::{World, load},
+    world::World,
 };
 
-use crate::kit::{color, gpu, integers, renderer};
+use crate::kit::{FirstView, color, film_of, gpu, integers, pose, renderer};
 
 const SCENE: &str = include_str!("script_mesh/scene.toml");
 
@@ -24,17 +24,8 @@ fn load(name: &str, text: &str, script: &str, set: &[String]) -> (Scene, World) 
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     fs::create_dir_all(&folder).expect("a folder");
     fs::write(folder.join("mesh.rhai"), script).expect("a script");
-    let all = |errors: Vec<_>| -> String { errors.iter().map(ToString::to_string).collect() };
-    let read = Scene::from_text(text, &folder.join("mesh.toml"), set);
-    let (scene, _) = read.unwrap_or_else(|errors| panic!("{}", all(errors)));
-    let loaded = load::load(&scene, &load::LoadOptions::default());
-    let world = loaded.unwrap_or_else(|errors| panic!("{}", all(errors)));
-    (scene, world)
-}
-
-fn pose(scene: &Scene, world: &mut World, frame: u32) {
-    let state = Animator::new(scene).pose(frame).expect("poses");
-    world.apply(&state).expect("applies");
+    let set: Vec<&str> = set.iter().map(String::as_str).collect();
+    film_of(&folder.join("mesh.toml"), text, &set)
 }
 
 #[test]
@@ -58,9 +49,7 @@ fn a_deformed_mesh_is_the_same_mesh_as_written() {
         let mut before: Option<Picture> = None;
         for frame in [31, 4] {
             pose(&scene, &mut world, frame);
-            moving.update(gpu, &world).expect("the same meshes");
-            let camera = &world.cameras[0].value;
-            let picture = moving.picture(gpu, camera, &aovs).expect("renders");
+            let picture = moving.moved_view(&world, &aovs);
 
             let mut set = set.clone();
             set.push(format!("params.written={frame}"));
@@ -70,7 +59,7 @@ fn a_deformed_mesh_is_the_same_mesh_as_written() {
             pose(&as_written, &mut still, frame);
             assert!(still.deformed.is_empty(), "nothing deforms it");
             let mut fixed = renderer(gpu, &as_written, &still, false);
-            let expected = fixed.picture(gpu, camera, &aovs).expect("renders");
+            let expected = fixed.first_view(&world, &aovs);
 
             let name = format!("{method:?}, frame {frame}");
             for aov in aovs {
@@ -98,9 +87,8 @@ fn a_mirror_that_a_script_moves_shows_the_image_at_twice_its_height() {
         let mut renderer = renderer(gpu, &scene, &world, false);
         for frame in [8, 0, 4] {
             pose(&scene, &mut world, frame);
-            renderer.update(gpu, &world).expect("the same meshes");
+            let picture = renderer.moved_view(&world, &[]);
             let camera = &world.cameras[0].value;
-            let picture = renderer.picture(gpu, camera, &[]).expect("renders");
             let (mut sum, mut x_sum, mut y_sum) = (0.0, 0.0, 0.0);
             for (x, y) in (0..96).flat_map(|y| (0..96).map(move |x| (x, y))) {
                 let light = color(&picture, x, y)[0];

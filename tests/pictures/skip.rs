@@ -63,8 +63,7 @@ fn picture(gpu: &Gpu, text: &str, method: &str, skip_px: f32) -> (Picture, u64) 
     let trace = counts.iter().find(|c| c.pass == "trace");
     let nodes = trace.map_or(0, |c| c.counts.visited_nodes);
     let aovs = [Aov::Ids, Aov::Radiance, Aov::HitIds];
-    let picture = renderer.picture(gpu, camera, &aovs);
-    (picture.unwrap_or_else(|e| panic!("{e}")), nodes)
+    (or_panic!(renderer.picture(gpu, camera, &aovs)), nodes)
 }
 
 /// Rays skip most grains and spare their nodes; at most the pixels change that the images of the skipped grains cover,
@@ -260,8 +259,7 @@ fn each_picture_has_its_own_choice() {
     moved.instances[2].world_from_object.translation.z += 4.0;
     let shown_in = |world: &World, renderer: &mut Renderer, camera| {
         renderer.update(gpu, world).expect("posed");
-        let picture = renderer.picture(gpu, camera, &[Aov::HitIds]);
-        picture.unwrap_or_else(|e| panic!("{e}"))
+        or_panic!(renderer.picture(gpu, camera, &[Aov::HitIds]))
     };
     let shown = |renderer: &mut Renderer, camera| shown_in(&world, renderer, camera);
     let mut one = renderer(gpu, &desc, &world, false);

@@ -9,13 +9,13 @@ use std::{
 
 use reflet::{
     render::{Renderer, picture::aov::Aov},
-    scene::stages::{Animator, Scene},
+    scene::stages::Scene,
     world::load::{self, LoadOptions},
 };
 
 use crate::{
     common::shared_folder,
-    kit::{gpu, integers, renderer, share_differing},
+    kit::{gpu, integers, pose, renderer, share_differing},
 };
 
 /// Folders of complete scenes; folders `parts` hold parts.
@@ -73,8 +73,7 @@ fn compare(
     let mut renderers: Option<[Renderer; 2]> = None;
     for frame in frames {
         if let Some(frame) = frame {
-            let state = Animator::new(&scene).pose(frame).expect("a pose");
-            world.apply(&state).expect("a world in this pose");
+            pose(&scene, &mut world, frame);
         }
         let both = renderers
             .get_or_insert_with(|| [false, true].map(|g| renderer(gpu, &scene, &world, g)));

@@ -1,23 +1,12 @@
 //! Textures and unlit materials: several samplers of one image, display colors.
 
 use glam::Vec3;
-use reflet::{
-    render::Picture,
-    scene::desc::SceneDesc,
-    world::{Texture, TextureRef, World, Wrap},
-};
+use reflet::world::{Texture, TextureRef, Wrap};
 
-use crate::kit::{assert_color, gpu, renderer, scene};
+use crate::kit::{assert_color, picture, scene};
 
 /// A wall 2 m wide that fills the picture.
 const WALL: &str = include_str!("textures/wall.toml");
-
-fn picture(desc: &SceneDesc, world: &World) -> Option<Picture> {
-    let gpu = gpu()?;
-    let mut renderer = renderer(gpu, desc, world, false);
-    let picture = renderer.picture(gpu, &world.cameras[0].value, &[]);
-    Some(picture.unwrap_or_else(|e| panic!("{e}")))
-}
 
 /// One image, black to the left and white to the right, in two slots with different samplers.
 #[test]
@@ -47,7 +36,7 @@ fn one_image_keeps_the_samplers_of_all_its_uses() {
             let mut last = world.materials[shown].clone();
             last.emission_texture = Some(used(other, nearest));
             world.materials.push(last);
-            let picture = or_skip!(picture(&desc, &world));
+            let picture = or_skip!(picture(&desc, &world, &[]));
             assert_color(&picture, 16, 16, [expected; 3], 0.02);
         }
     }
@@ -81,7 +70,7 @@ fn large_images_keep_their_texels() {
         wrap: [Wrap::Repeat; 2],
         nearest: false,
     });
-    let picture = or_skip!(picture(&desc, &world));
+    let picture = or_skip!(picture(&desc, &world, &[]));
     for x in [4, 11, 16, 21, 28] {
         assert_color(&picture, x, 16, [(x % 2) as f32; 3], 0.1);
     }
@@ -100,7 +89,7 @@ fn unlit_materials_are_display_colors() {
         for mesh in world.meshes.iter_mut() {
             mesh.colors = vec![glam::Vec4::new(1.0, 0.5, 1.0, 1.0); mesh.positions.len()];
         }
-        let picture = or_skip!(picture(&desc, &world));
+        let picture = or_skip!(picture(&desc, &world, &[]));
         let at = 4 * (16 * 32 + 16);
         // sRGB codes of 0.9, 0.25 and 0.2.
         for (found, expected) in picture.display[at..at + 3].iter().zip([243u8, 137, 124]) {

@@ -31,7 +31,7 @@ fn decals_have_defaults_and_at_most_256() {
         let one = |i| format!("[decal.d{i}]\nmaterial = \"paint\"\n");
         format!("{WALL}{}", (0..count).map(one).collect::<String>())
     };
-    let scene = read(&decals(DecalDesc::MOST)).unwrap_or_else(|e| panic!("{e}"));
+    let scene = or_panic!(read(&decals(DecalDesc::MOST)));
     assert_eq!(scene.decals.len(), 256);
     let first = &scene.decals[0].value;
     assert_eq!(first.size.to_array(), [1.0; 3]);
@@ -101,11 +101,10 @@ fn with_decal(tables: &str) -> String {
 
 /// Reads and loads a scene, which must be right, with a script.
 fn loaded(text: &str, script: &str) -> (Scene, World) {
-    let scene = read(text).unwrap_or_else(|e| panic!("{e}"));
-    let script = Script::from_text("test.rhai", script).unwrap_or_else(|e| panic!("{e}"));
+    let scene = or_panic!(read(text));
+    let script = or_panic!(Script::from_text("test.rhai", script));
     let scene = Scene::new(scene.desc, script);
-    let world = load::load(&scene, &load::LoadOptions::default());
-    let world = world.unwrap_or_else(|e| panic!("{e:?}"));
+    let world = load::load(&scene, &load::LoadOptions::default()).expect("valid");
     (scene, world)
 }
 

@@ -18,19 +18,17 @@ use crate::layers::Folder;
 const RIG: &str = include_str!("hierarchy/rig.toml");
 
 fn read(text: &str) -> Scene {
-    let read = Scene::from_text(text, Path::new("scene.toml"), &[]);
-    let (scene, warnings) = read.unwrap_or_else(|e| panic!("{e:?}"));
+    let (scene, warnings) = Scene::from_text(text, Path::new("scene.toml"), &[]).expect("valid");
     assert!(warnings.is_empty(), "{warnings:?}");
     scene
 }
 
 fn pose(scene: &Scene, frame: u32) -> FrameState {
-    let posed = Animator::new(scene).pose(frame);
-    posed.unwrap_or_else(|e| panic!("{e:?}"))
+    Animator::new(scene).pose(frame).expect("valid")
 }
 
 fn loaded(scene: &Scene) -> World {
-    load::load(scene, &load::LoadOptions::default()).unwrap_or_else(|e| panic!("{e:?}"))
+    load::load(scene, &load::LoadOptions::default()).expect("valid")
 }
 
 #[track_caller]
@@ -230,7 +228,7 @@ fn points_of_a_table_place_copies() {
         ],
     );
     let read = |folder: &Folder| load::load(&folder.expect(), &load::LoadOptions::default());
-    let world = read(&folder).unwrap_or_else(|e| panic!("{e:?}"));
+    let world = read(&folder).expect("valid");
     let [a, b] = [1, 2].map(|i| &world.instances[i]);
     assert_eq!([a.name.as_str(), b.name.as_str()], ["row[0]", "row[1]"]);
     assert_at(a.world_from_object.translation, [10.0, 1.0, 0.0]);
@@ -243,7 +241,7 @@ fn points_of_a_table_place_copies() {
     let path = folder.path().join("shot/scene.toml");
     fs::write(&path, moving).expect("it can be written");
     let scene = folder.expect();
-    let mut world = read(&folder).unwrap_or_else(|e| panic!("{e:?}"));
+    let mut world = read(&folder).expect("valid");
     world.apply(&pose(&scene, 3)).expect("it can be posed");
     assert_at(
         world.instances[2].world_from_object.translation,

@@ -54,8 +54,7 @@ impl Folder {
 
     #[track_caller]
     pub fn expect(&self) -> Scene {
-        self.read(&[], &[])
-            .unwrap_or_else(|errors| panic!("{errors}"))
+        or_panic!(self.read(&[], &[]))
     }
 
     pub fn path(&self) -> &std::path::Path {
@@ -162,9 +161,7 @@ fn names_may_be_like_keys() {
         "names",
         &[("shot/base.toml", base), ("shot/scene.toml", shot)],
     );
-    let scene = folder
-        .read(&["v"], &[])
-        .unwrap_or_else(|errors| panic!("{errors}"));
+    let scene = or_panic!(folder.read(&["v"], &[]));
     assert_eq!((scene.models.len(), scene.cameras.len()), (2, 2));
 }
 
@@ -344,9 +341,7 @@ fn the_variation_of_the_guide_can_be_read() {
         ("shot/scene.toml", &story.shot),
     ];
     let folder = Folder::new("readme", &files);
-    let scene = folder
-        .read(&["dusk"], &[])
-        .unwrap_or_else(|errors| panic!("{errors}"));
+    let scene = or_panic!(folder.read(&["dusk"], &[]));
     assert_eq!((scene.instances.len(), scene.lights.len()), (4, 0));
     assert!(scene.environment.zenith.z > 0.2, "{:?}", scene.environment);
 }

@@ -33,8 +33,7 @@ fn scripted(name: &str, frame: &str) -> Result<FrameState, String> {
     let script = format!("fn frame(ctx) {{ {frame} }}");
     fs::write(folder.join("move.rhai"), script).expect("the script can be written");
     let text = format!("script = \"move.rhai\"\n{SCENE}");
-    let read = Scene::from_text(&text, &folder.join("scene.toml"), &[]);
-    let (desc, _) = read.unwrap_or_else(|errors| panic!("{errors:?}"));
+    let (desc, _) = Scene::from_text(&text, &folder.join("scene.toml"), &[]).expect("valid");
     let posed = Animator::new(&desc).pose(0);
     posed.map_err(|errors| errors.iter().map(|e| e.to_string()).collect())
 }
@@ -82,19 +81,22 @@ fn walk<T>(kind: &str, name: &str, field: &Field<T>, of: impl Fn(&FrameState) ->
         format!("{{ keys = [{{ at_s = 0, value = {from} }}, {{ at_s = 2, value = {to} }}] }}");
     let text = moved(keys.clone());
     for (frame, value) in [(0, a), (4, b)] {
-        let state = pose(&text, frame).unwrap_or_else(|e| panic!("{e}"));
+        let state = or_panic!(pose(&text, frame));
         assert_is(field, of(&state), value);
     }
     if key != "direction" {
-        let state = pose(&text, 2).unwrap_or_else(|e| panic!("{e}"));
+        let state = or_panic!(pose(&text, 2));
         assert_is(field, of(&state), a.midpoint(b));
     }
     let file = format!("{kind}-{name}-{key}");
-    let state = scripted(
-        &file,
-        &format!("ctx.{kind}(\"{name}\", #{{ {key}: {from} }});"),
+    assert_is(
+        field,
+        of(&or_panic!(scripted(
+            &file,
+            &format!("ctx.{kind}(\"{name}\", #{{ {key}: {from} }});"),
+        ))),
+        a,
     );
-    assert_is(field, of(&state.unwrap_or_else(|e| panic!("{e}"))), a);
     if let Some(beyond) = beyond {
         let wrong = written(field.form, beyond);
         let message = format!("`{key}` must be {}", field.range.words());
@@ -112,8 +114,7 @@ fn walk<T>(kind: &str, name: &str, field: &Field<T>, of: impl Fn(&FrameState) ->
         );
         // Values that a rate reaches are clamped instead of refused.
         let rate = written(field.form, Vec3::splat(-1e9));
-        let state = pose(&moved(format!("{{ rate = {rate} }}")), 8);
-        let state = state.unwrap_or_else(|e| panic!("{e}"));
+        let state = or_panic!(pose(&moved(format!("{{ rate = {rate} }}")), 8));
         assert_is(field, of(&state), Vec3::splat(field.range.clamp(-1e9)));
     }
     let slip = moved(keys).replace(&format!("\n{key} ="), &format!("\n{key}x ="));

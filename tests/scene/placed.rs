@@ -60,7 +60,7 @@ fn a_scene_stands_in_a_scene_with_its_names_prefixed() {
             .all(|i| { i.shown.in_reflections != i.model.value.starts_with("left.") })
     );
     let options = load::LoadOptions::default();
-    let mut world = load::load(&scene, &options).unwrap_or_else(|e| panic!("{e:?}"));
+    let mut world = load::load(&scene, &options).expect("valid");
     let at = |name: &str| {
         let found = world.instances.iter().find(|i| i.name == name);
         found
@@ -78,10 +78,8 @@ fn a_scene_stands_in_a_scene_with_its_names_prefixed() {
         .find(|c| c.name == "left.seat")
         .expect("a seat");
     assert_eq!(seat.value.eye.to_array(), [-5.0, 1.0, 0.0]);
-    let state = Animator::new(&scene)
-        .pose(12)
-        .unwrap_or_else(|e| panic!("{e:?}"));
-    world.apply(&state).unwrap_or_else(|e| panic!("{e:?}"));
+    let state = Animator::new(&scene).pose(12).expect("valid");
+    world.apply(&state).expect("valid");
     let wheel = world
         .instances
         .iter()
@@ -187,7 +185,7 @@ fn height_fields_read_their_image_beside_their_scene() {
     let pixels = [0, 128, 255, 0, 128, 255];
     image::save_buffer(&image, &pixels, 3, 2, image::ExtendedColorType::L8)
         .expect("it can be written");
-    let world = load().unwrap_or_else(|e| panic!("{e:?}"));
+    let world = load().expect("valid");
     let bounds = &world.meshes[0].bounds;
     assert_eq!(
         (bounds.min.to_array(), bounds.max.to_array()),

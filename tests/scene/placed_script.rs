@@ -36,8 +36,7 @@ fn folder(name: &str, shot: &str, drive: &str) -> Folder {
 }
 
 fn pose(scene: &Scene, frame: u32) -> FrameState {
-    let posed = Animator::new(scene).pose(frame);
-    posed.unwrap_or_else(|e| panic!("{e:?}"))
+    Animator::new(scene).pose(frame).expect("valid")
 }
 
 #[track_caller]
@@ -151,8 +150,7 @@ fn each_placed_scene_has_its_own_params() {
         "{given:?}"
     );
     let set = "instance.left.model.params.speed=3";
-    let scene = folder("params-set", &shot, DRIVE).read(&[], &[set]);
-    let scene = scene.unwrap_or_else(|errors| panic!("{errors}"));
+    let scene = or_panic!(folder("params-set", &shot, DRIVE).read(&[], &[set]));
     assert_eq!(place(&scene, &pose(&scene, 4), "left.body").z, 12.0);
 }
 

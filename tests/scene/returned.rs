@@ -165,7 +165,7 @@ fn setup_gives_the_environment() {
     fs::create_dir_all(&folder).expect("temporary folder");
     fs::write(folder.join("walk.rhai"), script).expect("the script can be written");
     let read = |scene: &str| Scene::from_text(scene, &folder.join("scene.toml"), &[]);
-    let (scene, _) = read(SCENE).unwrap_or_else(|e| panic!("{e:?}"));
+    let (scene, _) = read(SCENE).expect("valid");
     let zenith = scene.environment.zenith.to_array();
     assert_eq!(zenith, [0.1, 0.2, 1.5]);
     let errors = read(&format!("{SCENE}[environment]\nintensity = 2\n")).expect_err("two of them");

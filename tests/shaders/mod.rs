@@ -31,10 +31,7 @@ use tint::sources;
 /// Shader libraries of all variants.
 fn libraries() -> Vec<ShaderLibrary> {
     let embedded = ShaderLibrary::embedded();
-    let library = |v: ShaderVariant| {
-        v.library(&embedded, &passes::ALL)
-            .unwrap_or_else(|e| panic!("{e}"))
-    };
+    let library = |v: ShaderVariant| or_panic!(v.library(&embedded, &passes::ALL));
     ShaderVariant::all().into_iter().map(library).collect()
 }
 
@@ -83,10 +80,9 @@ type Flags<'a> = Vec<(&'a str, bool)>;
 static PARTS: LazyLock<Vec<ShaderModuleInfo>> = LazyLock::new(|| {
     let mut sets: BTreeMap<(String, &str), BTreeSet<Flags<'_>>> = BTreeMap::new();
     for variant in ShaderVariant::all() {
-        let library = variant.library(&ShaderLibrary::embedded(), &passes::ALL);
-        let library = library.unwrap_or_else(|e| panic!("{e}"));
+        let library = or_panic!(variant.library(&ShaderLibrary::embedded(), &passes::ALL));
         for name in library.names() {
-            let text = library.source(name).unwrap_or_else(|e| panic!("{e}")).text;
+            let text = or_panic!(library.source(name)).text;
             let mut known = SOURCES.iter().zip(SHIPPED.iter());
             let known =
                 known.find(|((n, s), _)| n == name && s.as_ref().is_ok_and(|s| s.text == text));
@@ -105,7 +101,7 @@ static PARTS: LazyLock<Vec<ShaderModuleInfo>> = LazyLock::new(|| {
     }
     let checked = SOURCES.iter().flat_map(|(name, source)| {
         let source = source.as_ref().expect("it assembles");
-        let module = parse(source).unwrap_or_else(|e| panic!("{e}"));
+        let module = or_panic!(parse(source));
         let sets = &sets[&(name.clone(), &*source.text)];
         let part = move |flags: &Flags<'_>| {
             let given: Vec<_> = (flags.iter())
@@ -135,10 +131,10 @@ fn every_library_is_imported_somewhere() {
         .iter()
         .filter_map(|(_, source)| source.as_ref().ok());
     let all: String = sources.map(|source| &*source.text).collect();
-    let library = ShaderVariant::all()[0].library(&ShaderLibrary::embedded(), &passes::ALL);
-    let library = library.unwrap_or_else(|e| panic!("{e}"));
+    let library =
+        or_panic!(ShaderVariant::all()[0].library(&ShaderLibrary::embedded(), &passes::ALL));
     for name in library.lib_names() {
-        let lib = library.lib_source(name).unwrap_or_else(|e| panic!("{e}"));
+        let lib = or_panic!(library.lib_source(name));
         // The last line of a library is part of every shader that imports it.
         let own = lib.text.lines().rev().find(|line| line.len() > 3);
         assert!(
@@ -164,7 +160,7 @@ fn every_shader_stays_inside_the_default_limits() {
         // Only devices with ray queries get shaders that use them.
         limits.max_acceleration_structures_per_shader_stage = 1;
         let groups: Vec<_> = (0..limits.max_bind_groups)
-            .map(|group| merged_bindings(&[info], group).unwrap_or_else(|e| panic!("{e}")))
+            .map(|group| or_panic!(merged_bindings(&[info], group)))
             .collect();
         assert!(
             info.bindings
@@ -244,8 +240,7 @@ fn shared_structs_have_the_same_layout_in_the_shaders() {
 fn targets(pass: &Pass) -> PassTargets {
     let texts = SOURCES.iter().filter(|(name, _)| name == pass.name);
     let used = texts.map(|(_, source)| {
-        let module = source.as_ref().map_err(Clone::clone).and_then(parse);
-        let module = module.unwrap_or_else(|e| panic!("{e}"));
+        let module = or_panic!(source.as_ref().map_err(Clone::clone).and_then(parse));
         PassTargets::new(pass, &UsedTextures::new(&module, &module))
     });
     used.fold(PassTargets::default(), |mut all, used| {

@@ -13,12 +13,15 @@ use super::{OPTIONAL, variant};
 fn part(features: Features, name: &str) -> BTreeSet<String> {
     let variant = variant(features);
     let library = variant.library(&ShaderLibrary::embedded(), &passes::ALL);
-    let source = library.and_then(|library| library.source(name));
-    let source = source.unwrap_or_else(|e| panic!("{e}"));
-    let module = parse(&source).unwrap_or_else(|e| panic!("{e}"));
+    let source = or_panic!(library.and_then(|library| library.source(name)));
+    let module = or_panic!(parse(&source));
     let constants: Vec<_> = variant.features.constants().collect();
-    let info = check_part(&source, &module, capabilities(OPTIONAL), &constants);
-    let info = info.unwrap_or_else(|e| panic!("{e}"));
+    let info = or_panic!(check_part(
+        &source,
+        &module,
+        capabilities(OPTIONAL),
+        &constants
+    ));
     let bindings = info.bindings.into_iter().map(|b| b.name);
     info.functions.into_iter().chain(bindings).collect()
 }
