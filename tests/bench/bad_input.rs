@@ -34,7 +34,7 @@ fn a_table_that_another_run_writes_is_refused() {
 #[test]
 fn a_table_that_is_no_regular_file_is_refused() {
     let folder = folder("devices");
-    let [_, error] = exits(&folder, &["--samples", "/dev/zero"], 2);
+    let [_, error] = exits(&folder, "--samples /dev/zero", 2);
     assert!(error.contains("not a regular file"), "{error}");
     assert_eq!(fs::read_dir(&folder).expect("a folder").count(), 0);
     let csv = folder.join("samples.csv");
@@ -51,11 +51,11 @@ fn unwritable_output_is_a_usage_error() {
         let out = folder.join(format!("out-{taken}"));
         fs::create_dir_all(out.join(taken)).expect("a folder in its place");
         let out = out.to_str().expect("Unicode");
-        let [_, error] = exits(&folder, &["--samples", &csv, "-o", out], 2);
+        let [_, error] = exits(&folder, ["--samples", &csv, "-o", out], 2);
         assert!(error.contains(taken), "{error}");
     }
-    exits(&folder, &["--samples", "none.csv", "-o", "new"], 2);
-    exits(&folder, &["--adapter", "no such adapter", "-o", "new"], 4);
+    exits(&folder, "--samples none.csv -o new", 2);
+    exits(&folder, ["--adapter", "no such adapter", "-o", "new"], 4);
     assert!(!folder.join("new").exists());
 }
 
@@ -74,11 +74,7 @@ fn options_that_would_do_nothing_are_refused() {
         let [_, error] = exits(&folder, &arguments, 2);
         assert!(error.contains("cannot be used with"), "{error}");
     }
-    let [_, error] = exits(
-        &folder,
-        &["paper", "fig1", "--timeline", "3", "-o", "new"],
-        2,
-    );
+    let [_, error] = exits(&folder, "paper fig1 --timeline 3 -o new", 2);
     assert!(error.contains("only scenario2"), "{error}");
     for systems in [
         &["scenario1", "--systems"][..],
@@ -88,11 +84,7 @@ fn options_that_would_do_nothing_are_refused() {
         let [_, error] = exits(&folder, &arguments, 2);
         assert!(error.contains("only scenario2 is a walk"), "{error}");
     }
-    let [_, error] = exits(
-        &folder,
-        &["paper", "scenario2", "--timeline", "0-950", "-o", "new"],
-        2,
-    );
+    let [_, error] = exits(&folder, "paper scenario2 --timeline 0-950 -o new", 2);
     assert_says(&error, &["not in the timeline, which has 0 to 949"]);
     assert!(!folder.join("new").exists());
 }
@@ -107,7 +99,7 @@ fn a_choice_says_what_was_bounded() {
     let choose = |rows: &[_], bound, code| {
         let csv = write(&folder, rows);
         let arguments = ["--samples", &csv, "-o", ".", "--choose", bound];
-        exits(&folder, &arguments, code)
+        exits(&folder, arguments, code)
     };
     let [block, _] = choose(&rows, "psnr>=30", 0);
     assert!(block.contains("# in reflections against rt"), "{block}");

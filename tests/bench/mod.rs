@@ -16,12 +16,17 @@ use std::{
     collections::HashSet,
     fs,
     path::{Path, PathBuf},
-    process::{Command, Stdio},
+    process::Stdio,
     thread,
     time::{Duration, Instant},
 };
 
-use crate::common::{assert_says, gpu_or_skip, words};
+use crate::common::{
+    assert_says,
+    folder::kept_folder,
+    gpu_or_skip,
+    program::{Arguments, ends, reflet, signal},
+};
 use reflet::bench::{
     report::findings,
     sample::{Sample, header, read_samples},
@@ -30,29 +35,13 @@ use reflet::bench::{
 use synthetic::{only_group, synthetic_samples};
 
 fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("bench-{name}"));
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).expect("temporary folder");
-    folder
+    kept_folder(&format!("bench-{name}"), &[])
 }
 
 /// Runs `reflet bench`, checks the exit code, and returns standard output and standard error.
 #[track_caller]
-fn exits(folder: &Path, arguments: &[&str], code: i32) -> [String; 2] {
-    let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
-        .current_dir(folder)
-        .arg("bench")
-        .args(arguments)
-        .env("NODEVICE_SELECT", "1")
-        .env_remove("REFLET_ASSETS")
-        .stdin(Stdio::null())
-        .output()
-        .expect("the program starts");
-    let texts =
-        [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {texts:?}");
-    assert!(!texts[1].contains("panicked"), "{}", texts[1]);
-    texts
+fn exits(folder: &Path, arguments: impl Arguments, code: i32) -> [String; 2] {
+    ends(reflet(folder, "bench").args(arguments.list()), code)
 }
 
 fn samples(folder: &Path) -> Vec<Sample> {
@@ -182,12 +171,8 @@ fn a_run_writes_samples_settings_and_a_report_and_resumes() {
 fn an_interrupted_run_keeps_its_samples() {
     or_skip!(gpu_or_skip());
     let folder = folder("interrupted");
-    let run = words("--sizes 64x36 --methods rt --parameter bounces --values 1,2 -o .");
-    let mut command = Command::new(env!("CARGO_BIN_EXE_reflet"));
-    let command = command.current_dir(&folder).arg("bench").args(&run);
-    let command = command
-        .args(["--frames", "2000"])
-        .env("NODEVICE_SELECT", "1");
+    let run = "--sizes 64x36 --methods rt --parameter bounces --values 1,2 -o .";
+    let mut command = reflet(&folder, format!("bench {run} --frames 2000"));
     let mut child = command.stderr(Stdio::piped()).spawn().expect("starts");
     let csv = folder.join("samples.csv");
     let deadline = Instant::now() + Duration::from_secs(60);
@@ -196,14 +181,7 @@ fn an_interrupted_run_keeps_its_samples() {
         assert!(child.try_wait().expect("a child").is_none(), "it ended");
         thread::sleep(Duration::from_millis(20));
     }
-    let pid = child.id().to_string();
-    assert!(
-        Command::new("kill")
-            .args(["-INT", &pid])
-            .status()
-            .expect("kill")
-            .success()
-    );
+    signal(&child, "-INT");
     let output = child.wait_with_output().expect("ends");
     assert_eq!(output.status.code(), Some(130));
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -215,11 +193,7 @@ fn an_interrupted_run_keeps_its_samples() {
     let json = fs::read_to_string(folder.join("bench.json")).expect("settings");
     assert!(json.contains("\"interrupted\": true"), "{json}");
     let settings = kept.iter().map(|s| &s.fingerprint).collect::<HashSet<_>>();
-    exits(
-        &folder,
-        &[&run[..], &["--frames", "1", "--resume"]].concat(),
-        0,
-    );
+    exits(&folder, format!("{run} --frames 1 --resume"), 0);
     assert!(samples(&folder).len() >= kept.len() && settings.len() <= 2);
 }
 
@@ -227,6 +201,10 @@ fn an_interrupted_run_keeps_its_samples() {
 fn choosing_prints_the_cheapest_setting_that_meets_the_bound() {
     let folder = folder("choose");
     let csv = write(&folder, &synthetic_samples());
+    let choose = |bound: &str, code: i32| {
+        let arguments = ["--samples", &csv, "-o", ".", "--choose", bound];
+        exits(&folder, arguments, code)
+    };
     for (bound, method, steps) in [
         ("ssim>=0.97", "hybrid", 128), // 8 ms reach 0.95 only
         ("ssim>=0.5", "ssr", 16),
@@ -234,11 +212,7 @@ fn choosing_prints_the_cheapest_setting_that_meets_the_bound() {
         ("ms<=9.5", "hybrid", 128),
         ("ms<=7", "ssr", 128),
     ] {
-        let [block, _] = exits(
-            &folder,
-            &["--samples", &csv, "-o", ".", "--choose", bound],
-            0,
-        );
+        let [block, _] = choose(bound, 0);
         let lines: Vec<&str> = block.lines().collect();
         assert!(lines.contains(&"[reflection]"), "{block}");
         assert!(
@@ -250,11 +224,7 @@ fn choosing_prints_the_cheapest_setting_that_meets_the_bound() {
             "{bound}: {block}"
         );
     }
-    let [out, error] = exits(
-        &folder,
-        &["--samples", &csv, "-o", ".", "--choose", "ms<=1"],
-        6,
-    );
+    let [out, error] = choose("ms<=1", 6);
     assert_eq!(out, "");
     assert_says(&error, &["the closest is ssr, steps = 16 with 5.00"]);
 }
@@ -310,7 +280,7 @@ fn a_cut_last_line_is_said_to_be_left_out() {
     let csv = write(&folder, &synthetic_samples());
     let text = fs::read_to_string(folder.join(&csv)).expect("a table");
     fs::write(folder.join(&csv), &text[..text.len() - 20]).expect("torn");
-    let [_, error] = exits(&folder, &["--samples", &csv, "-o", "."], 0);
+    let [_, error] = exits(&folder, ["--samples", &csv, "-o", "."], 0);
     assert!(error.contains("was cut off and left out"), "{error}");
 }
 
@@ -324,39 +294,35 @@ fn bad_input_is_refused_before_anything_is_measured() {
     fs::write(folder.join("file"), "").expect("a file");
     for (arguments, code, says) in [
         (
-            &["--parameter", "speed"][..],
+            "--parameter speed",
             2,
             "choose from threshold_u, edge_px, reuse_light, steps",
         ),
         (
-            &["--parameter", "steps", "--values", "3"],
+            "--parameter steps --values 3",
             2,
             "a whole number from 8 to 4096",
         ),
-        (&["--parameter", "steps", "--values", "many"], 2, "many"),
-        (&["--values", "3"], 2, "--parameter"),
-        (&["--methods", "ssr,magic"], 2, "magic"),
-        (&["--frames", "0"], 2, "1..=100000"),
-        (&["--sizes", "64"], 2, "WIDTHxHEIGHT"),
-        (&["--choose", "speed>=3"], 2, "cannot be bounded"),
+        ("--parameter steps --values many", 2, "many"),
+        ("--values 3", 2, "--parameter"),
+        ("--methods ssr,magic", 2, "magic"),
+        ("--frames 0", 2, "1..=100000"),
+        ("--sizes 64", 2, "WIDTHxHEIGHT"),
+        ("--choose speed>=3", 2, "cannot be bounded"),
         (
-            &["--parameter", "threshold_u", "--values", "1e300"],
+            "--parameter threshold_u --values 1e300",
             2,
             "must be 0 to 1e12",
         ),
-        (&["--samples", "none.csv"], 2, "cannot be read"),
-        (&["--samples", "empty.csv"], 2, "is empty"),
-        (&["--samples", "torn.csv"], 2, "the header is cut off"),
-        (&["--samples", "rowless.csv"], 2, "holds no samples"),
-        (
-            &["--samples", "other.csv"],
-            2,
-            "there is no column fingerprint",
-        ),
-        (&["none.toml"], 3, "none.toml"),
-        (&["--camera", "none"], 2, "it has: main, side"),
-        (&["-o", "file/below"], 2, "file/below"),
-        (&["paper", "fig9"], 2, "fig1"),
+        ("--samples none.csv", 2, "cannot be read"),
+        ("--samples empty.csv", 2, "is empty"),
+        ("--samples torn.csv", 2, "the header is cut off"),
+        ("--samples rowless.csv", 2, "holds no samples"),
+        ("--samples other.csv", 2, "there is no column fingerprint"),
+        ("none.toml", 3, "none.toml"),
+        ("--camera none", 2, "it has: main, side"),
+        ("-o file/below", 2, "file/below"),
+        ("paper fig9", 2, "fig1"),
     ] {
         let [_, error] = exits(&folder, arguments, code);
         assert!(error.contains(says), "{arguments:?} says {error}");

@@ -21,12 +21,12 @@ fn room(name: &str) -> Option<PathBuf> {
 fn it_lists_choice_and_best() {
     let Some(folder) = room("regret") else { return };
     let arguments = ["regret", "room.toml", "--sizes", "32x18", "--frames", "1"];
-    let [table, _] = exits(&folder, &arguments, 0);
+    let [table, _] = exits(&folder, arguments, 0);
     assert!(
         table.starts_with("| scene |") && table.lines().count() == 3,
         "{table}"
     );
-    let [_, error] = exits(&folder, &["regret", "none.toml"], 3);
+    let [_, error] = exits(&folder, "regret none.toml", 3);
     assert!(error.contains("none.toml"), "{error}");
 }
 
@@ -35,7 +35,7 @@ fn it_lists_choice_and_best() {
 fn it_lists_each_scene_and_size_with_its_regret() {
     let folder = or_skip!(room("regret-sizes"));
     let arguments = words("regret room.toml --sizes 32x18,64x36 --frames 2");
-    let [json, _] = exits(&folder, &[&arguments[..], &["--json"]].concat(), 0);
+    let [json, _] = exits(&folder, [&arguments[..], &["--json"]].concat(), 0);
     let rows: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     let rows = rows.as_array().expect("a list");
     assert_eq!(rows.len(), 2);

@@ -33,26 +33,9 @@ fn write_scenes(folder: &Path) {
 }
 
 /// Arguments for `ssr` and `rt` of a scene, each timed once.
-fn run<'a>(scene: &'a str, out: &'a str, more: &[&'a str]) -> Vec<&'a str> {
-    let run = [
-        scene,
-        "--sizes",
-        "64x36",
-        "--methods",
-        "ssr,rt",
-        "--parameter",
-        "steps",
-        "--values",
-        "64",
-        "--frames",
-        "1",
-        "--warm-up",
-        "1",
-        "--counters",
-        "-o",
-        out,
-    ];
-    [&run[..], more].concat()
+fn run(scene: &str, out: &str, more: &str) -> String {
+    let run = "--sizes 64x36 --methods ssr,rt --parameter steps --values 64";
+    format!("{scene} {run} --frames 1 --warm-up 1 --counters -o {out} {more}")
 }
 
 /// Error metrics and work counters of a sample, without times.
@@ -70,11 +53,11 @@ fn frames_of_a_timeline_are_posed_measured_and_resumed() {
     or_skip!(gpu_or_skip());
     let folder = folder("timeline");
     write_scenes(&folder);
-    let [_, said] = exits(
-        &folder,
-        &run("moves.toml", "out", &["--timeline", "0-4:2"]),
-        0,
-    );
+    let run_moves = |more: &str| {
+        let [_, said] = exits(&folder, run("moves.toml", "out", more), 0);
+        said
+    };
+    let said = run_moves("--timeline 0-4:2");
     assert!(said.contains("Temporal error"), "{said}");
     assert!(said.contains("2 pairs of frames 2 apart"), "{said}");
     assert!(!said.contains("note:"), "{said}");
@@ -96,20 +79,18 @@ fn frames_of_a_timeline_are_posed_measured_and_resumed() {
     }
 
     // Frame 4 equals a static scene with the same values.
-    exits(&folder, &run("stands.toml", "still", &[]), 0);
+    exits(&folder, run("stands.toml", "still", ""), 0);
     let still = samples(&folder.join("still"));
     let [posed, written] = [&first[4..], &still[..]].map(|of| of.iter().map(seen));
     assert_eq!(posed.collect::<Vec<_>>(), written.collect::<Vec<_>>());
 
-    let resume = ["--timeline", "0-4", "--resume"];
-    let [_, said] = exits(&folder, &run("moves.toml", "out", &resume), 0);
+    let said = run_moves("--timeline 0-4 --resume");
     assert!(said.contains("6 frames were measured before"), "{said}");
     let second = samples(&out);
     assert_eq!((second.len(), &second[..6]), (10, &first[..]));
     // Imports of the script are part of the fingerprint.
     fs::write(folder.join("path.rhai"), "fn x(t) { t / 4 }\n").expect("a file");
-    let resume = ["--timeline", "0,4", "--resume"];
-    let [_, said] = exits(&folder, &run("moves.toml", "out", &resume), 0);
+    let said = run_moves("--timeline 0,4 --resume");
     assert!(!said.contains("measured before"), "{said}");
     let third = samples(&out);
     assert_eq!(third.len(), 14);
@@ -121,13 +102,13 @@ fn without_a_list_the_first_frame_is_posed_and_it_is_said() {
     or_skip!(gpu_or_skip());
     let folder = folder("first-frame");
     write_scenes(&folder);
-    let at_4 = ["--set", "timeline.start=4"];
-    let [_, said] = exits(&folder, &run("moves.toml", "one", &at_4), 0);
+    let at_4 = run("moves.toml", "one", "--set timeline.start=4");
+    let [_, said] = exits(&folder, at_4, 0);
     let note = "of the frames 4 to 7 of its timeline only 4 is measured";
     assert_eq!(said.matches(note).count(), 1, "{said}");
     let one = samples(&folder.join("one"));
     assert!(one.iter().all(|s| s.frame == 4 && s.update_ms.is_none()));
-    let [_, said] = exits(&folder, &run("stands.toml", "still", &[]), 0);
+    let [_, said] = exits(&folder, run("stands.toml", "still", ""), 0);
     assert!(!said.contains("timeline"), "{said}");
     let still = samples(&folder.join("still"));
     let [posed, written] = [&one[..], &still[..]].map(|of| of.iter().map(seen));
@@ -141,26 +122,26 @@ fn frames_that_are_not_there_are_refused_before_anything_is_measured() {
     for (scene, more, code, says) in [
         (
             "moves.toml",
-            &["--timeline", "5-9"][..],
+            "--timeline 5-9",
             2,
             "--timeline 5-9: frame 9 is not in the timeline, which has 0 to 7",
         ),
-        ("moves.toml", &["--timeline", "x"], 2, "--timeline x: "),
+        ("moves.toml", "--timeline x", 2, "--timeline x: "),
         (
             "stands.toml",
-            &["--timeline", "0-3"],
+            "--timeline 0-3",
             2,
             "stands.toml has no [timeline]",
         ),
         (
             "moves.toml",
-            &["--timeline", "0-4", "--set", "params.breaks=3"],
+            "--timeline 0-4 --set params.breaks=3",
             3,
             "in frame 3",
         ),
-        ("moves.toml", &["--set", "params.breaks=0"], 3, "in frame 0"),
+        ("moves.toml", "--set params.breaks=0", 3, "in frame 0"),
     ] {
-        let [_, error] = exits(&folder, &run(scene, "bad", more), code);
+        let [_, error] = exits(&folder, run(scene, "bad", more), code);
         assert!(error.contains(says), "{more:?} says {error}");
         assert!(!folder.join("bad").exists(), "{more:?}");
     }

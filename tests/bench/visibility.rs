@@ -26,20 +26,8 @@ fn found_as_render_does(methods: &[&str]) {
         let text = BALLS.replace("SEGMENTS", segments);
         fs::write(folder.join("balls.toml"), text).expect("written");
         let out = format!("out-{segments}");
-        let run = [
-            "balls.toml",
-            "--methods",
-            &list,
-            "--sizes",
-            "32x18",
-            "--frames",
-            "1",
-            "--warm-up",
-            "1",
-            "-o",
-            &out,
-        ];
-        exits(&folder, &run, 0);
+        let run = format!("balls.toml --methods {list} --sizes 32x18 --frames 1 --warm-up 1");
+        exits(&folder, format!("{run} -o {out}"), 0);
         let samples = samples(&folder.join(&out));
         for &method in methods {
             let sample = samples.iter().find(|s| s.method == method);

@@ -25,7 +25,7 @@ fn what_calibrate_measures_decides_and_only_on_its_adapter() {
     or_skip!(gpu_or_skip());
     let folder = folder("calibrate");
     let calibrate = ["calibrate", "-o", "plan.toml", "--frames", "1"];
-    let [table, _] = exits(&folder, &calibrate, 0);
+    let [table, _] = exits(&folder, calibrate, 0);
     assert_says(&table, &["mirror_node", "its kind"]);
     check_plan(&folder);
 }
@@ -62,7 +62,7 @@ fn check_plan(folder: &Path) {
     fs::write(folder.join("foreign.toml"), foreign).expect("a plan");
     let [_, error] = render("foreign.toml", 2);
     assert!(error.contains("was measured on \"another "), "{error}");
-    let [info, _] = exits(folder, &["info", "scene.toml", "--plan", "own.toml"], 0);
+    let [info, _] = exits(folder, "info scene.toml --plan own.toml", 0);
     let decided = "decided     image.visibility = rays on ";
     assert!(
         info.contains(decided) && !info.contains("on GPUs"),
@@ -82,7 +82,7 @@ fn check_plan(folder: &Path) {
 #[test]
 fn no_time_is_spent_on_a_plan_that_cannot_be_written_or_read() {
     let folder = folder("calibrate-refused");
-    let [_, error] = exits(&folder, &["calibrate", "-o", "none/plan.toml"], 2);
+    let [_, error] = exits(&folder, "calibrate -o none/plan.toml", 2);
     assert!(error.contains("there is no folder none"), "{error}");
     fs::write(folder.join("binary.toml"), [0xff, 0xfe]).expect("a file");
     fs::write(folder.join("long.toml"), vec![b'#'; (1 << 16) + 1]).expect("a file");
@@ -92,7 +92,7 @@ fn no_time_is_spent_on_a_plan_that_cannot_be_written_or_read() {
         ("long.toml", "longer than 64 KiB"),
         ("scene.toml", "unknown field"),
     ] {
-        let [_, error] = exits(&folder, &["info", "scene.toml", "--plan", plan], 2);
+        let [_, error] = exits(&folder, ["info", "scene.toml", "--plan", plan], 2);
         let cure = "`reflet calibrate -o FILE` measures";
         assert!(error.contains(why) && error.contains(cure), "{error}");
     }

@@ -29,11 +29,11 @@ fn check_crops(folder_name: &str, kinds: &[(&str, &str)]) -> PathBuf {
         let render = ["render", "scene.toml", "--size", "40x24"];
         exits(
             &folder,
-            &[&render[..], &settings, &["-o", &whole]].concat(),
+            [&render[..], &settings, &["-o", &whole]].concat(),
             0,
         );
         let only = ["--crop", "9,7,16,11", "-o", &crop];
-        exits(&folder, &[&render[..], &settings, &only].concat(), 0);
+        exits(&folder, [&render[..], &settings, &only].concat(), 0);
         let want = part(&folder.join(&whole), [9, 7, 16, 11]);
         assert!(part(&folder.join(&crop), [0, 0, 16, 11]) == want, "{name}");
         let size = image::image_dimensions(folder.join(&crop)).expect("a PNG");
@@ -72,7 +72,7 @@ fn a_crop_has_the_pixels_of_the_whole_picture() {
             "--crop",
             crop,
         ];
-        let [_, error] = exits(&folder, &render, 2);
+        let [_, error] = exits(&folder, render, 2);
         assert!(error.contains(says), "{error}");
     }
     assert!(!names(&folder).contains(&"a.png".to_owned()));

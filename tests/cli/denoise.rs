@@ -15,7 +15,7 @@ const RENDER: &str = "render scene.toml -o a.png --size 96x64 --denoise --aov=no
 #[test]
 fn without_its_library_denoising_says_what_to_install() {
     let folder = folder("denoise-missing");
-    let mut command = reflet(&folder, &words(RENDER));
+    let mut command = reflet(&folder, words(RENDER));
     let output = command.env("REFLET_OIDN", "/nowhere").output();
     let output = output.expect("the program starts");
     let error = String::from_utf8_lossy(&output.stderr);

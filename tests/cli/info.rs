@@ -12,13 +12,13 @@ fn info_counts_warnings_as_check_does_and_lights_of_materials() {
                  emission = [1, 1, 1]\nlight = true\n[model.tube]\nshape = { kind = \"box\" }\n\
                  material = \"tube\"\n[image]\nshutter = 0.5\n";
     fs::write(folder.join("lit.toml"), scene).expect("temporary scene");
-    let [checked, _] = exits(&folder, &["check", "lit.toml"], 0);
+    let [checked, _] = exits(&folder, "check lit.toml", 0);
     assert_eq!(checked, "lit.toml: ok, 1 warning\n");
-    let [text, told] = exits(&folder, &["info", "lit.toml"], 0);
+    let [text, told] = exits(&folder, "info lit.toml", 0);
     assert!(text.contains("\nwarnings    1\n"), "{text}");
     assert!(told.contains("warning[ignored-key]"), "{told}");
     assert!(text.contains("0 disk, 12 triangles that light\n"), "{text}");
-    let [json, _] = exits(&folder, &["info", "lit.toml", "--json"], 0);
+    let [json, _] = exits(&folder, "info lit.toml --json", 0);
     let info: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     assert_eq!(
         (&info["warnings"], &info["light_triangles"]),
@@ -42,7 +42,7 @@ fn info_counts_lamps_of_the_light_tree() {
             scene(count)
         );
         fs::write(folder.join("lamps.toml"), text).expect("temporary scene");
-        exits(&folder, &["info", "lamps.toml"], 0)[0].clone()
+        exits(&folder, "info lamps.toml", 0)[0].clone()
     };
     let says = "65 of them in the light tree, with shadows by rays\n";
     let (few, many) = (told(64), told(65));
@@ -53,9 +53,9 @@ fn info_counts_lamps_of_the_light_tree() {
 #[test]
 fn info_names_the_adapter_and_what_it_has_and_lacks() {
     let folder = folder("info-adapter");
-    let [json, _] = exits(&folder, &["info", "scene.toml", "--json"], 0);
+    let [json, _] = exits(&folder, "info scene.toml --json", 0);
     let info: serde_json::Value = serde_json::from_str(&json).expect("JSON");
-    let [text, _] = exits(&folder, &["info", "scene.toml"], 0);
+    let [text, _] = exits(&folder, "info scene.toml", 0);
     let Some(gpu) = gpu_or_skip() else {
         assert!(
             info["adapter"].is_null() && text.contains("\nadapter     none\n"),
@@ -136,7 +136,7 @@ fn info_prints_the_passes_of_a_frame() {
     assert_eq!(ssr["writes"], serde_json::json!(written));
     let mapped = passes(&["--set", "light.lamp.shadow=map"]);
     assert_eq!(names(&mapped)[0], "shadow");
-    let [text, _] = exits(&folder, &["info", "box.toml", "--frame"], 0);
+    let [text, _] = exits(&folder, "info box.toml --frame", 0);
     assert_eq!(text.lines().count(), 2 + plain.len(), "{text}");
     assert!(
         text.starts_with("frame on all adapters, method hybrid\n"),

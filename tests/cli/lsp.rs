@@ -5,10 +5,11 @@ mod session;
 mod writing;
 
 use crate::common::assert_says;
+use crate::common::folder::kept_folder;
 use std::{
     fs,
     io::{BufRead as _, BufReader, Read as _, Write as _},
-    path::{Path, PathBuf},
+    path::PathBuf,
     process::{Child, ChildStdin, ChildStdout, Command, Stdio},
 };
 
@@ -25,9 +26,7 @@ struct Client {
 
 impl Client {
     fn start(name: &str) -> Self {
-        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("lsp-{name}"));
-        let _ = fs::remove_dir_all(&folder);
-        fs::create_dir_all(&folder).expect("a temporary folder");
+        let folder = kept_folder(&format!("lsp-{name}"), &[]);
         let mut server = Command::new(env!("CARGO_BIN_EXE_reflet"))
             .arg("lsp")
             .stdin(Stdio::piped())

@@ -9,7 +9,7 @@ use crate::common::{cases, gpu_or_skip, words};
 fn usage_errors_exit_with_2_and_say_what_is_wrong() {
     let folder = folder("usage");
     for (arguments, says) in cases(include_str!("messages/usage_errors.txt")) {
-        let [_, error] = exits(&folder, &words(arguments), 2);
+        let [_, error] = exits(&folder, words(arguments), 2);
         assert!(error.contains(says), "{arguments} says {error}");
     }
     assert_eq!(names(&folder), ["scene.toml"]);
@@ -22,10 +22,10 @@ fn render_names_likely_mistakes_that_check_explains() {
     let lamp = "[light.bulb]\nkind = \"point\"\nposition = [0, 0.7, 0]\nintensity_cd = 3\n";
     fs::write(folder.join("lamp.toml"), format!("{SCENE}{lamp}")).expect("written");
     let size = ["-o", "a.png", "--size", "16x9"];
-    let [_, said] = exits(&folder, &[&["render", "lamp.toml"][..], &size].concat(), 0);
+    let [_, said] = exits(&folder, [&["render", "lamp.toml"][..], &size].concat(), 0);
     let note = "note: likely mistakes (light-inside): `reflet check lamp.toml` explains them";
     assert!(said.contains(note), "{said}");
-    let [_, said] = exits(&folder, &[&["render", "scene.toml"][..], &size].concat(), 0);
+    let [_, said] = exits(&folder, [&["render", "scene.toml"][..], &size].concat(), 0);
     assert_eq!(said, "wrote a.png\n");
 }
 

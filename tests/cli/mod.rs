@@ -15,78 +15,41 @@ mod statistics;
 use std::{
     fs,
     path::{Path, PathBuf},
-    process::{Command, Output, Stdio},
+    process::Stdio,
 };
 
-use crate::common::{gpu_or_skip, words};
+use crate::common::{
+    folder::{kept_folder, names},
+    gpu_or_skip,
+    program::{ends, exits, reflet, texts},
+    words,
+};
 
 /// A scene with a mirror, small enough for any machine.
 const SCENE: &str = include_str!("scene.toml");
 
 /// A temporary folder with the scene.
 fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("cli-{name}"));
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).expect("temporary folder");
-    fs::write(folder.join("scene.toml"), SCENE).expect("temporary scene");
-    folder
-}
-
-fn names(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).expect("readable");
-    let mut names: Vec<_> = entries
-        .map(|e| e.expect("entry").file_name().into_string().expect("UTF-8"))
-        .collect();
-    names.sort();
-    names
-}
-
-fn reflet(folder: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_reflet"));
-    command
-        .current_dir(folder)
-        .args(arguments)
-        // Mesa's device-select layer writes to standard error where there is no desktop.
-        .env("NODEVICE_SELECT", "1")
-        .stdin(Stdio::null());
-    command
-}
-
-fn run(folder: &Path, arguments: &[&str]) -> Output {
-    reflet(folder, arguments)
-        .output()
-        .expect("the program starts")
-}
-
-/// Runs the program, checks the exit code, and returns standard output and standard error.
-#[track_caller]
-fn exits(folder: &Path, arguments: &[&str], code: i32) -> [String; 2] {
-    let output = run(folder, arguments);
-    let texts =
-        [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {texts:?}");
-    assert!(!texts[1].contains("panicked"), "{}", texts[1]);
-    texts
+    kept_folder(&format!("cli-{name}"), &[("scene.toml", SCENE)])
 }
 
 #[test]
 fn help_and_version_succeed() {
     let folder = folder("help");
-    assert!(exits(&folder, &["--help"], 0)[0].contains("render"));
-    assert!(exits(&folder, &["--version"], 0)[0].contains(env!("CARGO_PKG_VERSION")));
-    assert!(exits(&folder, &["render", "--help"], 0)[0].contains("REFLET_ADAPTER"));
+    assert!(exits(&folder, "--help", 0)[0].contains("render"));
+    assert!(exits(&folder, "--version", 0)[0].contains(env!("CARGO_PKG_VERSION")));
+    assert!(exits(&folder, "render --help", 0)[0].contains("REFLET_ADAPTER"));
 }
 
 #[cfg(target_os = "linux")]
 #[test]
 fn a_preview_without_a_display_says_what_to_do() {
     let folder = folder("display");
-    let mut command = reflet(&folder, &["preview", "scene.toml"]);
+    let mut command = reflet(&folder, ["preview", "scene.toml"]);
     for name in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
         command.env_remove(name);
     }
-    let text = command.output().expect("it starts").stderr;
-    let text = String::from_utf8_lossy(&text);
+    let [_, text] = texts(&command.output().expect("it starts"));
     let says = "error: there is no display: set DISPLAY or WAYLAND_DISPLAY, or use `reflet render`";
     assert!(text.starts_with(says), "{text}");
 }
@@ -94,26 +57,20 @@ fn a_preview_without_a_display_says_what_to_do() {
 #[test]
 fn scene_errors_exit_with_3_and_point_at_the_place() {
     let folder = folder("scene");
-    fs::write(
-        folder.join("typo.toml"),
-        SCENE.replace("eye = [0, 1, 3]", "eya = [0, 1, 3]"),
-    )
-    .expect("temporary scene");
-    fs::write(
-        folder.join("file.toml"),
-        format!("{SCENE}[model.hall]\nfile = \"gone.glb\"\n"),
-    )
-    .expect("temporary scene");
+    let typo = SCENE.replace("eye = [0, 1, 3]", "eya = [0, 1, 3]");
+    fs::write(folder.join("typo.toml"), typo).expect("temporary scene");
+    let file = format!("{SCENE}[model.hall]\nfile = \"gone.glb\"\n");
+    fs::write(folder.join("file.toml"), file).expect("temporary scene");
     for (arguments, says) in [
-        (&["check", "typo.toml"][..], "typo.toml:3:1"),
-        (&["info", "typo.toml"], "eye"),
-        (&["render", "typo.toml", "-o", "a.png"], "typo.toml:3:1"),
-        (&["check", "missing.toml"], "missing.toml"),
-        (&["check", "."], "folder"),
-        (&["check", "file.toml"], "gone.glb"),
-        (&["check", "scene.toml", "--set", "image.sise=3"], "sise"),
+        ("check typo.toml", "typo.toml:3:1"),
+        ("info typo.toml", "eye"),
+        ("render typo.toml -o a.png", "typo.toml:3:1"),
+        ("check missing.toml", "missing.toml"),
+        ("check .", "folder"),
+        ("check file.toml", "gone.glb"),
+        ("check scene.toml --set image.sise=3", "sise"),
         (
-            &words("render scene.toml -o a.exr --set image.samples=-1"),
+            "render scene.toml -o a.exr --set image.samples=-1",
             "samples",
         ),
     ] {
@@ -127,19 +84,16 @@ fn scene_errors_exit_with_3_and_point_at_the_place() {
 fn check_and_info_need_no_gpu() {
     let folder = folder("no-gpu");
     // No adapter matches: a command that uses the GPU would fail.
-    let without_gpu = |arguments: &[&str]| {
-        let output = reflet(&folder, arguments)
-            .env("REFLET_ADAPTER", "no such adapter")
-            .output()
-            .expect("the program starts");
-        assert_eq!(output.status.code(), Some(0), "{output:?}");
-        String::from_utf8_lossy(&output.stdout).into_owned()
+    let without_gpu = |arguments: &str| {
+        let mut command = reflet(&folder, arguments);
+        let [out, _] = ends(command.env("REFLET_ADAPTER", "no such adapter"), 0);
+        out
     };
-    assert_eq!(without_gpu(&["check", "scene.toml"]), "scene.toml: ok\n");
-    let text = without_gpu(&["info", "scene.toml"]);
+    assert_eq!(without_gpu("check scene.toml"), "scene.toml: ok\n");
+    let text = without_gpu("info scene.toml");
     assert!(text.contains("instances   2, 0 dynamic"), "{text}");
-    assert!(without_gpu(&["info"]).contains("the built-in atrium"));
-    let json = without_gpu(&["info", "scene.toml", "--json"]);
+    assert!(without_gpu("info").contains("the built-in atrium"));
+    let json = without_gpu("info scene.toml --json");
     let info: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     assert_eq!(info["instances"], 2);
     assert_eq!(info["lights"], serde_json::json!([0, 0, 1, 0, 0]));
@@ -151,15 +105,9 @@ fn check_and_info_need_no_gpu() {
 #[test]
 fn without_a_matching_adapter_the_code_is_4_and_no_file_appears() {
     let folder = folder("adapter");
-    let arguments = [
-        "render",
-        "scene.toml",
-        "-o",
-        "a.png",
-        "--adapter",
-        "no such adapter",
-    ];
-    let [_, error] = exits(&folder, &arguments, 4);
+    let render = words("render scene.toml -o a.png --adapter");
+    let arguments = [&render[..], &["no such adapter"]].concat();
+    let [_, error] = exits(&folder, arguments, 4);
     assert!(
         error.contains("no such adapter") || error.contains("install"),
         "{error}"
@@ -173,16 +121,8 @@ fn a_picture_is_written_with_its_aovs_and_statistics() {
     let folder = folder("picture");
     let render = "render scene.toml --size 33x17 --set reflection.method=hybrid \
                   --set image.visibility=raster --aov source,depth";
-    let render: Vec<&str> = render.split_whitespace().collect();
-    let [out, error] = exits(
-        &folder,
-        &[
-            &render[..],
-            &["-o", "a.png", "--stats", "json", "--counters"],
-        ]
-        .concat(),
-        0,
-    );
+    let counted = format!("{render} -o a.png --stats json --counters");
+    let [out, error] = exits(&folder, counted, 0);
     assert!(error.contains("wrote a.png"), "{error}");
     let stats: serde_json::Value =
         serde_json::from_str(&out).expect("JSON alone on standard output");
@@ -201,13 +141,13 @@ fn a_picture_is_written_with_its_aovs_and_statistics() {
         stats["counts"][1]["march_steps"].as_u64() > Some(0),
         "{out}"
     );
-    let [_, error] = exits(&folder, &["render", "-o", "c.png", "--counters"], 2);
+    let [_, error] = exits(&folder, "render -o c.png --counters", 2);
     assert!(error.contains("--stats"), "{error}");
     let size = image::image_dimensions(folder.join("a.png")).expect("a PNG");
     assert_eq!(size, (33, 17));
 
-    let other = words("-o b.exr --method rt --samples 2 --camera top --stats text");
-    let [out, _] = exits(&folder, &[&render[..], &other].concat(), 0);
+    let other = "-o b.exr --method rt --samples 2 --camera top --stats text";
+    let [out, _] = exits(&folder, format!("{render} {other}"), 0);
     assert!(
         out.contains("reflective") && out.contains("samples 2") && !out.contains("counted"),
         "{out}"
@@ -232,11 +172,7 @@ fn a_picture_is_written_with_its_aovs_and_statistics() {
 fn one_pixel_and_a_broken_shader_of_ones_own() {
     or_skip!(gpu_or_skip());
     let folder = folder("edges");
-    exits(
-        &folder,
-        &["render", "scene.toml", "-o", "a.png", "--size", "1x1"],
-        0,
-    );
+    exits(&folder, "render scene.toml -o a.png --size 1x1", 0);
     let shaders = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
     fs::create_dir_all(folder.join("own/lib")).expect("folder");
     for below in ["", "lib"] {
@@ -251,16 +187,13 @@ fn one_pixel_and_a_broken_shader_of_ones_own() {
             }
         }
     }
-    let render = ["render", "scene.toml", "--size", "8x8", "--shaders", "own"];
-    exits(&folder, &[&render[..], &["-o", "b.png"]].concat(), 0);
+    let render = "render scene.toml --size 8x8 --shaders own";
+    exits(&folder, format!("{render} -o b.png"), 0);
     let tone = folder.join("own/tone.wgsl");
     let text = fs::read_to_string(&tone).expect("copied");
-    fs::write(
-        &tone,
-        format!("// first line\nconst broken: u32 = 1.5;\n{text}"),
-    )
-    .expect("written");
-    let [_, error] = exits(&folder, &[&render[..], &["-o", "c.png"]].concat(), 2);
+    let broken = format!("// first line\nconst broken: u32 = 1.5;\n{text}");
+    fs::write(&tone, broken).expect("written");
+    let [_, error] = exits(&folder, format!("{render} -o c.png"), 2);
     assert!(error.contains("tone.wgsl:2:"), "{error}");
     assert!(!folder.join("c.png").exists());
 }
@@ -268,10 +201,10 @@ fn one_pixel_and_a_broken_shader_of_ones_own() {
 #[test]
 fn the_schema_and_the_manual_are_printed() {
     let folder = folder("manual");
-    let [schema, _] = exits(&folder, &["schema"], 0);
+    let [schema, _] = exits(&folder, "schema", 0);
     let schema: serde_json::Value = serde_json::from_str(&schema).expect("JSON");
     assert!(schema["properties"]["reflection"].is_object());
-    let [manual, _] = exits(&folder, &["manual"], 0);
+    let [manual, _] = exits(&folder, "manual", 0);
     assert!(manual.contains("threshold_u"));
 }
 
@@ -282,18 +215,10 @@ fn comparing_a_picture_with_itself_passes_and_a_crossed_threshold_exits_with_6()
         let picture = image::RgbImage::from_pixel(32, 32, image::Rgb([value; 3]));
         picture.save(folder.join(name)).expect("temporary picture");
     }
-    exits(
-        &folder,
-        &["compare", "a.png", "a.png", "--max-flip", "0.01"],
-        0,
-    );
-    let [out, _] = exits(
-        &folder,
-        &["compare", "a.png", "b.png", "--max-flip", "0.01"],
-        6,
-    );
+    exits(&folder, "compare a.png a.png --max-flip 0.01", 0);
+    let [out, _] = exits(&folder, "compare a.png b.png --max-flip 0.01", 6);
     assert!(out.contains("FAILED"), "{out}");
-    let [_, error] = exits(&folder, &["compare", "a.png", "gone.png"], 2);
+    let [_, error] = exits(&folder, "compare a.png gone.png", 2);
     assert!(error.contains("gone.png"), "{error}");
 }
 
@@ -302,7 +227,7 @@ fn comparing_a_picture_with_itself_passes_and_a_crossed_threshold_exits_with_6()
 fn a_reader_that_leaves_early_is_no_error() {
     use std::io::Read as _;
     let folder = folder("pipe");
-    let mut child = reflet(&folder, &["info", "--json"])
+    let mut child = reflet(&folder, ["info", "--json"])
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()

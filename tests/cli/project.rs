@@ -51,25 +51,25 @@ pub fn show(name: &str, project: &str) -> std::path::PathBuf {
 #[test]
 fn names_climb_inside_a_project_and_nowhere_else() {
     let folder = show("project-border", "scripts = \"scripts\"\n");
-    let [text, _] = exits(&folder, &["check", "show/shots/a.toml"], 0);
+    let [text, _] = exits(&folder, "check show/shots/a.toml", 0);
     let border = folder.join("show").canonicalize().expect("there");
     let says = format!(
         "in the project \"show\" with the border {}",
         border.display()
     );
     assert!(text.contains(&says), "{text}");
-    let [text, _] = exits(&folder, &["info", "show/shots/a.toml"], 0);
+    let [text, _] = exits(&folder, "info show/shots/a.toml", 0);
     assert!(
         text.contains(&format!("\nborder      {}\n", border.display())),
         "{text}"
     );
     assert!(text.contains("instances   2,"), "{text}");
     // Without the project, and from outside of it, nothing may climb.
-    let [_, error] = exits(&folder, &["check", "show/shots/a.toml", "--no-project"], 3);
+    let [_, error] = exits(&folder, "check show/shots/a.toml --no-project", 3);
     assert!(error.contains("show/shots/a.toml:2:8"), "{error}");
     assert!(error.contains("reflet.toml"), "{error}");
     let named = ["check", "outside.toml", "--project", "show"];
-    let [_, error] = exits(&folder, &named, 3);
+    let [_, error] = exits(&folder, named, 3);
     assert!(error.contains("it is not in the project"), "{error}");
     let named = [
         "check",
@@ -77,7 +77,7 @@ fn names_climb_inside_a_project_and_nowhere_else() {
         "--project",
         "show/reflet.toml",
     ];
-    exits(&folder, &named, 0);
+    exits(&folder, named, 0);
     // The border holds for every kind of name.
     for (key, at) in [
         ("base = \"../../outside.toml\"", "a.toml:2:8"),
@@ -92,7 +92,7 @@ fn names_climb_inside_a_project_and_nowhere_else() {
     ] {
         let text = format!("version = 1\n{key}\n");
         fs::write(folder.join("show/shots/a.toml"), text).expect("written");
-        let [_, error] = exits(&folder, &["check", "show/shots/a.toml"], 3);
+        let [_, error] = exits(&folder, "check show/shots/a.toml", 3);
         assert!(error.contains(at), "{key}: {error}");
         assert!(
             error.contains("leads out of") || error.contains("leaves"),
@@ -109,7 +109,7 @@ fn links_out_of_a_project_are_refused() {
     let show = folder.join("show");
     symlink(folder.join("outside.toml"), show.join("link.toml")).expect("a link");
     fs::write(show.join("a.toml"), "version = 1\nbase = \"link.toml\"\n").expect("written");
-    let [_, error] = exits(&folder, &["check", "show/a.toml"], 3);
+    let [_, error] = exits(&folder, "check show/a.toml", 3);
     assert_says(&error, &["a.toml:2:8", "leads out of the project"]);
     // A link inside of it is a file like any other.
     fs::remove_file(show.join("link.toml")).expect("there");
@@ -119,7 +119,7 @@ fn links_out_of_a_project_are_refused() {
         "version = 1\nbase = \"link.toml\"\n",
     )
     .expect("written");
-    exits(&folder, &["check", "show/shots/b.toml"], 0);
+    exits(&folder, "check show/shots/b.toml", 0);
     symlink(&folder, show.join("all")).expect("a link");
     symlink(&show, show.join("itself")).expect("a link");
     for (text, says) in [
@@ -133,7 +133,7 @@ fn links_out_of_a_project_are_refused() {
         ),
     ] {
         fs::write(show.join("reflet.toml"), text).expect("written");
-        let [_, error] = exits(&folder, &["check", "show/shots/b.toml"], 3);
+        let [_, error] = exits(&folder, "check show/shots/b.toml", 3);
         assert!(
             says.iter().all(|say| error.contains(say)),
             "{text}: {error}"
@@ -142,7 +142,7 @@ fn links_out_of_a_project_are_refused() {
     // The file itself is no link to another folder, whose files would be reached by it.
     fs::rename(show.join("reflet.toml"), folder.join("other.toml")).expect("moved");
     symlink(folder.join("other.toml"), show.join("reflet.toml")).expect("a link");
-    let [_, error] = exits(&folder, &["check", "show/shots/b.toml"], 3);
+    let [_, error] = exits(&folder, "check show/shots/b.toml", 3);
     assert_says(&error, &["must not be a link to another folder"]);
 }
 
@@ -155,7 +155,7 @@ fn mistakes_of_a_project_have_their_places() {
     )) {
         let says: Vec<&str> = says.split(" | ").collect();
         fs::write(&file, format!("{text}\n")).expect("written");
-        let [_, error] = exits(&folder, &["check", "show/base.toml"], 3);
+        let [_, error] = exits(&folder, "check show/base.toml", 3);
         assert!(
             says.iter().all(|say| error.contains(say)),
             "{text}: {error}"
@@ -171,12 +171,12 @@ fn mistakes_of_a_project_have_their_places() {
         (vec![0xff], "UTF-8"),
     ] {
         fs::write(&file, bytes).expect("written");
-        let [_, error] = exits(&folder, &["check", "show/base.toml"], 3);
+        let [_, error] = exits(&folder, "check show/base.toml", 3);
         assert_says(&error, &[says, "reflet.toml"]);
     }
     // A folder that does not exist is a warning, as for `--assets`.
     fs::write(&file, "assets = [\"gone\"]\n").expect("written");
-    let [text, error] = exits(&folder, &["check", "show/base.toml"], 0);
+    let [text, error] = exits(&folder, "check show/base.toml", 0);
     assert!(
         text.contains("1 warning") && error.contains("reflet.toml:1:11"),
         "{text}{error}"
@@ -212,12 +212,12 @@ fn no_output_of_a_project_follows_a_link() {
         ("real/d.apng", &[]),
     ] {
         fs::write(show.join("reflet.toml"), format!("output = \"{output}\"\n")).expect("written");
-        let [_, error] = exits(&folder, &[&render[..2], arguments].concat(), 2);
+        let [_, error] = exits(&folder, [&render[..2], arguments].concat(), 2);
         assert!(error.contains("is a link"), "{output}: {error}");
     }
     let [_, error] = exits(
         &folder,
-        &[&render[..], &["-o", "show/real/f.#.png"]].concat(),
+        [&render[..], &["-o", "show/real/f.#.png"]].concat(),
         2,
     );
     assert!(error.contains("is a link"), "{error}");
@@ -231,8 +231,8 @@ fn no_output_of_a_project_follows_a_link() {
 #[test]
 fn a_pack_of_a_project_names_it_and_is_marked_when_unpacked() {
     let folder = show("project-pack", "scripts = \"scripts\"\n");
-    exits(&folder, &["pack", "show/shots/a.toml", "-o", "a.zip"], 0);
-    let [command, _] = exits(&folder, &["unpack", "a.zip", "-o", "elsewhere"], 0);
+    exits(&folder, "pack show/shots/a.toml -o a.zip", 0);
+    let [command, _] = exits(&folder, "unpack a.zip -o elsewhere", 0);
     assert_eq!(
         command,
         "reflet render elsewhere/shots/a.toml -o picture.png --project elsewhere/\n"
@@ -250,14 +250,14 @@ fn a_pack_of_a_project_names_it_and_is_marked_when_unpacked() {
     assert_eq!(names(&unpacked), list);
     exits(
         &folder,
-        &["check", "elsewhere/shots/a.toml", "--project", "elsewhere/"],
+        "check elsewhere/shots/a.toml --project elsewhere/",
         0,
     );
     // A scene that was unpacked is of no project that is only found, its own or one around it.
     fs::write(folder.join("reflet.toml"), "").expect("written");
-    let [_, error] = exits(&folder, &["check", "elsewhere/shots/a.toml"], 3);
+    let [_, error] = exits(&folder, "check elsewhere/shots/a.toml", 3);
     assert!(error.contains("a.toml:2:8"), "{error}");
-    let [text, _] = exits(&folder, &["check", "scene.toml"], 0);
+    let [text, _] = exits(&folder, "check scene.toml", 0);
     assert!(text.contains("in the project"), "{text}");
 }
 
@@ -288,22 +288,22 @@ fn jobs_name_the_project() {
 #[test]
 fn a_new_project_checks_and_renders() {
     let folder = folder("project-new");
-    let [_, said] = exits(&folder, &["new", "my show"], 0);
+    let [_, said] = exits(&folder, ["new", "my show"], 0);
     assert_says(
         &said,
         &["`reflet render 'my show/scenes/main.toml' --size draft`"],
     );
-    let [text, warnings] = exits(&folder, &["check", "my show/scenes/main.toml"], 0);
+    let [text, warnings] = exits(&folder, ["check", "my show/scenes/main.toml"], 0);
     assert_says(&text, &["ok, 1 variant, in the project \"my show\""]);
     assert_eq!(warnings, "");
     // Nothing is replaced, nor left where it cannot be made.
     fs::write(folder.join("my show/reflet.toml"), "name = \"mine\"\n").expect("written");
-    exits(&folder, &["new", "my show"], 2);
-    exits(&folder, &["new", "scene.toml"], 2);
-    exits(&folder, &["new", "gone/show"], 2);
-    exits(&folder, &["new", ".."], 2);
-    exits(&folder, &["new", "a\nb"], 2);
-    exits(&folder, &["check", "my show/reflet.toml"], 3);
+    exits(&folder, ["new", "my show"], 2);
+    exits(&folder, "new scene.toml", 2);
+    exits(&folder, "new gone/show", 2);
+    exits(&folder, "new ..", 2);
+    exits(&folder, ["new", "a\nb"], 2);
+    exits(&folder, ["check", "my show/reflet.toml"], 3);
     let own = fs::read_to_string(folder.join("my show/reflet.toml")).expect("there");
     assert_eq!(own, "name = \"mine\"\n");
     assert_eq!(names(&folder), ["my show", "scene.toml"]);
@@ -314,11 +314,11 @@ fn a_new_project_checks_and_renders() {
 fn a_new_project_renders_without_arguments() {
     or_skip!(gpu_or_skip());
     let folder = folder("project-new-render");
-    exits(&folder, &["new", "show"], 0);
+    exits(&folder, "new show", 0);
     let quick = ["--size", "64x36", "--samples", "1"];
     exits(
         &folder,
-        &[&["render", "show/scenes/main.toml"], &quick[..]].concat(),
+        [&["render", "show/scenes/main.toml"], &quick[..]].concat(),
         0,
     );
     assert_eq!(names(&folder.join("show/renders")), ["main.main.png"]);

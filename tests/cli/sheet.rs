@@ -13,7 +13,7 @@ fn a_sheet_has_the_pictures_that_render_writes() {
     fs::write(folder.join("scene.toml"), format!("{SCENE}{more}")).expect("written");
     let settings = ["--size", "16x9"];
     let all = words("sheet scene.toml -o all.png --variants all --camera all");
-    let [_, said] = exits(&folder, &[&all[..], &settings].concat(), 0);
+    let [_, said] = exits(&folder, [&all[..], &settings].concat(), 0);
     for label in [
         "1 of 4: plain / main",
         "2 of 4: plain / top",
@@ -26,7 +26,7 @@ fn a_sheet_has_the_pictures_that_render_writes() {
         .to_rgba8();
     assert_eq!(sheet.dimensions(), (8 + 2 * 24, 8 + 2 * 33));
     let one = words("render scene.toml -o one.png --camera top --variant dark");
-    exits(&folder, &[&one[..], &settings].concat(), 0);
+    exits(&folder, [&one[..], &settings].concat(), 0);
     let one = image::open(folder.join("one.png"))
         .expect("a PNG")
         .to_rgba8();
@@ -36,28 +36,20 @@ fn a_sheet_has_the_pictures_that_render_writes() {
         "the last picture is that of render"
     );
     let frames = ["sheet", "scene.toml", "-o", "frames.png", "--frames", "all"];
-    let [_, said] = exits(&folder, &[&frames[..], &settings].concat(), 0);
+    let [_, said] = exits(&folder, [&frames[..], &settings].concat(), 0);
     assert!(said.contains("2 of 2: frame 1"), "{said}");
     for (arguments, code, says) in [
-        (&["-o", "a.exr"][..], 2, ".png"),
+        ("-o a.exr", 2, ".png"),
+        ("-o a.png --variants bright", 3, "no variant is named"),
+        ("-o a.png --camera left", 2, "no such camera"),
+        ("-o a.png --frames 7", 2, "7"),
         (
-            &["-o", "a.png", "--variants", "bright"],
-            3,
-            "no variant is named",
-        ),
-        (&["-o", "a.png", "--camera", "left"], 2, "no such camera"),
-        (&["-o", "a.png", "--frames", "7"], 2, "7"),
-        (
-            &["-o", "a.png", "--size", "16000x9", "--camera", "all"],
+            "-o a.png --size 16000x9 --camera all",
             2,
             "at most 16384 pixels",
         ),
     ] {
-        let [_, error] = exits(
-            &folder,
-            &[&["sheet", "scene.toml"], arguments].concat(),
-            code,
-        );
+        let [_, error] = exits(&folder, format!("sheet scene.toml {arguments}"), code);
         assert!(error.contains(says), "{arguments:?}: {error}");
     }
     assert_eq!(

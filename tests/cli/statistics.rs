@@ -13,7 +13,7 @@ fn passes_are_timed_after_a_warm_up_that_changes_no_picture() {
     let render = |output: &str, stats: &[&str]| {
         let scene = ["render", "scene.toml", "--size", "33x17", "--samples", "2"];
         let visibility = ["--set", "image.visibility=raster", "-o", output];
-        exits(&folder, &[&scene[..], &visibility, stats].concat(), 0)
+        exits(&folder, [&scene[..], &visibility, stats].concat(), 0)
     };
     let [out, _] = render("a.png", &["--stats", "json"]);
     let stats: serde_json::Value = serde_json::from_str(&out).expect("JSON");

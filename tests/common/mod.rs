@@ -3,6 +3,8 @@
 #![allow(dead_code, unused_macros, reason = "not every test uses every helper")]
 
 pub mod animated;
+pub mod folder;
+pub mod program;
 pub mod readme;
 
 use std::path::{Path, PathBuf};

@@ -1,10 +1,6 @@
 //! Temporary picture files to compare.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-    sync::atomic::{AtomicUsize, Ordering},
-};
+use std::path::{Path, PathBuf};
 
 use clap::Parser;
 use exr::prelude::*;
@@ -15,32 +11,10 @@ use reflet::{
     scene::diagnostic::Diagnostic,
 };
 
-/// A folder that is removed after the test.
-pub struct Folder(PathBuf);
+pub use crate::common::folder::Folder;
+use crate::common::folder::names;
 
 impl Folder {
-    pub fn new() -> Self {
-        static NEXT: AtomicUsize = AtomicUsize::new(0);
-        let unique = format!(
-            "{}-{}",
-            std::process::id(),
-            NEXT.fetch_add(1, Ordering::Relaxed)
-        );
-        let path = std::env::temp_dir().join(format!("reflet-compare-{unique}"));
-        fs::create_dir_all(&path).expect("a temporary folder");
-        Self(path)
-    }
-
-    pub fn path(&self, name: &str) -> PathBuf {
-        self.0.join(name)
-    }
-
-    pub fn write(&self, name: &str, bytes: &[u8]) -> PathBuf {
-        let path = self.path(name);
-        fs::write(&path, bytes).expect("a temporary file");
-        path
-    }
-
     pub fn png(&self, name: &str, picture: impl Into<DynamicImage>) -> PathBuf {
         let path = self.path(name);
         picture
@@ -64,17 +38,7 @@ impl Folder {
     }
 
     pub fn names(&self) -> Vec<String> {
-        let entries = fs::read_dir(&self.0).expect("the folder");
-        let name = |e: std::io::Result<fs::DirEntry>| e.expect("an entry").file_name();
-        let mut names: Vec<String> = entries.map(|e| name(e).to_string_lossy().into()).collect();
-        names.sort();
-        names
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
+        names(&self.0)
     }
 }
 

@@ -1,33 +1,26 @@
 //! `check` and `info` on scenes with a timeline; neither needs a GPU.
 
-use crate::common::assert_says;
-use std::{fs, path::Path, process::Command};
+use std::{fs, path::Path};
 
 use super::{SCRIPT, folder};
+use crate::common::{
+    assert_says,
+    program::{Arguments, ends, exits, reflet},
+};
 
-/// Runs a command; returns exit code, standard output and standard error.
-fn reflet(folder: &Path, command: &str, scene: &str) -> (Option<i32>, String, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
-        .current_dir(folder)
-        .args([command, scene])
-        .env("REFLET_ADAPTER", "no such adapter")
-        .output()
-        .expect("the program starts");
-    let [out, err] = [output.stdout, output.stderr];
-    let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
-    (output.status.code(), text(out), text(err))
+/// Runs a command without an adapter, checks the exit code; returns standard output and standard error.
+#[track_caller]
+pub fn without_gpu(folder: &Path, arguments: impl Arguments, code: i32) -> [String; 2] {
+    let mut command = reflet(folder, arguments);
+    ends(command.env("REFLET_ADAPTER", "no such adapter"), code)
 }
 
 #[test]
 fn check_poses_every_frame_and_info_lists_them() {
     let folder = folder("checked");
-    let (code, out, err) = reflet(&folder, "check", "scene.toml");
-    assert_eq!(
-        (code, out.as_str()),
-        (Some(0), "scene.toml: ok, 6 frames\n"),
-        "{err}"
-    );
-    let (_, out, err) = reflet(&folder, "info", "scene.toml");
+    let [out, _] = without_gpu(&folder, "check scene.toml", 0);
+    assert_eq!(out, "scene.toml: ok, 6 frames\n");
+    let [out, err] = without_gpu(&folder, "info scene.toml", 0);
     for line in [
         "timeline    frames 0 to 5 at 10 fps\n",
         "moves       camera \"main\"\n",
@@ -47,8 +40,7 @@ fn check_reports_the_first_frame_of_each_mistake() {
                  if ctx.frame == 1 { throw \"one\"; }\n";
     let script = SCRIPT.replace("fn frame(ctx) {\n", wrong);
     fs::write(folder.join("s.rhai"), script).expect("temporary script");
-    let (code, _, err) = reflet(&folder, "check", "scene.toml");
-    assert_eq!(code, Some(3), "{err}");
+    let [_, err] = without_gpu(&folder, "check scene.toml", 3);
     for says in [
         "late (in frame 3)",
         "s.rhai:2:",
@@ -68,8 +60,7 @@ fn check_shows_what_the_script_prints_in_the_order_of_the_frames() {
     );
     let script = format!("fn setup(ctx) {{ print(\"once\"); }}\n{script}");
     fs::write(folder.join("s.rhai"), script).expect("temporary script");
-    let (code, _, err) = reflet(&folder, "check", "scene.toml");
-    assert_eq!(code, Some(0), "{err}");
+    let [_, err] = without_gpu(&folder, "check scene.toml", 0);
     let lines: Vec<_> = err.lines().collect();
     let frames = (0..6).map(|frame| format!("frame {frame}: s.rhai:3: at {frame}"));
     let wanted: Vec<_> = std::iter::once("s.rhai:1: once".to_owned())
@@ -89,8 +80,8 @@ fn check_stops_after_a_script_met_a_limit() {
              fn frame(ctx) {{\n    switch ctx.frame {{ {frames} }}\n}}\n"
         );
         fs::write(folder.join("s.rhai"), script).expect("temporary script");
-        let (code, out, err) = reflet(&folder, "check", "scene.toml");
-        assert_eq!((code, out.as_str()), (Some(3), ""), "{err}");
+        let [out, err] = without_gpu(&folder, "check scene.toml", 3);
+        assert_eq!(out, "", "{err}");
         err
     };
     // Frames are posed in the order 0, 5, 4, 2, 1 and 3.
@@ -115,16 +106,9 @@ fn what_has_no_effect_is_warned_of() {
     let cuts = "timeline = { fps = 10, end = 5, cuts = [{ frame = 40, camera = \"main\" }] }";
     let text = super::SCENE.replace("timeline = { fps = 10, end = 5 }", cuts);
     fs::write(folder.join("scene.toml"), text).expect("written");
-    let (code, _, err) = reflet(&folder, "check", "scene.toml");
-    assert_eq!(code, Some(0), "{err}");
+    let [_, err] = without_gpu(&folder, "check scene.toml", 0);
     assert_says(&err, &["warning[late-cut]", "scene.toml:4:64"]);
-    let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
-        .current_dir(&folder)
-        .args(["info", "scene.toml", "--assets", "nope", "--assets", "."])
-        .output()
-        .expect("the program starts");
-    let err = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{err}");
+    let [_, err] = exits(&folder, "info scene.toml --assets nope --assets .", 0);
     assert_eq!(err.matches("warning[no-folder]").count(), 1, "{err}");
 }
 
@@ -146,8 +130,7 @@ fn what_a_near_plane_cuts_away_is_told() {
         ("", false),
     ] {
         fs::write(folder.join("near.toml"), scene(near)).expect("written");
-        let (code, out, err) = reflet(&folder, "check", "near.toml");
-        assert_eq!(code, Some(0), "{out}{err}");
+        let [_, err] = without_gpu(&folder, "check near.toml", 0);
         let told = err.contains("cut-view")
             && err.contains("near.toml:4:9")
             && err.contains("`near_m = 0.1`");
@@ -166,26 +149,20 @@ fn text_of_files_does_not_control_the_terminal() {
                   fn frame(ctx) { print(\"\\x1b[1m\"); }\n";
     fs::write(folder.join("s.rhai"), script).expect("written");
     let is_plain = |c: char| !c.is_control() || c == '\n' || c == '\t';
-    for arguments in [
-        &["check"][..],
-        &["info"],
-        &["info", "--json"],
-        &["render", "-o", "f.#.png", "--camera", "none"],
-        &["render", "-o", "f.#.png", "--camera", "all"],
+    for (arguments, code) in [
+        ("check scene.toml", 0),
+        ("info scene.toml", 0),
+        ("info scene.toml --json", 0),
+        ("render scene.toml -o f.#.png --camera none", 2),
+        ("render scene.toml -o f.#.png --camera all", 4),
     ] {
-        let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
-            .current_dir(&folder)
-            .args([&[arguments[0], "scene.toml"], &arguments[1..]].concat())
-            .env("REFLET_ADAPTER", "no such adapter")
-            .output()
-            .expect("the program starts");
-        let said = [&output.stdout[..], &output.stderr].concat();
-        let said = String::from_utf8(said).expect("text");
+        let [out, err] = without_gpu(&folder, arguments, code);
+        let said = format!("{out}{err}");
         assert!(said.contains("pwn"), "{arguments:?}: {said:?}");
         let raw: Vec<char> = said.chars().filter(|c| !is_plain(*c)).collect();
         assert!(raw.is_empty(), "{arguments:?}: {said:?}");
-        if arguments == ["info", "--json"] {
-            let info: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        if arguments.ends_with("--json") {
+            let info: serde_json::Value = serde_json::from_str(&out).expect("JSON");
             let names = info["cameras"].as_array().expect("names");
             assert!(
                 names

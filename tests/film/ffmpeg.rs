@@ -9,8 +9,8 @@ use std::{
     process::{Command, Stdio},
 };
 
-use super::folder;
-use crate::common::{assert_says, gpu_or_skip};
+use super::{folder, rendering};
+use crate::common::{assert_says, folder::names, gpu_or_skip, program::ends};
 
 pub fn is_there(tool: &str) -> bool {
     let found = Command::new(tool).arg("-version").output().is_ok();
@@ -20,32 +20,11 @@ pub fn is_there(tool: &str) -> bool {
     found
 }
 
-fn reflet(folder: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_reflet"));
-    command
-        .current_dir(folder)
-        .args(["render", "scene.toml"])
-        .args(arguments)
-        .env("NODEVICE_SELECT", "1")
-        .stdin(Stdio::null());
-    command
-}
-
-/// Runs with only this folder in `PATH`; returns exit code and standard error.
-fn with_path(folder: &Path, path: &str, arguments: &[&str]) -> (Option<i32>, String) {
-    let output = reflet(folder, arguments).env("PATH", path).output();
-    let output = output.expect("the program starts");
-    let text = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(!text.contains("panicked"), "{text}");
-    (output.status.code(), text)
-}
-
-fn names(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).expect("readable");
-    let names = entries.map(|e| e.expect("entry").file_name().to_string_lossy().into_owned());
-    let mut names: Vec<_> = names.collect();
-    names.sort();
-    names
+/// Runs with only this folder in `PATH`, checks the exit code; returns standard error.
+#[track_caller]
+fn with_path(folder: &Path, path: &str, arguments: &str, code: i32) -> String {
+    let [_, error] = ends(rendering(folder, arguments).env("PATH", path), code);
+    error
 }
 
 #[test]
@@ -55,7 +34,7 @@ fn films_have_every_frame_at_its_time() {
     }
     let folder = folder("ffmpeg");
     for name in ["f.mp4", "f.webm", "f.mov", "f.mkv"] {
-        super::render(&folder, &["-o", name], 0);
+        super::render(&folder, ["-o", name], 0);
         let shown = "stream=nb_read_frames,width,height,r_frame_rate,pix_fmt,color_space";
         let probe = Command::new("ffprobe")
             .current_dir(&folder)
@@ -79,7 +58,7 @@ fn films_have_every_frame_at_its_time() {
     let bytes = fs::read(folder.join("f.mp4")).expect("it is there");
     let place = |tag: &[u8]| bytes.windows(4).position(|part| part == tag);
     assert!(place(b"moov").is_some() && place(b"moov") < place(b"mdat"));
-    let text = super::render(&folder, &["-o", "odd.mp4", "--size", "25x15"], 2);
+    let text = super::render(&folder, "-o odd.mp4 --size 25x15", 2);
     assert_says(&text, &["choose --size 26x16, or write .apng"]);
     assert!(!folder.join("odd.mp4").exists());
 }
@@ -93,7 +72,7 @@ fn a_folder_may_have_a_colon_in_its_name() {
     let folder = folder("ffmpeg-colon");
     fs::create_dir(folder.join("take:2")).expect("new");
     for name in ["take:2/f.mp4", "take:2/f.webm"] {
-        super::render(&folder, &["-o", name], 0);
+        super::render(&folder, ["-o", name], 0);
         assert!(folder.join(name).is_file(), "{name}");
     }
 }
@@ -105,7 +84,7 @@ fn rates_that_a_format_cannot_have_are_refused_before_rendering() {
     let before = names(&folder);
     for (name, fps) in [("f.mp4", "1e-9"), ("f.webm", "0.5"), ("f.apng", "1e-9")] {
         let rate = format!("timeline.fps={fps}");
-        let text = super::render(&folder, &["-o", name, "--set", &rate], 2);
+        let text = super::render(&folder, ["-o", name, "--set", &rate], 2);
         assert!(text.contains("timeline.fps is "), "{name}: {text}");
         assert!(!text.contains("frame 0"), "{name}: {text}");
     }
@@ -158,8 +137,7 @@ fn ctrl_c_in_a_terminal_ends_a_film_and_leaves_nothing() {
     }
     let folder = folder("ffmpeg-stopped");
     let before = names(&folder);
-    let long = ["-o", "f.mp4", "--set", "timeline.end=2000"];
-    let mut command = reflet(&folder, &long);
+    let mut command = rendering(&folder, "-o f.mp4 --set timeline.end=2000");
     command.stderr(Stdio::piped()).process_group(0);
     let mut child = command.spawn().expect("the program starts");
     let mut errors = BufReader::new(child.stderr.take().expect("piped"));
@@ -189,49 +167,42 @@ fn an_ffmpeg_that_fails_is_quoted_and_leaves_nothing() {
         env::var("PATH").unwrap_or_default()
     );
     let before = names(&folder);
-    let film = ["-o", "f.mp4"];
+    let film = "-o f.mp4";
     // A frame size whose pixels the pipe cannot hold at once.
-    let large = ["-o", "f.mp4", "--size", "160x120"];
+    let large = "-o f.mp4 --size 160x120";
     let last = "for last; do :; done";
     for (arguments, script, says) in [
-        (&film, "exit 7", "ffmpeg ended with exit status: 7"),
+        (film, "exit 7", "ffmpeg ended with exit status: 7"),
         (
-            &film,
+            film,
             "echo \"Unknown encoder 'libx264'\" >&2; exit 8",
             "ffmpeg says: Unknown encoder 'libx264'; there is no film: fix that, or write .apng \
              or frames (f.####.png)",
         ),
         (
-            &film,
+            film,
             "head -c 2000 > /dev/null; kill -9 $$",
             "ffmpeg ended with signal: 9",
         ),
-        (&film, "cat > /dev/null", "the encoder has written nothing"),
+        (film, "cat > /dev/null", "the encoder has written nothing"),
         // Fake program that writes more to standard error than a pipe holds, before it reads pixels.
         (
-            &film,
+            film,
             "yes noise | head -c 300000 >&2; echo the end >&2; cat > /dev/null",
             "noise; the end; there is no film",
         ),
         // Fake program that exits with 0 though the disk is full at the end, as the real ffmpeg does.
         (
-            &film,
+            film,
             "cat > \"$last\"; echo Error writing trailer >&2",
             "ffmpeg says: Error writing trailer",
         ),
-    ]
-    .map(|(arguments, script, says)| (&arguments[..], script, says))
-    .into_iter()
-    .chain([(
-        &large[..],
-        "exec 0<&-; sleep 0.2",
-        "ffmpeg accepts no input: ",
-    )]) {
+        (large, "exec 0<&-; sleep 0.2", "ffmpeg accepts no input: "),
+    ] {
         let stub = tools.join("ffmpeg");
         fs::write(&stub, format!("#!/bin/sh\n{last}\n{script}\n")).expect("writable");
         fs::set_permissions(&stub, fs::Permissions::from_mode(0o755)).expect("settable");
-        let (code, text) = with_path(&folder, &path, arguments);
-        assert_eq!(code, Some(1), "{script}: {text}");
+        let text = with_path(&folder, &path, arguments, 1);
         assert!(
             text.contains("error: cannot write f.mp4: "),
             "{script}: {text}"
@@ -241,8 +212,7 @@ fn an_ffmpeg_that_fails_is_quoted_and_leaves_nothing() {
     }
     let stub = tools.join("ffmpeg");
     fs::write(&stub, format!("#!/bin/sh\n{last}\ncat > \"$last\"\n")).expect("writable");
-    let (code, text) = with_path(&folder, &path, &film);
-    assert_eq!(code, Some(0), "one that does: {text}");
+    with_path(&folder, &path, film, 0);
     let pixels = fs::read(folder.join("f.mp4")).expect("it is there");
     assert_eq!(pixels.len(), 6 * 24 * 16 * 3);
 }
@@ -252,8 +222,7 @@ fn missing_ffmpeg_error_has_help() {
     or_skip!(gpu_or_skip());
     let folder = folder("ffmpeg-none");
     let before = names(&folder);
-    let (code, text) = with_path(&folder, "/nowhere", &["-o", "f.mp4"]);
-    assert_eq!(code, Some(2), "{text}");
+    let text = with_path(&folder, "/nowhere", "-o f.mp4", 2);
     for says in ["ffmpeg is not installed", "write .apng or frames"] {
         assert!(text.contains(says), "{text}");
     }

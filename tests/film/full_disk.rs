@@ -59,7 +59,7 @@ fn a_full_disk_ends_a_film_and_says_what_is_missing() {
         "--frames",
         list,
     ];
-    super::render(&folder, &rest, 0);
+    super::render(&folder, rest, 0);
     assert_eq!(pictures(&folder).len(), 40);
 }
 

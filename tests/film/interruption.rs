@@ -4,42 +4,34 @@
 use std::{
     collections::BTreeMap,
     fs,
+    io::{BufRead as _, BufReader, Read as _},
     os::unix::process::ExitStatusExt as _,
     path::Path,
-    process::{Child, Command, Stdio},
+    process::{Child, ChildStderr, Stdio},
     time::{Duration, Instant, SystemTime},
 };
 
-use super::{folder, pictures};
-use crate::common::gpu_or_skip;
+use super::{folder, pictures, rendering};
+use crate::common::{folder::names, gpu_or_skip, program::signal};
 
 /// Many small frames, so that kills occur between, during and after them.
-const FRAMES: &[&str] = &[
-    "-o",
-    "f.##.png",
-    "--set",
-    "timeline.end=23",
-    "--aov",
-    "depth",
-    "--resume",
-];
+const FRAMES: &str = "-o f.##.png --set timeline.end=23 --aov depth --resume";
 
-fn start(folder: &Path, arguments: &[&str]) -> Child {
-    Command::new(env!("CARGO_BIN_EXE_reflet"))
-        .current_dir(folder)
-        .args(["render", "scene.toml"])
-        .args(arguments)
-        .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the program starts")
+fn start(folder: &Path, arguments: &str) -> Child {
+    let mut command = rendering(folder, arguments);
+    let command = command.stdout(Stdio::null()).stderr(Stdio::piped());
+    command.spawn().expect("the program starts")
 }
 
-fn signal(child: &Child, name: &str) {
-    let id = child.id().to_string();
-    let sent = Command::new("kill").args([name, &id]).status();
-    assert!(sent.is_ok(), "there is a kill command");
+/// Waits until a film of 2,001 frames has told the first one; returns its further errors.
+fn first_frame(child: &mut Child) -> BufReader<ChildStderr> {
+    let mut errors = BufReader::new(child.stderr.take().expect("piped"));
+    let mut text = String::new();
+    while !text.contains("(1 of 2001)") {
+        let read = errors.read_line(&mut text).expect("readable");
+        assert!(read > 0, "it has ended: {text}");
+    }
+    errors
 }
 
 /// Waits for the end of a process; returns exit code (negative: the signal) and standard error.
@@ -53,9 +45,9 @@ fn end(child: Child) -> (i32, String) {
 }
 
 fn hidden(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).expect("readable");
-    let names = entries.map(|e| e.expect("entry").file_name().to_string_lossy().into_owned());
-    names.filter(|name| name.starts_with('.')).collect()
+    let mut names = names(folder);
+    names.retain(|name| name.starts_with('.'));
+    names
 }
 
 /// Pseudo-random numbers from 0 to 1 (xorshift64*, Vigna 2016).
@@ -146,7 +138,7 @@ fn end_a_film_at_random_moments(name: &str, rounds: u32) {
     }
     for film in ["f.apng", "f.mp4"] {
         let folder = folder(&format!("{name}-{film}"));
-        let arguments = ["-o", film, "--set", "timeline.end=23"];
+        let arguments = format!("-o {film} --set timeline.end=23");
         let started = Instant::now();
         assert_eq!(end(start(&folder, &arguments)).0, 0);
         let run_s = started.elapsed().as_secs_f64();
@@ -200,22 +192,16 @@ fn a_hundred_kills_leave_no_film_in_part() {
 /// Sends a signal after the first frame is reported, when the signal handler is installed.
 #[test]
 fn a_signal_ends_a_film_between_frames() {
-    use std::io::{BufRead as _, BufReader, Read as _};
     or_skip!(gpu_or_skip());
     let folder = folder("signal");
-    let long = ["--set", "timeline.end=2000"];
     for (output, name, code, says) in [
         ("f.####.png", "-TERM", 143, "add --resume to continue"),
         ("f.####.png", "-INT", 130, "add --resume to continue"),
         ("f.apng", "-TERM", 143, "no film was written"),
     ] {
-        let mut child = start(&folder, &[&["-o", output][..], &long].concat());
-        let mut errors = BufReader::new(child.stderr.take().expect("piped"));
+        let mut child = start(&folder, &format!("-o {output} --set timeline.end=2000"));
+        let mut errors = first_frame(&mut child);
         let mut text = String::new();
-        while !text.contains("(1 of 2001)") {
-            let read = errors.read_line(&mut text).expect("readable");
-            assert!(read > 0, "it has ended: {text}");
-        }
         signal(&child, name);
         errors.read_to_string(&mut text).expect("readable");
         let status = child.wait().expect("it ends");
@@ -233,17 +219,10 @@ fn a_signal_ends_a_film_between_frames() {
 #[cfg(target_os = "linux")]
 #[test]
 fn what_a_killed_run_has_left_is_removed_by_the_next() {
-    use std::io::{BufRead as _, BufReader};
     or_skip!(gpu_or_skip());
     let folder = folder("leftovers");
-    let long = ["-o", "f.apng", "--set", "timeline.end=2000"];
-    let mut child = start(&folder, &long);
-    let mut errors = BufReader::new(child.stderr.take().expect("piped"));
-    let mut text = String::new();
-    while !text.contains("(1 of 2001)") {
-        let read = errors.read_line(&mut text).expect("readable");
-        assert!(read > 0, "it has ended: {text}");
-    }
+    let mut child = start(&folder, "-o f.apng --set timeline.end=2000");
+    let _errors = first_frame(&mut child);
     signal(&child, "-KILL");
     assert_eq!(end(child).0, -9);
     let left = hidden(&folder);
@@ -265,16 +244,11 @@ fn what_a_killed_run_has_left_is_removed_by_the_next() {
         let time = SystemTime::now() - Duration::from_secs(hours * 3600);
         file.expect("there").set_modified(time).expect("settable");
     }
-    assert_eq!(
-        super::render(&folder, &["-o", "g.#.png"], 0)
-            .lines()
-            .count(),
-        6
-    );
+    let told = super::render(&folder, "-o g.#.png", 0);
+    assert_eq!(told.lines().count(), 6);
     assert_eq!(hidden(&folder).len(), 6, "those of another goal stay");
-    super::render(&folder, &["-o", "f.apng"], 0);
-    let mut stays = hidden(&folder);
-    stays.sort();
+    super::render(&folder, "-o f.apng", 0);
+    let stays = hidden(&folder);
     let mut wanted = [elsewhere, alive, written];
     wanted.sort();
     assert_eq!(stays, wanted);

@@ -5,17 +5,18 @@ use std::{fs, path::Path, process::Command};
 use serde_json::Value;
 
 use super::{folder, pictures, render};
-use crate::common::{gpu_or_skip, words};
+use crate::common::{
+    gpu_or_skip,
+    program::{Arguments, ends, exits, reflet},
+    words,
+};
 
-fn job(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
-        .current_dir(folder)
-        .args(["job", "openjd"])
-        .args(arguments)
-        .output()
-        .expect("the program starts");
-    let text = String::from_utf8_lossy(&output.stderr).into_owned();
-    (output.status.code(), text)
+/// Runs `reflet job` for a system, checks the exit code; returns standard error.
+#[track_caller]
+fn job(folder: &Path, system: &str, arguments: impl Arguments, code: i32) -> String {
+    let mut command = reflet(folder, ["job", system]);
+    let [_, error] = ends(command.args(arguments.list()), code);
+    error
 }
 
 fn read(path: &Path) -> Value {
@@ -44,28 +45,28 @@ pub fn task(bundle: &Path, frames: &str) -> Command {
         .expect("a list")
         .iter()
         .map(argument);
-    let mut command = Command::new(env!("CARGO_BIN_EXE_reflet"));
-    command.args(arguments).env("NODEVICE_SELECT", "1");
+    let mut command = reflet(Path::new("."), "");
+    command.args(arguments);
     command
 }
 
 /// Runs one task to its end; returns its output.
 pub fn run_task(bundle: &Path, frames: &str) -> String {
-    let output = task(bundle, frames).output().expect("the program starts");
-    let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{errors}");
-    String::from_utf8_lossy(&output.stdout).into_owned()
+    let [out, _] = ends(&mut task(bundle, frames), 0);
+    out
 }
 
 #[test]
 fn a_bundle_in_chunks_gives_the_frames_of_one_run() {
     let folder = folder("job");
     let bundle = folder.join("bundle");
-    let (code, text) = job(
+    let parts = "--pictures parts/f.##.png --chunk 4 --set params.lift=0.7";
+    job(
         &folder,
-        &words("scene.toml -o bundle --pictures parts/f.##.png --chunk 4 --set params.lift=0.7"),
+        "openjd",
+        format!("scene.toml -o bundle {parts}"),
+        0,
     );
-    assert_eq!(code, Some(0), "{text}");
     let template = read(&bundle.join("template.json"));
     assert_eq!(template["specificationVersion"], "jobtemplate-2023-09");
     let parameters = template["parameterDefinitions"].as_array().expect("a list");
@@ -94,7 +95,7 @@ fn a_bundle_in_chunks_gives_the_frames_of_one_run() {
             .count(),
         4
     );
-    render(&folder, &["-o", "f.##.png", "--set", "params.lift=0.7"], 0);
+    render(&folder, "-o f.##.png --set params.lift=0.7", 0);
     assert_eq!(pictures(&folder.join("parts")), pictures(&folder));
 }
 
@@ -108,18 +109,15 @@ fn options(help: &str) -> Vec<&str> {
 #[test]
 fn a_job_takes_the_options_of_render() {
     let folder = folder("job-options");
-    let help = |arguments: &[&str]| {
-        let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
-            .args(arguments)
-            .output()
-            .expect("the program starts");
-        String::from_utf8(output.stdout).expect("text")
+    let help = |command: &[&str]| {
+        let [help, _] = exits(&folder, [command, &["--help"]].concat(), 0);
+        help
     };
     // These are the job's own, or of one machine.
     let own = words("--output --frames --resume --progress --shard --stats --counters --watch");
-    let of_render = help(&["render", "--help"]);
+    let of_render = help(&["render"]);
     for system in ["openjd", "slurm"] {
-        let of_job = help(&["job", system, "--help"]);
+        let of_job = help(&["job", system]);
         let known = options(&of_job);
         for option in options(&of_render)
             .iter()
@@ -133,11 +131,8 @@ fn a_job_takes_the_options_of_render() {
         "--size 96x54 --method rt --camera=main --samples 2 --aov depth,normal --denoise --adapter -a --lenient",
     );
     let own = words("scene.toml -o bundle --pictures f.#.exr --plan p.json");
-    let (code, text) = job(
-        &folder,
-        &[&own[..], &picture[..10], &["--adapter=-a", "--lenient"]].concat(),
-    );
-    assert_eq!(code, Some(0), "{text}");
+    let all = [&own[..], &picture[..10], &["--adapter=-a", "--lenient"]].concat();
+    job(&folder, "openjd", all, 0);
     let command = format!("{:?}", task(&folder.join("bundle"), "0"));
     for word in picture
         .iter()
@@ -156,42 +151,26 @@ fn a_job_takes_the_options_of_render() {
     );
     let references = read(&folder.join("bundle/asset_references.json")).to_string();
     assert!(references.contains("p.json"), "{references}");
-    let (code, text) = job(&folder, &[&own[..], &["--aov", "warmth"]].concat());
-    assert!(code == Some(2) && text.contains("no such AOV"), "{text}");
+    let all = [&own[..], &["--aov", "warmth"]].concat();
+    let text = job(&folder, "openjd", all, 2);
+    assert!(text.contains("no such AOV"), "{text}");
 }
 
 #[test]
 fn what_a_farm_cannot_use_is_refused() {
     let folder = folder("job-refused");
     for (arguments, code, says) in [
-        (&["--pictures", "f.png"][..], 2, "a file for each frame"),
-        (&["--pictures", "f.mp4"], 2, "a file for each frame"),
-        (&["--pictures", "f.#.gif"], 2, "must end in .png"),
-        (
-            &["--pictures", "f.#.png", "--frames", "0-9"],
-            2,
-            "not in the timeline",
-        ),
-        (
-            &["--pictures", "f.#.png", "--camera", "no"],
-            2,
-            "no such camera",
-        ),
-        (
-            &["--pictures", "f.#.png", "--set", "params.lift={{x}}"],
-            3,
-            "--set:1",
-        ),
-        (
-            &["--pictures", "f.#.png", "--set", "no.such=1"],
-            3,
-            "unknown-key",
-        ),
-        (&["--pictures", "{camera}.#.png"], 2, "has braces"),
+        ("--pictures f.png", 2, "a file for each frame"),
+        ("--pictures f.mp4", 2, "a file for each frame"),
+        ("--pictures f.#.gif", 2, "must end in .png"),
+        ("--pictures f.#.png --frames 0-9", 2, "not in the timeline"),
+        ("--pictures f.#.png --camera no", 2, "no such camera"),
+        ("--pictures f.#.png --set params.lift={{x}}", 3, "--set:1"),
+        ("--pictures f.#.png --set no.such=1", 3, "unknown-key"),
+        ("--pictures {camera}.#.png", 2, "has braces"),
     ] {
-        let all = [&["scene.toml", "-o", "bundle"], arguments].concat();
-        let (got, text) = job(&folder, &all);
-        assert_eq!(got, Some(code), "{arguments:?}: {text}");
+        let all = format!("scene.toml -o bundle {arguments}");
+        let text = job(&folder, "openjd", all, code);
         assert!(text.contains(says), "{arguments:?}: {text}");
         assert!(!folder.join("bundle").exists(), "nothing is written");
     }
@@ -217,28 +196,19 @@ fn run_array_task(script: &Path, task: usize) -> (bool, String) {
 #[cfg(unix)]
 fn an_array_of_slurm_gives_the_frames_of_one_run() {
     let folder = folder("slurm it's");
-    let slurm = |arguments: &[&str]| {
-        let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
-            .current_dir(&folder)
-            .args(["job", "slurm", "scene.toml", "-o", "film.sh"])
-            .args(arguments)
-            .output()
-            .expect("the program starts");
-        let text = String::from_utf8_lossy(&output.stderr).into_owned();
-        (output.status.code(), text)
+    let slurm = |arguments: &str, code: i32| {
+        let all = format!("scene.toml -o film.sh {arguments}");
+        job(&folder, "slurm", all, code)
     };
     let set = "params.lift=0.7";
-    let (code, text) = slurm(&["--pictures", "{camera}.##.png"]);
-    assert_eq!(code, Some(2), "{text}");
+    slurm("--pictures {camera}.##.png", 2);
     assert!(!folder.join("film.sh").exists(), "nothing is written");
-    let (code, text) = slurm(&["--pictures", "f.png"]);
-    assert!(
-        code == Some(2) && text.contains("a file for each frame"),
-        "{text}"
+    let text = slurm("--pictures f.png", 2);
+    assert!(text.contains("a file for each frame"), "{text}");
+    slurm(
+        &format!("--pictures parts/f.##.png --chunk 4 --set {set}"),
+        0,
     );
-    let pictures_to = ["--pictures", "parts/f.##.png", "--chunk", "4", "--set", set];
-    let (code, text) = slurm(&pictures_to);
-    assert_eq!(code, Some(0), "{text}");
     let script = fs::read_to_string(folder.join("film.sh")).expect("it is written");
     assert!(script.starts_with("#!/bin/bash\n"), "{script}");
     for line in [
@@ -253,7 +223,7 @@ fn an_array_of_slurm_gives_the_frames_of_one_run() {
         let (success, text) = run_array_task(&folder.join("film.sh"), task);
         assert!(success, "{text}");
     }
-    render(&folder, &["-o", "f.##.png", "--set", set], 0);
+    render(&folder, ["-o", "f.##.png", "--set", set], 0);
     assert_eq!(pictures(&folder.join("parts")), pictures(&folder));
     // A task index that does not exist.
     assert!(!run_array_task(&folder.join("film.sh"), 2).0);
@@ -266,11 +236,8 @@ fn names_in_a_bundle_are_those_that_a_farm_can_use() {
     let scene = super::SCENE.replace("camera.main", "camera.-x");
     fs::write(folder.join(&long), scene).expect("written");
     let cameras = ["--camera=-x", "--pictures", "f.#.png", "-o"];
-    let (code, text) = job(
-        &folder,
-        &[&[long.as_str()][..], &cameras, &["bundle"]].concat(),
-    );
-    assert_eq!(code, Some(0), "{text}");
+    let all = [&[long.as_str()][..], &cameras, &["bundle"]].concat();
+    job(&folder, "openjd", all, 0);
     let template = read(&folder.join("bundle/template.json"));
     let name = template["name"].as_str().expect("text");
     assert_eq!(name, format!("bell_{}", "x".repeat(123)));
@@ -281,8 +248,7 @@ fn names_in_a_bundle_are_those_that_a_farm_can_use() {
         "{arguments:?}"
     );
     let bell = ["scene.toml", "-o", "other", "--pictures", "f\u{7}.#.png"];
-    let (code, text) = job(&folder, &bell);
-    assert_eq!(code, Some(2), "{text}");
+    let text = job(&folder, "openjd", bell, 2);
     assert!(text.contains("has a control character"), "{text}");
     assert!(!text.contains('\u{7}') && !folder.join("other").exists());
     if gpu_or_skip().is_some() {

@@ -22,10 +22,16 @@ use std::{
     collections::BTreeMap,
     fs,
     path::{Path, PathBuf},
-    process::{Command, Output, Stdio},
+    process::Command,
 };
 
-use crate::common::{cases, gpu_or_skip, words};
+use crate::common::{
+    cases,
+    folder::kept_folder,
+    gpu_or_skip,
+    program::{Arguments, ends, reflet},
+    words,
+};
 use reflet::{
     scene::stages::{Animator, Scene},
     world::load::{self, LoadOptions},
@@ -41,35 +47,28 @@ const SCRIPT: &str = "fn frame(ctx) {
 }";
 
 fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("film-{name}"));
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).expect("temporary folder");
-    fs::write(folder.join("scene.toml"), SCENE).expect("temporary scene");
-    fs::write(folder.join("s.rhai"), SCRIPT).expect("temporary script");
-    fs::write(folder.join("light.toml"), LIGHT).expect("temporary light");
-    folder
+    kept_folder(
+        &format!("film-{name}"),
+        &[
+            ("scene.toml", SCENE),
+            ("s.rhai", SCRIPT),
+            ("light.toml", LIGHT),
+        ],
+    )
+}
+
+/// The command `reflet render scene.toml`.
+fn rendering(folder: &Path, arguments: impl Arguments) -> Command {
+    let mut command = reflet(folder, "render scene.toml");
+    command.args(arguments.list());
+    command
 }
 
 /// Runs `reflet render scene.toml`, checks the exit code, returns standard error.
 #[track_caller]
-fn render(folder: &Path, arguments: &[&str], code: i32) -> String {
-    String::from_utf8_lossy(&run(folder, arguments, code).stderr).into_owned()
-}
-
-#[track_caller]
-fn run(folder: &Path, arguments: &[&str], code: i32) -> Output {
-    let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
-        .current_dir(folder)
-        .args(["render", "scene.toml"])
-        .args(arguments)
-        .env("NODEVICE_SELECT", "1")
-        .stdin(Stdio::null())
-        .output()
-        .expect("the program starts");
-    let text = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {text}");
-    assert!(!text.contains("panicked"), "{text}");
-    output
+fn render(folder: &Path, arguments: impl Arguments, code: i32) -> String {
+    let [_, error] = ends(&mut rendering(folder, arguments), code);
+    error
 }
 
 fn pictures(folder: &Path) -> BTreeMap<String, Vec<u8>> {
@@ -88,31 +87,27 @@ fn pictures(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 fn order_and_shards_do_not_change_a_byte() {
     or_skip!(gpu_or_skip());
     let whole = folder("whole");
-    let text = render(&whole, &["-o", "f.###.png", "--frames", "all"], 0);
+    let text = render(&whole, "-o f.###.png --frames all", 0);
     assert!(text.contains("frame 5 (6 of 6): wrote f.005.png"), "{text}");
     let whole = pictures(&whole);
     assert_eq!(whole.len(), 6);
     let shuffled = folder("shuffled");
-    render(
-        &shuffled,
-        &["-o", "f.###.png", "--frames", "4,0,5,2-3,1"],
-        0,
-    );
+    render(&shuffled, "-o f.###.png --frames 4,0,5,2-3,1", 0);
     assert_eq!(pictures(&shuffled), whole, "another order");
     let shards = folder("shards");
     for shard in ["2/2", "1/2"] {
-        render(&shards, &["-o", "f.###.png", "--shard", shard], 0);
+        render(&shards, ["-o", "f.###.png", "--shard", shard], 0);
     }
     assert_eq!(pictures(&shards), whole, "two shards");
     let alone = folder("alone");
     let third = "-o f.003.png --frames 3 --stats json --counters";
-    let third = run(&alone, &third.split(' ').collect::<Vec<_>>(), 0).stdout;
-    let stats: serde_json::Value = serde_json::from_slice(&third).expect("JSON alone");
+    let [third, _] = ends(&mut rendering(&alone, third), 0);
+    let stats: serde_json::Value = serde_json::from_str(&third).expect("JSON alone");
     assert!(stats["counts"].is_array(), "{stats}");
     assert!(stats["frame_ms"].as_f64() > Some(0.0), "{stats}");
     // One frame per run, as a farm does; the file name has another program's frame notation.
     for frame in ["4", "5"] {
-        render(&alone, &["-o", "f.%03d.png", "--frames", frame], 0);
+        render(&alone, ["-o", "f.%03d.png", "--frames", frame], 0);
     }
     let alone = pictures(&alone);
     assert_eq!(alone.len(), 3, "{:?}", alone.keys());
@@ -128,10 +123,10 @@ fn resuming_keeps_what_is_the_same_and_renders_the_rest() {
     let frames = [
         "-o", "f.#.png", "--frames", "0-2", "--aov", "depth", "--resume",
     ];
-    render(&folder, &frames, 0);
+    render(&folder, frames, 0);
     let first = pictures(&folder);
     assert_eq!(first.len(), 6);
-    assert_eq!(render(&folder, &frames, 0).matches(": kept f.").count(), 3);
+    assert_eq!(render(&folder, frames, 0).matches(": kept f.").count(), 3);
     let progress = [&frames[..], &["--progress", "json"]].concat();
     assert_eq!(render(&folder, &progress, 0).matches("kept").count(), 0);
     // A missing frame, a truncated one, and a missing plane.
@@ -139,25 +134,25 @@ fn resuming_keeps_what_is_the_same_and_renders_the_rest() {
     let bytes = fs::read(folder.join("f.1.png")).expect("it is there");
     fs::write(folder.join("f.1.png"), &bytes[..bytes.len() - 20]).expect("writable");
     fs::remove_file(folder.join("f.2.depth.png")).expect("it is there");
-    let text = render(&folder, &frames, 0);
+    let text = render(&folder, frames, 0);
     assert_eq!(text.matches("wrote").count(), 3, "{text}");
     assert_eq!(pictures(&folder), first);
     // Another parameter, size, script or included light changes all fingerprints.
     for change in [&["--set", "params.lift=0.6"][..], &["--size", "26x16"]] {
-        let text = render(&folder, &[&frames, change].concat(), 0);
+        let text = render(&folder, [&frames, change].concat(), 0);
         assert_eq!(text.matches("wrote").count(), 3, "{text}");
     }
     let script = SCRIPT.replace("0.2", "0.21");
     fs::write(folder.join("s.rhai"), script).expect("writable");
-    let text = render(&folder, &frames, 0);
+    let text = render(&folder, frames, 0);
     assert_eq!(text.matches("wrote").count(), 3, "{text}");
     let light = LIGHT.replace("= 20", "= 21");
     fs::write(folder.join("light.toml"), light).expect("writable");
-    let text = render(&folder, &frames, 0);
+    let text = render(&folder, frames, 0);
     assert_eq!(text.matches("wrote").count(), 3, "{text}");
     let exr = ["-o", "f.#.exr", "--frames", "0-1", "--resume"];
-    render(&folder, &exr, 0);
-    assert_eq!(render(&folder, &exr, 0).matches(": kept f.").count(), 2);
+    render(&folder, exr, 0);
+    assert_eq!(render(&folder, exr, 0).matches(": kept f.").count(), 2);
 }
 
 #[test]
@@ -166,13 +161,13 @@ fn failing_frames_are_listed_and_others_are_written() {
     let folder = folder("failing");
     let script = "fn frame(ctx) {\n  if ctx.frame == 2 { throw \"no such day\" }\n}";
     fs::write(folder.join("s.rhai"), script).expect("writable");
-    let text = render(&folder, &["-o", "f.#.png", "--frames", "1-3"], 5);
+    let text = render(&folder, "-o f.#.png --frames 1-3", 5);
     assert!(text.contains("s.rhai:2:"), "{text}");
     assert!(text.contains("1 frame failed:\n  2: no such day"), "{text}");
     let names: Vec<_> = pictures(&folder).into_keys().collect();
     assert_eq!(names, ["f.1.png", "f.3.png"]);
     // A film must have all its frames.
-    let text = render(&folder, &["-o", "f.apng", "--frames", "1-5"], 5);
+    let text = render(&folder, "-o f.apng --frames 1-5", 5);
     for says in [
         "1 frame failed:\n  2: no such day",
         "there is no film f.apng; 3 frames were not tried: 3-5",
@@ -198,7 +193,7 @@ fn pixels(file: &Path) -> Vec<u8> {
 fn a_material_that_becomes_a_mirror_shows_what_a_mirror_shows() {
     or_skip!(gpu_or_skip());
     let folder = folder("mirror");
-    render(&folder, &["-o", "moved.png", "--frames", "5"], 0);
+    render(&folder, "-o moved.png --frames 5", 0);
     let key = "[motion.material.mirror]";
     let (before, after) = SCENE.split_once(key).expect("it moves");
     let rest = after
@@ -207,10 +202,10 @@ fn a_material_that_becomes_a_mirror_shows_what_a_mirror_shows() {
         .1;
     let still = format!("{before}[material.red]{rest}").replace("roughness = 0.5", "roughness = 0");
     fs::write(folder.join("scene.toml"), &still).expect("writable");
-    render(&folder, &["-o", "mirror.png", "--frames", "5"], 0);
+    render(&folder, "-o mirror.png --frames 5", 0);
     let matte = still.replace("roughness = 0\n", "roughness = 0.5\n");
     fs::write(folder.join("scene.toml"), matte).expect("writable");
-    render(&folder, &["-o", "matte.png", "--frames", "5"], 0);
+    render(&folder, "-o matte.png --frames 5", 0);
     let [moved, mirror, matte] =
         ["moved", "mirror", "matte"].map(|name| pixels(&folder.join(format!("{name}.png"))));
     assert!(moved == mirror, "it is not the mirror that it should be");
@@ -221,7 +216,7 @@ fn a_material_that_becomes_a_mirror_shows_what_a_mirror_shows() {
 fn films_in_one_file_decode() {
     or_skip!(gpu_or_skip());
     let folder = folder("apng");
-    render(&folder, &["-o", "f.apng"], 0);
+    render(&folder, "-o f.apng", 0);
     let file = fs::File::open(folder.join("f.apng")).expect("it is there");
     let decoder = png::Decoder::new(std::io::BufReader::new(file));
     let mut reader = decoder.read_info().expect("a PNG");
@@ -243,11 +238,11 @@ fn invalid_options_are_refused() {
     let folder = folder("usage");
     for (arguments, says) in cases(include_str!("invalid_options_are_refused.txt")) {
         let code = if says.starts_with("did") { 3 } else { 2 };
-        let text = render(&folder, &words(arguments), code);
+        let text = render(&folder, words(arguments), code);
         assert!(text.contains(says), "{arguments}: {text}");
     }
     fs::write(folder.join("scene.toml"), "version = 1\n").expect("writable");
-    let text = render(&folder, &["-o", "f.#.png"], 2);
+    let text = render(&folder, "-o f.#.png", 2);
     assert!(text.contains("no [timeline]"), "{text}");
 }
 

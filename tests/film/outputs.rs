@@ -2,21 +2,14 @@
 
 use std::{fs, path::Path, process::Command};
 
-use super::folder;
-use crate::common::words;
+use super::{check_and_info::without_gpu, folder};
+use crate::common::program::Arguments;
 
 /// Runs a command that is refused; returns its message.
 #[track_caller]
-fn refused(folder: &Path, arguments: &[&str]) -> String {
-    let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
-        .current_dir(folder)
-        .args(arguments)
-        .env("REFLET_ADAPTER", "no such adapter")
-        .output()
-        .expect("the program starts");
-    let text = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {text}");
-    text
+fn refused(folder: &Path, arguments: impl Arguments) -> String {
+    let [_, error] = without_gpu(folder, arguments, 2);
+    error
 }
 
 /// Names, kinds and contents of all files.
@@ -58,23 +51,24 @@ fn no_command_replaces_its_input() {
         std::os::unix::fs::symlink(to, folder.join(name)).expect("a link");
     }
     let before = state(&folder);
-    let job = ["job", "slurm", "scene.toml", "--pictures", "p.#.png", "-o"];
-    let mut cases: Vec<Vec<&str>> = vec![
-        vec!["pack", "scene.toml", "-o", "scene.toml"],
-        vec!["pack", "scene.toml", "-o", "inside/../light.toml"],
-        vec!["pack", "scene.toml", "-o", "hard.zip"],
-        [&job[..], &["scene.toml"]].concat(),
-        [&job[..], &["s.rhai"]].concat(),
-        vec!["render", "scene.toml", "-o", "f.03.png"],
-        vec!["render", "scene.toml", "-o", "inside/../f.03.png"],
+    let mut cases = vec![
+        "pack scene.toml -o scene.toml",
+        "pack scene.toml -o inside/../light.toml",
+        "pack scene.toml -o hard.zip",
+        "job slurm scene.toml --pictures p.#.png -o scene.toml",
+        "job slurm scene.toml --pictures p.#.png -o s.rhai",
+        "render scene.toml -o f.03.png",
+        "render scene.toml -o inside/../f.03.png",
         // The third of its frames is the texture.
-        vec!["render", "scene.toml", "-o", "f.##.png"],
+        "render scene.toml -o f.##.png",
     ];
     if cfg!(unix) {
-        cases.push(vec!["render", "scene.toml", "-o", "soft.png"]);
-        cases.push(vec!["pack", "scene.toml", "-o", "soft.zip"]);
+        cases.extend([
+            "render scene.toml -o soft.png",
+            "pack scene.toml -o soft.zip",
+        ]);
     }
-    for arguments in &cases {
+    for arguments in cases {
         let text = refused(&folder, arguments);
         assert!(
             text.contains("an input of this command"),
@@ -85,8 +79,7 @@ fn no_command_replaces_its_input() {
     // The files of a bundle have names of their own.
     fs::rename(folder.join("scene.toml"), folder.join("template.json")).expect("renamed");
     let before = state(&folder);
-    let job = words("job openjd template.json --pictures p.#.png -o .");
-    let text = refused(&folder, &job);
+    let text = refused(&folder, "job openjd template.json --pictures p.#.png -o .");
     assert!(text.contains("an input of this command"), "{text}");
     assert_eq!(state(&folder), before);
 }
@@ -115,17 +108,16 @@ fn no_report_replaces_an_input() {
     }
     let before = state(&folder);
     for (command, report) in [
-        (&["bench"][..], "samples.csv"),
-        (&["bench"], "bench.json"),
-        (&["bench"], "report.html"),
-        (&["bench", "reload"], "reload.json"),
-        (&["bench", "stability"], "samples.csv"),
-        (&["bench", "stability"], "stability.csv"),
-        (&["bench", "stability"], "stability.html"),
-        (&["bench", "comparators"], "systems.csv"),
+        ("bench", "samples.csv"),
+        ("bench", "bench.json"),
+        ("bench", "report.html"),
+        ("bench reload", "reload.json"),
+        ("bench stability", "samples.csv"),
+        ("bench stability", "stability.csv"),
+        ("bench stability", "stability.html"),
+        ("bench comparators", "systems.csv"),
     ] {
-        let scene = format!("{report}.toml");
-        let text = refused(&folder, &[command, &[&scene, "-o", "."]].concat());
+        let text = refused(&folder, format!("{command} {report}.toml -o ."));
         assert!(
             text.contains("an input of this command"),
             "{command:?} {report}: {text}"
@@ -150,21 +142,19 @@ fn outputs_are_regular_files() {
     locked.set_readonly(true);
     fs::set_permissions(path("locked.png"), locked).expect("settable");
     let before = state(&folder);
-    let job = ["job", "slurm", "scene.toml", "--pictures", "p.#.png", "-o"];
-    let commands: [&[&str]; 4] = [
-        &["render", "scene.toml", "-o"],
-        &["pack", "scene.toml", "-o"],
-        &["calibrate", "-o"],
-        &job,
-    ];
-    for command in commands {
+    for command in [
+        "render scene.toml -o",
+        "pack scene.toml -o",
+        "calibrate -o",
+        "job slurm scene.toml --pictures p.#.png -o",
+    ] {
         for (name, says) in [
             ("pipe.png", "it is a pipe"),
             ("folder.png", "it is a folder"),
             ("null.png", "it is a device"),
             ("locked.png", "it is read-only"),
         ] {
-            let text = refused(&folder, &[command, &[name]].concat());
+            let text = refused(&folder, format!("{command} {name}"));
             assert!(text.contains(says), "{command:?} {name}: {text}");
         }
         assert_eq!(state(&folder), before, "{command:?}");

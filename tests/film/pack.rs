@@ -5,28 +5,19 @@ use std::{
     fs,
     io::{Cursor, Read as _, Write as _},
     path::Path,
-    process::Command,
+    process::Stdio,
 };
 
 use serde_json::Value;
 use zip::{ZipArchive, ZipWriter, write::SimpleFileOptions};
 
 use super::{folder, pictures, render};
-use crate::common::{assert_says, gpu_or_skip};
-
-fn reflet(folder: &Path, arguments: &[&str], code: i32) -> [String; 2] {
-    let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
-        .current_dir(folder)
-        .args(arguments)
-        .env("NODEVICE_SELECT", "1")
-        .output()
-        .expect("the program starts");
-    let [out, errors] =
-        [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned());
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {errors}");
-    assert!(!errors.contains("panicked"), "{errors}");
-    [out, errors]
-}
+use crate::common::{
+    assert_says,
+    folder::names,
+    gpu_or_skip,
+    program::{ends, exits, reflet, signal},
+};
 
 /// Entries of a pack: name and content.
 fn entries(path: &Path) -> Vec<(String, Vec<u8>)> {
@@ -70,18 +61,16 @@ fn show(name: &str) -> std::path::PathBuf {
 
 const OPTIONS: [&str; 4] = ["--assets", "library", "--set", "params.lift=0.9"];
 
+fn pack(top: &Path, goal: &str) {
+    let pack = ["pack", "shots/scene.toml", "-o", goal];
+    exits(top, [&pack[..], &OPTIONS].concat(), 0);
+}
+
 #[test]
 fn a_pack_renders_the_same_elsewhere() {
     let top = show("pack");
-    let pack = |goal| {
-        reflet(
-            &top,
-            &[&["pack", "shots/scene.toml", "-o", goal], &OPTIONS[..]].concat(),
-            0,
-        )
-    };
-    pack("show.zip");
-    pack("again.zip");
+    pack(&top, "show.zip");
+    pack(&top, "again.zip");
     let bytes = |name: &str| fs::read(top.join(name)).expect("a pack");
     assert_eq!(
         bytes("show.zip"),
@@ -103,13 +92,13 @@ fn a_pack_renders_the_same_elsewhere() {
     let elsewhere = folder("pack-elsewhere");
     let goal = elsewhere.join("made");
     let goal = goal.to_str().expect("UTF-8");
-    let [command, _] = reflet(&top, &["unpack", "show.zip", "-o", goal], 0);
+    let [command, _] = exits(&top, ["unpack", "show.zip", "-o", goal], 0);
     assert_says(&command, &["--set params.lift=0.9 --frames all"]);
     or_skip!(gpu_or_skip());
     let frame = ["-o", "f.#.png", "--frames", "3"];
     fs::rename(top.join("shots/scene.toml"), top.join("scene.toml")).expect("moved");
     fs::rename(top.join("shots/s.rhai"), top.join("s.rhai")).expect("moved");
-    render(&top, &[&frame[..], &OPTIONS].concat(), 0);
+    render(&top, [&frame[..], &OPTIONS].concat(), 0);
     let library = format!("{goal}/assets");
     let arguments: Vec<_> = command
         .split_whitespace()
@@ -117,26 +106,15 @@ fn a_pack_renders_the_same_elsewhere() {
         .take(2)
         .chain(frame)
         .collect();
-    reflet(
-        &elsewhere,
-        &[&arguments[..], &["--assets", &library], &OPTIONS[2..]].concat(),
-        0,
-    );
+    let arguments = [&arguments[..], &["--assets", &library], &OPTIONS[2..]].concat();
+    exits(&elsewhere, arguments, 0);
     assert_eq!(pictures(&top), pictures(&elsewhere));
 }
 
 #[test]
 fn a_pack_that_was_tampered_with_leaves_no_folder() {
     let top = show("pack-tampered");
-    reflet(
-        &top,
-        &[
-            &["pack", "shots/scene.toml", "-o", "show.zip"],
-            &OPTIONS[..],
-        ]
-        .concat(),
-        0,
-    );
+    pack(&top, "show.zip");
     let right = entries(&top.join("show.zip"));
     let list = String::from_utf8(right[3].1.clone()).expect("text");
     let with_list = |from: &str, to: &str| {
@@ -177,7 +155,7 @@ fn a_pack_that_was_tampered_with_leaves_no_folder() {
     ];
     for (all, says) in &cases {
         write(&top.join("bad.zip"), all);
-        let [_, errors] = reflet(&top, &["unpack", "bad.zip", "-o", "made"], 3);
+        let [_, errors] = exits(&top, "unpack bad.zip -o made", 3);
         assert!(errors.contains(says), "{says}: {errors}");
         let left: Vec<_> = fs::read_dir(&top)
             .expect("readable")
@@ -194,13 +172,13 @@ fn a_pack_that_was_tampered_with_leaves_no_folder() {
     let whole = fs::read(top.join("show.zip")).expect("a pack");
     for length in (0..whole.len()).step_by(97) {
         fs::write(top.join("cut.zip"), &whole[..length]).expect("written");
-        reflet(&top, &["unpack", "cut.zip", "-o", "made"], 3);
+        exits(&top, "unpack cut.zip -o made", 3);
         assert!(!top.join("made").exists());
     }
     fs::create_dir(top.join("made")).expect("a folder");
-    let [_, errors] = reflet(&top, &["unpack", "show.zip", "-o", "made"], 2);
+    let [_, errors] = exits(&top, "unpack show.zip -o made", 2);
     assert!(errors.contains("it exists"), "{errors}");
-    let [_, errors] = reflet(&top, &["unpack", "absent.zip", "-o", "new"], 3);
+    let [_, errors] = exits(&top, "unpack absent.zip -o new", 3);
     assert!(errors.contains("absent.zip"), "{errors}");
 }
 
@@ -242,34 +220,16 @@ fn unpacking_leaves_nothing_after_a_signal() {
     use std::os::unix::process::ExitStatusExt as _;
     let top = folder("pack-signals");
     long_pack(&top.join("long.zip"));
-    let hidden = || {
-        let entries = fs::read_dir(&top).expect("readable").flatten();
-        let names = entries.map(|entry| entry.file_name());
-        names
-            .filter(|name| name.to_string_lossy().starts_with('.'))
-            .count()
-    };
-    let command = |output: &str| {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_reflet"));
-        command
-            .current_dir(&top)
-            .args(["unpack", "long.zip", "-o", output]);
-        command
-            .stderr(std::process::Stdio::piped())
-            .stdout(std::process::Stdio::null());
-        command
-    };
-    for (signal, code) in [("-TERM", Some(143)), ("-INT", Some(130)), ("-KILL", None)] {
+    let mut command = reflet(&top, "unpack long.zip -o made");
+    command.stderr(Stdio::piped()).stdout(Stdio::null());
+    for (name, code) in [("-TERM", Some(143)), ("-INT", Some(130)), ("-KILL", None)] {
         // It may end before the signal comes.
         let stopped = (0..20).any(|_| {
-            let mut child = command("made").spawn().expect("the program starts");
-            while hidden() == 0 && child.try_wait().expect("a child").is_none() {
+            let mut child = command.spawn().expect("the program starts");
+            while hidden(&top) == 0 && child.try_wait().expect("a child").is_none() {
                 std::thread::yield_now();
             }
-            let sent = Command::new("kill")
-                .args([signal, &child.id().to_string()])
-                .status();
-            assert!(sent.is_ok(), "there is a kill command");
+            signal(&child, name);
             let output = child.wait_with_output().expect("it ends");
             if output.status.success() {
                 fs::remove_dir_all(top.join("made")).expect("it is made");
@@ -282,20 +242,20 @@ fn unpacking_leaves_nothing_after_a_signal() {
                 Some(_) => assert!(text.contains("no folder was made"), "{text}"),
                 None => assert_eq!(output.status.signal(), Some(9)),
             }
-            assert_eq!(hidden(), usize::from(code.is_none()), "{signal}");
+            assert_eq!(hidden(&top), usize::from(code.is_none()), "{name}");
             true
         });
-        assert!(stopped, "{signal} always came too late");
+        assert!(stopped, "{name} always came too late");
     }
     // The leftover of the killed run goes with the next one.
     if cfg!(target_os = "linux") {
-        let output = command("made").output().expect("it ends");
-        assert!(output.status.success() && top.join("made/noise").is_file());
-        assert_eq!(hidden(), 0);
+        ends(&mut command, 0);
+        assert!(top.join("made/noise").is_file());
+        assert_eq!(hidden(&top), 0);
     }
-    let [printed, _] = reflet(&top, &["unpack", "long.zip", "-o", "-made"], 2);
+    let [printed, _] = exits(&top, "unpack long.zip -o -made", 2);
     assert_eq!(printed, "", "a value that looks like an option");
-    let [printed, _] = reflet(&top, &["unpack", "long.zip", "--output=-made"], 0);
+    let [printed, _] = exits(&top, "unpack long.zip --output=-made", 0);
     assert_eq!(
         printed,
         "reflet render ./-made/scene.toml --variant=-dark -o picture.png\n"
@@ -320,20 +280,10 @@ fn a_signal_leaves_no_part_of_a_pack() {
     }));
     fs::write(top.join("long.bin"), bytes).expect("written");
     fs::write(top.join("long.gltf"), gltf).expect("written");
-    let hidden = || {
-        let entries = fs::read_dir(&top).expect("readable").flatten();
-        let names = entries.map(|entry| entry.file_name());
-        names
-            .filter(|name| name.to_string_lossy().starts_with('.'))
-            .count()
-    };
+    let mut command = reflet(&top, "pack long.gltf -o long.zip");
+    command.stderr(Stdio::piped());
     let stopped = (0..20).any(|_| {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_reflet"))
-            .current_dir(&top)
-            .args(["pack", "long.gltf", "-o", "long.zip"])
-            .stderr(std::process::Stdio::piped())
-            .spawn()
-            .expect("the program starts");
+        let mut child = command.spawn().expect("the program starts");
         // The first hidden file only tests whether the folder can be written to.
         while !top.join("long.zip").exists()
             && !has_begun(&top)
@@ -341,12 +291,9 @@ fn a_signal_leaves_no_part_of_a_pack() {
         {
             std::thread::yield_now();
         }
-        let sent = Command::new("kill")
-            .args(["-TERM", &child.id().to_string()])
-            .status();
-        assert!(sent.is_ok(), "there is a kill command");
+        signal(&child, "-TERM");
         let output = child.wait_with_output().expect("it ends");
-        assert_eq!(hidden(), 0);
+        assert_eq!(hidden(&top), 0);
         if output.status.success() {
             fs::remove_file(top.join("long.zip")).expect("it is made");
             return false;
@@ -357,6 +304,13 @@ fn a_signal_leaves_no_part_of_a_pack() {
         true
     });
     assert!(stopped, "the signal always came too late");
+}
+
+/// Number of hidden files in a folder.
+#[cfg(unix)]
+fn hidden(folder: &Path) -> usize {
+    let names = names(folder).into_iter();
+    names.filter(|name| name.starts_with('.')).count()
 }
 
 /// Whether a hidden file in a folder has some content.

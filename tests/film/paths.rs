@@ -11,14 +11,14 @@ use crate::common::gpu_or_skip;
 #[test]
 fn the_folder_of_frames_is_created() {
     let folder = folder("created");
-    let text = render(&folder, &["-o", "out/f.#.png", "--shard", "7/7"], 2);
+    let text = render(&folder, "-o out/f.#.png --shard 7/7", 2);
     assert!(text.contains("no frames in this part"), "{text}");
     assert!(!folder.join("out").exists());
     or_skip!(gpu_or_skip());
-    let text = render(&folder, &["-o", "out/f.#.png", "--frames", "1"], 0);
+    let text = render(&folder, "-o out/f.#.png --frames 1", 0);
     assert!(text.contains("created the folder out"), "{text}");
     assert!(folder.join("out/f.1.png").is_file());
-    let text = render(&folder, &["-o", "out/f.#.png", "--frames", "1"], 0);
+    let text = render(&folder, "-o out/f.#.png --frames 1", 0);
     assert!(!text.contains("created"), "{text}");
 }
 

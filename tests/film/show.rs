@@ -4,21 +4,15 @@
 use std::{
     fs,
     path::{Path, PathBuf},
-    process::{Command, Stdio},
+    process::Stdio,
     time::{Duration, Instant},
 };
 
 use super::{folder, job, pictures};
-use crate::common::{gpu_or_skip, words};
+use crate::common::{gpu_or_skip, program::exits, words};
 
 fn show() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/show")
-}
-
-fn reflet(arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_reflet"));
-    command.args(arguments).env("NODEVICE_SELECT", "1");
-    command
 }
 
 #[test]
@@ -26,14 +20,8 @@ fn every_shot_and_variant_of_the_show_is_right() {
     for shot in ["base", "lamp", "shot010", "shot020", "shot030"] {
         let path = show().join(format!("{shot}.toml"));
         let path = path.to_str().expect("text");
-        let output = reflet(&["check", path])
-            .output()
-            .expect("the program starts");
-        let errors = String::from_utf8_lossy(&output.stderr);
-        assert!(
-            output.status.success() && errors.is_empty(),
-            "{shot}: {errors}"
-        );
+        let [_, errors] = exits(&show(), ["check", path], 0);
+        assert!(errors.is_empty(), "{shot}: {errors}");
     }
 }
 
@@ -44,40 +32,15 @@ fn a_shot_in_chunks_killed_and_resumed_gives_the_bytes_of_one_run() {
     let folder = folder("show");
     let shot = show().join("shot020.toml");
     let shot = shot.to_str().expect("text");
-    let look = words("--size 64x36 --variant night --variant brass");
-    let whole = folder.join("whole/f.##.png");
+    let look = words("--frames 4-11 --size 64x36 --variant night --variant brass");
     fs::create_dir(folder.join("whole")).expect("a folder");
-    let whole = whole.to_str().expect("text");
-    let frames = ["--frames", "4-11"];
-    let run = [&["render", shot, "-o", whole][..], &frames, &look].concat();
-    let output = reflet(&run).output().expect("the program starts");
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    let run = ["render", shot, "-o", "whole/f.##.png"];
+    exits(&folder, [&run[..], &look].concat(), 0);
 
     let bundle = folder.join("bundle");
-    let write = [
-        "job",
-        "openjd",
-        shot,
-        "-o",
-        "bundle",
-        "--pictures",
-        "parts/f.##.png",
-        "--chunk",
-        "4",
-    ];
-    let output = reflet(&[&write[..], &frames, &look].concat())
-        .current_dir(&folder)
-        .output()
-        .expect("the program starts");
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    let write = words("-o bundle --pictures parts/f.##.png --chunk 4");
+    let write = [&["job", "openjd", shot][..], &write, &look].concat();
+    exits(&folder, write, 0);
     // The first task is killed when some of its frames are written.
     let parts = folder.join("parts");
     let mut task = job::task(&bundle, "4-7");

@@ -207,6 +207,6 @@ fn a_cancelled_array_goes_on_where_it_is_sent_again() {
     sbatch(&["--wait"]);
     let said = said(&folder);
     assert!(said.matches("kept").count() >= before, "{before}: {said}");
-    render(&folder, &["-o", "f.##.png"], 0);
+    render(&folder, "-o f.##.png", 0);
     assert_eq!(pictures(&parts), pictures(&folder));
 }

@@ -1,11 +1,7 @@
 //! Test kit: generates and loads small glTF files.
 #![allow(dead_code, reason = "not every test uses every helper")] // each test file uses its own part
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-    sync::atomic::{AtomicU32, Ordering},
-};
+use std::path::Path;
 
 use glam::{Quat, Vec3};
 use reflet::{
@@ -22,35 +18,7 @@ use reflet::{
 };
 use serde_json::{Value, json};
 
-/// A folder that is removed after the test.
-pub struct Folder(pub PathBuf);
-
-impl Folder {
-    pub fn new() -> Self {
-        static NEXT: AtomicU32 = AtomicU32::new(0);
-        let name = format!(
-            "reflet-gltf-{}-{}",
-            std::process::id(),
-            NEXT.fetch_add(1, Ordering::Relaxed)
-        );
-        let path = std::env::temp_dir().join(name);
-        fs::create_dir_all(&path).expect("temporary folder");
-        Self(path)
-    }
-
-    pub fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
-        let path = self.0.join(name);
-        fs::create_dir_all(path.parent().expect("inside the folder")).expect("folder");
-        fs::write(&path, bytes).expect("temporary file");
-        path
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
+pub use crate::common::folder::Folder;
 
 /// A glTF document under construction; its one buffer is GLB's binary chunk.
 #[derive(Clone)]

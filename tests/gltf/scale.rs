@@ -1,14 +1,8 @@
 //! Work and size of large scenes, counted: twice as long a text takes twice as many allocations, and a scene placed
 //! many times is limited.
 
-use crate::common::assert_says;
-use std::{
-    collections::BTreeSet,
-    fmt::Write as _,
-    fs,
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use crate::common::{assert_says, folder::Folder};
+use std::{collections::BTreeSet, fmt::Write as _, path::Path, sync::Arc};
 
 use allocation_counter::measure;
 use reflet::{
@@ -187,26 +181,6 @@ fn variants_share_meshes_and_trees() {
     assert_eq!(names(&all), each);
 }
 
-/// A temporary folder with some files, which goes with this.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str, files: &[(&str, &str)]) -> Self {
-        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("scale-{name}"));
-        fs::create_dir_all(&path).expect("a temporary folder");
-        for (file, text) in files {
-            fs::write(path.join(file), text).expect("it can be written");
-        }
-        Self(path)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
-
 fn refused(folder: &Folder, file: &str) -> Vec<Diagnostic> {
     match Scene::from_file(&folder.0.join(file), &[]) {
         Err(errors) => errors,
@@ -237,11 +211,11 @@ fn what_placed_scenes_become_is_limited() {
         (0..3).map(|i| format!("p{i}{}", "a".repeat(100_000))),
         |_| String::new(),
     );
-    for (name, part, scene, says) in [
-        ("values", &numbers, &many, "4000000 values"),
-        ("names", &materials, &long, "32 MiB of names"),
+    for (part, scene, says) in [
+        (&numbers, &many, "4000000 values"),
+        (&materials, &long, "32 MiB of names"),
     ] {
-        let folder = Folder::new(name, &[("part.toml", part), ("scene.toml", scene)]);
+        let folder = Folder::with(&[("part.toml", part), ("scene.toml", scene)]);
         let mut errors = Vec::new();
         let work = measure(|| errors = refused(&folder, "scene.toml"));
         assert_eq!(errors.len(), 1, "{errors:?}");
@@ -276,7 +250,7 @@ fn scenes_that_place_scenes_multiply_no_further_than_the_limit() {
         .iter()
         .map(|(name, text)| (*name, text.as_str()))
         .collect();
-    let folder = Folder::new("multiplied", &files);
+    let folder = Folder::with(&files);
     let mut errors = Vec::new();
     let work = measure(|| errors = refused(&folder, "p0.toml"));
     assert_eq!(
@@ -297,7 +271,7 @@ fn texts_of_a_scene_are_limited_together() {
         ("c.toml", &filler),
     ];
     let scene = "version = 1\ninclude = [\"a.toml\", \"b.toml\", \"c.toml\"]\n";
-    let folder = Folder::new("texts", &[&files[..], &[("scene.toml", scene)]].concat());
+    let folder = Folder::with(&[&files[..], &[("scene.toml", scene)]].concat());
     let errors = refused(&folder, "scene.toml");
     assert_eq!((errors.len(), errors[0].name), (1, "scene-too-large"));
     let text = errors[0].to_string();
@@ -329,7 +303,7 @@ fn one_placed_script_that_exceeds_a_limit_is_enough() {
         ("s.rhai", script),
         ("scene.toml", &scene),
     ];
-    let folder = Folder::new("limit", &files);
+    let folder = Folder::with(&files);
     let errors = Bounds::CALL
         .at_most(10_000)
         .over(|| refused(&folder, "scene.toml"));

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::common::folder::kept_folder;
 use crate::common::{gpu_or_skip, shaders};
 use reflet::{
     gpu::{Gpu, GpuError, GroupLayout, Shader, ShaderLibrary, Timer, readback},
@@ -15,8 +16,7 @@ use wgpu::util::DeviceExt as _;
 const DOUBLE: &str = include_str!("double.wgsl");
 
 fn library(name: &str, text: &str) -> ShaderLibrary {
-    let dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("gpu-{name}"));
-    std::fs::create_dir_all(&dir).expect("temporary folder");
+    let dir = kept_folder(&format!("gpu-{name}"), &[]);
     std::fs::write(dir.join(format!("{name}.wgsl")), text).expect("temporary shader");
     ShaderLibrary::from_dir(&dir).expect("one shader")
 }

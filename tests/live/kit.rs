@@ -5,7 +5,6 @@ use std::{
     path::{Path, PathBuf},
     sync::{
         Arc,
-        atomic::{AtomicU32, Ordering},
         mpsc::{self, Receiver},
     },
     time::{Duration, Instant, SystemTime},
@@ -23,37 +22,7 @@ use reflet_preview::{
     watch::{Change, Changes, WatchEvent, WatchList, Watcher},
 };
 
-/// A folder that is removed after the test.
-pub struct Folder(pub PathBuf);
-
-impl Folder {
-    pub fn new() -> Self {
-        static NUMBER: AtomicU32 = AtomicU32::new(0);
-        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
-        let name = format!("reflet-live-{}-{number}", std::process::id());
-        let path = std::env::temp_dir().join(name);
-        let _ = fs::remove_dir_all(&path);
-        fs::create_dir_all(&path).expect("temporary folder");
-        Self(path.canonicalize().expect("exists"))
-    }
-
-    pub fn path(&self, name: &str) -> PathBuf {
-        self.0.join(name)
-    }
-
-    pub fn write(&self, name: &str, text: impl AsRef<[u8]>) -> PathBuf {
-        let path = self.path(name);
-        fs::create_dir_all(path.parent().expect("a folder")).expect("folder");
-        fs::write(&path, text).expect("writable");
-        path
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
+pub use crate::common::folder::Folder;
 
 /// A mirror floor and a box; placeholders `{…}` are replaced.
 pub const SCENE: &str = include_str!("kit/scene.toml");

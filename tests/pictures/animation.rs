@@ -14,6 +14,7 @@ use reflet::{
     world::{World, load},
 };
 
+use crate::common::folder::kept_folder;
 use crate::{
     common::animated::write_arm,
     kit::{FirstView, assert_color, color, gpu, pose, renderer},
@@ -22,9 +23,7 @@ use crate::{
 const SCENE: &str = include_str!("animation/scene.toml");
 
 fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("animation-{name}"));
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).expect("temporary folder");
+    let folder = kept_folder(&format!("animation-{name}"), &[]);
     write_arm(&folder);
     folder
 }

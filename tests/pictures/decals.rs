@@ -1,15 +1,13 @@
 //! Decals: closed forms, and pictures that must equal the same scene's without decals.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
 use reflet::{
     render::{Picture, picture::aov::Aov},
     world::Decals,
 };
 
+use crate::common::folder::kept_folder;
 use crate::common::shaders;
 use crate::kit::{FirstView, color, floats, gpu, picture, render, renderer, scene, scene_of};
 
@@ -153,9 +151,7 @@ fn a_decal_changes_only_what_it_is_asked_to_and_whom() {
 
 /// A folder with an image of 8 × 8 pixels, some of them clear, and one of normals.
 fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("decals-{name}"));
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).expect("temporary folder");
+    let folder = kept_folder(&format!("decals-{name}"), &[]);
     let paint = |x: u32, y: u32| {
         let alpha = if (x + y).is_multiple_of(3) { 0 } else { 255 };
         image::Rgba([(x * 36) as u8, (y * 36) as u8, 90, alpha])

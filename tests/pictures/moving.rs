@@ -8,6 +8,7 @@ use std::{
 
 use reflet::render::Picture;
 
+use crate::common::folder::kept_folder;
 use crate::{
     common::{cases, words},
     kit::{FirstView, assert_color, color, film_of, gpu, pose, renderer},
@@ -17,9 +18,7 @@ use crate::{
 const SCENE: &str = include_str!("moving/scene.toml");
 
 fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("moving-{name}"));
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).expect("temporary folder");
+    let folder = kept_folder(&format!("moving-{name}"), &[]);
     let pixel = |x: u32, y: u32| {
         let [u, v] = [x, y].map(|i| (i * 16) as u8);
         image::Rgba([255 - u / 2, 128 + v / 4, 220, u])

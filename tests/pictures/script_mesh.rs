@@ -1,8 +1,6 @@
 //! Meshes that a script's `frame` deforms: each frame is the picture of the same mesh written so, and a mirror that it
 //! moves shows what closed forms say.
 
-use std::{fs, path::PathBuf};
-
 use reflet::{
     render::{Picture, picture::aov::Aov},
     scene::{
@@ -12,6 +10,7 @@ use reflet::{
     world::World,
 };
 
+use crate::common::folder::kept_folder;
 use crate::kit::{FirstView, color, film_of, gpu, integers, pose, renderer};
 
 const SCENE: &str = include_str!("script_mesh/scene.toml");
@@ -21,9 +20,7 @@ const CLOTH: &str = include_str!("script_mesh/cloth.rhai");
 
 /// The scene with its script in a folder of its own.
 fn load(name: &str, text: &str, script: &str, set: &[String]) -> (Scene, World) {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
-    fs::create_dir_all(&folder).expect("a folder");
-    fs::write(folder.join("mesh.rhai"), script).expect("a script");
+    let folder = kept_folder(name, &[("mesh.rhai", script)]);
     let set: Vec<&str> = set.iter().map(String::as_str).collect();
     film_of(&folder.join("mesh.toml"), text, &set)
 }

@@ -3,17 +3,14 @@
 use std::{fs, path::Path, process::Command};
 
 use super::{open, with_set};
+use crate::common::folder::kept_folder;
 use crate::common::{assert_says, gpu_or_skip};
 
 /// A wide lamp behind a post, whose shadow is soft: every sub-frame is grainy. The lamp turns up in the second frame.
 const SCENE: &str = include_str!("error_bound/scene.toml");
 
 fn folder(name: &str) -> std::path::PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("error-bound-{name}"));
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).expect("temporary folder");
-    fs::write(folder.join("scene.toml"), SCENE).expect("temporary scene");
-    folder
+    kept_folder(&format!("error-bound-{name}"), &[("scene.toml", SCENE)])
 }
 
 /// Largest error of a tile of 16 × 16 pixels against a picture of many sub-frames, as the bound counts it.

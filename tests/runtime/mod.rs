@@ -8,6 +8,7 @@ use std::{
     process::Command,
 };
 
+use crate::common::folder::kept_folder;
 use crate::common::{assert_says, gpu_or_skip};
 use reflet::{
     gpu::GpuError,
@@ -20,12 +21,10 @@ const SCENE: &str = include_str!("scene.toml");
 const SCRIPT: &str = include_str!("script.rhai");
 
 fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("session-{name}"));
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).expect("temporary folder");
-    fs::write(folder.join("scene.toml"), SCENE).expect("temporary scene");
-    fs::write(folder.join("away.rhai"), SCRIPT).expect("temporary script");
-    folder
+    kept_folder(
+        &format!("session-{name}"),
+        &[("scene.toml", SCENE), ("away.rhai", SCRIPT)],
+    )
 }
 
 fn open(folder: &Path, options: &SessionOptions) -> Result<Session, SessionError> {

@@ -57,7 +57,7 @@ fn decals_of_a_placed_scene_stay_on_it() {
         ("shot/scene.toml", shot.as_str()),
         ("library/part.toml", &part),
     ];
-    let folder = Folder::new("decals", &files);
+    let folder = Folder::with(&files);
     let scene = folder.expect();
     let named = |i: usize| {
         let decal = &scene.decals[i];

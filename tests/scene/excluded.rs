@@ -41,7 +41,7 @@ fn a_key_above_replaces_keys_that_cannot_stand_beside_it() {
             (&[("shot/scene.toml", &below)], &[], &[&above]),
         ];
         for (files, variants, set) in files {
-            let read = Folder::new("excluded", files).read(variants, set);
+            let read = Folder::with(files).read(variants, set);
             read.unwrap_or_else(|errors| panic!("{above}{errors}"));
         }
     }

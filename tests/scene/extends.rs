@@ -8,7 +8,7 @@ use crate::{common::cases, layers::Folder};
 #[test]
 fn materials_extend_others() {
     let text = include_str!("extends/materials_extend_others.toml");
-    let folder = Folder::new("extends", &[("shot/scene.toml", text)]);
+    let folder = Folder::with(&[("shot/scene.toml", text)]);
     let scene = folder.expect();
     let material = |name: &str| {
         let found = scene.materials.iter().find(|m| m.name == name);
@@ -45,7 +45,7 @@ fn materials_that_extend_nothing_or_themselves_are_named() {
         "extends/materials_that_extend_nothing_or_themselves.txt"
     )) {
         let text = format!("version = 1\n{text}\n");
-        let folder = Folder::new("extends-wrong", &[("shot/scene.toml", &text)]);
+        let folder = Folder::with(&[("shot/scene.toml", &text)]);
         folder.assert_says(&[], &says.split(" | ").collect::<Vec<_>>());
         let errors = folder.read(&[], &[]).expect_err("it is wrong");
         assert!(
@@ -57,14 +57,14 @@ fn materials_that_extend_nothing_or_themselves_are_named() {
         .map(|i| format!("[material.m{i}]\nextends = \"m{}\"\n", i + 1))
         .collect();
     let text = format!("version = 1\n{chain}[material.m10000]\nroughness = 0.1\n");
-    let long = Folder::new("extends-long", &[("shot/scene.toml", &text)]);
+    let long = Folder::with(&[("shot/scene.toml", &text)]);
     long.assert_says(&[], &["more than 100 materials extend each other"]);
 }
 
 #[test]
 fn colors_are_linear_numbers_or_srgb_text() {
     let text = include_str!("extends/colors_are_linear_numbers_or_srgb_text.toml");
-    let folder = Folder::new("colors", &[("shot/scene.toml", text)]);
+    let folder = Folder::with(&[("shot/scene.toml", text)]);
     let scene = folder.expect();
     let a = &scene.materials[0].value;
     // IEC 61966-2-1: 0x88 = 0.533 is 0.2462 in linear light, 0xbc is 0.5029, 0x80 is 0.2159.

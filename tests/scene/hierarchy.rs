@@ -133,18 +133,15 @@ fn what_hangs_on_a_thing_follows_another_in_the_world() {
 
 #[test]
 fn scripts_move_groups_and_see_the_world() {
-    let folder = Folder::new(
-        "hung",
-        &[
-            ("shot/scene.toml", &format!("script = \"move.rhai\"\n{RIG}")),
-            (
-                "shot/move.rhai",
-                include_str!("hierarchy/scripts_move_groups_and_see_the_world.rhai"),
-            ),
-        ],
-    );
+    let folder = Folder::with(&[
+        ("shot/scene.toml", &format!("script = \"move.rhai\"\n{RIG}")),
+        (
+            "shot/move.rhai",
+            include_str!("hierarchy/scripts_move_groups_and_see_the_world.rhai"),
+        ),
+    ]);
     folder.assert_frame("\"base\" stands still; write `dynamic = true`");
-    let path = folder.path().join("shot/scene.toml");
+    let path = folder.path("shot/scene.toml");
     let text = fs::read_to_string(&path).expect("it is there");
     let text = text.replace("[group.base]", "[group.base]\ndynamic = true");
     fs::write(&path, text).expect("it can be written");
@@ -174,16 +171,13 @@ fn wrong_parents_are_named() {
 
 #[test]
 fn a_parent_that_a_layer_removes_is_named() {
-    let folder = Folder::new(
-        "removed-parent",
-        &[
-            (
-                "shot/scene.toml",
-                "version = 1\nbase = \"rig.toml\"\nremove = [\"group.base\"]\n",
-            ),
-            ("shot/rig.toml", RIG),
-        ],
-    );
+    let folder = Folder::with(&[
+        (
+            "shot/scene.toml",
+            "version = 1\nbase = \"rig.toml\"\nremove = [\"group.base\"]\n",
+        ),
+        ("shot/rig.toml", RIG),
+    ]);
     folder.assert_says(
         &[],
         &[
@@ -220,13 +214,10 @@ fn points_of_a_table_place_copies() {
         "repeat = { count = [2, 1, 1], step = [3, 0, 0] }",
         "instances_from = \"points.csv\"\nscale = 2",
     );
-    let folder = Folder::new(
-        "points",
-        &[
-            ("shot/scene.toml", text.as_str()),
-            ("shot/points.csv", "x,y,z,scale\n0,0,0,1\n3,0,0,0.5\n"),
-        ],
-    );
+    let folder = Folder::with(&[
+        ("shot/scene.toml", text.as_str()),
+        ("shot/points.csv", "x,y,z,scale\n0,0,0,1\n3,0,0,0.5\n"),
+    ]);
     let read = |folder: &Folder| load::load(&folder.expect(), &load::LoadOptions::default());
     let world = read(&folder).expect("valid");
     let [a, b] = [1, 2].map(|i| &world.instances[i]);
@@ -238,7 +229,7 @@ fn points_of_a_table_place_copies() {
     assert!(world.files.iter().any(|f| f.ends_with("points.csv")));
 
     let moving = format!("{text}[motion.group.base]\ntranslation = {{ rate = [0, 0, 2] }}\n");
-    let path = folder.path().join("shot/scene.toml");
+    let path = folder.path("shot/scene.toml");
     fs::write(&path, moving).expect("it can be written");
     let scene = folder.expect();
     let mut world = read(&folder).expect("valid");
@@ -248,12 +239,12 @@ fn points_of_a_table_place_copies() {
         [10.0, 1.0, 0.0],
     );
 
-    fs::write(folder.path().join("shot/points.csv"), "x,y,z\n1,2\n").expect("it can be written");
+    fs::write(folder.path("shot/points.csv"), "x,y,z\n1,2\n").expect("it can be written");
     let errors = read(&folder).expect_err("it is wrong");
     let text = errors[0].to_string();
     assert!(text.contains("points.csv:2:4"), "{text}");
     assert_says(&text, &["named here", "scene.toml:18:18"]);
-    fs::remove_file(folder.path().join("shot/points.csv")).expect("it can be removed");
+    fs::remove_file(folder.path("shot/points.csv")).expect("it can be removed");
     let errors = read(&folder).expect_err("it is wrong");
     assert_eq!(errors[0].name, "file-not-found");
 }

@@ -11,28 +11,9 @@ use reflet::{
     },
 };
 
-use crate::common::{Random, assert_says};
-
-/// A folder with files, removed after the test.
-struct Folder(PathBuf);
+use crate::common::{Random, assert_says, folder::Folder};
 
 impl Folder {
-    fn new(name: &str, files: &[(&str, &str)]) -> Self {
-        let path = std::env::temp_dir().join(format!("reflet-{name}-{}", std::process::id()));
-        let _ = fs::remove_dir_all(&path);
-        let folder = Self(path);
-        for (file, text) in files {
-            folder.write(file, text);
-        }
-        folder
-    }
-
-    fn write(&self, file: &str, text: &str) {
-        let path = self.0.join(file);
-        fs::create_dir_all(path.parent().expect("a folder")).expect("it can be made");
-        fs::write(path, text).expect("it can be written");
-    }
-
     fn parse(&self, set: &[&str]) -> Result<(Scene, Vec<Diagnostic>), String> {
         let set: Vec<String> = set.iter().map(|&s| s.to_owned()).collect();
         let read = Scene::from_file(&self.0.join("scene.toml"), &set);
@@ -40,12 +21,6 @@ impl Folder {
             let folder = format!("{}/", self.0.display());
             render_all(&errors, false).replace(&folder, "")
         })
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
     }
 }
 
@@ -67,14 +42,14 @@ fn library(scene: &str) -> Vec<(&'static str, String)> {
     ]
 }
 
-fn folder(name: &str, files: &[(&'static str, String)]) -> Folder {
+fn folder(files: &[(&'static str, String)]) -> Folder {
     let files: Vec<_> = files.iter().map(|(f, t)| (*f, t.as_str())).collect();
-    Folder::new(name, &files)
+    Folder::with(&files)
 }
 
 #[test]
 fn files_stand_beside_the_scene() {
-    let folder = folder("include", &library(SCENE));
+    let folder = folder(&library(SCENE));
     let (scene, warnings) = folder.parse(&[]).expect("it is right");
     assert_eq!(warnings, [], "unused library materials are no mistake");
     let names: Vec<_> = scene.materials.iter().map(|m| m.name.as_str()).collect();
@@ -105,14 +80,14 @@ fn files_stand_beside_the_scene() {
 
 #[test]
 fn a_scene_in_parts_equals_the_scene_in_one_piece() {
-    let parts = folder("parts", &library(SCENE));
+    let parts = folder(&library(SCENE));
     let whole = SCENE.replace(
         "include = [\"library/materials.toml\", \"lights.toml\"]\n",
         "",
     ) + MATERIALS.split_once("toml\"]\n").expect("it includes").1
         + COLORS.split_once("[model.unused]").expect("it has one").0
         + LIGHTS;
-    let one = Folder::new("whole", &[("scene.toml", whole.as_str())]);
+    let one = Folder::with(&[("scene.toml", whole.as_str())]);
     let read = |folder: &Folder| {
         let (scene, _) = folder.parse(&[]).expect("it is right");
         let mut scene = scene.desc;
@@ -135,11 +110,11 @@ fn a_scene_in_parts_equals_the_scene_in_one_piece() {
 #[test]
 fn includes_cannot_be_set_and_lists_are_no_tables() {
     let mut files = library(SCENE);
-    let said = folder("set", &files).parse(&["include=[\"gone.toml\"]"]);
+    let said = folder(&files).parse(&["include=[\"gone.toml\"]"]);
     let said = said.expect_err("files are read before settings");
     assert!(said.contains("`include` cannot be set"), "{said}");
     files[3].1 = "[[model]]\nshape = { kind = \"box\" }\n".into();
-    let said = folder("kinds", &files)
+    let said = folder(&files)
         .parse(&[])
         .expect_err("a list beside a table");
     assert_says(
@@ -150,20 +125,17 @@ fn includes_cannot_be_set_and_lists_are_no_tables() {
 
 #[test]
 fn each_file_is_read_once_and_circles_end() {
-    let folder = Folder::new(
-        "circle",
-        &[
-            (
-                "scene.toml",
-                "version = 1\ninclude = \"a.toml\"\n[model.m]\nshape = { kind = \"box\" }\n",
-            ),
-            (
-                "a.toml",
-                "include = [\"b.toml\", \"./a.toml\", \"scene.toml\"]\n[material.a]\n",
-            ),
-            ("b.toml", "include = [\"a.toml\"]\n[material.b]\n"),
-        ],
-    );
+    let folder = Folder::with(&[
+        (
+            "scene.toml",
+            "version = 1\ninclude = \"a.toml\"\n[model.m]\nshape = { kind = \"box\" }\n",
+        ),
+        (
+            "a.toml",
+            "include = [\"b.toml\", \"./a.toml\", \"scene.toml\"]\n[material.a]\n",
+        ),
+        ("b.toml", "include = [\"a.toml\"]\n[material.b]\n"),
+    ]);
     let (scene, _) = folder.parse(&[]).expect("circles are no mistake");
     assert_eq!(scene.includes.len(), 2);
     assert_eq!(scene.materials.len(), 2);
@@ -176,7 +148,7 @@ fn mistakes_are_placed_in_the_file_that_has_them() {
     files[3].1 = "script = \"a.rhai\"\n[light.lamp]\nkind = \"point\"\nposition = [0 1]\n\
                   [environment]\nzenit = [0, 0, 0]\n"
         .into();
-    let said = folder("mistakes", &files).parse(&[]).expect_err("mistakes");
+    let said = folder(&files).parse(&[]).expect_err("mistakes");
     for expected in [
         "`material.chrome` is defined twice\n --> library/colors.toml:1:11\n",
         "it is first defined here\n --> library/materials.toml:3:11\n",
@@ -206,7 +178,7 @@ fn files_that_cannot_be_read_are_told_where_they_are_named() {
     for (named, expected) in cases {
         // A material that may be in the missing file is not reported as another mistake.
         let scene = SCENE.replace("[\"library/materials.toml\", \"lights.toml\"]", named);
-        let folder = folder("unreadable", &library(&scene));
+        let folder = folder(&library(&scene));
         fs::write(folder.0.join("latin.toml"), b"[material.x]\n# caf\xe9\n").expect("written");
         let said = folder.parse(&[]).expect_err("it cannot be read");
         assert!(said.contains(expected), "{named}: {said}");
@@ -225,11 +197,8 @@ fn files_that_cannot_be_read_are_told_where_they_are_named() {
 #[test]
 #[cfg(unix)]
 fn a_link_out_of_the_folder_is_refused() {
-    let outside = Folder::new("outside", &[("secret.toml", "[material.secret]\n")]);
-    let folder = Folder::new(
-        "link",
-        &[("scene.toml", "version = 1\ninclude = \"l.toml\"\n")],
-    );
+    let outside = Folder::with(&[("secret.toml", "[material.secret]\n")]);
+    let folder = Folder::with(&[("scene.toml", "version = 1\ninclude = \"l.toml\"\n")]);
     let to = outside.0.join("secret.toml");
     std::os::unix::fs::symlink(to, folder.0.join("l.toml")).expect("a link");
     let said = folder.parse(&[]).expect_err("it leads out");
@@ -238,16 +207,13 @@ fn a_link_out_of_the_folder_is_refused() {
 
 #[test]
 fn what_was_looked_for_is_known_also_after_a_mistake() {
-    let folder = Folder::new(
-        "trail",
-        &[
-            (
-                "scene.toml",
-                "version = 1\ninclude = [\"a.toml\", \"gone.toml\"]\n",
-            ),
-            ("a.toml", "include = \"b.toml\"\n"),
-        ],
-    );
+    let folder = Folder::with(&[
+        (
+            "scene.toml",
+            "version = 1\ninclude = [\"a.toml\", \"gone.toml\"]\n",
+        ),
+        ("a.toml", "include = \"b.toml\"\n"),
+    ]);
     let path = folder.0.join("scene.toml");
     let text = fs::read_to_string(&path).expect("it is there");
     let dependencies = Dependencies::default();
@@ -260,16 +226,13 @@ fn what_was_looked_for_is_known_also_after_a_mistake() {
 
 #[test]
 fn parameters_of_included_files_are_parameters() {
-    let folder = Folder::new(
-        "params",
-        &[
-            (
-                "scene.toml",
-                "version = 1\ninclude = \"p.toml\"\n[params]\na = 1\n",
-            ),
-            ("p.toml", "[params]\nb = 2\n"),
-        ],
-    );
+    let folder = Folder::with(&[
+        (
+            "scene.toml",
+            "version = 1\ninclude = \"p.toml\"\n[params]\na = 1\n",
+        ),
+        ("p.toml", "[params]\nb = 2\n"),
+    ]);
     let path = folder.0.join("scene.toml");
     let options = SceneOptions {
         set: vec!["params.b=3".to_owned()],
@@ -301,7 +264,7 @@ fn no_damage_to_an_included_file_panics() {
             }
         }
         files[file].1 = String::from_utf8(bytes).expect("ASCII stays ASCII");
-        failed += usize::from(folder("damage", &files).parse(&[]).is_err());
+        failed += usize::from(folder(&files).parse(&[]).is_err());
     }
     assert!(failed > 100, "only {failed} of 300 damages were noticed");
 }

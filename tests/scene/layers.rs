@@ -1,6 +1,6 @@
 //! Scenes over their bases, and variants.
 
-use std::{fs, path::PathBuf};
+use std::fs;
 
 use crate::common::cases;
 
@@ -13,22 +13,9 @@ use reflet::scene::{
     stages::Scene,
 };
 
-/// A folder with files, removed after the test.
-pub struct Folder(PathBuf);
+pub use crate::common::folder::Folder;
 
 impl Folder {
-    pub fn new(name: &str, files: &[(&str, &str)]) -> Self {
-        let path =
-            std::env::temp_dir().join(format!("reflet-layers-{name}-{}", std::process::id()));
-        let _ = fs::remove_dir_all(&path);
-        for (file, text) in files {
-            let file = path.join(file);
-            fs::create_dir_all(file.parent().expect("a folder")).expect("it can be made");
-            fs::write(file, text).expect("it can be written");
-        }
-        Self(path)
-    }
-
     /// Reads `shot/scene.toml`, with assets in `library`.
     pub fn read(&self, variants: &[&str], set: &[&str]) -> Result<Scene, String> {
         let path = self.0.join("shot/scene.toml");
@@ -57,10 +44,6 @@ impl Folder {
         or_panic!(self.read(&[], &[]))
     }
 
-    pub fn path(&self) -> &std::path::Path {
-        &self.0
-    }
-
     /// Asserts that the first frame fails with this message.
     #[track_caller]
     pub fn assert_frame(&self, says: &str) {
@@ -79,26 +62,16 @@ impl Folder {
     }
 }
 
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
-
 pub const BASE: &str = include_str!("layers/base.toml");
 
-pub fn over_base(name: &str, shot: &str) -> Folder {
+pub fn over_base(shot: &str) -> Folder {
     let shot = format!("version = 1\nbase = \"base.toml\"\n{shot}");
-    Folder::new(
-        name,
-        &[("shot/base.toml", BASE), ("shot/scene.toml", &shot)],
-    )
+    Folder::with(&[("shot/base.toml", BASE), ("shot/scene.toml", &shot)])
 }
 
 #[test]
 fn keys_above_win_and_all_others_stay() {
     let folder = over_base(
-        "keys",
         "[camera.main]\nfov_deg = 20\n[[instance]]\nname = \"a\"\nmatrix = [1,0,0,0, 0,1,0,0, \
          0,0,1,0, 5,6,7,1]\n[[instance]]\nname = \"c\"\nmodel = \"ball\"\n[model.ball]\n\
          shape = { kind = \"box\" }\n[light.lamp]\ndirection = [1, 0, 0]\n",
@@ -157,10 +130,7 @@ fn names_may_be_like_keys() {
         "version = 1\n[model.file]\nshape = { kind = \"box\" }\n[camera.target]\nfov_deg = 20\n";
     let shot = "version = 1\nbase = \"base.toml\"\n[model.shape]\nshape = { kind = \"cone\" }\n\
                 [camera.direction]\nfov_deg = 30\n[variant.v.model.file]\nshape = { kind = \"sphere\" }\n";
-    let folder = Folder::new(
-        "names",
-        &[("shot/base.toml", base), ("shot/scene.toml", shot)],
-    );
+    let folder = Folder::with(&[("shot/base.toml", base), ("shot/scene.toml", shot)]);
     let scene = or_panic!(folder.read(&["v"], &[]));
     assert_eq!((scene.models.len(), scene.cameras.len()), (2, 2));
 }
@@ -168,7 +138,6 @@ fn names_may_be_like_keys() {
 #[test]
 fn mistakes_are_placed_in_the_file_that_has_them() {
     let folder = over_base(
-        "places",
         "[camera.main]\nfov_deg = 900\n[material.red]\nbase_color = [2, 0, 0]\n[light.sun]\n\
          kind = \"point\"\n",
     );
@@ -181,31 +150,25 @@ fn mistakes_are_placed_in_the_file_that_has_them() {
             "`position` is missing in `[light.sun]`\n --> shot/scene.toml:7:1",
         ],
     );
-    let folder = over_base("doubled", "[[instance]]\nmodel = \"bal\"\n");
+    let folder = over_base("[[instance]]\nmodel = \"bal\"\n");
     folder.assert_says(&[], &["--> shot/scene.toml:4:9", "--> shot/base.toml:7:8"]);
 }
 
 #[test]
 fn what_is_removed_is_gone() {
-    let folder = over_base(
-        "removed",
-        "remove = [\"light.lamp\", \"instance.a\", \"material.red.base_color\"]\n",
-    );
+    let folder =
+        over_base("remove = [\"light.lamp\", \"instance.a\", \"material.red.base_color\"]\n");
     let scene = folder.expect();
     assert_eq!(scene.lights.len(), 1);
     assert_eq!(scene.instances.len(), 1);
     assert_eq!(scene.materials[0].value.base_color, None);
     // A model without an instance is not placed at the origin either.
     let all = "remove = [\"instance.a\", \"instance.b\"]\n";
-    assert!(over_base("unplaced", all).expect().models.is_empty());
+    assert!(over_base(all).expect().models.is_empty());
     for (shot, says) in cases(include_str!("layers/what_is_removed_is_gone.txt")) {
-        over_base("not-removed", &format!("{shot}\n"))
-            .assert_says(&[], &says.split(" | ").collect::<Vec<_>>());
+        over_base(&format!("{shot}\n")).assert_says(&[], &says.split(" | ").collect::<Vec<_>>());
     }
-    let alone = Folder::new(
-        "alone",
-        &[("shot/scene.toml", "version = 1\nremove = \"a\"\n")],
-    );
+    let alone = Folder::with(&[("shot/scene.toml", "version = 1\nremove = \"a\"\n")]);
     alone.assert_says(
         &[],
         &["there is no base of which something could be removed"],
@@ -214,31 +177,22 @@ fn what_is_removed_is_gone() {
 
 #[test]
 fn circles_missing_bases_and_too_many_are_named() {
-    let circle = Folder::new(
-        "circle",
-        &[
-            ("shot/scene.toml", "version = 1\nbase = \"b.toml\"\n"),
-            ("shot/b.toml", "version = 1\nbase = \"scene.toml\"\n"),
-        ],
-    );
+    let circle = Folder::with(&[
+        ("shot/scene.toml", "version = 1\nbase = \"b.toml\"\n"),
+        ("shot/b.toml", "version = 1\nbase = \"scene.toml\"\n"),
+    ]);
     circle.assert_says(
         &[],
         &["\"scene.toml\" is its own base", "--> shot/b.toml:2:8"],
     );
-    let missing = Folder::new(
-        "missing",
-        &[("shot/scene.toml", "version = 1\nbase = \"no.toml\"\n")],
-    );
+    let missing = Folder::with(&[("shot/scene.toml", "version = 1\nbase = \"no.toml\"\n")]);
     missing.assert_says(
         &[],
         &["does not exist, nor in", "library", "scene.toml:2:8"],
     );
-    let outside = Folder::new(
-        "outside",
-        &[("shot/scene.toml", "version = 1\nbase = \"../b.toml\"\n")],
-    );
+    let outside = Folder::with(&[("shot/scene.toml", "version = 1\nbase = \"../b.toml\"\n")]);
     outside.assert_says(&[], &["is not below the scene's folder"]);
-    let number = Folder::new("number", &[("shot/scene.toml", "version = 1\nbase = 3\n")]);
+    let number = Folder::with(&[("shot/scene.toml", "version = 1\nbase = 3\n")]);
     number.assert_says(&[], &["`base` must be text in quotes, not the number 3"]);
     let base = |i: u32| format!("version = 1\nbase = \"{}.toml\"\n", i + 1);
     let texts: Vec<_> = (0..200)
@@ -249,7 +203,7 @@ fn circles_missing_bases_and_too_many_are_named() {
         .map(|(n, t)| (n.as_str(), t.as_str()))
         .collect();
     files.push(("shot/scene.toml", "version = 1\nbase = \"0.toml\"\n"));
-    let many = Folder::new("many", &files);
+    let many = Folder::with(&files);
     let message = "a chain of bases may have at most 100 files";
     many.assert_says(&[], &[message, "library/99.toml:2:8"]);
 }
@@ -259,36 +213,30 @@ fn a_library_holds_bases_included_files_and_scripts() {
     let base = "version = 1\ninclude = \"looks/red.toml\"\nscript = \"move.rhai\"\n\
                 timeline = { end = 1 }\n\
                 [model.ball]\nshape = { kind = \"sphere\" }\nmaterial = \"red\"\n";
-    let folder = Folder::new(
-        "library",
-        &[
-            ("library/base.toml", base),
-            (
-                "library/looks/red.toml",
-                "[material.red]\nroughness = 0.3\n",
-            ),
-            (
-                "library/move.rhai",
-                "import \"more\" as more;\nfn frame(ctx) { }\n",
-            ),
-            ("library/more.rhai", "fn x() { }\n"),
-            (
-                "shot/scene.toml",
-                "version = 1\nbase = \"base.toml\"\n[material.red]\nmetallic = 1\n",
-            ),
-        ],
-    );
+    let folder = Folder::with(&[
+        ("library/base.toml", base),
+        (
+            "library/looks/red.toml",
+            "[material.red]\nroughness = 0.3\n",
+        ),
+        (
+            "library/move.rhai",
+            "import \"more\" as more;\nfn frame(ctx) { }\n",
+        ),
+        ("library/more.rhai", "fn x() { }\n"),
+        (
+            "shot/scene.toml",
+            "version = 1\nbase = \"base.toml\"\n[material.red]\nmetallic = 1\n",
+        ),
+    ]);
     let scene = folder.expect();
     let red = &scene.materials[0].value;
     assert_eq!((red.roughness, red.metallic), (Some(0.3), Some(1.0)));
     assert_eq!(scene.text_files().len(), 4);
-    let inner = Folder::new(
-        "inner",
-        &[
-            ("shot/scene.toml", "version = 1\ninclude = \"a.toml\"\n"),
-            ("shot/a.toml", "base = \"b.toml\"\n"),
-        ],
-    );
+    let inner = Folder::with(&[
+        ("shot/scene.toml", "version = 1\ninclude = \"a.toml\"\n"),
+        ("shot/a.toml", "base = \"b.toml\"\n"),
+    ]);
     inner.assert_says(
         &[],
         &["an included file cannot have `base`", "shot/a.toml:1:1"],
@@ -299,7 +247,7 @@ fn a_library_holds_bases_included_files_and_scripts() {
 fn variants_are_laid_over_the_scene() {
     let shot =
         "[variant.night]\nenvironment.color = \"#000010\"\n[variant.bad]\nlight.sun.kind = 3\n";
-    let folder = over_base("variants", shot);
+    let folder = over_base(shot);
     let lux = |scene: &Scene| {
         let sun = scene
             .lights
@@ -326,9 +274,9 @@ fn variants_are_laid_over_the_scene() {
         &["no variant is named \"nihgt\"", "did you mean \"night\"?"],
     );
     folder.assert_says(&["bad"], &["`kind` must be", "shot/scene.toml:6:18"]);
-    let wrong = over_base("wrong-variants", "variant = 3\n");
+    let wrong = over_base("variant = 3\n");
     wrong.assert_says(&[], &["`variant` must be"]);
-    let layered = over_base("layered-variants", "[variant.v]\nbase = \"b.toml\"\n");
+    let layered = over_base("[variant.v]\nbase = \"b.toml\"\n");
     layered.assert_says(&["v"], &["a variant cannot have `base`"]);
 }
 
@@ -340,7 +288,7 @@ fn the_variation_of_the_guide_can_be_read() {
         ("shot/my.toml", scene.as_str()),
         ("shot/scene.toml", &story.shot),
     ];
-    let folder = Folder::new("readme", &files);
+    let folder = Folder::with(&files);
     let scene = or_panic!(folder.read(&["dusk"], &[]));
     assert_eq!((scene.instances.len(), scene.lights.len()), (4, 0));
     assert!(scene.environment.zenith.z > 0.2, "{:?}", scene.environment);

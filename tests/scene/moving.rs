@@ -10,6 +10,7 @@ use reflet::scene::{
     stages::{Animator, Scene},
 };
 
+use crate::common::folder::kept_folder;
 use crate::common::{assert_says, cases};
 
 const SCENE: &str = include_str!("moving/scene.toml");
@@ -28,8 +29,7 @@ fn pose(text: &str, frame: u32) -> Result<FrameState, String> {
 
 /// State of a frame of the same scene with a script.
 fn scripted(name: &str, frame: &str) -> Result<FrameState, String> {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("moving-{name}"));
-    fs::create_dir_all(&folder).expect("temporary folder");
+    let folder = kept_folder(&format!("moving-{name}"), &[]);
     let script = format!("fn frame(ctx) {{ {frame} }}");
     fs::write(folder.join("move.rhai"), script).expect("the script can be written");
     let text = format!("script = \"move.rhai\"\n{SCENE}");
@@ -243,8 +243,7 @@ fn absent_material_parts_cannot_move() {
             pose(&format!("{SCENE}{model}{table}{motion}"), 0).expect("is right");
         }
     }
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("moving-lacking");
-    fs::create_dir_all(&folder).expect("temporary folder");
+    let folder = kept_folder("moving-lacking", &[]);
     let script = "fn frame(ctx) { ctx.material(\"plain\", #{ alpha_cutoff: 0.5 }); }";
     fs::write(folder.join("move.rhai"), script).expect("the script can be written");
     let text = format!("script = \"move.rhai\"\n{SCENE}[material.plain]\n");

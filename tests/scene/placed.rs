@@ -19,8 +19,7 @@ fn shot(shot: &str) -> Folder {
         ("library/cars/car.toml", CAR),
         ("library/cars/parts/paint.toml", PAINT),
     ];
-    let name = format!("placed-{}", shot.len());
-    Folder::new(&name, &files)
+    Folder::with(&files)
 }
 
 #[test]
@@ -126,7 +125,7 @@ fn models_of_removed_instances_stand_nowhere_in_placed_scenes_either() {
         ("shot/car.toml", removed),
         ("shot/b.toml", &*format!("version = 1\n{floor}{instance}")),
     ];
-    let scene = Folder::new("unplaced-inside", &files).expect();
+    let scene = Folder::with(&files).expect();
     assert!(scene.instances.is_empty(), "none of the car");
     // The scene's own model stays, whatever the placed scene removes.
     assert_eq!(scene.models.len(), 1);
@@ -137,17 +136,14 @@ fn models_of_removed_instances_stand_nowhere_in_placed_scenes_either() {
 fn files_are_named_from_the_placed_scene() {
     let car =
         "version = 1\n[model.body]\nfile = \"body.glb\"\n[model.seat]\nfile = \"shared.glb\"\n";
-    let folder = Folder::new(
-        "placed-files",
-        &[
-            (
-                "shot/scene.toml",
-                "version = 1\n[camera.main]\n[[instance]]\nmodel = { scene = \"car/car.toml\" }\n",
-            ),
-            ("shot/car/car.toml", car),
-            ("shot/car/body.glb", ""),
-        ],
-    );
+    let folder = Folder::with(&[
+        (
+            "shot/scene.toml",
+            "version = 1\n[camera.main]\n[[instance]]\nmodel = { scene = \"car/car.toml\" }\n",
+        ),
+        ("shot/car/car.toml", car),
+        ("shot/car/body.glb", ""),
+    ]);
     let scene = folder.expect();
     let files: Vec<_> = (scene.models.iter())
         .map(|model| match &model.value.source {
@@ -161,18 +157,15 @@ fn files_are_named_from_the_placed_scene() {
 #[test]
 fn height_fields_read_their_image_beside_their_scene() {
     let hills = "version = 1\n[model.hills]\nshape = { kind = \"heightfield\", file = \"hills.png\", size = [2, 3, 4] }\n";
-    let folder = Folder::new(
-        "heights",
-        &[
-            (
-                "shot/scene.toml",
-                "version = 1\n[camera.main]\n[[instance]]\nmodel = { scene = \"land/hills.toml\" }\n",
-            ),
-            ("shot/land/hills.toml", hills),
-        ],
-    );
+    let folder = Folder::with(&[
+        (
+            "shot/scene.toml",
+            "version = 1\n[camera.main]\n[[instance]]\nmodel = { scene = \"land/hills.toml\" }\n",
+        ),
+        ("shot/land/hills.toml", hills),
+    ]);
     let load = || load::load(&folder.expect(), &load::LoadOptions::default());
-    let image = folder.path().join("shot/land/hills.png");
+    let image = folder.path("shot/land/hills.png");
     let errors = load().expect_err("there is no image");
     assert_eq!(errors[0].name, "file-not-found");
     std::fs::write(&image, "no image").expect("it can be written");
@@ -206,7 +199,7 @@ fn circles_of_placed_scenes_are_named() {
             ("shot/0.toml", &zero),
             ("shot/1.toml", &one),
         ];
-        let folder = Folder::new("placed-circle", &files);
+        let folder = Folder::with(&files);
         let text = folder.read(&[], &[]).expect_err("a circle");
         assert_eq!(text.matches("places itself").count(), 1, "{text}");
         assert!(
@@ -255,8 +248,7 @@ fn scenes_that_multiply_are_refused() {
         .iter()
         .map(|(name, text)| (name.as_str(), text.as_str()))
         .collect();
-    Folder::new("placed-many", &files)
-        .assert_says(&[], &["at most 1000 scenes can be placed in a scene"]);
+    Folder::with(&files).assert_says(&[], &["at most 1000 scenes can be placed in a scene"]);
 }
 
 #[test]

@@ -17,7 +17,7 @@ const SHOT: &str = include_str!("placed_script/shot.toml");
 
 const PAIR: &str = include_str!("placed_script/pair.toml");
 
-fn folder(name: &str, shot: &str, drive: &str) -> Folder {
+fn folder(shot: &str, drive: &str) -> Folder {
     let files = [
         ("shot/scene.toml", shot),
         (
@@ -32,7 +32,7 @@ fn folder(name: &str, shot: &str, drive: &str) -> Folder {
             "fn at(speed, t) { speed * t }",
         ),
     ];
-    Folder::new(&format!("placed-script-{name}"), &files)
+    Folder::with(&files)
 }
 
 fn pose(scene: &Scene, frame: u32) -> FrameState {
@@ -49,7 +49,7 @@ fn place(scene: &Scene, state: &FrameState, name: &str) -> Vec3 {
 
 #[test]
 fn each_placed_scene_is_moved_by_its_own_script() {
-    let scene = folder("moves", SHOT, DRIVE).expect();
+    let scene = folder(SHOT, DRIVE).expect();
     assert!(!scene.is_still());
     let state = pose(&scene, 4);
     for (car, x) in [("left", -5.0), ("right", 5.0)] {
@@ -90,7 +90,7 @@ fn each_placed_scene_is_moved_by_its_own_script() {
 
 #[test]
 fn the_scene_of_the_placed_ones_has_the_last_word() {
-    let scene = folder("last", &format!("script = \"own.rhai\"\n{SHOT}"), DRIVE).expect();
+    let scene = folder(&format!("script = \"own.rhai\"\n{SHOT}"), DRIVE).expect();
     let state = pose(&scene, 4);
     assert_eq!(
         place(&scene, &state, "left.body"),
@@ -105,7 +105,7 @@ fn the_scene_of_the_placed_ones_has_the_last_word() {
 #[test]
 fn scripts_of_inner_scenes_have_the_names_of_their_own_scene() {
     let shot = SHOT.replacen("car.toml", "pair.toml", 1);
-    let scene = folder("inner", &shot, DRIVE).expect();
+    let scene = folder(&shot, DRIVE).expect();
     let state = pose(&scene, 2);
     assert_eq!(
         place(&scene, &state, "left.inner.body"),
@@ -124,7 +124,7 @@ fn each_placed_scene_has_its_own_params() {
         "\"cars/car.toml\", params = { bolts = 3, speed = 2 } }",
         1,
     );
-    let scene = folder("params", &shot, DRIVE).expect();
+    let scene = folder(&shot, DRIVE).expect();
     let state = pose(&scene, 4);
     assert_eq!(place(&scene, &state, "left.body").z, 8.0);
     assert_eq!(place(&scene, &state, "right.body").z, 2.0);
@@ -150,23 +150,18 @@ fn each_placed_scene_has_its_own_params() {
         "{given:?}"
     );
     let set = "instance.left.model.params.speed=3";
-    let scene = or_panic!(folder("params-set", &shot, DRIVE).read(&[], &[set]));
+    let scene = or_panic!(folder(&shot, DRIVE).read(&[], &[set]));
     assert_eq!(place(&scene, &pose(&scene, 4), "left.body").z, 12.0);
 }
 
 #[test]
 fn what_is_wrong_in_a_placed_scene_is_named_as_it_is_written_there_once() {
-    for (name, from, to, place) in [
-        ("setup", "model: \"bolt\"", "model: \"bold\"", "drive.rhai:"),
-        (
-            "parent",
-            "parent: \"body\"",
-            "parent: \"bod\"",
-            "drive.rhai:",
-        ),
+    for (from, to, place) in [
+        ("model: \"bolt\"", "model: \"bold\"", "drive.rhai:"),
+        ("parent: \"body\"", "parent: \"bod\"", "drive.rhai:"),
     ] {
         let drive = DRIVE.replacen(from, to, 1);
-        let errors = (folder(name, SHOT, &drive).read(&[], &[])).expect_err("no such name");
+        let errors = (folder(SHOT, &drive).read(&[], &[])).expect_err("no such name");
         let wrong = to.split('"').nth(1).expect("in quotes");
         for says in [
             format!("named \"{wrong}\""),
@@ -182,7 +177,7 @@ fn what_is_wrong_in_a_placed_scene_is_named_as_it_is_written_there_once() {
         );
     }
     let shot = format!("{SHOT}parent = \"left.bod\"\n");
-    let errors = folder("own-name", &shot, DRIVE).read(&[], &[]);
+    let errors = folder(&shot, DRIVE).read(&[], &[]);
     let errors = errors.expect_err("no such name");
     assert!(
         errors.contains("named \"left.bod\""),
@@ -192,30 +187,27 @@ fn what_is_wrong_in_a_placed_scene_is_named_as_it_is_written_there_once() {
 
 #[test]
 fn params_that_a_placed_scene_does_not_have_are_refused() {
-    for (name, params, says) in [
+    for (params, says) in [
         (
-            "unknown",
             "params = { sped = 2 }",
             "no parameter is named \"sped\"\n --> shot/scene.toml:6:47",
         ),
         (
-            "kind",
             "params = { bolts = 2.5 }",
             "`bolts` is a whole number, not 2.5",
         ),
-        ("table", "params = 3", "`params` must be a table"),
-        ("key", "parms = { speed = 2 }", "did you mean `params`?"),
+        ("params = 3", "`params` must be a table"),
+        ("parms = { speed = 2 }", "did you mean `params`?"),
     ] {
         let with = format!("\"cars/car.toml\", {params} }}");
         let shot = SHOT.replacen("\"cars/car.toml\" }", &with, 1);
-        folder(&format!("params-{name}"), &shot, DRIVE).assert_says(&[], &[says]);
+        folder(&shot, DRIVE).assert_says(&[], &[says]);
     }
 }
 
 #[test]
 fn mistakes_of_placed_scripts_are_named() {
     let frame = folder(
-        "frame",
         SHOT,
         &DRIVE.replace("ctx.place(\"body\"", "ctx.place(\"boddy\""),
     );
@@ -224,27 +216,25 @@ fn mistakes_of_placed_scripts_are_named() {
     let (at, note) = errors[0].related.as_ref().expect("the place of the scene");
     assert_eq!(&SHOT[at.range.clone()], "\"left\"");
     assert_eq!(note, "in \"left\", which is placed here");
-    for (name, from, to, says) in [
+    for (from, to, says) in [
         (
-            "missing",
             "script = \"drive.rhai\"",
             "script = \"dive.rhai\"",
             "does not exist",
         ),
         (
-            "type",
             "script = \"drive.rhai\"",
             "script = 3",
             "`script` must be text in quotes",
         ),
     ] {
-        let folder = folder(name, SHOT, DRIVE);
+        let folder = folder(SHOT, DRIVE);
         let car = CAR.replacen(from, to, 1);
-        std::fs::write(folder.path().join("library/cars/car.toml"), car).expect("writable");
+        std::fs::write(folder.path("library/cars/car.toml"), car).expect("writable");
         folder.assert_says(&[], &[says, "car.toml:2"]);
     }
     let wrong = DRIVE.replace("model: \"bolt\"", "model: \"bold\"");
-    folder("setup", SHOT, &wrong).assert_says(&[], &["\"bold\"", "drive.rhai:5"]);
+    folder(SHOT, &wrong).assert_says(&[], &["\"bold\"", "drive.rhai:5"]);
 }
 
 /// A mistake in a scene that is placed several times is one mistake.
@@ -259,9 +249,7 @@ fn a_mistake_of_a_placed_scene_is_told_once() {
         ("shot/scene.toml", scene.as_str()),
         ("shot/bulb.toml", bulb),
     ];
-    let errors = Folder::new("told-once", &files)
-        .read(&[], &[])
-        .expect_err("a mistake");
+    let errors = Folder::with(&files).read(&[], &[]).expect_err("a mistake");
     assert_eq!(
         errors.matches("roughnes` is not a key").count(),
         1,

@@ -5,7 +5,6 @@ use crate::layers::{Folder, over_base};
 #[test]
 fn variants_that_remove_and_change_the_same_thing_are_named() {
     let folder = over_base(
-        "disputed",
         "[variant.dim.light.lamp]\nintensity_cd = 1\n[variant.whole]\nlight.lamp = { kind = \"point\", \
          position = [0, 1, 0], intensity_cd = 2 }\n[variant.alone]\nremove = \"light.lamp\"\n\
          light.lamp.intensity_cd = 1\n",
@@ -31,9 +30,9 @@ fn variants_that_remove_and_change_the_same_thing_are_named() {
 
 #[test]
 fn what_a_script_makes_is_not_removed() {
-    let folder = over_base("made", "script = \"own.rhai\"\nremove = \"group.row\"\n");
+    let folder = over_base("script = \"own.rhai\"\nremove = \"group.row\"\n");
     let script = "fn setup(ctx) { #{ groups: #{ row: #{ } } } }";
-    std::fs::write(folder.path().join("shot/own.rhai"), script).expect("writable");
+    std::fs::write(folder.path("shot/own.rhai"), script).expect("writable");
     folder.assert_says(
         &[],
         &[
@@ -52,10 +51,7 @@ fn a_group_is_removed_with_its_instances_without_a_name() {
     let shot = |removed: &str| {
         let base = format!("version = 1\n{GROUP}");
         let shot = format!("version = 1\nbase = \"base.toml\"\nremove = [{removed}]\n");
-        Folder::new(
-            "group",
-            &[("shot/base.toml", &base), ("shot/scene.toml", &shot)],
-        )
+        Folder::with(&[("shot/base.toml", &base), ("shot/scene.toml", &shot)])
     };
     let scene = shot("\"group.cart\", \"instance.wheel\"").expect();
     assert_eq!((scene.groups.len(), scene.instances.len()), (0, 1));
@@ -74,14 +70,14 @@ fn a_panorama_and_colors_replace_each_other() {
         ("shot/file.toml", file),
         ("shot/scene.toml", file),
     ];
-    let environment = Folder::new("panorama", &files).expect().environment.clone();
+    let environment = Folder::with(&files).expect().environment.clone();
     assert!(environment.file.is_some() && environment.intensity == 2.0);
     let files = [
         ("shot/base.toml", base),
         ("shot/file.toml", file),
         ("shot/scene.toml", colors),
     ];
-    let scene = Folder::new("panorama-colors", &files).expect();
+    let scene = Folder::with(&files).expect();
     let environment = scene.environment.clone();
     assert!(environment.file.is_none() && environment.zenith == glam::Vec3::Y);
     assert_eq!(

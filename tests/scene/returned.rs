@@ -4,6 +4,7 @@ use std::{fs, path::Path};
 
 use reflet::scene::stages::{Animator, Scene};
 
+use crate::common::folder::kept_folder;
 use crate::common::{assert_says, cases};
 
 const SCENE: &str = "script = \"walk.rhai\"\nversion = 1\nparams = { speed = 1.5 }\n\
@@ -11,9 +12,7 @@ const SCENE: &str = "script = \"walk.rhai\"\nversion = 1\nparams = { speed = 1.5
 
 /// All messages about a scene with this script.
 fn messages(name: &str, script: &str) -> Vec<String> {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("returned-{name}"));
-    fs::create_dir_all(&folder).expect("temporary folder");
-    fs::write(folder.join("walk.rhai"), script).expect("the script can be written");
+    let folder = kept_folder(&format!("returned-{name}"), &[("walk.rhai", script)]);
     let read = Scene::from_text(SCENE, &folder.join("scene.toml"), &[]);
     let errors = read.expect_err("it is wrong");
     errors.iter().map(|e| e.to_string()).collect()
@@ -53,8 +52,7 @@ fn many_mistakes_of_a_long_script_take_no_long_time() {
 
 #[test]
 fn parameters_cannot_be_set_by_a_script() {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("returned-params");
-    fs::create_dir_all(&folder).expect("temporary folder");
+    let folder = kept_folder("returned-params", &[]);
     let pose = |line: &str| {
         let script = format!("fn frame(ctx) {{\n    {line}\n}}\n");
         fs::write(folder.join("walk.rhai"), script).expect("written");
@@ -120,8 +118,7 @@ fn printed_lines_say_where_they_come_from() {
 fn names_that_a_broken_script_would_add_are_not_reported() {
     const GOOD: &str = include_str!("returned/good.rhai");
     const SCENE: &str = include_str!("returned/scene.toml");
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("returned-names");
-    fs::create_dir_all(&folder).expect("temporary folder");
+    let folder = kept_folder("returned-names", &[]);
     let read = |script: &str, set: &[&str]| {
         fs::write(folder.join("hop.rhai"), script).expect("the script can be written");
         let set: Vec<String> = set.iter().map(|text| (*text).to_owned()).collect();
@@ -161,9 +158,7 @@ fn names_that_a_broken_script_would_add_are_not_reported() {
 fn setup_gives_the_environment() {
     let script =
         "fn setup(ctx) {\n    #{ environment: #{ color: [0.1, 0.2, ctx.params.speed] } }\n}\n";
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("returned-environment");
-    fs::create_dir_all(&folder).expect("temporary folder");
-    fs::write(folder.join("walk.rhai"), script).expect("the script can be written");
+    let folder = kept_folder("returned-environment", &[("walk.rhai", script)]);
     let read = |scene: &str| Scene::from_text(scene, &folder.join("scene.toml"), &[]);
     let (scene, _) = read(SCENE).expect("valid");
     let zenith = scene.environment.zenith.to_array();

@@ -5,6 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use crate::common::folder::kept_folder;
 use crate::common::shared_folder;
 use reflet::{
     scene::{
@@ -81,8 +82,7 @@ fn check_loads(wanted: impl Fn(&Path) -> bool) {
 #[test]
 fn each_step_of_the_readme_scene_is_valid() {
     let readme = crate::common::readme::Story::read();
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("readme");
-    fs::create_dir_all(&folder).expect("temporary folder");
+    let folder = kept_folder("readme", &[]);
     fs::write(folder.join(&readme.script_name), &readme.script).expect("written");
     let read = |text: &str| {
         let (desc, warnings) = Scene::from_text(text, &folder.join("my.toml"), &[])
@@ -138,8 +138,7 @@ fn the_rig_of_the_guide_is_valid() {
 #[test]
 fn a_script_that_moves_a_scene_without_a_timeline_is_warned_about() {
     let readme = crate::common::readme::Story::read();
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("readme-still");
-    fs::create_dir_all(&folder).expect("temporary folder");
+    let folder = kept_folder("readme-still", &[]);
     fs::write(folder.join(&readme.script_name), &readme.script).expect("written");
     let [scene, ..] = readme.scenes();
     let text = format!("{}{scene}", readme.script_lines);

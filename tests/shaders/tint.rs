@@ -5,6 +5,7 @@ use std::{collections::HashSet, fs, path::Path, process::Command};
 use reflet::gpu::{ShaderError, ShaderSource};
 
 use super::libraries;
+use crate::common::folder::kept_folder;
 
 /// Names and texts of every shader of every variant; shared shaders appear once.
 pub fn sources() -> Vec<(String, Result<ShaderSource, ShaderError>)> {
@@ -30,9 +31,7 @@ fn a_second_compiler_accepts_every_shader() {
         eprintln!("SKIPPED: node or its package webgpu in target/tools is not installed");
         return;
     }
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("tint");
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).expect("a temporary folder");
+    let folder = kept_folder("tint", &[]);
     let mut sources = sources();
     // Ray queries are an extension of wgpu, which Chromium does not have.
     sources.retain(|(_, source)| {

@@ -3,35 +3,30 @@
 use std::{
     fs,
     path::{Path, PathBuf},
-    process::{Command, Stdio},
 };
 
-use crate::common::{assert_says, gpu_or_skip};
+use crate::common::{
+    assert_says,
+    folder::kept_folder,
+    gpu_or_skip,
+    program::{reflet, texts},
+};
 use reflet::gpu::ShaderLibrary;
 
 /// A floor that reflects a ball which moves for three frames.
 const SCENE: &str = include_str!("scene.toml");
 
 fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("stability-{name}"));
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).expect("temporary folder");
-    folder
+    kept_folder(&format!("stability-{name}"), &[])
 }
 
 /// Runs `bench stability` in the repository, with a folder for its output; returns exit code and standard error.
 fn stability(into: &Path, arguments: &[&str]) -> (i32, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .args(["bench", "stability", "-o"])
-        .arg(into)
-        .args(arguments)
-        .env("NODEVICE_SELECT", "1") // Mesa's layer writes to standard error without a desktop
-        .stdin(Stdio::null())
-        .output()
-        .expect("the program starts");
-    let [out, error] =
-        [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+    let repository = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut command = reflet(repository, "bench stability -o");
+    let output = command.arg(into).args(arguments).output();
+    let output = output.expect("the program starts");
+    let [out, error] = texts(&output);
     assert!(!error.contains("panicked"), "{error}");
     (
         output.status.code().expect("an exit code"),

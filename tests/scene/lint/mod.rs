@@ -5,6 +5,7 @@ mod meant;
 mod probes;
 
 use crate::common::assert_says;
+use crate::common::folder::kept_folder;
 use std::{
     fs,
     io::Write as _,
@@ -21,10 +22,7 @@ use reflet::{
 type Found = [String; 3];
 
 fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("lint-{name}"));
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).expect("temporary folder");
-    folder
+    kept_folder(&format!("lint-{name}"), &[])
 }
 
 /// Messages of `check` about the text of a scene at this path.
