@@ -154,7 +154,7 @@ fn text_of_files_does_not_control_the_terminal() {
         ("info scene.toml", 0),
         ("info scene.toml --json", 0),
         ("render scene.toml -o f.#.png --camera none", 2),
-        ("render scene.toml -o f.#.png --camera all", 4),
+        ("render scene.toml -o f.#.png --camera all", 2),
     ] {
         let [out, err] = without_gpu(&folder, arguments, code);
         let said = format!("{out}{err}");

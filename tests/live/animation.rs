@@ -1,22 +1,20 @@
 //! Reloads of a scene with an animated file: edits of the played animation read no file, and
 //! rebuild trees only if other instances move.
 
-use std::{fs, sync::Arc};
+use std::fs;
 
 use reflet_preview::watch::Change;
 
 use crate::{
-    common::{animated::write_arm, gpu_or_skip},
-    kit::{Folder, open, picture},
+    common::animated::write_arm,
+    kit::{Folder, gpu, open, picture},
 };
 
 const SCENE: &str = include_str!("animation/scene.toml");
 
 #[test]
 fn what_is_played_changes_without_reading_a_file() {
-    let Some(gpu) = gpu_or_skip() else { return };
-    let gpu = Arc::new(gpu);
-    let folder = Folder::new();
+    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
     write_arm(folder.path("arm.gltf").parent().expect("a folder"));
     let scene = folder.write("scene.toml", SCENE);
     let mut live = open(&gpu, &scene, None);

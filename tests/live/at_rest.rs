@@ -5,11 +5,7 @@ use std::sync::{
     atomic::{AtomicU32, Ordering},
 };
 
-use reflet::{
-    render::picture::png_file,
-    runtime::{Session, SessionOptions, scene_text::SceneOptions},
-    scene::desc::CameraDesc,
-};
+use reflet::{render::picture::png_file, runtime::Session, scene::desc::CameraDesc};
 use reflet_preview::{
     live::ViewOverrides,
     viewer::{picture_filter::PictureFilter, protocol::ViewCamera},
@@ -17,8 +13,7 @@ use reflet_preview::{
 
 use crate::{
     background_scripts::Watched,
-    common::gpu_or_skip,
-    kit::{Folder, SCENE, first_camera, open},
+    kit::{Folder, SCENE, first_camera, gpu, open, with_set},
 };
 
 const SIZE: [u32; 2] = [24, 16];
@@ -34,23 +29,13 @@ fn scene(samples: u32) -> String {
 
 #[test]
 fn more_and_more_samples_make_the_picture_of_render() {
-    let Some(gpu) = gpu_or_skip() else { return };
-    let (gpu, folder) = (Arc::new(gpu), Folder::new());
+    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
     let path = folder.write("scene.toml", scene(SAMPLES));
     let live = open(&gpu, &path, None);
     let main = first_camera(live.world());
     let mut session = Session::open(
         &path,
-        &SessionOptions {
-            scene: SceneOptions {
-                set: vec![
-                    format!("image.size={SIZE:?}"),
-                    "reflection.method=\"hybrid\"".to_owned(),
-                ],
-                ..SceneOptions::default()
-            },
-            ..SessionOptions::default()
-        },
+        &with_set(&[&format!("image.size={SIZE:?}"), "reflection.method=hybrid"]),
     )
     .expect("it opens");
     let rendered = session.render(&[]).expect("it renders").display;
@@ -69,8 +54,7 @@ fn more_and_more_samples_make_the_picture_of_render() {
 
 #[test]
 fn the_picture_at_rest_is_denoised_and_drafts_are_not() {
-    let Some(gpu) = gpu_or_skip() else { return };
-    let (gpu, folder) = (Arc::new(gpu), Folder::new());
+    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
     let path = folder.write("scene.toml", scene(2));
     let mut live = open(&gpu, &path, None);
     let guides = ViewOverrides {

@@ -1,14 +1,9 @@
 //! Coarse first picture of the preview, and its refinement.
 
-use std::sync::Arc;
-
 use reflet::render::pipeline::targets::Target;
-use reflet_preview::live::{Edit, InitialBuild, Live, SceneSource, ViewOverrides};
+use reflet_preview::live::{Edit, InitialBuild, Live, ViewOverrides};
 
-use crate::{
-    common::gpu_or_skip,
-    kit::{Folder, SCENE, first_camera, open},
-};
+use crate::kit::{Folder, SCENE, first_camera, gpu, open, source};
 
 /// Scene with a lamp whose shadows are found by rays, and a material that may reflect in another frame.
 fn scene() -> String {
@@ -27,16 +22,10 @@ fn pixels(live: &mut Live, gpu: &reflet::gpu::Gpu) -> Vec<u8> {
 
 #[test]
 fn a_coarse_beginning_ends_as_what_is_built_at_once() {
-    let Some(gpu) = gpu_or_skip() else { return };
-    let (gpu, folder) = (Arc::new(gpu), Folder::new());
+    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
     folder.write("scene.toml", scene());
     let path = folder.path("scene.toml");
-    let source = SceneSource {
-        path: Some(path.clone()),
-        options: <_>::default(),
-        shaders: None,
-        text: None,
-    };
+    let source = source(&path);
     let begin = || {
         let before = gpu.compile_stats.pipelines();
         let opened = Live::open(
@@ -82,8 +71,7 @@ fn a_coarse_beginning_ends_as_what_is_built_at_once() {
 /// Lamps of the light tree are in the coarse picture too: 64 in place of all, with as much light.
 #[test]
 fn the_coarse_picture_is_lit_by_lamps_of_the_tree() {
-    let Some(gpu) = gpu_or_skip() else { return };
-    let (gpu, folder) = (Arc::new(gpu), Folder::new());
+    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
     let lamp = |n: u32| {
         let kind = match n % 3 {
             0 => "kind = \"point\"",
@@ -99,12 +87,7 @@ fn the_coarse_picture_is_lit_by_lamps_of_the_tree() {
                  tone_map = \"none\"\n[environment]\ncolor = [0, 0, 0]\n[material.floor]\nbase_color = [0.5, 0.5, 0.5]\n\
                  reflectivity = 0\n[model.floor]\nshape = { kind = \"plane\", size = [9, 9] }\nmaterial = \"floor\"\n";
     folder.write("scene.toml", format!("{floor}{lamps}"));
-    let source = SceneSource {
-        path: Some(folder.path("scene.toml")),
-        options: <_>::default(),
-        shaders: None,
-        text: None,
-    };
+    let source = source(&folder.path("scene.toml"));
     let opened = Live::open(
         gpu.clone(),
         source,

@@ -1,16 +1,15 @@
 //! Failing scripts and invalid saves keep the last good scene.
 
-use std::{fs, sync::Arc};
+use std::fs;
 
 use reflet::runtime::SessionError;
 use reflet_preview::{
-    live::{InitialBuild, Live, SceneSource, ViewOverrides},
+    live::{InitialBuild, Live, ViewOverrides},
     watch::Change,
 };
 
 use crate::{
-    common::gpu_or_skip,
-    kit::{Folder, RunNow, SCENE, open, picture},
+    kit::{Folder, RunNow, SCENE, gpu, open, picture, source},
     scripts::{SCRIPT, Session},
 };
 
@@ -101,19 +100,12 @@ fn a_save_that_waits_for_a_good_frame_has_its_own_timeline() {
 
 #[test]
 fn a_scene_that_is_broken_at_first_is_shown_when_it_is_mended() {
-    let Some(gpu) = gpu_or_skip() else { return };
-    let gpu = Arc::new(gpu);
-    let folder = Folder::new();
+    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
     let path = folder.write(
         "scene.toml",
         SCENE.replace("kind = \"box\"", "kind = \"bx\""),
     );
-    let source = SceneSource {
-        path: Some(path),
-        options: <_>::default(),
-        shaders: None,
-        text: None,
-    };
+    let source = source(&path);
     let mistakes = match Live::open(
         gpu.clone(),
         source.clone(),

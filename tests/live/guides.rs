@@ -2,10 +2,13 @@
 
 use reflet::{
     render::Picture,
-    runtime::{Session, SessionOptions, ViewOverrides, scene_text::SceneOptions},
+    runtime::{Session, ViewOverrides},
 };
 
-use crate::{common::gpu_or_skip, kit::Folder};
+use crate::{
+    common::gpu_or_skip,
+    kit::{Folder, with_set},
+};
 
 /// A turned mirror above a red wall that glows a little, an unlit ball and a floor.
 const SCENE: &str = include_str!("guides/scene.toml");
@@ -13,13 +16,7 @@ const SCENE: &str = include_str!("guides/scene.toml");
 fn picture(set: &[&str], guides: bool) -> Picture {
     let folder = Folder::new();
     let path = folder.write("scene.toml", SCENE);
-    let options = SessionOptions {
-        scene: SceneOptions {
-            set: set.iter().map(|value| (*value).to_owned()).collect(),
-            ..SceneOptions::default()
-        },
-        ..SessionOptions::default()
-    };
+    let options = with_set(set);
     let mut session = Session::open(path, &options).expect("opens");
     let view = ViewOverrides {
         guides,

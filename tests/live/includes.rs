@@ -1,20 +1,14 @@
 //! Included scene text is watched like the scene's own.
 
-use std::sync::Arc;
-
 use reflet_preview::watch::Change;
 
-use crate::{
-    common::gpu_or_skip,
-    kit::{Folder, SCENE, open, picture},
-};
+use crate::kit::{Folder, SCENE, gpu, open, picture};
 
 const RED: &str = "[material.red]\nbase_color = [0.9, 0.1, 0.1]\n";
 
 #[test]
 fn an_included_file_is_watched_and_taken_over() {
-    let gpu = or_skip!(gpu_or_skip().map(Arc::new));
-    let folder = Folder::new();
+    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
     let text = format!("include = \"parts/red.toml\"\n{}", SCENE.replace(RED, ""));
     let scene = folder.write("scene.toml", text);
     let part = folder.write("parts/red.toml", RED);

@@ -7,15 +7,11 @@ use std::sync::{
 
 use reflet::{gpu::GpuError, render::RenderError};
 
-use crate::{
-    common::gpu_or_skip,
-    kit::{Folder, SCENE, first_camera, open, picture},
-};
+use crate::kit::{Folder, SCENE, first_camera, gpu, open, picture};
 
 #[test]
 fn a_picture_that_is_given_up_leaves_no_trace() {
-    let Some(gpu) = gpu_or_skip() else { return };
-    let (gpu, folder) = (Arc::new(gpu), Folder::new());
+    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
     let path = folder.write("scene.toml", SCENE);
     let mut live = open(&gpu, &path, None);
     let signal = Arc::new(AtomicBool::new(true));

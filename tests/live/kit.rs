@@ -22,7 +22,8 @@ use reflet_preview::{
     watch::{Change, Changes, WatchEvent, WatchList, Watcher},
 };
 
-pub use crate::common::folder::Folder;
+use crate::common::gpu_or_skip;
+pub use crate::{common::folder::Folder, runtime::with_set};
 
 /// A mirror floor and a box; placeholders `{…}` are replaced.
 pub const SCENE: &str = include_str!("kit/scene.toml");
@@ -55,24 +56,34 @@ pub fn open(gpu: &Arc<Gpu>, scene: &Path, shaders: Option<&Path>) -> Live {
     open_with(gpu, scene, shaders, &[])
 }
 
+/// The GPU, which a preview shares; `None` where tests are skipped.
+pub fn gpu() -> Option<Arc<Gpu>> {
+    gpu_or_skip().map(Arc::new)
+}
+
+/// The file of a scene, for a preview without options.
+pub fn source(scene: &Path) -> SceneSource {
+    SceneSource {
+        path: Some(scene.to_owned()),
+        options: SceneOptions::default(),
+        shaders: None,
+        text: None,
+    }
+}
+
 /// Opens a scene with `--set` overrides.
 pub fn open_with(gpu: &Arc<Gpu>, scene: &Path, shaders: Option<&Path>, set: &[&str]) -> Live {
     let source = SceneSource {
-        path: Some(scene.to_owned()),
-        options: SceneOptions {
-            set: set.iter().map(|text| (*text).to_owned()).collect(),
-            ..SceneOptions::default()
-        },
+        options: with_set(set).scene,
         shaders: shaders.map(Path::to_owned),
-        text: None,
+        ..source(scene)
     };
-    Live::open(
+    or_panic!(Live::open(
         gpu.clone(),
         source,
         ViewOverrides::default(),
         InitialBuild::Whole,
-    )
-    .unwrap_or_else(|error| panic!("the scene does not open: {error}"))
+    ))
 }
 
 /// Runs background jobs of the preview synchronously.

@@ -2,10 +2,7 @@
 
 use std::sync::Arc;
 
-use reflet::{
-    runtime::{Session, SessionOptions, scene_text::SceneOptions},
-    scene::desc::Method,
-};
+use reflet::{runtime::Session, scene::desc::Method};
 use reflet_preview::{
     viewer::{
         protocol::{Report, Side, Visualization},
@@ -17,8 +14,7 @@ use reflet_preview::{
 
 use crate::{
     background_scripts::Watched,
-    common::gpu_or_skip,
-    kit::{Folder, SCENE, open, picture},
+    kit::{Folder, SCENE, gpu, open, picture, with_set},
 };
 
 /// Maps of few pixels, and light by rays.
@@ -26,28 +22,21 @@ const MAPS: &str = "[probes]\nface_px = 8\nsamples = 1\n[near_far]\nface_px = 8\
                     [box_faces]\nface_px = 8\n";
 
 /// Picture of a scene by `render` with these values.
-fn rendered(folder: &Folder, set: &[String]) -> Vec<u8> {
-    let options = SessionOptions {
-        scene: SceneOptions {
-            set: set.to_vec(),
-            ..SceneOptions::default()
-        },
-        ..SessionOptions::default()
-    };
+fn rendered(folder: &Folder, set: &[&str]) -> Vec<u8> {
+    let options = with_set(set);
     let session = Session::open(folder.path("scene.toml"), &options);
     or_panic!(session.and_then(|mut session| session.render(&[]))).display
 }
 
 /// Shows pairs of methods beside each other, and compares each side with `render`.
 fn check_pairs(methods: &[Method]) {
-    let gpu = or_skip!(gpu_or_skip().map(Arc::new));
-    let folder = Folder::new();
+    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
     let path = folder.write("scene.toml", format!("{SCENE}{MAPS}"));
     let live = open(&gpu, &path, None);
     let wanted: Vec<_> = (methods.iter())
         .map(|method| {
             let method = format!("reflection.method=\"{}\"", method.name());
-            rendered(&folder, &["image.size=[24, 16]".to_owned(), method])
+            rendered(&folder, &["image.size=[24, 16]", &method])
         })
         .collect();
     let mut preview = Watched::start(Arc::clone(&gpu), folder, live, false);
@@ -89,8 +78,7 @@ fn all_methods_are_shown_beside_each_other() {
 #[test]
 #[ignore = "long: builds the passes of many settings"]
 fn settings_of_reflections_are_shown_after_a_save() {
-    let gpu = or_skip!(gpu_or_skip().map(Arc::new));
-    let folder = Folder::new();
+    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
     let text = format!("{SCENE}{MAPS}");
     let path = folder.write("scene.toml", &text);
     let mut live = open(&gpu, &path, None);

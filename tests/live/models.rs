@@ -2,18 +2,13 @@
 
 use std::{
     cell::RefCell,
-    fs,
-    sync::Arc,
-    thread,
+    fs, thread,
     time::{Duration, Instant},
 };
 
 use reflet_preview::watch::Change;
 
-use crate::{
-    common::gpu_or_skip,
-    kit::{Folder, Watch, open, picture},
-};
+use crate::kit::{Folder, Watch, gpu, open, picture};
 
 const SCENE: &str = include_str!("models/scene.toml");
 
@@ -64,9 +59,7 @@ pub fn write_model(folder: &Folder) {
 
 #[test]
 fn text_edits_over_a_model_read_only_what_is_new() {
-    let Some(gpu) = gpu_or_skip() else { return };
-    let gpu = Arc::new(gpu);
-    let folder = Folder::new();
+    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
     write_model(&folder);
     let scene = folder.write("scene.toml", SCENE);
     let mut live = open(&gpu, &scene, None);
@@ -113,9 +106,7 @@ fn text_edits_over_a_model_read_only_what_is_new() {
 
 #[test]
 fn an_image_that_is_saved_while_the_text_is_broken_is_read_with_the_next_text() {
-    let Some(gpu) = gpu_or_skip() else { return };
-    let gpu = Arc::new(gpu);
-    let folder = Folder::new();
+    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
     write_model(&folder);
     let scene = folder.write("scene.toml", SCENE);
     let mut live = open(&gpu, &scene, None);
@@ -137,9 +128,7 @@ fn an_image_that_is_saved_while_the_text_is_broken_is_read_with_the_next_text() 
 
 #[test]
 fn an_image_that_is_saved_while_the_scene_loads_is_shown_in_the_end() {
-    let Some(gpu) = gpu_or_skip() else { return };
-    let gpu = Arc::new(gpu);
-    let folder = Folder::new();
+    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
     write_model(&folder);
     let scene = folder.write("scene.toml", SCENE);
     let save = |round: u8, step: u8| {

@@ -2,10 +2,13 @@
 
 use reflet::{
     render::{Picture, PlaneData},
-    runtime::{Session, SessionOptions, scene_text::SceneOptions},
+    runtime::Session,
 };
 
-use crate::{common::gpu_or_skip, kit::Folder};
+use crate::{
+    common::gpu_or_skip,
+    kit::{Folder, with_set},
+};
 
 /// A ball that falls by 1.6 m while the shutter is open, before a wall and above a mirror.
 const SCENE: &str = include_str!("moments/scene.toml");
@@ -14,13 +17,7 @@ const SCENE: &str = include_str!("moments/scene.toml");
 fn picture(scene: &str, set: &[&str], aovs: &[&str]) -> Picture {
     let folder = Folder::new();
     let path = folder.write("scene.toml", scene);
-    let options = SessionOptions {
-        scene: SceneOptions {
-            set: set.iter().map(|value| (*value).to_owned()).collect(),
-            ..SceneOptions::default()
-        },
-        ..SessionOptions::default()
-    };
+    let options = with_set(set);
     let mut session = Session::open(path, &options).expect("opens");
     session.pose(1).expect("poses");
     session.render(aovs).expect("renders")

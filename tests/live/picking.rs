@@ -1,6 +1,6 @@
 //! Picking and view channels of the preview, without a window.
 
-use std::{fs, sync::Arc};
+use std::fs;
 
 use glam::Vec3;
 use reflet_preview::viewer::{
@@ -10,8 +10,7 @@ use reflet_preview::viewer::{
 
 use crate::{
     background_scripts::Watched,
-    common::gpu_or_skip,
-    kit::{Folder, SCENE, open},
+    kit::{Folder, SCENE, gpu, open},
 };
 
 const MIDDLE: [f32; 2] = [0.5, 0.5];
@@ -19,7 +18,7 @@ const SKY: [f32; 2] = [0.5, 0.0];
 
 /// A floor and a box in the middle of the picture.
 fn preview() -> Option<Watched> {
-    let gpu = Arc::new(gpu_or_skip()?);
+    let gpu = gpu()?;
     let folder = Folder::new();
     let scene = folder.write("scene.toml", SCENE);
     let live = open(&gpu, &scene, None);
@@ -200,8 +199,7 @@ fn ray_list_legend_has_its_count() {
 /// is clear the instance is selected.
 #[test]
 fn a_click_selects_the_decal_that_covers_the_pixel() {
-    let Some(gpu) = gpu_or_skip() else { return };
-    let (gpu, folder) = (Arc::new(gpu), Folder::new());
+    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
     let clear_above = |_, y| image::Rgba([90, 90, 200, if y < 4 { 0 } else { 255 }]);
     let image = image::RgbaImage::from_fn(8, 8, clear_above);
     image.save(folder.path("paint.png")).expect("writable");

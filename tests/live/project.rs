@@ -1,7 +1,5 @@
 //! A scene's project is watched and taken over like its text.
 
-use std::sync::Arc;
-
 use reflet::{
     runtime::{SceneSource, ViewOverrides, scene_text::SceneOptions},
     scene::project::ProjectChoice,
@@ -11,30 +9,24 @@ use reflet_preview::{
     watch::Change,
 };
 
-use crate::{
-    common::gpu_or_skip,
-    kit::{Folder, SCENE, picture},
-};
+use crate::kit::{Folder, SCENE, gpu, picture, source};
 
 const RED: &str = "[material.red]\nbase_color = [0.9, 0.1, 0.1]\n";
 
 #[test]
 fn a_changed_project_is_taken_over_and_its_mistakes_are_shown() {
-    let gpu = or_skip!(gpu_or_skip().map(Arc::new));
-    let folder = Folder::new();
+    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
     let text = format!("include = \"red.toml\"\n{}", SCENE.replace(RED, ""));
     let scene = folder.write("scene.toml", text);
     folder.write("one/red.toml", RED);
     folder.write("two/red.toml", RED.replace("0.9, 0.1", "0.1, 0.9"));
     let project = folder.write("reflet.toml", "assets = \"one\"\n");
     let source = SceneSource {
-        path: Some(scene),
         options: SceneOptions {
             project: ProjectChoice::Search,
             ..SceneOptions::default()
         },
-        shaders: None,
-        text: None,
+        ..source(&scene)
     };
     let opened = Live::open(
         gpu.clone(),

@@ -8,10 +8,7 @@ use reflet_preview::{
     watch::Change,
 };
 
-use crate::{
-    common::gpu_or_skip,
-    kit::{Folder, SCENE, Watch, copy_shaders, first_camera, open, picture},
-};
+use crate::kit::{Folder, SCENE, Watch, copy_shaders, first_camera, gpu, open, picture};
 
 /// The scene on disk, opened and rendered once.
 struct Session {
@@ -24,7 +21,7 @@ struct Session {
 
 impl Session {
     fn new(text: &str) -> Option<Self> {
-        let gpu = Arc::new(gpu_or_skip()?);
+        let gpu = gpu()?;
         let folder = Folder::new();
         let scene = folder.write("scene.toml", text);
         let live = open(&gpu, &scene, None);
@@ -254,9 +251,7 @@ fn trees_are_built_when_rays_are_first_followed_and_kept_from_then_on() {
 
 #[test]
 fn a_shader_edit_rebuilds_its_own_pipelines_and_a_mistake_none() {
-    let Some(gpu) = gpu_or_skip() else { return };
-    let gpu = Arc::new(gpu);
-    let folder = Folder::new();
+    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
     let scene = folder.write("scene.toml", SCENE);
     let shaders = copy_shaders(&folder);
     let mut live = open(&gpu, &scene, Some(&shaders));

@@ -9,7 +9,7 @@ use reflet::{
         Draft, RenderOptions, picture::png_file, pipeline::targets::Target,
         settings::unit_costs::UnitCosts,
     },
-    runtime::{Session, SessionOptions, scene_text::SceneOptions},
+    runtime::{Session, SessionOptions},
     scene::desc::Method,
     world::World,
 };
@@ -20,8 +20,7 @@ use reflet_preview::{
 
 use crate::{
     background_scripts::Watched,
-    common::gpu_or_skip,
-    kit::{Folder, RunNow, SCENE, open},
+    kit::{Folder, RunNow, SCENE, gpu, open, with_set},
 };
 
 /// Unit costs by which marching pays where the picture shows the reflected things; by costs of software it never pays
@@ -74,7 +73,7 @@ struct Fixture {
 
 impl Fixture {
     fn new() -> Option<Self> {
-        let gpu = Arc::new(gpu_or_skip()?);
+        let gpu = gpu()?;
         let folder = Folder::new();
         folder.write("s.rhai", SCRIPT);
         let path = folder.write("scene.toml", scene());
@@ -118,12 +117,8 @@ fn session(path: &Path, camera: Option<&str>, set: &[&str]) -> Session {
     let size = format!("image.size={SIZE:?}");
     let set = [&[size.as_str()], set].concat();
     let options = SessionOptions {
-        scene: SceneOptions {
-            set: set.iter().map(|text| (*text).to_owned()).collect(),
-            ..SceneOptions::default()
-        },
         camera: camera.map(str::to_owned),
-        ..SessionOptions::default()
+        ..with_set(&set)
     };
     let mut session = or_panic!(Session::open(path, &options));
     let costs = ViewOverrides {

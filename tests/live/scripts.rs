@@ -17,8 +17,7 @@ use reflet_preview::{
 };
 
 use crate::{
-    common::gpu_or_skip,
-    kit::{Folder, RunNow, SCENE, Watch, open, open_with, picture},
+    kit::{Folder, RunNow, SCENE, Watch, gpu, open, open_with, picture},
     saves::{BURSTS, ROUNDS, SAVES, Save},
 };
 
@@ -36,7 +35,7 @@ pub struct Session {
 
 impl Session {
     pub fn new() -> Option<Self> {
-        let gpu = Arc::new(gpu_or_skip()?);
+        let gpu = gpu()?;
         let folder = Folder::new();
         let text = format!("script = \"sub/move.rhai\"\n{SCENE}").replace(
             "[[instance]]\nmodel = \"box\"\ntranslation = [0, 0.5, 0]\n",

@@ -1,7 +1,5 @@
 //! Motion blur of a live scene: a still view equals the picture of `render`.
 
-use std::sync::Arc;
-
 use glam::Vec3;
 use reflet::{
     gpu::Gpu,
@@ -12,10 +10,7 @@ use reflet::{
 };
 use reflet_preview::live::Live;
 
-use crate::{
-    common::gpu_or_skip,
-    kit::{Folder, RunNow, SCENE, open, open_with},
-};
+use crate::kit::{Folder, RunNow, SCENE, gpu, open, open_with};
 
 /// The box and the camera move while the shutter is open.
 fn moving() -> String {
@@ -45,9 +40,7 @@ fn seen(gpu: &Gpu, live: &mut Live) -> Vec<u8> {
 
 #[test]
 fn a_view_at_rest_is_blurred_as_a_render_is() {
-    let Some(gpu) = gpu_or_skip() else { return };
-    let gpu = Arc::new(gpu);
-    let folder = Folder::new();
+    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
     let scene = folder.write("scene.toml", moving());
     let mut live = open(&gpu, &scene, None);
     let mut sharp = open_with(&gpu, &scene, None, &["image.shutter=0"]);
@@ -67,9 +60,7 @@ fn a_view_at_rest_is_blurred_as_a_render_is() {
 /// Unsaved edits apply at every moment of the shutter.
 #[test]
 fn moments_keep_edited_materials() {
-    let Some(gpu) = gpu_or_skip() else { return };
-    let gpu = Arc::new(gpu);
-    let folder = Folder::new();
+    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
     let moved = "[motion.material.red]\nroughness = { rate = 0.01 }\n";
     let scene = folder.write("scene.toml", moving() + moved);
     let mut live = open(&gpu, &scene, None);
@@ -90,9 +81,7 @@ fn moments_keep_edited_materials() {
 /// A script that fails while the shutter is open does not change the shown frame.
 #[test]
 fn a_moment_that_fails_leaves_the_frame() {
-    let Some(gpu) = gpu_or_skip() else { return };
-    let gpu = Arc::new(gpu);
-    let folder = Folder::new();
+    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
     folder.write(
         "s.rhai",
         "fn frame(ctx) {

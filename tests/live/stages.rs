@@ -16,7 +16,7 @@ use reflet_preview::{
 use crate::{
     background_scripts::Watched,
     common::gpu_or_skip,
-    kit::{Folder, RunNow, SCENE, copy_shaders, open, picture},
+    kit::{Folder, RunNow, SCENE, copy_shaders, open, picture, source, with_set},
     scripts::{SCRIPT, Session as Scripted},
 };
 
@@ -226,13 +226,11 @@ fn a_refused_scene_leaves_the_watched_files() {
         |file: &str| format!("{SCENE}[[instance]]\nmodel = \"box\"\ninstances_from = \"{file}\"\n");
     let path = folder.write("scene.toml", placed("points.csv"));
     let source = SceneSource {
-        path: Some(path),
         options: SceneOptions {
             assets: vec![folder.path("assets")],
             ..SceneOptions::default()
         },
-        shaders: None,
-        text: None,
+        ..source(&path)
     };
     let view = ViewOverrides::default();
     let mut live = Live::open(gpu, source, view, InitialBuild::Whole).expect("it opens");
@@ -303,13 +301,7 @@ fn overrides_that_fail_leave_the_earlier_ones() {
 
 /// Display color of a frame in a new session.
 fn rendered(path: &Path, frame: u32, set: &[&str]) -> Vec<u8> {
-    let options = SessionOptions {
-        scene: SceneOptions {
-            set: set.iter().map(|text| (*text).to_owned()).collect(),
-            ..SceneOptions::default()
-        },
-        ..SessionOptions::default()
-    };
+    let options = with_set(set);
     let mut session = or_panic!(Session::open(path, &options));
     session.pose(frame).expect("it poses");
     session.render(&[]).expect("renders").display

@@ -13,11 +13,11 @@ use reflet_preview::{
 use crate::{
     background_scripts::Watched,
     common::{assert_says, gpu_or_skip},
-    kit::{Folder, SCENE, open},
+    kit::{Folder, SCENE, gpu, open},
 };
 
 fn preview(files: &[(&str, &str)]) -> Option<Watched> {
-    let gpu = Arc::new(gpu_or_skip()?);
+    let gpu = gpu()?;
     let folder = Folder::new();
     for (name, text) in files {
         folder.write(name, text);
@@ -92,8 +92,7 @@ fn changed_lines(before: &str, after: &str) -> Vec<(String, String)> {
 
 #[test]
 fn a_drag_is_shown_before_it_is_written() {
-    let Some(gpu) = gpu_or_skip() else { return };
-    let (gpu, folder) = (Arc::new(gpu), Folder::new());
+    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
     folder.write("scene.toml", SCENE);
     let path = folder.path("scene.toml");
     let mut live = open(&gpu, &path, None);

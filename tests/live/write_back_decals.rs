@@ -1,6 +1,6 @@
 //! Numbers and keys of decals, written into the scene text.
 
-use std::{fs, path::Path, sync::Arc};
+use std::{fs, path::Path};
 
 use glam::Vec3;
 use reflet_preview::{
@@ -9,10 +9,7 @@ use reflet_preview::{
     write_back::{KeyChange, KeyEdit, Numbers, SceneItem},
 };
 
-use crate::{
-    common::gpu_or_skip,
-    kit::{Folder, SCENE, open},
-};
+use crate::kit::{Folder, SCENE, gpu, open};
 
 fn numbers(key: &'static str, values: &[f64]) -> Numbers {
     let values = values.to_vec();
@@ -26,8 +23,7 @@ fn read(path: &Path) -> String {
 /// A decal's place, size and opacity are shown during a drag and written into its table; what a track moves is not.
 #[test]
 fn numbers_of_decals_are_written_into_their_tables() {
-    let Some(gpu) = gpu_or_skip() else { return };
-    let (gpu, folder) = (Arc::new(gpu), Folder::new());
+    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
     let text = format!(
         "{SCENE}[decal.sticker]\nmaterial = \"red\" # glossy\ntranslation = [0, 0.5, 0.5]\nopacity = 0.5\n\
          [decal.moved]\nmaterial = \"red\"\n[timeline]\nend = 3\n[motion.decal.moved]\n\

@@ -2,7 +2,7 @@
 //! parameters, each in the layer that says it; and values that tracks, scripts and the command line set, which are not
 //! written.
 
-use std::{fs, path::Path, sync::Arc};
+use std::{fs, path::Path};
 
 use glam::Vec3;
 use reflet::{runtime::parameters::ParameterOverrides, scene::desc::ParamValue};
@@ -15,8 +15,7 @@ use reflet_preview::{
 
 use crate::{
     background_scripts::Watched,
-    common::gpu_or_skip,
-    kit::{Folder, RunNow as _, SCENE, open, open_with},
+    kit::{Folder, RunNow as _, SCENE, gpu, open, open_with},
     models::write_model,
 };
 
@@ -48,8 +47,7 @@ fn material(live: &Live, name: &str) -> (usize, Option<usize>) {
 
 #[test]
 fn materials_are_written_in_the_layer_that_says_them() {
-    let Some(gpu) = gpu_or_skip() else { return };
-    let (gpu, folder) = (Arc::new(gpu), Folder::new());
+    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
     write_model(&folder);
     let base_text = SCENE.to_owned() + MORE;
     let base = folder.write("base.toml", &base_text);
@@ -113,8 +111,7 @@ const CHANGING: &str = include_str!("write_back_values/changing.toml");
 
 #[test]
 fn what_does_not_rest_is_said_and_not_written() {
-    let Some(gpu) = gpu_or_skip() else { return };
-    let (gpu, folder) = (Arc::new(gpu), Folder::new());
+    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
     folder.write("move.rhai", SCRIPT);
     let text =
         SCENE.replacen("version = 1\n", "version = 1\nscript = \"move.rhai\"\n", 1) + CHANGING;
@@ -166,8 +163,7 @@ fn what_does_not_rest_is_said_and_not_written() {
 
 #[test]
 fn cameras_environment_and_parameters_are_written() {
-    let Some(gpu) = gpu_or_skip() else { return };
-    let (gpu, folder) = (Arc::new(gpu), Folder::new());
+    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
     let text = SCENE.to_owned() + "[params]\nheight = 1.5 # m\nsteps = 3\n";
     let path = folder.write("scene.toml", &text);
     let live = open(&gpu, &path, None);
@@ -226,8 +222,7 @@ const KEYED: &str = include_str!("write_back_values/keyed.toml");
 
 #[test]
 fn keys_are_moved_added_and_deleted_in_the_text() {
-    let Some(gpu) = gpu_or_skip() else { return };
-    let (gpu, folder) = (Arc::new(gpu), Folder::new());
+    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
     let text = SCENE.to_owned() + KEYED;
     let path = folder.write("scene.toml", &text);
     let mut live = open(&gpu, &path, None);
@@ -283,8 +278,7 @@ fn keys_are_moved_added_and_deleted_in_the_text() {
 
 #[test]
 fn a_recorded_flight_is_written_as_keys_that_fly_it() {
-    let Some(gpu) = gpu_or_skip() else { return };
-    let (gpu, folder) = (Arc::new(gpu), Folder::new());
+    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
     let text = SCENE.to_owned() + "[timeline]\nend = 24\n\n# to come\n";
     let path = folder.write("scene.toml", &text);
     let mut live = open(&gpu, &path, None);

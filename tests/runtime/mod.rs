@@ -31,7 +31,8 @@ fn open(folder: &Path, options: &SessionOptions) -> Result<Session, SessionError
     Session::open(folder.join("scene.toml"), options)
 }
 
-fn with_set(set: &[&str]) -> SessionOptions {
+/// Options of a session with `--set` overrides.
+pub fn with_set(set: &[&str]) -> SessionOptions {
     SessionOptions {
         scene: SceneOptions {
             set: set.iter().map(|value| (*value).to_owned()).collect(),
