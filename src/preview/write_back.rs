@@ -27,15 +27,14 @@ pub use self::{
     put::put,
 };
 use self::{
-    inspect::ENVIRONMENT,
     places::{Place, Subject, places},
     splice::Value,
     tree::Step,
 };
 use reflet_render::runtime::parameters::setting;
 use reflet_scene::{
-    desc::{CAMERA, LIGHT, MATERIAL, ParamValue},
-    motion::{DECAL, turned},
+    desc::{CAMERA, ENVIRONMENT, LIGHT, MATERIAL, ParamValue, turned},
+    motion::DECAL,
     number::{Field, Form, find},
     range::LIMIT,
 };

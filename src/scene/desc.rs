@@ -16,6 +16,7 @@ mod environment;
 mod hierarchy;
 mod image;
 mod include;
+mod instance;
 mod late;
 mod light;
 mod light_group;
@@ -25,6 +26,7 @@ mod near_far;
 mod or_auto;
 mod outline;
 mod pattern;
+mod placement;
 mod probe;
 mod project;
 mod reflection;
@@ -39,17 +41,16 @@ use std::{
     path::PathBuf,
 };
 
-use glam::{Mat4, Quat, Vec3};
-
 pub use self::{
     animation::{AnimationDesc, Playback},
     box_faces::BoxFacesDesc,
     camera::{CAMERA, CameraDesc, CameraMotionDesc},
     decal::{DecalChanges, DecalDesc},
-    environment::{EnvironmentDesc, EnvironmentShadow, FogDesc},
+    environment::{ENVIRONMENT, EnvironmentDesc, EnvironmentShadow, FogDesc},
     hierarchy::{GroupDesc, Parents, PlacedSceneDesc, ShownDesc},
     image::{ErrorBound, Exposure, ImageDesc, Radiance, Samples, ToneMap, Visibility},
     include::Include,
+    instance::{InstanceDesc, InstanceMaterialDesc, RepeatDesc},
     late::{LATE_SETTINGS, LateSetting},
     light::{LIGHT, LightDesc, LightKind, LightMotionDesc, ShadowMode},
     light_group::LightGroup,
@@ -65,9 +66,10 @@ pub use self::{
     near_far::NearFarDesc,
     outline::{BevelDesc, FigureDesc, FillRule, OutlineDesc},
     pattern::{CheckerDesc, ColorPatternDesc, NumberPatternDesc, PatternDesc, PatternKind},
+    placement::{PlacementDesc, turned},
     probe::{Lookup, ProbeDesc, ProbesDesc, SelectBy},
     project::ProjectDesc,
-    reflection::{Accept, Bounces, Marched, Method, REFLECTION, ReflectionDesc, Trace},
+    reflection::{Accept, Bounces, Marched, Method, ReflectionDesc, Trace},
     scatter::{AlongDesc, OverDesc},
     script::ScriptDesc,
     shape::{FontDesc, LatheSource, NoiseDesc, PartDesc, ShapeDesc, SweepCurve, TextAlign},
@@ -222,87 +224,5 @@ impl ModelDesc {
             ModelSource::Shape(shape) => shape.deforming_vertices(),
             ModelSource::File(_) => None,
         }
-    }
-}
-
-declared! {
-    /// `[[instance]]`
-    ///
-    /// - `parent`: `name` of another instance, or of a `[group.NAME]`: the placement is then relative to
-    ///   that parent, also while the parent moves. Of an instance with copies, the first copy.
-    ///   Default: none.
-    #[derive(Clone, Debug, PartialEq)]
-    pub struct InstanceDesc {
-        /// Optional name, unique; scripts and messages use it.
-        pub name: Option<String>,
-        /// Name of a `[model.NAME]`, or `{ scene = "….toml" }`.
-        pub model: At<String>,
-        /// Transform of the instance.
-        pub placement: PlacementDesc,
-        /// Whether it may move: it is then part of the BVH of moving instances, not of the static tree.
-        /// Default false.
-        pub dynamic: bool,
-        /// Whether camera rays, shadows and reflections show it.
-        pub shown: ShownDesc,
-        /// Copies on a grid.
-        pub repeat: Option<RepeatDesc>,
-        /// In place of `repeat`: a table of points (`.csv`), a copy for each row, at most a million. The
-        /// first line names the columns: `x`, `y`, `z`, meters; `rx_deg`, `ry_deg`, `rz_deg` or `qx`, `qy`,
-        /// `qz`, `qw`; `scale` or `sx`, `sy`, `sz`. Each row transforms the instance as its own keys place it.
-        /// Looked for beside the scene, then in each `--assets` folder.
-        pub instances_from: Option<At<String>>,
-        /// In place of `repeat`: copies along a curve.
-        pub along: Option<AlongDesc>,
-        /// In place of `repeat`: copies over the surface of a shape.
-        pub over: Option<OverDesc>,
-        /// `material = "name"` or `material = {…}`: replaces or overrides every material of this placement.
-        pub material: Option<InstanceMaterialDesc>,
-        /// Animation of its file that this placement plays, by name; in place of its model's `animation`.
-        pub animation: Option<AnimationDesc>,
-        /// Nodes of its file that scripts pose with `ctx.joint`: joints of a skin, or any other, by name. Their
-        /// descendants move too.
-        pub joints: Vec<At<String>>,
-        /// Morph targets of its file whose weights scripts set with `ctx.morph`, by name; one without a name is
-        /// called by its number, from "0".
-        pub morphs: Vec<At<String>>,
-        /// Place where the table starts.
-        pub at: Span,
-    }
-}
-
-/// `material` of an instance.
-#[derive(Clone, Debug, PartialEq)]
-pub enum InstanceMaterialDesc {
-    /// A `[material.NAME]` used in place of the model's own.
-    Named(At<String>),
-    /// Keys laid over the model's own materials.
-    Override(Box<MaterialDesc>),
-}
-
-declared! {
-    /// Either `matrix`, or any of `translation`, `rotation_deg` / `rotation_quat`, `scale`.
-    #[derive(Clone, Copy, Debug, PartialEq)]
-    pub enum PlacementDesc {
-        /// Scale first, then rotate, then translate.
-        Trs {
-            /// Position of the model's origin, meters.
-            translation: Vec3,
-            /// - `rotation_deg`: degrees about X, then Y, then Z, all fixed axes.
-            /// - `rotation_quat`: the same as a quaternion x, y, z, w; normalized when read.
-            rotation: Quat,
-            /// Scale factor of the model, one number for all axes or three; not 0. Negative mirrors.
-            scale: Vec3,
-        },
-        /// `matrix`: 16 numbers, column by column; the last row must be 0 0 0 1.
-        Matrix(Mat4),
-    }
-
-    /// `repeat = { count = [8, 1, 2], step = [3, 0, 8] }`: copies at `translation + index * step`.
-    #[derive(Clone, Copy, Debug, PartialEq)]
-    pub struct RepeatDesc {
-        /// Copies along X, Y and Z, each 1 to 100000, and at most 100000 together.
-        pub count: [u32; 3],
-        /// Distance between neighbors, meters.
-        pub step: Vec3,
     }
 }

@@ -32,7 +32,7 @@ pub use self::mesh::MeshPose;
 pub use self::names::{Names, ScriptNames};
 pub use self::parts::{Kind, ScriptedFields, wrong_with_camera, wrong_with_light};
 use self::placement::placed;
-pub use self::placement::{transform, turned};
+pub use self::placement::transform;
 use self::track::Track;
 pub use self::track::key_value;
 use super::{

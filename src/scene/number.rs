@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 
-use super::range::Range;
+use super::range::{ANY, Range};
 
 /// Number of components of a value, and their meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +23,8 @@ pub enum Form {
 pub struct Field<T: 'static> {
     /// Its key in scene text, in `[motion]` and in scripts.
     pub key: &'static str,
+    /// Its quantity, for the text of its track in the manual; empty where it has no track, or a comment has the text.
+    pub what: &'static str,
     /// Number and meaning of its components.
     pub form: Form,
     /// Range of each component.
@@ -34,6 +36,14 @@ pub struct Field<T: 'static> {
 }
 
 impl<T> Field<T> {
+    /// Quantity and range of its track, for the manual.
+    pub fn track_words(&self) -> String {
+        match self.range {
+            ANY => format!("Track of the {}", self.what),
+            range => format!("Track of the {}, {}", self.what, range.words()),
+        }
+    }
+
     /// Sets the value, clamped to its range.
     pub fn put_clamped(&self, to: &mut T, value: Vec3) {
         let [x, y, z] = value.to_array().map(|x| self.range.clamp(x));
@@ -81,15 +91,42 @@ impl Lanes for Vec3 {
     }
 }
 
+/// A value that may change: a value of numbers, or one that may be left out.
+pub trait Changing {
+    /// Its components; `None` where it is left out.
+    fn value(&self) -> Option<Vec3>;
+    /// Sets its components.
+    fn put(&mut self, lanes: Vec3);
+}
+
+impl<L: Lanes + Copy> Changing for L {
+    fn value(&self) -> Option<Vec3> {
+        Some(self.lanes())
+    }
+    fn put(&mut self, lanes: Vec3) {
+        *self = L::from_lanes(lanes);
+    }
+}
+
+impl<L: Lanes + Copy> Changing for Option<L> {
+    fn value(&self) -> Option<Vec3> {
+        self.map(Lanes::lanes)
+    }
+    fn put(&mut self, lanes: Vec3) {
+        *self = Some(L::from_lanes(lanes));
+    }
+}
+
 /// A field that is a plain value of its struct.
 macro_rules! plain {
-    ($key:ident, $form:ident, $range:expr) => {
+    ($key:ident, $what:literal, $form:ident, $range:expr) => {
         $crate::number::Field {
             key: stringify!($key),
+            what: $what,
             form: $crate::number::Form::$form,
             range: $range,
-            get: |it| Some($crate::number::Lanes::lanes(it.$key)),
-            put: |it, value| it.$key = $crate::number::Lanes::from_lanes(value),
+            get: |it| $crate::number::Changing::value(&it.$key),
+            put: |it, value| $crate::number::Changing::put(&mut it.$key, value),
         }
     };
 }

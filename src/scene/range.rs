@@ -34,8 +34,6 @@ pub const UNIT: Range = range(0.0, 1.0);
 pub const INDEX: Range = range(1.0, 4.0);
 /// Range of `material.NAME.dispersion`: at its upper end red light is not bent at all.
 pub const DISPERSION: Range = range(0.0, 40.0);
-/// Range of `camera.NAME.aperture_f`.
-pub const APERTURE_F: Range = range(0.1, 1000.0);
 /// Range of `reflection.ray_length_u`.
 pub const RAY_LENGTH_U: Range = ABOVE_0;
 /// Range of `reflection.threshold_u`.
@@ -50,14 +48,10 @@ pub const SEPARATION_M: Range = FROM_0;
 pub const RATE: Range = range(1.0, 4.0);
 /// Range of `reflection.bounces`.
 pub const BOUNCES: Range = range(1.0, 16.0);
-/// Range of `reflection.diffuse_bounces`.
-pub const DIFFUSE_BOUNCES: Range = range(0.0, 8.0);
 /// Range of `box_faces.face_px`.
 pub const BOX_FACE_PX: Range = range(1.0, 16384.0);
 /// Range of `probes.nearest`.
 pub const NEAREST_PROBES: Range = range(1.0, 4.0);
-/// Range of `decal.NAME.max_angle_deg` and `decal.NAME.fade_deg`.
-pub const DECAL_ANGLE_DEG: Range = range(0.0, 180.0);
 /// Range of `reflection.steps`.
 pub const STEPS: Range = range(8.0, 4096.0);
 

@@ -77,13 +77,37 @@ impl Key for Vec<At<String>> {
 }
 
 /// Reads a key by a function.
-pub fn read_by<T>(t: &mut Table, read: fn(&mut Table) -> Option<T>) -> Option<T> {
+pub fn read_by<T>(t: &mut Table, read: impl FnOnce(&mut Table) -> Option<T>) -> Option<T> {
     read(t)
+}
+
+/// Reads no key: another table sets the field.
+pub fn apart<T: Default>(_: &mut Table) -> Option<T> {
+    Some(T::default())
+}
+
+/// Declares by a function, before the keys of a table, rules that they follow, or keys that no field has.
+pub fn before(t: &mut Table, declare: fn(&mut Table)) {
+    declare(t);
 }
 
 /// Checks a description by a function.
 pub fn check<T>(t: &mut Table, it: &T, check: fn(&T, &mut Table)) {
     check(it, t);
+}
+
+/// Changes a description by a function.
+pub fn then<T>(t: &mut Table, it: T, change: fn(T, &mut Table) -> T) -> T {
+    change(it, t)
+}
+
+/// Advice by a function for a `key` whose value is not a table.
+pub fn instead(
+    key: &str,
+    value: &Node,
+    advise: fn(&str, &Node) -> Option<String>,
+) -> Option<String> {
+    advise(key, value)
 }
 
 /// Location of a table.

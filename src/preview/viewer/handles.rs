@@ -5,7 +5,7 @@
 use glam::{Affine3A, BVec3, Vec2, Vec3, vec2};
 
 use crate::write_back::{Inspected, Numbers, POSITION_KEYS, SceneItem};
-use reflet_scene::{desc::CameraDesc, motion::turned};
+use reflet_scene::desc::{CameraDesc, turned};
 
 /// Length of a handle, and size of its end, points.
 pub const LENGTH: f32 = 64.0;

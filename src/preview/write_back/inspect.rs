@@ -11,58 +11,11 @@ use super::{
     places::{self, places},
 };
 use reflet_scene::{
-    desc::{CAMERA, EnvironmentDesc, LIGHT, PlacementDesc, SceneDesc},
+    desc::{CAMERA, ENVIRONMENT, LIGHT, PlacementDesc, SceneDesc, turned},
     diagnostic::Span,
-    motion::{DECAL, DECAL_PLACES, DecalPose, turned},
+    motion::{DECAL, DECAL_PLACES, DecalPose},
     number::{Field, Form},
-    range::{ANY, FROM_0},
 };
-
-/// Numbers and colors of the environment.
-pub(super) static ENVIRONMENT: [Field<EnvironmentDesc>; 6] = [
-    Field {
-        key: "color",
-        form: Form::Color,
-        range: FROM_0,
-        get: |it| Some(it.zenith),
-        put: |it, value| (it.zenith, it.horizon, it.ground) = (value, value, value),
-    },
-    Field {
-        key: "zenith",
-        form: Form::Color,
-        range: FROM_0,
-        get: |it| Some(it.zenith),
-        put: |it, value| it.zenith = value,
-    },
-    Field {
-        key: "horizon",
-        form: Form::Color,
-        range: FROM_0,
-        get: |it| Some(it.horizon),
-        put: |it, value| it.horizon = value,
-    },
-    Field {
-        key: "ground",
-        form: Form::Color,
-        range: FROM_0,
-        get: |it| Some(it.ground),
-        put: |it, value| it.ground = value,
-    },
-    Field {
-        key: "rotation_deg",
-        form: Form::Number,
-        range: ANY,
-        get: |it| it.file.as_ref().map(|_| Vec3::splat(it.rotation_deg)),
-        put: |it, value| it.rotation_deg = value.x,
-    },
-    Field {
-        key: "intensity",
-        form: Form::Number,
-        range: FROM_0,
-        get: |it| Some(Vec3::splat(it.intensity)),
-        put: |it, value| it.intensity = value.x,
-    },
-];
 
 /// File and line of a place.
 pub fn shown_place(at: &Span) -> String {

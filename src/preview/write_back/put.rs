@@ -2,10 +2,9 @@
 
 use glam::{DVec3, Vec3};
 
-use super::{Numbers, SceneItem, inspect::ENVIRONMENT};
+use super::{Numbers, SceneItem};
 use reflet_scene::{
-    desc::{CAMERA, LIGHT, PlacementDesc, SceneDesc},
-    motion::turned,
+    desc::{CAMERA, ENVIRONMENT, LIGHT, PlacementDesc, SceneDesc, turned},
     number::{Field, find},
 };
 

@@ -11,7 +11,7 @@ declared! {
     /// (`dynamic`) instances are on none.
     #[derive(Clone, Copy, Debug, PartialEq)]
     #[defaults]
-    #[table("[box_faces]", Self::check)]
+    #[table("[box_faces]", check(Self::check))]
     pub struct BoxFacesDesc {
         /// Least corner of the box, meters: inside of the walls of the room or in them. Faces start a ten-thousandth of
         /// the box's size inside, and do not see surfaces from behind, so that walls on the border do not hide what is
@@ -21,8 +21,7 @@ declared! {
         pub box_max: Option<Vec3>,
         /// Width of each of the six faces, pixels, 1 to 16384, but at most 2 GiB for all faces: 4729. More shows finer
         /// things, and takes more time to capture and more memory: 96 bytes for the square of it. Default 256.
-        #[within(BOX_FACE_PX)]
-        pub face_px: u32 = 256,
+        pub face_px: u32 [BOX_FACE_PX] = 256,
     }
 }
 

@@ -2,10 +2,11 @@
 
 use glam::Vec3;
 
-use super::Tracks;
+use super::{Tracks, hierarchy::declare_parent};
 use crate::{
-    number::{Field, Form, Lanes, plain},
-    range::{ABOVE_0, ANY, APERTURE_F, range},
+    number::Lanes,
+    range::{ABOVE_0, range},
+    table::Table,
 };
 
 declared! {
@@ -15,31 +16,41 @@ declared! {
     ///   positions and directions are then relative to the parent and move with it. Default: none.
     #[derive(Clone, Debug, PartialEq)]
     #[defaults]
+    #[table("[camera.NAME]", before(declare_parent), check(Self::check))]
+    #[tracks(CAMERA)]
     pub struct CameraDesc {
         /// Position of the camera, meters.
+        #[track(Vector, "position, meters")]
         pub eye: Vec3 = Vec3::new(0.0, 1.0, 5.0),
         /// Point that the camera looks at, meters; must differ from `eye`.
-        pub target: Vec3,
+        #[track(Vector, "point that the camera looks at, meters; `{ follow = { instance = \"car\" } }` looks at an instance")]
+        pub target: Vec3 = Vec3::ZERO,
         /// Direction that points up in the picture; must not be along the view.
+        #[track(Vector, "direction that points up in the picture")]
         pub up: Vec3 = Vec3::Y,
         /// Vertical field of view, degrees, 1 to 170. More shows more of the scene, and everything smaller.
-        pub fov_deg: f32 = 60.0,
+        #[track(Number, "vertical field of view, degrees")]
+        pub fov_deg: f32 [range(1.0, 170.0)] = 60.0,
         /// Height of the part of the scene that the picture shows, meters, above 0: makes the camera
         /// orthographic. Its rays are parallel, so nothing shrinks with distance, and `fov_deg` has no effect.
         /// Surfaces that such a camera sees edge-on, as walls from straight above, are on no pixel: if they
         /// have the area of more than 16 × 16 pixels, `hybrid` traces every reflection. Default: perspective.
-        pub orthographic_height_m: Option<f32>,
+        #[track(Number, "height of an orthographic camera's view, meters")]
+        pub orthographic_height_m: Option<f32> [ABOVE_0],
         /// Near plane: surfaces closer to the camera than this are not seen, meters, above 0. There is no far
         /// plane. Default 0.01, or a hundredth of U where that is less.
-        pub near_m: Option<f32>,
+        #[track(Number, "distance of the near plane, meters", |it| Some(it.near_m.unwrap_or(NEAR_M).lanes()))]
+        pub near_m: Option<f32> [ABOVE_0],
         /// Aperture as an f-number, 0.1 to 1000: less blurs things out of focus more. The diameter of the lens
         /// follows from it for this field of view on a sensor of 24 mm height; an orthographic camera has no lens. Each
         /// sub-frame looks through one point of the lens, so it takes many `image.samples`. Default: a pinhole,
         /// everything is sharp.
-        pub aperture_f: Option<f32>,
+        #[track(Number, "f-number")]
+        pub aperture_f: Option<f32> [range(0.1, 1000.0)],
         /// Distance along the view that is in focus, meters, above 0. Default: the distance of `target`, so
         /// that the thing that a camera looks at or follows is sharp.
-        pub focus_m: Option<f32>,
+        #[track(Number, "distance in focus, meters", |it| Some(it.focused_m().lanes()))]
+        pub focus_m: Option<f32> [ABOVE_0],
     }
 }
 
@@ -78,57 +89,52 @@ impl CameraDesc {
         self.focus_m
             .unwrap_or_else(|| self.target.distance(self.eye))
     }
-}
 
-/// Values of a camera that tracks and scripts may change.
-pub static CAMERA: [Field<CameraDesc>; 8] = [
-    plain!(eye, Vector, ANY),
-    plain!(target, Vector, ANY),
-    plain!(up, Vector, ANY),
-    plain!(fov_deg, Number, range(1.0, 170.0)),
-    Field {
-        key: "orthographic_height_m",
-        form: Form::Number,
-        range: ABOVE_0,
-        get: |camera| camera.orthographic_height_m.map(Lanes::lanes),
-        put: |camera, value| camera.orthographic_height_m = Some(Lanes::from_lanes(value)),
-    },
-    Field {
-        key: "near_m",
-        form: Form::Number,
-        range: ABOVE_0,
-        get: |camera| Some(camera.near_m.unwrap_or(NEAR_M).lanes()),
-        put: |camera, value| camera.near_m = Some(Lanes::from_lanes(value)),
-    },
-    Field {
-        key: "aperture_f",
-        form: Form::Number,
-        range: APERTURE_F,
-        get: |camera| camera.aperture_f.map(Lanes::lanes),
-        put: |camera, value| camera.aperture_f = Some(Lanes::from_lanes(value)),
-    },
-    Field {
-        key: "focus_m",
-        form: Form::Number,
-        range: ABOVE_0,
-        get: |camera| Some(camera.focused_m().lanes()),
-        put: |camera, value| camera.focus_m = Some(Lanes::from_lanes(value)),
-    },
-];
+    fn check(&self, t: &mut Table) {
+        if !t.clean() {
+            return;
+        }
+        if self.orthographic_height_m.is_some() && self.aperture_f.is_some() {
+            let message = "an orthographic camera has no aperture";
+            let help =
+                "leave out `aperture_f`, or `orthographic_height_m` for a perspective camera";
+            t.refuse("orthographic-aperture", "aperture_f", message, help);
+        }
+        let forward = (self.target - self.eye).as_dvec3();
+        let up = self.up.as_dvec3();
+        let key = ["target", "eye"]
+            .into_iter()
+            .find(|k| t.has(k))
+            .unwrap_or("target");
+        if forward.length() == 0.0 {
+            let help = "move `eye` or `target`: the camera looks from one to the other";
+            t.refuse(
+                "zero-direction",
+                key,
+                "`target` must differ from `eye`",
+                help,
+            );
+        } else if up.length() == 0.0 {
+            t.refuse(
+                "zero-direction",
+                "up",
+                "`up` must not be zero",
+                "write `up = [0, 1, 0]`",
+            );
+        } else if forward.normalize().cross(up.normalize()).length() < 1e-6 {
+            let key = if t.has("up") { "up" } else { key };
+            let message = "`up` must not point along the view, from `eye` to `target`";
+            let help = "for a view straight down or up, write `up = [0, 0, -1]`";
+            t.refuse("zero-direction", key, message, help);
+        }
+    }
+}
 
 declared! {
     /// `[motion.camera.NAME]`: tracks that move a camera and change its lens.
     #[derive(Clone, Debug, Default, PartialEq)]
     pub struct CameraMotionDesc {
-        /// - `eye`: track of the position, meters.
-        /// - `target`: track of the point that the camera looks at, meters; `{ follow = { instance = "car" } }`
-        ///   looks at an instance.
-        /// - `up`: track of the direction that points up in the picture.
-        /// - `fov_deg`: track of the vertical field of view, degrees, 1 to 170.
-        /// - `orthographic_height_m`: track of the height of an orthographic camera's view, meters, above 0.
-        /// - `near_m`: track of the distance of the near plane, meters, above 0.
-        /// - `aperture_f`: track of the f-number, 0.1 to 1000.
-        /// - `focus_m`: track of the distance in focus, meters, above 0.
+        /// Tracks of the values of [`CAMERA`].
         pub tracks: Tracks,
     }
 }

@@ -6,7 +6,8 @@ use glam::Vec3;
 
 use super::{At, LightGroup};
 use crate::{
-    range::{ABOVE_0, FROM_0, UNIT, range},
+    number::{Changing, Field, Form, plain},
+    range::{ABOVE_0, ANY, FROM_0, UNIT, range},
     table::{Table, color::Color},
 };
 
@@ -28,29 +29,24 @@ declared! {
     /// they are at load, and 0 beyond. Light is scattered once, or more often by as many `diffuse_bounces`, and without
     /// limit by method `path`. It takes `samples` or `light_rays` to be smooth.
     #[derive(Clone, Copy, Debug, PartialEq)]
-    #[table("fog = { … }", Self::check)]
+    #[table("fog = { … }", check(Self::check))]
     pub struct FogDesc {
         /// Extinction coefficient σ, per meter, 0 or more: 1 over the mean length that light travels before the fog
         /// takes it. 0.01 is haze, 0.1 thick fog; 0 is no fog at all.
-        #[within(FROM_0)]
-        pub density: f32,
+        pub density: f32 [FROM_0],
         /// Albedo: share of the light that the fog takes which it scatters rather than absorbs, three numbers 0 to 1.
         /// Fog and mist are nearly white, smoke is darker. Default white.
-        #[within(UNIT)]
-        #[form(Color)]
-        pub color: Vec3 = Vec3::ONE,
+        pub color: Vec3 as Color [UNIT] = Vec3::ONE,
         /// Height (y) up to which the density is constant, meters, for fog with a `falloff_m`. Default 0.
         pub height_m: f32 = 0.0,
         /// Height above `height_m` in which the density falls to 1/e, about a third, meters, above 0: less ends more
         /// sharply. Such fog reaches without end to all sides and below. Default: the same density everywhere in the
         /// box of the scene.
-        #[within(ABOVE_0)]
-        pub falloff_m: Option<f32>,
+        pub falloff_m: Option<f32> [ABOVE_0],
         /// Mean cosine of the angle by which light is turned, -0.95 to 0.95: above 0 most goes on nearly straight, so
         /// that there are halos around lamps and the sun, as in mist (0.6 to 0.9); 0 scatters to all sides alike; below
         /// 0 most goes back. Default 0.
-        #[within(range(-0.95, 0.95))]
-        pub anisotropy: f32 = 0.0,
+        pub anisotropy: f32 [range(-0.95, 0.95)] = 0.0,
     }
 
     /// `[environment]`: background and light around the scene: a panorama image (`file`), one `color` for all
@@ -99,6 +95,30 @@ impl EnvironmentDesc {
         self.file.as_ref().map(|file| Path::new(&file.value))
     }
 }
+
+/// Numbers and colors of the environment.
+pub static ENVIRONMENT: [Field<EnvironmentDesc>; 6] = [
+    Field {
+        key: "color",
+        what: "",
+        form: Form::Color,
+        range: FROM_0,
+        get: |it| Some(it.zenith),
+        put: |it, value| (it.zenith, it.horizon, it.ground) = (value, value, value),
+    },
+    plain!(zenith, "", Color, FROM_0),
+    plain!(horizon, "", Color, FROM_0),
+    plain!(ground, "", Color, FROM_0),
+    Field {
+        key: "rotation_deg",
+        what: "",
+        form: Form::Number,
+        range: ANY,
+        get: |it| it.file.as_ref().and(it.rotation_deg.value()),
+        put: |it, value| it.rotation_deg = value.x,
+    },
+    plain!(intensity, "", Number, FROM_0),
+];
 
 impl FogDesc {
     fn check(&self, t: &mut Table) {

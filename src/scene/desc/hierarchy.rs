@@ -1,6 +1,10 @@
 //! Parents of instances, groups, lights, cameras and decals, and the visibility of instances.
 
-use super::PlacementDesc;
+use super::{At, PlacementDesc, placement::placed};
+use crate::{
+    range::ANY,
+    table::{Section, Table},
+};
 
 declared! {
     /// `[group.NAME]`: a place without a model, to which other things are attached by `parent = "NAME"`, so
@@ -10,11 +14,13 @@ declared! {
     ///   placement is then relative to the parent and moves with it. If the parent instance has copies, its
     ///   first copy counts. Default: none.
     #[derive(Clone, Copy, Debug, PartialEq)]
+    #[table("[group.NAME]", also(PlacementDesc))]
     pub struct GroupDesc {
         /// Placement of the group, relative to its parent if it has one.
+        #[by(placed_in_parent)]
         pub placement: PlacementDesc,
         /// Whether a script may move the group, and with it everything attached to it. Default false.
-        pub dynamic: bool,
+        pub dynamic: bool = false,
     }
 
     /// `model = { scene = "car.toml" }`: places another scene here, as a group with the name of the instance,
@@ -35,6 +41,7 @@ declared! {
     /// Visibility of an instance to the camera, to light and to reflections; its children have their own keys.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     #[defaults]
+    #[keys]
     pub struct ShownDesc {
         /// Whether the camera sees the instance directly; its shadow and its reflections stay. Default true.
         pub visible: bool = true,
@@ -59,4 +66,26 @@ pub struct Parents {
     pub(crate) cameras: Vec<Option<usize>>,
     /// Parent node of each decal; empty if no decal has one.
     pub(crate) decals: Vec<Option<usize>>,
+}
+
+/// Declares the key `parent` of a table; its name is resolved after all tables are read.
+pub(super) fn declare_parent(t: &mut Table) {
+    t.find::<At<String>>("parent", ANY);
+}
+
+/// Reads the placement of a table, after its `parent`.
+pub(super) fn placed_in_parent(t: &mut Table) -> Option<PlacementDesc> {
+    declare_parent(t);
+    placed(t)
+}
+
+/// The table of a placed scene; its file was read before.
+impl Section for PlacedSceneDesc {
+    const HEADING: &'static str = "model = { scene = … }";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        t.need::<At<String>>("scene", ANY);
+        t.params("params");
+        Some(Self)
+    }
 }

@@ -85,11 +85,9 @@ declared! {
     pub struct ErrorBound {
         /// Largest error that a tile of 16 × 16 pixels may have, the mean of its pixels, 0.0005 to 1. About 0.01 is a
         /// grain of 1 of 255 steps in a mid-gray, which is hardly seen.
-        #[within(range(0.0005, 1.0))]
-        pub error: f32,
+        pub error: f32 [range(0.0005, 1.0)],
         /// Number of sub-frames past which the picture stays as it is, 2 to 4096. Default 1024.
-        #[within(range(2.0, 4096.0))]
-        pub at_most: u32 = 1024,
+        pub at_most: u32 [range(2.0, 4096.0)] = 1024,
     }
 }
 
@@ -118,8 +116,7 @@ declared! {
     #[table("[image]")]
     pub struct ImageDesc {
         /// Width and height in pixels, each 1 to 16384. Default [1280, 720].
-        #[within(range(1.0, 16384.0))]
-        pub size: [u32; 2] = [1280, 720],
+        pub size: [u32; 2] [range(1.0, 16384.0)] = [1280, 720],
         /// Number of sub-frames, each with its own pixel offset, that are averaged to a picture, 1 to 4096.
         /// More gives smoother edges and less grain, and takes longer. `{ error = 0.01 }` chooses a number for each
         /// picture. Default 1.
@@ -131,13 +128,11 @@ declared! {
         /// true` together; in fog it is the number of points before each pixel. More is less grainy and takes
         /// longer; `samples` multiplies it. Default 4 with 1 sample, 3 with 2, 2 with 3 to 6, else 1, so that more
         /// samples always send more rays than one does.
-        #[within(range(1.0, 256.0))]
-        pub light_rays: Option<u32>,
+        pub light_rays: Option<u32> [range(1.0, 256.0)],
         /// Exposure in stops, -20 to 20: +1 doubles the brightness. `"auto"` chooses it so that the brightest
         /// tenth of the first frame of the timeline shows as light gray or brighter, and keeps it for all frames;
         /// `reflet info` prints the number. Default 0.
-        #[within(range(-20.0, 20.0))]
-        pub exposure_ev: Exposure = Exposure::Ev(0.0),
+        pub exposure_ev: Exposure [range(-20.0, 20.0)] = Exposure::Ev(0.0),
         /// Curve from radiance to display color; EXR output is never tone-mapped. Default `"neutral"`.
         pub tone_map: ToneMap = ToneMap::Neutral,
         /// How the nearest surface of each pixel is found: by rasterizing or by rays. The two pictures differ
@@ -156,8 +151,7 @@ declared! {
         /// `ctx.t` move while it is open. Each sub-frame of up to 16 shows four moments, in different pixels, so that
         /// few `samples` give grainy streaks rather than copies; each of more shows one. The preview shows motion
         /// blur where the view rests. Default 0.
-        #[within(UNIT)]
-        pub shutter: f32 = 0.0,
+        pub shutter: f32 [UNIT] = 0.0,
     }
 }
 

@@ -5,7 +5,11 @@ mod kind;
 use glam::Vec3;
 
 pub use self::kind::{LIGHT, LightKind};
-use super::{LightGroup, SceneDesc, Tracks};
+use super::{LightGroup, SceneDesc, Tracks, hierarchy::declare_parent};
+use crate::{
+    range::{ANY, FROM_0, range},
+    table::{Keys, Table, color::Color},
+};
 
 declared! {
     /// How a light's shadows are found.
@@ -38,27 +42,47 @@ declared! {
     ///   and directions are then relative to the parent and move with it; its size and intensity stay. Default:
     ///   none.
     #[derive(Clone, Copy, Debug, PartialEq)]
+    #[table("[light.NAME]", also(LightKind), before(declare_parent), then(Self::settled))]
     pub struct LightDesc {
-        /// `kind = "point" | "spot" | "directional" | "rect" | "disk"`, with the keys of that kind. Lights with
-        /// a size are seen in reflections, not by the camera itself.
-        pub kind: LightKind,
         /// Linear color, three numbers 0 or more, or sRGB text `"#rrggbb"`. Default white.
-        pub color: Vec3,
+        pub color: Vec3 as Color [FROM_0] = Vec3::ONE,
         /// How the light's shadows are found: by a depth map or by rays. Default `"map"`; `"ray"` for lights
         /// with a size.
+        #[by(|t| Some(t.find("shadow", ANY).unwrap_or_default()))]
         pub shadow: ShadowMode,
         /// Edge length of the shadow map in pixels, 16 to 4096; for point lights, of each of six faces. More is
         /// sharper. The map of a directional light spans the whole scene, so large scenes need more, or `shadow
         /// = "ray"`. The largest value of a point light holds for all point lights, the largest value
         /// of any other light for all others. Default 1024.
-        pub shadow_px: u32,
+        pub shadow_px: u32 [range(16.0, 4096.0)] = 1024,
         /// Light group, 1 to 31 letters, digits, `-` and `_`: `--aov light:NAME` writes the light of all lights,
         /// materials and the environment of this name apart. Default "other".
+        #[by(LightGroup::find)]
         pub light_group: LightGroup,
+        /// `kind = "point" | "spot" | "directional" | "rect" | "disk"`, with the keys of that kind. Lights with
+        /// a size are seen in reflections, not by the camera itself.
+        #[by(Keys::read_keys)]
+        pub kind: LightKind,
     }
 }
 
 impl LightDesc {
+    fn settled(mut self, t: &mut Table) -> Self {
+        self.settle();
+        if !self.kind.has_size() {
+            return self;
+        }
+        if t.has("shadow") && self.shadow == ShadowMode::Map {
+            let message = "`shadow = \"map\"` cannot show the soft shadow of a light with a size";
+            let help = "write `shadow = \"ray\"`, or leave it out";
+            t.refuse("wrong-shadow", "shadow", message, help);
+        }
+        if !t.has("shadow") || self.shadow == ShadowMode::Auto {
+            self.shadow = ShadowMode::Ray;
+        }
+        self
+    }
+
     /// Makes the numbers of a light consistent after some were set: its direction points at its target and
     /// has length 1, or 0 where there is none, and the fully lit part of its cone is no wider than the
     /// cone.
@@ -87,17 +111,10 @@ declared! {
     /// `[motion.light.NAME]`: tracks that change a light; only for keys that the light's `kind` has.
     #[derive(Clone, Debug, Default, PartialEq)]
     pub struct LightMotionDesc {
-        /// - `position`: track of the position, meters.
-        /// - `direction`: track of the direction in which the light shines, of any length but 0.
-        /// - `target`: track of the point that a spot, rectangle or disk faces, meters; in place of
-        ///   `direction`.
-        /// - `intensity_cd`: track of the luminous intensity, candela, 0 or more.
-        /// - `intensity_lux`: track of the illuminance of a directional light, lux, 0 or more.
-        /// - `color`: track of the linear color, 0 or more.
+        /// Tracks of the values of [`LIGHT`].
+        ///
         /// - `inner_deg`: track of the angle from the middle of a spot's beam up to which it has full
         ///   brightness, degrees, 0 to `outer_deg`.
-        /// - `outer_deg`: track of the angle from the middle at which a spot's beam ends, degrees, above 0 and
-        ///   below 90.
         pub tracks: Tracks,
     }
 }

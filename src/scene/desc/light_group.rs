@@ -5,10 +5,11 @@ use std::fmt;
 use serde_json::{Value as Json, json};
 
 use crate::{
-    range::Range,
+    range::{ANY, Range},
     suggest,
     syntax::Node,
     table::{
+        Table,
         report::Report,
         value::{Named, Value},
     },
@@ -48,6 +49,11 @@ impl LightGroup {
             Ok(name) if length > 0 => name,
             _ => Self::OTHER,
         }
+    }
+
+    /// Reads `light_group` of a table; [`LightGroup::OTHER`] where it is left out.
+    pub fn find(t: &mut Table) -> Option<Self> {
+        Some(t.find("light_group", ANY).unwrap_or_default())
     }
 
     /// Whether this is a group that some thing names.

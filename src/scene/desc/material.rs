@@ -225,29 +225,16 @@ declared! {
 
 /// Track of a value of a material.
 struct Track {
-    /// Value that it is of.
-    what: &'static str,
     /// Key that a material's own table must have before the value may change, as scene text; empty if it needs none.
     needs: &'static str,
     /// Value of that key which changes nothing; empty if there is none.
     off: &'static str,
 }
 
-/// Tracks of the values of a checker, listed after the tracks of [`material!`].
-const OF_CHECKERS: [Track; 3] = {
-    const fn track(what: &'static str) -> Track {
-        let needs = "checker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 1 }";
-        Track {
-            what,
-            needs,
-            off: "",
-        }
-    }
-    [
-        track("first color of its `checker` or `pattern`"),
-        track("second color of its `checker` or `pattern`"),
-        track("cell size of its `checker` or `pattern`, meters"),
-    ]
+/// Track of a value of the material's checker or pattern.
+const OF_CHECKER: Track = Track {
+    needs: "checker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 1 }",
+    off: "",
 };
 
 impl Field<MaterialDesc> {
@@ -269,10 +256,7 @@ impl Field<MaterialDesc> {
         let Some(track) = self.track() else {
             return String::new();
         };
-        let mut text = format!("Track of the {}", track.what);
-        if self.range != ANY {
-            text += &format!(", {}", self.range.words());
-        }
+        let mut text = self.track_words();
         if track.needs.starts_with(&format!("{} =", self.key)) {
             let an = if self.key.starts_with(['a', 'i']) {
                 "an"

@@ -1,6 +1,10 @@
 //! Changes over time in scene text: the frames of a film, motion, and the parameters of the script.
 
 use super::{At, CameraMotionDesc, Entry, LightMotionDesc, MaterialMotionDesc, TrackDesc, Tracks};
+use crate::range::{Range, range};
+
+/// Range of frame numbers.
+const FRAMES: Range = range(0.0, 1e6);
 
 declared! {
     /// `[timeline]`: the frames of a film.
@@ -8,20 +12,22 @@ declared! {
     /// - `cuts`: camera that is shown from a frame on, unless `--camera` chooses one. Before the first cut it is
     ///   the camera of a scene without cuts: `main`, else the first.
     #[derive(Clone, Debug, PartialEq)]
+    #[keys]
     pub struct TimelineDesc {
         /// Frames per second, above 0 and at most 1000. Frame F shows the time F / fps. Default 24.
-        pub fps: f32,
+        pub fps: f32 [range(0.0, 1000.0).above()] = 24.0,
         /// Number of the first frame, 0 to 1000000. Default 0.
-        pub start: u32,
+        pub start: u32 [FRAMES] = 0,
         /// Number of the last frame, which is shown too, 0 to 1000000; not before `start`.
-        pub end: u32,
+        pub end: u32 [FRAMES],
     }
 
     /// `cuts = [{ frame = 48, camera = "close" }, …]`, in the order of frames.
     #[derive(Clone, Debug, PartialEq)]
+    #[table("cuts = [{ frame = …, camera = … }, …]")]
     pub struct CutDesc {
         /// First frame of the cut, 0 to 1000000.
-        pub frame: u32,
+        pub frame: u32 [FRAMES],
         /// Name of the camera that is shown from that frame on.
         pub camera: At<String>,
     }
@@ -108,8 +114,9 @@ declared! {
         ///   by a `"step"`.
         /// - `shown`: track that shows or hides the decal, whatever its `opacity`. Default: always shown.
         pub place: InstanceMotionDesc,
+        /// Tracks of its size and opacity, by their index in [`DECAL`](crate::motion::DECAL).
+        ///
         /// - `size`: track of the size of the box along its axes, meters, each above 0.
-        /// - `opacity`: track of the factor on its coverage, 0 to 1.
         pub tracks: Tracks,
     }
 

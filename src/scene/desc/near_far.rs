@@ -12,13 +12,11 @@ declared! {
         /// Half the size of the box, meters, above 0: the box reaches as far from the camera along every axis. With a
         /// larger one more is exact and rays take longer; one that holds the whole scene shows what method `rt` shows.
         /// Default: 2 U.
-        #[within(ABOVE_0)]
-        pub half_size_m: Option<f32>,
+        pub half_size_m: Option<f32> [ABOVE_0],
         /// Width of each of the six faces of the map, pixels, 8 to 2048. More shows finer things, and takes more time
         /// to capture and more memory: 96 bytes for the square of it, twice as much with `reflection.layers = 2`.
         /// Default 512.
-        #[within(range(8.0, 2048.0))]
-        pub face_px: u32 = 512,
+        pub face_px: u32 [range(8.0, 2048.0)] = 512,
     }
 }
 

@@ -36,7 +36,7 @@ declared! {
     /// with the probes of the grid. Moving (`dynamic`) instances are on no probe, and cast no shadow there. Probes of
     /// placed scenes are left out. Without any probe and without a grid, one stands in the middle of the static scene.
     #[derive(Clone, Debug, PartialEq)]
-    #[table("[probe.NAME]", Self::check)]
+    #[table("[probe.NAME]", check(Self::check))]
     pub struct ProbeDesc {
         /// Position from which the probe sees, meters.
         pub position: Vec3,
@@ -62,20 +62,16 @@ declared! {
         /// Distance between the probes of a grid over the bounds of the static scene, meters, above 0: as many along
         /// each axis as it takes for neighbors to be no farther apart. Each counts up to the places of its neighbors,
         /// and its proxy is the bounds. Default: no grid.
-        #[within(ABOVE_0)]
-        pub spacing_m: Option<f32>,
+        pub spacing_m: Option<f32> [ABOVE_0],
         /// Width of each of the six faces of a map, pixels, 8 to 2048. More is sharper, and takes more time to capture
         /// and more memory. Default 128.
-        #[within(range(8.0, 2048.0))]
-        pub face_px: u32 = 128,
+        pub face_px: u32 [range(8.0, 2048.0)] = 128,
         /// Number of samples for each pixel of a map, 1 to 1024, in scenes whose light is sampled: lights with a size,
         /// panoramas, rough reflections. More is less grainy. Default 16.
-        #[within(range(1.0, 1024.0))]
-        pub samples: u32 = 16,
+        pub samples: u32 [range(1.0, 1024.0)] = 16,
         /// Maximum number of probes that are blended at a point, 1 to 4, or all where there are fewer. With 1 there are
         /// seams where probes meet. Default 2.
-        #[within(NEAREST_PROBES)]
-        pub nearest: u32 = 2,
+        pub nearest: u32 [NEAREST_PROBES] = 2,
         /// Way of looking a ray up in a map. Default `"box"`.
         pub lookup: Lookup = Lookup::Box,
         /// Point by which probes are chosen. Default `"pixel"`.

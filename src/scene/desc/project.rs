@@ -1,6 +1,7 @@
 //! `reflet.toml`: settings that all scenes of a project share.
 
 use super::{At, Entry};
+use crate::{diagnostic::Diagnostic, range::range, table::Table};
 
 declared! {
     /// `reflet.toml`: the file of a project. Its folder is the border of the scenes in it and below: names of files may
@@ -10,6 +11,7 @@ declared! {
     ///
     /// - `sizes`: sizes of pictures by names of your choice, `draft = [640, 360]`, for `--size draft`.
     #[derive(Clone, Debug, Default, PartialEq)]
+    #[table("reflet.toml", check(Self::check))]
     pub struct ProjectDesc {
         /// Name of the project in messages. Default: the name of its folder.
         pub name: Option<String>,
@@ -28,6 +30,7 @@ declared! {
         /// `####` the number of the frame, which is left out where a scene has no frames. Missing folders are made.
         pub output: Option<At<String>>,
         /// Sizes by their names.
+        #[by(|t| Some(t.values_by_name("sizes", range(1.0, 16384.0), "pairs of whole numbers")))]
         pub sizes: Vec<Entry<[u32; 2]>>,
     }
 }
@@ -35,4 +38,18 @@ declared! {
 impl ProjectDesc {
     /// Name of the file.
     pub const FILE: &str = "reflet.toml";
+
+    fn check(&self, t: &mut Table) {
+        for size in &self.sizes {
+            let is_plain = |c: char| c.is_alphanumeric() || "-_".contains(c);
+            if !size.name.chars().all(is_plain)
+                || size.name.starts_with(|c: char| !c.is_alphabetic())
+            {
+                let message = "the name of a size is one word that begins with a letter";
+                let error = Diagnostic::new("wrong-name", size.at.clone(), message);
+                t.report
+                    .push(error.help("write such as `draft = [640, 360]`, for `--size draft`"));
+            }
+        }
+    }
 }

@@ -4,8 +4,11 @@ use glam::Vec3;
 
 use super::{BoxFacesDesc, NearFarDesc, ProbesDesc};
 use crate::{
-    number::{Field, plain},
-    range::{EDGE_PX, FROM_0, RAY_LENGTH_U, THRESHOLD_U, UNIT, range},
+    range::{
+        ABOVE_0, BOUNCES, EDGE_PX, FROM_0, LAYERS, RATE, RAY_LENGTH_U, SEPARATION_M, STEPS,
+        THRESHOLD_U, UNIT, range,
+    },
+    table::{Table, apart},
 };
 
 declared! {
@@ -139,94 +142,63 @@ declared! {
     /// scene: U is `unit_m`.
     #[derive(Clone, Copy, Debug, PartialEq)]
     #[defaults]
+    #[table("[reflection]", check(Self::check))]
     pub struct ReflectionDesc {
         /// Method that finds reflections. Default `"auto"`. Every `"auto"` that depends on the view (`method`,
         /// `visibility`, `exposure_ev`, `shadow` of lights) is decided once: for the first frame of the timeline, at
         /// the size of the picture, as the camera shows it that is chosen with `--camera` or in the preview, else the
         /// camera of the first frame. It then holds for all frames.
-        pub method: Method,
+        pub method: Method = Method::Auto,
         /// Surfaces that methods `hybrid` and `auto` march in screen space before tracing what is left. Default
         /// `"auto"`.
-        pub marched: Marched,
+        pub marched: Marched = Marched::Auto,
         /// Way to follow rays through the scene, of reflections and all others. Hits are the same, but for surfaces
         /// closer to each other than rounding. Ray queries are experimental in wgpu, and are only asked of an adapter
         /// where this is `"query"` or `"auto"`; `reflet info` says whether it has them. Default `"software"`.
-        pub trace: Trace,
-        /// Length of a reflection ray in U, above 0. More reflects things that are farther away. Default 16.
-        pub ray_length_u: f32 = 16.0,
+        pub trace: Trace = Trace::Software,
         /// Test by which method `hybrid` accepts a hit that the screen-space march finds. Default `"verified"`;
         /// methods `ssr`, `ssr+probe` and `ssr+box` always take `"threshold"`.
-        pub accept: Accept,
-        /// Tolerance of `accept = "verified"` in pixels, 0 to 4: how far the hit point may lie outside of the pixel
-        /// that shows its surface, along the ray and beyond the edge of its triangle. More accepts more and errs
-        /// more at edges. Default 0.25.
-        pub edge_px: f32 = 0.25,
-        /// Tolerance of `accept = "threshold"` in U, 0 or more, the paper's T: how far behind the stored depth a
-        /// crossing still counts as a hit. Too small gives stripes, too large prolonged reflections. Default 0.025.
-        pub threshold_u: f32 = 0.025,
-        /// Number of depth layers that the march of methods `ssr`, `ssr+box` and `hybrid` looks at, and of the maps of
-        /// `near-far`, 1 to 2. The second is the nearest surface at least `separation_m` behind the surface of each
-        /// pixel, from whichever side it is seen; a ray that goes behind the first layer is marched on between them,
-        /// and may hit the second (Mara et al. 2016). It takes another drawing of the scene and 12 bytes a pixel.
-        /// Default 1.
-        pub layers: u32 = 1,
-        /// Minimum distance of the second depth layer behind the first in meters, 0 or more, with `layers = 2`. A
-        /// nearer surface is in no layer, and rays that pass there are not answered. About the thickness of the things
-        /// that hide others is best: with less the second layer shows the far sides of these things, with more it
-        /// misses what is close behind them. Default: 0.5 U.
-        pub separation_m: Option<f32>,
-        /// Number of traced rays of which one is traced first, 1 to 4, but not 3, in a regular pattern. The others take
-        /// over the hits of the rays around them, where these pixels mirror alike and their rays hit one thing at
-        /// similar distances: each is intersected with the thing that was hit, and that point is shaded (Kim et al.
-        /// 2016). Where they disagree, as at edges, rays are traced. Things that lie between the rays are missed, the
-        /// more the higher the rate. Default 1.
-        pub rate: u32 = 1,
-        /// Tolerance of `rate` above 1, 0 to 1: the largest angle between the normals of such pixels in radians, and
-        /// the largest relative difference of distances. Less traces more rays and errs less. Default 0.05.
-        pub similarity: f32 = 0.05,
-        /// Size in pixels below which reflection rays skip a static instance, 0 or more: where no flat or convex
-        /// reflector could show it as large as that, and mirrors in mirrors neither (the idea of Andrade et al.).
-        /// Methods `rt` and `hybrid` decide it anew for each picture; shadows and light stay. Nothing is skipped where
-        /// a reflector is hollow or has a normal map, where something lets light through, and with `diffuse_bounces`
-        /// above 0. `reflet info` names what is skipped. Default 0: nothing.
-        pub skip_px: f32,
+        pub accept: Accept = Accept::Verified,
         /// Maximum number of reflections in a row, 1 to 16: more shows mirrors in mirrors deeper. `"auto"` follows them
         /// until what is left of the light cannot be seen: where the product of the reflectances along the path makes
         /// less than half a step of an 8-bit picture of the brightest thing, shown in the dark; at most 64. Scenes
         /// without reflectors that see each other end after the first either way. Default `"auto"`.
-        pub bounces: Bounces = Bounces::Auto,
+        pub bounces: Bounces [BOUNCES] = Bounces::Auto,
         /// Maximum number of times that light is scattered by matte surfaces before it reaches the surface that is
         /// seen, 0 to 8: 0 leaves corners that no light and no sky reaches dark; 2 to 4 fill a room. Above 0 the
         /// environment's light casts shadows, whatever its `shadow`, and surfaces that emit light others also without
         /// `light = true`, but with more grain. It takes one ray per pixel and sub-frame: good with 64 `samples` and
         /// more. Default 0.
-        pub diffuse_bounces: u32,
-        /// Limit of the radiance that a path may add past its first hit, once it has taken a random direction, 0 or
-        /// more. Less removes more of the bright specks that lamps leave on rough surfaces, glass and coats, and
-        /// some light with them. 1 is white at exposure 0; 0 is no limit, as for method `path`. Default 0.
-        pub glint_limit: f32,
+        pub diffuse_bounces: u32 [range(0.0, 8.0)] = 0,
         /// Maximum number of steps of the screen-space march, 8 to 4096. More misses less and takes longer. Default
         /// 128.
-        pub steps: u32 = 128,
-        /// Roughness below which `"auto"` materials reflect, 0 to 1. Rougher ones show only the environment and the
-        /// lights, which costs less; from four fifths of the cut-off on, reflections fade into that. Metals, which show
-        /// nothing else, fade from five times the cut-off on, up to 6.25 times. With 1 all reflect. Default 0.2.
-        pub roughness_cutoff: f32 = 0.2,
+        pub steps: u32 [STEPS] = 128,
+        /// Number of depth layers that the march of methods `ssr`, `ssr+box` and `hybrid` looks at, and of the maps of
+        /// `near-far`, 1 to 2. The second is the nearest surface at least `separation_m` behind the surface of each
+        /// pixel, from whichever side it is seen; a ray that goes behind the first layer is marched on between them,
+        /// and may hit the second (Mara et al. 2016). It takes another drawing of the scene and 12 bytes a pixel.
+        /// Default 1.
+        pub layers: u32 [LAYERS] = 1,
+        /// Minimum distance of the second depth layer behind the first in meters, 0 or more, with `layers = 2`. A
+        /// nearer surface is in no layer, and rays that pass there are not answered. About the thickness of the things
+        /// that hide others is best: with less the second layer shows the far sides of these things, with more it
+        /// misses what is close behind them. Default: 0.5 U.
+        pub separation_m: Option<f32> [SEPARATION_M],
+        /// Number of traced rays of which one is traced first, 1 to 4, but not 3, in a regular pattern. The others take
+        /// over the hits of the rays around them, where these pixels mirror alike and their rays hit one thing at
+        /// similar distances: each is intersected with the thing that was hit, and that point is shaded (Kim et al.
+        /// 2016). Where they disagree, as at edges, rays are traced. Things that lie between the rays are missed, the
+        /// more the higher the rate. Default 1.
+        pub rate: u32 [RATE] = 1,
         /// Length of U in meters, above 0. Default: the diagonal of the bounding box of static geometry / 16; of all
         /// geometry at the first frame where the static part has less than a quarter of its diagonal.
-        pub unit_m: Option<f32>,
+        pub unit_m: Option<f32> [ABOVE_0],
         /// Whether a reflected point takes over the shadows that pixels of the picture at the same place have, of
         /// lights with `shadow = "ray"`, where these pixels agree; `false` traces each of its shadow rays anew.
         /// Default true.
         pub reuse_light: bool = true,
         /// Whether reflections fade to the environment along the ray, as in the paper. Default false.
-        pub fade: bool,
-        /// Box and buffers, as `[box_faces]` sets them, for method `ssr+box`.
-        pub box_faces: BoxFacesDesc,
-        /// Probes, as `[probes]` sets them, for methods `probe` and `ssr+probe`.
-        pub probes: ProbesDesc,
-        /// Box and maps, as `[near_far]` sets them, for method `near-far`.
-        pub near_far: NearFarDesc,
+        pub fade: bool = false,
         /// Whether blurred reflections of rough surfaces, as far as their lobe spreads, and the light of
         /// `diffuse_bounces` on matte ones, as far as the distance that it comes from, are smoothed over neighboring
         /// pixels in pictures of fewer than 16 `samples`: less grain, and a little less detail. Sharp reflections,
@@ -238,13 +210,55 @@ declared! {
         /// it: up to 69 % of the light that the roughest metal would reflect, and 80 % of the light that the roughest
         /// glass would pass.
         /// Default false.
-        pub multiple_scattering: bool,
+        pub multiple_scattering: bool = false,
+        /// Length of a reflection ray in U, above 0. More reflects things that are farther away. Default 16.
+        pub ray_length_u: f32 [RAY_LENGTH_U] = 16.0,
+        /// Tolerance of `accept = "verified"` in pixels, 0 to 4: how far the hit point may lie outside of the pixel
+        /// that shows its surface, along the ray and beyond the edge of its triangle. More accepts more and errs
+        /// more at edges. Default 0.25.
+        pub edge_px: f32 [EDGE_PX] = 0.25,
+        /// Tolerance of `accept = "threshold"` in U, 0 or more, the paper's T: how far behind the stored depth a
+        /// crossing still counts as a hit. Too small gives stripes, too large prolonged reflections. Default 0.025.
+        pub threshold_u: f32 [THRESHOLD_U] = 0.025,
+        /// Tolerance of `rate` above 1, 0 to 1: the largest angle between the normals of such pixels in radians, and
+        /// the largest relative difference of distances. Less traces more rays and errs less. Default 0.05.
+        pub similarity: f32 [UNIT] = 0.05,
+        /// Size in pixels below which reflection rays skip a static instance, 0 or more: where no flat or convex
+        /// reflector could show it as large as that, and mirrors in mirrors neither (the idea of Andrade et al.).
+        /// Methods `rt` and `hybrid` decide it anew for each picture; shadows and light stay. Nothing is skipped where
+        /// a reflector is hollow or has a normal map, where something lets light through, and with `diffuse_bounces`
+        /// above 0. `reflet info` names what is skipped. Default 0: nothing.
+        pub skip_px: f32 [FROM_0] = 0.0,
+        /// Roughness below which `"auto"` materials reflect, 0 to 1. Rougher ones show only the environment and the
+        /// lights, which costs less; from four fifths of the cut-off on, reflections fade into that. Metals, which show
+        /// nothing else, fade from five times the cut-off on, up to 6.25 times. With 1 all reflect. Default 0.2.
+        pub roughness_cutoff: f32 [UNIT] = 0.2,
+        /// Limit of the radiance that a path may add past its first hit, once it has taken a random direction, 0 or
+        /// more. Less removes more of the bright specks that lamps leave on rough surfaces, glass and coats, and
+        /// some light with them. 1 is white at exposure 0; 0 is no limit, as for method `path`. Default 0.
+        pub glint_limit: f32 [FROM_0] = 0.0,
         /// Standard deviation of the Gaussian blur of the combined reflection, pixels, 0 to 16: 0 is off. Default 0.
-        pub blur_px: f32,
+        pub blur_px: f32 [range(0.0, 16.0)] = 0.0,
+        /// Box and buffers, as `[box_faces]` sets them, for method `ssr+box`.
+        #[by(apart)]
+        pub box_faces: BoxFacesDesc,
+        /// Probes, as `[probes]` sets them, for methods `probe` and `ssr+probe`.
+        #[by(apart)]
+        pub probes: ProbesDesc,
+        /// Box and maps, as `[near_far]` sets them, for method `near-far`.
+        #[by(apart)]
+        pub near_far: NearFarDesc,
     }
 }
 
 impl ReflectionDesc {
+    fn check(&self, t: &mut Table) {
+        if self.rate == 3 {
+            let (message, help) = ("`rate` must be 1, 2 or 4, not 3", "write 2 or 4");
+            t.refuse("out-of-range", "rate", message, help);
+        }
+    }
+
     /// Roughness below which every `"auto"` material that can reflect does; above 1 if all do.
     pub fn reflects_below(&self) -> f32 {
         match self.roughness_cutoff {
@@ -329,15 +343,3 @@ impl ReflectionDesc {
         self.accept == Accept::Verified && matches!(self.method, Method::Hybrid | Method::Auto)
     }
 }
-
-/// Keys of `[reflection]` that are one number; the reader works from this table.
-pub static REFLECTION: [Field<ReflectionDesc>; 8] = [
-    plain!(ray_length_u, Number, RAY_LENGTH_U),
-    plain!(edge_px, Number, EDGE_PX),
-    plain!(threshold_u, Number, THRESHOLD_U),
-    plain!(similarity, Number, UNIT),
-    plain!(skip_px, Number, FROM_0),
-    plain!(roughness_cutoff, Number, UNIT),
-    plain!(glint_limit, Number, FROM_0),
-    plain!(blur_px, Number, range(0.0, 16.0)),
-];

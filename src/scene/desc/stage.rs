@@ -9,7 +9,7 @@ declared! {
     /// `usd = { … }`: choices for the conversion of a USD stage. Needs a `file` that ends in `.usd`, `.usda`,
     /// `.usdc` or `.usdz`; models of one stage with different choices are converted separately.
     #[derive(Clone, Debug, Default, PartialEq)]
-    #[table("usd = { … }", Self::check)]
+    #[table("usd = { … }", check(Self::check))]
     pub struct StageDesc {
         /// Variant selections, each as USD writes one: `"/Prim{set=variant}"`, or an array of them; if one set
         /// is chosen twice, the last choice counts. Default: the stage's own choices.
@@ -19,8 +19,7 @@ declared! {
         pub purpose: Vec<At<String>>,
         /// Number of Catmull-Clark steps for subdivision meshes, 0 to 6. More is smoother; each step makes four
         /// times as many triangles. Default 0: the control cage with smooth normals.
-        #[within(range(0.0, 6.0))]
-        pub subdiv: u32 = 0,
+        pub subdiv: u32 [range(0.0, 6.0)] = 0,
     }
 }
 

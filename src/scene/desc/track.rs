@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::At;
-use crate::diagnostic::Span;
+use crate::{diagnostic::Span, range::ABOVE_0, suggest, syntax::Node, table::Table};
 
 /// Tracks, each with the index of its [`Field`](crate::number::Field) in the table of the thing that it
 /// changes.
@@ -123,26 +123,28 @@ declared! {
 
     /// `follow = { instance = "car", offset = [0, 1, 0] }`: takes the position from an instance or a group.
     #[derive(Clone, Debug, PartialEq)]
+    #[table("follow = { … }", instead(Self::instead))]
     pub struct FollowDesc {
         /// `name` of the instance or the group to follow.
         pub instance: At<String>,
         /// Point in the instance's model space, meters, that is followed; it turns and grows with the instance.
         /// Default [0, 0, 0].
-        pub offset: Vec3,
+        pub offset: Vec3 = Vec3::ZERO,
     }
 
     /// `orbit = { center = [0, 1, 0], period_s = 8 }`: turns the position about an axis.
     #[derive(Clone, Debug, PartialEq)]
+    #[table("orbit = { … }", check(Self::check))]
     pub struct OrbitDesc {
         /// Point on the axis, meters. Default [0, 0, 0].
-        pub center: Vec3,
+        pub center: Vec3 = Vec3::ZERO,
         /// Direction of the axis, not 0; the turn is counterclockwise when the axis points at the viewer. Default
         /// [0, 1, 0].
-        pub axis: Vec3,
+        pub axis: Vec3 = Vec3::Y,
         /// Time of one turn, seconds, above 0: more is slower.
-        pub period_s: f32,
+        pub period_s: f32 [ABOVE_0],
         /// Angle at time 0, in turns: 0.25 is a quarter turn ahead. Default 0.
-        pub phase: f32,
+        pub phase: f32 = 0.0,
     }
 
     /// `oscillate = { amplitude = [0, 0, 20], period_s = 2 }`: adds `amplitude * sin(2π (t / period_s + phase))`.
@@ -164,4 +166,20 @@ declared! {
 
     /// `oscillate = { amplitude = 0.2, period_s = 2 }`: adds `amplitude * sin(2π (t / period_s + phase))`.
     pub struct ScaleOscillateDesc;
+}
+
+impl FollowDesc {
+    fn instead(key: &str, value: &Node) -> Option<String> {
+        let instance = suggest::text(value.get_ref().as_str()?);
+        Some(format!("write `{key} = {{ instance = {instance} }}`"))
+    }
+}
+
+impl OrbitDesc {
+    fn check(&self, t: &mut Table) {
+        if t.has("axis") && self.axis == Vec3::ZERO {
+            let help = "write `axis = [0, 1, 0]` for a horizontal orbit";
+            t.refuse("zero-direction", "axis", "`axis` must not be zero", help);
+        }
+    }
 }

@@ -2,9 +2,9 @@
 
 use glam::{Affine3A, EulerRot, Vec3};
 
-use super::{placement::turned, transform};
+use super::transform;
 use crate::{
-    desc::{DecalDesc, DecalMotionDesc, Entry, PlacementDesc, SceneDesc},
+    desc::{DecalDesc, DecalMotionDesc, Entry, PlacementDesc, SceneDesc, turned},
     diagnostic::Span,
     number::{Field, Form, plain},
     range::{ABOVE_0, ANY, UNIT},
@@ -47,6 +47,7 @@ pub const DECAL_PLACES: usize = 2;
 pub static DECAL: [Field<DecalPose>; 4] = [
     Field {
         key: "translation",
+        what: "",
         form: Form::Vector,
         range: ANY,
         get: |decal| Some(decal.placement.translation.into()),
@@ -54,6 +55,7 @@ pub static DECAL: [Field<DecalPose>; 4] = [
     },
     Field {
         key: "rotation_deg",
+        what: "",
         form: Form::Color,
         range: ANY,
         get: |decal| {
@@ -67,8 +69,8 @@ pub static DECAL: [Field<DecalPose>; 4] = [
             decal.placement = Affine3A::from_scale_rotation_translation(scale, turn, at);
         },
     },
-    plain!(size, Color, ABOVE_0),
-    plain!(opacity, Number, UNIT),
+    plain!(size, "", Color, ABOVE_0),
+    plain!(opacity, "factor on its coverage", Number, UNIT),
 ];
 
 impl DecalMotionDesc {

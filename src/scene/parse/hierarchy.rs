@@ -7,20 +7,14 @@ use std::{
 };
 
 use crate::syntax::{Entries, Node};
-use crate::table::{Table, report::Report};
+use crate::table::report::Report;
 use crate::{
-    desc::{At, Entry, Parents, SceneDesc},
-    range::ANY,
+    desc::{Entry, Parents, SceneDesc},
     suggest,
 };
 
 /// Largest number of parents that a message about a circle lists.
 const MOST_SHOWN: usize = 8;
-
-/// Declares the key `parent` of a table; its name is resolved after all tables are read.
-pub fn declare_parent(t: &mut Table) {
-    t.find::<At<String>>("parent", ANY);
-}
 
 /// Name of a table's parent, and its place.
 fn named(table: &Entries) -> Option<(&str, Range<usize>)> {

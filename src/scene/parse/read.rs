@@ -1,28 +1,15 @@
 //! The readers: one per table of the scene text, one line per key. The type, range and default of a
 //! key are written here and nowhere else; the manual and the JSON Schema come from running the same readers.
 
-mod decal;
 mod environment;
-mod instance;
-mod light;
 mod material;
-mod mesh;
 mod motion;
-mod outline;
-mod outlined;
 pub mod project;
-mod scatter;
-mod shape;
 pub mod timeline;
 mod track;
 
-use glam::Vec3;
-
-use super::hierarchy;
 use crate::declared::{Described, TypeDoc};
-use crate::range::{
-    ABOVE_0, ANY, APERTURE_F, BOUNCES, DIFFUSE_BOUNCES, LAYERS, RATE, SEPARATION_M, STEPS, range,
-};
+use crate::range::ANY;
 use crate::table::{Either, Section, Table, value::Names, value::Version};
 use crate::{desc::*, diagnostic::Diagnostic};
 
@@ -95,62 +82,6 @@ fn late_settings(t: &Table) -> Vec<LateSetting> {
     LATE_SETTINGS.into_iter().filter_map(place).collect()
 }
 
-impl Section for CameraDesc {
-    const HEADING: &'static str = "[camera.NAME]";
-
-    fn read(t: &mut Table) -> Option<Self> {
-        let default = Self::default();
-        hierarchy::declare_parent(t);
-        let camera = Self {
-            eye: t.get("eye", ANY, default.eye),
-            target: t.get("target", ANY, default.target),
-            up: t.get("up", ANY, default.up),
-            fov_deg: t.get("fov_deg", range(1.0, 170.0), default.fov_deg),
-            orthographic_height_m: t.find("orthographic_height_m", ABOVE_0),
-            near_m: t.find("near_m", ABOVE_0),
-            aperture_f: t.find("aperture_f", APERTURE_F),
-            focus_m: t.find("focus_m", ABOVE_0),
-        };
-        if !t.clean() {
-            return Some(camera);
-        }
-        if camera.orthographic_height_m.is_some() && camera.aperture_f.is_some() {
-            let message = "an orthographic camera has no aperture";
-            let help =
-                "leave out `aperture_f`, or `orthographic_height_m` for a perspective camera";
-            t.refuse("orthographic-aperture", "aperture_f", message, help);
-        }
-        let forward = (camera.target - camera.eye).as_dvec3();
-        let up = camera.up.as_dvec3();
-        let key = ["target", "eye"]
-            .into_iter()
-            .find(|k| t.has(k))
-            .unwrap_or("target");
-        if forward.length() == 0.0 {
-            let help = "move `eye` or `target`: the camera looks from one to the other";
-            t.refuse(
-                "zero-direction",
-                key,
-                "`target` must differ from `eye`",
-                help,
-            );
-        } else if up.length() == 0.0 {
-            t.refuse(
-                "zero-direction",
-                "up",
-                "`up` must not be zero",
-                "write `up = [0, 1, 0]`",
-            );
-        } else if forward.normalize().cross(up.normalize()).length() < 1e-6 {
-            let key = if t.has("up") { "up" } else { key };
-            let message = "`up` must not point along the view, from `eye` to `target`";
-            let help = "for a view straight down or up, write `up = [0, 0, -1]`";
-            t.refuse("zero-direction", key, message, help);
-        }
-        Some(camera)
-    }
-}
-
 impl Section for ModelDesc {
     const ALSO: &'static [&'static TypeDoc] = &[ModelSource::DOC];
     const HEADING: &'static str = "[model.NAME]";
@@ -203,42 +134,5 @@ impl Section for ModelDesc {
             animation,
             usd,
         })
-    }
-}
-
-impl Section for ReflectionDesc {
-    const HEADING: &'static str = "[reflection]";
-
-    fn read(t: &mut Table) -> Option<Self> {
-        let default = Self::default();
-        let mut settings = Self {
-            method: t.get("method", ANY, default.method),
-            marched: t.get("marched", ANY, default.marched),
-            trace: t.get("trace", ANY, default.trace),
-            accept: t.get("accept", ANY, default.accept),
-            bounces: t.get("bounces", BOUNCES, default.bounces),
-            diffuse_bounces: t.get("diffuse_bounces", DIFFUSE_BOUNCES, default.diffuse_bounces),
-            steps: t.get("steps", STEPS, default.steps),
-            layers: t.get("layers", LAYERS, default.layers),
-            separation_m: t.find("separation_m", SEPARATION_M),
-            rate: t.get("rate", RATE, default.rate),
-            unit_m: t.find("unit_m", ABOVE_0),
-            reuse_light: t.get("reuse_light", ANY, default.reuse_light),
-            fade: t.get("fade", ANY, default.fade),
-            filter: t.get("filter", ANY, default.filter),
-            multiple_scattering: t.get("multiple_scattering", ANY, default.multiple_scattering),
-            ..default
-        };
-        if settings.rate == 3 {
-            let (message, help) = ("`rate` must be 1, 2 or 4, not 3", "write 2 or 4");
-            t.refuse("out-of-range", "rate", message, help);
-        }
-        for field in &REFLECTION {
-            if let Some(default) = (field.get)(&default) {
-                let value = t.get(field.key, field.range, default.x);
-                (field.put)(&mut settings, Vec3::splat(value));
-            }
-        }
-        Some(settings)
     }
 }

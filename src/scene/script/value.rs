@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3};
 use rhai::{Array, Dynamic, EvalAltResult, Position};
 
 use super::format_value::named;
-use crate::motion::turned;
+use crate::desc::turned;
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
 

@@ -7,9 +7,8 @@ use glam::{Affine3A, DQuat, DVec4, Quat, Vec3};
 use super::{Loader, error_at};
 use crate::gltf::{Fault, uri::shorten};
 use reflet_scene::{
-    desc::At,
+    desc::{At, turned},
     diagnostic::{Diagnostic, Severity, Source, Span},
-    motion::turned,
     range::ANY,
 };
 

@@ -7,8 +7,14 @@ use glam::Vec3;
 use super::LightDesc;
 use crate::{
     number::{Field, Form, Lanes, plain},
-    range::{ANY, FROM_0, range},
+    range::{ABOVE_0, ANY, FROM_0, Range, range},
+    table::Table,
 };
+
+/// Range of the angle up to which a beam has full brightness, degrees.
+const INNER_DEG: Range = range(0.0, 90.0).below();
+/// Range of the angle at which a beam ends, degrees.
+const OUTER_DEG: Range = INNER_DEG.above();
 
 /// Smallest radius of a point or spot light with a size, meters.
 const LEAST_RADIUS_M: f32 = 1e-10;
@@ -16,89 +22,91 @@ const LEAST_RADIUS_M: f32 = 1e-10;
 declared! {
     /// `kind` of a light, with the keys that only this kind has.
     #[derive(Clone, Copy, Debug, PartialEq)]
+    #[kinds(Self::check)]
     pub enum LightKind {
         /// `"point"`: shines in all directions from `position`.
-        Point {
+        Point = "point" {
             /// Position of the light, meters.
             position: Vec3,
             /// Luminous intensity, candela, 0 or more. More is brighter.
-            intensity_cd: f32,
+            intensity_cd: f32 [FROM_0],
             /// Radius of the glowing ball that the light is, meters, 0 or more; its intensity stays
             /// `intensity_cd`. More gives softer shadows and larger highlights; 0, or less than 1e-10, is a
             /// point without a size. Default 0.
-            radius_m: f32,
+            radius_m: f32 [FROM_0] = 0.0,
         },
         /// `"spot"`: a cone from `position`, along `direction` or towards `target`.
-        Spot {
+        Spot = "spot" {
             /// Position of the light, meters.
             position: Vec3,
             /// Direction of the beam, of any length but 0.
+            #[by(direction_or_target)]
             direction: Vec3,
             /// Point at the middle of the beam, meters, in place of `direction`; the beam keeps pointing there
             /// when the light moves.
             target: Option<Vec3>,
             /// Luminous intensity in the middle of the beam, candela, 0 or more.
-            intensity_cd: f32,
+            intensity_cd: f32 [FROM_0],
             /// Angle from the middle of the beam up to which it has full brightness, degrees, 0 to `outer_deg`.
             /// Default 0.
-            inner_deg: f32,
+            inner_deg: f32 [INNER_DEG] = 0.0,
             /// Angle from the middle of the beam at which it ends, degrees, above 0 and below 90. Default 45.
-            outer_deg: f32,
+            outer_deg: f32 [OUTER_DEG] = 45.0,
             /// Radius of a glowing ball that shines inside the cone, meters, 0 or more: more gives softer
             /// shadows; 0, or less than 1e-10, is a point without a size. Default 0.
-            radius_m: f32,
+            radius_m: f32 [FROM_0] = 0.0,
         },
         /// `"directional"`: parallel light, like the sun.
-        Directional {
+        Directional = "directional" {
             /// Direction in which the light travels, of any length but 0.
+            #[by(direction)]
             direction: Vec3,
             /// Illuminance on a surface that faces the light, lux, 0 or more.
-            intensity_lux: f32,
+            intensity_lux: f32 [FROM_0],
             /// Angle that the light spans in the sky, degrees, 0 to 90; the sun spans 0.53. More has softer
             /// shadows. Default 0.
-            angle_deg: f32,
+            angle_deg: f32 [range(0.0, 90.0)] = 0.0,
         },
         /// `"rect"`: a flat rectangle around `position` that shines to one side, along `direction` or towards
         /// `target`, with the same radiance in all directions of that side. Reflections show it, the camera
         /// itself does not: where it shall be seen, add a shape with `emission`.
-        Rect {
+        Rect = "rect" {
             /// Position of the center of the light, meters.
             position: Vec3,
             /// Direction in which it shines, of any length but 0.
+            #[by(direction_or_target)]
             direction: Vec3,
             /// Point that the rectangle faces, meters, in place of `direction`; it keeps facing it when the
             /// light moves.
             target: Option<Vec3>,
             /// Direction of the second edge, turned as far as needed to lie in the rectangle's plane. If it is
             /// along `direction`, +Z takes its place. Default [0, 1, 0].
-            up: Vec3,
+            up: Vec3 = Vec3::Y,
             /// Edge lengths of the rectangle, meters, above 0; the second edge is along `up`.
-            size: [f32; 2],
+            size: [f32; 2] [ABOVE_0],
             /// Luminous intensity straight ahead, candela, 0 or more.
-            intensity_cd: f32,
+            intensity_cd: f32 [FROM_0],
         },
         /// `"disk"`: a flat disk around `position` that shines to one side as a `"rect"` does.
-        Disk {
+        Disk = "disk" {
             /// Position of the center of the light, meters.
             position: Vec3,
             /// Direction in which it shines, of any length but 0.
+            #[by(direction_or_target)]
             direction: Vec3,
             /// Point that the disk faces, meters, in place of `direction`; it keeps facing it when the light
             /// moves.
             target: Option<Vec3>,
             /// Radius of the disk, meters, above 0.
-            radius_m: f32,
+            radius_m: f32 [ABOVE_0],
             /// Luminous intensity straight ahead, candela, 0 or more.
-            intensity_cd: f32,
+            intensity_cd: f32 [FROM_0],
         },
     }
 }
 
 impl LightKind {
-    /// Names of all kinds in scene text and messages; the shaders' constants are `LIGHT_` and this name.
-    pub const NAMES: [&'static str; 5] = ["point", "spot", "directional", "rect", "disk"];
-
-    /// Index of the kind in [`Self::NAMES`].
+    /// Index of the kind in [`Self::NAMES`]; the shaders' constants are `LIGHT_` and this name.
     pub fn index(&self) -> usize {
         match self {
             Self::Point { .. } => 0,
@@ -107,11 +115,6 @@ impl LightKind {
             Self::Rect { .. } => 3,
             Self::Disk { .. } => 4,
         }
-    }
-
-    /// Name of the kind in scene text.
-    pub fn name(&self) -> &'static str {
-        Self::NAMES[self.index()]
     }
 
     /// Whether the light has a size, so that its light is sampled. A radius below an atom's counts as a
@@ -308,11 +311,64 @@ impl LightKind {
     }
 }
 
+impl LightKind {
+    fn check(&self, t: &mut Table) {
+        let mut light = *self;
+        let target = light.target_mut().and_then(|target| *target);
+        if target.is_some() && target == light.position() {
+            refuse_direction(t, "target", "`target` must differ from `position`");
+        }
+        match *self {
+            Self::Rect { up: Vec3::ZERO, .. } if t.clean() => {
+                let help = "write `up = [0, 1, 0]`";
+                t.refuse("zero-direction", "up", "`up` must not be zero", help);
+            }
+            Self::Spot {
+                inner_deg,
+                outer_deg,
+                ..
+            } if t.clean() && inner_deg > outer_deg => {
+                let message = format!("`inner_deg` must be 0 to `outer_deg`, which is {outer_deg}");
+                t.refuse("out-of-range", "inner_deg", &message, "");
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Reads `direction`, as it is written.
+fn direction(t: &mut Table) -> Option<Vec3> {
+    let direction = t.need("direction", ANY)?;
+    not_zero(t, direction)
+}
+
+/// Reads `direction`, as it is written, or 0 where the light has a `target` in its place.
+fn direction_or_target(t: &mut Table) -> Option<Vec3> {
+    t.one_of(true, &[&["direction"], &["target"]]);
+    match t.find("direction", ANY) {
+        Some(direction) => not_zero(t, direction),
+        None => Some(Vec3::ZERO),
+    }
+}
+
+fn not_zero(t: &mut Table, direction: Vec3) -> Option<Vec3> {
+    if direction == Vec3::ZERO {
+        refuse_direction(t, "direction", "`direction` must not be zero");
+        return None;
+    }
+    Some(direction)
+}
+
+fn refuse_direction(t: &mut Table, key: &str, message: &str) {
+    t.refuse("zero-direction", key, message, "the light shines along it");
+}
+
 /// Row of [`LIGHT`] for a field that only some kinds of lights have.
 macro_rules! of_lights {
-    ($key:ident, $form:ident, $range:expr, $($kind:ident)|+) => {
+    ($key:ident, $what:literal, $form:ident, $range:expr, $($kind:ident)|+) => {
         Field {
             key: stringify!($key),
+            what: $what,
             form: Form::$form,
             range: $range,
             get: |light| match light.kind {
@@ -329,9 +385,16 @@ macro_rules! of_lights {
 
 /// Values of a light that tracks and scripts may change; afterwards call [`LightDesc::settle`].
 pub static LIGHT: [Field<LightDesc>; 8] = [
-    of_lights!(position, Vector, ANY, Point | Spot | Rect | Disk),
+    of_lights!(
+        position,
+        "position, meters",
+        Vector,
+        ANY,
+        Point | Spot | Rect | Disk
+    ),
     Field {
         key: "direction",
+        what: "direction in which the light shines, of any length but 0",
         form: Form::Vector,
         range: ANY,
         get: |light| light.kind.direction(),
@@ -346,6 +409,7 @@ pub static LIGHT: [Field<LightDesc>; 8] = [
     },
     Field {
         key: "target",
+        what: "point that a spot, rectangle or disk faces, meters; in place of `direction`",
         form: Form::Vector,
         range: ANY,
         get: |light| {
@@ -359,9 +423,27 @@ pub static LIGHT: [Field<LightDesc>; 8] = [
             }
         },
     },
-    of_lights!(intensity_cd, Number, FROM_0, Point | Spot | Rect | Disk),
-    of_lights!(intensity_lux, Number, FROM_0, Directional),
-    plain!(color, Color, FROM_0),
-    of_lights!(inner_deg, Number, range(0.0, 90.0).below(), Spot),
-    of_lights!(outer_deg, Number, range(0.0, 90.0).below().above(), Spot),
+    of_lights!(
+        intensity_cd,
+        "luminous intensity, candela",
+        Number,
+        FROM_0,
+        Point | Spot | Rect | Disk
+    ),
+    of_lights!(
+        intensity_lux,
+        "illuminance of a directional light, lux",
+        Number,
+        FROM_0,
+        Directional
+    ),
+    plain!(color, "linear color", Color, FROM_0),
+    of_lights!(inner_deg, "", Number, INNER_DEG, Spot),
+    of_lights!(
+        outer_deg,
+        "angle from the middle at which a spot's beam ends, degrees",
+        Number,
+        OUTER_DEG,
+        Spot
+    ),
 ];

@@ -42,12 +42,13 @@ macro_rules! material {
         };
 
         /// Number of values of a material that may change.
-        pub const MATERIAL_FIELDS: usize = [$($(stringify!($form),)?)*].len() + OF_CHECKERS.len();
+        pub const MATERIAL_FIELDS: usize = [$($(stringify!($form),)?)*].len() + 3;
 
         /// Values of a material that tracks and scripts may change.
         pub static MATERIAL: [Field<MaterialDesc>; MATERIAL_FIELDS] = [
             $($(Field {
                 key: stringify!($key),
+                what: $what,
                 form: Form::$form,
                 range: $range,
                 get: |it| it.$key.map(Lanes::lanes),
@@ -56,25 +57,21 @@ macro_rules! material {
                     it.$key = Some(Lanes::from_lanes(value));
                 },
             },)?)*
-            of_checkers!("checker_a", Color, UNIT, |checker| checker.colors[0]),
-            of_checkers!("checker_b", Color, UNIT, |checker| checker.colors[1]),
-            of_checkers!("checker_size_m", Number, ABOVE_0, |checker| checker.size_m),
+            of_checkers!("checker_a", "first color", Color, UNIT, |checker| checker.colors[0]),
+            of_checkers!("checker_b", "second color", Color, UNIT, |checker| checker.colors[1]),
+            of_checkers!("checker_size_m", "cell size", ", meters", Number, ABOVE_0, |checker| checker.size_m),
         ];
 
         /// Tracks of the values of [`MATERIAL`], in its order.
-        static TRACKS: [Track; MATERIAL_FIELDS] = {
-            let [a, b, size] = OF_CHECKERS;
-            [
-                $($(Track {
-                    what: $what,
-                    needs: at_rest!(needs $key $($at_rest $value)? $($elsewhere $other)?),
-                    off: at_rest!(off $($at_rest $value)? $($elsewhere $other)?),
-                },)?)*
-                a,
-                b,
-                size,
-            ]
-        };
+        static TRACKS: [Track; MATERIAL_FIELDS] = [
+            $($(Track {
+                needs: at_rest!(needs $key $($at_rest $value)? $($elsewhere $other)?),
+                off: at_rest!(off $($at_rest $value)? $($elsewhere $other)?),
+            },)?)*
+            OF_CHECKER,
+            OF_CHECKER,
+            OF_CHECKER,
+        ];
 
         /// Keys of a material, for its reader.
         pub static MATERIAL_KEYS: &[MaterialKey] = &[$(
@@ -178,9 +175,10 @@ macro_rules! at_rest {
 
 /// Row of [`MATERIAL`] for a value of the material's checker or pattern.
 macro_rules! of_checkers {
-    ($key:literal, $form:ident, $range:expr, |$checker:ident| $value:expr) => {
+    ($key:literal, $what:literal, $($unit:literal,)? $form:ident, $range:expr, |$checker:ident| $value:expr) => {
         Field {
             key: $key,
+            what: concat!($what, " of its `checker` or `pattern`" $(, $unit)?),
             form: Form::$form,
             range: $range,
             get: |it| it.checker.as_ref().map(|$checker| $value.lanes()),

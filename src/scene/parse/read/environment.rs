@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::desc::{EnvironmentDesc, EnvironmentShadow};
+use crate::desc::{EnvironmentDesc, EnvironmentShadow, LightGroup};
 use crate::range::{ANY, FROM_0};
 use crate::table::{Section, Table, color::Color};
 
@@ -30,7 +30,7 @@ impl Section for EnvironmentDesc {
                 false => EnvironmentShadow::Ray,
             }),
             fog: t.table("fog"),
-            light_group: t.find("light_group", ANY).unwrap_or_default(),
+            light_group: LightGroup::find(t).unwrap_or_default(),
             is_written: has_colors || t.has("file"),
         };
         let turned = t.needing("file", &["rotation_deg"]);

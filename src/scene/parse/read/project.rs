@@ -2,42 +2,12 @@
 
 use std::sync::Arc;
 
-use crate::table::{Place, Section, Table, report::Report, value::Names};
+use crate::table::{Place, Table, report::Report};
 use crate::{
-    desc::{At, ProjectDesc},
+    desc::ProjectDesc,
     diagnostic::{Diagnostic, Source},
     parse::syntax_errors,
-    range::{ANY, range},
 };
-
-impl Section for ProjectDesc {
-    const HEADING: &'static str = "reflet.toml";
-
-    fn read(t: &mut Table) -> Option<Self> {
-        let names = |names: Option<Names>| names.map_or_else(Vec::new, |names| names.0);
-        let project = Self {
-            name: t.find("name", ANY),
-            assets: names(t.find("assets", ANY)),
-            scripts: t.find("scripts", ANY),
-            camera: t.find("camera", ANY),
-            variant: names(t.find("variant", ANY)),
-            output: t.find::<At<String>>("output", ANY),
-            sizes: t.values_by_name("sizes", range(1.0, 16384.0), "pairs of whole numbers"),
-        };
-        for size in &project.sizes {
-            let is_plain = |c: char| c.is_alphanumeric() || "-_".contains(c);
-            if !size.name.chars().all(is_plain)
-                || size.name.starts_with(|c: char| !c.is_alphabetic())
-            {
-                let message = "the name of a size is one word that begins with a letter";
-                let error = Diagnostic::new("wrong-name", size.at.clone(), message);
-                t.report
-                    .push(error.help("write such as `draft = [640, 360]`, for `--size draft`"));
-            }
-        }
-        Some(project)
-    }
-}
 
 /// Text of a project, and warnings about it.
 ///

@@ -1,33 +1,16 @@
 //! Reader of the timeline and its cuts.
 
 use crate::declared::{Described, TypeDoc};
-use crate::table::{Section, Table};
+use crate::table::{Keys, Section, Table};
 use crate::{
     desc::{CutDesc, TimelineDesc},
     diagnostic::Diagnostic,
-    range::{ANY, Range, range},
 };
-
-/// Range of frame numbers.
-const FRAMES: Range = range(0.0, 1e6);
 
 /// `[timeline]`, with its cuts.
 pub struct Film {
     pub timeline: TimelineDesc,
     pub cuts: Vec<CutDesc>,
-}
-
-impl Section for CutDesc {
-    const HEADING: &'static str = "cuts = [{ frame = …, camera = … }, …]";
-
-    fn read(t: &mut Table) -> Option<Self> {
-        let frame = t.need("frame", FRAMES);
-        let camera = t.need("camera", ANY);
-        Some(Self {
-            frame: frame?,
-            camera: camera?,
-        })
-    }
 }
 
 fn cuts(t: &mut Table) -> Vec<CutDesc> {
@@ -67,10 +50,11 @@ impl Section for Film {
     const HEADING: &'static str = "[timeline]";
 
     fn read(t: &mut Table) -> Option<Self> {
-        let fps = t.get("fps", range(0.0, 1000.0).above(), 24.0);
-        let start = t.get("start", FRAMES, 0);
-        let end: Option<u32> = t.need("end", FRAMES);
-        if t.clean() && end.is_some_and(|end| end < start) {
+        let timeline: Option<TimelineDesc> = Keys::read_keys(t);
+        if let Some(TimelineDesc { start, end, .. }) = timeline
+            && t.clean()
+            && end < start
+        {
             let message = format!("`end` must not be before `start`, which is {start}");
             t.refuse(
                 "empty-timeline",
@@ -80,14 +64,8 @@ impl Section for Film {
             );
         }
         let cuts = cuts(t);
-        if let Some(end) = end {
-            warn_of_late_cuts(t, &cuts, end);
-        }
-        let timeline = TimelineDesc {
-            fps,
-            start,
-            end: end?,
-        };
+        let timeline = timeline?;
+        warn_of_late_cuts(t, &cuts, timeline.end);
         Some(Self { timeline, cuts })
     }
 }

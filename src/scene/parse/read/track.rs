@@ -14,10 +14,16 @@ use crate::{
 
 /// Reads the tracks of all `fields`.
 pub fn tracks<T>(t: &mut Table, fields: &[Field<T>]) -> Tracks {
-    let read = |field: &Field<T>| match field.form {
-        Form::Number => track::<f32>(t, field.key, field.range),
-        Form::Pair => track::<[f32; 2]>(t, field.key, field.range),
-        Form::Color | Form::Vector => track::<Vec3>(t, field.key, field.range),
+    let read = |field: &Field<T>| {
+        let track = match field.form {
+            Form::Number => track::<f32>(t, field.key, field.range),
+            Form::Pair => track::<[f32; 2]>(t, field.key, field.range),
+            Form::Color | Form::Vector => track::<Vec3>(t, field.key, field.range),
+        };
+        if !field.what.is_empty() {
+            t.explain(field.key, || field.track_words() + ".");
+        }
+        track
     };
     let all: Vec<_> = fields.iter().map(read).collect();
     let written = all.into_iter().enumerate();
@@ -318,44 +324,5 @@ impl<L: Lane> Section for Oscillation<L> {
             phase,
         };
         Some(Self(swing, std::marker::PhantomData))
-    }
-}
-
-impl Section for OrbitDesc {
-    const HEADING: &'static str = "orbit = { … }";
-
-    fn read(t: &mut Table) -> Option<Self> {
-        let center = t.get("center", ANY, Vec3::ZERO);
-        let axis = t.get("axis", ANY, Vec3::Y);
-        let period_s = t.need("period_s", ABOVE_0);
-        let phase = t.get("phase", ANY, 0.0);
-        if t.has("axis") && axis == Vec3::ZERO {
-            let help = "write `axis = [0, 1, 0]` for a horizontal orbit";
-            t.refuse("zero-direction", "axis", "`axis` must not be zero", help);
-        }
-        Some(Self {
-            center,
-            axis,
-            period_s: period_s?,
-            phase,
-        })
-    }
-}
-
-impl Section for FollowDesc {
-    const HEADING: &'static str = "follow = { … }";
-
-    fn instead(key: &str, value: &Node) -> Option<String> {
-        let instance = crate::suggest::text(value.get_ref().as_str()?);
-        Some(format!("write `{key} = {{ instance = {instance} }}`"))
-    }
-
-    fn read(t: &mut Table) -> Option<Self> {
-        let instance = t.need("instance", ANY);
-        let offset = t.get("offset", ANY, Vec3::ZERO);
-        Some(Self {
-            instance: instance?,
-            offset,
-        })
     }
 }
