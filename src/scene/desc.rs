@@ -55,9 +55,9 @@ pub use self::{
     light::{LIGHT, LightDesc, LightKind, LightMotionDesc, ShadowMode},
     light_group::LightGroup,
     material::{
-        MATERIAL, MATERIAL_FIELDS, MATERIAL_KEYS, MOST_PATTERNED, MaterialDesc, MaterialKey,
-        MaterialMotionDesc, MaterialNumbers, MaterialSlot, PLAIN, PatternedDesc, PatternedKey,
-        ReflectionMode, reflectivity_of,
+        MATERIAL, MATERIAL_FIELDS, MOST_PATTERNED, MaterialDesc, MaterialMotionDesc,
+        MaterialNumbers, NEEDING, Needing, PLAIN, PatternedDesc, PatternedKey, ReflectionMode,
+        reflectivity_of,
     },
     motion::{
         CutDesc, DecalMotionDesc, GroupMotionDesc, InstanceMotionDesc, ModelMotionDesc, MotionDesc,
@@ -80,6 +80,7 @@ pub use self::{
         ScaleOscillateDesc, ScaleTrackDesc, ShownKeyDesc, ShownTrackDesc, TrackDesc, Tracks,
     },
 };
+pub(crate) use self::{motion::place, track::tracks};
 use super::diagnostic::Span;
 pub use super::table::{
     located::{At, Entry, Written},

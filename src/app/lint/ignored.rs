@@ -3,43 +3,10 @@
 use std::collections::HashSet;
 
 use crate::scene::{
-    desc::{InstanceMaterialDesc, MaterialDesc, Method, ReflectionDesc},
+    desc::{InstanceMaterialDesc, Method, NEEDING, Needing, ReflectionDesc},
     diagnostic::{Diagnostic, Span},
     stages::Scene,
 };
-
-/// Name of a material key, and whether a material's table sets it.
-type Key = (&'static str, fn(&MaterialDesc) -> bool);
-
-/// [`Key`] of this name.
-macro_rules! key {
-    ($key:ident) => {
-        (
-            stringify!($key),
-            (|material| material.$key.is_some()) as fn(&MaterialDesc) -> bool,
-        )
-    };
-}
-
-/// Material keys, each with keys that have no effect without it. Motion of a key requires it in the table as well.
-const NEEDED: &[(Key, &[Key])] = &[
-    (
-        key!(transmission),
-        &[
-            key!(thickness_m),
-            key!(attenuation_color),
-            key!(attenuation_distance_m),
-            key!(dispersion),
-        ],
-    ),
-    (key!(clearcoat), &[key!(clearcoat_roughness)]),
-    (key!(sheen_color), &[key!(sheen_roughness)]),
-    (
-        key!(iridescence),
-        &[key!(iridescence_ior), key!(iridescence_thickness_nm)],
-    ),
-    (key!(anisotropy), &[key!(anisotropy_rotation_deg)]),
-];
 
 /// Warnings about keys in the scene's text that have no effect; `start` is a span in that text.
 pub fn lint(scene: &Scene, start: &Span) -> Vec<Diagnostic> {
@@ -94,12 +61,11 @@ fn materials(scene: &Scene) -> Vec<Diagnostic> {
         .collect();
     let mut found = Vec::new();
     for entry in scene.materials.iter().filter(|m| used.contains(&m.name)) {
-        for ((needed, has), keys) in NEEDED {
-            let said = keys.iter().filter(|(_, says)| says(&entry.value));
-            let names: Vec<_> = said.map(|(name, _)| *name).collect();
-            if has(&entry.value) || names.is_empty() {
-                continue;
-            }
+        let is_alone = |key: &&Needing| (key.is_alone)(&entry.value);
+        let mut alone: Vec<_> = NEEDING.iter().filter(is_alone).collect();
+        while let Some(&&Needing { needs: needed, .. }) = alone.first() {
+            let names = alone.extract_if(.., |key| key.needs == needed);
+            let names: Vec<_> = names.map(|key| key.key).collect();
             let message = format!(
                 "material \"{}\" has no `{needed}`, so {}",
                 entry.name,

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{Tracks, hierarchy::declare_parent};
+use super::{Tracks, hierarchy::declare_parent, track::tracks};
 use crate::{
     number::Lanes,
     range::{ABOVE_0, range},
@@ -133,8 +133,10 @@ impl CameraDesc {
 declared! {
     /// `[motion.camera.NAME]`: tracks that move a camera and change its lens.
     #[derive(Clone, Debug, Default, PartialEq)]
+    #[table("[motion.camera.NAME]")]
     pub struct CameraMotionDesc {
         /// Tracks of the values of [`CAMERA`].
+        #[by(|t| Some(tracks(t, &CAMERA)))]
         pub tracks: Tracks,
     }
 }

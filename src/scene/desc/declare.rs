@@ -39,11 +39,11 @@ macro_rules! declared {
     };
     (
         $(#[doc = $doc:literal])*
-        pub struct $name:ident;
+        pub struct $name:ident $(($visible:vis $inner:ty))?;
         $($rest:tt)*
     ) => {
         $(#[doc = $doc])*
-        pub struct $name;
+        pub struct $name $(($visible $inner))?;
 
         documented!($name $($doc)*;);
         declared! { $($rest)* }

@@ -5,7 +5,7 @@ mod kind;
 use glam::Vec3;
 
 pub use self::kind::{LIGHT, LightKind};
-use super::{LightGroup, SceneDesc, Tracks, hierarchy::declare_parent};
+use super::{LightGroup, SceneDesc, Tracks, hierarchy::declare_parent, track::tracks};
 use crate::{
     range::{ANY, FROM_0, range},
     table::{Keys, Table, color::Color},
@@ -110,11 +110,13 @@ impl LightDesc {
 declared! {
     /// `[motion.light.NAME]`: tracks that change a light; only for keys that the light's `kind` has.
     #[derive(Clone, Debug, Default, PartialEq)]
+    #[table("[motion.light.NAME]", before(|t| t.one_of(false, &[&["direction"], &["target"]])))]
     pub struct LightMotionDesc {
         /// Tracks of the values of [`LIGHT`].
         ///
         /// - `inner_deg`: track of the angle from the middle of a spot's beam up to which it has full
         ///   brightness, degrees, 0 to `outer_deg`.
+        #[by(|t| Some(tracks(t, &LIGHT)))]
         pub tracks: Tracks,
     }
 }

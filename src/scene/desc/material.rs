@@ -2,13 +2,15 @@
 
 #[macro_use]
 mod entry;
+mod read;
 
 use glam::Vec3;
 
-use super::{At, CheckerDesc, LightGroup, PatternKind, Tracks};
+use super::{At, CheckerDesc, LightGroup, PatternKind, Tracks, track::tracks};
 use crate::{
     number::{Field, Form, Lanes, find},
-    range::{ABOVE_0, ANY, DISPERSION, FROM_0, INDEX, Range, UNIT, range},
+    range::{ABOVE_0, ANY, DISPERSION, FROM_0, INDEX, UNIT, range},
+    table::{Table, color::Color},
 };
 
 declared! {
@@ -43,7 +45,7 @@ material! {
         base_color: Vec3, Color in UNIT, "linear base color" varies BaseColor, apart rest Vec3::ONE;
         /// Image file (PNG, JPEG, WebP or KTX2) multiplied into the base color. Its colors are sRGB; its alpha is used
         /// by `alpha` and `alpha_cutoff`.
-        base_color_texture: At<String> as Text in ANY;
+        base_color_texture: At<String> [ANY];
         /// Procedural checker in place of a base color texture.
         checker: CheckerDesc;
         /// Metalness, 0 to 1: 0 is a dielectric such as plastic or stone, 1 a metal. Default 0.
@@ -51,9 +53,9 @@ material! {
         /// Perceptual roughness, 0 to 1: 0 is polished, 1 matte. Default 1.
         roughness: f32, Number in UNIT, "perceptual roughness" varies Roughness => rest 1.0;
         /// Image file with roughness in green and metalness in blue, multiplied with `roughness` and `metallic`.
-        metallic_roughness_texture: At<String> as Text in ANY;
+        metallic_roughness_texture: At<String> [ANY];
         /// Image file with a tangent-space normal map (glTF convention, green is up).
-        normal_texture: At<String> as Text in ANY;
+        normal_texture: At<String> [ANY];
         /// Strength of the normal map, 0 to 4: 0 is flat, 1 as made, more is rougher relief. Default 1.
         normal_scale: f32, Number in range(0.0, 4.0), "strength of the normal map" => rest 1.0;
         /// Strength of the occlusion map of a glTF material, 0 to 1: how much it darkens the environment's light.
@@ -64,18 +66,18 @@ material! {
         /// Factor on `emission`, 0 or more. 1 shows as white at exposure 0. Default 1.
         emission_strength: f32, Number in FROM_0, "factor on `emission`", apart rest 1.0;
         /// Image file multiplied into the emission (sRGB).
-        emission_texture: At<String> as Text in ANY;
+        emission_texture: At<String> [ANY];
         /// Whether the surface's emission lights other surfaces, with shadows; else only reflections show it. For
         /// glowing walls or neon tubes. A scene has at most 1,048,576 such triangles, which are sampled; small or few
         /// ones need fewer `samples`. Default false.
-        light: bool as Switch in ANY;
+        light: bool [ANY];
         /// Light group of the emission, and of all of an `unlit` surface, 1 to 31 letters, digits, `-` and `_`. Default
         /// "other".
-        light_group: LightGroup as Group in ANY;
+        light_group: LightGroup [ANY];
         /// Whether the surface shows its base color and emission without lighting, as screens and signs do
         /// (`KHR_materials_unlit`). The camera also sees it without exposure and tone map. It reflects nothing.
         /// Default false, or the glTF value.
-        unlit: bool as Switch in ANY;
+        unlit: bool [ANY];
         /// Texture repetitions per unit of the texture coordinates, two numbers: more is smaller. Default [1, 1].
         uv_scale: [f32; 2], Pair in ANY, "texture repetitions, two numbers" => rest [1.0, 1.0];
         /// Alpha below which the surface is cut out, 0 to 1. Default: not cut out, or the glTF value.
@@ -85,9 +87,9 @@ material! {
         /// `alpha_cutoff`, the product is compared with that instead. Default 1, opaque, or the glTF value.
         alpha: f32, Number in UNIT, "share of light that the surface stops" varies Alpha, apart off "1";
         /// Whether the back of a triangle is seen. Default true for shapes; glTF's own for models.
-        double_sided: bool as Switch in ANY;
+        double_sided: bool [ANY];
         /// How the surface takes part in reflections. Default `"auto"`.
-        reflection: ReflectionMode as Mode in ANY;
+        reflection: ReflectionMode [ANY];
         /// Specular reflectance at normal incidence of the non-metallic part, 0 to 1: 0 has no specular reflection at
         /// all, 0.04 is glass or stone, 1 a perfect mirror. Default 0.04.
         reflectivity: f32, Number in UNIT, "specular reflectance at normal incidence" varies Reflectivity => rest 0.04;
@@ -100,18 +102,18 @@ material! {
         /// Thickness of a surface that light passes, meters, 0 or more: 0 is a thin sheet, through which light goes
         /// straight on; any other value makes the closed mesh a solid that refracts and absorbs along the way through
         /// it. Default 0, or the glTF value.
-        thickness_m: f32 as Number in FROM_0;
+        thickness_m under transmission: f32 [FROM_0];
         /// Color that white light has after `attenuation_distance_m` inside a solid, three numbers 0 to 1. Default
         /// white.
-        attenuation_color: Vec3, Color in UNIT, "color that white light gets inside a solid" => rest Vec3::ONE;
+        attenuation_color under transmission: Vec3, Color in UNIT, "color that white light gets inside a solid" => rest Vec3::ONE;
         /// Distance inside a solid after which white light has the `attenuation_color`, meters, above 0. Less absorbs
         /// more. Default: nothing is absorbed.
-        attenuation_distance_m: f32, Number in ABOVE_0, "distance after which white light has that color, meters" => such_as "1";
+        attenuation_distance_m under transmission: f32, Number in ABOVE_0, "distance after which white light has that color, meters" => such_as "1";
         /// Strength of a clear coat (varnish) over the material, 0 to 1, of index of refraction 1.5. Default 0, or the
         /// glTF value.
         clearcoat: f32, Number in UNIT, "strength of the clear coat" varies Clearcoat => off "0";
         /// Perceptual roughness of the clear coat, 0 to 1. Default 0.
-        clearcoat_roughness: f32, Number in UNIT, "perceptual roughness of the clear coat" varies ClearcoatRoughness => rest 0.0;
+        clearcoat_roughness under clearcoat: f32, Number in UNIT, "perceptual roughness of the clear coat" varies ClearcoatRoughness => rest 0.0;
         /// Strength of the specular reflection of the non-metallic part, 0 to 1: a factor on `reflectivity` and on the
         /// reflectance at grazing angles (`KHR_materials_specular`). Default 1, or the glTF value.
         specular: f32, Number in UNIT, "strength of the non-metallic specular reflection" varies Specular => off "1";
@@ -123,60 +125,37 @@ material! {
         sheen_color: Vec3, Color in UNIT, "color of the sheen" varies SheenColor => off "[0, 0, 0]";
         /// Perceptual roughness of the sheen, 0 to 1: 0.1 is a thin rim as of satin, 1 an even glow as of felt; less
         /// than 0.07 counts as 0.07. Default 0, or the glTF value.
-        sheen_roughness: f32, Number in UNIT, "perceptual roughness of the sheen" varies SheenRoughness => rest 0.0;
+        sheen_roughness under sheen_color: f32, Number in UNIT, "perceptual roughness of the sheen" varies SheenRoughness => rest 0.0;
         /// Strength of a thin film over the material, whose interference colors change with the angle as on soap
         /// bubbles and oil, 0 to 1 (`KHR_materials_iridescence`). Default 0, none, or the glTF value.
         iridescence: f32, Number in UNIT, "strength of the thin film" varies Iridescence => off "0";
         /// Index of refraction of the thin film, 1 to 4: 1.33 is water. Default 1.3, or the glTF value.
-        iridescence_ior: f32, Number in INDEX, "thin film's index of refraction" => rest 1.3;
+        iridescence_ior under iridescence: f32, Number in INDEX, "thin film's index of refraction" => rest 1.3;
         /// Thickness of the thin film, nanometers, 0 or more: colors are strongest from 200 to 600. Default 400, or
         /// the largest of the glTF values.
-        iridescence_thickness_nm: f32, Number in FROM_0, "thin film's thickness, nanometers" varies IridescenceThickness => rest 400.0;
+        iridescence_thickness_nm under iridescence: f32, Number in FROM_0, "thin film's thickness, nanometers" varies IridescenceThickness => rest 400.0;
         /// Strength of the stretching of highlights and reflections along the grooves of brushed metal, 0 to 1: across
         /// the grooves they have the `roughness`, along them more, at 1 a roughness of 1 (`KHR_materials_anisotropy`).
         /// Default 0, or the glTF value.
         anisotropy: f32, Number in UNIT, "stretching of highlights along the grooves" varies Anisotropy => off "0";
         /// Direction in which highlights are stretched, degrees counterclockwise from the right of an upright texture,
         /// along which u grows. Default 0, or the glTF value.
-        anisotropy_rotation_deg: f32, Number in ANY, "direction of the grooves, degrees" => rest 0.0;
+        anisotropy_rotation_deg under anisotropy: f32, Number in ANY, "direction of the grooves, degrees" => rest 0.0;
         /// Dispersion of a solid, which bends blue light more than red, as 20 over the Abbe number, 0 to 40: 0.3 is
         /// crown glass, 0.36 diamond, 0.66 flint glass (`KHR_materials_dispersion`). Seen with 8 `samples` and more.
         /// Default 0, or the glTF value.
-        dispersion: f32, Number in DISPERSION, "dispersion" => off "0";
+        dispersion under transmission: f32, Number in DISPERSION, "dispersion" => off "0";
     }
 }
 
-/// Key of a material, as its reader finds it.
-pub struct MaterialKey {
-    /// Its name.
+/// A key of a material that has no effect without another.
+pub struct Needing {
+    /// The key.
     pub key: &'static str,
-    /// Range of its numbers.
-    pub range: Range,
-    /// Kind of its value, and its place in a material.
-    pub slot: MaterialSlot,
-}
-
-/// Kind of a key of a material, and the place of its value.
-pub enum MaterialSlot {
-    /// A number or color that may change.
-    Field {
-        /// Number of its components.
-        form: Form,
-        /// Pattern that it may follow.
-        varies: Option<PatternedKey>,
-        /// Sets it.
-        put: fn(&mut MaterialDesc, Vec3),
-    },
-    /// Name of a file.
-    Text(fn(&mut MaterialDesc) -> &mut Option<At<String>>),
-    /// True or false.
-    Switch(fn(&mut MaterialDesc) -> &mut Option<bool>),
-    /// A number that does not change.
-    Number(fn(&mut MaterialDesc) -> &mut Option<f32>),
-    /// A light group.
-    Group(fn(&mut MaterialDesc) -> &mut Option<LightGroup>),
-    /// A part in reflections.
-    Mode(fn(&mut MaterialDesc) -> &mut Option<ReflectionMode>),
+    /// The other key.
+    pub needs: &'static str,
+    /// Whether a material has the key without the other.
+    pub is_alone: fn(&MaterialDesc) -> bool,
 }
 
 /// Reflectance at normal incidence of a dielectric with this index of refraction.
@@ -217,10 +196,20 @@ declared! {
     /// `[motion.material.NAME]`: tracks that change numbers of a `[material.NAME]`, wherever it is used. Values of a
     /// track outside of a number's range are clamped to it.
     #[derive(Clone, Debug, Default, PartialEq)]
+    #[table("[motion.material.NAME]")]
     pub struct MaterialMotionDesc {
         /// Tracks of the values of [`MATERIAL`].
+        #[by(material_tracks)]
         pub tracks: Tracks,
     }
+}
+
+fn material_tracks(t: &mut Table) -> Option<Tracks> {
+    let tracks = tracks(t, &MATERIAL);
+    for field in &MATERIAL {
+        t.explain(field.key, || field.track_text());
+    }
+    Some(tracks)
 }
 
 /// Track of a value of a material.

@@ -1,7 +1,15 @@
 //! Changes over time in scene text: the frames of a film, motion, and the parameters of the script.
 
-use super::{At, CameraMotionDesc, Entry, LightMotionDesc, MaterialMotionDesc, TrackDesc, Tracks};
-use crate::range::{Range, range};
+use glam::Vec3;
+
+use super::{
+    At, CameraMotionDesc, Entry, LightMotionDesc, MaterialMotionDesc, TrackDesc, Tracks,
+    track::{shown, track},
+};
+use crate::{
+    range::{ANY, Range, range},
+    table::{Section, Table, value::Scale},
+};
 
 /// Range of frame numbers.
 const FRAMES: Range = range(0.0, 1e6);
@@ -35,21 +43,29 @@ declared! {
     /// `[motion]`: tracks that change the scene over time, by the names of things; a thing without motion keeps the
     /// values of its own table.
     #[derive(Clone, Debug, Default, PartialEq)]
+    #[table("[motion]")]
     pub struct MotionDesc {
         /// `camera.NAME`: path and lens of a camera.
+        #[by(|t| Some(t.entries("camera")))]
         pub cameras: Vec<Entry<CameraMotionDesc>>,
         /// `instance.NAME`: motion of an instance, by its `name`; it is dynamic then. Also changes numbers of its
         /// own `material`.
+        #[by(|t| Some(t.entries("instance")))]
         pub instances: Vec<Entry<InstanceMotionDesc>>,
         /// `group.NAME`: motion of a group, and with it of everything attached to it.
+        #[by(groups)]
         pub groups: Vec<Entry<InstanceMotionDesc>>,
         /// `decal.NAME`: motion of a decal's box, and its changing opacity.
+        #[by(|t| Some(t.entries("decal")))]
         pub decals: Vec<Entry<DecalMotionDesc>>,
         /// `light.NAME`: motion and changing brightness of a light.
+        #[by(|t| Some(t.entries("light")))]
         pub lights: Vec<Entry<LightMotionDesc>>,
         /// `material.NAME`: changing numbers of a `[material.NAME]`.
+        #[by(|t| Some(t.entries("material")))]
         pub materials: Vec<Entry<MaterialMotionDesc>>,
         /// `model.NAME`: changing numbers of the materials inside a model's file.
+        #[by(|t| Some(t.entries("model")))]
         pub models: Vec<Entry<ModelMotionDesc>>,
     }
 }
@@ -130,13 +146,55 @@ declared! {
     ///   not pass through 0, except by a `"step"`.
     /// - `shown`: track that shows or hides everything attached to the group. While hidden it is not seen, not
     ///   reflected and blocks no light; lights attached to it are dark. Default: always shown.
-    pub struct GroupMotionDesc;
+    pub struct GroupMotionDesc(InstanceMotionDesc);
 
     /// `[motion.model.NAME]`: changing materials of a model with a `file`.
     #[derive(Clone, Debug, Default, PartialEq)]
+    #[table("[motion.model.NAME]")]
     pub struct ModelMotionDesc {
         /// `material.NAME`: tracks of numbers of the file's material of that name, or of all of them as `"*"`, over
         /// the values of `[model.M.material.NAME]`; an instance's own `material` wins.
+        #[by(|t| Some(t.entries("material")))]
         pub materials: Vec<Entry<MaterialMotionDesc>>,
     }
+}
+
+/// Tracks of a place, without a material.
+pub(crate) fn place(t: &mut Table) -> Option<InstanceMotionDesc> {
+    Some(InstanceMotionDesc {
+        translation: track::<Vec3>(t, "translation", ANY),
+        rotation_deg: track::<Vec3>(t, "rotation_deg", ANY),
+        scale: track::<Scale>(t, "scale", ANY),
+        shown: shown(t),
+        material: None,
+    })
+}
+
+impl Section for InstanceMotionDesc {
+    const HEADING: &'static str = "[motion.instance.NAME]";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        let place = place(t)?;
+        Some(Self {
+            material: t.table("material"),
+            ..place
+        })
+    }
+}
+
+impl Section for GroupMotionDesc {
+    const HEADING: &'static str = "[motion.group.NAME]";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        place(t).map(Self)
+    }
+}
+
+fn groups(t: &mut Table) -> Option<Vec<Entry<InstanceMotionDesc>>> {
+    let motion = |group: Entry<GroupMotionDesc>| Entry {
+        name: group.name,
+        at: group.at,
+        value: group.value.0,
+    };
+    Some(t.entries("group").into_iter().map(motion).collect())
 }

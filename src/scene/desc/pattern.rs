@@ -2,16 +2,24 @@
 
 use glam::Vec3;
 
+use crate::{
+    range::{ABOVE_0, ANY, UNIT},
+    table::{Keys, Section, Table, color::Color},
+};
+
 declared! {
     /// `checker = { colors = [[…], […]], size_m = 0.5 }`: a checkerboard of two colors, aligned with the object's
     /// axes.
     #[derive(Clone, Copy, Debug, PartialEq)]
+    #[table("checker = { … }")]
     pub struct CheckerDesc {
         /// Linear colors of the two kinds of cells, each three numbers 0 to 1.
+        #[by(|t| t.need("colors", UNIT).map(|colors: [Color; 2]| colors.map(|Color(c)| c)))]
         pub colors: [Vec3; 2],
         /// Edge length of one cell, meters in object space, above 0.
-        pub size_m: f32,
+        pub size_m: f32 [ABOVE_0],
         /// Kind of the pattern.
+        #[by(|_| Some(PatternKind::Checker))]
         pub kind: PatternKind,
     }
 
@@ -44,7 +52,7 @@ declared! {
     /// - `kind`: kind of the pattern. Default `"checker"`.
     /// - `colors`: linear colors of the two parts of the pattern, each three numbers 0 to 1.
     /// - `size_m`: size of one cell, brick or cloud, meters in object space, above 0.
-    pub struct PatternDesc;
+    pub struct PatternDesc(pub(super) CheckerDesc);
 
     /// `roughness = { pattern = "noise", from = 0.1, to = 0.6, size_m = 0.2 }`: a number of a material that varies over
     /// the surface, in object space, between two values. Textures multiply it. Detail finer than a pixel shows its
@@ -70,4 +78,15 @@ declared! {
     ///   rotation. Default [1, 0, 0].
     /// - `offset_m`: place of the pattern's origin, meters in object space, three numbers. Default [0, 0, 0].
     pub struct ColorPatternDesc;
+}
+
+/// A checker with a `kind`.
+impl Section for PatternDesc {
+    const HEADING: &'static str = "pattern = { … }";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        let kind = t.get("kind", ANY, PatternKind::default());
+        let checker = CheckerDesc::read_keys(t)?;
+        Some(Self(CheckerDesc { kind, ..checker }))
+    }
 }

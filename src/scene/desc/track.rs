@@ -1,7 +1,11 @@
 //! Tracks of scene text: values that change with time.
 
+mod read;
+
 use glam::Vec3;
 
+pub(crate) use self::read::tracks;
+pub(super) use self::read::{shown, track};
 use super::At;
 use crate::{diagnostic::Span, range::ABOVE_0, suggest, syntax::Node, table::Table};
 
@@ -84,13 +88,13 @@ declared! {
     ///   holds before its time.
     /// - `loop_s`: length of a loop, from the first key back to it, seconds, above 0 and after the last key. The
     ///   loop runs for ever, before the first key too. Default: no loop.
-    pub struct ShownTrackDesc;
+    pub struct ShownTrackDesc(TrackDesc);
 
     /// `keys = [{ at_s = 0, value = true }, …]`, in the order of time.
     ///
     /// - `at_s`: time of the key, seconds; later than the key before.
     /// - `value`: whether the instance, group or decal is shown from this time on.
-    pub struct ShownKeyDesc;
+    pub struct ShownKeyDesc(KeyDesc);
 
     /// `keys = [{ at_s = 0, value = [0, 1, 5] }, …]`, in the order of time.
     #[derive(Clone, Debug, PartialEq)]

@@ -4,10 +4,11 @@ use glam::{Affine3A, EulerRot, Vec3};
 
 use super::transform;
 use crate::{
-    desc::{DecalDesc, DecalMotionDesc, Entry, PlacementDesc, SceneDesc, turned},
+    desc::{DecalDesc, DecalMotionDesc, Entry, PlacementDesc, SceneDesc, place, tracks, turned},
     diagnostic::Span,
     number::{Field, Form, plain},
     range::{ABOVE_0, ANY, UNIT},
+    table::{Section, Table},
 };
 
 /// A decal in a frame.
@@ -72,6 +73,20 @@ pub static DECAL: [Field<DecalPose>; 4] = [
     plain!(size, "", Color, ABOVE_0),
     plain!(opacity, "factor on its coverage", Number, UNIT),
 ];
+
+impl Section for DecalMotionDesc {
+    const HEADING: &'static str = "[motion.decal.NAME]";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        let place = place(t)?;
+        let tracks = tracks(t, &DECAL[DECAL_PLACES..]).into_iter();
+        let tracks = tracks.map(|(field, track)| (field + DECAL_PLACES, track));
+        Some(Self {
+            place,
+            tracks: tracks.collect(),
+        })
+    }
+}
 
 impl DecalMotionDesc {
     /// Whether its box changes: not only its opacity, or whether it is shown.

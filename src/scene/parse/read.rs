@@ -2,11 +2,8 @@
 //! key are written here and nowhere else; the manual and the JSON Schema come from running the same readers.
 
 mod environment;
-mod material;
-mod motion;
 pub mod project;
 pub mod timeline;
-mod track;
 
 use crate::declared::{Described, TypeDoc};
 use crate::range::ANY;

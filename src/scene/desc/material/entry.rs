@@ -2,21 +2,22 @@
 
 /// Declares the keys of a material in the order of the manual, each with its comment and its type.
 ///
-/// - `as SLOT in RANGE`: a key that the reader finds as a value of this [`MaterialSlot`].
+/// - `KEY under OTHER`: the key has no effect without the other.
+/// - `[RANGE]`: a key that is read as a value of its type.
 /// - `FORM in RANGE, "…"`: a number or color that tracks and scripts may change, and a name of its quantity for the text of
 ///   its track. It may also follow a pattern, `varies NAME`. Then its value where a material leaves it out: `rest VALUE`; or
 ///   for a number without which a material lacks something that costs time, `off "VALUE"`, a value in scene text that
 ///   changes nothing, or `such_as "VALUE"`. After `=>` a loaded material has it in its [`MaterialNumbers`], after `apart`
 ///   it has it in another form.
-/// - Neither: a key that the reader of materials reads by itself.
+/// - Neither range: a key that the reader of materials reads by itself.
 macro_rules! material {
     (
         $(#[doc = $doc:literal])*
         pub struct MaterialDesc {
             $(
                 $(#[doc = $text:literal])*
-                $key:ident: $type:ty
-                $(as $slot:ident in $slot_range:expr)?
+                $key:ident $(under $needed:ident)?: $type:ty
+                $([$plain_range:expr])?
                 $(,
                     $form:ident in $range:expr, $what:literal $(varies $varies:ident)?
                     $(=> $at_rest:ident $value:expr)?
@@ -73,23 +74,13 @@ macro_rules! material {
             OF_CHECKER,
         ];
 
-        /// Keys of a material, for its reader.
-        pub static MATERIAL_KEYS: &[MaterialKey] = &[$(
-            $(MaterialKey {
-                key: stringify!($key),
-                range: $slot_range,
-                slot: MaterialSlot::$slot(|it| &mut it.$key),
-            },)?
-            $(MaterialKey {
-                key: stringify!($key),
-                range: $range,
-                slot: MaterialSlot::Field {
-                    form: Form::$form,
-                    varies: at_rest!(varies $($varies)?),
-                    put: |it, value| it.$key = Some(Lanes::from_lanes(value)),
-                },
-            },)?
-        )*];
+        /// Keys that have no effect without others, in the order of the manual. Motion of a key requires it in the
+        /// table as well.
+        pub static NEEDING: &[Needing] = &[$($(Needing {
+            key: stringify!($key),
+            needs: stringify!($needed),
+            is_alone: |it| it.$key.is_some() && it.$needed.is_none(),
+        },)?)*];
 
         /// A number or color of a material that may follow a pattern.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -143,6 +134,14 @@ macro_rules! material {
         }
 
         impl MaterialDesc {
+            /// Reads the keys that have a range; a pattern in place of a number or color is added to `patterned`.
+            fn read_keys(&mut self, t: &mut Table, patterned: &mut Vec<PatternedDesc>) {
+                $(
+                    $(self.$key = t.find(stringify!($key), $plain_range);)?
+                    $(self.$key = at_rest!(read t patterned $key $form $range $(, $varies)?);)?
+                )*
+            }
+
             /// Values of `over`, and of `self` where `over` has none.
             pub fn overlaid(&self, over: &Self) -> Self {
                 let kept = |pattern: &&PatternedDesc| !over.has(pattern.value.key());
@@ -169,8 +168,18 @@ macro_rules! at_rest {
     (off off $value:expr) => { $value };
     (off $kind:ident $value:expr) => { "" };
     (it $kind:ident $it:expr) => { $it };
-    (varies) => { None };
-    (varies $key:ident) => { Some(PatternedKey::$key) };
+    (read $t:ident $patterned:ident $key:ident Color $range:expr) => {
+        $t.find(stringify!($key), $range).map(|Color(color)| color)
+    };
+    (read $t:ident $patterned:ident $key:ident Color $range:expr, $varies:ident) => {
+        read::color($t, PatternedKey::$varies, $range, $patterned)
+    };
+    (read $t:ident $patterned:ident $key:ident $form:ident $range:expr) => {
+        $t.find(stringify!($key), $range)
+    };
+    (read $t:ident $patterned:ident $key:ident $form:ident $range:expr, $varies:ident) => {
+        read::number($t, PatternedKey::$varies, $range, $patterned)
+    };
 }
 
 /// Row of [`MATERIAL`] for a value of the material's checker or pattern.

@@ -1,13 +1,15 @@
 //! Readers of tracks, their keys and helpers.
 
+use std::marker::PhantomData;
+
 use glam::Vec3;
 
+use super::*;
 use crate::declared::{Described, TypeDoc};
 use crate::range::{ABOVE_0, ANY, Range};
 use crate::syntax::{Content, Node};
 use crate::table::{Section, Table, value::Scale, value::Value};
 use crate::{
-    desc::*,
     diagnostic::{Diagnostic, Span},
     number::{Field, Form, Lanes},
 };
@@ -34,55 +36,39 @@ pub fn tracks<T>(t: &mut Table, fields: &[Field<T>]) -> Tracks {
 
 /// Type of the values of a track: one number, two or three.
 pub trait Lane: Value + Lanes {
-    const TRACK: &'static TypeDoc;
-    const TRACK_HEADING: &'static str;
-    const KEY: &'static TypeDoc;
-    const KEY_HEADING: &'static str;
-    const SWING: &'static TypeDoc;
-    const SWING_HEADING: &'static str;
     /// Whether the value may be a position.
     const IS_VECTOR: bool;
+    /// Comments and headings of the tables of a track, of a key and of `oscillate`.
+    const TABLES: [(&'static TypeDoc, &'static str); 3];
 }
 
-impl Lane for Vec3 {
-    const TRACK: &'static TypeDoc = TrackDesc::DOC;
-    const TRACK_HEADING: &'static str = "eye = { … }";
-    const KEY: &'static TypeDoc = KeyDesc::DOC;
-    const KEY_HEADING: &'static str = "keys = [{ at_s = …, value = […] }, …]";
-    const SWING: &'static TypeDoc = OscillateDesc::DOC;
-    const SWING_HEADING: &'static str = "oscillate = { amplitude = […], … }";
-    const IS_VECTOR: bool = true;
+/// Implements [`Lane`]: whether the value may be a position; then for its tracks, their keys and their swings the type
+/// with the comments, and how the table is written.
+macro_rules! lane {
+    ($type:ty, $vector:literal, $($doc:ident $heading:literal),*) => {
+        impl Lane for $type {
+            const IS_VECTOR: bool = $vector;
+            const TABLES: [(&'static TypeDoc, &'static str); 3] = [$(($doc::DOC, $heading)),*];
+        }
+    };
 }
 
-impl Lane for [f32; 2] {
-    const TRACK: &'static TypeDoc = PairTrackDesc::DOC;
-    const TRACK_HEADING: &'static str = "uv_scale = { … }";
-    const KEY: &'static TypeDoc = PairKeyDesc::DOC;
-    const KEY_HEADING: &'static str = "keys = [{ at_s = …, value = […, …] }, …]";
-    const SWING: &'static TypeDoc = PairOscillateDesc::DOC;
-    const SWING_HEADING: &'static str = "oscillate = { amplitude = […, …], … }";
-    const IS_VECTOR: bool = false;
-}
-
-impl Lane for f32 {
-    const TRACK: &'static TypeDoc = NumberTrackDesc::DOC;
-    const TRACK_HEADING: &'static str = "roughness = { … }";
-    const KEY: &'static TypeDoc = NumberKeyDesc::DOC;
-    const KEY_HEADING: &'static str = "keys = [{ at_s = …, value = … }, …]";
-    const SWING: &'static TypeDoc = NumberOscillateDesc::DOC;
-    const SWING_HEADING: &'static str = "oscillate = { amplitude = …, … }";
-    const IS_VECTOR: bool = false;
-}
-
-impl Lane for Scale {
-    const TRACK: &'static TypeDoc = ScaleTrackDesc::DOC;
-    const TRACK_HEADING: &'static str = "scale = { … }";
-    const KEY: &'static TypeDoc = ScaleKeyDesc::DOC;
-    const KEY_HEADING: &'static str = "keys = [{ at_s = …, value = … or […] }, …]";
-    const SWING: &'static TypeDoc = ScaleOscillateDesc::DOC;
-    const SWING_HEADING: &'static str = "oscillate = { amplitude = … or […], … }";
-    const IS_VECTOR: bool = false;
-}
+lane!(Vec3, true,
+    TrackDesc "eye = { … }",
+    KeyDesc "keys = [{ at_s = …, value = […] }, …]",
+    OscillateDesc "oscillate = { amplitude = […], … }");
+lane!([f32; 2], false,
+    PairTrackDesc "uv_scale = { … }",
+    PairKeyDesc "keys = [{ at_s = …, value = […, …] }, …]",
+    PairOscillateDesc "oscillate = { amplitude = […, …], … }");
+lane!(f32, false,
+    NumberTrackDesc "roughness = { … }",
+    NumberKeyDesc "keys = [{ at_s = …, value = … }, …]",
+    NumberOscillateDesc "oscillate = { amplitude = …, … }");
+lane!(Scale, false,
+    ScaleTrackDesc "scale = { … }",
+    ScaleKeyDesc "keys = [{ at_s = …, value = … or […] }, …]",
+    ScaleOscillateDesc "oscillate = { amplitude = … or […], … }");
 
 impl Lanes for Scale {
     fn lanes(self) -> Vec3 {
@@ -93,18 +79,12 @@ impl Lanes for Scale {
     }
 }
 
-/// A track whose values are of type `L`.
-struct TrackOf<L>(TrackDesc, std::marker::PhantomData<L>);
-
-/// A key whose value is of type `L`.
-struct KeyOf<L>(KeyDesc, std::marker::PhantomData<L>);
-
-/// An `oscillate` whose amplitude is of type `L`.
-struct Oscillation<L>(OscillateDesc, std::marker::PhantomData<L>);
+/// A track, a key of one or its `oscillate`, whose values are of type `L`.
+struct Of<T, L>(T, PhantomData<L>);
 
 /// The track under `key`; the values of its keys must lie in `range`.
 pub fn track<L: Lane>(t: &mut Table, key: &'static str, range: Range) -> Option<TrackDesc> {
-    let TrackOf(track, _) = t.table::<TrackOf<L>>(key)?;
+    let Of(track, _) = t.table::<Of<TrackDesc, L>>(key)?;
     for point in &track.keys {
         let lanes = point.value.to_array();
         let wrong = lanes.into_iter().find(|x| !range.contains(f64::from(*x)));
@@ -117,29 +97,20 @@ pub fn track<L: Lane>(t: &mut Table, key: &'static str, range: Range) -> Option<
     Some(track)
 }
 
-/// A track of `shown`: 1 while the object is shown, 0 while it is hidden.
-struct ShownTrack(TrackDesc);
-
-struct ShownKey(KeyDesc);
-
 /// The track of `shown`.
 pub fn shown(t: &mut Table) -> Option<TrackDesc> {
-    let ShownTrack(track) = t.table("shown")?;
+    let ShownTrackDesc(track) = t.table("shown")?;
     Some(track)
 }
 
-impl Described for ShownTrack {
-    const DOC: &'static TypeDoc = ShownTrackDesc::DOC;
-}
-
-impl Section for ShownTrack {
+impl Section for ShownTrackDesc {
     const HEADING: &'static str = "shown = { … }";
 
     fn read(t: &mut Table) -> Option<Self> {
         t.one_of(true, &[&["keys"]]);
-        let points: Vec<ShownKey> = t.list("keys");
+        let points: Vec<ShownKeyDesc> = t.list("keys");
         let track = TrackDesc {
-            keys: points.into_iter().map(|ShownKey(key)| key).collect(),
+            keys: points.into_iter().map(|ShownKeyDesc(key)| key).collect(),
             curve: CurveKind::Step,
             loop_s: t.find("loop_s", ABOVE_0),
             ..TrackDesc::default()
@@ -162,11 +133,7 @@ impl Section for ShownTrack {
     }
 }
 
-impl Described for ShownKey {
-    const DOC: &'static TypeDoc = ShownKeyDesc::DOC;
-}
-
-impl Section for ShownKey {
+impl Section for ShownKeyDesc {
     const HEADING: &'static str = "keys = [{ at_s = …, value = true or false }, …]";
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -184,13 +151,13 @@ impl Section for ShownKey {
     }
 }
 
-impl<L: Lane> Described for TrackOf<L> {
-    const DOC: &'static TypeDoc = L::TRACK;
+impl<L: Lane> Described for Of<TrackDesc, L> {
+    const DOC: &'static TypeDoc = L::TABLES[0].0;
 }
 
-impl<L: Lane> Section for TrackOf<L> {
+impl<L: Lane> Section for Of<TrackDesc, L> {
     const ALSO: &'static [&'static TypeDoc] = &[TrackDesc::DOC];
-    const HEADING: &'static str = L::TRACK_HEADING;
+    const HEADING: &'static str = L::TABLES[0].1;
 
     fn read(t: &mut Table) -> Option<Self> {
         if L::IS_VECTOR {
@@ -199,8 +166,8 @@ impl<L: Lane> Section for TrackOf<L> {
         } else {
             t.one_of(true, &[&["keys", "rate", "oscillate"]]);
         }
-        let points: Vec<KeyOf<L>> = t.list("keys");
-        let keys: Vec<_> = points.into_iter().map(|KeyOf(key, _)| key).collect();
+        let points: Vec<Of<KeyDesc, L>> = t.list("keys");
+        let keys: Vec<_> = points.into_iter().map(|Of(key, _)| key).collect();
         let track = TrackDesc {
             curve: t.get("curve", ANY, CurveKind::default()),
             ease: t.get("ease", ANY, Ease::default()),
@@ -214,12 +181,12 @@ impl<L: Lane> Section for TrackOf<L> {
             orbit: if L::IS_VECTOR { t.table("orbit") } else { None },
             rate: t.find::<L>("rate", ANY).map(Lanes::lanes),
             oscillate: t
-                .table::<Oscillation<L>>("oscillate")
-                .map(|Oscillation(swing, _)| swing),
+                .table::<Of<OscillateDesc, L>>("oscillate")
+                .map(|Of(swing, _)| swing),
             keys,
         };
         check_keys(t, &track);
-        Some(Self(track, std::marker::PhantomData))
+        Some(Self(track, PhantomData))
     }
 
     fn instead(key: &str, _: &Node) -> Option<String> {
@@ -279,13 +246,13 @@ fn check_keys(t: &mut Table, track: &TrackDesc) {
     }
 }
 
-impl<L: Lane> Described for KeyOf<L> {
-    const DOC: &'static TypeDoc = L::KEY;
+impl<L: Lane> Described for Of<KeyDesc, L> {
+    const DOC: &'static TypeDoc = L::TABLES[1].0;
 }
 
-impl<L: Lane> Section for KeyOf<L> {
+impl<L: Lane> Section for Of<KeyDesc, L> {
     const ALSO: &'static [&'static TypeDoc] = &[KeyDesc::DOC];
-    const HEADING: &'static str = L::KEY_HEADING;
+    const HEADING: &'static str = L::TABLES[1].1;
 
     fn read(t: &mut Table) -> Option<Self> {
         let at_s = t.need("at_s", ANY);
@@ -302,17 +269,17 @@ impl<L: Lane> Section for KeyOf<L> {
             handle_out: handle_out.map(Lanes::lanes),
             at,
         };
-        Some(Self(key, std::marker::PhantomData))
+        Some(Self(key, PhantomData))
     }
 }
 
-impl<L: Lane> Described for Oscillation<L> {
-    const DOC: &'static TypeDoc = L::SWING;
+impl<L: Lane> Described for Of<OscillateDesc, L> {
+    const DOC: &'static TypeDoc = L::TABLES[2].0;
 }
 
-impl<L: Lane> Section for Oscillation<L> {
+impl<L: Lane> Section for Of<OscillateDesc, L> {
     const ALSO: &'static [&'static TypeDoc] = &[OscillateDesc::DOC];
-    const HEADING: &'static str = L::SWING_HEADING;
+    const HEADING: &'static str = L::TABLES[2].1;
 
     fn read(t: &mut Table) -> Option<Self> {
         let amplitude: Option<L> = t.need("amplitude", ANY);
@@ -323,6 +290,6 @@ impl<L: Lane> Section for Oscillation<L> {
             period_s: period_s?,
             phase,
         };
-        Some(Self(swing, std::marker::PhantomData))
+        Some(Self(swing, PhantomData))
     }
 }

@@ -2,13 +2,13 @@
 
 use glam::Vec3;
 
-use crate::declared::{Described, TypeDoc};
+use super::{MATERIAL, MOST_PATTERNED, MaterialDesc, PatternedDesc, PatternedKey, reflectivity_of};
+use crate::desc::{At, ColorPatternDesc, NumberPatternDesc, PatternDesc, PatternKind};
 use crate::syntax::Node;
 use crate::table::{Section, Table, ValueOr, color::Color, value::Value};
 use crate::{
-    desc::*,
-    number::{Form, Lanes},
-    range::{ABOVE_0, ANY, INDEX, Range, UNIT},
+    number::{Lanes, find},
+    range::{ABOVE_0, ANY, INDEX, Range},
 };
 
 impl Section for MaterialDesc {
@@ -20,7 +20,7 @@ impl Section for MaterialDesc {
             &[&["checker"], &["pattern"], &["base_color_texture"]],
         );
         let checker = t.table("checker");
-        let pattern = t.table("pattern").map(|Pattern(pattern)| pattern);
+        let pattern = t.table("pattern").map(|PatternDesc(pattern)| pattern);
         // Already resolved in the tree; asking for it makes it a known key.
         t.find::<At<String>>("extends", ANY);
         let ior = t.find("ior", INDEX);
@@ -30,9 +30,7 @@ impl Section for MaterialDesc {
             ..Self::default()
         };
         let mut patterned = Vec::new();
-        for key in MATERIAL_KEYS {
-            read_key(t, key, &mut material, &mut patterned);
-        }
+        material.read_keys(t, &mut patterned);
         material.reflectivity = material.reflectivity.or(ior.map(reflectivity_of));
         if let Some(over) = patterned.get(MOST_PATTERNED) {
             let message = format!("a material has at most {MOST_PATTERNED} patterns");
@@ -46,58 +44,29 @@ impl Section for MaterialDesc {
     }
 }
 
-/// Reads a key into its place in a material; a pattern in place of a number or color is added to `patterned`.
-fn read_key(
-    t: &mut Table,
-    key: &MaterialKey,
-    to: &mut MaterialDesc,
-    patterned: &mut Vec<PatternedDesc>,
-) {
-    let (name, range) = (key.key, key.range);
-    match key.slot {
-        MaterialSlot::Field { form, varies, put } => {
-            let value = match (form, varies) {
-                (Form::Color, Some(value)) => color(t, value, range, patterned),
-                (Form::Color, None) => t.find(name, range).map(|Color(c)| c),
-                (Form::Pair, _) => t.find::<[f32; 2]>(name, range).map(Lanes::lanes),
-                (_, Some(value)) => number(t, value, range, patterned).map(Lanes::lanes),
-                (_, None) => t.find::<f32>(name, range).map(Lanes::lanes),
-            };
-            if let Some(value) = value {
-                put(to, value);
-            }
-        }
-        MaterialSlot::Text(slot) => *slot(to) = t.find(name, range),
-        MaterialSlot::Switch(slot) => *slot(to) = t.find(name, range),
-        MaterialSlot::Number(slot) => *slot(to) = t.find(name, range),
-        MaterialSlot::Group(slot) => *slot(to) = t.find(name, range),
-        MaterialSlot::Mode(slot) => *slot(to) = t.find(name, range),
-    }
-}
-
 /// A number, or the mean of the pattern that stands in its place, which is added to `patterned`.
-fn number(
+pub fn number(
     t: &mut Table,
     value: PatternedKey,
     range: Range,
     patterned: &mut Vec<PatternedDesc>,
 ) -> Option<f32> {
     let read = |t: &mut Table| VariedBy::read::<f32>(t, range, Lanes::lanes);
-    match t.value_or_table::<f32, NumberPattern, _>(value.key(), range, read)? {
+    match t.value_or_table::<f32, NumberPatternDesc, _>(value.key(), range, read)? {
         ValueOr::Value(number) => Some(number),
         ValueOr::Table(varied) => Some(varied.add(value, patterned).x),
     }
 }
 
 /// A color, or the mean of the pattern that stands in its place, which is added to `patterned`.
-fn color(
+pub fn color(
     t: &mut Table,
     value: PatternedKey,
     range: Range,
     patterned: &mut Vec<PatternedDesc>,
 ) -> Option<Vec3> {
     let read = |t: &mut Table| VariedBy::read(t, range, |Color(c)| c);
-    match t.value_or_table::<Color, ColorPattern, _>(value.key(), range, read)? {
+    match t.value_or_table::<Color, ColorPatternDesc, _>(value.key(), range, read)? {
         ValueOr::Value(Color(color)) => Some(color),
         ValueOr::Table(varied) => Some(varied.add(value, patterned)),
     }
@@ -137,14 +106,7 @@ impl VariedBy {
     }
 }
 
-/// Description of the table of a number's pattern.
-struct NumberPattern;
-
-impl Described for NumberPattern {
-    const DOC: &'static TypeDoc = NumberPatternDesc::DOC;
-}
-
-impl Section for NumberPattern {
+impl Section for NumberPatternDesc {
     const HEADING: &'static str = "roughness = { pattern = … }";
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -152,19 +114,12 @@ impl Section for NumberPattern {
     }
 
     fn instead(key: &str, value: &Node) -> Option<String> {
-        let range = MATERIAL_KEYS.iter().find(|known| known.key == key)?.range;
+        let range = find(&MATERIAL, key)?.range;
         pattern_instead(value, [0.2, 0.8].map(|x| range.clamp(x).to_string()))
     }
 }
 
-/// Description of the table of a color's pattern.
-struct ColorPattern;
-
-impl Described for ColorPattern {
-    const DOC: &'static TypeDoc = ColorPatternDesc::DOC;
-}
-
-impl Section for ColorPattern {
+impl Section for ColorPatternDesc {
     const HEADING: &'static str = "base_color = { pattern = … }";
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -183,35 +138,4 @@ fn pattern_instead(value: &Node, [from, to]: [String; 2]) -> Option<String> {
     Some(format!(
         "write {{ pattern = \"{name}\", from = {from}, to = {to}, size_m = 0.1 }}"
     ))
-}
-
-impl Section for CheckerDesc {
-    const HEADING: &'static str = "checker = { … }";
-
-    fn read(t: &mut Table) -> Option<Self> {
-        let colors: Option<[Color; 2]> = t.need("colors", UNIT);
-        let size_m = t.need("size_m", ABOVE_0);
-        Some(Self {
-            colors: colors?.map(|Color(c)| c),
-            size_m: size_m?,
-            kind: PatternKind::Checker,
-        })
-    }
-}
-
-/// A pattern: a checker with a `kind`.
-struct Pattern(CheckerDesc);
-
-impl Described for Pattern {
-    const DOC: &'static TypeDoc = PatternDesc::DOC;
-}
-
-impl Section for Pattern {
-    const HEADING: &'static str = "pattern = { … }";
-
-    fn read(t: &mut Table) -> Option<Self> {
-        let kind = t.get("kind", ANY, PatternKind::default());
-        let checker = CheckerDesc::read(t)?;
-        Some(Self(CheckerDesc { kind, ..checker }))
-    }
 }
