@@ -17,8 +17,6 @@ further sub-frame.
 Exit code: 0 equal, 1 different, 2 usage or a render that failed.
 """
 
-from __future__ import annotations
-
 import argparse
 import concurrent.futures
 import hashlib

@@ -11,8 +11,6 @@ are small files whose decoders would take much memory; with `--panoramas` only f
 which are not part of glTF, and with `--scenes` only scene texts with many things of a kind.
 """
 
-from __future__ import annotations
-
 import base64
 import hashlib
 import os

@@ -9,8 +9,6 @@ their causes; `--page` writes the table in docs/gltf.md and two small sheets: pi
 reference picture, each before it, and the others.
 """
 
-from __future__ import annotations
-
 import argparse
 import collections
 import concurrent.futures

@@ -4,8 +4,6 @@
 them, so that each kind stays closed.
 """
 
-from __future__ import annotations
-
 import json
 import random
 import struct

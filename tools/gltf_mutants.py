@@ -7,8 +7,6 @@ space, and rendered at 16 × 16 where that finds nothing wrong. File N of a seed
 same; files that are answered wrongly are kept in the folder that `--keep` names.
 """
 
-from __future__ import annotations
-
 import argparse
 import collections
 import concurrent.futures

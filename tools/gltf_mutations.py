@@ -1,7 +1,5 @@
 """Owns how glTF files are broken: bytes, lengths, JSON, streams, numbers, claims, graphs."""
 
-from __future__ import annotations
-
 import base64
 import dataclasses
 import json

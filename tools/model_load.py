@@ -8,8 +8,6 @@ little, and wall-clock time. f3d draws to an off-screen window, trimesh only loa
 models need are compiled before.
 """
 
-from __future__ import annotations
-
 import argparse
 import subprocess
 import sys

@@ -3,8 +3,6 @@
 .venv/bin/python tools/sheet.py OUT.png --columns 4 --width 320 "a caption=picture.png" ...
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Sequence
 from pathlib import Path

@@ -8,8 +8,6 @@ pictures of each scene, sheets of them side by side, and table.md, which lists t
 specks, the worst first.
 """
 
-from __future__ import annotations
-
 import argparse
 import dataclasses
 import re

@@ -1,7 +1,5 @@
 """Writes `scripts/walker.glb`, a walking figure with a skin and a morph target, from nothing."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import struct

@@ -1,7 +1,5 @@
 """Owns the fixtures of the USD tools' tests: seed stages, corpus, validator, `full` marker."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import sys

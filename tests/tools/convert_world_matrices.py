@@ -1,7 +1,5 @@
 """Owns the comparison of a converted node's world matrix with USD's own, at any time."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from pxr import Usd, UsdGeom

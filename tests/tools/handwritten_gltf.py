@@ -1,7 +1,5 @@
 """Owns small glTF files that the tests write by hand, through pygltflib, for the validator."""
 
-from __future__ import annotations
-
 import dataclasses
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Owns broken and hostile MaterialX documents, each beside a stage that references it."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable, Iterator
 

@@ -1,7 +1,5 @@
 """Owns the small stages and image readers that the material tests share."""
 
-from __future__ import annotations
-
 import io
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Owns broken and hostile stages, made from the small seeds with fixed random numbers."""
 
-from __future__ import annotations
-
 import dataclasses
 import io
 import random

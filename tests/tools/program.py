@@ -1,7 +1,5 @@
 """Owns where the tests find the program and the library that `cargo test` has built."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

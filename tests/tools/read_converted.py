@@ -1,7 +1,5 @@
 """Owns reading converted files in tests, through pygltflib and numpy only."""
 
-from __future__ import annotations
-
 import itertools
 import json
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Owns functions that misbehave in the sandbox's child process in place of the converter."""
 
-from __future__ import annotations
-
 import ctypes
 import os
 import socket

@@ -1,7 +1,5 @@
 """Owns functions that damage converted files, and the check that the validator finds the damage."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

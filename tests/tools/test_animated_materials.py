@@ -1,7 +1,5 @@
 """Animated materials: a warning names each input that stays at its first value, and is required."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The command line's limits: signals, outputs that cannot be written, folders without stages."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """The comparison of two builds: which differences of two EXR files count."""
 
-from __future__ import annotations
-
 import struct
 import sys
 from pathlib import Path

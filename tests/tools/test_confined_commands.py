@@ -1,7 +1,5 @@
 """Commands on stages that block, lie or never end, and on outputs that cannot be written."""
 
-from __future__ import annotations
-
 import dataclasses
 import io
 import json

@@ -1,7 +1,5 @@
 """Owns the tests of points, curves, patches and tetrahedra."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Owns the tests of invalid values and of files that are no stages: each fault has a name."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

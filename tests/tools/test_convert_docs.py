@@ -1,7 +1,5 @@
 """Owns the check that the manual names every warning and error of the USD tools."""
 
-from __future__ import annotations
-
 import ast
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Owns the tests of gprims: closed, outward, on the exact bounds, along their axis."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Owns the tests of native instances and point instancers: placed, shared, masked, cyclic."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Owns the tests of lights and cameras: values by formula, units, what is lost."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Owns the tests that metadata, schemas and links are kept in extras or named by warnings."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Owns the tests of material values and of the shading networks that drive them."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Owns the tests of mesh conversion: triangulation, primvars, subsets, damage."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Owns the tests of moving transforms without plain keys: splines, shear, blocked samples."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """NURBS patches that move, and primvars of their control points."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

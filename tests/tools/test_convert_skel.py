@@ -1,7 +1,5 @@
 """Owns the tests of skeletons and blend shapes: skinned points against USD's own skinning."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

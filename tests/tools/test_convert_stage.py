@@ -1,7 +1,5 @@
 """Owns the tests of whole conversions: composition, selection, confinement, ledger, exact bytes."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Owns the tests of Catmull-Clark refinement: known positions, boundaries, creases, UV rules."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Owns the tests of textures: copied, packed, recoded, transformed, lost."""
 
-from __future__ import annotations
-
 import math
 import random
 import struct

@@ -1,7 +1,5 @@
 """Owns the tests of animated visibility above nodes that move to another parent."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Owns the tests of transforms: units, axis, op stacks, shear, keys, against USD's values."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The flicker of denoised films: it counts grain that stays behind surfaces."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from documents.denoised import Frame, View, at_rest, error_change, moved

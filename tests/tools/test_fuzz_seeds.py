@@ -1,7 +1,5 @@
 """tools/fuzz_seeds.py: the seed files of the glTF fuzzer."""
 
-from __future__ import annotations
-
 import base64
 import json
 import pathlib

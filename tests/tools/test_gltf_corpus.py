@@ -1,7 +1,5 @@
 """tools/gltf_corpus.py: which root files count, and the page about them."""
 
-from __future__ import annotations
-
 import json
 import pathlib
 import struct

@@ -1,7 +1,5 @@
 """tools/gltf_mutants.py: kinds of damage, how answers are judged, and a few broken files."""
 
-from __future__ import annotations
-
 import pathlib
 import random
 import shutil

@@ -1,7 +1,5 @@
 """Hostile stages: the parent survives every one, and each ends as a file or as a named error."""
 
-from __future__ import annotations
-
 import concurrent.futures
 import os
 from pathlib import Path

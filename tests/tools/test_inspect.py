@@ -1,7 +1,5 @@
 """The inspection of stages: their content, and the messages of a conversion."""
 
-from __future__ import annotations
-
 import json
 import os
 from pathlib import Path

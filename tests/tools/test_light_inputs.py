@@ -1,7 +1,5 @@
 """Owns the tests of lights' inputs beyond emission: each one is carried or named by a warning."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

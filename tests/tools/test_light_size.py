@@ -1,7 +1,5 @@
 """Owns the tests of lights under scaling transforms: their power, by place and over time."""
 
-from __future__ import annotations
-
 import math
 import re
 from pathlib import Path

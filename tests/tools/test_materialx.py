@@ -1,7 +1,5 @@
 """MaterialX documents beside a stage: node graphs of textures, and unreadable parts."""
 
-from __future__ import annotations
-
 import os
 import sys
 from pathlib import Path

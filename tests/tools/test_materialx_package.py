@@ -1,7 +1,5 @@
 """MaterialX documents within usdz packages, read like documents beside a stage."""
 
-from __future__ import annotations
-
 import zipfile
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Owns the tests of geometry that is a light: emission of its materials, and portal warnings."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Owns the session of a real browser with the page of `reflet preview --serve`."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 from pathlib import Path

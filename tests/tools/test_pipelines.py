@@ -1,7 +1,5 @@
 """Stages as artists' programs write them: nothing of them is lost silently or converted wrongly."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

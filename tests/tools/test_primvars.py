@@ -1,7 +1,5 @@
 """Primvars that share a name, have long elements, or belong to prims without faces."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

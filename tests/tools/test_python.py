@@ -1,7 +1,5 @@
 """The module of Python: its files equal the program's, its arrays are right, its errors clear."""
 
-from __future__ import annotations
-
 import io
 import json
 import os

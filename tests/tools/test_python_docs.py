@@ -3,8 +3,6 @@
 `UPDATE_DOCS=1 .venv/bin/python -m pytest tests/tools/test_python_docs.py` writes it anew.
 """
 
-from __future__ import annotations
-
 import ast
 import inspect
 import os

@@ -1,7 +1,5 @@
 """The notebooks of `docs/examples` run from top to bottom, and their own checks hold."""
 
-from __future__ import annotations
-
 import os
 import shutil
 from pathlib import Path

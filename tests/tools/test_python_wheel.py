@@ -1,7 +1,5 @@
 """The wheel of the package `reflet` installs in an empty environment, where a program runs."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """The corpus report: all converters are scored alike, and the table can be reproduced."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Conversions proved by the validator, and the validator's own reference values."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

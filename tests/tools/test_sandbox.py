@@ -1,7 +1,5 @@
 """The sandbox: every way a conversion can end badly has its name and leaves no output behind."""
 
-from __future__ import annotations
-
 import io
 import os
 import resource

@@ -1,7 +1,5 @@
 """tools/specks.py: its rule for specks, and its table."""
 
-from __future__ import annotations
-
 import pathlib
 
 import numpy as np

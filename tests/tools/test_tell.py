@@ -1,7 +1,5 @@
 """tools/tell.py: the pages of docs say what the tables in docs/data say."""
 
-from __future__ import annotations
-
 import pathlib
 
 import pytest

@@ -1,7 +1,5 @@
 """Pages of failure modes and of other systems: facts that the stored tables do not show."""
 
-from __future__ import annotations
-
 import csv
 import re
 

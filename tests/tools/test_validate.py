@@ -1,7 +1,5 @@
 """The validator on hand-written files: right ones pass, each kind of fault is named."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable

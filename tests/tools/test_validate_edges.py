@@ -1,7 +1,5 @@
 """The validator's edge cases: empty areas, NaN, deep trees, splines, and excuses by warnings."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The measures of faces, which must not depend on how a face is cut into triangles."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from reflet_usd.validate.distances import one_way, set_distance

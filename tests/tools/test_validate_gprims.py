@@ -1,7 +1,5 @@
 """Damaged curved gprims: every triangle, normal and side counts."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Damaged outputs where the truth follows a documented rule: the rule must not hide the damage."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Damaged sidecars are named and fail, and brackets in a path are no package."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Damaged outputs of stages without warnings: surplus content of a file is found."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

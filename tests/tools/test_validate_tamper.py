@@ -1,7 +1,5 @@
 """Damaged outputs with a correct sidecar: a warning excuses only its own deviation."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

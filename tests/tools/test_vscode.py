@@ -1,7 +1,5 @@
 """Owns the session of the real VS Code, in a browser, with the extension's built file."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

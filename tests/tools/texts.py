@@ -1,7 +1,5 @@
 """Owns the texts of tests: files of the folder `texts`, one folder for each file of tests."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Owns moving a finished conversion to its place: all of its files or none."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 from pathlib import Path

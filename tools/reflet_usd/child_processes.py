@@ -1,7 +1,5 @@
 """Owns the child processes that a command's threads started: a signal can end them at once."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import signal

@@ -3,8 +3,6 @@
 Exit codes are the same for all of them, see `EXIT_CODES`.
 """
 
-from __future__ import annotations
-
 import argparse
 import contextlib
 import hashlib

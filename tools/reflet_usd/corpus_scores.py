@@ -4,8 +4,6 @@ A corpus folder may hold INDEX.tsv (kind and content of each root stage) and PEE
 other converters). Rivals' rows and ours are scored here by the same functions.
 """
 
-from __future__ import annotations
-
 import csv
 import dataclasses
 from collections.abc import Callable, Iterable

@@ -3,8 +3,6 @@
 Converter and validator share this reader, as they share usd-core.
 """
 
-from __future__ import annotations
-
 import io
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Options for the limits that commands put on the process that reads a stage."""
 
-from __future__ import annotations
-
 import argparse
 
 from reflet_usd.sandbox import Limits

@@ -5,8 +5,6 @@ with the surface's node and node graphs below it, so that references into a docu
 Converter and validator share this reader, as they share usd-core; each evaluates the nodes itself.
 """
 
-from __future__ import annotations
-
 import os
 import posixpath
 import re

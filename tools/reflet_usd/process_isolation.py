@@ -5,8 +5,6 @@ untrusted data. It uses only the standard library and works on Linux; elsewhere 
 reports what it could not do.
 """
 
-from __future__ import annotations
-
 import ctypes
 import os
 import resource

@@ -1,7 +1,5 @@
 """Owns the command `reflet-usd report`: convert and check a whole folder of stages, as a table."""
 
-from __future__ import annotations
-
 import argparse
 import concurrent.futures
 import dataclasses

@@ -1,7 +1,5 @@
 """Owns one row of the corpus report: a root stage with its conversion and check."""
 
-from __future__ import annotations
-
 import dataclasses
 from typing import Any
 

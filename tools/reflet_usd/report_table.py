@@ -1,7 +1,5 @@
 """Owns the Markdown of the corpus report: summary beside the rivals, then one line per stage."""
 
-from __future__ import annotations
-
 import collections
 from typing import Any
 

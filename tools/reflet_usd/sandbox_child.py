@@ -4,8 +4,6 @@ Run by path (`python -I sandbox_child.py`) with one JSON job on standard input; 
 `sandbox.run_convert`, which is its only caller. Standard library only until confined.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import errno
 import importlib

@@ -1,7 +1,5 @@
 """Owns printing a command's result: where standard output fails, that is a named error."""
 
-from __future__ import annotations
-
 import os
 import sys
 

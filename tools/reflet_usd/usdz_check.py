@@ -5,8 +5,6 @@ root layer (https://openusd.org/release/spec_usdz.html). USD cannot read package
 these rules; packages that abuse the zip format are refused here with a named error.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import io
 import re

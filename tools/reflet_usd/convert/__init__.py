@@ -1,7 +1,5 @@
 """The converter: one USD stage in, one glTF file and one JSON sidecar out."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from reflet_usd.convert.types import ConvertError, ConvertOptions, ConvertResult, Warning

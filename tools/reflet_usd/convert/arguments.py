@@ -1,7 +1,5 @@
 """The arguments of `convert`, and the `ConvertOptions` that they stand for."""
 
-from __future__ import annotations
-
 import argparse
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The primvars of a gprim, sorted into what glTF has names for: color, UV sets, custom values."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass, field, replace
 from typing import Any

@@ -1,7 +1,5 @@
 """UsdGeomCamera to a glTF camera."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

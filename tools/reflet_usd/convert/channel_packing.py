@@ -1,7 +1,5 @@
 """Texture reads and constants packed into the channels that glTF materials expect."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

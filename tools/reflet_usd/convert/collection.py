@@ -1,7 +1,5 @@
 """Collections that neither bind a material nor link a light, kept in the node's extras."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The subcommand `reflet-usd convert`: runs the converter in its sandbox, prints the outcome."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from collections import Counter

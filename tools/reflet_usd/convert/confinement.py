@@ -1,7 +1,5 @@
 """Keeps composition and textures inside the stage's folder and the explicitly allowed roots."""
 
-from __future__ import annotations
-
 import os
 import re
 import shlex

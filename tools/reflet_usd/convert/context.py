@@ -1,7 +1,5 @@
 """Facts about the stage that every part of a conversion needs: units, axis, time, ledger."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any
 

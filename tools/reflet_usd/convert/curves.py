@@ -1,7 +1,5 @@
 """Points and curves to glTF points and lines; widths and exact curves are warnings."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

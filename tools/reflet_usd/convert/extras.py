@@ -1,7 +1,5 @@
 """Custom properties, which no schema knows, kept in the node's extras."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Gprims to glTF meshes: surface, primvars, subsets and materials joined, instances shared."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 

@@ -1,7 +1,5 @@
 """Owns the glTF document: accessors, images, nodes and animations to deterministic bytes."""
 
-from __future__ import annotations
-
 import errno
 import hashlib
 import json

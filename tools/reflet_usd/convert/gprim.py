@@ -1,7 +1,5 @@
 """Tessellates sphere, cylinder, cone, capsule, plane and cube, vertices on the exact bounds."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """Motion of each instance of a PointInstancer: exact keys, or USD's matrices where they stretch."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 

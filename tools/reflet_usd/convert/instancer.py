@@ -1,7 +1,5 @@
 """PointInstancer: each visible instance as nodes that share meshes, or as GPU instances."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

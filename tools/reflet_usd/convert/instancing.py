@@ -1,7 +1,5 @@
 """Many instances of one prototype as EXT_mesh_gpu_instancing."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from reflet_usd.convert.gltf_writer import GltfWriter

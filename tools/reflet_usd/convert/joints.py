@@ -1,7 +1,5 @@
 """The joints of one Skeleton as nodes: rest pose, keys, and USD's matrices where they stretch."""
 
-from __future__ import annotations
-
 import functools
 from dataclasses import dataclass
 

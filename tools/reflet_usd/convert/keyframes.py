@@ -1,7 +1,5 @@
 """Keys between which glTF stays close to a transform that USD evaluates at any time."""
 
-from __future__ import annotations
-
 import functools
 import itertools
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """The ledger of a conversion: named warnings by prim path, and the prims that were carried."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 
 from reflet_usd.convert.types import Warning

@@ -4,8 +4,6 @@ L is the radiance `intensity · 2^exposure`, read as nits. Sources of the factor
 documentation of `normalize` and of `inputs:angle`; KHR_lights_punctual's units (lux, candela).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

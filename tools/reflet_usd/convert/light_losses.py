@@ -1,7 +1,5 @@
 """Inputs of lights without a glTF field: each is named by its own warning."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from pxr import Sdf, Usd, UsdLux

@@ -4,8 +4,6 @@ An area light sends Φ = π·L·A, A the area of its transformed surface. A sphe
 stretches is an ellipsoid: by Cauchy's theorem its mean projected area is a quarter of its surface.
 """
 
-from __future__ import annotations
-
 import functools
 import math
 from collections.abc import Callable, Sequence

@@ -1,7 +1,5 @@
 """Primvars of prims that draw nothing themselves, kept in their own node's extras."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from pxr import Usd, UsdGeom

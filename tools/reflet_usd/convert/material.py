@@ -1,7 +1,5 @@
 """Bound materials to plans, and plans to glTF materials for the prims that use them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any
 

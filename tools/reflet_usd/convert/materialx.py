@@ -4,8 +4,6 @@ The counterparts follow MaterialX's own translations (libraries/bxdf/translation
 one. Texture reads stay texture reads where one factor or mix remains in front of them.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

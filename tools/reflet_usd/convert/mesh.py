@@ -1,7 +1,5 @@
 """UsdGeomMesh to a `Surface`: normals by scheme, triangulation, handedness, refinement."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -4,8 +4,6 @@ MeshLightAPI on a gprim, or a GeometryLight (deprecated) that names one. `materi
 materialGlowTintsLight unless authored: a material's own emission is a factor of the light's.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

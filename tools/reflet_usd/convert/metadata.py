@@ -1,7 +1,5 @@
 """Metadata, API schemas and draw mode of prims, which do not draw."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from pxr import Kind, Sdf, Usd, UsdGeom

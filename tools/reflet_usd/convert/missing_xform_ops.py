@@ -1,7 +1,5 @@
 """Ops that `xformOpOrder` names but the prim lacks: skipped, as USD does, with a warning."""
 
-from __future__ import annotations
-
 from pxr import Sdf, Usd, UsdGeom
 
 from reflet_usd.convert.context import Context, source_path

@@ -1,7 +1,5 @@
 """Morph targets, and animated points as one target for each key."""
 
-from __future__ import annotations
-
 import numpy as np
 from pxr import Usd
 

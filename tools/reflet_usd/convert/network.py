@@ -1,7 +1,5 @@
 """Reader of shading networks: surface inputs become constants, texture reads or primvars."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The maximum depth of nodes in a written file, since readers of glTF that recurse have a limit."""
 
-from __future__ import annotations
-
 from reflet_usd.convert.scene import Node
 from reflet_usd.convert.types import ConvertError
 

@@ -1,7 +1,5 @@
 """Normals of polygons and of smooth surfaces, from points alone."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from reflet_usd.convert.scene import Array

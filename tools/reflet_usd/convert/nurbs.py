@@ -1,7 +1,5 @@
 """UsdGeomNurbsPatch evaluated on a grid of quads."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import dataclass, replace
 

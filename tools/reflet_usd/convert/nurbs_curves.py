@@ -1,7 +1,5 @@
 """UsdGeomNurbsCurves evaluated as lines, with their orders, knots, ranges and weights."""
 
-from __future__ import annotations
-
 import numpy as np
 from pxr import Usd
 

@@ -1,7 +1,5 @@
 """One conversion end to end: open, traverse, collect losses, write."""
 
-from __future__ import annotations
-
 import os
 import shlex
 from collections import Counter

@@ -1,7 +1,5 @@
 """Reads a UsdGeomMesh's topology and points and drops, by name, the faces that cannot be drawn."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

@@ -1,7 +1,5 @@
 """UsdPreviewSurface inputs to a glTF material, both workflows."""
 
-from __future__ import annotations
-
 from typing import Any, ClassVar
 
 import numpy as np

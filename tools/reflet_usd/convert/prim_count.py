@@ -1,7 +1,5 @@
 """Number of prims in a composed stage, instances multiplied, without walking the instances."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from pxr import Usd

@@ -1,7 +1,5 @@
 """A surface's triangles to one glTF primitive: vertices, attributes, indices."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

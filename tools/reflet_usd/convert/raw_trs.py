@@ -5,8 +5,6 @@ also stretches: with `|q|² = 1 + e` the plane that it turns is scaled by about 
 Half floats are rarely of length 1. A glTF rotation always is.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Refines a USD mesh to a stated level: points, primvars, faces; or warns why the cage stays."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

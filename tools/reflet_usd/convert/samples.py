@@ -1,7 +1,5 @@
 """Times at which values change: samples, spline knots, and jumps between continuous pieces."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable, Iterable
 

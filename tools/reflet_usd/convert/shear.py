@@ -5,8 +5,6 @@ analytic one (Bunse-Gerstner et al., Numer. Math. 60, 1991): the order, signs an
 values are equal, the directions of the vectors follow the key before.
 """
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """UsdSkel skeletons to joints, skins and keys."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Deformation of a gprim: joint influences per vertex, and blend shapes as morph targets."""
 
-from __future__ import annotations
-
 import numpy as np
 from pxr import Sdf, Usd, UsdGeom, UsdSkel
 

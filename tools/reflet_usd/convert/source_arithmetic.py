@@ -1,7 +1,5 @@
 """Arithmetic of sources: texture reads take one factor and one addend for each number."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Sources of a surface's inputs: constants, texture reads and primvars."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 from pxr import UsdShade

@@ -1,7 +1,5 @@
 """Cubic keys that follow a matrix between its samples: few where linear ones are thousands."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable
 from dataclasses import dataclass, field

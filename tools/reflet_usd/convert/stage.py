@@ -1,7 +1,5 @@
 """Opens a stage: confines its layers, applies variants, reads units, axis and time."""
 
-from __future__ import annotations
-
 import math
 import os
 import re

@@ -4,8 +4,6 @@ Rules: Catmull and Clark 1978; semi-sharp creases from DeRose, Kass and Truong 1
 of the boundary and faceVarying options are UsdGeomMesh's.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

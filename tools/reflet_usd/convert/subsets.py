@@ -1,7 +1,5 @@
 """Materials of a gprim's faces: its own binding and its material-bind GeomSubsets."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """A polygon surface with value streams per corner, and its welding into glTF vertices."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

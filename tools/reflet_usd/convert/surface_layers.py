@@ -1,7 +1,5 @@
 """Layers of a surface beyond UsdPreviewSurface's, as glTF's extensions of materials."""
 
-from __future__ import annotations
-
 from typing import Any, ClassVar
 
 from reflet_usd.convert.attributes import DisplayColor

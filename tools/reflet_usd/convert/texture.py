@@ -1,7 +1,5 @@
 """Texture files: found, confined, checked; copied as they are or rewritten where necessary."""
 
-from __future__ import annotations
-
 import io
 import os
 from dataclasses import dataclass

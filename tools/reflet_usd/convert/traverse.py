@@ -1,7 +1,5 @@
 """Walks the composed stage and builds the node tree, one node per prim with a place in space."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass, field
 

@@ -1,7 +1,5 @@
 """Polygons to triangles: fans where convex, ear clipping where not; whole arrays of equal faces."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from reflet_usd.convert.normals import cross_rows

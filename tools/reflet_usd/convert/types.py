@@ -1,7 +1,5 @@
 """Input and output of a conversion: options, warnings, result, error."""
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Tells unreadable values from faults of the converter: only unreadable values excuse a prim."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from pxr import Sdf, Tf, Usd

@@ -1,7 +1,5 @@
 """Matrices to glTF nodes: translation, rotation, scale, and two nested nodes where they shear."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """One node per xformOp: keeps the exact keys of op stacks that one node's TRS cannot follow."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import dataclass
 

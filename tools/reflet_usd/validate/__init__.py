@@ -6,8 +6,6 @@ right, 1 the check itself could not run (also where usd-core does not open the s
 usage, 3 the file is invalid or deviates silently.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import sys

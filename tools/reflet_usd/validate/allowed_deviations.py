@@ -4,8 +4,6 @@ Wherever the documentation gives the rule by which the file's value follows from
 truth computes that value (`usd_rules`) and nothing is excused.
 """
 
-from __future__ import annotations
-
 SUBTREE = ("animation-resampled", "prim-damaged")
 """Warnings that apply to their prim and all below it; others apply to their prim alone."""
 PLACED = ("animation-resampled",)

@@ -1,7 +1,5 @@
 """Owns the list of checks: their bars, their findings, and the declared losses."""
 
-from __future__ import annotations
-
 import dataclasses
 import fnmatch
 import math

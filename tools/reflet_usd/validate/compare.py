@@ -1,7 +1,5 @@
 """Owns the comparison of two scenes of facts: the stage's truth and the re-read output."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Collection, Iterable, Sequence
 

@@ -1,7 +1,5 @@
 """Owns the comparison of cameras, lights and world matrices, one value at a time."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TypeVar

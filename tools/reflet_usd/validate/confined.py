@@ -1,7 +1,5 @@
 """Owns the check of a file against an untrusted stage, in the sandbox's child with its limits."""
 
-from __future__ import annotations
-
 import dataclasses
 import os
 import stat

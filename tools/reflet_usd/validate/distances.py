@@ -1,7 +1,5 @@
 """Owns the distances between point sets and between attributes at the same places."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Owns the checks of the whole file: its only animation, its nodes' prims, its lights' range."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Owns the check of properties outside all schemas, which nodes keep in their extras."""
 
-from __future__ import annotations
-
 import math
 import re
 from typing import Any

@@ -1,7 +1,5 @@
 """Owns the measures of polygon soups that do not depend on how a face is triangulated."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

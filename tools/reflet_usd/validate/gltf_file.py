@@ -1,7 +1,5 @@
 """Owns reading a glTF file through pygltflib: its tree and its accessors as numpy arrays."""
 
-from __future__ import annotations
-
 import base64
 import functools
 import json

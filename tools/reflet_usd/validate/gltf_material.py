@@ -1,7 +1,5 @@
 """Owns evaluating a glTF material's channels at texture coordinates, from the re-read file."""
 
-from __future__ import annotations
-
 import functools
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Owns sampling of texture images: decoding with Pillow and OpenEXR, wrap modes, sRGB."""
 
-from __future__ import annotations
-
 import dataclasses
 import hashlib
 import io

@@ -1,7 +1,5 @@
 """Owns running the Khronos glTF validator (npm package `gltf-validator`) through node."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import os

@@ -1,7 +1,5 @@
 """Owns the truth about the size of lights: areas of transformed surfaces, summed numerically."""
 
-from __future__ import annotations
-
 import functools
 import math
 

@@ -1,7 +1,5 @@
 """Owns the comparison of material values: preview surfaces against the file's materials."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 

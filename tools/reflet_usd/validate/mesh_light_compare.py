@@ -1,7 +1,5 @@
 """Owns the check of the light that geometry sends: the emission of its materials."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Owns the check of primvars that are no vertex attributes: kept in extras, or named as lost."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from pxr import Sdf, Usd, UsdGeom

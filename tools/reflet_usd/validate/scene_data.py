@@ -4,8 +4,6 @@ All positions are meters in glTF's world (right-handed, Y up); matrices act on r
 `p_world = p_local @ matrix`, as in USD; angles are radians unless a name says otherwise.
 """
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Mapping
 

@@ -1,7 +1,5 @@
 """Owns reading the converter's sidecar beside an output, and checking its form."""
 
-from __future__ import annotations
-
 import json
 import math
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Owns the exact geometry of curved gprims: distance of points to them and their boxes."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Owns the check of materials and extensions in the file beyond the stage's own."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Owns the search for animated attributes of a material, which change its look over time."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 
 from pxr import Usd, UsdShade

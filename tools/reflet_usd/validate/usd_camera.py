@@ -1,7 +1,5 @@
 """Owns the truth about cameras: usd-core's own lens evaluation in glTF's terms."""
 
-from __future__ import annotations
-
 import math
 
 from pxr import Gf, Usd, UsdGeom

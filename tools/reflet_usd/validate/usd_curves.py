@@ -1,7 +1,5 @@
 """Owns the truth about points, curves and NURBS patches, cubics by scipy's splines."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

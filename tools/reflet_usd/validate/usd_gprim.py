@@ -1,7 +1,5 @@
 """Owns the truth about gprims that are not meshes: surfaces, cubes, planes, patches, tetrahedra."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

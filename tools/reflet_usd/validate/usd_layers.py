@@ -1,7 +1,5 @@
 """Owns the truth about layers that must not be read although a stage names them."""
 
-from __future__ import annotations
-
 import os
 import stat
 

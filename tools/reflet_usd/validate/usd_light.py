@@ -1,7 +1,5 @@
 """Owns the truth about lights: UsdLux's emission in the units of KHR_lights_punctual."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 import re

@@ -4,8 +4,6 @@ Every channel is evaluated as a function of texture coordinates; the documentati
 gives the rules.
 """
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """Owns the drawn content of one mesh prim: face corners and attributes, read through usd-core."""
 
-from __future__ import annotations
-
 import dataclasses
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Owns evaluating MaterialX node graphs at texture coordinates, number by number."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 

@@ -3,8 +3,6 @@
 usd-core's cache of transforms throws at them, so they are taken out of the order, in memory.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection
 
 from pxr import Sdf, Tf, Usd, UsdGeom, Vt

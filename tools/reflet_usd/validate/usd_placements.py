@@ -1,7 +1,5 @@
 """Owns the truth's placements: the prims that a stage draws, where, and how often."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Iterator
 

@@ -4,8 +4,6 @@ Each rule is written into the session layer of the opened stage, in memory, so t
 evaluates the value that the file must hold, and nothing has to be excused.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterable
 from typing import Any

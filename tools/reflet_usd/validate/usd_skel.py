@@ -1,7 +1,5 @@
 """Owns the truth about skinned prims: UsdSkel's own baking into points, in memory."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel

@@ -1,7 +1,5 @@
 """Owns opening the truth's stage: variants, units, up axis, time, all through usd-core."""
 
-from __future__ import annotations
-
 import contextlib
 import dataclasses
 import itertools

@@ -5,8 +5,6 @@ Written for being read beside the rules: Catmull and Clark 1978; boundaries as i
 between rules that OpenSubdiv uses.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import itertools
 

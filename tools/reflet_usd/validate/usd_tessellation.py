@@ -1,7 +1,5 @@
 """Owns the documented tessellation of curved gprims: 32 segments around, 16 from pole to pole."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 

@@ -1,7 +1,5 @@
 """Owns the truth: the facts of a stage that are compared, evaluated by usd-core."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Owns the checks of texture coordinates and other float primvars, and of their use by textures."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Iterable

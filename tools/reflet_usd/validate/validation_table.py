@@ -1,7 +1,5 @@
 """Owns the printed form of a validation."""
 
-from __future__ import annotations
-
 from .validation import Validation
 
 _SHOWN = 3
