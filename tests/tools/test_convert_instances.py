@@ -8,8 +8,6 @@ from pxr import Usd, UsdGeom
 from read_converted import Converted, convert_text
 from reflet_usd.convert import instance_motion as motion_module
 from reflet_usd.convert import instancer as instancer_module
-from reflet_usd.validate.validation import validate_file
-from tampering import agrees
 from texts import fill, text_of
 
 QUAD = text_of("convert_instances/quad.usda")
@@ -138,7 +136,7 @@ def test_nested_instancers(tmp_path: Path) -> None:
 def test_nested_instancers_come_and_go(tmp_path: Path) -> None:
     """An outer instancer that is hidden at rest still draws only its own instances later."""
     text = text_of("convert_instances/nested_instancers_come_and_go.usda")
-    assert agrees(convert_text(tmp_path, text))
+    assert convert_text(tmp_path, text).validated().passed
 
 
 def test_a_cycle_ends_and_is_named(tmp_path: Path) -> None:
@@ -243,7 +241,7 @@ def test_a_reset_stack_in_a_prototype_is_placed_from_the_instance_and_named(tmp_
     # UsdGeom applies the ops of a prototype's own root even where they reset the stack.
     assert done.warnings() == {"reset-in-prototype"}
     assert done.warnings("/I/P/C") == {"reset-in-prototype"}
-    assert validate_file(done.out, tmp_path / "stage.usda", khronos=False).passed
+    assert done.validated().passed
 
 
 RESET = """
@@ -272,7 +270,7 @@ def test_a_reset_stack_deeper_in_a_prototype(tmp_path: Path, kind: str) -> None:
     drawn = [i for i, node in enumerate(done.gltf.nodes) if node.mesh is not None]
     assert {tuple(np.round(world[i][:3, 3], 5)) for i in drawn} == {(101, 0, 7), (102, 0, 7)}
     assert "reset-in-prototype" in done.warnings()
-    assert validate_file(done.out, tmp_path / "stage.usda", khronos=False).passed
+    assert done.validated().passed
 
 
 def test_a_reset_stack_in_a_native_instance_is_placed_in_the_world(tmp_path: Path) -> None:
@@ -286,7 +284,7 @@ def test_a_reset_stack_in_a_native_instance_is_placed_in_the_world(tmp_path: Pat
     places = sorted(tuple(np.round(world[i][:3, 3], 5)) for i in drawn)
     assert places == [(0, 0, 7), (0, 0, 7), (0, 10, 0), (0, 20, 0)]
     assert done.warnings() == set()
-    assert validate_file(done.out, tmp_path / "stage.usda", khronos=False).passed
+    assert done.validated().passed
 
 
 INSTANCES_OF_TWO = text_of("convert_instances/instances_of_two.usda")

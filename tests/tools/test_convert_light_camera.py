@@ -6,7 +6,6 @@ from typing import Any
 
 import pytest
 from read_converted import Converted, convert_text
-from tampering import agrees
 from texts import text_of
 
 
@@ -159,7 +158,7 @@ def test_an_orthographic_camera_may_begin_at_its_eye(tmp_path: Path) -> None:
     done = convert_light(tmp_path, "Camera", body)
     assert done.json["cameras"][0]["orthographic"]["znear"] == 0
     assert done.warnings("/L") == set()
-    assert agrees(done)
+    assert done.validated().passed
     done = convert_light(tmp_path, "Camera", "float2 clippingRange = (0, 100)")
     assert "camera-clip-invalid" in done.warnings("/L")
 
@@ -168,7 +167,7 @@ def test_lens_values_that_are_no_numbers_are_named(tmp_path: Path) -> None:
     body = "float fStop = nan\n    float exposure = inf\n    double shutter:open = 0.5"
     done = convert_light(tmp_path, "Camera", body)
     assert done.json["nodes"][done.node("/L")]["extras"]["lens"] == {"shutter:open": 0.5}
-    assert agrees(done)
+    assert done.validated().passed
 
 
 def test_what_a_pinhole_lacks_is_named(tmp_path: Path) -> None:
@@ -203,7 +202,7 @@ def test_lenses_beyond_all_numbers_make_no_camera(tmp_path: Path, name: str, val
     done = convert_text(tmp_path, f'def Camera "C" {{\n    float {name} = {value}\n}}\n')
     assert "camera-invalid" in done.warnings("/C")
     assert not done.gltf.cameras
-    assert agrees(done)
+    assert done.validated().passed
 
 
 @pytest.mark.parametrize("rate", ["nan", "inf", "1e-45", "1e300", "-1"])

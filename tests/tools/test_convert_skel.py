@@ -7,7 +7,6 @@ import pytest
 from pxr import Usd, UsdGeom, UsdSkel
 from read_converted import Converted, convert_text, interpolated
 from reflet_usd.convert import joints as joints_module
-from reflet_usd.validate.validation import validate_file
 from texts import fill, text_of
 
 STAGE = text_of("convert_skel/stage.usda")
@@ -232,7 +231,7 @@ def test_a_crowd_of_instanced_mirrored_and_delayed_characters(tmp_path: Path) ->
     done = convert_text(tmp_path, text)
     assert done.warnings() == {"animation-unused"}
     assert done.warnings("/Still/A") == {"animation-unused"}
-    validation = validate_file(done.out, tmp_path / "stage.usda", khronos=False)
+    validation = done.validated()
     assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
     checks = {check.name: check.compared for check in validation.checks}
     assert min(checks[name] for name in ("skinning", "joints", "area", "winding")) > 20
@@ -246,5 +245,5 @@ def test_characters_agree_between_the_ends_of_a_range(
     name = "scales.timeSamples" if "{" in scales else "scales"
     text = CHARACTER.replace("scales = [(1, 1, 1)]", f"{name} = {scales}")
     done = convert_text(tmp_path, text, frames=frames)
-    validation = validate_file(done.out, tmp_path / "stage.usda", khronos=False)
+    validation = done.validated()
     assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]

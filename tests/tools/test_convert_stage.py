@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from read_converted import Converted, convert_text
 from reflet_usd.convert import ConvertError, ConvertOptions, convert_stage
-from tampering import agrees, forget
+from tampering import forget
 from texts import text_of
 
 HERE = Path(__file__).resolve().parent
@@ -116,9 +116,9 @@ def test_layers_outside_the_folder_are_left_out(tmp_path: Path, arc: str, absolu
     done = convert_text(inside, text)
     assert "asset-outside-roots" in done.warnings("/" if arc == "sublayer" else "/X")
     assert len(done.gltf.meshes) == 1
-    assert agrees(done)
+    assert done.validated().passed
     forget(done, "asset-outside-roots")
-    assert not agrees(done)
+    assert not done.validated().passed
     allowed = convert_text(inside, text, extra_roots=(tmp_path / "out",))
     assert "asset-outside-roots" not in allowed.warnings()
     assert allowed.gltf.nodes[allowed.node(prim)].mesh is not None
@@ -159,9 +159,9 @@ def test_what_a_referenced_layer_must_not_read_is_named_where_it_is_used(tmp_pat
     text = 'def "A" (references = @middle.usda@</M>) {\n}\ndef Cube "C" {\n}\n'
     done = convert_text(inside, text)
     assert "asset-outside-roots" in done.warnings("/A/N")
-    assert agrees(done)
+    assert done.validated().passed
     forget(done, "asset-outside-roots")
-    assert not agrees(done)
+    assert not done.validated().passed
 
 
 def test_missing_and_cyclic_layers_are_named(tmp_path: Path) -> None:
@@ -310,7 +310,7 @@ def test_fallback_types_stand_in_for_unknown_ones(tmp_path: Path) -> None:
     assert done.warnings() == set()
     points = done.triangles(done.gltf.nodes[done.node("/B")].mesh).reshape(-1, 3)
     assert np.linalg.norm(points, axis=1) == pytest.approx(np.full(len(points), 3.0))
-    assert agrees(done)
+    assert done.validated().passed
     alone = convert_text(tmp_path, ball)
     assert "schema-ignored" in alone.warnings("/B")
 
@@ -356,7 +356,7 @@ def test_points_that_begin_without_a_value_are_drawn(tmp_path: Path, prim: str) 
     positions = done.array(mesh["primitives"][0]["attributes"]["POSITION"])
     assert sorted(map(tuple, positions)) == [(0, 0, 0), (0, 1, 0), (1, 0, 0)]
     assert "mesh-empty" not in done.warnings()
-    assert agrees(done)
+    assert done.validated().passed
 
 
 def test_backslashes_separate_folders(tmp_path: Path) -> None:
@@ -369,4 +369,4 @@ def test_backslashes_separate_folders(tmp_path: Path) -> None:
     for prim in ("/X", "/Y"):
         assert done.gltf.nodes[done.node(prim)].mesh is not None
     assert done.warnings("/Z") == {"asset-unresolved"}
-    assert agrees(done)
+    assert done.validated().passed

@@ -7,7 +7,6 @@ import pytest
 from read_converted import Converted, convert_text
 from reflet_usd.convert.normals import smooth_groups
 from reflet_usd.convert.subdiv import INFINITE, Cage, Step, edge_keys
-from tampering import agrees
 from texts import fill, text_of
 
 CUBE_FACES = np.array(
@@ -158,18 +157,18 @@ def test_smooth_triangles_weigh_more(tmp_path: Path) -> None:
     beside = 0.14 * np.array([0.0, 0.0, -2.0]) + 0.36 * (faces["first"] + np.zeros(3))
     for expected in (between, beside):
         assert np.linalg.norm(points - expected, axis=1).min() < 1e-6
-    assert agrees(convert_text(tmp_path, TRIANGLES, subdiv_level=2))
+    assert convert_text(tmp_path, TRIANGLES, subdiv_level=2).validated().passed
 
 
 @pytest.mark.parametrize("rule", ["smooth", "catmullClark"])
 def test_the_rule_for_triangles_has_to_be_followed(tmp_path: Path, rule: str) -> None:
     text = TRIANGLES.replace("smooth", rule)
     done = convert_text(tmp_path, text, subdiv_level=1)
-    assert agrees(done)
+    assert done.validated().passed
     other = {"smooth": "catmullClark", "catmullClark": "smooth"}[rule]
     stage = tmp_path / "stage.usda"
     stage.write_text(stage.read_text(encoding="utf-8").replace(rule, other), encoding="utf-8")
-    assert not agrees(done)
+    assert not done.validated().passed
 
 
 @pytest.mark.parametrize("level", [0, 1])

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from pxr import Usd, UsdGeom
 from read_converted import Converted, convert_text
-from reflet_usd.validate.validation import validate_file
 from reflet_usd.validate.validation_table import format_validation
 from test_convert_skel import STAGE
 from texts import fill, text_of
@@ -82,5 +81,5 @@ def test_lights_and_cameras_stay_whatever_their_purpose(
     for path in ("/X", "/I/A/G") if "default" in kept else ("/X",):  # else no instancer
         assert done.gltf.nodes[done.node(f"{path}/C")].camera is not None
         assert done.gltf.nodes[done.node(f"{path}/L")].extensions
-    validation = validate_file(done.out, tmp_path / "stage.usda", khronos=False)
+    validation = done.validated()
     assert validation.passed, format_validation(validation)

@@ -7,7 +7,7 @@ import pytest
 from convert_world_matrices import check_world
 from read_converted import convert_text
 from reflet_usd.convert.xform import decompose, nearest_trs, split_shear
-from tampering import FACE, UNIT, agrees, forget
+from tampering import FACE, UNIT, forget
 from texts import fill, text_of
 
 STACK = text_of("convert_xform/stack.usda")
@@ -159,9 +159,9 @@ def test_ops_that_are_not_there_are_named(tmp_path: Path, token: str) -> None:
     assert "xform-op-invalid" in done.warnings("/X") & done.warnings("/Y")
     assert "prim-damaged" not in done.warnings()
     assert done.world(0.5)[done.node("/X/C")][0, 3] == pytest.approx(1.5)
-    assert agrees(done)
+    assert done.validated().passed
     forget(done, "xform-op-invalid")
-    assert not agrees(done)
+    assert not done.validated().passed
 
 
 def test_an_op_of_no_known_kind_is_damage(tmp_path: Path) -> None:
@@ -171,7 +171,7 @@ def test_an_op_of_no_known_kind_is_damage(tmp_path: Path) -> None:
     )
     done = convert_text(tmp_path, text + UNIT)
     assert "prim-damaged" in done.warnings("/X")
-    assert agrees(done)
+    assert done.validated().passed
 
 
 def test_an_instance_with_such_an_op_is_named(tmp_path: Path) -> None:
@@ -180,4 +180,4 @@ def test_an_instance_with_such_an_op_is_named(tmp_path: Path) -> None:
     text += 'def "I" (\n    instanceable = true\n    references = </P>\n)\n{\n}\n'
     done = convert_text(tmp_path, text)
     assert "xform-op-invalid" in done.warnings("/I/X")
-    assert agrees(done)
+    assert done.validated().passed

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 from read_converted import convert_text
-from tampering import FACE, UNIT, Output, agrees, expect_found, forget
+from tampering import FACE, UNIT, Output, expect_found, forget
 from texts import fill, text_of
 
 SHADED = text_of("light_inputs/shaded.usda")
@@ -40,9 +40,9 @@ def test_inputs_without_a_counterpart_are_named(
 ) -> None:
     done = convert_text(tmp_path, fill(stage, line=line) + UNIT)
     assert warning in done.warnings("/L")
-    assert agrees(done)
+    assert done.validated().passed
     forget(done, warning)
-    assert not agrees(done)
+    assert not done.validated().passed
 
 
 def test_the_warning_has_to_name_the_input(tmp_path: Path) -> None:
@@ -50,16 +50,16 @@ def test_the_warning_has_to_name_the_input(tmp_path: Path) -> None:
     done = convert_text(tmp_path, fill(SHADED, line=lines) + UNIT)
     sidecar = Path(f"{done.out}.json")
     text = sidecar.read_text(encoding="utf-8")
-    assert agrees(done)
+    assert done.validated().passed
     sidecar.write_text(text.replace("'inputs:shadow:falloff'", "'inputs:shadow:distance'"))
-    assert not agrees(done)
+    assert not done.validated().passed
 
 
 @pytest.mark.parametrize("line", ["float inputs:shadow:distance = -1", "token poleAxis"])
 def test_inputs_at_their_fallback_say_nothing(tmp_path: Path, line: str) -> None:
     done = convert_text(tmp_path, fill(DOME if "pole" in line else SHADED, line=line) + UNIT)
     assert "light-input-dropped" not in done.warnings()
-    assert agrees(done)
+    assert done.validated().passed
 
 
 FOREIGN = [

@@ -10,7 +10,6 @@ import pytest
 from material_stages import MESH, material, noise, save
 from read_converted import Converted, convert_text
 from reflet_usd import materialx_document
-from reflet_usd.validate.validation import validate_file
 from tampering import expect_found, look
 from texts import fill, text_of
 
@@ -60,7 +59,7 @@ def proven(folder: Path, text: str) -> dict[str, Any]:
         save(folder, "t.png", noise("RGBA", (16, 8)))
     done = convert(folder, text)
     assert "material-unsupported" not in done.warnings()
-    assert validate_file(done.out, folder / "stage.usda", khronos=False).passed
+    assert done.validated().passed
     expect_found(done, look(baseColorFactor=[0.03, 0.9, 0.5, 0.7]))
     return material(done)
 
@@ -85,7 +84,7 @@ def test_images_and_constants_of_a_document(tmp_path: Path) -> None:
     )
     done = convert(tmp_path, document(look_of, nodes, 'fileprefix="tex/"'))
     assert done.warnings() == {"material-approximated"}
-    assert validate_file(done.out, tmp_path / "stage.usda", khronos=False).passed
+    assert done.validated().passed
     entry = material(done)
     assert entry["normalTexture"]["scale"] == 0.5
     assert entry["pbrMetallicRoughness"]["metallicFactor"] == 0.0
@@ -209,7 +208,7 @@ def test_layers_of_gltf_pbr_are_carried_without_a_word(tmp_path: Path) -> None:
     }
     done = convert(tmp_path, document(surface("gltf_pbr", **inputs)))
     assert done.warnings() == set()
-    assert validate_file(done.out, tmp_path / "stage.usda", khronos=False).passed
+    assert done.validated().passed
     entry = material(done)
     assert (entry["alphaMode"], entry["alphaCutoff"]) == ("MASK", pytest.approx(0.3))
     assert entry["extensions"]["KHR_materials_volume"]["attenuationDistance"] == 2.0
@@ -248,7 +247,7 @@ def test_a_node_without_counterpart_is_named_with_its_material(tmp_path: Path, g
     done = convert(tmp_path, document(surface(base_color="color3 @o"), nodes))
     told = [w for w in done.sidecar["warnings"] if w["name"] == "material-unsupported"]
     assert told and all(w["prim"].startswith("/Looks/M/G/") for w in told)
-    assert validate_file(done.out, tmp_path / "stage.usda", khronos=False).passed
+    assert done.validated().passed
 
 
 def test_values_beyond_single_precision_are_left_out(tmp_path: Path) -> None:

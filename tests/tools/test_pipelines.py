@@ -7,7 +7,6 @@ import pytest
 from material_stages import noise, save
 from read_converted import Converted, convert_text
 from reflet_usd.validate.khronos import check_files
-from reflet_usd.validate.validation import validate_file
 from texts import text_of
 
 GRID = text_of("pipelines/grid.usda")
@@ -25,7 +24,7 @@ BLUE = material("Blue", "color3f inputs:diffuseColor = (0, 0, 1)")
 def proven(folder: Path, text: str) -> Converted:
     """Convert a stage and assert that the validator passes its file."""
     done = convert_text(folder, text)
-    validation = validate_file(done.out, folder / "stage.usda", khronos=False)
+    validation = done.validated()
     assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
     return done
 
@@ -168,7 +167,7 @@ def test_cameras_and_lights_of_an_instancer_are_told_apart(tmp_path: Path, khron
         if node.extensions:
             node.translation = [1.0, 2.0, 3.0]
     done.gltf.save_binary(str(done.out))
-    validation = validate_file(done.out, tmp_path / "stage.usda", khronos=False)
+    validation = done.validated()
     assert not next(check for check in validation.checks if check.name == "lights").passed
 
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from read_converted import Converted, convert_text
-from tampering import FACE, UNIT, agrees, expect_found, expect_required, mesh
+from tampering import FACE, UNIT, expect_found, expect_required, mesh
 from test_validate_strict import attributes, node, rewrite
 from texts import text_of
 
@@ -41,10 +41,10 @@ def test_names_that_would_be_one_are_numbered(tmp_path: Path) -> None:
     assert values(done, "_GR__E_2") == [5, 6, 7, 9]
     told = {"_A_B": "a:b", "_A_B_2": "a_b", "_GR__E": "größe", "_GR__E_2": "grüße"}
     assert done.json["meshes"][0]["extras"]["primvarOf"] == told
-    assert agrees(done)
+    assert done.validated().passed
     done.json["meshes"][0]["extras"]["primvarOf"]["_A_B"] = "a_b"
     rewrite(done, done.json)
-    assert not agrees(done)
+    assert not done.validated().passed
 
 
 def test_normals_with_long_elements_are_named(tmp_path: Path) -> None:
@@ -60,7 +60,7 @@ def test_normals_with_long_elements_are_named(tmp_path: Path) -> None:
 def test_each_of_them_has_to_be_there(tmp_path: Path, name: str) -> None:
     done = convert_text(tmp_path, mesh("M", SHARED))
     lose(done, name)
-    assert not agrees(done)
+    assert not done.validated().passed
 
 
 def test_elements_of_two_are_vectors(tmp_path: Path) -> None:
@@ -79,9 +79,9 @@ def test_a_third_coordinate_travels(tmp_path: Path) -> None:
     done = convert_text(tmp_path, mesh("M", LAYERS))
     assert values(done, "TEXCOORD_0") == [[0, 1], [1, 1], [1, 0], [0, 0]]
     assert values(done, "_ST") == [[0, 0, 5], [1, 0, 6], [1, 1, 7], [0, 1, 8]]
-    assert agrees(done)
+    assert done.validated().passed
     lose(done, "_ST")
-    assert not agrees(done)
+    assert not done.validated().passed
 
 
 @pytest.mark.parametrize(
@@ -114,11 +114,11 @@ def test_points_keep_their_primvars(tmp_path: Path) -> None:
     assert values(done, "_HEAT") == [1, 2, 3]
     assert values(done, "TEXCOORD_0") == [[0, 1], [1, 1], [1, 0.75]]
     assert done.gltf.nodes[done.node("/P")].extras["primvars"] == {"all": 3}
-    assert agrees(done)
+    assert done.validated().passed
     swap = done.json["meshes"][0]["primitives"][0]["attributes"]
     swap["_HEAT"] = swap.pop("TEXCOORD_0")
     rewrite(done, done.json)
-    assert not agrees(done)
+    assert not done.validated().passed
 
 
 @pytest.mark.parametrize(
@@ -146,7 +146,7 @@ def test_values_of_control_points_are_named(tmp_path: Path) -> None:
     done = convert_text(tmp_path, CUBIC)
     expect_required(done, "primvar-interpolation-dropped", "/C", "heat")
     lose(done, "_EACH")
-    assert not agrees(done)
+    assert not done.validated().passed
 
 
 LOOSE = text_of("primvars/loose.usda")
@@ -160,18 +160,18 @@ def test_primvars_of_what_draws_nothing_travel(tmp_path: Path) -> None:
         {"grain": 2},
         {"kind": "warm"},
     ]
-    assert agrees(done)
+    assert done.validated().passed
     node(done.json, "C")["extras"].pop("primvars")
     rewrite(done, done.json)
-    assert not agrees(done)
+    assert not done.validated().passed
 
 
 def test_constants_of_gprims_have_to_be_right(tmp_path: Path) -> None:
     done = convert_text(tmp_path, mesh("M", "float primvars:age = 7\n"))
-    assert agrees(done)
+    assert done.validated().passed
     node(done.json, "M")["extras"]["primvars"]["age"] = 8
     rewrite(done, done.json)
-    assert not agrees(done)
+    assert not done.validated().passed
 
 
 @pytest.mark.parametrize(
@@ -190,7 +190,7 @@ def test_animated_loose_primvars_are_named(tmp_path: Path) -> None:
     text = 'def Camera "C" {\nfloat primvars:x.timeSamples = { 0: 1, 9: 2 }\n}\n'
     done = convert_text(tmp_path, text + UNIT)
     assert "primvar-animation-frozen" in done.warnings("/C")
-    assert agrees(done)
+    assert done.validated().passed
     assert "_X" not in attributes(done.json, "Unit")
 
 

@@ -4,6 +4,7 @@ import json
 import math
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pygltflib as gl
@@ -156,12 +157,24 @@ def tilt_normals(file: HandFile) -> None:
     file.gltf.meshes[0].primitives[0].attributes.NORMAL = file.accessor(tilted, "VEC3", np.float32)
 
 
-def forget_scale_of_ball(file: HandFile) -> None:
-    node(file, "/Ball").scale = [1.01, 1.01, 1.01]
+def put(path: str, value: Any) -> Callable[[HandFile], None]:
+    """Fault: another value at a place in the file; `/Ball` begins at the prim's node."""
+
+    def fault(file: HandFile) -> None:
+        *above, last = path.split(".")
+        place: Any = file.gltf
+        for name in above:
+            if name.startswith("/"):
+                place = node(file, name)
+            else:
+                place = place[int(name)] if name.isdigit() else getattr(place, name)
+        setattr(place, last, value)
+
+    fault.__name__ = path
+    return fault
 
 
-def lose_sheet(file: HandFile) -> None:
-    node(file, "/World/Sheet").mesh = None
+lose_sheet = put("/World/Sheet.mesh", None)
 
 
 def add_ghost(file: HandFile) -> None:
@@ -176,38 +189,6 @@ def dim_light(file: HandFile) -> None:
     file.gltf.extensions["KHR_lights_punctual"]["lights"][0]["intensity"] *= 0.5
 
 
-def repaint(file: HandFile) -> None:
-    file.gltf.materials[0].pbrMetallicRoughness.baseColorFactor = [0.2, 0.4, 0.7, 1.0]
-
-
-def make_transparent(file: HandFile) -> None:
-    file.gltf.materials[0].alphaMode = "BLEND"
-
-
-def single_side(file: HandFile) -> None:
-    file.gltf.materials[0].doubleSided = False
-
-
-def unbind(file: HandFile) -> None:
-    file.gltf.meshes[0].primitives[0].material = None
-
-
-def hold_animation(file: HandFile) -> None:
-    file.gltf.animations[0].samplers[0].interpolation = "STEP"
-
-
-def stop_animation(file: HandFile) -> None:
-    file.gltf.animations = []
-
-
-def hide_ball(file: HandFile) -> None:
-    node(file, "/Ball").extensions = {"KHR_node_visibility": {"visible": False}}
-
-
-def turn_root_away(file: HandFile) -> None:
-    node(file, "/").rotation = None
-
-
 FAULTS = [
     (move_vertex, "positions"),
     (flip_winding, "winding"),
@@ -215,19 +196,19 @@ FAULTS = [
     (drop_triangle, "area"),
     (keep_v, "uvs"),
     (tilt_normals, "normals"),
-    (forget_scale_of_ball, "surfaces"),
+    (put("/Ball.scale", [1.01, 1.01, 1.01]), "surfaces"),
     (lose_sheet, "carried"),
-    (hide_ball, "carried"),
+    (put("/Ball.extensions", {"KHR_node_visibility": {"visible": False}}), "carried"),
     (add_ghost, "unexpected"),
     (widen_camera, "cameras"),
     (dim_light, "lights"),
-    (repaint, "materials"),
-    (make_transparent, "materials"),
-    (single_side, "sides"),
-    (unbind, "bindings"),
-    (hold_animation, "matrices"),
-    (stop_animation, "positions"),
-    (turn_root_away, "bounds"),
+    (put("materials.0.pbrMetallicRoughness.baseColorFactor", [0.2, 0.4, 0.7, 1.0]), "materials"),
+    (put("materials.0.alphaMode", "BLEND"), "materials"),
+    (put("materials.0.doubleSided", False), "sides"),
+    (put("meshes.0.primitives.0.material", None), "bindings"),
+    (put("animations.0.samplers.0.interpolation", "STEP"), "matrices"),
+    (put("animations", []), "positions"),
+    (put("/.rotation", None), "bounds"),
 ]
 
 

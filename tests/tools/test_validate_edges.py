@@ -19,10 +19,18 @@ from texts import fill, text_of
 QUAD = text_of("validate_edges/quad.usda")
 
 
-def validation_of(folder: Path, text: str) -> Validation:
-    """Convert a stage and compare it with its own output."""
-    done: Converted = convert_text(folder, text)
-    return validate_file(done.out, folder / "stage.usda", khronos=False)
+def passing(done: Converted, **compared: int) -> Validation:
+    """Compare a stage with its own output, which passes, by so many comparisons of a check."""
+    validation = done.validated()
+    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
+    for name, count in compared.items():
+        assert check_of(validation, name).compared == count
+    return validation
+
+
+def passing_text(folder: Path, text: str, **compared: int) -> Validation:
+    """Convert a stage and compare it with its own output, as `passing` does."""
+    return passing(convert_text(folder, text), **compared)
 
 
 def check_of(validation: Validation, name: str) -> Check:
@@ -37,13 +45,12 @@ def scaled(scale: str, body: str = QUAD) -> str:
 
 @pytest.mark.parametrize("scale", ["(0, 0, 0)", "(0, 1, 1)", "(1, 1, 0)", "(1e-20, 1e-20, 1e-20)"])
 def test_flattened_surfaces_are_compared_by_corners(tmp_path: Path, scale: str) -> None:
-    validation = validation_of(tmp_path, scaled(scale))
-    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
+    validation = passing_text(tmp_path, scaled(scale))
     assert check_of(validation, "positions").compared >= 2
 
 
 def test_normals_of_surfaces_that_are_not_flattened_still_count(tmp_path: Path) -> None:
-    validation = validation_of(tmp_path, scaled("(1, 1, 0.001)"))
+    validation = passing_text(tmp_path, scaled("(1, 1, 0.001)"))
     assert check_of(validation, "normals").compared >= 2
 
 
@@ -53,14 +60,12 @@ def test_nan_in_the_stage_is_left_out_or_the_identity(tmp_path: Path) -> None:
         QUAD=QUAD,
         broken_quad=QUAD.replace("(0, 1, 0)]", "(nan, inf, 0)]"),
     )
-    validation = validation_of(tmp_path, text)
-    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
-    assert check_of(validation, "positions").compared == 2
+    passing_text(tmp_path, text, positions=2)
 
 
 def test_a_huge_thin_triangle_may_be_drawn(tmp_path: Path) -> None:
     text = text_of("validate_edges/a_huge_thin_triangle_may_be_drawn.usda")
-    assert validation_of(tmp_path, text).passed
+    passing_text(tmp_path, text)
 
 
 def deep_file(folder: Path, depth: int) -> Path:
@@ -129,8 +134,7 @@ def test_moving_points_are_compared_between_their_keys(tmp_path: Path) -> None:
     text = text_of(
         "validate_edges/moving_points_are_compared_between_their_keys.usda", frames=frames
     )
-    validation = validation_of(tmp_path, text)
-    assert validation.passed
+    validation = passing_text(tmp_path, text)
     assert check_of(validation, "positions").compared >= 7
     changed = text.replace("(0, 3, 0)", "(0, 3.1, 0)")
     (tmp_path / "stage.usda").write_text(
@@ -154,7 +158,7 @@ def test_layers_that_usd_still_holds_are_read_anew(tmp_path: Path, held: str) ->
         text = (tmp_path / held).read_text()
         (tmp_path / held).write_text(text + f'def Mesh "more"\n{{{QUAD}}}\n')
     assert all(layers)
-    validation = validate_file(done.out, tmp_path / "stage.usda", khronos=False)
+    validation = done.validated()
     assert not validation.passed
 
 
@@ -165,7 +169,7 @@ def with_warning(folder: Path, text: str, name: str, prim: str, changed: str) ->
         f'{{"warnings": [{{"name": "{name}", "prim": "{prim}", "message": ""}}]}}'
     )
     (folder / "stage.usda").write_text(changed)
-    return validate_file(done.out, folder / "stage.usda", khronos=False)
+    return done.validated()
 
 
 def test_a_wrong_time_rate_excuses_no_motion(tmp_path: Path) -> None:
@@ -188,8 +192,7 @@ def test_a_damaged_prim_excuses_all_below_it(tmp_path: Path) -> None:
 
 def test_an_invalid_instancer_still_draws_its_good_instances(tmp_path: Path) -> None:
     text = text_of("validate_edges/an_invalid_instancer_still_draws_its_good_instances.usda")
-    validation = validation_of(tmp_path, text)
-    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
+    validation = passing_text(tmp_path, text)
     assert check_of(validation, "inputs").declared == 1
     assert check_of(validation, "positions").compared == 1
 
@@ -216,15 +219,14 @@ def test_inputs_that_gltf_lacks_are_named_and_else_silent(
     schemas = f' (prepend apiSchemas = ["{api}"])' if api else ""
     done = convert_text(tmp_path, f'def {kind} "L"{schemas}\n{{\n{body}\n}}\n')
     assert name in done.warnings("/L")
-    validation = validate_file(done.out, tmp_path / "stage.usda", khronos=False)
-    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
+    validation = passing(done)
     declared = [finding.declared for finding in check_of(validation, "inputs").findings]
     assert declared.count(name) == 1
     sidecar = Path(f"{done.out}.json")
     content = json.loads(sidecar.read_text())
     content["warnings"] = [entry for entry in content["warnings"] if entry["name"] != name]
     sidecar.write_text(json.dumps(content))
-    silent = validate_file(done.out, tmp_path / "stage.usda", khronos=False)
+    silent = done.validated()
     assert not check_of(silent, "inputs").passed
 
 
@@ -234,14 +236,14 @@ def test_equal_factors_for_both_reflections_scale_the_light(tmp_path: Path) -> N
     entry = done.json["extensions"]["KHR_lights_punctual"]["lights"][0]
     assert entry["intensity"] == pytest.approx(12.5)
     assert done.warnings("/L") == set()
-    assert validate_file(done.out, tmp_path / "stage.usda", khronos=False).passed
+    assert done.validated().passed
 
 
 def test_angular_velocities_are_named(tmp_path: Path) -> None:
     text = text_of("validate_edges/angular_velocities_are_named.usda")
     done = convert_text(tmp_path, text)
     assert "velocities-dropped" in done.warnings("/pi")
-    assert validate_file(done.out, tmp_path / "stage.usda", khronos=False).passed
+    assert done.validated().passed
 
 
 def texture_of(name: str, varname: str) -> str:
@@ -262,10 +264,9 @@ def test_textures_of_two_uv_sets_in_one_read_the_first(tmp_path: Path) -> None:
     Image.fromarray(pixels).save(tmp_path / "rgb.png")
     done = convert_text(tmp_path, TWO_UVS)
     assert "texture-packed-transform" in done.warnings()
-    validation = validate_file(done.out, tmp_path / "stage.usda", khronos=False)
-    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
+    passing(done)
     Path(f"{done.out}.json").write_text('{"warnings": []}')
-    silent = validate_file(done.out, tmp_path / "stage.usda", khronos=False)
+    silent = done.validated()
     assert not check_of(silent, "uvs").passed
 
 
@@ -275,8 +276,7 @@ def test_normals_of_moving_points_count_at_their_keys_only(tmp_path: Path) -> No
     text = text_of(
         "validate_edges/normals_of_moving_points_count_at_their_keys_only.usda", frames=frames
     )
-    validation = validation_of(tmp_path, text)
-    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
+    validation = passing_text(tmp_path, text)
     assert check_of(validation, "normals").compared >= 2
     assert check_of(validation, "positions").compared > check_of(validation, "normals").compared
 
@@ -291,8 +291,7 @@ PLANES = [
 
 @pytest.mark.parametrize("plane", PLANES)
 def test_planes_of_negative_size_turn_over(tmp_path: Path, plane: str) -> None:
-    validation = validation_of(tmp_path, f'def Plane "P"\n{{\n    {plane}\n}}\n')
-    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
+    passing_text(tmp_path, f'def Plane "P"\n{{\n    {plane}\n}}\n')
 
 
 PROJECTIVE = text_of("validate_edges/projective.usda")
@@ -301,8 +300,7 @@ PROJECTIVE = text_of("validate_edges/projective.usda")
 @pytest.mark.parametrize("kind", ["Cube", "Sphere"])
 @pytest.mark.parametrize("column", ["0", "0.25"])
 def test_points_are_divided_by_w(tmp_path: Path, kind: str, column: str) -> None:
-    validation = validation_of(tmp_path, fill(PROJECTIVE, kind=kind, column=column))
-    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
+    validation = passing_text(tmp_path, fill(PROJECTIVE, kind=kind, column=column))
     assert not any(check.declared for check in validation.checks)
 
 
@@ -311,9 +309,7 @@ def test_hidden_nodes_count_for_the_second_reader(tmp_path: Path) -> None:
     move = "double3 xformOp:translate = (9, 0, 0)"
     order = 'uniform token[] xformOpOrder = ["xformOp:translate"]'
     cube = f'def Cube "C"\n{{\n    {hidden}\n    {move}\n    {order}\n}}\n'
-    validation = validation_of(tmp_path, cube + 'def Cube "Unit"\n{\n}\n')
-    assert validation.passed
-    assert check_of(validation, "reader").compared == 1
+    passing_text(tmp_path, cube + 'def Cube "Unit"\n{\n}\n', reader=1)
 
 
 def test_a_resampled_animation_excuses_what_it_states_and_no_more(tmp_path: Path) -> None:
@@ -339,8 +335,7 @@ FAST = text_of("validate_edges/fast.usda")
 
 def test_curved_paths_stay_close_in_the_scenes_measure(tmp_path: Path) -> None:
     pytest.importorskip("pxr.Ts")
-    validation = validation_of(tmp_path, FAST)
-    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
+    passing_text(tmp_path, FAST)
 
 
 ORIENT = text_of("validate_edges/orient.usda")
@@ -348,8 +343,7 @@ ORIENT = text_of("validate_edges/orient.usda")
 
 @pytest.mark.parametrize("kind", ["quath", "quatf", "quatd"])
 def test_orientations_of_any_length_turn_as_usd_turns_them(tmp_path: Path, kind: str) -> None:
-    validation = validation_of(tmp_path, fill(ORIENT, kind=kind))
-    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
+    validation = passing_text(tmp_path, fill(ORIENT, kind=kind))
     assert check_of(validation, "matrices").declared == 0
 
 
@@ -360,8 +354,7 @@ def test_every_output_of_a_texture_reaches_the_emission(tmp_path: Path, output: 
     Image.fromarray(pixels).save(tmp_path / "t.png")
     scaled_texture = texture("T", "t.png", "float4 inputs:scale = (0.5, 0.25, 1, 0.75)")
     inputs = f"color3f inputs:emissiveColor.connect = </Mat/T.outputs:{output}>"
-    validation = validation_of(tmp_path, stage(inputs, scaled_texture))
-    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
+    validation = passing_text(tmp_path, stage(inputs, scaled_texture))
     assert "prim-damaged" not in {warning["name"] for warning in validation.warnings}
     assert check_of(validation, "materials").compared > 0
 
@@ -369,26 +362,21 @@ def test_every_output_of_a_texture_reaches_the_emission(tmp_path: Path, output: 
 def test_weights_that_are_no_numbers_are_zero(tmp_path: Path, stages: Path) -> None:
     text = (stages / "skin.usda").read_text()
     assert "0: [0]," in text
-    validation = validation_of(tmp_path, text.replace("0: [0],", "0: [nan],"))
-    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
+    validation = passing_text(tmp_path, text.replace("0: [0],", "0: [nan],"))
     assert check_of(validation, "skinning").declared == 0
 
 
 @pytest.mark.parametrize("side", ["right", "left"])
 def test_faces_that_repeat_a_point_keep_their_area(tmp_path: Path, side: str) -> None:
     text = text_of("validate_edges/faces_that_repeat_a_point_keep_their_area.usda", side=side)
-    validation = validation_of(tmp_path, text)
-    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
-    assert check_of(validation, "area").compared == 1
+    passing_text(tmp_path, text, area=1)
 
 
 def test_geometry_below_a_camera_is_where_the_second_reader_sees_it(tmp_path: Path) -> None:
     text = text_of(
         "validate_edges/geometry_below_a_camera_is_where_the_second_reader_sees_it.usda", QUAD=QUAD
     )
-    validation = validation_of(tmp_path, text)
-    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
-    assert check_of(validation, "reader").compared == 1
+    passing_text(tmp_path, text, reader=1)
 
 
 def test_a_smaller_texture_is_compared_as_it_was_enlarged(tmp_path: Path) -> None:
@@ -399,11 +387,10 @@ def test_a_smaller_texture_is_compared_as_it_was_enlarged(tmp_path: Path) -> Non
     inputs += "float inputs:metallic.connect = </Mat/B.outputs:b>"
     done = shaded(tmp_path, inputs, texture("A", "small.png") + texture("B", "large.png"))
     assert "texture-repacked" in done.warnings("/Mat/A")
-    validation = validate_file(done.out, tmp_path / "stage.usda", khronos=False)
-    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
+    passing(done)
     other = np.random.default_rng(9).integers(0, 255, (8, 8, 3), dtype=np.uint8)
     Image.fromarray(other).save(tmp_path / "small.png")
-    assert not validate_file(done.out, tmp_path / "stage.usda", khronos=False).passed
+    assert not done.validated().passed
 
 
 @pytest.mark.parametrize("allowed", [True, False])
@@ -417,9 +404,7 @@ def test_the_stage_is_read_from_the_folders_of_the_conversion(
     text = 'def "X" (references = @../far/part.usda@)\n{\n}\ndef Cube "Unit"\n{\n}\n'
     roots = (tmp_path / "far",) if allowed else ()
     done = convert_text(tmp_path / "near", text, extra_roots=roots)
-    validation = validate_file(done.out, tmp_path / "near" / "stage.usda", khronos=False)
-    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
-    assert check_of(validation, "positions").compared == 1 + allowed
+    validation = passing(done, positions=1 + allowed)
     assert validation.roots == [str(tmp_path / "near"), *map(str, roots)]
 
 
@@ -428,13 +413,12 @@ def test_a_sphere_light_without_radius_shines_as_a_point(tmp_path: Path) -> None
     done = convert_text(tmp_path, f'def SphereLight "L"\n{{\n{body}}}\n')
     stored = done.json["extensions"]["KHR_lights_punctual"]["lights"][0]
     assert stored["intensity"] == pytest.approx(2.0)
-    assert validate_file(done.out, tmp_path / "stage.usda", khronos=False).passed
+    assert done.validated().passed
 
 
 def test_animated_ids_hide_the_instances_that_they_name(tmp_path: Path) -> None:
     text = text_of("validate_edges/animated_ids_hide_the_instances_that_they_name.usda")
-    validation = validation_of(tmp_path, text)
-    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
+    validation = passing_text(tmp_path, text)
     assert validation.times > 0
 
 

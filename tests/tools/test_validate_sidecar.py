@@ -6,9 +6,8 @@ import pytest
 from material_stages import noise, save, texture
 from material_stages import stage as material_stage
 from read_converted import convert_text
-from reflet_usd.validate.validation import validate_file
 from reflet_usd.validate.validation_table import format_validation
-from tampering import UNIT, agrees
+from tampering import UNIT
 
 TEXTURED = material_stage(
     "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>", texture("T", "t.png")
@@ -35,7 +34,7 @@ TEXTURED = material_stage(
 def test_a_damaged_sidecar_is_named(tmp_path: Path, text: str) -> None:
     done = convert_text(tmp_path, UNIT)
     Path(f"{done.out}.json").write_text(text, encoding="utf-8")
-    validation = validate_file(done.out, tmp_path / "stage.usda", khronos=False)
+    validation = done.validated()
     assert not validation.passed
     assert "is damaged" in format_validation(validation)
 
@@ -45,4 +44,4 @@ def test_brackets_in_a_folder_are_no_package(tmp_path: Path) -> None:
     folder.mkdir()
     save(folder, "t.png", noise("RGB", (16, 16)))
     done = convert_text(folder, TEXTURED)
-    assert agrees(done)
+    assert done.validated().passed

@@ -8,7 +8,7 @@ import pytest
 from material_stages import noise, save, texture
 from material_stages import stage as material_stage
 from read_converted import Converted, convert_text
-from tampering import FACE, UNIT, agrees
+from tampering import FACE, UNIT
 from texts import text_of
 
 KHR = "KHR_materials_"
@@ -145,7 +145,7 @@ def good(tmp_path_factory: pytest.TempPathFactory) -> tuple[Converted, bytes]:
     folder = tmp_path_factory.mktemp("strict")
     save(folder, "t.png", noise("RGB", (64, 64)))
     done = convert_text(folder, STAGE)
-    assert agrees(done)
+    assert done.validated().passed
     return done, done.out.read_bytes()
 
 
@@ -156,7 +156,7 @@ def test_what_the_stage_does_not_say_is_found(good: tuple[Converted, bytes], nam
     tree = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
     DAMAGES[name](tree)
     rewrite(done, tree)
-    assert not agrees(done)
+    assert not done.validated().passed
 
 
 def test_every_texel_counts(tmp_path: Path) -> None:
@@ -166,7 +166,7 @@ def test_every_texel_counts(tmp_path: Path) -> None:
     picture = picture.copy()
     picture[7, 40] ^= 128
     save(tmp_path, "t.png", picture)
-    assert not agrees(done)
+    assert not done.validated().passed
 
 
 def test_what_a_factor_of_zero_hides_may_differ(tmp_path: Path) -> None:
@@ -175,4 +175,4 @@ def test_what_a_factor_of_zero_hides_may_differ(tmp_path: Path) -> None:
     done = convert_text(
         tmp_path, material_stage("float inputs:roughness.connect = </Mat/T.outputs:g>", raw)
     )
-    assert agrees(done)
+    assert done.validated().passed
