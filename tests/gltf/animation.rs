@@ -1,18 +1,11 @@
 //! Animations of glTF files: poses, timing, and errors of invalid ones.
 
-use glam::{Affine3A, EulerRot, Quat, Vec3};
-use reflet::{
-    scene::{
-        desc::{
-            AnimationDesc, InstanceDesc, LightKind, Playback, RepeatDesc, SceneDesc, TimelineDesc,
-        },
-        stages::{Animator, Scene},
-    },
-    world::World,
+use glam::{Affine3A, EulerRot, Quat};
+use reflet::scene::desc::{
+    AnimationDesc, InstanceDesc, LightKind, Playback, RepeatDesc, TimelineDesc,
 };
-use serde_json::{Value, json};
 
-use crate::kit::{Doc, Folder, instance, load_scene, scene, trs, unplaced, warnings};
+use crate::kit::*;
 
 /// Adds an animation of one channel.
 pub fn animate(doc: &mut Doc, name: &str, node: usize, path: &str, keys: &[(f32, &[f32])]) {

@@ -8,16 +8,9 @@ use std::{
 };
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, DVec4, Mat4};
-use reflet::scene::{
-    desc::{AnimationDesc, Playback, TimelineDesc},
-    stages::{Animator, Scene},
-};
-use serde_json::Value;
+use reflet::scene::desc::{AnimationDesc, Playback, TimelineDesc};
 
-use crate::{
-    common::shared_folder,
-    kit::{load_scene, scene, unplaced},
-};
+use crate::{common::shared_folder, kit::*};
 
 /// JSON and buffers of a file.
 struct File {

@@ -1,12 +1,10 @@
 //! Visibility in animations: a scale of 0, and KHR_animation_pointer switches.
 
-use glam::Vec3;
 use reflet::scene::desc::{AnimationDesc, Playback, TimelineDesc};
-use serde_json::json;
 
 use crate::{
     animation::{cart, channel, playing, posed},
-    kit::{Folder, load_scene, scene, warnings},
+    kit::*,
 };
 
 #[test]

@@ -1,20 +1,16 @@
 //! Animations of glTF files: names, errors of invalid ones, and ignored parts.
 
-use glam::{Affine3A, Quat, Vec3};
+use glam::{Affine3A, Quat};
 use reflet::{
     runtime::scene_text::{SceneOptions, SceneText},
     scene::desc::InstanceDesc,
-    world::{
-        gltf,
-        load::{self},
-    },
+    world::{gltf, load},
 };
-use serde_json::{Value, json};
 
 use crate::{
     animation::{assert_near, cart, cart_scene, find, playing, posed},
-    common::{assert_says, cases},
-    kit::{Doc, Folder, instance, load_scene, one_error, scene, warnings},
+    common::cases,
+    kit::*,
 };
 
 #[test]

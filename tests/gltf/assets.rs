@@ -2,9 +2,7 @@
 
 use std::time::Instant;
 
-use reflet::world::load::{LoadOptions, load};
-
-use crate::{common::shared_folder, kit::scene, promises::check_promises};
+use crate::{common::shared_folder, kit::*, promises::check_promises};
 
 #[test]
 fn sponza_is_complete() {

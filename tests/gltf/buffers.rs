@@ -1,10 +1,8 @@
 //! Missing buffers: an error only where data is read from them.
 
-use crate::common::assert_says;
 use std::process::Command;
 
-use crate::kit::{Doc, Folder, load_scene, one_error, scene, warnings};
-use serde_json::json;
+use crate::kit::*;
 
 /// A triangle in a `.gltf` file whose only data is in the second buffer; the first has neither a URI nor
 /// data.

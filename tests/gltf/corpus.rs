@@ -7,13 +7,9 @@ use std::{
     time::{Duration, Instant},
 };
 
-use reflet::{scene::diagnostic::Diagnostic, world::World};
+use reflet::scene::diagnostic::Diagnostic;
 
-use crate::{
-    common::shared_folder,
-    kit::{load_scene, scene},
-    promises::check_promises,
-};
+use crate::{common::shared_folder, kit::*, promises::check_promises};
 
 /// Valid files that may be refused: they require extensions that are not supported, or lack data
 /// (the validator accepts buffers and images that say nowhere where they are).

@@ -1,9 +1,8 @@
 //! Default camera of scenes without one: framing and view direction.
 
-use crate::kit::Doc;
-use glam::Vec3;
-use reflet::{scene::desc::CameraDesc, world::World};
-use serde_json::json;
+use reflet::scene::desc::CameraDesc;
+
+use crate::kit::*;
 
 fn camera(world: &World) -> &CameraDesc {
     &world.cameras[0].value

@@ -1,16 +1,9 @@
 //! Skins and morph targets: at rest, in the pose of the first frame after loading, and moving.
 
-use crate::common::assert_says;
-use crate::kit::{Doc, Folder, instance, load_scene, one_error, scene, unplaced, warnings};
-use glam::{DAffine3, DQuat, DVec3, Vec3};
-use reflet::{
-    scene::{
-        desc::{AnimationDesc, SceneDesc, TimelineDesc},
-        stages::{Animator, Scene},
-    },
-    world::World,
-};
-use serde_json::json;
+use glam::{DAffine3, DQuat, DVec3};
+use reflet::scene::desc::{AnimationDesc, TimelineDesc};
+
+use crate::kit::*;
 
 /// A triangle with two morph targets: the third corner up by 2, and all corners towards the viewer.
 fn morphed() -> Doc {

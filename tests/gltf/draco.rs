@@ -1,9 +1,9 @@
 //! KHR_draco_mesh_compression: a stream of Google's encoder, and invalid ones.
 
-use crate::{common::Random, kit::Doc, memory::within, work::Most};
-use glam::{Vec2, Vec3};
+use glam::Vec2;
 use reflet::world::Mesh;
-use serde_json::json;
+
+use crate::{common::Random, kit::*, memory::within, work::Most};
 
 /// Stream of 12 by 12 vertices (x, y, (7 i mod 5) / 4) with normals (0, 0.6, 0.8) and coordinates (x, y) / 11 in
 /// 14 bits; attributes are 0 coordinates, 1 normals, 2 positions.

@@ -1,7 +1,6 @@
 //! Files in which many things have one name.
 
-use crate::{kit::Doc, work::counted};
-use serde_json::json;
+use crate::{kit::*, work::counted};
 
 /// A triangle with cameras and animations that all have one name.
 fn same_names(count: usize) -> Doc {

@@ -1,11 +1,8 @@
 //! Extensions that files require.
 
-use crate::kit::{Doc, Folder, png, rich, scene, warnings};
-use reflet::world::{
-    gltf::SUPPORTED_EXTENSIONS,
-    load::{LoadOptions, load},
-};
-use serde_json::json;
+use reflet::world::gltf::SUPPORTED_EXTENSIONS;
+
+use crate::kit::*;
 
 fn lenient(doc: &Doc) -> Result<reflet::world::World, Vec<reflet::scene::diagnostic::Diagnostic>> {
     let folder = Folder::new();

@@ -1,18 +1,8 @@
 //! Faults of files that are forgiven with a warning, as other viewers forgive them.
 
-use crate::{
-    common::cases,
-    kit::{Doc, Folder, load_scene, one_error, scene, warnings},
-};
-use glam::Vec3;
-use reflet::{
-    scene::diagnostic::Diagnostic,
-    world::{
-        World,
-        load::{LoadOptions, load},
-    },
-};
-use serde_json::{Value, json};
+use reflet::scene::diagnostic::Diagnostic;
+
+use crate::{common::cases, kit::*};
 
 /// World positions of all instances.
 fn places(world: &World) -> Vec<Vec3> {

@@ -1,8 +1,8 @@
 //! Geometry of small generated glTF files.
 
-use crate::kit::{Doc, png, warnings};
-use glam::{Vec2, Vec3, Vec4};
-use serde_json::json;
+use glam::{Vec2, Vec4};
+
+use crate::kit::*;
 
 fn close(a: Vec3, b: Vec3) -> bool {
     (a - b).length() < 1e-5

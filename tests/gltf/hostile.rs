@@ -1,10 +1,6 @@
 //! Invalid glTF files: an error with its location, never a panic.
 
-use crate::{
-    common::cases,
-    kit::{Doc, Folder, load_scene, one_error, rich, scene},
-};
-use serde_json::{Value, json};
+use crate::{common::cases, kit::*};
 
 #[test]
 fn the_unharmed_file_loads() {

@@ -2,19 +2,10 @@
 
 use std::{io::Cursor, path::Path};
 
-use crate::common::Random;
-use crate::geometry::mapped_square;
-use crate::kit::{Doc, Folder, one_error, png, rich, scene, textured};
-use crate::work::Most;
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, Rgb};
-use reflet::{
-    scene::{desc::SceneDesc, stages::Scene},
-    world::{
-        Texture,
-        load::{LoadOptions, load},
-    },
-};
-use serde_json::json;
+use reflet::world::Texture;
+
+use crate::{common::Random, geometry::mapped_square, kit::*, work::Most};
 
 fn encoded(picture: impl Into<DynamicImage>, format: ImageFormat) -> Vec<u8> {
     let mut bytes = Cursor::new(Vec::new());

@@ -1,17 +1,9 @@
 //! Light of images that a file brings (EXT_lights_image_based).
 
-use glam::{DVec3, Quat, Vec3};
-use reflet::{
-    scene::desc::SceneDesc,
-    world::{
-        World,
-        environment::Panorama,
-        load::{LoadOptions, load},
-    },
-};
-use serde_json::{Value, json};
+use glam::{DVec3, Quat};
+use reflet::world::environment::Panorama;
 
-use crate::kit::{Doc, Folder, load_scene, png, scene, warnings};
+use crate::kit::*;
 
 /// Colors of the faces +X, -X, +Y, -Y, +Z, -Z: their red tells them apart, their green is whole.
 fn shade(face: usize) -> u8 {

@@ -5,14 +5,15 @@
 use std::{fs, panic, path::Path};
 
 use ::gltf::{Document, Gltf, animation::util::ReadOutputs, buffer, mesh::Mode};
-use glam::{Affine3A, DVec4, Mat4, Vec2, Vec3, Vec4};
+use glam::{Affine3A, DVec4, Mat4, Vec2, Vec4};
 use reflet::world::{
     Material, Mesh,
     animation::{Channel, Interpolation, Property},
-    gltf::{self, Model, Sandbox},
+    gltf,
+    gltf::{Model, Sandbox},
 };
 
-use crate::common::shared_folder;
+use crate::{common::shared_folder, kit::*};
 
 /// Extensions that change the meaning of a file's core properties.
 const BEYOND: [&str; 8] = [

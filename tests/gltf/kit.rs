@@ -3,22 +3,26 @@
 
 use std::path::Path;
 
-use glam::{Quat, Vec3};
-use reflet::{
+use glam::Quat;
+use reflet::scene::{
+    desc::{At, Entry, InstanceDesc, ModelDesc, ModelSource, PlacementDesc, StageDesc},
+    diagnostic::{Diagnostic, Severity, Span},
+};
+
+// Names that most tests of glTF need, beside the functions below.
+pub use crate::common::{assert_says, folder::Folder};
+pub use glam::Vec3;
+pub use reflet::{
     scene::{
-        desc::{
-            At, Entry, InstanceDesc, ModelDesc, ModelSource, PlacementDesc, SceneDesc, StageDesc,
-        },
-        diagnostic::{Diagnostic, Severity, Span},
+        desc::SceneDesc,
+        stages::{Animator, Scene},
     },
     world::{
         World,
         load::{LoadOptions, load},
     },
 };
-use serde_json::{Value, json};
-
-pub use crate::common::folder::Folder;
+pub use serde_json::{Value, json};
 
 /// A glTF document under construction; its one buffer is GLB's binary chunk.
 #[derive(Clone)]

@@ -2,14 +2,10 @@
 
 use std::io::Cursor;
 
-use crate::{
-    common::Random,
-    kit::{Doc, Folder, entry, load_scene, png, rich, scene, stone, unplaced},
-    work::Most,
-};
 use image::ImageFormat;
 use reflet::scene::desc::MaterialDesc;
-use serde_json::json;
+
+use crate::{common::Random, kit::*, work::Most};
 
 /// KTX2 files of 16 by 16 pixels with four quadrants of one color each.
 const FILES: [(&str, &[u8]); 3] = [

@@ -2,9 +2,9 @@
 
 use std::io::Write as _;
 
-use crate::{common::Random, kit::Doc, work::Most};
 use reflet::world::Texture;
-use serde_json::json;
+
+use crate::{common::Random, kit::*, work::Most};
 
 /// A KTX2 file with one level.
 fn file(vk_format: u32, size: [u32; 2], scheme: u32, level: &[u8], inflated: usize) -> Vec<u8> {

@@ -1,8 +1,6 @@
 //! Material layers of glTF extensions: transmission, coats and the like.
 
-use crate::kit::{stone, warnings};
-use glam::Vec3;
-use serde_json::json;
+use crate::kit::*;
 
 #[test]
 fn what_passes_through_and_what_lies_over_a_material_is_read() {

@@ -2,10 +2,7 @@
 
 use std::fs;
 
-use crate::common::Random;
-use crate::kit::{Doc, Folder, load_scene, one_error, rich, scene};
-use crate::work::Most;
-use serde_json::{Value, json};
+use crate::{common::Random, kit::*, work::Most};
 
 #[test]
 fn uris_cannot_leave_the_allowed_folders() {

@@ -2,13 +2,13 @@
 
 use std::f32::consts::FRAC_PI_2;
 
-use crate::kit::{Doc, Folder, entry, instance, load_scene, png, scene, stone, unplaced, warnings};
-use glam::{Vec3, Vec4};
+use glam::Vec4;
 use reflet::{
     scene::desc::{InstanceDesc, InstanceMaterialDesc, MaterialDesc, ReflectionMode},
     world::Wrap,
 };
-use serde_json::json;
+
+use crate::kit::*;
 
 #[test]
 fn materials_arrive_whole() {

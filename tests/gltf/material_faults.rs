@@ -1,15 +1,8 @@
 //! Warnings about invalid materials: the location of the fault, and the substitute that is used.
 
-use crate::common::assert_says;
-use crate::kit::{Doc, Folder, stone, warnings};
-use reflet::{
-    scene::stages::Scene,
-    world::{
-        emitters::MAX_EMITTERS,
-        load::{LoadOptions, load},
-    },
-};
-use serde_json::json;
+use reflet::world::emitters::MAX_EMITTERS;
+
+use crate::kit::*;
 
 #[test]
 fn a_broken_image_names_the_texture_that_uses_it() {

@@ -3,13 +3,8 @@
 use std::io::Cursor;
 
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, Rgba};
-use reflet::world::{
-    World,
-    load::{LoadOptions, load},
-};
-use serde_json::{Value, json};
 
-use crate::kit::{Doc, Folder, one_error, png, scene, textured};
+use crate::kit::*;
 
 /// Loads a file within so much memory; an error's name and text.
 pub fn within(doc: &Doc, mebibytes: u64) -> Result<World, (&'static str, String)> {

@@ -1,10 +1,8 @@
 //! EXT_meshopt_compression: streams of every mode and filter, and invalid ones.
 
-use crate::{common::Random, kit::Doc, work::Most};
-use glam::Vec3;
 use meshopt::{EncodeExpMode, encode_filter_exp, encode_filter_oct};
-use reflet::world::World;
-use serde_json::{Value, json};
+
+use crate::{common::Random, kit::*, work::Most};
 
 /// Vertices and triangles of a grid of `side` by `side` vertices.
 fn grid(side: u32) -> (Vec<[f32; 3]>, Vec<u32>) {

@@ -1,7 +1,6 @@
 //! Node chains that are deeper than recursion could follow.
 
-use crate::{kit::Doc, work::counted};
-use serde_json::json;
+use crate::{kit::*, work::counted};
 
 /// A triangle below a chain of this many nodes, each 1/1024 to the right of its parent.
 fn chain(length: usize) -> Doc {

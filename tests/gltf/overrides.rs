@@ -1,16 +1,9 @@
 //! An instance's own `material = { … }` over time: by tracks, by a script, over shapes, named
 //! materials and files, and of that instance alone.
 
-use reflet::{
-    scene::stages::Scene,
-    world::{Material, World},
-};
+use reflet::world::Material;
 
-use crate::{
-    animation::posed_scene,
-    common::cases,
-    kit::{Folder, stone},
-};
+use crate::{animation::posed_scene, common::cases, kit::*};
 
 const SCENE: &str = include_str!("overrides/scene.toml");
 

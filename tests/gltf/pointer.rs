@@ -1,16 +1,12 @@
 //! KHR_animation_pointer: animated materials, textures, lights and cameras.
 
-use glam::{Vec2, Vec3};
+use glam::Vec2;
 use reflet::{
-    scene::{
-        desc::{AnimationDesc, LightKind, TimelineDesc},
-        stages::{Animator, Scene},
-    },
-    world::{TextureRef, World, load},
+    scene::desc::{AnimationDesc, LightKind, TimelineDesc},
+    world::{TextureRef, load},
 };
-use serde_json::json;
 
-use crate::kit::{Doc, Folder, scene, unplaced, warnings};
+use crate::kit::*;
 
 /// A file with an animation of 2 s that changes the target of each pointer from its first to its last value.
 fn doc(pointers: &[(&str, &str, &[f32], &[f32])]) -> Doc {

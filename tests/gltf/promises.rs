@@ -1,6 +1,6 @@
 //! Invariants of loaded worlds.
 
-use reflet::world::World;
+use crate::kit::*;
 
 /// Checks invariants of loaded worlds.
 pub fn check_promises(world: &World, name: &str) {

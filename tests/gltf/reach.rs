@@ -1,9 +1,6 @@
 //! Geometry so far away that the boxes of trees overflow is refused by name.
 
-use crate::common::assert_says;
-use serde_json::json;
-
-use crate::kit::Doc;
+use crate::kit::*;
 
 /// A triangle whose first corner has this x.
 fn triangle(x: f32) -> Doc {

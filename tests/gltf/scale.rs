@@ -1,7 +1,6 @@
 //! Work and size of large scenes, counted: twice as long a text takes twice as many allocations, and a scene placed
 //! many times is limited.
 
-use crate::common::{assert_says, folder::Folder};
 use std::{collections::BTreeSet, fmt::Write as _, path::Path, sync::Arc};
 
 use allocation_counter::measure;
@@ -13,10 +12,10 @@ use reflet::{
         diagnostic::{Diagnostic, Source},
         reach::UnsavedTexts,
         script::Bounds,
-        stages::{Animator, Scene},
     },
-    world::load::{LoadOptions, load},
 };
+
+use crate::{common::folder::Folder, kit::*};
 
 const START: &str = "version = 1\ncamera.main.eye = [0, 0, 9]\ntimeline.end = 3\n\
     [model.ball]\nshape = { kind = \"box\" }\n[[instance]]\nmodel = \"ball\"\nname = \"b\"\n";

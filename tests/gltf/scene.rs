@@ -1,20 +1,12 @@
 //! Lights, cameras, placements and files of glTF in a scene.
 
-use crate::kit::{
-    Doc, Folder, entry, instance, load_scene, one_error, png, scene, stone, trs, unplaced, warnings,
+use glam::Affine3A;
+use reflet::scene::desc::{
+    BevelDesc, InstanceDesc, InstanceMaterialDesc, LightKind, MaterialDesc, ModelDesc, ModelSource,
+    RepeatDesc, ShapeDesc, StageDesc,
 };
-use glam::{Affine3A, Vec3};
-use reflet::{
-    scene::desc::{
-        BevelDesc, InstanceDesc, InstanceMaterialDesc, LightKind, MaterialDesc, ModelDesc,
-        ModelSource, RepeatDesc, SceneDesc, ShapeDesc, StageDesc,
-    },
-    world::{
-        World,
-        load::{LoadOptions, load},
-    },
-};
-use serde_json::json;
+
+use crate::kit::*;
 
 fn cube() -> ShapeDesc {
     ShapeDesc::Box {

@@ -1,17 +1,12 @@
 //! Scripted poses of nodes and morph targets.
 
-use crate::common::assert_says;
-use glam::{Quat, Vec3};
+use glam::Quat;
 use reflet::{
-    scene::{
-        motion::{FrameState, JointPose},
-        stages::{Animator, Scene},
-    },
-    world::{World, load},
+    scene::motion::{FrameState, JointPose},
+    world::load,
 };
-use serde_json::json;
 
-use crate::kit::{Doc, Folder};
+use crate::kit::*;
 
 /// A triangle with two morph targets on a joint, below another joint; the second target has no name.
 fn doc() -> Doc {

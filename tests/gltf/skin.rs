@@ -1,8 +1,6 @@
 //! Skins without animation, and invalid ones.
 
-use crate::kit::{Doc, warnings};
-use glam::Vec3;
-use serde_json::json;
+use crate::kit::*;
 
 #[test]
 fn skins_morphs_and_broken_animations_are_named() {

@@ -1,8 +1,8 @@
 //! KHR_materials_pbrSpecularGlossiness converted to metallic-roughness.
 
-use crate::kit::{Doc, png, warnings};
-use reflet::world::{Material, World};
-use serde_json::{Value, json};
+use reflet::world::Material;
+
+use crate::kit::*;
 
 /// A triangle with this extension and these images as textures 0 and 1.
 fn material(extension: Value, images: &[Vec<u8>]) -> World {

@@ -1,7 +1,6 @@
 //! KHR_materials_variants: materials chosen by the variant's name.
 
-use crate::kit::{Doc, Folder, load_scene, one_error, scene, unplaced};
-use serde_json::json;
+use crate::kit::*;
 
 /// A triangle with a plain material, and two other materials in three variants.
 fn shoe() -> Doc {

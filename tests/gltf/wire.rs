@@ -1,11 +1,11 @@
 //! Points and lines as capsules.
 
-use crate::kit::{Doc, Folder, entry, load_scene, scene, warnings};
-use glam::Vec3;
 use reflet::world::{
     Mesh,
     bvh::{Ray, Trees},
 };
+
+use crate::kit::*;
 
 /// The ends of each capsule.
 fn ends(mesh: &Mesh) -> Vec<[Vec3; 2]> {

@@ -3,7 +3,7 @@
 use allocation_counter::{AllocationInfo, measure};
 use rayon::ThreadPoolBuilder;
 
-use crate::{kit::Doc, promises::check_promises};
+use crate::{kit::*, promises::check_promises};
 
 /// Result of `read` and the allocations that it made. Its parallel parts run on the same thread, so that they are
 /// counted too.

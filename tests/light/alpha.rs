@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use super::kit::{FirstView, assert_close, gpu, render, renderer, scene};
+use super::kit::*;
 
 /// A white matte ball in the middle of a bright world.
 const BALL: &str = include_str!("alpha/ball.toml");

@@ -2,14 +2,9 @@
 
 use std::{path::Path, sync::Once};
 
-use glam::Vec3;
-use reflet::{
-    render::Picture,
-    scene::desc::SceneDesc,
-    world::{LayerTexture, World},
-};
+use reflet::world::LayerTexture;
 
-use super::kit::{color, gpu, renderer, scene_of};
+use super::kit::*;
 
 /// A wall between a lamp, a glowing box and a mirror on the floor, which reflects the wall.
 const WALL: &str = include_str!("coat_normals/wall.toml");

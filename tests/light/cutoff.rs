@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use reflet::render::{picture::aov::Aov, pipeline::cause::Cause, settings::cutoff::can_reflect};
+use reflet::render::{pipeline::cause::Cause, settings::cutoff::can_reflect};
 
-use super::kit::{assert_close, gpu, integers, mean, render, scene};
+use super::kit::*;
 
 /// Columns and rows of square cells, a material each.
 const GRID: [usize; 2] = [20, 13];

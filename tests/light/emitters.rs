@@ -2,14 +2,10 @@
 
 use std::f32::consts::PI;
 
-use reflet::{render::Picture, scene::stages::Scene, world::load};
+use reflet::world::load;
 
-use super::{
-    extent::FLOOR,
-    kit::{
-        FirstView, assert_close, assert_color, film_of, gpu, mean, pose, render, renderer, scene,
-    },
-};
+use super::extent::FLOOR;
+use super::kit::*;
 
 /// Scene text of a shape that emits light, with these keys of its instance.
 fn lamp(shape: &str, emission: &str, place: &str) -> String {

@@ -1,6 +1,6 @@
 //! Multiple scattering between microfacets, and both sides of `roughness_cutoff`.
 
-use super::kit::{assert_close, gpu, mean, render};
+use super::kit::*;
 
 /// A floor seen from 3 m at an angle that a test sets.
 const FLOOR: &str = include_str!("energy/floor.toml");

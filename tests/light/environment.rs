@@ -6,9 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use reflet::render::Picture;
-
-use super::kit::{assert_close, assert_color, color, gpu, mean, picture, render, scene_of};
+use super::kit::*;
 
 /// Folder for the files of one test.
 pub fn folder(name: &str) -> PathBuf {

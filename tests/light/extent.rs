@@ -2,12 +2,8 @@
 
 use std::f32::consts::PI;
 
-use reflet::render::Picture;
-
-use super::{
-    environment::directional_albedo,
-    kit::{assert_close, assert_color, gpu, mean, render, share_differing},
-};
+use super::environment::directional_albedo;
+use super::kit::*;
 
 /// A white, matte floor at y = 0 of which the picture shows a few centimeters around the origin.
 pub const FLOOR: &str = include_str!("extent/floor.toml");

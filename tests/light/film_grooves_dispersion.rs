@@ -3,9 +3,9 @@
 
 use std::f64::consts::PI;
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
-use super::kit::{assert_close, color, gpu, mean, render};
+use super::kit::*;
 
 /// A floor of metal seen from 3 m at an angle that a test sets, in even light.
 const FLOOR: &str = include_str!("film_grooves_dispersion/floor.toml");

@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
-use reflet::render::{RenderOptions, passes};
+use reflet::render::passes;
 
-use super::kit::{assert_close, assert_color, color, gpu, mean, render, renderer, scene};
+use super::kit::*;
 
 /// A glowing wall 10 m before the camera, which is in a corner of the box of the fog.
 const WALL: &str = include_str!("fog/wall.toml");

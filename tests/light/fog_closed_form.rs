@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::kit::{assert_color, gpu, mean, render};
+use super::kit::*;
 
 /// Extinction of the fog, 1 / m.
 const DENSITY: f64 = 0.15;

@@ -3,7 +3,7 @@
 
 use std::{collections::BTreeMap, env, fmt::Write as _, fs, ops::Range};
 
-use super::kit::{gpu, render};
+use super::kit::*;
 use crate::common::cases;
 
 /// Roughnesses of the page; a test compares every second one.

@@ -1,8 +1,8 @@
 //! Light groups: the pictures of all groups add up to the whole one, and each shows its own lights.
 
-use reflet::{render::Picture, scene::desc::LightGroup};
+use reflet::scene::desc::LightGroup;
 
-use super::kit::{FirstView, gpu, mean, renderer, scene};
+use super::kit::*;
 
 /// A point light with a map, a softbox, a glowing ball that lights, and a sky, on a glossy floor beside a mirror.
 const LIT: &str = include_str!("groups/lit.toml");

@@ -1,6 +1,6 @@
 //! Indirect light between surfaces, and the method `path` that follows all of it, against closed forms.
 
-use super::kit::{assert_close, gpu, mean, render, renderer, scene};
+use super::kit::*;
 
 /// The camera in a closed box whose walls all emit and scatter alike.
 const OVEN: &str = include_str!("indirect/oven.toml");

@@ -2,9 +2,7 @@
 
 use std::f32::consts::PI;
 
-use reflet::render::picture::aov::Aov;
-
-use super::kit::{FirstView, assert_color, color, floats, gpu, render, renderer, scene};
+use super::kit::*;
 
 /// A white floor seen from 4 m above.
 const FLOOR: &str = include_str!("lamp/floor.toml");

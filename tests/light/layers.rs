@@ -1,9 +1,7 @@
 //! Transmission, blended alpha and clear coats, against closed forms.
 
-use super::{
-    environment::directional_albedo,
-    kit::{FirstView, assert_close, assert_color, color, gpu, mean, render, renderer, scene},
-};
+use super::environment::directional_albedo;
+use super::kit::*;
 
 /// The camera looks along -Z at an emissive wall, through an object that a test adds at the origin.
 const WALL: &str = include_str!("layers/wall.toml");

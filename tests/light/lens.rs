@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use super::kit::{assert_close, color, gpu, mean, render};
+use super::kit::*;
 
 /// A glowing disk of 10 cm radius on a dark world, 4 m before a camera whose lens has a radius of 0.1 m.
 const DISK: &str = include_str!("lens/disk.toml");

@@ -2,13 +2,10 @@
 
 use std::{collections::HashMap, f64::consts::PI, sync::Arc};
 
-use glam::{DVec3, Vec3};
-use reflet::world::{
-    World,
-    light_tree::{Chosen, LightTrees},
-};
+use glam::DVec3;
+use reflet::world::light_tree::{Chosen, LightTrees};
 
-use super::kit::{assert_close, film_of, gpu, mean, pose, render, scene};
+use super::kit::*;
 
 /// A camera above a floor.
 pub const FLOOR: &str = "version = 1\n[camera.main]\neye = [0, 2.5, 0.2]\ntarget = [0, 0, 0]\nfov_deg = 40\n\

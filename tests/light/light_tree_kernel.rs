@@ -1,22 +1,21 @@
 //! Probabilities of light trees on the device, beside the CPU's.
 
-use glam::Vec3;
 use reflet::{
-    gpu::{Gpu, ShaderLibrary, readback::read_buffer},
+    gpu::{ShaderLibrary, readback::read_buffer},
     render::{
         passes, pipeline::shader_variant::ShaderVariant, plan::Features,
         upload::emitters::GpuEmitters,
     },
     scene::desc::{LightDesc, LightKind, ShadowMode},
     world::{
-        Light, World,
+        Light,
         light_tree::{Chosen, LIGHT_LEAF, LightTrees, Tree},
     },
 };
 use wgpu::util::DeviceExt as _;
 
+use super::kit::*;
 use super::{
-    kit::{gpu, scene},
     light_tree::{FLOOR, LAMPS},
     many_lamps::lamps,
 };

@@ -1,20 +1,11 @@
 //! More lights than an array holds: lamps of which the light tree chooses.
 
-use glam::Vec3;
 use reflet::{
-    render::Picture,
     scene::desc::LightKind,
-    world::{
-        World,
-        light_tree::{Chosen, LightTrees, NO_NODE, UNLIT_ITEM},
-    },
+    world::light_tree::{Chosen, LightTrees, NO_NODE, UNLIT_ITEM},
 };
 
-use crate::common::shaders;
-
-use super::kit::{
-    FirstView, assert_close, color, film_of, gpu, mean, pose, render, renderer, scene,
-};
+use super::kit::*;
 
 /// A matte floor, a ball of rough metal and a mirror, in the dark.
 const THINGS: &str = include_str!("many_lamps/things.toml");

@@ -1,8 +1,6 @@
 //! Light and rays over short and long distances: lamps close to surfaces, and scenes of all sizes.
 
-use reflet::render::Picture;
-
-use super::kit::{assert_close, color, gpu, render, scene};
+use super::kit::*;
 
 /// A white floor without a specular lobe below a lamp at the height `AT`, seen from the side.
 const LAMP: &str = include_str!("near/lamp.toml");

@@ -1,17 +1,12 @@
 //! Panorama files, valid and invalid.
 
-use crate::common::assert_says;
 use std::fs;
 
-use reflet::{
-    scene::{diagnostic::Diagnostic, stages::Scene},
-    world::load,
-};
+use reflet::{scene::diagnostic::Diagnostic, world::load};
 
-use super::{
-    environment::{FLOOR, SKY, folder, write_sky},
-    kit::{FirstView, assert_color, gpu, renderer, scene_of},
-};
+use super::environment::{FLOOR, SKY, folder, write_sky};
+use super::kit::*;
+use crate::common::assert_says;
 
 /// Name and text of the error for these bytes as the panorama `sky.exr`.
 fn error_of(name: &str, bytes: &[u8]) -> (&'static str, String) {

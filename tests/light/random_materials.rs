@@ -2,10 +2,7 @@
 
 use std::{fmt::Write as _, ops::Range};
 
-use reflet::render::RenderOptions;
-
-use super::kit::{gpu, renderer, scene};
-use crate::common::shaders;
+use super::kit::*;
 
 const BALLS: u32 = 100;
 

@@ -2,10 +2,9 @@
 
 use std::f64::consts::PI;
 
-use glam::Vec3;
 use reflet::world::{LAYER_SLOTS, LayerTexture, Texture, TextureRef, Wrap};
 
-use super::kit::{FirstView, assert_close, color, gpu, mean, render, renderer, scene};
+use super::kit::*;
 
 /// A floor seen from 3 m at an angle that a test sets, in even light.
 const FLOOR: &str = include_str!("sheen/floor.toml");

@@ -1,14 +1,7 @@
 //! Reloads of a scene with an animated file: edits of the played animation read no file, and
 //! rebuild trees only if other instances move.
 
-use std::fs;
-
-use reflet_preview::watch::Change;
-
-use crate::{
-    common::animated::write_arm,
-    kit::{Folder, gpu, open, picture},
-};
+use crate::{common::animated::write_arm, kit::*};
 
 const SCENE: &str = include_str!("animation/scene.toml");
 

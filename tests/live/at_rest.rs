@@ -1,20 +1,11 @@
 //! The view at rest: its picture becomes the picture of `render`, sample by sample, and is denoised on request.
 
-use std::sync::{
-    Arc,
-    atomic::{AtomicU32, Ordering},
-};
+use std::sync::atomic::{AtomicU32, Ordering};
 
-use reflet::{render::picture::png_file, runtime::Session, scene::desc::CameraDesc};
-use reflet_preview::{
-    live::ViewOverrides,
-    viewer::{picture_filter::PictureFilter, protocol::ViewCamera},
-};
+use reflet::{render::picture::png_file, scene::desc::CameraDesc};
+use reflet_preview::viewer::{picture_filter::PictureFilter, protocol::ViewCamera};
 
-use crate::{
-    background_scripts::Watched,
-    kit::{Folder, SCENE, first_camera, gpu, open, with_set},
-};
+use crate::{background_scripts::Watched, kit::*};
 
 const SIZE: [u32; 2] = [24, 16];
 /// Samples of the scene.

@@ -1,35 +1,29 @@
 //! Slow scripts in the background: views are rendered meanwhile, and a newer request ends the script.
 
 use std::{
-    fs,
-    sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc::RecvTimeoutError},
+    sync::{Mutex, MutexGuard, PoisonError, mpsc::RecvTimeoutError},
     thread,
     time::{Duration, Instant},
 };
 
 use glam::Vec3;
 use reflet::{
-    gpu::Gpu,
     render::picture::png_file,
     scene::desc::{CameraDesc, Method, ParamValue},
 };
-use reflet_preview::{
-    live::{Live, ViewOverrides},
-    viewer::{
-        opening::open,
-        picture_filter::PictureFilter,
-        protocol::{
-            FinishedFrame, FrameAction, FrameRequest, Report, Screenshot, Side, Task, View,
-            ViewCamera,
-        },
-        render_thread::RenderThread,
-        scene_summary::SceneSummary,
-        view_channel::ViewChannel,
+use reflet_preview::viewer::{
+    opening::open,
+    picture_filter::PictureFilter,
+    protocol::{
+        FinishedFrame, FrameAction, FrameRequest, Report, Screenshot, Side, Task, View, ViewCamera,
     },
+    render_thread::RenderThread,
+    scene_summary::SceneSummary,
+    view_channel::ViewChannel,
 };
 
 use crate::{
-    kit::Folder,
+    kit::*,
     scripts::{SCRIPT, Session},
 };
 

@@ -1,9 +1,9 @@
 //! Coarse first picture of the preview, and its refinement.
 
 use reflet::render::pipeline::targets::Target;
-use reflet_preview::live::{Edit, InitialBuild, Live, ViewOverrides};
+use reflet_preview::live::{Edit, InitialBuild};
 
-use crate::kit::{Folder, SCENE, first_camera, gpu, open, source};
+use crate::kit::*;
 
 /// Scene with a lamp whose shadows are found by rays, and a material that may reflect in another frame.
 fn scene() -> String {

@@ -1,15 +1,10 @@
 //! Failing scripts and invalid saves keep the last good scene.
 
-use std::fs;
-
 use reflet::runtime::SessionError;
-use reflet_preview::{
-    live::{InitialBuild, Live, ViewOverrides},
-    watch::Change,
-};
+use reflet_preview::live::InitialBuild;
 
 use crate::{
-    kit::{Folder, RunNow, SCENE, gpu, open, picture, source},
+    kit::*,
     scripts::{SCRIPT, Session},
 };
 

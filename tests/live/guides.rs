@@ -1,14 +1,8 @@
 //! Guides of pictures that are denoised, as smooth as these, and display color made anew from linear color.
 
-use reflet::{
-    render::Picture,
-    runtime::{Session, ViewOverrides},
-};
+use reflet::{render::Picture, runtime::ViewOverrides};
 
-use crate::{
-    common::gpu_or_skip,
-    kit::{Folder, with_set},
-};
+use crate::kit::*;
 
 /// A turned mirror above a red wall that glows a little, an unlit ball and a floor.
 const SCENE: &str = include_str!("guides/scene.toml");

@@ -1,8 +1,6 @@
 //! Included scene text is watched like the scene's own.
 
-use reflet_preview::watch::Change;
-
-use crate::kit::{Folder, SCENE, gpu, open, picture};
+use crate::kit::*;
 
 const RED: &str = "[material.red]\nbase_color = [0.9, 0.1, 0.1]\n";
 

@@ -1,13 +1,10 @@
 //! Pictures that are given up for newer requests.
 
-use std::sync::{
-    Arc,
-    atomic::{AtomicBool, Ordering},
-};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use reflet::{gpu::GpuError, render::RenderError};
 
-use crate::kit::{Folder, SCENE, first_camera, gpu, open, picture};
+use crate::kit::*;
 
 #[test]
 fn a_picture_that_is_given_up_leaves_no_trace() {

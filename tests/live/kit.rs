@@ -1,29 +1,39 @@
 //! Test kit: temporary folders, a small scene, and waiting for changes.
 
 use std::{
-    fs,
-    path::{Path, PathBuf},
-    sync::{
-        Arc,
-        mpsc::{self, Receiver},
-    },
+    sync::mpsc::{self, Receiver},
     time::{Duration, Instant, SystemTime},
 };
 
 use reflet::{
-    gpu::Gpu,
     runtime::{parameters::ParameterOverrides, scene_text::SceneOptions},
     scene::desc::CameraDesc,
     world::World,
 };
 use reflet_preview::{
-    live::{InitialBuild, Live, Reload, SceneSource, ViewOverrides},
+    live::{InitialBuild, Reload, SceneSource},
     viewer::protocol::ScreenshotGoal,
-    watch::{Change, Changes, WatchEvent, WatchList, Watcher},
+    watch::{Changes, WatchEvent, WatchList, Watcher},
 };
 
-use crate::common::gpu_or_skip;
-pub use crate::{common::folder::Folder, runtime::with_set};
+// Names that most tests of the preview need, beside the functions below.
+pub use crate::{
+    common::{folder::Folder, gpu_or_skip},
+    runtime::with_set,
+};
+pub use reflet::{
+    gpu::Gpu,
+    runtime::{Session, SessionOptions},
+};
+pub use reflet_preview::{
+    live::{Live, ViewOverrides},
+    watch::Change,
+};
+pub use std::{
+    fs,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 /// A mirror floor and a box; placeholders `{…}` are replaced.
 pub const SCENE: &str = include_str!("kit/scene.toml");

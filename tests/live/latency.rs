@@ -1,8 +1,6 @@
 //! `bench reload` on the built-in scene: every save is detected and shown, with the expected
 //! phases. Durations are not tested.
 
-use std::sync::Arc;
-
 use clap::Parser as _;
 use reflet::app::{
     bench::{
@@ -13,10 +11,7 @@ use reflet::app::{
     cli::{Cli, Command},
 };
 
-use crate::{
-    common::gpu_or_skip,
-    kit::{Folder, SCENE},
-};
+use crate::kit::*;
 
 #[test]
 #[ignore = "long: the saves of a project are measured daily"]

@@ -1,21 +1,13 @@
 //! Every method and setting of reflections in the preview: its picture equals `render`'s, also beside another one.
 
-use std::sync::Arc;
-
-use reflet::{runtime::Session, scene::desc::Method};
-use reflet_preview::{
-    viewer::{
-        protocol::{Report, Side, Visualization},
-        view_channel::ViewChannel,
-        view_settings::{FIRST_METHODS, rivals},
-    },
-    watch::Change,
+use reflet::scene::desc::Method;
+use reflet_preview::viewer::{
+    protocol::{Report, Side, Visualization},
+    view_channel::ViewChannel,
+    view_settings::{FIRST_METHODS, rivals},
 };
 
-use crate::{
-    background_scripts::Watched,
-    kit::{Folder, SCENE, gpu, open, picture, with_set},
-};
+use crate::{background_scripts::Watched, kit::*};
 
 /// Maps of few pixels, and light by rays.
 const MAPS: &str = "[probes]\nface_px = 8\nsamples = 1\n[near_far]\nface_px = 8\nhalf_size_m = 1\n\

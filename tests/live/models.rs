@@ -2,13 +2,11 @@
 
 use std::{
     cell::RefCell,
-    fs, thread,
+    thread,
     time::{Duration, Instant},
 };
 
-use reflet_preview::watch::Change;
-
-use crate::kit::{Folder, Watch, gpu, open, picture};
+use crate::kit::*;
 
 const SCENE: &str = include_str!("models/scene.toml");
 

@@ -1,14 +1,8 @@
 //! Motion blur of few sub-frames: pixels of one sub-frame show different moments of the open shutter.
 
-use reflet::{
-    render::{Picture, PlaneData},
-    runtime::Session,
-};
+use reflet::render::{Picture, PlaneData};
 
-use crate::{
-    common::gpu_or_skip,
-    kit::{Folder, with_set},
-};
+use crate::kit::*;
 
 /// A ball that falls by 1.6 m while the shutter is open, before a wall and above a mirror.
 const SCENE: &str = include_str!("moments/scene.toml");

@@ -1,15 +1,12 @@
 //! Parameter overrides: valid ones persist while they fit the declarations; refused ones change
 //! nothing.
 
-use std::fs;
-
 use reflet::{
     render::RebuildSummary, runtime::parameters::ParameterOverrides, scene::desc::ParamValue,
 };
-use reflet_preview::watch::Change;
 
 use crate::{
-    kit::RunNow,
+    kit::*,
     scripts::{SCRIPT, Session},
 };
 

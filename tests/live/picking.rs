@@ -1,17 +1,12 @@
 //! Picking and view channels of the preview, without a window.
 
-use std::fs;
-
 use glam::Vec3;
 use reflet_preview::viewer::{
     protocol::{FrameAction, FrameRequest, Picked, Report, Task, Visualization},
     view_channel::{ShadowMapChoice, ViewChannel},
 };
 
-use crate::{
-    background_scripts::Watched,
-    kit::{Folder, SCENE, gpu, open},
-};
+use crate::{background_scripts::Watched, kit::*};
 
 const MIDDLE: [f32; 2] = [0.5, 0.5];
 const SKY: [f32; 2] = [0.5, 0.0];

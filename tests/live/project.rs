@@ -4,12 +4,9 @@ use reflet::{
     runtime::{SceneSource, ViewOverrides, scene_text::SceneOptions},
     scene::project::ProjectChoice,
 };
-use reflet_preview::{
-    live::{InitialBuild, Live},
-    watch::Change,
-};
+use reflet_preview::live::InitialBuild;
 
-use crate::kit::{Folder, SCENE, gpu, picture, source};
+use crate::kit::*;
 
 const RED: &str = "[material.red]\nbase_color = [0.9, 0.1, 0.1]\n";
 

@@ -1,14 +1,9 @@
 //! Rebuild counts of changes; errors keep the last good picture.
 
-use std::{fs, path::PathBuf, sync::Arc};
+use reflet::{render::RebuildSummary, scene::desc::Method};
+use reflet_preview::live::{BuildProblem, Reload};
 
-use reflet::{gpu::Gpu, render::RebuildSummary, scene::desc::Method};
-use reflet_preview::{
-    live::{BuildProblem, Live, Reload, ViewOverrides},
-    watch::Change,
-};
-
-use crate::kit::{Folder, SCENE, Watch, copy_shaders, first_camera, gpu, open, picture};
+use crate::kit::*;
 
 /// The scene on disk, opened and rendered once.
 struct Session {

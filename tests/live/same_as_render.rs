@@ -1,27 +1,16 @@
 //! The preview's picture of a frame equals `render`'s, at the same size: both decide `auto` settings for the first
 //! frame.
 
-use std::{fs, path::Path, sync::Arc};
-
 use reflet::{
-    gpu::Gpu,
     render::{
         Draft, RenderOptions, picture::png_file, pipeline::targets::Target,
         settings::unit_costs::UnitCosts,
     },
-    runtime::{Session, SessionOptions},
     scene::desc::Method,
     world::World,
 };
-use reflet_preview::{
-    live::{Live, ViewOverrides},
-    watch::Change,
-};
 
-use crate::{
-    background_scripts::Watched,
-    kit::{Folder, RunNow, SCENE, gpu, open, with_set},
-};
+use crate::{background_scripts::Watched, kit::*};
 
 /// Unit costs by which marching pays where the picture shows the reflected things; by costs of software it never pays
 /// in so small a picture.

@@ -1,17 +1,10 @@
 //! Ways in which editors and tools save files: the last content read is the last content saved.
 
-use std::{
-    cell::RefCell,
-    fs,
-    io::Write as _,
-    path::{Path, PathBuf},
-    thread,
-    time::Duration,
-};
+use std::{cell::RefCell, io::Write as _, thread, time::Duration};
 
-use reflet_preview::watch::{Change, WatchList};
+use reflet_preview::watch::WatchList;
 
-use crate::kit::{Folder, Watch};
+use crate::kit::*;
 
 /// Repetitions of each way of saving.
 pub const ROUNDS: usize = 20;

@@ -1,23 +1,21 @@
 //! Scripts and frames in a live scene: rebuilds after script edits, posing, and the last good
 //! picture after errors.
 
-use std::{cell::RefCell, fs, path::PathBuf, sync::Arc};
+use std::cell::RefCell;
 
 use glam::Vec3;
 use reflet::{
-    gpu::Gpu,
     render::RebuildSummary,
     runtime::parameters::ParameterOverrides,
     scene::desc::{MATERIAL, ParamValue},
 };
 use reflet_preview::{
-    live::{Edit, Live, Reload},
+    live::{Edit, Reload},
     viewer::scene_summary::SceneSummary,
-    watch::Change,
 };
 
 use crate::{
-    kit::{Folder, RunNow, SCENE, Watch, gpu, open, open_with, picture},
+    kit::*,
     saves::{BURSTS, ROUNDS, SAVES, Save},
 };
 

@@ -1,16 +1,9 @@
 //! Motion blur of a live scene: a still view equals the picture of `render`.
 
 use glam::Vec3;
-use reflet::{
-    gpu::Gpu,
-    render::pipeline::targets::Target,
-    runtime::{Session, SessionOptions},
-    scene::desc::MATERIAL,
-    world::World,
-};
-use reflet_preview::live::Live;
+use reflet::{render::pipeline::targets::Target, scene::desc::MATERIAL, world::World};
 
-use crate::kit::{Folder, RunNow, SCENE, gpu, open, open_with};
+use crate::kit::*;
 
 /// The box and the camera move while the shutter is open.
 fn moving() -> String {

@@ -1,22 +1,20 @@
 //! Each stage in turn breaks and is mended: the last good picture stays, also where it is posed or resized meanwhile.
 //! Reloads on the preview's threads end with the last request.
 
-use std::{fs, path::Path, thread, time::Duration};
+use std::{thread, time::Duration};
 
 use reflet::{
     render::picture::png_file,
-    runtime::{Session, SessionError, SessionOptions, scene_text::SceneOptions},
+    runtime::{SessionError, scene_text::SceneOptions},
 };
 use reflet_preview::{
-    live::{BuildProblem, InitialBuild, Live, Problems, SceneSource, ViewOverrides},
+    live::{BuildProblem, InitialBuild, Problems, SceneSource},
     viewer::protocol::Report,
-    watch::Change,
 };
 
 use crate::{
     background_scripts::Watched,
-    common::gpu_or_skip,
-    kit::{Folder, RunNow, SCENE, copy_shaders, open, picture, source, with_set},
+    kit::*,
     scripts::{SCRIPT, Session as Scripted},
 };
 

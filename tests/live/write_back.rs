@@ -1,20 +1,12 @@
 //! Edits that the preview writes into the scene text: one line, at its place, and never over text that was
 //! saved meanwhile.
 
-use std::{fs, sync::Arc};
-
 use reflet_preview::{
-    live::Live,
     viewer::protocol::{FrameAction, FrameRequest, Report, Task},
-    watch::Change,
     write_back::{Inspected, Numbers, SceneItem},
 };
 
-use crate::{
-    background_scripts::Watched,
-    common::{assert_says, gpu_or_skip},
-    kit::{Folder, SCENE, gpu, open},
-};
+use crate::{background_scripts::Watched, common::assert_says, kit::*};
 
 fn preview(files: &[(&str, &str)]) -> Option<Watched> {
     let gpu = gpu()?;

@@ -1,15 +1,9 @@
 //! Numbers and keys of decals, written into the scene text.
 
-use std::{fs, path::Path};
-
 use glam::Vec3;
-use reflet_preview::{
-    live::Live,
-    watch::Change,
-    write_back::{KeyChange, KeyEdit, Numbers, SceneItem},
-};
+use reflet_preview::write_back::{KeyChange, KeyEdit, Numbers, SceneItem};
 
-use crate::kit::{Folder, SCENE, gpu, open};
+use crate::kit::*;
 
 fn numbers(key: &'static str, values: &[f64]) -> Numbers {
     let values = values.to_vec();

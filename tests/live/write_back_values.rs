@@ -2,22 +2,14 @@
 //! parameters, each in the layer that says it; and values that tracks, scripts and the command line set, which are not
 //! written.
 
-use std::{fs, path::Path};
-
 use glam::Vec3;
 use reflet::{runtime::parameters::ParameterOverrides, scene::desc::ParamValue};
 use reflet_preview::{
-    live::Live,
     viewer::protocol::Task,
-    watch::Change,
     write_back::{FlightPoint, KeyChange, KeyEdit, Numbers, SceneItem},
 };
 
-use crate::{
-    background_scripts::Watched,
-    kit::{Folder, RunNow as _, SCENE, gpu, open, open_with},
-    models::write_model,
-};
+use crate::{background_scripts::Watched, kit::*, models::write_model};
 
 const MORE: &str = include_str!("write_back_values/more.toml");
 

@@ -1,18 +1,14 @@
 //! Pairs of renders that must agree: traced pixels of both methods, static and dynamic, moved and
 //! rebuilt.
 
-use glam::{Affine3A, Quat, Vec3};
+use glam::{Affine3A, Quat};
 use reflet::{
-    render::{
-        Picture,
-        picture::aov::Aov,
-        pipeline::cause::{Cause, Source},
-    },
+    render::pipeline::cause::{Cause, Source},
     scene::desc::LightKind,
-    world::{Instance, World},
+    world::Instance,
 };
 
-use crate::kit::{floats, gpu, integers, render, renderer, scene, share_differing};
+use crate::kit::*;
 
 const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
 const SMALL: &str = "image.size=[160, 90]";

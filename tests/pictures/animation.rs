@@ -7,17 +7,12 @@ use std::{
     process::Command,
 };
 
-use glam::{Quat, Vec3, camera::rh};
-use reflet::{
-    render::Picture,
-    scene::{desc::CameraDesc, stages::Scene},
-    world::{World, load},
-};
+use glam::{Quat, camera::rh};
+use reflet::{scene::desc::CameraDesc, world::load};
 
-use crate::common::folder::kept_folder;
 use crate::{
-    common::animated::write_arm,
-    kit::{FirstView, assert_color, color, gpu, pose, renderer},
+    common::{animated::write_arm, folder::kept_folder},
+    kit::*,
 };
 
 const SCENE: &str = include_str!("animation/scene.toml");

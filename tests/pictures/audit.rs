@@ -1,20 +1,12 @@
 //! Audit of screen hits: its counts equal the comparison of two whole pictures.
 
-use reflet::{
-    render::{
-        Picture, RenderOptions, Renderer,
-        passes::audit::{TOLERANCE_RELATIVE, TOLERANCE_U},
-        picture::aov::Aov,
-        pipeline::cause::Cause,
-        renderer::stats::Audit,
-    },
-    scene::desc::Method,
+use reflet::render::{
+    passes::audit::{TOLERANCE_RELATIVE, TOLERANCE_U},
+    pipeline::cause::Cause,
+    renderer::stats::Audit,
 };
 
-use crate::{
-    common::shaders,
-    kit::{FirstView, floats, gpu, integers, scene},
-};
+use crate::kit::*;
 
 const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
 

@@ -2,10 +2,7 @@
 
 use reflet::render::passes::needed_passes;
 
-use crate::{
-    closed_form::MIRROR,
-    kit::{FACING, assert_color, gpu, render, renderer, scene},
-};
+use crate::{closed_form::MIRROR, kit::*};
 
 #[test]
 fn facing_mirrors_give_the_series_up_to_the_last_bounce() {

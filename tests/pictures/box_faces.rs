@@ -1,18 +1,8 @@
 //! Buffers on the faces of a box, marched where the screen has nothing.
 
-use reflet::{
-    render::{
-        Picture, Renderer, methods::box_faces, passes::needed_passes, picture::aov::Aov,
-        pipeline::cause::Cause,
-    },
-    scene::desc::{Method, SceneDesc},
-    world::World,
-};
+use reflet::render::{methods::box_faces, passes::needed_passes, pipeline::cause::Cause};
 
-use crate::{
-    common::{assert_says, shaders},
-    kit::{FirstView, assert_color, floats, gpu, integers, render, renderer, scene},
-};
+use crate::{common::assert_says, kit::*};
 
 /// A closed room with glowing walls, a floor that mirrors, a block, and a ball that moves.
 const ROOM: &str = include_str!("box_faces/room.toml");

@@ -2,13 +2,10 @@
 
 use std::f32::consts::PI;
 
-use glam::{Vec2, Vec3, Vec3A};
-use reflet::{
-    render::{Picture, picture::aov::Aov},
-    world::Mesh,
-};
+use glam::{Vec2, Vec3A};
+use reflet::world::Mesh;
 
-use crate::kit::{self, color, integers, scene};
+use crate::{kit, kit::*};
 
 const SIZE: u32 = 48;
 

@@ -1,14 +1,14 @@
 //! Capsules: equal for rasterization and primary rays, for the march and traced rays, and for shadow maps and shadow
 //! rays.
 
-use glam::{Affine3A, Vec3};
+use glam::Affine3A;
 use reflet::{
     metric::flip::flip_map,
-    render::{Picture, picture::aov::Aov, pipeline::cause::Source},
-    world::{Instance, Mesh, World},
+    render::pipeline::cause::Source,
+    world::{Instance, Mesh},
 };
 
-use crate::kit::{self, FirstView, floats, gpu, integers, renderer, scene, share_differing};
+use crate::{kit, kit::*};
 
 /// A mirror below things that are replaced by capsules, and a lamp.
 pub const SCENE: &str = include_str!("capsules/scene.toml");

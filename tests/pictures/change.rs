@@ -1,14 +1,8 @@
 //! A renderer that switches to another world renders it like a new renderer.
 
-use glam::Vec3;
-use reflet::{
-    render::{RebuildSummary, Renderer},
-    scene::desc::SceneDesc,
-    world::World,
-};
+use reflet::render::RebuildSummary;
 
-use crate::common::shaders;
-use crate::kit::{FirstView, gpu, renderer, scene};
+use crate::kit::*;
 
 const SIZE: &str = "image.size=[64, 36]";
 

@@ -2,21 +2,9 @@
 
 use std::fmt::Write as _;
 
-use reflet::{
-    gpu::Gpu,
-    render::{
-        Picture, RenderOptions, Renderer,
-        buffers::chunks::{Sizes, check_size},
-        picture::aov::Aov,
-    },
-    scene::desc::{Method, SceneDesc, Visibility},
-    world::World,
-};
+use reflet::render::buffers::chunks::{Sizes, check_size};
 
-use crate::{
-    common::{gpu_or_skip, shaders},
-    kit::{gpu, integers, scene},
-};
+use crate::{common::gpu_or_skip, kit::*};
 
 /// Scene text of balls over a mirror, each with its own mesh of this many segments around.
 fn balls(segments: u32) -> String {

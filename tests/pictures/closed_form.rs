@@ -2,13 +2,9 @@
 
 use std::f32::consts::PI;
 
-use reflet::render::{
-    Picture,
-    picture::aov::Aov,
-    pipeline::cause::{Cause, Source},
-};
+use reflet::render::pipeline::cause::{Cause, Source};
 
-use crate::kit::{assert_color, gpu, integers, render};
+use crate::kit::*;
 
 /// A mirror in the plane z = 0 that faces the camera, and a surface with radiance (0.2, 0.5, 0.8)
 /// behind the camera.

@@ -1,9 +1,8 @@
 //! Surfaces at the same place: rasterization and rays show the same one, the lower instance.
 
-use glam::Vec3;
-use reflet::{render::picture::aov::Aov, world::Mesh};
+use reflet::world::Mesh;
 
-use crate::kit::{FirstView, gpu, integers, render, renderer, scene};
+use crate::kit::*;
 
 /// Two floors at the same place below a mirror that shows them; the mirror is instance 0.
 const FLOORS: &str = include_str!("coplanar/floors.toml");

@@ -1,18 +1,14 @@
 //! Counters of passes: closed forms, and invariants of any scene.
 
-use reflet::{
-    render::{
-        PlaneData, Renderer,
-        picture::aov::Aov,
-        pipeline::{
-            cause::Cause,
-            instrument::{Counts, PassCounts},
-        },
+use reflet::render::{
+    PlaneData,
+    pipeline::{
+        cause::Cause,
+        instrument::{Counts, PassCounts},
     },
-    world::World,
 };
 
-use crate::kit::{FACING, floats, gpu, integers, render, renderer, scene};
+use crate::kit::*;
 
 const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
 

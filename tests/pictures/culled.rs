@@ -1,8 +1,6 @@
 //! Surfaces that the camera culls but rays hit.
 
-use reflet::render::picture::aov::Aov;
-
-use crate::kit::{gpu, integers, render};
+use crate::kit::*;
 
 const CULLED: &str = include_str!("../../scenes/fail/25-culled.toml");
 

@@ -2,14 +2,12 @@
 
 use std::path::Path;
 
-use reflet::{
-    render::picture::aov::Aov,
-    scene::{script::Script, stages::Scene},
-    world::load,
-};
+use reflet::{scene::script::Script, world::load};
 
-use crate::decals::{GRAY, WALL, assert_colors, mixed};
-use crate::kit::{FirstView, floats, gpu, pose, renderer};
+use crate::{
+    decals::{GRAY, WALL, assert_colors, mixed},
+    kit::*,
+};
 
 /// A script that moves nothing.
 const STILL: &str = "fn frame(ctx) {}";

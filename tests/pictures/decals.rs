@@ -2,14 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use reflet::{
-    render::{Picture, picture::aov::Aov},
-    world::Decals,
-};
+use reflet::world::Decals;
 
-use crate::common::folder::kept_folder;
-use crate::common::shaders;
-use crate::kit::{FirstView, color, floats, gpu, picture, render, renderer, scene, scene_of};
+use crate::{common::folder::kept_folder, kit::*};
 
 /// A wall in the plane z = 0, seen so that a pixel is 0.05 m wide and the middle of the picture is the origin.
 pub const WALL: &str = include_str!("decals/wall.toml");

@@ -3,18 +3,14 @@
 use glam::DVec3;
 use reflet::{
     render::{
-        RenderOptions, Renderer,
         decide::{Decided, decide, needs_trees, view_sample::ViewSample},
         settings::view::View,
     },
-    scene::desc::{Exposure, LightKind, Method, ShadowMode, Visibility},
+    scene::desc::{Exposure, LightKind, ShadowMode},
     world::bvh::{Ray, Trees},
 };
 
-use crate::{
-    common::shaders,
-    kit::{FirstView, gpu, render, renderer, scene},
-};
+use crate::kit::*;
 
 const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
 const MIRRORS: &str = include_str!("../../scenes/mirrors.toml");

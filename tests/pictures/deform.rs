@@ -3,16 +3,9 @@
 
 use std::{path::Path, sync::Arc};
 
-use reflet::{
-    render::{Picture, picture::aov::Aov},
-    scene::{
-        desc::{Method, SceneDesc, ShadowMode, Visibility},
-        stages::Scene,
-    },
-    world::World,
-};
+use reflet::scene::desc::ShadowMode;
 
-use crate::kit::{self, FirstView, gpu, integers, renderer, scene_of};
+use crate::{kit, kit::*};
 
 const SCENE: &str = include_str!("deform/scene.toml");
 

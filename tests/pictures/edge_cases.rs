@@ -1,8 +1,6 @@
 //! Edge cases: one pixel, very wide pictures, empty and unlit scenes.
 
-use reflet::render::picture::aov::Aov;
-
-use crate::kit::{assert_color, gpu, integers, render};
+use crate::kit::*;
 
 const BALL: &str = include_str!("edge_cases/ball.toml");
 

@@ -1,8 +1,6 @@
 //! Scenes far from their origin.
 
-use reflet::render::picture::aov::Aov;
-
-use crate::kit::{gpu, integers, render};
+use crate::kit::*;
 
 /// A box on a mirror, at (X, 0, X).
 const CONTACT: &str = include_str!("far/contact.toml");

@@ -1,14 +1,12 @@
 //! Invalid worlds passed by library callers are refused with the reason.
 
-use glam::Vec3;
 use reflet::{
-    render::{RenderError, Renderer},
+    render::RenderError,
     scene::desc::ShadowMode,
-    world::{Texture, TextureRef, World, Wrap},
+    world::{Texture, TextureRef, Wrap},
 };
 
-use crate::common::{assert_says, shaders};
-use crate::kit::{FirstView, gpu, renderer, scene};
+use crate::{common::assert_says, kit::*};
 
 const SIZE: &str = "image.size=[32, 18]";
 

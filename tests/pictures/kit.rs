@@ -3,17 +3,25 @@
 use std::{path::Path, sync::OnceLock};
 
 use reflet::{
-    gpu::Gpu,
-    render::{Picture, PlaneData, RenderOptions, Renderer, picture::aov::Aov},
-    scene::{
-        desc::{Method, SceneDesc, Visibility},
-        diagnostic::Diagnostic,
-        stages::{Animator, Scene},
-    },
-    world::{World, load},
+    render::PlaneData,
+    scene::{diagnostic::Diagnostic, stages::Animator},
+    world::load,
 };
 
-use crate::common::{gpu_or_skip, shaders};
+use crate::common::gpu_or_skip;
+
+// Names that most tests of pictures need, beside the functions below.
+pub use crate::common::shaders;
+pub use glam::Vec3;
+pub use reflet::{
+    gpu::Gpu,
+    render::{Picture, RenderOptions, Renderer, picture::aov::Aov},
+    scene::{
+        desc::{Method, SceneDesc, Visibility},
+        stages::Scene,
+    },
+    world::World,
+};
 
 /// GPU device of the process; `None` where tests are skipped.
 pub fn gpu() -> Option<&'static Gpu> {

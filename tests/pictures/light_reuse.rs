@@ -1,8 +1,6 @@
 //! Reuse of the picture's light visibility at hits.
 
-use reflet::{render::picture::aov::Aov, world::World};
-
-use crate::kit::{gpu, render, renderer, scene, share_differing};
+use crate::kit::*;
 
 /// A shiny floor under a ball and a pillar, with lights whose shadows cross.
 fn scene_with(lights: usize) -> String {

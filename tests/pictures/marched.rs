@@ -2,20 +2,14 @@
 
 use reflet::{
     render::{
-        RenderOptions, Renderer,
         decide::{Decided, decide},
-        picture::aov::Aov,
         pipeline::cause::{Cause, Source},
         settings::unit_costs::UnitCosts,
     },
-    scene::desc::Method,
     world::bvh::Trees,
 };
 
-use crate::{
-    common::shaders,
-    kit::{FirstView, gpu, integers, render, scene, share_differing},
-};
+use crate::kit::*;
 
 /// A mirror floor that shows a wall which the picture shows too, and a mirror ball that shows what it does not.
 const SCENE: &str = include_str!("marched/scene.toml");

@@ -3,14 +3,10 @@
 
 use std::f32::consts::PI;
 
-use glam::{Vec2, Vec3};
-use reflet::{
-    render::picture::aov::Aov,
-    scene::desc::SceneDesc,
-    world::{Texture, TextureRef, World, Wrap},
-};
+use glam::Vec2;
+use reflet::world::{Texture, TextureRef, Wrap};
 
-use crate::kit::{assert_color, color, floats, gpu, picture, render, scene, scene_of};
+use crate::kit::*;
 
 /// A wall 2 m wide in the plane z = 0, seen from 3 m; it fills the picture.
 const WALL: &str = include_str!("material/wall.toml");

@@ -1,9 +1,8 @@
 //! Vertex attributes: smooth normals, colors, and alpha cut-outs.
 
-use glam::{Vec3, Vec4};
-use reflet::render::picture::aov::Aov;
+use glam::Vec4;
 
-use crate::kit::{assert_color, color, floats, picture, scene};
+use crate::kit::*;
 
 /// A ball of 1 m seen from 4 m.
 const BALL: &str = include_str!("mesh/ball.toml");

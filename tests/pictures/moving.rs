@@ -6,12 +6,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use reflet::render::Picture;
-
-use crate::common::folder::kept_folder;
 use crate::{
-    common::{cases, words},
-    kit::{FirstView, assert_color, color, film_of, gpu, pose, renderer},
+    common::{cases, folder::kept_folder, words},
+    kit::*,
 };
 
 /// A wall with a checker and one with pictures of an alpha that grows to the right, under a spot.

@@ -1,17 +1,8 @@
 //! Rays near the camera, and maps of the distance beyond.
 
-use glam::Vec3;
+use reflet::render::{methods::near_far, passes::needed_passes, pipeline::cause::Cause};
 
-use reflet::{
-    render::{
-        Picture, Renderer, methods::near_far, passes::needed_passes, picture::aov::Aov,
-        pipeline::cause::Cause,
-    },
-    scene::desc::Method,
-    world::World,
-};
-
-use crate::kit::{assert_color, floats, gpu, integers, render, renderer, scene, share_differing};
+use crate::kit::*;
 
 /// A courtyard without a roof: two walls that glow, a floor that mirrors, and a ball that glows.
 const COURT: &str = include_str!("near_far/court.toml");

@@ -5,19 +5,17 @@
 use glam::{DVec2, DVec3};
 use reflet::{
     render::{
-        picture::aov::Aov,
         pipeline::cause::Cause,
         settings::view::{View, jitter},
     },
-    scene::desc::SceneDesc,
     world::{
-        World,
         bvh::{Oracle, Ray, RayHit, UNREFLECTED, UNSEEN},
-        load::{self, LoadOptions},
+        load,
+        load::LoadOptions,
     },
 };
 
-use crate::kit::{floats, gpu, integers, renderer, scene};
+use crate::kit::*;
 
 const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
 const NOTHING: u32 = u32::MAX;

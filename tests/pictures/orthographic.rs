@@ -1,8 +1,8 @@
 //! Orthographic cameras: sizes in closed form, and views that must agree.
 
-use reflet::render::{Picture, picture::aov::Aov, pipeline::cause::Cause};
+use reflet::render::pipeline::cause::Cause;
 
-use crate::kit::{floats, gpu, integers, render, share_differing};
+use crate::kit::*;
 
 /// A box and a ball on a mirror, before a tilted wall.
 const STAGE: &str = include_str!("orthographic/stage.toml");

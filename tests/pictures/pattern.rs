@@ -1,6 +1,6 @@
 //! Patterns of two colors: both are visible from near, and from afar one sample equals the mean of many.
 
-use crate::kit::{color, gpu, mean, render};
+use crate::kit::*;
 
 const WALL: &str = include_str!("pattern/wall.toml");
 

@@ -2,9 +2,7 @@
 
 use std::f32::consts::PI;
 
-use reflet::render::{Picture, picture::aov::Aov};
-
-use crate::kit::{FirstView, color, floats, gpu, mean, render, renderer, scene, share_differing};
+use crate::kit::*;
 
 /// A wall in the plane z = 0, seen so that a pixel is 0.05 m wide and the middle of the picture is the origin.
 const WALL: &str = include_str!("patterned/wall.toml");

@@ -2,12 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use reflet::render::picture::aov::Aov;
-
-use crate::{
-    closed_form::MIRROR,
-    kit::{assert_color, color, floats, gpu, render},
-};
+use crate::{closed_form::MIRROR, kit::*};
 
 /// The upper half of the sky, in 64 rows.
 const SKY: &str = include_str!("precision/sky.toml");

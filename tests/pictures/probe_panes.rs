@@ -1,6 +1,6 @@
 //! Light behind panes that a probe sees: rough surfaces find it by light samples as well, and it counts once.
 
-use crate::kit::{gpu, mean, render};
+use crate::kit::*;
 
 /// A floor of metal, with a probe above it.
 const SCENE: &str = include_str!("probe_panes/scene.toml");

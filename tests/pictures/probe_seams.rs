@@ -3,21 +3,18 @@
 
 use std::path::Path;
 
-use glam::Vec3;
-
 use reflet::{
     bench::{
-        score::{self, Reference, View},
-        seams::{self, Looked},
+        score,
+        score::{Reference, View},
+        seams,
+        seams::Looked,
     },
-    render::{
-        RenderOptions,
-        methods::probes::{boxes::probe_boxes, choice::ProbeChoice},
-    },
-    scene::desc::{Method, ReflectionDesc},
+    render::methods::probes::{boxes::probe_boxes, choice::ProbeChoice},
+    scene::desc::ReflectionDesc,
 };
 
-use crate::kit::{color, gpu, render, renderer, scene, scene_of};
+use crate::kit::*;
 
 /// A mirror below panels that glow red, green and blue, seen from straight above; above each probe is one panel.
 const PANELS: &str = include_str!("probe_seams/panels.toml");

@@ -2,15 +2,8 @@
 
 use std::path::Path;
 
-use reflet::{
-    render::{Picture, RenderOptions, Renderer},
-    scene::desc::{Method, SceneDesc},
-    world::World,
-};
-
 use crate::{
-    common::shaders,
-    kit::{FirstView, film_of, gpu, pose, renderer, scene},
+    kit::*,
     probes::{WALLS, room},
 };
 

@@ -1,22 +1,15 @@
 //! Reflections that are looked up in probes.
 
-use glam::Vec3;
-
 use reflet::{
     render::{
-        Picture, RenderOptions, Renderer,
         methods::probes::{capture, look_up, prefilter},
         passes::needed_passes,
-        picture::aov::Aov,
         pipeline::cause::Cause,
     },
-    scene::desc::{Lookup, Method, SceneDesc},
-    world::World,
+    scene::desc::Lookup,
 };
 
-use crate::kit::{
-    assert_color, color, floats, gpu, integers, render, renderer, scene, share_differing,
-};
+use crate::kit::*;
 
 /// Colors of the walls of a room: +X, -X, +Z, -Z, ceiling.
 pub const WALLS: [[f32; 3]; 5] = [

@@ -2,18 +2,13 @@
 
 use std::{fs, path::Path, sync::OnceLock, thread, time::Duration};
 
-use reflet::{
-    gpu::{Gpu, GpuOptions},
-    render::{Picture, RenderError, RenderOptions, Renderer, picture::aov::Aov},
-    scene::desc::{Method, SceneDesc, Trace, Visibility},
-    world::World,
-};
+use reflet::{gpu::GpuOptions, render::RenderError, scene::desc::Trace};
 
 use crate::{
     capsules,
-    common::{gpu_or_skip, required_or_skip, shaders},
+    common::{gpu_or_skip, required_or_skip},
     deform,
-    kit::{FirstView, floats, integers, renderer, scene, scene_of, share_differing},
+    kit::*,
 };
 
 /// A device with ray queries, or `None` after printing `SKIPPED`.

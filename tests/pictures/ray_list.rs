@@ -2,19 +2,12 @@
 //! one-dimensional dispatch would silently do nothing.
 
 use reflet::{
-    gpu::{Gpu, GroupLayout, Shader, readback},
-    render::{
-        RenderOptions, Renderer,
-        pipeline::ray_list::{COUNTERS, List, RAY_COUNTER, TRANSMISSIVE_COUNTER},
-    },
-    scene::desc::Method,
+    gpu::{GroupLayout, Shader, readback},
+    render::pipeline::ray_list::{COUNTERS, List, RAY_COUNTER, TRANSMISSIVE_COUNTER},
 };
 use wgpu::util::DeviceExt as _;
 
-use crate::{
-    common::shaders,
-    kit::{FirstView, gpu, scene},
-};
+use crate::kit::*;
 
 /// Workgroups that `arguments.wgsl` computes for this many entries of a list.
 fn arguments(gpu: &Gpu, list: List, counter: usize, entries: u32) -> [u32; 3] {

@@ -1,17 +1,7 @@
 //! Meshes that a script's `frame` deforms: each frame is the picture of the same mesh written so, and a mirror that it
 //! moves shows what closed forms say.
 
-use reflet::{
-    render::{Picture, picture::aov::Aov},
-    scene::{
-        desc::{Method, Visibility},
-        stages::Scene,
-    },
-    world::World,
-};
-
-use crate::common::folder::kept_folder;
-use crate::kit::{FirstView, color, film_of, gpu, integers, pose, renderer};
+use crate::{common::folder::kept_folder, kit::*};
 
 const SCENE: &str = include_str!("script_mesh/scene.toml");
 

@@ -1,13 +1,8 @@
 //! The second depth layer of the march: its answers equal `rt`, and scenes without it are as before.
 
-use reflet::{
-    render::{
-        Picture, RenderOptions, passes::needed_passes, picture::aov::Aov, pipeline::cause::Cause,
-    },
-    scene::desc::Method,
-};
+use reflet::render::{passes::needed_passes, pipeline::cause::Cause};
 
-use crate::kit::{floats, gpu, integers, render, renderer, scene};
+use crate::kit::*;
 
 /// A board that hangs above a mirror hides the part of the wall that the mirror behind it shows.
 const SCENE: &str = include_str!("second_layer/scene.toml");

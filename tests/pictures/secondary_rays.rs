@@ -2,14 +2,13 @@
 
 use reflet::{
     render::{
-        RenderOptions,
         decide::{cost::Pair, decide, secondary_rays::SecondaryRays, workload},
         settings::unit_costs::UnitCosts,
     },
     world::bvh::Trees,
 };
 
-use crate::kit::{gpu, renderer, scene};
+use crate::kit::*;
 
 /// A mirror floor before a bright wall, in a room without gaps.
 const ROOM: &str = include_str!("secondary_rays/room.toml");

@@ -1,9 +1,7 @@
 //! Visibility of objects per kind of ray: equal for rasterization and primary rays, for the march and traced
 //! rays, and for shadow maps and shadow rays.
 
-use reflet::render::picture::aov::Aov;
-
-use crate::kit::{color, floats, gpu, integers, mean, render};
+use crate::kit::*;
 
 /// A mirror on the floor, a red box over it, and a lamp above that.
 const BOX: &str = include_str!("shown/box.toml");

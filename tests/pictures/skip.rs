@@ -2,19 +2,12 @@
 
 use std::fmt::Write as _;
 
-use reflet::{
-    gpu::Gpu,
-    render::{
-        Picture, RenderOptions, Renderer,
-        decide::skip::{Kept, Skipping},
-        picture::aov::Aov,
-        settings::view::View,
-    },
-    scene::desc::SceneDesc,
-    world::World,
+use reflet::render::{
+    decide::skip::{Kept, Skipping},
+    settings::view::View,
 };
 
-use crate::kit::{floats, gpu, integers, render, renderer, scene, share_differing};
+use crate::kit::*;
 
 /// A mirror floor and a mirror ball before a wall.
 const HALL: &str = include_str!("skip/hall.toml");

@@ -7,16 +7,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use reflet::{
-    render::{Renderer, picture::aov::Aov},
-    scene::stages::Scene,
-    world::load::{self, LoadOptions},
-};
+use reflet::world::{load, load::LoadOptions};
 
-use crate::{
-    common::shared_folder,
-    kit::{gpu, integers, pose, renderer, share_differing},
-};
+use crate::{common::shared_folder, kit::*};
 
 /// Folders of complete scenes; folders `parts` hold parts.
 const FOLDERS: [&str; 4] = ["scenes", "scenes/examples", "scenes/paper", "scripts"];

@@ -1,10 +1,7 @@
 //! Terminator on a smooth ball of few triangles: light ends at the smooth surface's horizon, not at edges of
 //! triangles.
 
-use glam::Vec3;
-use reflet::render::picture::aov::Aov;
-
-use crate::kit::{color, floats, gpu, render};
+use crate::kit::*;
 
 const BALL: &str = include_str!("terminator/ball.toml");
 

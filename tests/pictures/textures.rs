@@ -1,9 +1,8 @@
 //! Textures and unlit materials: several samplers of one image, display colors.
 
-use glam::Vec3;
 use reflet::world::{Texture, TextureRef, Wrap};
 
-use crate::kit::{assert_color, picture, scene};
+use crate::kit::*;
 
 /// A wall 2 m wide that fills the picture.
 const WALL: &str = include_str!("textures/wall.toml");

@@ -1,11 +1,8 @@
 //! Undersampled rays: pixels that reuse hits of the rays around them.
 
-use reflet::{
-    render::{Picture, passes::needed_passes, picture::aov::Aov, pipeline::cause::Cause},
-    scene::desc::Method,
-};
+use reflet::render::{passes::needed_passes, pipeline::cause::Cause};
 
-use crate::kit::{floats, gpu, integers, render, renderer, scene, share_differing};
+use crate::kit::*;
 
 /// A mirror that shows one wall, and with a height, a ball before it.
 const SCENE: &str = include_str!("undersampled/scene.toml");
