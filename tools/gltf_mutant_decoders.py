@@ -14,13 +14,38 @@ from typing import Any
 LARGE_PX = (2048, 8192, 16384, 65535)
 
 
-def glb(root: dict[str, Any], binary: bytes) -> bytes:
-    """A `.glb` of a JSON chunk and a binary chunk."""
+def glb(
+    root: dict[str, Any], binary: bytes | None, separators: tuple[str, str] | None = None
+) -> bytes:
+    """A `.glb` of a JSON chunk, with these separators, and perhaps a binary chunk."""
     chunks = b""
-    for kind, data, pad in ((b"JSON", json.dumps(root).encode(), b" "), (b"BIN\0", binary, b"\0")):
-        data += pad * (-len(data) % 4)
-        chunks += struct.pack("<I4s", len(data), kind) + data
+    text = json.dumps(root, separators=separators).encode()
+    for kind, data, pad in ((b"JSON", text, b" "), (b"BIN\0", binary, b"\0")):
+        if data is not None:
+            data += pad * (-len(data) % 4)
+            chunks += struct.pack("<I4s", len(data), kind) + data
     return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+
+
+class Buffer:
+    """Views and accessors of a glTF file, whose one buffer grows."""
+
+    def __init__(self) -> None:
+        self.data = bytearray()
+        self.views: list[dict[str, Any]] = []
+        self.accessors: list[dict[str, Any]] = []
+
+    def view(self, raw: bytes, **more: Any) -> int:
+        self.data += b"\0" * (-len(self.data) % 4)
+        view = {"buffer": 0, "byteOffset": len(self.data), "byteLength": len(raw)}
+        self.views.append(view | more)
+        self.data += raw
+        return len(self.views) - 1
+
+    def accessor(self, view: int, kind: str, component: int, count: int, **more: Any) -> int:
+        entry = {"bufferView": view, "componentType": component, "type": kind, "count": count}
+        self.accessors.append(entry | more)
+        return len(self.accessors) - 1
 
 
 def on_triangle(image: bytes, extension: str | None, mime: str, copies: int = 1) -> bytes:

@@ -63,15 +63,9 @@ class Model:
 
     def assemble(self, root: dict[str, Any], binary: bytes | None) -> bytes:
         """The file with another JSON and binary chunk."""
-        text = json.dumps(root).encode()
         if not is_glb(self.data):
-            return text
-        text += b" " * (-len(text) % 4)
-        chunks = struct.pack("<I4s", len(text), b"JSON") + text
-        if binary is not None:
-            padded = binary + b"\0" * (-len(binary) % 4)
-            chunks += struct.pack("<I4s", len(padded), b"BIN\0") + padded
-        return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+            return json.dumps(root).encode()
+        return gltf_mutant_decoders.glb(root, binary)
 
 
 def is_glb(data: bytes) -> bool:

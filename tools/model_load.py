@@ -15,7 +15,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from gltf_mutant_decoders import glb
+from gltf_mutant_decoders import Buffer, glb
 from measuring import add_program, program_of, used
 from tables import Rows, read_rows, write_rows
 
@@ -30,42 +30,23 @@ engine.window.render_to_image().save(sys.argv[2])
 TRIMESH = "import sys, trimesh; trimesh.load(sys.argv[1])"
 
 
-class Writer:
+class Writer(Buffer):
     """Builder of a .glb of meshes with positions, normals and indices."""
 
     def __init__(self) -> None:
-        self.data = bytearray()
-        self.views: list[dict] = []
-        self.accessors: list[dict] = []
+        super().__init__()
         self.root: dict = {"asset": {"version": "2.0"}, "scene": 0, "meshes": [], "nodes": []}
 
-    def view(self, raw: bytes) -> int:
-        self.data += b"\0" * (-len(self.data) % 4)
-        self.views.append({"buffer": 0, "byteOffset": len(self.data), "byteLength": len(raw)})
-        self.data += raw
-        return len(self.views) - 1
-
     def add(self, values: np.ndarray, kind: str, component: int) -> int:
-        entry = {"componentType": component, "type": kind, "count": len(values)}
-        entry["bufferView"] = self.view(values.tobytes())
-        if kind == "VEC3":
-            entry |= {"min": values.min(0).tolist(), "max": values.max(0).tolist()}
-        self.accessors.append(entry)
-        return len(self.accessors) - 1
+        bounds = {"min": values.min(0).tolist(), "max": values.max(0).tolist()}
+        more = bounds if kind == "VEC3" else {}
+        return self.accessor(self.view(values.tobytes()), kind, component, len(values), **more)
 
     def ball(self) -> None:
         """Add an octahedron with each face cut in four: 32 triangles."""
         axes = np.concatenate([np.eye(3), -np.eye(3)])
-        faces = [
-            (0, 1, 2),
-            (1, 3, 2),
-            (3, 4, 2),
-            (4, 0, 2),
-            (1, 0, 5),
-            (3, 1, 5),
-            (4, 3, 5),
-            (0, 4, 5),
-        ]
+        upper = [(0, 1, 2), (1, 3, 2), (3, 4, 2), (4, 0, 2)]
+        faces = [*upper, *((b, a, 5) for a, b, _ in upper)]
         parts = []
         for a, b, c in (axes[list(face)] for face in faces):
             ab, bc, ca = a + b, b + c, c + a

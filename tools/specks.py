@@ -81,16 +81,8 @@ class Pictures:
         name = re.sub(r"[^A-Za-z0-9]+", "_", scene.stem)
         path = self.out / "cells" / f"{name}.{samples}.png"
         if not path.exists():
-            command: list[str | Path] = [
-                self.program,
-                "render",
-                scene,
-                "-o",
-                path,
-                "--size",
-                self.size,
-            ]
-            command += ["--samples", str(samples), *self.further]
+            options = ["--size", self.size, "--samples", str(samples), *self.further]
+            command = [self.program, "render", scene, "-o", path, *options]
             done = subprocess.run(command, capture_output=True, text=True, check=False)
             if done.returncode != 0:
                 print(f"{scene}: {done.stderr.strip().splitlines()[0]}", flush=True)

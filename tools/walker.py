@@ -1,11 +1,11 @@
 """Writes `scripts/walker.glb`, a walking figure with a skin and a morph target, from nothing."""
 
 import argparse
-import json
-import struct
 from pathlib import Path
 
+import gltf_mutant_decoders
 import numpy as np
+from gltf_mutant_decoders import Buffer
 
 # Joints: name, parent, offset from parent in meters; the figure faces +Z, stands on y = 0. Its arms
 # are spread at rest, so that hands do not pull the hips along.
@@ -202,35 +202,19 @@ def lowest(pose: dict[str, np.ndarray]) -> float:
     return min(lows)
 
 
-class Writer:
-    """Collects accessors of a GLB."""
-
-    def __init__(self) -> None:
-        self.data = bytearray()
-        self.views: list[dict] = []
-        self.accessors: list[dict] = []
+class Writer(Buffer):
+    """Collects accessors of a GLB, each with rows of whole words."""
 
     def add(self, kind: str, code: int, values: np.ndarray, **more: object) -> int:
         types = {5121: "u1", 5123: "<u2", 5120: "i1", 5122: "<i2", 5126: "<f4"}
         array = np.ascontiguousarray(values.astype(types[code]))
-        self.data += b"\0" * (-len(self.data) % 4)
-        view = {"buffer": 0, "byteOffset": len(self.data), "byteLength": array.nbytes}
+        stride: dict[str, int] = {}
         if array.ndim == 2 and array.shape[1] * array.itemsize % 4:
             padded = np.zeros((len(array), -(-array.shape[1] * array.itemsize // 4) * 4), "u1")
             padded[:, : array.shape[1] * array.itemsize] = array.view("u1").reshape(len(array), -1)
-            view |= {"byteLength": padded.nbytes, "byteStride": padded.shape[1]}
+            stride = {"byteStride": padded.shape[1]}
             array = padded
-        self.data += array.tobytes()
-        self.views.append(view)
-        accessor = {
-            "bufferView": len(self.views) - 1,
-            "componentType": code,
-            "type": kind,
-            "count": len(values),
-            **more,
-        }
-        self.accessors.append(accessor)
-        return len(self.accessors) - 1
+        return self.accessor(self.view(array.tobytes(), **stride), kind, code, len(values), **more)
 
 
 def animation(out: Writer) -> dict:
@@ -331,17 +315,7 @@ def glb() -> bytes:
         "bufferViews": out.views,
         "buffers": [{"byteLength": len(out.data)}],
     }
-    text = json.dumps(root, separators=(",", ":")).encode()
-    text += b" " * (-len(text) % 4)
-    data = bytes(out.data) + b"\0" * (-len(out.data) % 4)
-    total = 12 + 8 + len(text) + 8 + len(data)
-    return (
-        struct.pack("<4sII", b"glTF", 2, total)
-        + struct.pack("<I4s", len(text), b"JSON")
-        + text
-        + struct.pack("<I4s", len(data), b"BIN\0")
-        + data
-    )
+    return gltf_mutant_decoders.glb(root, bytes(out.data), (",", ":"))
 
 
 def main() -> None:
