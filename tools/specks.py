@@ -82,7 +82,7 @@ class Pictures:
         path = self.out / "cells" / f"{name}.{samples}.png"
         if not path.exists():
             options = ["--size", self.size, "--samples", str(samples), *self.further]
-            command = [self.program, "render", scene, "-o", path, *options]
+            command: list[str | Path] = [self.program, "render", scene, "-o", path, *options]
             done = subprocess.run(command, capture_output=True, text=True, check=False)
             if done.returncode != 0:
                 print(f"{scene}: {done.stderr.strip().splitlines()[0]}", flush=True)
