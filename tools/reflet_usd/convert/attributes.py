@@ -59,15 +59,69 @@ class DisplayColor:
 
 
 @dataclass
-class GprimPrimvars:
-    """All primvars that reach a gprim, inherited ones included."""
+class Streams:
+    """Primvars that become vertex attributes."""
 
+    uvs: dict[str, Stream] = field(default_factory=dict)
+    """UV sets by primvar."""
+    custom: dict[str, Stream] = field(default_factory=dict)
+    """Other values by glTF attribute."""
+    renamed: dict[str, str] = field(default_factory=dict)
+    """Primvar by attribute of `custom`, where the attribute's name is not simply the primvar's."""
+
+
+@dataclass
+class GprimPrimvars:
+    """All primvars that reach a gprim, inherited ones included; warns about unsupported ones."""
+
+    context: Context
+    prim: Usd.Prim
     owned: list[UsdGeom.Primvar]
     uvs: dict[str, Primvar] = field(default_factory=dict)
     custom: dict[str, Primvar] = field(default_factory=dict)
     constants: dict[str, Any] = field(default_factory=dict)
     attributes: dict[str, str] = field(default_factory=dict)
     """The names of glTF attributes, by primvar: numbered where two primvars would share one."""
+
+    def __post_init__(self) -> None:
+        for primvar in self.owned:
+            name, type_name = str(primvar.GetPrimvarName()), str(primvar.GetTypeName())
+            if _HANDLED.match(name):
+                continue
+            varies = primvar.GetInterpolation() != "constant"
+            if type_name in UV_TYPES and (type_name.startswith("texCoord") or varies):
+                if type_name.startswith("texCoord3"):
+                    self.name_attribute(name)
+                self._read_into(self.uvs, primvar, (2, 3))
+            elif _FLOAT_TYPES.match(type_name) and varies:
+                self.name_attribute(name)
+                self._read_into(self.custom, primvar, (1, 2, 3, 4))
+            else:
+                self._keep_constant(primvar)
+
+    def _read_into(
+        self, target: dict[str, Primvar], primvar: UsdGeom.Primvar, widths: tuple[int, ...]
+    ) -> None:
+        """Add the primvar where an element of it has one of the `widths`."""
+        read = read_primvar(self.context, self.prim, primvar)
+        if read is None or not len(read.values):
+            return
+        if read.values.shape[1] in widths:
+            target[read.name] = read
+            return
+        message = f"elements of primvar '{read.name}' have {read.values.shape[1]} numbers,"
+        message += f" a glTF attribute takes {widths[-1]}"
+        self.context.ledger.warn("primvar-dropped", self.prim, message)
+
+    def _keep_constant(self, primvar: UsdGeom.Primvar) -> None:
+        """Keep a constant primvar in the node's extras; warn about any other primvar."""
+        name = str(primvar.GetPrimvarName())
+        plain = plain_value(primvar.ComputeFlattened(self.context.time))
+        if primvar.GetInterpolation() == "constant" and plain is not None:
+            self.constants[name] = plain
+            return
+        message = f"primvar '{name}' of type {primvar.GetTypeName()} has no glTF counterpart"
+        self.context.ledger.warn("primvar-dropped", self.prim, message)
 
     def name_attribute(self, primvar: str) -> None:
         """Choose the attribute for a primvar; earlier primvars keep theirs.
@@ -80,6 +134,61 @@ class GprimPrimvars:
             number += 1
             chosen = f"{base}_{number}"
         self.attributes[primvar] = chosen
+
+    def display(
+        self,
+        topology: Topology,
+        color_primvar: str | None = None,
+        opacity_primvar: str | None = None,
+        fallback: tuple[float, ...] = (0.18, 0.18, 0.18),
+    ) -> DisplayColor:
+        """The color that the gprim shows: displayColor, or the primvar of a material's readers.
+
+        `fallback`, UsdPreviewSurface's diffuseColor unless a reader has its own, stands in for
+        a missing color.
+        """
+        color = self._display(color_primvar or "displayColor", topology, 3)
+        alpha = self._display(opacity_primvar or "displayOpacity", topology, 1)
+        base = fallback if color is None else color.values[0]
+        opacity = 1.0 if alpha is None else float(alpha.values[0, 0])
+        red, green, blue = (float(part) for part in base[:3])
+        translucent = alpha is not None and bool((alpha.values < 1.0).any())
+        return DisplayColor((red, green, blue, opacity), color, alpha, translucent)
+
+    def _display(self, name: str, topology: Topology, components: int) -> Stream | None:
+        context, prim = self.context, self.prim
+        primvar = next((p for p in self.owned if str(p.GetPrimvarName()) == name), None)
+        read = None if primvar is None else read_primvar(context, prim, primvar)
+        if read is None or len(read.values) == 0:
+            return None
+        stream = to_stream(context, prim, read, topology)
+        if stream is None:
+            return None
+        if stream.values.shape[1] != components:
+            context.ledger.warn("primvar-size-wrong", prim, f"'{read.name}' has the wrong type")
+            return None
+        if (stream.values < 0.0).any() or (stream.values > 1.0).any():
+            message = f"'{read.name}' has values outside 0…1, clamped"
+            context.ledger.warn("color-clamped", prim, message)
+            stream.values = np.clip(stream.values, 0.0, 1.0)
+        return stream
+
+    def streams(self, topology: Topology) -> Streams:
+        """UV sets and custom streams; a set whose third coordinate is used is custom as a whole."""
+        result = Streams()
+        for name, primvar in {**self.uvs, **self.custom}.items():
+            stream = to_stream(self.context, self.prim, primvar, topology)
+            if stream is None:
+                continue
+            if name in self.uvs:
+                result.uvs[name] = replace(stream, values=stream.values[:, :2])
+                if not stream.values[:, 2:].any():
+                    continue
+            attribute = self.attributes[name]
+            result.custom[attribute] = stream
+            if attribute != f"_{name.upper()}":
+                result.renamed[attribute] = name
+        return result
 
 
 def inherited_primvars(prim: Usd.Prim) -> list[UsdGeom.Primvar]:
@@ -94,137 +203,3 @@ def primvar_signature(primvars: list[UsdGeom.Primvar]) -> tuple[str, ...]:
     for primvar in primvars:
         places.append(f"{source_path(primvar.GetAttr().GetPrim())}.{primvar.GetName()}")
     return tuple(places)
-
-
-def read_primvars(
-    context: Context, prim: Usd.Prim, primvars: list[UsdGeom.Primvar]
-) -> GprimPrimvars:
-    """Read and sort the prim's `primvars`; warn about unsupported ones."""
-    found = GprimPrimvars(primvars)
-    for primvar in primvars:
-        name, type_name = str(primvar.GetPrimvarName()), str(primvar.GetTypeName())
-        if _HANDLED.match(name):
-            continue
-        is_uv = type_name.startswith("texCoord") or primvar.GetInterpolation() != "constant"
-        if type_name in UV_TYPES and is_uv:
-            if type_name.startswith("texCoord3"):
-                found.name_attribute(name)
-            _read_into(found.uvs, context, prim, primvar, (2, 3))
-        elif _FLOAT_TYPES.match(type_name) and primvar.GetInterpolation() != "constant":
-            found.name_attribute(name)
-            _read_into(found.custom, context, prim, primvar, (1, 2, 3, 4))
-        else:
-            _keep_constant(found, context, prim, primvar)
-    return found
-
-
-def _read_into(
-    target: dict[str, Primvar],
-    context: Context,
-    prim: Usd.Prim,
-    primvar: UsdGeom.Primvar,
-    widths: tuple[int, ...],
-) -> None:
-    """Add the primvar where an element of it has one of the `widths`."""
-    read = read_primvar(context, prim, primvar)
-    if read is None or not len(read.values):
-        return
-    if read.values.shape[1] in widths:
-        target[read.name] = read
-        return
-    message = f"elements of primvar '{read.name}' have {read.values.shape[1]} numbers,"
-    message += f" a glTF attribute takes {widths[-1]}"
-    context.ledger.warn("primvar-dropped", prim, message)
-
-
-def _keep_constant(
-    found: GprimPrimvars, context: Context, prim: Usd.Prim, primvar: UsdGeom.Primvar
-) -> None:
-    """Keep a constant primvar in the node's extras; warn about any other primvar."""
-    name = str(primvar.GetPrimvarName())
-    value = primvar.ComputeFlattened(context.time)
-    plain = plain_value(value)
-    if primvar.GetInterpolation() == "constant" and plain is not None:
-        found.constants[name] = plain
-        return
-    message = f"primvar '{name}' of type {primvar.GetTypeName()} has no glTF counterpart"
-    context.ledger.warn("primvar-dropped", prim, message)
-
-
-def read_display(
-    context: Context,
-    prim: Usd.Prim,
-    owned: list[UsdGeom.Primvar],
-    topology: Topology,
-    color_primvar: str = "displayColor",
-    opacity_primvar: str = "displayOpacity",
-    fallback: tuple[float, ...] = (0.18, 0.18, 0.18),
-) -> DisplayColor:
-    """The color that a gprim shows: displayColor, or the primvar that a material's readers name.
-
-    `owned` are the primvars that reach the gprim. `fallback`, UsdPreviewSurface's diffuseColor
-    unless a reader has its own, stands in for a missing color.
-    """
-    found = {str(primvar.GetPrimvarName()): primvar for primvar in owned}
-    color = _read_display(context, prim, found.get(color_primvar), topology, 3)
-    alpha = _read_display(context, prim, found.get(opacity_primvar), topology, 1)
-    base = fallback if color is None else color.values[0]
-    opacity = 1.0 if alpha is None else float(alpha.values[0, 0])
-    red, green, blue = (float(part) for part in base[:3])
-    translucent = alpha is not None and bool((alpha.values < 1.0).any())
-    return DisplayColor((red, green, blue, opacity), color, alpha, translucent)
-
-
-def _read_display(
-    context: Context,
-    prim: Usd.Prim,
-    primvar: UsdGeom.Primvar | None,
-    topology: Topology,
-    components: int,
-) -> Stream | None:
-    read = None if primvar is None else read_primvar(context, prim, primvar)
-    if read is None or len(read.values) == 0:
-        return None
-    stream = to_stream(context, prim, read, topology)
-    if stream is None:
-        return None
-    if stream.values.shape[1] != components:
-        context.ledger.warn("primvar-size-wrong", prim, f"'{read.name}' has the wrong type")
-        return None
-    if (stream.values < 0.0).any() or (stream.values > 1.0).any():
-        message = f"'{read.name}' has values outside 0…1, clamped"
-        context.ledger.warn("color-clamped", prim, message)
-        stream.values = np.clip(stream.values, 0.0, 1.0)
-    return stream
-
-
-@dataclass
-class Streams:
-    """Primvars that become vertex attributes."""
-
-    uvs: dict[str, Stream] = field(default_factory=dict)
-    """UV sets by primvar."""
-    custom: dict[str, Stream] = field(default_factory=dict)
-    """Other values by glTF attribute."""
-    renamed: dict[str, str] = field(default_factory=dict)
-    """Primvar by attribute of `custom`, where the attribute's name is not simply the primvar's."""
-
-
-def primvar_streams(
-    context: Context, prim: Usd.Prim, found: GprimPrimvars, topology: Topology
-) -> Streams:
-    """UV sets and custom streams; a set whose third coordinate is used is custom as a whole."""
-    result = Streams()
-    for name, primvar in {**found.uvs, **found.custom}.items():
-        stream = to_stream(context, prim, primvar, topology)
-        if stream is None:
-            continue
-        if name in found.uvs:
-            result.uvs[name] = replace(stream, values=stream.values[:, :2])
-            if not stream.values[:, 2:].any():
-                continue
-        attribute = found.attributes[name]
-        result.custom[attribute] = stream
-        if attribute != f"_{name.upper()}":
-            result.renamed[attribute] = name
-    return result

@@ -1,18 +1,12 @@
 """Points and curves to glTF points and lines; widths and exact curves are warnings."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from reflet_usd.convert.attributes import (
-    Streams,
-    inherited_primvars,
-    primvar_streams,
-    read_display,
-    read_primvars,
-)
+from reflet_usd.convert.attributes import GprimPrimvars, Streams, inherited_primvars
 from reflet_usd.convert.context import Context, authored, in_float32, type_name
 from reflet_usd.convert.geometry import BuiltMesh, mesh_extras, warn_still_points
 from reflet_usd.convert.gltf_writer import (
@@ -39,106 +33,155 @@ _BASES = {
 }
 
 
-def is_curves(prim: Usd.Prim) -> bool:
-    """Whether `build_curves` converts the type."""
-    return type_name(prim) in ("BasisCurves", "HermiteCurves", "NurbsCurves")
+def draws_lines(prim: Usd.Prim) -> bool:
+    """Whether `LineBuilder` converts the type."""
+    return type_name(prim) in ("Points", "BasisCurves", "HermiteCurves", "NurbsCurves")
 
 
-def build_points(
-    context: Context, writer: GltfWriter, materials: MaterialLibrary, prim: Usd.Prim
-) -> BuiltMesh | None:
-    """A mesh of glTF points, or None (with a warning) where there are none."""
-    warn_still_points(context, prim)
-    points = read_points(context, prim)
-    finite = in_float32(points).all(axis=1)
-    if not finite.any():
-        context.ledger.warn("mesh-empty", prim, "there are no finite points")
-        return None
-    if not finite.all():
-        context.ledger.warn("points-non-finite", prim, "points that are not finite were dropped")
-    _warn_lost(context, prim, "a glTF point has no size")
-    vertices = np.flatnonzero(finite)
-    return _write(context, writer, materials, prim, points, vertices, None)
+@dataclass
+class LineBuilder:
+    """Converts a prim of points or curves."""
 
+    context: Context
+    writer: GltfWriter
+    materials: MaterialLibrary
+    prim: Usd.Prim
 
-def build_curves(
-    context: Context, writer: GltfWriter, materials: MaterialLibrary, prim: Usd.Prim
-) -> BuiltMesh | None:
-    """A mesh of glTF lines, or None (with a warning) where there is nothing to draw."""
-    warn_still_points(context, prim)
-    points = read_points(context, prim)
-    counts = np.array(authored(prim, "curveVertexCounts", context.time, []), dtype=np.int64)
-    if len(counts) == 0 or (counts < 0).any() or counts.sum() > len(points):
-        context.ledger.warn("curves-invalid", prim, "curveVertexCounts do not fit the points")
-        return None
-    if (counts < 2).any():
-        message = f"{int((counts < 2).sum())} curves have fewer than 2 points and were dropped"
-        context.ledger.warn("curves-invalid", prim, message)
-    if not in_float32(points).all():
-        context.ledger.warn("points-non-finite", prim, "curves with such points were dropped")
-        return None
-    _warn_lost(context, prim, "a glTF line has no width")
-    if type_name(prim) == "NurbsCurves":
-        message = f"NURBS curves became lines, {SEGMENTS_PER_SPAN} for each span"
-        context.ledger.warn("curves-approximated", prim, message)
-        curves, numbers = sample_nurbs(context, prim, points, counts)
-        if 0 < len(numbers) < len(counts):
-            message = f"{len(counts) - len(numbers)} curves, whose orders and knots do not fit"
-            context.ledger.warn("curves-invalid", prim, f"{message}, were dropped")
-        return _write_samples(
-            context, writer, materials, prim, counts, len(points), curves, numbers
-        )
-    kind = str(authored(prim, "type", context.time, "cubic"))
-    wrap = str(authored(prim, "wrap", context.time, "nonperiodic"))
-    if type_name(prim) == "HermiteCurves" or kind == "linear":
-        if type_name(prim) == "HermiteCurves":
-            message = "the curves are drawn straight between their points"
-            context.ledger.warn("curves-approximated", prim, message)
-        lines = _polylines(counts, wrap == "periodic")
-        if len(lines) == 0:
+    def build(self) -> BuiltMesh | None:
+        """A mesh of glTF points or lines, or None (with a warning) where nothing is to be drawn."""
+        warn_still_points(self.context, self.prim)
+        points = read_points(self.context, self.prim)
+        return self._points(points) if type_name(self.prim) == "Points" else self._curves(points)
+
+    def _warn(self, name: str, message: str) -> None:
+        self.context.ledger.warn(name, self.prim, message)
+
+    def _points(self, points: Array) -> BuiltMesh | None:
+        finite = in_float32(points).all(axis=1)
+        if not finite.any():
+            self._warn("mesh-empty", "there are no finite points")
             return None
-        owners = np.repeat(np.arange(len(counts)), counts)
-        owners = np.pad(owners, (0, len(points) - len(owners)))
-        topology = Topology(len(points), len(counts), np.arange(len(points)), owners)
-        # Points that no line uses would still count in the file's bounds.
-        vertices, ends = np.unique(lines, return_inverse=True)
-        lines = ends.reshape(lines.shape)
-        return _write(context, writer, materials, prim, points, vertices, lines, topology)
-    basis = str(authored(prim, "basis", context.time, "bezier"))
-    if basis not in _BASES:
-        context.ledger.warn("curves-dropped", prim, f"the basis '{basis}' is not known")
-        return None
-    message = f"cubic {basis} curves became lines, {SEGMENTS_PER_SPAN} for each span"
-    context.ledger.warn("curves-approximated", prim, message)
-    curves, numbers = _sample_cubic(points, counts, basis, wrap)
-    return _write_samples(context, writer, materials, prim, counts, len(points), curves, numbers)
+        if not finite.all():
+            self._warn("points-non-finite", "points that are not finite were dropped")
+        self._warn_lost("a glTF point has no size")
+        count = len(points)
+        topology = Topology(count, 1, np.arange(count), np.zeros(count, dtype=np.int64))
+        return self._write(points, np.flatnonzero(finite), None, topology)
 
+    def _curves(self, points: Array) -> BuiltMesh | None:
+        prim, time = self.prim, self.context.time
+        counts = np.array(authored(prim, "curveVertexCounts", time, []), dtype=np.int64)
+        if len(counts) == 0 or (counts < 0).any() or counts.sum() > len(points):
+            self._warn("curves-invalid", "curveVertexCounts do not fit the points")
+            return None
+        if (counts < 2).any():
+            message = f"{int((counts < 2).sum())} curves have fewer than 2 points and were dropped"
+            self._warn("curves-invalid", message)
+        if not in_float32(points).all():
+            self._warn("points-non-finite", "curves with such points were dropped")
+            return None
+        self._warn_lost("a glTF line has no width")
+        if type_name(prim) == "NurbsCurves":
+            message = f"NURBS curves became lines, {SEGMENTS_PER_SPAN} for each span"
+            self._warn("curves-approximated", message)
+            curves, numbers = sample_nurbs(self.context, prim, points, counts)
+            if 0 < len(numbers) < len(counts):
+                message = f"{len(counts) - len(numbers)} curves, whose orders and knots do not fit"
+                self._warn("curves-invalid", f"{message}, were dropped")
+            return self._write_samples(counts, len(points), curves, numbers)
+        kind = str(authored(prim, "type", time, "cubic"))
+        wrap = str(authored(prim, "wrap", time, "nonperiodic"))
+        if type_name(prim) == "HermiteCurves" or kind == "linear":
+            if type_name(prim) == "HermiteCurves":
+                message = "the curves are drawn straight between their points"
+                self._warn("curves-approximated", message)
+            lines = _polylines(counts, wrap == "periodic")
+            if len(lines) == 0:
+                return None
+            owners = np.repeat(np.arange(len(counts)), counts)
+            owners = np.pad(owners, (0, len(points) - len(owners)))
+            topology = Topology(len(points), len(counts), np.arange(len(points)), owners)
+            # Points that no line uses would still count in the file's bounds.
+            vertices, ends = np.unique(lines, return_inverse=True)
+            lines = ends.reshape(lines.shape)
+            return self._write(points, vertices, lines, topology)
+        basis = str(authored(prim, "basis", time, "bezier"))
+        if basis not in _BASES:
+            self._warn("curves-dropped", f"the basis '{basis}' is not known")
+            return None
+        message = f"cubic {basis} curves became lines, {SEGMENTS_PER_SPAN} for each span"
+        self._warn("curves-approximated", message)
+        curves, numbers = _sample_cubic(points, counts, basis, wrap)
+        return self._write_samples(counts, len(points), curves, numbers)
 
-def _write_samples(
-    context: Context,
-    writer: GltfWriter,
-    materials: MaterialLibrary,
-    prim: Usd.Prim,
-    counts: Array,
-    authored_points: int,
-    curves: list[Array],
-    numbers: list[int],
-) -> BuiltMesh | None:
-    """Write lines along the samples of curves with these numbers; None where there are none."""
-    if not curves:
-        context.ledger.warn(
-            "curves-invalid", prim, "no curve has points, orders and knots that fit"
+    def _write_samples(
+        self, counts: Array, authored_points: int, curves: list[Array], numbers: list[int]
+    ) -> BuiltMesh | None:
+        """Write lines along the samples of curves with these numbers; None where there are none."""
+        if not curves:
+            self._warn("curves-invalid", "no curve has points, orders and knots that fit")
+            return None
+        sampled = np.concatenate(curves)
+        lengths = np.array([len(curve) for curve in curves])
+        owners, lines = np.repeat(numbers, lengths), _polylines(lengths, False)
+        # Values per control point do not fit the samples; values per curve do.
+        vertices = np.arange(len(sampled))
+        topology = Topology(
+            len(sampled),
+            len(counts),
+            vertices,
+            owners,
+            dropped=("vertex", "varying", "faceVarying"),
+            authored=Topology(authored_points, len(counts), owners, owners),
         )
-        return None
-    sampled = np.concatenate(curves)
-    lengths = np.array([len(curve) for curve in curves])
-    owners, lines = np.repeat(numbers, lengths), _polylines(lengths, False)
-    # Values per control point do not fit the samples; values per curve do.
-    topology = Topology(len(sampled), len(counts), np.arange(len(sampled)), owners)
-    topology = replace(topology, authored=Topology(authored_points, len(counts), owners, owners))
-    drop = ("vertex", "varying", "faceVarying")
-    vertices = np.arange(len(sampled))
-    return _write(context, writer, materials, prim, sampled, vertices, lines, topology, drop)
+        return self._write(sampled, vertices, lines, topology)
+
+    def _write(
+        self, points: Array, vertices: Array, lines: Array | None, topology: Topology
+    ) -> BuiltMesh:
+        """Write points or lines with the gprim's display color; bound materials do not shade them.
+
+        Primvars of an interpolation that the topology drops are named and left out.
+        """
+        prim = self.prim
+        primvars = GprimPrimvars(self.context, prim, inherited_primvars(prim))
+        streams = primvars.streams(topology)
+        display = primvars.display(topology)
+        plan = self.materials.plan(None)
+        warn_translucent(self.context, prim, plan, display)
+        color = display.stream_for(True, True)
+        attributes = {"POSITION": self._accessor(points[vertices], bounds=True)}
+        colors = {} if color is None else {"COLOR_0": color}
+        for name, stream in (colors | _vertex_streams(streams)).items():
+            attributes[name] = self._accessor(stream.values[stream.ids[vertices]])
+        mode = POINTS if lines is None else LINES
+        entry: dict[str, Any] = {"attributes": attributes, "mode": mode}
+        if lines is not None:
+            indices = lines.reshape(-1).astype(np.uint32)
+            entry["indices"] = self.writer.add_accessor(indices, ELEMENT_ARRAY_BUFFER)
+        if bound_material(prim) is not None:
+            message = "points and lines show displayColor, not the bound material"
+            self._warn("material-unsupported", message)
+        entry["material"] = self.materials.instantiate(plan, {}, False, display, color is not None)
+        mesh = {"name": prim.GetName(), "primitives": [entry], "extras": mesh_extras(prim, streams)}
+        extras = {"primvars": primvars.constants} if primvars.constants else {}
+        return BuiltMesh(self.writer.add("meshes", mesh), extras)
+
+    def _accessor(self, values: Array, bounds: bool = False) -> int:
+        shaped = values[:, 0] if values.shape[1] == 1 else values
+        return self.writer.add_accessor(shaped.astype(np.float32), ARRAY_BUFFER, bounds)
+
+    def _warn_lost(self, message: str) -> None:
+        """Warn about widths (`message` says why), normals and ids, which points and lines lack."""
+        widths = UsdGeom.PrimvarsAPI(self.prim).GetPrimvar("widths")
+        attribute = self.prim.GetAttribute("widths")
+        if (widths and widths.HasValue()) or (attribute and attribute.HasAuthoredValue()):
+            self._warn("width-dropped", message)
+        for name, warning in (("normals", "normals-dropped"), ("ids", "ids-dropped")):
+            attributes = (self.prim.GetAttribute(name), self.prim.GetAttribute(f"primvars:{name}"))
+            if any(attribute and attribute.HasAuthoredValue() for attribute in attributes):
+                message = f"the {name} of points and curves are not carried"
+                self._warn(warning, message)
 
 
 def _polylines(counts: Array, closed: bool) -> Array:
@@ -182,49 +225,6 @@ def _sample_cubic(
     return curves, numbers
 
 
-def _write(
-    context: Context,
-    writer: GltfWriter,
-    materials: MaterialLibrary,
-    prim: Usd.Prim,
-    points: Array,
-    vertices: Array,
-    lines: Array | None,
-    topology: Topology | None = None,
-    dropped: tuple[str, ...] = (),
-) -> BuiltMesh:
-    """Write points or lines with the gprim's display color; bound materials do not shade them.
-
-    Primvars of an interpolation in `dropped` are named and left out.
-    """
-    if topology is None:
-        count = len(points)
-        topology = Topology(count, 1, np.arange(count), np.zeros(count, dtype=np.int64))
-    topology = replace(topology, dropped=dropped)
-    primvars = read_primvars(context, prim, inherited_primvars(prim))
-    streams = primvar_streams(context, prim, primvars, topology)
-    display = read_display(context, prim, primvars.owned, topology)
-    plan = materials.plan(None)
-    warn_translucent(context, prim, plan, display)
-    color = display.stream_for(True, True)
-    attributes = {"POSITION": _accessor(writer, points[vertices], bounds=True)}
-    if color is not None:
-        attributes["COLOR_0"] = _accessor(writer, color.values[color.ids[vertices]])
-    for name, stream in _vertex_streams(streams).items():
-        attributes[name] = _accessor(writer, stream.values[stream.ids[vertices]])
-    entry: dict[str, Any] = {"attributes": attributes, "mode": POINTS if lines is None else LINES}
-    if lines is not None:
-        indices = lines.reshape(-1).astype(np.uint32)
-        entry["indices"] = writer.add_accessor(indices, ELEMENT_ARRAY_BUFFER)
-    if bound_material(prim) is not None:
-        message = "points and lines show displayColor, not the bound material"
-        context.ledger.warn("material-unsupported", prim, message)
-    entry["material"] = materials.instantiate(plan, {}, False, display, color is not None)
-    mesh = {"name": prim.GetName(), "primitives": [entry], "extras": mesh_extras(prim, streams)}
-    extras = {"primvars": primvars.constants} if primvars.constants else {}
-    return BuiltMesh(writer.add("meshes", mesh), extras)
-
-
 def _vertex_streams(streams: Streams) -> dict[str, Stream]:
     """Streams by attribute; UV sets in the order of meshes without a material, v pointing down."""
     result = dict(streams.custom)
@@ -234,21 +234,3 @@ def _vertex_streams(streams: Streams) -> dict[str, Stream]:
         flipped = np.column_stack([uv.values[:, 0], 1.0 - uv.values[:, 1]])
         result[f"TEXCOORD_{slot}"] = replace(uv, values=flipped)
     return result
-
-
-def _accessor(writer: GltfWriter, values: Array, bounds: bool = False) -> int:
-    shaped = values[:, 0] if values.shape[1] == 1 else values
-    return writer.add_accessor(shaped.astype(np.float32), ARRAY_BUFFER, bounds)
-
-
-def _warn_lost(context: Context, prim: Usd.Prim, message: str) -> None:
-    """Warn about widths (`message` says why), normals and ids, which glTF points and lines lack."""
-    widths = UsdGeom.PrimvarsAPI(prim).GetPrimvar("widths")
-    attribute = prim.GetAttribute("widths")
-    if (widths and widths.HasValue()) or (attribute and attribute.HasAuthoredValue()):
-        context.ledger.warn("width-dropped", prim, message)
-    for name, warning in (("normals", "normals-dropped"), ("ids", "ids-dropped")):
-        attributes = (prim.GetAttribute(name), prim.GetAttribute(f"primvars:{name}"))
-        if any(attribute and attribute.HasAuthoredValue() for attribute in attributes):
-            message = f"the {name} of points and curves are not carried"
-            context.ledger.warn(warning, prim, message)

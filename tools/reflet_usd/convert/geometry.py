@@ -11,9 +11,6 @@ from reflet_usd.convert.attributes import (
     Streams,
     inherited_primvars,
     primvar_signature,
-    primvar_streams,
-    read_display,
-    read_primvars,
 )
 from reflet_usd.convert.channel_packing import texture_transform, wraps_to_black
 from reflet_usd.convert.context import Context, authored, source_path, type_name
@@ -102,8 +99,8 @@ class GeometryBuilder:
         if made is None:
             return None
         surface, topology, polygons = made
-        primvars = read_primvars(self.context, prim, owned)
-        streams = primvar_streams(self.context, prim, primvars, topology)
+        primvars = GprimPrimvars(self.context, prim, owned)
+        streams = primvars.streams(topology)
         surface.uvs, surface.custom = streams.uvs, streams.custom
         if deformation is not None:
             deformation.prepare(surface, polygons)
@@ -117,7 +114,7 @@ class GeometryBuilder:
                 chosen = surface.triangles[member[surface.triangle_faces]]
             if len(chosen) == 0:
                 continue
-            parts = self._primitive(prim, surface, chosen, group, primvars, topology)
+            parts = self._primitive(surface, chosen, group, primvars, topology)
             if deformation is not None:
                 deformation.finish(surface, parts, polygons)
             entries.append(parts.entry)
@@ -159,26 +156,18 @@ class GeometryBuilder:
 
     def _primitive(
         self,
-        prim: Usd.Prim,
         surface: Surface,
         triangles: Array,
         group: FaceGroup,
         primvars: GprimPrimvars,
         topology: Topology,
     ) -> PrimitiveParts:
-        plan = self.materials.plan(group.material)
+        prim, plan = primvars.prim, self.materials.plan(group.material)
         order, constants = self._uv_order(prim, surface, plan)
-        display = read_display(
-            self.context,
-            prim,
-            primvars.owned,
-            topology,
-            plan.color_primvar or "displayColor",
-            plan.opacity_primvar or "displayOpacity",
-            plan.color_fallback,
-        )
+        readers = (plan.color_primvar, plan.opacity_primvar)
+        display = primvars.display(topology, *readers, plan.color_fallback)
         warn_translucent(self.context, prim, plan, display)
-        color = display.stream_for(plan.color_primvar is not None, plan.opacity_primvar is not None)
+        color = display.stream_for(*(reader is not None for reader in readers))
         parts = build_primitive(self.writer, surface, triangles, order, constants, color)
         double_sided = bool(authored(prim, "doubleSided", self.context.time, False))
         self._warn_black_wraps(surface, triangles, plan)
@@ -189,17 +178,15 @@ class GeometryBuilder:
             double_sided,
             display,
             color is not None,
-            self._constants(prim, plan, primvars),
+            self._constants(plan, primvars),
             self.lights.glow(prim),
         )
         if group.subset is not None:
             parts.entry["extras"] = {"prim": str(group.subset.GetPath())}
         return parts
 
-    def _constants(
-        self, prim: Usd.Prim, plan: MaterialPlan, primvars: GprimPrimvars
-    ) -> dict[str, Constant]:
-        """Values of inputs that read a primvar with one value on this prim."""
+    def _constants(self, plan: MaterialPlan, primvars: GprimPrimvars) -> dict[str, Constant]:
+        """Values of inputs that read a primvar with one value on the gprim."""
         found = {}
         for name, source in plan.inputs.items():
             if not isinstance(source, PrimvarRead) or name in ("diffuseColor", "opacity"):
@@ -210,7 +197,7 @@ class GeometryBuilder:
                 found[name] = Constant(tuple(float(number) for number in numbers))
             elif source.primvar in primvars.custom or source.fallback is None:
                 message = f"'{name}' reads primvar '{source.primvar}', its fallback is used"
-                self.context.ledger.warn("primvar-reader-dropped", prim, message)
+                self.context.ledger.warn("primvar-reader-dropped", primvars.prim, message)
         return found
 
     def _warn_black_wraps(self, surface: Surface, triangles: Array, plan: MaterialPlan) -> None:

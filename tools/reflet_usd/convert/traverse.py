@@ -15,7 +15,7 @@ from reflet_usd.convert.animation import (
 from reflet_usd.convert.camera import add_camera
 from reflet_usd.convert.collection import keep_collections
 from reflet_usd.convert.context import Context, type_name
-from reflet_usd.convert.curves import build_curves, build_points, is_curves
+from reflet_usd.convert.curves import LineBuilder, draws_lines
 from reflet_usd.convert.extras import keep_custom_properties
 from reflet_usd.convert.geometry import BuiltMesh, GeometryBuilder, is_surface
 from reflet_usd.convert.gltf_writer import GltfWriter
@@ -245,10 +245,9 @@ class Traversal:
             keys = point_keys(context, self.writer, prim)
             if self._draw(node, self.geometry.build(prim, keys)) and keys is not None:
                 keys.animate(node)
-        elif kind == "Points":
-            self._draw(node, build_points(context, self.writer, self.geometry.materials, prim))
-        elif is_curves(prim):
-            self._draw(node, build_curves(context, self.writer, self.geometry.materials, prim))
+        elif draws_lines(prim):
+            lines = LineBuilder(context, self.writer, self.geometry.materials, prim)
+            self._draw(node, lines.build())
         elif prim.IsA(UsdGeom.Camera):
             add_camera(context, self.writer, prim, node)
         elif kind == "GeometryLight":
