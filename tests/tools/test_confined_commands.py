@@ -14,7 +14,7 @@ import pytest
 from reflet_usd import cli
 from reflet_usd.convert.types import ConvertError
 from reflet_usd.sandbox import Limits, run_convert
-from reflet_usd.usdz_check import PackageError, check_package
+from reflet_usd.usdz_check import check_package
 from reflet_usd.validate import confined
 from texts import text_of
 
@@ -98,7 +98,7 @@ def test_headers_that_disagree_with_the_directory_are_refused(tmp_path: Path) ->
     grown = good[: second + 22] + b"\xf0\xff\xff\x7f" + good[second + 26 :]
     for bad in (renamed, grown):
         path.write_bytes(bad)
-        with pytest.raises(PackageError) as caught:
+        with pytest.raises(ConvertError) as caught:
             check_package(path)
         assert caught.value.name == "usdz-broken"
 
@@ -111,7 +111,7 @@ def test_a_file_that_the_directory_hides_is_refused(tmp_path: Path) -> None:
         archive.filelist.pop()  # the zip directory is written when the archive closes
     path = tmp_path / "a.usdz"
     path.write_bytes(stream.getvalue())
-    with pytest.raises(PackageError, match="does not list"):
+    with pytest.raises(ConvertError, match="does not list"):
         check_package(path)
 
 

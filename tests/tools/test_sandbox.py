@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from reflet_usd.convert.types import ConvertError, ConvertOptions
 from reflet_usd.sandbox import Limits, run_convert
-from reflet_usd.usdz_check import PackageError, PackageLimits, check_package
+from reflet_usd.usdz_check import PackageLimits, check_package
 
 # Each target meets one limit only, the others are out of its reach: on a busy machine everything,
 # such as the first touch of 1 GiB of pages, takes longer than alone.
@@ -284,7 +284,7 @@ def test_total_size_of_a_package_is_limited(tmp_path: Path) -> None:
     stage = tmp_path / "a.usdz"
     stage.write_bytes(package([("a.usda", USDA), ("b.png", bytes(1000))]))
     check_package(stage)
-    with pytest.raises(PackageError) as caught:
+    with pytest.raises(ConvertError) as caught:
         check_package(stage, PackageLimits(unpacked_bytes=1000))
     assert caught.value.name == "usdz-size"
 
@@ -294,7 +294,7 @@ def test_every_package_of_the_corpus_that_usd_opens_passes(corpus: Path) -> None
     for stage in corpus.rglob("*.usdz"):
         try:
             check_package(stage)
-        except PackageError as error:
+        except ConvertError as error:
             refused.append(f"{stage.name}: {error.name}")
     # The first file of this package is an Alembic cache, which usd-core does not open either.
     assert refused == ["alembic.usdz: usdz-root"]

@@ -33,42 +33,32 @@ class PackageLimits:
     """Maximum depth of packages nested in one another."""
 
 
-class PackageError(Exception):
-    """A package that must not be opened: `name` for machines, `message` for people."""
-
-    def __init__(self, name: str, message: str) -> None:
-        super().__init__(f"{name}: {message}")
-        self.name = name
-        self.message = message
-
-
 def check_package(path: Path, limits: PackageLimits | None = None) -> None:
-    """Raise PackageError where the package at `path` is broken or abuses the zip format."""
-    with path.open("rb") as stream:
-        _check_stream(stream, path.name, path.stat().st_size, limits or PackageLimits(), 1)
+    """Raise a ConvertError where the package at `path` is broken or abuses the zip format."""
+    try:
+        with path.open("rb") as stream:
+            _check_stream(stream, path.name, path.stat().st_size, limits or PackageLimits(), 1)
+    except ConvertError as error:
+        raise ConvertError(error.name, error.message, str(path)) from error
+    except OSError as error:
+        raise ConvertError("usdz-broken", f"cannot be read: {error.strerror}", str(path)) from error
 
 
 def check_referenced(path: str) -> None:
     """Check a package that a stage names, as `check_package` does; other files pass."""
-    if not path.lower().endswith(".usdz"):
-        return
-    try:
+    if path.lower().endswith(".usdz"):
         check_package(Path(path))
-    except PackageError as error:
-        raise ConvertError(error.name, error.message, path) from error
-    except OSError as error:
-        raise ConvertError("usdz-broken", f"cannot be read: {error.strerror}", path) from error
 
 
 def _check_stream(
     stream: BinaryIO, label: str, size: int, limits: PackageLimits, depth: int
 ) -> None:
     if depth > limits.depth:
-        raise PackageError("usdz-nested", f"{label}: packages nest deeper than {limits.depth}")
+        raise ConvertError("usdz-nested", f"{label}: packages nest deeper than {limits.depth}")
     try:
         archive = zipfile.ZipFile(stream)
     except (zipfile.BadZipFile, ValueError, OverflowError, NotImplementedError) as error:
-        raise PackageError(
+        raise ConvertError(
             "usdz-broken", f"{label} is not a readable zip archive ({error}); export it again"
         ) from error
     with archive:
@@ -91,19 +81,19 @@ def _check_counts(
     entries: list[zipfile.ZipInfo], label: str, size: int, limits: PackageLimits
 ) -> None:
     if not entries:
-        raise PackageError("usdz-empty", f"{label} holds no file; the first must be a USD layer")
+        raise ConvertError("usdz-empty", f"{label} holds no file; the first must be a USD layer")
     if len(entries) > limits.entries:
-        raise PackageError(
+        raise ConvertError(
             "usdz-entries", f"{label} holds {len(entries)} files, more than {limits.entries}"
         )
     unpacked = sum(entry.file_size for entry in entries)
     if unpacked > limits.unpacked_bytes:
-        raise PackageError(
+        raise ConvertError(
             "usdz-size", f"{label} unpacks to {unpacked} bytes, more than {limits.unpacked_bytes}"
         )
     stored = sum(entry.compress_size for entry in entries)
     if stored > size:
-        raise PackageError(
+        raise ConvertError(
             "usdz-overlap", f"{label}: its entries claim {stored} bytes in a file of {size}"
         )
 
@@ -113,13 +103,13 @@ def _check_entry(entry: zipfile.ZipInfo, label: str, limits: PackageLimits) -> N
     where = f"{label}[{name!r}]"
     parts = re.split(r"[/\\]", name)
     if name.startswith(("/", "\\")) or ".." in parts or re.match(r"^[A-Za-z]:", name):
-        raise PackageError("usdz-path", f"{where}: the entry's path leaves the package")
+        raise ConvertError("usdz-path", f"{where}: the entry's path leaves the package")
     if "\0" in name or "\0" in getattr(entry, "orig_filename", ""):
-        raise PackageError("usdz-path", f"{where}: the entry's path holds a zero byte")
+        raise ConvertError("usdz-path", f"{where}: the entry's path holds a zero byte")
     if entry.flag_bits & 0x1:
-        raise PackageError("usdz-encrypted", f"{where} is encrypted; usdz knows no encryption")
+        raise ConvertError("usdz-encrypted", f"{where} is encrypted; usdz knows no encryption")
     if entry.file_size > limits.ratio * max(entry.compress_size, 1):
-        raise PackageError(
+        raise ConvertError(
             "usdz-ratio",
             f"{where} unpacks {entry.compress_size} bytes to {entry.file_size}"
             f" (more than {limits.ratio:g} times)",
@@ -134,7 +124,7 @@ def _check_headers(stream: BinaryIO, entries: list[zipfile.ZipInfo], label: str)
         stream.seek(entry.header_offset)
         header = stream.read(_HEADER.size)
         if len(header) < _HEADER.size or header[:4] != _SIGNATURE:
-            raise PackageError("usdz-broken", f"{where}: there is no file where it should be")
+            raise ConvertError("usdz-broken", f"{where}: there is no file where it should be")
         _, flags, method, packed, size, name_size, extra_size = _HEADER.unpack(header)
         name = stream.read(name_size).decode("utf-8" if flags & 0x800 else "cp437", "replace")
         sizes = (entry.compress_size, entry.file_size)
@@ -145,22 +135,22 @@ def _check_headers(stream: BinaryIO, entries: list[zipfile.ZipInfo], label: str)
             or not (streamed or (packed, size) == sizes)
         ):
             message = f"{where}: the file's own header says otherwise ({name!r}, {size} bytes)"
-            raise PackageError("usdz-broken", f"{message} than the directory")
+            raise ConvertError("usdz-broken", f"{message} than the directory")
         end = entry.header_offset + _HEADER.size + name_size + extra_size + entry.compress_size
         stream.seek(end)
         if stream.read(4) == _SIGNATURE and end not in listed:
             message = f"{where}: a file follows that the directory does not list"
-            raise PackageError("usdz-broken", message)
+            raise ConvertError("usdz-broken", message)
 
 
 def _check_root(entries: list[zipfile.ZipInfo], label: str) -> None:
     first = entries[0].filename
     if not first.lower().endswith((*LAYER_SUFFIXES, ".usdz")):
-        raise PackageError(
+        raise ConvertError(
             "usdz-root", f"{label}: its first file is {first!r}, expected a .usd, .usda or .usdc"
         )
     if entries[0].compress_type != zipfile.ZIP_STORED:
-        raise PackageError(
+        raise ConvertError(
             "usdz-compressed",
             f"{label}[{first!r}] is compressed; usdz stores its files as they are:"
             " pack it with usdzip",
@@ -171,4 +161,4 @@ def _read_entry(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, label: str) ->
     try:
         return archive.read(entry)
     except (zipfile.BadZipFile, EOFError, OSError, ValueError, NotImplementedError) as error:
-        raise PackageError("usdz-broken", f"{label}[{entry.filename!r}]: {error}") from error
+        raise ConvertError("usdz-broken", f"{label}[{entry.filename!r}]: {error}") from error

@@ -135,13 +135,16 @@ class Checks:
             )
             self._warnings.setdefault(warning["prim"], []).append(entry)
 
-    def add_lost(self, prim: str, warnings: tuple[str, ...], text: str, named: str = "") -> None:
-        """Record an input that cannot be in the output; only one of `warnings` excuses that.
+    def add_lost(
+        self, prim: str, warnings: tuple[str, ...], text: str, named: str = "", name: str = "inputs"
+    ) -> None:
+        """Record what cannot be in the output; only one of `warnings` excuses that.
 
         `named`, if any, must stand in quotes in the message.
         """
         told = self.excuse(prim, warnings, named=named)
-        self.add("inputs", prim, 1, text, excuses=(told,) if told else ())
+        value = 1 if name == "inputs" else math.inf
+        self.add(name, prim, value, text, excuses=(told,) if told else ())
 
     def add(
         self,

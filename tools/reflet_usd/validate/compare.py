@@ -12,7 +12,7 @@ from .compare_cameras_lights import Device, camera_values, light_values, matrix_
 from .distances import attribute_distance, one_way, open_edges, set_distance
 from .scene_data import Array, Corners, Lost, Scene, Surface
 from .surfaces import distances_to_surfaces, surface_box, untouched_extent
-from .uv_compare import compare_customs, compare_point_values, compare_uvs
+from .uv_compare import CoordinateComparer
 
 _FLOAT32_STEP = float(np.finfo(np.float32).eps)
 _ROUNDINGS = 4.0
@@ -163,7 +163,7 @@ class SceneComparer:
                 value = set_distance(expected.points, found.points) / self.diagonal
                 self.checks.add("positions", key, value, "points", self.slack)
                 reach = self.diagonal * (BARS["positions"].limit + self.slack)
-                compare_point_values(self.checks, key, expected, found, reach)
+                CoordinateComparer(self.checks, key, expected, found, reach).point_values()
         if not len(expected.positions):
             return
         there = found is not None and bool(len(found.positions))
@@ -274,8 +274,9 @@ class SceneComparer:
                 )
                 angle = 2 * math.degrees(math.asin(min(chord / 2, 1.0)))
                 self.checks.add("normals", key, angle, "angle")
-        compare_uvs(self.checks, key, expected, found, tolerance)
-        compare_customs(self.checks, key, expected, found, tolerance)
+        coordinates = CoordinateComparer(self.checks, key, expected, found, tolerance)
+        coordinates.uvs()
+        coordinates.customs()
         unbound = expected.materials is not None and bool((expected.materials < 0).all())
         if unbound:
             self._undefined_colors(key, expected.undefined_colors)
@@ -296,9 +297,8 @@ class SceneComparer:
 
     def _undefined_colors(self, key: str, names: tuple[str, ...]) -> None:
         for name in names:
-            told = self.checks.excuse(key, UNORDERED_COLORS, named=name)
             text = f"several values of '{name}' on a gprim, whose faces USD does not number"
-            self.checks.add("colors", key, math.inf, text, excuses=(told,) if told else ())
+            self.checks.add_lost(key, UNORDERED_COLORS, text, name, "colors")
 
     def _bindings(self, key: str, expected: Corners, found: Corners) -> None:
         """Compare the corners of each material, as sets, by the material's name."""

@@ -21,144 +21,130 @@ class UvUse:
     attribute: str
 
 
-def compare_uvs(
-    checks: Checks, key: str, expected: Corners, found: Corners, tolerance: float
-) -> None:
-    """Check that the file's UV sets and the stage's are the same."""
-    there: set[str] = set()
-    for name, values in found.uvs.items():
-        rows = _uv_rows(checks, key, found, values)
-        if not expected.uvs or not rows.any():
-            continue
-        reach = max(1.0, float(np.abs(values).max(initial=0.0)))
-        step = BARS["uvs"].limit * reach
-        drawn = (found.positions[rows], values[rows])
-        best = math.inf
-        for candidate, wished in expected.uvs.items():
-            wanted = (expected.positions, wished)
-            # Where rows are left out, drawn values must be wanted ones, but not the other way.
-            first, second = (wanted, drawn) if rows.all() else (drawn, wanted)
-            whole = expected.optional_triangles == 0 and bool(rows.all())
-            distance = attribute_distance(first, second, tolerance, step, whole)
-            best = min(best, distance)
-            if distance <= step:
-                there.add(candidate)
-        checks.add("uvs", key, best / reach, name)
-    for name in sorted(expected.uvs.keys() - there):
-        _missing(checks, key, name)
-    if not expected.material_paths and len(expected.uvs) == len(found.uvs) == len(there):
-        _compare_order(checks, key, expected, found, tolerance)
+@dataclasses.dataclass(frozen=True)
+class CoordinateComparer:
+    """Compares float primvars at the corners of one prim with the attributes of the file."""
 
+    checks: Checks
+    key: str
+    expected: Corners
+    found: Corners
+    tolerance: float
+    """Maximum distance between corners that are the same."""
 
-def _missing(checks: Checks, key: str, name: str) -> None:
-    told = checks.excuse(key, UV_SET, named=name)
-    text = f"'{name}' is not in the output"
-    checks.add("uvs", key, math.inf, text, excuses=(told,) if told else ())
+    def uvs(self) -> None:
+        """Check that the file's UV sets and the stage's are the same."""
+        expected, found = self.expected, self.found
+        there: set[str] = set()
+        for name, values in found.uvs.items():
+            rows = self._uv_rows(values)
+            if not expected.uvs or not rows.any():
+                continue
+            reach = _reach(values)
+            step = BARS["uvs"].limit * reach
+            drawn = (found.positions[rows], values[rows])
+            best = math.inf
+            for candidate, wished in expected.uvs.items():
+                wanted = (expected.positions, wished)
+                # Where rows are left out, drawn values must be wanted ones, but not the other way.
+                first, second = (wanted, drawn) if rows.all() else (drawn, wanted)
+                whole = expected.optional_triangles == 0 and bool(rows.all())
+                distance = attribute_distance(first, second, self.tolerance, step, whole)
+                best = min(best, distance)
+                if distance <= step:
+                    there.add(candidate)
+            self.checks.add("uvs", self.key, best / reach, name)
+        for name in sorted(expected.uvs.keys() - there):
+            self._missing(name)
+        if not expected.material_paths and len(expected.uvs) == len(found.uvs) == len(there):
+            self._order()
 
+    def customs(self) -> None:
+        """Check that every other float primvar of the stage is in the file, under its own name."""
+        for name, wanted in self.expected.customs.items():
+            drawn = (self.found.positions, self.found.customs.get(name))
+            both = self.expected.optional_triangles == 0
+            self._values(name, (self.expected.positions, wanted), drawn, both)
 
-def _compare_order(
-    checks: Checks, key: str, expected: Corners, found: Corners, tolerance: float
-) -> None:
-    """Check the order where no material reads any set: `st` first, then the others by name."""
-    attributes = sorted(found.uvs, key=lambda name: int(name.rpartition("_")[2]))
-    names = sorted(expected.uvs, key=lambda name: (name != "st", name))
-    for name, attribute in zip(names, attributes, strict=True):
-        reach = max(1.0, float(np.abs(expected.uvs[name]).max(initial=0.0)))
-        distance = attribute_distance(
-            (expected.positions, expected.uvs[name]),
-            (found.positions, found.uvs[attribute]),
-            tolerance,
-            BARS["uvs"].limit * reach,
-            both=False,
-        )
-        checks.add("uvs", key, distance / reach, f"{attribute} for '{name}'")
+    def point_values(self) -> None:
+        """Compare the primvars of points and lines, including their coordinates."""
+        expected, found = self.expected, self.found
+        for name in sorted(expected.point_values.keys() | found.point_values.keys()):
+            wanted, values = (side.point_values.get(name) for side in (expected, found))
+            if wanted is None:
+                self.checks.add("uvs", self.key, math.inf, f"{name} is only in the output")
+                continue
+            self._values(name, (expected.points, wanted), (found.points, values), both=True)
 
+    def use(self, use: UvUse) -> None:
+        """Compare primvar and attribute on the corners that carry the material of the use."""
+        wanted = _carrying(self.expected, use.material)
+        drawn = _carrying(self.found, use.material)
+        if wanted.any() and drawn.any():
+            self._values(
+                f"{use.attribute} for '{use.primvar}' of {use.material}",
+                (self.expected.positions[wanted], self.expected.uvs[use.primvar][wanted]),
+                (self.found.positions[drawn], self.found.uvs[use.attribute][drawn]),
+                both=False,
+            )
 
-def _uv_rows(checks: Checks, key: str, found: Corners, values: Array) -> np.ndarray:
-    """Mask of all corners whose material reads no set that the prim lacks."""
-    rows = np.ones(len(values), bool)
-    if found.materials is None or not checks.excuse(key, UV_CONSTANT):
+    def _missing(self, name: str) -> None:
+        self.checks.add_lost(self.key, UV_SET, f"'{name}' is not in the output", name, "uvs")
+
+    def _order(self) -> None:
+        """Check the order where no material reads any set: `st` first, then the others by name."""
+        attributes = sorted(self.found.uvs, key=lambda name: int(name.rpartition("_")[2]))
+        names = sorted(self.expected.uvs, key=lambda name: (name != "st", name))
+        for name, attribute in zip(names, attributes, strict=True):
+            wanted = (self.expected.positions, self.expected.uvs[name])
+            drawn = (self.found.positions, self.found.uvs[attribute])
+            self._values(f"{attribute} for '{name}'", wanted, drawn, both=False)
+
+    def _uv_rows(self, values: Array) -> np.ndarray:
+        """Mask of all corners whose material reads no set that the prim lacks."""
+        rows = np.ones(len(values), bool)
+        if self.found.materials is None or not self.checks.excuse(self.key, UV_CONSTANT):
+            return rows
+        for label in np.unique(self.found.materials):
+            part = self.found.materials == label
+            if np.ptp(values[part], axis=0).max(initial=0.0) == 0.0:
+                rows &= ~part
         return rows
-    for label in np.unique(found.materials):
-        part = found.materials == label
-        if np.ptp(values[part], axis=0).max(initial=0.0) == 0.0:
-            rows &= ~part
-    return rows
+
+    def _values(
+        self,
+        name: str,
+        expected: tuple[Array, Array],
+        found: tuple[Array, Array | None],
+        both: bool,
+    ) -> None:
+        places, values = found
+        if values is None or values.shape[1] != expected[1].shape[1]:
+            self._missing(name)
+            return
+        reach = _reach(expected[1])
+        step = BARS["uvs"].limit * reach
+        distance = attribute_distance(expected, (places, values), self.tolerance, step, both)
+        self.checks.add("uvs", self.key, distance / reach, name)
 
 
-def compare_customs(
-    checks: Checks, key: str, expected: Corners, found: Corners, tolerance: float
-) -> None:
-    """Check that every other float primvar of the stage is in the file, under its own name."""
-    both = expected.optional_triangles == 0
-    for name, wanted in expected.customs.items():
-        drawn = (found.positions, found.customs.get(name))
-        _compare_values(checks, key, name, (expected.positions, wanted), drawn, tolerance, both)
-
-
-def compare_point_values(
-    checks: Checks, key: str, expected: Corners, found: Corners, tolerance: float
-) -> None:
-    """Compare the primvars of points and lines, including their coordinates."""
-    for name in sorted(expected.point_values.keys() | found.point_values.keys()):
-        wanted, values = (side.point_values.get(name) for side in (expected, found))
-        if wanted is None:
-            checks.add("uvs", key, math.inf, f"{name} is only in the output")
-            continue
-        pairs = (expected.points, wanted), (found.points, values)
-        _compare_values(checks, key, name, *pairs, tolerance, both=True)
-
-
-def _compare_values(
-    checks: Checks,
-    key: str,
-    name: str,
-    expected: tuple[Array, Array],
-    found: tuple[Array, Array | None],
-    tolerance: float,
-    both: bool,
-) -> None:
-    places, values = found
-    if values is None or values.shape[1] != expected[1].shape[1]:
-        _missing(checks, key, name)
-        return
-    reach = max(1.0, float(np.abs(expected[1]).max(initial=0.0)))
-    step = BARS["uvs"].limit * reach
-    distance = attribute_distance(expected, (places, values), tolerance, step, both)
-    checks.add("uvs", key, distance / reach, name)
+def _reach(values: Array) -> float:
+    """Maximum absolute value, at least 1, which tolerances are relative to."""
+    return max(1.0, float(np.abs(values).max(initial=0.0)))
 
 
 def compare_uv_uses(
     checks: Checks, truth: Scene, output: Scene, uses: Iterable[UvUse], diagonal: float
 ) -> None:
     """Compare primvar and attribute on the corners that carry the material, where both exist."""
+    reach = diagonal * BARS["positions"].limit
     for use in uses:
         for key, expected in truth.corners.items():
             found = output.corners.get(key)
             if found is None or use.material not in expected.material_paths:
                 continue
             if use.primvar in expected.uvs and use.attribute in found.uvs:
-                _compare_use(checks, key, use, expected, found, diagonal)
-
-
-def _compare_use(
-    checks: Checks, key: str, use: UvUse, expected: Corners, found: Corners, diagonal: float
-) -> None:
-    wanted = _carrying(expected, use.material)
-    drawn = _carrying(found, use.material)
-    if not wanted.any() or not drawn.any():
-        return
-    values = expected.uvs[use.primvar][wanted]
-    reach = max(1.0, float(np.abs(values).max()))
-    distance = attribute_distance(
-        (expected.positions[wanted], values),
-        (found.positions[drawn], found.uvs[use.attribute][drawn]),
-        diagonal * BARS["positions"].limit,
-        BARS["uvs"].limit * reach,
-        both=False,
-    )
-    text = f"{use.attribute} for '{use.primvar}' of {use.material}"
-    checks.add("uvs", key, distance / reach, text)
+                CoordinateComparer(checks, key, expected, found, reach).use(use)
 
 
 def _carrying(corners: Corners, material: str) -> np.ndarray:
