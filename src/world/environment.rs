@@ -5,8 +5,10 @@ mod cones;
 mod cube;
 mod density;
 mod exr;
+mod hdr;
 mod octahedral;
 mod pixels;
+mod primaries;
 mod read;
 #[cfg(test)]
 mod tests;
@@ -20,7 +22,7 @@ pub use self::{
     cones::CONE_LEVELS,
     cube::{CubeMap, of_cube},
     density::Density,
-    pixels::{LARGEST_KEPT, PanoramaLimits},
+    pixels::{LAYER_UNKNOWN, PanoramaLimits},
     read::read,
 };
 use reflet_base::math::Bounds;
@@ -108,8 +110,6 @@ pub struct Panorama {
     pub width: u32,
     /// Pixels down, 1 to 2048.
     pub height: u32,
-    /// Whether the picture in the file was larger and has been reduced.
-    pub is_reduced: bool,
     /// Linear radiance divided by `scale`, as 16-bit floats, top row first; the fourth channel is 1.
     pub texels: Vec<[u16; 4]>,
     /// Factor on the texels, a power of two, with which the brightest texel fits in a 16-bit float.

@@ -1,5 +1,9 @@
 //! A panorama while it is decoded: its pixels, the limits of its size, and the memory that is held for it.
 
+use glam::DMat3;
+use half::f16;
+
+use super::{Density, Panorama};
 use crate::gltf::Fault;
 use reflet_base::memory::{Budget, Reservation};
 
@@ -8,6 +12,10 @@ pub const LARGEST_KEPT: [u32; 2] = [4096, 2048];
 /// Largest width or height, pixels, of the reduced copy from which the density is computed.
 pub(super) const DENSITY_PX: u32 = 1024;
 
+/// Name of the error of a layer that a file lacks.
+pub const LAYER_UNKNOWN: &str = "layer-unknown";
+/// Largest value of a texel, a 16-bit float.
+pub(super) const LARGEST_TEXEL: f32 = 65504.0;
 /// Help text for a file that is truncated or damaged.
 pub(super) const BROKEN_HELP: &str =
     "copy or export the panorama again; the file is cut off or damaged";
@@ -28,6 +36,77 @@ pub(super) struct Pixels {
     pub width: u32,
     pub height: u32,
     pub rgb: Vec<[f32; 3]>,
+}
+
+impl Pixels {
+    /// The panorama of pixels that are finite and 0 or more.
+    pub fn into_panorama(self, name: String) -> Panorama {
+        let [across, down] = LARGEST_KEPT;
+        let factor = (self.width.div_ceil(across)).max(self.height.div_ceil(down));
+        let kept = self.reduced(factor);
+        let brightest = kept.rgb.iter().flatten().fold(0.0_f32, |a, b| a.max(*b));
+        let scale = (brightest / LARGEST_TEXEL).max(1.0).log2().ceil().exp2();
+        let texel = |rgb: &[f32; 3]| {
+            let [r, g, b] = rgb.map(|v| f16::from_f32(v / scale).to_bits());
+            [r, g, b, f16::ONE.to_bits()]
+        };
+        let texels = kept.rgb.iter().map(texel).collect();
+        let (width, height) = (kept.width, kept.height);
+        let coarse = kept.reduced(width.max(height).div_ceil(DENSITY_PX));
+        let luminance: Vec<f32> = coarse.rgb.iter().map(luminance).collect();
+        Panorama {
+            name,
+            width,
+            height,
+            texels,
+            scale,
+            density: Density::new(&luminance, coarse.width, coarse.height),
+        }
+    }
+
+    /// The picture reduced to means of blocks of `factor` × `factor` pixels; blocks at the right and lower edge may be
+    /// smaller.
+    fn reduced(self, factor: u32) -> Self {
+        if factor <= 1 {
+            return self;
+        }
+        let (width, height) = (self.width.div_ceil(factor), self.height.div_ceil(factor));
+        let mean = |x: u32, y: u32| {
+            let (mut sum, mut count) = ([0.0_f64; 3], 0.0);
+            for y in y * factor..((y + 1) * factor).min(self.height) {
+                for x in x * factor..((x + 1) * factor).min(self.width) {
+                    let rgb = self.rgb[y as usize * self.width as usize + x as usize];
+                    for (sum, value) in sum.iter_mut().zip(rgb) {
+                        *sum += f64::from(value);
+                    }
+                    count += 1.0;
+                }
+            }
+            sum.map(|sum| (sum / count) as f32)
+        };
+        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        Self {
+            width,
+            height,
+            rgb: places.map(|(x, y)| mean(x, y)).collect(),
+        }
+    }
+}
+
+/// Luminance by ITU-R BT.709.
+fn luminance([r, g, b]: &[f32; 3]) -> f32 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
+/// A decoded file.
+pub(super) struct Decoded {
+    pub pixels: Pixels,
+    /// Memory that is held for the pixels.
+    pub held: Reservation,
+    /// Matrix to colors of ITU-R BT.709, if the file has other primaries.
+    pub to_bt709: Option<DMat3>,
+    /// Parts of the file that were left out.
+    pub warnings: Vec<Fault>,
 }
 
 /// Refuses sizes past the limits.

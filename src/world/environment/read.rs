@@ -1,74 +1,57 @@
 //! Reads panoramas in Radiance HDR and OpenEXR: sizes are checked before decoding, and every texel after it.
 
-use std::{io::Cursor, path::Path, thread::Builder};
+use std::{path::Path, thread::Builder};
 
-use half::f16;
-use image::{ImageDecoder as _, codecs::hdr::HdrDecoder};
+use glam::{DMat3, DVec3};
 
 use super::{
-    Density, Panorama, exr,
+    Panorama, exr, hdr,
     pixels::{
-        BROKEN_HELP, DENSITY_PX, LARGEST_KEPT, PanoramaLimits, Pixels, check_size, decoded_bytes,
-        hold, zeros,
+        BROKEN_HELP, Decoded, LARGEST_KEPT, LARGEST_TEXEL, LAYER_UNKNOWN, PanoramaLimits, Pixels,
     },
 };
 use crate::gltf::Fault;
-use reflet_base::{guard, memory::Reservation};
+use reflet_base::guard;
 
-/// Largest value of a texel, a 16-bit float.
-const LARGEST_TEXEL: f32 = 65504.0;
-/// Decodes the bytes of a `.hdr` or `.exr` file; the first bytes tell the format.
+/// Decodes the bytes of a `.hdr` or `.exr` file; the first bytes tell the format. `layer` is the name of an OpenEXR layer.
+/// Beside the panorama are warnings of parts that were left out.
 ///
 /// # Errors
-/// Damaged files, other formats, sizes past the limits, and texels that are negative or not finite.
-pub fn read(path: &Path, bytes: &[u8], limits: &PanoramaLimits) -> Result<Panorama, Fault> {
-    let decoded = guard::catch(|| decode(bytes, limits));
-    let (pixels, _held) = decoded.unwrap_or_else(|| {
+/// Damaged files, other formats, layers that the file lacks (`layer-unknown`), and sizes past the limits.
+pub fn read(
+    path: &Path,
+    bytes: &[u8],
+    layer: Option<&str>,
+    limits: &PanoramaLimits,
+) -> Result<(Panorama, Vec<Fault>), Fault> {
+    let decoded = guard::catch(|| decode(bytes, layer, limits));
+    let mut decoded = decoded.unwrap_or_else(|| {
         let text = "the image decoder panicked; please report this";
         Err(Fault::new("internal", text))
     })?;
-    panorama(path.display().to_string(), pixels)
+    let clamped = clamp(&mut decoded.pixels, decoded.to_bt709);
+    decoded.warnings.extend(clamped);
+    let whole = (decoded.pixels.width, decoded.pixels.height);
+    let panorama = decoded.pixels.into_panorama(path.display().to_string());
+    if whole != (panorama.width, panorama.height) {
+        let [across, down] = LARGEST_KEPT;
+        let text = format!(
+            "is reduced to {} × {} pixels; at most {across} × {down} are kept",
+            panorama.width, panorama.height
+        );
+        (decoded.warnings).push(Fault::new("texture-reduced", text));
+    }
+    Ok((panorama, decoded.warnings))
 }
 
-/// The panorama of decoded pixels.
-///
-/// # Errors
-/// Texels that are negative or not finite.
-pub(super) fn panorama(name: String, pixels: Pixels) -> Result<Panorama, Fault> {
-    check(&pixels)?;
-    let [across, down] = LARGEST_KEPT;
-    let factor = (pixels.width.div_ceil(across)).max(pixels.height.div_ceil(down));
-    let kept = reduced(pixels, factor);
-    let brightest = kept.rgb.iter().flatten().fold(0.0_f32, |a, b| a.max(*b));
-    let scale = (brightest / LARGEST_TEXEL).max(1.0).log2().ceil().exp2();
-    let texel = |rgb: &[f32; 3]| {
-        let [r, g, b] = rgb.map(|v| f16::from_f32(v / scale).to_bits());
-        [r, g, b, f16::ONE.to_bits()]
-    };
-    let texels = kept.rgb.iter().map(texel).collect();
-    let (width, height) = (kept.width, kept.height);
-    let coarse = reduced(kept, width.max(height).div_ceil(DENSITY_PX));
-    let luminance: Vec<f32> = coarse.rgb.iter().map(luminance).collect();
-    Ok(Panorama {
-        name,
-        width,
-        height,
-        is_reduced: factor > 1,
-        texels,
-        scale,
-        density: Density::new(&luminance, coarse.width, coarse.height),
-    })
-}
-
-/// Luminance by ITU-R BT.709.
-fn luminance([r, g, b]: &[f32; 3]) -> f32 {
-    0.2126 * r + 0.7152 * g + 0.0722 * b
-}
-
-fn decode(bytes: &[u8], limits: &PanoramaLimits) -> Result<(Pixels, Reservation), Fault> {
+fn decode(bytes: &[u8], layer: Option<&str>, limits: &PanoramaLimits) -> Result<Decoded, Fault> {
     match bytes {
-        [b'#', b'?', ..] => decode_hdr(bytes, limits),
-        [0x76, 0x2f, 0x31, 0x01, ..] => exr::decode(bytes, limits, Builder::new),
+        [b'#', b'?', ..] if layer.is_some() => {
+            let text = "is Radiance HDR, which has no layers";
+            Err(Fault::new(LAYER_UNKNOWN, text).help("remove `layer`"))
+        }
+        [b'#', b'?', ..] => hdr::decode(bytes, limits),
+        [0x76, 0x2f, 0x31, 0x01, ..] => exr::decode(bytes, layer, limits, Builder::new),
         [] => Err(Fault::new("image-broken", "is empty").help(BROKEN_HELP)),
         _ => Err(
             Fault::new("image-unsupported", "is neither Radiance HDR nor OpenEXR").help(
@@ -78,62 +61,37 @@ fn decode(bytes: &[u8], limits: &PanoramaLimits) -> Result<(Pixels, Reservation)
     }
 }
 
-fn decode_hdr(bytes: &[u8], limits: &PanoramaLimits) -> Result<(Pixels, Reservation), Fault> {
-    let broken =
-        |e| Fault::new("image-broken", format!("cannot be decoded: {e}")).help(BROKEN_HELP);
-    let decoder = HdrDecoder::new(Cursor::new(bytes)).map_err(broken)?;
-    let (width, height) = decoder.dimensions();
-    let size = [width.into(), height.into()];
-    check_size(size[0], size[1], limits)?;
-    let held = hold(decoded_bytes(size), limits)?;
-    let mut rgb = zeros(size)?;
-    (decoder.read_image(bytemuck::cast_slice_mut(&mut rgb))).map_err(broken)?;
-    Ok((Pixels { width, height, rgb }, held))
-}
-
-/// Refuses texels that are negative or not finite.
-fn check(pixels: &Pixels) -> Result<(), Fault> {
-    let is_bad = |rgb: &&[f32; 3]| rgb.iter().any(|v| !v.is_finite() || *v < 0.0);
-    let count = pixels.rgb.iter().filter(is_bad).count();
-    let Some(first) = pixels.rgb.iter().position(|rgb| is_bad(&rgb)) else {
-        return Ok(());
-    };
-    let (x, y) = (first as u32 % pixels.width, first as u32 / pixels.width);
-    let value = pixels.rgb[first].map(|v| v.to_string()).join(", ");
-    let text = format!(
-        "{count} of its pixels are negative or not finite, the first at ({x}, {y}): {value}"
-    );
-    let help = "radiance is finite and 0 or more; repair the pixels in an image editor";
-    Err(Fault::new("image-values", text).help(help))
-}
-
-/// The picture reduced to means of blocks of `factor` × `factor` pixels; blocks at the right and lower edge may be
-/// smaller.
-fn reduced(pixels: Pixels, factor: u32) -> Pixels {
-    if factor <= 1 {
-        return pixels;
-    }
-    let (width, height) = (
-        pixels.width.div_ceil(factor),
-        pixels.height.div_ceil(factor),
-    );
-    let mean = |x: u32, y: u32| {
-        let (mut sum, mut count) = ([0.0_f64; 3], 0.0);
-        for y in y * factor..((y + 1) * factor).min(pixels.height) {
-            for x in x * factor..((x + 1) * factor).min(pixels.width) {
-                let rgb = pixels.rgb[y as usize * pixels.width as usize + x as usize];
-                for (sum, value) in sum.iter_mut().zip(rgb) {
-                    *sum += f64::from(value);
-                }
-                count += 1.0;
-            }
+/// Converts the colors, and makes all values finite and 0 or more. Returns a warning of other values in the file;
+/// colors outside of the renderer's primaries are no mistake of the file.
+fn clamp(pixels: &mut Pixels, to_bt709: Option<DMat3>) -> Option<Fault> {
+    let is_bad = |v: &f32| !v.is_finite() || *v < 0.0 && to_bt709.is_none();
+    let (mut first, mut count) = (None, 0);
+    for (at, texel) in pixels.rgb.iter_mut().enumerate() {
+        if texel.iter().any(is_bad) {
+            first.get_or_insert((at, *texel));
+            count += 1;
         }
-        sum.map(|sum| (sum / count) as f32)
-    };
-    let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-    Pixels {
-        width,
-        height,
-        rgb: places.map(|(x, y)| mean(x, y)).collect(),
+        // Largest of a 16-bit float, where files of such floats overflow.
+        *texel = texel.map(|v| if v == f32::INFINITY { LARGEST_TEXEL } else { v });
+        if let Some(matrix) = to_bt709 {
+            *texel = (matrix * DVec3::from(texel.map(f64::from)))
+                .as_vec3()
+                .to_array();
+        }
+        *texel = texel.map(|v| {
+            if v.is_nan() {
+                0.0
+            } else {
+                v.clamp(0.0, f32::MAX)
+            }
+        });
     }
+    let (at, texel) = first?;
+    let (x, y) = (at as u32 % pixels.width, at as u32 / pixels.width);
+    let value = texel.map(|v| v.to_string()).join(", ");
+    let text = format!(
+        "{count} of its pixels are negative or not finite, the first at ({x}, {y}): {value}; they are shown as 0, or \
+         {LARGEST_TEXEL} where they are infinite"
+    );
+    Some(Fault::new("image-values", text))
 }

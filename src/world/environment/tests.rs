@@ -1,10 +1,14 @@
-//! OpenEXR files whose blocks are larger than their display windows.
+//! Files of panoramas: their headers, and blocks that are larger than their pictures.
 
 use std::{io::Cursor, path::Path, thread::Builder};
 
-use exr::prelude::{
-    AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer,
-    LayerAttributes, LineOrder, SmallVec, WritableImage as _,
+use exr::{
+    meta::attribute::{Chromaticities, EnvironmentMap},
+    prelude::{
+        AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image,
+        ImageAttributes, IntegerBounds, Layer, LayerAttributes, LineOrder, SmallVec, Vec2,
+        WritableImage as _,
+    },
 };
 
 use super::{Panorama, PanoramaLimits, read};
@@ -43,9 +47,348 @@ fn read_within(bytes: &[u8], mebibytes: u64) -> Result<Panorama, Fault> {
         budget_bytes: 1 << 30,
         memory: Budget::new(mebibytes << 20),
     };
-    let read = read(Path::new("sky.exr"), bytes, &limits);
+    let read = read(Path::new("sky.exr"), bytes, None, &limits);
     assert_eq!(limits.memory.left(), mebibytes << 20, "all is given back");
-    read
+    read.map(|(panorama, _)| panorama)
+}
+
+/// The colors of a file, and the names of its warnings.
+fn shown(bytes: &[u8]) -> (Vec<[f32; 3]>, Vec<&'static str>) {
+    layer_shown(bytes, None)
+}
+
+fn layer_shown(bytes: &[u8], layer: Option<&str>) -> (Vec<[f32; 3]>, Vec<&'static str>) {
+    let limits = PanoramaLimits {
+        max_px: 16384,
+        budget_bytes: 1 << 30,
+        memory: Budget::new(64 << 20),
+    };
+    let read = read(Path::new("sky"), bytes, layer, &limits);
+    let (panorama, warnings) = read.unwrap_or_else(|e| panic!("{}: {}", e.name, e.message));
+    let texel = |t: &[u16; 4]| {
+        [t[0], t[1], t[2]].map(|bits| half::f16::from_bits(bits).to_f32() * panorama.scale)
+    };
+    let colors = panorama.texels.iter().map(texel).collect();
+    (colors, warnings.iter().map(|w| w.name).collect())
+}
+
+/// Name of a channel, and its sample at a place.
+type Channel<'a> = (&'a str, &'a dyn Fn(usize, usize) -> f32);
+
+/// A file of some channels, whose samples are given by their places, with changes of its attributes.
+fn file_of(
+    size: (usize, usize),
+    channels: &[Channel<'_>],
+    change: impl Fn(&mut ImageAttributes, &mut LayerAttributes),
+) -> Vec<u8> {
+    let channel = |(name, sample): &Channel<'_>| {
+        let places = (0..size.0 * size.1).map(|i| (i % size.0, i / size.0));
+        let samples = places.map(|(x, y)| sample(x, y)).collect();
+        AnyChannel::new(*name, FlatSamples::F32(samples))
+    };
+    let channels = AnyChannels::sort(channels.iter().map(channel).collect());
+    let encoding = Encoding::FAST_LOSSLESS;
+    let layer = Layer::new(size, LayerAttributes::named("sky"), encoding, channels);
+    let mut image = Image::from_layer(layer);
+    change(&mut image.attributes, &mut image.layer_data.attributes);
+    let mut bytes = Cursor::new(Vec::new());
+    image.write().to_buffered(&mut bytes).unwrap();
+    bytes.into_inner()
+}
+
+fn unchanged(_: &mut ImageAttributes, _: &mut LayerAttributes) {}
+
+#[test]
+fn the_whole_picture_is_shown_of_many_layers() {
+    let value = |value: f32| move |_: usize, _: usize| value;
+    let (one, two, three, other) = (value(1.0), value(2.0), value(3.0), value(9.0));
+    let cases: [(&[Channel<'_>], [f32; 3]); 6] = [
+        (
+            &[
+                ("View.AO.R", &other),
+                ("View.AO.G", &other),
+                ("View.AO.B", &other),
+                ("View.Combined.R", &one),
+                ("View.Combined.G", &two),
+                ("View.Combined.B", &three),
+            ],
+            [1.0, 2.0, 3.0],
+        ),
+        (
+            &[
+                ("a.R", &other),
+                ("a.G", &other),
+                ("a.B", &other),
+                ("R", &one),
+                ("G", &two),
+                ("B", &three),
+            ],
+            [1.0, 2.0, 3.0],
+        ),
+        (
+            &[
+                ("sky.r", &one),
+                ("sky.g", &two),
+                ("sky.b", &three),
+                ("z.Y", &other),
+            ],
+            [1.0, 2.0, 3.0],
+        ),
+        (&[("r", &three), ("g", &two), ("b", &one)], [3.0, 2.0, 1.0]),
+        (&[("Y", &two), ("Z", &other)], [2.0; 3]),
+        (&[("depth.Y", &three), ("R", &other)], [3.0; 3]),
+    ];
+    for (channels, color) in cases {
+        let (colors, warnings) = shown(&file_of((4, 2), channels, unchanged));
+        assert_eq!(
+            (&colors[..], &warnings[..]),
+            (&[color; 8][..], &[][..]),
+            "{color:?}"
+        );
+    }
+    let error = read_within(&file_of((4, 2), &[("Z", &one)], unchanged), 64).unwrap_err();
+    assert_eq!(error.name, "image-unsupported");
+}
+
+#[test]
+fn another_layer_is_shown_where_it_is_asked_for() {
+    let (one, two) = (|_: usize, _: usize| 1.0, |_: usize, _: usize| 2.0);
+    let bytes = file_of(
+        (4, 2),
+        &[
+            ("Y", &one),
+            ("a.b.R", &two),
+            ("a.b.G", &two),
+            ("a.b.B", &two),
+        ],
+        unchanged,
+    );
+    assert_eq!(layer_shown(&bytes, None).0[0], [2.0; 3]);
+    assert_eq!(layer_shown(&bytes, Some("a.b")).0[0], [2.0; 3]);
+    assert_eq!(layer_shown(&bytes, Some("")).0[0], [1.0; 3]);
+    let limits = PanoramaLimits {
+        max_px: 16384,
+        budget_bytes: 1 << 30,
+        memory: Budget::new(64 << 20),
+    };
+    let error = read(Path::new("sky"), &bytes, Some("a"), &limits).unwrap_err();
+    assert_eq!(error.name, "layer-unknown");
+    assert_eq!(
+        error.help.as_deref(),
+        Some("write one of its layers: \"a.b\"")
+    );
+    let error = read(Path::new("sky"), b"#?RGBE\n", Some("a"), &limits).unwrap_err();
+    assert_eq!(error.name, "layer-unknown");
+}
+
+#[test]
+fn data_lies_in_the_display_window() {
+    let sample = |x: usize, y: usize| (10 * y + x) as f32 + 1.0;
+    let channels: [Channel<'_>; 3] = [("R", &sample), ("G", &sample), ("B", &sample)];
+    // Place of 4 × 2 pixels of data in 4 × 2 of the display window, and its rows.
+    for (place, expected, name) in [
+        ((0, 0), [[1, 2, 3, 4], [11, 12, 13, 14]], None),
+        ((2, 1), [[0, 0, 0, 0], [0, 0, 1, 2]], None),
+        ((-1, -1), [[12, 13, 14, 0], [0, 0, 0, 0]], None),
+        ((3, -1), [[0, 0, 0, 11], [0, 0, 0, 0]], None),
+        ((4, 0), [[0; 4]; 2], Some("image-window")),
+        ((0, -2), [[0; 4]; 2], Some("image-window")),
+    ] {
+        let bytes = file_of((4, 2), &channels, |image, layer| {
+            image.display_window = IntegerBounds::new((100, -50), (4, 2));
+            layer.layer_position = Vec2(100 + place.0, -50 + place.1);
+        });
+        let (colors, warnings) = shown(&bytes);
+        let reds: Vec<u32> = colors.iter().map(|c| c[0] as u32).collect();
+        assert_eq!(reds, expected.as_flattened(), "{place:?}");
+        assert_eq!(warnings, Vec::from_iter(name), "{place:?}");
+    }
+    // The window of an environment map is of no account.
+    let bytes = file_of((4, 2), &channels, |image, layer| {
+        image.display_window = IntegerBounds::new((0, 0), (90, 90));
+        layer.layer_position = Vec2(7, 7);
+        layer.environment_map = Some(EnvironmentMap::LatitudeLongitude);
+    });
+    assert_eq!(shown(&bytes).0.len(), 8);
+}
+
+#[test]
+fn bad_values_are_clamped_and_told() {
+    for (value, expected) in [
+        (-1e-7, 0.0),
+        (f32::NAN, 0.0),
+        (f32::NEG_INFINITY, 0.0),
+        (f32::INFINITY, 65504.0),
+    ] {
+        let sample = |x: usize, y: usize| if (x, y) == (1, 1) { value } else { 2.0 };
+        let (colors, warnings) = shown(&file_of((4, 2), &[("Y", &sample)], unchanged));
+        assert_eq!(warnings, ["image-values"]);
+        assert_eq!((colors[5], colors[4]), ([expected; 3], [2.0; 3]), "{value}");
+    }
+}
+
+#[test]
+fn colors_of_other_primaries_are_converted() {
+    let ap0 = |image: &mut ImageAttributes, _: &mut LayerAttributes| {
+        image.chromaticities = Some(Chromaticities {
+            red: Vec2(0.7347, 0.2653),
+            green: Vec2(0.0, 1.0),
+            blue: Vec2(0.0001, -0.077),
+            white: Vec2(0.32168, 0.33767),
+        });
+    };
+    let (one, none) = (|_: usize, _: usize| 1.0, |_: usize, _: usize| 0.0);
+    let (colors, warnings) = shown(&file_of(
+        (4, 2),
+        &[("R", &one), ("G", &none), ("B", &none)],
+        ap0,
+    ));
+    assert!(
+        (colors[0][0] - 2.5217).abs() < 2e-3 && colors[0][1..] == [0.0; 2],
+        "{:?}",
+        colors[0]
+    );
+    // A color that the renderer does not have is no mistake of the file.
+    assert!(warnings.is_empty());
+    let bad = |image: &mut ImageAttributes, _: &mut LayerAttributes| {
+        let place = Vec2(0.3, 0.3);
+        image.chromaticities = Some(Chromaticities {
+            red: place,
+            green: place,
+            blue: place,
+            white: place,
+        });
+    };
+    let (colors, warnings) = shown(&file_of((4, 2), &[("Y", &one)], bad));
+    assert_eq!(
+        (colors[0], &warnings[..]),
+        ([1.0; 3], &["image-header"][..])
+    );
+}
+
+/// Faces of one number each, 1 to 6, at the directions of their axes in the panorama.
+#[test]
+fn cube_maps_become_panoramas() {
+    let face = |_: usize, y: usize| (y / 8) as f32 + 1.0;
+    let cube = |_: &mut ImageAttributes, layer: &mut LayerAttributes| {
+        layer.environment_map = Some(EnvironmentMap::Cube);
+    };
+    let (colors, warnings) = shown(&file_of((8, 48), &[("Y", &face)], cube));
+    assert_eq!((colors.len(), warnings.len()), (32 * 16, 0));
+    // +Z is in the middle, +X a quarter of the width left of it.
+    for (x, y, expected) in [
+        (8, 8, 1.0),
+        (24, 8, 2.0),
+        (16, 0, 3.0),
+        (16, 15, 4.0),
+        (16, 8, 5.0),
+        (0, 8, 6.0),
+    ] {
+        assert_eq!(colors[32 * y + x], [expected; 3], "({x}, {y})");
+    }
+    let error = read_within(&file_of((8, 40), &[("Y", &face)], cube), 64).unwrap_err();
+    assert_eq!(error.name, "image-broken");
+}
+
+#[test]
+fn kinds_that_are_not_read_are_not_called_broken() {
+    let good = file_of((4, 2), &[("Y", &|_, _| 1.0)], unchanged);
+    let find = |text: &[u8]| good.windows(text.len()).position(|w| w == text).unwrap();
+    // After the name of the channel, its type, and four bytes of flags: steps between samples.
+    let mut sparse = good.clone();
+    let channels = find(b"channels\0chlist\0") + b"channels\0chlist\0".len() + 4;
+    sparse[channels + 2 + 8] = 2;
+    let error = read_within(&sparse, 64).unwrap_err();
+    assert_eq!(error.name, "image-unsupported", "{}", error.message);
+    assert!(error.message.contains("fewer pixels"), "{}", error.message);
+}
+
+/// A file of 3 × 2 pixels, uncompressed: the numbers of its mantissas, of which 128 is 1.
+fn radiance(header: &str, pixels: &[[u8; 3]]) -> Vec<u8> {
+    let mut bytes = header.as_bytes().to_vec();
+    bytes.extend(pixels.iter().flat_map(|[r, g, b]| [*r, *g, *b, 129]));
+    bytes
+}
+
+#[test]
+fn every_order_of_pixels_is_turned_upright() {
+    let picture = [[10, 20, 30], [40, 50, 60]];
+    for (order, stored) in [
+        ("-Y 2 +X 3", [10, 20, 30, 40, 50, 60]),
+        ("-Y 2 -X 3", [30, 20, 10, 60, 50, 40]),
+        ("+Y 2 +X 3", [40, 50, 60, 10, 20, 30]),
+        ("+Y 2 -X 3", [60, 50, 40, 30, 20, 10]),
+        ("+X 3 -Y 2", [10, 40, 20, 50, 30, 60]),
+        ("+X 3 +Y 2", [40, 10, 50, 20, 60, 30]),
+        ("-X 3 -Y 2", [30, 60, 20, 50, 10, 40]),
+        ("-X 3 +Y 2", [60, 30, 50, 20, 40, 10]),
+    ] {
+        let header = format!("#?AUTOPANO\nFORMAT=32-bit_rle_rgbe\n\n{order}\n");
+        let (colors, warnings) = shown(&radiance(&header, &stored.map(|v| [v; 3])));
+        let reds: Vec<u32> = colors
+            .iter()
+            .map(|c| (c[0] * 128.0).round() as u32)
+            .collect();
+        assert_eq!(
+            (&reds[..], warnings.len()),
+            (picture.as_flattened(), 0),
+            "{order}"
+        );
+    }
+}
+
+#[test]
+fn headers_of_radiance_files_are_applied() {
+    let white = [[128; 3]; 6];
+    let two_to_four = [2.0, 1.0, 4.0];
+    for (lines, expected, name) in [
+        ("EXPOSURE=2\nEXPOSURE= 4.0\n", [0.125; 3], None),
+        ("COLORCORR=0.5 1 0.25\n", two_to_four, None),
+        ("EXPOSURE=none\n", [1.0; 3], Some("image-header")),
+        ("EXPOSURE=0\n", [1.0; 3], Some("image-header")),
+        ("PRIMARIES=1 2 3\n", [1.0; 3], Some("image-header")),
+        (
+            "PRIMARIES=0 0 0 0 0 0 0 0\n",
+            [1.0; 3],
+            Some("image-header"),
+        ),
+        (
+            "PRIMARIES=.708 .292 .17 .797 .131 .046 .3127 .329\n",
+            [1.0; 3],
+            None,
+        ),
+        ("SOFTWARE=x\nmade by hand\n", [1.0; 3], None),
+    ] {
+        let header = format!("#?RGBE\n{lines}\n-Y 2 +X 3\n");
+        let (colors, warnings) = shown(&radiance(&header, &white));
+        let near = |(a, b): (f32, f32)| (a - b).abs() < 2e-3;
+        assert!(
+            colors[3].into_iter().zip(expected).all(near),
+            "{lines} {:?}",
+            colors[3]
+        );
+        assert_eq!(warnings, Vec::from_iter(name), "{lines}");
+    }
+    let xyz = "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 2 +X 3\n";
+    let (colors, _) = shown(&radiance(xyz, &[[122, 128, 139]; 6]));
+    assert!(
+        colors[0].iter().all(|v| (v - 1.0).abs() < 0.02),
+        "{:?}",
+        colors[0]
+    );
+    for (header, name) in [
+        (
+            "#?RADIANCE\nFORMAT=16-bit\n\n-Y 2 +X 3\n",
+            "image-unsupported",
+        ),
+        ("#?RADIANCE\n\n-Y 2 -Y 3\n", "image-broken"),
+        ("#?RADIANCE\n\n-Y 2\n", "image-broken"),
+        ("#?RADIANCE\n\n-Y two +X 3\n", "image-broken"),
+        ("#?RADIANCE", "image-broken"),
+    ] {
+        let error = read_within(&radiance(header, &white), 64).unwrap_err();
+        assert_eq!(error.name, name, "{header}: {}", error.message);
+    }
 }
 
 #[test]
@@ -154,7 +497,7 @@ fn a_thread_that_does_not_start_is_no_fault_of_the_file() {
         memory: Budget::new(256 << 20),
     };
     let past_memory = || Builder::new().stack_size(usize::MAX / 2);
-    let refused = super::exr::decode(&bytes, &limits, past_memory).map(|_| ());
+    let refused = super::exr::decode(&bytes, None, &limits, past_memory).map(|_| ());
     assert_eq!(refused.unwrap_err().name, "thread-refused");
     assert_eq!(limits.memory.left(), 256 << 20, "all is given back");
 }

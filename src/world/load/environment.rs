@@ -1,11 +1,12 @@
 //! The environment and its panorama.
 
-use std::{path::Path, sync::Arc};
+use std::sync::Arc;
 
 use super::{Loader, Source, material::left_out};
 use crate::{
     Environment, Texture,
-    environment::{CubeMap, LARGEST_KEPT, Panorama, PanoramaLimits, of_cube, read},
+    environment::{CubeMap, LAYER_UNKNOWN, Panorama, PanoramaLimits, of_cube, read},
+    gltf::Fault,
     texture::{self, TextureLimits, TextureRequest},
 };
 use reflet_base::memory::Budget;
@@ -14,8 +15,8 @@ use reflet_scene::diagnostic::{Diagnostic, Severity};
 /// Source of a panorama, as the scene text names it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PanoramaSource {
-    /// A file, by its name.
-    File(String),
+    /// A file by its name, and the layer of it that is asked for.
+    File(String, Option<String>),
     /// The light of a model's file, by its index into [`Loader::loaded`].
     Model(usize),
 }
@@ -25,8 +26,9 @@ impl Loader<'_> {
     pub fn panorama_source(&self, models: &[Source]) -> Option<PanoramaSource> {
         let environment = &self.desc.environment;
         if environment.is_written {
+            let layer = environment.layer.as_ref().map(|layer| layer.value.clone());
             let file = environment.file.as_ref();
-            return file.map(|file| PanoramaSource::File(file.value.clone()));
+            return file.map(|file| PanoramaSource::File(file.value.clone(), layer));
         }
         let mut lit = self.image_lights(models);
         lit.next().map(PanoramaSource::Model)
@@ -49,7 +51,7 @@ impl Loader<'_> {
     /// Reads the panorama of the scene, if any.
     pub fn read_environment(&mut self, models: &[Source]) {
         let panorama = match self.panorama_source(models) {
-            Some(PanoramaSource::File(_)) => self.read_panorama(),
+            Some(PanoramaSource::File(..)) => self.read_panorama(),
             Some(PanoramaSource::Model(index)) => self.read_cube(index),
             None => None,
         };
@@ -74,14 +76,25 @@ impl Loader<'_> {
         let path = self.find(file).map_err(|error| self.report_once(*error));
         let path = path.ok()?;
         let bytes = self.sandbox.read(&path);
-        match bytes.and_then(|bytes| read(&path, &bytes, &self.panorama_limits())) {
-            Ok(panorama) => {
-                self.warn_of_shape(&path, &panorama);
+        let layer = self.desc.environment.layer.as_ref();
+        let named = layer.map(|layer| &*layer.value);
+        match bytes.and_then(|bytes| read(&path, &bytes, named, &self.panorama_limits())) {
+            Ok((panorama, warnings)) => {
+                let shape = unlike_a_panorama(panorama.width, panorama.height);
+                for warning in shape.into_iter().chain(warnings) {
+                    self.world.warnings.push(Diagnostic {
+                        severity: Severity::Warning,
+                        ..warning.in_file(&path)
+                    });
+                }
                 self.add_files(&[path]);
                 Some(panorama)
             }
             Err(fault) => {
-                let error = fault.in_file(&path).related(file.at.clone(), "named here");
+                let at = layer
+                    .filter(|_| fault.name == LAYER_UNKNOWN)
+                    .unwrap_or(file);
+                let error = fault.in_file(&path).related(at.at.clone(), "named here");
                 self.report_once(error);
                 None
             }
@@ -159,28 +172,14 @@ impl Loader<'_> {
             ..Environment::default()
         };
     }
+}
 
-    fn warn_of_shape(&mut self, path: &Path, panorama: &Panorama) {
-        let (width, height) = (panorama.width, panorama.height);
-        let mut warn = |name, text: String| {
-            let warning = Diagnostic::in_file(name, path, text);
-            self.world.warnings.push(Diagnostic {
-                severity: Severity::Warning,
-                ..warning
-            });
-        };
-        if width != 2 * height && width * height > 1 {
-            let text = format!(
-                "is {width} × {height} pixels; a panorama of all directions is twice as wide as high"
-            );
-            warn("environment-shape", text);
-        }
-        if panorama.is_reduced {
-            let [across, down] = LARGEST_KEPT;
-            let text = format!(
-                "is reduced to {width} × {height} pixels; at most {across} × {down} are kept"
-            );
-            warn("texture-reduced", text);
-        }
-    }
+/// Warning about a picture of another shape than a panorama's.
+fn unlike_a_panorama(width: u32, height: u32) -> Option<Fault> {
+    (width != 2 * height && width * height > 1).then(|| {
+        let text = format!(
+            "is {width} × {height} pixels; a panorama of all directions is twice as wide as high"
+        );
+        Fault::new("environment-shape", text)
+    })
 }

@@ -22,6 +22,7 @@ impl Section for EnvironmentDesc {
             horizon: t.get("horizon", FROM_0, color).0,
             ground: t.get("ground", FROM_0, color).0,
             file: t.find("file", ANY),
+            layer: t.find("layer", ANY),
             rotation_deg: t.get("rotation_deg", ANY, default.rotation_deg),
             intensity: t.get("intensity", FROM_0, default.intensity),
             visible: t.get("visible", ANY, default.visible),
@@ -33,15 +34,11 @@ impl Section for EnvironmentDesc {
             light_group: LightGroup::find(t).unwrap_or_default(),
             is_written: has_colors || t.has("file"),
         };
-        let turned = t.needing("file", &["rotation_deg"]);
-        if !turned.is_empty() && t.clean() {
-            let message = "`rotation_deg` turns a `file`; there is none";
-            t.refuse(
-                "wrong-source",
-                "rotation_deg",
-                message,
-                "remove `rotation_deg`",
-            );
+        let of_file = t.needing("file", &["rotation_deg", "layer"]);
+        if let Some(key) = of_file.first().filter(|_| t.clean()) {
+            let does = if *key == "layer" { "is of" } else { "turns" };
+            let message = format!("`{key}` {does} a `file`; there is none");
+            t.refuse("wrong-source", key, &message, &format!("remove `{key}`"));
         }
         Some(environment)
     }
