@@ -37,85 +37,76 @@ pub enum PlaneData {
     U32(Vec<u32>),
 }
 
-/// A quantity that can be written beside the picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Aov {
+/// Declares the AOVs but light groups, each with its name and the targets that it is decoded from.
+macro_rules! aovs {
+    ($($(#[doc = $doc:literal])* $aov:ident = $name:literal: $($target:ident),+;)*) => {
+        /// A quantity that can be written beside the picture.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Aov {
+            $($(#[doc = $doc])* $aov,)*
+            /// Linear radiance of a light group alone, from a picture of its own: [`Session::begin`] makes it.
+            ///
+            /// [`Session::begin`]: crate::runtime::Session::begin
+            Light(LightGroup),
+        }
+
+        impl Aov {
+            /// All AOVs except light groups.
+            pub const ALL: [Self; [$($name),*].len()] = [$(Self::$aov),*];
+
+            /// Name on the command line and in files.
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$aov => $name,)*
+                    Self::Light(_) => "light",
+                }
+            }
+
+            /// The targets that the AOV is decoded from.
+            pub const fn targets(self) -> &'static [Target] {
+                match self {
+                    $(Self::$aov => &[$(Target::$target),+],)*
+                    Self::Light(_) => &[],
+                }
+            }
+        }
+    };
+}
+
+aovs! {
     /// Meters along the view direction; infinite where the pixel shows no surface.
-    Depth,
+    Depth = "depth": ViewDepth;
     /// World-space shading normal.
-    Normal,
+    Normal = "normal": Surface, ViewDepth;
     /// Linear base color.
-    BaseColor,
+    BaseColor = "base_color": Colors;
     /// Perceptual roughness, metallic, reflectivity.
-    Material,
+    Material = "material": Surface, ViewDepth;
     /// Linear emitted radiance.
-    Emission,
+    Emission = "emission": Colors;
     /// View-independent radiance.
-    Radiance,
+    Radiance = "radiance": Radiance;
     /// View-dependent radiance of lights and environment.
-    Specular,
+    Specular = "specular": Specular;
     /// Radiance along the mirror ray.
-    Reflection,
+    Reflection = "reflection": Reflection, Cause;
     /// Fresnel-weighted reflectance of reflective pixels, mean over the channels.
-    Reflectance,
+    Reflectance = "reflectance": Surface, ViewDepth, Cause, Colors;
     /// Source of the reflection: a [`Source`](crate::pipeline::cause::Source) as a number.
-    Source,
+    Source = "source": Cause;
     /// Cause of that source: a [`Cause`] as a number.
-    Cause,
+    Cause = "cause": Cause;
     /// Distance along the mirror ray to its hit, meters; infinite without a hit.
-    HitDistance,
+    HitDistance = "hit_distance": Hit, Cause;
     /// Instance and triangle of the mirror ray's hit.
-    HitIds,
+    HitIds = "hit_ids": Hit, Cause;
     /// Instance and triangle that the pixel shows.
-    Ids,
-    /// Linear radiance of a light group alone, from a picture of its own: [`Session::begin`] makes it.
-    ///
-    /// [`Session::begin`]: crate::runtime::Session::begin
-    Light(LightGroup),
+    Ids = "ids": Ids;
 }
 
 const RGB: &[&str] = &["R", "G", "B"];
 
 impl Aov {
-    /// All AOVs except light groups.
-    pub const ALL: [Self; 14] = [
-        Self::Depth,
-        Self::Normal,
-        Self::BaseColor,
-        Self::Material,
-        Self::Emission,
-        Self::Radiance,
-        Self::Specular,
-        Self::Reflection,
-        Self::Reflectance,
-        Self::Source,
-        Self::Cause,
-        Self::HitDistance,
-        Self::HitIds,
-        Self::Ids,
-    ];
-
-    /// Name on the command line and in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Depth => "depth",
-            Self::Normal => "normal",
-            Self::BaseColor => "base_color",
-            Self::Material => "material",
-            Self::Emission => "emission",
-            Self::Radiance => "radiance",
-            Self::Specular => "specular",
-            Self::Reflection => "reflection",
-            Self::Reflectance => "reflectance",
-            Self::Source => "source",
-            Self::Cause => "cause",
-            Self::HitDistance => "hit_distance",
-            Self::HitIds => "hit_ids",
-            Self::Ids => "ids",
-            Self::Light(_) => "light",
-        }
-    }
-
     /// Name of its plane in files and layers: `light_NAME` for a light group, else [`Self::name`].
     pub fn plane_name(self) -> Cow<'static, str> {
         match self {
@@ -148,28 +139,6 @@ impl Aov {
         let lights = groups.iter().map(|g| format!("light:{}", g.name()));
         let plain = Self::ALL.iter().map(|aov| aov.name().to_owned());
         plain.chain(lights).chain(["light:*".to_owned()]).collect()
-    }
-
-    /// The targets that the AOV is decoded from.
-    pub const fn targets(self) -> &'static [Target] {
-        match self {
-            Self::Depth => &[Target::ViewDepth],
-            Self::Normal | Self::Material => &[Target::Surface, Target::ViewDepth],
-            Self::BaseColor | Self::Emission => &[Target::Colors],
-            Self::Radiance => &[Target::Radiance],
-            Self::Specular => &[Target::Specular],
-            Self::Reflection => &[Target::Reflection, Target::Cause],
-            Self::Reflectance => &[
-                Target::Surface,
-                Target::ViewDepth,
-                Target::Cause,
-                Target::Colors,
-            ],
-            Self::Source | Self::Cause => &[Target::Cause],
-            Self::HitDistance | Self::HitIds => &[Target::Hit, Target::Cause],
-            Self::Ids => &[Target::Ids],
-            Self::Light(_) => &[],
-        }
     }
 
     /// Reads the plane of the last picture back from the GPU.
