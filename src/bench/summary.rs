@@ -4,6 +4,7 @@ use reflet_render::pipeline::pass::Pass;
 
 use super::sample::Sample;
 use reflet_metric::{percentile, table};
+use reflet_scene::words;
 
 mod group;
 pub mod paired;
@@ -68,25 +69,15 @@ pub struct Group {
     pub left_out: Vec<u32>,
 }
 
-/// Error metric.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Metric {
-    /// Mean FLIP.
-    Flip,
-    /// 1 − SSIM.
-    Dissimilarity,
-    /// relMSE.
-    RelMse,
-}
-
-impl Metric {
-    /// Name on axes and in sentences.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Flip => "FLIP",
-            Self::Dissimilarity => "1 − SSIM",
-            Self::RelMse => "relMSE",
-        }
+words! {
+    /// Error metric; its word stands on axes and in sentences.
+    pub enum Metric {
+        /// Mean FLIP.
+        Flip = "FLIP",
+        /// 1 − SSIM.
+        Dissimilarity = "1 − SSIM",
+        /// relMSE.
+        RelMse = "relMSE",
     }
 }
 

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use reflet_gpu::{Checks, Gpu, GpuError, GroupLayout, Named, Shader};
+use reflet_scene::words;
 
 use super::{
     ray_list::{List, RayList},
@@ -24,40 +25,29 @@ pub const COUNT: &str = "COUNT";
 /// Name of a pipeline override, and its value.
 pub type Override = (&'static str, f64);
 
-/// Part of a frame that passes belong to, for sums of their times.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum PassGroup {
-    /// Surfaces that the pixels show.
-    Surfaces,
-    /// Light at these surfaces, with shadows and transmission.
-    Light,
-    /// The march through the picture.
-    March,
-    /// Reflections apart from the march: traced rays, shading of hits, smoothing.
-    Reflection,
-    /// The picture from all parts.
-    Picture,
-    /// Statistics of the frame.
-    Measurement,
-    /// Maps of probes, captured apart from the frame.
-    Capture,
+words! {
+    /// Part of a frame that passes belong to, for sums of their times.
+    #[derive(Serialize)]
+    #[serde(rename_all = "lowercase")]
+    pub enum PassGroup {
+        /// Surfaces that the pixels show.
+        Surfaces = "surfaces",
+        /// Light at these surfaces, with shadows and transmission.
+        Light = "light",
+        /// The march through the picture.
+        March = "march",
+        /// Reflections apart from the march: traced rays, shading of hits, smoothing.
+        Reflection = "reflection",
+        /// The picture from all parts.
+        Picture = "picture",
+        /// Statistics of the frame.
+        Measurement = "measurement",
+        /// Maps of probes, captured apart from the frame.
+        Capture = "capture",
+    }
 }
 
 impl PassGroup {
-    /// Name in the output of `info --frame`.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Surfaces => "surfaces",
-            Self::Light => "light",
-            Self::March => "march",
-            Self::Reflection => "reflection",
-            Self::Picture => "picture",
-            Self::Measurement => "measurement",
-            Self::Capture => "capture",
-        }
-    }
-
     /// Whether the passes find reflections, so that their time counts as `reflection_ms`.
     pub const fn finds_reflections(self) -> bool {
         matches!(self, Self::March | Self::Reflection)
