@@ -21,7 +21,7 @@ fn by_path(scene: &Scene, start: &Span) -> Option<Diagnostic> {
     if scene.reflection.method != Method::Path {
         return None;
     }
-    let keys = written(start, "reflection", &ReflectionDesc::REPLACED_BY_PATH);
+    let keys = written(start, "reflection", ReflectionDesc::REPLACED_BY_PATH);
     let (at, _) = keys.first()?.clone();
     let names: Vec<_> = keys.iter().map(|(_, name)| name.as_str()).collect();
     let message = format!(

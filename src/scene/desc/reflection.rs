@@ -251,6 +251,41 @@ declared! {
     }
 }
 
+/// Declares the settings that method `path` replaces, each with its value there.
+macro_rules! replaced_by_path {
+    ($($key:ident: $value:expr,)*) => {
+        impl ReflectionDesc {
+            /// Keys whose values [`ReflectionDesc::settled`] replaces.
+            pub const REPLACED_BY_PATH: &[&str] = &[$(stringify!($key)),*];
+
+            /// Effective settings: method `path` replaces the settings of [`ReflectionDesc::REPLACED_BY_PATH`].
+            pub fn settled(&self) -> Self {
+                match self.method {
+                    Method::Path => Self { $($key: $value,)* ..*self },
+                    _ => *self,
+                }
+            }
+        }
+    };
+}
+
+/// Number of bounces that no path reaches: paths end by chance before.
+const ENDLESS: u32 = 1 << 12;
+
+replaced_by_path! {
+    rate: 1,
+    skip_px: 0.0,
+    bounces: Bounces::AtMost(ENDLESS),
+    diffuse_bounces: ENDLESS,
+    glint_limit: 0.0,
+    roughness_cutoff: 1.0,
+    ray_length_u: 1e12,
+    reuse_light: false,
+    fade: false,
+    filter: false,
+    blur_px: 0.0,
+}
+
 impl ReflectionDesc {
     fn check(&self, t: &mut Table) {
         if self.rate == 3 {
@@ -284,44 +319,6 @@ impl ReflectionDesc {
         ];
         let faces = &mut self.box_faces;
         (lengths, [&mut faces.box_min, &mut faces.box_max])
-    }
-
-    /// Keys whose values [`ReflectionDesc::settled`] replaces.
-    pub const REPLACED_BY_PATH: [&str; 11] = [
-        "rate",
-        "skip_px",
-        "bounces",
-        "diffuse_bounces",
-        "glint_limit",
-        "roughness_cutoff",
-        "ray_length_u",
-        "reuse_light",
-        "fade",
-        "filter",
-        "blur_px",
-    ];
-
-    /// Effective settings: method `path` replaces the settings of [`ReflectionDesc::REPLACED_BY_PATH`].
-    pub fn settled(&self) -> Self {
-        /// Number of bounces that no path reaches: paths end by chance before.
-        const ENDLESS: u32 = 1 << 12;
-        if self.method != Method::Path {
-            return *self;
-        }
-        Self {
-            rate: 1,
-            skip_px: 0.0,
-            bounces: Bounces::AtMost(ENDLESS),
-            diffuse_bounces: ENDLESS,
-            glint_limit: 0.0,
-            roughness_cutoff: 1.0,
-            ray_length_u: 1e12,
-            reuse_light: false,
-            fade: false,
-            filter: false,
-            blur_px: 0.0,
-            ..*self
-        }
     }
 
     /// Whether the adapter is asked for ray queries.
