@@ -30,6 +30,13 @@ pub type Node = Spanned<Content>;
 /// Keys of a table with their values, sorted by name; the ranges tell the order of the text.
 pub type Entries = BTreeMap<Key, Node>;
 
+/// Entries of a table in the order of the file.
+pub fn in_order(entries: &Entries) -> Vec<(&Key, &Node)> {
+    let mut all: Vec<_> = entries.iter().collect();
+    all.sort_by_key(|(name, _)| name.span().start);
+    all
+}
+
 /// Value of a key or of an element of an array.
 #[derive(Clone, Debug)]
 pub enum Content {

@@ -1,5 +1,5 @@
-//! The readers: one per table of the scene text, one line per key. The type, range and default of a
-//! key are written here and nowhere else; the manual and the JSON Schema come from running the same readers.
+//! The readers of tables whose keys follow from each other, so that no declaration of their fields says how they are
+//! read. The manual and the JSON Schema come from running the readers of all tables.
 
 mod environment;
 pub mod project;
@@ -41,21 +41,34 @@ impl Section for SceneDesc {
         t.find::<Names>("remove", ANY);
         t.find::<Names>("include", ANY);
         t.find::<At<String>>("script", ANY);
-        if let Some(probe) = scene.probes.get(ProbesDesc::MOST) {
-            let most = ProbesDesc::MOST;
-            let message = format!("`{}` exceeds the limit of {most} probes", probe.name);
-            let help = "remove some, or write a grid in their place: `[probes]` with `spacing_m`";
-            let error = Diagnostic::new("too-many-probes", probe.at.clone(), message).help(help);
-            t.report.push(error);
-        }
-        if let Some(decal) = scene.decals.get(DecalDesc::MOST) {
-            let most = DecalDesc::MOST;
-            let message = format!("`{}` exceeds the limit of {most} decals", decal.name);
-            let help = "put several of them into one image with alpha, or remove some";
-            let error = Diagnostic::new("too-many-decals", decal.at.clone(), message).help(help);
-            t.report.push(error);
-        }
+        let help = "remove some, or write a grid in their place: `[probes]` with `spacing_m`";
+        refuse_more(
+            t,
+            &scene.probes,
+            ProbesDesc::MOST,
+            ["too-many-probes", "probes", help],
+        );
+        let help = "put several of them into one image with alpha, or remove some";
+        refuse_more(
+            t,
+            &scene.decals,
+            DecalDesc::MOST,
+            ["too-many-decals", "decals", help],
+        );
         Some(scene)
+    }
+}
+
+/// Refuses entries of a kind beyond the limit.
+fn refuse_more<T>(t: &mut Table, all: &[Entry<T>], most: usize, say: [&'static str; 3]) {
+    let [name, kind, help] = say;
+    if let Some(Entry {
+        name: first, at, ..
+    }) = all.get(most)
+    {
+        let message = format!("`{first}` exceeds the limit of {most} {kind}");
+        t.report
+            .push(Diagnostic::new(name, at.clone(), message).help(help));
     }
 }
 
@@ -105,20 +118,21 @@ impl Section for ModelDesc {
             let help = "write `[model.NAME.material.\"*\"]` for all materials of the file";
             t.refuse("wrong-source", "material", message, help);
         }
-        if t.has("shape") && t.has("lights") {
-            let message = "`lights` applies to files only; shapes have no lights";
-            t.refuse("wrong-source", "lights", message, "remove `lights`");
-        }
         let animation = AnimationDesc::find(t);
-        if t.has("shape") && t.has("animation") {
-            let message = "`animation` applies to files only; shapes have no animations";
-            let help = "move its instance by `[motion.instance.NAME]`";
-            t.refuse("wrong-source", "animation", message, help);
-        }
         let variant = t.find("variant", ANY);
-        if t.has("shape") && t.has("variant") {
-            let message = "`variant` applies to files only; shapes have no variants";
-            t.refuse("wrong-source", "variant", message, "remove `variant`");
+        for (key, things, help) in [
+            ("lights", "lights", "remove `lights`"),
+            (
+                "animation",
+                "animations",
+                "move its instance by `[motion.instance.NAME]`",
+            ),
+            ("variant", "variants", "remove `variant`"),
+        ] {
+            if t.has("shape") && t.has(key) {
+                let message = format!("`{key}` applies to files only; shapes have no {things}");
+                t.refuse("wrong-source", key, &message, help);
+            }
         }
         let usd = StageDesc::find(t, file.as_ref());
         let source = file.map(ModelSource::File).or(shape);

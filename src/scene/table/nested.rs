@@ -9,7 +9,7 @@ use super::{
     params::{self, ParamValue},
     value::{Named, Value, found, wrong_type},
 };
-use crate::syntax::{Content, Key, Node};
+use crate::syntax::{Content, Entries, Key, Node, in_order};
 use crate::{
     range::{ANY, Range},
     suggest,
@@ -39,7 +39,7 @@ pub enum ValueOr<V, T> {
     Table(T),
 }
 
-impl Table<'_> {
+impl<'r> Table<'r> {
     /// Place of the value of a key in a table of this one, where it is written.
     pub fn written_in(&self, table: &str, key: &str) -> Option<Written> {
         let nested = self.values.get(table)?.get_ref().as_table()?;
@@ -227,24 +227,28 @@ impl Table<'_> {
             });
             KeyRecord::new(key, Form::Value(what.into(), schema))
         });
-        let Some(node) = self.values.get(key) else {
-            return Vec::new();
-        };
-        let Content::Table(values) = node.get_ref() else {
-            let help = format!("write `[{key}.NAME]`, with a name of your choice");
-            wrong_type(node, key, "tables with names", self.report).help = Some(help);
-            return Vec::new();
-        };
-        let mut all = Vec::new();
-        for (name, node) in values {
+        let help = format!("write `[{key}.NAME]`, with a name of your choice");
+        let values = self.named_values(key, "tables with names", Some(help));
+        let name = |(name, node): (&Key, &Node)| {
             if node.get_ref().as_table().is_none() {
                 wrong_type(node, name.get_ref(), "a table", self.report);
             }
             let (value, at) = (name.get_ref().to_string(), self.report.span(&name.span()));
-            all.push((name.span().start, At { value, at }));
+            At { value, at }
+        };
+        values.map_or_else(Vec::new, |values| {
+            in_order(values).into_iter().map(name).collect()
+        })
+    }
+
+    /// A table with names that the user chooses.
+    fn named_values(&mut self, key: &str, what: &str, help: Option<String>) -> Option<&'r Entries> {
+        let node = self.values.get(key)?;
+        if let Content::Table(values) = node.get_ref() {
+            return Some(values);
         }
-        all.sort_by_key(|(start, _)| *start);
-        all.into_iter().map(|(_, name)| name).collect()
+        wrong_type(node, key, what, self.report).help = help;
+        None
     }
 
     /// Parameters with names that the user chooses: numbers, texts, booleans, arrays of numbers.
@@ -253,14 +257,8 @@ impl Table<'_> {
             let what = "numbers, texts, true or false, or arrays of numbers, with names";
             KeyRecord::new(key, Form::Value(what.into(), params::schema()))
         });
-        let Some(node) = self.values.get(key) else {
-            return Vec::new();
-        };
-        let Content::Table(values) = node.get_ref() else {
-            wrong_type(node, key, "a table", self.report);
-            return Vec::new();
-        };
-        params::read(values, self.report)
+        let values = self.named_values(key, "a table", None);
+        values.map_or_else(Vec::new, |values| params::read(values, self.report))
     }
 
     /// Values of one kind, with names that the user chooses; `what` they are, for the manual.
@@ -275,16 +273,8 @@ impl Table<'_> {
             let what = format!("{what} with names, each {}", range.words());
             KeyRecord::new(key, Form::Value(what, schema))
         });
-        let Some(node) = self.values.get(key) else {
-            return Vec::new();
-        };
-        let Content::Table(values) = node.get_ref() else {
-            let help = format!("write `[{key}]`, and below it a name with its value");
-            wrong_type(node, key, "a table", self.report).help = Some(help);
-            return Vec::new();
-        };
-        let mut all: Vec<_> = values.iter().collect();
-        all.sort_by_key(|(name, _)| name.span().start);
+        let help = format!("write `[{key}]`, and below it a name with its value");
+        let all = self.named_values(key, "a table", Some(help));
         let read = |(name, node): (&Key, &Node)| {
             let named = Named {
                 key: name.get_ref(),
@@ -297,7 +287,9 @@ impl Table<'_> {
                 value,
             })
         };
-        all.into_iter().filter_map(read).collect()
+        all.map_or_else(Vec::new, |all| {
+            in_order(all).into_iter().filter_map(read).collect()
+        })
     }
 
     fn describe_nested<T: Section>(&mut self) {
@@ -327,11 +319,9 @@ impl Table<'_> {
             error.help = Some(example);
             return Vec::new();
         };
-        let mut all: Vec<_> = entries.iter().collect();
-        all.sort_by_key(|(name, _)| name.span().start);
         let mut read = Vec::new();
         let mut nameless = false;
-        for (name, node) in all {
+        for (name, node) in in_order(entries) {
             let Content::Table(values) = node.get_ref() else {
                 // In a table without a name in its header, every key would be the same mistake.
                 if !std::mem::replace(&mut nameless, true) {

@@ -7,7 +7,7 @@ use super::{
     report::Report,
     value::{Named, Value as _, wrong_type},
 };
-use crate::syntax::{Content, Entries, Key, Node};
+use crate::syntax::{Content, Entries, Key, Node, in_order};
 use crate::{range::ANY, suggest};
 
 const EXPECTED: &str = "a number, text in quotes, true or false, or an array of numbers";
@@ -37,10 +37,8 @@ pub fn schema() -> Json {
 
 /// All parameters in the order of the file.
 pub fn read(values: &Entries, report: &mut Report) -> Vec<Entry<ParamValue>> {
-    let mut all: Vec<_> = values.iter().collect();
-    all.sort_by_key(|(name, _)| name.span().start);
     let mut params = Vec::new();
-    for (name, node) in all {
+    for (name, node) in in_order(values) {
         if let Some(value) = value(node, name.get_ref(), report) {
             params.push(Entry {
                 name: name.get_ref().to_string(),

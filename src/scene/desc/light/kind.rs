@@ -108,13 +108,8 @@ declared! {
 impl LightKind {
     /// Index of the kind in [`Self::NAMES`]; the shaders' constants are `LIGHT_` and this name.
     pub fn index(&self) -> usize {
-        match self {
-            Self::Point { .. } => 0,
-            Self::Spot { .. } => 1,
-            Self::Directional { .. } => 2,
-            Self::Rect { .. } => 3,
-            Self::Disk { .. } => 4,
-        }
+        let is_it = |name: &&str| *name == self.name();
+        Self::NAMES.iter().position(is_it).unwrap_or_default()
     }
 
     /// Whether the light has a size, so that its light is sampled. A radius below an atom's counts as a

@@ -100,20 +100,12 @@ impl<'a> NodeNames<'a> {
 /// Checks all names of `[motion]`, and that there is a timeline to move on.
 pub fn check(scene: &SceneDesc, root: &Entries, report: &mut Report) {
     let motion = &scene.motion;
-    refer_all(
-        &mut Names::from_tree("camera", root),
-        &motion.cameras,
-        report,
-    );
-    refer_all(&mut Names::from_tree("light", root), &motion.lights, report);
-    refer_all(
-        &mut Names::from_tree("material", root),
-        &motion.materials,
-        report,
-    );
-    refer_all(&mut Names::from_tree("model", root), &motion.models, report);
-    refer_all(&mut Names::from_tree("group", root), &motion.groups, report);
-    refer_all(&mut Names::from_tree("decal", root), &motion.decals, report);
+    refer_all("camera", root, &motion.cameras, report);
+    refer_all("light", root, &motion.lights, report);
+    refer_all("material", root, &motion.materials, report);
+    refer_all("model", root, &motion.models, report);
+    refer_all("group", root, &motion.groups, report);
+    refer_all("decal", root, &motion.decals, report);
     let all = Indexed::new(scene, root);
     for entry in &motion.instances {
         all.nodes.refer(&entry.name, &entry.at, report);
@@ -290,8 +282,9 @@ fn followed(track: &TrackDesc) -> Option<&At<String>> {
     Some(&track.follow.as_ref()?.instance)
 }
 
-fn refer_all<T>(names: &mut Names, entries: &[Entry<T>], report: &mut Report) {
-    for entry in entries {
+fn refer_all<T>(kind: &'static str, root: &Entries, moved: &[Entry<T>], report: &mut Report) {
+    let mut names = Names::from_tree(kind, root);
+    for entry in moved {
         let to = At {
             value: entry.name.clone(),
             at: entry.at.clone(),
