@@ -393,7 +393,21 @@ impl<'r> Table<'r> {
     /// Gives a key that no field stands for its comment in the manual.
     pub fn explain(&mut self, key: &str, text: impl FnOnce() -> String) {
         if let Some(notes) = &mut self.notes {
-            notes.explain(key, text());
+            notes.change(key, |key| key.text = Some(text()));
+        }
+    }
+
+    /// Says of which kinds the entries are that the text of a key names.
+    pub fn refers(&mut self, key: &str, kinds: &'static [&'static str]) {
+        if let Some(notes) = &mut self.notes {
+            notes.change(key, |key| key.entries = kinds);
+        }
+    }
+
+    /// Says which extensions the files have that the text of a key names.
+    pub fn files(&mut self, key: &str, extensions: &'static [&'static str]) {
+        if let Some(notes) = &mut self.notes {
+            notes.change(key, |key| key.files = extensions);
         }
     }
 

@@ -222,7 +222,7 @@ fn values(file: &Arc<Source>, word: &Word, name: &str, quoted: bool) -> Vec<Valu
         let names = names_of_kind(file, kind);
         all.extend(names.iter().map(|name| item(&text(name), REFERENCE, "")));
     }
-    let ends = files_of_value(&word.table, name);
+    let ends = files_of_value(&file.path, &word.table, name);
     if !ends.is_empty() {
         let mut found = BTreeSet::new();
         for folder in folders(&file.path) {
@@ -300,7 +300,7 @@ pub fn definition(file: &Arc<Source>, offset: usize) -> Vec<Value> {
     }
     let kinds: Vec<String> = match (&word.part, word.table.as_slice()) {
         (Part::Value(key), table) => {
-            let ends = files_of_value(table, key);
+            let ends = files_of_value(&file.path, table, key);
             let at_start =
                 |path: PathBuf| json!({ "uri": uri_of(&path), "range": range("", &(0..0)) });
             if !ends.is_empty() {

@@ -7,7 +7,12 @@ use crate::{
     runtime::scene_options::border,
     scene::{
         diagnostic::Source,
-        parse::{Texts, entry_kinds::ENTRY_KINDS},
+        parse::{
+            Texts,
+            entry_kinds::ENTRY_KINDS,
+            recorded_keys,
+            tables::{Manual, keys_of},
+        },
         project::ProjectChoice,
         reach::Border,
     },
@@ -93,31 +98,15 @@ pub fn border_of(path: &Path) -> Border {
 
 /// Kinds of [`Name`] that the value of a key refers to; empty if it refers to none.
 pub fn kinds_of_value(key: &str) -> &'static [&'static str] {
-    match key {
-        "model" => &["model"],
-        "material" | "extends" => &["material"],
-        "instance" | "parent" | "only" => &["instance", "group"],
-        "camera" => &["camera"],
-        _ => &[],
-    }
+    let mut all = recorded_keys().iter().flat_map(keys_of);
+    let named = all.find(|(_, known)| known.name == key && !known.entries.is_empty());
+    named.map_or(&[], |(_, known)| known.entries)
 }
 
-/// Extensions of the files that the value of a key in a table names; empty if it names none.
-pub fn files_of_value(table: &[String], key: &str) -> &'static [&'static str] {
-    match (table.first().map(String::as_str), key) {
-        (None, "base" | "include") => &["toml"],
-        (None, "script") => &["rhai"],
-        (Some("instance"), "instances_from") => &["csv"],
-        (_, "scene") => &["toml"],
-        (Some("environment"), "file") => &["hdr", "exr"],
-        (Some("model"), "file") if table.last().is_some_and(|last| last == "shape") => {
-            &["png", "jpg", "jpeg", "webp"]
-        }
-        (Some("model"), "font") => &["ttf", "otf", "ttc"],
-        (Some("model"), "file") => &["gltf", "glb", "usd", "usda", "usdc", "usdz"],
-        (_, key) if key.ends_with("_texture") => &["png", "jpg", "jpeg", "webp", "ktx2"],
-        _ => &[],
-    }
+/// Extensions of the files that the value of a key in a table of a file names; empty if it names none.
+pub fn files_of_value(file: &Path, table: &[String], key: &str) -> &'static [&'static str] {
+    let known = Manual::for_file(file).key(table, key);
+    known.map_or(&[], |(_, _, known)| known.files)
 }
 
 #[cfg(test)]

@@ -22,7 +22,10 @@ declared! {
     /// - `parent`: `name` of an instance, or of a `[group.NAME]`: the decal's placement is then relative to it and
     ///   moves with it, and the decal is hidden with it. Default: none.
     #[derive(Clone, Debug, PartialEq)]
-    #[table("[decal.NAME]", also(PlacementDesc), check(Self::check))]
+    #[table(
+        "[decal.NAME]", also(PlacementDesc), refers(material: "material", only: "instance" | "group"),
+        check(Self::check)
+    )]
     pub struct DecalDesc {
         /// Name of the `[material.NAME]` that is projected.
         pub material: At<String>,

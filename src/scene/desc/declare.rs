@@ -14,7 +14,8 @@
 ///
 /// - `#[defaults]`: an `impl Default`.
 /// - `#[keys]`: an `impl Keys`. `#[table("[heading]")]`: an `impl Section` too. After the heading perhaps, in this order:
-///   `also(TYPES)` whose comments tell of further keys; `before(function)` that declares rules, or keys that no field
+///   `also(TYPES)` whose comments tell of further keys; `refers(key: "kind")` for keys whose text names entries, and
+///   `files(key: "extension")` for files; `before(function)` that declares rules, or keys that no field
 ///   has; `check(function)` that refuses values which do not go together; `then(function)` that changes them;
 ///   `instead(function)` that advises where the value is no table.
 /// - `#[kinds]`, of an enum whose variants are chosen by `kind`: an `impl Keys`, perhaps with a function that refuses
@@ -233,6 +234,8 @@ macro_rules! section {
         $name:ident (
             $heading:literal
             $(, also($($also:ty),+))?
+            $(, refers($($key:ident: $($kind:literal)|+),+))?
+            $(, files($($file:ident: $($end:literal)|+),+))?
             $(, before($before:expr))?
             $(, check($check:expr))?
             $(, then($then:expr))?
@@ -246,7 +249,10 @@ macro_rules! section {
 
             fn read(t: &mut $crate::table::Table) -> Option<Self> {
                 $($crate::table::before(t, $before);)?
-                let it = $crate::table::Keys::read_keys(t)?;
+                let it = $crate::table::Keys::read_keys(t);
+                $($(t.refers(stringify!($key), &[$($kind),+]);)+)?
+                $($(t.files(stringify!($file), &[$($end),+]);)+)?
+                let it = it?;
                 $($crate::table::check(t, &it, $check);)?
                 $(let it = $crate::table::then(t, it, $then);)?
                 Some(it)

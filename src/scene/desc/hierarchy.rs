@@ -71,6 +71,7 @@ pub struct Parents {
 /// Declares the key `parent` of a table; its name is resolved after all tables are read.
 pub(super) fn declare_parent(t: &mut Table) {
     t.find::<At<String>>("parent", ANY);
+    t.refers("parent", &["instance", "group"]);
 }
 
 /// Reads the placement of a table, after its `parent`.
@@ -85,6 +86,7 @@ impl Section for PlacedSceneDesc {
 
     fn read(t: &mut Table) -> Option<Self> {
         t.need::<At<String>>("scene", ANY);
+        t.files("scene", &["toml"]);
         t.params("params");
         Some(Self)
     }

@@ -22,7 +22,10 @@ declared! {
     ///   that parent, also while the parent moves. Of an instance with copies, the first copy.
     ///   Default: none.
     #[derive(Clone, Debug, PartialEq)]
-    #[table("[[instance]]", also(PlacementDesc, ShownDesc))]
+    #[table(
+        "[[instance]]", also(PlacementDesc, ShownDesc), refers(model: "model", material: "material"),
+        files(instances_from: "csv")
+    )]
     pub struct InstanceDesc {
         /// Optional name, unique; scripts and messages use it.
         pub name: Option<String>,

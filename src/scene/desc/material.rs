@@ -28,6 +28,9 @@ declared! {
     }
 }
 
+/// Extensions of textures.
+const TEXTURES: &[&str] = &["png", "jpg", "jpeg", "webp", "ktx2"];
+
 material! {
     /// `[material.NAME]`, `[model.M.material.NAME]` (override of a glTF material; `"*"` means all of them and is
     /// applied first) and `material = {…}` of an instance. Keys left out keep the glTF value, or the default of a
@@ -45,7 +48,7 @@ material! {
         base_color: Vec3, Color in UNIT, "linear base color" varies BaseColor, apart rest Vec3::ONE;
         /// Image file (PNG, JPEG, WebP or KTX2) multiplied into the base color. Its colors are sRGB; its alpha is used
         /// by `alpha` and `alpha_cutoff`.
-        base_color_texture: At<String> [ANY];
+        base_color_texture: At<String> [ANY] in TEXTURES;
         /// Procedural checker in place of a base color texture.
         checker: CheckerDesc;
         /// Metalness, 0 to 1: 0 is a dielectric such as plastic or stone, 1 a metal. Default 0.
@@ -53,9 +56,9 @@ material! {
         /// Perceptual roughness, 0 to 1: 0 is polished, 1 matte. Default 1.
         roughness: f32, Number in UNIT, "perceptual roughness" varies Roughness => rest 1.0;
         /// Image file with roughness in green and metalness in blue, multiplied with `roughness` and `metallic`.
-        metallic_roughness_texture: At<String> [ANY];
+        metallic_roughness_texture: At<String> [ANY] in TEXTURES;
         /// Image file with a tangent-space normal map (glTF convention, green is up).
-        normal_texture: At<String> [ANY];
+        normal_texture: At<String> [ANY] in TEXTURES;
         /// Strength of the normal map, 0 to 4: 0 is flat, 1 as made, more is rougher relief. Default 1.
         normal_scale: f32, Number in range(0.0, 4.0), "strength of the normal map" => rest 1.0;
         /// Strength of the occlusion map of a glTF material, 0 to 1: how much it darkens the environment's light.
@@ -66,7 +69,7 @@ material! {
         /// Factor on `emission`, 0 or more. 1 shows as white at exposure 0. Default 1.
         emission_strength: f32, Number in FROM_0, "factor on `emission`", apart rest 1.0;
         /// Image file multiplied into the emission (sRGB).
-        emission_texture: At<String> [ANY];
+        emission_texture: At<String> [ANY] in TEXTURES;
         /// Whether the surface's emission lights other surfaces, with shadows; else only reflections show it. For
         /// glowing walls or neon tubes. A scene has at most 1,048,576 such triangles, which are sampled; small or few
         /// ones need fewer `samples`. Default false.

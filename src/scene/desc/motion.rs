@@ -32,7 +32,7 @@ declared! {
 
     /// `cuts = [{ frame = 48, camera = "close" }, …]`, in the order of frames.
     #[derive(Clone, Debug, PartialEq)]
-    #[table("cuts = [{ frame = …, camera = … }, …]")]
+    #[table("cuts = [{ frame = …, camera = … }, …]", refers(camera: "camera"))]
     pub struct CutDesc {
         /// First frame of the cut, 0 to 1000000.
         pub frame: u32 [FRAMES],

@@ -39,7 +39,7 @@ declared! {
     /// `over = { model = "ground", count = 500 }`: copies over the surface of a shape, spread evenly by its area. The
     /// instance stands where the copied surface stands: give both the same place.
     #[derive(Clone, Debug, PartialEq)]
-    #[table("over = { … }", check(Self::check), instead(Self::instead))]
+    #[table("over = { … }", refers(model: "model"), check(Self::check), instead(Self::instead))]
     pub struct OverDesc {
         /// Name of a `[model.NAME]` that is a shape.
         pub model: At<String>,

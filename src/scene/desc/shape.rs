@@ -26,7 +26,10 @@ declared! {
     /// `shape = { kind = "…" }`, centered on the origin unless said; curved ones are tessellated.
     #[derive(Clone, Debug, PartialEq)]
     #[kinds(check::shape)]
-    #[table("shape = { kind = …, … }", instead(read::kind_of))]
+    #[table(
+        "shape = { kind = …, … }", files(file: "png" | "jpg" | "jpeg" | "webp", font: "ttf" | "otf" | "ttc"),
+        instead(read::kind_of)
+    )]
     pub enum ShapeDesc {
         /// `"plane"`: in XZ, facing +Y.
         Plane = "plane" {

@@ -127,7 +127,7 @@ declared! {
 
     /// `follow = { instance = "car", offset = [0, 1, 0] }`: takes the position from an instance or a group.
     #[derive(Clone, Debug, PartialEq)]
-    #[table("follow = { … }", instead(Self::instead))]
+    #[table("follow = { … }", refers(instance: "instance" | "group"), instead(Self::instead))]
     pub struct FollowDesc {
         /// `name` of the instance or the group to follow.
         pub instance: At<String>,

@@ -41,6 +41,9 @@ impl Section for SceneDesc {
         t.find::<Names>("remove", ANY);
         t.find::<Names>("include", ANY);
         t.find::<At<String>>("script", ANY);
+        t.files("base", &["toml"]);
+        t.files("include", &["toml"]);
+        t.files("script", &["rhai"]);
         let help = "remove some, or write a grid in their place: `[probes]` with `spacing_m`";
         refuse_more(
             t,
@@ -99,6 +102,7 @@ impl Section for ModelDesc {
     fn read(t: &mut Table) -> Option<Self> {
         t.one_of(true, &[&["file"], &["shape"]]);
         let file = t.find::<At<String>>("file", ANY);
+        t.files("file", &["gltf", "glb", "usd", "usda", "usdc", "usdz"]);
         let shape = t.table("shape").map(ModelSource::Shape);
         let (mut material, mut overrides) = (None, Vec::new());
         let message = "`material` of a shape must be the name of a `[material.NAME]`, not a table";
@@ -112,6 +116,7 @@ impl Section for ModelDesc {
                 None => {}
             }
         }
+        t.refers("material", &["material"]);
         let lights = t.get("lights", ANY, true);
         if material.is_some() && t.has("file") {
             let message = "`material` of a file must be tables that override its materials by name";

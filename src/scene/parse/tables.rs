@@ -31,12 +31,22 @@ impl Below {
         Self::Table(&recorded_keys()[0])
     }
 
+    /// Key of a table.
+    pub fn key(self, name: &str) -> Option<&'static KeyRecord> {
+        match self {
+            Self::Names(_) => None,
+            Self::Table(section) => keys_of(section)
+                .map(|(_, key)| key)
+                .find(|k| k.name == name),
+        }
+    }
+
     /// Content below a key or name; `None` if the manual has none.
     pub fn below(self, key: &str) -> Option<Self> {
         match self {
             Self::Names(section) => Some(Self::Table(section)),
-            Self::Table(section) => {
-                let (_, key) = keys_of(section).find(|(_, known)| known.name == key)?;
+            Self::Table(_) => {
+                let key = self.key(key)?;
                 let all = recorded_keys().iter().chain(recorded_project_keys());
                 let section_of = |name: &str| all.clone().find(|s| s.type_name == name);
                 key.forms.iter().find_map(|form| match form {

@@ -38,6 +38,10 @@ pub struct KeyRecord {
     pub required: bool,
     /// Default value, as in scene text.
     pub default: Option<Json>,
+    /// Kinds of the entries that its text names, such as `material`; none for other keys.
+    pub entries: &'static [&'static str],
+    /// Extensions of the files that its text names; none for other keys.
+    pub files: &'static [&'static str],
 }
 
 impl KeyRecord {
@@ -52,6 +56,8 @@ impl KeyRecord {
             text: None,
             required: false,
             default: None,
+            entries: &[],
+            files: &[],
         }
     }
 
@@ -208,12 +214,13 @@ impl RecordedKeys {
         }
     }
 
-    /// Gives a key of the open table its comment.
-    pub fn explain(&mut self, name: &str, text: String) {
-        let part = self.open_part().map(|(keys, ..)| keys);
-        let mut keys = part.into_iter().flatten();
-        if let Some(key) = keys.find(|key| key.name == name) {
-            key.text = Some(text);
+    /// Changes a key of the open table, or the first of its variants.
+    pub fn change(&mut self, name: &str, change: impl FnOnce(&mut KeyRecord)) {
+        let index = self.open.last().map(|(index, _)| *index);
+        if let Some(section) = index.and_then(|index| self.sections.get_mut(index)) {
+            let variants = section.variants.iter_mut().flat_map(|v| &mut v.keys);
+            let mut keys = section.keys.iter_mut().chain(variants);
+            keys.find(|key| key.name == name).map(change);
         }
     }
 

@@ -3,13 +3,13 @@
 /// Declares the keys of a material in the order of the manual, each with its comment and its type.
 ///
 /// - `KEY under OTHER`: the key has no effect without the other.
-/// - `[RANGE]`: a key that is read as a value of its type.
+/// - `[RANGE]`: a key that is read as a value of its type; `in EXTENSIONS`: extensions of the files that its text names.
 /// - `FORM in RANGE, "…"`: a number or color that tracks and scripts may change, and a name of its quantity for the text of
 ///   its track. It may also follow a pattern, `varies NAME`. Then its value where a material leaves it out: `rest VALUE`; or
 ///   for a number without which a material lacks something that costs time, `off "VALUE"`, a value in scene text that
 ///   changes nothing, or `such_as "VALUE"`. After `=>` a loaded material has it in its [`MaterialNumbers`], after `apart`
 ///   it has it in another form.
-/// - Neither range: a key that the reader of materials reads by itself.
+/// - Without a range: a key that the reader of materials reads by itself.
 macro_rules! material {
     (
         $(#[doc = $doc:literal])*
@@ -17,7 +17,7 @@ macro_rules! material {
             $(
                 $(#[doc = $text:literal])*
                 $key:ident $(under $needed:ident)?: $type:ty
-                $([$plain_range:expr])?
+                $([$plain_range:expr] $(in $files:expr)?)?
                 $(,
                     $form:ident in $range:expr, $what:literal $(varies $varies:ident)?
                     $(=> $at_rest:ident $value:expr)?
@@ -137,7 +137,10 @@ macro_rules! material {
             /// Reads the keys that have a range; a pattern in place of a number or color is added to `patterned`.
             fn read_keys(&mut self, t: &mut Table, patterned: &mut Vec<PatternedDesc>) {
                 $(
-                    $(self.$key = t.find(stringify!($key), $plain_range);)?
+                    $(
+                        self.$key = t.find(stringify!($key), $plain_range);
+                        $(t.files(stringify!($key), $files);)?
+                    )?
                     $(self.$key = at_rest!(read t patterned $key $form $range $(, $varies)?);)?
                 )*
             }

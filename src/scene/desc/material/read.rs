@@ -23,6 +23,7 @@ impl Section for MaterialDesc {
         let pattern = t.table("pattern").map(|PatternDesc(pattern)| pattern);
         // Already resolved in the tree; asking for it makes it a known key.
         t.find::<At<String>>("extends", ANY);
+        t.refers("extends", &["material"]);
         let ior = t.find("ior", INDEX);
         let mut material = Self {
             checker: checker.or(pattern),

@@ -3,10 +3,12 @@
 use std::{collections::HashSet, ops::Range};
 
 use super::{Placed, PlacedFile};
-use crate::parse::entry_kinds::ENTRY_KINDS;
+use crate::parse::{entry_kinds::ENTRY_KINDS, tables::Below};
 use crate::range::ANY;
 use crate::syntax::{Content, Entries, Key, Node};
-use crate::table::{report::Report, value::Named, value::Value as _, value::Version};
+use crate::table::{
+    key_recorder::KeyRecord, report::Report, value::Named, value::Value as _, value::Version,
+};
 
 /// Tables that are placed with a scene beside [`ENTRY_KINDS`]; the others are about its image or its timeline.
 const ALSO_PLACED: [&str; 2] = ["instance", "motion"];
@@ -56,6 +58,7 @@ impl Prefix<'_> {
             tree.remove(key.as_str());
         }
         self.place_free_models(tree, report);
+        self.content(Below::scene(), tree);
         for kind in ENTRY_KINDS {
             if let Some(Content::Table(entries)) = tree.get_mut(kind).map(Node::get_mut) {
                 for (_, node) in entries.iter_mut() {
@@ -72,7 +75,6 @@ impl Prefix<'_> {
         if let Some(Content::Table(kinds)) = tree.get_mut("motion").map(Node::get_mut) {
             for (_, node) in kinds.iter_mut() {
                 if let Content::Table(entries) = node.get_mut() {
-                    entries.iter_mut().for_each(|(_, node)| self.followed(node));
                     self.rename(entries);
                 }
             }
@@ -126,139 +128,69 @@ impl Prefix<'_> {
         }
     }
 
-    /// Changes the text of a key, if it has one.
-    fn change(table: &mut Entries, key: &str, new: impl FnOnce(&str) -> String) {
-        if let Some(node) = table.get_mut(key)
-            && let Content::String(old) = node.get_mut()
-        {
-            *old = new(old);
-        }
-    }
-
-    /// Renames the files of a shape and of its parts.
-    fn shape(&self, shape: &mut Entries) {
-        for key in ["file", "font"] {
-            Self::change(shape, key, |name| self.file_name(name));
-        }
-        if let Some(Content::Table(inner)) = shape.get_mut("shape").map(Node::get_mut) {
-            self.shape(inner);
-        }
-        let parts = shape.get_mut("parts").map(Node::get_mut);
-        let Some(Content::Array(parts)) = parts else {
-            return;
-        };
-        for part in parts {
-            if let Content::Table(part) = part.get_mut()
-                && let Some(Content::Table(shape)) = part.get_mut("shape").map(Node::get_mut)
-            {
-                self.shape(shape);
+    /// Renames references and names of files in the table at a place.
+    fn content(&self, place: Below, table: &mut Entries) {
+        for (name, node) in table.iter_mut() {
+            if let Some(key) = place.key(name.get_ref()) {
+                self.refer(key, node);
+            }
+            match (place.below(name.get_ref()), node.get_mut()) {
+                (Some(place), Content::Table(table)) => self.content(place, table),
+                (Some(place), Content::Array(list)) => {
+                    let tables = list.iter_mut().filter_map(|node| match node.get_mut() {
+                        Content::Table(table) => Some(table),
+                        _ => None, // its reader reports this
+                    });
+                    tables.for_each(|table| self.content(place, table));
+                }
+                _ => {}
             }
         }
     }
 
-    /// Renames references, names of files and the parent in one table.
+    /// Renames the entries or files that the text of a key names, or the texts of its array.
+    fn refer(&self, key: &KeyRecord, node: &mut Node) {
+        match node.get_mut() {
+            Content::Array(list) => list.iter_mut().for_each(|node| self.refer(key, node)),
+            Content::String(name) if !key.entries.is_empty() => *name = self.named(name),
+            Content::String(name) if !key.files.is_empty() => *name = self.file_name(name),
+            _ => {}
+        }
+    }
+
+    /// Renames an instance, and gives entries that lack them keys of the placing instance, and the group.
     fn entry(&self, kind: &str, node: &mut Node) {
         let Content::Table(table) = node.get_mut() else {
             return; // its reader reports this
         };
-        match kind {
-            "material" => self.material(table),
-            "model" => {
-                Self::change(table, "material", |name| self.named(name));
-                Self::change(table, "file", |name| self.file_name(name));
-                if let Some(Content::Table(shape)) = table.get_mut("shape").map(Node::get_mut) {
-                    self.shape(shape);
-                }
-                if let Some(Content::Table(all)) = table.get_mut("material").map(Node::get_mut) {
-                    for (_, node) in all.iter_mut() {
-                        if let Content::Table(material) = node.get_mut() {
-                            self.material(material);
-                        }
-                    }
+        if kind == "instance" {
+            if let Some(Content::String(name)) = table.get_mut("name").map(Node::get_mut) {
+                *name = self.named(name);
+            }
+            for (key, node) in self.inherited {
+                if !table.contains_key(key.get_ref().as_str()) {
+                    table.insert(key.clone(), node.clone());
                 }
             }
-            "instance" => {
-                for key in ["name", "model", "material"] {
-                    Self::change(table, key, |name| self.named(name));
-                }
-                Self::change(table, "instances_from", |name| self.file_name(name));
-                if let Some(Content::Table(over)) = table.get_mut("over").map(Node::get_mut) {
-                    Self::change(over, "model", |name| self.named(name));
-                }
-                if let Some(Content::Table(own)) = table.get_mut("material").map(Node::get_mut) {
-                    self.material(own);
-                }
-                for (key, node) in self.inherited {
-                    if !table.contains_key(key.get_ref().as_str()) {
-                        table.insert(key.clone(), node.clone());
-                    }
-                }
-                self.attach(table);
-            }
-            "decal" => {
-                Self::change(table, "material", |name| self.named(name));
-                self.projected_onto(table);
-                self.attach(table);
-            }
-            _ => self.attach(table),
+        }
+        if kind == "decal" {
+            self.attach(table, "only");
+        }
+        if !["material", "model"].contains(&kind) {
+            self.attach(table, "parent");
         }
     }
 
-    /// Renames the instances and groups onto which a decal is projected; without any, all of the scene.
-    fn projected_onto(&self, decal: &mut Entries) {
-        match decal.get_mut("only").map(Node::get_mut) {
-            Some(Content::Array(names)) => {
-                for name in names {
-                    if let Content::String(name) = name.get_mut() {
-                        *name = self.named(name);
-                    }
-                }
-            }
-            Some(_) => Self::change(decal, "only", |name| self.named(name)),
-            None => {
-                let group = Content::String(self.group.to_owned());
-                let key = text("only".to_owned(), self.at.clone());
-                decal.insert(key, Node::new(self.at.clone(), group));
-            }
-        }
-    }
-
-    fn attach(&self, table: &mut Entries) {
-        if table.contains_key("parent") {
-            return Self::change(table, "parent", |name| self.named(name));
-        }
-        let group = Content::String(self.group.to_owned());
-        let key = text("parent".to_owned(), self.at.clone());
-        table.insert(key, Node::new(self.at.clone(), group));
-    }
-
-    fn material(&self, table: &mut Entries) {
-        Self::change(table, "extends", |name| self.named(name));
-        let textures: Vec<_> = (table.keys())
-            .map(|key| key.get_ref().to_string())
-            .filter(|key| key.ends_with("_texture"))
-            .collect();
-        for key in textures {
-            Self::change(table, &key, |name| self.file_name(name));
+    /// Names the group in a key that a table lacks.
+    fn attach(&self, table: &mut Entries, key: &str) {
+        if !table.contains_key(key) {
+            let group = Content::String(self.group.to_owned());
+            let key = text(key.to_owned(), self.at.clone());
+            table.insert(key, Node::new(self.at.clone(), group));
         }
     }
 
     fn file_name(&self, name: &str) -> String {
         self.placed.file_name(&self.file.folder, name)
-    }
-
-    /// Renames the instances that tracks follow.
-    fn followed(&self, node: &mut Node) {
-        let Content::Table(tracks) = node.get_mut() else {
-            return;
-        };
-        for (_, track) in tracks.iter_mut() {
-            let Content::Table(track) = track.get_mut() else {
-                continue;
-            };
-            if let Some(Content::Table(follow)) = track.get_mut("follow").map(Node::get_mut) {
-                Self::change(follow, "instance", |name| self.named(name));
-            }
-        }
     }
 }
