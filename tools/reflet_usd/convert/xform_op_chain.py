@@ -52,11 +52,11 @@ def chain_of_ops(
     static = np.eye(4)
     for op in xformable.GetOrderedXformOps():
         if not op.MightBeTimeVarying():
-            static = static @ column_matrix(
-                op.GetOpTransform(context.time), context.meters_per_unit
-            )
+            matrix = op.GetOpTransform(context.time)
+            static = static @ column_matrix(matrix, context.meters_per_unit)
             continue
-        animated = _animated_links(context, node.name, op, splines)
+        codes = context.codes_in_range(sorted(op.GetTimeSamples()))
+        animated = _AnimatedOp(context, f"{node.name}_{op.GetOpName()}", op, codes).links(splines)
         if animated is None:
             return None
         _append_static(links, node.name, static)
@@ -80,131 +80,101 @@ def _append_static(links: list[Node], name: str, matrix: Array) -> None:
     links.append(inner)
 
 
-def _animated_links(
-    context: Context, name: str, op: UsdGeom.XformOp, splines: Splines | None
-) -> list[Node] | None:
-    kind = op.GetOpType()
-    codes = context.codes_in_range(sorted(op.GetTimeSamples()))
-    if len(codes) < 2 or any(op.Get(Usd.TimeCode(code)) is None for code in codes):
-        return None  # blocked samples, or a spline, which has knots instead
-    if kind in _SINGLE_AXES:
-        angles = np.array([_angle(op, code, None) for code in codes])
-        if not np.isfinite(angles).all():
+@dataclass
+class _AnimatedOp:
+    """An op with keys, and the name of its node."""
+
+    context: Context
+    name: str
+    op: UsdGeom.XformOp
+    codes: list[float]
+
+    def links(self, splines: Splines | None) -> list[Node] | None:
+        """The nodes of the op, outermost first; None where none can be exact."""
+        op, kind = self.op, self.op.GetOpType()
+        values = [op.Get(Usd.TimeCode(code)) for code in self.codes]
+        if len(values) < 2 or any(value is None for value in values):
+            return None  # blocked samples, or a spline, which has knots instead
+        sign = -1.0 if op.IsInverseOp() else 1.0
+        if kind in _SINGLE_AXES or kind in _EULER_ORDERS:
+            degrees = sign * np.array(values, dtype=np.float64)
+            if not np.isfinite(degrees).all():
+                return None
+            if kind in _SINGLE_AXES:
+                return [self._turning_node(self.name, degrees, _SINGLE_AXES[kind])]
+            axes = _EULER_ORDERS[kind][:: int(sign)]
+            return [
+                self._turning_node(f"{self.name}_{'XYZ'[axis]}", degrees[:, axis], axis)
+                for axis in axes
+            ]
+        if kind == _Op.TypeTranslate:
+            rows = np.array(values) * (sign * self.context.meters_per_unit)
+            return self._simple_link("translation", rows)
+        if kind == _Op.TypeScale and not op.IsInverseOp():
+            return self._simple_link("scale", np.array(values, dtype=np.float64))
+        if kind == _Op.TypeOrient:
+            return self._orienting_link()
+        if kind == _Op.TypeTransform and splines is not None:
+            return self._matrix_link(splines)
+        return None
+
+    def _matrix_link(self, splines: Splines) -> list[Node] | None:
+        """Node whose cubic keys follow a matrix; None where the matrix shears or turns too fast."""
+        evaluate = remembered(lambda code: self._matrix(code, self.context.meters_per_unit))
+        matrices = np.array([evaluate(code) for code in self.codes])
+        if (matrices - np.eye(4))[:, 3].any() or not np.isfinite(matrices).all():
             return None
-        return [
-            _turning_node(context, f"{name}_{op.GetOpName()}", codes, angles, _SINGLE_AXES[kind])
-        ]
-    if kind in _EULER_ORDERS:
-        order = _EULER_ORDERS[kind]
-        if not np.isfinite(np.array([op.Get(Usd.TimeCode(code)) for code in codes])).all():
-            return None
-        axes = order[::-1] if op.IsInverseOp() else order
-        return [
-            _turning_node(
-                context,
-                f"{name}_{op.GetOpName()}_{'XYZ'[axis]}",
-                codes,
-                np.array([_angle(op, code, axis) for code in codes]),
-                axis,
-            )
-            for axis in axes
-        ]
-    if kind in (_Op.TypeTranslate, _Op.TypeOrient) or (
-        kind == _Op.TypeScale and not op.IsInverseOp()
-    ):
-        return _simple_link(context, f"{name}_{op.GetOpName()}", op, codes)
-    if kind == _Op.TypeTransform and splines is not None:
-        return _matrix_link(context, f"{name}_{op.GetOpName()}", op, codes, splines)
-    return None
-
-
-def _matrix_link(
-    context: Context, name: str, op: UsdGeom.XformOp, codes: list[float], splines: Splines
-) -> list[Node] | None:
-    """Node whose cubic keys follow a matrix; None where the matrix shears or turns too fast."""
-
-    @remembered
-    def evaluate(code: float) -> Array:
-        return column_matrix(op.GetOpTransform(Usd.TimeCode(code)), context.meters_per_unit)
-
-    affine = (np.array([evaluate(code) for code in codes]) - np.eye(4))[:, 3]
-    if affine.any() or not np.isfinite([evaluate(code) for code in codes]).all():
-        return None
-    keys = spline_keys(evaluate, with_jumps(evaluate, codes), splines.reach)
-    if keys is None:
-        return None
-    splines.keys += len(keys.codes)
-    splines.deviation += keys.deviation
-    node = Node(name)
-    set_spline_tracks(context, node, keys)
-    return [node]
-
-
-def _angle(op: UsdGeom.XformOp, code: float, axis: int | None) -> float:
-    value = op.Get(Usd.TimeCode(code))
-    degrees = float(value if axis is None else value[axis])
-    return -degrees if op.IsInverseOp() else degrees
-
-
-def _turning_node(
-    context: Context, name: str, codes: list[float], degrees: Array, axis: int
-) -> Node:
-    """Rotation around one axis; keys are inserted so that each step is a short turn."""
-    times, angles = [context.seconds(codes[0])], [degrees[0]]
-    for index in range(1, len(codes)):
-        steps = max(1, int(np.ceil(abs(degrees[index] - degrees[index - 1]) / MAX_STEP_DEG)))
-        for step in range(1, steps + 1):
-            share = step / steps
-            code = codes[index - 1] + (codes[index] - codes[index - 1]) * share
-            times.append(context.seconds(code))
-            angles.append(degrees[index - 1] + (degrees[index] - degrees[index - 1]) * share)
-    half = np.radians(np.array(angles)) / 2
-    rotations = np.zeros((len(half), 4))
-    rotations[:, axis], rotations[:, 3] = np.sin(half), np.cos(half)
-    node = Node(name, rotation=rotations[0].copy())
-    node.add_track("rotation", np.array(times), rotations)
-    return node
-
-
-def _simple_link(
-    context: Context, name: str, op: UsdGeom.XformOp, codes: list[float]
-) -> list[Node] | None:
-    """Node of a translation, scale or quaternion op whose authored keys are glTF's keys."""
-    if op.GetOpType() == _Op.TypeOrient:
-        return _orienting_link(context, name, op, codes)
-    values = [op.Get(Usd.TimeCode(code)) for code in codes]
-    sign = -1.0 if op.IsInverseOp() else 1.0
-    if op.GetOpType() == _Op.TypeTranslate:
-        path, rows = "translation", np.array(values) * (sign * context.meters_per_unit)
-    else:
-        path, rows = "scale", np.array(values, dtype=np.float64)
-    if not np.isfinite(rows).all() or np.abs(rows).max() > MAX_LENGTH_M:
-        return None
-    node = Node(name)
-    setattr(node, path, rows[0].copy())
-    times = np.array([context.seconds(code) for code in codes])
-    node.add_track(path, times, rows)
-    return [node]
-
-
-def _orienting_link(
-    context: Context, name: str, op: UsdGeom.XformOp, codes: list[float]
-) -> list[Node] | None:
-    """Node of a quaternion op, by USD's own matrices, whose angle is from the real part alone."""
-
-    def evaluate(code: float) -> Array:
-        return column_matrix(op.GetOpTransform(Usd.TimeCode(code)), 1.0)
-
-    if not all(np.isfinite(evaluate(code)).all() for code in codes):
-        return None
-    rotations = [quaternion(evaluate(code)[:3, :3]) for code in codes]
-    # USD rounds to half floats between keys of half floats; glTF need not.
-    if str(op.GetTypeName()) != "quath":
-        keys = exact_keys(evaluate, codes, OneNode(evaluate), Reach())
+        keys = spline_keys(evaluate, with_jumps(evaluate, self.codes), splines.reach)
         if keys is None:
             return None
-        codes, rotations = keys.codes, [pose[0].rotation for pose in keys.poses]
-    rows = align_hemispheres(np.array(rotations))
-    node = Node(name, rotation=rows[0].copy())
-    node.add_track("rotation", np.array([context.seconds(code) for code in codes]), rows)
-    return [node]
+        splines.keys += len(keys.codes)
+        splines.deviation += keys.deviation
+        node = Node(self.name)
+        set_spline_tracks(self.context, node, keys)
+        return [node]
+
+    def _matrix(self, code: float, meters_per_unit: float) -> Array:
+        return column_matrix(self.op.GetOpTransform(Usd.TimeCode(code)), meters_per_unit)
+
+    def _turning_node(self, name: str, degrees: Array, axis: int) -> Node:
+        """Rotation around one axis; keys are inserted so that each step is a short turn."""
+        codes, context = self.codes, self.context
+        times, angles = [context.seconds(codes[0])], [degrees[0]]
+        for index in range(1, len(codes)):
+            steps = max(1, int(np.ceil(abs(degrees[index] - degrees[index - 1]) / MAX_STEP_DEG)))
+            for step in range(1, steps + 1):
+                share = step / steps
+                code = codes[index - 1] + (codes[index] - codes[index - 1]) * share
+                times.append(context.seconds(code))
+                angles.append(degrees[index - 1] + (degrees[index] - degrees[index - 1]) * share)
+        half = np.radians(np.array(angles)) / 2
+        rotations = np.zeros((len(half), 4))
+        rotations[:, axis], rotations[:, 3] = np.sin(half), np.cos(half)
+        node = Node(name, rotation=rotations[0].copy())
+        node.add_track("rotation", np.array(times), rotations)
+        return node
+
+    def _simple_link(self, path: str, rows: Array) -> list[Node] | None:
+        """Node of an op whose authored keys are glTF's keys."""
+        if not np.isfinite(rows).all() or np.abs(rows).max() > MAX_LENGTH_M:
+            return None
+        return [self._keyed(path, self.codes, rows)]
+
+    def _keyed(self, path: str, codes: list[float], rows: Array) -> Node:
+        node = Node(self.name, **{path: rows[0].copy()})
+        node.add_track(path, np.array([self.context.seconds(code) for code in codes]), rows)
+        return node
+
+    def _orienting_link(self) -> list[Node] | None:
+        """Node of a quaternion op, by USD's own matrices: the angle is from the real part alone."""
+        evaluate, codes = lambda code: self._matrix(code, 1.0), self.codes
+        if not all(np.isfinite(evaluate(code)).all() for code in codes):
+            return None
+        rotations = [quaternion(evaluate(code)[:3, :3]) for code in codes]
+        # USD rounds to half floats between keys of half floats; glTF need not.
+        if str(self.op.GetTypeName()) != "quath":
+            keys = exact_keys(evaluate, codes, OneNode(evaluate), Reach())
+            if keys is None:
+                return None
+            codes, rotations = keys.codes, [pose[0].rotation for pose in keys.poses]
+        return [self._keyed("rotation", codes, align_hemispheres(np.array(rotations)))]
