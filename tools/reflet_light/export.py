@@ -33,7 +33,7 @@ def scene(text: Table, folder: pathlib.Path, size: tuple[int, int], depth: int) 
         out[f"thing_{index}"] = shape(model["shape"], placement(instance))
         out[f"thing_{index}"] |= surface(text["material"][model["material"]])
     if "fog" in text.get("environment", {}):
-        fog.add(out, text)
+        fog.add(out, text["environment"]["fog"], *box(text))
     return out
 
 
@@ -117,6 +117,29 @@ def placement(text: Table) -> Any:
     scale = text.get("scale", 1.0)
     turned = Place().rotate([0, 0, 1], z).rotate([0, 1, 0], y).rotate([1, 0, 0], x)
     return Place().translate(text.get("translation", [0, 0, 0])) @ turned @ Place().scale(scale)
+
+
+def box(text: Table) -> tuple[Any, Any]:
+    """The smallest box around all things, lamps and cameras of a scene."""
+    points = [camera["eye"] for camera in text["camera"].values()]
+    points += [lamp["position"] for lamp in text.get("light", {}).values() if "position" in lamp]
+    for instance in text["instance"]:
+        half = half_size(text["model"][instance["model"]]["shape"])
+        place = np.array(placement(instance).matrix)
+        for corner in range(8):
+            signs = [1 if corner >> axis & 1 else -1 for axis in range(3)]
+            points.append((place @ [*(np.multiply(half, signs)), 1.0])[:3].tolist())
+    corners = np.array(points, float)
+    return corners.min(axis=0), corners.max(axis=0)
+
+
+def half_size(shape: Table) -> list[float]:
+    if shape["kind"] == "sphere":
+        return [shape.get("radius", 0.5)] * 3
+    if shape["kind"] == "plane":
+        x, z = shape.get("size", [1, 1])
+        return [x / 2, 0.0, z / 2]
+    return [edge / 2 for edge in shape.get("size", [1, 1, 1])]
 
 
 def shape(text: Table, place: Any) -> Table:

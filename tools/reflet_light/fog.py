@@ -16,10 +16,8 @@ HIGH = 20
 SLICES = 1024
 
 
-def add(scene: Table, text: Table) -> None:
-    """Adds the fog around everything in a translated scene."""
-    fog = text["environment"]["fog"]
-    low, high = box(text)
+def add(scene: Table, fog: Table, low: Any, high: Any) -> None:
+    """Adds the fog to a translated scene that lies between two corners."""
     if "falloff_m" in fog:
         low = np.array([-WIDE_M, low[1] - MARGIN_M, -WIDE_M])
         high = np.array([WIDE_M, fog.get("height_m", 0.0) + HIGH * fog["falloff_m"], WIDE_M])
@@ -55,29 +53,3 @@ def densities(fog: Table, bottom: float, top: float, place: Any) -> Table:
     slices = np.exp(-above / fog["falloff_m"]).astype(np.float32)
     grid = mi.VolumeGrid(slices.reshape(1, SLICES, 1))
     return {"type": "gridvolume", "grid": grid, "to_world": place, "wrap_mode": "clamp"}
-
-
-def box(text: Table) -> tuple[Any, Any]:
-    """The smallest box around all things, lamps and cameras of a scene."""
-    from . import export
-
-    points = [camera["eye"] for camera in text["camera"].values()]
-    points += [lamp["position"] for lamp in text.get("light", {}).values() if "position" in lamp]
-    for instance in text["instance"]:
-        shape = text["model"][instance["model"]]["shape"]
-        half = half_size(shape)
-        place = np.array(export.placement(instance).matrix)
-        for corner in range(8):
-            signs = [1 if corner >> axis & 1 else -1 for axis in range(3)]
-            points.append((place @ [*(np.multiply(half, signs)), 1.0])[:3].tolist())
-    corners = np.array(points, float)
-    return corners.min(axis=0), corners.max(axis=0)
-
-
-def half_size(shape: Table) -> list[float]:
-    if shape["kind"] == "sphere":
-        return [shape.get("radius", 0.5)] * 3
-    if shape["kind"] == "plane":
-        x, z = shape.get("size", [1, 1])
-        return [x / 2, 0.0, z / 2]
-    return [edge / 2 for edge in shape.get("size", [1, 1, 1])]

@@ -136,12 +136,21 @@ def _turn_separators(layer: Sdf.Layer) -> None:
         return path
 
     UsdUtils.ModifyAssetPaths(layer, look)
+    if turned and not _is_packaged(layer):
+        _rename(layer, turned)
+
+
+def _is_packaged(layer: Sdf.Layer) -> bool:
+    """Whether the layer is a package, or in one."""
     packaged = Ar.IsPackageRelativePath(layer.identifier)
-    if not turned or packaged or layer.GetFileFormat().formatId == "usdz":
-        return
+    return packaged or layer.GetFileFormat().formatId == "usdz"
+
+
+def _rename(layer: Sdf.Layer, names: dict[str, str]) -> None:
+    """Replace asset paths of the layer in memory, also where it is read-only."""
     was_editable = layer.permissionToEdit
     layer.SetPermissionToEdit(True)
-    UsdUtils.ModifyAssetPaths(layer, lambda path: turned.get(path, path))
+    UsdUtils.ModifyAssetPaths(layer, lambda path: names.get(path, path))
     layer.SetPermissionToEdit(was_editable)
 
 
@@ -171,14 +180,10 @@ def _kept_dependencies(
     for asset_path, (name, message) in (refused | lost).items():
         files.missing.add(asset_path)
         cut.append(LeftOut(name, message, layer, _places(layer, asset_path)))
-    packaged = Ar.IsPackageRelativePath(layer.identifier)
-    if packaged or layer.GetFileFormat().formatId == "usdz":
+    if _is_packaged(layer):
         _cut_in_package(layer, refused)
     elif refused:
-        was_editable = layer.permissionToEdit
-        layer.SetPermissionToEdit(True)
-        UsdUtils.ModifyAssetPaths(layer, lambda path: "" if path in refused else path)
-        layer.SetPermissionToEdit(was_editable)
+        _rename(layer, dict.fromkeys(refused, ""))
     for asset_path, identifier in stand_ins.items():
         refer(layer, asset_path, identifier)
     return kept
