@@ -101,18 +101,10 @@ def run_convert(
     """
     options = options if options is not None else convert.ConvertOptions()
     out = _checked_output(Path(out))
-    with run_confined(
-        stage,
-        options,
-        folder=out.parent,
-        name=out.name,
-        limits=limits,
-        target=target,
-        children=children,
-    ) as (
-        result,
-        produced,
-    ):
+    confined = run_confined(
+        stage, options, target=target, out=out, limits=limits, children=children
+    )
+    with confined as (result, produced):
         move_output(produced, out, Path(stage), (limits or Limits()).output_bytes)
         return convert.ConvertResult(**result)
 
@@ -123,15 +115,14 @@ def run_confined(
     options: Any,
     *,
     target: str,
-    folder: Path | None = None,
-    name: str = "out.glb",
+    out: Path | None = None,
     limits: Limits | None = None,
     children: Children | None = None,
 ) -> Iterator[tuple[dict[str, Any], Path]]:
     """Call `target(stage, out, options)` in a confined child; yields what it returned, and where.
 
     The result comes as the dictionary of the dataclass that the target returned; the folder with
-    the files it wrote (made inside `folder`, by default the system's temporary one) is removed
+    the files it wrote (made beside `out`, by default in the system's temporary one) is removed
     when the block ends. `options` is a ConvertOptions or a dictionary. Raises as `run_convert`.
     """
     limits = (limits or Limits()).with_inherited()
@@ -140,10 +131,11 @@ def run_confined(
         needs = f"USD needs {_LEAST_MEMORY_BYTES} bytes of addresses to start, not"
         needs += f" {limits.memory_bytes}{_who_raises('memory-limit', limits)}"
         raise convert.ConvertError("memory-limit", needs, str(stage))
-    staging = _make_staging(folder)
+    out = out or Path(tempfile.gettempdir(), "out.glb")
+    staging = _make_staging(out.parent)
     try:
         (staging / "out").mkdir()
-        job = _job(stage, staging / "out" / name, options, staging, limits, target)
+        job = _job(stage, staging / "out" / out.name, options, staging, limits, target)
         exit_code, stopped_by = _run_child(job, staging, limits, children or Children())
         outcome = _read_outcome(staging, exit_code, stopped_by, stage, limits)
         result = _result(outcome, limits)
@@ -154,8 +146,7 @@ def run_confined(
         shutil.rmtree(staging, ignore_errors=True)
 
 
-def _make_staging(folder: Path | None) -> Path:
-    folder = folder or Path(tempfile.gettempdir())
+def _make_staging(folder: Path) -> Path:
     _sweep(folder)
     try:
         return Path(tempfile.mkdtemp(prefix=f"{_STAGING}{os.getpid()}-", dir=folder))

@@ -8,7 +8,7 @@ from pxr import Usd, UsdGeom
 from .scene_data import Array, Indices, Surface
 from .usd_curves import patch_corners
 from .usd_material import bound_material
-from .usd_mesh import LocalMesh
+from .usd_mesh import LocalMesh, one_material
 from .usd_primvars import (
     NO_COLOR,
     CornerMap,
@@ -144,7 +144,6 @@ def _oriented(prim: Usd.Prim, time: Usd.TimeCode, points: Array, faces: Indices)
 
 
 def _flat_mesh(prim: Usd.Prim, time: Usd.TimeCode, points: Array, faces: Indices) -> LocalMesh:
-    material = bound_material(prim)
     color, undefined = _color(prim, time)
     colors = None if color is None else np.tile(color, (faces.size, 1))
     if prim.IsA(UsdGeom.Cube):
@@ -153,14 +152,9 @@ def _flat_mesh(prim: Usd.Prim, time: Usd.TimeCode, points: Array, faces: Indices
     return LocalMesh(
         points[faces].reshape(-1, 3).astype(np.float64),
         np.full(len(faces), faces.shape[1]),
-        np.zeros((0, 3)),
-        0,
-        None,
-        {},
-        colors,
-        np.full(len(faces), 0 if material else -1),
-        [material] if material else [],
-        True,
+        *one_material(bound_material(prim), len(faces)),
         bool(UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get(time)),
+        flat_shaded=True,
+        colors=colors,
         undefined_colors=undefined,
     )

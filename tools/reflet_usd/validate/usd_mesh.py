@@ -27,18 +27,18 @@ class LocalMesh:
     """(n, 3) corner positions."""
     counts: Indices
     """(faces,) corners of each face."""
-    optional_positions: Array
-    """(m, 3) corners of faces that may be dropped: degenerate by their indices."""
-    optional_triangles: int
-    normals: Array | None
-    uvs: dict[str, Array]
-    colors: Array | None
     materials: Indices
     """(faces,) index into `material_paths`, −1 for none."""
     material_paths: list[str]
-    flat_shaded: bool
-    """Whether each corner has its face's normal."""
     double_sided: bool
+    flat_shaded: bool = False
+    """Whether each corner has its face's normal."""
+    normals: Array | None = None
+    uvs: dict[str, Array] = dataclasses.field(default_factory=dict)
+    colors: Array | None = None
+    optional_positions: Array = dataclasses.field(default_factory=lambda: np.zeros((0, 3)))
+    """(m, 3) corners of faces that may be dropped: degenerate by their indices."""
+    optional_triangles: int = 0
     optional_counts: Indices = dataclasses.field(default_factory=lambda: np.zeros(0, np.int64))
     """(faces,) corners of each face that may be dropped."""
     undefined_colors: tuple[str, ...] = ()
@@ -47,6 +47,11 @@ class LocalMesh:
     """Other float primvars at the corners, each (n, k), by the attribute's name."""
     misfits: tuple[str, ...] = ()
     """Primvars of which not all values are used, or none."""
+
+
+def one_material(path: str | None, faces: int) -> tuple[Indices, list[str]]:
+    """`materials` and `material_paths` of a mesh whose faces all have one material, or none."""
+    return np.full(faces, 0 if path else -1), [path] if path else []
 
 
 def read_mesh(
@@ -70,15 +75,15 @@ def read_mesh(
     return LocalMesh(
         positions,
         counts[corners.faces],
-        points[indices[corners.optional_index]],
-        corners.optional_triangles,
+        face_materials[corners.faces],
+        paths,
+        bool(mesh.GetDoubleSidedAttr().Get(time)),
+        scheme == "none" and normals is None,
         normals,
         uv_sets(entries, time, corners),
         corner_colors(prim, time, corners),
-        face_materials[corners.faces],
-        paths,
-        scheme == "none" and normals is None,
-        bool(mesh.GetDoubleSidedAttr().Get(time)),
+        points[indices[corners.optional_index]],
+        corners.optional_triangles,
         corners.optional_counts,
         customs=customs(entries, time, corners),
         misfits=misfits(prim, entries, time, corners, told) if corners.is_whole else (),

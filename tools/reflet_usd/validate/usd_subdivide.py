@@ -73,14 +73,8 @@ def read_refined(
     return LocalMesh(
         cage.points[quads.reshape(-1)],
         np.full(len(quads), 4),
-        np.zeros((0, 3)),
-        0,
-        None,
-        {},
-        None,
         materials[0][owners],
         materials[1],
-        False,
         bool(mesh.GetDoubleSidedAttr().Get(time)),
     )
 

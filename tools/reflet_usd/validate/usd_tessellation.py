@@ -8,7 +8,7 @@ from pxr import Usd, UsdGeom
 
 from .scene_data import Array, Indices, Surface
 from .surfaces import axis_turn
-from .usd_mesh import LocalMesh
+from .usd_mesh import LocalMesh, one_material
 
 _AROUND = 32
 _RINGS = 16
@@ -41,20 +41,14 @@ def read_tessellated(prim: Usd.Prim, time: Usd.TimeCode, surface: Surface) -> Lo
     if gprim.GetOrientationAttr().Get(time) == UsdGeom.Tokens.leftHanded:
         # The counts are reversed like the corners.
         corners, normals, counts = corners[::-1], -normals[::-1], counts[::-1]
-    material = surface.material
     colors = None if surface.color is None else np.tile(surface.color, (len(corners), 1))
     return LocalMesh(
         corners,
         counts,
-        np.zeros((0, 3)),
-        0,
-        normals,
-        {},
-        colors,
-        np.full(len(counts), 0 if material else -1),
-        [material] if material else [],
-        False,
+        *one_material(surface.material, len(counts)),
         bool(gprim.GetDoubleSidedAttr().Get(time)),
+        normals=normals,
+        colors=colors,
         undefined_colors=surface.undefined_colors,
     )
 
