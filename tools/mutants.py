@@ -49,7 +49,7 @@ MODULES = [
 # Arguments of `cargo test` for the tests of the metrics.
 METRIC = ["--test", "commands", "metric::"]
 GROUPS = {
-    "shader": (48, ["shaders/*.wgsl", "shaders/lib/*.wgsl"]),
+    "shader": (48, ["shaders/**/*.wgsl"]),
     "rust": (32, ["src/metric/*.rs", "src/scene/parse/**/*.rs", "src/scene/parse.rs"]),
 }
 

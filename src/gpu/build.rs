@@ -2,29 +2,27 @@
 
 use std::{env, fmt::Write as _, fs, path::Path};
 
+mod shader_folders;
+
 fn main() {
     let root = env::var("CARGO_MANIFEST_DIR").expect("cargo sets CARGO_MANIFEST_DIR");
     let shaders = Path::new(&root).join("../../shaders");
     let out = env::var("OUT_DIR").expect("cargo sets OUT_DIR");
     let mut table = String::from("&[\n");
-    for folder in ["", "lib/"] {
-        let dir = shaders.join(folder);
-        println!("cargo:rerun-if-changed={}", dir.display());
-        let mut names: Vec<String> = fs::read_dir(&dir)
-            .into_iter()
-            .flatten()
-            .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
-            .filter(|name| name.ends_with(".wgsl"))
-            .collect();
-        names.sort();
-        for name in names {
-            let path = dir.join(&name);
-            writeln!(
-                table,
-                "    ({:?}, include_str!({path:?})),",
-                format!("{folder}{name}")
-            )
-            .expect("writing to a string");
+    println!(
+        "cargo:rerun-if-changed={}",
+        shaders.join("methods").display()
+    );
+    for folder in shader_folders::shader_folders(&shaders) {
+        println!("cargo:rerun-if-changed={}", folder.display());
+        let entries = fs::read_dir(&folder).into_iter().flatten().flatten();
+        let mut paths: Vec<_> = entries.map(|entry| entry.path()).collect();
+        paths.retain(|path| path.extension().is_some_and(|ending| ending == "wgsl"));
+        paths.sort();
+        for path in paths {
+            let below = path.strip_prefix(&shaders).expect("below the root");
+            writeln!(table, "    ({below:?}, include_str!({path:?})),")
+                .expect("writing to a string");
         }
     }
     table.push_str("]\n");

@@ -19,6 +19,7 @@ pub mod readback;
 pub mod reflect;
 pub mod shader;
 mod shader_cache;
+pub mod shader_folders;
 mod specialize;
 pub mod timer;
 mod used_textures;

@@ -4,6 +4,8 @@ use std::{borrow::Cow, collections::BTreeMap, fmt, fs, path::Path, sync::Arc};
 
 use reflet_base::files::read_text;
 
+use crate::shader_folders::shader_folders;
+
 /// Largest shader, bytes.
 const MAX_SHADER_BYTES: u64 = 1 << 20;
 
@@ -118,13 +120,13 @@ impl ShaderSource {
     }
 }
 
-/// All shaders of a folder: passes at the top, shared code in `lib/`.
+/// All shaders of a folder: passes at the top, shared code in `lib/`, and both again for each method in `methods/NAME/`.
 #[derive(Clone, Debug)]
 pub struct ShaderLibrary {
     /// Prefix of file names in messages.
     root: String,
-    /// Text by path below the root, such as `lib/bvh.wgsl`.
-    files: BTreeMap<String, Cow<'static, str>>,
+    /// Path below the root, and text, by [`key`].
+    files: BTreeMap<String, (String, Cow<'static, str>)>,
     /// Generated texts by path, such as `lib/constants.wgsl`.
     generated: BTreeMap<String, String>,
     embedded: bool,
@@ -137,33 +139,42 @@ impl ShaderLibrary {
             root: "shaders".to_owned(),
             files: EMBEDDED
                 .iter()
-                .map(|&(path, text)| (path.to_owned(), Cow::Borrowed(text)))
+                .map(|&(path, text)| (key(path), (path.to_owned(), Cow::Borrowed(text))))
                 .collect(),
             generated: BTreeMap::new(),
             embedded: true,
         }
     }
 
-    /// Reads the `.wgsl` files of a folder and of its `lib/`.
+    /// Reads the `.wgsl` files of [`shader_folders`].
     ///
     /// # Errors
-    /// A folder or file that cannot be read, or a folder without shaders.
+    /// A folder or file that cannot be read, a folder without shaders, or two files of one name.
     pub fn from_dir(path: &Path) -> Result<Self, ShaderError> {
         let root = path.display().to_string();
         let mut files = BTreeMap::new();
-        for folder in ["", "lib/"] {
-            let dir = path.join(folder);
-            if !folder.is_empty() && !dir.exists() {
+        for dir in shader_folders(path) {
+            if dir != path && !dir.is_dir() {
                 continue;
             }
             let entries = fs::read_dir(&dir).map_err(|error| unreadable(&dir, &error))?;
             for entry in entries {
                 let file = entry.map_err(|error| unreadable(&dir, &error))?.path();
-                let name = file.file_name().and_then(|name| name.to_str());
-                if let Some(name) = name.filter(|name| name.ends_with(".wgsl")) {
+                let below = file
+                    .strip_prefix(path)
+                    .ok()
+                    .and_then(|below| below.to_str());
+                if let Some(below) = below.filter(|name| name.ends_with(".wgsl")) {
                     let text =
                         read_text(&file, MAX_SHADER_BYTES).map_err(|e| unreadable(&file, &e))?;
-                    files.insert(format!("{folder}{name}"), Cow::Owned(text));
+                    let below = below.replace('\\', "/");
+                    if let Some((other, _)) = files.insert(key(&below), (below, Cow::Owned(text))) {
+                        let message = format!("has the name of {other}; give one of them another");
+                        return Err(ShaderError::new(
+                            &file.display().to_string().into(),
+                            message,
+                        ));
+                    }
                 }
             }
         }
@@ -187,7 +198,7 @@ impl ShaderLibrary {
             root: "shaders".to_owned(),
             files: texts
                 .iter()
-                .map(|&(path, text)| (path.to_owned(), Cow::Owned(text.to_owned())))
+                .map(|&(path, text)| (key(path), (path.to_owned(), text.to_owned().into())))
                 .collect(),
             generated: BTreeMap::new(),
             embedded: false,
@@ -209,18 +220,18 @@ impl ShaderLibrary {
         Ok(self)
     }
 
-    /// Name for messages, and text, of the file at a path below the root.
+    /// Name for messages, and text, of the file of a [`key`].
     fn find(&self, path: &str) -> Option<(Arc<str>, Cow<'static, str>)> {
         if let Some(text) = self.generated.get(path) {
             return Some((format!("generated {path}").into(), text.clone().into()));
         }
-        let text = self.files.get(path)?;
+        let (path, text) = self.files.get(path)?;
         Some((format!("{}/{path}", self.root).into(), text.clone()))
     }
 
     /// Path below the root and text of every file, sorted; without generated files.
     pub fn texts(&self) -> impl Iterator<Item = (&str, &str)> {
-        let files = self.files.iter();
+        let files = self.files.values();
         files.map(|(path, text)| (path.as_str(), text.as_ref()))
     }
 
@@ -356,6 +367,13 @@ impl Assembly<'_> {
         }
         self.include(&path)
     }
+}
+
+/// Name by which a shader is found: `NAME.wgsl` for passes, `lib/NAME.wgsl` for libraries, wherever they are.
+fn key(path: &str) -> String {
+    let (folder, name) = path.rsplit_once('/').unwrap_or(("", path));
+    let is_lib = folder.rsplit('/').next() == Some("lib");
+    format!("{}{name}", if is_lib { "lib/" } else { "" })
 }
 
 fn unreadable(path: &Path, error: &std::io::Error) -> ShaderError {

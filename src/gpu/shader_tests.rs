@@ -63,5 +63,17 @@ fn a_folder_without_shaders_is_refused() {
     let library = ShaderLibrary::from_dir(&dir).expect("one shader");
     assert_eq!(library.names().collect::<Vec<_>>(), ["x"]);
     assert!(!library.source("x").expect("assembles").embedded);
+    let (lib, room) = (dir.join("lib"), dir.join("methods/a/lib"));
+    for folder in [&lib, &room] {
+        fs::create_dir_all(folder).expect("temporary folder");
+    }
+    fs::write(room.join("x.wgsl"), "const Y = 1;").expect("temporary file");
+    let library = ShaderLibrary::from_dir(&dir).expect("a method's library");
+    assert_eq!(library.lib_names().collect::<Vec<_>>(), ["x"]);
+    let y = library.lib_source("x").expect("assembles");
+    assert!(y.text.contains('Y') && y.file.ends_with("methods/a/lib/x.wgsl"));
+    fs::write(lib.join("x.wgsl"), "").expect("temporary file");
+    let error = ShaderLibrary::from_dir(&dir).expect_err("two of one name");
+    assert!(error.to_string().contains("has the name of"), "{error}");
     fs::remove_dir_all(&dir).expect("clean up");
 }

@@ -25,6 +25,7 @@ use self::{
     resolved_paths::{canonical, resolved_paths},
 };
 use reflet_base::files::{Stamp, content_hash, written_since};
+use reflet_gpu::shader_folders::shader_folders;
 
 /// Kind of file with new content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -307,7 +308,7 @@ impl Watching {
     fn find_shaders(&mut self) -> Vec<PathBuf> {
         let mut found = Vec::new();
         let folders = self.shader_folders.iter();
-        for folder in folders.flat_map(|(named, _)| [named.clone(), named.join("lib")]) {
+        for folder in folders.flat_map(|(named, _)| shader_folders(named)) {
             for entry in fs::read_dir(&folder).into_iter().flatten().flatten() {
                 let path = entry.path();
                 let is_shader = path.extension().is_some_and(|e| e == "wgsl");
@@ -329,7 +330,8 @@ impl Watching {
             .filter_map(|place| place.parent().map(Path::to_owned))
             .collect();
         for (named, resolved) in &self.shader_folders {
-            wanted.extend([resolved.clone(), canonical(&named.join("lib"))]);
+            wanted.insert(resolved.clone());
+            wanted.extend(shader_folders(named).iter().map(|folder| canonical(folder)));
         }
         self.folders.watch(&wanted)
     }

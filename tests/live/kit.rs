@@ -6,6 +6,7 @@ use std::{
 };
 
 use reflet::{
+    gpu::ShaderLibrary,
     runtime::{parameters::ParameterOverrides, scene_text::SceneOptions},
     scene::desc::CameraDesc,
     world::World,
@@ -48,16 +49,8 @@ pub fn file_goal(folder: &Folder, stem: &str) -> ScreenshotGoal {
 
 /// Copies the project's shaders.
 pub fn copy_shaders(to: &Folder) -> PathBuf {
-    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
-    for folder in ["", "lib"] {
-        for entry in fs::read_dir(from.join(folder)).expect("shaders") {
-            let path = entry.expect("entry").path();
-            if path.is_file() {
-                let name = path.file_name().expect("a name").to_string_lossy();
-                let text = fs::read(&path).expect("readable");
-                to.write(&format!("shaders/{folder}/{name}"), text);
-            }
-        }
+    for (path, text) in ShaderLibrary::embedded().texts() {
+        to.write(&format!("shaders/{path}"), text);
     }
     to.path("shaders")
 }

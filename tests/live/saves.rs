@@ -187,6 +187,7 @@ fn a_shader_that_comes_or_goes_or_changes_is_seen() {
     let folder = Folder::new();
     folder.write("shaders/a.wgsl", "1");
     folder.write("shaders/lib/b.wgsl", "1");
+    folder.write("shaders/methods/c/lib/d.wgsl", "1");
     let watch = Watch::settled(WatchList {
         files: Vec::new(),
         shader_folders: vec![folder.path("shaders")],
@@ -197,6 +198,7 @@ fn a_shader_that_comes_or_goes_or_changes_is_seen() {
     for (name, text) in [
         ("shaders/a.wgsl", "2"),
         ("shaders/lib/b.wgsl", "2"),
+        ("shaders/methods/c/lib/d.wgsl", "2"),
         ("shaders/new.wgsl", "1"),
     ] {
         folder.write(&format!("{name}.tmp"), text);

@@ -49,7 +49,7 @@ pub(super) const ROW: MethodRow = MethodRow {
     ..MethodRow::NONE
 };
 
-/// Captures what is static in the box, as its faces see it, before the first frame; see `shaders/box_faces.wgsl`.
+/// Captures what is static in the box, as its faces see it, before the first frame; see `shaders/methods/box_faces/box_faces.wgsl`.
 pub const PASS: Pass = Pass {
     name: "box_faces",
     group: PassGroup::Capture,
@@ -64,7 +64,7 @@ pub const PASS: Pass = Pass {
 };
 
 gpu_struct! {
-    /// The box of method `ssr+box`; see `shaders/lib/face_box.wgsl`.
+    /// The box of method `ssr+box`; see `shaders/methods/box_faces/lib/face_box.wgsl`.
     pub struct FaceBox = "FaceBox" {
         /// Least corner, meters.
         low: [f32; 3],

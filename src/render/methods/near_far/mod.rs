@@ -35,7 +35,7 @@ pub(super) const ROW: MethodRow = MethodRow {
 };
 
 /// Captures what the camera sees behind the box, in all directions, before every sub-frame for which the camera or the
-/// scene has moved; see `shaders/far.wgsl`.
+/// scene has moved; see `shaders/methods/near_far/far.wgsl`.
 pub const PASS: Pass = Pass {
     name: "far",
     group: PassGroup::Capture,
@@ -49,7 +49,7 @@ pub const PASS: Pass = Pass {
 };
 
 gpu_struct! {
-    /// The box of method `near-far`; see `shaders/lib/far_box.wgsl`.
+    /// The box of method `near-far`; see `shaders/methods/near_far/lib/far_box.wgsl`.
     pub struct FarBox = "FarBox" {
         /// Middle of the box, from which the maps are captured, meters.
         eye: [f32; 3],

@@ -18,7 +18,7 @@ use crate::{
 const LEAST_HALF_M: f32 = 1e-3;
 
 gpu_struct! {
-    /// A probe; see `shaders/lib/probes.wgsl`. The fourth numbers are unused.
+    /// A probe; see `shaders/methods/probes/lib/probes.wgsl`. The fourth numbers are unused.
     pub struct ProbeBox = padded "Probe" {
         /// Position from which it sees, meters.
         position: [f32; 4],

@@ -19,7 +19,7 @@ use reflet_scene::desc::Method;
 
 use super::{boxes::ProbeBox, maps::ProbeMaps};
 
-/// See `shaders/capture.wgsl`.
+/// See `shaders/methods/probes/capture.wgsl`.
 pub const PASS: Pass = Pass {
     name: "capture",
     group: PassGroup::Capture,

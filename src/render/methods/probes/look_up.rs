@@ -16,7 +16,7 @@ use reflet_scene::desc::{Method, SelectBy};
 
 use super::maps::ProbeMaps;
 
-/// See `shaders/probe.wgsl`.
+/// See `shaders/methods/probes/probe.wgsl`.
 pub const PASS: Pass = Pass {
     name: "probe",
     group: PassGroup::Reflection,

@@ -16,7 +16,7 @@ use reflet_gpu::GpuError;
 
 use super::{capture, key::ProbeKey, maps::ProbeMaps};
 
-/// See `shaders/prefilter.wgsl`.
+/// See `shaders/methods/probes/prefilter.wgsl`.
 pub const PASS: Pass = Pass {
     name: "prefilter",
     group: PassGroup::Capture,

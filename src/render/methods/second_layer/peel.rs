@@ -23,7 +23,7 @@ use crate::{
 };
 use reflet_gpu::{GpuError, GroupLayout};
 
-/// See `shaders/peel.wgsl`.
+/// See `shaders/methods/second_layer/peel.wgsl`.
 pub const PASS: Pass = Pass {
     name: "peel",
     group: PassGroup::March,

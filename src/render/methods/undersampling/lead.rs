@@ -12,7 +12,7 @@ use crate::pipeline::{
 };
 use reflet_gpu::{Checks, GpuError};
 
-/// See `shaders/lead.wgsl`.
+/// See `shaders/methods/undersampling/lead.wgsl`.
 pub const PASS: Pass = Pass {
     name: "lead",
     group: PassGroup::Reflection,
@@ -33,7 +33,7 @@ pub const PASS: Pass = Pass {
     ..Pass::DEFAULT
 };
 
-/// Clear value of pixels whose rays are not leaders: `NOT_LED` of `shaders/lib/leaders.wgsl` as the instance.
+/// Clear value of pixels whose rays are not leaders: `NOT_LED` of `shaders/methods/undersampling/lib/leaders.wgsl` as the instance.
 const NOT_LED: wgpu::Color = wgpu::Color {
     r: 0.0,
     g: (1_u32 << 31) as f64,

@@ -13,7 +13,7 @@ use crate::{
 };
 use reflet_gpu::{Checks, GpuError};
 
-/// See `shaders/spread.wgsl`.
+/// See `shaders/methods/undersampling/spread.wgsl`.
 pub const PASS: Pass = Pass {
     name: "spread",
     group: PassGroup::Reflection,
