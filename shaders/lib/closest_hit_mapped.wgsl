@@ -1,4 +1,4 @@
-// Variant in which reflection rays march through maps: `map` stands for `map_far` or `map_box`.
+// Variant in which reflection rays march through maps: `map` stands for the march of the method that has them.
 
 #import map
 

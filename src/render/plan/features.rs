@@ -6,7 +6,7 @@ use reflet_scene::desc::{Method, PatternKind, Trace};
 use super::{
     environment_casts_rays,
     feature_table::{Dropped, FeatureRow, FileChoice, features},
-    has_second_layer, is_undersampled, mapped_method, may_meet_culled,
+    mapped_method, may_meet_culled,
     planned_scene::PlannedScene,
     reflects, reflects_roughly, scatters, traces_rays,
     uses::{has_coat_normals, passes_light, scatters_twice},
@@ -52,13 +52,20 @@ features! {
     }
     /// Whether the march has a second depth layer.
     second_layer {
-        used: has_second_layer(scene.world, scene.options),
+        used: reflections
+            && scene.options.reflection.layers > 1
+            && scene.options.reflection.method.marches(),
         constant: HAS_SECOND_LAYER,
         dropped: "second depth layer" => "nothing is marched", if scene.options.reflection.layers > 1;
     }
-    /// Whether some rays are not traced, because the rays around them agree.
+    /// Whether some rays are not traced, because the rays around them agree. In fog, each collects the light along its
+    /// own way, and where pixels show different moments, no neighbors agree.
     undersampled {
-        used: is_undersampled(scene.world, scene.options),
+        used: reflections
+            && scene.options.reflection.settled().rate > 1
+            && scene.options.reflection.method.traces()
+            && scene.world.environment.fog().is_none()
+            && !scene.options.has_moments(),
         constant: UNDERSAMPLED,
         dropped: "undersampled rays" => "no reflection is traced", if scene.options.reflection.rate > 1;
     }

@@ -138,29 +138,12 @@ pub fn may_meet_culled(world: &World, options: &RenderOptions) -> bool {
         && (options.general || reflects(world, options.reflection.reflects_below()))
 }
 
-/// Whether the frame marches, with a second depth layer.
-pub fn has_second_layer(world: &World, options: &RenderOptions) -> bool {
-    options.reflection.layers > 1
-        && options.reflection.method.marches()
-        && (options.general || reflects(world, options.reflection.reflects_below()))
-}
-
 /// The method, if something reflects and its reflections are answered by maps.
 pub fn mapped_method(world: &World, options: &RenderOptions) -> Option<Method> {
     let method = options.reflection.method;
     let is_mapped = method.maps().is_some()
         && (options.general || reflects(world, options.reflection.reflects_below()));
     is_mapped.then_some(method)
-}
-
-/// Whether only some reflection rays are traced at first. In fog, each collects the light along its own way, and where
-/// pixels show different moments, no neighbors agree.
-pub fn is_undersampled(world: &World, options: &RenderOptions) -> bool {
-    options.reflection.settled().rate > 1
-        && options.reflection.method.traces()
-        && world.environment.fog().is_none()
-        && !options.has_moments()
-        && (options.general || reflects(world, options.reflection.reflects_below()))
 }
 
 impl Plan {
