@@ -83,8 +83,6 @@ pub struct CaptureInputs<'a> {
 /// Maps of a method, for users; in pairs, the values in statistics and in `info`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapFacts {
-    /// Name of the maps among the buffers and textures of a frame.
-    pub buffer: &'static str,
     /// Label of their line.
     pub label: &'static str,
     /// Their keys.

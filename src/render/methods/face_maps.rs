@@ -1,17 +1,18 @@
 //! Maps of hits on the faces of cubes, captured by one ray for each pixel.
 
-use std::{fmt::Debug, marker::PhantomData};
+use std::{any::Any, fmt::Debug, marker::PhantomData, sync::Arc};
 
 use bytemuck::Pod;
 
 use reflet_gpu::{Gpu, GpuError, Named};
+use reflet_scene::desc::ReflectionDesc;
 
 use crate::{
     buffers::frame_uniforms::empty_uniform,
     maps::{
         captured::{Captured, Upkeep},
         cube::{FACES, HIT_BYTES, HITS, level_view, texels, texture, whole},
-        method_maps::{CaptureInputs, MapKey, MethodMaps},
+        method_maps::{CaptureInputs, CaptureWork, MapFacts, MapKey, MethodMaps, is_equal},
     },
     pipeline::{
         frame_pass::FramePass,
@@ -22,7 +23,7 @@ use crate::{
 };
 
 /// Values that such maps depend on.
-pub trait FaceKey: MapKey + Clone {
+pub trait FaceKey: Any + Debug + Send + Sync + Clone + PartialEq {
     /// Pass that captures them.
     const PASS: &'static Pass;
     /// Names in shaders of the uniforms, and of the hits, to read and to write.
@@ -31,6 +32,10 @@ pub trait FaceKey: MapKey + Clone {
     const FACE: &'static str;
     /// Whether the maps are captured for a view.
     const OF_A_VIEW: bool = false;
+    /// Table of their settings.
+    const TABLE: &'static str;
+    /// Their faces in words, and when they are captured.
+    const WORK: [&'static str; 2];
     /// Uniforms.
     type Block: Pod;
     /// Values that the content follows from.
@@ -50,6 +55,9 @@ pub trait FaceKey: MapKey + Clone {
     /// Values that the content follows from in a sub-frame with these uniforms.
     fn content(inputs: &CaptureInputs<'_>, block: &Self::Block) -> Self::Content;
 
+    /// The maps of a scene of this unit, m, for users; a length of the renderer is `meters` of the scene.
+    fn face_facts(&self, settings: &ReflectionDesc, unit_m: f32, meters: f32) -> MapFacts;
+
     /// Number of pixels of all faces, each of which a capture follows a ray for.
     fn pixels(&self) -> u64 {
         texels(FACES * self.cubes(), self.face_px())
@@ -58,6 +66,34 @@ pub trait FaceKey: MapKey + Clone {
     /// Size of all maps, bytes.
     fn bytes(&self) -> u64 {
         HIT_BYTES * self.pixels()
+    }
+}
+
+impl<K: FaceKey> MapKey for K {
+    fn make(&self, gpu: &Gpu) -> Result<Arc<dyn MethodMaps>, GpuError> {
+        Ok(Arc::new(FaceMaps::new(gpu, self)?))
+    }
+
+    fn is_same(&self, other: &dyn MapKey) -> bool {
+        is_equal(self, other)
+    }
+
+    fn facts(&self, settings: &ReflectionDesc, unit_m: f32, meters: f32) -> MapFacts {
+        self.face_facts(settings, unit_m, meters)
+    }
+
+    fn work(&self) -> CaptureWork {
+        let [faces, when] = K::WORK;
+        CaptureWork {
+            maps: format!("{faces} of {0} × {0} pixels", self.face_px()),
+            paths: self.pixels(),
+            face_px: self.face_px(),
+            serves_samples: !K::OF_A_VIEW,
+            table: K::TABLE,
+            sized_by: &["face_px"],
+            or: "",
+            when,
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use std::{sync::Arc, time::Instant};
 
 use reflet_base::math::Bounds;
 use reflet_gpu::{Gpu, GpuError, readback};
-use reflet_scene::desc::CameraDesc;
+use reflet_scene::desc::{CameraDesc, Method};
 use reflet_world::World;
 
 use super::{
@@ -292,7 +292,8 @@ impl Renderer {
                 .into_iter()
                 .map(|(n, b)| (format!("target_{n}"), b)),
         );
-        bytes.extend((maps.iter()).map(|maps| (maps.facts.buffer.to_owned(), maps.facts.bytes)));
+        let named_maps = self.plan.maps.and_then(Method::maps).zip(maps.as_ref());
+        bytes.extend(named_maps.map(|(name, maps)| (name.to_owned(), maps.facts.bytes)));
         if self.plan.features.lists {
             bytes.push(("lists".to_owned(), self.bindings.ray_list.lists.size()));
         }

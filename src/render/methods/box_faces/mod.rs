@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use reflet_gpu::{Checks, Gpu, GpuError};
+use reflet_gpu::Checks;
 use reflet_scene::{
     desc::{BoxFacesDesc, Method, ReflectionDesc},
     diagnostic::{Diagnostic, Span},
@@ -13,13 +13,13 @@ use reflet_world::{Material, World};
 
 use super::{
     Maps, MethodRow, Place,
-    face_maps::{CaptureFaces, FaceKey, FaceMaps},
+    face_maps::{CaptureFaces, FaceKey},
 };
 use crate::{
     layout::gpu_struct::gpu_struct,
     maps::{
         cube::{FACES, HIT_BYTES, MAX_MAP_BYTES, still_bounds},
-        method_maps::{CaptureInputs, CaptureWork, MapFacts, MapKey, MethodMaps, Number, is_equal},
+        method_maps::{CaptureInputs, MapFacts, Number},
     },
     pipeline::{
         frame_pass::FrameRow,
@@ -134,6 +134,8 @@ impl FaceKey for FacesKey {
     const PASS: &'static Pass = &PASS;
     const NAMES: [&'static str; 3] = ["face_box", "face_hits", "written_faces"];
     const FACE: &'static str = "a face of the box";
+    const TABLE: &'static str = "box_faces";
+    const WORK: [&'static str; 2] = ["the six faces", "before the first picture"];
     type Block = FaceBox;
     /// Cut-outs that may change; nothing else that is on the faces does.
     type Content = Vec<Material>;
@@ -153,25 +155,14 @@ impl FaceKey for FacesKey {
     fn content(inputs: &CaptureInputs<'_>, _: &FaceBox) -> Vec<Material> {
         changing_cut_outs(inputs.world)
     }
-}
 
-impl MapKey for FacesKey {
-    fn make(&self, gpu: &Gpu) -> Result<Arc<dyn MethodMaps>, GpuError> {
-        Ok(Arc::new(FaceMaps::new(gpu, self)?))
-    }
-
-    fn is_same(&self, other: &dyn MapKey) -> bool {
-        is_equal(self, other)
-    }
-
-    fn facts(&self, _: &ReflectionDesc, _: f32, meters: f32) -> MapFacts {
+    fn face_facts(&self, _: &ReflectionDesc, _: f32, meters: f32) -> MapFacts {
         let px = self.face_px;
         let corners = [self.size, self.low, self.low + self.size];
         let [size, low, high] = corners.map(|point| (point * meters).to_array());
         let ([x, y, z], [x0, y0, z0], [x1, y1, z1]) = (size, low, high);
         let (faces, point) = (("face_px", Number::Count(px.into())), Number::Point);
         MapFacts {
-            buffer: "box_faces",
             label: "box",
             keys: ["box_faces"; 2],
             texts: [
@@ -183,19 +174,6 @@ impl MapKey for FacesKey {
                 vec![("box_min", point(low)), ("box_max", point(high)), faces],
             ],
             bytes: self.bytes(),
-        }
-    }
-
-    fn work(&self) -> CaptureWork {
-        CaptureWork {
-            maps: format!("the six faces of {0} × {0} pixels", self.face_px),
-            paths: self.pixels(),
-            face_px: self.face_px,
-            serves_samples: true,
-            table: "box_faces",
-            sized_by: &["face_px"],
-            or: "",
-            when: "before the first picture",
         }
     }
 }

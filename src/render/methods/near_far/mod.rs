@@ -2,19 +2,17 @@
 
 use std::sync::Arc;
 
-use reflet_gpu::{Checks, Gpu, GpuError};
+use reflet_gpu::Checks;
 use reflet_scene::desc::{Method, ReflectionDesc};
 use reflet_world::Material;
 
 use super::{
     Maps, MethodRow, Place,
-    face_maps::{CaptureFaces, FaceKey, FaceMaps},
+    face_maps::{CaptureFaces, FaceKey},
 };
 use crate::{
     layout::gpu_struct::gpu_struct,
-    maps::method_maps::{
-        CaptureInputs, CaptureWork, MapFacts, MapKey, MethodMaps, Number, is_equal,
-    },
+    maps::method_maps::{CaptureInputs, MapFacts, Number},
     pipeline::{
         frame_pass::FrameRow,
         pass::{Pass, PassGroup},
@@ -86,6 +84,11 @@ impl FaceKey for FarKey {
     const NAMES: [&'static str; 3] = ["far_box", "cube_hits", "far_hits"];
     const FACE: &'static str = "a face of the far map";
     const OF_A_VIEW: bool = true;
+    const TABLE: &'static str = "near_far";
+    const WORK: [&'static str; 2] = [
+        "six faces",
+        "for each picture in which the camera or a thing moves",
+    ];
     type Block = FarBox;
     /// Place, box, pose and cut-outs.
     type Content = ([u32; 5], PoseKey, Vec<Material>);
@@ -114,18 +117,8 @@ impl FaceKey for FarKey {
         let place = [x, y, z, far_box.half_size_m, far_box.separation_m].map(f32::to_bits);
         (place, PoseKey::from_world(world), changing_cut_outs(world))
     }
-}
 
-impl MapKey for FarKey {
-    fn make(&self, gpu: &Gpu) -> Result<Arc<dyn MethodMaps>, GpuError> {
-        Ok(Arc::new(FaceMaps::new(gpu, self)?))
-    }
-
-    fn is_same(&self, other: &dyn MapKey) -> bool {
-        is_equal(self, other)
-    }
-
-    fn facts(&self, settings: &ReflectionDesc, unit_m: f32, meters: f32) -> MapFacts {
+    fn face_facts(&self, settings: &ReflectionDesc, unit_m: f32, meters: f32) -> MapFacts {
         let (px, near_m) = (
             self.face_px,
             settings.near_far.half_size_in(unit_m) * meters,
@@ -137,7 +130,6 @@ impl MapKey for FarKey {
         ];
         let layered = [("layers", Number::Count(self.layers.into()))];
         MapFacts {
-            buffer: "far_maps",
             label: "near-far",
             keys: ["far", "near_far"],
             texts: [
@@ -148,19 +140,6 @@ impl MapKey for FarKey {
             ],
             numbers: [[&box_and_faces[..], &layered].concat(), box_and_faces],
             bytes: self.bytes(),
-        }
-    }
-
-    fn work(&self) -> CaptureWork {
-        CaptureWork {
-            maps: format!("six faces of {0} × {0} pixels", self.face_px),
-            paths: self.pixels(),
-            face_px: self.face_px,
-            serves_samples: false,
-            table: "near_far",
-            sized_by: &["face_px"],
-            or: "",
-            when: "for each picture in which the camera or a thing moves",
         }
     }
 }

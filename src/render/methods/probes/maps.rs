@@ -240,7 +240,6 @@ impl MapKey for ProbeKey {
                 .to_vec()
         };
         MapFacts {
-            buffer: "probe_maps",
             label: "probes",
             keys: ["probes"; 2],
             texts: [text.clone(), text],
