@@ -1,10 +1,10 @@
 //! Parameters of a bench: the settings that trade time for accuracy, and the variants made of their values.
 
 use reflet_scene::{
-    desc::{Accept, Bounces, Method, ReflectionDesc},
+    desc::{Accept, Bounces, BoxFacesDesc, Method, ReflectionDesc},
     range::{
-        ABOVE_0, BOUNCES, BOX_FACE_PX, EDGE_PX, LAYERS, NEAREST_PROBES, RATE, RAY_LENGTH_U, Range,
-        SEPARATION_M, STEPS, THRESHOLD_U, UNIT, range,
+        ABOVE_0, BOUNCES, EDGE_PX, LAYERS, NEAREST_PROBES, RATE, RAY_LENGTH_U, Range, SEPARATION_M,
+        STEPS, THRESHOLD_U, UNIT, range,
     },
     words,
 };
@@ -110,7 +110,7 @@ parameters! {
             settings.near_far.half_size_m = Some(value as f32);
         };
     /// Width of the faces of the box, `box_faces.face_px`.
-    FacePx = "face_px", Whole, BOX_FACE_PX, [32.0, 64.0, 128.0, 256.0, 512.0],
+    FacePx = "face_px", Whole, BoxFacesDesc::FACE_PX, [32.0, 64.0, 128.0, 256.0, 512.0],
         |m| m == Method::SsrBox => |settings, value| settings.box_faces.face_px = value as u32;
     /// Side of the rendered picture divided by the side of the shown picture, into which it is enlarged bilinearly.
     Scale = "scale", Number, range(0.05, 1.0), [0.25, 0.375, 0.5, 0.75, 1.0],

@@ -48,8 +48,6 @@ pub const SEPARATION_M: Range = FROM_0;
 pub const RATE: Range = range(1.0, 4.0);
 /// Range of `reflection.bounces`.
 pub const BOUNCES: Range = range(1.0, 16.0);
-/// Range of `box_faces.face_px`.
-pub const BOX_FACE_PX: Range = range(1.0, 16384.0);
 /// Range of `probes.nearest`.
 pub const NEAREST_PROBES: Range = range(1.0, 4.0);
 /// Range of `reflection.steps`.

@@ -3,7 +3,10 @@
 use glam::Vec3;
 
 use super::probe::check_box;
-use crate::{range::BOX_FACE_PX, table::Table};
+use crate::{
+    range::{Range, range},
+    table::Table,
+};
 
 declared! {
     /// `[box_faces]`: the box of method `ssr+box`, which stands for a room. Its static instances are seen from
@@ -21,11 +24,14 @@ declared! {
         pub box_max: Option<Vec3>,
         /// Width of each of the six faces, pixels, 1 to 16384, but at most 2 GiB for all faces: 4729. More shows finer
         /// things, and takes more time to capture and more memory: 96 bytes for the square of it. Default 256.
-        pub face_px: u32 [BOX_FACE_PX] = 256,
+        pub face_px: u32 [BoxFacesDesc::FACE_PX] = 256,
     }
 }
 
 impl BoxFacesDesc {
+    /// Range of `face_px`.
+    pub const FACE_PX: Range = range(1.0, 16384.0);
+
     fn check(&self, t: &mut Table) {
         check_box(t, ["box_min", "box_max"], [self.box_min, self.box_max]);
     }
