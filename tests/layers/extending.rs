@@ -14,7 +14,7 @@ const ADDITIONS: [&[&str]; 10] = [
     &["clearcoat_roughness"],                          // a material number
     &["Rect | Disk", "LightKind::Disk", "LIGHT_DISK"], // a light kind
     &["Torus", "torus"],                               // a shape
-    &["SsrBox", "ssr+box"],                            // a method
+    &["SsrBox", "ssr+box", "box_faces", "BoxHidden"],  // a method
     &["Calibrate", "CalibrateArgs"],                   // a subcommand
     &["checkers", "HAS_CHECKERS"],                     // a shader feature
     &["threshold_u"],                                  // a reflection key

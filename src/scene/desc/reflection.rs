@@ -309,6 +309,17 @@ impl ReflectionDesc {
         self.separation_m.unwrap_or(SEPARATION_U * unit_m)
     }
 
+    /// Reads `[reflection]` and the tables of methods with maps from the whole file.
+    pub(crate) fn with_maps(t: &mut Table) -> Self {
+        let reflection: Self = t.table("reflection").unwrap_or_default();
+        Self {
+            probes: t.table("probes").unwrap_or_default(),
+            near_far: t.table("near_far").unwrap_or_default(),
+            box_faces: t.table("box_faces").unwrap_or_default(),
+            ..reflection
+        }
+    }
+
     /// Lengths in meters and points of the scene among the settings.
     pub fn lengths_and_points(&mut self) -> ([&mut Option<f32>; 4], [&mut Option<Vec3>; 2]) {
         let lengths = [

@@ -24,7 +24,7 @@ impl Section for SceneDesc {
             lights: t.entries("light"),
             decals: t.entries("decal"),
             environment: t.table("environment").unwrap_or_default(),
-            reflection: reflection(t),
+            reflection: ReflectionDesc::with_maps(t),
             probes: t.entries("probe"),
             image: t.table("image").unwrap_or_default(),
             motion: t.table("motion").unwrap_or_default(),
@@ -72,17 +72,6 @@ fn refuse_more<T>(t: &mut Table, all: &[Entry<T>], most: usize, say: [&'static s
         let message = format!("`{first}` exceeds the limit of {most} {kind}");
         t.report
             .push(Diagnostic::new(name, at.clone(), message).help(help));
-    }
-}
-
-/// Settings of reflections, also of probes, of near-far and of the box.
-fn reflection(t: &mut Table) -> ReflectionDesc {
-    let reflection = t.table("reflection").unwrap_or_default();
-    ReflectionDesc {
-        probes: t.table("probes").unwrap_or_default(),
-        near_far: t.table("near_far").unwrap_or_default(),
-        box_faces: t.table("box_faces").unwrap_or_default(),
-        ..reflection
     }
 }
 
