@@ -31,6 +31,8 @@ pub struct System {
     pub color: [u8; 3],
     /// Relation to Reflet's own choices.
     pub side: Side,
+    /// Method of the system.
+    pub method: Method,
     /// Changes settings that have what all systems share.
     change: fn(&mut ReflectionDesc),
 }
@@ -46,6 +48,7 @@ impl System {
     pub fn set(&self, settings: &mut ReflectionDesc) {
         let standard = ReflectionDesc::default();
         *settings = ReflectionDesc {
+            method: self.method,
             marched: standard.marched,
             trace: Trace::Software,
             accept: Accept::Verified,
@@ -60,106 +63,93 @@ impl System {
         };
         (self.change)(settings);
     }
-
-    /// Method of the system.
-    pub fn method(&self) -> Method {
-        let mut settings = ReflectionDesc::default();
-        self.set(&mut settings);
-        settings.method
-    }
 }
 
-/// Sets a method that looks reflections up.
-fn look_up(r: &mut ReflectionDesc, method: Method, lookup: Lookup, nearest: u32) {
-    r.method = method;
-    r.probes = ProbesDesc {
-        lookup,
-        nearest,
-        ..r.probes
-    };
+/// Sets how reflections are looked up.
+fn look_up(r: &mut ReflectionDesc, lookup: Lookup, nearest: u32) {
+    (r.probes.lookup, r.probes.nearest) = (lookup, nearest);
 }
 
-const fn rival(name: &'static str, color: [u8; 3], change: fn(&mut ReflectionDesc)) -> System {
+const fn system(
+    side: Side,
+    name: &'static str,
+    color: [u8; 3],
+    method: Method,
+    change: fn(&mut ReflectionDesc),
+) -> System {
     System {
         name,
         color,
-        side: Side::Rival,
+        side,
+        method,
         change,
     }
 }
 
-const fn variant(name: &'static str, color: [u8; 3], change: fn(&mut ReflectionDesc)) -> System {
-    System {
-        side: Side::Variant,
-        ..rival(name, color, change)
-    }
-}
-
-const fn own(name: &'static str, color: [u8; 3], change: fn(&mut ReflectionDesc)) -> System {
-    System {
-        side: Side::Own,
-        ..rival(name, color, change)
-    }
-}
-
 /// All systems, in the order of tables.
-pub const SYSTEMS: &[System] = &[
-    rival("ssr", [0, 114, 178], |r| r.method = Method::Ssr),
-    rival("probe, infinity, K = 1", [150, 120, 0], |r| {
-        look_up(r, Method::Probe, Lookup::Infinity, 1);
-    }),
-    rival("probe, box, K = 1", [200, 170, 0], |r| {
-        look_up(r, Method::Probe, Lookup::Box, 1);
-    }),
-    rival("probe, box, K = 4", [240, 210, 40], |r| {
-        look_up(r, Method::Probe, Lookup::Box, 4);
-    }),
-    rival("probe, distance, K = 2", [120, 180, 60], |r| {
-        look_up(r, Method::Probe, Lookup::Distance, 2);
-    }),
-    rival("ssr+probe, box, K = 2", [120, 120, 120], |r| {
-        look_up(r, Method::SsrProbe, Lookup::Box, 2);
-    }),
-    rival("ssr+probe, distance, K = 2", [60, 60, 60], |r| {
-        look_up(r, Method::SsrProbe, Lookup::Distance, 2);
-    }),
-    rival("ssr+box", [120, 140, 60], |r| r.method = Method::SsrBox),
-    rival("near-far", [90, 40, 140], |r| r.method = Method::NearFar),
-    rival("near-far, 2 layers", [170, 110, 220], |r| {
-        r.method = Method::NearFar;
-        r.layers = 2;
-    }),
-    rival("ssr, 2 layers", [86, 180, 233], |r| {
-        r.method = Method::Ssr;
-        r.layers = 2;
-    }),
-    rival("rt, rate 4", [0, 90, 60], |r| {
-        r.method = Method::Rt;
-        r.rate = 4;
-    }),
-    variant("rt, skip 1 px", [150, 200, 170], |r| {
-        r.method = Method::Rt;
-        r.skip_px = 1.0;
-    }),
-    variant("hybrid, skip 1 px", [245, 180, 140], |r| {
-        r.method = Method::Hybrid;
-        r.skip_px = 1.0;
-    }),
-    variant("rt by query", [0, 60, 160], |r| {
-        r.method = Method::Rt;
-        r.trace = Trace::Query;
-    }),
-    rival("hybrid (threshold)", [230, 159, 0], |r| {
-        r.method = Method::Hybrid;
-        r.accept = Accept::Threshold;
-    }),
-    own("hybrid", [213, 94, 0], |r| r.method = Method::Hybrid),
-    own("hybrid, 2 layers", [150, 60, 60], |r| {
-        r.method = Method::Hybrid;
-        r.layers = 2;
-    }),
-    own("rt", [0, 158, 115], |r| r.method = Method::Rt),
-];
+pub const SYSTEMS: &[System] = {
+    use Method::{Hybrid, NearFar, Probe, Rt, Ssr, SsrBox, SsrProbe};
+    use Side::{Own, Rival, Variant};
+    &[
+        system(Rival, "ssr", [0, 114, 178], Ssr, |_| {}),
+        system(Rival, "probe, infinity, K = 1", [150, 120, 0], Probe, |r| {
+            look_up(r, Lookup::Infinity, 1)
+        }),
+        system(Rival, "probe, box, K = 1", [200, 170, 0], Probe, |r| {
+            look_up(r, Lookup::Box, 1)
+        }),
+        system(Rival, "probe, box, K = 4", [240, 210, 40], Probe, |r| {
+            look_up(r, Lookup::Box, 4)
+        }),
+        system(
+            Rival,
+            "probe, distance, K = 2",
+            [120, 180, 60],
+            Probe,
+            |r| look_up(r, Lookup::Distance, 2),
+        ),
+        system(
+            Rival,
+            "ssr+probe, box, K = 2",
+            [120, 120, 120],
+            SsrProbe,
+            |r| look_up(r, Lookup::Box, 2),
+        ),
+        system(
+            Rival,
+            "ssr+probe, distance, K = 2",
+            [60, 60, 60],
+            SsrProbe,
+            |r| look_up(r, Lookup::Distance, 2),
+        ),
+        system(Rival, "ssr+box", [120, 140, 60], SsrBox, |_| {}),
+        system(Rival, "near-far", [90, 40, 140], NearFar, |_| {}),
+        system(Rival, "near-far, 2 layers", [170, 110, 220], NearFar, |r| {
+            r.layers = 2
+        }),
+        system(Rival, "ssr, 2 layers", [86, 180, 233], Ssr, |r| {
+            r.layers = 2
+        }),
+        system(Rival, "rt, rate 4", [0, 90, 60], Rt, |r| r.rate = 4),
+        system(Variant, "rt, skip 1 px", [150, 200, 170], Rt, |r| {
+            r.skip_px = 1.0
+        }),
+        system(Variant, "hybrid, skip 1 px", [245, 180, 140], Hybrid, |r| {
+            r.skip_px = 1.0
+        }),
+        system(Variant, "rt by query", [0, 60, 160], Rt, |r| {
+            r.trace = Trace::Query
+        }),
+        system(Rival, "hybrid (threshold)", [230, 159, 0], Hybrid, |r| {
+            r.accept = Accept::Threshold
+        }),
+        system(Own, "hybrid", [213, 94, 0], Hybrid, |_| {}),
+        system(Own, "hybrid, 2 layers", [150, 60, 60], Hybrid, |r| {
+            r.layers = 2
+        }),
+        system(Own, "rt", [0, 158, 115], Rt, |_| {}),
+    ]
+};
 
 /// Errors of a system inside the reflections, of a frame or over those frames of a scene that have enough of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

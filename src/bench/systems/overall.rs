@@ -52,7 +52,7 @@ fn overall(scenes: &[SceneRows]) -> Vec<Overall> {
 pub fn best(scenes: &[SceneRows], count: usize) -> Vec<Overall> {
     let mut left = overall(scenes);
     let mut found: Vec<Overall> = Vec::new();
-    let method = |of: &Overall| System::named(of.system).map(System::method);
+    let method = |of: &Overall| System::named(of.system).map(|system| system.method);
     while found.len() < count && !left.is_empty() {
         let spots: Vec<Spot> = left.iter().map(Overall::spot).collect();
         let on_front = pareto_front(&spots);
