@@ -79,6 +79,7 @@ mod tests {
             within(long, || assert!(!is_guarded())),
             Err(Ended::Panicked)
         );
+        assert_eq!(catch(is_guarded), Some(true));
         assert!(!is_guarded());
         // It ends as soon as it is told that it took too long.
         let goes_on = Arc::new(AtomicBool::new(true));

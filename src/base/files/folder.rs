@@ -49,7 +49,11 @@ impl Folder {
             let flags = OFlags::RDONLY | OFlags::DIRECTORY | OFlags::NOFOLLOW | OFlags::CLOEXEC;
             rustix::fs::openat(&self.handle, name, flags, Mode::empty())
         };
-        if path.is_symlink() {
+        #[cfg(unix)]
+        let may_be_link = opened.is_err();
+        #[cfg(not(unix))]
+        let may_be_link = true;
+        if may_be_link && path.is_symlink() {
             return Err(link(&format!("\"{}\"", path.display())));
         }
         let folder = Self {
@@ -124,5 +128,34 @@ impl Folder {
 
     pub fn rename(&self, from: &OsStr, to: &OsStr) -> io::Result<()> {
         fs::rename(self.path.join(from), self.path.join(to))
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use std::os::unix::fs::symlink;
+
+    #[test]
+    fn a_held_folder_stays_where_it_was_opened() {
+        let name = format!("reflet-held-{}", std::process::id());
+        let folder = std::env::temp_dir().join(name);
+        let [inside, outside, moved] = ["in", "out", "moved"].map(|name| folder.join(name));
+        fs::create_dir_all(&inside).expect("a folder");
+        fs::create_dir(&outside).expect("a folder");
+        let held = Folder::open(&inside).expect("opened");
+        fs::rename(&inside, &moved).expect("renamed");
+        symlink(&outside, &inside).expect("a link");
+        let (deep, is_new) = held.inner(OsStr::new("deep"), true).expect("made");
+        assert!(is_new);
+        let name = OsStr::new("a.png");
+        deep.create(name, false).expect("created");
+        assert!(moved.join("deep/a.png").exists());
+        assert_eq!(fs::read_dir(&outside).expect("readable").count(), 0);
+        // Nothing is opened in place of a new file, nor made through a link.
+        assert!(deep.create(name, false).is_err());
+        symlink(outside.join("b.png"), moved.join("deep/b.png")).expect("a link");
+        assert!(deep.create(OsStr::new("b.png"), false).is_err());
+        fs::remove_dir_all(&folder).expect("clean up");
     }
 }

@@ -237,7 +237,7 @@ fn inode(_: &Path) -> Option<Identity> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::write_whole;
+    use crate::files::{open_regular, write_whole};
 
     fn folder(name: &str) -> PathBuf {
         let folder = std::env::temp_dir().join(format!("reflet-{name}-{}", std::process::id()));
@@ -295,6 +295,8 @@ mod tests {
         fs::create_dir(folder.join("inside")).expect("a folder");
         fs::write(folder.join("inside/real"), "old").expect("written");
         std::os::unix::fs::symlink("inside/real", folder.join("link")).expect("a link");
+        assert!(open_regular(&folder.join("link"), false).is_ok());
+        assert!(open_regular(&folder.join("link"), true).is_err());
         write_whole(&Goal::typed(folder.join("link")), b"new").expect("written");
         assert!(folder.join("link").is_symlink());
         assert_eq!(fs::read(folder.join("inside/real")).expect("there"), b"new");
@@ -322,6 +324,9 @@ mod tests {
         for swap in swaps {
             let temporary = Temporary::create(&goal).and_then(|file| file.fill(b"new"));
             swap().expect("swapped");
+            // Where the link takes the place of the target, it is the name that is replaced.
+            let found = goal.opened().ok();
+            assert!(found.is_none_or(|(folder, _)| folder.path() == inside.join("deep")));
             let renamed = temporary.and_then(Temporary::persist);
             renamed.expect("written into the folder that was opened");
             assert!(!inside.join("deep/a.png").is_symlink());

@@ -99,9 +99,19 @@ mod tests {
         let film = cell(ReferenceKind::Rt, Ok(scores(3, 0.31)));
         let worst = "seen (p99 0.310, mean 0.0000, relMSE 0.00e0, worst at frame 0, 0 x 0)";
         assert_eq!(verdict(&film, &[]), worst);
+        let equal = cell(ReferenceKind::Rt, Ok(scores(3, 0.0)));
+        assert!(
+            !verdict(&equal, &[]).contains("worst"),
+            "no frame has an error"
+        );
         let truth = cell(ReferenceKind::Truth, Ok(scores(1, 0.6)));
+        let other = Cell {
+            method: "hybrid".to_owned(),
+            scores: Ok(scores(1, 0.0)),
+            ..truth.clone()
+        };
         let still = cell(ReferenceKind::Rt, Ok(scores(1, 0.31)));
-        let says = verdict(&still, &[still.clone(), truth]);
+        let says = verdict(&still, &[still.clone(), other, truth]);
         assert!(
             says.ends_with("relMSE 0.00e0); against the truth wrong"),
             "{says}"
