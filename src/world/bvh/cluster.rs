@@ -16,8 +16,6 @@ use rayon::prelude::*;
 const REACH: usize = 6;
 /// First rounds, in which only adjacent clusters merge.
 const ADJACENT_ROUNDS: usize = 2;
-/// Visited clusters for each box, after which all adjacent ones merge; ordinary scenes need 3 to 5.
-const PATIENCE: usize = 16;
 /// Number of clusters up to which a round may merge as few as it likes, and its share of them above.
 const FEW: usize = 64;
 const LEAST_SHARE: usize = 32;
@@ -38,11 +36,10 @@ pub(super) fn cluster(boxes: &[Aabb], patient: bool) -> Bvh2 {
     let mut tree = Bvh2::zeroed(boxes.len());
     tree.primitive_indices = (0..boxes.len() as u32).collect();
     let mut free = tree.nodes.len();
-    let (mut round, mut visits) = (0, 0);
+    let mut round = 0;
     while clusters.len() > 1 {
-        visits += clusters.len();
         let reach = if round < ADJACENT_ROUNDS { 1 } else { REACH };
-        let mut partners = match patient && visits <= PATIENCE * boxes.len() + FEW * FEW {
+        let mut partners = match patient {
             true => nearest(&clusters, reach),
             false => Vec::new(),
         };

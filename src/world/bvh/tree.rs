@@ -41,10 +41,7 @@ impl Tree {
         let mut optimized = cluster(boxes, true);
         // The default size of its stack: one on which an overfull branch is forgotten, where a larger one panics.
         ReinsertionOptimizer::default().run(&mut optimized, REINSERTED_SHARE, None);
-        let tree =
-            (!is_deeper(&optimized, 0, MOST_LEVELS)).then(|| Self::widened(&optimized, &optimized));
-        let is_shallow = |tree: &Self| tree.stack_need <= STACK_SIZE / 2;
-        tree.filter(is_shallow).unwrap_or_else(|| {
+        Self::shallow(&optimized).unwrap_or_else(|| {
             let balanced = cluster(boxes, false);
             // Nodes of one size, so that as many as possible are children of one.
             let mut even = balanced.clone();
@@ -52,6 +49,12 @@ impl Tree {
             even.nodes.iter_mut().for_each(|node| node.set_aabb(size));
             Self::widened(&balanced, &even)
         })
+    }
+
+    /// The wide tree of a binary tree; `None` if the binary or the wide tree is too deep.
+    fn shallow(tree: &Bvh2) -> Option<Self> {
+        let wide = (!is_deeper(tree, 0, MOST_LEVELS)).then(|| Self::widened(tree, tree));
+        wide.filter(|wide| wide.stack_need <= STACK_SIZE / 2)
     }
 
     /// The wide tree of a binary tree; the sizes of nodes of `chosen_by` decide which nodes become children of a wide
@@ -100,6 +103,8 @@ fn stack_need(nodes: &[CwBvhNode]) -> u32 {
 
 #[cfg(test)]
 mod tests {
+    use obvhs::bvh2::node::Bvh2Node;
+
     use super::*;
 
     /// Boxes of triangles around one vertex, along a line, nested in all sizes, and equal, also of points at the
@@ -151,5 +156,26 @@ mod tests {
                 );
             }
         }
+    }
+
+    /// A binary tree of a leaf a level is as deep as no recursion may be.
+    #[test]
+    fn deep_binary_trees_are_not_widened() {
+        let boxes: u32 = 400_000;
+        let mut tree = Bvh2::zeroed(boxes as usize);
+        tree.primitive_indices = (0..boxes).collect();
+        let one = Aabb::new(Vec3A::ZERO, Vec3A::ONE);
+        for level in 0..boxes as usize {
+            let (node, index) = (2 * level, level as u32);
+            tree.nodes[node] = match index == boxes - 1 {
+                true => Bvh2Node::new(one, 1, index),
+                false => Bvh2Node::new(one, 0, 2 * index + 1),
+            };
+            if let Some(leaf) = tree.nodes.get_mut(node + 1) {
+                *leaf = Bvh2Node::new(one, 1, index);
+            }
+        }
+        tree.children_are_ordered_after_parents = true;
+        assert!(Tree::shallow(&tree).is_none());
     }
 }

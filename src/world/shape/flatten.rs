@@ -140,13 +140,11 @@ fn arc(chords: &mut Loop, center: DVec2, radius: f64, [from, to]: [f64; 2], segm
 fn of_path(path: &str, segments: u32) -> Result<Vec<Loop>, Fault> {
     let read = svg_path::read(path).map_err(|fault| Fault::new("wrong-path", fault.message))?;
     let mut pen = Pen::new(segments);
-    for segment in read {
-        pen.draw(&segment);
-        if pen.count > MOST_CHORDS {
-            let message = format!("the outline has more than {MOST_CHORDS} chords");
-            let help = "lower `segments`, or split it into several shapes";
-            return Err(Fault::new("wrong-outline", message).help(help));
-        }
+    read.iter().for_each(|segment| pen.draw(segment));
+    if pen.count > MOST_CHORDS {
+        let message = format!("the outline has more than {MOST_CHORDS} chords");
+        let help = "lower `segments`, or split it into several shapes";
+        return Err(Fault::new("wrong-outline", message).help(help));
     }
     pen.close();
     Ok(pen.loops)
@@ -177,9 +175,10 @@ impl Pen {
         }
     }
 
-    /// Draws one segment.
+    /// Draws one segment, unless there are more chords than an outline may have.
     pub fn draw(&mut self, segment: &PathSegment) {
         match *segment {
+            _ if self.count > MOST_CHORDS => {}
             PathSegment::MoveTo { x, y } => {
                 self.close();
                 self.start = DVec2::new(x, y);

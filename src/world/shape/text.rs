@@ -40,13 +40,6 @@ struct GlyphPen {
 }
 
 impl GlyphPen {
-    /// Draws a segment, unless a glyph has drawn more than will be shown.
-    fn draw(&mut self, segment: &PathSegment) {
-        if self.pen.count <= MOST_CHORDS {
-            self.pen.draw(segment);
-        }
-    }
-
     fn point(&self, x: f32, y: f32) -> [f64; 2] {
         [
             self.origin[0] + self.scale * f64::from(x),
@@ -58,17 +51,17 @@ impl GlyphPen {
 impl OutlinePen for GlyphPen {
     fn move_to(&mut self, x: f32, y: f32) {
         let [x, y] = self.point(x, y);
-        self.draw(&PathSegment::MoveTo { x, y });
+        self.pen.draw(&PathSegment::MoveTo { x, y });
     }
 
     fn line_to(&mut self, x: f32, y: f32) {
         let [x, y] = self.point(x, y);
-        self.draw(&PathSegment::LineTo { x, y });
+        self.pen.draw(&PathSegment::LineTo { x, y });
     }
 
     fn quad_to(&mut self, cx0: f32, cy0: f32, x: f32, y: f32) {
         let ([x1, y1], [x, y]) = (self.point(cx0, cy0), self.point(x, y));
-        self.draw(&PathSegment::Quadratic { x1, y1, x, y });
+        self.pen.draw(&PathSegment::Quadratic { x1, y1, x, y });
     }
 
     fn curve_to(&mut self, cx0: f32, cy0: f32, cx1: f32, cy1: f32, x: f32, y: f32) {
@@ -82,11 +75,11 @@ impl OutlinePen for GlyphPen {
             x,
             y,
         };
-        self.draw(&curve);
+        self.pen.draw(&curve);
     }
 
     fn close(&mut self) {
-        self.draw(&PathSegment::ClosePath);
+        self.pen.draw(&PathSegment::ClosePath);
     }
 }
 

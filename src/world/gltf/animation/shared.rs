@@ -69,7 +69,6 @@ impl Reader<'_> {
         }
         let times = self.data.floats::<1>(input, accessor::float_only)?;
         let times: Arc<[f32]> = times.into_iter().map(|[t]| t).collect();
-        self.data.budget.take(size_of_val(&*times) as u64)?;
         if !finite(&times) || times.first().is_some_and(|t| *t < 0.0) {
             return Err(fault("times must be finite and not negative"));
         }

@@ -4,14 +4,21 @@ use std::collections::HashMap;
 
 use glam::{Quat, Vec3};
 use reflet_base::memory::Budget;
-use reflet_scene::desc::{ShapeDesc, TextAlign};
+use reflet_scene::{
+    desc::{ShapeDesc, TextAlign},
+    svg_path::PathSegment,
+};
 
 use super::{
     boolean::part,
-    outlined::{extrude, path},
+    outlined::{extrude, path, rect},
     text::with_font,
 };
-use crate::shape::{MOST_WORK, Supplies, make};
+use crate::shape::{
+    MOST_WORK, Supplies,
+    flatten::{MOST_CHORDS, Pen},
+    make,
+};
 
 fn limited(work: u64) -> Supplies {
     Supplies {
@@ -83,6 +90,33 @@ fn outlines_that_cross_too_often_are_refused() {
     );
     let fault = make(&star(501), &limited(50_000)).expect_err("too much work");
     assert_eq!(fault.name, "shapes-too-large");
+}
+
+#[test]
+fn each_hole_costs_the_corners_before_it() {
+    let mut framed = rect(20.0, 1.0);
+    let hole = |i: u8| {
+        let x = 0.3 * f32::from(i) - 9.0;
+        vec![[x, 0.0], [x + 0.1, 0.0], [x, 0.1]]
+    };
+    framed.holes = (0..60).map(hole).collect();
+    let shape = extrude(framed, 1.0, 0.0, 1);
+    let spent = limited(1 << 20);
+    make(&shape, &spent).expect("a frame");
+    assert!(spent.work.left() > (1 << 20) - 10_000);
+    let fault = make(&shape, &limited(3000)).expect_err("too much work");
+    assert_eq!(fault.name, "shapes-too-large");
+}
+
+#[test]
+fn no_more_chords_are_drawn_than_an_outline_may_have() {
+    let mut pen = Pen::new(4096);
+    for _ in 0..1000 {
+        pen.draw(&PathSegment::MoveTo { x: 0.0, y: 0.0 });
+        let (x1, y1, x, y) = (1.0, 1.0, 1.0, 0.0);
+        pen.draw(&PathSegment::Quadratic { x1, y1, x, y });
+    }
+    assert!((MOST_CHORDS..MOST_CHORDS + 4096).contains(&pen.count));
 }
 
 /// Table of a font with its tag.
