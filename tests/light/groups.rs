@@ -1,6 +1,10 @@
 //! Light groups: the pictures of all groups add up to the whole one, and each shows its own lights.
 
-use reflet::scene::desc::LightGroup;
+use glam::Affine3A;
+use reflet::{
+    render::{Poses, RebuildSummary},
+    scene::desc::LightGroup,
+};
 
 use super::kit::*;
 
@@ -85,6 +89,34 @@ fn groups_add_up_in_fog_and_with_many_lamps() {
     let (whole, parts, _) = or_skip!(apart(&many, &[fog]));
     let excess = excess(&whole, &parts);
     assert!(excess < 4e-3, "{excess}");
+}
+
+/// A renderer that is made anew for the pose that it shows already keeps its pose and its group.
+#[test]
+fn a_changed_renderer_shows_the_same_group() {
+    let gpu = or_skip!(gpu());
+    let text = LIT.replace("model = \"sign\"\n", "model = \"sign\"\ndynamic = true\n");
+    let (desc, first) = scene(&text, &["reflection.diffuse_bounces=0"]);
+    let mut turned = first.clone();
+    let place = &mut turned.instances[3].world_from_object;
+    *place *= Affine3A::from_rotation_y(0.7);
+    let poses = Poses {
+        first: &first,
+        shown: &turned,
+    };
+    let options = *renderer(gpu, &desc, &first, false).options();
+    let new = || or_panic!(Renderer::new(gpu, &shaders(), poses, &options));
+    let picture = |renderer: &mut Renderer, shown| {
+        renderer.show_light(gpu, shown);
+        renderer.first_view(&first, &[]).color
+    };
+    let (key, mut one, mut other) = (Some(group("key")), new(), new());
+    let [own, whole] = [key, None].map(|shown| picture(&mut one, shown));
+    picture(&mut other, key);
+    let rebuilt = other.change(gpu, &shaders(), poses, &options);
+    assert_eq!(rebuilt.expect("changed"), RebuildSummary::default());
+    assert!(picture(&mut other, key) == own);
+    assert!(picture(&mut other, None) == whole);
 }
 
 #[test]

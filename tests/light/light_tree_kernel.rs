@@ -137,7 +137,7 @@ fn the_device_chooses_with_the_probabilities_of_the_cpu() {
     let Some(gpu) = gpu() else { return };
     let (_, world) = scene(&[FLOOR, LAMPS, &lamps(0..66)].concat(), &[]);
     let trees = LightTrees::new(&world, None);
-    let emitters = GpuEmitters::new(gpu, &world)
+    let emitters = GpuEmitters::new(gpu, &world, Default::default())
         .expect("it fits")
         .expect("it has emitters");
     let records = trees.lights.len() as u32;
@@ -269,7 +269,7 @@ fn share_before_weak(tree: &Tree, first_weak: u32) -> f64 {
 fn rare_lamps_of_a_deep_tree_are_chosen_by_their_chance() {
     let Some(gpu) = gpu() else { return };
     let world = deep_world();
-    let emitters = GpuEmitters::new(gpu, &world)
+    let emitters = GpuEmitters::new(gpu, &world, Default::default())
         .expect("it fits")
         .expect("it has emitters");
     let trees = LightTrees::new(&world, None);

@@ -12,10 +12,9 @@ impl Renderer {
     /// Has pictures show the light of one group alone, or with `None` all light, from the next one on.
     pub fn show_light(&mut self, gpu: &Gpu, group: Option<LightGroup>) {
         let shown = ShownLight(group);
-        if self.shown_light == shown {
+        if self.scene.shown_light == shown {
             return;
         }
-        self.shown_light = shown;
         Arc::make_mut(&mut self.scene).show_light(gpu, &self.world, &self.trees, shown);
         // Maps of probes hold the light of other groups.
         self.recapture_maps();

@@ -226,7 +226,7 @@ impl Renderer {
         );
         let mut sampling =
             Sampling::new(world, &self.options.image, self.scene.light_tree(), sample);
-        (self.shown_light).leave(world, &mut frame, &mut sampling, &mut block);
+        (self.scene.shown_light).leave(world, &mut frame, &mut sampling, &mut block);
         self.uniforms.set(gpu, &frame, &block, &sampling);
         if let Some(fog) = GpuFog::from_world(world) {
             self.uniforms.set_fog(gpu, &fog);

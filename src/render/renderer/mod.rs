@@ -22,7 +22,6 @@ use super::{
     buffers::frame_uniforms::FrameUniforms,
     decide::{Decision, skip::Skipping},
     error::RenderError,
-    lighting::shown_light::ShownLight,
     methods,
     pipeline::{
         pass_builder::PassBuilder,
@@ -69,8 +68,6 @@ pub struct Renderer {
     pub(super) shaders: Shaders,
     /// Sum of the first half of the sub-frames, for an estimate of the error.
     pub(super) first_half: FirstHalf,
-    /// Light that pictures show.
-    pub(super) shown_light: ShownLight,
 }
 
 impl Renderer {

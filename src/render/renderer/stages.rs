@@ -163,7 +163,6 @@ impl Made {
                 timer,
                 shaders,
                 first_half: FirstHalf::default(),
-                shown_light: old.map(|old| old.shown_light).unwrap_or_default(),
             },
             pose,
             rebuilt,

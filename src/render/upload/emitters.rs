@@ -34,8 +34,6 @@ pub const DARK_LAMP: u32 = 8;
 pub struct GpuEmitters {
     array: TexelArray,
     trees: LightTrees,
-    /// Light that pictures show.
-    shown_light: ShownLight,
     /// The world's lamps at the last upload.
     lamps: Vec<Light>,
     parts: Parts,
@@ -80,11 +78,11 @@ impl Parts {
 }
 
 impl GpuEmitters {
-    /// Uploads the light trees of a world; `None` where no surface is sampled as a light.
+    /// Uploads the light trees of a world, of whose lamps a part is shown; `None` where nothing is sampled as a light.
     ///
     /// # Errors
     /// A wgpu error.
-    pub fn new(gpu: &Gpu, world: &World) -> Result<Option<Self>, GpuError> {
+    pub fn new(gpu: &Gpu, world: &World, shown: ShownLight) -> Result<Option<Self>, GpuError> {
         if !world.has_emitters() {
             return Ok(None);
         }
@@ -94,19 +92,18 @@ impl GpuEmitters {
         let mut this = Self {
             array: TexelArray::sized::<[u32; 4]>(gpu, "emitters", parts.end)?,
             trees,
-            shown_light: ShownLight::default(),
             lamps: world.lamps.clone(),
             parts,
             light_tree: NO_LIGHT_TREE,
             is_moving,
         };
-        this.upload(gpu, world, true);
+        this.upload(gpu, world, shown, true);
         gpu.finish_writes()?;
         Ok(Some(this))
     }
 
     /// Uploads the trees again, if emitters may have moved: trees of meshes only if one changed.
-    pub fn update(&mut self, gpu: &Gpu, world: &World) {
+    pub fn update(&mut self, gpu: &Gpu, world: &World, shown: ShownLight) {
         if !self.is_moving && self.lamps == world.lamps {
             return;
         }
@@ -114,23 +111,22 @@ impl GpuEmitters {
         let are_meshes_kept = trees.has_meshes_of(&self.trees);
         self.trees = trees;
         self.lamps.clone_from(&world.lamps);
-        self.upload(gpu, world, !are_meshes_kept);
+        self.upload(gpu, world, shown, !are_meshes_kept);
     }
 
     /// Has lamps of other light groups than the shown one give no light; random choices stay.
     pub fn show_light(&mut self, gpu: &Gpu, world: &World, shown: ShownLight) {
-        self.shown_light = shown;
-        self.upload(gpu, world, false);
+        self.upload(gpu, world, shown, false);
     }
 
-    fn upload(&mut self, gpu: &Gpu, world: &World, with_meshes: bool) {
+    fn upload(&mut self, gpu: &Gpu, world: &World, shown: ShownLight, with_meshes: bool) {
         let bases = self.mesh_bases();
         let parts = &self.parts;
         self.array.write(gpu, 0, &self.index(world.instances.len()));
         let lamps = world.lamps.iter().zip(&self.trees.lamp_nodes);
         let lights: Vec<_> = (self.trees.lights.iter())
             .flat_map(|light| self.light(light, &bases))
-            .chain(lamps.flat_map(|(lamp, node)| self.lamp(lamp, *node)))
+            .chain(lamps.flat_map(|(lamp, node)| shown_record(lamp, *node, shown)))
             .collect();
         self.array.write(gpu, parts.lights, &lights);
         let root = self.trees.top.as_ref().map_or(NO_NODE, |top| top.link);
@@ -177,14 +173,6 @@ impl GpuEmitters {
         in_fours(index.into_iter())
     }
 
-    fn lamp(&self, lamp: &Light, node: u32) -> [[u32; 4]; LIGHT_VECTORS] {
-        let mut record = lamp_record(lamp, node);
-        if !self.shown_light.shows(lamp.desc.light_group) {
-            record[0][0] |= DARK_LAMP;
-        }
-        record
-    }
-
     fn light(&self, light: &PlacedLight, bases: &[[u32; 2]]) -> [[u32; 4]; LIGHT_VECTORS] {
         let [nodes, places] = bases[light.mesh_tree];
         let tree = self.trees.meshes[light.mesh_tree].tree.as_ref();
@@ -205,6 +193,15 @@ impl GpuEmitters {
     pub fn bytes(&self) -> u64 {
         self.array.size()
     }
+}
+
+/// Record of a lamp, which is dark where its light is not shown.
+fn shown_record(lamp: &Light, node: u32, shown: ShownLight) -> [[u32; 4]; LIGHT_VECTORS] {
+    let mut record = lamp_record(lamp, node);
+    if !shown.shows(lamp.desc.light_group) {
+        record[0][0] |= DARK_LAMP;
+    }
+    record
 }
 
 /// Record of a lamp whose place in the upper tree is `node`; see `shaders/lib/lamps.wgsl`.

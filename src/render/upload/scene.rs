@@ -72,7 +72,7 @@ pub struct GpuScene {
     /// Whether reflection rays skip an instance, by index; those past the end are not skipped.
     skipped: Vec<bool>,
     /// Light that pictures show.
-    shown_light: ShownLight,
+    pub shown_light: ShownLight,
     /// Whether the alpha of some cut-out material may change.
     pub has_moving_cutouts: bool,
 }
@@ -107,7 +107,7 @@ impl GpuScene {
             nodes,
             triangles,
             structures,
-            emitters: GpuEmitters::new(gpu, world)?,
+            emitters: GpuEmitters::new(gpu, world, ShownLight::default())?,
             decals: GpuDecals::new(gpu, world),
             instances,
             traced: Vec::new(),
@@ -168,7 +168,7 @@ impl GpuScene {
             materials,
             draws: draws(world, &self.mesh_ranges),
             pools,
-            emitters: GpuEmitters::new(gpu, world)?,
+            emitters: GpuEmitters::new(gpu, world, self.shown_light)?,
             decals: GpuDecals::new(gpu, world),
             has_moving_cutouts: has_moving_cutouts(world),
             ..self.clone()
@@ -269,7 +269,7 @@ impl GpuScene {
     /// Uploads the light trees, if emissive triangles moved or changed.
     pub fn update_emitters(&mut self, gpu: &Gpu, world: &World) {
         if let Some(emitters) = &mut self.emitters {
-            emitters.update(gpu, world);
+            emitters.update(gpu, world, self.shown_light);
         }
     }
 
