@@ -1,8 +1,9 @@
 //! A renderer that switches to another world renders it like a new renderer.
 
+use glam::Vec3A;
 use reflet::render::RebuildSummary;
 
-use crate::kit::*;
+use crate::{culled::CULLED, kit::*};
 
 const SIZE: &str = "image.size=[64, 36]";
 
@@ -47,19 +48,36 @@ fn a_copy_of_a_world_is_not_uploaded_again() {
     assert!(rebuilt.is_none_or(|rebuilt| rebuilt == RebuildSummary::default()));
 }
 
-/// A floor that mirrors, and a wall that only reflections show: the camera culls its back.
-const BACK: &str = include_str!("change/back.toml");
-
 #[test]
 fn a_march_that_comes_later_knows_what_the_camera_culls() {
     let Some(gpu) = gpu() else { return };
     let [rt, hybrid] =
-        ["rt", "hybrid"].map(|m| scene(BACK, &[&format!("reflection.method=\"{m}\"")]));
+        ["rt", "hybrid"].map(|m| scene(CULLED, &[SIZE, &format!("reflection.method=\"{m}\"")]));
     assert!(
         renderer(gpu, &hybrid.0, &hybrid.1, false)
             .plan()
             .features
             .culled_surfaces
     );
-    shown(&rt, &hybrid);
+    let rebuilt = shown(&rt, &(hybrid.0, rt.1.clone()));
+    assert!(rebuilt.is_some_and(|rebuilt| !rebuilt.upload));
+}
+
+/// The origin of the renderer's coordinates follows the camera.
+#[test]
+fn a_scene_that_moved_far_away_is_not_uploaded_again() {
+    let text = include_str!("far/contact.toml").replace('X', "");
+    let first = scene(&text, &[SIZE]);
+    let (desc, mut second) = first.clone();
+    let away = Vec3::splat(4096.0);
+    for instance in &mut second.instances {
+        instance.world_from_object.translation += Vec3A::from(away);
+    }
+    for light in &mut second.lights {
+        *light.desc.kind.position_mut().expect("a lamp") += away;
+    }
+    let camera = &mut second.cameras[0].value;
+    (camera.eye, camera.target) = (camera.eye + away, camera.target + away);
+    let rebuilt = shown(&first, &(desc, second));
+    assert!(rebuilt.is_none_or(|rebuilt| !rebuilt.upload));
 }

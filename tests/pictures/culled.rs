@@ -2,7 +2,7 @@
 
 use crate::kit::*;
 
-const CULLED: &str = include_str!("../../scenes/fail/25-culled.toml");
+pub const CULLED: &str = include_str!("../../scenes/fail/25-culled.toml");
 
 /// The camera looks through the back of a plane whose front the mirror shows; moving or not, found by
 /// rasterization or by rays.

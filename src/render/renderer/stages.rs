@@ -91,8 +91,7 @@ impl Made {
         let (options, why) = with_trace(gpu, coordinates.options(&options.settled()))?;
         let (first, shown) = (coordinates.world(first), coordinates.world(shown));
         let world = &*first;
-        let mut old =
-            old.filter(|old| old.coordinates == coordinates && has_same_uploads(&old.world, world));
+        let mut old = old.filter(|old| has_same_uploads(&old.world, world));
 
         let traced = Traced::new(gpu, world, &options, old.as_deref_mut())?;
         let trees = traced.trees;
