@@ -282,6 +282,25 @@ fn a_shader_edit_rebuilds_its_own_pipelines_and_a_mistake_none() {
 }
 
 #[test]
+fn maps_show_what_an_edited_shader_captures() {
+    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
+    let probe = "[reflection]\nmethod = \"probe\"\n[probe.middle]\nposition = [0, 1, 0]\n[image]";
+    let scene = folder.write("scene.toml", SCENE.replace("[image]", probe));
+    let shaders = copy_shaders(&folder);
+    let mut live = open(&gpu, &scene, Some(&shaders));
+    let before = picture(&gpu, &mut live);
+    let capture = shaders.join("capture.wgsl");
+    let good = fs::read_to_string(&capture).expect("readable");
+    let edited = good.replace("mean.xyz /", "mean.zyx * 9.0 /");
+    assert!(edited != good);
+    for (text, is_same) in [(&edited, false), (&good, true)] {
+        fs::write(&capture, text).expect("written");
+        assert!(live.reload(&[Change::Shader].into()).ok);
+        assert_eq!(picture(&gpu, &mut live) == before, is_same);
+    }
+}
+
+#[test]
 fn an_asset_that_changes_or_comes_late_is_read() {
     let png = |color: [u8; 3]| {
         let mut bytes = std::io::Cursor::new(Vec::new());

@@ -50,7 +50,7 @@ fn a_copy_of_a_world_is_not_uploaded_again() {
 
 #[test]
 fn a_march_that_comes_later_knows_what_the_camera_culls() {
-    let Some(gpu) = gpu() else { return };
+    let gpu = or_skip!(gpu());
     let [rt, hybrid] =
         ["rt", "hybrid"].map(|m| scene(CULLED, &[SIZE, &format!("reflection.method=\"{m}\"")]));
     assert!(

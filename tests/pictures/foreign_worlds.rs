@@ -3,7 +3,7 @@
 use reflet::{
     render::RenderError,
     scene::desc::ShadowMode,
-    world::{Texture, TextureRef, Wrap},
+    world::{DecalMask, Texture, TextureRef, Wrap},
 };
 
 use crate::{common::assert_says, kit::*};
@@ -89,7 +89,7 @@ fn worlds_with_foreign_indices_or_too_many_lights_are_refused() {
 }
 
 /// Worlds that differ from the uploaded one by more than a pose.
-const NOT_POSED: [(Damage, &str); 8] = [
+const NOT_POSED: [(Damage, &str); 12] = [
     (
         |w| drop(w.instances.pop()),
         "other meshes, textures, instances",
@@ -112,6 +112,19 @@ const NOT_POSED: [(Damage, &str); 8] = [
     ),
     (
         |w| w.instances[0].world_from_object.translation.x += 1.0,
+        "other meshes, textures, instances",
+    ),
+    (
+        |w| w.instances[0].material = 1,
+        "other meshes, textures, instances",
+    ),
+    (|w| w.lamps.push(w.lights[0].clone()), "numbers of lamps"),
+    (
+        |w| w.decals.sets.push(DecalMask::default()),
+        "other meshes, textures, instances",
+    ),
+    (
+        |w| w.decals.set_of.push(0),
         "other meshes, textures, instances",
     ),
     (|w| w.lights.clear(), "other shadow maps"),

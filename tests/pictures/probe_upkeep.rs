@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use reflet::scene::desc::EnvironmentShadow;
+
 use crate::{
     kit::*,
     probes::{WALLS, room},
@@ -44,6 +46,12 @@ fn maps_are_kept_while_other_sizes_and_methods_are_shown() {
     let (captured, picture) = shown(one, &wide, &world);
     assert_eq!(captured, Some(true));
     assert!(picture.color == fresh(&wide, &world));
+    // So is light that is found in another way.
+    world.environment.desc.zenith = Vec3::ONE;
+    for shadow in [EnvironmentShadow::Ray, EnvironmentShadow::None] {
+        world.environment.desc.shadow = shadow;
+        assert_eq!(shown(one, &wide, &world).0, Some(true), "{shadow:?}");
+    }
     // So are maps of another size.
     wide.reflection.probes.face_px = 32;
     assert_eq!(shown(one, &wide, &world).0, Some(true));

@@ -257,6 +257,12 @@ fn each_picture_has_its_own_choice() {
     let shown = |renderer: &mut Renderer, camera| shown_in(&world, renderer, camera);
     let mut one = renderer(gpu, &desc, &world, false);
     let first = shown(&mut one, far);
+    let (whole, _) = scene(&text, &["reflection.skip_px=0", "reflection.method=rt"]);
+    let mut changed = renderer(gpu, &whole, &world, false);
+    let options = *one.options();
+    let rebuilt = changed.change(gpu, &shaders(), &world, &options);
+    assert!(rebuilt.is_ok_and(|rebuilt| rebuilt.trees));
+    assert_eq!(shown(&mut changed, far).display, first.display);
     let other = shown(&mut one, &near);
     let again = shown(&mut one, far);
     let other_pose = shown_in(&moved, &mut one, far);
