@@ -4,6 +4,7 @@
 mod folder;
 mod goal;
 mod replace;
+mod similar;
 
 use std::{
     collections::HashSet,
@@ -21,6 +22,7 @@ use xxhash_rust::xxh3::{Xxh3Default, xxh3_64};
 use folder::Folder;
 pub use goal::{Goal, Inputs};
 pub use replace::replace_content;
+pub use similar::similar;
 
 /// Coarsest clock tick of common file systems.
 const CLOCK_TICK: Duration = Duration::from_millis(50);

@@ -12,7 +12,7 @@ use super::{
     reach::{Reach, lexical},
     suggest,
 };
-use reflet_base::files::{open_regular, read_at_most};
+use reflet_base::files::{open_regular, read_at_most, similar};
 
 /// Words and limits for one kind of file, such as scene text or scripts.
 #[derive(Debug)]
@@ -172,6 +172,10 @@ fn read_in(
     let real = fs::canonicalize(&path).map_err(|e| match e.kind() {
         ErrorKind::NotFound => Problem {
             is_missing: true,
+            help: match similar(folder, relative) {
+                Some(name) => format!("it is there as \"{}\"", name.display()),
+                None => kind.names.to_owned(),
+            },
             ..missing("does not exist")
         },
         _ => missing(&format!("cannot be read: {e}")),

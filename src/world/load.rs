@@ -238,13 +238,16 @@ impl<'a> Loader<'a> {
     /// Finds a file that the scene text names: beside the scene, then in the asset folders.
     fn find(&self, name: &At<String>) -> Result<PathBuf, Box<Diagnostic>> {
         let mut looked = Vec::new();
+        let mut similar = None;
         for folder in &self.folders {
             match self.sandbox.resolve(folder, &name.value) {
                 Ok(path) => return Ok(path),
                 Err(Fault {
                     name: "file-not-found",
+                    help,
                     ..
                 }) => {
+                    similar = similar.or(help);
                     looked.push(format!("\"{}\"", folder.join(&name.value).display()));
                 }
                 // A name that climbs is most likely meant from the scene's own folder.
@@ -274,7 +277,7 @@ impl<'a> Loader<'a> {
             }
             () => "add the folder that has it with --assets DIR or REFLET_ASSETS",
         };
-        error.help = Some(help.into());
+        error.help = similar.or_else(|| Some(help.into()));
         Err(Box::new(error))
     }
 

@@ -287,10 +287,53 @@ fn data_uris_are_read() {
         doc.world().meshes[0].positions,
         [Vec3::ZERO, Vec3::X, Vec3::Y]
     );
+    let once_more = text.replace('A', "%41");
+    doc.json["buffers"][0]["uri"] = format!("data:;base64,{once_more}").into();
+    assert_eq!(doc.world().meshes[0].positions[1], Vec3::X);
     let percent: String = bytes.iter().map(|b| format!("%{b:02x}")).collect();
     doc.json["buffers"][0]["uri"] = format!("data:,{percent}").into();
     assert_eq!(
         doc.world().meshes[0].positions,
         [Vec3::ZERO, Vec3::X, Vec3::Y]
     );
+}
+
+/// A model that names a texture, in a folder.
+fn with_texture(folder: &Folder, uri: &str) -> reflet::scene::diagnostic::Diagnostic {
+    let mut doc = Doc::triangle();
+    let image = doc.image(json!({"uri": uri}));
+    doc.json["textures"] = json!([{"source": image}]);
+    doc.json["materials"] = json!([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]);
+    doc.json["meshes"][0]["primitives"][0]["material"] = 0.into();
+    folder.write("m.glb", doc.glb());
+    let errors = load_scene(&scene(&folder.0, "m.glb")).expect_err("no texture");
+    errors.into_iter().next().expect("an error")
+}
+
+#[test]
+fn files_that_stand_in_for_others_are_named() {
+    let folder = Folder::new();
+    let pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12\n";
+    folder.write("wood.png", pointer);
+    let error = with_texture(&folder, "wood.png");
+    assert_eq!(error.name, "git-lfs-pointer");
+    assert!(error.help.is_some_and(|help| help.contains("git lfs pull")));
+    folder.write("wood.png", b"<!DOCTYPE html><title>wood.png</title>");
+    assert_eq!(with_texture(&folder, "wood.png").name, "web-page");
+    for model in ["p.gltf", "p.glb"] {
+        folder.write(model, pointer);
+        let errors = load_scene(&scene(&folder.0, model)).expect_err("no model");
+        assert_eq!(errors[0].name, "git-lfs-pointer", "{model}");
+    }
+}
+
+#[test]
+fn files_of_another_spelling_are_named() {
+    let folder = Folder::new();
+    folder.write("Wood.PNG", png(1, 1, [1; 4]));
+    let error = with_texture(&folder, "wood.png");
+    assert_eq!(error.name, "file-not-found");
+    assert_eq!(error.help.as_deref(), Some("it is there as \"Wood.PNG\""));
+    let errors = load_scene(&scene(&folder.0, "M.glb")).expect_err("another name");
+    assert_eq!(errors[0].help.as_deref(), Some("it is there as \"m.glb\""));
 }

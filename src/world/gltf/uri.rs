@@ -8,7 +8,8 @@ use std::{
 
 use data_encoding::BASE64_NOPAD;
 
-use super::Fault;
+use super::{Fault, stand_in};
+use reflet_base::files::similar;
 use reflet_scene::dependencies::Dependencies;
 
 /// The folders that files may be read from, canonical.
@@ -80,7 +81,7 @@ impl Sandbox {
             .map_err(|e| Fault::new("file-not-found", format!("\"{}\": {e}", folder.display())))?;
         let inside = |path: &Path| self.roots.iter().any(|root| path.starts_with(root));
         // Lexical check first, so that no outside path is accessed.
-        let mut path = folder;
+        let mut path = folder.clone();
         for part in Path::new(&name).components() {
             match part {
                 Component::Normal(part) => path.push(part),
@@ -93,9 +94,14 @@ impl Sandbox {
             return Err(escape("leaves the allowed folders"));
         }
         self.dependencies.add(named);
-        let path = path
-            .canonicalize()
-            .map_err(|e| Fault::new("file-not-found", format!("\"{shown}\": {e}")))?;
+        let found = path.canonicalize().map_err(|e| {
+            let fault = Fault::new("file-not-found", format!("\"{shown}\": {e}"));
+            match similar(&folder, Path::new(&name)) {
+                Some(name) => fault.help(format!("it is there as \"{}\"", name.display())),
+                None => fault,
+            }
+        });
+        let path = found?;
         if !inside(&path) {
             return Err(escape("is a link that leaves the allowed folders"));
         }
@@ -111,7 +117,7 @@ impl Sandbox {
     /// Reads a file that [`Sandbox::resolve`] gave, up to the size cap.
     ///
     /// # Errors
-    /// The file cannot be read or is larger than the cap.
+    /// The file cannot be read, is larger than the cap, or stands in for another one (see [`stand_in::refuse`]).
     pub fn read(&self, path: &Path) -> Result<Vec<u8>, Fault> {
         let unreadable =
             |e: std::io::Error| Fault::new("file-unreadable", format!("cannot be read: {e}"));
@@ -138,6 +144,7 @@ impl Sandbox {
         if bytes.len() as u64 > self.max_file_bytes {
             return Err(too_large());
         }
+        stand_in::refuse(&bytes)?;
         Ok(bytes)
     }
 }
@@ -175,7 +182,10 @@ fn data(rest: &str) -> Result<Vec<u8>, Fault> {
     let broken = |why: &str| Fault::new("uri-broken", format!("the data: URI {why}"));
     let (head, body) = rest.split_once(',').ok_or_else(|| broken("has no comma"))?;
     if head.to_ascii_lowercase().ends_with(";base64") {
-        base64(body.as_bytes()).ok_or_else(|| broken("is not valid base64"))
+        // Some exporters encode `+`, `/` and `=` once more.
+        let decoded = body.contains('%').then(|| percent_decode(body));
+        let body = decoded.as_deref().unwrap_or(body.as_bytes());
+        base64(body).ok_or_else(|| broken("is not valid base64"))
     } else {
         Ok(percent_decode(body))
     }

@@ -3,7 +3,10 @@
 use std::{fs::File, io::Read as _};
 
 use super::{TextureLimits, fault};
-use crate::gltf::{Bytes, Fault, ImageSource};
+use crate::gltf::{
+    Bytes, Fault, ImageSource,
+    stand_in::{self, STAND_IN_BYTES},
+};
 use reflet_base::memory::Reservation;
 
 /// A supported format.
@@ -19,10 +22,8 @@ pub enum Format {
     Ktx2,
 }
 
-/// Number of bytes that tell every format.
-const MAGIC_BYTES: usize = 12;
 /// First bytes of every KTX 2 file.
-const KTX2_IDENTIFIER: [u8; MAGIC_BYTES] = *b"\xABKTX 20\xBB\r\n\x1A\n";
+const KTX2_IDENTIFIER: [u8; 12] = *b"\xABKTX 20\xBB\r\n\x1A\n";
 
 /// An encoded image in memory.
 pub struct Encoded {
@@ -63,7 +64,7 @@ impl Encoded {
             return Err(too_large(limits.max_file_bytes));
         }
         let mut bytes = Vec::new();
-        let mut start = (&mut file).take(MAGIC_BYTES as u64);
+        let mut start = (&mut file).take(STAND_IN_BYTES as u64);
         start.read_to_end(&mut bytes).map_err(unreadable)?;
         let format = format(&bytes)?;
         let held = limits.memory.hold(size);
@@ -115,6 +116,9 @@ fn format(bytes: &[u8]) -> Result<Format, Fault> {
         [b'G', b'I', b'F', b'8', ..] => unsupported("GIF"),
         [b'B', b'M', ..] => unsupported("BMP"),
         [] => Err(fault("image-broken", "is empty")),
-        _ => unsupported("of an unknown format"),
+        _ => {
+            stand_in::refuse(bytes)?;
+            unsupported("of an unknown format")
+        }
     }
 }

@@ -1,0 +1,76 @@
+//! Names of files that people take for the same: systems that ignore case, and forms of Unicode, tell them apart elsewhere.
+
+use std::{
+    fs,
+    path::{Component, Path, PathBuf},
+};
+
+/// Maximum number of names of a folder that are compared.
+const MOST_NAMES: usize = 10_000;
+
+/// Name below `folder` of a file that is there, and differs from `name` in the case of letters or the Unicode form of letters
+/// with accents alone. `name` is relative.
+pub fn similar(folder: &Path, name: &Path) -> Option<PathBuf> {
+    let mut found = PathBuf::new();
+    for part in name.components() {
+        let here = folder.join(&found);
+        let Component::Normal(wanted) = part else {
+            found.push(part);
+            continue;
+        };
+        if here.join(wanted).exists() {
+            found.push(wanted);
+            continue;
+        }
+        let wanted = folded(wanted.to_str()?);
+        let names = fs::read_dir(here).ok()?.take(MOST_NAMES).flatten();
+        let mut names = names.map(|entry| entry.file_name());
+        found.push(names.find(|name| name.to_str().is_some_and(|name| folded(name) == wanted))?);
+    }
+    Some(found)
+}
+
+/// Name in lower case, with a star for each letter that is not of ASCII or has accents of its own: "é" as one character, and as
+/// "e" with a combining accent.
+fn folded(name: &str) -> String {
+    let mut folded = String::new();
+    for letter in name.chars().flat_map(char::to_lowercase) {
+        match letter {
+            '\u{300}'..='\u{36f}' => {
+                folded.pop();
+                folded.push('*');
+            }
+            letter if letter.is_ascii() => folded.push(letter),
+            _ => folded.push('*'),
+        }
+    }
+    folded
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_look_the_same_are_found() {
+        let folder = std::env::temp_dir().join(format!("reflet-similar-{}", std::process::id()));
+        let inner = folder.join("Maps");
+        fs::create_dir_all(&inner).unwrap();
+        for name in ["Wood.PNG", "cafe\u{301}.png"] {
+            fs::write(inner.join(name), "").unwrap();
+        }
+        for (asked, expected) in [
+            ("Maps/Wood.PNG", Some("Maps/Wood.PNG")),
+            ("maps/wood.png", Some("Maps/Wood.PNG")),
+            ("./maps/../maps/wood.png", Some("./Maps/../Maps/Wood.PNG")),
+            ("Maps/caf\u{e9}.png", Some("Maps/cafe\u{301}.png")),
+            ("Maps/cafe.png", None),
+            ("Maps/wool.png", None),
+            ("none/wood.png", None),
+        ] {
+            let found = similar(&folder, Path::new(asked));
+            assert_eq!(found.as_deref(), expected.map(Path::new), "{asked}");
+        }
+        fs::remove_dir_all(folder).unwrap();
+    }
+}
