@@ -14,10 +14,7 @@ usage() {
 only=all
 case "${1:-}" in
     '') ;;
-    --build) only=build ;;
-    --run) only=run ;;
-    --blender) only=blender ;;
-    --vscode) only=vscode ;;
+    --build | --run | --blender | --vscode) only="${1#--}" ;;
     -h | --help)
         usage
         exit 0
@@ -233,6 +230,9 @@ setup_rust() {
     echo "present: Rust $version"
 }
 
+# Installs packages into the checkout's environment.
+pip_install() { "$root/.venv/bin/python" -m pip install --quiet --disable-pip-version-check "$@"; }
+
 setup_python() {
     [ -f "$root/tools/pyproject.toml" ] || return 0
     heading "Python tools"
@@ -244,28 +244,19 @@ setup_python() {
     fi
     has python3 || fail "needs python3"
     [ -x "$root/.venv/bin/python" ] || python3 -m venv "$root/.venv"
+    local extra=""
+    wants test && extra="[dev]"
+    pip_install --editable "$root/tools$extra"
+    # MaterialX has no build for every system, nor has Mitsuba, an independent renderer, for one test.
+    pip_install --editable "$root/tools[materialx]" ||
+        echo "missing: MaterialX; USD stages are shown without the materials of .mtlx files"
     if ! wants test; then
-        "$root/.venv/bin/python" -m pip install --quiet --disable-pip-version-check \
-            --editable "$root/tools"
-        setup_materialx
         echo "ready: .venv, without what the tests need"
         return 0
     fi
-    "$root/.venv/bin/python" -m pip install --quiet --disable-pip-version-check \
-        --editable "$root/tools[dev]"
-    setup_materialx
-    # Mitsuba, an independent renderer, for one test; it has no build for every system.
-    "$root/.venv/bin/python" -m pip install --quiet --disable-pip-version-check "mitsuba>=3.5" ||
-        echo "missing: mitsuba; the comparison with it will be skipped"
+    pip_install "mitsuba>=3.5" || echo "missing: mitsuba; the comparison with it will be skipped"
     touch "$stamp"
     echo "ready: .venv"
-}
-
-# MaterialX has no build for every system.
-setup_materialx() {
-    "$root/.venv/bin/python" -m pip install --quiet --disable-pip-version-check \
-        --editable "$root/tools[materialx]" ||
-        echo "missing: MaterialX; USD stages are shown without the materials of .mtlx files"
 }
 
 # The Khronos validator proves converted stages, and Playwright drives Chromium over the preview's page; without node those
@@ -291,8 +282,7 @@ setup_denoiser() {
     heading "Denoiser"
     if compgen -G "$root/.venv/lib/*/site-packages/pyoidn" >/dev/null; then
         echo "present: .venv"
-    elif "$root/.venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-deps \
-        "pyoidn>=2.4,<3"; then
+    elif pip_install --no-deps "pyoidn>=2.4,<3"; then
         echo "ready: .venv"
     else
         echo "missing: pyoidn; the test of --denoise will be skipped"
