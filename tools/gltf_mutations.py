@@ -278,6 +278,8 @@ class _Buffers:
         self.beside: dict[str, bytes] = {}
         self._model = model
         self._items = _objects(root.get("buffers"))
+        views = root.get("bufferViews")
+        self.views = views if isinstance(views, list) else []
         self.images = [i for i in _objects(root.get("images")) if "uri" in i]
 
     def read(self, item: dict[str, Any]) -> bytearray:
@@ -315,26 +317,22 @@ class _Buffers:
             return None
         return self._items[of["buffer"]], start, start + length
 
+    def numbered(self, index: Any) -> tuple[dict[str, Any], int, int] | None:
+        """Buffer, start and end of the buffer view of an index, where there is one."""
+        there = isinstance(index, int) and 0 <= index < len(self.views)
+        return self.view(self.views[index]) if there else None
+
 
 def _streams(root: dict[str, Any], buffers: _Buffers) -> list[tuple[dict[str, Any], int, int]]:
     """Byte ranges of compressed data (geometry, images), else of all buffer views."""
-    views = root.get("bufferViews")
-    views = views if isinstance(views, list) else []
     ranges: list[tuple[dict[str, Any], int, int] | None] = []
     ranges += [(image, 0, len(buffers.read(image))) for image in buffers.images]
     for of, key in _places(root):
         if key in _COMPRESSION and isinstance(of[key], dict):
-            found = of[key]
-            index = found.get("bufferView")
-            if isinstance(index, int) and 0 <= index < len(views):
-                found = views[index]
-            ranges.append(buffers.view(found))
-    for image in _objects(root.get("images")):
-        index = image.get("bufferView")
-        if isinstance(index, int) and 0 <= index < len(views):
-            ranges.append(buffers.view(views[index]))
+            ranges.append(buffers.numbered(of[key].get("bufferView")) or buffers.view(of[key]))
+    ranges += [buffers.numbered(i.get("bufferView")) for i in _objects(root.get("images"))]
     if not any(ranges):
-        ranges = [buffers.view(view) for view in views]
+        ranges = [buffers.view(view) for view in buffers.views]
     return [of for of in ranges if of is not None]
 
 
@@ -360,14 +358,9 @@ def _change_stream(root: dict[str, Any], buffers: _Buffers, chance: random.Rando
 
 
 def _change_floats(root: dict[str, Any], buffers: _Buffers, chance: random.Random) -> None:
-    views = root.get("bufferViews")
-    views = views if isinstance(views, list) else []
     floats = [a for a in _objects(root.get("accessors")) if a.get("componentType") == 5126]
     for accessor in chance.sample(floats, min(len(floats), 3)):
-        index = accessor.get("bufferView")
-        found = None
-        if isinstance(index, int) and 0 <= index < len(views):
-            found = buffers.view(views[index])
+        found = buffers.numbered(accessor.get("bufferView"))
         if found is None:
             continue
         item, start, end = found

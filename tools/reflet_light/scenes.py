@@ -48,6 +48,7 @@ def thing(name: str, shape: str, material: str, place: str = "") -> str:
 BALL = '{ kind = "sphere", radius = 1, segments = 512 }'
 METAL = "base_color = [1.0, 0.78, 0.34]\nmetallic = 1\n"
 PLASTIC = "base_color = [0.5, 0.08, 0.06]\n"
+MATTE = "base_color = [0.7, 0.7, 0.7]\nreflectivity = 0"
 
 
 def ball(material: str) -> str:
@@ -86,9 +87,7 @@ def panels() -> str:
 
 
 FLOOR = HEAD + "[camera.main]\neye = [0, 3, 6]\ntarget = [0, 0.6, 0]\nfov_deg = 40\n" + DARK
-FLOOR += thing(
-    "floor", '{ kind = "plane", size = [40, 40] }', "base_color = [0.7, 0.7, 0.7]\nreflectivity = 0"
-)
+FLOOR += thing("floor", '{ kind = "plane", size = [40, 40] }', MATTE)
 FLOOR += thing(
     "block",
     '{ kind = "box", size = [0.8, 1.2, 0.8] }',
@@ -146,9 +145,8 @@ def surfaces_that_light() -> list[Scene]:
         glow("[2, 4, 9]") + "\nlight = true",
         "translation = [1.9, 0.5, 0]",
     )
-    matte = "base_color = [0.7, 0.7, 0.7]\nreflectivity = 0"
     satin = "base_color = [0.9, 0.9, 0.9]\nmetallic = 1\nroughness = 0.3"
-    metal = FLOOR.replace(matte, satin).split("[material.block]")[0] + lamps
+    metal = FLOOR.replace(MATTE, satin).split("[material.block]")[0] + lamps
     shows = "a ball and a box that glow"
     return [
         Scene("light-mesh", f"{shows}, and shadows", FLOOR + lamps, 2),
@@ -181,7 +179,7 @@ def indirect() -> list[Scene]:
     block = thing(
         "block",
         '{ kind = "box", size = [0.6, 1.1, 0.6] }',
-        "base_color = [0.7, 0.7, 0.7]\nreflectivity = 0",
+        MATTE,
         "translation = [-0.5, 0.55, -0.6]\nrotation_deg = [0, 25, 0]",
     )
     metal = thing(
@@ -321,9 +319,8 @@ def all_scenes() -> list[Scene]:
     lacquer = "base_color = [0.42, 0.03, 0.035]\nroughness = 0.5\nclearcoat = 1\n"
     shiny = METAL + "roughness = 0.24"
     in_panels = CLOSE_UP.replace("fov_deg = 34", "fov_deg = 60") + panels()
-    matte = "base_color = [0.7, 0.7, 0.7]\nreflectivity = 0"
     satin = "base_color = [0.9, 0.9, 0.9]\nmetallic = 1\nroughness = 0.4"
-    satin_floor = FLOOR.replace(matte, satin).split("[material.block]")[0]
+    satin_floor = FLOOR.replace(MATTE, satin).split("[material.block]")[0]
     satin_floor += f"[light.l]\n{LIGHTS['rect'][0]}\n"
     brushed = "base_color = [1, 1, 1]\nmetallic = 1\nroughness = 0.3\nanisotropy = 0.7"
     brushed_floor = satin_floor.replace(satin, brushed)
