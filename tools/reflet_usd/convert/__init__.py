@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from reflet_usd.convert.types import ConvertError, ConvertOptions, ConvertResult, Warning
+from .types import ConvertError, ConvertOptions, ConvertResult, Warning
 
 __all__ = ["ConvertError", "ConvertOptions", "ConvertResult", "Warning", "convert_stage"]
 
@@ -13,6 +13,6 @@ def convert_stage(stage_path: Path, out: Path, options: ConvertOptions) -> Conve
     Writes `out` and the sidecar `out + ".json"`; on any `ConvertError` neither exists anew.
     """
     # Imported here, because the child process sets its limits before USD is loaded.
-    from reflet_usd.convert.pipeline import run_pipeline
+    from .pipeline import run_pipeline
 
     return run_pipeline(Path(stage_path), Path(out), options)

@@ -9,35 +9,15 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from reflet_usd.convert.context import Context
-from reflet_usd.convert.keyframes import (
-    Evaluate,
-    Keys,
-    OneNode,
-    TwoNodes,
-    exact_keys,
-    remembered,
-    sampled_keys,
-)
-from reflet_usd.convert.missing_xform_ops import warn_missing_ops
-from reflet_usd.convert.samples import (
-    has_spline,
-    seconds_of,
-    value_codes,
-    warn_extrapolation,
-    with_jumps,
-)
-from reflet_usd.convert.scene import Array, Node
-from reflet_usd.convert.spline_keys import set_spline_tracks, spline_keys
-from reflet_usd.convert.transform_tolerance import Reach, reach_of
-from reflet_usd.convert.xform import (
-    Trs,
-    align_hemispheres,
-    assign,
-    column_matrix,
-    place,
-)
-from reflet_usd.convert.xform_op_chain import Splines, chain_of_ops
+from .context import Context
+from .keyframes import Evaluate, Keys, OneNode, TwoNodes, exact_keys, remembered, sampled_keys
+from .missing_xform_ops import warn_missing_ops
+from .samples import has_spline, seconds_of, value_codes, warn_extrapolation, with_jumps
+from .scene import Array, Node
+from .spline_keys import set_spline_tracks, spline_keys
+from .transform_tolerance import Reach, reach_of
+from .xform import Trs, align_hemispheres, assign, column_matrix, place
+from .xform_op_chain import Splines, chain_of_ops
 
 # Rounding error in the fourth column of affine matrices that are products in float64.
 AFFINE_TOLERANCE = 1e-9

@@ -4,7 +4,7 @@ import argparse
 import re
 from pathlib import Path
 
-from reflet_usd.convert.types import DEFAULT_PURPOSES, ConvertOptions
+from .types import DEFAULT_PURPOSES, ConvertOptions
 
 PURPOSES = ("default", "render", "proxy", "guide")
 _MOST_CODE = 1e9  # equals `MAX_CODE` of context.py, whose import would load USD

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from reflet_usd.convert.context import Context, source_path
-from reflet_usd.convert.extras import plain_value
-from reflet_usd.convert.primvars import Primvar, Topology, read_primvar, to_stream
-from reflet_usd.convert.surface import Stream
+from .context import Context, source_path
+from .extras import plain_value
+from .primvars import Primvar, Topology, read_primvar, to_stream
+from .surface import Stream
 
 # The last pattern is how files of early USD versions name float2[].
 UV_TYPES = (

@@ -5,9 +5,9 @@ from typing import Any
 
 from pxr import Usd, UsdGeom
 
-from reflet_usd.convert.context import Context, authored
-from reflet_usd.convert.gltf_writer import GltfWriter
-from reflet_usd.convert.scene import Node
+from .context import Context, authored
+from .gltf_writer import GltfWriter
+from .scene import Node
 
 # Apertures and focal length are in tenths of a scene unit (UsdGeomCamera).
 _TENTH = 0.1

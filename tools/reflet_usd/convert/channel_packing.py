@@ -7,17 +7,11 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from reflet_usd.convert.context import Context
-from reflet_usd.convert.gltf_writer import GltfWriter
-from reflet_usd.convert.scene import Array
-from reflet_usd.convert.sources import TextureRead
-from reflet_usd.convert.texture import (
-    ImageFile,
-    TextureLibrary,
-    is_srgb,
-    linear_to_srgb,
-    srgb_to_linear,
-)
+from .context import Context
+from .gltf_writer import GltfWriter
+from .scene import Array
+from .sources import TextureRead
+from .texture import ImageFile, TextureLibrary, is_srgb, linear_to_srgb, srgb_to_linear
 
 REPEAT, CLAMP_TO_EDGE, MIRRORED_REPEAT = 10497, 33071, 33648
 _WRAPS = {"repeat": REPEAT, "clamp": CLAMP_TO_EDGE, "mirror": MIRRORED_REPEAT}

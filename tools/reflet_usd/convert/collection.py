@@ -5,9 +5,9 @@ from typing import Any
 
 from pxr import Usd, UsdLux
 
-from reflet_usd.convert.context import Context
-from reflet_usd.convert.extras import listed, property_value
-from reflet_usd.convert.scene import Node
+from .context import Context
+from .extras import listed, property_value
+from .scene import Node
 
 _PREFIX = "collection:"
 _BINDING = "material:binding:collection"

@@ -4,10 +4,11 @@ import argparse
 import sys
 from collections import Counter
 
-from reflet_usd.convert import arguments
-from reflet_usd.convert.types import count_of
 from reflet_usd.limit_arguments import add_limits, limits_from
 from reflet_usd.standard_output import show
+
+from . import arguments
+from .types import count_of
 
 SHOWN_WARNINGS = 20
 

@@ -10,16 +10,11 @@ from pathlib import Path
 
 from pxr import Ar, Sdf, Tf, Usd, UsdShade, UsdUtils
 
-from reflet_usd.convert.ledger import Ledger
-from reflet_usd.convert.types import ConvertError
-from reflet_usd.materialx_document import (
-    Document,
-    DocumentError,
-    is_document,
-    read_document,
-    refer,
-)
+from reflet_usd.materialx_document import Document, DocumentError, is_document, read_document, refer
 from reflet_usd.usdz_check import check_referenced
+
+from .ledger import Ledger
+from .types import ConvertError
 
 MAX_LAYERS = 20_000
 _DICTIONARIES = ("assetInfo", "clips", "customData")

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 from pxr import Sdf, Usd, UsdGeom
 
-from reflet_usd.convert.confinement import Files
-from reflet_usd.convert.ledger import Ledger
-from reflet_usd.convert.scene import Array
-from reflet_usd.convert.types import ConvertOptions
+from .confinement import Files
+from .ledger import Ledger
+from .scene import Array
+from .types import ConvertOptions
 
 # Time codes beyond this are damage: as seconds they would exceed float32's precision.
 MAX_CODE = 1e9

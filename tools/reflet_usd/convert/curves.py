@@ -6,23 +6,17 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from reflet_usd.convert.attributes import GprimPrimvars, Streams, inherited_primvars
-from reflet_usd.convert.context import Context, authored, in_float32, type_name
-from reflet_usd.convert.geometry import BuiltMesh, mesh_extras, warn_still_points
-from reflet_usd.convert.gltf_writer import (
-    ARRAY_BUFFER,
-    ELEMENT_ARRAY_BUFFER,
-    LINES,
-    POINTS,
-    GltfWriter,
-)
-from reflet_usd.convert.material import MaterialLibrary, warn_translucent
-from reflet_usd.convert.nurbs_curves import sample_nurbs
-from reflet_usd.convert.polygons import read_points
-from reflet_usd.convert.primvars import Topology
-from reflet_usd.convert.scene import Array
-from reflet_usd.convert.subsets import bound_material
-from reflet_usd.convert.surface import Stream
+from .attributes import GprimPrimvars, Streams, inherited_primvars
+from .context import Context, authored, in_float32, type_name
+from .geometry import BuiltMesh, mesh_extras, warn_still_points
+from .gltf_writer import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, LINES, POINTS, GltfWriter
+from .material import MaterialLibrary, warn_translucent
+from .nurbs_curves import sample_nurbs
+from .polygons import read_points
+from .primvars import Topology
+from .scene import Array
+from .subsets import bound_material
+from .surface import Stream
 
 SEGMENTS_PER_SPAN = 8
 # Basis matrices: powers of t from 1 to t³ times these times four control points.

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, UsdSkel
 
-from reflet_usd.convert.context import Context
-from reflet_usd.convert.scene import Node
+from .context import Context
+from .scene import Node
 
 # Properties that other modules read, each by rules of its own.
 _BINDING = (

@@ -6,28 +6,23 @@ from typing import Any, Protocol
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from reflet_usd.convert.attributes import (
-    GprimPrimvars,
-    Streams,
-    inherited_primvars,
-    primvar_signature,
-)
-from reflet_usd.convert.channel_packing import texture_transform, wraps_to_black
-from reflet_usd.convert.context import Context, authored, source_path, type_name
-from reflet_usd.convert.extras import is_custom
-from reflet_usd.convert.gltf_writer import GltfWriter
-from reflet_usd.convert.gprim import GPRIM_TYPES, cube_polygons, tessellate
-from reflet_usd.convert.material import MaterialLibrary, MaterialPlan, warn_translucent
-from reflet_usd.convert.mesh import mesh_surface
-from reflet_usd.convert.mesh_light import MeshLights
-from reflet_usd.convert.nurbs import patch_polygons, patch_topology
-from reflet_usd.convert.polygons import Polygons, read_polygons, tet_polygons
-from reflet_usd.convert.primitive import PrimitiveParts, build_primitive
-from reflet_usd.convert.primvars import Topology
-from reflet_usd.convert.scene import Array
-from reflet_usd.convert.sources import Constant, PrimvarRead, TextureRead
-from reflet_usd.convert.subsets import FaceGroup, face_groups
-from reflet_usd.convert.surface import Surface
+from .attributes import GprimPrimvars, Streams, inherited_primvars, primvar_signature
+from .channel_packing import texture_transform, wraps_to_black
+from .context import Context, authored, source_path, type_name
+from .extras import is_custom
+from .gltf_writer import GltfWriter
+from .gprim import GPRIM_TYPES, cube_polygons, tessellate
+from .material import MaterialLibrary, MaterialPlan, warn_translucent
+from .mesh import mesh_surface
+from .mesh_light import MeshLights
+from .nurbs import patch_polygons, patch_topology
+from .polygons import Polygons, read_polygons, tet_polygons
+from .primitive import PrimitiveParts, build_primitive
+from .primvars import Topology
+from .scene import Array
+from .sources import Constant, PrimvarRead, TextureRead
+from .subsets import FaceGroup, face_groups
+from .surface import Surface
 
 # Coordinates this far outside 0…1 come from rounding, not from tiling.
 _UV_SLACK = 1e-4

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from reflet_usd.convert.scene import Array, Node, Skin, Track
-from reflet_usd.convert.types import ConvertError
+from .scene import Array, Node, Skin, Track
+from .types import ConvertError
 
 GENERATOR = "reflet-usd"
 ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963

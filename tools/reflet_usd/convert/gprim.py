@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from pxr import Usd
 
-from reflet_usd.convert.context import Context, authored, in_float32, type_name
-from reflet_usd.convert.normals import unit_rows
-from reflet_usd.convert.polygons import Polygons
-from reflet_usd.convert.primvars import Topology
-from reflet_usd.convert.scene import Array
-from reflet_usd.convert.surface import Stream, Surface
+from .context import Context, authored, in_float32, type_name
+from .normals import unit_rows
+from .polygons import Polygons
+from .primvars import Topology
+from .scene import Array
+from .surface import Stream, Surface
 
 SEGMENTS = 32  # around the axis; with a multiple of 4, vertices lie on the bounds
 RINGS = 16  # from pole to pole; even, so that one is the equator

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from reflet_usd.convert.animation import animate_matrix
-from reflet_usd.convert.context import Context
-from reflet_usd.convert.instancing import unit_quaternions
-from reflet_usd.convert.raw_trs import RawTrs
-from reflet_usd.convert.scene import Array, Node
-from reflet_usd.convert.transform_tolerance import Reach, reach_of
-from reflet_usd.convert.xform import Trs, align_hemispheres, assign, place
+from .animation import animate_matrix
+from .context import Context
+from .instancing import unit_quaternions
+from .raw_trs import RawTrs
+from .scene import Array, Node
+from .transform_tolerance import Reach, reach_of
+from .xform import Trs, align_hemispheres, assign, place
 
 # Matrices that normalization changes by no more than this are equal in single precision.
 _NORMALIZED = 1e-6

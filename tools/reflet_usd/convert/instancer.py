@@ -6,20 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from reflet_usd.convert.animation import set_visibility
-from reflet_usd.convert.context import Context, authored, in_float32, source_path, type_name
-from reflet_usd.convert.gltf_writer import GltfWriter
-from reflet_usd.convert.instance_motion import InstanceMotion, warn_normalized
-from reflet_usd.convert.instancing import (
-    add_gpu_instances,
-    decompose_many,
-    trs_matrices,
-    unit_quaternions,
-)
-from reflet_usd.convert.raw_trs import RawTrs, Tracks
-from reflet_usd.convert.scene import Array, Node
-from reflet_usd.convert.types import ConvertError
-from reflet_usd.convert.xform import place
+from .animation import set_visibility
+from .context import Context, authored, in_float32, source_path, type_name
+from .gltf_writer import GltfWriter
+from .instance_motion import InstanceMotion, warn_normalized
+from .instancing import add_gpu_instances, decompose_many, trs_matrices, unit_quaternions
+from .raw_trs import RawTrs, Tracks
+from .scene import Array, Node
+from .types import ConvertError
+from .xform import place
 
 PrototypeNode = Callable[[Usd.Prim], Node]
 # More instances of one prototype than this are written as EXT_mesh_gpu_instancing.

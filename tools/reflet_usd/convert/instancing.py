@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from reflet_usd.convert.gltf_writer import GltfWriter
-from reflet_usd.convert.scene import Array, Node
-from reflet_usd.convert.xform import SHEAR_TOLERANCE, Trs
+from .gltf_writer import GltfWriter
+from .scene import Array, Node
+from .xform import SHEAR_TOLERANCE, Trs
 
 Transforms = tuple[Array, Array, Array]
 

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Gf, Usd, UsdGeom, UsdSkel
 
-from reflet_usd.convert.animation import animate_matrix
-from reflet_usd.convert.context import Context, in_float32
-from reflet_usd.convert.instancing import unit_quaternions
-from reflet_usd.convert.raw_trs import Parts, RawTrs, Tracks
-from reflet_usd.convert.scene import Array, Node
-from reflet_usd.convert.transform_tolerance import Reach, reach_of
-from reflet_usd.convert.xform import align_hemispheres, assign, column_matrix, nearest_trs, place
+from .animation import animate_matrix
+from .context import Context, in_float32
+from .instancing import unit_quaternions
+from .raw_trs import Parts, RawTrs, Tracks
+from .scene import Array, Node
+from .transform_tolerance import Reach, reach_of
+from .xform import align_hemispheres, assign, column_matrix, nearest_trs, place
 
 # Joints that stretch less than this match glTF's unit quaternions: single precision.
 _STRETCH = 1e-6

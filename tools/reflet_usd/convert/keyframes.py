@@ -8,11 +8,11 @@ from typing import Protocol
 
 import numpy as np
 
-from reflet_usd.convert.samples import before, is_jump
-from reflet_usd.convert.scene import Array
-from reflet_usd.convert.shear import follow
-from reflet_usd.convert.transform_tolerance import Reach
-from reflet_usd.convert.xform import Trs, decompose, nearest_trs
+from .samples import before, is_jump
+from .scene import Array
+from .shear import follow
+from .transform_tolerance import Reach
+from .xform import Trs, decompose, nearest_trs
 
 # Matrices between keys may deviate by this share of their largest entries and still be exact.
 EXACT_TOLERANCE = 2e-6

@@ -2,7 +2,7 @@
 
 from collections import defaultdict
 
-from reflet_usd.convert.types import Warning
+from .types import Warning
 
 
 class Ledger:

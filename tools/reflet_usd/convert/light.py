@@ -11,14 +11,11 @@ from typing import Any
 import numpy as np
 from pxr import Sdf, Usd, UsdLux
 
-from reflet_usd.convert.context import Context, in_float32, type_name
-from reflet_usd.convert.gltf_writer import GltfWriter
-from reflet_usd.convert.light_losses import (
-    light_value,
-    warn_unsupported,
-)
-from reflet_usd.convert.light_size import Emitter
-from reflet_usd.convert.scene import Array, Node
+from .context import Context, in_float32, type_name
+from .gltf_writer import GltfWriter
+from .light_losses import light_value, warn_unsupported
+from .light_size import Emitter
+from .scene import Array, Node
 
 _SMALLEST_CONE = 1e-3
 # KHR_lights_punctual's cone falloff with inner angle 0 and outer angle 90° is cos²θ, which

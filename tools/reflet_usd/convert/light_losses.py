@@ -4,7 +4,7 @@ from typing import Any
 
 from pxr import Sdf, Usd, UsdLux
 
-from reflet_usd.convert.context import Context, type_name
+from .context import Context, type_name
 
 _LINKS = ("lightLink", "shadowLink")
 _OUTDATED = (

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd
 
-from reflet_usd.convert.context import Context, in_float32
-from reflet_usd.convert.gltf_writer import GltfWriter
-from reflet_usd.convert.scene import Array, Node, Track
-from reflet_usd.convert.xform import Trs
+from .context import Context, in_float32
+from .gltf_writer import GltfWriter
+from .scene import Array, Node, Track
+from .xform import Trs
 
 _SAME = 1e-6
 """Sizes and powers whose ratio differs from 1 by less than this are equal."""

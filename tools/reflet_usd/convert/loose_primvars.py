@@ -4,9 +4,9 @@ from collections.abc import Iterable
 
 from pxr import Usd, UsdGeom
 
-from reflet_usd.convert.context import Context
-from reflet_usd.convert.extras import listed, plain_value
-from reflet_usd.convert.scene import Node
+from .context import Context
+from .extras import listed, plain_value
+from .scene import Node
 
 _NAMESPACE = "primvars:"
 _SKELETAL = "primvars:skel:"

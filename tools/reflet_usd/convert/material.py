@@ -5,16 +5,16 @@ from typing import Any
 
 from pxr import Usd, UsdShade
 
-from reflet_usd.convert.attributes import DisplayColor
-from reflet_usd.convert.channel_packing import Packer
-from reflet_usd.convert.context import Context, source_path
-from reflet_usd.convert.gltf_writer import GltfWriter
-from reflet_usd.convert.materialx import MATERIALX_SURFACES, approximate
-from reflet_usd.convert.mesh_light import Glow, shine
-from reflet_usd.convert.network import NetworkReader, shader_id
-from reflet_usd.convert.preview_surface import PREVIEW_INPUTS
-from reflet_usd.convert.sources import Constant, PrimvarRead, Source, TextureRead
-from reflet_usd.convert.surface_layers import LayeredMaterial
+from .attributes import DisplayColor
+from .channel_packing import Packer
+from .context import Context, source_path
+from .gltf_writer import GltfWriter
+from .materialx import MATERIALX_SURFACES, approximate
+from .mesh_light import Glow, shine
+from .network import NetworkReader, shader_id
+from .preview_surface import PREVIEW_INPUTS
+from .sources import Constant, PrimvarRead, Source, TextureRead
+from .surface_layers import LayeredMaterial
 
 _RENDER_CONTEXTS = ("", "glslfx", "mtlx")
 # UsdPreviewSurface's roughness, for surfaces that have a color and nothing else.

@@ -9,9 +9,9 @@ from collections.abc import Callable
 
 from pxr import Usd, UsdShade
 
-from reflet_usd.convert.network import NetworkReader, numbers
-from reflet_usd.convert.source_arithmetic import Numbers, affine, mixed, product, widened
-from reflet_usd.convert.sources import Constant, Source, UnfitError
+from .network import NetworkReader, numbers
+from .source_arithmetic import Numbers, affine, mixed, product, widened
+from .sources import Constant, Source, UnfitError
 
 _BLACK, _WHITE, _GRAY = (0.0,) * 3, (1.0,) * 3, (0.8,) * 3
 _GLTF = "ND_gltf_pbr_surfaceshader"

@@ -5,19 +5,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from reflet_usd.convert.context import Context
-from reflet_usd.convert.normals import (
-    face_area_vectors,
-    smooth_groups,
-    smooth_normals,
-    unit_rows,
-)
-from reflet_usd.convert.polygons import Polygons
-from reflet_usd.convert.primvars import Primvar, Topology, read_primvar, to_stream
-from reflet_usd.convert.refine import refine_polygons
-from reflet_usd.convert.scene import Array
-from reflet_usd.convert.surface import Stream, Surface
-from reflet_usd.convert.triangulate import triangulate
+from .context import Context
+from .normals import face_area_vectors, smooth_groups, smooth_normals, unit_rows
+from .polygons import Polygons
+from .primvars import Primvar, Topology, read_primvar, to_stream
+from .refine import refine_polygons
+from .scene import Array
+from .surface import Stream, Surface
+from .triangulate import triangulate
 
 
 @dataclass

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom, UsdLux
 
-from reflet_usd.convert.context import Context, in_float32, type_name
-from reflet_usd.convert.gltf_writer import GltfWriter
-from reflet_usd.convert.light import light_emission
-from reflet_usd.convert.light_losses import warn_geometry_light
-from reflet_usd.convert.scene import Array, Node
+from .context import Context, in_float32, type_name
+from .gltf_writer import GltfWriter
+from .light import light_emission
+from .light_losses import warn_geometry_light
+from .scene import Array, Node
 
 _TINTED = "materialGlowTintsLight"
 

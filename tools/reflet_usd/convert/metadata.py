@@ -4,9 +4,9 @@ from typing import Any
 
 from pxr import Kind, Sdf, Usd, UsdGeom
 
-from reflet_usd.convert.context import Context
-from reflet_usd.convert.extras import plain_value
-from reflet_usd.convert.scene import Node
+from .context import Context
+from .extras import plain_value
+from .scene import Node
 
 # Metadata fields that people and pipelines write; USD itself uses the others.
 KEPT = ("kind", "displayName", "documentation", "comment", "assetInfo", "customData")

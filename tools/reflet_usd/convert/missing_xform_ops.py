@@ -2,8 +2,8 @@
 
 from pxr import Sdf, Usd, UsdGeom
 
-from reflet_usd.convert.context import Context, source_path
-from reflet_usd.convert.unreadable_values import DAMAGE
+from .context import Context, source_path
+from .unreadable_values import DAMAGE
 
 _RESET = "!resetXformStack!"
 _INVERSE = "!invert!"

@@ -3,14 +3,14 @@
 import numpy as np
 from pxr import Usd
 
-from reflet_usd.convert.context import Context, in_float32, type_name
-from reflet_usd.convert.gltf_writer import ARRAY_BUFFER, GltfWriter
-from reflet_usd.convert.mesh import computed_normals, drawn_faces
-from reflet_usd.convert.nurbs import read_patch
-from reflet_usd.convert.polygons import Polygons
-from reflet_usd.convert.primitive import PrimitiveParts
-from reflet_usd.convert.scene import Array, Node
-from reflet_usd.convert.surface import Surface
+from .context import Context, in_float32, type_name
+from .gltf_writer import ARRAY_BUFFER, GltfWriter
+from .mesh import computed_normals, drawn_faces
+from .nurbs import read_patch
+from .polygons import Polygons
+from .primitive import PrimitiveParts
+from .scene import Array, Node
+from .surface import Surface
 
 MAX_POINT_KEYS = 128
 MAX_KEYED_POINTS = 20_000_000

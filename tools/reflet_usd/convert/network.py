@@ -6,18 +6,10 @@ from typing import Any
 import numpy as np
 from pxr import Sdf, Usd, UsdShade
 
-from reflet_usd.convert.context import Context
-from reflet_usd.convert.node_values import NodeValues
-from reflet_usd.convert.sources import (
-    Constant,
-    Part,
-    PrimvarRead,
-    Source,
-    TextureRead,
-    UnfitError,
-    UvRead,
-)
-from reflet_usd.convert.texture_coordinates import coordinates
+from .context import Context
+from .node_values import NodeValues
+from .sources import Constant, Part, PrimvarRead, Source, TextureRead, UnfitError, UvRead
+from .texture_coordinates import coordinates
 
 _CHANNELS = {"r": (0,), "g": (1,), "b": (2,), "a": (3,), "rgb": (0, 1, 2), "rgba": (0, 1, 2)}
 _MAX_TRANSFORMS = 8

@@ -1,7 +1,7 @@
 """The maximum depth of nodes in a written file, since readers of glTF that recurse have a limit."""
 
-from reflet_usd.convert.scene import Node
-from reflet_usd.convert.types import ConvertError
+from .scene import Node
+from .types import ConvertError
 
 # Reflet reads any depth; USD and other readers follow parents by recursion.
 MAX_LEVELS = 256

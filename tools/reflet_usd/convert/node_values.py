@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pxr import Sdf, Usd, UsdShade
 
-from reflet_usd.convert.source_arithmetic import (
+from .source_arithmetic import (
     Numbers,
     affine,
     joined,
@@ -25,11 +25,11 @@ from reflet_usd.convert.source_arithmetic import (
     total,
     widened,
 )
-from reflet_usd.convert.sources import Constant, Part, PrimvarRead, Source, TextureRead, UnfitError
-from reflet_usd.convert.texture_coordinates import coordinates
+from .sources import Constant, Part, PrimvarRead, Source, TextureRead, UnfitError
+from .texture_coordinates import coordinates
 
 if TYPE_CHECKING:
-    from reflet_usd.convert.network import NetworkReader
+    from .network import NetworkReader
 
 _MOST_NESTED = 64
 _WIDTHS = {"color3": 3, "vector3": 3, "color4": 4, "vector4": 4, "vector2": 2}

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from reflet_usd.convert.scene import Array
-from reflet_usd.convert.subdiv import edge_keys
+from .scene import Array
+from .subdiv import edge_keys
 
 
 def face_area_vectors(points: Array, corner_points: Array, counts: Array) -> Array:

@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from pxr import Usd
 
-from reflet_usd.convert.context import Context, authored
-from reflet_usd.convert.polygons import Polygons, read_points
-from reflet_usd.convert.primvars import Primvar, Topology
-from reflet_usd.convert.scene import Array
+from .context import Context, authored
+from .polygons import Polygons, read_points
+from .primvars import Primvar, Topology
+from .scene import Array
 
 SEGMENTS_PER_SPAN = 8
 MAX_SAMPLES = 1024

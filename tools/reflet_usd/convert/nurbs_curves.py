@@ -3,8 +3,8 @@
 import numpy as np
 from pxr import Usd
 
-from reflet_usd.convert.context import Context, authored
-from reflet_usd.convert.scene import Array
+from .context import Context, authored
+from .scene import Array
 
 SEGMENTS_PER_SPAN = 8
 MAX_ORDER = 32

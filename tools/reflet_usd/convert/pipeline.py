@@ -8,13 +8,13 @@ from typing import Any
 
 from pxr import Ar, Tf, Usd
 
-from reflet_usd.convert.context import Context
-from reflet_usd.convert.gltf_writer import GltfWriter
-from reflet_usd.convert.ledger import Ledger
-from reflet_usd.convert.metadata import stage_metadata_extras
-from reflet_usd.convert.stage import error_text, open_context
-from reflet_usd.convert.traverse import Traversal
-from reflet_usd.convert.types import ConvertError, ConvertOptions, ConvertResult, count_of
+from .context import Context
+from .gltf_writer import GltfWriter
+from .ledger import Ledger
+from .metadata import stage_metadata_extras
+from .stage import error_text, open_context
+from .traverse import Traversal
+from .types import ConvertError, ConvertOptions, ConvertResult, count_of
 
 # Types of prims that only group others.
 _GROUPS = ("", "Scope", "Xform")

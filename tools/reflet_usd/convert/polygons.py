@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from reflet_usd.convert.context import Context, authored, first_value, in_float32
-from reflet_usd.convert.primvars import Topology
-from reflet_usd.convert.scene import Array
+from .context import Context, authored, first_value, in_float32
+from .primvars import Topology
+from .scene import Array
 
 # Maximum number of corners of a face; ear clipping takes quadratic time.
 MAX_FACE_CORNERS = 20_000

@@ -5,12 +5,12 @@ from typing import Any, ClassVar
 import numpy as np
 from pxr import Usd
 
-from reflet_usd.convert.attributes import DisplayColor
-from reflet_usd.convert.channel_packing import Channel, Packer
-from reflet_usd.convert.context import Context
-from reflet_usd.convert.gltf_writer import GltfWriter
-from reflet_usd.convert.mesh_light import write_emission
-from reflet_usd.convert.sources import Constant, Part, PrimvarRead, Source, TextureRead
+from .attributes import DisplayColor
+from .channel_packing import Channel, Packer
+from .context import Context
+from .gltf_writer import GltfWriter
+from .mesh_light import write_emission
+from .sources import Constant, Part, PrimvarRead, Source, TextureRead
 
 # Names and fallbacks: https://openusd.org/release/spec_usdpreviewsurface.html
 PREVIEW_INPUTS: dict[str, tuple[float, ...]] = {

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from pxr import Usd
 
-from reflet_usd.convert.types import ConvertError
+from .types import ConvertError
 
 # Nested instances multiply: a few lines of text can stand for any number of prims.
 MAX_PRIMS = 1_000_000

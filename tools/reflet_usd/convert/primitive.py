@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from reflet_usd.convert.gltf_writer import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, GltfWriter
-from reflet_usd.convert.scene import Array
-from reflet_usd.convert.surface import Stream, Surface, Vertices, weld
+from .gltf_writer import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, GltfWriter
+from .scene import Array
+from .surface import Stream, Surface, Vertices, weld
 
 
 @dataclass

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from reflet_usd.convert.context import Context, in_float32
-from reflet_usd.convert.scene import Array
-from reflet_usd.convert.surface import Stream, face_varying_stream
+from .context import Context, in_float32
+from .scene import Array
+from .surface import Stream, face_varying_stream
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reflet_usd.convert.instancing import trs_matrices, unit_quaternions
-from reflet_usd.convert.scene import Array
+from .instancing import trs_matrices, unit_quaternions
+from .scene import Array
 
 Tracks = dict[str, tuple[list[float], Array]]
 """Key codes and values (keys, items, components) by path, as authored, lengths in meters."""

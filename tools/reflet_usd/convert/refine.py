@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from reflet_usd.convert.context import Context, authored
-from reflet_usd.convert.polygons import Polygons
-from reflet_usd.convert.primvars import Primvar, Topology
-from reflet_usd.convert.scene import Array
-from reflet_usd.convert.subdiv import INFINITE, Cage, Step, edge_keys, refine_steps
-from reflet_usd.convert.surface import unique_rows
+from .context import Context, authored
+from .polygons import Polygons
+from .primvars import Primvar, Topology
+from .scene import Array
+from .subdiv import INFINITE, Cage, Step, edge_keys, refine_steps
+from .surface import unique_rows
 
 MAX_REFINED_FACES = 20_000_000
 # Creases of this sharpness stay sharp at any level (UsdGeomMesh: SHARPNESS_INFINITE).

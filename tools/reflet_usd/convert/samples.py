@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable
 import numpy as np
 from pxr import Usd
 
-from reflet_usd.convert.context import Context
-from reflet_usd.convert.scene import Array
+from .context import Context
+from .scene import Array
 
 # A change by more than this share of a value within one rounding of time is a jump.
 JUMP = 1e-7

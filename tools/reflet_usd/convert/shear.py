@@ -9,8 +9,8 @@ import itertools
 
 import numpy as np
 
-from reflet_usd.convert.scene import Array
-from reflet_usd.convert.xform import Trs, quaternion, rotation_matrix, split_shear
+from .scene import Array
+from .xform import Trs, quaternion, rotation_matrix, split_shear
 
 # Singular values closer than this share of the largest are equal: directions between them are free.
 EQUAL = 1e-9

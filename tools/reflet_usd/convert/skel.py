@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdSkel
 
-from reflet_usd.convert.context import Context, in_float32
-from reflet_usd.convert.geometry import GeometryBuilder, is_surface
-from reflet_usd.convert.gltf_writer import GltfWriter
-from reflet_usd.convert.joints import Joints, make_joints
-from reflet_usd.convert.scene import Array, Node, Skin
-from reflet_usd.convert.skinning import Deformation
-from reflet_usd.convert.xform import column_matrix
+from .context import Context, in_float32
+from .geometry import GeometryBuilder, is_surface
+from .gltf_writer import GltfWriter
+from .joints import Joints, make_joints
+from .scene import Array, Node, Skin
+from .skinning import Deformation
+from .xform import column_matrix
 
 _PREDICATE = Usd.TraverseInstanceProxies(
     Usd.PrimIsActive & Usd.PrimIsLoaded & Usd.PrimHasDefiningSpecifier

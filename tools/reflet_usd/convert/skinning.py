@@ -3,16 +3,16 @@
 import numpy as np
 from pxr import Sdf, Usd, UsdGeom, UsdSkel
 
-from reflet_usd.convert.context import Context, in_float32
-from reflet_usd.convert.gltf_writer import ARRAY_BUFFER, GltfWriter
-from reflet_usd.convert.joints import carry_animation
-from reflet_usd.convert.morph import morph_target
-from reflet_usd.convert.normals import unit_rows
-from reflet_usd.convert.polygons import Polygons
-from reflet_usd.convert.primitive import PrimitiveParts
-from reflet_usd.convert.scene import Array, Node
-from reflet_usd.convert.surface import Surface
-from reflet_usd.convert.xform import column_matrix
+from .context import Context, in_float32
+from .gltf_writer import ARRAY_BUFFER, GltfWriter
+from .joints import carry_animation
+from .morph import morph_target
+from .normals import unit_rows
+from .polygons import Polygons
+from .primitive import PrimitiveParts
+from .scene import Array, Node
+from .surface import Surface
+from .xform import column_matrix
 
 # Weight sums within this of 1 need no warning: USD does not normalize, glTF wants a sum of 1.
 _WEIGHT_TOLERANCE = 2e-6

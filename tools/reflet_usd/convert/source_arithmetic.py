@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 from pxr import UsdShade
 
-from reflet_usd.convert.context import FLOAT32_LIMIT
-from reflet_usd.convert.sources import Constant, Part, Source, TextureRead, UnfitError
+from .context import FLOAT32_LIMIT
+from .sources import Constant, Part, Source, TextureRead, UnfitError
 
 Numbers = tuple[float, ...]
 

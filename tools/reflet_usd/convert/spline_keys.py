@@ -6,11 +6,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from reflet_usd.convert.context import Context
-from reflet_usd.convert.samples import is_jump, seconds_of
-from reflet_usd.convert.scene import Array, Node
-from reflet_usd.convert.transform_tolerance import Reach
-from reflet_usd.convert.xform import Trs, assign, nearest_trs
+from .context import Context
+from .samples import is_jump, seconds_of
+from .scene import Array, Node
+from .transform_tolerance import Reach
+from .xform import Trs, assign, nearest_trs
 
 TOLERANCE = 5e-6
 """Maximum deviation of a shown matrix, as a share of the matrix's or the scene's size."""

@@ -8,7 +8,7 @@ from typing import Any
 
 from pxr import Sdf, Tf, Usd, UsdGeom, UsdUtils
 
-from reflet_usd.convert.confinement import (
+from .confinement import (
     Files,
     allowed_roots,
     check_used_layers,
@@ -17,12 +17,12 @@ from reflet_usd.convert.confinement import (
     warn_left_out,
     warn_missing_clips,
 )
-from reflet_usd.convert.context import MAX_CODE, Context
-from reflet_usd.convert.ledger import Ledger
-from reflet_usd.convert.missing_xform_ops import skip_missing_ops
-from reflet_usd.convert.prim_count import check_prim_count
-from reflet_usd.convert.samples import first_code, has_spline
-from reflet_usd.convert.types import ConvertError, ConvertOptions
+from .context import MAX_CODE, Context
+from .ledger import Ledger
+from .missing_xform_ops import skip_missing_ops
+from .prim_count import check_prim_count
+from .samples import first_code, has_spline
+from .types import ConvertError, ConvertOptions
 
 # UsdGeom's documented fallbacks.
 FALLBACK_METERS_PER_UNIT = 0.01

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from reflet_usd.convert.scene import Array
+from .scene import Array
 
 INFINITE = 1e9
 _FACE_SHARE = 0.25

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdGeom, UsdShade
 
-from reflet_usd.convert.context import Context
-from reflet_usd.convert.scene import Array
+from .context import Context
+from .scene import Array
 
 _BINDING = "material:binding:"
 _PREVIEW = UsdShade.Tokens.preview

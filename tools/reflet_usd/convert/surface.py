@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from reflet_usd.convert.scene import Array
+from .scene import Array
 
 _KEY_LIMIT = 2**62
 

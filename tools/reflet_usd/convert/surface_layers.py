@@ -2,10 +2,10 @@
 
 from typing import Any, ClassVar
 
-from reflet_usd.convert.attributes import DisplayColor
-from reflet_usd.convert.channel_packing import Channel
-from reflet_usd.convert.preview_surface import PREVIEW_INPUTS, PreviewMaterial, Slots, factored
-from reflet_usd.convert.sources import Source
+from .attributes import DisplayColor
+from .channel_packing import Channel
+from .preview_surface import PREVIEW_INPUTS, PreviewMaterial, Slots, factored
+from .sources import Source
 
 # Names of our own; at these values a layer is absent.
 _LAYER_INPUTS: dict[str, tuple[float, ...]] = {

@@ -8,12 +8,13 @@ import numpy as np
 from PIL import Image
 from pxr import Ar
 
-from reflet_usd.convert.confinement import is_allowed, is_plain_file, outside_message
-from reflet_usd.convert.context import Context
-from reflet_usd.convert.gltf_writer import GltfWriter
-from reflet_usd.convert.scene import Array
-from reflet_usd.convert.sources import TextureRead
 from reflet_usd.exr_pixels import is_exr, read_exr
+
+from .confinement import is_allowed, is_plain_file, outside_message
+from .context import Context
+from .gltf_writer import GltfWriter
+from .scene import Array
+from .sources import TextureRead
 
 MAX_PIXELS = 2**28
 PNG_COMPRESSION = 3

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pxr import UsdShade
 
-from reflet_usd.convert.context import in_float32
-from reflet_usd.convert.scene import Array
-from reflet_usd.convert.sources import UnfitError, UvRead
+from .context import in_float32
+from .scene import Array
+from .sources import UnfitError, UvRead
 
 if TYPE_CHECKING:
-    from reflet_usd.convert.node_values import NodeValues
+    from .node_values import NodeValues
 
 _MOST_STEPS = 64
 # Columns of the transform count as perpendicular within this share of their lengths.

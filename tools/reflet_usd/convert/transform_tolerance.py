@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Gf, Tf, Usd, UsdGeom
 
-from reflet_usd.convert.context import Context
+from .context import Context
 
 
 @dataclass(frozen=True)

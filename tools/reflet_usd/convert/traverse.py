@@ -6,32 +6,27 @@ from dataclasses import dataclass, field
 import numpy as np
 from pxr import Usd, UsdGeom, UsdLux
 
-from reflet_usd.convert.animation import (
-    Visibility,
-    add_visibility_track,
-    own_visibility,
-    transform_node,
-)
-from reflet_usd.convert.camera import add_camera
-from reflet_usd.convert.collection import keep_collections
-from reflet_usd.convert.context import Context, type_name
-from reflet_usd.convert.curves import LineBuilder, draws_lines
-from reflet_usd.convert.extras import keep_custom_properties
-from reflet_usd.convert.geometry import BuiltMesh, GeometryBuilder, is_surface
-from reflet_usd.convert.gltf_writer import GltfWriter
-from reflet_usd.convert.instancer import Instancers
-from reflet_usd.convert.light import add_light
-from reflet_usd.convert.light_size import Emitter, size_lights
-from reflet_usd.convert.loose_primvars import keep_loose_primvars
-from reflet_usd.convert.mesh_light import add_geometry_light, keep_mesh_light
-from reflet_usd.convert.metadata import keep_metadata, warn_schemas
-from reflet_usd.convert.morph import point_keys
-from reflet_usd.convert.node_depth import check_depth, check_level, levels_to
-from reflet_usd.convert.scene import Node
-from reflet_usd.convert.skel import Skeletons
-from reflet_usd.convert.subsets import note_binding_purposes
-from reflet_usd.convert.unreadable_values import DAMAGE, reason_of_damage
-from reflet_usd.convert.xform import column_matrix, place
+from .animation import Visibility, add_visibility_track, own_visibility, transform_node
+from .camera import add_camera
+from .collection import keep_collections
+from .context import Context, type_name
+from .curves import LineBuilder, draws_lines
+from .extras import keep_custom_properties
+from .geometry import BuiltMesh, GeometryBuilder, is_surface
+from .gltf_writer import GltfWriter
+from .instancer import Instancers
+from .light import add_light
+from .light_size import Emitter, size_lights
+from .loose_primvars import keep_loose_primvars
+from .mesh_light import add_geometry_light, keep_mesh_light
+from .metadata import keep_metadata, warn_schemas
+from .morph import point_keys
+from .node_depth import check_depth, check_level, levels_to
+from .scene import Node
+from .skel import Skeletons
+from .subsets import note_binding_purposes
+from .unreadable_values import DAMAGE, reason_of_damage
+from .xform import column_matrix, place
 
 # Prims that live inside materials, skeletons or meshes: they have no place in space.
 _PLACELESS = ("Material", "Shader", "NodeGraph", "GeomSubset", "SkelAnimation", "BlendShape")

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from reflet_usd.convert.normals import cross_rows
-from reflet_usd.convert.scene import Array
+from .normals import cross_rows
+from .scene import Array
 
 # Beyond this many corners the all-pairs test of `_clip_batch` costs more than one face at a time.
 _BATCH_CORNERS = 24

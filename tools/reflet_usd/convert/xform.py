@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Gf
 
-from reflet_usd.convert.scene import Array, Node, identity_or
+from .scene import Array, Node, identity_or
 
 # A matrix counts as free of shear when rebuilt from its parts within this share of its largest
 # entry; parts come from float64 arithmetic, so this only has to absorb float32 authoring.

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from reflet_usd.convert.context import Context
-from reflet_usd.convert.keyframes import OneNode, exact_keys, remembered
-from reflet_usd.convert.samples import with_jumps
-from reflet_usd.convert.scene import Array, Node
-from reflet_usd.convert.spline_keys import set_spline_tracks, spline_keys
-from reflet_usd.convert.transform_tolerance import Reach
-from reflet_usd.convert.xform import align_hemispheres, column_matrix, place, quaternion
+from .context import Context
+from .keyframes import OneNode, exact_keys, remembered
+from .samples import with_jumps
+from .scene import Array, Node
+from .spline_keys import set_spline_tracks, spline_keys
+from .transform_tolerance import Reach
+from .xform import align_hemispheres, column_matrix, place, quaternion
 
 # glTF turns the short way between keys, so steps must stay well below half a turn.
 MAX_STEP_DEG = 120.0

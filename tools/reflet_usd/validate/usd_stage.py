@@ -12,13 +12,7 @@ from typing import Any
 import numpy as np
 from pxr import Ar, Gf, Sdf, Tf, Usd, UsdGeom, UsdUtils
 
-from reflet_usd.materialx_document import (
-    Document,
-    DocumentError,
-    is_document,
-    read_document,
-    refer,
-)
+from reflet_usd.materialx_document import Document, DocumentError, is_document, read_document, refer
 
 from .scene_data import Array, StageError
 
