@@ -3,13 +3,10 @@
 use crate::{
     layout::gpu_struct::gpu_struct,
     pipeline::{
-        frame_pass::FramePass,
         pass::{ComputePass, Dispatch, Pass, PassGroup},
-        pass_builder::PassBuilder,
         sub_frame::SubFrame,
     },
 };
-use reflet_gpu::GpuError;
 
 /// See `shaders/coverage.wgsl`.
 pub const PASS: Pass = Pass {
@@ -29,19 +26,10 @@ gpu_struct! {
     }
 }
 
-/// The coverage pass on the device.
-#[derive(Debug)]
-pub struct Coverage(ComputePass);
-
-impl FramePass for Coverage {
-    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        Ok(Self(builder.compute(&PASS, &[])?))
-    }
-
-    fn record(&self, frame: &mut SubFrame<'_>) {
-        let params = Params {
-            sample: frame.share.sample,
-        };
-        frame.dispatch_with(&self.0, &params, &Dispatch::PerPixel);
-    }
+/// Records the pass.
+pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
+    let params = Params {
+        sample: frame.share.sample,
+    };
+    frame.dispatch_with(pass, &params, &Dispatch::PerPixel);
 }

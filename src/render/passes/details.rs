@@ -1,12 +1,9 @@
 //! Details: values of the visible surfaces that the G-buffer has no bits for.
 
 use crate::pipeline::{
-    frame_pass::FramePass,
     pass::{ComputePass, Pass, PassGroup},
-    pass_builder::PassBuilder,
     sub_frame::SubFrame,
 };
-use reflet_gpu::GpuError;
 
 /// See `shaders/details.wgsl`.
 pub const PASS: Pass = Pass {
@@ -17,17 +14,8 @@ pub const PASS: Pass = Pass {
     ..Pass::DEFAULT
 };
 
-/// The details pass on the device.
-#[derive(Debug)]
-pub struct Details(ComputePass);
-
-impl FramePass for Details {
-    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        Ok(Self(builder.compute(&PASS, &[])?))
-    }
-
-    fn record(&self, frame: &mut SubFrame<'_>) {
-        let surfaces = frame.surfaces();
-        frame.dispatch(&self.0, &surfaces);
-    }
+/// Records the pass.
+pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
+    let surfaces = frame.surfaces();
+    frame.dispatch(pass, &surfaces);
 }

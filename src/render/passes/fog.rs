@@ -1,13 +1,11 @@
 //! Fog: light that the fog between camera and visible surfaces scatters, and its transmittance.
 
 use crate::pipeline::{
-    frame_pass::FramePass,
     pass::{ComputePass, Dispatch, Pass, PassGroup},
-    pass_builder::PassBuilder,
     shared_data::SharedData,
     sub_frame::SubFrame,
 };
-use reflet_gpu::{Checks, GpuError};
+use reflet_gpu::Checks;
 
 /// See `shaders/fog.wgsl`.
 pub const PASS: Pass = Pass {
@@ -22,16 +20,7 @@ pub const PASS: Pass = Pass {
     ..Pass::DEFAULT
 };
 
-/// The fog pass on the device.
-#[derive(Debug)]
-pub struct Fog(ComputePass);
-
-impl FramePass for Fog {
-    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        Ok(Self(builder.compute(&PASS, &[])?))
-    }
-
-    fn record(&self, frame: &mut SubFrame<'_>) {
-        frame.dispatch(&self.0, &Dispatch::PerPixel);
-    }
+/// Records the pass.
+pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
+    frame.dispatch(pass, &Dispatch::PerPixel);
 }

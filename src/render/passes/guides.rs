@@ -3,13 +3,11 @@
 use crate::{
     layout::gpu_struct::gpu_struct,
     pipeline::{
-        frame_pass::FramePass,
         pass::{ComputePass, Dispatch, Pass, PassGroup},
-        pass_builder::PassBuilder,
         sub_frame::SubFrame,
     },
 };
-use reflet_gpu::{Checks, GpuError};
+use reflet_gpu::Checks;
 
 /// See `shaders/guides.wgsl`.
 pub const PASS: Pass = Pass {
@@ -31,19 +29,10 @@ gpu_struct! {
     }
 }
 
-/// The guides pass on the device.
-#[derive(Debug)]
-pub struct Guides(ComputePass);
-
-impl FramePass for Guides {
-    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        Ok(Self(builder.compute(&PASS, &[])?))
-    }
-
-    fn record(&self, frame: &mut SubFrame<'_>) {
-        let params = Params {
-            sample: frame.share.sample,
-        };
-        frame.dispatch_with(&self.0, &params, &Dispatch::PerPixel);
-    }
+/// Records the pass.
+pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
+    let params = Params {
+        sample: frame.share.sample,
+    };
+    frame.dispatch_with(pass, &params, &Dispatch::PerPixel);
 }

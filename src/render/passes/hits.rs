@@ -1,14 +1,12 @@
 //! Hits: shades the screen hits of the march, at the points where the rays meet the surfaces.
 
 use crate::pipeline::{
-    frame_pass::FramePass,
     pass::{ComputePass, Dispatch, Pass, PassGroup},
-    pass_builder::PassBuilder,
     ray_list::List,
     shared_data::SharedData,
     sub_frame::SubFrame,
 };
-use reflet_gpu::{Checks, GpuError};
+use reflet_gpu::Checks;
 
 use super::ssr;
 
@@ -32,17 +30,8 @@ pub const PASS: Pass = Pass {
     ..Pass::DEFAULT
 };
 
-/// The hits pass on the device.
-#[derive(Debug)]
-pub struct Hits(ComputePass);
-
-impl FramePass for Hits {
-    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        Ok(Self(builder.compute(&PASS, &[])?))
-    }
-
-    fn record(&self, frame: &mut SubFrame<'_>) {
-        let hits = Dispatch::Listed(frame.resources.ray_list, List::Hits);
-        frame.dispatch(&self.0, &hits);
-    }
+/// Records the pass.
+pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
+    let hits = Dispatch::Listed(frame.resources.ray_list, List::Hits);
+    frame.dispatch(pass, &hits);
 }

@@ -1,13 +1,11 @@
 //! Indirect: path traced diffuse light between surfaces, at the surfaces of pixels.
 
 use crate::pipeline::{
-    frame_pass::FramePass,
     pass::{ComputePass, Dispatch, Pass, PassGroup},
-    pass_builder::PassBuilder,
     shared_data::SharedData,
     sub_frame::SubFrame,
 };
-use reflet_gpu::{Checks, GpuError};
+use reflet_gpu::Checks;
 
 /// See `shaders/indirect.wgsl`.
 pub const PASS: Pass = Pass {
@@ -23,16 +21,7 @@ pub const PASS: Pass = Pass {
     ..Pass::DEFAULT
 };
 
-/// The indirect pass on the device.
-#[derive(Debug)]
-pub struct Indirect(ComputePass);
-
-impl FramePass for Indirect {
-    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        Ok(Self(builder.compute(&PASS, &[])?))
-    }
-
-    fn record(&self, frame: &mut SubFrame<'_>) {
-        frame.dispatch(&self.0, &Dispatch::PerPixel);
-    }
+/// Records the pass.
+pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
+    frame.dispatch(pass, &Dispatch::PerPixel);
 }

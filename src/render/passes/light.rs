@@ -1,13 +1,11 @@
 //! Light: view-independent radiance, stored apart from the specular of this view.
 
 use crate::pipeline::{
-    frame_pass::FramePass,
     pass::{ComputePass, Dispatch, Pass, PassGroup},
-    pass_builder::PassBuilder,
     shared_data::SharedData,
     sub_frame::SubFrame,
 };
-use reflet_gpu::{Checks, GpuError};
+use reflet_gpu::Checks;
 
 /// See `shaders/light.wgsl`.
 pub const PASS: Pass = Pass {
@@ -22,16 +20,7 @@ pub const PASS: Pass = Pass {
     ..Pass::DEFAULT
 };
 
-/// The light pass on the device.
-#[derive(Debug)]
-pub struct Light(ComputePass);
-
-impl FramePass for Light {
-    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        Ok(Self(builder.compute(&PASS, &[])?))
-    }
-
-    fn record(&self, frame: &mut SubFrame<'_>) {
-        frame.dispatch(&self.0, &Dispatch::PerPixel);
-    }
+/// Records the pass.
+pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
+    frame.dispatch(pass, &Dispatch::PerPixel);
 }

@@ -26,10 +26,7 @@ pub mod visibility;
 #[cfg(test)]
 mod tests;
 
-use std::{
-    collections::HashMap,
-    sync::{Arc, LazyLock},
-};
+use std::{collections::HashMap, sync::LazyLock};
 
 use serde::Serialize;
 
@@ -38,7 +35,7 @@ use reflet_gpu::{GpuError, ShaderError, ShaderLibrary};
 use super::{
     methods::{Place, passes_at},
     pipeline::{
-        frame_pass::{FramePass, FrameRow},
+        frame_pass::{BuiltPass, FrameRow},
         pass::{Pass, PassGroup},
         pass_builder::PassBuilder,
         pass_targets::PassTargets,
@@ -57,35 +54,35 @@ fn rows() -> Vec<FrameRow> {
     rows.extend(passes_at(Place::Capture));
     rows.extend([
         FrameRow::new::<visibility::Visibility>(&visibility::PASS),
-        FrameRow::new::<primary::Primary>(&primary::PASS),
-        FrameRow::new::<surface::Surface>(&surface::PASS),
-        FrameRow::new::<details::Details>(&details::PASS),
-        FrameRow::new::<light::Light>(&light::PASS),
+        FrameRow::compute(&primary::PASS, primary::record),
+        FrameRow::compute(&surface::PASS, surface::record),
+        FrameRow::compute(&details::PASS, details::record),
+        FrameRow::compute(&light::PASS, light::record),
         // For the lists of the surface pass.
-        FrameRow::new::<arguments::Arguments>(&arguments::PASS),
-        FrameRow::new::<transmit::Transmit>(&transmit::PASS),
-        FrameRow::new::<indirect::Indirect>(&indirect::PASS),
+        FrameRow::compute(&arguments::PASS, arguments::record),
+        FrameRow::compute(&transmit::PASS, transmit::record),
+        FrameRow::compute(&indirect::PASS, indirect::record),
         FrameRow::new::<soften::Soften>(&soften::PASS),
-        FrameRow::new::<fog::Fog>(&fog::PASS),
+        FrameRow::compute(&fog::PASS, fog::record),
     ]);
     rows.extend(passes_at(Place::March));
     rows.extend([
-        FrameRow::new::<pyramid::Pyramid>(&pyramid::PASS),
-        FrameRow::new::<ssr::Ssr>(&ssr::PASS),
+        FrameRow::compute(&pyramid::PASS, pyramid::record),
+        FrameRow::compute(&ssr::PASS, ssr::record),
         // For the lists of hits and rays.
-        FrameRow::new::<arguments::Arguments>(&arguments::PASS),
-        FrameRow::new::<hits::Hits>(&hits::PASS),
+        FrameRow::compute(&arguments::PASS, arguments::record),
+        FrameRow::compute(&hits::PASS, hits::record),
     ]);
     rows.extend(passes_at(Place::Lead));
-    rows.push(FrameRow::new::<trace::Trace>(&trace::PASS));
+    rows.push(FrameRow::compute(&trace::PASS, trace::record));
     rows.extend(passes_at(Place::LookUp));
     rows.extend([
         FrameRow::new::<audit::Audit>(&audit::PASS),
         FrameRow::new::<filter::Filter>(&filter::PASS),
         FrameRow::new::<blur::Blur>(&blur::PASS),
         FrameRow::new::<compose::Compose>(&compose::PASS),
-        FrameRow::new::<coverage::Coverage>(&coverage::PASS),
-        FrameRow::new::<guides::Guides>(&guides::PASS),
+        FrameRow::compute(&coverage::PASS, coverage::record),
+        FrameRow::compute(&guides::PASS, guides::record),
         FrameRow::new::<tone::Tone>(&tone::PASS),
     ]);
     rows
@@ -108,7 +105,7 @@ pub static ALL: LazyLock<Vec<&'static Pass>> = LazyLock::new(|| {
 
 /// Passes that a frame records, in their order, without passes that its plan leaves out.
 #[derive(Debug)]
-pub struct Passes(Vec<(&'static str, Arc<dyn FramePass>)>);
+pub struct Passes(Vec<(&'static str, BuiltPass)>);
 
 impl Passes {
     /// Builds every pass that the plan needs.
@@ -116,12 +113,12 @@ impl Passes {
     /// # Errors
     /// A shader or wgpu error.
     pub fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        let mut built: Vec<(&'static str, Arc<dyn FramePass>)> = Vec::new();
+        let mut built: Vec<(&'static str, BuiltPass)> = Vec::new();
         for row in rows().iter().filter(|row| builder.needs(row.pass)) {
             let known = built.iter().find(|(name, _)| *name == row.pass.name);
             let pass = match known {
-                Some((_, pass)) => Arc::clone(pass),
-                None => (row.build)(builder)?,
+                Some((_, pass)) => pass.clone(),
+                None => row.build(builder)?,
             };
             built.push((row.pass.name, pass));
         }

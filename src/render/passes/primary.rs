@@ -2,15 +2,13 @@
 
 use crate::{
     pipeline::{
-        frame_pass::FramePass,
         pass::{ComputePass, Pass, PassGroup},
-        pass_builder::PassBuilder,
         shared_data::SharedData,
         sub_frame::SubFrame,
     },
     plan::has_primary_rays,
 };
-use reflet_gpu::{Checks, GpuError};
+use reflet_gpu::Checks;
 
 /// See `shaders/primary.wgsl`.
 pub const PASS: Pass = Pass {
@@ -26,17 +24,8 @@ pub const PASS: Pass = Pass {
     ..Pass::DEFAULT
 };
 
-/// The primary pass on the device.
-#[derive(Debug)]
-pub struct Primary(ComputePass);
-
-impl FramePass for Primary {
-    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        Ok(Self(builder.compute(&PASS, &[])?))
-    }
-
-    fn record(&self, frame: &mut SubFrame<'_>) {
-        let surfaces = frame.surfaces();
-        frame.dispatch(&self.0, &surfaces);
-    }
+/// Records the pass.
+pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
+    let surfaces = frame.surfaces();
+    frame.dispatch(pass, &surfaces);
 }

@@ -4,16 +4,14 @@
 use crate::{
     layout::gpu_struct::gpu_struct,
     pipeline::{
-        frame_pass::FramePass,
         pass::{ComputePass, Dispatch, Pass, PassGroup},
-        pass_builder::PassBuilder,
         ray_list::List,
         shared_data::SharedData,
         sub_frame::SubFrame,
     },
     settings::options::RenderOptions,
 };
-use reflet_gpu::{Checks, GpuError};
+use reflet_gpu::Checks;
 use reflet_scene::desc::{Method, ReflectionDesc};
 
 /// See `shaders/ssr.wgsl`.
@@ -74,18 +72,9 @@ impl Params {
     }
 }
 
-/// The SSR pass on the device.
-#[derive(Debug)]
-pub struct Ssr(ComputePass);
-
-impl FramePass for Ssr {
-    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        Ok(Self(builder.compute(&PASS, &[])?))
-    }
-
-    fn record(&self, frame: &mut SubFrame<'_>) {
-        let params = Params::new(&frame.options.reflection, frame.unit_m);
-        let reflectors = Dispatch::Listed(frame.resources.ray_list, List::Reflectors);
-        frame.dispatch_with(&self.0, &params, &reflectors);
-    }
+/// Records the pass.
+pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
+    let params = Params::new(&frame.options.reflection, frame.unit_m);
+    let reflectors = Dispatch::Listed(frame.resources.ray_list, List::Reflectors);
+    frame.dispatch_with(pass, &params, &reflectors);
 }

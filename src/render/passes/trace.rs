@@ -2,16 +2,14 @@
 
 use crate::{
     pipeline::{
-        frame_pass::FramePass,
         pass::{ComputePass, Dispatch, Pass, PassGroup},
-        pass_builder::PassBuilder,
         ray_list::List,
         shared_data::SharedData,
         sub_frame::SubFrame,
     },
     settings::options::RenderOptions,
 };
-use reflet_gpu::{Checks, GpuError};
+use reflet_gpu::Checks;
 
 /// See `shaders/trace.wgsl`.
 pub const PASS: Pass = Pass {
@@ -44,20 +42,11 @@ pub const TRAVERSE: Pass = Pass {
     ..PASS
 };
 
-/// The trace pass on the device.
-#[derive(Debug)]
-pub struct Trace(ComputePass);
-
-impl FramePass for Trace {
-    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        Ok(Self(builder.compute(&PASS, &[])?))
-    }
-
-    fn record(&self, frame: &mut SubFrame<'_>) {
-        let rays = Dispatch::Listed(frame.resources.ray_list, List::Rays);
-        frame.dispatch(&self.0, &rays);
-        if let Some(traverse) = frame.instruments.traverse(frame.instrument) {
-            frame.dispatch(traverse, &rays);
-        }
+/// Records the pass.
+pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
+    let rays = Dispatch::Listed(frame.resources.ray_list, List::Rays);
+    frame.dispatch(pass, &rays);
+    if let Some(traverse) = frame.instruments.traverse(frame.instrument) {
+        frame.dispatch(traverse, &rays);
     }
 }

@@ -1,16 +1,14 @@
 //! Transmit: light that passes through the surfaces of the listed pixels.
 
 use crate::pipeline::{
-    frame_pass::FramePass,
     pass::{ComputePass, Dispatch, Pass, PassGroup},
-    pass_builder::PassBuilder,
     ray_list::List,
     recorder::clear_texture,
     shared_data::SharedData,
     sub_frame::SubFrame,
     targets::Target,
 };
-use reflet_gpu::{Checks, GpuError};
+use reflet_gpu::Checks;
 
 use super::ssr;
 
@@ -42,21 +40,12 @@ pub const PASS: Pass = Pass {
 /// Clear color for pixels that are not listed: no light, and no coverage behind them.
 const NOTHING_BEHIND: wgpu::Color = wgpu::Color::BLACK;
 
-/// The transmit pass on the device.
-#[derive(Debug)]
-pub struct Transmit(ComputePass);
-
-impl FramePass for Transmit {
-    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        Ok(Self(builder.compute(&PASS, &[])?))
+/// Records the pass.
+pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
+    let targets = frame.resources.targets;
+    if let Some(view) = targets.view(Target::TransmittedLight) {
+        clear_texture(frame.recorder.encoder(), PASS.name, view, NOTHING_BEHIND);
     }
-
-    fn record(&self, frame: &mut SubFrame<'_>) {
-        let targets = frame.resources.targets;
-        if let Some(view) = targets.view(Target::TransmittedLight) {
-            clear_texture(frame.recorder.encoder(), PASS.name, view, NOTHING_BEHIND);
-        }
-        let transmissive = Dispatch::Listed(frame.resources.ray_list, List::Transmissive);
-        frame.dispatch(&self.0, &transmissive);
-    }
+    let transmissive = Dispatch::Listed(frame.resources.ray_list, List::Transmissive);
+    frame.dispatch(pass, &transmissive);
 }

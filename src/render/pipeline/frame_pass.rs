@@ -4,9 +4,13 @@ use std::{fmt::Debug, sync::Arc};
 
 use reflet_gpu::GpuError;
 
-use super::{pass::Pass, pass_builder::PassBuilder, sub_frame::SubFrame};
+use super::{
+    pass::{ComputePass, Pass},
+    pass_builder::PassBuilder,
+    sub_frame::SubFrame,
+};
 
-/// A pass of the frame.
+/// A pass of the frame that is more than a single compute shader.
 pub trait FramePass: Debug + Send + Sync + 'static {
     /// Creates the pipelines and bind groups of the pass.
     ///
@@ -28,8 +32,17 @@ pub trait FramePass: Debug + Send + Sync + 'static {
 pub struct FrameRow {
     /// The pass.
     pub pass: &'static Pass,
-    /// Creates it on the device.
-    pub build: fn(&PassBuilder<'_>) -> Result<Arc<dyn FramePass>, GpuError>,
+    build: Build,
+}
+
+/// Records a pass of a single compute shader.
+type Record = fn(&ComputePass, &mut SubFrame<'_>);
+
+/// Creation of a pass on the device.
+#[derive(Clone, Copy, Debug)]
+enum Build {
+    Own(fn(&PassBuilder<'_>) -> Result<Arc<dyn FramePass>, GpuError>),
+    Compute(Record),
 }
 
 impl FrameRow {
@@ -37,7 +50,54 @@ impl FrameRow {
     pub const fn new<P: FramePass>(pass: &'static Pass) -> Self {
         Self {
             pass,
-            build: |builder| Ok(Arc::new(P::new(builder)?)),
+            build: Build::Own(|builder| Ok(Arc::new(P::new(builder)?))),
+        }
+    }
+
+    /// Entry of a pass of a single compute shader, which this function records.
+    pub const fn compute(pass: &'static Pass, record: Record) -> Self {
+        Self {
+            pass,
+            build: Build::Compute(record),
+        }
+    }
+
+    /// Creates the pass on the device.
+    ///
+    /// # Errors
+    /// A shader or wgpu error.
+    pub fn build(&self, builder: &PassBuilder<'_>) -> Result<BuiltPass, GpuError> {
+        Ok(match self.build {
+            Build::Own(build) => BuiltPass::Own(build(builder)?),
+            Build::Compute(record) => {
+                BuiltPass::Compute(Arc::new(builder.compute(self.pass, &[])?), record)
+            }
+        })
+    }
+}
+
+/// A pass on the device.
+#[derive(Clone, Debug)]
+pub enum BuiltPass {
+    /// A pass that records itself.
+    Own(Arc<dyn FramePass>),
+    /// A single compute shader, and the function that records it.
+    Compute(Arc<ComputePass>, Record),
+}
+
+impl BuiltPass {
+    /// Records the pass.
+    pub fn record(&self, frame: &mut SubFrame<'_>) {
+        match self {
+            Self::Own(pass) => pass.record(frame),
+            Self::Compute(pass, record) => record(pass, frame),
+        }
+    }
+
+    /// Makes the next frame do again what the pass keeps from frame to frame.
+    pub fn forget(&self) {
+        if let Self::Own(pass) = self {
+            pass.forget();
         }
     }
 }

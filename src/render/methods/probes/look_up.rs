@@ -3,15 +3,13 @@
 use crate::{
     layout::gpu_struct::gpu_struct,
     pipeline::{
-        frame_pass::FramePass,
         pass::{ComputePass, Dispatch, Pass, PassGroup},
-        pass_builder::PassBuilder,
         ray_list::List,
         shared_data::SharedData,
         sub_frame::SubFrame,
     },
 };
-use reflet_gpu::{Checks, GpuError};
+use reflet_gpu::Checks;
 use reflet_scene::desc::{Method, SelectBy};
 
 use super::maps::ProbeMaps;
@@ -54,26 +52,17 @@ gpu_struct! {
     }
 }
 
-/// The look-up on the device.
-#[derive(Debug)]
-pub struct Probe(ComputePass);
-
-impl FramePass for Probe {
-    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        Ok(Self(builder.compute(&PASS, &[])?))
-    }
-
-    fn record(&self, frame: &mut SubFrame<'_>) {
-        let Some(maps) = frame.resources.maps::<ProbeMaps>() else {
-            return;
-        };
-        let count = maps.key.boxes.len() as u32;
-        let params = Params {
-            count,
-            nearest: frame.options.reflection.probes.nearest.min(count),
-            levels: maps.key.levels(),
-        };
-        let rays = Dispatch::Listed(frame.resources.ray_list, List::Rays);
-        frame.dispatch_with(&self.0, &params, &rays);
-    }
+/// Records the pass.
+pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
+    let Some(maps) = frame.resources.maps::<ProbeMaps>() else {
+        return;
+    };
+    let count = maps.key.boxes.len() as u32;
+    let params = Params {
+        count,
+        nearest: frame.options.reflection.probes.nearest.min(count),
+        levels: maps.key.levels(),
+    };
+    let rays = Dispatch::Listed(frame.resources.ray_list, List::Rays);
+    frame.dispatch_with(pass, &params, &rays);
 }

@@ -21,7 +21,6 @@ use crate::{
 use boxes::probe_boxes;
 use capture::Capture;
 use key::ProbeKey;
-use look_up::Probe;
 use prefilter::Prefilter;
 
 /// Entry of the methods.
@@ -41,6 +40,9 @@ pub(super) const ROW: MethodRow = MethodRow {
     passes: &[
         (Place::Capture, FrameRow::new::<Capture>(&capture::PASS)),
         (Place::Capture, FrameRow::new::<Prefilter>(&prefilter::PASS)),
-        (Place::LookUp, FrameRow::new::<Probe>(&look_up::PASS)),
+        (
+            Place::LookUp,
+            FrameRow::compute(&look_up::PASS, look_up::record),
+        ),
     ],
 };

@@ -1,16 +1,14 @@
 //! Lead: traces the rays of one of several listed pixels, and lists the others.
 
 use crate::pipeline::{
-    frame_pass::FramePass,
     pass::{ComputePass, Dispatch, Pass, PassGroup},
-    pass_builder::PassBuilder,
     ray_list::List,
     recorder::clear_texture,
     shared_data::SharedData,
     sub_frame::SubFrame,
     targets::Target,
 };
-use reflet_gpu::{Checks, GpuError};
+use reflet_gpu::Checks;
 
 /// See `shaders/methods/undersampling/lead.wgsl`.
 pub const PASS: Pass = Pass {
@@ -41,22 +39,13 @@ const NOT_LED: wgpu::Color = wgpu::Color {
     a: 0.0,
 };
 
-/// The lead pass on the device.
-#[derive(Debug)]
-pub struct Lead(ComputePass);
-
-impl FramePass for Lead {
-    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        Ok(Self(builder.compute(&PASS, &[])?))
+/// Records the pass.
+pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
+    if let Some(view) = frame.resources.targets.view(Target::LeadHit) {
+        let label = Target::LeadHit.name();
+        clear_texture(frame.recorder.encoder(), label, view, NOT_LED);
     }
-
-    fn record(&self, frame: &mut SubFrame<'_>) {
-        if let Some(view) = frame.resources.targets.view(Target::LeadHit) {
-            let label = Target::LeadHit.name();
-            clear_texture(frame.recorder.encoder(), label, view, NOT_LED);
-        }
-        // The dispatch has workgroups for all rays, of which some find nothing left to do.
-        let rays = Dispatch::Listed(frame.resources.ray_list, List::Rays);
-        frame.dispatch(&self.0, &rays);
-    }
+    // The dispatch has workgroups for all rays, of which some find nothing left to do.
+    let rays = Dispatch::Listed(frame.resources.ray_list, List::Rays);
+    frame.dispatch(pass, &rays);
 }

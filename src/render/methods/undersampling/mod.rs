@@ -5,15 +5,16 @@ pub mod spread;
 
 use super::{MethodRow, Place};
 use crate::pipeline::frame_pass::FrameRow;
-use lead::Lead;
-use spread::Spread;
 
 /// Entry of undersampling.
 pub(super) const ROW: MethodRow = MethodRow {
     adopt: |own, asked| own.similarity = asked.similarity,
     passes: &[
-        (Place::Lead, FrameRow::new::<Lead>(&lead::PASS)),
-        (Place::Lead, FrameRow::new::<Spread>(&spread::PASS)),
+        (Place::Lead, FrameRow::compute(&lead::PASS, lead::record)),
+        (
+            Place::Lead,
+            FrameRow::compute(&spread::PASS, spread::record),
+        ),
     ],
     ..MethodRow::NONE
 };

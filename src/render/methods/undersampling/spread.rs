@@ -3,15 +3,13 @@
 use crate::{
     layout::gpu_struct::gpu_struct,
     pipeline::{
-        frame_pass::FramePass,
         pass::{ComputePass, Dispatch, Pass, PassGroup},
-        pass_builder::PassBuilder,
         ray_list::List,
         shared_data::SharedData,
         sub_frame::SubFrame,
     },
 };
-use reflet_gpu::{Checks, GpuError};
+use reflet_gpu::Checks;
 
 /// See `shaders/methods/undersampling/spread.wgsl`.
 pub const PASS: Pass = Pass {
@@ -42,21 +40,12 @@ gpu_struct! {
     }
 }
 
-/// The spread pass on the device.
-#[derive(Debug)]
-pub struct Spread(ComputePass);
-
-impl FramePass for Spread {
-    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        Ok(Self(builder.compute(&PASS, &[])?))
-    }
-
-    fn record(&self, frame: &mut SubFrame<'_>) {
-        let params = Params {
-            similarity: frame.options.reflection.similarity,
-        };
-        // The dispatch has workgroups for all rays, of which some find nothing left to do.
-        let rays = Dispatch::Listed(frame.resources.ray_list, List::Rays);
-        frame.dispatch_with(&self.0, &params, &rays);
-    }
+/// Records the pass.
+pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
+    let params = Params {
+        similarity: frame.options.reflection.similarity,
+    };
+    // The dispatch has workgroups for all rays, of which some find nothing left to do.
+    let rays = Dispatch::Listed(frame.resources.ray_list, List::Rays);
+    frame.dispatch_with(pass, &params, &rays);
 }
