@@ -1,10 +1,36 @@
 //! "Did you mean" hints: the allowed word that is nearest to a wrong one.
 
+/// Declares advice: words, then keys or kinds that tell where they are unsupported, and what to write instead.
+macro_rules! advice {
+    ($($($word:literal)|+ in $($among:literal)|+ => $help:literal;)*) => {
+        &[$(Advice { words: &[$($word),+], among: &[$($among),+], help: $help }),*]
+    };
+}
+
 mod absent;
 mod kinds;
 
 pub use absent::{absent, absent_key};
 pub use kinds::{absent_of_kind, example, key_of_advice};
+
+/// Advice for words of other programs.
+struct Advice {
+    /// The words, in lower case.
+    words: &'static [&'static str],
+    /// Keys, words or kinds beside which they are unsupported.
+    among: &'static [&'static str],
+    /// Text of the advice.
+    help: &'static str,
+}
+
+/// Advice of a list for a word beside keys, words or kinds that are there.
+fn advice(all: &[Advice], typed: &str, is_there: impl Fn(&str) -> bool) -> Option<&'static str> {
+    let lower = typed.to_lowercase();
+    let is_meant = |advice: &&Advice| {
+        advice.words.contains(&lower.as_str()) && advice.among.iter().any(|word| is_there(word))
+    };
+    all.iter().find(is_meant).map(|advice| advice.help)
+}
 
 /// Words of other renderers and formats, with the keys and words of scene text that they may mean.
 const SYNONYMS: &[(&str, &[&str])] = &[

@@ -1,317 +1,132 @@
 //! Words and keys that other programs have and scene text has not, with what to write instead.
 
+use super::{Advice, advice};
+
 /// Unsupported words, a word by which the list that lacks them is recognized, and what to write instead.
-const ABSENT: &[(&[&str], &str, &str)] = &[
-    (
-        &["filmic", "hable", "uncharted", "reinhard"],
-        "agx",
-        "\"aces\" and \"agx\" roll bright light off as film does, \"agx\" more softly",
-    ),
-    (
-        &["area", "quad", "sphere", "tube", "mesh"],
-        "directional",
-        "flat lights are \"rect\" and \"disk\", a ball is \"point\" with `radius_m`, and any other shape lights \
-         where its material has `emission` and `light = true`",
-    ),
-    (
-        &[
-            "ambient",
-            "dome",
-            "env",
-            "environment",
-            "hdri",
-            "sky",
-            "skylight",
-        ],
-        "directional",
-        "light from all around is `[environment]`, such as `color = [0.5, 0.6, 0.8]`",
-    ),
-    (
-        &["mesh", "obj", "gltf", "file", "model"],
-        "cylinder",
-        "a model from a file is `file = \"….glb\"`, without `shape`",
-    ),
-    (
-        &["raytraced", "raytracing"],
-        "hybrid",
-        "write \"rt\", which traces a ray for every reflective pixel",
-    ),
-    (
-        &["pathtraced", "pathtracing", "pt", "reference"],
-        "hybrid",
-        "write \"path\", which follows all light by rays",
-    ),
-    (
-        &["pyramid", "tetrahedron"],
-        "lathe",
-        "a pyramid is a \"cone\" with `segments = 4`",
-    ),
-    (
-        &["ellipsoid", "egg"],
-        "lathe",
-        "write \"sphere\", and in its instance `scale = [1, 2, 1]`",
-    ),
-    (
-        &["tube", "pipe", "curve", "cable"],
-        "sweep",
-        "write \"sweep\", which moves an outline along a curve",
-    ),
-    (
-        &["rounded_box", "roundedbox", "round_box"],
-        "lathe",
-        "write \"box\", with `bevel = 0.05`",
-    ),
-    (
-        &["boolean", "csg", "bool"],
-        "lathe",
-        "write \"union\", \"difference\" or \"intersection\"",
-    ),
-    (
-        &["revolution", "surface_of_revolution", "turned"],
-        "lathe",
-        "write \"lathe\", which turns an outline about Y",
-    ),
-    (
-        &["hemisphere", "dome"],
-        "lathe",
-        "write \"intersection\" of a \"sphere\" and a \"box\", or \"lathe\"",
-    ),
-    (
-        &["soft", "hard", "pcf", "vsm"],
-        "map",
-        "\"ray\" traces shadows, and a light with a size, such as `radius_m = 0.1`, makes them soft; \"map\" looks them up",
-    ),
-];
+const ABSENT: &[Advice] = advice! {
+    "filmic" | "hable" | "uncharted" | "reinhard" in "agx" =>
+        "\"aces\" and \"agx\" roll bright light off as film does, \"agx\" more softly";
+    "area" | "quad" | "sphere" | "tube" | "mesh" in "directional" =>
+        "flat lights are \"rect\" and \"disk\", a ball is \"point\" with `radius_m`, and any other shape lights where \
+         its material has `emission` and `light = true`";
+    "ambient" | "dome" | "env" | "environment" | "hdri" | "sky" | "skylight" in "directional" =>
+        "light from all around is `[environment]`, such as `color = [0.5, 0.6, 0.8]`";
+    "mesh" | "obj" | "gltf" | "file" | "model" in "cylinder" =>
+        "a model from a file is `file = \"….glb\"`, without `shape`";
+    "raytraced" | "raytracing" in "hybrid" =>
+        "write \"rt\", which traces a ray for every reflective pixel";
+    "pathtraced" | "pathtracing" | "pt" | "reference" in "hybrid" =>
+        "write \"path\", which follows all light by rays";
+    "pyramid" | "tetrahedron" in "lathe" =>
+        "a pyramid is a \"cone\" with `segments = 4`";
+    "ellipsoid" | "egg" in "lathe" =>
+        "write \"sphere\", and in its instance `scale = [1, 2, 1]`";
+    "tube" | "pipe" | "curve" | "cable" in "sweep" =>
+        "write \"sweep\", which moves an outline along a curve";
+    "rounded_box" | "roundedbox" | "round_box" in "lathe" =>
+        "write \"box\", with `bevel = 0.05`";
+    "boolean" | "csg" | "bool" in "lathe" =>
+        "write \"union\", \"difference\" or \"intersection\"";
+    "revolution" | "surface_of_revolution" | "turned" in "lathe" =>
+        "write \"lathe\", which turns an outline about Y";
+    "hemisphere" | "dome" in "lathe" =>
+        "write \"intersection\" of a \"sphere\" and a \"box\", or \"lathe\"";
+    "soft" | "hard" | "pcf" | "vsm" in "map" =>
+        "\"ray\" traces shadows, and a light with a size, such as `radius_m = 0.1`, makes them soft; \"map\" looks \
+         them up";
+};
 
 /// Unsupported keys, keys by which the table that lacks them is recognized, and what to write instead.
-const ABSENT_KEYS: &[(&[&str], &[&str], &str)] = &[
-    (
-        &["frame", "frames", "time", "t"],
-        &["at_s", "value"],
-        "write `at_s`, in seconds: the number of the frame divided by `fps` of `[timeline]`",
-    ),
-    (
-        &["shown", "visible", "hidden"],
-        &["shadow_px", "intensity_lux"], // keys of a light, and of its motion
-        "give the light a group as its parent, and hide that group: `parent = \"GROUP\"` in `[light.NAME]`, and \
-         `shown = { keys = [{ at_s = 0, value = false }, { at_s = 2, value = true }] }` in `[motion.group.GROUP]`",
-    ),
-    (
-        &["shown", "visible", "hidden"],
-        &["max_angle_deg"], // a key of a decal
-        "write `opacity = 0`; to show it for some time only, write in `[motion.decal.NAME]` \
-         `shown = { keys = [{ at_s = 0, value = false }, { at_s = 2, value = true }] }`",
-    ),
-    (
-        &["shown", "hidden"],
-        &["casts_shadow"],
-        "write `visible = false`; to show it for some time only, write in `[motion.instance.NAME]` \
-         `shown = { keys = [{ at_s = 0, value = false }, { at_s = 2, value = true }] }`",
-    ),
-    (
-        &[
-            "specular_texture",
-            "specular_color_texture",
-            "sheen_color_texture",
-            "sheen_roughness_texture",
-            "transmission_texture",
-            "clearcoat_texture",
-            "clearcoat_roughness_texture",
-            "clearcoat_normal_texture",
-            "iridescence_texture",
-            "iridescence_thickness_texture",
-            "anisotropy_texture",
-        ],
-        &["clearcoat"],
+const ABSENT_KEYS: &[Advice] = advice! {
+    "frame" | "frames" | "time" | "t" in "at_s" | "value" =>
+        "write `at_s`, in seconds: the number of the frame divided by `fps` of `[timeline]`";
+    // keys of a light, and of its motion
+    "shown" | "visible" | "hidden" in "shadow_px" | "intensity_lux" =>
+        "give the light a group as its parent, and hide that group: `parent = \"GROUP\"` in `[light.NAME]`, and `shown \
+         = { keys = [{ at_s = 0, value = false }, { at_s = 2, value = true }] }` in `[motion.group.GROUP]`";
+    // a key of a decal
+    "shown" | "visible" | "hidden" in "max_angle_deg" =>
+        "write `opacity = 0`; to show it for some time only, write in `[motion.decal.NAME]` `shown = { keys = [{ at_s \
+         = 0, value = false }, { at_s = 2, value = true }] }`";
+    "shown" | "hidden" in "casts_shadow" =>
+        "write `visible = false`; to show it for some time only, write in `[motion.instance.NAME]` `shown = { keys = \
+         [{ at_s = 0, value = false }, { at_s = 2, value = true }] }`";
+    "specular_texture" | "specular_color_texture" | "sheen_color_texture" | "sheen_roughness_texture"
+        | "transmission_texture" | "clearcoat_texture" | "clearcoat_roughness_texture"
+        | "clearcoat_normal_texture" | "iridescence_texture" | "iridescence_thickness_texture"
+        | "anisotropy_texture" in "clearcoat" =>
         "this texture comes from glTF files only: name one by `file = \"….glb\"` in `[model.NAME]`; the key without \
-         `_texture` holds everywhere on the surface",
-    ),
-    (
-        &["width", "height"],
-        &["tone_map"],
-        "write `size = [1280, 720]`, width and height in pixels",
-    ),
-    (
-        &["fps", "framerate", "frame_rate"],
-        &["tone_map"],
-        "write it below `[timeline]`, as in `fps = 24`",
-    ),
-    (
-        &["gamma", "contrast", "saturation", "srgb"],
-        &["tone_map"],
-        "pictures are sRGB: `exposure_ev` makes them brighter or darker, and `tone_map` rolls bright light off",
-    ),
-    (
-        &["background", "background_color"],
-        &["tone_map"],
-        "write it below `[environment]`, as in `color = [0.5, 0.6, 0.8]`; `visible = false` there hides it from the camera",
-    ),
-    (
-        &["method", "bounces", "max_bounces"],
-        &["tone_map"],
-        "write it below `[reflection]`, as in `method = \"rt\"`",
-    ),
-    (
-        &["denoise", "denoiser"],
-        &["tone_map"],
-        "it is an argument: `reflet render --denoise`",
-    ),
-    (
-        &[
-            "focal_length",
-            "focal_length_mm",
-            "focal_mm",
-            "lens",
-            "lens_mm",
-        ],
-        &["orthographic_height_m"],
-        "write `fov_deg`, the vertical angle of view: 38 is a lens of 35 mm on full frame, 27 one of 50 mm",
-    ),
-    (
-        &[
-            "rotation_deg",
-            "rotation",
-            "rotation_quat",
-            "yaw",
-            "pitch",
-            "roll",
-        ],
-        &["orthographic_height_m"],
-        "write `target`, the point that the camera looks at, and `up` for a roll",
-    ),
-    (
-        &["orbit", "rate", "oscillate", "follow", "keys"],
-        &["orthographic_height_m"],
-        "it stands in the track of what it moves, as in `eye = { orbit = { center = [0, 1, 0], period_s = 8 } }`",
-    ),
-    (
-        &["opacity", "transparency", "transparent", "alpha_mode"],
-        &["clearcoat"],
-        "write `alpha = 0.5` for what shows through, or `transmission = 1` for glass",
-    ),
-    (
-        &["glass"],
-        &["clearcoat"],
-        "write `transmission = 1`, with `roughness = 0` and `ior = 1.5`",
-    ),
-    (
-        &["preset", "kind", "type", "bsdf", "shader"],
-        &["clearcoat"],
-        "materials have no kinds: gold is `metallic = 1` with `base_color = [1, 0.77, 0.34]`, glass `transmission = 1`, a lamp `emission`",
-    ),
-    (
-        &["mirror", "reflective", "specularity"],
-        &["clearcoat"],
-        "write `metallic = 1` and `roughness = 0` for a mirror, or `reflectivity = 0.5` for a floor that reflects half",
-    ),
-    (
-        &["width", "length", "depth"],
-        &["bevel_segments"],
-        "write `size = [1, 2, 1]`, the lengths along X, Y and Z",
-    ),
-    (
-        &["diameter"],
-        &["radius", "segments"],
-        "write `radius`, half of the diameter",
-    ),
-    (
-        &["top_radius", "radius_top", "radius1", "radius2"],
-        &["height", "segments"],
-        "a cut cone is a lathe: `kind = \"lathe\"`, `points = [[0.5, 0], [0.2, 1]]`",
-    ),
-    (
-        &["kind", "type", "radius", "size", "height"],
-        &["animation", "usd"],
-        "write it into `shape`, as in `shape = { kind = \"sphere\", radius = 0.5 }`",
-    ),
-    (
-        &["color", "base_color", "colour"],
-        &["casts_shadow"],
-        "write `material`, as in `material = { base_color = \"#b01010\" }`, for this one alone",
-    ),
-    (
-        &["image", "texture", "file", "picture"],
-        &["max_angle_deg"],
-        "write `material`, the name of one with `base_color_texture = \"a.png\"`",
-    ),
-    (
-        &["scale", "frequency", "period"],
-        &["offset_m"],
-        "write `size_m`, the size of its cells in meters",
-    ),
-    (
-        &["kind", "type", "name"],
-        &["offset_m"],
-        "write `pattern`, as in `pattern = \"noise\"`",
-    ),
-    (
-        &["colors", "color", "values"],
-        &["offset_m"],
-        "write `from` and `to`, as in `from = \"#202020\", to = \"#e0e0e0\"`",
-    ),
-    (
-        &["from", "to", "start", "end", "values"],
-        &["loop_s"],
-        "write `keys`, as in `keys = [{ at_s = 0, value = … }, { at_s = 2, value = … }]`",
-    ),
-    (
-        &["at", "look"],
-        &["orthographic_height_m"],
-        "write `target`, the point that the camera looks at",
-    ),
-    (
-        &["count", "copies", "number", "array"],
-        &["casts_shadow"],
-        "write `repeat = { count = [5, 1, 1], step = [1, 0, 0] }`",
-    ),
-    (
-        &["scatter", "distribute"],
-        &["casts_shadow"],
-        "write `over = { model = \"ground\", count = 500 }`",
-    ),
-    (
-        &["power_w", "power", "watt", "watts", "energy", "strength"],
-        &["shadow_px"],
-        "write `intensity_cd`, in candela: a bulb of 60 W shines with about 60",
-    ),
-    (
-        &["intensity_lm", "lumen", "lumens"],
-        &["shadow_px"],
-        "write `intensity_cd`: lumens divided by 12.57 for a light that shines all around",
-    ),
-    (
-        &["temperature", "temperature_k", "kelvin"],
-        &["shadow_px"],
-        "write `color`: \"#ffb46b\" is about 3000 K, \"#ffe4ce\" 5000 K",
-    ),
-    (
-        &[
-            "frames",
-            "duration",
-            "duration_s",
-            "length",
-            "length_s",
-            "count",
-        ],
-        &["cuts"],
-        "write `end`, the number of the last frame: 47 for 2 s at `fps = 24`",
-    ),
-];
+         `_texture` holds everywhere on the surface";
+    "width" | "height" in "tone_map" =>
+        "write `size = [1280, 720]`, width and height in pixels";
+    "fps" | "framerate" | "frame_rate" in "tone_map" =>
+        "write it below `[timeline]`, as in `fps = 24`";
+    "gamma" | "contrast" | "saturation" | "srgb" in "tone_map" =>
+        "pictures are sRGB: `exposure_ev` makes them brighter or darker, and `tone_map` rolls bright light off";
+    "background" | "background_color" in "tone_map" =>
+        "write it below `[environment]`, as in `color = [0.5, 0.6, 0.8]`; `visible = false` there hides it from the \
+         camera";
+    "method" | "bounces" | "max_bounces" in "tone_map" =>
+        "write it below `[reflection]`, as in `method = \"rt\"`";
+    "denoise" | "denoiser" in "tone_map" =>
+        "it is an argument: `reflet render --denoise`";
+    "focal_length" | "focal_length_mm" | "focal_mm" | "lens" | "lens_mm" in "orthographic_height_m" =>
+        "write `fov_deg`, the vertical angle of view: 38 is a lens of 35 mm on full frame, 27 one of 50 mm";
+    "rotation_deg" | "rotation" | "rotation_quat" | "yaw" | "pitch" | "roll" in "orthographic_height_m" =>
+        "write `target`, the point that the camera looks at, and `up` for a roll";
+    "orbit" | "rate" | "oscillate" | "follow" | "keys" in "orthographic_height_m" =>
+        "it stands in the track of what it moves, as in `eye = { orbit = { center = [0, 1, 0], period_s = 8 } }`";
+    "opacity" | "transparency" | "transparent" | "alpha_mode" in "clearcoat" =>
+        "write `alpha = 0.5` for what shows through, or `transmission = 1` for glass";
+    "glass" in "clearcoat" =>
+        "write `transmission = 1`, with `roughness = 0` and `ior = 1.5`";
+    "preset" | "kind" | "type" | "bsdf" | "shader" in "clearcoat" =>
+        "materials have no kinds: gold is `metallic = 1` with `base_color = [1, 0.77, 0.34]`, glass `transmission = \
+         1`, a lamp `emission`";
+    "mirror" | "reflective" | "specularity" in "clearcoat" =>
+        "write `metallic = 1` and `roughness = 0` for a mirror, or `reflectivity = 0.5` for a floor that reflects half";
+    "width" | "length" | "depth" in "bevel_segments" =>
+        "write `size = [1, 2, 1]`, the lengths along X, Y and Z";
+    "diameter" in "radius" | "segments" =>
+        "write `radius`, half of the diameter";
+    "top_radius" | "radius_top" | "radius1" | "radius2" in "height" | "segments" =>
+        "a cut cone is a lathe: `kind = \"lathe\"`, `points = [[0.5, 0], [0.2, 1]]`";
+    "kind" | "type" | "radius" | "size" | "height" in "animation" | "usd" =>
+        "write it into `shape`, as in `shape = { kind = \"sphere\", radius = 0.5 }`";
+    "color" | "base_color" | "colour" in "casts_shadow" =>
+        "write `material`, as in `material = { base_color = \"#b01010\" }`, for this one alone";
+    "image" | "texture" | "file" | "picture" in "max_angle_deg" =>
+        "write `material`, the name of one with `base_color_texture = \"a.png\"`";
+    "scale" | "frequency" | "period" in "offset_m" =>
+        "write `size_m`, the size of its cells in meters";
+    "kind" | "type" | "name" in "offset_m" =>
+        "write `pattern`, as in `pattern = \"noise\"`";
+    "colors" | "color" | "values" in "offset_m" =>
+        "write `from` and `to`, as in `from = \"#202020\", to = \"#e0e0e0\"`";
+    "from" | "to" | "start" | "end" | "values" in "loop_s" =>
+        "write `keys`, as in `keys = [{ at_s = 0, value = … }, { at_s = 2, value = … }]`";
+    "at" | "look" in "orthographic_height_m" =>
+        "write `target`, the point that the camera looks at";
+    "count" | "copies" | "number" | "array" in "casts_shadow" =>
+        "write `repeat = { count = [5, 1, 1], step = [1, 0, 0] }`";
+    "scatter" | "distribute" in "casts_shadow" =>
+        "write `over = { model = \"ground\", count = 500 }`";
+    "power_w" | "power" | "watt" | "watts" | "energy" | "strength" in "shadow_px" =>
+        "write `intensity_cd`, in candela: a bulb of 60 W shines with about 60";
+    "intensity_lm" | "lumen" | "lumens" in "shadow_px" =>
+        "write `intensity_cd`: lumens divided by 12.57 for a light that shines all around";
+    "temperature" | "temperature_k" | "kelvin" in "shadow_px" =>
+        "write `color`: \"#ffb46b\" is about 3000 K, \"#ffe4ce\" 5000 K";
+    "frames" | "duration" | "duration_s" | "length" | "length_s" | "count" in "cuts" =>
+        "write `end`, the number of the last frame: 47 for 2 s at `fps = 24`";
+};
 
 /// Advice for an unsupported key in a table with the keys `known`.
 pub fn absent_key(typed: &str, known: &[&str]) -> Option<&'static str> {
-    let lower = typed.to_lowercase();
-    let (.., help) = ABSENT_KEYS.iter().find(|(absent, among, _)| {
-        absent.contains(&lower.as_str()) && among.iter().any(|key| known.contains(key))
-    })?;
-    Some(help)
+    advice(ABSENT_KEYS, typed, |key| known.contains(&key))
 }
 
 /// Advice for an unsupported word where one of `words` is allowed.
 pub fn absent(typed: &str, words: &[&str]) -> Option<&'static str> {
-    let lower = typed.to_lowercase();
-    let (.., help) = ABSENT
-        .iter()
-        .find(|(absent, among, _)| absent.contains(&lower.as_str()) && words.contains(among))?;
-    Some(help)
+    advice(ABSENT, typed, |word| words.contains(&word))
 }
