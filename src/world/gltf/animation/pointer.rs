@@ -18,95 +18,44 @@ use crate::{
 };
 
 /// Animatable values of materials: JSON pointer, key of scene text, number of components.
-const MATERIAL: [(&str, &str, usize); 23] = [
+const CORE: [(&str, &str, usize); 7] = [
     ("pbrMetallicRoughness/baseColorFactor", "base_color", 4),
     ("pbrMetallicRoughness/metallicFactor", "metallic", 1),
     ("pbrMetallicRoughness/roughnessFactor", "roughness", 1),
     ("normalTexture/scale", "normal_scale", 1),
     ("occlusionTexture/strength", "occlusion_strength", 1),
     ("emissiveFactor", EMISSION, 3),
-    (
-        "extensions/KHR_materials_emissive_strength/emissiveStrength",
-        EMISSION_STRENGTH,
-        1,
-    ),
     ("alphaCutoff", "alpha_cutoff", 1),
+];
+/// Animatable values of layers, whose JSON pointers begin with [`LAYER`].
+const LAYERS: [(&str, &str, usize); 16] = [
+    ("emissive_strength/emissiveStrength", EMISSION_STRENGTH, 1),
+    ("transmission/transmissionFactor", "transmission", 1),
+    ("volume/attenuationColor", "attenuation_color", 3),
+    ("volume/attenuationDistance", "attenuation_distance_m", 1),
+    ("clearcoat/clearcoatFactor", "clearcoat", 1),
     (
-        "extensions/KHR_materials_transmission/transmissionFactor",
-        "transmission",
-        1,
-    ),
-    (
-        "extensions/KHR_materials_volume/attenuationColor",
-        "attenuation_color",
-        3,
-    ),
-    (
-        "extensions/KHR_materials_volume/attenuationDistance",
-        "attenuation_distance_m",
-        1,
-    ),
-    (
-        "extensions/KHR_materials_clearcoat/clearcoatFactor",
-        "clearcoat",
-        1,
-    ),
-    (
-        "extensions/KHR_materials_clearcoat/clearcoatRoughnessFactor",
+        "clearcoat/clearcoatRoughnessFactor",
         "clearcoat_roughness",
         1,
     ),
+    ("specular/specularFactor", "specular", 1),
+    ("specular/specularColorFactor", "specular_color", 3),
+    ("sheen/sheenColorFactor", "sheen_color", 3),
+    ("sheen/sheenRoughnessFactor", "sheen_roughness", 1),
+    ("iridescence/iridescenceFactor", "iridescence", 1),
+    ("iridescence/iridescenceIor", "iridescence_ior", 1),
     (
-        "extensions/KHR_materials_specular/specularFactor",
-        "specular",
-        1,
-    ),
-    (
-        "extensions/KHR_materials_specular/specularColorFactor",
-        "specular_color",
-        3,
-    ),
-    (
-        "extensions/KHR_materials_sheen/sheenColorFactor",
-        "sheen_color",
-        3,
-    ),
-    (
-        "extensions/KHR_materials_sheen/sheenRoughnessFactor",
-        "sheen_roughness",
-        1,
-    ),
-    (
-        "extensions/KHR_materials_iridescence/iridescenceFactor",
-        "iridescence",
-        1,
-    ),
-    (
-        "extensions/KHR_materials_iridescence/iridescenceIor",
-        "iridescence_ior",
-        1,
-    ),
-    (
-        "extensions/KHR_materials_iridescence/iridescenceThicknessMaximum",
+        "iridescence/iridescenceThicknessMaximum",
         "iridescence_thickness_nm",
         1,
     ),
-    (
-        "extensions/KHR_materials_anisotropy/anisotropyStrength",
-        "anisotropy",
-        1,
-    ),
-    (
-        "extensions/KHR_materials_anisotropy/anisotropyRotation",
-        ANISOTROPY_ROTATION,
-        1,
-    ),
-    (
-        "extensions/KHR_materials_dispersion/dispersion",
-        "dispersion",
-        1,
-    ),
+    ("anisotropy/anisotropyStrength", "anisotropy", 1),
+    ("anisotropy/anisotropyRotation", ANISOTROPY_ROTATION, 1),
+    ("dispersion/dispersion", "dispersion", 1),
 ];
+/// Begin of pointers to values of layers.
+const LAYER: &str = "extensions/KHR_materials_";
 /// Key of the anisotropy's rotation, in degrees; files have radians.
 const ANISOTROPY_ROTATION: &str = "anisotropy_rotation_deg";
 const EMISSION: &str = "emission";
@@ -236,8 +185,12 @@ pub fn moved_material_keys(root: &Root) -> HashSet<(usize, &'static str)> {
 }
 
 fn material_value(rest: &str) -> Option<(PointedValue, usize)> {
-    let found = MATERIAL.into_iter().find(|(pointer, ..)| *pointer == rest);
-    if let Some((_, key, lanes)) = found {
+    let (values, name) = match rest.strip_prefix(LAYER) {
+        Some(layer) => (&LAYERS[..], layer),
+        None => (&CORE[..], rest),
+    };
+    let found = values.iter().find(|(pointer, ..)| *pointer == name);
+    if let Some(&(_, key, lanes)) = found {
         return Some((PointedValue::Field(key), lanes));
     }
     let (texture, part) = rest.split_once("/extensions/KHR_texture_transform/")?;
