@@ -155,6 +155,36 @@ fn files_are_named_from_the_placed_scene() {
 }
 
 #[test]
+fn things_that_a_placed_scene_names_are_its_own() {
+    let car = "\
+        version = 1\n\
+        [model.body]\n\
+        shape = { kind = \"union\", parts = [\n\
+        { shape = { kind = \"text\", text = \"a\", font = \"a.ttf\" } }, { shape = { kind = \"box\" } }] }\n\
+        [material.paint]\nbase_color_texture = \"a.png\"\n\
+        [[instance]]\nname = \"bolt\"\nmodel = \"body\"\nover = { model = \"body\", count = 2 }\n\
+        [decal.mark]\nmaterial = \"paint\"\nonly = [\"bolt\"]\n";
+    let shot = "version = 1\n[[instance]]\nmodel = { scene = \"car/car.toml\" }\n";
+    let folder = Folder::with(&[
+        ("shot/scene.toml", shot),
+        ("shot/car/car.toml", car),
+        ("shot/car/a.ttf", ""),
+        ("shot/car/a.png", ""),
+    ]);
+    let scene = folder.expect();
+    let ModelSource::Shape(shape) = &scene.models[0].value.source else {
+        panic!("a shape");
+    };
+    let (decal, paint) = (&scene.decals[0].value, &scene.materials[0].value);
+    let only = decal.only.as_ref().expect("an instance");
+    let over = scene.instances[0].over.as_ref().expect("copies");
+    let texture = paint.base_color_texture.as_ref().expect("a texture");
+    let names = [&decal.material, &only[0], &over.model, texture].map(|name| name.value.as_str());
+    assert_eq!(names, ["car.paint", "car.bolt", "car.body", "car/a.png"]);
+    assert_eq!(shape.fonts()[0].file, "car/a.ttf");
+}
+
+#[test]
 fn height_fields_read_their_image_beside_their_scene() {
     let hills = "version = 1\n[model.hills]\nshape = { kind = \"heightfield\", file = \"hills.png\", size = [2, 3, 4] }\n";
     let folder = Folder::with(&[
