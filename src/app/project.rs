@@ -86,8 +86,11 @@ pub fn with_output(args: &RenderArgs, loaded: &LoadedScene) -> Result<RenderArgs
     let named = project.and_then(|project| Some((project, project.desc.output.as_ref()?)));
     let Some((project, output)) = named else {
         let help = "name the picture to write, such as -o picture.png";
-        let text =
-            format!("--output FILE is missing: {help}; a reflet.toml may say it for all scenes");
+        let why = match args.scene {
+            Some(_) => "a reflet.toml may say it for all scenes",
+            None => "without SCENE, this is the built-in one, which is of no project",
+        };
+        let text = format!("--output FILE is missing: {help}; {why}");
         return Err(AppError::Usage(text));
     };
     check_output(output).map_err(|error| AppError::Scene(vec![*error]))?;

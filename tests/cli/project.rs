@@ -311,10 +311,12 @@ fn a_new_project_checks_and_renders() {
 }
 
 #[test]
-fn a_new_project_renders_without_arguments() {
+fn a_new_project_renders_a_scene_without_further_arguments() {
     or_skip!(gpu_or_skip());
     let folder = folder("project-new-render");
     exits(&folder, "new show", 0);
+    let [_, error] = exits(&folder.join("show"), "render", 2);
+    assert!(error.contains("without SCENE"), "{error}");
     let quick = ["--size", "64x36", "--samples", "1"];
     exits(
         &folder,
