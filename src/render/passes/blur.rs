@@ -3,14 +3,11 @@
 use crate::{
     layout::gpu_struct::gpu_struct,
     pipeline::{
-        frame_pass::FramePass,
         pass::{ComputePass, Dispatch, Pass, PassGroup},
-        pass_builder::PassBuilder,
         sub_frame::SubFrame,
         targets::Target,
     },
 };
-use reflet_gpu::GpuError;
 
 /// See `shaders/blur.wgsl`; `source` and `blurred` alternate between the targets reflection and blurred.
 pub const PASS: Pass = Pass {
@@ -36,24 +33,14 @@ gpu_struct! {
     }
 }
 
-/// The blur pass on the device, horizontal and vertical.
-#[derive(Debug)]
-pub struct Blur([ComputePass; 2]);
-
-impl FramePass for Blur {
-    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        let direction = |i: usize| builder.compute(&PASS, &PASS.swapped(i));
-        Ok(Self([direction(0)?, direction(1)?]))
-    }
-
-    fn record(&self, frame: &mut SubFrame<'_>) {
-        let sigma_px = frame.options.reflection.blur_px;
-        for (pass, direction) in self.0.iter().zip([[1, 0], [0, 1]]) {
-            let params = Params {
-                direction,
-                sigma_px,
-            };
-            frame.dispatch_with(pass, &params, &Dispatch::PerPixel);
-        }
+/// Records the pass: horizontal, then vertical.
+pub fn record(passes: &[ComputePass], frame: &mut SubFrame<'_>) {
+    let sigma_px = frame.options.reflection.blur_px;
+    for (pass, direction) in passes.iter().zip([[1, 0], [0, 1]]) {
+        let params = Params {
+            direction,
+            sigma_px,
+        };
+        frame.dispatch_with(pass, &params, &Dispatch::PerPixel);
     }
 }

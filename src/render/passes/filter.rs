@@ -3,15 +3,12 @@
 use crate::{
     layout::gpu_struct::gpu_struct,
     pipeline::{
-        frame_pass::FramePass,
         pass::{ComputePass, Dispatch, Pass, PassGroup},
-        pass_builder::PassBuilder,
         sub_frame::SubFrame,
         targets::Target,
     },
     settings::options::RenderOptions,
 };
-use reflet_gpu::GpuError;
 
 /// See `shaders/filter.wgsl`; `source` and `blurred` alternate between the targets reflection and blurred.
 pub const PASS: Pass = Pass {
@@ -36,7 +33,7 @@ pub fn is_enabled(options: &RenderOptions) -> bool {
 
 /// Radius in lobe widths and number of taps of both steps; the narrow one fills the gaps between the taps of the
 /// wide one.
-const STEPS: [(f32, u32); 2] = [(1.5, 20), (0.4, 8)];
+pub const STEPS: [(f32, u32); 2] = [(1.5, 20), (0.4, 8)];
 
 gpu_struct! {
     /// Uniforms of the filter for one step.
@@ -48,20 +45,10 @@ gpu_struct! {
     }
 }
 
-/// The filter pass on the device, wide and narrow step.
-#[derive(Debug)]
-pub struct Filter([ComputePass; 2]);
-
-impl FramePass for Filter {
-    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        let step = |i: usize| builder.compute(&PASS, &PASS.swapped(i));
-        Ok(Self([step(0)?, step(1)?]))
-    }
-
-    fn record(&self, frame: &mut SubFrame<'_>) {
-        for (pass, (reach, taps)) in self.0.iter().zip(STEPS) {
-            let params = Params { reach, taps };
-            frame.dispatch_with(pass, &params, &Dispatch::PerPixel);
-        }
+/// Records the pass: wide, then narrow.
+pub fn record(passes: &[ComputePass], frame: &mut SubFrame<'_>) {
+    for (pass, (reach, taps)) in passes.iter().zip(STEPS) {
+        let params = Params { reach, taps };
+        frame.dispatch_with(pass, &params, &Dispatch::PerPixel);
     }
 }

@@ -62,7 +62,7 @@ fn rows() -> Vec<FrameRow> {
         FrameRow::compute(&arguments::PASS, arguments::record),
         FrameRow::compute(&transmit::PASS, transmit::record),
         FrameRow::compute(&indirect::PASS, indirect::record),
-        FrameRow::new::<soften::Soften>(&soften::PASS),
+        FrameRow::steps(&soften::PASS, soften::STEPS.len(), soften::record),
         FrameRow::compute(&fog::PASS, fog::record),
     ]);
     rows.extend(passes_at(Place::March));
@@ -78,9 +78,9 @@ fn rows() -> Vec<FrameRow> {
     rows.extend(passes_at(Place::LookUp));
     rows.extend([
         FrameRow::new::<audit::Audit>(&audit::PASS),
-        FrameRow::new::<filter::Filter>(&filter::PASS),
-        FrameRow::new::<blur::Blur>(&blur::PASS),
-        FrameRow::new::<compose::Compose>(&compose::PASS),
+        FrameRow::steps(&filter::PASS, filter::STEPS.len(), filter::record),
+        FrameRow::steps(&blur::PASS, 2, blur::record),
+        FrameRow::steps(&compose::PASS, 2, compose::record),
         FrameRow::compute(&coverage::PASS, coverage::record),
         FrameRow::compute(&guides::PASS, guides::record),
         FrameRow::new::<tone::Tone>(&tone::PASS),

@@ -3,15 +3,12 @@
 use crate::{
     layout::gpu_struct::gpu_struct,
     pipeline::{
-        frame_pass::FramePass,
         pass::{ComputePass, Dispatch, Override, Pass, PassGroup},
-        pass_builder::PassBuilder,
         sub_frame::SubFrame,
         targets::Target,
     },
     settings::options::RenderOptions,
 };
-use reflet_gpu::GpuError;
 
 /// See `shaders/soften.wgsl`; `source` and `softened` alternate between the targets indirect light and blurred.
 pub const PASS: Pass = Pass {
@@ -34,7 +31,7 @@ pub fn constants(options: &RenderOptions) -> Vec<Override> {
 
 /// Radius, as a share of the distance that light comes from, and number of taps of each step; each fills the gaps
 /// between the taps of the previous step.
-const STEPS: [(f32, u32); 4] = [(1.0, 24), (0.5, 16), (0.25, 12), (0.1, 8)];
+pub const STEPS: [(f32, u32); 4] = [(1.0, 24), (0.5, 16), (0.25, 12), (0.1, 8)];
 
 /// Maximum radius of the first step, as a share of the picture's height.
 const WIDEST: f32 = 0.2;
@@ -53,26 +50,16 @@ gpu_struct! {
     }
 }
 
-/// The soften pass on the device, a pipeline for each step.
-#[derive(Debug)]
-pub struct Soften([ComputePass; STEPS.len()]);
-
-impl FramePass for Soften {
-    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        let step = |i: usize| builder.compute(&PASS, &PASS.swapped(i));
-        Ok(Self([step(0)?, step(1)?, step(2)?, step(3)?]))
-    }
-
-    fn record(&self, frame: &mut SubFrame<'_>) {
-        let width = frame.options.smoothing();
-        for (i, (pass, (reach, taps))) in self.0.iter().zip(STEPS).enumerate() {
-            let params = Params {
-                reach: width * reach,
-                widest: width * reach * WIDEST,
-                taps,
-                is_last: u32::from(i + 1 == STEPS.len()),
-            };
-            frame.dispatch_with(pass, &params, &Dispatch::PerPixel);
-        }
+/// Records the pass: step by step.
+pub fn record(passes: &[ComputePass], frame: &mut SubFrame<'_>) {
+    let width = frame.options.smoothing();
+    for (i, (pass, (reach, taps))) in passes.iter().zip(STEPS).enumerate() {
+        let params = Params {
+            reach: width * reach,
+            widest: width * reach * WIDEST,
+            taps,
+            is_last: u32::from(i + 1 == STEPS.len()),
+        };
+        frame.dispatch_with(pass, &params, &Dispatch::PerPixel);
     }
 }

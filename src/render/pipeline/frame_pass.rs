@@ -38,11 +38,15 @@ pub struct FrameRow {
 /// Records a pass of a single compute shader.
 type Record = fn(&ComputePass, &mut SubFrame<'_>);
 
+/// Records a pass of several pipelines of a compute shader, which swap its targets.
+type RecordSteps = fn(&[ComputePass], &mut SubFrame<'_>);
+
 /// Creation of a pass on the device.
 #[derive(Clone, Copy, Debug)]
 enum Build {
     Own(fn(&PassBuilder<'_>) -> Result<Arc<dyn FramePass>, GpuError>),
     Compute(Record),
+    Steps(usize, RecordSteps),
 }
 
 impl FrameRow {
@@ -62,6 +66,14 @@ impl FrameRow {
         }
     }
 
+    /// Entry of a pass of several pipelines of a compute shader, each with the next of its swapped targets.
+    pub const fn steps(pass: &'static Pass, pipelines: usize, record: RecordSteps) -> Self {
+        Self {
+            pass,
+            build: Build::Steps(pipelines, record),
+        }
+    }
+
     /// Creates the pass on the device.
     ///
     /// # Errors
@@ -71,6 +83,10 @@ impl FrameRow {
             Build::Own(build) => BuiltPass::Own(build(builder)?),
             Build::Compute(record) => {
                 BuiltPass::Compute(Arc::new(builder.compute(self.pass, &[])?), record)
+            }
+            Build::Steps(pipelines, record) => {
+                let step = |i| builder.compute(self.pass, &self.pass.swapped(i));
+                BuiltPass::Steps((0..pipelines).map(step).collect::<Result<_, _>>()?, record)
             }
         })
     }
@@ -83,6 +99,8 @@ pub enum BuiltPass {
     Own(Arc<dyn FramePass>),
     /// A single compute shader, and the function that records it.
     Compute(Arc<ComputePass>, Record),
+    /// Pipelines of a compute shader that swap its targets, and the function that records them.
+    Steps(Arc<[ComputePass]>, RecordSteps),
 }
 
 impl BuiltPass {
@@ -91,6 +109,7 @@ impl BuiltPass {
         match self {
             Self::Own(pass) => pass.record(frame),
             Self::Compute(pass, record) => record(pass, frame),
+            Self::Steps(passes, record) => record(passes, frame),
         }
     }
 
