@@ -49,6 +49,66 @@ fn lights_and_cameras() -> Doc {
 }
 
 #[test]
+fn a_light_with_a_mistake_does_not_take_the_file() {
+    let spot = |inner: f32, outer: f32| json!({"type": "spot", "spot": {"innerConeAngle": inner, "outerConeAngle": outer}});
+    for (light, inner_deg, name) in [
+        (
+            spot(0.5, 0.5),
+            Some(0.999_f32 * 0.5_f32.to_degrees()),
+            "light-clamped",
+        ),
+        (
+            spot(1.0, 0.5),
+            Some(0.999 * 0.5_f32.to_degrees()),
+            "light-clamped",
+        ),
+        (spot(-1.0, 0.5), Some(0.0), "light-clamped"),
+        (spot(0.0, 3.0), Some(0.0), "light-clamped"),
+        (spot(0.0, 0.0), None, "light-left-out"),
+        (json!({"type": "laser"}), None, "light-left-out"),
+        (
+            json!({"type": "point", "intensity": -1}),
+            None,
+            "light-left-out",
+        ),
+        (
+            json!({"type": "point", "color": [-1, 0, 0]}),
+            None,
+            "light-left-out",
+        ),
+    ] {
+        let mut doc = lights_and_cameras();
+        doc.json["extensions"]["KHR_lights_punctual"]["lights"][0] = light.clone();
+        let world = doc.world();
+        assert!(warnings(&world).contains(&name), "{light}");
+        let inner = world.lights.iter().find_map(|light| match light.desc.kind {
+            LightKind::Spot {
+                inner_deg,
+                outer_deg,
+                ..
+            } => {
+                assert!(inner_deg < outer_deg && outer_deg <= 89.9);
+                Some(inner_deg)
+            }
+            _ => None,
+        });
+        assert_eq!(inner, inner_deg, "{light}");
+        assert_eq!(
+            world.lights.len(),
+            1 + usize::from(inner.is_some()),
+            "{light}"
+        );
+    }
+    let mut doc = lights_and_cameras();
+    doc.json["extensions"]["KHR_lights_punctual"]["lights"][0]["range"] = (-1).into();
+    let world = doc.world();
+    assert_eq!(
+        (world.lights[0].range_m, &warnings(&world)[..]),
+        (None, &["light-clamped"][..])
+    );
+}
+
+#[test]
 fn lights_and_cameras_of_files_are_placed() {
     let folder = Folder::new();
     folder.write("m.glb", lights_and_cameras().glb());

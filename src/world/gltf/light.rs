@@ -1,27 +1,29 @@
 //! Reads a light of KHR_lights_punctual as a [`Light`].
 
+use std::f32::consts::FRAC_PI_4;
+
 use glam::Vec3;
 
-use super::{FORWARD, Fault, schema, uri::shorten};
+use super::{FORWARD, Notes, schema, uri::shorten};
 use crate::Light;
 use reflet_scene::desc::{LightDesc, LightGroup, LightKind, ShadowMode};
 
 /// Width and height of a shadow map, pixels; scene text has the same default.
 const DEFAULT_SHADOW_PX: u32 = 1024;
 
-fn fault(text: &str) -> Fault {
-    Fault::new("gltf-light", text)
-}
+/// Share of the outer angle of a spot light at which the edge of its cone begins at the latest: a hard edge.
+const HARD_EDGE: f32 = 0.999;
 
-/// A light in the space of its node; the node's scale changes neither intensity nor range.
-pub fn read(light: &schema::Light, name: &str) -> Result<Light, Fault> {
+/// A light in the space of its node; the node's scale changes neither intensity nor range. `None` for a light that cannot be
+/// shown, which is noted at `place`.
+pub fn read(light: &schema::Light, name: &str, notes: &mut Notes, place: &str) -> Option<Light> {
     let intensity = light.intensity.unwrap_or(1.0);
     let color = light.color.unwrap_or([1.0; 3]);
-    if !(intensity >= 0.0
-        && intensity.is_finite()
-        && color.iter().all(|c| *c >= 0.0 && c.is_finite()))
-    {
-        return Err(fault("intensity and color must be finite and not negative"));
+    let is_strength = |x: f32| x >= 0.0 && x.is_finite();
+    if !(is_strength(intensity) && color.into_iter().all(is_strength)) {
+        let what = "lights whose intensity or color is negative or not finite are left out";
+        notes.add("light-left-out", 1, what, place);
+        return None;
     }
     let (position, direction) = (Vec3::ZERO, FORWARD);
     let kind = match light.kind.as_str() {
@@ -36,7 +38,7 @@ pub fn read(light: &schema::Light, name: &str) -> Result<Light, Fault> {
             angle_deg: 0.0,
         },
         "spot" => {
-            let [inner_deg, outer_deg] = cone_deg(light)?;
+            let [inner_deg, outer_deg] = cone_deg(light, notes, place)?;
             LightKind::Spot {
                 position,
                 direction,
@@ -47,13 +49,18 @@ pub fn read(light: &schema::Light, name: &str) -> Result<Light, Fault> {
                 radius_m: 0.0,
             }
         }
-        other => return Err(fault(&format!("type \"{}\" is unknown", shorten(other)))),
+        other => {
+            let what = "lights of a type that KHR_lights_punctual does not have are left out";
+            let place = format!("{place}, type \"{}\"", shorten(other));
+            notes.add("light-left-out", 1, what, &place);
+            return None;
+        }
     };
-    let range_m = light.range.filter(|r| r.is_finite());
-    if range_m.is_some_and(|r| r <= 0.0) {
-        return Err(fault("range must be above 0"));
-    }
-    Ok(Light {
+    let finite_m = light.range.filter(|r| r.is_finite());
+    let range_m = finite_m.filter(|r| *r > 0.0);
+    let what = "ranges of lights are not above 0, and the lights have none";
+    notes.add("light-clamped", u64::from(range_m != finite_m), what, place);
+    Some(Light {
         name: name.to_owned(),
         desc: LightDesc {
             kind,
@@ -66,17 +73,27 @@ pub fn read(light: &schema::Light, name: &str) -> Result<Light, Fault> {
     })
 }
 
-/// Inner and outer half angle of a spot light, degrees.
-fn cone_deg(light: &schema::Light) -> Result<[f32; 2], Fault> {
+/// Inner and outer half angle of a spot light, degrees; `None` for a cone without any width.
+fn cone_deg(light: &schema::Light, notes: &mut Notes, place: &str) -> Option<[f32; 2]> {
     let spot = light.spot.as_ref();
     let inner = spot.and_then(|s| s.inner_cone_angle).unwrap_or(0.0);
     let outer = spot.and_then(|s| s.outer_cone_angle);
-    let outer = outer.unwrap_or(std::f32::consts::FRAC_PI_4);
-    // The limit is a little more than π/2, as files round it.
-    if !(0.0 <= inner && inner < outer && outer <= 1.571) {
-        return Err(fault("cone angles must be 0 ≤ inner < outer ≤ π/2"));
+    let outer = outer.unwrap_or(FRAC_PI_4);
+    if !(outer > 0.0 && outer.is_finite() && inner.is_finite()) {
+        let what = "spot lights whose cone has no width are left out";
+        notes.add("light-left-out", 1, what, place);
+        return None;
     }
+    // The limit is a little more than π/2, as files round it.
+    let is_valid = 0.0 <= inner && inner < outer && outer <= 1.571;
+    let what = "cone angles of spot lights are not 0 ≤ inner < outer ≤ π/2, and are clamped";
+    notes.add("light-clamped", u64::from(!is_valid), what, place);
     // The extension allows a half sphere; scene text ends just below it.
     let outer_deg = outer.to_degrees().min(89.9);
-    Ok([inner.to_degrees().min(outer_deg), outer_deg])
+    let most = if is_valid {
+        outer_deg
+    } else {
+        HARD_EDGE * outer_deg
+    };
+    Some([inner.to_degrees().clamp(0.0, most), outer_deg])
 }

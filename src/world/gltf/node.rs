@@ -271,7 +271,9 @@ impl Found<'_> {
         let light = lights.and_then(|l| l.lights.get(used.light));
         let light = light.ok_or_else(|| fault(format!("light {} does not exist", used.light)))?;
         let place = label("light", used.light, light.name.as_deref());
-        let light = light::read(light, self.path).map_err(|f| f.placed(&place))?;
+        let Some(light) = light::read(light, self.path, self.notes, &place) else {
+            return Ok(());
+        };
         let mut light = self.attached(light);
         light.index = Some(used.light);
         self.visit.lights.push(light);
