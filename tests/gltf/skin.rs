@@ -69,3 +69,29 @@ fn skins_follow_their_joints() {
     doc.json["nodes"][0]["skin"] = 4.into();
     assert_eq!(doc.error().0, "gltf-skin", "no such skin");
 }
+
+/// glTF 2.0 §3.7.4: the winding is by the node's global transform, which does not place a skinned mesh.
+#[test]
+fn faces_of_a_skinned_mesh_turn_over_below_a_mirrored_node() {
+    let mut doc = Doc::triangle();
+    let joints = doc.accessor("VEC4", 5121, 3, &[0; 12]);
+    let weights = doc.floats("VEC4", &[1.0, 0.0, 0.0, 0.0].repeat(3));
+    doc.attribute("JOINTS_0", joints);
+    doc.attribute("WEIGHTS_0", weights);
+    doc.json["skins"] = json!([{"joints": [2]}]);
+    doc.json["nodes"] = json!([
+        {"mesh": 0, "skin": 0},
+        {"scale": [1, -1, 1], "children": [3]},
+        {"name": "joint"},
+        {"mesh": 0, "skin": 0}
+    ]);
+    doc.json["scenes"][0]["nodes"] = json!([0, 1, 2]);
+    let world = doc.world();
+    let corners = |instance: &reflet::world::Instance| {
+        let mesh = &world.meshes[instance.mesh];
+        mesh.triangles[0].map(|corner| mesh.positions[corner as usize])
+    };
+    let corners: Vec<_> = world.instances.iter().map(corners).collect();
+    let (o, x, y) = (Vec3::ZERO, Vec3::X, Vec3::Y);
+    assert_eq!(corners, [[o, x, y], [o, y, x]]);
+}

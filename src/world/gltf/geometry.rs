@@ -81,6 +81,7 @@ impl Reader<'_> {
             has_animated_weights: self.visit.animated_weights(mesh_use).is_some(),
             pose: skin.map(|skin| skin.pose.as_slice()),
             has_animated_joints: skin.is_some_and(|skin| skin.is_animated),
+            is_mirrored: mesh_use.is_mirrored,
         }
     }
 

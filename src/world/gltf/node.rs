@@ -36,6 +36,8 @@ pub struct MeshUse {
     pub skin: Option<usize>,
     /// Node with the weights of the morph targets; `None`: the mesh has them.
     pub weights: Option<usize>,
+    /// Whether a skinned mesh is below a node that mirrors, which places no vertex of it but turns its faces over.
+    pub is_mirrored: bool,
 }
 
 /// Model mesh and material of each visible primitive of a mesh.
@@ -226,6 +228,8 @@ impl Found<'_> {
             mesh,
             skin: self.node.skin,
             weights: has_weights.then_some(self.index),
+            is_mirrored: self.node.skin.is_some()
+                && self.model_from_node.matrix3.determinant() < 0.0,
         };
         if self.node.skin.is_some() {
             // A skinned mesh is placed by its joints only, as specified.

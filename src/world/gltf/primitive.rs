@@ -65,6 +65,9 @@ pub fn build(
         repair::run(&mut mesh, notes);
     } else {
         mesh.triangles = triangles(mode, &corners);
+        if context.is_mirrored {
+            mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        }
         drop(corners);
         deform(&context, &mut mesh, notes)?;
     }

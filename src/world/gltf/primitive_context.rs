@@ -30,6 +30,8 @@ pub struct Context<'a> {
     pub pose: Option<&'a [Affine3A]>,
     /// Whether an animation moves some joint.
     pub has_animated_joints: bool,
+    /// Whether the winding of triangles is reversed (glTF 2.0 §3.7.4), as the node of a skinned mesh mirrors.
+    pub is_mirrored: bool,
 }
 
 impl Context<'_> {
