@@ -1,9 +1,6 @@
 //! `--against-path`: the model's error beside the method's.
 
-use std::fs;
-
-use super::{exits, folder, samples};
-use crate::common::gpu_or_skip;
+use super::*;
 
 /// A mirror below a white wall that only other walls light: `rt` leaves it dark, all paths do not.
 const SCENE: &str = include_str!("against_path/scene.toml");

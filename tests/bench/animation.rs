@@ -1,12 +1,9 @@
 //! Samples of several frames of an animation.
 
-use crate::common::assert_says;
-use reflet::bench::{
-    report::{self, findings},
-    sample::Sample,
-};
+use reflet::bench::report;
 
 use super::synthetic::{only_group, sample};
+use super::*;
 
 #[test]
 fn frames_that_a_setting_lacks_are_left_out_and_charts_run_forward() {

@@ -1,15 +1,9 @@
 //! Files and folders that a bench cannot use, and options without effect.
 
-use crate::common::assert_says;
-use std::fs;
-
 use reflet::bench::log::Log;
 
-use super::{
-    exits, folder,
-    synthetic::{sample, synthetic_samples},
-    write,
-};
+use super::synthetic::{sample, synthetic_samples};
+use super::*;
 
 #[test]
 fn a_table_that_another_run_writes_is_refused() {

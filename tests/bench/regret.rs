@@ -1,8 +1,6 @@
 //! `bench regret`: the choice of `auto` beside the fastest alternative.
 
-use std::{fs, path::PathBuf};
-
-use super::{exits, folder, gpu_or_skip};
+use super::*;
 use crate::common::words;
 
 const ROOM: &str = include_str!("../../scenes/cornell.toml");

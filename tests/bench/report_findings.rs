@@ -1,12 +1,9 @@
 //! Findings of the report on samples with known answers.
 
-use crate::common::assert_says;
-use reflet::bench::{
-    report::{self, findings},
-    sample::Sample,
-};
+use reflet::bench::report;
 
 use super::synthetic::{only_group, repeated, sample, synthetic_samples};
+use super::*;
 
 #[test]
 fn sentences_compare_at_equal_time_and_error_and_name_the_break_even() {

@@ -1,9 +1,8 @@
 //! Synthetic samples with known Pareto front and break-even.
 
-use reflet::bench::{
-    sample::{Sample, detail_columns},
-    summary::{Group, groups},
-};
+use reflet::bench::{sample::detail_columns, summary::Group};
+
+use super::*;
 
 /// A synthetic sample: method, parameter value, milliseconds, FLIP; SSIM is 1 − FLIP.
 pub fn sample(method: &str, value: f64, ms: f64, flip: f64) -> Sample {

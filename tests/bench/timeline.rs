@@ -1,11 +1,6 @@
 //! Timeline frames in a bench: posing, measurement order, resuming and invalid ranges.
 
-use std::{fs, path::Path};
-
-use reflet::bench::sample::Sample;
-
-use super::{exits, folder, samples};
-use crate::common::gpu_or_skip;
+use super::*;
 
 /// X positions of camera, ball and lamp, at keys.
 const AT_FRAME_4: [&str; 3] = ["1", "0.5", "-1"];

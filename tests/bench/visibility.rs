@@ -1,8 +1,6 @@
 //! Visibility that is left to `auto`: `bench` takes what `render --method rt` takes.
 
-use std::fs;
-
-use super::{exits, folder, gpu_or_skip, samples};
+use super::*;
 
 /// Mirror balls of more triangles than the picture has pixels.
 const BALLS: &str = include_str!("visibility/balls.toml");

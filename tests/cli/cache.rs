@@ -1,13 +1,8 @@
 //! `cache`, and compiled pipelines that cannot be kept: each is a start without them, and never an error.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-    process::{Command, Output, Stdio},
-};
+use std::process::{Command, Output};
 
-use super::{folder, reflet};
-use crate::common::gpu_or_skip;
+use super::*;
 
 /// Variables of the environment that lead to a cache folder.
 const PLACES: [&str; 6] = [

@@ -1,11 +1,9 @@
 //! `calibrate` and `--plan`.
 
-use std::{fs, path::Path};
-
 use reflet::{app::plan_file::PlanFile, render::settings::unit_costs::UnitCosts};
 
-use super::{exits, folder, names};
-use crate::common::{assert_says, gpu_or_skip};
+use super::*;
+use crate::common::assert_says;
 
 #[test]
 fn unit_costs_of_a_plan_decide_and_only_on_its_adapter() {

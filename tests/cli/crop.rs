@@ -1,12 +1,6 @@
 //! `render --crop`: the pixels of the whole picture, and no others.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
-
-use super::{SCENE, exits, folder, names};
-use crate::common::{gpu_or_skip, words};
+use super::*;
 
 /// Pixels of a PNG in a rectangle.
 fn part(path: &Path, [x, y, width, height]: [u32; 4]) -> Vec<u8> {

@@ -1,14 +1,8 @@
 //! `--denoise`, with and without its library.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
-
 use reflet::metric::read::read_picture;
 
-use super::{exits, folder, names, reflet};
-use crate::common::{gpu_or_skip, words};
+use super::*;
 
 const RENDER: &str = "render scene.toml -o a.png --size 96x64 --denoise --aov=normal";
 

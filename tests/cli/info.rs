@@ -1,9 +1,6 @@
 //! Counts and names in the output of `info`.
 
-use std::fs;
-
-use super::{exits, folder};
-use crate::common::gpu_or_skip;
+use super::*;
 
 #[test]
 fn info_counts_warnings_as_check_does_and_lights_of_materials() {

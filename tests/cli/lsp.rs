@@ -4,16 +4,15 @@ mod across_files;
 mod session;
 mod writing;
 
-use crate::common::assert_says;
-use crate::common::folder::kept_folder;
 use std::{
-    fs,
     io::{BufRead as _, BufReader, Read as _, Write as _},
-    path::PathBuf,
-    process::{Child, ChildStdin, ChildStdout, Command, Stdio},
+    process::{Child, ChildStdin, ChildStdout, Command},
 };
 
 use serde_json::{Value, json};
+
+use super::*;
+use crate::common::assert_says;
 
 /// A client connected to one language server.
 struct Client {

@@ -1,9 +1,7 @@
 //! Messages on standard error: errors of usage, notes about likely mistakes, and streams that take no message.
 
-use std::{fs, process::Stdio};
-
-use super::{SCENE, exits, folder, names, reflet};
-use crate::common::{cases, gpu_or_skip, words};
+use super::*;
+use crate::common::cases;
 
 #[test]
 fn usage_errors_exit_with_2_and_say_what_is_wrong() {

@@ -1,9 +1,7 @@
 //! Projects: `reflet.toml`, the border that it gives to scenes, and its settings for commands.
 
-use std::{fs, path::Path};
-
-use super::{SCENE, exits, folder, names};
-use crate::common::{assert_says, cases, gpu_or_skip, words};
+use super::*;
+use crate::common::{assert_says, cases};
 
 /// A base that shots are laid over, with a light of its own.
 const BASE: &str = include_str!("project/base.toml");

@@ -1,9 +1,7 @@
 //! Camera, variant, size and output that `render` and `check` take from a project.
 
-use std::{fs, path::Path};
-
-use super::{exits, names, project::show};
-use crate::common::{gpu_or_skip, words};
+use super::project::show;
+use super::*;
 
 #[test]
 fn render_takes_camera_variant_size_and_output_from_the_project() {

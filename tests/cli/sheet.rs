@@ -1,9 +1,6 @@
 //! `sheet`: pictures of cameras, variants and frames on one page.
 
-use std::fs;
-
-use super::{SCENE, exits, folder, names};
-use crate::common::{gpu_or_skip, words};
+use super::*;
 
 #[test]
 fn a_sheet_has_the_pictures_that_render_writes() {

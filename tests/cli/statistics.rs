@@ -1,9 +1,6 @@
 //! Times in the output of `--stats`.
 
-use std::fs;
-
-use super::{exits, folder};
-use crate::common::gpu_or_skip;
+use super::*;
 
 /// Software drivers compile pipelines in a sub-frame that is not timed; shadow maps that it drew are drawn again.
 #[test]

@@ -1,9 +1,6 @@
 //! Several cameras in one run.
 
-use std::fs;
-
-use super::{SCENE, folder, pictures, pixels, render};
-use crate::common::{gpu_or_skip, words};
+use super::*;
 
 /// Several cameras in one run: each picture equals the picture of a run with that camera alone.
 #[test]

@@ -1,12 +1,7 @@
 //! `check` and `info` on scenes with a timeline; neither needs a GPU.
 
-use std::{fs, path::Path};
-
-use super::{SCRIPT, folder};
-use crate::common::{
-    assert_says,
-    program::{Arguments, ends, exits, reflet},
-};
+use super::*;
+use crate::common::{assert_says, program::exits};
 
 /// Runs a command without an adapter, checks the exit code; returns standard output and standard error.
 #[track_caller]

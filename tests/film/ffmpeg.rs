@@ -2,15 +2,14 @@
 //! programs.
 
 use std::{
-    env, fs,
+    env,
     io::{BufRead as _, BufReader, Read as _},
     os::unix::{fs::PermissionsExt as _, process::CommandExt as _},
-    path::Path,
-    process::{Command, Stdio},
+    process::Stdio,
 };
 
-use super::{folder, rendering};
-use crate::common::{assert_says, folder::names, gpu_or_skip, program::ends};
+use super::*;
+use crate::common::{assert_says, folder::names};
 
 pub fn is_there(tool: &str) -> bool {
     let found = Command::new(tool).arg("-version").output().is_ok();

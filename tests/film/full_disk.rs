@@ -1,10 +1,8 @@
 //! Full disk: the sequence ends, reports the missing frames and can be resumed. Uses a small tmpfs;
 //! `SKIPPED` where it cannot be mounted.
 
-use std::{fs, process::Command};
-
-use super::{folder, pictures};
-use crate::common::{assert_says, gpu_or_skip};
+use super::*;
+use crate::common::assert_says;
 
 /// Runs a shell command with an empty disk of so many KiB at `disk`; `None` if it cannot be
 /// mounted.

@@ -2,17 +2,14 @@
 //! resumed sequence equals an uninterrupted one.
 
 use std::{
-    collections::BTreeMap,
-    fs,
     io::{BufRead as _, BufReader, Read as _},
     os::unix::process::ExitStatusExt as _,
-    path::Path,
     process::{Child, ChildStderr, Stdio},
     time::{Duration, Instant, SystemTime},
 };
 
-use super::{folder, pictures, rendering};
-use crate::common::{folder::names, gpu_or_skip, program::signal};
+use super::*;
+use crate::common::{folder::names, program::signal};
 
 /// Many small frames, so that kills occur between, during and after them.
 const FRAMES: &str = "-o f.##.png --set timeline.end=23 --aov depth --resume";

@@ -1,15 +1,9 @@
 //! Jobs for render farms: a bundle is run task by task, as a farm does, and gives the same frames.
 
-use std::{fs, path::Path, process::Command};
-
 use serde_json::Value;
 
-use super::{folder, pictures, render};
-use crate::common::{
-    gpu_or_skip,
-    program::{Arguments, ends, exits, reflet},
-    words,
-};
+use super::*;
+use crate::common::program::exits;
 
 /// Runs `reflet job` for a system, checks the exit code; returns standard error.
 #[track_caller]

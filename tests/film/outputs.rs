@@ -1,9 +1,7 @@
 //! Outputs never replace an input of their command, nor anything but a regular file.
 
-use std::{fs, path::Path, process::Command};
-
-use super::{check_and_info::without_gpu, folder};
-use crate::common::program::Arguments;
+use super::check_and_info::without_gpu;
+use super::*;
 
 /// Runs a command that is refused; returns its message.
 #[track_caller]

@@ -2,21 +2,18 @@
 //! no files behind.
 
 use std::{
-    fs,
     io::{Cursor, Read as _, Write as _},
-    path::Path,
     process::Stdio,
 };
 
 use serde_json::Value;
 use zip::{ZipArchive, ZipWriter, write::SimpleFileOptions};
 
-use super::{folder, pictures, render};
+use super::*;
 use crate::common::{
     assert_says,
     folder::names,
-    gpu_or_skip,
-    program::{ends, exits, reflet, signal},
+    program::{exits, signal},
 };
 
 /// Entries of a pack: name and content.

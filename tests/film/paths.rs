@@ -1,12 +1,6 @@
 //! Output paths of frames, and locations in messages about a frame.
 
-use reflet::{
-    scene::stages::{Animator, Scene},
-    world::load::{self, LoadOptions},
-};
-
-use super::{SCENE, folder, render};
-use crate::common::gpu_or_skip;
+use super::*;
 
 #[test]
 fn the_folder_of_frames_is_created() {

@@ -1,9 +1,7 @@
 //! The example files of the README and the guide render as a film.
 
-use std::fs;
-
-use super::pictures;
-use crate::common::{folder::kept_folder, gpu_or_skip, program::exits, readme::Story};
+use super::*;
+use crate::common::{program::exits, readme::Story};
 
 #[test]
 fn the_scene_of_the_readme_is_checked_and_rendered_step_by_step() {

@@ -1,17 +1,13 @@
 //! Two runs of one command write the same bytes, whatever the number of threads and the load of the machine.
 
 use std::{
-    collections::BTreeMap,
-    fs,
-    path::Path,
-    process::{Command, Stdio},
+    process::Stdio,
     sync::atomic::{AtomicBool, Ordering},
     thread,
     time::{Duration, SystemTime},
 };
 
-use super::folder;
-use crate::common::{gpu_or_skip, words};
+use super::*;
 
 /// Runs a command with so many threads, beside so many busy threads; returns the files that it wrote.
 fn files_of(

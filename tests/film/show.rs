@@ -2,14 +2,12 @@
 //! one run; its variants.
 
 use std::{
-    fs,
-    path::{Path, PathBuf},
     process::Stdio,
     time::{Duration, Instant},
 };
 
-use super::{folder, job, pictures};
-use crate::common::{gpu_or_skip, program::exits, words};
+use super::*;
+use crate::common::program::exits;
 
 fn show() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/show")

@@ -2,16 +2,14 @@
 //! user is not root.
 
 use std::{
-    env, fs,
+    env,
     net::TcpListener,
-    path::{Path, PathBuf},
-    process::{Child, Command, Stdio},
+    process::{Child, Stdio},
     thread::sleep,
     time::Duration,
 };
 
-use super::{folder, pictures, render};
-use crate::common::{gpu_or_skip, words};
+use super::*;
 
 /// Folders of daemons in Debian, which are missing from the path of users.
 const PATHS: &str = "/usr/sbin:/usr/local/sbin";
