@@ -1,7 +1,6 @@
 //! `check` and `info` on scenes with a timeline; neither needs a GPU.
 
 use super::*;
-use crate::common::{assert_says, program::exits};
 
 /// Runs a command without an adapter, checks the exit code; returns standard output and standard error.
 #[track_caller]

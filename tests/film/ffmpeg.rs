@@ -5,11 +5,9 @@ use std::{
     env,
     io::{BufRead as _, BufReader, Read as _},
     os::unix::{fs::PermissionsExt as _, process::CommandExt as _},
-    process::Stdio,
 };
 
 use super::*;
-use crate::common::{assert_says, folder::names};
 
 pub fn is_there(tool: &str) -> bool {
     let found = Command::new(tool).arg("-version").output().is_ok();

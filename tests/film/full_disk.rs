@@ -2,7 +2,6 @@
 //! `SKIPPED` where it cannot be mounted.
 
 use super::*;
-use crate::common::assert_says;
 
 /// Runs a shell command with an empty disk of so many KiB at `disk`; `None` if it cannot be
 /// mounted.

@@ -4,12 +4,12 @@
 use std::{
     io::{BufRead as _, BufReader, Read as _},
     os::unix::process::ExitStatusExt as _,
-    process::{Child, ChildStderr, Stdio},
-    time::{Duration, Instant, SystemTime},
+    process::{Child, ChildStderr},
+    time::{Instant, SystemTime},
 };
 
 use super::*;
-use crate::common::{folder::names, program::signal};
+use crate::common::program::signal;
 
 /// Many small frames, so that kills occur between, during and after them.
 const FRAMES: &str = "-o f.##.png --set timeline.end=23 --aov depth --resume";

@@ -3,7 +3,6 @@
 use serde_json::Value;
 
 use super::*;
-use crate::common::program::exits;
 
 /// Runs `reflet job` for a system, checks the exit code; returns standard error.
 #[track_caller]

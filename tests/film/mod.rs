@@ -18,6 +18,10 @@ mod show;
 #[cfg(target_os = "linux")]
 mod slurm_cluster;
 
+// Names that most tests of films need, beside the imports and functions below.
+pub use crate::common::{assert_says, folder::names, program::exits};
+pub use std::{process::Stdio, time::Duration};
+
 use std::{
     collections::BTreeMap,
     fs,

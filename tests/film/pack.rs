@@ -1,20 +1,13 @@
 //! Packs: a scene packed with its files renders the same elsewhere, and a pack that was tampered with leaves
 //! no files behind.
 
-use std::{
-    io::{Cursor, Read as _, Write as _},
-    process::Stdio,
-};
+use std::io::{Cursor, Read as _, Write as _};
 
 use serde_json::Value;
 use zip::{ZipArchive, ZipWriter, write::SimpleFileOptions};
 
 use super::*;
-use crate::common::{
-    assert_says,
-    folder::names,
-    program::{exits, signal},
-};
+use crate::common::program::signal;
 
 /// Entries of a pack: name and content.
 fn entries(path: &Path) -> Vec<(String, Vec<u8>)> {

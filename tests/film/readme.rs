@@ -1,7 +1,7 @@
 //! The example files of the README and the guide render as a film.
 
 use super::*;
-use crate::common::{program::exits, readme::Story};
+use crate::common::readme::Story;
 
 #[test]
 fn the_scene_of_the_readme_is_checked_and_rendered_step_by_step() {

@@ -1,10 +1,9 @@
 //! Two runs of one command write the same bytes, whatever the number of threads and the load of the machine.
 
 use std::{
-    process::Stdio,
     sync::atomic::{AtomicBool, Ordering},
     thread,
-    time::{Duration, SystemTime},
+    time::SystemTime,
 };
 
 use super::*;

@@ -1,13 +1,9 @@
 //! The show in `scenes/show`: its shots in chunks as a farm renders them, killed and resumed, against
 //! one run; its variants.
 
-use std::{
-    process::Stdio,
-    time::{Duration, Instant},
-};
+use std::time::Instant;
 
 use super::*;
-use crate::common::program::exits;
 
 fn show() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/show")

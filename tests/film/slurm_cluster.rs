@@ -1,13 +1,7 @@
 //! Slurm scripts on a cluster of one machine, the local one. Prints `SKIPPED` where Slurm is not installed, or the
 //! user is not root.
 
-use std::{
-    env,
-    net::TcpListener,
-    process::{Child, Stdio},
-    thread::sleep,
-    time::Duration,
-};
+use std::{env, net::TcpListener, process::Child, thread::sleep};
 
 use super::*;
 

@@ -15,6 +15,8 @@ from tampering import expect_required
 from test_validate_strict import rewrite
 from texts import text_of
 
+COLOR = "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>"
+
 
 @pytest.mark.parametrize(("name", "options"), [("a.png", {}), ("a.jpg", {"quality": 90})])
 def test_a_color_map_is_copied_byte_for_byte(
@@ -22,11 +24,7 @@ def test_a_color_map_is_copied_byte_for_byte(
 ) -> None:
     data = save(tmp_path, name, noise("RGB"), **options)
     body = "float4 inputs:scale = (0.5, 0.25, 1, 1)"
-    done = shaded(
-        tmp_path,
-        "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>",
-        texture("T", name, body),
-    )
+    done = shaded(tmp_path, COLOR, texture("T", name, body))
     pbr = material(done)["pbrMetallicRoughness"]
     assert image(done, pbr["baseColorTexture"]) == data
     assert pbr["baseColorFactor"] == [0.5, 0.25, 1, 1]
@@ -179,11 +177,7 @@ def test_texture_transform_for_any_parameters(tmp_path: Path) -> None:
             move_0=move[0],
             move_1=move[1],
         )
-        done = shaded(
-            tmp_path,
-            "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>",
-            node + texture("T", "t.png", st="/Mat/X.outputs:result"),
-        )
+        done = shaded(tmp_path, COLOR, node + texture("T", "t.png", st="/Mat/X.outputs:result"))
         info = material(done)["pbrMetallicRoughness"]["baseColorTexture"]
         transform = info["extensions"]["KHR_texture_transform"]
         st = random.uniform(-2, 2, (20, 2))
@@ -207,7 +201,7 @@ def test_wrap_modes(tmp_path: Path, wrap: str, mode: int, warned: bool) -> None:
     save(tmp_path, "t.png", noise("RGB"))
     node = texture("T", "t.png").replace('"repeat"', f'"{wrap}"')
     body = 'texCoord2f[] primvars:st = [(0,0), (2,0), (2,2), (0,2)] (interpolation = "vertex")'
-    text = stage("color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>", node)
+    text = stage(COLOR, node)
     text = text.replace(
         'texCoord2f[] primvars:st = [(0,0), (1,0), (1,1), (0,1)] (interpolation = "vertex")',
         body,
@@ -220,7 +214,7 @@ def test_wrap_modes(tmp_path: Path, wrap: str, mode: int, warned: bool) -> None:
 def test_wrap_black_inside_the_unit_square_needs_no_warning(tmp_path: Path) -> None:
     save(tmp_path, "t.png", noise("RGB"))
     node = texture("T", "t.png").replace('"repeat"', '"black"')
-    done = shaded(tmp_path, "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>", node)
+    done = shaded(tmp_path, COLOR, node)
     assert "wrap-black-clamped" not in done.warnings()
 
 
@@ -240,7 +234,7 @@ def test_lost_textures_leave_their_fallback(
     if content is not None:
         (tmp_path / "t.png").write_bytes(content)
     node = texture("T", "t.png", "float4 inputs:fallback = (0.25, 0.5, 0.75, 1)")
-    done = shaded(tmp_path, "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>", node)
+    done = shaded(tmp_path, COLOR, node)
     assert warning in done.warnings("/Mat/T")
     pbr = material(done)["pbrMetallicRoughness"]
     assert pbr["baseColorFactor"] == pytest.approx([0.25, 0.5, 0.75, 1])
@@ -250,11 +244,7 @@ def test_lost_textures_leave_their_fallback(
 def test_other_image_formats_become_png(tmp_path: Path) -> None:
     data = noise("RGB")
     save(tmp_path, "t.tga", data)
-    done = shaded(
-        tmp_path,
-        "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>",
-        texture("T", "t.tga"),
-    )
+    done = shaded(tmp_path, COLOR, texture("T", "t.tga"))
     info = material(done)["pbrMetallicRoughness"]["baseColorTexture"]
     assert np.array_equal(pixels(done, info)[..., :3], data)
     assert "texture-converted" in done.warnings("/Mat/T")
@@ -289,8 +279,7 @@ def keyed(folder: Path, mode: str) -> None:
 @pytest.mark.parametrize("mode", ["RGB", "L", "I;16"])
 def test_a_color_that_is_transparent_stays_so(tmp_path: Path, mode: str) -> None:
     keyed(tmp_path, mode)
-    inputs = "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>\n"
-    inputs += "float inputs:opacity.connect = </Mat/T.outputs:a>"
+    inputs = f"{COLOR}\nfloat inputs:opacity.connect = </Mat/T.outputs:a>"
     done = shaded(tmp_path, inputs, texture("T", "t.png"))
     look = material(done)
     assert look["alphaMode"] == "BLEND"
@@ -305,9 +294,7 @@ def test_a_color_that_is_transparent_stays_so(tmp_path: Path, mode: str) -> None
 
 def test_a_transparent_color_that_nothing_reads_does_not_show(tmp_path: Path) -> None:
     keyed(tmp_path, "RGB")
-    inputs = "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>\n"
-    inputs += "float inputs:opacity = 0.5"
-    done = shaded(tmp_path, inputs, texture("T", "t.png"))
+    done = shaded(tmp_path, f"{COLOR}\nfloat inputs:opacity = 0.5", texture("T", "t.png"))
     info = material(done)["pbrMetallicRoughness"]["baseColorTexture"]
     assert (pixels(done, info)[..., 3] == 255).all()
     assert done.validated().passed
@@ -324,11 +311,7 @@ def test_formats_that_need_other_programs_are_not_opened(
     monkeypatch.setattr(EpsImagePlugin, "Ghostscript", start)
     eps = "%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 8 8\n%%EndComments\nshowpage\n%%EOF\n"
     (tmp_path / "a.png").write_text(eps, encoding="ascii")
-    done = shaded(
-        tmp_path,
-        "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>",
-        texture("T", "a.png", ""),
-    )
+    done = shaded(tmp_path, COLOR, texture("T", "a.png", ""))
     assert "texture-unreadable" in done.warnings()
     assert not done.gltf.images
 
@@ -345,8 +328,7 @@ def test_openexr_is_linear_and_becomes_png(tmp_path: Path, channels: str, peak: 
     file.write(str(tmp_path / "t.exr"))
     done = shaded(
         tmp_path,
-        "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>\n"
-        "float inputs:roughness.connect = </Mat/T.outputs:r>",
+        f"{COLOR}\nfloat inputs:roughness.connect = </Mat/T.outputs:r>",
         texture("T", "t.exr"),
     )
     pbr = material(done)["pbrMetallicRoughness"]
