@@ -110,13 +110,42 @@ fn broken_animations_cannot_be_played_and_do_no_other_harm() {
     sampler(&mut doc, "output", "VEC4", &[0.0; 8]);
     assert_broken(&doc, "rotation 0 is zero");
     let mut doc = cart();
-    let channel = doc.json["animations"][0]["channels"][0].clone();
-    doc.json["animations"][0]["channels"] = json!([channel, channel]);
-    assert_broken(&doc, "channel 1: an earlier channel moves the translation");
-    let mut doc = cart();
     let integers = doc.accessor("SCALAR", 5123, 2, &[0, 0, 1, 0]);
     doc.json["animations"][0]["samplers"][0]["input"] = integers.into();
     assert_broken(&doc, "not allowed here");
+}
+
+/// Channels of an animation without the broken ones among them.
+#[test]
+fn a_broken_channel_stops_no_other() {
+    let mut doc = cart();
+    let good = doc.json["animations"][0]["channels"][0].clone();
+    let mut lost = good.clone();
+    lost["sampler"] = 9.into();
+    for (channels, count) in [
+        (json!([good, good]), "1 channels"),
+        (json!([lost, good]), "1 channels"),
+        (
+            Value::Array([vec![lost.clone(); 100], vec![good.clone()]].concat()),
+            "100 channels",
+        ),
+    ] {
+        doc.json["animations"][0]["channels"] = channels;
+        let folder = Folder::new();
+        folder.write("m.glb", doc.glb());
+        let mut desc = scene(&folder.0, "m.glb");
+        desc.models[0].value.animation = Some(playing(&["drive"]));
+        let world = load_scene(&desc).expect("plays");
+        assert_eq!(warnings(&world), ["animation-channel"]);
+        assert!(
+            world.warnings[0].message.starts_with(count),
+            "{:?}",
+            world.warnings[0]
+        );
+        assert_eq!(world.animations[0].channels, 1);
+    }
+    doc.json["animations"][0]["channels"] = Value::Array([vec![lost; 101], vec![good]].concat());
+    assert_broken(&doc, "channel 0: sampler 9 does not exist");
 }
 
 /// Gives the first animation other times (`input`) or values (`output`).

@@ -130,23 +130,7 @@ pub fn decode(
             rgb: Vec::new(),
         },
     };
-    if let Some(of) = header.shared_attributes.chromaticities {
-        let place = |v: exr::math::Vec2<f32>| DVec2::new(v.0.into(), v.1.into());
-        let read = to_bt709([of.red, of.green, of.blue, of.white].map(place));
-        decoded.to_bt709 = read.unwrap_or_else(|why| {
-            let text = format!("{why}, and are left out");
-            (decoded.warnings).push(Fault::new("image-header", text));
-            None
-        });
-    }
-    let is_outside = |axis: usize| {
-        let end = layer.offset[axis] + data_size(header)[axis] as i64;
-        end <= 0 || layer.offset[axis] >= layer.size[axis] as i64
-    };
-    if is_outside(0) || is_outside(1) {
-        let text = "has no pixel inside of its display window, and shows black";
-        (decoded.warnings).push(Fault::new("image-window", text));
-    }
+    read_attributes(header, &layer, &mut decoded);
     let is_column = header.own_attributes.environment_map == Some(EnvironmentMap::Cube);
     let shared = decoded_bytes(layer.size).saturating_add(bytes.len() as u64);
     let by_thread = (layer.block_bytes.saturating_mul(1 + WORKING_BLOCKS)).max(2 * BATCH_BYTES);
@@ -183,6 +167,27 @@ pub fn decode(
         (decoded.pixels, decoded.held) = of_column(&decoded.pixels, limits)?;
     }
     Ok(decoded)
+}
+
+/// Takes the colors of a part from its header, and warns of attributes that it cannot show.
+fn read_attributes(header: &Header, layer: &Layer, decoded: &mut Decoded) {
+    if let Some(of) = header.shared_attributes.chromaticities {
+        let place = |v: exr::math::Vec2<f32>| DVec2::new(v.0.into(), v.1.into());
+        let read = to_bt709([of.red, of.green, of.blue, of.white].map(place));
+        decoded.to_bt709 = read.unwrap_or_else(|why| {
+            let text = format!("{why}, and are left out");
+            (decoded.warnings).push(Fault::new("image-header", text));
+            None
+        });
+    }
+    let is_outside = |axis: usize| {
+        let end = layer.offset[axis] + data_size(header)[axis] as i64;
+        end <= 0 || layer.offset[axis] >= layer.size[axis] as i64
+    };
+    if is_outside(0) || is_outside(1) {
+        let text = "has no pixel inside of its display window, and shows black";
+        (decoded.warnings).push(Fault::new("image-window", text));
+    }
 }
 
 /// Width and height of the data of a part, pixels.

@@ -25,7 +25,9 @@ use super::{
 };
 use reflet_base::unique_names::UniqueNames;
 
-use crate::animation::{Animation, Channel, Interpolation, Property, Sampler, WeightTrack};
+use crate::animation::{
+    Animation, Channel, Interpolation, PointerTrack, Property, Sampler, WeightTrack,
+};
 
 /// A named animation; a broken one is an error only where it is played.
 #[derive(Clone, Debug)]
@@ -138,6 +140,25 @@ fn parse(value: &serde_json::Value) -> Result<schema::Animation, Fault> {
     serde_json::from_value(value).map_err(|_| fault(first.to_string()))
 }
 
+/// Maximum number of broken channels that are left out of an animation; one with more of them is not played.
+const MOST_BROKEN: usize = 100;
+
+/// Tracks of the channels of an animation.
+#[derive(Default)]
+struct Tracks {
+    channels: Vec<Channel>,
+    weights: Vec<WeightTrack>,
+    pointers: Vec<PointerTrack>,
+    /// Nodes and properties that the channels move.
+    targets: HashSet<(usize, Property)>,
+}
+
+impl Tracks {
+    fn is_empty(&self) -> bool {
+        self.channels.is_empty() && self.weights.is_empty() && self.pointers.is_empty()
+    }
+}
+
 struct Reader<'a> {
     root: &'a Root,
     data: &'a Data<'a>,
@@ -157,49 +178,69 @@ impl Reader<'_> {
         if animation.channels.is_empty() {
             return Err(fault("it has no channels"));
         }
-        let (mut channels, mut weights, mut pointers) = (Vec::new(), Vec::new(), Vec::new());
-        let mut targets = HashSet::new();
+        let mut read = Tracks::default();
+        let mut broken = Vec::new();
         for (c, channel) in animation.channels.iter().enumerate() {
-            let at = |fault: Fault| fault.placed(&format!("channel {c}"));
-            if let Some(track) = self.weights(animation, channel).map_err(at)? {
-                weights.push(track);
-                continue;
+            if let Err(fault) = self.channel(animation, channel, place, &mut read, notes) {
+                broken.push(fault.placed(&format!("channel {c}")));
             }
-            if let Some(track) = self.pointed(animation, channel).map_err(at)? {
-                pointers.push(track);
-                continue;
+            if broken.len() > MOST_BROKEN {
+                break;
             }
-            let target = self.target(&channel.target, place, notes).map_err(at)?;
-            let Some((node, property)) = target else {
-                continue;
-            };
-            if !targets.insert((node, property)) {
-                let text = format!("an earlier channel moves the {property:?} of node {node} too");
-                return Err(at(fault(text.to_lowercase())));
-            }
-            if self.root.nodes[node].matrix.is_some() && property != Property::Visible {
-                let what = "animated nodes have a matrix, which is split into translation, \
-                            rotation and scale; a shear is lost";
-                notes.add(
-                    "animation-matrix",
-                    1,
-                    what,
-                    &format!("{place}, node {node}"),
-                );
-            }
-            let sampler = animation.samplers.get(channel.sampler);
-            let sampler = sampler
-                .ok_or_else(|| fault(format!("sampler {} does not exist", channel.sampler)))
-                .and_then(|sampler| self.sampler(sampler, property))
-                .map_err(at)?;
-            channels.push(Channel {
-                node,
-                property,
-                sampler,
-            });
         }
-        self.add_companions(&mut pointers);
-        Ok(Animation::new(channels, weights, pointers))
+        if let Some(first) = broken.first() {
+            if read.is_empty() || broken.len() > MOST_BROKEN {
+                return Err(broken.swap_remove(0));
+            }
+            let what = "channels are broken and left out";
+            let place = format!("{place}: {}", first.message);
+            notes.add("animation-channel", broken.len() as u64, what, &place);
+        }
+        self.add_companions(&mut read.pointers);
+        Ok(Animation::new(read.channels, read.weights, read.pointers))
+    }
+
+    /// Reads a channel, if its target is supported.
+    fn channel(
+        &mut self,
+        animation: &schema::Animation,
+        channel: &schema::Channel,
+        place: &str,
+        read: &mut Tracks,
+        notes: &mut Notes,
+    ) -> Result<(), Fault> {
+        if let Some(track) = self.weights(animation, channel)? {
+            read.weights.push(track);
+            return Ok(());
+        }
+        if let Some(track) = self.pointed(animation, channel)? {
+            read.pointers.push(track);
+            return Ok(());
+        }
+        let Some((node, property)) = self.target(&channel.target, place, notes)? else {
+            return Ok(());
+        };
+        if read.targets.contains(&(node, property)) {
+            let text = format!("an earlier channel moves the {property:?} of node {node} too");
+            return Err(fault(text.to_lowercase()));
+        }
+        let sampler = animation.samplers.get(channel.sampler);
+        let sampler = sampler
+            .ok_or_else(|| fault(format!("sampler {} does not exist", channel.sampler)))
+            .and_then(|sampler| self.sampler(sampler, property))?;
+        if self.root.nodes[node].matrix.is_some() && property != Property::Visible {
+            let what = "animated nodes have a matrix, which is split into translation, \
+                        rotation and scale; a shear is lost";
+            let place = format!("{place}, node {node}");
+            notes.add("animation-matrix", 1, what, &place);
+        }
+        read.targets.insert((node, property));
+        read.channels.push(Channel {
+            node,
+            property,
+            sampler,
+        });
+        Ok(())
     }
 
     /// The morph weights that a channel moves; `None` for other channels, and for nodes without morph targets.
