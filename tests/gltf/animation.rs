@@ -1,9 +1,7 @@
 //! Animations of glTF files: poses, timing, and errors of invalid ones.
 
-use glam::{Affine3A, EulerRot, Quat};
-use reflet::scene::desc::{
-    AnimationDesc, InstanceDesc, LightKind, Playback, RepeatDesc, TimelineDesc,
-};
+use glam::{Affine3A, EulerRot};
+use reflet::scene::desc::{LightKind, Playback, RepeatDesc, TimelineDesc};
 
 use crate::kit::*;
 

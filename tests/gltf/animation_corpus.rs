@@ -1,14 +1,10 @@
 //! Animated files of an external corpus, if present: poses equal an independent evaluation written
 //! from the specification.
 
-use std::{
-    collections::HashMap,
-    fs,
-    path::{Path, PathBuf},
-};
+use std::{collections::HashMap, path::PathBuf};
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, DVec4, Mat4};
-use reflet::scene::desc::{AnimationDesc, Playback, TimelineDesc};
+use reflet::scene::desc::{Playback, TimelineDesc};
 
 use crate::{common::shared_folder, kit::*};
 

@@ -1,6 +1,6 @@
 //! Visibility in animations: a scale of 0, and KHR_animation_pointer switches.
 
-use reflet::scene::desc::{AnimationDesc, Playback, TimelineDesc};
+use reflet::scene::desc::{Playback, TimelineDesc};
 
 use crate::{
     animation::{cart, channel, playing, posed},

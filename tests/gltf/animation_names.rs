@@ -1,15 +1,13 @@
 //! Animations of glTF files: names, errors of invalid ones, and ignored parts.
 
-use glam::{Affine3A, Quat};
+use glam::Affine3A;
 use reflet::{
     runtime::scene_text::{SceneOptions, SceneText},
-    scene::desc::InstanceDesc,
     world::{gltf, load},
 };
 
 use crate::{
     animation::{assert_near, cart, cart_scene, find, playing, posed},
-    common::cases,
     kit::*,
 };
 

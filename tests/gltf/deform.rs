@@ -1,7 +1,7 @@
 //! Skins and morph targets: at rest, in the pose of the first frame after loading, and moving.
 
 use glam::{DAffine3, DQuat, DVec3};
-use reflet::scene::desc::{AnimationDesc, TimelineDesc};
+use reflet::scene::desc::TimelineDesc;
 
 use crate::kit::*;
 

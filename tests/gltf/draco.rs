@@ -3,7 +3,7 @@
 use glam::Vec2;
 use reflet::world::Mesh;
 
-use crate::{common::Random, kit::*, memory::within, work::Most};
+use crate::{kit::*, memory::within};
 
 /// Stream of 12 by 12 vertices (x, y, (7 i mod 5) / 4) with normals (0, 0.6, 0.8) and coordinates (x, y) / 11 in
 /// 14 bits; attributes are 0 coordinates, 1 normals, 2 positions.

@@ -2,7 +2,7 @@
 
 use reflet::scene::diagnostic::Diagnostic;
 
-use crate::{common::cases, kit::*};
+use crate::kit::*;
 
 /// World positions of all instances.
 fn places(world: &World) -> Vec<Vec3> {

@@ -1,6 +1,6 @@
 //! Invalid glTF files: an error with its location, never a panic.
 
-use crate::{common::cases, kit::*};
+use crate::kit::*;
 
 #[test]
 fn the_unharmed_file_loads() {

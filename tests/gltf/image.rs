@@ -1,11 +1,11 @@
 //! Images inside glTF files: decoded to 8-bit RGBA, or refused before decoding.
 
-use std::{io::Cursor, path::Path};
+use std::io::Cursor;
 
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, Rgb};
 use reflet::world::Texture;
 
-use crate::{common::Random, geometry::mapped_square, kit::*, work::Most};
+use crate::{geometry::mapped_square, kit::*};
 
 fn encoded(picture: impl Into<DynamicImage>, format: ImageFormat) -> Vec<u8> {
     let mut bytes = Cursor::new(Vec::new());

@@ -1,6 +1,6 @@
 //! Light of images that a file brings (EXT_lights_image_based).
 
-use glam::{DVec3, Quat};
+use glam::DVec3;
 use reflet::world::environment::Panorama;
 
 use crate::kit::*;

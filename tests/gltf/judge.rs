@@ -2,7 +2,7 @@
 //! our reader. Skins, morph targets, points, lines, copies, and buffers that only an extension
 //! decodes are left out, since the crate does not resolve them.
 
-use std::{fs, panic, path::Path};
+use std::panic;
 
 use ::gltf::{Document, Gltf, animation::util::ReadOutputs, buffer, mesh::Mode};
 use glam::{Affine3A, DVec4, Mat4, Vec2, Vec4};

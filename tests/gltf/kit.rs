@@ -1,20 +1,20 @@
 //! Test kit: generates and loads small glTF files.
 #![allow(dead_code, reason = "not every test uses every helper")] // each test file uses its own part
 
-use std::path::Path;
-
-use glam::Quat;
 use reflet::scene::{
-    desc::{At, Entry, InstanceDesc, ModelDesc, ModelSource, PlacementDesc, StageDesc},
+    desc::{At, Entry, ModelDesc, ModelSource, PlacementDesc, StageDesc},
     diagnostic::{Diagnostic, Severity, Span},
 };
 
 // Names that most tests of glTF need, beside the functions below.
-pub use crate::common::{assert_says, folder::Folder};
-pub use glam::Vec3;
+pub use crate::{
+    common::{Random, assert_says, cases, folder::Folder},
+    work::Most,
+};
+pub use glam::{Quat, Vec3};
 pub use reflet::{
     scene::{
-        desc::SceneDesc,
+        desc::{AnimationDesc, InstanceDesc, SceneDesc},
         stages::{Animator, Scene},
     },
     world::{
@@ -23,6 +23,7 @@ pub use reflet::{
     },
 };
 pub use serde_json::{Value, json};
+pub use std::{fs, path::Path};
 
 /// A glTF document under construction; its one buffer is GLB's binary chunk.
 #[derive(Clone)]

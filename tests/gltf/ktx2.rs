@@ -5,7 +5,7 @@ use std::io::Cursor;
 use image::ImageFormat;
 use reflet::scene::desc::MaterialDesc;
 
-use crate::{common::Random, kit::*, work::Most};
+use crate::kit::*;
 
 /// KTX2 files of 16 by 16 pixels with four quadrants of one color each.
 const FILES: [(&str, &[u8]); 3] = [

@@ -4,7 +4,7 @@ use std::io::Write as _;
 
 use reflet::world::Texture;
 
-use crate::{common::Random, kit::*, work::Most};
+use crate::kit::*;
 
 /// A KTX2 file with one level.
 fn file(vk_format: u32, size: [u32; 2], scheme: u32, level: &[u8], inflated: usize) -> Vec<u8> {

@@ -1,8 +1,6 @@
 //! File access limits of glTF files, and random mutations.
 
-use std::fs;
-
-use crate::{common::Random, kit::*, work::Most};
+use crate::kit::*;
 
 #[test]
 fn uris_cannot_leave_the_allowed_folders() {

@@ -4,7 +4,7 @@ use std::f32::consts::FRAC_PI_2;
 
 use glam::Vec4;
 use reflet::{
-    scene::desc::{InstanceDesc, InstanceMaterialDesc, MaterialDesc, ReflectionMode},
+    scene::desc::{InstanceMaterialDesc, MaterialDesc, ReflectionMode},
     world::Wrap,
 };
 

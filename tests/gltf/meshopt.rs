@@ -2,7 +2,7 @@
 
 use meshopt::{EncodeExpMode, encode_filter_exp, encode_filter_oct};
 
-use crate::{common::Random, kit::*, work::Most};
+use crate::kit::*;
 
 /// Vertices and triangles of a grid of `side` by `side` vertices.
 fn grid(side: u32) -> (Vec<[f32; 3]>, Vec<u32>) {

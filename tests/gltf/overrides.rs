@@ -3,7 +3,7 @@
 
 use reflet::world::Material;
 
-use crate::{animation::posed_scene, common::cases, kit::*};
+use crate::{animation::posed_scene, kit::*};
 
 const SCENE: &str = include_str!("overrides/scene.toml");
 

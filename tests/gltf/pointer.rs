@@ -2,7 +2,7 @@
 
 use glam::Vec2;
 use reflet::{
-    scene::desc::{AnimationDesc, LightKind, TimelineDesc},
+    scene::desc::{LightKind, TimelineDesc},
     world::{TextureRef, load},
 };
 

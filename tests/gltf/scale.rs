@@ -1,7 +1,7 @@
 //! Work and size of large scenes, counted: twice as long a text takes twice as many allocations, and a scene placed
 //! many times is limited.
 
-use std::{collections::BTreeSet, fmt::Write as _, path::Path, sync::Arc};
+use std::{collections::BTreeSet, fmt::Write as _, sync::Arc};
 
 use allocation_counter::measure;
 use reflet::{

@@ -2,8 +2,8 @@
 
 use glam::Affine3A;
 use reflet::scene::desc::{
-    BevelDesc, InstanceDesc, InstanceMaterialDesc, LightKind, MaterialDesc, ModelDesc, ModelSource,
-    RepeatDesc, ShapeDesc, StageDesc,
+    BevelDesc, InstanceMaterialDesc, LightKind, MaterialDesc, ModelDesc, ModelSource, RepeatDesc,
+    ShapeDesc, StageDesc,
 };
 
 use crate::kit::*;

@@ -1,6 +1,5 @@
 //! Scripted poses of nodes and morph targets.
 
-use glam::Quat;
 use reflet::{
     scene::motion::{FrameState, JointPose},
     world::load,

@@ -1,7 +1,5 @@
 //! Pictures with a transparent background.
 
-use std::f32::consts::PI;
-
 use super::kit::*;
 
 /// A white matte ball in the middle of a bright world.

@@ -1,6 +1,6 @@
 //! Normals of clear coats: with their own map or none, compared with a dielectric of the same normals.
 
-use std::{path::Path, sync::Once};
+use std::sync::Once;
 
 use reflet::world::LayerTexture;
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use reflet::render::{pipeline::cause::Cause, settings::cutoff::can_reflect};
+use reflet::render::settings::cutoff::can_reflect;
 
 use super::kit::*;
 

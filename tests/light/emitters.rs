@@ -1,11 +1,8 @@
 //! Emissive surfaces as lights, against form factors and lights of the same shape.
 
-use std::f32::consts::PI;
-
 use reflet::world::load;
 
-use super::extent::FLOOR;
-use super::kit::*;
+use super::{extent::FLOOR, kit::*};
 
 /// Scene text of a shape that emits light, with these keys of its instance.
 fn lamp(shape: &str, emission: &str, place: &str) -> String {

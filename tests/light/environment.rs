@@ -1,10 +1,6 @@
 //! The environment as background, in mirrors and as a light, against closed forms and integrals.
 
-use std::{
-    f32::consts::PI,
-    fs,
-    path::{Path, PathBuf},
-};
+use std::path::PathBuf;
 
 use super::kit::*;
 

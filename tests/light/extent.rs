@@ -1,9 +1,6 @@
 //! Lights with a size against form factors, and reflections of rough surfaces against integrals.
 
-use std::f32::consts::PI;
-
-use super::environment::directional_albedo;
-use super::kit::*;
+use super::{environment::directional_albedo, kit::*};
 
 /// A white, matte floor at y = 0 of which the picture shows a few centimeters around the origin.
 pub const FLOOR: &str = include_str!("extent/floor.toml");

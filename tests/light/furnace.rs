@@ -1,7 +1,7 @@
 //! White furnace: tiles of every lobe in even light, where a surface that loses nothing cannot be seen. Its table in
 //! `docs/light.md` and the data of that are written here.
 
-use std::{collections::BTreeMap, env, fmt::Write as _, fs, ops::Range};
+use std::{collections::BTreeMap, env, fmt::Write as _, ops::Range};
 
 use super::kit::*;
 use crate::common::cases;

@@ -1,7 +1,5 @@
 //! Lamps: cones, ranges, and floors that must not shade themselves.
 
-use std::f32::consts::PI;
-
 use super::kit::*;
 
 /// A white floor seen from 4 m above.

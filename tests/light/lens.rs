@@ -1,7 +1,5 @@
 //! Depth of field: blurred and sharp distances of a lens.
 
-use std::f32::consts::PI;
-
 use super::kit::*;
 
 /// A glowing disk of 10 cm radius on a dark world, 4 m before a camera whose lens has a radius of 0.1 m.

@@ -1,11 +1,11 @@
 //! Panorama files, valid and invalid.
 
-use std::fs;
-
 use reflet::{scene::diagnostic::Diagnostic, world::load};
 
-use super::environment::{FLOOR, SKY, folder, write_sky};
-use super::kit::*;
+use super::{
+    environment::{FLOOR, SKY, folder, write_sky},
+    kit::*,
+};
 
 /// The error for these bytes as the panorama `sky.exr`.
 fn error_of(name: &str, bytes: &[u8]) -> Diagnostic {

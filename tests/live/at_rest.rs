@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use reflet::{render::picture::png_file, scene::desc::CameraDesc};
 use reflet_preview::viewer::{picture_filter::PictureFilter, protocol::ViewCamera};
 
-use crate::{background_scripts::Watched, kit::*};
+use crate::kit::*;
 
 const SIZE: [u32; 2] = [24, 16];
 /// Samples of the scene.

@@ -3,10 +3,9 @@
 use std::{
     sync::{Mutex, MutexGuard, PoisonError, mpsc::RecvTimeoutError},
     thread,
-    time::{Duration, Instant},
+    time::Instant,
 };
 
-use glam::Vec3;
 use reflet::{
     render::picture::png_file,
     scene::desc::{CameraDesc, Method, ParamValue},
@@ -15,7 +14,7 @@ use reflet_preview::viewer::{
     opening::open,
     picture_filter::PictureFilter,
     protocol::{
-        FinishedFrame, FrameAction, FrameRequest, Report, Screenshot, Side, Task, View, ViewCamera,
+        FinishedFrame, FrameAction, FrameRequest, Screenshot, Side, Task, View, ViewCamera,
     },
     render_thread::RenderThread,
     scene_summary::SceneSummary,

@@ -1,7 +1,7 @@
 //! Coarse first picture of the preview, and its refinement.
 
 use reflet::render::pipeline::targets::Target;
-use reflet_preview::live::{Edit, InitialBuild};
+use reflet_preview::live::Edit;
 
 use crate::kit::*;
 

@@ -1,7 +1,6 @@
 //! Failing scripts and invalid saves keep the last good scene.
 
 use reflet::runtime::SessionError;
-use reflet_preview::live::InitialBuild;
 
 use crate::{
     kit::*,

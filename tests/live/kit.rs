@@ -2,7 +2,7 @@
 
 use std::{
     sync::mpsc::{self, Receiver},
-    time::{Duration, Instant, SystemTime},
+    time::{Instant, SystemTime},
 };
 
 use reflet::{
@@ -12,28 +12,32 @@ use reflet::{
     world::World,
 };
 use reflet_preview::{
-    live::{InitialBuild, Reload, SceneSource},
+    live::{Reload, SceneSource},
     viewer::protocol::ScreenshotGoal,
     watch::{Changes, WatchEvent, WatchList, Watcher},
 };
 
 // Names that most tests of the preview need, beside the functions below.
 pub use crate::{
+    background_scripts::Watched,
     common::{folder::Folder, gpu_or_skip},
     runtime::with_set,
 };
+pub use glam::Vec3;
 pub use reflet::{
     gpu::Gpu,
     runtime::{Session, SessionOptions},
 };
 pub use reflet_preview::{
-    live::{Live, ViewOverrides},
+    live::{InitialBuild, Live, ViewOverrides},
+    viewer::protocol::Report,
     watch::Change,
 };
 pub use std::{
     fs,
     path::{Path, PathBuf},
     sync::Arc,
+    time::Duration,
 };
 
 /// A mirror floor and a box; placeholders `{…}` are replaced.

@@ -2,12 +2,12 @@
 
 use reflet::scene::desc::Method;
 use reflet_preview::viewer::{
-    protocol::{Report, Side, Visualization},
+    protocol::{Side, Visualization},
     view_channel::ViewChannel,
     view_settings::{FIRST_METHODS, rivals},
 };
 
-use crate::{background_scripts::Watched, kit::*};
+use crate::kit::*;
 
 /// Maps of few pixels, and light by rays.
 const MAPS: &str = "[probes]\nface_px = 8\nsamples = 1\n[near_far]\nface_px = 8\nhalf_size_m = 1\n\

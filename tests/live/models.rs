@@ -1,10 +1,6 @@
 //! Reloads of a scene with a glTF file: text edits reuse the loaded assets, and the picture equals a new session's.
 
-use std::{
-    cell::RefCell,
-    thread,
-    time::{Duration, Instant},
-};
+use std::{cell::RefCell, thread, time::Instant};
 
 use crate::kit::*;
 

@@ -1,12 +1,11 @@
 //! Picking and view channels of the preview, without a window.
 
-use glam::Vec3;
 use reflet_preview::viewer::{
-    protocol::{FrameAction, FrameRequest, Picked, Report, Task, Visualization},
+    protocol::{FrameAction, FrameRequest, Picked, Task, Visualization},
     view_channel::{ShadowMapChoice, ViewChannel},
 };
 
-use crate::{background_scripts::Watched, kit::*};
+use crate::kit::*;
 
 const MIDDLE: [f32; 2] = [0.5, 0.5];
 const SKY: [f32; 2] = [0.5, 0.0];

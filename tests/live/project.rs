@@ -4,7 +4,6 @@ use reflet::{
     runtime::{SceneSource, ViewOverrides, scene_text::SceneOptions},
     scene::project::ProjectChoice,
 };
-use reflet_preview::live::InitialBuild;
 
 use crate::kit::*;
 

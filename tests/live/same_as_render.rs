@@ -10,7 +10,7 @@ use reflet::{
     world::World,
 };
 
-use crate::{background_scripts::Watched, kit::*};
+use crate::kit::*;
 
 /// Unit costs by which marching pays where the picture shows the reflected things; by costs of software it never pays
 /// in so small a picture.

@@ -1,6 +1,6 @@
 //! Ways in which editors and tools save files: the last content read is the last content saved.
 
-use std::{cell::RefCell, io::Write as _, thread, time::Duration};
+use std::{cell::RefCell, io::Write as _, thread};
 
 use reflet_preview::watch::WatchList;
 

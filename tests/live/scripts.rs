@@ -3,7 +3,6 @@
 
 use std::cell::RefCell;
 
-use glam::Vec3;
 use reflet::{
     render::RebuildSummary,
     runtime::parameters::ParameterOverrides,

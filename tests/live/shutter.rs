@@ -1,6 +1,5 @@
 //! Motion blur of a live scene: a still view equals the picture of `render`.
 
-use glam::Vec3;
 use reflet::{render::pipeline::targets::Target, scene::desc::MATERIAL, world::World};
 
 use crate::kit::*;

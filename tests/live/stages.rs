@@ -1,19 +1,15 @@
 //! Each stage in turn breaks and is mended: the last good picture stays, also where it is posed or resized meanwhile.
 //! Reloads on the preview's threads end with the last request.
 
-use std::{thread, time::Duration};
+use std::thread;
 
 use reflet::{
     render::picture::png_file,
     runtime::{SessionError, scene_text::SceneOptions},
 };
-use reflet_preview::{
-    live::{BuildProblem, InitialBuild, Problems, SceneSource},
-    viewer::protocol::Report,
-};
+use reflet_preview::live::{BuildProblem, Problems, SceneSource};
 
 use crate::{
-    background_scripts::Watched,
     kit::*,
     scripts::{SCRIPT, Session as Scripted},
 };

@@ -2,11 +2,11 @@
 //! saved meanwhile.
 
 use reflet_preview::{
-    viewer::protocol::{FrameAction, FrameRequest, Report, Task},
+    viewer::protocol::{FrameAction, FrameRequest, Task},
     write_back::{Inspected, Numbers, SceneItem},
 };
 
-use crate::{background_scripts::Watched, common::assert_says, kit::*};
+use crate::{common::assert_says, kit::*};
 
 fn preview(files: &[(&str, &str)]) -> Option<Watched> {
     let gpu = gpu()?;

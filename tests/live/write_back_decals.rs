@@ -1,6 +1,5 @@
 //! Numbers and keys of decals, written into the scene text.
 
-use glam::Vec3;
 use reflet_preview::write_back::{KeyChange, KeyEdit, Numbers, SceneItem};
 
 use crate::kit::*;

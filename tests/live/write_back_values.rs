@@ -2,14 +2,13 @@
 //! parameters, each in the layer that says it; and values that tracks, scripts and the command line set, which are not
 //! written.
 
-use glam::Vec3;
 use reflet::{runtime::parameters::ParameterOverrides, scene::desc::ParamValue};
 use reflet_preview::{
     viewer::protocol::Task,
     write_back::{FlightPoint, KeyChange, KeyEdit, Numbers, SceneItem},
 };
 
-use crate::{background_scripts::Watched, kit::*, models::write_model};
+use crate::{kit::*, models::write_model};
 
 const MORE: &str = include_str!("write_back_values/more.toml");
 

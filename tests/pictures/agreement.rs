@@ -2,11 +2,7 @@
 //! rebuilt.
 
 use glam::{Affine3A, Quat};
-use reflet::{
-    render::pipeline::cause::{Cause, Source},
-    scene::desc::LightKind,
-    world::Instance,
-};
+use reflet::{render::pipeline::cause::Source, scene::desc::LightKind, world::Instance};
 
 use crate::kit::*;
 

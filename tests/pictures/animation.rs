@@ -1,19 +1,12 @@
 //! Pictures of animated files: moving objects and their reflections, independence of frames, and
 //! bare models.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-    process::Command,
-};
+use std::{path::PathBuf, process::Command};
 
 use glam::{Quat, camera::rh};
 use reflet::{scene::desc::CameraDesc, world::load};
 
-use crate::{
-    common::{animated::write_arm, folder::kept_folder},
-    kit::*,
-};
+use crate::{common::animated::write_arm, kit::*};
 
 const SCENE: &str = include_str!("animation/scene.toml");
 

@@ -2,7 +2,6 @@
 
 use reflet::render::{
     passes::audit::{TOLERANCE_RELATIVE, TOLERANCE_U},
-    pipeline::cause::Cause,
     renderer::stats::Audit,
 };
 

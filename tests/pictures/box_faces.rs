@@ -1,6 +1,6 @@
 //! Buffers on the faces of a box, marched where the screen has nothing.
 
-use reflet::render::{methods::box_faces, passes::needed_passes, pipeline::cause::Cause};
+use reflet::render::{methods::box_faces, passes::needed_passes};
 
 use crate::{common::assert_says, kit::*};
 

@@ -1,7 +1,5 @@
 //! Points and lines with normals: sheets of them look like the plane that they are on, by every kind of ray and shadow.
 
-use std::f32::consts::PI;
-
 use glam::{Vec2, Vec3A};
 use reflet::world::Mesh;
 

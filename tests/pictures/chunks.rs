@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use reflet::render::buffers::chunks::{Sizes, check_size};
 
-use crate::{common::gpu_or_skip, kit::*};
+use crate::kit::*;
 
 /// Scene text of balls over a mirror, each with its own mesh of this many segments around.
 fn balls(segments: u32) -> String {

@@ -1,8 +1,6 @@
 //! Scenes with radiance in closed form.
 
-use std::f32::consts::PI;
-
-use reflet::render::pipeline::cause::{Cause, Source};
+use reflet::render::pipeline::cause::Source;
 
 use crate::kit::*;
 

@@ -2,10 +2,7 @@
 
 use reflet::render::{
     PlaneData,
-    pipeline::{
-        cause::Cause,
-        instrument::{Counts, PassCounts},
-    },
+    pipeline::instrument::{Counts, PassCounts},
 };
 
 use crate::kit::*;

@@ -1,7 +1,5 @@
 //! Decals in motion: by their parents, by their own tracks, and by scripts.
 
-use std::path::Path;
-
 use reflet::{scene::script::Script, world::load};
 
 use crate::{

@@ -1,10 +1,10 @@
 //! Decals: closed forms, and pictures that must equal the same scene's without decals.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use reflet::world::Decals;
 
-use crate::{common::folder::kept_folder, kit::*};
+use crate::kit::*;
 
 /// A wall in the plane z = 0, seen so that a pixel is 0.05 m wide and the middle of the picture is the origin.
 pub const WALL: &str = include_str!("decals/wall.toml");

@@ -1,7 +1,7 @@
 //! A skinned, morphing figure renders like the same figure frozen in each pose, independent of earlier frames,
 //! by rasterization, the march, rays and shadow maps.
 
-use std::{path::Path, sync::Arc};
+use std::sync::Arc;
 
 use reflet::scene::desc::ShadowMode;
 

@@ -1,6 +1,6 @@
 //! Renders scene text to a picture in one call, on one device for the whole test process.
 
-use std::{path::Path, sync::OnceLock};
+use std::sync::OnceLock;
 
 use reflet::{
     render::PlaneData,
@@ -8,20 +8,19 @@ use reflet::{
     world::load,
 };
 
-use crate::common::gpu_or_skip;
-
 // Names that most tests of pictures need, beside the functions below.
-pub use crate::common::shaders;
+pub use crate::common::{folder::kept_folder, gpu_or_skip, shaders};
 pub use glam::Vec3;
 pub use reflet::{
     gpu::Gpu,
-    render::{Picture, RenderOptions, Renderer, picture::aov::Aov},
+    render::{Picture, RenderOptions, Renderer, picture::aov::Aov, pipeline::cause::Cause},
     scene::{
         desc::{Method, SceneDesc, Visibility},
         stages::Scene,
     },
     world::World,
 };
+pub use std::{f32::consts::PI, fs, path::Path};
 
 /// GPU device of the process; `None` where tests are skipped.
 pub fn gpu() -> Option<&'static Gpu> {

@@ -3,7 +3,7 @@
 use reflet::{
     render::{
         decide::{Decided, decide},
-        pipeline::cause::{Cause, Source},
+        pipeline::cause::Source,
         settings::unit_costs::UnitCosts,
     },
     world::bvh::Trees,

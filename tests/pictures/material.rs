@@ -1,8 +1,6 @@
 //! Materials against independent formulas: textures, normal maps, checkers, highlights,
 //! environment light, blur.
 
-use std::f32::consts::PI;
-
 use glam::Vec2;
 use reflet::world::{Texture, TextureRef, Wrap};
 

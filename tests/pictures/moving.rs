@@ -1,13 +1,10 @@
 //! Animated values give the same picture as static ones: every number of materials, spots and
 //! cameras, by track and by script.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::path::PathBuf;
 
 use crate::{
-    common::{cases, folder::kept_folder, words},
+    common::{cases, words},
     kit::*,
 };
 

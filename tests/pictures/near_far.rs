@@ -1,6 +1,6 @@
 //! Rays near the camera, and maps of the distance beyond.
 
-use reflet::render::{methods::near_far, passes::needed_passes, pipeline::cause::Cause};
+use reflet::render::{methods::near_far, passes::needed_passes};
 
 use crate::kit::*;
 

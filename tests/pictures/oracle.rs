@@ -4,10 +4,7 @@
 
 use glam::{DVec2, DVec3};
 use reflet::{
-    render::{
-        pipeline::cause::Cause,
-        settings::view::{View, jitter},
-    },
+    render::settings::view::{View, jitter},
     world::{
         bvh::{Oracle, Ray, RayHit, UNREFLECTED, UNSEEN},
         load,

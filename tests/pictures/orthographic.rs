@@ -1,7 +1,5 @@
 //! Orthographic cameras: sizes in closed form, and views that must agree.
 
-use reflet::render::pipeline::cause::Cause;
-
 use crate::kit::*;
 
 /// A box and a ball on a mirror, before a tilted wall.

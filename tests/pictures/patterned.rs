@@ -1,7 +1,5 @@
 //! Numbers and colors of materials that follow patterns: closed forms, and pairs that must agree.
 
-use std::f32::consts::PI;
-
 use crate::kit::*;
 
 /// A wall in the plane z = 0, seen so that a pixel is 0.05 m wide and the middle of the picture is the origin.

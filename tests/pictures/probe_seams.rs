@@ -1,8 +1,6 @@
 //! Seams between probes: the CPU chooses the same probes as the look-up, and one probe alone leaves larger steps than
 //! several.
 
-use std::path::Path;
-
 use reflet::{
     bench::{
         score,

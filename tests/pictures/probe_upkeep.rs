@@ -1,7 +1,5 @@
 //! Captured maps over changes of a renderer and frames of a film: kept where they fit, captured anew where they do not.
 
-use std::path::Path;
-
 use reflet::scene::desc::EnvironmentShadow;
 
 use crate::{

@@ -4,7 +4,6 @@ use reflet::{
     render::{
         methods::probes::{capture, look_up, prefilter},
         passes::needed_passes,
-        pipeline::cause::Cause,
     },
     scene::desc::Lookup,
 };

@@ -1,15 +1,10 @@
 //! Ray queries: the device's traversal meets what our own does, on adapters that have it.
 
-use std::{fs, path::Path, sync::OnceLock, thread, time::Duration};
+use std::{sync::OnceLock, thread, time::Duration};
 
 use reflet::{gpu::GpuOptions, render::RenderError, scene::desc::Trace};
 
-use crate::{
-    capsules,
-    common::{gpu_or_skip, required_or_skip},
-    deform,
-    kit::*,
-};
+use crate::{capsules, common::required_or_skip, deform, kit::*};
 
 /// A device with ray queries, or `None` after printing `SKIPPED`.
 fn open() -> Option<Gpu> {

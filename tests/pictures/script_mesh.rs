@@ -1,7 +1,7 @@
 //! Meshes that a script's `frame` deforms: each frame is the picture of the same mesh written so, and a mirror that it
 //! moves shows what closed forms say.
 
-use crate::{common::folder::kept_folder, kit::*};
+use crate::kit::*;
 
 const SCENE: &str = include_str!("script_mesh/scene.toml");
 

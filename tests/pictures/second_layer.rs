@@ -1,6 +1,6 @@
 //! The second depth layer of the march: its answers equal `rt`, and scenes without it are as before.
 
-use reflet::render::{passes::needed_passes, pipeline::cause::Cause};
+use reflet::render::passes::needed_passes;
 
 use crate::kit::*;
 

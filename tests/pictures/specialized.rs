@@ -1,11 +1,7 @@
 //! Specialized frames, which drop features that a scene does not use, equal the general frame in every shipped
 //! scene and film.
 
-use std::{
-    collections::HashSet,
-    fs,
-    path::{Path, PathBuf},
-};
+use std::{collections::HashSet, path::PathBuf};
 
 use reflet::world::{load, load::LoadOptions};
 

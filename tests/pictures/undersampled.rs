@@ -1,6 +1,6 @@
 //! Undersampled rays: pixels that reuse hits of the rays around them.
 
-use reflet::render::{passes::needed_passes, pipeline::cause::Cause};
+use reflet::render::passes::needed_passes;
 
 use crate::kit::*;
 

@@ -3,12 +3,7 @@
 //! A file that begins with `# --set …` is read with those overrides. `UPDATE_EXPECTED=1` rewrites
 //! the expectations; read the difference before committing it.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
-
-use reflet::scene::{diagnostic::render_all, stages::Scene};
+use crate::kit::*;
 
 /// The folder of bad scenes, above the folder of people's mistakes.
 pub fn bad_scenes() -> PathBuf {

@@ -1,20 +1,11 @@
 //! Decals in scene text: defaults, limits, and names in placed scenes.
 
-use std::path::Path;
-
 use reflet::{
-    scene::{
-        desc::DecalDesc,
-        script::Script,
-        stages::{Animator, Scene},
-    },
+    scene::{desc::DecalDesc, script::Script},
     world::{World, load},
 };
 
-use crate::{
-    common::{assert_says, cases},
-    layers::Folder,
-};
+use crate::kit::*;
 
 const WALL: &str = "version = 1\n[material.paint]\n[model.wall]\nshape = { kind = \"box\" }\n[[instance]]\n\
                     name = \"wall\"\nmodel = \"wall\"\n";

@@ -1,8 +1,8 @@
 //! The committed manuals equal the generated ones.
 
-use std::{fs, path::Path};
-
 use reflet::scene::{manual, script};
+
+use crate::kit::*;
 
 /// Compares a committed page with the generated one; with `UPDATE_DOCS` in the environment, writes it first.
 pub fn check(name: &str, want: &str) {

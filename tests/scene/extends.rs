@@ -1,9 +1,8 @@
 //! Materials that extend others, and colors.
 
-use glam::Vec3;
 use reflet::scene::desc::InstanceMaterialDesc;
 
-use crate::{common::cases, layers::Folder};
+use crate::kit::*;
 
 #[test]
 fn materials_extend_others() {

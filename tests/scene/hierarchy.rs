@@ -1,19 +1,11 @@
 //! Parents of instances, lights and cameras, at rest, moved by tracks and by scripts; and invalid ones.
 
-use crate::common::{assert_says, cases};
-use std::{fs, path::Path};
-
-use glam::Vec3;
 use reflet::{
-    scene::{
-        desc::LightKind,
-        motion::FrameState,
-        stages::{Animator, Scene},
-    },
+    scene::{desc::LightKind, motion::FrameState},
     world::{World, load},
 };
 
-use crate::layers::Folder;
+use crate::kit::*;
 
 const RIG: &str = include_str!("hierarchy/rig.toml");
 

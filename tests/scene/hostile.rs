@@ -1,9 +1,8 @@
 //! Hostile and damaged scene text: depth, size, non-regular files, mutated bytes.
 
-use std::path::Path;
+use reflet::scene::{manual::EXAMPLE, parse};
 
-use crate::common::{Random, assert_says};
-use reflet::scene::{diagnostic::Diagnostic, manual::EXAMPLE, parse, stages::Scene};
+use crate::kit::*;
 
 fn errors(text: &str) -> Vec<Diagnostic> {
     Scene::from_text(text, Path::new("scene.toml"), &[]).expect_err("the text is wrong")

@@ -1,17 +1,8 @@
 //! Scene text from several files.
 
-use std::{fs, path::PathBuf};
+use reflet::runtime::scene_text::{SceneOptions, SceneText};
 
-use reflet::{
-    runtime::scene_text::{SceneOptions, SceneText},
-    scene::{
-        dependencies::Dependencies,
-        diagnostic::{Diagnostic, render_all},
-        stages::Scene,
-    },
-};
-
-use crate::common::{Random, assert_says, folder::Folder};
+use crate::kit::*;
 
 impl Folder {
     fn parse(&self, set: &[&str]) -> Result<(Scene, Vec<Diagnostic>), String> {

@@ -1,17 +1,11 @@
 //! Scenes over their bases, and variants.
 
-use std::fs;
-
-use crate::common::cases;
-
-use glam::Vec3;
 use reflet::scene::{
-    dependencies::Dependencies,
     desc::{BevelDesc, LightKind, ModelSource, PlacementDesc, ShapeDesc},
-    diagnostic::render_all,
     parse::ReadOptions,
-    stages::Scene,
 };
+
+use crate::kit::*;
 
 pub use crate::common::folder::Folder;
 

@@ -16,6 +16,7 @@ mod extends;
 mod hierarchy;
 mod hostile;
 mod include;
+mod kit;
 mod layers;
 mod lint;
 mod mistakes;

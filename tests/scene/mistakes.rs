@@ -4,17 +4,17 @@
 //! A case is a scene, or a script of the scene `scripted.toml`. The first line of its expectation file says by hand
 //! what the mistake is and where it stands; `UPDATE_EXPECTED=1` rewrites the messages below it.
 
-use std::{fs, path::PathBuf, sync::LazyLock};
+use std::sync::LazyLock;
 
 use reflet::{
     app::{args::SceneArgs, check},
-    scene::{
-        dependencies::Dependencies,
-        diagnostic::{Diagnostic, Severity, Source, render_all},
-    },
+    scene::diagnostic::{Severity, Source},
 };
 
-use crate::bad::{bad_scenes, files_of, unexpected};
+use crate::{
+    bad::{bad_scenes, files_of, unexpected},
+    kit::*,
+};
 
 /// Folders of mistakes, with their headings in docs/mistakes.md.
 const GROUPS: [(&str, &str); 7] = [

@@ -1,17 +1,12 @@
 //! All animatable numbers, by track and by script, from their table.
 
-use std::{fs, path::Path};
-
-use glam::Vec3;
 use reflet::scene::{
     desc::{CAMERA, LIGHT, MATERIAL},
     motion::FrameState,
     number::{Field, Form},
-    stages::{Animator, Scene},
 };
 
-use crate::common::folder::kept_folder;
-use crate::common::{assert_says, cases};
+use crate::kit::*;
 
 const SCENE: &str = include_str!("moving/scene.toml");
 

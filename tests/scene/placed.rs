@@ -1,11 +1,8 @@
 //! Scenes placed in other scenes.
 
-use reflet::{
-    scene::{desc::ModelSource, stages::Animator},
-    world::load,
-};
+use reflet::{scene::desc::ModelSource, world::load};
 
-use crate::{common::cases, layers::Folder};
+use crate::kit::*;
 
 const CAR: &str = include_str!("placed/car.toml");
 

@@ -1,13 +1,11 @@
 //! Scripts of placed scenes.
 
-use glam::Vec3;
 use reflet::scene::{
     desc::{LightKind, ParamValue},
     motion::FrameState,
-    stages::{Animator, Scene},
 };
 
-use crate::layers::Folder;
+use crate::kit::*;
 
 const CAR: &str = include_str!("placed_script/car.toml");
 

@@ -1,11 +1,6 @@
 //! Errors in the result of `setup`: named by entry, and located in the script.
 
-use std::{fs, path::Path};
-
-use reflet::scene::stages::{Animator, Scene};
-
-use crate::common::folder::kept_folder;
-use crate::common::{assert_says, cases};
+use crate::kit::*;
 
 const SCENE: &str = "script = \"walk.rhai\"\nversion = 1\nparams = { speed = 1.5 }\n\
                      timeline = { end = 10 }\n";

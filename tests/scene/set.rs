@@ -1,13 +1,8 @@
 //! `--set path=value`: values replaced in the scene text before it is read.
 
-use std::path::Path;
+use reflet::scene::{desc::*, manual::EXAMPLE, parse::entry_kinds::ENTRY_KINDS};
 
-use crate::common::{Random, assert_says};
-use glam::Vec3;
-use reflet::scene::{
-    desc::*, diagnostic::Diagnostic, manual::EXAMPLE, parse::entry_kinds::ENTRY_KINDS,
-    stages::Scene,
-};
+use crate::kit::*;
 
 const SCENE: &str = "version = 1\n[material.m]\n[model.a]\nshape = { kind = \"box\" }\n\
                      [[instance]]\nmodel = \"a\"\n";

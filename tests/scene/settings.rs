@@ -1,11 +1,8 @@
 //! Settings of the whole scene: environment, reflection, image.
 
-use std::path::Path;
+use reflet::scene::desc::*;
 
-use glam::Vec3;
-use reflet::scene::{desc::*, stages::Scene};
-
-use crate::{common::cases, text::read};
+use crate::{kit::*, text::read};
 
 #[test]
 fn environment_reflection_and_image_arrive() {

@@ -1,19 +1,8 @@
 //! All shipped scenes, and the README's scene, can be read and loaded.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use reflet::world::{load, load::LoadOptions};
 
-use crate::common::folder::kept_folder;
-use crate::common::shared_folder;
-use reflet::{
-    scene::{
-        diagnostic::Diagnostic,
-        stages::{Animator, Scene},
-    },
-    world::load::{self, LoadOptions},
-};
+use crate::{common::shared_folder, kit::*};
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))

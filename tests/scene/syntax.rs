@@ -1,16 +1,11 @@
 //! The syntax tree of a text has every byte of it, and its nodes lie where their values are written.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
-
 use reflet::scene::{
     diagnostic::Source,
     syntax::{Content, Entries, Node, parse_value},
 };
 
-use crate::common::Random;
+use crate::kit::*;
 
 /// All files below a folder that are scene text.
 fn texts(folder: &str) -> Vec<(PathBuf, String)> {

@@ -1,10 +1,9 @@
 //! Scene text: every feature is read into the description.
 
-use crate::common::assert_says;
-use std::path::Path;
+use glam::{Mat4, Quat};
+use reflet::scene::desc::*;
 
-use glam::{Mat4, Quat, Vec3};
-use reflet::scene::{desc::*, stages::Scene};
+use crate::kit::*;
 
 pub fn read(text: &str) -> SceneDesc {
     let text = format!("version = 1\n{text}");
