@@ -23,6 +23,56 @@ fn file(vk_format: u32, size: [u32; 2], scheme: u32, level: &[u8], inflated: usi
     [&bytes, &descriptor, level].concat()
 }
 
+/// The file with a key and its value behind it.
+fn with_value(mut bytes: Vec<u8>, key: &str, value: &str) -> Vec<u8> {
+    let mut pairs = Vec::new();
+    for (key, value) in [("KTXwriter", "by hand"), (key, value)] {
+        let pair = format!("{key}\0{value}\0");
+        pairs.extend((pair.len() as u32).to_le_bytes());
+        pairs.extend(pair.bytes());
+        pairs.resize(pairs.len().next_multiple_of(4), 0);
+    }
+    let start = bytes.len() as u32;
+    bytes[56..60].copy_from_slice(&start.to_le_bytes());
+    bytes[60..64].copy_from_slice(&(pairs.len() as u32).to_le_bytes());
+    [bytes, pairs].concat()
+}
+
+/// Rows from the top, each texel with its channels: red is its number.
+#[test]
+fn orientation_and_swizzle_are_applied() {
+    const R8G8B8A8: u32 = 37;
+    let level: Vec<u8> = (0..4).flat_map(|i| [10 * i, 101, 102, 103]).collect();
+    let plain = || file(R8G8B8A8, [2, 2], 0, &level, 16);
+    for (value, reds) in [
+        ("rd", [0, 10, 20, 30]),
+        ("ru", [20, 30, 0, 10]),
+        ("ld", [10, 0, 30, 20]),
+        ("lu", [30, 20, 10, 0]),
+        ("", [0, 10, 20, 30]),
+    ] {
+        let picture = decoded(&with_value(plain(), "KTXorientation", value), false);
+        let found = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[x, y]| texel(&picture, x, y)[0]);
+        assert_eq!(found, reds, "{value}");
+    }
+    for (value, expected) in [
+        ("bgra", [102, 101, 10, 103]),
+        ("rrr1", [10, 10, 10, 255]),
+        ("a0g1", [103, 0, 101, 255]),
+        ("rgbx", [10, 101, 102, 103]),
+        ("rg", [10, 101, 102, 103]),
+    ] {
+        let picture = decoded(&with_value(plain(), "KTXswizzle", value), false);
+        assert_eq!(texel(&picture, 1, 0), expected, "{value}");
+    }
+    let mut cut = with_value(plain(), "KTXorientation", "ru");
+    cut.truncate(cut.len() - 3);
+    assert_eq!(texel(&decoded(&cut, false), 0, 0)[0], 0);
+    let line = file(R8G8B8A8, [4, 0], 0, &level, 16);
+    let picture = decoded(&line, false);
+    assert_eq!((picture.width, picture.height), (4, 1));
+}
+
 /// Data format descriptor of ASTC, which its decoder reads; empty for others.
 fn descriptor(vk_format: u32) -> Vec<u8> {
     if !(157..=184).contains(&vk_format) {

@@ -1,7 +1,7 @@
 //! KTX 2.0: Basis Universal and ASTC by its decoder, and the formats of `plain`.
 
 use basisu::{DecodeFlags, SourceFormat, TargetFormat, Transcoder};
-use image::RgbaImage;
+use image::{RgbaImage, imageops};
 
 use self::{header::Header, plain::Format};
 use super::fault;
@@ -13,6 +13,9 @@ mod plain;
 
 /// Memory of the codebooks of ETC1S, which are at most as large as 16-bit indices allow, bytes.
 const CODEBOOK_BYTES: u64 = 8 << 20;
+/// Color models of Basis Universal that are read (Khronos Data Format 1.4, §5.6).
+const ETC1S: u8 = 163;
+const UASTC: u8 = 166;
 /// Bytes of a block of Basis Universal and of ASTC.
 const BLOCK_BYTES: u64 = 16;
 
@@ -61,6 +64,12 @@ impl<'a> Ktx2<'a> {
         if header.vk_format != 0 && !plain::is_astc(header.vk_format) {
             return Err(other(format!("vkFormat {}", header.vk_format)));
         }
+        if let Some(model) = header.color_model
+            && header.vk_format == 0
+            && ![ETC1S, UASTC].contains(&model)
+        {
+            return Err(other(format!("color model {model}")));
+        }
         let transcoder = Transcoder::new(bytes).map_err(cannot)?;
         match transcoder.source_format() {
             SourceFormat::Etc1s | SourceFormat::UastcLdr | SourceFormat::AstcLdr(_) => {}
@@ -96,12 +105,13 @@ impl<'a> Ktx2<'a> {
         }
     }
 
-    /// Decodes the first mip level. Numbers beyond 0 to 1 are clamped; floats are linear, and become sRGB with `srgb`.
+    /// Decodes the first mip level, upright and with its channels in their places. Numbers beyond 0 to 1 are clamped; floats are linear, and become sRGB with `srgb`.
     ///
     /// # Errors
     /// Broken data.
     pub fn decode(self, srgb: bool) -> Result<RgbaImage, Fault> {
         let [width, height] = self.size;
+        let (is_reversed, swizzle) = (self.header.is_reversed, self.header.swizzle);
         let rgba = match self.content {
             Content::Plain(format) => plain::decode(&self.header, format, srgb)?,
             Content::Transcoded(transcoder) => transcoder
@@ -109,8 +119,21 @@ impl<'a> Ktx2<'a> {
                 .transcode(0, TargetFormat::Rgba32, DecodeFlags::NO_DEBLOCK_FILTERING)
                 .map_err(cannot)?,
         };
-        RgbaImage::from_raw(width, height, rgba)
-            .ok_or_else(|| broken("it decodes to another size than its header says"))
+        let mut picture = RgbaImage::from_raw(width, height, rgba)
+            .ok_or_else(|| broken("it decodes to another size than its header says"))?;
+        if swizzle != [0, 1, 2, 3] {
+            for texel in picture.pixels_mut() {
+                let [r, g, b, a] = texel.0;
+                texel.0 = swizzle.map(|source| [r, g, b, a, 0, 255][source]);
+            }
+        }
+        if is_reversed[0] {
+            imageops::flip_horizontal_in_place(&mut picture);
+        }
+        if is_reversed[1] {
+            imageops::flip_vertical_in_place(&mut picture);
+        }
+        Ok(picture)
     }
 }
 

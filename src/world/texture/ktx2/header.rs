@@ -29,6 +29,12 @@ pub struct Header<'a> {
     pub vk_format: u32,
     /// Width and height, pixels.
     pub size: [u32; 2],
+    /// Color model of the data format descriptor (Khronos Data Format 1.4, §5.6); `None` without a descriptor.
+    pub color_model: Option<u8>,
+    /// Whether rows are stored from the right, and columns from below (`KTXorientation`, §5.2).
+    pub is_reversed: [bool; 2],
+    /// Channel 0 to 3, or 4 for 0 and 5 for 1, of each channel that is shown (`KTXswizzle`, §5.4).
+    pub swizzle: [usize; 4],
     supercompression: Supercompression,
     /// Bytes of the first level, as they stand in the file.
     level: &'a [u8],
@@ -67,9 +73,28 @@ impl<'a> Header<'a> {
             Some(start..start.checked_add(length)?)
         });
         let level = range.and_then(|range| bytes.get(range));
+        let [descriptor, start, length] = [48, 56, 60].map(|at| word(at) as usize);
+        let values = start
+            .checked_add(length)
+            .and_then(|end| bytes.get(start..end));
+        let value = |key: &str| values.and_then(|values| value_of(values, key));
+        let orientation = value("KTXorientation").unwrap_or_default();
+        let is_swizzle =
+            |value: &&[u8]| value.len() == 4 && value.iter().all(|c| SOURCES.contains(c));
+        let swizzle = value("KTXswizzle").filter(is_swizzle).unwrap_or(b"rgba");
+        let source = |k: usize| SOURCES.iter().position(|c| *c == swizzle[k]);
         Ok(Self {
             vk_format: word(12),
-            size: [word(20), word(24)],
+            // A picture of one dimension has no height.
+            size: [word(20), word(24).max(1)],
+            color_model: descriptor
+                .checked_add(12)
+                .and_then(|at| bytes.get(at).copied()),
+            is_reversed: [
+                orientation.first() == Some(&b'l'),
+                orientation.get(1) == Some(&b'u'),
+            ],
+            swizzle: [0, 1, 2, 3].map(|k| source(k).unwrap_or(k)),
             supercompression,
             level: level.ok_or_else(|| broken("its first level lies outside the file"))?,
             inflated: long(96),
@@ -147,6 +172,25 @@ impl<'a> Header<'a> {
             true => Ok(inflated.into()),
             false => Err(cannot()),
         }
+    }
+}
+
+/// Letters of a swizzle.
+const SOURCES: [u8; 6] = *b"rgba01";
+
+/// Value of a key without the zero at its end (§3.11): pairs with their lengths, each filled up to four bytes.
+fn value_of<'a>(mut pairs: &'a [u8], key: &str) -> Option<&'a [u8]> {
+    loop {
+        let (length, rest) = pairs.split_at_checked(4)?;
+        let length = number(length) as usize;
+        let pair = rest.get(..length)?;
+        let own = pair
+            .strip_prefix(key.as_bytes())
+            .and_then(|pair| pair.strip_prefix(b"\0"));
+        if let Some(value) = own {
+            return Some(value.strip_suffix(b"\0").unwrap_or(value));
+        }
+        pairs = rest.get(length.next_multiple_of(4)..)?;
     }
 }
 
