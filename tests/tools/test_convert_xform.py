@@ -60,6 +60,17 @@ def Cube "C" {{
             "float xformOp:rotateX.timeSamples = { 1: 0, 48: 170 }",
             ["xformOp:scale", "xformOp:rotateX"],
         ),
+        *(
+            (
+                f"float xformOp:rotateY.timeSamples = {{ 1: 0, 48: 300 }}\n{op}",
+                ["xformOp:rotateY", f"!invert!xformOp:{inverted}"],
+            )
+            for inverted, op in {
+                "translate": "double3 xformOp:translate.timeSamples = { 1: (0,0,0), 48: (0,4,3) }",
+                "rotateX": "float xformOp:rotateX.timeSamples = { 1: 0, 48: 170 }",
+                "rotateXYZ": "float3 xformOp:rotateXYZ.timeSamples = { 1: (9,0,5), 48: (60,9,80) }",
+            }.items()
+        ),
     ],
 )
 def test_keys_are_kept_and_exact_between_them(tmp_path: Path, ops: str, names: list[str]) -> None:
