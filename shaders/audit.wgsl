@@ -15,8 +15,8 @@ fn start_of(part: u32, parts: u32, length: u32) -> u32 {
     return part * (length / parts) + part * (length % parts) / parts;
 }
 
-// Index of the hit that audit ray number `ray` checks: a random one of its part of the list. No hit is checked twice, and
-// all are where there are few.
+// Index of the hit that audit ray number `ray` checks: a random one of its part of the list. No hit is checked twice,
+// and all are where there are few.
 fn drawn(ray: u32, rays: u32, hits: u32) -> u32 {
     let first = start_of(ray, rays, hits);
     return first + hash(ray + params.seed * AUDIT_RAYS) % (start_of(ray + 1u, rays, hits) - first);

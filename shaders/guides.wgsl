@@ -1,5 +1,5 @@
-// Guides: color and normal of the surfaces that pixels show, for a denoiser; added to the sums of the sub-frames before,
-// so that edges in them are as smooth as in the picture.
+// Guides: color and normal of the surfaces that pixels show, for a denoiser; added to the sums of the sub-frames
+// before, so that edges in them are as smooth as in the picture.
 
 #import cause
 #import gbuffer

@@ -8,9 +8,9 @@
 
 @group(2) @binding(5) var indirect_light: RadianceTexture;
 
-// Whether the light is smoothed over neighbors: it is stored without the albedo of the surface then, -1 in colors that the
-// surface does not scatter, and w is the width of a pixel over the distance that the light came from; 0 where the surface
-// scatters none.
+// Whether the light is smoothed over neighbors: it is stored without the albedo of the surface then, -1 in colors that
+// the surface does not scatter, and w is the width of a pixel over the distance that the light came from; 0 where the
+// surface scatters none.
 override SMOOTHED: bool = false;
 
 const FIRST_VERTEX: u32 = 128u; // offset of sample numbers: others than for reflections

@@ -13,8 +13,8 @@
 
 const MOST_BETWEEN: i32 = 8; // pixels looked at between a pixel and a tap
 
-// Mean of w over the pixels around: harmonic mean of distances; 0 without any. The pixel's own ray is left out: where it
-// met something bright, that would make the share of its light depend on it.
+// Mean of w over the pixels around: harmonic mean of distances; 0 without any. The pixel's own ray is left out: where
+// it met something bright, that would make the share of its light depend on it.
 fn mean_nearness(pixel: vec2i) -> f32 {
     var sum = 0.0;
     var count = 0.0;

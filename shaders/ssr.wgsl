@@ -182,7 +182,8 @@ fn march(s0: Surface, direction: vec3f) -> March {
     var m = March(CAUSE_STEPS, 0.0, vec2u(NONE), vec2f(0.0));
     var last: Candidate;
     var behind_s = r.end; // s at which the ray first goes behind the first layer
-    // Maximum number of pixels at which a ray is tested against the surface shown, and goes on in front of it or behind it.
+    // Maximum number of pixels at which a ray is tested against the surface shown, and goes on in front of it or behind
+    // it.
     let most_candidates = select(8u, 32u, HAS_SECOND_LAYER);
     for (var candidate = 0u; candidate < most_candidates; candidate++) {
         var exit = s;

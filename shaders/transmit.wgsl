@@ -29,7 +29,8 @@ fn completed(pixel: vec2u) -> Surface {
     return s;
 }
 
-// Light from behind the surface of a pixel along one path; w: share that is covered by surfaces rather than the background.
+// Light from behind the surface of a pixel along one path; w: share that is covered by surfaces rather than the
+// background.
 fn behind_once(pixel: vec2u, first: Surface) -> vec4f {
     var s = first;
     forget_path();
@@ -88,8 +89,8 @@ fn behind_once(pixel: vec2u, first: Surface) -> vec4f {
     return vec4f(color, 1.0);
 }
 
-// Number of paths: more in the first pictures, where glass turns or scatters light, so that one path that ends in the dark
-// leaves no black speck.
+// Number of paths: more in the first pictures, where glass turns or scatters light, so that one path that ends in the
+// dark leaves no black speck.
 fn number_of_paths(s: Surface) -> u32 {
     let is_rough = HAS_ROUGH_REFLECTIONS && s.roughness * s.roughness > SMOOTH_ALPHA;
     if (s.transmission <= 0.0 || !(s.is_solid || is_rough)) { return 1u; }

@@ -31,14 +31,14 @@
 //! | `src/base` | [`reflet_base`] | bounds and color over glam, atomic file writes, the memory budget, clocks, standard error |
 //!
 //! `docs/extending.md` says what each kind of addition touches, `docs/glossary.md` explains Reflet's own terms.
-//! `shaders/` has a file for each pass, named like `src/render/passes/*.rs`, and `shaders/methods/NAME` has the passes of
-//! `src/render/methods/NAME`; only files in a folder `lib` can be imported.
+//! `shaders/` has a file for each pass, named like `src/render/passes/*.rs`, and `shaders/methods/NAME` has the passes
+//! of `src/render/methods/NAME`; only files in a folder `lib` can be imported.
 //!
 //! The feature `window` (default) of this package and of `reflet-preview` is the preview's window; machines that only
 //! render do without its packages.
 //!
-//! Where does new code go? A key of the scene format: `scene/desc.rs`. Code that reads asset files: `world/`. Code
-//! that needs a device: `gpu/` if it is independent of scenes, else `render/`. Code that judges a picture: `metric/`; that
+//! Where does new code go? A key of the scene format: `scene/desc.rs`. Code that reads asset files: `world/`. Code that
+//! needs a device: `gpu/` if it is independent of scenes, else `render/`. Code that judges a picture: `metric/`; that
 //! writes one: `output/`.
 //!
 //! # A frame

@@ -1,5 +1,5 @@
-// Light of the environment: by samples, of which each sub-frame takes a few, so that the mean over sub-frames converges;
-// or of an unoccluded gradient in closed form.
+// Light of the environment: by samples, of which each sub-frame takes a few, so that the mean over sub-frames
+// converges; or of an unoccluded gradient in closed form.
 
 #import environment
 #import area_sampling
@@ -79,8 +79,8 @@ fn environment_rays_pdf(s: Surface, view: vec3f, direction: vec3f) -> f32 {
     return f32(sampling.rays) * environment_ray_pdf(s, view, direction, by_specular);
 }
 
-// Light of the environment on a surface in closed form, none where all of it is sampled; what reflection rays find of its
-// specular part is left out.
+// Light of the environment on a surface in closed form, none where all of it is sampled; what reflection rays find of
+// its specular part is left out.
 fn environment_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
     var out: Shade;
     if (SAMPLES_ENVIRONMENT) { return out; }

@@ -62,8 +62,8 @@ var<private> visits_left: u32 = 0u;
 var<private> exhausted_rays: u32 = 0u;
 
 // In walk_trees the alpha of cut-outs is looked up outside the traversal, which then starts again behind transparent
-// ones: inside the loop the look-up would cost every ray (on llvmpipe two thirds of all tracing time in Sponza), outside it costs
-// only rays that meet cut-outs. This is the maximum number of such restarts.
+// ones: inside the loop the look-up would cost every ray (on llvmpipe two thirds of all tracing time in Sponza),
+// outside it costs only rays that meet cut-outs. This is the maximum number of such restarts.
 const MAX_LAYERS = 1024u;
 
 fn trace_nearest(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32) -> Hit {

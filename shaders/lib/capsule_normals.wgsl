@@ -20,9 +20,9 @@ struct TouchingPlane {
     back_m: f32, // distance from the capsule, back along the ray, to the shaded point
 }
 
-// Plane that touches a capsule where `normal`, in object space, points; `round` is where a ray of unit `direction` meets
-// the capsule. The capsule, and others on a sheet of them, are below the shaded point: they neither shadow it nor meet
-// rays that it mirrors.
+// Plane that touches a capsule where `normal`, in object space, points; `round` is where a ray of unit `direction`
+// meets the capsule. The capsule, and others on a sheet of them, are below the shaded point: they neither shadow it nor
+// meet rays that it mirrors.
 fn touching_plane(instance: u32, axis: vec3f, round: vec3f, normal: vec3f, direction: vec3f) -> TouchingPlane {
     // A line has no surface that looks along it.
     let across = normal - axis * (dot(normal, axis) / max(dot(axis, axis), 1e-37));

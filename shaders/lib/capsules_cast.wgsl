@@ -1,6 +1,6 @@
-// Capsules as a light sees them: the depth at which the texel's ray meets the capsule. Spheres without cut-outs are disks
-// around their middle: outside of a sphere nothing lies between its surface and such a disk, as the light sees them, so
-// that both shadow the same, and a hidden disk is rejected before its texels are shaded.
+// Capsules as a light sees them: the depth at which the texel's ray meets the capsule. Spheres without cut-outs are
+// disks around their middle: outside of a sphere nothing lies between its surface and such a disk, as the light sees
+// them, so that both shadow the same, and a hidden disk is rejected before its texels are shaded.
 
 #import capsule_shape
 #import surface

@@ -1,5 +1,5 @@
-// Cause of a pixel's reflection: CAUSE_* are the values of `Cause` in src/render/pipeline/cause.rs. The `cause` target holds
-// it in its low byte; for traced pixels the bits above hold the length of the ray that the march has proven free.
+// Cause of a pixel's reflection: CAUSE_* are the values of `Cause` in src/render/pipeline/cause.rs. The `cause` target
+// holds it in its low byte; for traced pixels the bits above hold the length of the ray that the march has proven free.
 
 #import constants
 

@@ -7,8 +7,8 @@
 // Relative distance within which surfaces count as coplanar.
 const TIE: f32 = 2e-6;
 
-// Instance and triangle of the cut-out that the ray has passed where its interval starts: coplanar surfaces after it are
-// still met. NONE where the interval does not start at a cut-out.
+// Instance and triangle of the cut-out that the ray has passed where its interval starts: coplanar surfaces after it
+// are still met. NONE where the interval does not start at a cut-out.
 var<private> passed_cutout: vec2u = vec2u(NONE);
 
 // Whether two surfaces are coplanar, by their distances.

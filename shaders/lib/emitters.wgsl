@@ -1,4 +1,5 @@
-// Light of emissive surfaces, by samples of their triangles: chosen by light trees, then uniform in solid angle or area.
+// Light of emissive surfaces, by samples of their triangles: chosen by light trees, then uniform in solid angle or
+// area.
 
 #import bvh
 #import area_sampling
@@ -18,9 +19,9 @@ fn light_words(k: u32) -> vec4u {
     return textureLoad(emitters, vec2u(k % TEXEL_COLUMNS, k / TEXEL_COLUMNS), 0);
 }
 
-// Number of points of emitters of which each light ray is aimed at one, and of those among them whose triangle is chosen by
-// power alone. The latter keep what the tree holds for unimportant from being bright and rare. Past a random choice, where
-// the path's own grain is larger, there are fewer of both.
+// Number of points of emitters of which each light ray is aimed at one, and of those among them whose triangle is
+// chosen by power alone. The latter keep what the tree holds for unimportant from being bright and rare. Past a random
+// choice, where the path's own grain is larger, there are fewer of both.
 const EMITTER_CANDIDATES: u32 = 8u;
 const CANDIDATES_BY_POWER: u32 = 2u;
 const FEWER: u32 = 2u;
@@ -35,8 +36,8 @@ fn expected_candidates(chances: vec2f) -> f32 {
 // angle. Farther ones are sampled as well by area, at less cost.
 const FAR_EDGES: f32 = 3.0;
 
-// Largest solid angle of a triangle whose points are chosen by it, steradians: near a half space, 2 π, the formulas lose
-// their digits.
+// Largest solid angle of a triangle whose points are chosen by it, steradians: near a half space, 2 π, the formulas
+// lose their digits.
 const LARGEST_SOLID_ANGLE: f32 = 6.2;
 
 // World-space corners of a triangle, relative to a point on the surface that it lights.
@@ -115,8 +116,8 @@ fn sampled_place(t: SeenTriangle, u: vec2f) -> vec2f {
     return place / max(place.x + place.y, 1.0);
 }
 
-// A point of an emissive triangle as a light sample, without visibility, and a guess of the share that arrives: little from
-// the inner side of a closed mesh.
+// A point of an emissive triangle as a light sample, without visibility, and a guess of the share that arrives: little
+// from the inner side of a closed mesh.
 struct EmitterSample {
     light: LightSample,
     seen_share: f32,

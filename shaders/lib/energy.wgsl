@@ -1,6 +1,6 @@
-// Energy of lobes. Where it is conserved, the specular lobe is scaled up by the light that single scattering between facets
-// loses, and all that a lobe does not reflect reaches the layers below it; else each facet reflects light once, as in glTF
-// 2.0, appendix B, and light that hits other facets is lost.
+// Energy of lobes. Where it is conserved, the specular lobe is scaled up by the light that single scattering between
+// facets loses, and all that a lobe does not reflect reaches the layers below it; else each facet reflects light once,
+// as in glTF 2.0, appendix B, and light that hits other facets is lost.
 
 #import frame
 #import lobe_albedo
@@ -48,8 +48,8 @@ fn left_of(s: Surface, reflectance: vec3f) -> vec3f {
     return max(vec3f(1.0) - reflectance, vec3f(0.0));
 }
 
-// Share of light that the specular lobe leaves to diffuse light, towards this view. Where energy is lost, it is averaged
-// over the hemisphere so that it does not depend on the view: the cosine-weighted mean of Schlick's curve is
+// Share of light that the specular lobe leaves to diffuse light, towards this view. Where energy is lost, it is
+// averaged over the hemisphere so that it does not depend on the view: the cosine-weighted mean of Schlick's curve is
 // F0 + (F90 - F0) / 21.
 fn unreflected(s: Surface, view: vec3f) -> vec3f {
     if (!CONSERVES_ENERGY) {

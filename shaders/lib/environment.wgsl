@@ -1,5 +1,5 @@
-// The environment: a gradient from straight up over the horizon to straight down, or a panorama, with sampling of directions
-// by its brightness.
+// The environment: a gradient from straight up over the horizon to straight down, or a panorama, with sampling of
+// directions by its brightness.
 
 #import frame
 #import sampling
@@ -93,8 +93,8 @@ fn square_weights(at: vec2u, level: i32, normal: vec3f) -> vec4f {
     return weights;
 }
 
-// Share of the panorama's light on a surface with this normal that its density holds; 0 of a gradient. The rest comes from all directions
-// alike: a quarter of it arrives, as the mean of the cosine over the sphere says.
+// Share of the panorama's light on a surface with this normal that its density holds; 0 of a gradient. The rest comes
+// from all directions alike: a quarter of it arrives, as the mean of the cosine over the sphere says.
 fn environment_share(normal: vec3f) -> f32 {
     if (!HAS_PANORAMA) { return 0.0; }
     let all = panorama_cones[0];

@@ -4,16 +4,16 @@
 #import lobe
 #import sampling
 
-// Facets that are sampled in pictures of few sub-frames where many facets turn light to the wrong side of the surface, so
-// that a single one would often leave a pixel black: one is chosen by the share of its light that leaves the surface, and
-// takes the mean of these shares (resampled importance sampling, Talbot et al. 2005; unbiased). In more sub-frames single
-// facets are spread evenly, which leaves less grain.
+// Facets that are sampled in pictures of few sub-frames where many facets turn light to the wrong side of the surface,
+// so that a single one would often leave a pixel black: one is chosen by the share of its light that leaves the
+// surface, and takes the mean of these shares (resampled importance sampling, Talbot et al. 2005; unbiased). In more
+// sub-frames single facets are spread evenly, which leaves less grain.
 const FACET_TRIES: u32 = 8u;
 const FEW_SAMPLES: u32 = 32u; // most sub-frames of such a picture
 const FACET_PAIR: u32 = 0x40000u; // first of their pairs of dimensions, after pair 0 of the first one
 
-// A sampled microfacet normal that is visible from the direction of this ray, within a bound (see `visible_normal`): one
-// for each vertex of a path and each try.
+// A sampled microfacet normal that is visible from the direction of this ray, within a bound (see `visible_normal`):
+// one for each vertex of a path and each try.
 fn visible_facet(s: Surface, direction: vec3f, bound: f32, attempt: u32) -> vec3f {
     let axes = lobe_axes(s);
     var view = -direction * axes;

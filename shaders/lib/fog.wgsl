@@ -45,8 +45,8 @@ fn fog_thinness(height_m: f32) -> f32 {
     return decay(max(height_m, 0.0) / fog.falloff_m);
 }
 
-// Length of a ray within a span, weighted by the density over that in the layer, m: in closed form. It is evaluated from
-// the lower end, where nothing overflows.
+// Length of a ray within a span, weighted by the density over that in the layer, m: in closed form. It is evaluated
+// from the lower end, where nothing overflows.
 fn fog_length(origin: vec3f, direction: vec3f, span: vec2f) -> f32 {
     let length_m = span.y - span.x;
     if (fog.falloff_m == 0.0) { return length_m; }
@@ -93,7 +93,8 @@ fn thickening(left: f32, start: f32, rate: f32) -> f32 {
     return (log(density + x) + start) / rate;
 }
 
-// Distance along a ray at which the weighted length from the start of the span is `length_m`: the inverse of `fog_length`.
+// Distance along a ray at which the weighted length from the start of the span is `length_m`: the inverse of
+// `fog_length`.
 fn fog_reached(origin: vec3f, direction: vec3f, span: vec2f, length_m: f32) -> f32 {
     if (fog.falloff_m == 0.0) { return span.x + length_m; }
     let start = fog_height(origin, direction, span.x);

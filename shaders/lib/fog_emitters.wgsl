@@ -2,8 +2,9 @@
 
 #import emitters
 
-// Number of points of emitters among which one is chosen, and of those among them whose emitter is chosen by power alone, and
-// the place on the ray for it. Of the others the place is chosen first, at a random free path, then the emitter by the light tree.
+// Number of points of emitters among which one is chosen, and of those among them whose emitter is chosen by power
+// alone, and the place on the ray for it. Of the others the place is chosen first, at a random free path, then the
+// emitter by the light tree.
 const FOG_CANDIDATES: u32 = 8u;
 const FOG_BY_POWER: u32 = 4u;
 
@@ -18,8 +19,8 @@ fn chances_in_fog(chosen: LightChoice, lit: LitPoint) -> vec2f {
     return light_chances(chosen.instance, chosen.triangle, lit);
 }
 
-// A point of an emitter and a point of the ray that it lights, chosen among several by the light that they add; both ways to
-// find one are weighted by the balance heuristic.
+// A point of an emitter and a point of the ray that it lights, chosen among several by the light that they add; both
+// ways to find one are weighted by the balance heuristic.
 fn scattered_of_emitters(way: Way, index: u32) -> Scattered {
     if (!HAS_EMITTERS || sampling.light_tree.root == NONE) { return Scattered(); }
     var choice: ScatteredChoice;

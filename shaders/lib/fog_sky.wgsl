@@ -1,4 +1,5 @@
-// Light of the surroundings that fog scatters: by samples of their directions, or of an unoccluded gradient in closed form.
+// Light of the surroundings that fog scatters: by samples of their directions, or of an unoccluded gradient in closed
+// form.
 
 #import ambient
 #import environment
@@ -20,8 +21,8 @@ fn scattered_gradient(direction: vec3f) -> vec3f {
         + (frame.ground - frame.horizon) * (0.5 * (size - height)), vec3f(0.0));
 }
 
-// By samples: one direction for one point of the ray. It follows the phase function or the bright parts of the surroundings, on
-// either side of the plane across the ray.
+// By samples: one direction for one point of the ray. It follows the phase function or the bright parts of the
+// surroundings, on either side of the plane across the ray.
 fn scattered_of_sky(way: Way, index: u32) -> Scattered {
     if (!SAMPLES_ENVIRONMENT) {
         let light = scattered_gradient(way.direction) * way.scattered;

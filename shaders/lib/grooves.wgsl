@@ -1,4 +1,5 @@
-// Albedo of anisotropic lobes, by view angle, roughness and anisotropy, tabulated in src/render/lighting/groove_table.rs.
+// Albedo of anisotropic lobes, by view angle, roughness and anisotropy, tabulated in
+// src/render/lighting/groove_table.rs.
 
 #import lobe
 

@@ -41,7 +41,8 @@ fn way_within(origin: vec3f, direction: vec3f, span: vec2f) -> Way {
     return Way(origin, direction, span, length_m, depth * mean_decay(depth));
 }
 
-// A point of a ray, and the light that arrives from there over the density of choosing it, for a radiance of 1 per meter.
+// A point of a ray, and the light that arrives from there over the density of choosing it, for a radiance of 1 per
+// meter.
 struct Place {
     t: f32,
     weight: f32,
@@ -88,8 +89,8 @@ fn share_by_depth(way: Way) -> f32 {
     return 0.5 * way.scattered;
 }
 
-// At a point of a ray: the density of free paths that end there and are not absorbed before, per meter, times the light that
-// arrives from there; and the density with which `place_towards` chooses the point.
+// At a point of a ray: the density of free paths that end there and are not absorbed before, per meter, times the light
+// that arrives from there; and the density with which `place_towards` chooses the point.
 fn seen_and_density(way: Way, at: Angles, t: f32) -> vec2f {
     let by_depth = share_by_depth(way);
     let thinness = fog_thinness(fog_height(way.origin, way.direction, t));
@@ -100,9 +101,9 @@ fn seen_and_density(way: Way, at: Angles, t: f32) -> vec2f {
     return vec2f(seen, by_depth * seen / max(way.scattered, 1e-30) + (1.0 - by_depth) * by_angle);
 }
 
-// A point for light from `pivot`: at equal angles seen from there (Kulla and Fajardo 2012, "Importance Sampling Techniques
-// for Path Tracing in Participating Media"), or, the more often the denser the fog, at a random free path; weighted by
-// the balance heuristic.
+// A point for light from `pivot`: at equal angles seen from there (Kulla and Fajardo 2012, "Importance Sampling
+// Techniques for Path Tracing in Participating Media"), or, the more often the denser the fog, at a random free path;
+// weighted by the balance heuristic.
 fn place_towards(way: Way, pivot: vec3f, u: f32) -> Place {
     let by_depth = share_by_depth(way);
     let at = angles_at(way, pivot);
@@ -245,7 +246,8 @@ fn through_air(origin: vec3f, ray: Reflected, distance_m: f32) -> Air {
     return passed(air, way);
 }
 
-// Light that the fog before a pixel scatters towards the eye, and its transmittance. `vertex` is the number of the samples.
+// Light that the fog before a pixel scatters towards the eye, and its transmittance. `vertex` is the number of the
+// samples.
 fn air_before(pixel: vec2u, vertex: u32, origin: vec3f, direction: vec3f, distance_m: f32) -> vec4f {
     let way = way_in_fog(origin, direction, distance_m);
     var light = vec3f(0.0);

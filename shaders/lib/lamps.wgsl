@@ -1,5 +1,5 @@
-// Lamps that a light tree chooses: their samples, and the nearest one on a ray. area_sampling.wgsl and emitters.wgsl, which
-// import this file, declare the rest of its bindings.
+// Lamps that a light tree chooses: their samples, and the nearest one on a ray. area_sampling.wgsl and emitters.wgsl,
+// which import this file, declare the rest of its bindings.
 
 #import lamp_shape
 #import sampling
@@ -54,8 +54,8 @@ fn lamp_reach(lamp: Lamp, to_light: vec3f, distance_m: f32) -> f32 {
     return share;
 }
 
-// A point of a lamp: its arriving radiance over its density per solid angle; of a lamp without a size the light itself, with
-// the density 1.
+// A point of a lamp: its arriving radiance over its density per solid angle; of a lamp without a size the light itself,
+// with the density 1.
 fn lamp_point(item: u32, position: vec3f, u: vec2f) -> LightSample {
     let lamp = tree_lamp(item);
     let offset = lamp.position - position;

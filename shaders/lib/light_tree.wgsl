@@ -1,5 +1,5 @@
-// Light tree: chooses an emissive triangle or a lamp for a surface, and gives the probability of one, by the nodes and the formulas
-// of src/world/light_tree.rs. The including shader declares:
+// Light tree: chooses an emissive triangle or a lamp for a surface, and gives the probability of one, by the nodes and
+// the formulas of src/world/light_tree.rs. The including shader declares:
 //   light_words(i: u32) -> vec4u   texels of src/render/upload/emitters.rs: words of instances, the index of each one's placed
 //                                  light; placed lights; nodes; words of triangles, the node of each
 //   sampling.light_tree                where these begin
@@ -10,8 +10,8 @@
 #import pack
 #import sampling
 
-// LIGHT_VECTORS vectors are a placed light: link of its mesh's root, first word of its triangles, node, instance with sides
-// in the lowest two bits; then rows of tree_from_world.
+// LIGHT_VECTORS vectors are a placed light: link of its mesh's root, first word of its triangles, node, instance with
+// sides in the lowest two bits; then rows of tree_from_world.
 
 // A surface, as a tree sees it.
 struct LitPoint {
@@ -162,7 +162,8 @@ fn chosen_light(u: vec2f, by_power: bool, surface: LitPoint) -> LightChoice {
     return LightChoice(instance, at.link & ~LIGHT_LEAF, at.chances, to.sides);
 }
 
-// Probabilities with which `chosen_light` chooses a triangle of an instance that emits light, by importance and by power.
+// Probabilities with which `chosen_light` chooses a triangle of an instance that emits light, by importance and by
+// power.
 fn light_chances(instance: u32, triangle: u32, surface: LitPoint) -> vec2f {
     let light = light_word(0u, instance);
     let record = light_words(sampling.light_tree.lights + light * LIGHT_VECTORS);

@@ -16,8 +16,8 @@ var<private> map_steps: u32 = 0u;
 // How the last ray ended.
 var<private> map_cause: u32 = CAUSE_UNMARCHED;
 
-// Hit of a ray on the triangle or capsule that a pixel of a map names, at the distance and place where the ray meets it or
-// its plane beside it; `none` where the map, which sees it along `sight`, does not show it there.
+// Hit of a ray on the triangle or capsule that a pixel of a map names, at the distance and place where the ray meets it
+// or its plane beside it; `none` where the map, which sees it along `sight`, does not show it there.
 fn named_hit(id: vec2u, met: vec3f, origin: vec3f, direction: vec3f, sight: vec3f, none: Hit) -> Hit {
     if (is_capsule(id.x)) { return Hit(met.x, id.x, id.y, met.yz, 0u); }
     let plane = triangle_of(id, origin);

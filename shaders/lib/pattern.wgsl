@@ -95,8 +95,8 @@ fn octaves(p: vec3f, width: f32) -> f32 {
 
 const DOT_RADIUS: f32 = 0.3;
 
-// Share of the second color of disks around the lattice points, on the faces across the largest part of the normal. Their
-// edge is as wide as the footprint; where that is wider than a disk, it shows the mean.
+// Share of the second color of disks around the lattice points, on the faces across the largest part of the normal.
+// Their edge is as wide as the footprint; where that is wider than a disk, it shows the mean.
 fn dots(p: vec3f, normal: vec3f, width: f32) -> f32 {
     let n = abs(normal);
     var q = p.xy;

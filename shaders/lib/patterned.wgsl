@@ -25,8 +25,8 @@ fn patterned_point(instance: u32, index: array<u32, 3>, bary: vec2f, footprint: 
     return PatternedPoint(p + e1 * bary.x + e2 * bary.y, across / area2_object, footprint * sqrt(area2_object / area2));
 }
 
-// Rotation by the smallest angle that turns `axis` to X: Möller and Hughes 1999, "Efficiently Building a Matrix to Rotate
-// One Vector to Another".
+// Rotation by the smallest angle that turns `axis` to X: Möller and Hughes 1999, "Efficiently Building a Matrix to
+// Rotate One Vector to Another".
 fn turned_to_x(v: vec3f, axis: vec3f) -> vec3f {
     if (axis.x < -0.9999) { return vec3f(-v.xy, v.z); }
     let k = cross(axis, vec3f(1.0, 0.0, 0.0));

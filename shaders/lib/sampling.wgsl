@@ -49,8 +49,8 @@ fn sample_count() -> u32 {
     return sampling.samples * paths_each;
 }
 
-// Number of paths behind a surface for which one is not enough: as many as rays towards lights where `light_rays` is left
-// out, four in a picture of one sub-frame and one from seven on.
+// Number of paths behind a surface for which one is not enough: as many as rays towards lights where `light_rays` is
+// left out, four in a picture of one sub-frame and one from seven on.
 fn paths_behind() -> u32 {
     return select((8u + sampling.samples) / (sampling.samples + 1u), 1u, UNBIASED);
 }

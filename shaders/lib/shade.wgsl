@@ -167,8 +167,8 @@ fn range_share(range_m: f32, distance_m: f32) -> f32 {
     return saturate(1.0 - x * x * x * x);
 }
 
-// Share within a spot's cone, which falls off by a scale and an offset of the cosine (KHR_lights_punctual, "Inner and Outer
-// Cone Angles").
+// Share within a spot's cone, which falls off by a scale and an offset of the cosine (KHR_lights_punctual, "Inner and
+// Outer Cone Angles").
 fn cone_share(ahead: vec3f, falloff: vec2f, to_light: vec3f) -> f32 {
     let cone = saturate(-dot(ahead, to_light) * falloff.x + falloff.y);
     return cone * cone;

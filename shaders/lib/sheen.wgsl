@@ -5,8 +5,8 @@
 #import frame
 #import lobe_albedo
 
-// Table like lobe_table, for a sheen of color 1, tabulated in src/render/lighting/sheen_table.rs; y: factor on the formula,
-// below 1 where it would reflect more light than arrives.
+// Table like lobe_table, for a sheen of color 1, tabulated in src/render/lighting/sheen_table.rs; y: factor on the
+// formula, below 1 where it would reflect more light than arrives.
 @group(0) @binding(10) var<uniform> sheen_table: array<vec4f, LOBE_NODES>;
 
 fn has_sheen(s: Surface) -> bool {

@@ -2,9 +2,8 @@
 
 #import scene
 
-// Pools that each slot of a material samples, POOL_BITS per slot in their order: bit 2k for pool k linear,
-// bit 2k + 1 for pool k as sRGB. Some drivers sample every texture that a branch might, so each pool that is left out saves
-// time.
+// Pools that each slot of a material samples, POOL_BITS per slot in their order: bit 2k for pool k linear, bit 2k + 1
+// for pool k as sRGB. Some drivers sample every texture that a branch might, so each pool that is left out saves time.
 override SLOT_POOLS: u32 = 0x3fffffffu;
 // Pools that layer textures sample: POOL_BITS for all of them together.
 override LAYER_POOLS: u32 = 63u;

@@ -42,7 +42,8 @@ fn through_share(s: Surface, out: vec3f) -> f32 {
     return 2.0 * below / (below + masked(s, out, below));
 }
 
-// The facet that passes light on where the surface is rough, and the share of it that leaves the surface; see FACET_TRIES.
+// The facet that passes light on where the surface is rough, and the share of it that leaves the surface; see
+// FACET_TRIES.
 fn passing_facet(s: Surface, direction: vec3f) -> ChosenFacet {
     // The facet that the reflection takes too: it passes the light that it does not mirror, so that their sum has no
     // grain.

@@ -1,6 +1,6 @@
-// Traversal by the device's ray queries, for bvh.wgsl. The acceleration structures (src/render/upload/structures.rs) have the
-// triangles of our trees in the same order: one bottom structure for the static tree, in world space, and one for each
-// mesh tree. The device only finds candidates; our own tests decide which of them is hit, and where.
+// Traversal by the device's ray queries, for bvh.wgsl. The acceleration structures (src/render/upload/structures.rs)
+// have the triangles of our trees in the same order: one bottom structure for the static tree, in world space, and one
+// for each mesh tree. The device only finds candidates; our own tests decide which of them is hit, and where.
 
 enable wgpu_ray_query;
 

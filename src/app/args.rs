@@ -82,9 +82,9 @@ pub struct PictureArgs {
     /// Sub-frames averaged, 1 to 4096
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub samples: Option<u32>,
-    /// AOVs to write too, such as depth,normal,source,cause, light:NAME (a light group alone) or light:* (all): layers of an EXR,
-    /// or OUT.NAME.png beside a PNG, in which distances run from white (near) to black, and
-    /// reflectance from 0 to 255, as `compare --mask` takes it
+    /// AOVs to write too, such as depth,normal,source,cause, light:NAME (a light group alone) or light:* (all): layers
+    /// of an EXR, or OUT.NAME.png beside a PNG, in which distances run from white (near) to black, and reflectance from
+    /// 0 to 255, as `compare --mask` takes it
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub aov: Vec<String>,
     /// Remove noise with Intel Open Image Denoise, where that library is installed (REFLET_OIDN names its folder),

@@ -57,7 +57,8 @@ pub enum Command {
     Compare(CompareArgs),
     /// Measure speed against accuracy, and draw a report
     Bench(Box<BenchArgs>),
-    /// Print where converted stages and compiled pipelines are kept between runs, and how large they are; or remove them
+    /// Print where converted stages and compiled pipelines are kept between runs, and how large they are; or remove
+    /// them
     Cache(CacheArgs),
     /// Run a language server for editors, which start it: diagnostics as in check, completion, hover and definitions
     /// for scene text and scripts (Language Server Protocol, on standard input and output); needs no GPU

@@ -66,8 +66,8 @@ struct Take {
 /// Renders all pictures and writes the sheet.
 ///
 /// # Errors
-/// Errors of the scene, [`AppError::Usage`] for names that it does not have and a sheet that is too large, and a file that
-/// cannot be written; nothing is written then.
+/// Errors of the scene, [`AppError::Usage`] for names that it does not have and a sheet that is too large, and a file
+/// that cannot be written; nothing is written then.
 pub fn sheet(args: &SheetArgs) -> Result<(), AppError> {
     if Format::expect(&args.output)? != Format::Picture(PictureFormat::Png) {
         let output = args.output.display();

@@ -13,8 +13,8 @@ use crate::scene::dependencies::Dependencies;
 /// Interval in which a signal that asks for the end is noticed.
 const SIGNAL: Duration = Duration::from_millis(100);
 
-/// Renders, and renders again after each save, until a signal asks for the end. Mistakes are printed, and the files of the
-/// last good render stay; a save while a picture is rendered is rendered after it.
+/// Renders, and renders again after each save, until a signal asks for the end. Mistakes are printed, and the files of
+/// the last good render stay; a save while a picture is rendered is rendered after it.
 ///
 /// # Errors
 /// [`AppError::Usage`] for arguments that no save can mend, no usable GPU, and [`AppError::Interrupted`] at the end.

@@ -34,7 +34,8 @@ const FRESH: Duration = Duration::from_secs(3);
 /// stays complete until then.
 ///
 /// # Errors
-/// Same errors as [`Goal::check`], a folder that cannot be written to, or a full disk; no temporary file is left behind.
+/// Same errors as [`Goal::check`], a folder that cannot be written to, or a full disk; no temporary file is left
+/// behind.
 pub fn write_whole(goal: &Goal, bytes: &[u8]) -> io::Result<()> {
     Temporary::create(goal)?.fill(bytes)?.persist()
 }
@@ -302,9 +303,9 @@ pub fn is_hidden_name(name: &str) -> bool {
 /// Age at which a temporary file counts as abandoned: no run goes that long without writing to its file.
 const ABANDONED: Duration = Duration::from_secs(24 * 3600);
 
-/// Removes temporary files and folders of killed runs beside these target paths. Whether a run is alive can be checked on Linux
-/// only, for processes of this machine, container and boot; elsewhere a temporary file is removed a day after the
-/// last write to it.
+/// Removes temporary files and folders of killed runs beside these target paths. Whether a run is alive can be checked
+/// on Linux only, for processes of this machine, container and boot; elsewhere a temporary file is removed a day after
+/// the last write to it.
 pub fn sweep(goals: &[Goal]) {
     let opened = goals.iter().filter_map(|goal| goal.opened().ok());
     let opened = opened.map(|(folder, goal)| (goal_name(&goal), folder.path().to_owned()));

@@ -1,7 +1,7 @@
 //! Comparison of settings: runs over methods and settings, stability, and reports.
 //!
-//! `pareto` is pure (numbers in, numbers out); `run` measures into a table of samples, by the metrics of [`reflet_metric`],
-//! and `report` draws from that table alone. Only `log` touches files.
+//! `pareto` is pure (numbers in, numbers out); `run` measures into a table of samples, by the metrics of
+//! [`reflet_metric`], and `report` draws from that table alone. Only `log` touches files.
 
 mod cell;
 pub mod choose;

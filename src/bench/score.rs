@@ -223,8 +223,8 @@ impl Reference {
         })
     }
 
-    /// Errors of `view`, which has the reference's size; `hits` belong to its picture, and `answers` says whether pixels
-    /// that its march does not answer are answered otherwise.
+    /// Errors of `view`, which has the reference's size; `hits` belong to its picture, and `answers` says whether
+    /// pixels that its march does not answer are answered otherwise.
     ///
     /// # Errors
     /// When the sizes differ.
@@ -263,8 +263,8 @@ impl Reference {
         })
     }
 
-    /// Share of the pixels inside the mask that show another instance than the reference, or nothing where it shows one;
-    /// `answers` says whether pixels that the march does not answer are answered otherwise.
+    /// Share of the pixels inside the mask that show another instance than the reference, or nothing where it shows
+    /// one; `answers` says whether pixels that the march does not answer are answered otherwise.
     pub fn wrong_share(&self, hits: &Hits, answers: bool) -> f64 {
         let shown = [hits.shown(answers), self.hits.shown(true)];
         let wrong = differing(self.mask.inside(), &shown);

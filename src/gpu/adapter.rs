@@ -11,8 +11,8 @@ pub const ADAPTER_ENV: &str = "REFLET_ADAPTER";
 /// more than the default of 8.
 pub(super) const MAX_STORAGE_BUFFERS: u32 = 32;
 
-/// Requested number of sampled textures per shader stage: BVHs and meshes stored in textures use four more than the default of
-/// 16.
+/// Requested number of sampled textures per shader stage: BVHs and meshes stored in textures use four more than the
+/// default of 16.
 pub(super) const SAMPLED_TEXTURES: u32 = 22;
 
 /// Abilities that Reflet would use, or does use where they are there, with their features.

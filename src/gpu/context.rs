@@ -72,7 +72,8 @@ pub struct Gpu {
     kept: Option<KeptPipelines>,
     /// The first error outside an error scope.
     fault: Arc<Mutex<Option<GpuError>>>,
-    /// Number of sub-frames that the device has rendered, modulo 2^32, for other threads that show how far a picture is.
+    /// Number of sub-frames that the device has rendered, modulo 2^32, for other threads that show how far a picture
+    /// is.
     pub sub_frames: AtomicU32,
     /// Signal that ends pictures.
     interrupt: Mutex<Option<Arc<AtomicBool>>>,
@@ -267,8 +268,8 @@ impl Gpu {
     }
 
     /// Gives up pictures between two of their sub-frames while `signal` is set, timed ones also between two of their
-    /// passes, so that a program that answers people need not wait for a picture that nobody wants any more; `None` lets
-    /// all pictures end.
+    /// passes, so that a program that answers people need not wait for a picture that nobody wants any more; `None`
+    /// lets all pictures end.
     pub fn interrupt_by(&self, signal: Option<Arc<AtomicBool>>) {
         *(self.interrupt.lock()).unwrap_or_else(PoisonError::into_inner) = signal;
     }

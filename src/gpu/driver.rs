@@ -70,7 +70,8 @@ fn mesa_variables() -> Vec<(&'static str, OsString)> {
     let is_named = named.is_some();
     let folder = named.or_else(|| private_folder(PIPELINES));
     let Some(folder) = folder.filter(|folder| has_room(folder)) else {
-        // It would say on standard error that it finds no folder, or end the process by a signal where the disk is full.
+        // It would say on standard error that it finds no folder, or end the process by a signal where the disk is
+        // full.
         return vec![(MESA_DISABLE_ENV, "true".into())];
     };
     if is_named {

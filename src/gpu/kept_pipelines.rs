@@ -80,7 +80,8 @@ impl KeptFile {
         [&MAGIC[..], hashes.as_flattened()].concat()
     }
 
-    /// Writes the driver's bytes, or removes the file where they are too many; older files go if all together are too large.
+    /// Writes the driver's bytes, or removes the file where they are too many; older files go if all together are too
+    /// large.
     ///
     /// # Errors
     /// The system's error; the file is then as before.

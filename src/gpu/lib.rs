@@ -2,7 +2,8 @@
 //! scenes.
 //!
 //! This crate owns the device ([`Gpu`]), the built-in shaders and their imports ([`ShaderLibrary`]; `build.rs` embeds
-//! the folder `shaders`), caches of compiled pipelines, in memory and between runs ([`kept_pipelines`]), and the check of a shader's bindings before a driver sees it.
+//! the folder `shaders`), caches of compiled pipelines, in memory and between runs ([`kept_pipelines`]), and the check
+//! of a shader's bindings before a driver sees it.
 
 pub mod adapter;
 pub mod bind;

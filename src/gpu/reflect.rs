@@ -138,8 +138,8 @@ pub fn check(
     declared(source, &parse(source)?, capabilities).map(|(declared, _)| declared)
 }
 
-/// Validates the code of a parsed shader that is left under some values of its boolean overrides, and lists the bindings,
-/// entry points and overrides of that code. Needs no GPU.
+/// Validates the code of a parsed shader that is left under some values of its boolean overrides, and lists the
+/// bindings, entry points and overrides of that code. Needs no GPU.
 ///
 /// # Errors
 /// The first validation error, at the line in the shader's source file.

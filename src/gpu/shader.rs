@@ -120,7 +120,8 @@ impl ShaderSource {
     }
 }
 
-/// All shaders of a folder: passes at the top, shared code in `lib/`, and both again for each method in `methods/NAME/`.
+/// All shaders of a folder: passes at the top, shared code in `lib/`, and both again for each method in
+/// `methods/NAME/`.
 #[derive(Clone, Debug)]
 pub struct ShaderLibrary {
     /// Prefix of file names in messages.

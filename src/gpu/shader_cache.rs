@@ -12,8 +12,8 @@ use super::{
     error::GpuError, reflect::ShaderModuleInfo, shader::ShaderSource, used_textures::UsedTextures,
 };
 
-/// Maximum number of shaders and of parsed texts kept; a frame has at most 19. The least recently used is dropped, so that a text that
-/// is being edited pushes out its own old versions.
+/// Maximum number of shaders and of parsed texts kept; a frame has at most 19. The least recently used is dropped, so
+/// that a text that is being edited pushes out its own old versions.
 const SHADERS: usize = 64;
 
 /// Maximum number of compute pipelines kept, of which a frame has up to 20: software drivers hold several MB of code

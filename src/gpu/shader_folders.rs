@@ -5,8 +5,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Folders of shaders below a root, which need not exist: for passes the root and each `methods/NAME/`, for libraries the
-/// `lib/` of each of these.
+/// Folders of shaders below a root, which need not exist: for passes the root and each `methods/NAME/`, for libraries
+/// the `lib/` of each of these.
 pub fn shader_folders(root: &Path) -> Vec<PathBuf> {
     let methods = fs::read_dir(root.join("methods")).into_iter().flatten();
     let mut rooms: Vec<_> = methods.flatten().map(|entry| entry.path()).collect();

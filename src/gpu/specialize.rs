@@ -1,6 +1,6 @@
-//! Specializes a shader: branches that the values of its overrides rule out are removed, with the functions and bindings
-//! that only they used, before bindings are reflected and before the driver sees them. Drivers remove them too, but only
-//! after they have read and inlined all code.
+//! Specializes a shader: branches that the values of its overrides rule out are removed, with the functions and
+//! bindings that only they used, before bindings are reflected and before the driver sees them. Drivers remove them
+//! too, but only after they have read and inlined all code.
 
 use naga::{
     BinaryOperator, Block, Expression, Function, Handle, Literal, LocalVariable, Module, Override,

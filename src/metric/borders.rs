@@ -30,12 +30,12 @@ pub struct Maps<'a, T> {
 
 impl<T: PartialEq> Maps<'_, T> {
     /// Mean over the pairs of neighboring pixels of one surface that belong to different parts: the step of the picture
-    /// between them beyond the mean of the steps beside, within their parts, minus the same in the reference, display code
-    /// values. None where there are fewer than [`LEAST_PAIRS`].
+    /// between them beyond the mean of the steps beside, within their parts, minus the same in the reference, display
+    /// code values. None where there are fewer than [`LEAST_PAIRS`].
     ///
-    /// The steps beside take out what both parts show, such as edges of reflections that the picture has and the reference
-    /// lacks; the reference takes out what the surface has there itself, such as another color. It is a mean, not the
-    /// largest: an edge that happens to lie on the border adds as often as one beside it takes away.
+    /// The steps beside take out what both parts show, such as edges of reflections that the picture has and the
+    /// reference lacks; the reference takes out what the surface has there itself, such as another color. It is a mean,
+    /// not the largest: an edge that happens to lie on the border adds as often as one beside it takes away.
     ///
     /// # Panics
     /// When a slice has another length than the mask.

@@ -34,8 +34,8 @@ const FOLDER: &str = "REFLET_OIDN";
 /// AOVs that tell what pixels mirror.
 const MIRRORS: [Aov; 3] = [Aov::Material, Aov::Reflectance, Aov::HitIds];
 
-/// Largest change of a channel's mean that is made up for, as a factor: more is light of specks that the filter removed,
-/// which would brighten all pixels, in each frame of a film otherwise.
+/// Largest change of a channel's mean that is made up for, as a factor: more is light of specks that the filter
+/// removed, which would brighten all pixels, in each frame of a film otherwise.
 const MEAN_RANGE: [f64; 2] = [0.98, 1.02];
 
 // Constants of `oidn.h`.
@@ -91,7 +91,8 @@ impl Denoiser {
         requested.iter().copied().chain(further).collect()
     }
 
-    /// The instance that each pixel mirrors, none of its instances for the surroundings, where its surface is a sharp mirror.
+    /// The instance that each pixel mirrors, none of its instances for the surroundings, where its surface is a sharp
+    /// mirror.
     pub fn mirrored(planes: &[Plane]) -> Vec<Option<u32>> {
         let hits = planes.iter().find(|plane| plane.name == Aov::HitIds.name());
         let Some(PlaneData::U32(hits)) = hits.map(|plane| &plane.data) else {

@@ -70,8 +70,8 @@ impl PictureFile {
             .try_for_each(|file| check_replaceable(file, inputs))
     }
 
-    /// Writes the picture and its planes, each with its number of sub-frames; files are renamed once all are complete and synced.
-    /// Returns their paths.
+    /// Writes the picture and its planes, each with its number of sub-frames; files are renamed once all are complete
+    /// and synced. Returns their paths.
     ///
     /// # Errors
     /// [`OutputError::Disk`] or [`OutputError::Internal`] naming the file; nothing new is left behind.

@@ -43,8 +43,8 @@ impl From<SessionError> for WindowError {
     }
 }
 
-/// Opens the window, which writes screenshots into a folder, and returns when it is closed. Scenes that are opened later
-/// are opened without the changed values of the first.
+/// Opens the window, which writes screenshots into a folder, and returns when it is closed. Scenes that are opened
+/// later are opened without the changed values of the first.
 ///
 /// # Errors
 /// A missing scene, a camera that the scene does not have, or a display that refuses.

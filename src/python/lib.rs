@@ -1,9 +1,9 @@
 //! Reflet as a module of Python, `reflet._reflet`: a thin user of the runtime's sessions. The package in `reflet/` adds
 //! what Python says better: the exceptions, and the types in `_reflet.pyi`, which document the interface.
 //!
-//! Work on a scene runs on a thread of its own, without the interpreter's lock, while the calling thread looks for Ctrl-C and
-//! tells the progress ([`work`]). A session is lent to one call at a time ([`slot`]). Pixels belong to NumPy from the moment
-//! that a picture is finished, and are not copied ([`picture`]). No code here is `unsafe`.
+//! Work on a scene runs on a thread of its own, without the interpreter's lock, while the calling thread looks for
+//! Ctrl-C and tells the progress ([`work`]). A session is lent to one call at a time ([`slot`]). Pixels belong to NumPy
+//! from the moment that a picture is finished, and are not copied ([`picture`]). No code here is `unsafe`.
 
 mod comparison;
 mod errors;

@@ -65,7 +65,8 @@ pub struct Picture {
     log: Vec<String>,
 }
 
-/// An array of rows, columns and channels over these numbers, which are not copied; a single channel of AOVs has no axis.
+/// An array of rows, columns and channels over these numbers, which are not copied; a single channel of AOVs has no
+/// axis.
 pub fn array<T: Element>(
     py: Python<'_>,
     numbers: Vec<T>,

@@ -133,8 +133,8 @@ impl Request {
         }
     }
 
-    /// Hash of the inputs that the frames of a session share, by which `reflet render --resume` knows them; `None` where
-    /// Python has given other vertices to meshes.
+    /// Hash of the inputs that the frames of a session share, by which `reflet render --resume` knows them; `None`
+    /// where Python has given other vertices to meshes.
     ///
     /// # Errors
     /// A file that cannot be read any more, or that was saved meanwhile.

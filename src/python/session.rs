@@ -52,8 +52,8 @@ impl Session {
         }
     }
 
-    /// Renders a frame, or the shown one. `run` is the fingerprint of a sequence's inputs, which is found with the first of
-    /// its frames.
+    /// Renders a frame, or the shown one. `run` is the fingerprint of a sequence's inputs, which is found with the
+    /// first of its frames.
     pub fn rendered(
         &self,
         py: Python<'_>,

@@ -1,5 +1,5 @@
-//! Work that runs beside the interpreter: on a thread of its own, while the calling thread looks for Ctrl-C and tells the
-//! progress.
+//! Work that runs beside the interpreter: on a thread of its own, while the calling thread looks for Ctrl-C and tells
+//! the progress.
 
 use std::{
     any::Any,
@@ -28,8 +28,8 @@ const STACK: usize = 8 << 20;
 /// Process in which threads were started; 0 before that.
 static PROCESS: AtomicU32 = AtomicU32::new(0);
 
-/// Refuses to work in a process that was forked from one that has worked: its threads are missing here, and the driver's
-/// locks may be held for ever.
+/// Refuses to work in a process that was forked from one that has worked: its threads are missing here, and the
+/// driver's locks may be held for ever.
 ///
 /// # Errors
 /// `reflet.ForkError`.
@@ -48,8 +48,8 @@ pub fn check_fork(py: Python<'_>) -> PyResult<()> {
 /// How far a picture is.
 #[derive(Default)]
 pub struct Progress {
-    /// Device that counts sub-frames; none before the picture has begun. Nothing else of Python keeps it, so that a closed
-    /// session frees it.
+    /// Device that counts sub-frames; none before the picture has begun. Nothing else of Python keeps it, so that a
+    /// closed session frees it.
     gpu: OnceLock<Arc<Gpu>>,
     /// Count of the device's sub-frames when the picture began.
     began: AtomicU32,
@@ -98,8 +98,8 @@ impl Teller<'_> {
     }
 }
 
-/// Does work on a thread of its own and waits for it. After Ctrl-C, or an error of the user's function, `stop` is set, the
-/// end of the work is waited for, and its result is handed to `keep` all the same.
+/// Does work on a thread of its own and waits for it. After Ctrl-C, or an error of the user's function, `stop` is set,
+/// the end of the work is waited for, and its result is handed to `keep` all the same.
 ///
 /// # Errors
 /// `KeyboardInterrupt`, whatever the user's function raised, a thread that cannot be started.

@@ -1,4 +1,5 @@
-//! The scene as people write it: each key once, with its manual, its range and its default, from which its reader is made.
+//! The scene as people write it: each key once, with its manual, its range and its default, from which its reader is
+//! made.
 //!
 //! Every field's comment says meaning, unit, range and the effect of larger values; `docs/scene` and
 //! `reflet schema` are generated from these comments, so this file *is* the manual. A key that has

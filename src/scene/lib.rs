@@ -1,8 +1,8 @@
 //! Scene text as users write it, read with all its errors at once.
 //!
 //! This crate owns the scene format ([`desc`]), its manual and schema, the syntax tree of a text ([`syntax`]) and its
-//! readers ([`table`], [`parse`]), the sandbox of scripts ([`script`]), animation tracks ([`motion`]), and the diagnostics that all
-//! crates report ([`diagnostic`]). It reads texts and no assets, and knows no device.
+//! readers ([`table`], [`parse`]), the sandbox of scripts ([`script`]), animation tracks ([`motion`]), and the
+//! diagnostics that all crates report ([`diagnostic`]). It reads texts and no assets, and knows no device.
 
 #[macro_use]
 pub mod declared;

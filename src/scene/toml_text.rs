@@ -18,7 +18,8 @@ pub fn toml_text(text: &str) -> String {
     out
 }
 
-/// Beginning of the text that stands for many numbers in the result of `setup`, before eight hexadecimal digits for each.
+/// Beginning of the text that stands for many numbers in the result of `setup`, before eight hexadecimal digits for
+/// each.
 pub const FLOATS_PREFIX: &str = "floats:";
 
 /// Largest number of numbers of one such text.

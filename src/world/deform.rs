@@ -1,5 +1,6 @@
 //! Meshes whose vertices move, on the CPU: by morph targets, then linear-blend skinning (glTF 2.0 §3.7.2.2 and
-//! §3.7.3.3), or to the positions that a script has set. The vertices depend on the current pose only, not on earlier frames.
+//! §3.7.3.3), or to the positions that a script has set. The vertices depend on the current pose only, not on earlier
+//! frames.
 
 use std::{mem, sync::Arc};
 

@@ -9,7 +9,8 @@ fn is_lamp(light: &Light) -> bool {
     light.desc.kind.position().is_some() && light.desc.shadow != ShadowMode::None
 }
 
-/// The light at `index` in the order of scene text and files, of lights and lamps in the order of [`World::light_order`].
+/// The light at `index` in the order of scene text and files, of lights and lamps in the order of
+/// [`World::light_order`].
 pub(crate) fn light_at<'a>(
     lights: &'a mut [Light],
     lamps: &'a mut [Light],

@@ -71,7 +71,8 @@ pub struct World {
     /// The scene's and the files' lights, at most [`MAX_LIGHTS`]; where there are more, some are [`Self::lamps`]
     /// instead.
     pub lights: Vec<Light>,
-    /// Lights of which light trees choose, at most [`SceneDesc::MOST_LIGHTS`](reflet_scene::desc::SceneDesc::MOST_LIGHTS).
+    /// Lights of which light trees choose, at most
+    /// [`SceneDesc::MOST_LIGHTS`](reflet_scene::desc::SceneDesc::MOST_LIGHTS).
     pub lamps: Vec<Light>,
     /// Index of each light into `lights`, then `lamps`; empty if light i has index i.
     pub light_order: Vec<usize>,

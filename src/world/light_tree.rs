@@ -1,6 +1,6 @@
-//! Light tree: chooses one emissive triangle or lamp among up to a million by one random number, with a probability that depends
-//! on where the lit surface is (Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree
-//! Splitting"; Pharr et al. 2023, "Physically Based Rendering", 12.6.3).
+//! Light tree: chooses one emissive triangle or lamp among up to a million by one random number, with a probability
+//! that depends on where the lit surface is (Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with
+//! Adaptive Tree Splitting"; Pharr et al. 2023, "Physically Based Rendering", 12.6.3).
 //!
 //! A tree of each mesh stands below one over all instances, so that instances that move as a whole rebuild only the
 //! upper tree. Shaders descend the same nodes ([`Node::words`]) by the same formulas (`shaders/lib/light_tree.wgsl`).
@@ -197,8 +197,8 @@ impl Cluster {
     }
 }
 
-/// Whether lamps in a ball may shine in a direction: its angle is beyond their cone by no more than the ball covers, up to
-/// rounding.
+/// Whether lamps in a ball may shine in a direction: its angle is beyond their cone by no more than the ball covers, up
+/// to rounding.
 fn leaving_cone(cosine: f32, cone: f32, ball_sine: f32) -> bool {
     let nearer = cosine * cone + sine_of(cosine) * sine_of(cone);
     cosine >= cone || nearer >= sine_of(ball_sine) - 1e-6

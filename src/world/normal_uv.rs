@@ -9,8 +9,8 @@ use super::TextureRef;
 pub struct NormalUv {
     /// Index of the set of texture coordinates, 0 or 1.
     pub uv_set: u32,
-    /// Linear part of KHR_texture_transform. Without a rotation it holds the signs of the scales alone, since the size of
-    /// a scale does not turn a normal.
+    /// Linear part of KHR_texture_transform. Without a rotation it holds the signs of the scales alone, since the size
+    /// of a scale does not turn a normal.
     pub turn: Mat2,
 }
 

@@ -1,6 +1,6 @@
 // Capture: radiance and hits of the static scene, seen from a probe through the pixels of a cube map. The environment
-// that a probe sees, directly or straight through panes, is left out, as are lamps and surfaces that are sampled as lights:
-// the look-up adds them by the reflection's own ray.
+// that a probe sees, directly or straight through panes, is left out, as are lamps and surfaces that are sampled as
+// lights: the look-up adds them by the reflection's own ray.
 
 #import capture_panes
 #import capture_params
@@ -82,8 +82,8 @@ fn seen_from(probe: vec3f, towards: vec3f, seed: vec2u) -> Seen {
     return seen;
 }
 
-// Place of a sample within its pixel, 0 to 1: the first in the middle, the others evenly spread around it (Roberts 2018,
-// "The Unreasonable Effectiveness of Quasirandom Sequences").
+// Place of a sample within its pixel, 0 to 1: the first in the middle, the others evenly spread around it (Roberts
+// 2018, "The Unreasonable Effectiveness of Quasirandom Sequences").
 fn place_of_sample(sample: u32) -> vec2f {
     return fract(vec2f(0.5) + f32(sample) * vec2f(0.7548776662, 0.5698402910));
 }

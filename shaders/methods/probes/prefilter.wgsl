@@ -1,6 +1,6 @@
-// Prefilter: levels of the cube maps of probes, each for one roughness: the mean radiance over the GGX lobe of a surface
-// that is seen straight on (Karis 2013, "Real Shading in Unreal Engine 4"), by samples of visible normals, each of
-// which reads the level whose pixels are as large as its share of directions (Křivánek & Colbert 2008).
+// Prefilter: levels of the cube maps of probes, each for one roughness: the mean radiance over the GGX lobe of a
+// surface that is seen straight on (Karis 2013, "Real Shading in Unreal Engine 4"), by samples of visible normals, each
+// of which reads the level whose pixels are as large as its share of directions (Křivánek & Colbert 2008).
 
 #import constants
 #import cube_faces

@@ -14,7 +14,8 @@
 @group(2) @binding(7) var<uniform> params: Params;
 @group(2) @binding(0) var ids: texture_2d<u32>;
 
-// Whether probes are chosen by the origin of the model that a pixel shows, for all of it, rather than by the pixel's point.
+// Whether probes are chosen by the origin of the model that a pixel shows, for all of it, rather than by the pixel's
+// point.
 override PROBES_BY_INSTANCE: bool = false;
 
 fn choosing_point(pixel: vec2u, s: Surface) -> vec3f {

@@ -165,7 +165,8 @@ pub enum Experiment {
 /// Arguments of `bench bounds`.
 #[derive(Clone, Debug, Args)]
 pub struct BoundsArgs {
-    /// Scene file or model; without one, the built-in atrium. Its first frame is rendered, and its `samples` are ignored
+    /// Scene file or model; without one, the built-in atrium. Its first frame is rendered, and its `samples` are
+    /// ignored
     pub scene: Option<PathBuf>,
     /// Changes to the scene
     #[command(flatten)]
@@ -258,7 +259,8 @@ pub struct StabilityArgs {
     /// Folder of the suite's scenes, NN-name.toml
     #[arg(long, value_name = "DIR", default_value = "scenes/fail")]
     pub suite: PathBuf,
-    /// Methods to score, of ssr, probe, ssr+probe, ssr+box, near-far, hybrid and rt; hybrid by both of its rules of acceptance
+    /// Methods to score, of ssr, probe, ssr+probe, ssr+box, near-far, hybrid and rt; hybrid by both of its rules of
+    /// acceptance
     #[arg(
         long,
         value_name = "LIST",

@@ -39,7 +39,8 @@ struct Row {
     measured: f64,
     /// Mean error of the tiles against the reference, likewise.
     measured_mean: f64,
-    /// Processor time of the search, pictures of fewer samples included, seconds; `None` where the system does not tell.
+    /// Processor time of the search, pictures of fewer samples included, seconds; `None` where the system does not
+    /// tell.
     processor_s: Option<f64>,
     /// Wall time of the search, seconds.
     wall_s: f64,

@@ -49,7 +49,8 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
     found
 }
 
-/// Warns, once, of lights of the scene text whose `shadow = "map"` is a shadow by rays, as they are lamps of the light tree.
+/// Warns, once, of lights of the scene text whose `shadow = "map"` is a shadow by rays, as they are lamps of the light
+/// tree.
 pub fn lamps(scene: &Scene, world: &World) -> Option<Diagnostic> {
     let mut mapped = (scene.lights.iter().zip(world.all_lights()))
         .filter(|(_, light)| light.desc.shadow == ShadowMode::Map && world.has_lamp(light))

@@ -148,7 +148,8 @@ fn is_in_one_table(part: &str) -> bool {
     depth == 0
 }
 
-/// Parameters of the scene that an instance places, where a word stands in its `params`, each with the file that has it.
+/// Parameters of the scene that an instance places, where a word stands in its `params`, each with the file that has
+/// it.
 fn params_at(file: &Arc<Source>, word: &Word) -> Vec<(Name, Arc<Source>)> {
     if !(word.table.iter()).eq(["instance", "model", "params"]) {
         return Vec::new();

@@ -1,5 +1,5 @@
-//! Formatting of scene text and projects: spaces, indentation of lists and empty lines. Line breaks, comments and values
-//! stay, since a list on one line is a vector, and one on several lines is a table of its own.
+//! Formatting of scene text and projects: spaces, indentation of lists and empty lines. Line breaks, comments and
+//! values stay, since a list on one line is a vector, and one on several lines is a table of its own.
 
 use serde_json::{Value, json};
 

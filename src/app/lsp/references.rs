@@ -247,9 +247,9 @@ fn used_names(file: &Source) -> Vec<(Name, Vec<String>)> {
     }
 }
 
-/// Names in a script, each with the kinds that it may be of: texts in quotes that a call of the API takes as a name, or that
-/// are the value of a key which names something, and `ctx.params.NAME` with the kind `params`. Other texts are none, as
-/// they may be anything.
+/// Names in a script, each with the kinds that it may be of: texts in quotes that a call of the API takes as a name, or
+/// that are the value of a key which names something, and `ctx.params.NAME` with the kind `params`. Other texts are
+/// none, as they may be anything.
 fn script_names(file: &Source) -> Vec<(Name, Vec<String>)> {
     const PARAM: &str = "ctx.params.";
     let mut found = Vec::new();
@@ -313,7 +313,8 @@ pub fn locations(places: &[Place], with_definitions: bool) -> Vec<Value> {
 /// Edits that give a named thing another name.
 ///
 /// # Errors
-/// A message about a name that is empty, has line breaks or quotes, is no word where a word is needed, or that is taken.
+/// A message about a name that is empty, has line breaks or quotes, is no word where a word is needed, or that is
+/// taken.
 pub fn rename(target: &Target, new: &str, texts: &[Arc<Source>]) -> Result<Value, String> {
     let is_word = !new.is_empty() && new.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     if new.trim().is_empty() || new.contains(|c: char| c.is_control() || c == '"' || c == '\\') {

@@ -123,8 +123,8 @@ pub fn placements(source: &Source) -> Vec<Placement> {
     all
 }
 
-/// A name behind the groups of placed scenes: its own byte range in the name, the range of each group, and the file that
-/// the innermost group places.
+/// A name behind the groups of placed scenes: its own byte range in the name, the range of each group, and the file
+/// that the innermost group places.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Split<'a> {
     /// The name without groups.

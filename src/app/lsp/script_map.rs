@@ -64,7 +64,8 @@ pub enum Inside {
     Names(&'static [&'static str]),
 }
 
-/// Completions at a byte offset in a map whose goal is known: keys, or in quotes the words and names of the key's value.
+/// Completions at a byte offset in a map whose goal is known: keys, or in quotes the words and names of the key's
+/// value.
 pub fn complete(text: &str, offset: usize, quoted: bool) -> Option<Inside> {
     if text.len() > MOST_BYTES {
         return None;
@@ -166,7 +167,8 @@ impl Script<'_> {
         }
     }
 
-    /// Where the value of the statement goes that a value at a byte offset ends: into a variable, or out of the function.
+    /// Where the value of the statement goes that a value at a byte offset ends: into a variable, or out of the
+    /// function.
     fn goal_of_statement(&self, offset: usize, depth: usize) -> Option<Goal> {
         let before = self.text[..offset].trim_end_matches('#').trim_end();
         if let Some(left) = before.strip_suffix('=').filter(|l| !l.ends_with('=')) {

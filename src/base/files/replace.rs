@@ -12,8 +12,8 @@ use super::{Goal, Temporary, follow_no_link, open_regular};
 /// left as it is. The new content is on the disk before the old one is compared for the last time, so that nothing
 /// slow lies between that comparison and the replacement. `on_synced` is called in between.
 ///
-/// The path is canonical, so a link that takes its place meanwhile is not followed. The file keeps its mode and owner. Where a renamed file could not keep them, or the file has other names (hard
-/// links), it is rewritten in place.
+/// The path is canonical, so a link that takes its place meanwhile is not followed. The file keeps its mode and owner.
+/// Where a renamed file could not keep them, or the file has other names (hard links), it is rewritten in place.
 ///
 /// # Errors
 /// A file that must not or cannot be written; it is as before then.

@@ -1,4 +1,5 @@
-//! Names of files that people take for the same: systems that ignore case, and forms of Unicode, tell them apart elsewhere.
+//! Names of files that people take for the same: systems that ignore case, and forms of Unicode, tell them apart
+//! elsewhere.
 
 use std::{
     fs,
@@ -8,8 +9,8 @@ use std::{
 /// Maximum number of names of a folder that are compared.
 const MOST_NAMES: usize = 10_000;
 
-/// Name below `folder` of a file that is there, and differs from `name` in the case of letters or the Unicode form of letters
-/// with accents alone. `name` is relative.
+/// Name below `folder` of a file that is there, and differs from `name` in the case of letters or the Unicode form of
+/// letters with accents alone. `name` is relative.
 pub fn similar(folder: &Path, name: &Path) -> Option<PathBuf> {
     let mut found = PathBuf::new();
     for part in name.components() {
@@ -30,8 +31,8 @@ pub fn similar(folder: &Path, name: &Path) -> Option<PathBuf> {
     Some(found)
 }
 
-/// Name in lower case, with a star for each letter that is not of ASCII or has accents of its own: "é" as one character, and as
-/// "e" with a combining accent.
+/// Name in lower case, with a star for each letter that is not of ASCII or has accents of its own: "é" as one
+/// character, and as "e" with a combining accent.
 fn folded(name: &str) -> String {
     let mut folded = String::new();
     for letter in name.chars().flat_map(char::to_lowercase) {

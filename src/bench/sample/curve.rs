@@ -8,8 +8,8 @@ pub const THRESHOLD_SERIES: &str = "hybrid (threshold)";
 /// Color of the curve of method `rt`.
 const RT: [u8; 3] = [0, 158, 115];
 
-/// The curves in the order of charts, each with its sRGB color, from colors that stay apart for color-blind readers (Okabe
-/// and Ito 2008).
+/// The curves in the order of charts, each with its sRGB color, from colors that stay apart for color-blind readers
+/// (Okabe and Ito 2008).
 const CURVES: [(&str, [u8; 3]); 14] = [
     (Method::Ssr.name(), [0, 114, 178]),
     ("ssr (2 layers)", [0, 0, 0]),

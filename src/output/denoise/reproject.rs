@@ -200,9 +200,9 @@ pub struct PosedSurfaces<'a> {
 /// Pixels of another frame that show the surface of a pixel, by index, with weights that add up to 1.
 pub struct Taps(pub Vec<(usize, f32)>);
 
-/// The pixels of another frame that show what `pixel` shows; `None` where that is hidden, outside of the picture, beside
-/// one of the instances that have `moved` between the frames, or where a sharp mirror or its camera moved, since its
-/// picture moves otherwise than the mirror.
+/// The pixels of another frame that show what `pixel` shows; `None` where that is hidden, outside of the picture,
+/// beside one of the instances that have `moved` between the frames, or where a sharp mirror or its camera moved, since
+/// its picture moves otherwise than the mirror.
 pub fn taps(
     pixel: [u32; 2],
     here: PosedSurfaces<'_>,

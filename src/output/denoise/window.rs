@@ -3,8 +3,8 @@
 //!
 //! Each frame of the window is rendered and denoised by itself, so a frame is the same in whatever part of a film it is
 //! rendered. Pixels of other frames count where they show the same surface ([`super::reproject`]), the less the more
-//! their surroundings differ: shadows and reflections move otherwise than the surfaces that show them. Averaged are cube
-//! roots of radiance, nearly what the eye sees (CIE L*), so that one bright frame does not outweigh the others.
+//! their surroundings differ: shadows and reflections move otherwise than the surfaces that show them. Averaged are
+//! cube roots of radiance, nearly what the eye sees (CIE L*), so that one bright frame does not outweigh the others.
 
 use std::{
     collections::BTreeMap,
@@ -22,7 +22,8 @@ use crate::error::OutputError;
 use reflet_gpu::Gpu;
 use reflet_render::{PendingPicture, Picture};
 
-/// Difference of the surroundings of two pixels, in display values of 0 to 1, at which a pixel of another frame counts 1/e.
+/// Difference of the surroundings of two pixels, in display values of 0 to 1, at which a pixel of another frame counts
+/// 1/e.
 const SAME_VALUE: f32 = 0.075;
 
 /// Error of a frame, and whether it is one of all further frames.

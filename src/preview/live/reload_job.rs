@@ -138,7 +138,8 @@ impl Live {
     }
 
     /// A job that reads the scene on disk and poses a frame, in place of one that runs; `None` where no read is
-    /// requested. Texts and scripts are read only where they or parameters have changed. [`Live::watch_list`] lists its scripts as soon as they are known.
+    /// requested. Texts and scripts are read only where they or parameters have changed. [`Live::watch_list`] lists its
+    /// scripts as soon as they are known.
     pub fn begin_read(&mut self, frame: u32) -> Option<ReloadJob> {
         self.take_request()?;
         self.read_since = SystemTime::now();

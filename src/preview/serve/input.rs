@@ -12,8 +12,8 @@ pub(super) enum Input {
     Shown,
     /// Move the camera by a drag, in parts of the picture's height.
     Orbit { by: [f32; 2] },
-    /// Drag on the picture with the main button: of the handle at `from`, if there is one where the drag starts, else as
-    /// `orbit`. Places are 0 to 1 from the top left.
+    /// Drag on the picture with the main button: of the handle at `from`, if there is one where the drag starts, else
+    /// as `orbit`. Places are 0 to 1 from the top left.
     Drag {
         from: [f32; 2],
         to: [f32; 2],

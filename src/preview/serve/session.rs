@@ -1,5 +1,5 @@
-//! The scene behind the page: turns what viewers do into views and tasks of the render thread, and its reports into what
-//! they see. All viewers share one view: the last input wins, and everyone sees it.
+//! The scene behind the page: turns what viewers do into views and tasks of the render thread, and its reports into
+//! what they see. All viewers share one view: the last input wins, and everyone sees it.
 
 use std::{
     io::Cursor,

@@ -1,5 +1,5 @@
-//! A camera flight that is being recorded: while the timeline plays, the user flies, and the camera's pose in each frame that is
-//! shown becomes a key.
+//! A camera flight that is being recorded: while the timeline plays, the user flies, and the camera's pose in each
+//! frame that is shown becomes a key.
 
 use super::timeline::Timeline;
 use crate::write_back::FlightPoint;

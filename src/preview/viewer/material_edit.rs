@@ -23,8 +23,8 @@ impl MaterialRow {
         fields.filter_map(move |(index, field)| Some((index, field, (field.get)(&now)?)))
     }
 
-    /// The task that writes the edited value of a field of [`MATERIAL`], by its index, into the scene text; `None` where it
-    /// is not edited.
+    /// The task that writes the edited value of a field of [`MATERIAL`], by its index, into the scene text; `None`
+    /// where it is not edited.
     pub fn to_write(edit: &Edit, field: usize) -> Option<Task> {
         let (value, field) = (edit.values[field]?, &MATERIAL[field]);
         let numbers = Numbers {

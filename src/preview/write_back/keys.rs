@@ -357,9 +357,9 @@ fn track_text(points: &[FlightPoint], value: fn(&FlightPoint) -> Vec3) -> String
     format!("{{ keys = [\n{keys}], curve = \"centripetal\" }}")
 }
 
-/// The points of a flight without which it would differ by more than `most_m` from the straight lines between the others
-/// (Douglas and Peucker, "Algorithms for the reduction of the number of points required to represent a digitized line
-/// or its caricature", Cartographica 10(2), 1973; distances are taken at equal times).
+/// The points of a flight without which it would differ by more than `most_m` from the straight lines between the
+/// others (Douglas and Peucker, "Algorithms for the reduction of the number of points required to represent a digitized
+/// line or its caricature", Cartographica 10(2), 1973; distances are taken at equal times).
 pub fn reduced(points: &[FlightPoint], most_m: f32) -> Vec<FlightPoint> {
     let Some(last) = points.len().checked_sub(1) else {
         return Vec::new();

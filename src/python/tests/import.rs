@@ -1,4 +1,5 @@
-//! The library that was built beside this test is a module of Python: the interpreter loads it, as the version of this package.
+//! The library that was built beside this test is a module of Python: the interpreter loads it, as the version of this
+//! package.
 
 use std::{env, fs, path::PathBuf, process::Command};
 

@@ -17,8 +17,8 @@ pub struct TexelArray {
 }
 
 impl TexelArray {
-    /// Creates an array of these elements, never of zero size, in pieces, so that few of them are in memory at a time; as
-    /// wide as its data where that is less than a row.
+    /// Creates an array of these elements, never of zero size, in pieces, so that few of them are in memory at a time;
+    /// as wide as its data where that is less than a row.
     ///
     /// # Errors
     /// More rows than a texture can have, named by `name`, or a wgpu error.

@@ -1,11 +1,11 @@
 //! Static instances that reflection rays skip, because no reflector could show them larger than `reflection.skip_px`.
 //!
-//! Between two rays that leave the eye at an angle ω and are reflected by flat or convex mirrors, there is at least
-//! the distance L ω once each has gone the way L: such mirrors only add to the curvature of a wave front, which is 1 / L
-//! in free space (Igehy 1999, "Tracing Ray Differentials"; Hecht, "Optics", 5.4.3: convex mirrors only diminish). A
-//! sphere around a thing of diameter 2 r is therefore seen under an angle of at most 2 r / L, in each mirror and in
-//! mirrors in mirrors. The way is at least as long as the straight line from the eye to the thing, and as the
-//! distances from the eye to the last reflector R and from there to the thing:
+//! Between two rays that leave the eye at an angle ω and are reflected by flat or convex mirrors, there is at least the
+//! distance L ω once each has gone the way L: such mirrors only add to the curvature of a wave front, which is 1 / L in
+//! free space (Igehy 1999, "Tracing Ray Differentials"; Hecht, "Optics", 5.4.3: convex mirrors only diminish). A sphere
+//! around a thing of diameter 2 r is therefore seen under an angle of at most 2 r / L, in each mirror and in mirrors in
+//! mirrors. The way is at least as long as the straight line from the eye to the thing, and as the distances from the
+//! eye to the last reflector R and from there to the thing:
 //!
 //! L ≥ max(d(eye, thing), d(eye, R) + d(R, thing))
 //!
@@ -208,8 +208,8 @@ fn is_small_everywhere(thing: &Thing, reflectors: &[Placed], view: &View, skip_p
     nearer.all(|r| is_far && !r.is_rough || r.eye_m + gap_m(&r.bounds, &thing.bounds) > way_m)
 }
 
-/// Length of a way past which a thing of this diameter is smaller than so many pixels, meters; `None` for parallel rays,
-/// with which it has one size everywhere.
+/// Length of a way past which a thing of this diameter is smaller than so many pixels, meters; `None` for parallel
+/// rays, with which it has one size everywhere.
 fn needed_m(view: &View, diameter_m: f32, skip_px: f32) -> Option<f32> {
     let per_radian = view.pixels_per_radian()?;
     Some(diameter_m * per_radian / skip_px)

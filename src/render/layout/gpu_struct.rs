@@ -1,4 +1,5 @@
-//! Declaration of structs that Rust and the shaders share: written in Rust, with the text of the WGSL struct made from it.
+//! Declaration of structs that Rust and the shaders share: written in Rust, with the text of the WGSL struct made from
+//! it.
 
 use std::fmt::Write as _;
 
@@ -108,8 +109,8 @@ pub(crate) const fn largest(aligns: &[usize]) -> usize {
     largest
 }
 
-/// Declares a struct shared with the shaders: `repr(C)`, plain data, and its layout. A struct of which shaders have arrays
-/// is `padded`: `..Self::ZERO` stands for the padding.
+/// Declares a struct shared with the shaders: `repr(C)`, plain data, and its layout. A struct of which shaders have
+/// arrays is `padded`: `..Self::ZERO` stands for the padding.
 macro_rules! gpu_struct {
     ($(#[$meta:meta])* $vis:vis struct $name:ident = $wgsl:literal {
         $($(#[$field_meta:meta])* $field:ident: $ty:ty,)*

@@ -27,8 +27,8 @@ pub fn shadow_faces(light: &Light, options: &RenderOptions) -> usize {
     }
 }
 
-/// Distance along the map's axis of a stored depth, in the renderer's lengths: from the light where the map is a perspective view, else from
-/// the near side of the box that the map covers. Infinite where no caster was drawn.
+/// Distance along the map's axis of a stored depth, in the renderer's lengths: from the light where the map is a
+/// perspective view, else from the near side of the box that the map covers. Infinite where no caster was drawn.
 fn distance_m(clip_from_world: &Mat4, depth: f32) -> f32 {
     if depth <= 0.0 {
         return f32::INFINITY;

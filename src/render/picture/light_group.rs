@@ -1,5 +1,5 @@
-//! Pictures of one light group: all else stays, also what random choices are made by, so that the pictures of all groups
-//! add up to the whole one.
+//! Pictures of one light group: all else stays, also what random choices are made by, so that the pictures of all
+//! groups add up to the whole one.
 
 use std::sync::Arc;
 

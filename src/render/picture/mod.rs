@@ -154,7 +154,8 @@ impl PendingPicture {
         self.lights.push((group, picture));
     }
 
-    /// Waits for the sub-frames and estimates the picture's error; `None` unless it was requested of several sub-frames.
+    /// Waits for the sub-frames and estimates the picture's error; `None` unless it was requested of several
+    /// sub-frames.
     ///
     /// # Errors
     /// A lost or unresponsive device.
@@ -273,8 +274,8 @@ impl Renderer {
         self.reading(gpu, &camera, request, stats, halves)
     }
 
-    /// Reads back linear radiance, display color and guides of the picture that [`Self::render`] has rendered last, seen
-    /// by `camera`, with its statistics.
+    /// Reads back linear radiance, display color and guides of the picture that [`Self::render`] has rendered last,
+    /// seen by `camera`, with its statistics.
     ///
     /// # Errors
     /// A lost or unresponsive device, or exhausted memory.

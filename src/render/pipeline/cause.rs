@@ -38,7 +38,8 @@ macro_rules! colored {
 }
 
 colored! {
-    /// Outcome of the screen-space march at one pixel. In shaders it is the constant `CAUSE_` with its name in capitals.
+    /// Outcome of the screen-space march at one pixel. In shaders it is the constant `CAUSE_` with its name in
+    /// capitals.
     #[derive(Serialize)]
     #[serde(rename_all = "snake_case")]
     #[repr(u32)]
@@ -75,15 +76,15 @@ colored! {
         FarHidden = "far_hidden", [110, 30, 90];
         /// Method `ssr+box`: the ray hit what a face of the box sees.
         Box = "box", [120, 140, 60];
-        /// Method `ssr+box`: the ray hit nothing that a face sees, and leaves the box where the face across does not see out
-        /// of it.
+        /// Method `ssr+box`: the ray hit nothing that a face sees, and leaves the box where the face across does not
+        /// see out of it.
         BoxHidden = "box_hidden", [60, 20, 70];
     }
 }
 
 colored! {
-    /// Source of a pixel's reflection, with its name for people. Its color has screen hits blue and traced ones pink, as in
-    /// the paper's Fig. 8.
+    /// Source of a pixel's reflection, with its name for people. Its color has screen hits blue and traced ones pink,
+    /// as in the paper's Fig. 8.
     #[derive(Serialize)]
     #[serde(rename_all = "snake_case")]
     pub enum Source {
@@ -93,8 +94,8 @@ colored! {
         Screen = "screen": "screen", [60, 110, 255];
         /// Ray traced.
         Traced = "traced": "traced", [255, 110, 190];
-        /// Method `ssr`: the pixel is left black where a ray would have been traced; `near-far` and `ssr+box`: it shows the
-        /// environment where the maps do not show what the ray would hit.
+        /// Method `ssr`: the pixel is left black where a ray would have been traced; `near-far` and `ssr+box`: it shows
+        /// the environment where the maps do not show what the ray would hit.
         Failed = "failed": "failed", [200, 40, 40];
         /// The environment: the ray hits no surface within its length.
         None = "none": "environment", [80, 200, 120];

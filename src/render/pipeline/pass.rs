@@ -106,8 +106,8 @@ impl Pass {
         counted: false,
     };
 
-    /// Values for the overrides of the pass in a frame that is not measured, its own in place of the plan's; its shader may
-    /// declare fewer.
+    /// Values for the overrides of the pass in a frame that is not measured, its own in place of the plan's; its shader
+    /// may declare fewer.
     pub fn constants(&self, plan: &Plan, options: &RenderOptions) -> Vec<Override> {
         let own = (self.overrides)(options);
         let mut all = plan.overrides();

@@ -81,7 +81,8 @@ pub struct ListedParts {
 }
 
 impl ListedParts {
-    /// Size of the buffer: two words per pixel, three where rays wait for others, and the pyramid of the picture padded to whole cells of the last level.
+    /// Size of the buffer: two words per pixel, three where rays wait for others, and the pyramid of the picture padded
+    /// to whole cells of the last level.
     fn bytes(self, size: [u32; 2]) -> u64 {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         if !self.reflections {
@@ -97,10 +98,8 @@ impl ListedParts {
 /// The list buffer, with its counters and dispatch arguments.
 #[derive(Clone, Debug)]
 pub struct RayList {
-    /// Pixels (x
-    /// y << 16): reflective ones, then rays with hits from the other end, then the depth pyramid; transmissive pixels use
-    /// a list that is free.
-    /// Layout: `shaders/lib/lists.wgsl`.
+    /// Pixels (x y << 16): reflective ones, then rays with hits from the other end, then the depth pyramid;
+    /// transmissive pixels use a list that is free. Layout: `shaders/lib/lists.wgsl`.
     pub lists: wgpu::Buffer,
     /// Counters of causes, rays and hits; see [`RAY_COUNTER`].
     pub counters: wgpu::Buffer,

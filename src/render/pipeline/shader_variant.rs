@@ -66,7 +66,8 @@ impl ShaderVariant {
     }
 
     /// The library with the files of this variant, and with generated ones: constants, shared structs, and
-    /// `lib/PASS_params.wgsl` and `lib/PASS_structs.wgsl` with the `Params` and further structs of each of these passes.
+    /// `lib/PASS_params.wgsl` and `lib/PASS_structs.wgsl` with the `Params` and further structs of each of these
+    /// passes.
     ///
     /// # Errors
     /// The library already has a file with a generated name.

@@ -4,9 +4,9 @@ use std::collections::HashMap;
 
 use reflet_gpu::{Gpu, GpuError};
 
-/// Declares the targets. A row names a target, its name in the shaders and on the command line, its format, where `Radiance`
-/// stands for 16 or 32 bits, and where it is not only written by compute shaders: `drawn` targets are attachments alone,
-/// `cleared` ones are rasterized or cleared before shaders write them.
+/// Declares the targets. A row names a target, its name in the shaders and on the command line, its format, where
+/// `Radiance` stands for 16 or 32 bits, and where it is not only written by compute shaders: `drawn` targets are
+/// attachments alone, `cleared` ones are rasterized or cleared before shaders write them.
 macro_rules! targets {
     (@format $full:ident Radiance) => {
         match $full {

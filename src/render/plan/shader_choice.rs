@@ -20,9 +20,9 @@ impl Features {
         })
     }
 
-    /// Sets in which every two of the constants and files that features choose meet, to find bindings that are too many and
-    /// names that are missing or double: none, all, and for each feature that chooses some the least set with it and the
-    /// largest without. Their constants or files differ.
+    /// Sets in which every two of the constants and files that features choose meet, to find bindings that are too many
+    /// and names that are missing or double: none, all, and for each feature that chooses some the least set with it
+    /// and the largest without. Their constants or files differ.
     pub fn variants() -> Vec<Self> {
         let with = |rows: &[&FeatureRow<Self>]| {
             let mut set = Self::default();

@@ -99,8 +99,8 @@ impl BindingKey {
     }
 }
 
-/// Maps of a method, and the code and constants that captured them. They are kept while they fit: a preview that changes
-/// the size of its pictures, or compares two methods, would otherwise capture them for each picture.
+/// Maps of a method, and the code and constants that captured them. They are kept while they fit: a preview that
+/// changes the size of its pictures, or compares two methods, would otherwise capture them for each picture.
 #[derive(Clone, Debug)]
 struct KeptMaps {
     maps: Arc<dyn MethodMaps>,

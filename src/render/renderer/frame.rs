@@ -69,8 +69,8 @@ impl Renderer {
         Ok(self.shoot(gpu, shot.into(), true)?.0)
     }
 
-    /// Renders one picture, and returns the camera at the frame's own moment. Without timing or counting, at most two of
-    /// its sub-frames wait for the GPU at a time.
+    /// Renders one picture, and returns the camera at the frame's own moment. Without timing or counting, at most two
+    /// of its sub-frames wait for the GPU at a time.
     ///
     /// # Errors
     /// Same errors as [`Renderer::render`].

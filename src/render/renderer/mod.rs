@@ -211,8 +211,8 @@ impl Renderer {
         Target::last_color(self.options.image.samples.count())
     }
 
-    /// Adopts the settings that need no rebuilding; see [`adopted`]. Other settings, and features that the plan left out,
-    /// stay as the renderer was made.
+    /// Adopts the settings that need no rebuilding; see [`adopted`]. Other settings, and features that the plan left
+    /// out, stay as the renderer was made.
     pub fn set_reflection_parameters(&mut self, settings: &ReflectionDesc) {
         let own = self.options.reflection;
         let asked = ReflectionDesc {

@@ -1,4 +1,5 @@
-//! Stages from a world to a renderer: each value has the key that it was made from, and is made again where that differs.
+//! Stages from a world to a renderer: each value has the key that it was made from, and is made again where that
+//! differs.
 
 use std::{sync::Arc, time::Instant};
 

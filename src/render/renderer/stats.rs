@@ -28,7 +28,8 @@ pub struct Shares {
     pub reflective: u64,
     /// Number of pixels of each cause but `not_reflective`, with the percentage of all reflective pixels.
     pub causes: Vec<Share>,
-    /// Number of pixels by source: screen + traced (failed with method `ssr`, sources of their own with methods that have maps) + none + rough = 100 %.
+    /// Number of pixels by source: screen + traced (failed with method `ssr`, sources of their own with methods that
+    /// have maps) + none + rough = 100 %.
     pub sources: Vec<Share>,
 }
 
@@ -182,11 +183,11 @@ pub struct FrameStats {
     pub unit_m: f32,
     /// Time to build all BVHs on the CPU, milliseconds.
     pub tree_ms: f64,
-    /// Time in which the device built its structures for ray queries, milliseconds: processor time on software adapters; 0
-    /// without ray queries.
+    /// Time in which the device built its structures for ray queries, milliseconds: processor time on software
+    /// adapters; 0 without ray queries.
     pub structures_ms: f64,
-    /// Time of their last update for instances that moved and meshes that deformed, milliseconds; it is not part of the times
-    /// of the frame's passes. 0 where nothing moved yet.
+    /// Time of their last update for instances that moved and meshes that deformed, milliseconds; it is not part of the
+    /// times of the frame's passes. 0 where nothing moved yet.
     pub structures_update_ms: f64,
     /// GPU time of each pass over all sub-frames, milliseconds; empty where nothing was timed.
     #[serde(serialize_with = "as_map")]
@@ -256,8 +257,8 @@ impl FrameStats {
         (self.structures_ms > 0.0).then_some(bytes)
     }
 
-    /// Time in which maps were captured, or structures of ray queries updated, for this picture, milliseconds; it is not
-    /// part of the times of its passes.
+    /// Time in which maps were captured, or structures of ray queries updated, for this picture, milliseconds; it is
+    /// not part of the times of its passes.
     pub fn prepared_ms(&self) -> f64 {
         self.maps.as_ref().map_or(0.0, |maps| maps.update_ms) + self.structures_update_ms
     }

@@ -18,8 +18,8 @@ use reflet_scene::{
 pub struct SceneSource {
     /// Scene file or model; `None` is the built-in atrium.
     pub path: Option<PathBuf>,
-    /// Scene text that is read in place of the file at `path`, which then names it in messages and need not exist; files
-    /// that it names are searched from the folder of `path`.
+    /// Scene text that is read in place of the file at `path`, which then names it in messages and need not exist;
+    /// files that it names are searched from the folder of `path`.
     pub text: Option<Arc<str>>,
     /// Changed values, variants and asset folders.
     pub options: SceneOptions,

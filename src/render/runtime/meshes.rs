@@ -57,8 +57,8 @@ impl Session {
     ///
     /// # Errors
     /// [`SessionError::UnknownName`] for a model that does not exist; [`SessionError::Mesh`] for one that cannot be
-    /// deformed, another number of vertices, and numbers that are not finite; errors of [`Session::pose`]. The session is then
-    /// unchanged.
+    /// deformed, another number of vertices, and numbers that are not finite; errors of [`Session::pose`]. The session
+    /// is then unchanged.
     pub fn deform(
         &mut self,
         model: &str,

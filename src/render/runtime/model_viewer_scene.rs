@@ -36,9 +36,10 @@ pub fn is_model(path: &Path) -> bool {
 /// Prefix of overrides that choose parts of a USD stage.
 const USD_PREFIX: &str = "model.model.usd";
 
-/// Scene that shows one model. All its animations play once if no two move the same property of a node, else only
-/// the first one; the timeline has their length. A USD stage keeps its frame numbers and the total radiance of its
-/// dome lights; a glTF file with light of images is lit by that alone. A glTF file that is read here is cached in `options` for the load.
+/// Scene that shows one model. All its animations play once if no two move the same property of a node, else only the
+/// first one; the timeline has their length. A USD stage keeps its frame numbers and the total radiance of its dome
+/// lights; a glTF file with light of images is lit by that alone. A glTF file that is read here is cached in `options`
+/// for the load.
 ///
 /// # Errors
 /// A stage that cannot be converted. Errors of a glTF file are reported by the load.

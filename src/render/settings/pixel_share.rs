@@ -1,9 +1,9 @@
 //! Pixels of a sub-frame that show one moment of an open shutter.
 //!
 //! With one moment a sub-frame, pictures of few sub-frames show a moving thing several times (strobing). So a sub-frame
-//! shows four moments, each in one pixel of every square of 2 × 2: neighbors see different moments, and the copies become
-//! grain (interleaved sampling, Keller and Heidrich 2001). Each moment is posed and drawn whole, since the depth test
-//! and the march need all pixels, but light is computed only for the pixels that show it.
+//! shows four moments, each in one pixel of every square of 2 × 2: neighbors see different moments, and the copies
+//! become grain (interleaved sampling, Keller and Heidrich 2001). Each moment is posed and drawn whole, since the depth
+//! test and the march need all pixels, but light is computed only for the pixels that show it.
 
 use super::view::shutter_moment;
 

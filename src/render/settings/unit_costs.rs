@@ -36,8 +36,8 @@ pub struct UnitCosts {
     pub onward_ray: f64,
     /// Visiting a node with such a ray.
     pub onward_node: f64,
-    /// Sending a light ray from a hit: choosing its point on an emitter, on a lamp with a size or in the environment, and
-    /// tracing it, without its nodes.
+    /// Sending a light ray from a hit: choosing its point on an emitter, on a lamp with a size or in the environment,
+    /// and tracing it, without its nodes.
     pub light_ray: f64,
     /// Visiting a node with a light ray.
     pub light_node: f64,
@@ -55,8 +55,8 @@ pub struct UnitCosts {
 }
 
 impl UnitCosts {
-    /// Costs of software adapters: medians of three runs of `reflet calibrate` on llvmpipe (Mesa 22.3.6, two cores of an
-    /// AMD EPYC), in processor time. Costs of 0.1 are too small for the times to show.
+    /// Costs of software adapters: medians of three runs of `reflet calibrate` on llvmpipe (Mesa 22.3.6, two cores of
+    /// an AMD EPYC), in processor time. Costs of 0.1 are too small for the times to show.
     pub const PROCESSOR: Self = Self {
         raster_triangle: 153.0,
         raster_pixel: 5.4,

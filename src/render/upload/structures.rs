@@ -1,9 +1,9 @@
 //! Acceleration structures of the device, for ray queries: one bottom structure for the static tree, one for each mesh
 //! tree, and a top structure over them, as the trees of [`reflet_world::bvh`] are.
 //!
-//! The static tree is a single structure in world space, not an instance for each mesh in it: overlapping instances make
-//! a ray enter each of them, which baking spares, and equal corners make equal distances in both traversals. It is an
-//! instance of the one top structure rather than a structure beside it, as a ray then needs one query.
+//! The static tree is a single structure in world space, not an instance for each mesh in it: overlapping instances
+//! make a ray enter each of them, which baking spares, and equal corners make equal distances in both traversals. It is
+//! an instance of the one top structure rather than a structure beside it, as a ray then needs one query.
 //!
 //! Triangles are in the order of the trees, so that the index of a primitive finds them in the triangle buffer. All are
 //! candidates (not opaque): whether one is hit is decided by our own test in `shaders/lib/walk_query.wgsl`.

@@ -85,8 +85,8 @@ pub fn has_same_uploads(a: &World, b: &World) -> bool {
     a.meshes.is_same(&b.meshes) && a.textures.is_same(&b.textures) && panorama(a) == panorama(b)
 }
 
-/// Whether the materials are the same, every instance and decal has the same one, and there are as many lamps, for which
-/// the light tree's array has room.
+/// Whether the materials are the same, every instance and decal has the same one, and there are as many lamps, for
+/// which the light tree's array has room.
 pub fn has_same_materials(a: &World, b: &World) -> bool {
     a.materials == b.materials && has_same_records(a, b)
 }
@@ -104,8 +104,8 @@ fn has_same_records(a: &World, b: &World) -> bool {
         && a.lamps.len() == b.lamps.len()
 }
 
-/// Whether a world differs from an uploaded one only in poses of movable instances and deformed meshes and in parameters
-/// of materials and lights, so that its records fit the existing buffers.
+/// Whether a world differs from an uploaded one only in poses of movable instances and deformed meshes and in
+/// parameters of materials and lights, so that its records fit the existing buffers.
 pub fn is_posed_from(uploaded: &World, world: &World) -> bool {
     fn placed(world: &World) -> impl Iterator<Item = Placed> {
         world.instances.iter().map(Placed::from_instance)

@@ -69,9 +69,9 @@ declared! {
         /// OpenEXR's "Environment Maps": longitude across, latitude down, +Z in the middle, +X a quarter of the
         /// width left of that. Images of more than 4096 × 2048 pixels are reduced to that size.
         pub file: Option<At<String>>,
-        /// Layer of an OpenEXR `file` with several, whose channels R, G and B are shown: `"ViewLayer.DiffCol"` of Blender's,
-        /// for example. Default: the channels R, G and B without a layer, else the layer `Combined`, else the first
-        /// layer with such channels, else the luminance Y.
+        /// Layer of an OpenEXR `file` with several, whose channels R, G and B are shown: `"ViewLayer.DiffCol"` of
+        /// Blender's, for example. Default: the channels R, G and B without a layer, else the layer `Combined`, else
+        /// the first layer with such channels, else the luminance Y.
         pub layer: Option<At<String>>,
         /// Rotation of the panorama about +Y, degrees, counterclockwise seen from above. Default 0.
         pub rotation_deg: f32,

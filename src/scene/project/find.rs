@@ -22,8 +22,8 @@ struct Facts {
 }
 
 /// The file of the project of a scene in `folder`: the first [`FILE`] in it and the folders above. The search ends
-/// before a folder with another owner, on another file system or that all users may write to, before the home folder and
-/// the folder of temporary files, and at a folder that was unpacked. A file of another owner is no project.
+/// before a folder with another owner, on another file system or that all users may write to, before the home folder
+/// and the folder of temporary files, and at a folder that was unpacked. A file of another owner is no project.
 pub fn find(folder: &Path) -> Option<PathBuf> {
     let home = env::var_os("HOME").or_else(|| env::var_os("USERPROFILE"));
     let ends = [home.map(PathBuf::from), Some(env::temp_dir())];

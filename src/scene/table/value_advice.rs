@@ -44,7 +44,8 @@ fn list_in_text(node: &Node, count: usize) -> Option<String> {
     (parts.len() == count && are_numbers).then(|| format!("write [{}]", parts.join(", ")))
 }
 
-/// Advice for a single number where a list of `count` is expected: about Y for a rotation or its rate, else in all places.
+/// Advice for a single number where a list of `count` is expected: about Y for a rotation or its rate, else in all
+/// places.
 pub fn list_of_number(node: &Node, key: &str, count: usize) -> Option<String> {
     let (Content::Integer(_) | Content::Float(_)) = node.get_ref() else {
         return None;

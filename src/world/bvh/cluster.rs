@@ -1,7 +1,7 @@
 //! Binary trees over boxes by parallel locally-ordered clustering (Meister and Bittner, "Parallel Locally-Ordered
 //! Clustering for Bounding Volume Hierarchy Construction", TVCG 2018), as in obvhs but with a bound of rounds: boxes
-//! that are nested in each other, as triangles around one vertex are, or equal, would merge one pair a round into a tree
-//! as deep as their number.
+//! that are nested in each other, as triangles around one vertex are, or equal, would merge one pair a round into a
+//! tree as deep as their number.
 
 use std::array;
 

@@ -27,8 +27,8 @@ pub(super) struct Placement {
 }
 
 impl Placement {
-    /// Assigns all instances, those `apart` (by index) to the top level; static meshes are copied as long as the triangles take at most `limit` bytes, and the
-    /// copies are at most [`MAX_ALL_COPIES`].
+    /// Assigns all instances, those `apart` (by index) to the top level; static meshes are copied as long as the
+    /// triangles take at most `limit` bytes, and the copies are at most [`MAX_ALL_COPIES`].
     ///
     /// # Errors
     /// Too many triangles even without copies.

@@ -57,8 +57,8 @@ impl Trees {
         self.reflected.as_ref().map(|r| r.range.clone())
     }
 
-    /// Has reflection rays skip these instances, in ascending order, and no others, in the pose of `world`: rewrites the
-    /// nodes of [`Trees::reflected_range`]. Returns whether something has changed.
+    /// Has reflection rays skip these instances, in ascending order, and no others, in the pose of `world`: rewrites
+    /// the nodes of [`Trees::reflected_range`]. Returns whether something has changed.
     pub fn skip(&mut self, world: &World, skipped: &[usize]) -> bool {
         let Some(reflected) = &mut self.reflected else {
             return false;

@@ -29,7 +29,8 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// Builds a tree over finite `boxes`. One that takes more than half of the traversal's stack is built anew, balanced.
+    /// Builds a tree over finite `boxes`. One that takes more than half of the traversal's stack is built anew,
+    /// balanced.
     pub fn build(boxes: &[Aabb]) -> Self {
         if boxes.is_empty() {
             return Self {

@@ -45,8 +45,8 @@ pub fn of_cube(cube: &CubeMap<'_>, limits: &PanoramaLimits) -> Result<Panorama, 
     Ok(pixels.into_panorama(cube.name.clone()))
 }
 
-/// Makes a panorama of a cube map of OpenEXR ("Technical Introduction to OpenEXR", section on environment maps): its faces
-/// +X, -X, +Y, -Y, +Z, -Z below each other, whose outer texels are centered on the edges of the cube.
+/// Makes a panorama of a cube map of OpenEXR ("Technical Introduction to OpenEXR", section on environment maps): its
+/// faces +X, -X, +Y, -Y, +Z, -Z below each other, whose outer texels are centered on the edges of the cube.
 ///
 /// # Errors
 /// Pictures of another shape, and less memory than it takes.
@@ -74,8 +74,8 @@ pub(super) fn of_column(
     })
 }
 
-/// Panorama of the radiance in all directions, times `intensity`, with about the resolution of a cube of `side` pixels, and
-/// the memory that is held for it.
+/// Panorama of the radiance in all directions, times `intensity`, with about the resolution of a cube of `side` pixels,
+/// and the memory that is held for it.
 fn unfolded(
     side: u32,
     intensity: f32,

@@ -1,5 +1,6 @@
-//! OpenEXR panoramas: channels R, G and B of a layer, or luminance alone, placed in the display window. The blocks of a file hold
-//! the samples of all channels of a part, so that its header bounds what a block becomes, before any is decompressed.
+//! OpenEXR panoramas: channels R, G and B of a layer, or luminance alone, placed in the display window. The blocks of a
+//! file hold the samples of all channels of a part, so that its header bounds what a block becomes, before any is
+//! decompressed.
 
 use std::{
     collections::BTreeMap,
@@ -101,7 +102,8 @@ struct Layer {
 /// Decodes a layer of a file on threads made by `thread`, with the memory that is held for the picture.
 ///
 /// # Errors
-/// Broken files, files without the layer or without colors, sizes past the limits, and threads that the system does not start.
+/// Broken files, files without the layer or without colors, sizes past the limits, and threads that the system does not
+/// start.
 pub fn decode(
     bytes: &[u8],
     layer: Option<&str>,
@@ -195,8 +197,8 @@ fn data_size(header: &Header) -> [u64; 2] {
     [header.layer_size.0 as u64, header.layer_size.1 as u64]
 }
 
-/// The layer that is shown: the layer that is asked for, else the whole picture, else the first one with red, green and blue,
-/// else the first luminance.
+/// The layer that is shown: the layer that is asked for, else the whole picture, else the first one with red, green and
+/// blue, else the first luminance.
 fn find_layer(headers: &[Header], asked: Option<&str>) -> Result<Layer, Fault> {
     let of_part = |(index, header): (usize, &Header)| {
         let part = header.own_attributes.layer_name.as_ref();
@@ -270,8 +272,8 @@ fn no_layer<'a>(asked: Option<&str>, names: impl Iterator<Item = &'a str>) -> Fa
     })
 }
 
-/// Layers of a part that have red, green and blue, or luminance, each with its name and the indices of those channels. The name
-/// is all of a channel's name before the last point.
+/// Layers of a part that have red, green and blue, or luminance, each with its name and the indices of those channels.
+/// The name is all of a channel's name before the last point.
 fn color_layers(channels: &ChannelList) -> Vec<(String, [usize; 3])> {
     let mut layers: BTreeMap<String, [Option<usize>; 4]> = BTreeMap::new();
     for (index, channel) in channels.list.iter().enumerate() {

@@ -1,5 +1,5 @@
-//! Radiance HDR: its header (Ward, "Radiance File Formats", section on pictures) and the order of its pixels. The library
-//! decodes scan lines in one order, whatever order the header names.
+//! Radiance HDR: its header (Ward, "Radiance File Formats", section on pictures) and the order of its pixels. The
+//! library decodes scan lines in one order, whatever order the header names.
 
 use std::io::{Cursor, Read as _};
 

@@ -15,9 +15,9 @@ const BT709: Chromaticities = [
 /// Largest difference of chromaticities that are the same.
 const SAME: f64 = 1e-3;
 
-/// Matrix from colors of some chromaticities to colors of BT.709, white to white (Bradford's chromatic adaptation, as in
-/// ICC.1:2022, annex E); `None` where they are the same. Colors whose primaries are X, Y and Z are tristimulus values,
-/// which are not adapted.
+/// Matrix from colors of some chromaticities to colors of BT.709, white to white (Bradford's chromatic adaptation, as
+/// in ICC.1:2022, annex E); `None` where they are the same. Colors whose primaries are X, Y and Z are tristimulus
+/// values, which are not adapted.
 ///
 /// # Errors
 /// Chromaticities that span no colors, as words.
@@ -74,7 +74,8 @@ mod tests {
         assert!(is_near, "{found:?}, expected {expected:?}");
     }
 
-    /// Against the matrices that are published: ACES AP0 by the Academy's CTL, BT.2020 by ITU-R BT.2087, XYZ by IEC 61966-2-1.
+    /// Against the matrices that are published: ACES AP0 by the Academy's CTL, BT.2020 by ITU-R BT.2087, XYZ by IEC
+    /// 61966-2-1.
     #[test]
     fn colors_are_converted_as_published() {
         let ap0 = [

@@ -13,8 +13,8 @@ use super::{
 use crate::gltf::Fault;
 use reflet_base::guard;
 
-/// Decodes the bytes of a `.hdr` or `.exr` file; the first bytes tell the format. `layer` is the name of an OpenEXR layer.
-/// Beside the panorama are warnings of parts that were left out.
+/// Decodes the bytes of a `.hdr` or `.exr` file; the first bytes tell the format. `layer` is the name of an OpenEXR
+/// layer. Beside the panorama are warnings of parts that were left out.
 ///
 /// # Errors
 /// Damaged files, other formats, layers that the file lacks (`layer-unknown`), and sizes past the limits.

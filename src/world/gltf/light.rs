@@ -14,8 +14,8 @@ const DEFAULT_SHADOW_PX: u32 = 1024;
 /// Share of the outer angle of a spot light at which the edge of its cone begins at the latest: a hard edge.
 const HARD_EDGE: f32 = 0.999;
 
-/// A light in the space of its node; the node's scale changes neither intensity nor range. `None` for a light that cannot be
-/// shown, which is noted at `place`.
+/// A light in the space of its node; the node's scale changes neither intensity nor range. `None` for a light that
+/// cannot be shown, which is noted at `place`.
 pub fn read(light: &schema::Light, name: &str, notes: &mut Notes, place: &str) -> Option<Light> {
     let intensity = light.intensity.unwrap_or(1.0);
     let color = light.color.unwrap_or([1.0; 3]);

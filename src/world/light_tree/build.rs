@@ -1,5 +1,5 @@
-//! Building a light tree: clusters are split where the surface area orientation heuristic (Conty Estevez and Kulla 2018,
-//! 4.4) is least, with bins along each axis.
+//! Building a light tree: clusters are split where the surface area orientation heuristic (Conty Estevez and Kulla
+//! 2018, 4.4) is least, with bins along each axis.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 

@@ -30,8 +30,8 @@ pub struct Choice {
 
 impl LightTrees {
     /// The triangle or lamp that two random numbers in [0, 1) choose for a surface at `point` with this normal: by
-    /// importance, or `by_power` alone. The second gives the first the digits that it lacks far down. `None` where none is
-    /// important.
+    /// importance, or `by_power` alone. The second gives the first the digits that it lacks far down. `None` where none
+    /// is important.
     pub fn choose(&self, u: [f32; 2], by_power: bool, point: Vec3, normal: Vec3) -> Option<Choice> {
         let top = self.top.as_ref()?;
         let mut descent = Descent {
@@ -57,8 +57,8 @@ impl LightTrees {
         })
     }
 
-    /// Probabilities with which [`Self::choose`] chooses a triangle or a lamp, by importance and by power; 0 for one that
-    /// emits nothing.
+    /// Probabilities with which [`Self::choose`] chooses a triangle or a lamp, by importance and by power; 0 for one
+    /// that emits nothing.
     pub fn chances(&self, of: Chosen, point: Vec3, normal: Vec3) -> [f32; 2] {
         let Some(top) = &self.top else {
             return [0.0; 2];

@@ -6,8 +6,8 @@ use reflet_base::math::Bounds;
 use super::{Cluster, Leaf, Sides};
 use crate::{Light, emitters::LUMINANCE};
 
-/// Luminous intensity of a lamp in its brightest direction, candela; 0 where that is no number. It adds up with the power
-/// of triangles: their area times their luminance is the intensity straight ahead.
+/// Luminous intensity of a lamp in its brightest direction, candela; 0 where that is no number. It adds up with the
+/// power of triangles: their area times their luminance is the intensity straight ahead.
 pub fn power_of(lamp: &Light) -> f64 {
     let power = f64::from(lamp.desc.color.dot(LUMINANCE) * lamp.desc.kind.intensity());
     let is_placed = lamp.desc.kind.position().is_some_and(Vec3::is_finite);

@@ -54,7 +54,8 @@ impl CameraFrustum {
         ]
     }
 
-    /// Origin and direction of the ray through a place in the picture, -1 to 1 from left to right and from bottom to top.
+    /// Origin and direction of the ray through a place in the picture, -1 to 1 from left to right and from bottom to
+    /// top.
     pub fn ray(&self, place: Vec2) -> [Vec3; 2] {
         let across = self.right * (place.x * self.aspect) + self.up * place.y;
         let [by_depth, fixed] = self.half_height;
@@ -76,8 +77,8 @@ impl CameraFrustum {
         self.may_hold(corners, 1e-4 * bounds.diagonal())
     }
 
-    /// Whether a placed triangle may be in the picture, with its front towards the eye unless it has two; touching and edge-on
-    /// count.
+    /// Whether a placed triangle may be in the picture, with its front towards the eye unless it has two; touching and
+    /// edge-on count.
     pub fn may_hold_triangle(
         &self,
         corners: [Vec3; 3],

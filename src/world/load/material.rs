@@ -86,8 +86,8 @@ impl Loader<'_> {
         material
     }
 
-    /// Index into the texture table; reports an image that cannot be found. With `lenient`, images that cannot be found or
-    /// whose headers cannot be read are left out.
+    /// Index into the texture table; reports an image that cannot be found. With `lenient`, images that cannot be found
+    /// or whose headers cannot be read are left out.
     fn file_image(&mut self, loaded: usize, index: usize) -> Option<usize> {
         let model = &self.loaded[loaded];
         let file = model.files[0].clone();

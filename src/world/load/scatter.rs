@@ -91,7 +91,8 @@ fn random(over: &OverDesc, copy: u32, what: u32) -> f32 {
     (hash >> 40) as f32 / (1_u64 << 24) as f32
 }
 
-/// Places over a mesh: one at a random place of each of `count` equal shares of its area, in the order of its triangles.
+/// Places over a mesh: one at a random place of each of `count` equal shares of its area, in the order of its
+/// triangles.
 fn places_over(mesh: &Mesh, over: &OverDesc) -> Vec<Affine3A> {
     let mut areas = Vec::with_capacity(mesh.triangles.len());
     let mut whole = 0.0_f64;

@@ -1,5 +1,5 @@
-//! Poses and deformations by scripts: nodes and morph targets, whose names the scene lists, in the files of instances, and
-//! meshes.
+//! Poses and deformations by scripts: nodes and morph targets, whose names the scene lists, in the files of instances,
+//! and meshes.
 
 use super::{Loader, Source, did_you_mean, error_at, list};
 use crate::{

@@ -69,8 +69,8 @@ impl World {
         self.moving.deformers.par_iter().map(pose).collect()
     }
 
-    /// Bounds of each instance that a player or a script deforms, around its poses at times spread over the whole animation, in
-    /// its first placement; the scene's own motion is at rest. `meshes` are the world's.
+    /// Bounds of each instance that a player or a script deforms, around its poses at times spread over the whole
+    /// animation, in its first placement; the scene's own motion is at rest. `meshes` are the world's.
     pub fn deformed_bounds(&self, meshes: &[Mesh]) -> Vec<Bounds> {
         /// Number of sampled times; each moves all vertices.
         const TIMES: u32 = 8;

@@ -1,5 +1,6 @@
-//! Union, difference and intersection of closed shapes, by boolmesh, which follows Manifold (Lalish; after Smith, "Towards
-//! robust inexact geometric computation", 2009): faces that lie on each other are told apart by rule, not by rounding.
+//! Union, difference and intersection of closed shapes, by boolmesh, which follows Manifold (Lalish; after Smith,
+//! "Towards robust inexact geometric computation", 2009): faces that lie on each other are told apart by rule, not by
+//! rounding.
 
 use std::{
     collections::HashMap,
@@ -55,7 +56,8 @@ impl Mul<f64> for Skin {
 /// Adds the combination of `parts`; returns warnings about them.
 ///
 /// # Errors
-/// `wrong-parts` for a part that is open, touches itself or passes through itself, and where nothing is left; `shape-too-large`; errors of parts.
+/// `wrong-parts` for a part that is open, touches itself or passes through itself, and where nothing is left;
+/// `shape-too-large`; errors of parts.
 pub fn add(
     solid: &mut Solid,
     operation: OpType,

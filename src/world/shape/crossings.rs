@@ -9,8 +9,8 @@ pub(super) type Grid = IntPoint<i32>;
 /// Pairs of sides that are looked at, at most.
 const MOST_PAIRS: usize = 400_000_000;
 
-/// Number of pairs of sides of closed loops that cross, touch or lie on each other, without ends that they share; `None`
-/// for more than `most`, and where finding them takes too long.
+/// Number of pairs of sides of closed loops that cross, touch or lie on each other, without ends that they share;
+/// `None` for more than `most`, and where finding them takes too long.
 pub(super) fn crossings<'a>(
     loops: impl Iterator<Item = &'a Vec<Grid>>,
     most: usize,

@@ -95,8 +95,8 @@ impl Curve {
         self.ways[piece]
     }
 
-    /// `count` places at equal distances, of which `gaps` make the whole length: each with the direction of the curve and
-    /// one across it, which is up at the start and turns no more than the curve does.
+    /// `count` places at equal distances, of which `gaps` make the whole length: each with the direction of the curve
+    /// and one across it, which is up at the start and turns no more than the curve does.
     pub fn walk(&self, count: usize, gaps: f64) -> Vec<(DVec3, DVec3, DVec3)> {
         let whole: f64 = (0..self.pieces()).map(|piece| self.length(piece)).sum();
         let (mut piece, mut before) = (0, 0.0);

@@ -57,8 +57,8 @@ impl Surface {
         }
     }
 
-    /// Cuts each triangle into four; with `smooth`, moves the vertices as Loop subdivision does (Loop, "Smooth subdivision
-    /// surfaces based on triangles", 1987, with the weights of Warren, 1995), else leaves them.
+    /// Cuts each triangle into four; with `smooth`, moves the vertices as Loop subdivision does (Loop, "Smooth
+    /// subdivision surfaces based on triangles", 1987, with the weights of Warren, 1995), else leaves them.
     fn divided(&self, smooth: bool) -> Self {
         let mut opposite: HashMap<Edge, Vec<usize>> = HashMap::new();
         for [a, b, c] in &self.triangles {

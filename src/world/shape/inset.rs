@@ -39,8 +39,8 @@ fn miter(before: DVec2, after: DVec2) -> Option<DVec2> {
     (turn > 1e-6).then(|| (before + after).perp() / turn)
 }
 
-/// Places of the vertices at the starts of a contour's sides, when the sides have moved inwards by each of the ascending
-/// `distances`; `None` if it vanishes before.
+/// Places of the vertices at the starts of a contour's sides, when the sides have moved inwards by each of the
+/// ascending `distances`; `None` if it vanishes before.
 pub fn inset(contour: &Contour, distances: &[f64]) -> Option<Vec<Vec<DVec2>>> {
     let count = contour.sides.len();
     let ways: Vec<DVec2> = (contour.sides.iter())

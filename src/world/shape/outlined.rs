@@ -16,8 +16,8 @@ use super::{
     text, turn,
 };
 
-/// Makes a shape of outlines or of shapes, text, a box with a bevel or a part of a torus, without bounds; `None` for any
-/// other shape.
+/// Makes a shape of outlines or of shapes, text, a box with a bevel or a part of a torus, without bounds; `None` for
+/// any other shape.
 ///
 /// # Errors
 /// `wrong-outline`, `wrong-bevel`, `wrong-curve`, `wrong-font`, `wrong-parts` and `shape-too-large`.

@@ -1,7 +1,7 @@
 //! Flat regions: outlines without crossings, and their triangulation.
 //!
-//! Crossings are resolved on a grid of integers whose step is 2⁻²⁶ of the outline's extent or less, below what positions
-//! resolve, by a sweep over exact integers (i_overlay). Corners that the outline has keep their exact places.
+//! Crossings are resolved on a grid of integers whose step is 2⁻²⁶ of the outline's extent or less, below what
+//! positions resolve, by a sweep over exact integers (i_overlay). Corners that the outline has keep their exact places.
 
 use std::collections::HashMap;
 

@@ -11,8 +11,8 @@ struct Vertex {
     normal: DVec3,
 }
 
-/// Adds a box around the origin whose edges are cut (one step) or rounded: the points at a distance of up to `bevel` from
-/// a smaller box.
+/// Adds a box around the origin whose edges are cut (one step) or rounded: the points at a distance of up to `bevel`
+/// from a smaller box.
 pub fn add(solid: &mut Solid, half: DVec3, bevel: f64, steps: u32) {
     let steps = steps.max(1);
     let quarter = |step: u32| match step {

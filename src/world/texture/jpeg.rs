@@ -73,7 +73,8 @@ impl<'a> Jpeg<'a> {
     }
 
     /// Upper bound of the memory for decoding, bytes, without the RGBA pixels that are kept: progressive files, and
-    /// others with a scan for each component, keep 16-bit coefficients of every component. The pixels are decoded to RGB.
+    /// others with a scan for each component, keep 16-bit coefficients of every component. The pixels are decoded to
+    /// RGB.
     pub fn working_bytes(&self) -> u64 {
         let [width, height] = self
             .size

@@ -105,7 +105,8 @@ impl<'a> Ktx2<'a> {
         }
     }
 
-    /// Decodes the first mip level, upright and with its channels in their places. Numbers beyond 0 to 1 are clamped; floats are linear, and become sRGB with `srgb`.
+    /// Decodes the first mip level, upright and with its channels in their places. Numbers beyond 0 to 1 are clamped;
+    /// floats are linear, and become sRGB with `srgb`.
     ///
     /// # Errors
     /// Broken data.

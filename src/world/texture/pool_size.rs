@@ -32,8 +32,8 @@ impl Default for PoolSizes {
 }
 
 impl PoolSizes {
-    /// The sizes for these images: the largest that they have, as far as the budget goes, and two smaller ones so that all
-    /// take the fewest bytes.
+    /// The sizes for these images: the largest that they have, as far as the budget goes, and two smaller ones so that
+    /// all take the fewest bytes.
     pub fn for_textures(textures: &[Texture]) -> Self {
         let mut most = NUM_SIZES - 1;
         loop {

@@ -1,5 +1,5 @@
-// Box of method ssr+box. Its faces are in the order +X, -X, +Y, -Y, +Z, -Z; each sees inwards along its axis. Points are
-// given from the box's least corner, in its size.
+// Box of method ssr+box. Its faces are in the order +X, -X, +Y, -Y, +Z, -Z; each sees inwards along its axis. Points
+// are given from the box's least corner, in its size.
 
 #import box_faces_structs
 

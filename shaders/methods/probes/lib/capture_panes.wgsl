@@ -17,8 +17,8 @@ fn is_clear_pane(s: Surface) -> bool {
     return is_even && !(s.is_solid && (s.dispersion > 0.0 || s.alpha < 1.0));
 }
 
-// Keeps the surface behind the panes that a probe sees, and the share of its light that they let pass. `first`: instance
-// that the probe sees.
+// Keeps the surface behind the panes that a probe sees, and the share of its light that they let pass. `first`:
+// instance that the probe sees.
 fn keep_behind_panes(probe: vec3f, towards: vec3f, first: u32, pixel: vec2u, layer: u32) {
     if (!HAS_TRANSMISSION) { return; }
     var kept = vec4u(0u, NONE, NONE, 0u);

@@ -80,7 +80,8 @@ fn depth_in_box(probe: u32, point: vec3f) -> f32 {
     return shares.x * shares.y * shares.z;
 }
 
-// The probes of a point, those deepest in whose boxes it lies, with weights that sum to 1; `ProbeChoice` makes the same.
+// The probes of a point, those deepest in whose boxes it lies, with weights that sum to 1; `ProbeChoice` makes the
+// same.
 struct Chosen {
     probes: vec4u,
     weights: vec4f,

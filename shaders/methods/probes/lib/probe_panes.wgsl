@@ -7,8 +7,8 @@
 
 @group(2) @binding(26) var pane_hits: texture_2d_array<u32>; // distance, instance, triangle, share that panes let pass
 
-// Light that a reflection's own ray finds behind panes and light samples find too, as far as the surface before keeps it.
-// `uncovered`: share of the environment that no surface but panes covers.
+// Light that a reflection's own ray finds behind panes and light samples find too, as far as the surface before keeps
+// it. `uncovered`: share of the environment that no surface but panes covers.
 fn light_through_panes(probe: u32, origin: vec3f, ray: Reflected, width_m: f32, uncovered: f32) -> vec3f {
     if (!HAS_TRANSMISSION) { return vec3f(0.0); }
     let towards = direction_from(probe, origin, ray.direction);

@@ -1,6 +1,6 @@
-// The second depth layer: for each pixel the nearest surface at least `separation_m` behind the first (Mara et al. 2016,
-// "Deep G-Buffers for Stable Global Illumination Approximation"), from whichever side it is seen, so that rays behind a
-// thing can be shown to pass it or to meet its far side.
+// The second depth layer: for each pixel the nearest surface at least `separation_m` behind the first (Mara et al.
+// 2016, "Deep G-Buffers for Stable Global Illumination Approximation"), from whichever side it is seen, so that rays
+// behind a thing can be shown to pass it or to meet its far side.
 //
 // A ray that went behind the first layer is free while it is farther behind it than the separation, within which
 // nothing is stored, and in front of the second.
@@ -35,8 +35,8 @@ fn add_behind() {
     atomicAdd(&counters[BEHIND_COUNTER], atomicLoad(&group_behind));
 }
 
-// Clip-space z from which on a ray is behind the first layer of a pixel. By the paper's rule a thing has the thickness T
-// for a ray that went behind another.
+// Clip-space z from which on a ray is behind the first layer of a pixel. By the paper's rule a thing has the thickness
+// T for a ray that went behind another.
 fn behind_z(pixel: vec2u, first_z: f32, is_start: bool) -> f32 {
     let first_m = depth_of(first_z);
     if (!VERIFY && !is_start) { return screen_z(first_m + params.threshold_m); }

@@ -83,8 +83,8 @@ fn reference_renderer(
     truth.map_err(explain)
 }
 
-/// Size at which a scene is measured: `size`, doubled until the first frame has [`ENOUGH_PX`] reflective pixels to score,
-/// at most [`MOST_DOUBLINGS`] times, and no further than the adapter allows.
+/// Size at which a scene is measured: `size`, doubled until the first frame has [`ENOUGH_PX`] reflective pixels to
+/// score, at most [`MOST_DOUBLINGS`] times, and no further than the adapter allows.
 ///
 /// # Errors
 /// Frames that cannot be posed, errors of the renderer.

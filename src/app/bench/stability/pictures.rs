@@ -33,8 +33,8 @@ pub struct Shown<'a> {
 }
 
 impl Shown<'_> {
-    /// Gallery of every mode with a score: its verdicts, the flicker of a film, and the picture with the largest error of
-    /// `hybrid`, or of the first method in a run without `hybrid`.
+    /// Gallery of every mode with a score: its verdicts, the flicker of a film, and the picture with the largest error
+    /// of `hybrid`, or of the first method in a run without `hybrid`.
     ///
     /// # Errors
     /// Errors of the renderer.

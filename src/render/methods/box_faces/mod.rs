@@ -49,7 +49,8 @@ pub(super) const ROW: MethodRow = MethodRow {
     ..MethodRow::NONE
 };
 
-/// Captures what is static in the box, as its faces see it, before the first frame; see `shaders/methods/box_faces/box_faces.wgsl`.
+/// Captures what is static in the box, as its faces see it, before the first frame; see
+/// `shaders/methods/box_faces/box_faces.wgsl`.
 pub const PASS: Pass = Pass {
     name: "box_faces",
     group: PassGroup::Capture,

@@ -48,8 +48,8 @@ impl ProbeBox {
     }
 }
 
-/// The probes of a world in these settings, 1 to [`ProbesDesc::MOST`]: the probes of its text and of the grid, or one in
-/// the middle of all that never moves. A length of one is `meters` of the scene.
+/// The probes of a world in these settings, 1 to [`ProbesDesc::MOST`]: the probes of its text and of the grid, or one
+/// in the middle of all that never moves. A length of one is `meters` of the scene.
 ///
 /// # Errors
 /// More than [`ProbesDesc::MOST`], with the least spacing of a grid that has no more.
@@ -160,7 +160,8 @@ mod tests {
         Vec3::new(x, y, z)
     }
 
-    /// Weights of neighbors of a grid, before they are divided by their sum: the share of the way from border to middle.
+    /// Weights of neighbors of a grid, before they are divided by their sum: the share of the way from border to
+    /// middle.
     fn depth(probe: &ProbeBox, point: Vec3) -> f32 {
         let away = (point - three(probe.middle)).abs() / three(probe.half_size);
         1.0 - away.max_element()

@@ -1,5 +1,5 @@
-//! Choice of the probes of a point on the CPU, as the look-up makes it (`chosen_probes` in `shaders/methods/probes/lib/probe_lookup.wgsl`):
-//! a measure of seams needs to know where it changes.
+//! Choice of the probes of a point on the CPU, as the look-up makes it (`chosen_probes` in
+//! `shaders/methods/probes/lib/probe_lookup.wgsl`): a measure of seams needs to know where it changes.
 
 use glam::Vec3;
 

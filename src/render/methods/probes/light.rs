@@ -1,4 +1,5 @@
-//! Light of the maps of probes: the lights that they are captured with, and a hash of all that their content depends on.
+//! Light of the maps of probes: the lights that they are captured with, and a hash of all that their content depends
+//! on.
 
 use reflet_world::{Decal, DecalMask, World};
 use xxhash_rust::xxh3::Xxh3Default;
@@ -12,7 +13,8 @@ use crate::{
     upload::emitters::lamp_record,
 };
 
-/// Hash of the light, the environment, the decals and the materials that maps show, with blocks that do not depend on the camera.
+/// Hash of the light, the environment, the decals and the materials that maps show, with blocks that do not depend on
+/// the camera.
 pub fn hash_of_light(
     world: &World,
     frame: &Frame,

@@ -31,7 +31,8 @@ pub const PASS: Pass = Pass {
     ..Pass::DEFAULT
 };
 
-/// Clear value of pixels whose rays are not leaders: `NOT_LED` of `shaders/methods/undersampling/lib/leaders.wgsl` as the instance.
+/// Clear value of pixels whose rays are not leaders: `NOT_LED` of `shaders/methods/undersampling/lib/leaders.wgsl` as
+/// the instance.
 const NOT_LED: wgpu::Color = wgpu::Color {
     r: 0.0,
     g: (1_u32 << 31) as f64,

@@ -69,8 +69,8 @@ impl<'a> Cursor<'a> {
         digits.try_fold(0, add)
     }
 
-    /// Number of sets of attributes ("Parse Connectivity Data"), after the kind of traversal and the numbers of vertices
-    /// and faces.
+    /// Number of sets of attributes ("Parse Connectivity Data"), after the kind of traversal and the numbers of
+    /// vertices and faces.
     fn num_attribute_sets(&mut self) -> Option<u64> {
         self.take(1)?;
         self.variable()?;

@@ -60,7 +60,8 @@ pub fn is_astc(vk_format: u32) -> bool {
 }
 
 impl Format {
-    /// The format of a `VkFormat`, whose sRGB variant decodes to the same bytes; `None` for all that is not decoded here.
+    /// The format of a `VkFormat`, whose sRGB variant decodes to the same bytes; `None` for all that is not decoded
+    /// here.
     pub fn from_vulkan(vk_format: u32) -> Option<Self> {
         Some(match vk_format {
             9 | 15 => Self::Channels(Number::U8, 1),
