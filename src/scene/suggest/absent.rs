@@ -117,6 +117,35 @@ const ABSENT_KEYS: &[Advice] = advice! {
         "write `intensity_cd`: lumens divided by 12.57 for a light that shines all around";
     "temperature" | "temperature_k" | "kelvin" in "shadow_px" =>
         "write `color`: \"#ffb46b\" is about 3000 K, \"#ffe4ce\" 5000 K";
+    "f_stop" | "fstop" | "f_number" | "aperture" | "dof" | "depth_of_field" in "orthographic_height_m" =>
+        "write `aperture_f = 2.8`, the f-number, and `focus_m`, the distance in focus; `samples` of `[image]` makes it \
+         smooth";
+    "focus" | "focus_distance" | "focus_distance_m" | "focal_distance" in "orthographic_height_m" =>
+        "write `focus_m`, the distance in focus in meters, with `aperture_f`";
+    "hfov_deg" | "hfov" | "horizontal_fov" | "fov_x" | "fovx" in "orthographic_height_m" =>
+        "write `fov_deg`, the vertical angle: in a picture of 16 : 9, 59 for 90 across, 36 for 60";
+    "near" | "znear" | "near_clip" | "clip_start" in "orthographic_height_m" =>
+        "write `near_m`, in meters";
+    "far" | "far_m" | "zfar" | "far_clip" | "clip_end" in "orthographic_height_m" =>
+        "remove it: there is no far plane";
+    "children" | "child" | "nodes" in "casts_shadow" =>
+        "write in each of them `parent = \"NAME\"`, the name of this one";
+    "rotate" | "axis" | "angle" | "angle_deg" | "axis_angle" in "casts_shadow" =>
+        "write `rotation_deg = [x, y, z]`, degrees about X, then Y, then Z";
+    "map" | "texture" | "diffuse_map" | "albedo_map" | "color_map" | "diffuse_texture" | "albedo_texture" in "clearcoat" =>
+        "write `base_color_texture = \"wood.png\"`";
+    "bump" | "bump_texture" | "bump_map" | "displacement" | "displacement_map" | "height_map" in "clearcoat" =>
+        "write `normal_texture`, with a normal map that an image program makes of the heights";
+    "interpolation" | "interp" | "easing" in "constant_speed" =>
+        "write `ease`, the change of speed, and `curve`, the shape of the path";
+    "transparent" | "transparent_background" | "film_transparent" in "tone_map" =>
+        "write `alpha = true`";
+    "fog" | "mist" | "haze" in "version" =>
+        "write it below `[environment]`, as in `fog = { density = 0.02 }`";
+    "weight" | "font_weight" | "bold" | "italic" | "style" in "letter_spacing" =>
+        "name in `font` the file of the font's bold or italic style";
+    "svg" | "file" | "d" in "fill_rule" =>
+        "write `path`, the `d` of a path in the SVG file";
     "frames" | "duration" | "duration_s" | "length" | "length_s" | "count" in "cuts" =>
         "write `end`, the number of the last frame: 47 for 2 s at `fps = 24`";
 };
