@@ -2,7 +2,6 @@
 
 use reflet::bench::report;
 
-use super::synthetic::{only_group, sample};
 use super::*;
 
 #[test]

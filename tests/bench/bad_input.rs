@@ -2,7 +2,6 @@
 
 use reflet::bench::log::Log;
 
-use super::synthetic::{sample, synthetic_samples};
 use super::*;
 
 #[test]

@@ -1,6 +1,6 @@
 //! `bench bounds`: samples, time and error over error bounds.
 
-use super::{exits, folder};
+use super::*;
 
 /// A box under a soft sun: all of the error is the grain of its shadow.
 const SCENE: &str = include_str!("bounds/scene.toml");

@@ -1,7 +1,7 @@
 //! The masks of `bench` and `compare --mask` are the same pixels.
 
-use super::{folder, samples};
-use crate::common::{gpu_or_skip, program::exits};
+use super::*;
+use crate::common::program::exits;
 
 #[test]
 fn a_rendered_mask_holds_the_pixels_that_bench_scores() {

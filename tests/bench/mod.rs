@@ -32,7 +32,7 @@ use reflet::bench::{
     sample::{Sample, header, read_samples},
     summary::groups,
 };
-use synthetic::{only_group, synthetic_samples};
+pub use synthetic::{only_group, sample, synthetic_samples};
 
 fn folder(name: &str) -> PathBuf {
     kept_folder(&format!("bench-{name}"), &[])

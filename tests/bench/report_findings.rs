@@ -2,7 +2,7 @@
 
 use reflet::bench::report;
 
-use super::synthetic::{only_group, repeated, sample, synthetic_samples};
+use super::synthetic::repeated;
 use super::*;
 
 #[test]

@@ -1,8 +1,8 @@
 //! Invalid tables of samples are refused with line and column.
 
-use reflet::bench::sample::{Sample, detail_columns, header, read_samples};
+use reflet::bench::sample::detail_columns;
 
-use super::synthetic::{sample, synthetic_samples};
+use super::*;
 
 /// Error of a table with a changed second row.
 #[track_caller]

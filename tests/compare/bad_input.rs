@@ -1,12 +1,7 @@
 //! Bad files and options of `compare`: an error that names the file, never a score, never a panic.
 
-use crate::common::assert_says;
-use std::{fs, path::Path};
-
-use image::{Rgb, RgbImage};
-use reflet::metric::read::read_picture;
-
-use super::files::{Folder, fails, parses, run};
+use super::files::parses;
+use super::*;
 
 fn good(folder: &Folder, name: &str) -> std::path::PathBuf {
     folder.png(

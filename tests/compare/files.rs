@@ -1,7 +1,5 @@
 //! Temporary picture files to compare.
 
-use std::path::{Path, PathBuf};
-
 use clap::Parser;
 use exr::prelude::*;
 use image::{DynamicImage, ImageFormat};
@@ -11,7 +9,7 @@ use reflet::{
     scene::diagnostic::Diagnostic,
 };
 
-pub use crate::common::folder::Folder;
+use super::*;
 use crate::common::folder::names;
 
 impl Folder {

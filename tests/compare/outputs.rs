@@ -1,18 +1,11 @@
 //! Outputs and thresholds of `compare`.
 
-use crate::common::assert_says;
-use std::{fs, path::PathBuf};
-
-use image::{Rgb, RgbImage};
 use reflet::{
     files::{Goal, write_whole},
-    metric::{
-        difference::difference_picture,
-        picture::{Encoding, Pair, Picture},
-    },
+    metric::{difference::difference_picture, picture::Pair},
 };
 
-use super::files::{Folder, fails, run};
+use super::*;
 
 /// A picture, and a copy with a square that is 3 levels brighter.
 fn pair(folder: &Folder) -> [PathBuf; 2] {

@@ -1,15 +1,8 @@
 //! Picture formats: the same picture in different formats compares equal.
 
-use crate::common::assert_says;
-use std::path::Path;
+use image::{GrayAlphaImage, GrayImage, ImageBuffer, Luma, LumaA, Rgba, RgbaImage};
 
-use image::{GrayAlphaImage, GrayImage, ImageBuffer, Luma, LumaA, Rgb, RgbImage, Rgba, RgbaImage};
-use reflet::metric::{
-    picture::{Encoding, Picture},
-    read::read_picture,
-};
-
-use super::files::{Folder, fails, run};
+use super::*;
 
 const SIZE: (u32, u32) = (24, 18);
 

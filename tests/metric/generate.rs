@@ -1,10 +1,8 @@
 //! Generated pictures, the same as in `tests/tools/test_metric_reference.py`.
 
-use reflet::metric::{
-    Maps, Scores,
-    mask::Mask,
-    picture::{Encoding, Pair, Picture},
-};
+use reflet::metric::Scores;
+
+use super::*;
 
 /// Smooth color waves, a checker and deterministic noise, 8-bit RGB.
 pub fn generated(width: usize, height: usize, seed: u64) -> Vec<u8> {

@@ -4,28 +4,20 @@ use reflet::metric::hits::{
     CauseCode, CauseTally, HitError, HitPlane, HitPlanes, Tolerance, Verdict, tally,
 };
 
+const fn code(code: u32, name: &'static str, verdict: Verdict) -> CauseCode {
+    CauseCode {
+        code,
+        name,
+        verdict,
+    }
+}
+
 const NOTHING: f32 = f32::INFINITY;
 const CODES: [CauseCode; 4] = [
-    CauseCode {
-        code: 0,
-        name: "rough",
-        verdict: Verdict::NotAsked,
-    },
-    CauseCode {
-        code: 1,
-        name: "hit",
-        verdict: Verdict::Accepted,
-    },
-    CauseCode {
-        code: 2,
-        name: "none",
-        verdict: Verdict::Empty,
-    },
-    CauseCode {
-        code: 7,
-        name: "hidden",
-        verdict: Verdict::Rejected,
-    },
+    code(0, "rough", Verdict::NotAsked),
+    code(1, "hit", Verdict::Accepted),
+    code(2, "none", Verdict::Empty),
+    code(7, "hidden", Verdict::Rejected),
 ];
 const TOLERANCE: Tolerance = Tolerance {
     absolute_m: 0.01,

@@ -1,8 +1,6 @@
 //! SSIM pinned to scikit-image, FLIP to flip-evaluator.
 
-use reflet::metric::{mask::Mask, picture::Picture};
-
-use super::generate::{generated, picture, scores};
+use super::*;
 
 /// Case with SSIM of the frame, SSIM inside the mask, FLIP mean, p95 and p99.
 type Expected = (&'static str, f64, Option<f64>, [f64; 3]);

@@ -1,13 +1,8 @@
 //! Metric invariants and closed forms.
 
-use reflet::metric::{
-    Maps, flip,
-    mask::Mask,
-    picture::{Encoding, Pair, Picture, PictureError},
-    ssim::SsimMap,
-};
+use reflet::metric::{flip, ssim::SsimMap};
 
-use super::generate::{Random, flat, generated, picture, scores};
+use super::*;
 
 #[test]
 fn equal_pictures_have_no_error() {

@@ -1,11 +1,6 @@
 //! Masks: selected pixels, erosion, and their effect on metrics.
 
-use reflet::metric::{
-    mask::Mask,
-    picture::{Encoding, PictureError},
-};
-
-use super::generate::{Random, flat, generated, picture, scores};
+use super::*;
 
 #[test]
 fn background_hides_a_wrong_reflection() {

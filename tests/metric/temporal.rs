@@ -1,12 +1,8 @@
 //! Flicker of sequences.
 
-use reflet::metric::{
-    mask::{MIN_AREA_PX, Mask},
-    picture::{Encoding, Pair, Picture},
-    temporal::{self, Temporal},
-};
+use reflet::metric::{mask::MIN_AREA_PX, temporal, temporal::Temporal};
 
-use super::generate::flat;
+use super::*;
 
 /// Flicker ratio of two sequences of gray levels.
 fn ratio(test: &[f32], reference: &[f32]) -> Option<f64> {
