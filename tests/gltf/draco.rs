@@ -178,8 +178,8 @@ fn streams_hold_no_more_than_their_accessors_say() {
     assert_eq!(doc.error().0, "gltf-draco");
 }
 
-/// The grid with metadata: of an attribute, and of the geometry so many entries that share three names, in a block inside
-/// the outermost one.
+/// The grid with metadata: of an attribute, and of the geometry so many entries that share three names, in a block
+/// inside the outermost one.
 fn with_metadata(num_entries: usize) -> Vec<u8> {
     let attribute = [1, 0, 1, 4, b'n', b'a', b'm', b'e', 2, b'u', b'v', 0];
     let inner = [

@@ -336,12 +336,7 @@ fn separate_files_are_found() {
 fn data_uris_are_read() {
     let mut doc = Doc::triangle();
     let bytes = std::mem::take(&mut doc.bin);
-    const DIGITS: &[u8] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let digits = bytes.chunks(3).flat_map(|c| {
-        let word = c.iter().fold(0u32, |w, &b| w << 8 | u32::from(b)) << (8 * (3 - c.len()));
-        (0..4).map(move |i| DIGITS[(word >> (18 - 6 * i) & 63) as usize] as char)
-    });
-    let text: String = digits.collect();
+    let text = data_encoding::BASE64.encode(&bytes);
     doc.json["buffers"][0]["uri"] = format!("data:application/octet-stream;base64,{text}").into();
     assert_eq!(
         doc.world().meshes[0].positions,

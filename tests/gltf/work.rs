@@ -32,7 +32,8 @@ impl Most {
         result
     }
 
-    /// Whether a damaged file loads: then its world keeps its promises, otherwise it is refused for a fault of the file.
+    /// Whether a damaged file loads: then its world keeps its promises, otherwise it is refused for a fault of the
+    /// file.
     pub fn loads(&mut self, doc: &Doc, what: &str) -> bool {
         match self.keep(|| doc.load()) {
             Ok(world) => {

@@ -5,8 +5,8 @@ use crate::kit::{color, gpu, render};
 /// A ball of rough glass in a room that glows, before dark slats.
 const SCENE: &str = include_str!("first_pictures/scene.toml");
 
-/// A pixel of rough glass shows light or a slat by one path; one sample follows four, so that errors are half as large: 0.23
-/// in place of 0.45.
+/// A pixel of rough glass shows light or a slat by one path; one sample follows four, so that errors are half as large:
+/// 0.23 in place of 0.45.
 #[test]
 fn one_sample_follows_four_paths_through_glass() {
     let Some(gpu) = gpu() else { return };

@@ -9,7 +9,8 @@ use super::kit::*;
 /// Extinction of the fog, 1 / m.
 const DENSITY: f64 = 0.15;
 
-/// Radiance 1 of a box of 1.2 × 0.5 × 0.1 m around (0, 0.6, -1.4) that reaches a point through the fog, over all directions.
+/// Radiance 1 of a box of 1.2 × 0.5 × 0.1 m around (0, 0.6, -1.4) that reaches a point through the fog, over all
+/// directions.
 fn arriving(at: DVec3) -> f64 {
     let (low, high) = (DVec3::new(-0.6, 0.35, -1.45), DVec3::new(0.6, 0.85, -1.35));
     let size = high - low;

@@ -197,8 +197,8 @@ fn chosen_lamps_light_as_rays_that_meet_them() {
     }
 }
 
-/// Radiance that a floor of rough metal without color sends from (x, 0, z) to the eye, of a glowing box before it, by the
-/// midpoint rule: GGX with the height-correlated Smith term.
+/// Radiance that a floor of rough metal without color sends from (x, 0, z) to the eye, of a glowing box before it, by
+/// the midpoint rule: GGX with the height-correlated Smith term.
 fn seen_of_box([x, z]: [f64; 2], eye: DVec3, roughness: f64) -> f64 {
     let (point, alpha2) = (DVec3::new(x, 0.0, z), roughness.powi(4));
     let view = (eye - point).normalize();
@@ -223,8 +223,8 @@ fn seen_of_box([x, z]: [f64; 2], eye: DVec3, roughness: f64) -> f64 {
         + of_face(DVec3::new(-0.6, 0.35, -1.45), x * 1.2, z * 0.1, -y)
 }
 
-/// Rays of the lobe and rays towards emitters, each by its share, make up the integral over the emitter: the shares sum to 1.
-/// The roughness and the color are exact in 16 bits, as pixels store them.
+/// Rays of the lobe and rays towards emitters, each by its share, make up the integral over the emitter: the shares sum
+/// to 1. The roughness and the color are exact in 16 bits, as pixels store them.
 #[test]
 fn rough_metal_below_an_emitter_is_as_bright_as_the_closed_form() {
     let Some(gpu) = gpu() else { return };

@@ -20,8 +20,8 @@ use super::{
     many_lamps::lamps,
 };
 
-/// Chooses an emitter for each query, and gives the probabilities of another one. It stands below the text of a pass, of
-/// which only what it calls is compiled.
+/// Chooses an emitter for each query, and gives the probabilities of another one. It stands below the text of a pass,
+/// of which only what it calls is compiled.
 const KERNEL: &str = include_str!("light_tree_kernel/kernel.wgsl");
 
 #[repr(C)]

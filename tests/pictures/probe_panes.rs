@@ -21,8 +21,8 @@ const LAMP: &str = include_str!("probe_panes/lamp.toml");
 
 const SKY: &str = include_str!("probe_panes/sky.toml");
 
-/// A case that lets all light pass changes nothing, and one that lets half pass leaves half, of a room that glows, of a lamp
-/// with a size, and of the environment.
+/// A case that lets all light pass changes nothing, and one that lets half pass leaves half, of a room that glows, of a
+/// lamp with a size, and of the environment.
 #[test]
 fn light_behind_panes_counts_once() {
     check_panes(&[("room", ROOM)], &[0.7], &[0.5]);
@@ -61,8 +61,8 @@ fn check_panes(lights: &[(&str, &str)], roughnesses: &[f32], shares: &[f32]) {
     }
 }
 
-/// A mirror floor shows what a pane reflects, 4 % of its light, where the maps have samples enough to choose it: with one
-/// they follow what the pane lets through alone, which is black.
+/// A mirror floor shows what a pane reflects, 4 % of its light, where the maps have samples enough to choose it: with
+/// one they follow what the pane lets through alone, which is black.
 #[test]
 fn maps_hold_what_panes_reflect_weakly() {
     let Some(gpu) = gpu() else { return };

@@ -31,8 +31,8 @@ const BOTH: [Trace; 2] = [Trace::Software, Trace::Query];
 /// AOVs that are compared: things with their distances.
 const THINGS: [Aov; 4] = [Aov::Ids, Aov::Depth, Aov::HitIds, Aov::HitDistance];
 /// Most pixels in which the triangle or capsule may be another one at the same distance: our tests of triangles are
-/// wider by rounding than the device's, so that at an edge we may meet both neighbors, and the device one; capsules in a
-/// row share the spheres at their ends.
+/// wider by rounding than the device's, so that at an edge we may meet both neighbors, and the device one; capsules in
+/// a row share the spheres at their ends.
 const MOST_TIES: usize = 8;
 
 /// Asserts that two pictures show the same and hit the same, but for neighbors that meet where a ray does.
