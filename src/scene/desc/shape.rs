@@ -183,7 +183,8 @@ declared! {
             align: TextAlign = TextAlign::Center,
             /// Distance between lines, as a factor on `size`, 0 to 100. Default 1.2.
             line_height: f32 [range(0.0, 100.0)] = 1.2,
-            /// Space that is added after each letter, as a factor on `size`, -1 to 100. Default 0.
+            /// Space that is added after each letter, as a factor on `size`, -1 to 100; with any, letters have no ligatures.
+            /// Default 0.
             letter_spacing: f32 [range(-1.0, 100.0)] = 0.0,
             /// Chords of a full turn of a curve, 3 to 1024: more is rounder. Default 64.
             segments: u32 [SEGMENTS] = 64,

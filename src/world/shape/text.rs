@@ -1,7 +1,7 @@
 //! Letters with a thickness.
 
 use epaint_default_fonts::UBUNTU_LIGHT;
-use harfrust::{ShapeOptions, ShaperData, UnicodeBuffer};
+use harfrust::{Feature, ShapeOptions, ShaperData, Tag, UnicodeBuffer};
 use reflet_base::guard;
 use reflet_scene::{
     desc::{FillRule, ShapeDesc, TextAlign},
@@ -179,12 +179,15 @@ fn draw_lines(pen: &mut GlyphPen, shape: &ShapeDesc, face: &FontRef) -> Result<S
         tables: face.loca(None).ok().zip(face.glyf().ok()),
     };
     let spacing = f64::from(letter_spacing * size);
+    // Letters that are spaced stand alone (CSS Text 3, §8.2).
+    let apart = [b"liga", b"clig"].map(|tag| Feature::new(Tag::new(tag), 0, ..));
+    let features = if spacing == 0.0 { &[][..] } else { &apart };
     let mut missing = String::new();
     for (number, line) in text.lines().enumerate() {
         let mut buffer = UnicodeBuffer::new();
         buffer.push_str(line);
         buffer.guess_segment_properties();
-        let shaped = shaper.shape(buffer, ShapeOptions::new());
+        let shaped = shaper.shape(buffer, ShapeOptions::new().features(features));
         let (infos, places) = (shaped.glyph_infos(), shaped.glyph_positions());
         let advance =
             |place: &harfrust::GlyphPosition| f64::from(place.x_advance) * pen.scale + spacing;

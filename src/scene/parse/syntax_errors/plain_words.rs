@@ -119,14 +119,24 @@ fn header(m: &Mistake) -> Option<Words> {
         inner.starts_with(['[', ' ', '"', '\'']) || inner.starts_with(char::is_alphabetic);
     (has_name && m.key.is_empty()).then_some(())?;
     let inner = without_comment(inner).trim_matches(['[', ']', ' ']);
-    let names: Vec<_> = inner
-        .split([' ', '.', ':', '/'])
-        .filter(|n| !n.is_empty())
-        .collect();
-    let is_name = |n: &&str| n.chars().all(|c| c.is_alphanumeric() || "_-".contains(c));
+    // Words of a name may stand apart where points divide the names.
+    let between: &[char] = if inner.contains('.') {
+        &['.']
+    } else {
+        &[' ', ':', '/']
+    };
+    let names = inner.split(between).map(str::trim);
+    let names: Vec<_> = names.filter(|name| !name.is_empty()).collect();
+    let is_name = |n: &&str| n.chars().all(|c| c.is_alphanumeric() || " _-".contains(c));
+    let is_bare = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
+    let written = |n: &&str| match n.chars().all(is_bare) {
+        true => (*n).to_owned(),
+        false => format!("\"{n}\""),
+    };
     let help = match names.as_slice() {
         ["instance" | "instances"] => "write `[[instance]]`".to_owned(),
         all if !all.is_empty() && all.iter().all(is_name) => {
+            let all: Vec<_> = all.iter().map(written).collect();
             format!("write `[{}]`", suggest::clip(&all.join(".")))
         }
         _ => {

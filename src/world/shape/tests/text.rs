@@ -71,6 +71,19 @@ fn a_letter_has_the_volume_of_its_strokes() {
     );
 }
 
+/// The font draws "fi" as one glyph, which has no place for a space.
+#[test]
+fn letters_that_are_spaced_are_no_ligatures() {
+    let width = |spacing: f32| {
+        let mut shape = text("fi", TextAlign::Left);
+        if let ShapeDesc::Text { letter_spacing, .. } = &mut shape {
+            *letter_spacing = spacing;
+        }
+        mesh(&shape).bounds.max.x
+    };
+    assert!(width(2.0) > width(0.0) + 1.9, "{}", width(2.0));
+}
+
 #[test]
 fn bevelled_letters_are_closed() {
     let mut shape = text("Reflet & GLASS 38%", TextAlign::Left);
