@@ -174,6 +174,7 @@ fn errors_have_place_and_suggestion() {
         ("ctx.place(1, 2)", "does not take (ctx, integer, integer)"),
         ("eval(\"1\")", "eval"),
         ("sleep(1)", "there is no function `sleep`"),
+        ("lerp(0.0, 1.0, 0.5)", "write `mix(a, b, t)`"),
         ("timestamp()", "there is no function `timestamp`"),
     ] {
         assert_refused(body, says);

@@ -38,6 +38,7 @@ pub fn function(name: &str) -> Option<&'static str> {
         "append" | "add" | "push_back" => "write `list.push(x)`",
         "length" | "size" | "count" => "write `list.len()`",
         "pow" | "power" => "write `a ** b`",
+        "lerp" | "interpolate" => "write `mix(a, b, t)`",
         "sin_deg" | "cos_deg" | "tan_deg" | "sind" | "cosd" => {
             "angles of `sin` and its like are in radians: write `sin(radians(x))`"
         }
