@@ -289,7 +289,7 @@ fn maps_show_what_an_edited_shader_captures() {
     let shaders = copy_shaders(&folder);
     let mut live = open(&gpu, &scene, Some(&shaders));
     let before = picture(&gpu, &mut live);
-    let capture = shaders.join("capture.wgsl");
+    let capture = shaders.join("methods/probes/capture.wgsl");
     let good = fs::read_to_string(&capture).expect("readable");
     let edited = good.replace("mean.xyz /", "mean.zyx * 9.0 /");
     assert!(edited != good);
