@@ -11,7 +11,9 @@ const MOST_NAMES: usize = 10_000;
 
 /// Name below `folder` of a file that is there, and differs from `name` in the case of letters or the Unicode form of
 /// letters with accents alone. `name` is relative.
+/// No folder outside of `folder` is listed, also where a link leads there.
 pub fn similar(folder: &Path, name: &Path) -> Option<PathBuf> {
+    let root = folder.canonicalize().ok()?;
     let mut found = PathBuf::new();
     for part in name.components() {
         let here = folder.join(&found);
@@ -22,6 +24,10 @@ pub fn similar(folder: &Path, name: &Path) -> Option<PathBuf> {
         if here.join(wanted).exists() {
             found.push(wanted);
             continue;
+        }
+        let here = here.canonicalize().ok()?;
+        if !here.starts_with(&root) {
+            return None;
         }
         let wanted = folded(wanted.to_str()?);
         let names = fs::read_dir(here).ok()?.take(MOST_NAMES).flatten();
@@ -71,6 +77,15 @@ mod tests {
         ] {
             let found = similar(&folder, Path::new(asked));
             assert_eq!(found.as_deref(), expected.map(Path::new), "{asked}");
+        }
+        assert_eq!(similar(&inner, Path::new("../maps/Wood.PNG")), None);
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink("../Maps", inner.join("here")).unwrap();
+            std::os::unix::fs::symlink("..", inner.join("out")).unwrap();
+            let through = |name: &str| similar(&inner, Path::new(name));
+            assert_eq!(through("here/wood.png"), Some("here/Wood.PNG".into()));
+            assert_eq!(through("out/maps/wood.png"), None);
         }
         fs::remove_dir_all(folder).unwrap();
     }
