@@ -191,19 +191,22 @@ const rival = await browser.newPage({ viewport: { width: 900, height: 700 } });
 await rival.goto(address);
 await rival.waitForFunction(() => handles && handles.drawn);
 await page.locator("#move").click();
-await rival.waitForFunction(() => handles.kind === "move");
-const [here_x, here_y] = (await ends())[0];
+for (const viewer of [page, rival]) await viewer.waitForFunction(() => handles.kind === "move");
+// Place of the first handle, once a page has drawn it twice where it is.
+const resting = async (viewer) => {
+  for (;;) {
+    const place = (await ends(viewer))[0];
+    await viewer.waitForTimeout(300);
+    if (`${place}` === `${(await ends(viewer))[0]}`) return place;
+  }
+};
+const [here_x, here_y] = await resting(page);
 await page.mouse.move(here_x, here_y);
 await page.mouse.down();
 await page.mouse.move(here_x + 30, here_y, { steps: 3 });
 await at_rest(rival, false);
 // The rival takes the handle where it rests on its own page.
-let there;
-do {
-  there = (await ends(rival))[0];
-  await page.waitForTimeout(300);
-} while (`${there}` !== `${(await ends(rival))[0]}`);
-const [there_x, there_y] = there;
+const [there_x, there_y] = await resting(rival);
 await rival.mouse.move(there_x, there_y);
 await rival.mouse.down();
 await rival.mouse.move(there_x + 10, there_y, { steps: 2 });
