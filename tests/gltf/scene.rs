@@ -355,11 +355,8 @@ fn data_uris_are_read() {
 
 /// A model that names a texture, in a folder.
 fn with_texture(folder: &Folder, uri: &str) -> reflet::scene::diagnostic::Diagnostic {
-    let mut doc = Doc::triangle();
-    let image = doc.image(json!({"uri": uri}));
-    doc.json["textures"] = json!([{"source": image}]);
-    doc.json["materials"] = json!([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]);
-    doc.json["meshes"][0]["primitives"][0]["material"] = 0.into();
+    let mut doc = textured(&png(1, 1, [0; 4]));
+    doc.json["images"][0] = json!({"uri": uri});
     folder.write("m.glb", doc.glb());
     let errors = load_scene(&scene(&folder.0, "m.glb")).expect_err("no texture");
     errors.into_iter().next().expect("an error")
