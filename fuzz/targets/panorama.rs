@@ -14,7 +14,7 @@ fuzz_target!(|bytes: &[u8]| {
         budget_bytes: 256 << 20,
         memory: Budget::new(512 << 20),
     };
-    if let Err(fault) = read(Path::new("sky.exr"), bytes, &limits) {
+    if let Err(fault) = read(Path::new("sky.exr"), bytes, None, &limits) {
         assert_ne!(fault.name, "internal", "{}", fault.message);
     }
 });
