@@ -29,8 +29,8 @@ use half::f16;
 use super::{
     cube::of_column,
     pixels::{
-        BROKEN_HELP, Decoded, LAYER_UNKNOWN, PanoramaLimits, Pixels, check_size, decoded_bytes,
-        hold, zeros,
+        Decoded, LAYER_UNKNOWN, PanoramaLimits, Pixels, broken, check_size, decoded_bytes, hold,
+        zeros,
     },
     primaries::to_bt709,
 };
@@ -51,10 +51,6 @@ const DWA_COUNTERS: [usize; 5] = [8, 48, 56, 64, 72];
 const WHOLE_PICTURE: &str = "Combined";
 /// Maximum number of layers that a message lists.
 const MOST_NAMED: usize = 20;
-
-fn broken(e: impl std::fmt::Display) -> Fault {
-    Fault::new("image-broken", format!("cannot be decoded: {e}")).help(BROKEN_HELP)
-}
 
 /// A file that the library refuses.
 fn refused(error: exr::error::Error) -> Fault {

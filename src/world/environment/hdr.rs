@@ -7,19 +7,13 @@ use glam::{DMat3, DVec2, DVec3};
 use image::{ImageDecoder as _, codecs::hdr::HdrDecoder};
 
 use super::{
-    pixels::{
-        BROKEN_HELP, Decoded, PanoramaLimits, Pixels, check_size, decoded_bytes, hold, zeros,
-    },
+    pixels::{Decoded, PanoramaLimits, Pixels, broken, check_size, decoded_bytes, hold, zeros},
     primaries::to_bt709,
 };
 use crate::gltf::Fault;
 
 /// Longest header that is read, bytes.
 const LONGEST_HEADER: usize = 1 << 16;
-
-fn broken(text: impl std::fmt::Display) -> Fault {
-    Fault::new("image-broken", format!("cannot be decoded: {text}")).help(BROKEN_HELP)
-}
 
 /// Statements of a header.
 struct Header {

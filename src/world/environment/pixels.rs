@@ -20,6 +20,11 @@ pub(super) const LARGEST_TEXEL: f32 = 65504.0;
 pub(super) const BROKEN_HELP: &str =
     "copy or export the panorama again; the file is cut off or damaged";
 
+/// The error of a file that cannot be decoded, with the reason.
+pub(super) fn broken(why: impl std::fmt::Display) -> Fault {
+    Fault::new("image-broken", format!("cannot be decoded: {why}")).help(BROKEN_HELP)
+}
+
 /// Limits of decoding.
 #[derive(Clone, Debug)]
 pub struct PanoramaLimits {
