@@ -62,6 +62,28 @@ def changes(root: Path) -> dict[str, Any]:
     return out
 
 
+def kinds(root: Path) -> None:
+    """Export an object of each kind that is drawn, two balls of one metaball, and a placed text."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scenes.camera((0, -9, 0), (0, 0, 0), 40)
+    for name, make in {
+        "Text": bpy.ops.object.text_add,
+        "Curve": bpy.ops.curve.primitive_bezier_circle_add,
+        "Wire": bpy.ops.curve.primitive_bezier_curve_add,
+        "Surface": bpy.ops.surface.primitive_nurbs_surface_sphere_add,
+        "Ball": bpy.ops.object.metaball_add,
+        "Ball.001": bpy.ops.object.metaball_add,
+        "Mesh": bpy.ops.mesh.primitive_cube_add,
+    }.items():
+        make()
+        bpy.context.object.name = name
+    thing("Curve").data.bevel_depth = 0.1
+    held = bpy.data.collections.new("held")
+    held.objects.link(bpy.data.objects.new("Placed", thing("Text").data))
+    blender_collections.put("Empty", held)
+    export_project(bpy.context.scene, root, Options())
+
+
 def stopped(root: Path) -> dict[str, Any]:
     """Export where a file of the user's stops it, and again where that is gone."""
     scene = fresh()
@@ -249,6 +271,7 @@ def main() -> None:
             bad[name] = str(error)
     shutil.rmtree(out / "changes", ignore_errors=True)
     said = {"bad": bad, "changes": changes(out / "changes")}
+    kinds(out / "kinds")
     said["stopped"] = stopped(out / "stopped")
     said["collections"] = blender_collections.run(out)
     (out / "said.json").write_text(json.dumps(said), encoding="utf-8")

@@ -120,6 +120,13 @@ def test_names_stay_in_the_folder_and_in_the_text(said, out):
     assert place.is_file() and place.parent == (out / "odd names" / "models").resolve()
 
 
+def test_an_object_of_each_kind_is_one_instance(said, out):
+    names = [thing["name"] for thing in text(out, "kinds")["instance"]]
+    assert sorted(names) == ["Ball", "Curve", "Empty", "Mesh", "Surface", "Text"]
+    held = tomllib.loads((out / "kinds" / "collection-held.toml").read_text(encoding="utf-8"))
+    assert [thing["name"] for thing in held["instance"]] == ["Placed"]
+
+
 def test_a_sheared_thing_has_its_matrix(said, out):
     (placed,) = text(out, "sheared")["instance"]
     # Blender's x and y are x and -z here: a turn by 0.5 about the axis up, then stretched 3 times.

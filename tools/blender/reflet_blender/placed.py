@@ -12,7 +12,7 @@ from collections.abc import Iterator
 import bpy
 from mathutils import Matrix
 
-from .reach import DRAWN, SILENT, Key, full_name, is_holder, is_never_shown, members
+from .reach import DRAWN, SILENT, Key, full_name, instances, is_holder, is_never_shown, members
 from .report import Report
 
 # Limits of Reflet for scenes that are placed in a scene, and for their files.
@@ -187,7 +187,7 @@ def _shown(
 ) -> dict[str, list[tuple[bpy.types.Object, Matrix]]]:
     """Instances of things and lights by the object that places them."""
     out: dict[str, list[tuple[bpy.types.Object, Matrix]]] = {}
-    for instance in depsgraph.object_instances:
+    for instance in instances(depsgraph):
         if instance.is_instance and instance.object.type not in SILENT - {"LIGHT"}:
             made = (instance.object.original, instance.matrix_world.copy())
             out.setdefault(full_name(instance.parent.original), []).append(made)

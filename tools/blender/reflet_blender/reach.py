@@ -9,6 +9,8 @@ import bpy
 
 DRAWN = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 SILENT = {"EMPTY", "CAMERA", "LIGHT", "ARMATURE", "LATTICE", "SPEAKER", "LIGHT_PROBE"}
+# Blender's filling behind the numbers of an instance, one for each object that places it.
+_NO_ID = 2**31 - 1
 
 # Key of a thing in all frames: its name, and for an instance what places it and its number.
 Key = tuple[Any, ...]
@@ -19,10 +21,32 @@ def full_name(thing: bpy.types.ID) -> str:
     return thing.name_full
 
 
+def instances(
+    depsgraph: bpy.types.Depsgraph,
+) -> Iterator[bpy.types.DepsgraphObjectInstance]:
+    """Everything that the depsgraph shows, each once.
+
+    Text, curves, surfaces and metaballs are listed twice where they have faces: as themselves,
+    which nothing draws, and as the mesh that they become.
+    """
+    for instance in depsgraph.object_instances:
+        if instance.object.type not in DRAWN - {"MESH"}:
+            yield instance
+
+
+def is_placed(instance: bpy.types.DepsgraphObjectInstance) -> bool:
+    """Whether another object, or nodes, place a thing; not where it is an object's own mesh."""
+    if not instance.is_instance:
+        return False
+    thing, holder = instance.object.original, instance.parent.original
+    is_nested = instance.persistent_id[1] != _NO_ID
+    return is_nested or thing.type == "MESH" or full_name(thing) != full_name(holder)
+
+
 def instance_key(instance: bpy.types.DepsgraphObjectInstance) -> Key:
     """The key of a drawn thing at a place."""
     thing = instance.object.original
-    if not instance.is_instance:
+    if not is_placed(instance):
         return (full_name(thing),)
     holder = instance.parent.original
     return (full_name(holder), full_name(thing), *instance.persistent_id)

@@ -12,7 +12,7 @@ from mathutils import Matrix, Vector
 
 from . import reach
 from .placed import Held, Plan
-from .reach import DRAWN, SILENT, Key, full_name, instance_key
+from .reach import DRAWN, SILENT, Key, full_name, instance_key, is_placed
 from .report import Report
 
 # Modifiers whose level in renders is another than in the viewport.
@@ -161,12 +161,12 @@ def drawn(
             if thing.type not in SILENT:
                 report.lose("object-kind-dropped", original.name, f"a {thing.type.lower()}")
             continue
+        placed = is_placed(instance)
         if full_name(original) in rigged:
-            if not instance.is_instance:
+            if not placed:
                 continue
             report.lose("deformation-frozen", original.name, "its instances have one shape")
-        is_instancer = not instance.is_instance and original.is_instancer
-        if is_instancer and not original.show_instancer_for_render:
+        if not placed and original.is_instancer and not original.show_instancer_for_render:
             continue
         model = models.of(thing, depsgraph, report)
         if model is None:
@@ -181,7 +181,7 @@ def drawn(
             place=instance.matrix_world.copy(),
             shown=_is_shown(instance),
             sight=sight,
-            is_instance=instance.is_instance,
+            is_instance=placed,
             source=original,
         )
     return out
@@ -231,7 +231,7 @@ def lights(
 def instance_name(instance: bpy.types.DepsgraphObjectInstance) -> str:
     """The name of a drawn thing at a place, behind the name of its placing object."""
     name = full_name(instance.object.original)
-    return f"{full_name(instance.parent.original)}/{name}" if instance.is_instance else name
+    return f"{full_name(instance.parent.original)}/{name}" if is_placed(instance) else name
 
 
 def _is_shown(instance: bpy.types.DepsgraphObjectInstance) -> bool:
@@ -244,7 +244,7 @@ def _instances(
     depsgraph: bpy.types.Depsgraph, plan: Plan
 ) -> Iterator[bpy.types.DepsgraphObjectInstance]:
     """Everything drawn that is in no placed scene."""
-    for instance in depsgraph.object_instances:
+    for instance in reach.instances(depsgraph):
         of_plan = instance.is_instance and full_name(instance.parent.original) in plan.holders
         if not of_plan:
             yield instance
