@@ -13,11 +13,7 @@ use crate::{
         host::Host,
         log::{self, Log},
         parameter::Parameter,
-        report::{
-            Section,
-            page::{Gallery, page},
-            sections,
-        },
+        report::{Section, page::page, sections},
         run::{
             AnimationCache, Bench, BenchError, FrameSeries, Observer as _, Protocol, Subject, Sweep,
         },
@@ -33,12 +29,10 @@ pub mod args;
 pub mod bounds;
 mod choice;
 mod comparators;
-pub mod paper;
 pub mod progress;
 pub mod regret;
 pub mod reload;
 pub mod report_pictures;
-pub mod scenario2;
 mod settings;
 mod stability;
 mod timeline;
@@ -55,7 +49,6 @@ const TORN: &str = "the last line of the table was cut off";
 /// Bad input before anything is measured; any error that stops the measurement, whose samples are kept.
 pub fn bench(args: &BenchArgs) -> Result<(), AppError> {
     match &args.experiment {
-        Some(Experiment::Paper(args)) => paper::paper(args),
         Some(Experiment::Bounds(args)) => bounds::bounds(args),
         Some(Experiment::Reload(args)) => reload::reload(args),
         Some(Experiment::Regret(args)) => regret::regret(args),
@@ -73,7 +66,7 @@ pub fn bench(args: &BenchArgs) -> Result<(), AppError> {
                 }
                 None => measure(args)?,
             };
-            let sections = report(&args.run.output, "Speed against accuracy", &samples, &[])?;
+            let sections = report(&args.run.output, "Speed against accuracy", &samples)?;
             match &args.choose {
                 Some(bound) => choice::print_choice(&sections, bound),
                 None => Ok(()),
@@ -254,7 +247,7 @@ pub fn run(
         Some(error) => {
             if !samples.is_empty() {
                 let title = "Speed against accuracy: stopped before all was measured";
-                report(&args.output, title, &samples, &[])?;
+                report(&args.output, title, &samples)?;
             }
             Err(error)
         }
@@ -326,18 +319,13 @@ fn sample(
 ///
 /// # Errors
 /// A folder that cannot be written to.
-pub fn report(
-    folder: &Path,
-    title: &str,
-    samples: &[Sample],
-    galleries: &[Gallery],
-) -> Result<Vec<Section>, AppError> {
+fn report(folder: &Path, title: &str, samples: &[Sample]) -> Result<Vec<Section>, AppError> {
     let sections = sections(samples).map_err(AppError::Internal)?;
     for chart in sections.iter().flat_map(|s| &s.charts) {
         write(&folder.join(&chart.name), chart.svg.as_bytes())?;
     }
     let path = folder.join("report.html");
-    write(&path, page(title, "", &sections, galleries).as_bytes())?;
+    write(&path, page(title, "", &sections, &[]).as_bytes())?;
     for section in &sections {
         if sections.len() > 1 {
             reflet_base::error_line!("\n{}:", section.heading());

@@ -85,7 +85,7 @@ pub enum Command {
     },
     /// Print the manual page of Reflet or of one of its commands: reflet man render | man -l -
     Man {
-        /// Command, such as render or bench paper; without one, all of Reflet
+        /// Command, such as render or bench stability; without one, all of Reflet
         command: Vec<String>,
     },
 }

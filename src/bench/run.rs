@@ -124,8 +124,6 @@ pub struct Protocol {
 /// Parameter sweep: the parameter that is varied, and its values.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Sweep {
-    /// No parameter: the scene's own settings.
-    Nothing,
     /// One parameter for all methods, with its values.
     One(Parameter, Vec<f64>),
     /// Each method's own parameter, see [`Parameter::own`].
@@ -209,7 +207,6 @@ impl Sweep {
     /// Name in tables, by which curves are told apart.
     pub const fn name(&self) -> &'static str {
         match self {
-            Self::Nothing => "nothing",
             Self::One(parameter, _) => parameter.name(),
             Self::Own => "own",
             Self::Rules => "rules",
@@ -226,7 +223,6 @@ impl Protocol {
             ..*settings
         };
         let of = |&method: &Method| match &self.sweep {
-            Sweep::Nothing => vec![Variant::fixed(method, settings)],
             Sweep::One(parameter, values) => Variant::sweep(method, settings, *parameter, values),
             Sweep::Rules => {
                 let by = |accept| ReflectionDesc {

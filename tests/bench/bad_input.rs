@@ -67,19 +67,6 @@ fn options_that_would_do_nothing_are_refused() {
         let [_, error] = exits(&folder, &arguments, 2);
         assert!(error.contains("cannot be used with"), "{error}");
     }
-    let [_, error] = exits(&folder, "paper fig1 --timeline 3 -o new", 2);
-    assert!(error.contains("only scenario2"), "{error}");
-    for systems in [
-        &["scenario1", "--systems"][..],
-        &["scenario2", "--systems", "--sizes", "64x36,32x18"],
-    ] {
-        let arguments = [&["paper", "-o", "new"], systems].concat();
-        let [_, error] = exits(&folder, &arguments, 2);
-        assert!(error.contains("only scenario2 is a walk"), "{error}");
-    }
-    let [_, error] = exits(&folder, "paper scenario2 --timeline 0-950 -o new", 2);
-    assert_says(&error, &["not in the timeline, which has 0 to 949"]);
-    assert!(!folder.join("new").exists());
 }
 
 #[test]

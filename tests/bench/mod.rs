@@ -322,7 +322,6 @@ fn bad_input_is_refused_before_anything_is_measured() {
         ("none.toml", 3, "none.toml"),
         ("--camera none", 2, "it has: main, side"),
         ("-o file/below", 2, "file/below"),
-        ("paper fig9", 2, "fig1"),
     ] {
         let [_, error] = exits(&folder, arguments, code);
         assert!(error.contains(says), "{arguments:?} says {error}");

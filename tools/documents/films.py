@@ -27,11 +27,12 @@ from documents.document import (
     samples,
     some_columns,
 )
+from documents.paper import WALK
 
 PAPER_WALK = "paper's walk"
 # Films by name, with the measured frames: three stretches of the paper's walk, all of the others.
 FILMS: dict[str, list[str]] = {
-    PAPER_WALK: ["paper", "scenario2", "--timeline", "0-23,463-486,700-723"],
+    PAPER_WALK: [*WALK, "--timeline", "0-23,463-486,700-723"],
     **{
         name: [
             *[f"scripts/{name}.toml", "--timeline", "all", "--methods", ",".join(METHODS)],

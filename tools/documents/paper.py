@@ -5,18 +5,15 @@ one driver: all tables are of the first, but the table of drivers has a part of 
 around them is written by hand: check it against new numbers.
 """
 
-import base64
-import io
 import pathlib
 import re
 import shutil
 import statistics
-import sys
 import tempfile
 from collections.abc import Callable
 
 from measuring import ROOT, render, settings
-from PIL import Image
+from PIL import Image, ImageChops
 from sheet import sheet
 from tables import (
     Row,
@@ -48,21 +45,43 @@ from documents.document import (
     samples,
 )
 
+SCENES = "scenes/paper"
+# The paper's three, as a multiple of U.
+THRESHOLDS = ["0.005", "0.025", "0.065"]
+# And 24 in equal steps of their logarithm, in three digits.
+SWEPT = sorted([*(f"{0.0005 * 1000 ** (i / 23):.3g}" for i in range(24)), *THRESHOLDS], key=float)
+SURFACES = {"60 / 30": "ground", "61 / 29": "ground with normal map", "45 / 55": "sphere"}
+SURFACES |= {"49 / 51": "sphere with normal map", "44 / 56": "bunny"}
+
+
+def scenario3_scene(name: str) -> str:
+    """Scene of a reflective surface."""
+    return f"{SCENES}/scenario3{'' if name == 'ground' else '_' + name.replace(' ', '_')}.toml"
+
+
 SMALL = ["--sizes", "320x180"]
+# The scene's own settings by each method.
+STILL = ["--parameter", "scale", "--values", "1"]
+WALK = [f"{SCENES}/walk.toml", *STILL]
 ONCE = ["--frames", "1", "--warm-up", "1"]
 RUNS = {
-    "scenario1": ["paper", "scenario1", *SMALL, "--frames", "20"],
-    "fig1": ["paper", "fig1", *SMALL, "--frames", "3", "--warm-up", "1"],
-    "sizes": [
-        *["paper", "scenario2", "--sizes", "640x480,1280x720,1920x1080"],
-        *["--timeline", "0-949:475", *ONCE],
+    "scenario1": [f"{SCENES}/scenario1.toml", *STILL, "--split-trace", *SMALL, "--frames", "20"],
+    "fig1": [
+        *[f"{SCENES}/sponza.toml", "--parameter", "threshold_u", "--values", ",".join(SWEPT)],
+        *[*SMALL, "--frames", "3", "--warm-up", "1"],
     ],
-    "walk": ["paper", "scenario2", *SMALL, "--timeline", "0-949:38", *ONCE],
-    "scenario3": ["paper", "scenario3", *SMALL, "--frames", "7"],
+    "sizes": [
+        *[*WALK, "--sizes", "640x480,1280x720,1920x1080", "--timeline", "0-949:475", *ONCE],
+    ],
+    "walk": [*WALK, *SMALL, "--timeline", "0-949:38", *ONCE],
+    "scenario3": [
+        *[*map(scenario3_scene, SURFACES.values()), "--parameter", "ray_length_u"],
+        *["--values", "4,16", *SMALL, "--frames", "7"],
+    ],
     "atrium": ["--sizes", "640x360"],
 }
 # Run whose table has a row for each system and frame in place of samples.
-SYSTEMS = ["paper", "scenario2", "--systems", *SMALL, "--timeline", "0-949:38", "--frames", "1"]
+SYSTEMS = ["comparators", WALK[0], "--size", "320x180", "--timeline", "0-949:38"]
 # Charts of the page: the run, and the chart's file name in the run's folder.
 PICTURES = {
     "fig1-flip-over-t.svg": ("fig1", "line-chart-1-parameter.svg"),
@@ -83,26 +102,52 @@ def measure(run: Run) -> None:
         run.bench("systems", *SYSTEMS, *run.models())
 
 
+def picture(run: Run, folder: str, scene: str, size: tuple[int, int], *options: str) -> Image.Image:
+    """Renders a scene of the paper; by `--aov source`, where its reflections come from."""
+    out = pathlib.Path(folder) / "picture.png"
+    render(run.program, ROOT / scene, out, size, *options, *run.models())
+    shown = Image.open(out.with_suffix(".source.png") if "source" in options else out)
+    return shown.convert("RGB")
+
+
 def pictures(run: Run) -> None:
-    """Render the floor of Fig. 1's scene, where stripes and prolonged reflections show."""
-    scene = ROOT / "scenes" / "paper" / "sponza.toml"
-    thresholds = ["0.005", "0.025", "0.065"]
+    with tempfile.TemporaryDirectory() as folder:
+        fig1_sheet(run, folder)
+        scenario3_sheet(run, folder)
+
+
+def fig1_sheet(run: Run, folder: str) -> None:
+    """The floor of Fig. 1's scene, where stripes and prolonged reflections show."""
     shots = [("rt", "", "")]
-    shots += [("ssr", t, "") for t in thresholds]
+    shots += [("ssr", t, "") for t in THRESHOLDS]
     shots += [("hybrid", t, aov) for aov in ("", "source") for t in ("", "0.025")]
     cells = []
-    with tempfile.TemporaryDirectory() as folder:
-        for index, (method, t, aov) in enumerate(shots):
-            out = pathlib.Path(folder) / f"{index}.png"
-            rule = ["reflection.accept=threshold", f"reflection.threshold_u={t}"] if t else []
-            options = [*run.models(), "--method", method, *settings(*rule)]
-            render(run.program, scene, out, (1280, 720), *options, *(["--aov", aov] if aov else []))
-            rule_name = f", T = {t} U" if t else ", verified"
-            what = "rt" if method == "rt" else method + rule_name
-            caption = f"{what}{', sources' if aov else ''}"
-            cells.append((caption, out.with_suffix(f".{aov}.png") if aov else out))
-        floor = (320, 390, 860, 720)
-        sheet(cells, 4, 480, crop=floor).save(IMAGES / "paper-fig1.png", optimize=True)
+    for method, t, aov in shots:
+        rule = ["reflection.accept=threshold", f"reflection.threshold_u={t}"] if t else []
+        options = ["--method", method, *settings(*rule), *(["--aov", aov] if aov else [])]
+        shown = picture(run, folder, f"{SCENES}/sponza.toml", (1280, 720), *options)
+        rule_name = f", T = {t} U" if t else ", verified"
+        what = "rt" if method == "rt" else method + rule_name
+        cells.append((f"{what}{', sources' if aov else ''}", shown))
+    floor = (320, 390, 860, 720)
+    sheet(cells, 4, 480, crop=floor).save(IMAGES / "paper-fig1.png", optimize=True)
+
+
+def scenario3_sheet(run: Run, folder: str) -> None:
+    """The plane and the sphere: picture, sources, and differences from the picture of rt."""
+    cells = []
+    for name in ("ground", "sphere"):
+
+        def shown(method: str, *options: str, scene: str = scenario3_scene(name)) -> Image.Image:
+            return picture(run, folder, scene, (320, 180), "--method", method, *options)
+
+        rt = shown("rt", *settings('reflection.bounces="auto"'))
+        cells += [("rt", rt), ("hybrid, sources", shown("hybrid", "--aov", "source"))]
+        for method, gain in (("hybrid", 4), ("ssr", 2)):
+            difference = ImageChops.difference(shown(method), rt)
+            label = f"{method}, difference x{gain}"
+            cells.append((label, difference.point([min(255, v * gain) for v in range(256)] * 3)))
+    sheet(cells, 4, 320).save(IMAGES / "paper-scenario3.png", optimize=True)
 
 
 def of_reflections(rows: Rows) -> Rows:
@@ -279,16 +324,10 @@ def walk_systems(rows: Rows, walked: Rows) -> str:
     return table(head, [line(system, rs) for (system,), rs in by(rows, "system").items()])
 
 
-SURFACES = {"60 / 30": "ground", "61 / 29": "ground with normal map", "45 / 55": "sphere"}
-SURFACES |= {"49 / 51": "sphere with normal map", "44 / 56": "bunny"}
-
-
 def surface(row: Row) -> str:
     """Name of the reflective surface in a row's scene."""
-    named = [s for s in SURFACES.values() if s in row["scene"]]
-    if not named:
-        sys.exit(f"scene {row['scene']!r} names none of {list(SURFACES.values())}")
-    return max(named, key=len)
+    scene = row["scene"].replace("_", " ")
+    return max((s for s in SURFACES.values() if s in scene), key=len, default="ground")
 
 
 def scenario3_shares(rows: Rows) -> str:
@@ -416,24 +455,6 @@ def tables() -> dict[str, str]:
     }
 
 
-def scenario3_sheet(report: pathlib.Path) -> None:
-    """Sheet of the plane's and the sphere's pictures, taken from the report."""
-    text = report.read_text()
-    cells = []
-    for name in ("ground", "sphere"):
-        section = text.split(f"Scenario 3, {name}, ray length 16 (Sponza): pictures")[1]
-        figure = r'base64,([^"]+)".*?<figcaption>(.*?)</figcaption>'
-        found = [(m[2], m[1]) for m in re.finditer(figure, section, re.DOTALL)][:6]
-        for part in ("rt", ": sources", "hybrid.*difference", "ssr.*difference"):
-            caption, data = next(f for f in found if re.search(rf"^rt$|{part}", f[0]))
-            found.remove((caption, data))
-            gain = re.search("× [0-9]+$", caption)
-            label = caption.split(",")[0] + (", sources" if "sources" in part else "")
-            label += f", difference {gain[0].replace('× ', 'x')}" if gain else ""
-            cells.append((label, Image.open(io.BytesIO(base64.b64decode(data)))))
-    sheet(cells, 4, 320).save(IMAGES / "paper-scenario3.png", optimize=True)
-
-
 def store(outs: list[pathlib.Path]) -> None:
     out = outs[0]
     for name in RUNS:
@@ -443,7 +464,6 @@ def store(outs: list[pathlib.Path]) -> None:
     write_rows(DATA / "drivers.csv", [row for runs in read for row in driver_rows(runs)])
     for name, (run, drawn) in PICTURES.items():
         shutil.copyfile(out / run / drawn, CHARTS / name)
-    scenario3_sheet(out / "scenario3" / "report.html")
 
 
 DOCUMENT = Document("paper.md", in_places(tables), store, measure, pictures)

@@ -31,22 +31,14 @@ COLUMNS = [
     *["march_steps", "traversals", "visited_nodes", "tested_triangles", "driver"],
 ]
 
-ON_FLOOR = "instance.0.translation=[-4.4, 0.0, 0.0]"
 LENGTH = "reflection.ray_length_u=16"
 # Views by name: the scene, and overrides of its values.
 VIEWS: dict[str, list[str]] = {
     "Fig. 1": ["scenes/paper/sponza.toml"],
     "Scenario 1": ["scenes/paper/scenario1.toml"],
     "Scenario 3, ground": ["scenes/paper/scenario3.toml", *settings(LENGTH)],
-    "Scenario 3, sphere": [
-        "scenes/paper/scenario3.toml",
-        *settings(LENGTH, "model.surface.file=sphere_25k.glb", "instance.0.scale=2.0", ON_FLOOR),
-    ],
-    "Scenario 3, bunny": [
-        "scenes/paper/scenario3.toml",
-        *settings(LENGTH, "model.surface.file=bunny_69k.glb", "instance.0.scale=2.0"),
-        *settings("instance.0.rotation_deg=[0, -90, 0]", ON_FLOOR),
-    ],
+    "Scenario 3, sphere": ["scenes/paper/scenario3_sphere.toml", *settings(LENGTH)],
+    "Scenario 3, bunny": ["scenes/paper/scenario3_bunny.toml", *settings(LENGTH)],
     "walk, first frame": ["scenes/paper/scenario2.toml"],
     "atrium": ["scenes/atrium.toml"],
     "atrium, shadow rays": [

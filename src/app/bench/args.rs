@@ -128,7 +128,7 @@ pub struct RunArgs {
     #[arg(long)]
     pub counters: bool,
     /// After each timed frame, time the rays of the trace pass without shading in a frame of its
-    /// own; `paper scenario1` always does
+    /// own
     #[arg(long)]
     pub split_trace: bool,
     /// Folder for samples.csv, bench.json, report.html and the charts; created if it is missing
@@ -148,8 +148,6 @@ pub struct RunArgs {
 /// Experiments other than a comparison of settings.
 #[derive(Clone, Debug, Subcommand)]
 pub enum Experiment {
-    /// Repeat an experiment of the paper; without its assets, on the built-in atrium
-    Paper(PaperArgs),
     /// Measure the time that pictures take to error bounds (`samples = { error = … }`), and their error
     Bounds(BoundsArgs),
     /// Measure the time from a save to the new picture in the preview
@@ -297,43 +295,6 @@ pub struct StabilityArgs {
     /// Use the adapter whose name contains this; also REFLET_ADAPTER
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
-}
-
-/// Arguments of `bench paper`.
-#[derive(Clone, Debug, Args)]
-pub struct PaperArgs {
-    /// Experiment of the paper
-    pub figure: PaperExperiment,
-    /// Folder to search for the models; repeatable. The folders of REFLET_ASSETS come last
-    #[arg(long, value_name = "DIR")]
-    pub assets: Vec<PathBuf>,
-    /// Frames of the walk of scenario2, of 0 to 949: a list such as 0-949:38 or 0-23,463-486; without it,
-    /// 0-949:95
-    #[arg(long, value_name = "LIST")]
-    pub timeline: Option<String>,
-    /// Sizes such as 640x480,1280x720; without any, 640x360
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_size)]
-    pub sizes: Vec<[u32; 2]>,
-    /// Measure all systems of `bench comparators` along the walk of scenario2 instead, at one size: frames.csv has
-    /// each frame, systems.csv the means, and charts the curves over the frames
-    #[arg(long, conflicts_with_all = ["warm_up", "counters", "split_trace", "resume"])]
-    pub systems: bool,
-    /// Measurement and output options
-    #[command(flatten)]
-    pub run: RunArgs,
-}
-
-/// The paper's experiments.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum PaperExperiment {
-    /// Fig. 1: effect of the threshold T, 27 values
-    Fig1,
-    /// Table 1 and Fig. 3: times of the passes
-    Scenario1,
-    /// Figs. 4 to 7: a walk of 950 frames among moving figures
-    Scenario2,
-    /// Tables 2 and 3, Fig. 8: five surfaces and two ray lengths
-    Scenario3,
 }
 
 fn parse_parameter(text: &str) -> Result<Parameter, String> {

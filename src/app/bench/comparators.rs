@@ -4,12 +4,7 @@ mod measuring;
 
 use std::path::Path;
 
-use super::{
-    args::{ComparatorsArgs, RunArgs},
-    create_folder, open_gpu,
-    timeline::frame_series,
-    write,
-};
+use super::{args::ComparatorsArgs, create_folder, timeline::frame_series, write};
 use crate::{
     app::{
         error::AppError,
@@ -22,7 +17,6 @@ use crate::{
             page::{Gallery, page},
             work::csv_table,
         },
-        run::FrameSeries,
         systems::{
             SceneRows, chart,
             frames::{self, Curves},
@@ -71,22 +65,6 @@ pub fn comparators(args: &ComparatorsArgs) -> Result<(), AppError> {
         1 << MOST_DOUBLINGS
     );
     report(&args.output, &gpu, args.frames, &enlarged, &scenes)
-}
-
-/// Measures all systems along the paper's walk: a curve of each over its frames (Fig. 7).
-///
-/// # Errors
-/// A folder that cannot be written to, errors of the renderer.
-pub(super) fn along_walk(
-    args: &RunArgs,
-    size: [u32; 2],
-    series: &mut FrameSeries,
-) -> Result<(), AppError> {
-    let library = shaders::library(args.shaders.as_deref())?;
-    let gpu = open_gpu(args, true)?;
-    let mut rows = measure(&gpu, &library, size, args.frames, series)?;
-    "walk".clone_into(&mut rows.scene);
-    report(&args.output, &gpu, args.frames, "", &[rows])
 }
 
 /// Writes the tables of systems, their charts and the page with both.

@@ -3,7 +3,7 @@
 use crate::{
     app::error::AppError,
     bench::{
-        report::page::{Figure, Gallery},
+        report::page::Figure,
         run::{REFERENCE_BOUNCES, Subject},
         score::View,
     },
@@ -57,28 +57,6 @@ impl Shown {
         let caption = self.caption;
         Ok(Figure { caption, png })
     }
-}
-
-/// Gallery of shots of a scene.
-///
-/// # Errors
-/// Errors of the renderer.
-pub fn gallery(
-    gpu: &Gpu,
-    library: &ShaderLibrary,
-    subject: &Subject,
-    size: [u32; 2],
-    shots: &[ReportPicture],
-) -> Result<Gallery, AppError> {
-    let shown = shown(gpu, library, subject, size, shots)?.into_iter();
-    Ok(Gallery {
-        title: format!("{}: pictures", subject.name),
-        anchor: String::new(),
-        text: SOURCES.to_owned(),
-        points: Vec::new(),
-        charts: Vec::new(),
-        figures: shown.map(Shown::figure).collect::<Result<_, _>>()?,
-    })
 }
 
 /// Legend of the source colors.
