@@ -99,10 +99,6 @@ fn hard_lights() -> u32 {
     return frame.light_count;
 }
 
-fn flat_area(i: u32) -> f32 {
-    return flat_area_of(lights[i].half_u, lights[i].half_v, lights[i].kind == LIGHT_DISK);
-}
-
 fn light_sample(i: u32, position: vec3f, u: vec2f) -> LightSample {
     var r: LightSample;
     let extent = lights[i].extent;
@@ -334,7 +330,7 @@ fn seen_light(origin: vec3f, ray: Reflected, t_max: f32) -> SeenLight {
                 let half_u = lights[i].half_u;
                 let met = flat_met(offset, lights[i].direction, half_u, lights[i].half_v, is_disk, direction, passed_m);
                 t = met.t;
-                radiance = lights[i].color / flat_area(i);
+                radiance = lights[i].color / flat_area_of(lights[i].half_u, lights[i].half_v, lights[i].kind == LIGHT_DISK);
                 light_pdf = met.pdf;
             }
             default: {

@@ -1,12 +1,13 @@
 // Capsules: all points within a radius of a segment, spheres where the segment has no length. The axis is the vector
 // from the base, the segment's first end, to the second. src/world/bvh/capsule.rs has the same functions in f64.
-//
-// A point of the surface has two coordinates in [0, 1], which stand in hits where triangles have barycentric weights:
-// the place along the meridian from the pole behind the base to the pole behind the other end, by length, and the
-// angle around the axis.
+// Its two coordinates of points of the surface stand in hits where triangles have barycentric weights.
 
 // Whether some mesh is of capsules.
 override HAS_CAPSULES: bool = true;
+
+// Least diameters that show a point or a line everywhere, pixels: a circle around a pixel holds the center of one.
+const POINT_PX: f32 = 1.43;
+const LINE_PX: f32 = 1.01;
 
 // Where a ray's line enters and leaves a capsule, in lengths of its direction.
 struct CapsuleSpan {

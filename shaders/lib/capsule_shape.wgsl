@@ -22,11 +22,12 @@ fn square_place(vertex: u32) -> vec2f {
     return vec2f(f32(around == 1u || around == 2u), f32(around >= 2u)) * 2.0 - 1.0;
 }
 
-// Position in clip space of a drawn vertex. `eye` is the view's, or with w = 0 the direction of all its rays.
+// Position in clip space of a drawn vertex. `eye` is the view's, or with w = 0 the direction of all its rays; `width` is
+// of a pixel, m, and its growth with each meter from the eye.
 //
 // Seen from the eye, the outer corners of two squares around the ends are equally high over the plane of eye and axis,
 // so that the great circle between them passes above both ends and all between.
-fn capsule_vertex(instance: u32, vertex: u32, eye: vec4f, clip_from_world: mat4x4f) -> vec4f {
+fn capsule_vertex(instance: u32, vertex: u32, eye: vec4f, clip_from_world: mat4x4f, width: vec2f) -> vec4f {
     let c = corners(instance, capsule_of_vertex(vertex));
     let axis = select(c.p[1] - c.p[0], vec3f(0.0), SPHERES);
     let radius = instance_capsule_radius_m(instance);
@@ -44,7 +45,12 @@ fn capsule_vertex(instance: u32, vertex: u32, eye: vec4f, clip_from_world: mat4x
     let end_m = length(end);
     // Half the side of a square around the circle in which the cone from the eye touches a sphere, over its distance.
     let nearest_m = min(base_m, end_m);
-    let spread = radius * inverseSqrt(max(nearest_m * nearest_m - radius * radius, 1e-4 * radius * radius));
+    let round = radius * inverseSqrt(max(nearest_m * nearest_m - radius * radius, 1e-4 * radius * radius));
+    // A capsule that is thinner than a pixel is drawn as wide: see pixel_radius_m.
+    let squeeze = max(length(rows[0].xyz), max(length(rows[1].xyz), length(rows[2].xyz)));
+    let way = max(distance(eye.xyz, to_world(instance, c.p[0])) / base_m, distance(eye.xyz, to_world(instance, c.p[0] + axis)) / end_m);
+    let half_px = select(LINE_PX, POINT_PX, SPHERES || dot(axis, axis) == 0.0) * 0.5;
+    let spread = max(round, half_px * squeeze * width.y * way);
     let outer_base = base / base_m - cross(across, base / base_m) * spread;
     let outer_end = end / end_m + cross(across, end / end_m) * spread;
     let nearest = base + axis * capsule_share(-base, axis);
@@ -53,7 +59,7 @@ fn capsule_vertex(instance: u32, vertex: u32, eye: vec4f, clip_from_world: mat4x
     // From within or all around, the whole picture is drawn.
     if (!SPHERES && has_eye && (is_inside || is_around)) { return vec4f(side, 0.5, 1.0); }
     let toward = select(base / base_m, end / end_m, side.x > 0.0);
-    let half_m = SHAPE_MARGIN * select(radius, spread * select(base_m, end_m, side.x > 0.0), has_eye);
+    let half_m = SHAPE_MARGIN * select(max(radius, half_px * squeeze * width.x), spread * select(base_m, end_m, side.x > 0.0), has_eye);
     let corner = (cross(across, toward) * side.x + across * side.y) * half_m;
     let position = c.p[0] + select(vec3f(0.0), axis, side.x > 0.0) + corner;
     return clip_from_world * vec4f(to_world(instance, position), 1.0);

@@ -22,7 +22,7 @@ fn capsule_clip(vertex: u32, instance: u32) -> vec4f {
     // The light of a perspective map is at the only point with this clip position; an orthographic map's is infinitely
     // far.
     let light = unprojected(vec4f(0.0, 0.0, 1.0, 0.0));
-    let clip = capsule_vertex(instance, vertex, light, params.clip_from_world);
+    let clip = capsule_vertex(instance, vertex, light, params.clip_from_world, vec2f(0.0));
     return vec4f(clip.xy, max(clip.z, 0.0), clip.w);
 }
 
@@ -70,7 +70,7 @@ fn texel_ray(texel: vec2f) -> TexelRay {
 @fragment
 fn fragment_capsule(in: CapsuleVarying) -> @builtin(frag_depth) f32 {
     let ray = texel_ray(in.place.xy / in.place.w);
-    let hit = solid_capsule_hit(in.ids.x, in.ids.y, ray.origin, ray.direction, ray.near_t);
+    let hit = solid_capsule_hit(in.ids.x, in.ids.y, ray.origin, ray.direction, ray.near_t, vec2f(0.0));
     if (!hit.is_met) { discard; }
     return select(hit.t, 1.0 / hit.t, ray.near_t > 0.0) * ray.depth.x + ray.depth.y;
 }

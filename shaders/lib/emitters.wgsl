@@ -76,16 +76,14 @@ fn across(v: vec3f, to: vec3f) -> vec3f {
     return normalize(v - to * dot(v, to));
 }
 
-fn angle_at(a: vec3f, b: vec3f) -> f32 {
-    return atan2(length(cross(a, b)), dot(a, b));
-}
-
 // A direction towards a triangle, uniform in solid angle (Arvo 1995, "Stratified Sampling of Spherical Triangles").
 fn spherical_direction(t: SeenTriangle, u: vec2f) -> vec3f {
     let a = normalize(t.p[0]);
     let b = normalize(t.p[1]);
     let c = normalize(t.p[2]);
-    let alpha = angle_at(across(b, a), across(c, a));
+    let to_b = across(b, a);
+    let to_c = across(c, a);
+    let alpha = atan2(length(cross(to_b, to_c)), dot(to_b, to_c));
     let angle = u.x * t.solid_angle - alpha;
     let s = sin(angle);
     let q = cos(angle);

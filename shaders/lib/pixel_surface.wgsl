@@ -3,13 +3,9 @@
 #import frame
 #import surface
 
-// Intersection of the pixel's ray with the plane of its triangle, which is more exact than the depth buffer.
-struct PlaneHit {
-    t: f32,
-    bary: vec2f,
-}
-
-fn plane_hit(origin: vec3f, direction: vec3f, instance: u32, triangle: u32) -> PlaneHit {
+// Intersection of the pixel's ray with the plane of its triangle, which is more exact than the depth buffer: t, and the
+// barycentric weights.
+fn plane_hit(origin: vec3f, direction: vec3f, instance: u32, triangle: u32) -> vec3f {
     let c = corners(instance, triangle);
     let p0 = to_world(instance, c.p[0]) - origin;
     let e1 = to_world(instance, c.p[1]) - origin - p0;
@@ -18,7 +14,7 @@ fn plane_hit(origin: vec3f, direction: vec3f, instance: u32, triangle: u32) -> P
     let determinant = dot(e1, p);
     let inverse = select(0.0, 1.0 / determinant, abs(determinant) > 1e-30);
     let q = cross(-p0, e1);
-    return PlaneHit(dot(e2, q) * inverse, vec2f(dot(-p0, p), dot(direction, q)) * inverse);
+    return vec3f(dot(e2, q), dot(-p0, p), dot(direction, q)) * inverse;
 }
 
 struct PixelSurface {
@@ -34,7 +30,7 @@ fn pixel_surface(pixel: vec2u, hit: vec2u) -> PixelSurface {
     var on_plane = true;
     var nearest_m = -1e30; // least depth of the shaded point
     if (is_capsule(hit.x)) {
-        let met = solid_capsule_hit(hit.x, hit.y, pixel_origin(center), ray, frame.near_m);
+        let met = solid_capsule_hit(hit.x, hit.y, pixel_origin(center), ray, frame.near_m, vec2f(frame.pixel_m, frame.pixel_spread));
         t = met.t;
         place = met.place;
         // A plane that touches the capsule may be before the eye.
@@ -42,11 +38,11 @@ fn pixel_surface(pixel: vec2u, hit: vec2u) -> PixelSurface {
         nearest_m = 0.5 * t;
     } else {
         let plane = plane_hit(pixel_origin(center), ray, hit.x, hit.y);
-        t = plane.t;
+        t = plane.x;
         // A pixel center may lie just outside the triangle that covers the pixel.
-        place = clamp(plane.bary, vec2f(0.0), vec2f(1.0));
+        place = clamp(plane.yz, vec2f(0.0), vec2f(1.0));
         place /= max(place.x + place.y, 1.0);
-        on_plane = distance(place, plane.bary) < 0.1;
+        on_plane = distance(place, plane.yz) < 0.1;
     }
     var shown: PixelSurface;
     // One call for both keeps the inlined code small.

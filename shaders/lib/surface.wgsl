@@ -60,15 +60,34 @@ struct CapsuleHit {
     place: vec2f,
 }
 
+// Radius in object space at which a capsule is a pixel wide where a ray passes it: of the ray alone, so that neither
+// near nor far parts of a cloud become blobs. `o` is relative to the base.
+fn pixel_radius_m(instance: u32, o: vec3f, d: vec3f, axis: vec3f, width: vec2f) -> f32 {
+    let dd = dot(d, d);
+    let along = dot(axis, d);
+    // Where the line of the ray and the axis are nearest to each other.
+    let apart = dot(axis, axis) * dd - along * along;
+    let share = clamp((dot(o, axis) * dd - along * dot(o, d)) / max(apart, 1e-37), 0.0, 1.0);
+    let t = dot(axis * share - o, d) / dd;
+    let away = o + d * t - axis * share;
+    // A placement may squeeze the capsule by another factor on each side.
+    let side = select(away, capsule_frame(normalize(d))[0], dot(away, away) <= 1e-12 * dd * t * t);
+    let squeezed = length(direction_to_world(instance, side)) / length(side);
+    let half_m = select(LINE_PX, POINT_PX, dot(axis, axis) == 0.0) * 0.5 * (width.x + width.y * t);
+    return min(half_m / max(squeezed, 1e-30), 0.25 * abs(t) * sqrt(dd));
+}
+
 // Where a ray past `t_min` meets a capsule, as in test_capsule of bvh.wgsl; where it misses, the point nearest to it.
-fn capsule_hit(instance: u32, capsule: u32, origin: vec3f, direction: vec3f, t_min: f32) -> CapsuleHit {
+// `width` is of a pixel: m at the ray's origin, and m more for each length of its direction. Thinner capsules get this width.
+fn capsule_hit(instance: u32, capsule: u32, origin: vec3f, direction: vec3f, t_min: f32, width: vec2f) -> CapsuleHit {
     let c = corners(instance, capsule);
     let axis = c.p[1] - c.p[0];
-    let radius = instance_capsule_radius_m(instance);
     let rows = instance_object_from_world(instance);
     let offset = origin - vec3f(rows[0].w, rows[1].w, rows[2].w);
     let o = vec3f(dot(rows[0].xyz, offset), dot(rows[1].xyz, offset), dot(rows[2].xyz, offset)) - c.p[0];
     let d = vec3f(dot(rows[0].xyz, direction), dot(rows[1].xyz, direction), dot(rows[2].xyz, direction));
+    var radius = instance_capsule_radius_m(instance);
+    if (width.x + width.y > 0.0) { radius = max(radius, pixel_radius_m(instance, o, d, axis, width)); }
     let span = capsule_span(o, d, axis, radius);
     if (!span.is_met) {
         let t = dot(0.5 * axis - o, d) / dot(d, d);
@@ -77,10 +96,6 @@ fn capsule_hit(instance: u32, capsule: u32, origin: vec3f, direction: vec3f, t_m
     let is_double_sided = (instance_trace_flags(instance) & DOUBLE_SIDED) != 0u;
     let t = select(span.enter, span.leave, span.enter <= t_min && is_double_sided);
     return CapsuleHit(t > t_min, t, capsule_place(o + d * t, axis, radius));
-}
-
-fn mix3(a: vec2f, b: vec2f, c: vec2f, bary: vec2f) -> vec2f {
-    return a * (1.0 - bary.x - bary.y) + b * bary.x + c * bary.y;
 }
 
 fn uv_corner(instance: u32, index: u32, second: bool) -> vec2f {
@@ -110,7 +125,8 @@ fn slot_uv(slot: TextureUse, instance: u32, index: array<u32, 3>, bary: vec2f, a
     // Ray-cone level of detail: Akenine-Möller et al. 2021, "Improved Shader and Texture Level of
     // Detail Using Ray Cones", with the square root of the area ratio as texel density.
     let density = sqrt(abs(e1.x * e2.y - e1.y * e2.x) / max(area2_world, 1e-20));
-    return SlotUv(mix3(uv[0], uv[1], uv[2], bary), footprint_m * density);
+    let at = uv[0] * (1.0 - bary.x - bary.y) + uv[1] * bary.x + uv[2] * bary.y;
+    return SlotUv(at, footprint_m * density);
 }
 
 fn material_alpha(material: u32, instance: u32, index: array<u32, 3>, bary: vec2f, footprint_m: f32, area2: f32) -> f32 {
@@ -144,13 +160,13 @@ fn alpha_passes(instance: u32, triangle: u32, bary: vec2f) -> bool {
 }
 
 // Where a capsule is first solid along a ray past `t_min`: a cut-out one perhaps on its inner side.
-fn solid_capsule_hit(instance: u32, capsule: u32, origin: vec3f, direction: vec3f, t_min: f32) -> CapsuleHit {
+fn solid_capsule_hit(instance: u32, capsule: u32, origin: vec3f, direction: vec3f, t_min: f32, width: vec2f) -> CapsuleHit {
     let is_cut_out = material_alpha_cutoff(instance_material(instance)) >= 0.0;
     var start = t_min;
     var hit: CapsuleHit;
     // One call in a loop keeps the inlined code small.
     for (var side = 0u; side < 2u; side++) {
-        hit = capsule_hit(instance, capsule, origin, direction, start);
+        hit = capsule_hit(instance, capsule, origin, direction, start, width);
         if (!hit.is_met || !is_cut_out || alpha_passes(instance, capsule, hit.place)) { return hit; }
         start = hit.t;
     }

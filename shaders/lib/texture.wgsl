@@ -32,10 +32,6 @@ fn sample_wrapped(t: texture_2d_array<f32>, uv: vec2f, layer: u32, lod: f32, cla
     return vec4f(1.0);
 }
 
-fn pool_px(bits: u32) -> f32 {
-    return f32(SMALLEST_POOL_PX << ((bits >> TEXTURE_SIZE_SHIFT) & TEXTURE_SIZE_MASK));
-}
-
 // Pools that a slot samples, as a mask.
 fn pools_of(slot: u32) -> u32 {
     return (SLOT_POOLS >> (POOL_BITS * slot)) & ((1u << POOL_BITS) - 1u);
@@ -50,7 +46,8 @@ fn sample_slot(slot: TextureUse, uv_in: vec2f, footprint: f32, pools: u32) -> ve
     if (wrap_u == WRAP_MIRROR) { uv.x = fold_mirror(uv.x); }
     if (wrap_v == WRAP_MIRROR) { uv.y = fold_mirror(uv.y); }
     let clamps = u32(wrap_u != WRAP_REPEAT) | (u32(wrap_v != WRAP_REPEAT) << 1u);
-    var lod = max(log2(max(footprint * pool_px(slot.bits), 1e-6)), 0.0);
+    let pool_px = f32(SMALLEST_POOL_PX << ((slot.bits >> TEXTURE_SIZE_SHIFT) & TEXTURE_SIZE_MASK));
+    var lod = max(log2(max(footprint * pool_px, 1e-6)), 0.0);
     if ((slot.bits & TEXTURE_NEAREST) != 0u && footprint * max(slot.texels.x, slot.texels.y) < 1.0) {
         uv = (floor(uv * slot.texels) + 0.5) / slot.texels;
         lod = 0.0;

@@ -131,8 +131,6 @@ pub struct Mesh {
     /// Radius in object space, m, of capsules: each of `triangles` is then `[a, b, b]` and stands for all points within
     /// this radius of the segment from vertex `a` to vertex `b`, a sphere where `a` is `b`.
     pub capsule_radius_m: Option<f32>,
-    /// Radius of capsules before they are widened to a pixel, m.
-    pub least_radius_m: f32,
     /// Object-space bounds.
     pub bounds: Bounds,
     /// Deformation by animations; the vertices here are at rest, and the world holds their pose.

@@ -33,7 +33,6 @@ mod material;
 mod material_binding;
 mod model_instance;
 mod one_color;
-mod pixel_width;
 mod place;
 mod points;
 mod preloaded_models;
@@ -316,14 +315,6 @@ impl<'a> Loader<'a> {
         deform_at_start(&mut self.world, &meshes, self.desc)?;
         emitters::check(&mut self.world, &meshes, self.desc)?;
         let has_default_camera = camera::add_default(&mut self.world, &meshes, self.desc);
-        let widths = match has_default_camera {
-            true => pixel_width::widths(&self.world, &meshes, self.desc),
-            false => Vec::new(),
-        };
-        drop(meshes);
-        for width in widths {
-            width.set(&mut self.world.meshes);
-        }
         self.world.rest_unit_m = Some(self.world.unit_m());
         self.world.environment.fog_box = self.world.fog_box();
         let files = self.world.files.clone();

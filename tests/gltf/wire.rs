@@ -35,7 +35,7 @@ fn points_and_lines_are_capsules_around_them() {
         assert!(world.warnings.is_empty(), "{:?}", world.warnings);
         let mesh = &world.meshes[0];
         assert_eq!(ends(mesh), expected, "mode {mode}");
-        assert!((mesh.least_radius_m - radius).abs() < 1e-7);
+        assert!((mesh.capsule_radius_m.expect("capsules") - radius).abs() < 1e-7);
         assert_eq!(mesh.colors.len(), 3, "a vertex has its own color");
         // A ray across the first one meets it at its radius, and none further away.
         let trees = Trees::build(&world, u64::MAX).expect("trees");
@@ -75,16 +75,10 @@ fn broken_points_are_dropped_with_a_warning() {
     assert_eq!(ends(&world.meshes[0]), [[Vec3::ZERO; 2], [Vec3::Y; 2]]);
     let bounds = world.meshes[0].bounds;
     let radius = world.meshes[0].capsule_radius_m.expect("capsules");
-    assert_eq!(
-        (bounds.min, bounds.max),
-        (
-            Vec3::splat(-radius),
-            Vec3::new(radius, 1.0 + radius, radius)
-        )
-    );
+    let most = Vec3::new(radius, 1.0 + radius, radius);
+    assert_eq!((bounds.min, bounds.max), (Vec3::splat(-radius), most));
 }
 
-/// The default camera shows points and lines at least a pixel wide; a camera of the scene shows them as they are.
 #[test]
 fn points_keep_the_normals_that_light_them() {
     let mut doc = Doc::triangle();
@@ -95,35 +89,4 @@ fn points_keep_the_normals_that_light_them() {
     let world = doc.world();
     assert_eq!(world.meshes[0].normals, [Vec3::Z, Vec3::Y, -Vec3::X]);
     assert_eq!(warnings(&world), ["normal-invalid"]);
-}
-
-#[test]
-fn the_default_camera_shows_thin_primitives_a_pixel_wide() {
-    for (mode, pixels) in [(0, 2.0_f32.sqrt()), (3, 1.0)] {
-        let mut doc = Doc::triangle();
-        doc.primitive("mode", mode.into());
-        let positions = doc.floats("VEC3", &[0.0, 0.0, 0.0, 100.0, 0.0, 0.0, 0.0, 100.0, 0.0]);
-        doc.attribute("POSITION", positions);
-        let folder = Folder::new();
-        folder.write("m.glb", doc.glb());
-        let mut desc = scene(&folder.0, "m.glb");
-        desc.image.size = [96, 54];
-        let world = load_scene(&desc).expect("valid");
-        let (mesh, camera) = (&world.meshes[0], &world.cameras[0].value);
-        let radius = mesh.capsule_radius_m.expect("capsules");
-        assert!(radius > mesh.least_radius_m);
-        let forward = (camera.target - camera.eye).normalize();
-        for position in &mesh.positions {
-            let depth = (*position - camera.eye).dot(forward);
-            let pixel = 2.0 * depth * (camera.fov_deg.to_radians() * 0.5).tan() / 54.0;
-            let width = 2.0 * radius / pixel;
-            assert!(
-                (pixels..2.5 * pixels).contains(&width),
-                "mode {mode}: {width}"
-            );
-        }
-        desc.cameras.push(entry("main", camera.clone()));
-        let mesh = &load_scene(&desc).expect("valid").meshes[0];
-        assert_eq!(mesh.capsule_radius_m, Some(mesh.least_radius_m));
-    }
 }

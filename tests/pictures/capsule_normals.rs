@@ -217,6 +217,38 @@ fn points_that_mirror_do_not_mirror_themselves() {
     }
 }
 
+/// Points and lines much thinner than a pixel, from among which the camera looks out: each is seen, and none as a blob.
+#[test]
+fn thin_points_and_lines_are_a_pixel_wide_near_and_far() {
+    // Places on a spiral in the picture of the eye at the origin, and depths from 2 m to 240 m.
+    let far_m = |k: u16| 2.0 * 1.1_f32.powi(i32::from(k));
+    let place = |k: u16| {
+        let (y, x) = (f32::from(k) * 2.4).sin_cos();
+        (Vec3::new(x, y, 0.0) * (0.1 + 0.016 * f32::from(k)) - Vec3::Z) * far_m(k)
+    };
+    let point = |i: u32| [i; 3];
+    let dots = (0..50).map(place).collect();
+    let dots = mesh(dots, |_| Vec3::Y, (0..50).map(point), 1e-6);
+    let at = |x: f32, k: u16| Vec3::new(x, 0.076 * f32::from(k) - 0.95, -1.0) * far_m(k);
+    let ends = (0..25).flat_map(|k| [at(-4.0, k), at(4.0, k)]).collect();
+    let line = |k: u32| [2 * k, 2 * k + 1, 2 * k + 1];
+    let lines = mesh(ends, |_| Vec3::Y, (0..25).map(line), 1e-6);
+    let eye = "camera.main={ eye=[0, 0, 0], target=[0, 0, -1], fov_deg=90 }";
+    for (method, visibility) in [("hybrid", "raster"), ("path", "rays")] {
+        let method = format!("reflection.method=\"{method}\"");
+        let set = [eye, &method, &format!("image.visibility=\"{visibility}\"")];
+        for (thin, px) in [(&dots, 1..5), (&lines, SIZE..2 * SIZE + 1)] {
+            let picture = or_skip!(picture(SHEET, &set, thin, &[Aov::Ids]));
+            let mut seen = vec![0; thin.triangles.len()];
+            let ids = integers(&picture, Aov::Ids).chunks(2);
+            ids.filter(|id| id[0] == 0)
+                .for_each(|id| seen[id[1] as usize] += 1);
+            let are_seen = seen.iter().all(|count| px.contains(count));
+            assert!(are_seen, "{method}: {seen:?}");
+        }
+    }
+}
+
 /// A point of the size of the picture is as bright all over as the plane that touches it; without normals it is round.
 #[test]
 fn points_without_normals_stay_round() {

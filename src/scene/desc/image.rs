@@ -45,7 +45,8 @@ declared! {
     pub enum Visibility = Auto {
         /// all triangles are rasterized.
         Raster = "raster",
-        /// one ray per pixel is traced through the BVH; cheaper for small pictures of many triangles.
+        /// one ray per pixel is traced through the BVH; cheaper for small pictures of many triangles. Scenes with
+        /// points or lines of files are rasterized all the same, which shows these at least a pixel wide.
         Rays = "rays",
         /// `raster` or `rays`, whichever a cost model expects to take less time; `raster` where nothing else traces
         /// rays.

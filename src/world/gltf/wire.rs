@@ -40,7 +40,7 @@ pub fn build(mesh: &mut Mesh, mode: u32, corners: &[u32], data: &Data<'_>) -> Re
         }
         _ => pairs().filter_map(line).collect(),
     };
-    (mesh.capsule_radius_m, mesh.least_radius_m) = (Some(radius_m), radius_m);
+    mesh.capsule_radius_m = Some(radius_m);
     mesh.tangents = Vec::new();
     Ok(())
 }

@@ -7,7 +7,6 @@ use super::{
     LoadOptions, Loader, Source, blended, camera, deform_at_start, emitters,
     environment::PanoramaSource,
     material::ImageKey,
-    pixel_width,
     place::MeshKey,
     vertex_streams::{self, Needs},
 };
@@ -127,12 +126,6 @@ impl AssetCache {
                 != (self.has_default_camera)
             {
                 return Ok(None);
-            }
-            if self.has_default_camera {
-                let widths = pixel_width::widths(&loader.world, &world.meshes, desc);
-                if !widths.iter().all(|width| width.is_of(&world.meshes)) {
-                    return Ok(None);
-                }
             }
             loader.world.rest_unit_m = Some(loader.world.unit_m());
             loader.world.environment.fog_box = loader.world.fog_box();

@@ -93,7 +93,7 @@ struct Shown<'a> {
     double_sided: bool,
     /// Color, where no light changes it.
     color: Option<Vec4>,
-    /// Radius of capsules as files have them, else 0, in object space, m.
+    /// Radius of capsules, else 0, in object space, m.
     radius_m: f32,
 }
 
@@ -137,7 +137,7 @@ impl<'a> Framed<'a> {
                 place: instance.world_from_object,
                 double_sided: world.materials[instance.material].double_sided,
                 color: plain_color(&world.materials[instance.material], mesh),
-                radius_m: mesh.least_radius_m,
+                radius_m: mesh.capsule_radius_m.unwrap_or(0.0),
             }
         };
         let mut meshes: Vec<_> = shown.iter().map(of).collect();
