@@ -225,10 +225,12 @@ impl Local {
     }
 }
 
+/// Least scale along an axis, relative to the largest.
+const THINNEST: f32 = 1e-5;
+
 /// Replaces a scale of 0 along some axes, which is singular, by a tiny one. A scale of 0 along all axes hides the
 /// node and stays.
-fn not_flat(scale: Vec3) -> Vec3 {
-    const THINNEST: f32 = 1e-5;
+pub fn not_flat(scale: Vec3) -> Vec3 {
     let least = scale.abs().max_element() * THINNEST;
     let thick = |x: f32| {
         if x.abs() < least {
@@ -238,6 +240,22 @@ fn not_flat(scale: Vec3) -> Vec3 {
         }
     };
     Vec3::from_array(scale.to_array().map(thick))
+}
+
+/// Replaces a column of (nearly) 0 as [`not_flat`] does, by one at a right angle to the other two.
+pub fn not_flat_matrix(mut matrix: Affine3A) -> Affine3A {
+    let m = &mut matrix.matrix3;
+    let longest = [0, 1, 2].map(|i| m.col(i).length());
+    let longest = longest.into_iter().fold(0.0, f32::max);
+    for i in 0..3 {
+        let normal = m.col((i + 1) % 3).cross(m.col((i + 2) % 3));
+        if m.col(i).length() < longest * THINNEST
+            && let Some(normal) = normal.try_normalize()
+        {
+            *m.col_mut(i) = normal * longest * THINNEST;
+        }
+    }
+    matrix
 }
 
 #[cfg(test)]

@@ -212,15 +212,28 @@ fn nodes_multiply_and_may_mirror() {
     let mut doc = Doc::triangle();
     doc.json["nodes"] = json!([
         {"name": "a", "translation": [10, 0, 0], "children": [1]},
-        {"name": "b", "rotation": [0, 0, 1, 1], "scale": [-1, 2, 1], "children": [2, 3]},
+        {"name": "b", "rotation": [0, 0, 1, 1], "scale": [-1, 2, 1], "children": [2, 3, 4, 5]},
         {"mesh": 0, "matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,3,1]},
-        {"name": "flat", "mesh": 0, "scale": [1, 0, 1]}
+        {"name": "gone", "mesh": 0, "scale": [0, 0, 0]},
+        {"name": "flat", "mesh": 0, "scale": [1, 0, 1]},
+        {"name": "flat", "mesh": 0, "matrix": [1,0,0,0, 0,0,0,0, 0,0,1,0, 0,0,0,1]}
     ]);
     let world = doc.world();
-    assert_eq!(world.instances.len(), 1, "the singular one is dropped");
+    assert_eq!(
+        world.instances.len(),
+        3,
+        "the one without any size is dropped"
+    );
+    for flat in world.instances[1..].iter().map(|i| world.bounds_of(i)) {
+        let size = flat.max - flat.min;
+        assert!(
+            size.max_element() > 0.9 && size.min_element() < 1e-4,
+            "{size}"
+        );
+    }
     assert_eq!(warnings(&world), ["instance-singular"]);
     assert!(
-        world.warnings[0].message.starts_with("1 of 2 "),
+        world.warnings[0].message.starts_with("1 of 4 "),
         "{}",
         world.warnings[0].message
     );

@@ -8,7 +8,7 @@ use super::{
     finite,
     schema::{Instancing, Node},
 };
-use crate::animation::Local;
+use crate::animation::{Local, not_flat, not_flat_matrix};
 
 fn fault(text: impl Into<String>) -> Fault {
     Fault::new("gltf-node", text)
@@ -22,7 +22,7 @@ pub fn of_node(node: &Node) -> Result<Local, Fault> {
         if !finite(matrix) || last_row.abs().max_element() > 1e-4 {
             return Err(fault("matrix must be finite with the last row 0 0 0 1"));
         }
-        return Ok(Local::Matrix(Affine3A::from_mat4(m)));
+        return Ok(Local::Matrix(not_flat_matrix(Affine3A::from_mat4(m))));
     }
     let translation = node.translation.unwrap_or_default();
     let rotation = node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
@@ -40,7 +40,7 @@ fn compose(translation: [f32; 3], rotation: [f32; 4], scale: [f32; 3]) -> Result
     Ok(Local::Trs {
         translation: Vec3::from_array(translation),
         rotation: Quat::from_vec4(rotation.as_vec4()),
-        scale: Vec3::from_array(scale),
+        scale: not_flat(Vec3::from_array(scale)),
     })
 }
 
