@@ -2,9 +2,13 @@
 //! §3.7.3.3), or to the positions that a script has set. The vertices depend on the current pose only, not on earlier
 //! frames.
 
-use std::{mem, sync::Arc};
+use std::{
+    mem,
+    ops::{AddAssign, Mul},
+    sync::Arc,
+};
 
-use glam::{Affine3A, Mat3A, Vec3, Vec3A, Vec4};
+use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A, Vec4};
 
 use super::{Mesh, Posed, rig::Player};
 use reflet_base::math::Bounds;
@@ -31,7 +35,7 @@ pub struct Deformation {
     pub scripted: Option<ScriptedVertices>,
 }
 
-/// The attributes that a deformation moves.
+/// The attributes that a deformation moves. Texture coordinates and colors are empty where no morph target moves them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Vertices {
     /// Positions in object space, meters.
@@ -40,6 +44,10 @@ pub struct Vertices {
     pub normals: Vec<Vec3>,
     /// Tangents in the layout of [`Mesh::tangents`].
     pub tangents: Vec<Vec4>,
+    /// First texture coordinates.
+    pub uv0: Vec<Vec2>,
+    /// Colors.
+    pub colors: Vec<Vec4>,
 }
 
 /// Offsets of vertices, scaled by a weight.
@@ -53,6 +61,10 @@ pub struct MorphTarget {
     pub normals: Vec<Vec3>,
     /// Offsets of the direction of tangents; empty for none.
     pub tangents: Vec<Vec3>,
+    /// Offsets of the first texture coordinates; empty for none.
+    pub uv0: Vec<Vec2>,
+    /// Offsets of colors; empty for none.
+    pub colors: Vec<Vec4>,
 }
 
 /// Four joints of a vertex and their weights; a weight of 0 marks an unused slot.
@@ -104,13 +116,21 @@ struct Blend {
 }
 
 impl Vertices {
-    /// Takes the vertices of a mesh, which is left without any.
-    pub fn take(mesh: &mut Mesh) -> Self {
-        Self {
-            positions: mem::take(&mut mesh.positions),
-            normals: mem::take(&mut mesh.normals),
-            tangents: mem::take(&mut mesh.tangents),
+    /// Copies the vertices of a mesh, as far as the targets or joints move them.
+    pub fn of_mesh(mesh: &Mesh, targets: &[MorphTarget]) -> Self {
+        let mut vertices = Self {
+            positions: mesh.positions.clone(),
+            normals: mesh.normals.clone(),
+            tangents: mesh.tangents.clone(),
+            ..Self::default()
+        };
+        if targets.iter().any(|target| !target.uv0.is_empty()) {
+            vertices.uv0.clone_from(&mesh.uv0);
         }
+        if targets.iter().any(|target| !target.colors.is_empty()) {
+            vertices.colors.clone_from(&mesh.colors);
+        }
+        vertices
     }
 }
 
@@ -121,6 +141,8 @@ impl Deformed {
             positions: &self.vertices.positions,
             normals: &self.vertices.normals,
             tangents: &self.vertices.tangents,
+            uv0: &self.vertices.uv0,
+            colors: &self.vertices.colors,
             bounds: self.bounds,
         }
     }
@@ -133,16 +155,20 @@ impl Mesh {
         self.positions = vertices.positions;
         self.normals = vertices.normals;
         self.tangents = vertices.tangents;
+        if !vertices.uv0.is_empty() {
+            self.uv0 = vertices.uv0;
+        }
+        if !vertices.colors.is_empty() {
+            self.colors = vertices.colors;
+        }
     }
 
     /// Copies the vertices of the mesh to its deformation, as the undeformed ones.
     pub fn bind(&mut self) {
-        if let Some(deformation) = &mut self.deformation {
-            Arc::make_mut(deformation).bind = Vertices {
-                positions: self.positions.clone(),
-                normals: self.normals.clone(),
-                tangents: self.tangents.clone(),
-            };
+        if let Some(mut deformation) = self.deformation.take() {
+            let own = Arc::make_mut(&mut deformation);
+            own.bind = Vertices::of_mesh(self, &own.targets);
+            self.deformation = Some(deformation);
         }
     }
 
@@ -155,6 +181,12 @@ impl Mesh {
         mem::swap(&mut self.positions, &mut bind.positions);
         mem::swap(&mut self.normals, &mut bind.normals);
         mem::swap(&mut self.tangents, &mut bind.tangents);
+        if !bind.uv0.is_empty() {
+            mem::swap(&mut self.uv0, &mut bind.uv0);
+        }
+        if !bind.colors.is_empty() {
+            mem::swap(&mut self.colors, &mut bind.colors);
+        }
         self.deformation = Some(deformation);
     }
 
@@ -209,13 +241,18 @@ impl Deformation {
             if weight == 0.0 {
                 continue;
             }
-            let add = |to: &mut [Vec3], offsets: &[Vec3]| {
+            fn add<T>(to: &mut [T], offsets: &[T], weight: f32)
+            where
+                T: Copy + AddAssign + Mul<f32, Output = T>,
+            {
                 for (value, offset) in to.iter_mut().zip(offsets) {
                     *value += *offset * weight;
                 }
-            };
-            add(&mut vertices.positions, &target.positions);
-            add(&mut vertices.normals, &target.normals);
+            }
+            add(&mut vertices.positions, &target.positions, weight);
+            add(&mut vertices.normals, &target.normals, weight);
+            add(&mut vertices.uv0, &target.uv0, weight);
+            add(&mut vertices.colors, &target.colors, weight);
             for (tangent, offset) in vertices.tangents.iter_mut().zip(&target.tangents) {
                 *tangent += (*offset * weight).extend(0.0);
             }
@@ -280,6 +317,8 @@ impl Deformation {
         pick(&mut self.bind.positions, order);
         pick(&mut self.bind.normals, order);
         pick(&mut self.bind.tangents, order);
+        pick(&mut self.bind.uv0, order);
+        pick(&mut self.bind.colors, order);
         if let Some(scripted) = &mut self.scripted {
             pick(&mut scripted.written, order);
         }
@@ -287,6 +326,8 @@ impl Deformation {
             pick(&mut target.positions, order);
             pick(&mut target.normals, order);
             pick(&mut target.tangents, order);
+            pick(&mut target.uv0, order);
+            pick(&mut target.colors, order);
         }
         for set in &mut self.influences {
             pick(set, order);

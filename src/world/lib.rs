@@ -150,6 +150,10 @@ pub struct Posed<'a> {
     pub normals: &'a [Vec3],
     /// Posed [`Mesh::tangents`].
     pub tangents: &'a [Vec4],
+    /// Posed [`Mesh::uv0`]; empty where they do not move.
+    pub uv0: &'a [Vec2],
+    /// Posed [`Mesh::colors`]; empty where they do not move.
+    pub colors: &'a [Vec4],
     /// Bounds of the positions.
     pub bounds: Bounds,
 }
@@ -192,6 +196,8 @@ impl Mesh {
             positions: &self.positions,
             normals: &self.normals,
             tangents: &self.tangents,
+            uv0: &[],
+            colors: &[],
             bounds: self.bounds,
         }
     }

@@ -5,7 +5,8 @@ use reflet::scene::desc::TimelineDesc;
 
 use crate::kit::*;
 
-/// A triangle with two morph targets: the third corner up by 2, and all corners towards the viewer.
+/// A triangle with two morph targets: the third corner up by 2 as all become red and their coordinates move, and all
+/// corners towards the viewer.
 fn morphed() -> Doc {
     let mut doc = Doc::triangle();
     let up = doc.floats("VEC3", &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0]);
@@ -13,10 +14,14 @@ fn morphed() -> Doc {
     let normals = doc.floats("VEC3", &[0.0, 0.0, 1.0].repeat(3));
     let tipped = doc.floats("VEC3", &[1.0, 0.0, 0.0].repeat(3));
     doc.attribute("NORMAL", normals);
-    doc.primitive(
-        "targets",
-        json!([{"POSITION": up, "NORMAL": tipped}, {"POSITION": near}]),
-    );
+    let red = doc.floats("VEC3", &[1.0, 0.0, 0.0].repeat(3));
+    let black = doc.accessor("VEC4", 5121, 3, &[0, 0, 0, 255].repeat(3));
+    doc.json["accessors"][black]["normalized"] = true.into();
+    let uv = doc.floats("VEC2", &[0.25, 0.5].repeat(3));
+    doc.attribute("COLOR_0", black);
+    doc.attribute("TEXCOORD_0", uv);
+    let first = json!({"POSITION": up, "NORMAL": tipped, "COLOR_0": red, "TEXCOORD_0": uv});
+    doc.primitive("targets", json!([first, {"POSITION": near}]));
     doc
 }
 
@@ -37,6 +42,8 @@ fn morph_targets_have_their_weights_at_rest() {
     assert_eq!(corners(&world, 0)[2], Vec3::new(0.0, 2.0, 0.0));
     let normal = Vec3::new(0.5, 0.0, 1.0).normalize();
     assert!(world.meshes[0].normals[0].distance(normal) < 1e-6);
+    assert_eq!(world.meshes[0].colors[2], Vec4::new(0.5, 0.0, 0.0, 1.0));
+    assert_eq!(world.meshes[0].uv0[2], Vec2::new(0.375, 0.75));
     assert!(warnings(&world).is_empty());
     // A node's weights override the mesh's; another node shows the mesh with the mesh's own.
     doc.json["nodes"][0]["weights"] = json!([0, 2]);
@@ -98,6 +105,9 @@ fn animated_weights_begin_with_the_first_frame() {
             corners(&world, 0)[2].distance(expected) < 1e-6,
             "frame {start}"
         );
+        let (red, posed) = (1.0 - 0.05 * start as f32, world.posed(0));
+        assert_eq!(posed.colors[2], Vec4::new(red, 0.0, 0.0, 1.0));
+        assert_eq!(posed.uv0[2], Vec2::new(0.25, 0.5) * (1.0 + red));
         assert!(warnings(&world).is_empty());
         assert_eq!(world.animations[0].duration_s, 2.0);
     }

@@ -11,7 +11,7 @@ pub use crate::{
     common::{Random, assert_says, cases, folder::Folder},
     work::Most,
 };
-pub use glam::{Quat, Vec3};
+pub use glam::{Quat, Vec2, Vec3, Vec4};
 pub use reflet::{
     scene::{
         desc::{AnimationDesc, InstanceDesc, SceneDesc},

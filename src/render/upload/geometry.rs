@@ -153,11 +153,13 @@ fn vertex(mesh: &Mesh, posed: &Posed<'_>, i: usize) -> GpuVertex {
         .get(i)
         .copied()
         .unwrap_or(Vec4::new(1.0, 0.0, 0.0, 1.0));
-    let color = mesh.colors.get(i).copied().unwrap_or(Vec4::ONE);
+    let color = posed.colors.get(i).or(mesh.colors.get(i));
+    let color = color.copied().unwrap_or(Vec4::ONE);
+    let uv = posed.uv0.get(i).or(mesh.uv0.get(i));
     GpuVertex {
         position: posed.positions[i].to_array(),
         normal: pack_unit(posed.normals.get(i).copied().unwrap_or(Vec3::Z)),
-        uv: mesh.uv0.get(i).copied().unwrap_or_default().to_array(),
+        uv: uv.copied().unwrap_or_default().to_array(),
         tangent: pack_unit(tangent.truncate()) & !1 | u32::from(tangent.w >= 0.0),
         color: u32::from_le_bytes(
             color

@@ -54,7 +54,7 @@ impl ScriptedVertices {
         let mut vertices = Vertices {
             positions: gather(&written),
             normals: normals.map(|(n, bind)| n.normalize_or(*bind)).collect(),
-            tangents: Vec::new(),
+            ..Vertices::default()
         };
         if let (Some(uv), false) = (&self.tangents_from, bind.tangents.is_empty()) {
             let posed = [vertices.positions.as_slice(), &vertices.normals];

@@ -35,7 +35,7 @@ pub fn least_bytes(context: &Context<'_>) -> u64 {
     let used = named.filter(|(name, _)| is_read(context, name));
     let targets = morph::used(context).into_iter();
     let offsets = targets.flat_map(|target| &primitive.targets[target]);
-    let offsets = offsets.filter(|(name, _)| morph::READ.contains(&name.as_str()));
+    let offsets = offsets.filter(|(name, _)| morph::is_read(context, name));
     let arrays = used.chain(offsets).map(|(_, &i)| attributes.bytes(i));
     [
         index_bytes,

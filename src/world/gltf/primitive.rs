@@ -59,6 +59,13 @@ pub fn build(
     };
     check_reach(&mesh.positions)?;
     read_attributes(&context, &mut mesh)?;
+    let what = "morphs of a second set of texture coordinates, or of colors or coordinates that the mesh lacks, are left out";
+    notes.add(
+        "morph-left-out",
+        morph::left_out(&context),
+        what,
+        &mesh.name,
+    );
     if !has_faces(primitive) {
         pose_at_rest(&context, deformation(&context)?, &mut mesh);
         wire::build(&mut mesh, mode, &corners, data)?;
@@ -106,7 +113,7 @@ fn deformation(context: &Context<'_>) -> Result<Deformation, Fault> {
 fn pose_at_rest(context: &Context<'_>, mut deformation: Deformation, mesh: &mut Mesh) {
     if !deformation.is_empty() {
         let joints = context.pose.unwrap_or_default();
-        deformation.bind = Vertices::take(mesh);
+        deformation.bind = Vertices::of_mesh(mesh, &deformation.targets);
         mesh.set_vertices(deformation.pose(&[], context.weights, joints));
     }
 }
