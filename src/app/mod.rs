@@ -3,14 +3,9 @@
 use std::{
     ffi::OsString,
     io::{self, Write as _},
-    path::Path,
-    process,
 };
 
-use clap::{
-    Parser as _,
-    error::{ContextKind, ContextValue, ErrorKind},
-};
+use clap::Parser as _;
 
 use crate::{
     app::compare::{CompareArgs, compare},
@@ -57,6 +52,7 @@ pub mod shutdown;
 pub mod size_arg;
 pub mod stats;
 #[cfg(any(feature = "window", feature = "serve"))]
+pub mod usage;
 pub mod viewed_scene;
 pub mod watch;
 
@@ -72,13 +68,7 @@ const NO_WINDOW: &str = "this build of Reflet has no window; build it without `-
 /// # Errors
 /// Error of the command.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError> {
-    let cli = Cli::try_parse_from(arguments).unwrap_or_else(|error| match command_for(&error) {
-        Some(help) => {
-            reflet_base::error_line!("{error}\n{help}");
-            process::exit(error.exit_code())
-        }
-        None => error.exit(),
-    });
+    let cli = Cli::try_parse_from(arguments).unwrap_or_else(|error| usage::exit(error));
     match cli.command {
         Command::Render(args) if args.watch => watch::follow(&args),
         Command::Render(args) => render::render(&args),
@@ -108,17 +98,6 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
         Command::Completions { shell } => print_out(&shell::completions(shell)),
         Command::Man { command } => print_out(&shell::man_page(&command)?),
     }
-}
-
-/// Commands to name where a file stands in place of a command.
-fn command_for(error: &clap::Error) -> Option<String> {
-    let Some(ContextValue::String(file)) = error.get(ContextKind::InvalidSubcommand) else {
-        return None;
-    };
-    let is_file = error.kind() == ErrorKind::InvalidSubcommand && Path::new(file).is_file();
-    is_file.then(|| {
-        format!("`{file}` is a file: `reflet render {file} -o picture.png` renders it, `reflet preview {file}` shows it")
-    })
 }
 
 fn run_compare(args: &CompareArgs) -> Result<(), AppError> {

@@ -18,7 +18,7 @@ use crate::{
     output::{picture_file::PictureFile, stats::ReportContext, writable::inputs},
     render::picture::aov::Aov,
     runtime::scene_text::LoadedScene,
-    scene::{dependencies::Dependencies, diagnostic::print_diagnostics},
+    scene::{dependencies::Dependencies, diagnostic::print_diagnostics, suggest},
     world::World,
 };
 
@@ -204,7 +204,12 @@ pub fn choose_aovs(names: &[String], world: &World) -> Result<Vec<Aov>, AppError
 
 fn no_such_aov(name: &str, world: &World) -> AppError {
     let known = Aov::names_in(world).join(", ");
-    AppError::Usage(format!("--aov {name}: no such AOV; choose from {known}"))
+    let names = Aov::names_in(world);
+    let meant = suggest::nearest(name.trim(), names.iter().map(String::as_str));
+    let meant = meant.map_or_else(String::new, |meant| format!("did you mean {meant}? "));
+    AppError::Usage(format!(
+        "--aov {name}: no such AOV; {meant}choose from {known}"
+    ))
 }
 
 /// Flags for scene values as overrides; they win over `--set`.

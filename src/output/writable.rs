@@ -18,8 +18,9 @@ pub fn check_writable(path: &Goal, inputs: &Inputs) -> Result<(), OutputError> {
     let folder = folder_of(path);
     if !folder.is_dir() {
         return Err(OutputError::Usage(format!(
-            "--output {}: there is no folder {}; create it first",
+            "--output {}: there is no folder {}; create it first: `mkdir -p {}`",
             path.display(),
+            folder.display(),
             folder.display()
         )));
     }

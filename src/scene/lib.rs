@@ -21,7 +21,7 @@ pub mod reach;
 pub mod schema;
 pub mod script;
 pub mod stages;
-mod suggest;
+pub mod suggest;
 pub mod svg_path;
 pub mod syntax;
 pub mod table;

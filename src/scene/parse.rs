@@ -33,6 +33,7 @@ use super::{
     desc::{ProjectDesc, SceneDesc},
     diagnostic::{Diagnostic, Span},
     reach::Border,
+    suggest,
 };
 
 /// Largest scene file, bytes. Geometry belongs in glTF files.
@@ -82,13 +83,27 @@ pub fn read(path: &Path) -> Result<String, Vec<Diagnostic>> {
             Diagnostic::in_file("unreadable-file", path, format!("cannot be read: {e}"));
         if e.kind() == std::io::ErrorKind::NotFound {
             error.message = "the scene file does not exist".into();
-            error.help = Some("check the path; it starts from the folder you are in".into());
+            let typed = path.file_name().unwrap_or_default().to_string_lossy();
+            let names = scenes_in(path.parent().unwrap_or(Path::new("")));
+            let meant = suggest::nearest(&typed, names.iter().map(String::as_str));
+            error.help = Some(meant.map_or_else(
+                || "check the path; it starts from the folder you are in".into(),
+                |meant| format!("did you mean {}?", suggest::text(meant)),
+            ));
         }
         vec![error]
     };
     if path.is_dir() {
         let message = "a folder was given where a scene file is expected";
-        return Err(refuse("unreadable-file", message.into()));
+        let mut error = refuse("unreadable-file", message.into());
+        let names: Vec<_> = (scenes_in(path).into_iter().take(MOST_NAMED))
+            .map(|name| suggest::text(&path.join(name).to_string_lossy()))
+            .collect();
+        error[0].help = Some(match names.is_empty() {
+            true => "write the name of a file that ends in `.toml`".to_owned(),
+            false => format!("name one of its files, such as {}", names.join(", ")),
+        });
+        return Err(error);
     }
     let file = open_regular(path, false).map_err(unreadable)?;
     let bytes = read_at_most(&file, MOST_BYTES).map_err(|error| {
@@ -106,8 +121,30 @@ pub fn read(path: &Path) -> Result<String, Vec<Diagnostic>> {
     String::from_utf8(bytes).map_err(|wrong| {
         let message = "a scene must be UTF-8 text, and this byte is not";
         let error = Diagnostic::new("not-utf8", Span::not_utf8(path, &wrong), message);
-        vec![error.help("save the file as UTF-8 in your editor")]
+        let help = match image::guess_format(wrong.as_bytes()) {
+            Ok(_) => "this is a picture: a scene shows it by `base_color_texture` of a material",
+            Err(_) => "save the file as UTF-8 in your editor",
+        };
+        vec![error.help(help)]
     })
+}
+
+/// Largest number of scenes of a folder that a message names.
+const MOST_NAMED: usize = 4;
+
+/// Names of the files of a folder that may be scenes, sorted.
+fn scenes_in(folder: &Path) -> Vec<String> {
+    let folder = if folder == Path::new("") {
+        Path::new(".")
+    } else {
+        folder
+    };
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
+    let is_scene = |name: &String| name.ends_with(".toml") && name != "reflet.toml";
+    let mut names: Vec<_> = names.take(suggest::MOST_NAMES).filter(is_scene).collect();
+    names.sort();
+    names
 }
 
 static SCENE: LazyLock<Vec<SectionRecord>> = LazyLock::new(record::<SceneDesc>);

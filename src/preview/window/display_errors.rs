@@ -22,7 +22,7 @@ pub fn check_display() -> Result<(), WindowError> {
             .any(|name| env::var_os(name).is_some_and(is_set))
     {
         let text = "there is no display: set DISPLAY or WAYLAND_DISPLAY, or use `reflet render`, \
-                    which needs none";
+                    which needs none; `reflet preview SCENE --serve` shows it in a browser";
         return Err(WindowError::Display(text.to_owned()));
     }
     Ok(())
