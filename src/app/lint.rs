@@ -4,8 +4,10 @@
 mod capture;
 mod ignored;
 mod inside;
+mod overlap;
 mod probe;
 mod shadow;
+mod silent;
 mod size;
 mod unused;
 mod view;
@@ -102,6 +104,8 @@ impl<'a> Lint<'a> {
         }
         self.found
             .extend(ignored::lint(self.scene, &start(self.scene)));
+        self.found
+            .extend(silent::lint(self.scene, world, &start(self.scene)));
         self.found.extend(inside::lights(self.scene, world));
         self.found.extend(inside::cameras(self.scene, world));
         self.found.extend(inside::probes(self.scene, world));

@@ -80,7 +80,7 @@ fn materials(scene: &Scene) -> Vec<Diagnostic> {
 }
 
 /// Places and names of these keys in a table of the scene's text, in the order of the text.
-fn written(start: &Span, table: &str, keys: &[&str]) -> Vec<(Span, String)> {
+pub fn written(start: &Span, table: &str, keys: &[&str]) -> Vec<(Span, String)> {
     let find = || {
         let source = start.source.as_ref()?;
         let root = source.syntax().root();

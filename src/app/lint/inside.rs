@@ -150,7 +150,15 @@ fn surface(kind: &LightKind, position: Vec3) -> Vec<Vec3> {
 }
 
 /// Adds the place of an instance to a warning, if its name belongs to an instance or model of the text.
-fn related(warning: Diagnostic, scene: &Scene, instance: &str) -> Diagnostic {
+pub fn related(warning: Diagnostic, scene: &Scene, instance: &str) -> Diagnostic {
+    match place_of(scene, instance) {
+        Some(at) => warning.related(at, format!("\"{instance}\" is here")),
+        None => warning,
+    }
+}
+
+/// Place of the instance or the model of the text that a name in the world belongs to.
+pub fn place_of(scene: &Scene, instance: &str) -> Option<Span> {
     // Names of copies and of parts of files begin with the instance's name.
     let is_own = |name: &str| {
         let rest = instance.strip_prefix(name);
@@ -161,11 +169,7 @@ fn related(warning: Diagnostic, scene: &Scene, instance: &str) -> Diagnostic {
         is_own(name)
     });
     let model = || scene.models.iter().find(|m| is_own(&m.name));
-    let at: Option<Span> = (named.map(|i| i.at.clone())).or_else(|| Some(model()?.at.clone()));
-    match at {
-        Some(at) => warning.related(at, format!("\"{instance}\" is here")),
-        None => warning,
-    }
+    (named.map(|i| i.at.clone())).or_else(|| Some(model()?.at.clone()))
 }
 
 /// Tests whether points are inside of closed instances; remembers which meshes are closed.

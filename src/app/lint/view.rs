@@ -1,5 +1,6 @@
 //! The main camera's picture: empty, black or overexposed, or with reflectors that reflect nothing.
 
+use super::overlap;
 use crate::{
     render::{
         decide::{
@@ -13,7 +14,10 @@ use crate::{
         diagnostic::{Diagnostic, Span},
         stages::Scene,
     },
-    world::{Instance, World, bvh::Trees},
+    world::{
+        Instance, World,
+        bvh::{Ray, RayHit, Trees},
+    },
 };
 use glam::Vec3;
 
@@ -70,15 +74,14 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
         found.push(Diagnostic::new("empty-view", at(), message).help(help));
         return found;
     }
-    found.extend(cut(
-        ViewRays {
-            world,
-            trees,
-            view: &whole,
-        },
-        camera,
-        view.near_m,
-    ));
+    let rays = ViewRays {
+        world,
+        trees,
+        view: &whole,
+    };
+    let hits = rays.hits();
+    found.extend(cut(&hits, camera, view.near_m));
+    found.extend(overlap::lint(scene, &rays, &hits));
     // Automatic exposure adapts to the picture.
     if let Exposure::Ev(ev) = scene.image.exposure_ev {
         found.extend(brightness(&estimate, ev, camera));
@@ -90,11 +93,14 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
 }
 
 /// Warning about a near plane that cuts away a part of the hits of a camera without one.
-fn cut(rays: ViewRays, camera: &Entry<CameraDesc>, near_m: f32) -> Option<Diagnostic> {
-    let depths = rays.depths();
-    let met = depths.iter().flatten().map(|depth_m| *depth_m as f32);
+fn cut(
+    hits: &[Option<(Ray, RayHit)>],
+    camera: &Entry<CameraDesc>,
+    near_m: f32,
+) -> Option<Diagnostic> {
+    let met = hits.iter().flatten().map(|(_, hit)| hit.t as f32);
     let cut: Vec<f32> = met.filter(|depth_m| *depth_m < near_m).collect();
-    let share = cut.len() as f32 / depths.len() as f32;
+    let share = cut.len() as f32 / hits.len() as f32;
     (share >= LEAST_CUT).then(|| {
         let percent = (share * 100.0).round();
         let name = &camera.name;

@@ -58,11 +58,13 @@ impl ViewRays<'_> {
         }
     }
 
-    /// Depth of the nearest surface at each of [`places`], meters; `None` where there is none.
-    pub fn depths(&self) -> Vec<Option<f64>> {
-        let nearest = |place| self.trees.nearest(&self.primary(place), |_, _, _| true);
-        let depth = |place| Some(nearest(place)?.t);
-        places().map(depth).collect()
+    /// The ray and the nearest hit at each of [`places`]; its `t` is the depth in meters. `None` where there is none.
+    pub fn hits(&self) -> Vec<Option<(Ray, RayHit)>> {
+        let hit = |place| {
+            let ray = self.primary(place);
+            Some((ray, self.trees.nearest(&ray, |_, _, _| true)?))
+        };
+        places().map(hit).collect()
     }
 
     /// The surface point of a hit along `direction`; its normal faces the ray.

@@ -1,0 +1,107 @@
+//! Surfaces that lie in each other, so that rounding decides which of the two is seen.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+
+use super::inside::{place_of, related};
+use crate::{
+    math::in_f64,
+    render::decide::view_rays::ViewRays,
+    scene::{diagnostic::Diagnostic, stages::Scene},
+    world::bvh::{Ray, RayHit},
+};
+
+/// Largest distance of two surfaces that count as one, as a share of the coordinates: some steps of a 32-bit float.
+const NEAR: f64 = 1e-6;
+/// Least cosine between the normals of two such surfaces.
+const PARALLEL: f64 = 0.9999;
+/// Largest number of triangles at a point that are compared with its surface.
+const MOST_COMPARED: usize = 20_000;
+/// Least number of rays that must meet two surfaces at once.
+const FEWEST: usize = 4;
+
+/// Warnings about pairs of instances of different materials whose surfaces coincide where these hits of a view are.
+pub fn lint(scene: &Scene, rays: &ViewRays, hits: &[Option<(Ray, RayHit)>]) -> Vec<Diagnostic> {
+    let mut counts: BTreeMap<[usize; 2], usize> = BTreeMap::new();
+    for (ray, hit) in hits.iter().flatten() {
+        if let Some(second) = second(rays, hit, ray.direction) {
+            let first = hit.instance as usize;
+            *counts
+                .entry([first.min(second), first.max(second)])
+                .or_default() += 1;
+        }
+    }
+    let found = counts.into_iter().filter(|(_, count)| *count >= FEWEST);
+    let found = found.map(|(pair, _)| {
+        let [a, b] = pair.map(|i| rays.world.instances[i].name.as_str());
+        let message =
+            format!("surfaces of \"{a}\" and \"{b}\" are in one place, so that spots of both show");
+        let help = format!(
+            "move one of them by 0.001 m or more, such as by its `translation`, or remove \"{b}\""
+        );
+        let at = place_of(scene, b).unwrap_or_default();
+        related(
+            Diagnostic::new("same-place", at, message).help(help),
+            scene,
+            a,
+        )
+    });
+    found.collect()
+}
+
+/// Another instance, of another material, whose surface is where a ray meets the surface of the first.
+fn second(rays: &ViewRays, hit: &RayHit, direction: DVec3) -> Option<usize> {
+    let world = rays.world;
+    let point = rays.point(hit, direction);
+    let first = &world.instances[point.instance];
+    let (_, normal) = plane(rays, point.instance, hit.triangle)?;
+    let near = point.position.abs().max_element().max(1e-3) * NEAR;
+    let mut compared = 0;
+    world
+        .instances
+        .iter()
+        .enumerate()
+        .position(|(index, other)| {
+            let mesh = &world.meshes[other.mesh];
+            let bounds = world.bounds_of(other);
+            let is_candidate = index != point.instance
+                && other.material != first.material
+                && other.shown.visible
+                && mesh.capsule_radius_m.is_none()
+                && bounds.min.as_dvec3().cmple(point.position + near).all()
+                && bounds.max.as_dvec3().cmpge(point.position - near).all();
+            if !is_candidate {
+                return false;
+            }
+            compared += mesh.triangles.len();
+            compared <= MOST_COMPARED
+                && (0..mesh.triangles.len() as u32).any(|triangle| {
+                    plane(rays, index, triangle).is_some_and(|(corners, other)| {
+                        let distance = (point.position - corners[0]).dot(other);
+                        let is_inside = (0..3).all(|i| {
+                            let (a, b) = (corners[i], corners[(i + 1) % 3]);
+                            (b - a).cross(point.position - a).dot(other) >= -near * a.distance(b)
+                        });
+                        other.dot(normal) > PARALLEL && distance.abs() <= near && is_inside
+                    })
+                })
+        })
+}
+
+/// Corners of a triangle in world space, and its unit normal.
+fn plane(rays: &ViewRays, instance: usize, triangle: u32) -> Option<([DVec3; 3], DVec3)> {
+    let world = rays.world;
+    let instance = &world.instances[instance];
+    let mesh = &world.meshes[instance.mesh];
+    if mesh.capsule_radius_m.is_some() {
+        return None;
+    }
+    let to_world = in_f64(&instance.world_from_object);
+    let corners = world
+        .posed(instance.mesh)
+        .corners(mesh.triangles[triangle as usize]);
+    let corners = corners.map(|corner| to_world.transform_point3(corner.as_dvec3()));
+    let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+    Some((corners, normal.try_normalize()?))
+}

@@ -1,0 +1,252 @@
+//! Settings that a scene may have, whose effect is grain, or not to be seen at all.
+
+use std::collections::HashSet;
+
+use super::ignored::written;
+use crate::{
+    scene::{
+        desc::{LightKind, ModelSource, Samples, ShapeDesc},
+        diagnostic::{Diagnostic, Span},
+        stages::Scene,
+        syntax::{Content, Entries, Node},
+    },
+    world::{Material, World},
+};
+
+/// Least height that a unit direction of a sun rises by, from which on its light counts as coming from below.
+const RISING: f32 = 0.1;
+
+/// Warnings about such settings of the scene's text; `start` is a span in that text.
+pub fn lint(scene: &Scene, world: &World, start: &Span) -> Vec<Diagnostic> {
+    let mut found = grain(scene, start);
+    found.extend(suns(scene));
+    found.extend(clear(scene));
+    found.extend(open_solids(scene, world));
+    found.extend(emitters(scene, world));
+    found.extend(late_keys(scene, start));
+    found.extend(unseen_cameras(scene));
+    found
+}
+
+fn warning(name: &'static str, at: &Span, message: String, help: &str) -> Diagnostic {
+    Diagnostic::new(name, at.clone(), message).help(help)
+}
+
+/// Lenses and shutters that are open for a picture of one sample.
+fn grain(scene: &Scene, start: &Span) -> Vec<Diagnostic> {
+    if scene.image.samples != Samples::Count(1) {
+        return Vec::new();
+    }
+    let help = "write `samples = 64` in `[image]`; it is 1";
+    let moving = scene.image.shutter > 0.0 && !scene.is_still();
+    let lens = scene.cameras.iter().find(|c| c.value.aperture_f.is_some());
+    let shutter = written(start, "image", &["shutter"]).into_iter().next();
+    let (what, at) = match (shutter.filter(|_| moving), lens) {
+        (Some((at, _)), _) => ("the shutter".to_owned(), at),
+        (None, Some(camera)) => (
+            format!("the lens of camera \"{}\"", camera.name),
+            camera.at.clone(),
+        ),
+        (None, None) => return Vec::new(),
+    };
+    let message = format!("{what} is open, and with 1 sample its blur is grain");
+    vec![warning("one-sample", &at, message, help)]
+}
+
+/// Directional lights that shine upward.
+fn suns(scene: &Scene) -> impl Iterator<Item = Diagnostic> {
+    scene.lights.iter().filter_map(|light| {
+        let LightKind::Directional { direction, .. } = light.value.kind else {
+            return None;
+        };
+        let direction = direction.normalize_or_zero();
+        (direction.y > RISING).then(|| {
+            let message = format!(
+                "light \"{}\" shines upward, from below the ground: Y points up",
+                light.name
+            );
+            let [x, y, z] = direction.to_array().map(|c| rounded(c.into()));
+            let help = format!(
+                "write `direction = [{x}, {}, {z}]`; a direction of a program where Z points up is here [x, z, -y]",
+                -y
+            );
+            warning("light-from-below", &light.at, message, &help)
+        })
+    })
+}
+
+/// Materials with an index of refraction, but no color and no way for light through them.
+fn clear(scene: &Scene) -> impl Iterator<Item = Diagnostic> {
+    scene.materials.iter().filter_map(|entry| {
+        let it = &entry.value;
+        let is_plain =
+            it.base_color.is_none() && it.base_color_texture.is_none() && it.patterned.is_empty();
+        let is_white = is_plain && it.checker.is_none() && it.metallic.is_none();
+        (it.ior.is_some() && it.transmission.is_none() && is_white).then(|| {
+            let message = format!(
+                "material \"{}\" has an `ior`, but no light passes through it: it is white",
+                entry.name
+            );
+            warning(
+                "opaque-ior",
+                &entry.at,
+                message,
+                "write `transmission = 1` for glass or water",
+            )
+        })
+    })
+}
+
+/// Solids that light passes through, of shapes with an open rim, at which no light enters or leaves.
+fn open_solids(scene: &Scene, world: &World) -> Vec<Diagnostic> {
+    let turned = scene
+        .models
+        .iter()
+        .filter(|model| match &model.value.source {
+            ModelSource::Shape(shape) => {
+                matches!(shape, ShapeDesc::Lathe { .. } | ShapeDesc::Sweep { .. })
+            }
+            ModelSource::File(_) => false,
+        });
+    let found = turned.filter_map(|model| {
+        let of_model = scene.instances.iter().position(|i| i.model.value == model.name)?;
+        let name = scene.instances[of_model].name.as_deref().unwrap_or(&model.name);
+        let instance = world.instances.iter().find(|i| i.name == name)?;
+        let material = &world.materials[instance.material];
+        let is_open = !world.meshes[instance.mesh].is_closed_outward();
+        (is_open && material.solid).then(|| {
+            let message = format!(
+                "material \"{}\" makes \"{name}\" solid by its `thickness_m`, but the shape is open at its rim",
+                material.name
+            );
+            let help = "close the shape, as by points up the outside and down the inside of a cup, or write \
+                        `thickness_m = 0` for a thin sheet";
+            warning("open-solid", &model.at, message, help)
+        })
+    });
+    found.collect()
+}
+
+/// Materials with emission that light nothing, in a scene without another light.
+fn emitters(scene: &Scene, world: &World) -> Vec<Diagnostic> {
+    let shines = |m: &Material| m.emission.max_element() > 0.0;
+    let materials = world.instances.iter().map(|i| &world.materials[i.material]);
+    let all: Vec<&Material> = materials.collect();
+    let is_lit = !world.environment.is_black()
+        || world.all_lights().next().is_some()
+        || all.iter().any(|m| shines(m) && m.light)
+        || all.iter().all(|m| shines(m) || m.numbers.metallic >= 1.0);
+    let names: HashSet<&str> = (all.iter().filter(|m| shines(m)))
+        .map(|m| m.name.as_str())
+        .collect();
+    let entries = scene
+        .materials
+        .iter()
+        .filter(|m| !is_lit && names.contains(m.name.as_str()));
+    let found = entries.map(|entry| {
+        let message = format!(
+            "material \"{}\" emits light that lights nothing, and there is no other light",
+            entry.name
+        );
+        warning(
+            "dark-emission",
+            &entry.at,
+            message,
+            "write `light = true` in it",
+        )
+    });
+    found.collect()
+}
+
+/// Keys of motion that have no part in the timeline, because the key before is after its end too, or that are at more
+/// than twice its length, as numbers of frames are.
+fn late_keys(scene: &Scene, start: &Span) -> Vec<Diagnostic> {
+    let (Some(timeline), Some(source)) = (&scene.timeline, &start.source) else {
+        return Vec::new();
+    };
+    let (end, fps) = (f64::from(timeline.end), f64::from(timeline.fps));
+    let end_s = end / fps;
+    let mut found = Vec::new();
+    let root = source.syntax().root();
+    if let Some(motion) = root
+        .get("motion")
+        .and_then(|node| node.get_ref().as_table())
+    {
+        each_keys(motion, &mut |keys| {
+            let times: Vec<_> = keys.iter().filter_map(time_of).collect();
+            let is_late = |pair: &&[(f64, &Node)]| pair[0].0 >= end_s || pair[1].0 > 2.0 * end_s;
+            let Some([_, (at_s, node)]) = times.windows(2).find(is_late) else {
+                return;
+            };
+            let message = format!(
+                "this key is at {at_s} s, and the timeline ends at {} s, with frame {end}",
+                rounded(end_s)
+            );
+            let help = format!(
+                "write `end = {}` in `[timeline]`, or, if frame {at_s} was meant, `at_s = {}`",
+                (at_s * fps).ceil(),
+                rounded(at_s / fps)
+            );
+            let at = Span {
+                source: Some(source.clone()),
+                range: node.span(),
+            };
+            found.push(warning("late-key", &at, message, &help));
+        });
+    }
+    found
+}
+
+/// A number with three digits behind the point.
+fn rounded(x: f64) -> f64 {
+    (x * 1e3).round() / 1e3 + 0.0
+}
+
+/// Calls a function with each list `keys` of tables of motion.
+fn each_keys(table: &Entries, visit: &mut impl FnMut(&[Node])) {
+    for (key, node) in table {
+        if let Some(inner) = node.get_ref().as_table() {
+            each_keys(inner, visit);
+        } else if key.get_ref() == "keys" {
+            visit(node.get_ref().as_array().map_or(&[], Vec::as_slice));
+        }
+    }
+}
+
+/// Time of a key of motion, s, with its place.
+fn time_of(key: &Node) -> Option<(f64, &Node)> {
+    let node = key.get_ref().as_table()?.get("at_s")?;
+    let at_s = match node.get_ref() {
+        Content::Integer(at_s) => at_s.value()? as f64,
+        Content::Float(at_s) => at_s.value()?,
+        _ => return None,
+    };
+    Some((at_s, node))
+}
+
+/// Cameras that move and that no frame shows.
+fn unseen_cameras(scene: &Scene) -> Vec<Diagnostic> {
+    let cuts: Vec<&str> = scene
+        .cuts
+        .iter()
+        .map(|cut| cut.camera.value.as_str())
+        .collect();
+    let mut cameras = scene.cameras.iter().map(|camera| camera.name.as_str());
+    let main = cameras
+        .clone()
+        .find(|name| *name == "main")
+        .or_else(|| cameras.next());
+    let is_shown = |name: &str| cuts.contains(&name) || main == Some(name);
+    let moved = scene
+        .motion
+        .cameras
+        .iter()
+        .filter(|moved| !is_shown(&moved.name));
+    let found = moved.map(|moved| {
+        let (name, shown) = (&moved.name, main.unwrap_or_default());
+        let message = format!("camera \"{name}\" moves, and no frame shows it: the film is of \"{shown}\"");
+        let help = format!("write `cuts = [{{ frame = 0, camera = \"{name}\" }}]` in `[timeline]`, or render it by `--camera {name}`");
+        warning("unseen-camera", &moved.at, message, &help)
+    });
+    found.collect()
+}
