@@ -145,7 +145,17 @@ fn read_in(
     let shown = suggest::text(file);
     let relative = Path::new(file);
     let path = folder.join(relative);
-    let missing = |what: &str| Problem::new(format!("\"{}\" {what}", path.display()), kind.names);
+    let names = match file {
+        _ if file.contains(['{', '\n']) => {
+            "this is a text itself: write it into a file of its own, and here the name of that file, such as \
+             \"scene.rhai\""
+        }
+        _ if file.contains('*') => {
+            "patterns of names are not expanded: write each name, as in `[\"a.toml\", \"b.toml\"]`"
+        }
+        _ => kind.names,
+    };
+    let missing = |what: &str| Problem::new(format!("\"{}\" {what}", path.display()), names);
     let plain = relative
         .components()
         .all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
@@ -174,7 +184,7 @@ fn read_in(
             is_missing: true,
             help: match similar(folder, relative) {
                 Some(name) => format!("it is there as \"{}\"", name.display()),
-                None => kind.names.to_owned(),
+                None => names.to_owned(),
             },
             ..missing("does not exist")
         },

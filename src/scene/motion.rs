@@ -373,7 +373,9 @@ impl<'a> Motion<'a> {
         let frame = state.frame;
         let mut errors = Vec::new();
         let mut refuse = |at: &Span, message: String| {
-            errors.push(Diagnostic::new("bad-pose", at.clone(), message));
+            let help = "let the point that it looks at move too, or lead it around that point, as in \
+                        `eye = { orbit = { center = [0, 1, 0], period_s = 8 } }`";
+            errors.push(Diagnostic::new("bad-pose", at.clone(), message).help(help));
         };
         for Moved { index, at, .. } in &self.cameras {
             if let Some(wrong) = wrong_with_camera(&state.cameras[*index]) {

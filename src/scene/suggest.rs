@@ -11,7 +11,7 @@ mod absent;
 mod kinds;
 
 pub use absent::{absent, absent_key};
-pub use kinds::{absent_of_kind, example, key_of_advice};
+pub use kinds::{absent_of_kind, example, example_of, key_of_advice};
 
 /// Advice for words of other programs.
 struct Advice {
@@ -45,6 +45,7 @@ const SYNONYMS: &[(&str, &[&str])] = &[
     ("bump", &["normal_texture"]),
     ("circle", &["disk"]),
     ("color", &["base_color", "colors", "emission"]),
+    ("constant", &["step"]),
     ("cube", &["box"]),
     ("cuboid", &["box"]),
     ("diffuse", &["base_color"]),
@@ -63,6 +64,7 @@ const SYNONYMS: &[(&str, &[&str])] = &[
     ("ground", &["plane"]),
     ("hdri", &["environment", "file"]),
     ("hide", &["show"]),
+    ("hold", &["step"]),
     ("image", &["file"]),
     ("import", &["include"]),
     ("intensity", &["intensity_cd", "intensity_lux"]),
@@ -110,7 +112,9 @@ const SYNONYMS: &[(&str, &[&str])] = &[
     ("shapes", &["parts"]),
     ("simplex", &["noise"]),
     ("sky", &["environment", "zenith"]),
+    ("specular_tint", &["specular_color"]),
     ("spin", &["lathe"]),
+    ("spline", &["catmull_rom"]),
     ("spp", &["samples"]),
     ("subtract", &["difference"]),
     ("sun", &["directional"]),

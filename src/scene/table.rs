@@ -11,7 +11,7 @@ pub mod points;
 pub mod report;
 mod rules;
 pub mod value;
-mod value_advice;
+pub mod value_advice;
 mod variants;
 
 use std::ops::Range as Bytes;
@@ -147,6 +147,13 @@ impl Place {
     }
 }
 
+/// A required key that a table lacks, or one of several.
+struct Missing {
+    keys: Vec<&'static str>,
+    message: String,
+    help: String,
+}
+
 /// One table of the tree, being read.
 pub struct Table<'r> {
     /// Report that messages go to.
@@ -156,7 +163,7 @@ pub struct Table<'r> {
     asked: Vec<&'static str>,
     /// Missing required keys, each with advice; reported at the end, unless an unknown key is probably
     /// a misspelling of one.
-    missing: Vec<(&'static str, String)>,
+    missing: Vec<Missing>,
     errors_before: usize,
     notes: Option<&'r mut RecordedKeys>,
 }
@@ -247,6 +254,14 @@ impl<'r> Table<'r> {
         Written(self.report.span(&self.value_at(key)))
     }
 
+    /// Whether the table is written in a variant.
+    fn is_in_layer(&self) -> bool {
+        let at = self.start();
+        let source = at.source.as_ref();
+        let written = source.and_then(|source| source.text.get(at.range.start..));
+        written.is_some_and(|text| text.starts_with("[[variant."))
+    }
+
     /// Range of a key's value, else of the table.
     fn value_at(&self, key: &str) -> Bytes<usize> {
         self.values
@@ -285,12 +300,18 @@ impl<'r> Table<'r> {
             };
             let comma = if range.is_empty() { "" } else { ", " };
             let help = format!("write `{key} = …`, {}{comma}{range}", V::expected());
-            self.missing.push((
-                key,
-                V::example().map_or(help, |e| format!("write `{key} = {e}`")),
-            ));
+            let help = V::example().map_or(help, |e| format!("write `{key} = {e}`"));
+            self.missing.push(self.missing_key(key, help));
         }
         self.plain(key, range)
+    }
+
+    fn missing_key(&self, key: &'static str, help: String) -> Missing {
+        Missing {
+            keys: vec![key],
+            message: format!("`{key}` is missing in {}", self.place.title()),
+            help,
+        }
     }
 
     fn plain<V: Value>(&mut self, key: &str, range: Range) -> Option<V> {
@@ -324,14 +345,23 @@ impl<'r> Table<'r> {
             let absent = absent.or_else(|| suggest::absent_key(name, &self.asked));
             let advised = absent.and_then(suggest::key_of_advice);
             let is_meant = |key: &str| Some(key) == meant || Some(key) == advised;
-            self.missing.retain(|(key, _)| !is_meant(key));
+            self.missing
+                .retain(|missing| !missing.keys.iter().any(|key| is_meant(key)));
             let help = (absent.map(str::to_owned))
                 .or_else(|| self.key_of_the_file(name))
+                .or_else(|| self.key_of_another(name).filter(|_| meant.is_none()))
                 .or_else(|| {
-                    let is_name = self.place.path == "motion" && !self.place.in_list;
-                    is_name.then(|| {
-                        format!("write `[motion.instance.{name}]`, or the table of another kind")
-                    })
+                    match self.place.path.strip_prefix("motion")? {
+                    "" if !self.place.in_list => Some(format!(
+                        "write `[motion.instance.{name}]`, or the table of another kind"
+                    )),
+                    path if path.starts_with(".model.") => Some(
+                        "materials of its file move here; write `[motion.instance.NAME]`, with the \
+                         `name` of an instance"
+                            .to_owned(),
+                    ),
+                    _ => None,
+                }
                 })
                 .unwrap_or_else(|| suggest::hint(name, &self.asked, suggest::key, "its keys are"));
             self.report.error("unknown-key", &key.span(), message).help = Some(help);
@@ -347,6 +377,21 @@ impl<'r> Table<'r> {
                 "{} belongs to the whole file, but TOML gives each line below a header to that table: move this line \
                  above the first header, or begin a table of its own",
                 suggest::key(name)
+            )
+        })
+    }
+
+    /// Help for a key of one or two other kinds of tables that have headers.
+    fn key_of_another(&self, name: &str) -> Option<String> {
+        let has = |s: &&SectionRecord| {
+            s.heading.starts_with('[') && s.keys.iter().any(|k| k.name == name)
+        };
+        let tables: Vec<_> = self.place.all?().iter().filter(has).collect();
+        let titles: Vec<_> = tables.iter().map(|s| suggest::key(s.heading)).collect();
+        (1..3).contains(&titles.len()).then(|| {
+            format!(
+                "it is a key of {}: write it below that header",
+                titles.join(" and of ")
             )
         })
     }
@@ -382,10 +427,16 @@ impl<'r> Table<'r> {
             error.related = removed;
             return;
         }
-        for (key, help) in missing {
-            let message = format!("`{key}` is missing in {title}");
+        let of_layer = name.filter(|_| self.place.in_list && self.is_in_layer());
+        for Missing { message, help, .. } in missing {
             let error = (self.report).error("missing-key", &self.place.at, message);
-            error.help = Some(help);
+            error.help = Some(match of_layer {
+                Some(name) => format!(
+                    "{help}; or give it the name of the one that it changes: none is named {}",
+                    suggest::text(name)
+                ),
+                None => help,
+            });
             error.related.clone_from(&removed);
         }
     }

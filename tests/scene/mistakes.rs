@@ -17,14 +17,17 @@ use crate::{
 };
 
 /// Folders of mistakes, with their headings in docs/mistakes.md.
-const GROUPS: [(&str, &str); 7] = [
+const GROUPS: [(&str, &str); 10] = [
     ("syntax", "TOML"),
     ("values", "Keys and values"),
     ("forms", "Forms of other programs"),
     ("habits", "Habits from other programs"),
     ("shapes", "Shapes, patterns and decals"),
+    ("keys", "Keys that other programs have"),
+    ("files", "Motion, layers and files"),
     ("scripts", "Scripts"),
     ("lint", "Warnings"),
+    ("reported", "Reported by users"),
 ];
 
 /// A mistake, and the program's messages.
@@ -171,13 +174,13 @@ fn line_at<'a>(text: &'a str, place: &str) -> &'a str {
     line.unwrap_or_default().trim()
 }
 
-fn all() -> impl Iterator<Item = &'static Mistake> {
+fn all() -> impl Iterator<Item = &'static Mistake> + Clone {
     MISTAKES.iter().flat_map(|(_, mistakes)| mistakes)
 }
 
-/// Mean score of the messages about all mistakes.
-fn mean_score() -> f64 {
-    f64::from(all().map(Mistake::score).sum::<u32>()) / all().count() as f64
+/// Mean score of the messages about some mistakes.
+fn mean_score<'m>(of: impl Iterator<Item = &'m Mistake> + Clone) -> f64 {
+    f64::from(of.clone().map(Mistake::score).sum::<u32>()) / of.count() as f64
 }
 
 #[test]
@@ -201,7 +204,7 @@ fn each_mistake_gives_one_message_at_its_place_with_advice() {
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n======\n"));
     // None is removed unnoticed.
-    assert!(all().count() >= 190, "{}", all().count());
+    assert!(all().count() >= 345, "{}", all().count());
 }
 
 /// The messages about all mistakes score 2.8 of 3 on average.
@@ -211,12 +214,8 @@ fn messages_say_where_what_and_what_to_write() {
     let lacking: Vec<String> = lacking
         .map(|m| format!("{}: {}", m.score(), m.sentence()))
         .collect();
-    let mean = mean_score();
-    assert!(
-        mean >= 2.8,
-        "mean score {mean:.2} of 3\n{}",
-        lacking.join("\n")
-    );
+    let mean = mean_score(all());
+    assert!(mean >= 2.8, "mean {mean:.2}\n{}", lacking.join("\n"));
 }
 
 const PAGE: &str =
@@ -231,14 +230,13 @@ the text to write. The test counts this, and judges no cure.
 
 /// The page of mistakes, with a table for each group.
 fn page() -> String {
-    let mut page = format!(
-        "{PAGE}The {} mistakes score {:.2} on average.\n",
-        all().count(),
-        mean_score()
-    );
+    let (count, mean) = (all().count(), mean_score(all()));
+    let mut page = format!("{PAGE}The {count} mistakes score {mean:.2} on average.\n");
     for (title, mistakes) in &*MISTAKES {
-        page +=
-            &format!("\n## {title}\n\n| mistake | line | message | score |\n|---|---|---|---|\n");
+        let mean = mean_score(mistakes.iter());
+        page += &format!(
+            "\n## {title}\n\nOn average {mean:.2}.\n\n| mistake | line | message | score |\n|---|---|---|---|\n"
+        );
         page.extend(mistakes.iter().map(Mistake::row));
     }
     page

@@ -6,6 +6,7 @@ use std::{
     ops::Range,
 };
 
+use super::entry_kinds::named_elsewhere;
 use crate::syntax::{Entries, Node};
 use crate::table::report::Report;
 use crate::{
@@ -67,7 +68,8 @@ pub fn check(root: &Entries, report: &mut Report) {
     let hung = hung.chain(others.filter_map(|(_, _, table)| named(table)));
     for (parent, at) in hung {
         if !nodes.contains_key(parent) {
-            refuse_dangling(parent, &at, &nodes, report);
+            let elsewhere = named_elsewhere(root, parent);
+            refuse_dangling(parent, &elsewhere, &at, &nodes, report);
         }
     }
     refuse_circles(&nodes, report);
@@ -75,6 +77,7 @@ pub fn check(root: &Entries, report: &mut Report) {
 
 fn refuse_dangling<T>(
     parent: &str,
+    elsewhere: &str,
     at: &Range<usize>,
     nodes: &HashMap<&str, T>,
     report: &mut Report,
@@ -88,7 +91,9 @@ fn refuse_dangling<T>(
     let help = if removed.is_some() {
         "remove `parent`, or name another parent".to_owned()
     } else if nodes.is_empty() {
-        "write `[group.NAME]`, or give an `[[instance]]` a `name`".to_owned()
+        format!("{elsewhere}write `[group.NAME]`, or give an `[[instance]]` a `name`")
+    } else if !elsewhere.is_empty() {
+        format!("{elsewhere}write `[group.NAME]`, and its name as `parent` of both")
     } else {
         let mut known: Vec<&str> = nodes.keys().copied().collect();
         known.sort_unstable();

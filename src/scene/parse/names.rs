@@ -5,7 +5,7 @@ use std::{
     ops::Range,
 };
 
-use super::{extends, hierarchy};
+use super::{entry_kinds::named_elsewhere, extends, hierarchy};
 use crate::suggest;
 use crate::syntax::Entries;
 use crate::table::report::Report;
@@ -23,6 +23,7 @@ struct Names<'a> {
     places: HashMap<&'a str, Range<usize>>,
     /// The first names in the order of the file, for suggestions.
     first: Vec<&'a str>,
+    root: &'a Entries,
     used: HashSet<&'a str>,
 }
 
@@ -43,6 +44,7 @@ impl<'a> Names<'a> {
             kind,
             places,
             first,
+            root,
             used: HashSet::new(),
         }
     }
@@ -60,14 +62,13 @@ impl<'a> Names<'a> {
         let message = format!("no {kind} is named {name}");
         let mut error = Diagnostic::new("dangling-name", to.at.clone(), message);
         if !report.is_full() {
-            if self.first.is_empty() {
-                error.help = Some(format!(
-                    "write a table `[{kind}.NAME]` and refer to its name"
-                ));
+            let help = if self.first.is_empty() {
+                format!("write a table `[{kind}.NAME]` and refer to its name")
             } else {
                 let lead = format!("the {kind}s are");
-                error.help = Some(suggest::hint(&to.value, &self.first, suggest::text, &lead));
-            }
+                suggest::hint(&to.value, &self.first, suggest::text, &lead)
+            };
+            error.help = Some(format!("{}{help}", named_elsewhere(self.root, &to.value)));
             if let Some(meant) = suggest::nearest(&to.value, self.first.iter().copied()) {
                 let note = format!("{} is defined here", suggest::text(meant));
                 error.related = Some((report.span(&self.places[meant]).shown(), note));

@@ -1,5 +1,6 @@
 //! Syntax errors of a text as messages, and the parts of the text that they make doubtful.
 
+mod foreign;
 mod mistake;
 mod nesting;
 mod numbers;
@@ -67,6 +68,14 @@ fn errors(source: &Arc<Source>, base: usize, report: &mut Report) -> Vec<Shadow>
         line,
     };
     let mut shadows: Vec<Shadow> = Vec::new();
+    if let Some((at, language, help)) = foreign::language(text).filter(|_| !errors.is_empty()) {
+        let message = format!(
+            "this is {language}, and scenes are written in TOML, beginning with `version = 1`"
+        );
+        let moved = base + at.start..base + at.end;
+        report.error("toml-syntax", &moved, message).help = Some(help.to_owned());
+        return vec![shadow(0..text.len() + 1, 0)];
+    }
     let mut line_end = None;
     let unclosed = unclosed::first(text).filter(|_| !errors.is_empty());
     let (mut doubled, mut is_full) = (0..0, false);
@@ -89,10 +98,20 @@ fn errors(source: &Arc<Source>, base: usize, report: &mut Report) -> Vec<Shadow>
             continue;
         }
         explain(text, base, at.clone(), &error.message, report);
+        let line = text[..start].rfind('\n').map_or(0, |i| i + 1);
         if error.message == "duplicate key" {
             doubled = body_of_header(text, start);
+        } else if error
+            .message
+            .starts_with("invalid basic string, expected `\"`")
+        {
+            doubled = at.start + 1..table_around(text, line).end; // lines of the text that is not closed
+        } else if text[start..].starts_with("/*") {
+            doubled = start + 1
+                ..text[start..]
+                    .find("*/")
+                    .map_or(text.len(), |end| start + end + 2);
         }
-        let line = text[..start].rfind('\n').map_or(0, |i| i + 1);
         shadows.push(shadow(table_around(text, line), line));
     }
     if is_full {

@@ -4,12 +4,12 @@
 use glam::{DVec3, Vec3};
 use rhai::{Dynamic, EvalAltResult, Map};
 
-use super::value::{WrongKey, fail, number, pair, vector};
+use super::value::{WrongKey, fail, fail_with, number, pair, vector};
 use crate::{
     desc::{MATERIAL, MaterialDesc},
     motion::Values,
     number::{Field, Form},
-    range::Range,
+    range::{LIMIT, Range},
     suggest,
 };
 
@@ -98,7 +98,15 @@ fn lanes(value: &Dynamic, key: &str, form: Form, range: &Range) -> Result<Vec3> 
         } else {
             ""
         };
-        return fail(format!("`{key}` must be {words}{each}, not {x}"));
+        let message = format!("`{key}` must be {words}{each}, not {x}");
+        let (low, high) = (range.min, range.max);
+        return fail_with(
+            message,
+            match high < LIMIT {
+                true => format!("write `clamp(x, {low:?}, {high:?})`"),
+                false => format!("write `max(x, {low:?})`"),
+            },
+        );
     }
     Ok(lanes.as_vec3())
 }

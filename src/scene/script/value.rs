@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3};
 use rhai::{Array, Dynamic, EvalAltResult, Position};
 
 use super::format_value::named;
-use crate::desc::turned;
+use crate::{desc::turned, table::color::linear_css};
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
 
@@ -20,15 +20,29 @@ pub struct WrongKey {
 }
 
 impl WrongKey {
+    /// A message with advice, about no key yet.
+    fn new(message: String, help: Option<String>) -> Self {
+        Self {
+            key: String::new(),
+            message,
+            help,
+        }
+    }
+
     /// Adds the key to an error that is a plain message.
     pub fn in_key(key: &str) -> impl FnOnce(Box<EvalAltResult>) -> Box<EvalAltResult> {
         move |wrong| match *wrong {
-            EvalAltResult::ErrorRuntime(message, _) => Self {
-                key: key.to_owned(),
-                message: message.to_string(),
-                help: None,
+            EvalAltResult::ErrorRuntime(value, _) => {
+                let plain = || Self::new(value.to_string(), None);
+                let wrong = value
+                    .read_lock::<Self>()
+                    .map_or_else(plain, |wrong| wrong.clone());
+                Self {
+                    key: key.to_owned(),
+                    ..wrong
+                }
+                .into()
             }
-            .into(),
             other => other.into(),
         }
     }
@@ -43,6 +57,11 @@ impl From<WrongKey> for Box<EvalAltResult> {
 /// An error with a message, at the place of the call.
 pub fn fail<T>(message: String) -> Result<T> {
     Err(message.into())
+}
+
+/// An error with a message and advice, at the place of the call.
+pub fn fail_with<T>(message: String, help: impl Into<String>) -> Result<T> {
+    Err(WrongKey::new(message, Some(help.into())).into())
 }
 
 /// Number from an integer or a float; it must be finite. `what` names the value in messages.
@@ -70,9 +89,12 @@ pub fn vector(value: &Dynamic, what: &str) -> Result<DVec3> {
         DVec3::new(x(0)?, x(1)?, x(2)?)
     } else {
         let found = named(value);
-        return fail(format!(
-            "{what} must be a vec3 or three numbers, such as [0, 1, 0], not {found}"
-        ));
+        let message =
+            format!("{what} must be a vec3 or three numbers, such as [0, 1, 0], not {found}");
+        return match vector_instead(value) {
+            Some(help) => fail_with(message, help),
+            None => fail(message),
+        };
     };
     // The scene keeps 32-bit floats.
     if v.as_vec3().is_finite() {
@@ -80,6 +102,18 @@ pub fn vector(value: &Dynamic, what: &str) -> Result<DVec3> {
     } else {
         fail(format!("{what} has a number that is not finite"))
     }
+}
+
+/// Advice for a value where a vector is expected: the numbers of a color, or a list around numbers.
+fn vector_instead(value: &Dynamic) -> Option<String> {
+    if let Ok(text) = value.clone().into_string() {
+        let [r, g, b] = linear_css(&text)?;
+        return Some(format!("in linear light, write [{r}, {g}, {b}]"));
+    }
+    let x = value
+        .as_int()
+        .map_or_else(|_| value.as_float().ok(), |i| Some(i as f64));
+    x.map(|x| format!("three numbers stand in one list: `[{x}, 0, 0]`"))
 }
 
 /// Two numbers from an array; they must be finite. `what` names the value in messages.

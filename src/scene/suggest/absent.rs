@@ -140,12 +140,74 @@ const ABSENT_KEYS: &[Advice] = advice! {
         "write `ease`, the change of speed, and `curve`, the shape of the path";
     "transparent" | "transparent_background" | "film_transparent" in "tone_map" =>
         "write `alpha = true`";
+    "start" | "end" | "near" | "far" | "start_m" | "end_m" | "distance" | "visibility" | "visibility_m" in "falloff_m" =>
+        "write `density`, 3 divided by the distance in meters at which things vanish in it: 0.15 for 20 m";
     "fog" | "mist" | "haze" in "version" =>
         "write it below `[environment]`, as in `fog = { density = 0.02 }`";
     "weight" | "font_weight" | "bold" | "italic" | "style" in "letter_spacing" =>
         "name in `font` the file of the font's bold or italic style";
     "svg" | "file" | "d" in "fill_rule" =>
         "write `path`, the `d` of a path in the SVG file";
+    // keys of a camera
+    "distance" | "dolly" | "radius" in "orthographic_height_m" =>
+        "write `eye`, where the camera stands, and `target`";
+    "zoom" | "magnification" in "orthographic_height_m" =>
+        "write `fov_deg`, the vertical angle of view, 40 by default: less shows less, and that larger";
+    "projection" | "type" | "kind" | "perspective" | "orthographic" | "ortho" | "ortho_scale" | "orthographic_scale"
+        | "orthographic_size" | "ortho_size" | "ortho_height" in "orthographic_height_m" =>
+        "write `orthographic_height_m = 4`, the height of a picture of parallel rays, in meters";
+    "resolution" | "width" | "height" | "size" | "aspect" | "aspect_ratio" in "orthographic_height_m" =>
+        "write it below `[image]`, as in `size = [1280, 720]`";
+    "exposure" | "ev" | "iso" | "exposure_time" | "shutter_speed" in "orthographic_height_m" =>
+        "write it below `[image]`, as in `exposure_ev = 1`, in stops";
+    // keys of a light
+    "falloff" | "decay" | "attenuation" | "range" | "range_m" | "distance" | "quadratic" in "shadow_px" =>
+        "remove it: light falls off with the square of the distance, `intensity_cd` says how bright it is at 1 m";
+    "cast_shadows" | "casts_shadow" | "casts_shadows" | "cast_shadow" | "shadows" in "shadow_px" =>
+        "write `shadow = \"none\"` for a light without shadows";
+    "cone_angle" | "cone" | "spot_angle" | "beam_angle" | "beam" | "cutoff" | "spot_size" | "angle" in "outer_deg" =>
+        "write `outer_deg`, half of the angle across the cone";
+    "penumbra" | "blend" | "spot_blend" | "softness" | "feather" in "outer_deg" =>
+        "write `inner_deg`, the angle up to which the cone has full brightness";
+    // keys of a material
+    "subsurface" | "sss" | "subsurface_color" | "subsurface_radius" | "scattering" in "clearcoat" =>
+        "light does not scatter below surfaces: `transmission = 0.5` with `thickness_m` and `attenuation_color` is near it";
+    "glossiness" | "gloss" | "glossy" | "smoothness" | "shininess" | "specular_exponent" in "clearcoat" =>
+        "write `roughness`, 1 minus the gloss";
+    "ao_map" | "ao" | "ambient_occlusion" | "occlusion_texture" | "occlusion_map" | "ao_texture" in "clearcoat" =>
+        "occlusion maps come from glTF files only; `[environment]` darkens corners by `shadow = \"ray\"`";
+    "roughness_map" | "metallic_map" | "metalness_map" | "roughness_texture" | "metallic_texture" | "orm_map" | "orm_texture"
+        in "clearcoat" =>
+        "write `metallic_roughness_texture`, one image with roughness in green and metallic in blue";
+    "tiling" | "uv_repeat" | "texture_scale" | "uv_tiling" | "repeat" | "tile" | "scale" in "clearcoat" =>
+        "write `uv_scale = [2, 2]`, how often images repeat";
+    "two_sided" | "doublesided" | "backface_culling" | "culling" | "cull" | "side" | "backfaces" in "clearcoat" =>
+        "write `double_sided = true`, or false for a surface that is seen from its front alone";
+    "wireframe" | "wire" | "outline" in "clearcoat" =>
+        "pictures show surfaces: a frame of rods is a \"sweep\" or a model of its own";
+    "casts_shadow" | "cast_shadows" | "shadow" | "visible" in "clearcoat" =>
+        "write it in the `[[instance]]`, as in `casts_shadow = false`";
+    // keys of a model
+    "position" | "translation" | "location" | "rotation_deg" | "rotation" | "scale" | "parent" | "visible" | "name" in "usd" =>
+        "write it in an `[[instance]]` of this model, as in `translation = [0, 1, 0]`";
+    "color" | "base_color" | "roughness" | "metallic" | "emission" in "usd" =>
+        "write `material = \"red\"`, and the color in `[material.red]`";
+    // keys of a track
+    "speed" | "velocity" | "spin" | "per_second" in "loop_s" =>
+        "write `rate = [1, 0, 0]`, the change for each second";
+    "amplitude" | "period_s" | "frequency" | "sine" | "wave" | "phase" in "loop_s" =>
+        "write `oscillate = { amplitude = [1, 0, 0], period_s = 2 }`";
+    "loop" | "repeat" | "cycle" | "cyclic" in "loop_s" =>
+        "write `loop_s = 2`, the seconds from the first key back to it";
+    // tables of the scene
+    "render" | "renderer" | "settings" | "film" | "output" | "picture" | "quality" | "engine" in "version" =>
+        "write `[image]` with `size`, `samples`, `exposure_ev`; the file is named by `reflet render SCENE -o picture.png`";
+    "ground" | "floor" in "version" =>
+        "write `[model.floor]` with `shape = { kind = \"plane\", size = [20, 20] }`, and an `[[instance]]` of it";
+    "animation" | "animations" | "keyframes" in "version" =>
+        "write `[timeline]` with `end = 47`, and `[motion.instance.NAME]`";
+    "shape" | "shapes" | "sphere" | "box" | "cube" | "plane" | "geometry" | "primitive" in "version" =>
+        "write `[model.NAME]` with `shape = { kind = \"sphere\" }`, and an `[[instance]]` of it";
     "frames" | "duration" | "duration_s" | "length" | "length_s" | "count" in "cuts" =>
         "write `end`, the number of the last frame: 47 for 2 s at `fps = 24`";
 };

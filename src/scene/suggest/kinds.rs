@@ -44,6 +44,19 @@ const OF_KINDS: &[Advice] = advice! {
         "write `height`, how far the surface moves at most";
     "levels" | "iterations" | "subdivisions" in "displaced" =>
         "write `subdivide`, as in `subdivide = 3`";
+    "smooth" | "rounded" | "smoothness" in "box" =>
+        "write `bevel = 0.05`, how far the edges are rounded";
+    "rings" | "stacks" | "slices" | "sectors" | "sides" | "subdivisions" | "detail" | "resolution" | "quality"
+        in "sphere" | "cylinder" | "cone" | "capsule" | "disk" | "torus" =>
+        "write `segments = 64`, the number of its sides";
+    "subdivisions" | "segments" | "resolution" | "detail" in "plane" | "box" =>
+        "leave it out: a flat side needs no more triangles; hills are `kind = \"heightfield\"`";
+    "center" | "position" | "translation" | "location" | "origin" | "rotation" | "rotation_deg" | "scale"
+        in "plane" | "box" | "sphere" | "cylinder" | "cone" | "disk" | "torus" | "capsule" | "lathe" | "extrude" | "sweep"
+        | "text" =>
+        "a shape has no place: write `translation = [0, 1, 0]`, `rotation_deg` or `scale` in its `[[instance]]`";
+    "color" | "material" | "base_color" in "plane" | "box" | "sphere" | "cylinder" | "cone" | "disk" | "torus" | "capsule" =>
+        "write `material = \"red\"` in `[model.NAME]`, beside `shape`, and the color in `[material.red]`";
     "width" | "height" in "rect" =>
         "write `size`, its width and height, as in `size = [1, 0.5]`";
 };
@@ -56,17 +69,24 @@ pub fn absent_of_kind(kind: &str, typed: &str) -> Option<&'static str> {
 /// The key that an advice begins with, as in ``write `size`, …``.
 pub fn key_of_advice(help: &str) -> Option<&str> {
     let (key, rest) = help.strip_prefix("write `")?.split_once('`')?;
-    (rest.is_empty() || rest.starts_with([',', ';'])).then_some(key)
+    let (key, _) = key.split_once(" = ").unwrap_or((key, ""));
+    (rest.is_empty() || rest.starts_with([',', ';', ':'])).then_some(key)
 }
 
-/// Advice for a table that lacks this list.
+/// Advice for a table that lacks this key.
 pub fn example(key: &str) -> String {
-    match key {
-        "parts" => {
-            "write `parts = [{ shape = { kind = \"box\" } }, { shape = { kind = \"sphere\" } }]`"
-                .to_owned()
-        }
-        "keys" => "write `keys = [{ at_s = 0, value = … }, { at_s = 2, value = … }]`".to_owned(),
-        _ => format!("write `{key} = …`"),
-    }
+    format!("write {}", example_of(key))
+}
+
+/// A key with a value that it may have.
+pub fn example_of(key: &str) -> String {
+    let value = match key {
+        "parts" => "[{ shape = { kind = \"box\" } }, { shape = { kind = \"sphere\" } }]",
+        "keys" => "[{ at_s = 0, value = … }, { at_s = 2, value = … }]",
+        "path" => "\"M 0 0 H 1 V 0.5 Z\"",
+        "shape" => "{ kind = \"box\" }",
+        "file" => "\"chair.glb\"",
+        _ => "…",
+    };
+    format!("`{key} = {value}`")
 }

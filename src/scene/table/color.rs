@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 use serde_json::{Value as Json, json};
+use svgtypes::Color as CssColor;
 
 use super::{
     report::Report,
@@ -105,18 +106,30 @@ fn of_number(node: &Node) -> Option<String> {
     Some(format!("write \"#{bytes:06x}\""))
 }
 
-/// The bytes of `rgb(204, 34, 0)`.
-fn of_function(text: &str) -> Option<[u8; 3]> {
-    let list = text.strip_prefix("rgb(")?.strip_suffix(')')?;
-    let bytes = list.split(',').map(|byte| byte.trim().parse().ok());
-    bytes.collect::<Option<Vec<u8>>>()?.try_into().ok()
+/// A color of CSS, also without the `#` or with `0x` in its place.
+pub fn in_css(text: &str) -> Option<CssColor> {
+    let digits = format!("#{}", text.trim_start_matches("0x"));
+    (text.parse().ok()).or_else(|| digits.parse().ok())
 }
+
+/// Linear color of a text in CSS, rounded.
+pub fn linear_css(text: &str) -> Option<[f32; 3]> {
+    let color = in_css(text)?;
+    let rgb = linear([color.red, color.green, color.blue]);
+    Some(rgb.to_array().map(|c| (c * 1e3).round() / 1e3))
+}
+
+/// Colors of lamps by their names on the box: 2700 K, 4000 K, 6500 K and 10000 K, as in sRGB.
+const LIGHTS: [(&str, &str); 5] = [
+    ("warm", "#ffa757"),
+    ("neutral", "#ffcea6"),
+    ("daylight", "#fff9fd"),
+    ("cold", "#cadaff"),
+    ("cool", "#cadaff"),
+];
 
 /// Advice for a text that is not a color.
 fn advice(text: &str) -> String {
-    if let Some([r, g, b]) = of_function(text) {
-        return format!("write \"#{r:02x}{g:02x}{b:02x}\"");
-    }
     let is_image = [".png", ".jpg", ".jpeg", ".webp", ".ktx2"];
     if is_image.iter().any(|ending| text.ends_with(ending)) {
         return format!(
@@ -124,27 +137,24 @@ fn advice(text: &str) -> String {
             suggest::text(text)
         );
     }
-    const NAMES: [(&str, &str); 10] = [
-        ("black", "#000000"),
-        ("blue", "#0000ff"),
-        ("cyan", "#00ffff"),
-        ("gray", "#808080"),
-        ("green", "#008000"),
-        ("grey", "#808080"),
-        ("magenta", "#ff00ff"),
-        ("red", "#ff0000"),
-        ("white", "#ffffff"),
-        ("yellow", "#ffff00"),
-    ];
-    let lower = text.to_ascii_lowercase();
-    let named = NAMES.iter().find(|(name, _)| *name == lower);
-    named.map_or_else(
-        || {
-            "such as \"#ff8800\", in sRGB as the web writes it, or [1, 0.25, 0] in linear light"
-                .into()
-        },
-        |(_, code)| format!("colors have no names; write \"{code}\""),
-    )
+    if let Some((_, code)) = LIGHTS.iter().find(|(name, _)| *name == text) {
+        return format!("colors have no names; write \"{code}\"");
+    }
+    let is_name = text.chars().all(char::is_alphabetic) && text.parse::<CssColor>().is_ok();
+    let Some(color) = in_css(text) else {
+        return "such as \"#ff8800\", in sRGB as the web writes it, or [1, 0.25, 0] in linear light"
+            .into();
+    };
+    let (r, g, b) = (color.red, color.green, color.blue);
+    let code = format!("write \"#{r:02x}{g:02x}{b:02x}\"");
+    match color.alpha {
+        255 if is_name => format!("colors have no names; {code}"),
+        255 => code,
+        alpha => {
+            let alpha = (f32::from(alpha) / 2.55).round() / 100.0;
+            format!("{code}, and of a material `alpha = {alpha}`")
+        }
+    }
 }
 
 /// Linear color of sRGB bytes.

@@ -4,12 +4,14 @@ use serde_json::json;
 
 use super::{
     Place, Section, Table,
-    key_recorder::{Form, KeyRecord},
+    key_recorder::{Form, KeyRecord, RecordedKeys},
     located::{At, Entry, Written},
     params::{self, ParamValue},
+    report::Report,
     value::{Named, Value, found, wrong_type},
+    value_advice::text_instead,
 };
-use crate::syntax::{Content, Entries, Key, Node, in_order};
+use crate::syntax::{Content, Entries, Key, Node, in_order, made};
 use crate::{
     range::{ANY, Range},
     suggest,
@@ -115,8 +117,8 @@ impl<'r> Table<'r> {
         });
         self.describe_nested::<T>();
         let Some(node) = self.values.get(key) else {
-            self.missing
-                .push((key, format!("write `{key} = {example}`")));
+            let help = format!("write `{key} = {example}`");
+            self.missing.push(self.missing_key(key, help));
             return None;
         };
         self.nested(key, node)
@@ -145,7 +147,7 @@ impl<'r> Table<'r> {
     pub fn need_name_or_table<T: Section>(&mut self, key: &'static str) -> Option<Either<T>> {
         if !self.has(key) {
             let help = format!("write `{key} = …`, {}", <At<String>>::expected());
-            self.missing.push((key, help));
+            self.missing.push(self.missing_key(key, help));
         }
         self.either(key, true)
     }
@@ -168,7 +170,8 @@ impl<'r> Table<'r> {
 
     fn name(&mut self, key: &'static str, node: &Node) -> Option<At<String>> {
         if node.get_ref().as_str().is_none() {
-            wrong_type(node, key, "a name in quotes or a table", self.report);
+            let error = wrong_type(node, key, "a name in quotes or a table", self.report);
+            error.help = text_instead(node);
             return None;
         }
         self.plain(key, ANY)
@@ -192,9 +195,13 @@ impl<'r> Table<'r> {
         let Some(items) = node.get_ref().as_array() else {
             let message = format!("`{key}` must be a list of tables, not {}", found(node));
             let error = self.report.error("wrong-type", &self.key_at(key), message);
-            error.help = Some(format!("write `[[{key}]]`, with two brackets on each side"));
+            error.help = Some(match key {
+                "keys" => suggest::example(key),
+                _ => format!("write `[[{key}]]`, with two brackets on each side"),
+            });
             return Vec::new();
         };
+        let mut are_tables = true;
         let read = |item: &Node| match item.get_ref() {
             Content::Table(values) => {
                 let place = Place {
@@ -203,13 +210,20 @@ impl<'r> Table<'r> {
                 };
                 Table::read(self.report, values, place)
             }
-            _ => {
-                let message = format!("each `{key}` must be a table, not {}", found(item));
-                let example = match key {
-                    "keys" => "write `{ at_s = 0, value = [0, 0, 0] }`".to_owned(),
-                    _ => "write `{ … }` with its keys".to_owned(),
-                };
-                self.report.error("wrong-type", &item.span(), message).help = Some(example);
+            other => {
+                // The others of the list are hardly another mistake.
+                if std::mem::replace(&mut are_tables, false) {
+                    let message = format!("each `{key}` must be a table, not {}", found(item));
+                    let pair = other.as_array().filter(|pair| pair.len() == 2);
+                    let pair = pair.and_then(|pair| Some((plain(&pair[0])?, plain(&pair[1]))));
+                    let (time, value) = pair.unwrap_or(("0".to_owned(), None));
+                    let value = value.unwrap_or_else(|| "…".to_owned());
+                    let example = match key {
+                        "keys" => format!("write `{{ at_s = {time}, value = {value} }}`"),
+                        _ => format!("write `{}`", keys_of::<T>()),
+                    };
+                    self.report.error("wrong-type", &item.span(), message).help = Some(example);
+                }
                 None
             }
         };
@@ -257,7 +271,8 @@ impl<'r> Table<'r> {
             let what = "numbers, texts, true or false, or arrays of numbers, with names";
             KeyRecord::new(key, Form::Value(what.into(), params::schema()))
         });
-        let values = self.named_values(key, "a table", None);
+        let help = format!("write `[{key}]`, and below it a name with its value: `count = 3`");
+        let values = self.named_values(key, "a table", Some(help));
         values.map_or_else(Vec::new, |values| params::read(values, self.report))
     }
 
@@ -302,9 +317,13 @@ impl<'r> Table<'r> {
         let Content::Table(values) = node.get_ref() else {
             let message = format!("`{key}` must be a table, not {}", found(node));
             let error = self.report.error("wrong-type", &node.span(), message);
-            let heading =
-                || Some(format!("write `{}`", T::HEADING)).filter(|_| !T::HEADING.is_empty());
-            error.help = T::instead(key, node).or_else(heading);
+            let heading = || {
+                Some(format!("write `{key} = {}`", keys_of::<T>()))
+                    .filter(|_| !T::HEADING.is_empty())
+            };
+            error.help = (T::instead(key, node))
+                .or_else(|| key_of_value::<T>(key, node))
+                .or_else(heading);
             return None;
         };
         Table::read(self.report, values, self.place.nested(key, node.span()))
@@ -344,4 +363,43 @@ impl<'r> Table<'r> {
         }
         read
     }
+}
+
+/// Advice for a value in place of a table: the table with this value as its only key, if one key alone is a table
+/// without mistakes.
+fn key_of_value<T: Section>(key: &str, node: &Node) -> Option<String> {
+    let value = plain(node)?;
+    let mut notes = RecordedKeys::default();
+    Table::describe::<T>(&mut notes);
+    let fits = |record: &&KeyRecord| {
+        let only = made([(record.name, node.get_ref().clone())]);
+        let mut report = Report::default();
+        let read = Table::read::<T>(&mut report, &only, Place::default());
+        record.required && read.is_some() && report.errors() == 0
+    };
+    let meant = notes.sections.first()?.keys.iter().find(fits)?.name;
+    Some(format!("write `{key} = {{ {meant} = {value} }}`"))
+}
+
+/// A number or a text as it is written.
+fn plain(node: &Node) -> Option<String> {
+    Some(match node.get_ref() {
+        Content::Integer(x) => x.to_string(),
+        Content::Float(x) => x.to_string(),
+        Content::String(text) => suggest::text(text),
+        _ => return None,
+    })
+}
+
+/// A table with the keys that it must have, or the first one.
+fn keys_of<T: Section>() -> String {
+    let mut notes = RecordedKeys::default();
+    Table::describe::<T>(&mut notes);
+    let all = notes.sections.first().map_or(&[][..], |s| &s.keys);
+    let mut keys: Vec<_> = all.iter().filter(|key| key.required).collect();
+    if keys.is_empty() {
+        keys.extend(all.first());
+    }
+    let keys: Vec<_> = keys.iter().map(|key| format!("{} = …", key.name)).collect();
+    format!("{{ {} }}", keys.join(", "))
 }

@@ -71,8 +71,14 @@ fn value(node: &Node, key: &str, report: &mut Report) -> Option<ParamValue> {
                 .collect::<Option<_>>()
                 .map(ParamValue::Numbers)
         }
-        _ => {
-            wrong_type(node, &suggest::clip(key), EXPECTED, report);
+        other => {
+            let inner = other.as_table().and_then(|table| table.keys().next());
+            let name = inner.map_or("x", |inner| inner.get_ref().as_str());
+            let help = format!(
+                "write a parameter for each value, as in `{} = …`",
+                suggest::clip(&format!("{key}_{name}"))
+            );
+            wrong_type(node, &suggest::clip(key), EXPECTED, report).help = Some(help);
             None
         }
     }

@@ -1,7 +1,7 @@
 //! Keys that exclude each other, and keys that mean nothing without another.
 
 use super::{
-    Table,
+    Missing, Table,
     key_recorder::{Needing, Rule},
 };
 use crate::suggest;
@@ -22,16 +22,26 @@ impl Table<'_> {
         present.sort_by_key(|(_, at)| at.start);
         match present.as_slice() {
             [] if required && groups.len() == 1 => {
-                self.missing
-                    .push((groups[0][0], suggest::example(groups[0][0])));
+                let help = suggest::example(groups[0][0]);
+                let keys = groups[0].to_vec();
+                self.missing.push(Missing {
+                    keys,
+                    ..self.missing_key(groups[0][0], help)
+                });
             }
             [] if required => {
                 let keys = groups
                     .iter()
                     .map(|g| format!("`{}`", g[0]))
                     .collect::<Vec<_>>();
-                let message = format!("{} needs {}", self.place.title(), keys.join(" or "));
-                self.report.error("missing-key", &self.place.at, message);
+                self.missing.push(Missing {
+                    keys: groups.iter().map(|group| group[0]).collect(),
+                    message: format!("{} needs {}", self.place.title(), keys.join(" or ")),
+                    help: format!(
+                        "write one of them, as in {}",
+                        suggest::example_of(groups[0][0])
+                    ),
+                });
             }
             [(first, first_at), rest @ ..] => {
                 for (key, at) in rest {

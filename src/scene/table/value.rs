@@ -8,7 +8,8 @@ use super::{
     located::At,
     report::Report,
     value_advice::{
-        in_range, list_instead, list_of_length, list_of_scale, number_instead, truth, unquoted,
+        in_range, list_instead, list_of_length, list_of_scale, number_instead, text_instead, truth,
+        unquoted,
     },
 };
 use crate::declared::Word;
@@ -199,12 +200,15 @@ impl Value for String {
         match node.get_ref().as_str() {
             Some("") => {
                 let message = format!("`{}` must not be empty", named.key);
-                report.error("empty-text", &node.span(), message);
+                report.error("empty-text", &node.span(), message).help = Some(format!(
+                    "write `{} = \"NAME\"`, or remove the key",
+                    named.key
+                ));
                 None
             }
             Some(text) => Some(text.to_owned()),
             None => {
-                wrong_type(node, named.key, &Self::expected(), report);
+                wrong_type(node, named.key, &Self::expected(), report).help = text_instead(node);
                 None
             }
         }
@@ -254,7 +258,9 @@ impl Value for Names {
             }
             Content::String(_) => At::read(node, named, report).map(|name| Self(vec![name])),
             _ => {
-                wrong_type(node, named.key, &Self::expected(), report);
+                let help = format!("write `{} = [\"…\"]`", named.key);
+                wrong_type(node, named.key, &Self::expected(), report).help =
+                    text_instead(node).or(Some(help));
                 None
             }
         }
@@ -358,14 +364,19 @@ impl Value for Version {
             key: named.key,
             range: &ANY,
         };
-        let version = number(node, &any, &Self::expected(), report)?;
-        let (current, written) = (Self::CURRENT, digits(node));
+        let current = Self::CURRENT;
+        let help = || format!("write `version = {current}`");
+        let Some(version) = number(node, &any, &Self::expected(), report) else {
+            report.advise(help());
+            return None;
+        };
+        let written = digits(node);
         if version == f64::from(current) {
             return Some(Self);
         }
         let message = format!("version {written} is not supported; this program reads {current}");
         let error = report.error("unsupported-version", &node.span(), message);
-        error.help = Some(format!("write `version = {current}`"));
+        error.help = Some(help());
         None
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::{
     range::{LIMIT, Range, UNIT},
+    suggest,
     syntax::{Content, Node},
 };
 
@@ -44,8 +45,19 @@ fn list_in_text(node: &Node, count: usize) -> Option<String> {
     (parts.len() == count && are_numbers).then(|| format!("write [{}]", parts.join(", ")))
 }
 
-/// Advice for a single number where a list of `count` is expected: about Y for a rotation or its rate, else in all
-/// places.
+/// Keys of points, ways and counts, of which one number in all places is hardly meant.
+const ALONG_X: &[&str] = &[
+    "count",
+    "step",
+    "translation",
+    "position",
+    "eye",
+    "target",
+    "offset",
+];
+
+/// Advice for a single number where a list of `count` is expected: about Y for a rotation or its rate, along X for a
+/// way, else in all places.
 pub fn list_of_number(node: &Node, key: &str, count: usize) -> Option<String> {
     let (Content::Integer(_) | Content::Float(_)) = node.get_ref() else {
         return None;
@@ -58,6 +70,10 @@ pub fn list_of_number(node: &Node, key: &str, count: usize) -> Option<String> {
     Some(match (key, count) {
         ("rate" | "rotation_deg", 3) => {
             format!("write [0, {number}, 0] for a turn about Y, which points up")
+        }
+        _ if count == 3 && ALONG_X.contains(&key) => {
+            let rest = u8::from(key == "count");
+            format!("write [{number}, {rest}, {rest}] for X alone")
         }
         _ => format!("write [{}]", vec![number; count].join(", ")),
     })
@@ -112,10 +128,56 @@ fn number_of_truth(node: &Node, range: &Range) -> Option<String> {
         .then(|| format!("write {number}, or a number between"))
 }
 
-/// Advice for a text where a number in this range is expected.
+/// Advice for a text where a number in this range is expected: without its unit, if it is a number with one.
 fn number_for_text(node: &Node, range: &Range) -> Option<String> {
-    node.get_ref().as_str()?;
+    let text = node.get_ref().as_str()?.trim();
+    let digits = text.trim_end_matches(|c: char| c.is_alphabetic() || "%° ".contains(c));
+    if digits.len() < text.len() && digits.parse::<f64>().is_ok() {
+        return Some(without_unit(digits, text[digits.len()..].trim()));
+    }
     Some(format!("write a number, such as {}", range.clamp(1.0)))
+}
+
+/// Units that stand behind numbers elsewhere, their factor to the unit of scene text, and the name of that one.
+const UNITS: &[(&str, f64, &str)] = &[
+    ("mm", 1e-3, "meters"),
+    ("cm", 1e-2, "meters"),
+    ("km", 1e3, "meters"),
+    ("in", 0.0254, "meters"),
+    ("ft", 0.3048, "meters"),
+    ("ms", 1e-3, "seconds"),
+    ("rad", 180.0 / std::f64::consts::PI, "degrees"),
+    ("%", 1e-2, "shares of 1"),
+];
+
+/// Advice for a number with a unit: the number in the unit that scene text has.
+pub fn without_unit(number: &str, unit: &str) -> String {
+    let known = UNITS.iter().find(|(name, ..)| *name == unit);
+    let value = number.parse::<f64>().ok().zip(known);
+    value.map_or_else(
+        || format!("write {number}"),
+        |(value, (_, factor, name))| format!("write {}, in {name}", rounded(value * factor)),
+    )
+}
+
+/// A number with at most six digits behind the point.
+pub fn rounded(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6
+}
+
+/// Advice for another value where a text is expected: a number in quotes, or the only text of a list.
+pub fn text_instead(node: &Node) -> Option<String> {
+    match node.get_ref() {
+        Content::Integer(_) | Content::Float(_) => {
+            Some(format!("write \"{}\", in quotes", number_text(node)))
+        }
+        Content::Array(items) => {
+            let text = items.first()?.get_ref().as_str()?;
+            Some(format!("write {}, without brackets", suggest::text(text)))
+        }
+        Content::Boolean(_) => Some("write a name in quotes `\"`, or remove the key".to_owned()),
+        _ => None,
+    }
 }
 
 /// Advice for a text or a number that means true or false.
@@ -147,10 +209,16 @@ pub fn in_range(x: f64, key: &str, range: &Range) -> Option<String> {
     if *range == UNIT && (10.0..=100.0).contains(&x) {
         return Some(format!("it is a share: {x} % are {}", x / 100.0));
     }
+    if range.check(x).is_err() && range.check(-x).is_ok() && x < 0.0 {
+        return Some(format!("write {}", -x));
+    }
     let (end, is_open) = match x <= range.min {
         true => (range.min, range.above_min),
         false => (range.max, range.below_max),
     };
+    if is_open && end == 0.0 && range.check(0.01).is_ok() {
+        return Some("write a little more, such as 0.01".to_owned());
+    }
     (!is_open && end.abs() < LIMIT).then(|| format!("write {end}, the nearest that is allowed"))
 }
 

@@ -35,8 +35,8 @@ impl Table<'_> {
         let chosen = match self.values.get(key) {
             Some(node) => word(node, key, &words, self.report),
             None => {
-                self.missing
-                    .push((key, format!("write `{key} = …`, {}", one_of(&words))));
+                let help = format!("write `{key} = …`, {}", one_of(&words));
+                self.missing.push(self.missing_key(key, help));
                 None
             }
         };
@@ -76,7 +76,8 @@ impl Table<'_> {
             let absent = absent.and_then(|kind| suggest::absent_of_kind(kind, name));
             let advised = absent.and_then(suggest::key_of_advice);
             let meant = advised.or_else(|| suggest::nearest(name, mine.iter().copied()));
-            self.missing.retain(|(key, _)| Some(*key) != meant);
+            self.missing
+                .retain(|missing| meant.is_none_or(|meant| !missing.keys.contains(&meant)));
             if let Some(help) = absent {
                 error.help = Some(help.to_owned());
                 continue;

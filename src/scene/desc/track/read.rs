@@ -217,6 +217,7 @@ fn check_keys(t: &mut Table, track: &TrackDesc) {
                 pair[0].at_s
             );
             let error = Diagnostic::new("key-order", pair[1].at.clone(), message);
+            let error = error.help("write the keys in the order of time, each `at_s` once");
             t.report
                 .push(error.related(pair[0].at.clone(), "the previous key is here"));
         }
@@ -241,8 +242,9 @@ fn check_keys(t: &mut Table, track: &TrackDesc) {
         && track.curve != CurveKind::Bezier
     {
         let message = "`handle_in` and `handle_out` need `curve = \"bezier\"`";
+        let help = "write `curve = \"bezier\"` beside `keys`, or remove them";
         t.report
-            .push(Diagnostic::new("no-handles", key.at.clone(), message));
+            .push(Diagnostic::new("no-handles", key.at.clone(), message).help(help));
     }
 }
 

@@ -213,8 +213,11 @@ fn check_own(motion: &InstanceMotionDesc, report: &mut Report) {
 fn check_model(all: &Indexed, entry: &Entry<ModelMotionDesc>, report: &mut Report) {
     let model = all.models.index(&entry.name);
     let model = model.map(|index| &all.scene.models[index]);
-    if let Some(model) = model.filter(|m| matches!(m.value.source, ModelSource::Shape(_))) {
-        let message = "this model is a shape, which has no materials of its own";
+    let has_keys = !entry.value.materials.is_empty() || report.errors() == 0;
+    let shape = model.filter(|m| matches!(m.value.source, ModelSource::Shape(_)));
+    if let Some(model) = shape.filter(|_| has_keys) {
+        let name = suggest::text(&entry.name);
+        let message = format!("model {name} is a shape, which has no materials of its own");
         let error = Diagnostic::new("wrong-motion", entry.at.clone(), message)
             .help("write `[motion.material.NAME]` with the name of its `[material.NAME]`")
             .related(model.at.clone(), "the model is here");

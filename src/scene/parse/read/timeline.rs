@@ -60,7 +60,7 @@ impl Section for Film {
                 "empty-timeline",
                 "end",
                 &message,
-                "the frames from `start` to `end` are shown, both included",
+                &format!("write `end = {start}` or more: the frames from `start` to `end` are shown, both included"),
             );
         }
         let cuts = cuts(t);

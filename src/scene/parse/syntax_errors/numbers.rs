@@ -4,6 +4,7 @@ use super::mistake::{Mistake, Words, is_number, words};
 use crate::{
     desc::{CAMERA, LIGHT},
     number as fields, suggest,
+    table::value_advice::{rounded, without_unit},
 };
 
 /// Explains a number that TOML cannot read: `1.6*2`, `60deg`, `.5`.
@@ -21,6 +22,12 @@ pub fn number(m: &Mistake) -> Option<Words> {
         let unit = &element[digits.len()..];
         let message = format!("a number has no unit, here {}", suggest::key(unit));
         return words(message, without_unit(digits.trim(), unit));
+    }
+    if element.matches('.').count() > 1 && element.chars().all(|c| c.is_ascii_digit() || c == '.') {
+        let first: Vec<_> = element.split('.').take(2).collect();
+        let message = format!("{} has more than one decimal point", suggest::key(element));
+        let whole = first[0];
+        return words(message, format!("write {whole} or {}", first.join(".")));
     }
     let value: f64 = element
         .parse()
@@ -48,33 +55,6 @@ fn element<'t>(m: &Mistake<'t>) -> (&'t str, &'t str) {
         m.line[start..end].trim(),
         key.into_iter().next().unwrap_or_default(),
     )
-}
-
-/// Units that stand behind numbers elsewhere, their factor to the unit of scene text, and the name of that one.
-const UNITS: &[(&str, f64, &str)] = &[
-    ("mm", 1e-3, "meters"),
-    ("cm", 1e-2, "meters"),
-    ("km", 1e3, "meters"),
-    ("in", 0.0254, "meters"),
-    ("ft", 0.3048, "meters"),
-    ("ms", 1e-3, "seconds"),
-    ("rad", 180.0 / std::f64::consts::PI, "degrees"),
-    ("%", 1e-2, "a share of 1"),
-];
-
-/// Advice for a number with a unit: the number in the unit that scene text has.
-fn without_unit(number: &str, unit: &str) -> String {
-    let known = UNITS.iter().find(|(name, ..)| *name == unit);
-    let value = number.parse::<f64>().ok().zip(known);
-    value.map_or_else(
-        || format!("write {number}"),
-        |(value, (_, factor, name))| format!("write {}, in {name}", rounded(value * factor)),
-    )
-}
-
-/// A number with at most six digits behind the point.
-fn rounded(value: f64) -> f64 {
-    (value * 1e6).round() / 1e6
 }
 
 /// Explains a constant by name, alone or times or over a number: `fov_deg = PI / 4`, `rotation_deg = [0, PI, 0]`.

@@ -6,7 +6,7 @@ use super::{
     mistake::{Mistake, Words, is_number, words},
     numbers::{constant, number},
 };
-use crate::suggest;
+use crate::{suggest, table::color::in_css};
 
 /// Message and advice for a syntax error at `at`; the parser's own `message` where no explanation fits.
 pub fn in_plain_words(text: &str, at: &Range<usize>, message: &str) -> Words {
@@ -40,13 +40,16 @@ fn has_lone_return(text: &str, at: usize) -> bool {
 }
 
 /// Explanations in order; the first one that fits the mistake is used.
-const EXPLANATIONS: [fn(&Mistake) -> Option<Words>; 13] = [
+const EXPLANATIONS: [fn(&Mistake) -> Option<Words>; 16] = [
     hash_color,
     typographic_quotes,
     comment,
     header,
     backslash,
+    assignment,
+    two_keys,
     colon,
+    joined,
     line_end,
     parentheses,
     constant,
@@ -114,11 +117,15 @@ fn comment(m: &Mistake) -> Option<Words> {
 
 /// Explains a malformed table header: `[material red]`, `[[instance]`.
 fn header(m: &Mistake) -> Option<Words> {
-    let inner = m.line.strip_prefix('[')?;
+    let in_braces = m
+        .line
+        .strip_prefix('{')
+        .filter(|inner| inner.ends_with('}'));
+    let inner = m.line.strip_prefix('[').or(in_braces)?;
     let has_name =
         inner.starts_with(['[', ' ', '"', '\'']) || inner.starts_with(char::is_alphabetic);
     (has_name && m.key.is_empty()).then_some(())?;
-    let inner = without_comment(inner).trim_matches(['[', ']', ' ']);
+    let inner = without_comment(inner).trim_matches(['[', ']', '{', '}', ':', ';', ',', ' ']);
     // Words of a name may stand apart where points divide the names.
     let between: &[char] = if inner.contains('.') {
         &['.']
@@ -150,6 +157,61 @@ fn header(m: &Mistake) -> Option<Words> {
         suggest::clip(m.line.trim())
     );
     words(message, help)
+}
+
+/// Explains another sign of assignment: `roughness := 0.5`, `roughness => 0.5`.
+fn assignment(m: &Mistake) -> Option<Words> {
+    const SIGNS: [&str; 7] = [":=", "=>", "+=", "==", "<-", "->", "~="];
+    let end = m
+        .line
+        .find(|c: char| !(c.is_alphanumeric() || " _-.\"".contains(c)))?;
+    let sign = |sign: &&&str| {
+        m.line[end..].starts_with(**sign)
+            || m.line[..end].ends_with(&sign[..1]) && m.line[end..].starts_with(&sign[1..])
+    };
+    let sign = SIGNS.iter().find(sign)?;
+    let (key, value) = m.line.split_once(sign)?;
+    let help = format!(
+        "write `{} = {}`",
+        suggest::clip(key.trim()),
+        suggest::clip(value.trim())
+    );
+    words(
+        format!("between a key and its value stands `=`, not `{sign}`"),
+        help,
+    )
+}
+
+/// Explains two keys on a line: `roughness = 0.5, metallic = 1`.
+fn two_keys(m: &Mistake) -> Option<Words> {
+    (!m.value.starts_with(['{', '[', '"', '\'']) && !m.key.is_empty()).then_some(())?;
+    let (before, value) = m.value.split_once('=')?;
+    let (first, key) = before.trim_end().rsplit_once([' ', ',', ';'])?;
+    let is_key = !key.is_empty()
+        && key
+            .chars()
+            .all(|c| c.is_alphanumeric() || "_-.".contains(c));
+    (is_key && !first.contains('(')).then_some(())?;
+    let help = format!(
+        "write `{key} = {}` on a line of its own",
+        suggest::clip(value.trim())
+    );
+    words(
+        format!("`{}` and `{key}` stand on one line", suggest::clip(m.key)),
+        help,
+    )
+}
+
+/// Explains texts that are added up: `file = "a" + ".glb"`.
+fn joined(m: &Mistake) -> Option<Words> {
+    let parts: Option<Vec<_>> = m
+        .value
+        .split('+')
+        .map(|part| part.trim().strip_prefix('"')?.strip_suffix('"'))
+        .collect();
+    let parts = parts.filter(|parts| parts.len() > 1)?;
+    let help = format!("write {}", suggest::text(&parts.concat()));
+    words("TOML does not join texts by `+`", help)
 }
 
 /// Explains a backslash in double quotes: `file = "C:\assets"`.
@@ -212,6 +274,15 @@ fn line_end(m: &Mistake) -> Option<Words> {
     (parts.len() > 1 && parts.iter().all(|part| is_number(part))).then_some(())?;
     let list = format!("[{}]", parts.join(", "));
     match parts.as_slice() {
+        [whole, rest]
+            if rest.len() == 3 && !whole.contains('.') && is_number(whole) && *whole != "0" =>
+        {
+            let help = format!("write {whole}{rest}, or {whole}.{rest} with a decimal point");
+            words(
+                format!("`{whole},{rest}` is no number: commas stand between numbers"),
+                help,
+            )
+        }
         [whole, rest] if !whole.contains('.') && !rest.contains('.') => {
             let help = format!("write {whole}.{rest}, or as a list {list}");
             words("numbers have a decimal point `.`, not a comma `,`", help)
@@ -231,7 +302,19 @@ fn parentheses(m: &Mistake) -> Option<Words> {
         .chars()
         .all(|c| c.is_alphanumeric() || "_.".contains(c));
     let inner = inner.strip_suffix(')').filter(|_| is_call)?;
+    if let Some(color) = in_css(m.value) {
+        let (r, g, b) = (color.red, color.green, color.blue);
+        let message = format!("TOML has no function {}", suggest::key(before.trim()));
+        return words(message, format!("write \"#{r:02x}{g:02x}{b:02x}\""));
+    }
     let parts: Vec<_> = inner.split(',').map(str::trim).collect();
+    if parts.iter().all(|part| part.contains('=')) {
+        let help = format!("write {{ {} }}", suggest::clip(&parts.join(", ")));
+        return words(
+            "a table stands in braces `{ }`, not in parentheses `( )`",
+            help,
+        );
+    }
     parts.iter().all(|part| is_number(part)).then_some(())?;
     let help = format!("write [{}]", parts.join(", "));
     words(
@@ -268,6 +351,16 @@ fn word(m: &Mistake) -> Option<Words> {
         let message = format!("{} is not a value", suggest::key(found));
         return words(message, format!("write {instead}"));
     }
+    if found.starts_with(['$', '~', '%']) {
+        let message = format!(
+            "{} is no path: scenes know no variables of the environment and no home folder",
+            suggest::key(found)
+        );
+        return words(
+            message,
+            "write the path from the scene's folder, or add its folder by `--assets DIR`",
+        );
+    }
     let parts: Vec<&str> = found.split_whitespace().collect();
     if parts.len() > 1 && parts.iter().all(|word| is_number(word)) {
         let help = format!("write {}", parts.join(", "));
@@ -288,11 +381,23 @@ fn word(m: &Mistake) -> Option<Words> {
 
 /// Explains a missing closing quote: `model = "box`.
 fn quotes(m: &Mistake) -> Option<Words> {
-    let open = m.message.starts_with("invalid basic string, expected `\"`");
-    open.then(|| {
+    let is_open = |(kind, quote)| {
+        m.message
+            .starts_with(&format!("invalid {kind} string, expected `{quote}`"))
+    };
+    let (_, quote) = [("basic", '"'), ("literal", '\'')]
+        .into_iter()
+        .find(|kind| is_open(*kind))?;
+    if quote == '\'' {
+        return words(
+            "the text in quotes `'` does not end on its line",
+            "add a `'`",
+        );
+    }
+    Some({
         (
             "the text in quotes `\"` does not end on its line".into(),
-            Some("add a `\"`".into()),
+            Some("add a `\"`; a text of several lines stands between `\"\"\"`".into()),
         )
     })
 }

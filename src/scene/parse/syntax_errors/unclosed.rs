@@ -41,7 +41,11 @@ pub fn first(text: &str) -> Option<Unclosed> {
             '#' => rest.find('\n').unwrap_or(rest.len()),
             '"' | '\'' => {
                 last = (c, at + 1);
-                length_of_text(rest, c)
+                let length = length_of_text(rest, c);
+                if rest[length..].starts_with('\n') && !rest[..length].ends_with(c) {
+                    return None; // the text is not closed, and the bracket only seems open
+                }
+                length
             }
             _ => {
                 match (c, open.last()) {

@@ -82,6 +82,14 @@ pub fn missing_property(text: &str) -> Explained {
         _ => return ("script-error", super::lower_first(text), None),
     };
     let shown = suggest::key(name);
+    if of == "vec3" && text.contains("setter") && matches!(name, "x" | "y" | "z") {
+        let message = format!("{shown} of a vec3 must be a number");
+        return (
+            "script-error",
+            message,
+            Some(format!("write `v.{name} = 1.5`")),
+        );
+    }
     if text.contains("setter") && api::names().contains(&name) {
         let help = "set the scene with functions such as `ctx.place`".to_owned();
         return ("script-error", format!("{shown} is read-only"), Some(help));
