@@ -4,6 +4,9 @@ pub mod spline;
 
 use glam::{Affine3A, DAffine3, DMat3, Mat3, Vec3};
 
+/// Weights of linear red, green and blue in luminance, and of their code values in luma (ITU-R BT.709).
+pub const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
+
 /// An axis-aligned box; empty when `min > max`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {

@@ -2,6 +2,7 @@
 //! pixels, and hits of the march against hits of the rays.
 
 use super::sample::REFUSALS;
+use reflet_base::math::LUMINANCE;
 use reflet_metric::{
     Maps, Scores,
     error::ErrorMap,
@@ -322,10 +323,10 @@ fn differing<T: PartialEq>(inside: &[bool], [a, b]: &[Vec<T>; 2]) -> u64 {
     pairs.filter(|(inside, (a, b))| **inside && a != b).count() as u64
 }
 
-/// Luma of display code values (ITU-R BT.709).
+/// Luma of display code values.
 fn luma(pixels: &[[f32; 3]]) -> Vec<f32> {
-    let of = |[r, g, b]: &[f32; 3]| 0.2126 * r + 0.7152 * g + 0.0722 * b;
-    pixels.iter().map(of).collect()
+    let luma = |pixel: &[f32; 3]| LUMINANCE.dot((*pixel).into());
+    pixels.iter().map(luma).collect()
 }
 
 /// Cause codes with their outcomes.

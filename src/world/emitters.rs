@@ -1,14 +1,12 @@
 //! Emitters: triangles whose emission lights the scene, each with its power.
 
-use glam::{Vec3, Vec3A};
+use glam::Vec3A;
 
 use super::{Instance, Mesh, World};
+use reflet_base::math::LUMINANCE;
 
 /// Maximum number of emitter triangles.
 pub const MAX_EMITTERS: usize = 1 << 20;
-
-/// Luminance weights of linear Rec. 709 colors; the shaders use the same.
-pub(crate) const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 
 /// A triangle whose emission lights the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]

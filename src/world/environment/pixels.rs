@@ -5,7 +5,10 @@ use half::f16;
 
 use super::{Density, Panorama};
 use crate::gltf::Fault;
-use reflet_base::memory::{Budget, Reservation};
+use reflet_base::{
+    math::LUMINANCE,
+    memory::{Budget, Reservation},
+};
 
 /// Largest width and height of a panorama that is kept, pixels; larger ones are reduced.
 pub const LARGEST_KEPT: [u32; 2] = [4096, 2048];
@@ -58,7 +61,8 @@ impl Pixels {
         let texels = kept.rgb.iter().map(texel).collect();
         let (width, height) = (kept.width, kept.height);
         let coarse = kept.reduced(width.max(height).div_ceil(DENSITY_PX));
-        let luminance: Vec<f32> = coarse.rgb.iter().map(luminance).collect();
+        let luminance = coarse.rgb.iter().map(|rgb| LUMINANCE.dot((*rgb).into()));
+        let luminance: Vec<f32> = luminance.collect();
         Panorama {
             name,
             width,
@@ -96,11 +100,6 @@ impl Pixels {
             rgb: places.map(|(x, y)| mean(x, y)).collect(),
         }
     }
-}
-
-/// Luminance by ITU-R BT.709.
-fn luminance([r, g, b]: &[f32; 3]) -> f32 {
-    0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
 /// A decoded file.

@@ -1,10 +1,10 @@
 //! Lamps as items of a light tree: their power and their bounds.
 
 use glam::Vec3;
-use reflet_base::math::Bounds;
+use reflet_base::math::{Bounds, LUMINANCE};
 
 use super::{Cluster, Leaf, Sides};
-use crate::{Light, emitters::LUMINANCE};
+use crate::Light;
 
 /// Luminous intensity of a lamp in its brightest direction, candela; 0 where that is no number. It adds up with the
 /// power of triangles: their area times their luminance is the intensity straight ahead.

@@ -4,10 +4,10 @@ use std::{collections::HashMap, sync::Arc};
 
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 use rayon::prelude::*;
-use reflet_base::math::Bounds;
+use reflet_base::math::{Bounds, LUMINANCE};
 
 use super::{Cluster, LIGHT_LEAF, Leaf, NO_NODE, Sides, Tree, UNLIT_ITEM, build, lamps};
-use crate::{Instance, World, emitters::LUMINANCE};
+use crate::{Instance, World};
 
 /// The trees of a world in one pose.
 #[derive(Clone, Debug, Default)]

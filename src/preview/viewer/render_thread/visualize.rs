@@ -7,6 +7,7 @@ use crate::viewer::{
     protocol::{Side, View, Visualization},
     view_channel::{BACKGROUND_GRAY, CUBE_CROSS, ShadowMapChoice, ViewChannel},
 };
+use reflet_base::math::LUMINANCE;
 use reflet_gpu::GpuError;
 use reflet_metric::flip;
 use reflet_render::{
@@ -222,9 +223,8 @@ fn cube_cross(faces: &[(u32, Vec<f32>)]) -> ([u32; 2], Vec<Option<f32>>) {
 /// The picture, dim and gray, with the traced pixels colored by their index in the list.
 fn ray_order_image(size: [u32; 2], rays: &[[u32; 2]], display: &[u8]) -> Vec<u8> {
     let dim = |texel: &[u8]| {
-        let [r, g, b] = [0, 1, 2].map(|i| f32::from(texel[i]));
-        // Luma (ITU-R BT.709).
-        let gray = (DIMMED * (0.2126 * r + 0.7152 * g + 0.0722 * b)) as u8;
+        let rgb = [0, 1, 2].map(|i| f32::from(texel[i]));
+        let gray = (DIMMED * LUMINANCE.dot(rgb.into())) as u8;
         [gray, gray, gray, 255]
     };
     let mut rgba: Vec<u8> = display.chunks_exact(4).flat_map(dim).collect();
