@@ -105,6 +105,16 @@ declared! {
     }
 }
 
+/// Field of some kinds of lights; `None` for other kinds.
+macro_rules! field {
+    ($light:expr, $field:ident: $($kind:ident)|+) => {
+        match $light {
+            $(LightKind::$kind { $field, .. })|+ => Some($field),
+            _ => None,
+        }
+    };
+}
+
 impl LightKind {
     /// Index of the kind in [`Self::NAMES`]; the shaders' constants are `LIGHT_` and this name.
     pub fn index(&self) -> usize {
@@ -115,13 +125,9 @@ impl LightKind {
     /// Whether the light has a size, so that its light is sampled. A radius below an atom's counts as a
     /// point: its square over the square of a distance may be 0 in 32-bit floats.
     pub fn has_size(&self) -> bool {
-        match self {
-            Self::Point { radius_m, .. } | Self::Spot { radius_m, .. } => {
-                *radius_m >= LEAST_RADIUS_M
-            }
-            Self::Directional { angle_deg, .. } => *angle_deg > 0.0,
-            Self::Rect { .. } | Self::Disk { .. } => true,
-        }
+        self.is_flat()
+            || self.radius_m() >= LEAST_RADIUS_M
+            || field!(self, angle_deg: Directional).is_some_and(|angle| *angle > 0.0)
     }
 
     /// Whether the light is flat, and shines from one side of a plane around its position.
@@ -145,62 +151,37 @@ impl LightKind {
                 let up = direction.any_orthonormal_vector() * 2.0 * radius_m;
                 Some([direction.cross(up), up])
             }
-            Self::Point { .. } | Self::Spot { .. } | Self::Directional { .. } => None,
+            _ => None,
         }
     }
 
     /// Radius of the smallest ball around the light's surface, meters; 0 for a light without a place.
     pub fn radius_m(&self) -> f32 {
-        match *self {
-            Self::Point { radius_m, .. }
-            | Self::Spot { radius_m, .. }
-            | Self::Disk { radius_m, .. } => radius_m,
-            Self::Rect { size, .. } => 0.5 * Vec3::new(size[0], size[1], 0.0).length(),
-            Self::Directional { .. } => 0.0,
-        }
+        let half = |size: &[f32; 2]| 0.5 * Vec3::new(size[0], size[1], 0.0).length();
+        let radius_m = field!(self, radius_m: Point | Spot | Disk).copied();
+        let radius_m = radius_m.or(field!(self, size: Rect).map(half));
+        radius_m.unwrap_or_default()
     }
 
     /// Angles from the middle of a beam up to which it has full brightness and at which it ends, degrees; `None` for a
     /// light without a beam.
     pub fn cone_deg(&self) -> Option<[f32; 2]> {
-        match *self {
-            Self::Spot {
-                inner_deg,
-                outer_deg,
-                ..
-            } => Some([inner_deg, outer_deg]),
-            _ => None,
-        }
+        Some([
+            *field!(self, inner_deg: Spot)?,
+            *field!(self, outer_deg: Spot)?,
+        ])
     }
 
     /// Multiplies the lengths of the light by a factor, and its intensity so that it lights as before.
     pub fn scale(&mut self, factor: f32) {
-        match self {
-            Self::Point {
-                intensity_cd,
-                radius_m,
-                ..
-            }
-            | Self::Spot {
-                intensity_cd,
-                radius_m,
-                ..
-            }
-            | Self::Disk {
-                intensity_cd,
-                radius_m,
-                ..
-            } => {
-                *radius_m *= factor;
-                *intensity_cd *= factor * factor;
-            }
-            Self::Rect {
-                intensity_cd, size, ..
-            } => {
-                *size = size.map(|edge_m| edge_m * factor);
-                *intensity_cd *= factor * factor;
-            }
-            Self::Directional { .. } => {}
+        if let Some(radius_m) = field!(self, radius_m: Point | Spot | Disk) {
+            *radius_m *= factor;
+        }
+        if let Some(size) = field!(self, size: Rect) {
+            *size = size.map(|edge_m| edge_m * factor);
+        }
+        if let Some(intensity_cd) = field!(self, intensity_cd: Point | Spot | Rect | Disk) {
+            *intensity_cd *= factor * factor;
         }
     }
 
@@ -217,26 +198,18 @@ impl LightKind {
                 radius_m: 0.0,
             };
         }
-        if let Self::Point { radius_m, .. } | Self::Spot { radius_m, .. } = &mut self {
+        if let Some(radius_m) = field!(&mut self, radius_m: Point | Spot) {
             *radius_m = 0.0;
         }
         self
     }
 
-    /// Position of the light; `None` if directional.
-    pub fn position(mut self) -> Option<Vec3> {
-        self.position_mut().copied()
-    }
-
     /// Luminous intensity in candela, or of a directional light the illuminance in lux.
     pub fn intensity(&self) -> f32 {
-        match *self {
-            Self::Point { intensity_cd, .. }
-            | Self::Spot { intensity_cd, .. }
-            | Self::Rect { intensity_cd, .. }
-            | Self::Disk { intensity_cd, .. } => intensity_cd,
-            Self::Directional { intensity_lux, .. } => intensity_lux,
-        }
+        let intensity = field!(self, intensity_cd: Point | Spot | Rect | Disk);
+        *intensity
+            .or(field!(self, intensity_lux: Directional))
+            .unwrap_or(&0.0)
     }
 
     /// Radiance of the light's surface at its brightest, per unit of color; 0 for a light without a size.
@@ -245,19 +218,22 @@ impl LightKind {
             return 0.0;
         }
         let apparent = match *self {
-            Self::Point { radius_m, .. }
-            | Self::Spot { radius_m, .. }
-            | Self::Disk { radius_m, .. } => PI * radius_m * radius_m,
             Self::Rect { size, .. } => size[0] * size[1],
             Self::Directional { angle_deg, .. } => {
                 PI * (0.5 * angle_deg).to_radians().sin().powi(2)
             }
+            _ => PI * self.radius_m() * self.radius_m(),
         };
         if apparent > 0.0 {
             self.intensity() / apparent
         } else {
             0.0
         }
+    }
+
+    /// Position of the light; `None` if directional.
+    pub fn position(mut self) -> Option<Vec3> {
+        self.position_mut().copied()
     }
 
     /// Direction in which the light shines; `None` for a point light.
@@ -267,42 +243,22 @@ impl LightKind {
 
     /// Mutable [`Self::position`].
     pub fn position_mut(&mut self) -> Option<&mut Vec3> {
-        match self {
-            Self::Point { position, .. }
-            | Self::Spot { position, .. }
-            | Self::Rect { position, .. }
-            | Self::Disk { position, .. } => Some(position),
-            Self::Directional { .. } => None,
-        }
+        field!(self, position: Point | Spot | Rect | Disk)
     }
 
     /// Mutable [`Self::direction`].
     pub fn direction_mut(&mut self) -> Option<&mut Vec3> {
-        match self {
-            Self::Spot { direction, .. }
-            | Self::Directional { direction, .. }
-            | Self::Rect { direction, .. }
-            | Self::Disk { direction, .. } => Some(direction),
-            Self::Point { .. } => None,
-        }
+        field!(self, direction: Spot | Directional | Rect | Disk)
     }
 
     /// Point that the light faces; the outer `None` for kinds that cannot face one.
     pub fn target_mut(&mut self) -> Option<&mut Option<Vec3>> {
-        match self {
-            Self::Spot { target, .. } | Self::Rect { target, .. } | Self::Disk { target, .. } => {
-                Some(target)
-            }
-            Self::Point { .. } | Self::Directional { .. } => None,
-        }
+        field!(self, target: Spot | Rect | Disk)
     }
 
     /// Direction of the second edge of a rectangle; `None` for other kinds.
     pub fn up_mut(&mut self) -> Option<&mut Vec3> {
-        match self {
-            Self::Rect { up, .. } => Some(up),
-            _ => None,
-        }
+        field!(self, up: Rect)
     }
 }
 
@@ -360,19 +316,17 @@ fn refuse_direction(t: &mut Table, key: &str, message: &str) {
 
 /// Row of [`LIGHT`] for a field that only some kinds of lights have.
 macro_rules! of_lights {
-    ($key:ident, $what:literal, $form:ident, $range:expr, $($kind:ident)|+) => {
+    ($key:ident: $form:ident $range:ident in $($kind:ident)|+, $what:literal) => {
         Field {
             key: stringify!($key),
             what: $what,
             form: Form::$form,
             range: $range,
-            get: |light| match light.kind {
-                $(LightKind::$kind { $key, .. })|+ => Some($key.lanes()),
-                _ => None,
-            },
-            put: |light, value| match &mut light.kind {
-                $(LightKind::$kind { $key, .. })|+ => *$key = Lanes::from_lanes(value),
-                _ => {}
+            get: |light| field!(light.kind, $key: $($kind)|+).map(Lanes::lanes),
+            put: |light, value| {
+                if let Some(field) = field!(&mut light.kind, $key: $($kind)|+) {
+                    *field = Lanes::from_lanes(value);
+                }
             },
         }
     };
@@ -380,13 +334,7 @@ macro_rules! of_lights {
 
 /// Values of a light that tracks and scripts may change; afterwards call [`LightDesc::settle`].
 pub static LIGHT: [Field<LightDesc>; 8] = [
-    of_lights!(
-        position,
-        "position, meters",
-        Vector,
-        ANY,
-        Point | Spot | Rect | Disk
-    ),
+    of_lights! { position: Vector ANY in Point | Spot | Rect | Disk, "position, meters" },
     Field {
         key: "direction",
         what: "direction in which the light shines, of any length but 0",
@@ -418,27 +366,9 @@ pub static LIGHT: [Field<LightDesc>; 8] = [
             }
         },
     },
-    of_lights!(
-        intensity_cd,
-        "luminous intensity, candela",
-        Number,
-        FROM_0,
-        Point | Spot | Rect | Disk
-    ),
-    of_lights!(
-        intensity_lux,
-        "illuminance of a directional light, lux",
-        Number,
-        FROM_0,
-        Directional
-    ),
+    of_lights! { intensity_cd: Number FROM_0 in Point | Spot | Rect | Disk, "luminous intensity, candela" },
+    of_lights! { intensity_lux: Number FROM_0 in Directional, "illuminance of a directional light, lux" },
     plain!(color, "linear color", Color, FROM_0),
-    of_lights!(inner_deg, "", Number, INNER_DEG, Spot),
-    of_lights!(
-        outer_deg,
-        "angle from the middle at which a spot's beam ends, degrees",
-        Number,
-        OUTER_DEG,
-        Spot
-    ),
+    of_lights! { inner_deg: Number INNER_DEG in Spot, "" },
+    of_lights! { outer_deg: Number OUTER_DEG in Spot, "angle from the middle at which a spot's beam ends, degrees" },
 ];
