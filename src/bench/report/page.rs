@@ -71,60 +71,23 @@ dt{font-weight:600}dd{margin:0}
 ";
 
 /// Terms of the page with their meanings.
-const TERMS: [(&str, &str); 12] = [
-    (
-        "ssr, hybrid, rt",
-        "reflections marched on the screen alone; marched, and traced where that fails; traced at every pixel",
-    ),
-    (
-        "U",
-        "1/16 of the diagonal of the box around everything that stands still, unless the scene says otherwise; lengths of a setting are in U",
-    ),
-    (
-        "T, threshold_u",
-        "how far behind the visible surface, in U, a marched ray may be and still count as having met it",
-    ),
-    (
-        "steps, ray_length_u, bounces, scale",
-        "most steps of the march; how far a reflection reaches; most reflections in a row; the share of the picture's width and height that is rendered, then enlarged",
-    ),
-    (
-        "FLIP",
-        "difference that an observer sees when two pictures are flipped, mean over pixels (Andersson et al. 2020): 0 is equal, 1 is black for white",
-    ),
-    (
-        "SSIM",
-        "structural similarity (Wang et al. 2004), luma, 11 × 11 Gaussian windows: 1 is equal",
-    ),
-    (
-        "relMSE, PSNR",
-        "squared error of linear light relative to the reference's, (a − r)² / (r + 0.01)²; signal to noise of the displayed values in decibels",
-    ),
-    (
-        "refl., in reflections",
-        "only pixels whose Fresnel-weighted reflectance exceeds 1/255, less 5 pixels at every edge",
-    ),
-    (
-        "Pareto front",
-        "settings that no other beats in both time and error",
-    ),
-    (
-        "screen, traced, failed, none, rough",
-        "reflective pixels that took a marched hit; a traced one; were left black since ssr traces nothing; met nothing within the ray's length; are too rough to be mirrored",
-    ),
-    (
-        "false accept, false reject",
-        "a marched hit that is not where the ray ends; a crossing that was refused though the ray ends there",
-    ),
-    (
-        "temporal error",
-        "mean difference of a picture's change from the reference's change between measured frames, over the mean change of the reference",
-    ),
-];
+const TERMS: &str = "\
+ssr, hybrid, rt: reflections marched on the screen alone; marched, and traced where that fails; traced at every pixel
+U: 1/16 of the diagonal of the box around everything that stands still, unless the scene says otherwise; lengths of a setting are in U
+T, threshold_u: how far behind the visible surface, in U, a marched ray may be and still count as having met it
+steps, ray_length_u, bounces, scale: most steps of the march; how far a reflection reaches; most reflections in a row; the share of the picture's width and height that is rendered, then enlarged
+FLIP: difference that an observer sees when two pictures are flipped, mean over pixels (Andersson et al. 2020): 0 is equal, 1 is black for white
+SSIM: structural similarity (Wang et al. 2004), luma, 11 × 11 Gaussian windows: 1 is equal
+relMSE, PSNR: squared error of linear light relative to the reference's, (a − r)² / (r + 0.01)²; signal to noise of the displayed values in decibels
+refl., in reflections: only pixels whose Fresnel-weighted reflectance exceeds 1/255, less 5 pixels at every edge
+Pareto front: settings that no other beats in both time and error
+screen, traced, failed, none, rough: reflective pixels that took a marched hit; a traced one; were left black since ssr traces nothing; met nothing within the ray's length; are too rough to be mirrored
+false accept, false reject: a marched hit that is not where the ray ends; a crossing that was refused though the ray ends there
+temporal error: mean difference of a picture's change from the reference's change between measured frames, over the mean change of the reference";
 
 fn terms() -> String {
     let mut out = "<details><summary>What the words mean</summary><dl>".to_owned();
-    for (term, meaning) in TERMS {
+    for (term, meaning) in TERMS.lines().filter_map(|line| line.split_once(": ")) {
         let _ = write!(out, "<dt>{term}</dt><dd>{}</dd>", escape(meaning));
     }
     out + "</dl></details>\n"
