@@ -1,6 +1,21 @@
 //! Functions, operators and properties that scripts have beyond Rhai's own: one table that registers them, documents
 //! them, and holds an example of each that a test runs.
 
+/// Declares a group of entries: signature and result, description, example, and what registers it.
+macro_rules! entries {
+    ($name:ident $($signature:literal => $gives:literal; $text:literal; $example:literal; |$e:pat_param| $register:expr;)*) => {
+        pub static $name: &[Entry] = &[$(Entry {
+            signature: $signature,
+            gives: $gives,
+            text: $text,
+            example: $example,
+            register: |$e| {
+                $register;
+            },
+        },)*];
+    };
+}
+
 mod definitions;
 mod floats;
 mod math;

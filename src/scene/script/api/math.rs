@@ -17,13 +17,12 @@ macro_rules! of_one {
     };
 }
 
-pub static VECTORS: &[Entry] = &[
-    Entry {
-        signature: "vec3(x, y, z); vec3(s)",
-        gives: "vec3; vec3",
-        text: "A vector of three floats; `vec3(s)` has `s` in all three. An array of three numbers is accepted wherever `ctx` or the result of `setup` takes a vector.",
-        example: "vec3(1, 2.5, 3).y == 2.5 && vec3(2) == vec3(2, 2, 2)",
-        register: |e| {
+entries! {
+    VECTORS
+    "vec3(x, y, z); vec3(s)" => "vec3; vec3";
+        "A vector of three floats; `vec3(s)` has `s` in all three. An array of three numbers is accepted wherever `ctx` or the result of `setup` takes a vector.";
+        "vec3(1, 2.5, 3).y == 2.5 && vec3(2) == vec3(2, 2, 2)";
+        |e| {
             e.register_fn(
                 "vec3",
                 |x: Dynamic, y: Dynamic, z: Dynamic| -> Result<DVec3> {
@@ -35,54 +34,41 @@ pub static VECTORS: &[Entry] = &[
                 },
             );
             e.register_fn("vec3", |s: Dynamic| number(&s, "s").map(DVec3::splat));
-        },
-    },
-    Entry {
-        signature: "v.x; v.y; v.z",
-        gives: "float; float; float",
-        text: "The components of a vector. They can be set: `v.x = 5.0`.",
-        example: "let v = vec3(1, 2, 3); v.x = 5.0; v.x + v.z == 8.0",
-        register: |e| {
+        };
+    "v.x; v.y; v.z" => "float; float; float";
+        "The components of a vector. They can be set: `v.x = 5.0`.";
+        "let v = vec3(1, 2, 3); v.x = 5.0; v.x + v.z == 8.0";
+        |e| {
             e.register_get_set("x", |v: &mut DVec3| v.x, |v: &mut DVec3, x: f64| v.x = x);
             e.register_get_set("y", |v: &mut DVec3| v.y, |v: &mut DVec3, y: f64| v.y = y);
             e.register_get_set("z", |v: &mut DVec3| v.z, |v: &mut DVec3, z: f64| v.z = z);
             e.register_set("x", |v: &mut DVec3, x: i64| v.x = x as f64);
             e.register_set("y", |v: &mut DVec3, y: i64| v.y = y as f64);
             e.register_set("z", |v: &mut DVec3, z: i64| v.z = z as f64);
-        },
-    },
-    Entry {
-        signature: "a + b; a - b; a * b; a / b; -a; a == b",
-        gives: "vec3; vec3; vec3; vec3; vec3; bool",
-        text: "Arithmetic of vectors, component by component; one side of `*` and the right side of `/` may be a number.",
-        example: "2 * vec3(1, 2, 3) - vec3(1, 1, 1) / 2.0 == vec3(1.5, 3.5, 5.5)",
-        register: vector_operators,
-    },
-    Entry {
-        signature: "dot(a, b); cross(a, b)",
-        gives: "float; vec3",
-        text: "Dot and cross product.",
-        example: "dot(vec3(1, 2, 3), vec3(1, 1, 1)) == 6.0 && cross(vec3(1, 0, 0), vec3(0, 1, 0)) == vec3(0, 0, 1)",
-        register: |e| {
+        };
+    "a + b; a - b; a * b; a / b; -a; a == b" => "vec3; vec3; vec3; vec3; vec3; bool";
+        "Arithmetic of vectors, component by component; one side of `*` and the right side of `/` may be a number.";
+        "2 * vec3(1, 2, 3) - vec3(1, 1, 1) / 2.0 == vec3(1.5, 3.5, 5.5)";
+        |e| vector_operators(e);
+    "dot(a, b); cross(a, b)" => "float; vec3";
+        "Dot and cross product.";
+        "dot(vec3(1, 2, 3), vec3(1, 1, 1)) == 6.0 && cross(vec3(1, 0, 0), vec3(0, 1, 0)) == vec3(0, 0, 1)";
+        |e| {
             e.register_fn("dot", |a: DVec3, b: DVec3| a.dot(b));
             e.register_fn("cross", |a: DVec3, b: DVec3| a.cross(b));
-        },
-    },
-    Entry {
-        signature: "length(v); distance(a, b); normalize(v)",
-        gives: "float; float; vec3",
-        text: "Length of a vector; distance between two points; a vector scaled to length 1, which must not be 0.",
-        example: "length(vec3(3, 0, 4)) == 5.0 && normalize(vec3(0, 2, 0)) == vec3(0, 1, 0)",
-        register: |e| {
+        };
+    "length(v); distance(a, b); normalize(v)" => "float; float; vec3";
+        "Length of a vector; distance between two points; a vector scaled to length 1, which must not be 0.";
+        "length(vec3(3, 0, 4)) == 5.0 && normalize(vec3(0, 2, 0)) == vec3(0, 1, 0)";
+        |e| {
             e.register_fn("length", |v: DVec3| v.length());
             e.register_fn("distance", |a: DVec3, b: DVec3| a.distance(b));
             e.register_fn("normalize", |v: DVec3| -> Result<DVec3> {
                 v.try_normalize()
                     .map_or_else(|| fail("a vector of length 0 has no direction".into()), Ok)
             });
-        },
-    },
-];
+        };
+}
 
 fn vector_operators(e: &mut Engine) {
     e.register_fn("+", |a: DVec3, b: DVec3| a + b);
@@ -100,13 +86,12 @@ fn vector_operators(e: &mut Engine) {
     e.register_fn("!=", |a: DVec3, b: DVec3| a != b);
 }
 
-pub static ROTATIONS: &[Entry] = &[
-    Entry {
-        signature: "rotation_deg(x, y, z)",
-        gives: "quat",
-        text: "A rotation (`quat`) by degrees about X, then Y, then Z, all fixed axes, as `rotation_deg` in scene text.",
-        example: "distance(rotation_deg(0, 0, 90) * vec3(1, 0, 0), vec3(0, 1, 0)) < 1e-6",
-        register: |e| {
+entries! {
+    ROTATIONS
+    "rotation_deg(x, y, z)" => "quat";
+        "A rotation (`quat`) by degrees about X, then Y, then Z, all fixed axes, as `rotation_deg` in scene text.";
+        "distance(rotation_deg(0, 0, 90) * vec3(1, 0, 0), vec3(0, 1, 0)) < 1e-6";
+        |e| {
             e.register_fn(
                 "rotation_deg",
                 |x: Dynamic, y: Dynamic, z: Dynamic| -> Result<DQuat> {
@@ -114,14 +99,11 @@ pub static ROTATIONS: &[Entry] = &[
                     rotation(&Dynamic::from(parts))
                 },
             );
-        },
-    },
-    Entry {
-        signature: "axis_deg(axis, degrees)",
-        gives: "quat",
-        text: "A rotation (`quat`) about an axis by degrees, counterclockwise when the axis points at the viewer.",
-        example: "distance(axis_deg(vec3(0, 1, 0), 90) * vec3(1, 0, 0), vec3(0, 0, -1)) < 1e-6",
-        register: |e| {
+        };
+    "axis_deg(axis, degrees)" => "quat";
+        "A rotation (`quat`) about an axis by degrees, counterclockwise when the axis points at the viewer.";
+        "distance(axis_deg(vec3(0, 1, 0), 90) * vec3(1, 0, 0), vec3(0, 0, -1)) < 1e-6";
+        |e| {
             e.register_fn(
                 "axis_deg",
                 |axis: Dynamic, degrees: Dynamic| -> Result<DQuat> {
@@ -134,14 +116,11 @@ pub static ROTATIONS: &[Entry] = &[
                     ))
                 },
             );
-        },
-    },
-    Entry {
-        signature: "facing(direction, up)",
-        gives: "quat",
-        text: "A rotation (`quat`) that turns -Z to `direction`, with Y as close to `up` as possible.",
-        example: "distance(facing(vec3(1, 0, 0), vec3(0, 1, 0)) * vec3(0, 0, -1), vec3(1, 0, 0)) < 1e-6",
-        register: |e| {
+        };
+    "facing(direction, up)" => "quat";
+        "A rotation (`quat`) that turns -Z to `direction`, with Y as close to `up` as possible.";
+        "distance(facing(vec3(1, 0, 0), vec3(0, 1, 0)) * vec3(0, 0, -1), vec3(1, 0, 0)) < 1e-6";
+        |e| {
             e.register_fn(
                 "facing",
                 |direction: Dynamic, up: Dynamic| -> Result<DQuat> {
@@ -154,28 +133,22 @@ pub static ROTATIONS: &[Entry] = &[
                     Ok(DQuat::from_mat3(&turn))
                 },
             );
-        },
-    },
-    Entry {
-        signature: "a * b; q * v; inverse(q); slerp(a, b, t)",
-        gives: "quat; vec3; quat; quat",
-        text: "Composition of rotations, first `b`, then `a`; rotation of a vector; inverse; spherical interpolation from `a` at t = 0 to `b` at 1.",
-        example: "let q = rotation_deg(0, 90, 0); distance(inverse(q) * (q * vec3(1, 2, 3)), vec3(1, 2, 3)) < 1e-6",
-        register: |e| {
+        };
+    "a * b; q * v; inverse(q); slerp(a, b, t)" => "quat; vec3; quat; quat";
+        "Composition of rotations, first `b`, then `a`; rotation of a vector; inverse; spherical interpolation from `a` at t = 0 to `b` at 1.";
+        "let q = rotation_deg(0, 90, 0); distance(inverse(q) * (q * vec3(1, 2, 3)), vec3(1, 2, 3)) < 1e-6";
+        |e| {
             e.register_fn("*", |a: DQuat, b: DQuat| a * b);
             e.register_fn("*", |q: DQuat, v: DVec3| q * v);
             e.register_fn("inverse", |q: DQuat| q.inverse());
             e.register_fn("slerp", |a: DQuat, b: DQuat, t: Dynamic| -> Result<DQuat> {
                 Ok(a.slerp(b, number(&t, "t")?))
             });
-        },
-    },
-    Entry {
-        signature: "mat4(position, rotation, scale)",
-        gives: "mat4",
-        text: "A matrix that scales, then rotates, then translates; arguments as for `ctx.place`.",
-        example: "mat4([1, 0, 0], [0, 0, 0], 2) * vec3(1, 1, 1) == vec3(3, 2, 2)",
-        register: |e| {
+        };
+    "mat4(position, rotation, scale)" => "mat4";
+        "A matrix that scales, then rotates, then translates; arguments as for `ctx.place`.";
+        "mat4([1, 0, 0], [0, 0, 0], 2) * vec3(1, 1, 1) == vec3(3, 2, 2)";
+        |e| {
             e.register_fn(
                 "mat4",
                 |at: Dynamic, turn: Dynamic, size: Dynamic| -> Result<DMat4> {
@@ -184,14 +157,11 @@ pub static ROTATIONS: &[Entry] = &[
                     Ok(DMat4::from_scale_rotation_translation(size, turn, at))
                 },
             );
-        },
-    },
-    Entry {
-        signature: "a * b; m * v; inverse(m); direction(m, v)",
-        gives: "mat4; vec3; mat4; vec3",
-        text: "Product of matrices, first `b`, then `a`; a transformed point; inverse; a transformed direction, without the translation.",
-        example: "let m = mat4([1, 2, 3], [0, 0, 0], 1); inverse(m) * (m * vec3(4, 5, 6)) == vec3(4, 5, 6) && direction(m, vec3(0, 1, 0)) == vec3(0, 1, 0)",
-        register: |e| {
+        };
+    "a * b; m * v; inverse(m); direction(m, v)" => "mat4; vec3; mat4; vec3";
+        "Product of matrices, first `b`, then `a`; a transformed point; inverse; a transformed direction, without the translation.";
+        "let m = mat4([1, 2, 3], [0, 0, 0], 1); inverse(m) * (m * vec3(4, 5, 6)) == vec3(4, 5, 6) && direction(m, vec3(0, 1, 0)) == vec3(0, 1, 0)";
+        |e| {
             e.register_fn("*", |a: DMat4, b: DMat4| a * b);
             e.register_fn("*", |m: DMat4, v: DVec3| m.transform_point3(v));
             e.register_fn("direction", |m: DMat4, v: DVec3| m.transform_vector3(v));
@@ -201,17 +171,15 @@ pub static ROTATIONS: &[Entry] = &[
                 }
                 Ok(m.inverse())
             });
-        },
-    },
-];
+        };
+}
 
-pub static NUMBERS: &[Entry] = &[
-    Entry {
-        signature: "mix(a, b, t)",
-        gives: "?",
-        text: "Linear interpolation from `a` at t = 0 to `b` at 1; numbers or vectors.",
-        example: "mix(2, 4, 0.5) == 3.0 && mix(vec3(0), vec3(2), 0.5) == vec3(1)",
-        register: |e| {
+entries! {
+    NUMBERS
+    "mix(a, b, t)" => "?";
+        "Linear interpolation from `a` at t = 0 to `b` at 1; numbers or vectors.";
+        "mix(2, 4, 0.5) == 3.0 && mix(vec3(0), vec3(2), 0.5) == vec3(1)";
+        |e| {
             e.register_fn("mix", |a: DVec3, b: DVec3, t: Dynamic| -> Result<DVec3> {
                 Ok(a.lerp(b, number(&t, "t")?))
             });
@@ -219,14 +187,11 @@ pub static NUMBERS: &[Entry] = &[
                 let (a, b) = (number(&a, "a")?, number(&b, "b")?);
                 Ok(a + (b - a) * number(&t, "t")?)
             });
-        },
-    },
-    Entry {
-        signature: "clamp(x, low, high)",
-        gives: "float",
-        text: "`x` limited to the range from `low` to `high`.",
-        example: "clamp(5, 0, 1.5) == 1.5",
-        register: |e| {
+        };
+    "clamp(x, low, high)" => "float";
+        "`x` limited to the range from `low` to `high`.";
+        "clamp(5, 0, 1.5) == 1.5";
+        |e| {
             e.register_fn(
                 "clamp",
                 |x: Dynamic, low: Dynamic, high: Dynamic| -> Result<f64> {
@@ -234,14 +199,11 @@ pub static NUMBERS: &[Entry] = &[
                     Ok(number(&x, "x")?.min(high).max(low))
                 },
             );
-        },
-    },
-    Entry {
-        signature: "smoothstep(low, high, x)",
-        gives: "float",
-        text: "0 below `low`, 1 above `high`, and a smooth transition between; `low` must be below `high`.",
-        example: "smoothstep(0, 2, 1) == 0.5 && smoothstep(0, 2, 9) == 1.0",
-        register: |e| {
+        };
+    "smoothstep(low, high, x)" => "float";
+        "0 below `low`, 1 above `high`, and a smooth transition between; `low` must be below `high`.";
+        "smoothstep(0, 2, 1) == 0.5 && smoothstep(0, 2, 9) == 1.0";
+        |e| {
             e.register_fn(
                 "smoothstep",
                 |low: Dynamic, high: Dynamic, x: Dynamic| -> Result<f64> {
@@ -253,42 +215,26 @@ pub static NUMBERS: &[Entry] = &[
                     Ok(u * u * (3.0 - 2.0 * u))
                 },
             );
-        },
-    },
-    Entry {
-        signature: "fract(x)",
-        gives: "float",
-        text: "The fractional part, `x - floor(x)`: from 0 up to but not 1, also for negative numbers.",
-        example: "fract(2.25) == 0.25 && fract(-0.25) == 0.75",
-        register: |e| {
-            e.register_fn("fract", |x: Dynamic| number(&x, "x").map(|x| x - x.floor()));
-        },
-    },
-    Entry {
-        signature: "radians(degrees); degrees(radians)",
-        gives: "float; float",
-        text: "Conversion of angles: degrees to radians, and radians to degrees.",
-        example: "degrees(radians(90)) == 90.0",
-        register: |e| {
-            e.register_fn("radians", |x: Dynamic| {
-                number(&x, "degrees").map(f64::to_radians)
-            });
-            e.register_fn("degrees", |x: Dynamic| {
-                number(&x, "radians").map(f64::to_degrees)
-            });
-        },
-    },
-    Entry {
-        signature: "sin(x); cos(x); tan(x); asin(x); acos(x); atan(x); sqrt(x); exp(x); ln(x)",
-        gives: "float; float; float; float; float; float; float; float; float",
-        text: "The functions of Rhai, here also for integers; angles are in radians. Rhai's `abs`, `min`, `max`, `floor`, `ceiling`, `round`, `sign`, `atan(y, x)` and `PI()` are available as well.",
-        example: "sin(0) == 0.0 && sqrt(9) == 3.0 && max(1, 2.5) == 2.5",
-        register: |e| {
+        };
+    "fract(x)" => "float";
+        "The fractional part, `x - floor(x)`: from 0 up to but not 1, also for negative numbers.";
+        "fract(2.25) == 0.25 && fract(-0.25) == 0.75";
+        |e| e.register_fn("fract", |x: Dynamic| number(&x, "x").map(|x| x - x.floor()));
+    "radians(degrees); degrees(radians)" => "float; float";
+        "Conversion of angles: degrees to radians, and radians to degrees.";
+        "degrees(radians(90)) == 90.0";
+        |e| {
+            e.register_fn("radians", |x: Dynamic| number(&x, "degrees").map(f64::to_radians));
+            e.register_fn("degrees", |x: Dynamic| number(&x, "radians").map(f64::to_degrees));
+        };
+    "sin(x); cos(x); tan(x); asin(x); acos(x); atan(x); sqrt(x); exp(x); ln(x)" => "float; float; float; float; float; float; float; float; float";
+        "The functions of Rhai, here also for integers; angles are in radians. Rhai's `abs`, `min`, `max`, `floor`, `ceiling`, `round`, `sign`, `atan(y, x)` and `PI()` are available as well.";
+        "sin(0) == 0.0 && sqrt(9) == 3.0 && max(1, 2.5) == 2.5";
+        |e| {
             of_one!(e,
                 "sin" => f64::sin, "cos" => f64::cos, "tan" => f64::tan, "asin" => f64::asin,
                 "acos" => f64::acos, "atan" => f64::atan, "sqrt" => f64::sqrt, "exp" => f64::exp,
                 "ln" => f64::ln,
             );
-        },
-    },
-];
+        };
+}

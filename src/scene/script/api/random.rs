@@ -8,26 +8,20 @@ use super::{
     Entry,
 };
 
-pub static RANDOM: &[Entry] = &[
-    Entry {
-        signature: "hash01(seed); hash01(seed, id); hash01(seed, id, frame)",
-        gives: "float; float; float",
-        text: "A pseudo-random number from 0 up to but not 1: a hash of the integers, so the same arguments always give the same number.",
-        example: "hash01(1, 2, 3) == hash01(1, 2, 3) && hash01(1, 2, 3) != hash01(1, 2, 4) && hash01(7) < 1",
-        register: |e| {
+entries! {
+    RANDOM
+    "hash01(seed); hash01(seed, id); hash01(seed, id, frame)" => "float; float; float";
+        "A pseudo-random number from 0 up to but not 1: a hash of the integers, so the same arguments always give the same number.";
+        "hash01(1, 2, 3) == hash01(1, 2, 3) && hash01(1, 2, 3) != hash01(1, 2, 4) && hash01(7) < 1";
+        |e| {
             e.register_fn("hash01", |seed: i64| hash01([seed, 0, 0]));
             e.register_fn("hash01", |seed: i64, id: i64| hash01([seed, id, 0]));
-            e.register_fn("hash01", |seed: i64, id: i64, frame: i64| {
-                hash01([seed, id, frame])
-            });
-        },
-    },
-    Entry {
-        signature: "noise(seed, x); noise(seed, vector)",
-        gives: "float; float",
-        text: "Smooth value noise, 0 to 1, of a number or a vector: random at whole numbers and smoothly interpolated between them.",
-        example: "noise(1, 2.5) == noise(1, 2.5) && noise(1, vec3(0, 0.5, 0)) <= 1",
-        register: |e| {
+            e.register_fn("hash01", |seed: i64, id: i64, frame: i64| hash01([seed, id, frame]));
+        };
+    "noise(seed, x); noise(seed, vector)" => "float; float";
+        "Smooth value noise, 0 to 1, of a number or a vector: random at whole numbers and smoothly interpolated between them.";
+        "noise(1, 2.5) == noise(1, 2.5) && noise(1, vec3(0, 0.5, 0)) <= 1";
+        |e| {
             e.register_fn(
                 "noise",
                 |seed: i64, at: Dynamic| -> Result<f64, Box<EvalAltResult>> {
@@ -39,9 +33,8 @@ pub static RANDOM: &[Entry] = &[
                     Ok(noise(seed, point))
                 },
             );
-        },
-    },
-];
+        };
+}
 
 /// Hash of four integers by the finalizer of SplitMix64 (Steele, Lea, Flood, "Fast splittable pseudorandom
 /// number generators", 2014), fed with one number after the other.
