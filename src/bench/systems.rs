@@ -70,85 +70,40 @@ fn look_up(r: &mut ReflectionDesc, lookup: Lookup, nearest: u32) {
     (r.probes.lookup, r.probes.nearest) = (lookup, nearest);
 }
 
-const fn system(
-    side: Side,
-    name: &'static str,
-    color: [u8; 3],
-    method: Method,
-    change: fn(&mut ReflectionDesc),
-) -> System {
-    System {
-        name,
-        color,
-        side,
-        method,
-        change,
-    }
+/// Declares systems, a row each.
+macro_rules! systems {
+    ($($side:ident $name:literal $color:expr, $method:ident, |$settings:pat_param| $change:expr;)*) => {
+        &[$(System {
+            name: $name,
+            color: $color,
+            side: Side::$side,
+            method: Method::$method,
+            change: |$settings| $change,
+        }),*]
+    };
 }
 
 /// All systems, in the order of tables.
-pub const SYSTEMS: &[System] = {
-    use Method::{Hybrid, NearFar, Probe, Rt, Ssr, SsrBox, SsrProbe};
-    use Side::{Own, Rival, Variant};
-    &[
-        system(Rival, "ssr", [0, 114, 178], Ssr, |_| {}),
-        system(Rival, "probe, infinity, K = 1", [150, 120, 0], Probe, |r| {
-            look_up(r, Lookup::Infinity, 1)
-        }),
-        system(Rival, "probe, box, K = 1", [200, 170, 0], Probe, |r| {
-            look_up(r, Lookup::Box, 1)
-        }),
-        system(Rival, "probe, box, K = 4", [240, 210, 40], Probe, |r| {
-            look_up(r, Lookup::Box, 4)
-        }),
-        system(
-            Rival,
-            "probe, distance, K = 2",
-            [120, 180, 60],
-            Probe,
-            |r| look_up(r, Lookup::Distance, 2),
-        ),
-        system(
-            Rival,
-            "ssr+probe, box, K = 2",
-            [120, 120, 120],
-            SsrProbe,
-            |r| look_up(r, Lookup::Box, 2),
-        ),
-        system(
-            Rival,
-            "ssr+probe, distance, K = 2",
-            [60, 60, 60],
-            SsrProbe,
-            |r| look_up(r, Lookup::Distance, 2),
-        ),
-        system(Rival, "ssr+box", [120, 140, 60], SsrBox, |_| {}),
-        system(Rival, "near-far", [90, 40, 140], NearFar, |_| {}),
-        system(Rival, "near-far, 2 layers", [170, 110, 220], NearFar, |r| {
-            r.layers = 2
-        }),
-        system(Rival, "ssr, 2 layers", [86, 180, 233], Ssr, |r| {
-            r.layers = 2
-        }),
-        system(Rival, "rt, rate 4", [0, 90, 60], Rt, |r| r.rate = 4),
-        system(Variant, "rt, skip 1 px", [150, 200, 170], Rt, |r| {
-            r.skip_px = 1.0
-        }),
-        system(Variant, "hybrid, skip 1 px", [245, 180, 140], Hybrid, |r| {
-            r.skip_px = 1.0
-        }),
-        system(Variant, "rt by query", [0, 60, 160], Rt, |r| {
-            r.trace = Trace::Query
-        }),
-        system(Rival, "hybrid (threshold)", [230, 159, 0], Hybrid, |r| {
-            r.accept = Accept::Threshold
-        }),
-        system(Own, "hybrid", [213, 94, 0], Hybrid, |_| {}),
-        system(Own, "hybrid, 2 layers", [150, 60, 60], Hybrid, |r| {
-            r.layers = 2
-        }),
-        system(Own, "rt", [0, 158, 115], Rt, |_| {}),
-    ]
+pub const SYSTEMS: &[System] = systems! {
+    Rival "ssr" [0, 114, 178], Ssr, |_| ();
+    Rival "probe, infinity, K = 1" [150, 120, 0], Probe, |r| look_up(r, Lookup::Infinity, 1);
+    Rival "probe, box, K = 1" [200, 170, 0], Probe, |r| look_up(r, Lookup::Box, 1);
+    Rival "probe, box, K = 4" [240, 210, 40], Probe, |r| look_up(r, Lookup::Box, 4);
+    Rival "probe, distance, K = 2" [120, 180, 60], Probe, |r| look_up(r, Lookup::Distance, 2);
+    Rival "ssr+probe, box, K = 2" [120, 120, 120], SsrProbe, |r| look_up(r, Lookup::Box, 2);
+    Rival "ssr+probe, distance, K = 2" [60, 60, 60], SsrProbe, |r| look_up(r, Lookup::Distance, 2);
+    Rival "ssr+box" [120, 140, 60], SsrBox, |_| ();
+    Rival "near-far" [90, 40, 140], NearFar, |_| ();
+    Rival "near-far, 2 layers" [170, 110, 220], NearFar, |r| r.layers = 2;
+    Rival "ssr, 2 layers" [86, 180, 233], Ssr, |r| r.layers = 2;
+    Rival "rt, rate 4" [0, 90, 60], Rt, |r| r.rate = 4;
+    Variant "rt, skip 1 px" [150, 200, 170], Rt, |r| r.skip_px = 1.0;
+    Variant "hybrid, skip 1 px" [245, 180, 140], Hybrid, |r| r.skip_px = 1.0;
+    Variant "rt by query" [0, 60, 160], Rt, |r| r.trace = Trace::Query;
+    Rival "hybrid (threshold)" [230, 159, 0], Hybrid, |r| r.accept = Accept::Threshold;
+    Own "hybrid" [213, 94, 0], Hybrid, |_| ();
+    Own "hybrid, 2 layers" [150, 60, 60], Hybrid, |r| r.layers = 2;
+    Own "rt" [0, 158, 115], Rt, |_| ();
 };
 
 /// Errors of a system inside the reflections, of a frame or over those frames of a scene that have enough of them.

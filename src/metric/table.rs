@@ -22,83 +22,35 @@ pub struct ImageMetric {
 }
 
 const ANY_SIZE: (f64, f64, &str) = (0.0, f64::MAX, "a finite number, 0 or more");
+const SSIM: (f64, f64, &str) = (-1.0 - ROUNDING, 1.0 + ROUNDING, "-1 to 1");
 const FLIP: (f64, f64, &str) = (0.0, 1.0 + ROUNDING, "0 to 1");
 
-/// Every image metric, in the order of tables.
-pub const METRICS: [ImageMetric; 9] = [
-    ImageMetric {
-        label: "SSIM",
-        column: Some("ssim"),
-        range: (-1.0 - ROUNDING, 1.0 + ROUNDING, "-1 to 1"),
-        has_mean: true,
-        score: |s| s.ssim,
-        text: |v| format!("{v:.6}"),
-    },
-    ImageMetric {
-        label: "FLIP mean",
-        column: Some("flip"),
-        range: FLIP,
-        has_mean: true,
-        score: |s| Some(s.flip_mean),
-        text: |v| format!("{v:.6}"),
-    },
-    ImageMetric {
-        label: "FLIP p95",
-        column: Some("flip_p95"),
-        range: FLIP,
-        has_mean: false,
-        score: |s| Some(s.flip_p95),
-        text: |v| format!("{v:.6}"),
-    },
-    ImageMetric {
-        label: "FLIP p99",
-        column: Some("flip_p99"),
-        range: FLIP,
-        has_mean: false,
-        score: |s| Some(s.flip_p99),
-        text: |v| format!("{v:.6}"),
-    },
-    ImageMetric {
-        label: "PSNR, dB",
-        column: Some("psnr_db"),
-        range: (0.0, f64::INFINITY, "0 or more, or inf"),
-        has_mean: false, // infinite where one frame is equal
-        score: |s| Some(s.psnr_db),
-        text: |v| format!("{v:.3}"),
-    },
-    ImageMetric {
-        label: "relMSE",
-        column: Some("rel_mse"),
-        range: ANY_SIZE,
-        has_mean: true,
-        score: |s| Some(s.rel_mse),
-        text: |v| format!("{v:.4e}"),
-    },
-    ImageMetric {
-        label: "relMSE less top 0.1 %",
-        column: None,
-        range: ANY_SIZE,
-        has_mean: true,
-        score: |s| Some(s.rel_mse_trimmed),
-        text: |v| format!("{v:.4e}"),
-    },
-    ImageMetric {
-        label: "largest difference /255",
-        column: Some("max_difference"),
-        range: (0.0, 255.0, "0 to 255"),
-        has_mean: false,
-        score: |s| Some(s.max_difference),
-        text: |v| format!("{v:.2}"),
-    },
-    ImageMetric {
-        label: "specks, of a million pixels",
-        column: Some("specks"),
-        range: (0.0, 1.0 + ROUNDING, "0 to 1"),
-        has_mean: true,
-        score: |s| Some(s.specks),
-        text: |v| format!("{:.0}", v * 1e6),
-    },
-];
+/// Declares metrics, a row each.
+macro_rules! metrics {
+    ($($label:literal, $column:expr, $range:expr, mean: $mean:literal, |$s:ident| $score:expr, |$v:ident| $text:expr;)*) => {
+        [$(ImageMetric {
+            label: $label,
+            column: $column,
+            range: $range,
+            has_mean: $mean,
+            score: |$s| $score,
+            text: |$v| $text,
+        }),*]
+    };
+}
+
+/// Every image metric, in the order of tables. PSNR has no mean, as it is infinite where one frame is equal.
+pub const METRICS: [ImageMetric; 9] = metrics! {
+    "SSIM", Some("ssim"), SSIM, mean: true, |s| s.ssim, |v| format!("{v:.6}");
+    "FLIP mean", Some("flip"), FLIP, mean: true, |s| Some(s.flip_mean), |v| format!("{v:.6}");
+    "FLIP p95", Some("flip_p95"), FLIP, mean: false, |s| Some(s.flip_p95), |v| format!("{v:.6}");
+    "FLIP p99", Some("flip_p99"), FLIP, mean: false, |s| Some(s.flip_p99), |v| format!("{v:.6}");
+    "PSNR, dB", Some("psnr_db"), (0.0, f64::INFINITY, "0 or more, or inf"), mean: false, |s| Some(s.psnr_db), |v| format!("{v:.3}");
+    "relMSE", Some("rel_mse"), ANY_SIZE, mean: true, |s| Some(s.rel_mse), |v| format!("{v:.4e}");
+    "relMSE less top 0.1 %", None, ANY_SIZE, mean: true, |s| Some(s.rel_mse_trimmed), |v| format!("{v:.4e}");
+    "largest difference /255", Some("max_difference"), (0.0, 255.0, "0 to 255"), mean: false, |s| Some(s.max_difference), |v| format!("{v:.2}");
+    "specks, of a million pixels", Some("specks"), (0.0, 1.0 + ROUNDING, "0 to 1"), mean: true, |s| Some(s.specks), |v| format!("{:.0}", v * 1e6);
+};
 
 /// Metrics that are columns of samples, with the names of the columns.
 pub fn columns() -> impl Iterator<Item = (&'static str, &'static ImageMetric)> {
