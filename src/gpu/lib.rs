@@ -13,8 +13,6 @@ pub mod driver;
 pub mod error;
 pub mod experimental;
 pub mod kept_pipelines;
-mod naga_errors;
-mod naga_types;
 pub mod pipeline;
 pub mod readback;
 pub mod reflect;

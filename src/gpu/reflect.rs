@@ -1,17 +1,16 @@
 //! Shader reflection: validates WGSL with naga and lists its declarations.
 
-use std::sync::Arc;
+use std::{error::Error, sync::Arc};
 
 use naga::{
-    AddressSpace, Handle, ImageClass, Module, ScalarKind, StorageAccess, TypeInner,
+    AddressSpace, Handle, ImageClass, ImageDimension, Module, ScalarKind, Span, StorageAccess,
+    StorageFormat, TypeInner, WithSpan,
     front::wgsl,
     proc::Layouter,
-    valid::{Capabilities, ModuleInfo, ValidationFlags, Validator},
+    valid::{Capabilities, ModuleInfo, ValidationError, ValidationFlags, Validator},
 };
 
 use super::{
-    naga_errors::{parse_error, validation_error},
-    naga_types::{stage_of, storage_access, storage_format, view_dimension},
     shader::{ShaderError, ShaderSource},
     specialize::pruned,
 };
@@ -396,3 +395,106 @@ impl Reflection<'_> {
 #[cfg(test)]
 #[path = "reflect_tests.rs"]
 mod tests;
+
+pub(super) fn stage_of(stage: naga::ShaderStage) -> Option<wgpu::ShaderStages> {
+    match stage {
+        naga::ShaderStage::Vertex => Some(wgpu::ShaderStages::VERTEX),
+        naga::ShaderStage::Fragment => Some(wgpu::ShaderStages::FRAGMENT),
+        naga::ShaderStage::Compute => Some(wgpu::ShaderStages::COMPUTE),
+        _ => None,
+    }
+}
+
+pub(super) fn view_dimension(dim: ImageDimension, arrayed: bool) -> wgpu::TextureViewDimension {
+    match (dim, arrayed) {
+        (ImageDimension::D1, _) => wgpu::TextureViewDimension::D1,
+        (ImageDimension::D2, false) => wgpu::TextureViewDimension::D2,
+        (ImageDimension::D2, true) => wgpu::TextureViewDimension::D2Array,
+        (ImageDimension::D3, _) => wgpu::TextureViewDimension::D3,
+        (ImageDimension::Cube, false) => wgpu::TextureViewDimension::Cube,
+        (ImageDimension::Cube, true) => wgpu::TextureViewDimension::CubeArray,
+    }
+}
+
+pub(super) fn storage_access(access: StorageAccess) -> wgpu::StorageTextureAccess {
+    match (
+        access.contains(StorageAccess::LOAD),
+        access.contains(StorageAccess::STORE),
+    ) {
+        (true, true) => wgpu::StorageTextureAccess::ReadWrite,
+        (true, false) => wgpu::StorageTextureAccess::ReadOnly,
+        _ => wgpu::StorageTextureAccess::WriteOnly,
+    }
+}
+
+/// Storage formats that WebGPU guarantees.
+pub(super) fn storage_format(format: StorageFormat) -> Option<wgpu::TextureFormat> {
+    use StorageFormat as S;
+    use wgpu::TextureFormat as T;
+    Some(match format {
+        S::Rgba8Unorm => T::Rgba8Unorm,
+        S::Rgba8Snorm => T::Rgba8Snorm,
+        S::Rgba8Uint => T::Rgba8Uint,
+        S::Rgba8Sint => T::Rgba8Sint,
+        S::Rgba16Uint => T::Rgba16Uint,
+        S::Rgba16Sint => T::Rgba16Sint,
+        S::Rgba16Float => T::Rgba16Float,
+        S::R32Uint => T::R32Uint,
+        S::R32Sint => T::R32Sint,
+        S::R32Float => T::R32Float,
+        S::Rg32Uint => T::Rg32Uint,
+        S::Rg32Sint => T::Rg32Sint,
+        S::Rg32Float => T::Rg32Float,
+        S::Rgba32Uint => T::Rgba32Uint,
+        S::Rgba32Sint => T::Rgba32Sint,
+        S::Rgba32Float => T::Rgba32Float,
+        _ => return None,
+    })
+}
+
+/// Error for text that does not parse as WGSL.
+pub fn parse_error(source: &ShaderSource, error: &wgsl::ParseError) -> ShaderError {
+    let mut placed = at_first_place(source, error.message(), error.labels());
+    placed.notes.extend(error.notes().map(str::to_owned));
+    placed
+}
+
+/// Error for WGSL that does not validate.
+pub fn validation_error(source: &ShaderSource, error: &WithSpan<ValidationError>) -> ShaderError {
+    let mut message = error.as_inner().to_string();
+    let mut cause = error.as_inner().source();
+    while let Some(inner) = cause {
+        message = format!("{message}: {inner}");
+        cause = inner.source();
+    }
+    let labels = error.spans().map(|(span, label)| (*span, label.as_str()));
+    at_first_place(source, &message, labels)
+}
+
+/// Error with naga's labels: the first label with a location gives the error's location, the others become notes.
+fn at_first_place<'a>(
+    source: &ShaderSource,
+    message: &str,
+    labels: impl Iterator<Item = (Span, &'a str)>,
+) -> ShaderError {
+    let mut error = ShaderError::new(&source.file, message);
+    for (span, label) in labels {
+        let place = span.to_range().and_then(|range| source.locate(range));
+        let label = label.trim();
+        match place {
+            Some(place) if error.location.is_none() => {
+                error.location = Some(place);
+                if !label.is_empty() && !message.contains(label) {
+                    error.notes.push(label.to_owned());
+                }
+            }
+            Some(at) => {
+                let at = format!("{}:{}:{}", at.file, at.line, at.column);
+                error.notes.push(format!("{label} ({at})"));
+            }
+            None if label.is_empty() => {}
+            None => error.notes.push(label.to_owned()),
+        }
+    }
+    error
+}

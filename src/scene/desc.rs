@@ -18,7 +18,6 @@ mod hierarchy;
 mod image;
 mod include;
 mod instance;
-mod late;
 mod light;
 mod light_group;
 mod material;
@@ -42,6 +41,8 @@ use std::{
     path::PathBuf,
 };
 
+use crate::diagnostic::{Diagnostic, Span};
+
 pub use self::{
     animation::{AnimationDesc, Playback},
     box_faces::BoxFacesDesc,
@@ -52,7 +53,6 @@ pub use self::{
     image::{ErrorBound, Exposure, ImageDesc, Radiance, Samples, ToneMap, Visibility},
     include::Include,
     instance::{InstanceDesc, InstanceMaterialDesc, RepeatDesc},
-    late::{LATE_SETTINGS, LateSetting},
     light::{LIGHT, LightDesc, LightKind, LightMotionDesc, ShadowMode},
     light_group::LightGroup,
     material::{
@@ -81,12 +81,12 @@ pub use self::{
         ScaleOscillateDesc, ScaleTrackDesc, ShownKeyDesc, ShownTrackDesc, TrackDesc, Tracks,
     },
 };
-pub(crate) use self::{motion::place, track::tracks};
-use super::diagnostic::Span;
 pub use super::table::{
     located::{At, Entry, Written},
     params::ParamValue,
 };
+
+pub(crate) use self::{motion::place, track::tracks};
 
 /// Indices of entries by their names, for lists that are searched once for each of many names.
 #[derive(Clone, Debug, Default)]
@@ -225,6 +225,60 @@ impl ModelDesc {
         match &self.source {
             ModelSource::Shape(shape) => shape.deforming_vertices(),
             ModelSource::File(_) => None,
+        }
+    }
+}
+
+/// Tables and keys of these settings.
+pub const LATE_SETTINGS: [[&str; 2]; 7] = [
+    ["reflection", "method"],
+    ["reflection", "trace"],
+    ["probes", "spacing_m"],
+    ["probes", "face_px"],
+    ["probes", "samples"],
+    ["box_faces", "face_px"],
+    ["near_far", "face_px"],
+];
+
+/// Place of one of [`LATE_SETTINGS`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct LateSetting {
+    /// Table and key.
+    pub key: [&'static str; 2],
+    /// Place of the value.
+    pub at: Written,
+}
+
+impl SceneDesc {
+    /// Place of the first of these settings that is written.
+    pub fn written(&self, keys: &[[&str; 2]]) -> Option<Span> {
+        let place = |key: &[&str; 2]| self.late.iter().find(|setting| setting.key == *key);
+        let found = keys.iter().find_map(place);
+        found.map(|setting| setting.at.0.clone())
+    }
+
+    /// Place of the first of these settings that is written, or else of the method, or else the start of the text.
+    pub fn place_of(&self, keys: &[[&str; 2]]) -> Span {
+        let found = self.written(keys);
+        let found = found.or_else(|| self.written(&[["reflection", "method"]]));
+        found.unwrap_or_else(|| self.own.clone())
+    }
+
+    /// An error of a renderer with the place of the setting that it is about, if it is about one.
+    pub fn located(&self, error: Diagnostic) -> Diagnostic {
+        let keys: &[[&str; 2]] = match error.name {
+            "no-ray-queries" => &[["reflection", "trace"]],
+            "too-many-probes" => &[["probes", "spacing_m"]],
+            "probe-maps-too-large" => &[["probes", "face_px"], ["probes", "spacing_m"]],
+            "box-faces-too-large" => &[["box_faces", "face_px"]],
+            _ => return error,
+        };
+        match error.span.source {
+            Some(_) => error,
+            None => Diagnostic {
+                span: self.place_of(keys),
+                ..error
+            },
         }
     }
 }

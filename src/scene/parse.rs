@@ -22,7 +22,7 @@ use std::{path::Path, sync::LazyLock};
 
 pub use self::document::{Document, Texts};
 pub use self::placed::{PlacedGroup, RanScript, Run, ScriptInput};
-pub use self::read::project::read_project;
+pub use self::read::read_project;
 pub use crate::table::key_recorder::{
     Form, KeyRecord, RecordedKeys, Rule, SectionRecord, VariantRecord,
 };

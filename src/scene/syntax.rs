@@ -4,9 +4,7 @@
 //! [`Source::syntax`](super::diagnostic::Source::syntax) makes the tree of a text once; reader, lint, language
 //! server and write-back share it. Parsing never fails as a whole, so that a text that is being typed has a tree.
 
-mod make;
 mod size;
-mod tokens;
 mod write;
 
 use std::{collections::BTreeMap, fmt, ops::Range};
@@ -15,11 +13,15 @@ use toml::{
     Spanned,
     de::{DeTable, DeValue, Error},
 };
+use toml_parser::Source;
 
-pub use self::make::made;
-pub use self::size::{MOST_TABLES, MOST_TEXT_BYTES, Size, tables_in};
-pub use self::tokens::{Token, TokenKind, tokens};
-pub use self::write::{key_text, to_text};
+/// Kind of a token.
+pub use toml_parser::lexer::TokenKind;
+
+pub use self::{
+    size::{MOST_TABLES, MOST_TEXT_BYTES, Size, tables_in},
+    write::{key_text, to_text},
+};
 
 /// A key with its byte range in the text.
 pub type Key = Spanned<String>;
@@ -315,4 +317,87 @@ pub mod parsed {
     pub fn end() -> Vec<String> {
         TEXTS.take().unwrap_or_default()
     }
+}
+
+/// Entries with these keys and values.
+pub fn made<'k>(all: impl IntoIterator<Item = (&'k str, Content)>) -> Entries {
+    let entry = |(key, content): (&str, Content)| {
+        (Key::new(0..0, key.to_owned()), Node::new(0..0, content))
+    };
+    all.into_iter().map(entry).collect()
+}
+
+impl From<Entries> for Content {
+    fn from(entries: Entries) -> Self {
+        Self::Table(entries)
+    }
+}
+
+impl From<&str> for Content {
+    fn from(text: &str) -> Self {
+        Self::String(text.to_owned())
+    }
+}
+
+impl From<i64> for Content {
+    fn from(value: i64) -> Self {
+        Self::Integer(Integer {
+            digits: value.to_string().into(),
+            radix: 10,
+        })
+    }
+}
+
+/// A whole number becomes an integer, as people write it.
+impl From<f64> for Content {
+    fn from(value: f64) -> Self {
+        match value.to_string() {
+            digits if value.fract() == 0.0 => Self::Integer(Integer {
+                digits: digits.into(),
+                radix: 10,
+            }),
+            text => Self::Float(Float(text.into())),
+        }
+    }
+}
+
+/// The shortest decimal number that is this one.
+impl From<f32> for Content {
+    fn from(value: f32) -> Self {
+        value
+            .to_string()
+            .parse::<f64>()
+            .map_or_else(|_| f64::from(value).into(), Self::from)
+    }
+}
+
+impl<T: Into<Content>, const N: usize> From<[T; N]> for Content {
+    fn from(values: [T; N]) -> Self {
+        let node = |value: T| Node::new(0..0, value.into());
+        Self::Array(values.map(node).into())
+    }
+}
+
+/// Piece of a text that is not divided further.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Token {
+    /// Kind of the token.
+    pub kind: TokenKind,
+    /// Byte range in the text.
+    pub at: Range<usize>,
+}
+
+/// All tokens of a text in its order, which follow each other without gaps.
+pub fn tokens(text: &str) -> Vec<Token> {
+    // The lexer skips a byte order mark without a token.
+    let mark = text.starts_with('\u{feff}').then(|| Token {
+        kind: TokenKind::Whitespace,
+        at: 0..'\u{feff}'.len_utf8(),
+    });
+    let lexed = Source::new(text).lex().map(|token| Token {
+        kind: token.kind(),
+        at: token.span().start()..token.span().end(),
+    });
+    let lexed = lexed.filter(|token| token.kind != TokenKind::Eof);
+    mark.into_iter().chain(lexed).collect()
 }

@@ -35,7 +35,6 @@ mod placed;
 mod placement;
 mod refit;
 mod reflected;
-mod slab;
 #[cfg(test)]
 mod tests;
 mod tree;

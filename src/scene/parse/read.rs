@@ -1,14 +1,25 @@
 //! The readers of tables whose keys follow from each other, so that no declaration of their fields says how they are
 //! read. The manual and the JSON Schema come from running the readers of all tables.
 
-mod environment;
-pub mod project;
 pub mod timeline;
 
-use crate::declared::{Described, TypeDoc};
-use crate::range::ANY;
-use crate::table::{Either, Section, Table, value::Names, value::Version};
-use crate::{desc::*, diagnostic::Diagnostic};
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use crate::{
+    declared::{Described, TypeDoc},
+    desc::{EnvironmentDesc, EnvironmentShadow, LightGroup, ProjectDesc, *},
+    diagnostic::{Diagnostic, Source},
+    parse::syntax_errors,
+    range::{ANY, FROM_0},
+    table::{
+        Either, Place, Section, Table,
+        color::Color,
+        report::Report,
+        value::{Names, Version},
+    },
+};
 
 impl Section for SceneDesc {
     const HEADING: &'static str = "the whole file";
@@ -139,5 +150,66 @@ impl Section for ModelDesc {
             animation,
             usd,
         })
+    }
+}
+
+/// Text of a project, and warnings about it.
+///
+/// # Errors
+/// All mistakes of the text.
+pub fn read_project(
+    source: &Arc<Source>,
+) -> Result<(ProjectDesc, Vec<Diagnostic>), Vec<Diagnostic>> {
+    let mut report = Report::default();
+    report.add(source);
+    let (tree, shadows) = syntax_errors::tree(source, &mut report);
+    let place = Place {
+        whole: "a project",
+        ..Place::default()
+    };
+    let read = Table::read::<ProjectDesc>(&mut report, &tree, place);
+    report.retain(|d| !shadows.iter().any(|s| s.hides(d)));
+    match report.finish() {
+        (messages, false) => Ok((read.unwrap_or_default(), messages)),
+        (messages, true) => Err(messages),
+    }
+}
+
+impl Section for EnvironmentDesc {
+    const HEADING: &'static str = "[environment]";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        let gradient: &[&str] = &["zenith", "horizon", "ground"];
+        t.one_of(false, &[&["file"], &["color"], gradient]);
+        let color = t.find("color", FROM_0).unwrap_or(Color(Vec3::ZERO));
+        let default = Self::default();
+        let has_colors = ["color", "zenith", "horizon", "ground"]
+            .map(|key| t.has(key))
+            .contains(&true);
+        let environment = Self {
+            zenith: t.get("zenith", FROM_0, color).0,
+            horizon: t.get("horizon", FROM_0, color).0,
+            ground: t.get("ground", FROM_0, color).0,
+            file: t.find("file", ANY),
+            layer: t.find("layer", ANY),
+            rotation_deg: t.get("rotation_deg", ANY, default.rotation_deg),
+            intensity: t.get("intensity", FROM_0, default.intensity),
+            visible: t.get("visible", ANY, default.visible),
+            shadow: t.find("shadow", ANY).unwrap_or(match has_colors {
+                true => EnvironmentShadow::None,
+                false => EnvironmentShadow::Ray,
+            }),
+            fog: t.table("fog"),
+            light_group: LightGroup::find(t).unwrap_or_default(),
+            is_written: has_colors || t.has("file"),
+        };
+        t.files("file", &["hdr", "exr"]);
+        let of_file = t.needing("file", &["rotation_deg", "layer"]);
+        if let Some(key) = of_file.first().filter(|_| t.clean()) {
+            let does = if *key == "layer" { "is of" } else { "turns" };
+            let message = format!("`{key}` {does} a `file`; there is none");
+            t.refuse("wrong-source", key, &message, &format!("remove `{key}`"));
+        }
+        Some(environment)
     }
 }

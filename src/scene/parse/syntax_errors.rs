@@ -1,23 +1,21 @@
 //! Syntax errors of a text as messages, and the parts of the text that they make doubtful.
 
 mod foreign;
-mod mistake;
-mod nesting;
 mod numbers;
 mod plain_words;
 mod unclosed;
 
-pub use plain_words::in_plain_words;
-
 use std::{ops::Range, sync::Arc};
 
 use self::unclosed::Unclosed;
-use crate::table::report::Report;
 use crate::{
     diagnostic::{Diagnostic, Source, Span},
     suggest,
     syntax::{Entries, MOST_TABLES, TOO_MANY_TABLES},
+    table::report::Report,
 };
+
+pub use plain_words::in_plain_words;
 
 /// The part of a file that a syntax error makes doubtful: other messages about it may only follow from
 /// that error.
@@ -167,7 +165,7 @@ fn explain(text: &str, base: usize, at: Range<usize>, message: &str, report: &mu
     } else if message.contains("recurs") {
         let message = "arrays and tables are nested too deeply";
         // The parser does not say where.
-        let at = nesting::first(text).unwrap_or(at);
+        let at = first_too_deep(text).unwrap_or(at);
         report.error("too-deep", &moved(&at), message).help =
             Some("a scene needs four levels".into());
     } else {
@@ -232,4 +230,92 @@ fn table_around(text: &str, line: usize) -> Range<usize> {
     let first = before.into_iter().rev().find(is_header).unwrap_or(0);
     let last = starts(&text[line..], line).into_iter().find(is_header);
     first..last.unwrap_or(text.len() + 1)
+}
+
+/// Largest depth that is allowed; the parser itself gives up a little deeper.
+const MOST_DEPTH: usize = 64;
+
+/// The first bracket or key that is too deep.
+fn first_too_deep(text: &str) -> Option<Range<usize>> {
+    let (mut depth, mut parts, mut key) = (0_usize, 0, 0);
+    let mut chars = text.char_indices();
+    while let Some((at, c)) = chars.next() {
+        match c {
+            '#' => {
+                chars.by_ref().find(|(_, c)| *c == '\n');
+                (parts, key) = (0, at + 1);
+            }
+            '"' | '\'' => {
+                let mut is_escaped = false;
+                chars.by_ref().find(|(_, next)| {
+                    let ends = *next == c && !is_escaped;
+                    is_escaped = c == '"' && *next == '\\' && !is_escaped;
+                    ends
+                });
+            }
+            '[' | '{' => {
+                depth += 1;
+                if depth > MOST_DEPTH {
+                    return Some(at..at + 1);
+                }
+                (parts, key) = (0, at + 1);
+            }
+            ']' | '}' => depth = depth.saturating_sub(1),
+            '.' => {
+                parts += 1;
+                if parts > MOST_DEPTH {
+                    let start = text[key..].find(|c: char| !c.is_whitespace());
+                    return Some(key + start.unwrap_or(0)..at);
+                }
+            }
+            '\n' | '=' | ',' => (parts, key) = (0, at + 1),
+            _ => {}
+        }
+    }
+    None
+}
+
+/// A message and advice on what to do.
+type Words = (String, Option<String>);
+
+/// A syntax error with the text around it.
+struct Mistake<'t> {
+    /// Text that the parser points at.
+    pub found: &'t str,
+    /// Text from there to the end of the line.
+    pub rest: &'t str,
+    /// Text of the line, without spaces around it.
+    pub line: &'t str,
+    /// Text left of the first `=`; `value` is the text right of it, without a comment.
+    pub key: &'t str,
+    pub value: &'t str,
+    /// The parser's message.
+    pub message: &'t str,
+}
+
+/// A message with advice.
+fn words(message: impl Into<String>, help: impl Into<String>) -> Option<Words> {
+    Some((message.into(), Some(help.into())))
+}
+
+/// Whether a text is a number without letters.
+fn is_number(text: &str) -> bool {
+    !text.is_empty() && text.parse::<f64>().is_ok() && !text.contains(char::is_alphabetic)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn finds_the_first_place_that_is_nested_too_deeply() {
+        let long = "a.".repeat(400_000);
+        let text = format!("# {long}\nx = \"{long}\" # [[[\n\n  {long}b = 1\n");
+        let found = first_too_deep(&text).expect("too deep");
+        assert_eq!(text[..found.start].lines().count(), 4);
+        assert!(text[found].starts_with("a.a"));
+        let nested = format!("x = [1.5, 2.5]\ny = {}", "[".repeat(100));
+        assert_eq!(first_too_deep(&nested), Some(83..84));
+        assert_eq!(first_too_deep("x = [1.5, 2.5]\n[a.b]\n"), None);
+    }
 }

@@ -1,6 +1,28 @@
 //! Functions, operators and properties that scripts have beyond Rhai's own: one table that registers them, documents
 //! them, and holds an example of each that a test runs.
 
+use std::{
+    fmt::Write as _,
+    ops::{Range, RangeInclusive},
+};
+
+use glam::{DMat4, DQuat, DVec3};
+use rhai::Engine;
+
+use super::{context::rig, limits::limits};
+use crate::{
+    desc::{CAMERA, LIGHT, MATERIAL},
+    motion::DECAL,
+    number::Field,
+    script::{
+        context::Context,
+        format_value::{mat4, quat, vec3},
+        value::WrongKey,
+    },
+};
+
+pub use self::definitions::definitions;
+
 /// Declares a group of entries: signature and result, description, example, and what registers it.
 macro_rules! entries {
     ($name:ident $($signature:literal => $gives:literal; $text:literal; $example:literal; |$e:pat_param| $register:expr;)*) => {
@@ -21,19 +43,6 @@ mod floats;
 mod math;
 mod random;
 mod scene;
-mod types;
-
-use std::fmt::Write as _;
-
-use rhai::Engine;
-
-pub use self::definitions::definitions;
-use super::{context::rig, limits::limits};
-use crate::{
-    desc::{CAMERA, LIGHT, MATERIAL},
-    motion::DECAL,
-    number::Field,
-};
 
 /// One function, operator or property.
 pub struct Entry {
@@ -110,7 +119,7 @@ const INTRODUCTION: &str = include_str!("api/introduction.md");
 
 /// Registers all types and functions with an engine.
 pub fn register(engine: &mut Engine) {
-    types::register(engine);
+    register_types(engine);
     for entry in API.iter().flat_map(|group| group.entries) {
         (entry.register)(engine);
     }
@@ -210,4 +219,22 @@ pub fn manual() -> String {
         }
     }
     out
+}
+
+/// Registers the names of the types, and `to_string` and `to_debug` of them.
+fn register_types(engine: &mut Engine) {
+    engine.register_type_with_name::<DVec3>("vec3");
+    engine.register_type_with_name::<DQuat>("quat");
+    engine.register_type_with_name::<DMat4>("mat4");
+    engine.register_type_with_name::<Context>("ctx");
+    engine.register_type_with_name::<WrongKey>("error");
+    engine.register_type_with_name::<Range<i64>>("range");
+    engine.register_type_with_name::<RangeInclusive<i64>>("range");
+    for name in ["to_string", "to_debug"] {
+        engine.register_fn(name, |v: &mut DVec3| vec3(v));
+        engine.register_fn(name, |q: &mut DQuat| quat(q));
+        engine.register_fn(name, |m: &mut DMat4| mat4(m));
+        engine.register_fn(name, |_: &mut Context| "ctx".to_owned());
+        engine.register_fn(name, |wrong: &mut WrongKey| wrong.message.clone());
+    }
 }

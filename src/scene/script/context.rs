@@ -1,7 +1,5 @@
 //! `ctx`: the view that a call has of the scene, and the values that it sets.
 
-mod decal;
-mod mesh;
 pub mod rig;
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -10,13 +8,16 @@ use glam::{Affine3A, DMat4, DVec3};
 use rhai::{Dynamic, EvalAltResult, Map};
 
 use super::{
+    floats::Floats,
+    format_value::named,
     setters::{field_bits, material_values, refuse_lacking, set_bits, values},
     value::{fail, number, rotation, scale, vector},
 };
 use crate::{
     desc::{CAMERA, Entry, LIGHT, MATERIAL, ParamValue, TimelineDesc},
     motion::{
-        FrameState, Kind, Names, ScriptNames, ScriptedFields, wrong_with_camera, wrong_with_light,
+        DECAL, FrameState, Kind, MeshPose, Names, ScriptNames, ScriptedFields, wrong_with_camera,
+        wrong_with_light,
     },
     range::ANY,
     suggest,
@@ -393,4 +394,57 @@ fn within(x: f64) -> bool {
 /// World position of the origin that a matrix transforms.
 pub fn position(matrix: &DMat4) -> DVec3 {
     matrix.w_axis.truncate()
+}
+
+impl Context {
+    /// Gives other positions to the vertices of a mesh, and normals, or smooth ones.
+    pub fn mesh(&self, model: &str, positions: &Dynamic, normals: Option<&Dynamic>) -> Result<()> {
+        let index = self.find("model", model, |n| &n.models)?;
+        let Some(vertices) = self.names()?.known.vertices[index] else {
+            return fail(MeshPose::refusal(model));
+        };
+        let numbers = |value: &Dynamic, what: &str| match value.clone().try_cast::<Floats>() {
+            Some(floats) => Ok(floats.shared()),
+            None => fail(format!(
+                "the {what} of a mesh must be `floats`, not {}",
+                named(value)
+            )),
+        };
+        let positions = numbers(positions, "positions")?;
+        let normals = normals
+            .map(|normals| numbers(normals, "normals"))
+            .transpose()?;
+        let pose = MeshPose::new(model, vertices, positions, normals).or_else(fail)?;
+        self.scene().state.meshes.insert(index, pose);
+        Ok(())
+    }
+}
+
+/// The only number that a decal that stands still may change.
+const OPACITY: &str = "opacity";
+
+impl Context {
+    /// Sets values of a decal.
+    pub fn decal(&self, name: &str, keys: &Map) -> Result<()> {
+        let index = self.find("decal", name, |n| &n.decals)?;
+        let values = values(&DECAL, keys, "a decal", |_| true)?;
+        let moved = values.iter().find(|(field, _)| field.key != OPACITY);
+        if let Some((field, _)) =
+            moved.filter(|_| !self.names().is_ok_and(|n| n.known.decals[index]))
+        {
+            let shown = suggest::text(name);
+            return fail(format!(
+                "decal {shown} stands still, so `{}` cannot be set; write `dynamic = true` in its `[decal.{}]`",
+                field.key,
+                suggest::clip(name)
+            ));
+        }
+        let fields = field_bits(&DECAL, values.iter().map(|(field, _)| *field));
+        let mut scene = self.scene();
+        for (field, value) in values {
+            (field.put)(&mut scene.state.decals[index], value);
+        }
+        scene.touched.add(Kind::Decal, index, fields);
+        Ok(())
+    }
 }

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use rhai::{
-    Array, Dynamic, Engine, EvalAltResult, ImmutableString, Map, NativeCallContext, Position,
-    Variant,
+    AST, Array, Dynamic, Engine, EvalAltResult, ImmutableString, LexError, Map, NativeCallContext,
+    ParseError, ParseErrorType, Position, Variant,
     packages::{
         ArithmeticPackage, BasicArrayPackage, BasicFnPackage, BasicIteratorPackage,
         BasicMapPackage, BasicMathPackage, BasicStringPackage, LogicPackage, MoreStringPackage,
@@ -14,9 +14,9 @@ use rhai::{
 
 use super::{
     api, bounded_functions,
-    call_limits::{print, progress},
+    call_limits::{met, print, progress},
     catch_values::{self, Caught},
-    dedup, limited_parser,
+    limited_parser,
     limits::{ARRAY, CALLS, DEPTH, FUNCTIONS, MAP, MODULES, OPERATIONS, TEXT, VARIABLES},
     nested_values, push, sort,
     source_files::{Resolver, Sources},
@@ -66,7 +66,6 @@ pub fn engine(sources: &Arc<Sources>) -> Engine {
     bounded_functions::register(&mut engine);
     nested_values::register(&mut engine);
     sort::register(&mut engine);
-    dedup::register(&mut engine);
     push::register(&mut engine);
     let caught = Caught::default();
     limited_parser::register(&mut engine, &caught);
@@ -90,4 +89,18 @@ fn register_print<T: Variant + Clone>(engine: &mut Engine) {
             Ok(placed(context.call_source(), context.call_position(), &text).into())
         },
     );
+}
+
+/// Compiles a text. If a limit was met, the error says so: Rhai may say that it expected something else there.
+///
+/// # Errors
+/// A mistake of the text, or the limit that was met.
+pub fn compile(engine: &Engine, text: &str) -> Result<AST, ParseError> {
+    engine.compile(text).map_err(|wrong| match met() {
+        Some(why) => {
+            let limit = ParseErrorType::BadInput(LexError::Runtime(why));
+            ParseError(limit.into(), wrong.position())
+        }
+        None => wrong,
+    })
 }

@@ -9,7 +9,6 @@ use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 use super::{
     ALPHA_TESTED, CAPSULES, DOUBLE_SIDED, FLIPPED, NONE, STATIC_ROOT, TOP_LEVEL, TOP_ROOT,
     TraceTriangle, Trees, capsule::Capsule, gpu_layout::instance_flags, leaves::corners,
-    slab::overlaps,
 };
 use crate::World;
 use reflet_base::math::in_f64;
@@ -398,4 +397,25 @@ impl Trees {
             ..*ray
         }
     }
+}
+
+/// The slab test of a ray, by its origin and direction, with the box between two corners, widened by the rounding that
+/// boxes and triangles went through in f32.
+pub fn overlaps(origin: DVec3, ray: DVec3, interval: [f64; 2], [min, max]: [DVec3; 2]) -> bool {
+    let slack = (min.abs().max(max.abs()) + origin.abs()) * 4.0 * f64::from(f32::EPSILON);
+    let (min, max) = (min - slack - origin, max + slack - origin);
+    let [mut near, mut far] = interval;
+    for axis in 0..3 {
+        let direction = ray[axis];
+        if direction == 0.0 {
+            if min[axis] > 0.0 || max[axis] < 0.0 {
+                return false;
+            }
+            continue;
+        }
+        let (a, b) = (min[axis] / direction, max[axis] / direction);
+        near = near.max(a.min(b));
+        far = far.min(a.max(b));
+    }
+    near <= far
 }

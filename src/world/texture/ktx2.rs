@@ -7,7 +7,6 @@ use self::{header::Header, plain::Format};
 use super::fault;
 use crate::gltf::Fault;
 
-mod eac;
 mod header;
 mod plain;
 

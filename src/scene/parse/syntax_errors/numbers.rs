@@ -1,6 +1,6 @@
 //! Numbers that TOML cannot read, with the number to write instead.
 
-use super::mistake::{Mistake, Words, is_number, words};
+use super::{Mistake, Words, is_number, words};
 use crate::{
     desc::{CAMERA, LIGHT},
     number as fields, suggest,

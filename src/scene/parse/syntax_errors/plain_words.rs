@@ -3,8 +3,9 @@
 use std::ops::Range;
 
 use super::{
-    mistake::{Mistake, Words, is_number, words},
+    Mistake, Words, is_number,
     numbers::{constant, number},
+    words,
 };
 use crate::{suggest, table::color::in_css};
 

@@ -146,5 +146,5 @@ entries! {
     "print(value); debug(value)" => "(); ()";
         "Writes a line to standard error, with the file and the line of the call; `debug` puts texts in quotes.";
         "print(`frame ${ctx.frame}`); true";
-        |_| ();
+        |_| {};
 }
