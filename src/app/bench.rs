@@ -1,6 +1,20 @@
 //! `bench`: measures scenes into a folder, which then holds the samples and their report.
 
+pub mod args;
+pub mod bounds;
+mod comparators;
+pub mod progress;
+pub mod regret;
+pub mod reload;
+pub mod report_pictures;
+mod settings;
+mod stability;
+mod timeline;
+
 use std::{fs, io, path::Path};
+
+use args::{BenchArgs, Experiment, RunArgs};
+use progress::Progress;
 
 use super::{
     error::AppError,
@@ -8,7 +22,9 @@ use super::{
     shaders,
 };
 use crate::{
+    app::print_out,
     bench::{
+        choose::{Bound, block, choose},
         hash::Hash,
         host::Host,
         log::{self, Log},
@@ -22,23 +38,11 @@ use crate::{
     files::{Goal, write_whole},
     gpu::{Gpu, driver},
     runtime::scene_text::LoadedScene,
-    scene::{desc, desc::Method, diagnostic::Diagnostic},
+    scene::{
+        desc::{self, Method},
+        diagnostic::Diagnostic,
+    },
 };
-
-pub mod args;
-pub mod bounds;
-mod choice;
-mod comparators;
-pub mod progress;
-pub mod regret;
-pub mod reload;
-pub mod report_pictures;
-mod settings;
-mod stability;
-mod timeline;
-
-use args::{BenchArgs, Experiment, RunArgs};
-use progress::Progress;
 
 /// Note on a last line of a table without a line break.
 const TORN: &str = "the last line of the table was cut off";
@@ -68,7 +72,7 @@ pub fn bench(args: &BenchArgs) -> Result<(), AppError> {
             };
             let sections = report(&args.run.output, "Speed against accuracy", &samples)?;
             match &args.choose {
-                Some(bound) => choice::print_choice(&sections, bound),
+                Some(bound) => print_choice(&sections, bound),
                 None => Ok(()),
             }
         }
@@ -361,4 +365,32 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), AppError> {
 
 fn of_file(diagnostic: Diagnostic) -> AppError {
     AppError::Picture(vec![diagnostic])
+}
+
+/// Prints the chosen settings of each section.
+///
+/// # Errors
+/// [`AppError::Threshold`] where no settings of a scene keep the bound, after the others are printed.
+fn print_choice(sections: &[Section], bound: &Bound) -> Result<(), AppError> {
+    let mut blocks = Vec::new();
+    let mut refused = false;
+    for section in sections {
+        match choose(&section.group, bound) {
+            Ok(point) => blocks.push(block(point, section.group.masked)),
+            Err(why) => {
+                let sample = section.group.points.first().map(|p| &p.sample);
+                let scene = sample.map_or("", |s| s.scene.as_str());
+                reflet_base::error_line!("{scene}: {why}");
+                refused = true;
+            }
+        }
+    }
+    if !blocks.is_empty() {
+        print_out(&blocks.join("\n"))?;
+    }
+    if refused {
+        Err(AppError::Threshold)
+    } else {
+        Ok(())
+    }
 }

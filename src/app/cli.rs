@@ -6,7 +6,7 @@ use super::{
     args::{CalibrateArgs, CheckArgs, PreviewArgs, RenderArgs},
     bench::args::BenchArgs,
     cache::CacheArgs,
-    info::args::InfoArgs,
+    info::InfoArgs,
     job::JobCommand,
     new::NewArgs,
     pack::{PackArgs, unpack::UnpackArgs},

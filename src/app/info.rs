@@ -1,6 +1,5 @@
 //! `info`: contents of a scene as counts, meters and bytes.
 
-pub mod args;
 mod frame;
 mod skipped;
 mod table;
@@ -10,9 +9,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use clap::Args;
 use serde::Serialize;
-
-use args::InfoArgs;
 use skipped::{SkippedInfo, skipped};
 
 use super::{
@@ -20,6 +18,7 @@ use super::{
     scene::load_scene,
 };
 use crate::{
+    app::args::SceneArgs,
     files::folder_of,
     gpu::adapter::AdapterSummary,
     render::{
@@ -364,4 +363,27 @@ fn geometry_bytes(world: &World) -> u64 {
             + size_of_val(mesh.uv1.as_slice())
     };
     world.meshes.iter().map(mesh).sum::<usize>() as u64
+}
+
+/// `info`
+#[derive(Clone, Debug, Args)]
+pub struct InfoArgs {
+    /// Scene file; without one, the built-in atrium
+    pub scene: Option<PathBuf>,
+    /// Overrides of scene values
+    #[command(flatten)]
+    pub from: SceneArgs,
+    /// File of unit costs that `calibrate` measured; settings left to auto are decided by them, not by the
+    /// built-in costs of GPUs and of software adapters
+    #[arg(long, value_name = "FILE")]
+    pub plan: Option<PathBuf>,
+    /// Frame of the timeline for which the instances are listed that reflections skip; default: the first
+    #[arg(long, value_name = "FRAME")]
+    pub at: Option<u32>,
+    /// Print the passes of the frame instead, in their order, with the textures that each reads and writes
+    #[arg(long)]
+    pub frame: bool,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
 }

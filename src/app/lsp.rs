@@ -5,14 +5,11 @@ mod actions;
 mod answer;
 mod call;
 mod colors;
-mod entries;
 mod format;
 mod frames;
-mod known_words;
 mod names;
 mod outline;
 mod position;
-mod published;
 mod references;
 mod scopes;
 mod script;
@@ -21,7 +18,7 @@ mod script_text;
 mod structure;
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, BTreeSet},
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -32,7 +29,6 @@ use serde_json::{Value, json};
 use self::{
     outline::{Part, words},
     position::{offset, path_of, range, uri_of},
-    published::Published,
     references::same,
 };
 use super::{args::SceneArgs, check::messages, error::AppError, project::check_output};
@@ -390,4 +386,37 @@ fn protocol_diagnostic(message: &Diagnostic) -> Value {
         "message": text,
         "relatedInformation": related.collect::<Vec<_>>(),
     })
+}
+
+/// Diagnostics by the scene whose check found them, and by the file that has them.
+#[derive(Default)]
+struct Published(BTreeMap<String, BTreeMap<String, Vec<Value>>>);
+
+impl Published {
+    /// Replaces the diagnostics of a scene's check by new ones; returns all diagnostics of each file in either, also
+    /// from checks of other scenes.
+    pub fn replace(
+        &mut self,
+        scene: &str,
+        found: BTreeMap<String, Vec<Value>>,
+    ) -> BTreeMap<String, Vec<Value>> {
+        let mut files: BTreeSet<String> = found.keys().cloned().collect();
+        files.extend(
+            self.0
+                .insert(scene.to_owned(), found)
+                .into_iter()
+                .flatten()
+                .map(|(file, _)| file),
+        );
+        let all = |file: String| {
+            let mut own: Vec<Value> = Vec::new();
+            for one in self.0.values().filter_map(|of| of.get(&file)).flatten() {
+                if !own.contains(one) {
+                    own.push(one.clone());
+                }
+            }
+            (file, own)
+        };
+        files.into_iter().map(all).collect()
+    }
 }

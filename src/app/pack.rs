@@ -3,31 +3,27 @@
 //! Files keep their relative places, so that every path in scene text, scripts and models still leads to its
 //! file; the manifest at the end of the pack says what is rendered, and how.
 
-mod hashed_read;
 mod manifest;
 pub mod unfinished;
 pub mod unpack;
-mod until_error;
 
 use std::{
     cell::RefCell,
     collections::{BTreeMap, BTreeSet},
-    fs,
-    io::{self, Write as _},
+    fs::{self, File},
+    io::{self, Read, Seek, SeekFrom, Write},
     path::{Component, Path, PathBuf},
 };
 
 use clap::Args;
+use manifest::PackedFile;
+use sha2::{Digest as _, Sha256};
 use zip::{ZipWriter, write::SimpleFileOptions};
 
-use self::{
-    hashed_read::HashedRead,
-    manifest::{BUILT_FROM, LIST, Manifest, fault_of_name},
-    until_error::UntilError,
-};
+use self::manifest::{BUILT_FROM, LIST, Manifest, fault_of_name};
 use super::{args::SceneArgs, error::AppError, scene::load, shutdown};
 use crate::{
-    files::{Goal, Inputs, Temporary, folder_of, open_regular, sweep},
+    files::{Goal, Inputs, Temporary, folder_of, hex, open_regular, sweep},
     output::writable::check_writable,
     runtime::scene_text::{SceneText, asset_folders},
     scene::{dependencies::Dependencies, project::UNPACKED},
@@ -399,3 +395,72 @@ fn write_zip(
 
 #[cfg(test)]
 mod tests;
+
+/// Writes and seeks until an error, which it keeps, and then writes nothing more: the library would print words of its
+/// own when it is dropped.
+struct UntilError<'a> {
+    /// The file.
+    pub file: &'a File,
+    /// The first error.
+    pub error: &'a RefCell<Option<io::Error>>,
+}
+
+impl Write for UntilError<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.error.borrow().is_none() {
+            match self.file.write(bytes) {
+                Err(error) if error.kind() != io::ErrorKind::Interrupted => {
+                    self.error.replace(Some(error));
+                }
+                written => return written,
+            }
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Seek for UntilError<'_> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.file.seek(to)
+    }
+}
+
+/// A reader with a byte count and a SHA-256 hash.
+struct HashedRead<R> {
+    from: R,
+    bytes: u64,
+    hash: Sha256,
+}
+
+impl<R: Read> HashedRead<R> {
+    /// Wraps a reader of which nothing was read yet.
+    pub fn new(from: R) -> Self {
+        Self {
+            from,
+            bytes: 0,
+            hash: Sha256::new(),
+        }
+    }
+
+    /// Manifest entry of the bytes that were read, as a file of this name in a pack.
+    pub fn named(self, path: String) -> PackedFile {
+        PackedFile {
+            path,
+            bytes: self.bytes,
+            sha256: hex(&self.hash.finalize()),
+        }
+    }
+}
+
+impl<R: Read> Read for HashedRead<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let length = self.from.read(buffer)?;
+        self.hash.update(&buffer[..length]);
+        self.bytes += length as u64;
+        Ok(length)
+    }
+}

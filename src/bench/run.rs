@@ -1,6 +1,14 @@
 //! Measures scenes × frames × methods × settings × sizes × repetitions; appends each sample to the table.
 
-use std::{cell::RefCell, time::Instant};
+mod fill;
+mod flicker;
+mod frame_series;
+mod interleave;
+mod judge;
+
+use std::{cell::RefCell, fmt, time::Instant};
+
+use flicker::Flicker;
 
 use super::{
     host::Host,
@@ -9,28 +17,16 @@ use super::{
 };
 use reflet_gpu::{Gpu, ShaderLibrary};
 use reflet_render::{
-    Poses, RenderError, RenderOptions, renderer::adopted, runtime::renderer_stage::RendererStage,
+    Poses, RenderError, RenderOptions, decide::decide, plan::traces_rays, renderer::adopted,
+    runtime::renderer_stage::RendererStage,
 };
-use reflet_scene::desc::{
-    Accept, Bounces, CameraDesc, Exposure, ImageDesc, Method, ReflectionDesc, Visibility,
+use reflet_scene::{
+    desc::{Accept, Bounces, CameraDesc, Exposure, ImageDesc, Method, ReflectionDesc, Visibility},
+    diagnostic::Diagnostic,
 };
-use reflet_world::World;
+use reflet_world::{World, bvh::Trees};
 
-mod error;
-mod fill;
-mod flicker;
-mod frame_series;
-mod interleave;
-mod judge;
-mod visibility;
-mod work;
-
-pub use error::BenchError;
 pub use frame_series::{FrameSeries, Mover};
-pub use work::{Steps, Task, Work};
-
-use flicker::Flicker;
-use visibility::decided_visibility;
 
 /// Bounces of the reference: as many as can be seen.
 pub const REFERENCE_BOUNCES: Bounces = Bounces::Auto;
@@ -352,5 +348,102 @@ impl Bench<'_> {
             let mut cache = self.cache.renderers.borrow_mut();
             cache.extend(ready.into_iter().map(|ready| (size, ready)));
         }
+    }
+}
+
+/// Visibility that `render --method rt` chooses. All methods take it, so that they differ in reflections alone.
+fn decided_visibility(
+    gpu: &Gpu,
+    world: &World,
+    options: &RenderOptions,
+) -> Result<Visibility, RenderError> {
+    let mut traced = *options;
+    traced.reflection.method = Method::Rt;
+    if !traces_rays(world, &traced) {
+        return Ok(Visibility::Raster);
+    }
+    // Methods that trace rays decide so themselves.
+    if options.reflection.method.traces() {
+        return Ok(Visibility::Auto);
+    }
+    let trees = Trees::build(world, u64::MAX).map_err(RenderError::Scene)?;
+    let decided = decide(world, &trees, &traced, gpu.is_software());
+    Ok(decided.options.image.visibility)
+}
+
+/// Reason why a bench cannot go on.
+#[derive(Clone, Debug)]
+pub enum BenchError {
+    /// Error of the renderer or the GPU.
+    Render(RenderError),
+    /// A file that cannot be read or written, or has the wrong contents.
+    File(Box<Diagnostic>),
+    /// A frame that cannot be posed.
+    Scene(Vec<Diagnostic>),
+}
+
+impl fmt::Display for BenchError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Render(error) => error.fmt(f),
+            Self::File(diagnostic) => f.write_str(&diagnostic.message),
+            Self::Scene(diagnostics) => {
+                let first = diagnostics.first().map(|d| d.message.as_str());
+                f.write_str(first.unwrap_or("a frame cannot be posed"))
+            }
+        }
+    }
+}
+
+impl std::error::Error for BenchError {}
+
+impl<E: Into<RenderError>> From<E> for BenchError {
+    fn from(error: E) -> Self {
+        Self::Render(error.into())
+    }
+}
+
+/// A kind of step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Task {
+    /// Rendering the reference.
+    Reference,
+    /// Rendering a picture and computing its errors.
+    Judge,
+    /// Rendering a frame with counters.
+    Count,
+    /// Rendering a frame, timed or to warm up.
+    Frame,
+}
+
+/// Steps of one kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Steps {
+    /// Number of steps.
+    pub count: usize,
+    /// Number of pixels of all these steps.
+    pub pixels: f64,
+}
+
+/// Steps of each kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Work([Steps; 4]);
+
+impl Work {
+    /// Adds steps whose pictures have this size.
+    pub fn add(&mut self, task: Task, count: usize, size: [u32; 2]) {
+        let steps = &mut self.0[task as usize];
+        steps.count += count;
+        steps.pixels += count as f64 * f64::from(size[0]) * f64::from(size[1]);
+    }
+
+    /// Steps of every kind, in the order of [`Task`].
+    pub fn kinds(&self) -> [Steps; 4] {
+        self.0
+    }
+
+    /// Steps of all kinds.
+    pub fn count(&self) -> usize {
+        self.0.iter().map(|steps| steps.count).sum()
     }
 }

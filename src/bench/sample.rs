@@ -1,5 +1,10 @@
 //! One timed frame with every setting and error: a row of `samples.csv`.
 
+mod check;
+pub mod curve;
+#[cfg(test)]
+mod tests;
+
 use std::any::Any;
 
 use super::{
@@ -7,20 +12,13 @@ use super::{
     csv::{self, CsvError, Table},
 };
 use reflet_render::{
-    passes,
+    passes::{self, counted_passes},
     pipeline::{
         cause::Cause,
+        instrument::Counts,
         pass::{Pass, PassGroup},
     },
 };
-
-mod check;
-pub mod curve;
-mod details;
-#[cfg(test)]
-mod tests;
-
-pub use details::{ACCEPTS, BEHIND_COLUMN, REFUSALS, detail_columns, pass_column};
 
 macro_rules! sample {
     ($($(#[$doc:meta])* $name:ident: $kind:ty,)*) => {
@@ -384,4 +382,45 @@ fn cell(table: &Table, row: &[String], name: &str) -> Result<String, String> {
         .map(|i| row[i].clone())
         .or_else(absent)
         .ok_or_else(|| format!("there is no column {name}"))
+}
+
+/// Causes whose refusals can be compared with a ray, because there is a crossing.
+pub const REFUSALS: [Cause; 5] = [
+    Cause::Hidden,
+    Cause::Unconfirmed,
+    Cause::BackFace,
+    Cause::Reflector,
+    Cause::Steps,
+];
+
+/// Causes whose answer is used without a ray.
+pub const ACCEPTS: [Cause; 3] = [Cause::Hit, Cause::HitBehind, Cause::None];
+
+/// Column of the time of a pass.
+pub fn pass_column(pass: &str) -> String {
+    format!("pass_{pass}_ms")
+}
+
+/// Column of the number of pixels whose ray went behind the first depth layer, where there is a second.
+pub const BEHIND_COLUMN: &str = "behind_first_layer_px";
+
+/// Columns after the fixed ones: `pass_NAME_ms`, `cause_NAME_px`, [`BEHIND_COLUMN`], `false_accept_NAME_px`,
+/// `false_reject_NAME_px` and `PASS_COUNTED`, such as `trace_visited_nodes`.
+pub fn detail_columns() -> Vec<String> {
+    let passes = passes::ALL.iter().map(|pass| pass_column(pass.name));
+    let causes = || {
+        Cause::ALL
+            .into_iter()
+            .filter(|c| *c != Cause::NotReflective)
+    };
+    passes
+        .chain(causes().map(|c| format!("cause_{}_px", c.name())))
+        .chain([BEHIND_COLUMN.to_owned()])
+        .chain(ACCEPTS.map(|c| format!("false_accept_{}_px", c.name())))
+        .chain(REFUSALS.map(|c| format!("false_reject_{}_px", c.name())))
+        .chain(counted_passes().flat_map(|pass| {
+            let names = Counts::default().named();
+            names.map(|(what, _)| format!("{}_{what}", pass.name))
+        }))
+        .collect()
 }

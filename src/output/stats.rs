@@ -1,12 +1,8 @@
 //! Statistics of a picture: a table for people, JSON for machines.
 
-mod maps;
-
 use std::fmt::Write as _;
 
 use serde::Serialize;
-
-use maps::captured;
 
 use reflet_base::memory::peak_resident_bytes;
 use reflet_gpu::{Gpu, adapter};
@@ -222,6 +218,20 @@ fn list(shares: &[Share]) -> String {
 /// Bytes with a unit.
 pub fn mebibytes(bytes: u64) -> String {
     format!("{:.1} MiB", bytes as f64 / (1024.0 * 1024.0))
+}
+
+/// Maps that the frame captured or kept, by their label; a capture is not part of the frame's time, and one before the
+/// timed picture may have no time.
+fn captured(frame: &FrameStats) -> Option<(&'static str, String)> {
+    let maps = frame.maps.as_ref()?;
+    let (text, bytes) = (&maps.facts.texts[0], mebibytes(maps.facts.bytes));
+    let ms = maps.capture_ms;
+    let when = match (maps.update_ms > 0.0, ms > 0.0) {
+        (true, _) => format!("captured for this picture in {ms:.3} ms, apart from the passes"),
+        (false, true) => format!("captured before in {ms:.3} ms, apart from the passes"),
+        (false, false) => "captured before this picture was timed".to_owned(),
+    };
+    Some((maps.facts.label, format!("{text}, {bytes}; {when}")))
 }
 
 #[cfg(test)]

@@ -7,7 +7,6 @@
 //! If the system refuses to watch a folder, that is reported and the files are polled instead.
 
 mod folders;
-mod resolved_paths;
 
 use std::{
     collections::{BTreeSet, HashMap},
@@ -20,10 +19,7 @@ use std::{
 
 use notify::EventKind;
 
-use self::{
-    folders::{Folders, Start, System},
-    resolved_paths::{canonical, resolved_paths},
-};
+use self::folders::{Folders, Start, System, canonical, resolved_paths};
 use reflet_base::files::{Stamp, content_hash, written_since};
 use reflet_gpu::shader_folders::shader_folders;
 

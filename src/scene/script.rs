@@ -7,7 +7,9 @@ mod bounded_functions;
 mod bounds;
 mod call_limits;
 mod catch_values;
+mod compile;
 mod context;
+mod ended;
 mod engine;
 mod error;
 pub(crate) mod floats;
@@ -32,10 +34,10 @@ use rhai::{AST, CallFnOptions, Dynamic, Engine, EvalAltResult, Scope};
 
 use self::{
     call_limits::{run_alone, run_limited},
+    compile::compile,
     context::{Call, Context},
-    engine::compile,
+    ended::{StoppedCall, is_limit},
     error::Known,
-    limit_location::{StoppedCall, is_limit},
     source_files::{Sources, without_mark},
 };
 use super::{

@@ -19,11 +19,8 @@ use crate::{
         hash::Hash,
         report::page::page,
         run::{FrameSeries, Protocol, Subject, Sweep},
-        sample::Sample,
-        sample::curve::THRESHOLD_SERIES,
-        stability::{
-            Cell, Mode, Part, ReferenceKind, cells, heat_map::heat_map, ratchet::Ratchet, table,
-        },
+        sample::{Sample, curve::THRESHOLD_SERIES},
+        stability::{Cell, Mode, Part, ReferenceKind, cells, heat_map, ratchet::Ratchet, table},
     },
     files::{Goal, write_whole},
     runtime::scene_text::LoadedScene,

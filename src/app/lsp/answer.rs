@@ -7,22 +7,25 @@ use std::{
 };
 
 use serde_json::{Value, json};
+use walkdir::{DirEntry, WalkDir};
 
 use super::{
-    entries::{entries_below, has_extension, path_below},
-    known_words::known_words,
     names::{Name, border_of, files_of_value, kinds_of_value, names, with_parts},
     outline::{Part, Word, words, words_before},
     position::{range, uri_of},
     scopes::{Scoped, is_named, with_scopes},
 };
-use crate::files::folder_of;
-use crate::scene::{
-    diagnostic::Source,
-    manual::{key_text, section_text, variant_text},
-    parse::{
-        Form, KeyRecord, SectionRecord,
-        tables::{Below, Manual, is_project, keys_of},
+use crate::{
+    files::folder_of,
+    scene::{
+        desc::{DecalChanges, LightGroup},
+        diagnostic::Source,
+        manual::{key_text, section_text, variant_text},
+        parse::{
+            Form, KeyRecord, SectionRecord,
+            entry_kinds::ENTRY_KINDS,
+            tables::{Below, Manual, is_project, keys_of},
+        },
     },
 };
 
@@ -343,4 +346,72 @@ pub fn places(files: &[Scoped], name: &str, is_kind: impl Fn(&str) -> bool) -> V
         );
     }
     all
+}
+
+/// Entries below a folder, by name, without hidden and unreadable entries: to `depth` folders below it, and through
+/// links where `follows_links`.
+pub fn entries_below(
+    folder: &Path,
+    depth: usize,
+    follows_links: bool,
+) -> impl Iterator<Item = DirEntry> {
+    let is_hidden = |entry: &DirEntry| entry.file_name().as_encoded_bytes().starts_with(b".");
+    let walk = WalkDir::new(folder).min_depth(1).max_depth(depth + 1);
+    let walk = walk.follow_links(follows_links).sort_by_file_name();
+    let shown = walk
+        .into_iter()
+        .filter_entry(move |entry| !is_hidden(entry));
+    shown.filter_map(Result::ok)
+}
+
+/// Whether the name of an entry ends with any of these extensions.
+pub fn has_extension(entry: &DirEntry, extensions: &[&str]) -> bool {
+    let own = entry.path().extension().and_then(|own| own.to_str());
+    own.is_some_and(|own| extensions.contains(&own))
+}
+
+/// Path of an entry from a folder above it, with slashes; `None` for names that are no text.
+pub fn path_below(entry: &DirEntry, folder: &Path) -> Option<String> {
+    let path = entry.path().strip_prefix(folder).ok()?;
+    let parts: Option<Vec<_>> = path.iter().map(|part| part.to_str()).collect();
+    Some(parts?.join("/"))
+}
+
+/// Words for the value of a key in a table, where no list of the manual has them.
+pub fn known_words(file: &Arc<Source>, table: &[String], key: &str) -> Vec<String> {
+    let table: Vec<&str> = table.iter().map(String::as_str).collect();
+    match (key, table.as_slice()) {
+        ("changes", ["decal", _] | ["variant", _, "decal", _]) => {
+            DecalChanges::WORDS.map(str::to_owned).to_vec()
+        }
+        ("light_group", _) => light_groups(file),
+        ("remove", []) => entries(file, true),
+        ("remove", ["variant", _]) => entries(file, false),
+        _ => Vec::new(),
+    }
+}
+
+/// Names of groups that the scene has.
+fn light_groups(file: &Arc<Source>) -> Vec<String> {
+    let mut found = BTreeSet::from([LightGroup::default().name().to_owned()]);
+    for part in with_scopes(file) {
+        let is_group = |part: &Part| matches!(part, Part::Value(key) if key == "light_group");
+        let words = words(&part.source).into_iter();
+        found.extend(words.filter(|w| is_group(&w.part)).map(|w| w.text));
+    }
+    found.retain(|name| LightGroup::new(name).is_some());
+    found.into_iter().collect()
+}
+
+/// Entries of the scene, such as `light.lamp`; with `below` of its base and included files alone, whose entries a layer
+/// may take out.
+fn entries(file: &Arc<Source>, below: bool) -> Vec<String> {
+    let mut found = BTreeSet::new();
+    for part in with_scopes(file).iter().skip(usize::from(below)) {
+        let own = names(&part.source).into_iter();
+        let is_entry = |kind: &str| kind == "instance" || ENTRY_KINDS.contains(&kind);
+        let entries = own.filter(|name| part.prefix.is_empty() && is_entry(&name.kind));
+        found.extend(entries.map(|name| format!("{}.{}", name.kind, name.name)));
+    }
+    found.into_iter().collect()
 }

@@ -5,8 +5,8 @@ use std::{collections::BTreeMap, ops::Range, path::Path, sync::Arc};
 use serde_json::{Value, json};
 
 use super::{
+    answer::{entries_below, has_extension},
     call::Call,
-    entries::{entries_below, has_extension},
     is_script,
     names::{Name, border_of, kinds_of_value, names, uses, with_parts},
     position::{range, uri_of},

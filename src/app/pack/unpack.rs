@@ -11,7 +11,7 @@ use zip::{ZipArchive, result::ZipError};
 
 use super::{
     super::{args::option_words, error::AppError, print_out, shutdown},
-    hashed_read::HashedRead,
+    HashedRead,
     manifest::{BUILT_FROM, LIST, MOST_BYTES, Manifest, PackedFile},
     unfinished::Unfinished,
 };

@@ -23,7 +23,7 @@ use crate::{
 
 pub use self::definitions::definitions;
 
-/// Declares a group of entries: signature and result, description, example, and what registers it.
+/// Declares a group of entries: signature and result, description, example, and registration.
 macro_rules! entries {
     ($name:ident $($signature:literal => $gives:literal; $text:literal; $example:literal; |$e:pat_param| $register:expr;)*) => {
         pub static $name: &[Entry] = &[$(Entry {

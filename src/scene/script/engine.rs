@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use rhai::{
-    AST, Array, Dynamic, Engine, EvalAltResult, ImmutableString, LexError, Map, NativeCallContext,
-    ParseError, ParseErrorType, Position, Variant,
+    Array, Dynamic, Engine, EvalAltResult, ImmutableString, Map, NativeCallContext, Position,
+    Variant,
     packages::{
         ArithmeticPackage, BasicArrayPackage, BasicFnPackage, BasicIteratorPackage,
         BasicMapPackage, BasicMathPackage, BasicStringPackage, LogicPackage, MoreStringPackage,
@@ -14,7 +14,7 @@ use rhai::{
 
 use super::{
     api, bounded_functions,
-    call_limits::{met, print, progress},
+    call_limits::{print, progress},
     catch_values::{self, Caught},
     limited_parser,
     limits::{ARRAY, CALLS, DEPTH, FUNCTIONS, MAP, MODULES, OPERATIONS, TEXT, VARIABLES},
@@ -89,18 +89,4 @@ fn register_print<T: Variant + Clone>(engine: &mut Engine) {
             Ok(placed(context.call_source(), context.call_position(), &text).into())
         },
     );
-}
-
-/// Compiles a text. If a limit was met, the error says so: Rhai may say that it expected something else there.
-///
-/// # Errors
-/// A mistake of the text, or the limit that was met.
-pub fn compile(engine: &Engine, text: &str) -> Result<AST, ParseError> {
-    engine.compile(text).map_err(|wrong| match met() {
-        Some(why) => {
-            let limit = ParseErrorType::BadInput(LexError::Runtime(why));
-            ParseError(limit.into(), wrong.position())
-        }
-        None => wrong,
-    })
 }

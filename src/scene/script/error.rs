@@ -10,9 +10,9 @@ use rhai::{EvalAltResult as Wrong, Position};
 use self::missing::{missing_function, missing_key, missing_property};
 pub use self::syntax::syntax;
 use super::{
+    ended::{LimitHit, Place, StoppedCall},
     format_value::thrown,
     key_locations::key_of_call,
-    limit_location::{LimitHit, Place, StoppedCall},
     limits::{ARRAY, CALLS, MAP, MODULES, NESTED, TEXT, VARIABLES},
     nested_values::is_deeper,
     source_files::Sources,

@@ -9,7 +9,7 @@ use std::{
 use rhai::{Dynamic, EvalAltResult, ImmutableString, Position, Scope, Shared};
 
 use super::{
-    engine::compile,
+    compile::compile,
     limits::{FILE_BYTES, NESTED},
     nested_values::is_deeper,
     tokens::tokens,
