@@ -140,6 +140,7 @@ fn picture(
     {
         reflet_base::error_line!("{line}");
     }
+    print_diagnostics(&session.warn_of_empty());
     let pending = session.begin(output.has_color());
     let mut picture = pending
         .and_then(|pending| pending.take(session.scene.gpu()))

@@ -4,7 +4,7 @@ use std::{ops::RangeInclusive, sync::Arc, time::Instant};
 
 use xxhash_rust::xxh3::Xxh3Default;
 
-use super::{args::RenderArgs, error::AppError, plan_file::costs};
+use super::{args::RenderArgs, error::AppError, lint::Lint, plan_file::costs};
 use crate::{
     gpu::{ShaderLibrary, driver::open_gpu},
     output::denoise::{Denoiser, reproject::FramePose},
@@ -13,7 +13,7 @@ use crate::{
         renderer::stats::FrameStats, settings::view::View,
     },
     runtime::{SceneSource, Session, ViewOverrides, scene_text::LoadedScene},
-    scene::desc::Samples,
+    scene::{desc::Samples, diagnostic::Diagnostic},
 };
 
 /// State for rendering the pictures of one command.
@@ -32,6 +32,8 @@ pub struct RenderSession {
     pub own_shaders: Option<u128>,
     /// Whether passes are timed, for statistics.
     timed: bool,
+    /// Whether a picture was checked for showing nothing.
+    is_checked: bool,
     /// Time of sub-frames that a software driver needed to compile pipelines before passes were timed, milliseconds.
     pub warm_up_ms: f64,
     /// Number of pipelines that existed when the passes last ran.
@@ -88,9 +90,20 @@ impl RenderSession {
             crop,
             own_shaders,
             timed: args.stats.is_some(),
+            is_checked: false,
             warm_up_ms: 0.0,
             warm_pipelines: 0,
         })
+    }
+
+    /// Warning about the posed scene where it is the first and its picture shows nothing.
+    pub fn warn_of_empty(&mut self) -> Vec<Diagnostic> {
+        if std::mem::replace(&mut self.is_checked, true) {
+            return Vec::new();
+        }
+        let loaded = self.scene.scene();
+        let found = Lint::empty(&loaded.scene, &loaded.world, self.scene.camera());
+        found.into_iter().collect()
     }
 
     /// Starts a picture of the posed scene, with or without linear color; timed if statistics are requested.

@@ -369,6 +369,8 @@ fn begin_frame(
     }
     let posed = session.scene.apply(frame, Some(state), &|_| ());
     posed.map_err(scene_error)?;
+    let empty = session.warn_of_empty();
+    encoders.print_above(|| print_diagnostics(&empty));
     let picture = session.begin(has_color).map_err(|error| {
         let fatal = matches!(
             error,

@@ -144,7 +144,7 @@ fn is_shown(track: Option<&Track>, time_s: f64) -> bool {
 
 /// A scene's motion prepared for posing: names resolved, path lengths measured.
 #[derive(Debug)]
-pub(super) struct Motion<'a> {
+pub struct Motion<'a> {
     desc: &'a SceneDesc,
     rest: FrameState,
     names: Arc<Names>,

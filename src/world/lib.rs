@@ -41,6 +41,7 @@ pub mod reach;
 pub mod rig;
 pub mod shape;
 mod shared;
+pub mod sight;
 pub mod texture;
 pub mod usd;
 

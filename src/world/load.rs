@@ -22,7 +22,6 @@ use reflet_scene::{
 mod asset_cache;
 mod blended;
 mod camera;
-mod camera_frustum;
 mod check_names;
 mod decals;
 mod emitters;

@@ -217,6 +217,13 @@ fn cameras_of_files_that_see_nothing_give_way() {
         "it sees the triangle"
     );
     let last = doc.json["nodes"].as_array().expect("nodes").len() - 1;
+    // All is nearer than the near plane, or smaller than a pixel.
+    for (znear, z) in [(100.0, 5.0), (0.1, 50_000.0)] {
+        let mut doc = doc.clone();
+        doc.json["cameras"][0]["perspective"]["znear"] = json!(znear);
+        doc.json["nodes"][last]["translation"] = json!([0, 0, z]);
+        assert_eq!(doc.world().cameras.len(), 2, "{znear} {z}");
+    }
     // A camera node rotated away from the scene.
     doc.json["nodes"][last]["rotation"] = json!([0, 1, 0, 0]);
     let mut world = doc.world();

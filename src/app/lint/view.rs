@@ -7,7 +7,7 @@ use crate::{
             view_estimate::{Reach, ViewEstimate},
             view_rays::ViewRays,
         },
-        settings::view::{Projection, View},
+        settings::view::View,
     },
     scene::{
         desc::{CameraDesc, Entry, Exposure},
@@ -15,11 +15,11 @@ use crate::{
         stages::Scene,
     },
     world::{
-        Instance, World,
+        World,
         bvh::{Ray, RayHit, Trees},
+        sight::{Sight, Unseen},
     },
 };
-use glam::Vec3;
 
 /// Exposed radiance below which a pixel shows as black: a display value of 6 of 255.
 const BLACK: f32 = 2e-3;
@@ -41,39 +41,19 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
     let unit_m = settings.unit_m.unwrap_or_else(|| world.unit_m());
     let view = View::new(&camera.value, scene.image.size, unit_m);
     let (cutoff, length_m) = (settings.roughness_cutoff, settings.ray_length_u * unit_m);
+    if let Some(found) = unseen(scene, world, world.main_camera()) {
+        return vec![found];
+    }
     let estimate = ViewEstimate::new(world, trees, &view, cutoff, length_m);
-    let at = || camera.at.clone();
     let mut found = Vec::new();
+    if estimate.surfaces == 0 {
+        // Thin or small: a few pixels show it, between the rays.
+        return found;
+    }
     let whole = View {
         near_m: 0.0,
         ..view
     };
-    if estimate.surfaces == 0
-        && let Some(depth_m) = nearest_m(world, &whole)
-        && ViewEstimate::new(world, trees, &whole, cutoff, length_m).surfaces > 0
-    {
-        let (name, near_m) = (&camera.name, view.near_m);
-        let message = format!(
-            "all that camera \"{name}\" would see is nearer than its near plane, {near_m} m"
-        );
-        let help = format!("write `near_m = {}` in its table", rounded_down(depth_m));
-        found.push(Diagnostic::new("clipped-view", at(), message).help(help));
-        return found;
-    }
-    if estimate.surfaces == 0 && has_triangle(world, &view) {
-        // Thin or small: a few pixels show it, between the rays.
-        return found;
-    }
-    if estimate.surfaces == 0 {
-        let [x, y, z] = world.static_bounds().center().to_array().map(shortened);
-        let message = format!(
-            "camera \"{}\" sees nothing but the environment",
-            camera.name
-        );
-        let help = format!("point it at the scene, whose middle is `target = [{x}, {y}, {z}]`");
-        found.push(Diagnostic::new("empty-view", at(), message).help(help));
-        return found;
-    }
     let rays = ViewRays {
         world,
         trees,
@@ -90,6 +70,46 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
         found.extend(reflector(scene, world, *material, reach, unit_m));
     }
     found
+}
+
+/// Warning that the picture of a camera shows no surface in the pose of the world, with the reason.
+pub fn unseen(scene: &Scene, world: &World, camera: usize) -> Option<Diagnostic> {
+    let camera = world.cameras.get(camera)?;
+    let unit_m = scene.reflection.unit_m.unwrap_or_else(|| world.unit_m());
+    let near_m = camera.value.near_in(unit_m);
+    let sight = Sight::new(&camera.value, near_m, scene.image.size);
+    let name = &camera.name;
+    let nothing = format!("camera \"{name}\" sees nothing but the environment");
+    let (message, help) = match sight.unseen(world, &world.meshes)? {
+        Unseen::Nothing => return None,
+        Unseen::Hidden => (
+            format!("{nothing}: all is hidden or scaled to 0 in this frame"),
+            "show it, or render another frame with --frames".to_owned(),
+        ),
+        Unseen::Outside => {
+            let [x, y, z] = world.static_bounds().center().to_array().map(shortened);
+            let help = format!("point it at the scene, whose middle is `target = [{x}, {y}, {z}]`");
+            (nothing, help)
+        }
+        Unseen::TooNear(depth_m) => {
+            let message = format!(
+                "all that camera \"{name}\" would see is nearer than its near plane, {near_m} m"
+            );
+            let near_m = rounded_down(depth_m as f32);
+            let help = format!("write `near_m = {near_m}` in its table");
+            return Some(Diagnostic::new("clipped-view", camera.at.clone(), message).help(help));
+        }
+        Unseen::Backs => (
+            format!("{nothing}: all surfaces before it have one side and turn their backs to it"),
+            "write `double_sided = true` in their materials, or look from the other side"
+                .to_owned(),
+        ),
+        Unseen::Small => (
+            format!("{nothing}: all before it is smaller than a pixel"),
+            "move it closer, or make the picture or the scene larger".to_owned(),
+        ),
+    };
+    Some(Diagnostic::new("empty-view", camera.at.clone(), message).help(help))
 }
 
 /// Warning about a near plane that cuts away a part of the hits of a camera without one.
@@ -176,33 +196,6 @@ fn reflector(
         let message = format!("material \"{name}\" reflects nothing but the black environment");
         let help = "write `[environment]`, or place what it shall show where its reflection falls";
         Diagnostic::new("black-reflector", at, message).help(help)
-    })
-}
-
-/// Least depth of the boxes of all instances in front of the view, m; `None` where nothing is in front.
-fn nearest_m(world: &World, view: &View) -> Option<f32> {
-    let boxes = world.instances.iter().map(|i| world.bounds_of(i));
-    let depths = boxes.filter(|b| !b.is_empty()).flat_map(|b| b.corners());
-    let depths = depths.map(|corner| (corner - view.eye).dot(view.forward));
-    depths.filter(|depth| *depth > 0.0).reduce(f32::min)
-}
-
-/// Whether the middle of a triangle that the camera may see is inside of the view.
-fn has_triangle(world: &World, view: &View) -> bool {
-    let is_perspective = matches!(view.projection, Projection::Perspective { .. });
-    let is_inside = |at: Vec3| {
-        let from_eye = at - view.eye;
-        let depth = from_eye.dot(view.forward);
-        let scale = if is_perspective { depth } else { 1.0 };
-        let is_within = |axis: Vec3| from_eye.dot(axis).abs() <= scale * axis.length_squared();
-        depth > view.near_m && is_within(view.right) && is_within(view.up)
-    };
-    let seen = |instance: &&Instance| instance.shown.visible && !instance.is_hidden();
-    world.instances.iter().filter(seen).any(|instance| {
-        let (mesh, posed) = (&world.meshes[instance.mesh], world.posed(instance.mesh));
-        let middle = |t: &[u32; 3]| posed.corners(*t).iter().sum::<Vec3>() / 3.0;
-        let place = |middle| instance.world_from_object.transform_point3(middle);
-        mesh.triangles.iter().map(middle).map(place).any(is_inside)
     })
 }
 

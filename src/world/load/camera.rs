@@ -2,15 +2,13 @@
 
 use glam::{Affine3A, Vec3, Vec4};
 
-use super::{
-    camera_frustum::{CameraFrustum, MOST_TRIED},
-    one_color::{PlacedMesh, is_one_color, plain_color},
-};
-use crate::{Mesh, Posed, World};
+use super::one_color::{PlacedMesh, is_one_color, plain_color};
+use crate::{Mesh, Posed, Shared, World, sight::Sight};
 use reflet_base::math::Bounds;
 use reflet_scene::{
     desc::{CameraDesc, Entry, SceneDesc},
     diagnostic::{Diagnostic, Span},
+    motion::Motion,
 };
 
 /// Fraction of the picture's width or height that the scene fills.
@@ -19,6 +17,8 @@ const FILLED: f32 = 0.8;
 const MOST_VERTICES: usize = 1 << 23;
 /// Thickness of a flat scene, as a fraction of its second smallest extent.
 const FLAT: f32 = 0.1;
+/// Least radius of a scene, meters, far below any that is shown.
+const LEAST_RADIUS_M: f32 = 1e-20;
 /// Least net area that faces the back of a flat scene, as a fraction of its area, for the camera to stand there.
 const LEAST_FACING: f32 = 1e-3;
 
@@ -32,30 +32,24 @@ const EXTREMES: [Vec3; 6] = [
     Vec3::NEG_Z,
 ];
 
-/// Adds a camera `main` that frames the whole scene if there is no camera, or if nothing moves and all cameras come
-/// from files and see nothing, or one color; returns whether it did. `meshes` are the world's, with their vertices.
-pub fn add_default(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) -> bool {
+/// Adds a camera `main` that frames the whole scene if there is no camera, or if all cameras come from files and see
+/// nothing at any time, or one color of a still scene; returns whether it did. `meshes` are the world's, with their
+/// vertices.
+pub fn add_default(world: &mut World, meshes: &Shared<Mesh>, desc: &SceneDesc) -> bool {
     let size = desc.image.size;
-    let is_moving = !desc.is_still() || !world.moving.players.is_empty();
-    let is_fixed = !desc.cameras.is_empty() || is_moving || world.instances.is_empty();
-    if is_fixed && !world.cameras.is_empty() {
+    let is_moved = desc.has_frame_script() || world.instances.is_empty();
+    if !world.cameras.is_empty() && (!desc.cameras.is_empty() || is_moved) {
         return false;
     }
     let framed = Framed::from_world(world, meshes);
     let bounds = framed.bounds();
-    let aspect = size[0] as f32 / size[1] as f32;
-    let mut left = MOST_TRIED;
-    let mut may_see = |camera: &CameraDesc| {
-        let sight = CameraFrustum::new(camera, aspect);
-        bounds.is_empty()
-            || sight.may_hold_box(&bounds)
-                && framed.may_be_seen(&sight, &mut left)
-                && !framed.is_one_color(&sight)
-    };
-    if world.cameras.iter().any(|camera| may_see(&camera.value)) {
+    if !world.cameras.is_empty()
+        && (bounds.is_empty() || is_something_seen(world, meshes, desc, &framed))
+    {
         return false;
     }
-    let radius = (bounds.diagonal() * 0.5).max(1e-3);
+    let aspect = size[0] as f32 / size[1] as f32;
+    let radius = (bounds.diagonal() * 0.5).max(LEAST_RADIUS_M);
     let defaults = CameraDesc::default();
     let to_eye = framed.to_eye(&bounds);
     let half_angle = defaults.fov_deg.to_radians() * 0.5;
@@ -83,6 +77,36 @@ pub fn add_default(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) -> bool
     }
     world.cameras.push(main);
     true
+}
+
+/// Whether some camera of the files sees a surface at one of some times of the timeline, and not one color alone.
+fn is_something_seen(
+    world: &World,
+    meshes: &Shared<Mesh>,
+    desc: &SceneDesc,
+    framed: &Framed<'_>,
+) -> bool {
+    /// Number of times after the first.
+    const TIMES: u32 = 8;
+    let unit_m = desc.reflection.unit_m.unwrap_or_else(|| world.unit_m());
+    let sight = |camera: &Entry<CameraDesc>| {
+        Sight::new(&camera.value, camera.value.near_in(unit_m), desc.image.size)
+    };
+    let may_see = |camera| !framed.is_one_color(&sight(camera));
+    let may_see: Vec<_> = world.cameras.iter().map(may_see).collect();
+    let mut posed = world.clone();
+    posed.meshes = meshes.clone();
+    let motion = Motion::new(desc);
+    let (first, last) = (desc.timeline.as_ref()).map_or((0, 0), |t| (t.start, t.end));
+    let times = if desc.is_still() { 0 } else { TIMES };
+    (0..=times).any(|time| {
+        let frame = first + ((last - first) as f32 * time as f32 / TIMES as f32) as u32;
+        if times > 0 && posed.apply(&motion.pose(frame, 0.0)).is_err() {
+            return true; // reported where the frame is shown
+        }
+        let mut cameras = posed.cameras.iter().zip(&may_see);
+        cameras.any(|(camera, may_see)| *may_see && sight(camera).unseen(&posed, meshes).is_none())
+    })
 }
 
 /// A placed mesh that is framed.
@@ -181,21 +205,8 @@ impl<'a> Framed<'a> {
         Bounds::around(self.points())
     }
 
-    /// Whether some triangle may be seen; of boxes one may. `left` triangles are tried.
-    fn may_be_seen(&self, sight: &CameraFrustum, left: &mut usize) -> bool {
-        let mut triangles = self.meshes.iter().flat_map(|shown| {
-            let corners = move |t: &[u32; 3]| (shown, shown.posed.corners(*t));
-            shown.triangles.iter().map(corners)
-        });
-        !self.boxes.is_empty()
-            || triangles.any(|(shown, corners)| {
-                *left = left.saturating_sub(1);
-                *left == 0 || sight.may_hold_triangle(corners, &shown.place, shown.double_sided)
-            })
-    }
-
     /// Whether a camera sees one color alone.
-    fn is_one_color(&self, sight: &CameraFrustum) -> bool {
+    fn is_one_color(&self, sight: &Sight) -> bool {
         let met = self.meshes.iter().map(|shown| PlacedMesh {
             triangles: (shown.triangles.iter()).map(|t| shown.posed.corners(*t)),
             place: &shown.place,

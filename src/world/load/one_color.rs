@@ -3,8 +3,7 @@
 use glam::{Affine3A, Vec2, Vec3, Vec3A, Vec4};
 use obvhs::{ray::Ray, triangle::Triangle};
 
-use super::camera_frustum::CameraFrustum;
-use crate::{Material, Mesh};
+use crate::{Material, Mesh, sight::Sight};
 
 /// Number of rays along each axis of the picture.
 const RAYS: u8 = 5;
@@ -39,7 +38,7 @@ pub struct PlacedMesh<'a, T> {
 /// Whether rays through the whole picture all meet surfaces of the same plain color; false where finding out would take
 /// long.
 pub fn is_one_color<'a, T: Iterator<Item = [Vec3; 3]>>(
-    sight: &CameraFrustum,
+    sight: &Sight,
     met: impl Iterator<Item = PlacedMesh<'a, T>>,
 ) -> bool {
     let met: Vec<_> = met.collect();
