@@ -57,10 +57,10 @@ mod tree;
 pub(super) mod uri;
 mod wire;
 
-pub use animation::{Clip, Playable, Stage, StageTime};
+pub use animation::{Clip, Playable, StageTime};
 pub use container::Bytes;
 pub use extension::SUPPORTED as SUPPORTED_EXTENSIONS;
-pub use image_light::ImageLight;
+pub use image_light::{ImageLight, LightMap};
 pub use posed::{Posed, PosedNames};
 pub use specular_glossiness::{Factors, Part, SpecularGlossinessMaps};
 pub use uri::Sandbox;
@@ -91,7 +91,7 @@ pub struct Model {
     pub placements: Vec<Attached<Placement>>,
     /// Lights (KHR_lights_punctual), in the space of their nodes.
     pub lights: Vec<Attached<Light>>,
-    /// Light from all directions (EXT_lights_image_based).
+    /// Light from all directions (EXT_lights_image_based, or dome lights of a USD stage).
     pub image_light: Option<ImageLight>,
     /// Cameras by name, in the space of their nodes.
     pub cameras: Vec<Attached<(String, CameraDesc)>>,
@@ -101,8 +101,8 @@ pub struct Model {
     pub posed_names: PosedNames,
     /// Animations.
     pub clips: Vec<Clip>,
-    /// Metadata of the USD stage that the file was converted from.
-    pub stage: Stage,
+    /// Time codes of the USD stage that the file was converted from.
+    pub stage: Option<StageTime>,
     /// Named, counted warnings.
     pub warnings: Vec<Diagnostic>,
     /// The file and its buffers.
@@ -349,7 +349,7 @@ fn read_faults(path: &Path, sandbox: &Sandbox, options: &ReadOptions) -> Result<
     check_indices::check(&root).map_err(one)?;
     material::read(&root, &data, folder, sandbox, &mut model, &mut notes).map_err(one)?;
     model.image_light = image_light::read(&root, &data, folder, sandbox).map_err(one)?;
-    model.stage = Stage::from_root(&root);
+    model.stage = StageTime::from_root(&root);
     let variants = root.extensions.variants.iter().flat_map(|v| &v.variants);
     model.variants = variants.map(|v| v.name.clone()).collect();
     model.clips = animation::read(&root, &data);

@@ -100,6 +100,27 @@ fn a_cube_map_becomes_the_environment_turned_and_scaled() {
     assert!(mean.abs_diff_eq(wanted, 1e-3), "{mean}");
 }
 
+/// The converter of USD stores all dome lights of a stage as one panorama.
+#[test]
+fn domes_of_a_stage_are_the_environment() {
+    // Two pixels of Radiance HDR: 1, 0.5, 0.25 on the left, twice as bright on the right.
+    let head = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n";
+    let sky = [&head[..], &[128, 64, 32, 129, 128, 64, 32, 130]].concat();
+    let domes = |bytes: &[u8]| {
+        let mut doc = Doc::triangle();
+        let view = doc.view(bytes);
+        doc.json["scenes"][0]["extras"] = json!({"usd": {"environment": view}});
+        doc
+    };
+    let world = domes(&sky).world();
+    for (direction, wanted) in [(Vec3::X, 1.0), (Vec3::NEG_X, 2.0)] {
+        let found = radiance(panorama(&world), direction);
+        let wanted = Vec3::new(1.0, 0.5, 0.25) * wanted;
+        assert!(found.abs_diff_eq(wanted, 2e-2), "{direction}: {found}");
+    }
+    assert_eq!(domes(&sky[..50]).error().0, "image-broken");
+}
+
 /// Loads the file in a scene that `change` changes.
 fn in_scene(doc: &Doc, change: impl FnOnce(&mut SceneDesc)) -> World {
     let folder = Folder::new();

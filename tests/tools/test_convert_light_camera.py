@@ -4,8 +4,13 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import OpenEXR
 import pytest
+from PIL import Image
 from read_converted import Converted, convert_text
+from reflet_usd.convert.environment import directions
+from reflet_usd.exr_pixels import read_exr
 from texts import text_of
 
 
@@ -108,22 +113,91 @@ def test_area_lights_keep_their_power(
     assert "area-light-approximated" in done.warnings("/L")
 
 
-def test_dome_light_is_kept_beside_the_scene(tmp_path: Path) -> None:
-    body = "float inputs:intensity = 2\nfloat inputs:exposure = 1\n"
-    body += "asset inputs:texture:file = @sky.hdr@"
-    done = convert_light(tmp_path, "DomeLight", body)
-    dome = done.json["nodes"][done.node("/L")]["extras"]["dome_light"]
-    assert dome["radiance_nits"] == pytest.approx(4)
-    assert dome["texture"] == "sky.hdr"
-    assert "dome-light-external" in done.warnings("/L")
-    assert "domeRadiance" not in done.json["scenes"][0]["extras"]["usd"]
+SKY = "asset inputs:texture:file = @sky.{}@\n    float inputs:exposure = 1"
+TURNED = "\n    float xformOp:rotateX = 40\n    double3 xformOp:rotateXYZ = (9, -30, 70)\n    "
+TURNED += 'uniform token[] xformOpOrder = ["xformOp:rotateX", "xformOp:rotateXYZ"]'
+# Kind, up axis, body, size of the texture, and the direction in the file of the texture's middle.
+DOMES = {
+    "as it is": ("DomeLight", "Y", SKY.format("exr"), (8, 16), (0, 0, 1)),
+    "of a Z-up stage": ("DomeLight", "Z", SKY.format("hdr"), (8, 16), (0, 1, 0)),
+    "with the stage's pole": ("DomeLight_1", "Z", SKY.format("png"), (8, 16), (0, 0, 1)),
+    "with a pole": (
+        "DomeLight_1",
+        "Y",
+        SKY.format("exr") + '\n token poleAxis = "Z"',
+        (8, 16),
+        (0, -1, 0),
+    ),
+    "turned": ("DomeLight", "Y", SKY.format("exr") + TURNED, (8, 16), None),
+    "a cross": ("DomeLight", "Y", SKY.format("exr"), (16, 12), None),
+}
+DOMES |= {
+    layout: (
+        "DomeLight",
+        "Y",
+        f'{SKY.format("exr")}\n    token inputs:texture:format = "{layout}"',
+        (17, 17),
+        (0, 0, 1),
+    )
+    for layout in ("angular", "mirroredBall")
+}
 
 
-def test_the_sky_of_plain_domes_is_told(tmp_path: Path) -> None:
-    body = "float inputs:intensity = 2\ncolor3f inputs:color = (1, 0.5, 0.25)"
-    done = convert_light(tmp_path, "DomeLight", body)
-    sky = done.json["scenes"][0]["extras"]["usd"]["domeRadiance"]
-    assert sky == pytest.approx([2, 1, 0.5])
+def write_sky(folder: Path, size: tuple[int, int]) -> None:
+    """A texture of random colors in three formats; its middle is the brightest."""
+    height, width = size
+    sky = np.random.default_rng(2).random((height, width, 3)).astype(np.float32)
+    sky[(height - 3) // 2 : height // 2 + 2, (width - 3) // 2 : width // 2 + 2] = 1.0
+    Image.fromarray((sky * 255).astype(np.uint8)).save(folder / "sky.png")
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    OpenEXR.File(header, {"RGB": 40 * sky}).write(str(folder / "sky.exr"))
+    mantissa, exponent = np.frexp(40 * sky.max(axis=2))
+    scale = (256 * mantissa / (40 * sky.max(axis=2)))[..., None]
+    texels = np.concatenate([40 * sky * scale, exponent[..., None] + 128], axis=2).astype(np.uint8)
+    head = f"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n"
+    rows = []
+    for row in texels:  # half of a row as one run of bytes, the rest as they are
+        rows.append(bytes([2, 2, 0, width]))
+        rows += [bytes([width]) + channel.tobytes() for channel in row.T]
+    (folder / "sky.hdr").write_bytes(head.encode() + b"".join(rows))
+
+
+def panorama(done: Converted) -> Any:
+    """Pixels of the file's environment."""
+    view = done.gltf.bufferViews[done.json["scenes"][0]["extras"]["usd"]["environment"]]
+    blob = done.gltf.binary_blob()
+    return read_exr(blob[view.byteOffset : view.byteOffset + view.byteLength])
+
+
+@pytest.mark.parametrize("name", DOMES)
+def test_a_dome_gives_the_environment(tmp_path: Path, name: str) -> None:
+    kind, up, body, size, middle = DOMES[name]
+    write_sky(tmp_path, size)
+    text = (
+        f'#usda 1.0\n( metersPerUnit = 1\n upAxis = "{up}" )\ndef {kind} "L" {{\n    {body}\n}}\n'
+    )
+    done = convert_text(tmp_path, text + FEW)
+    assert done.warnings("/L") == set()
+    assert done.validated().passed
+    if middle is not None:
+        sky = panorama(done)
+        rows, columns = np.nonzero(sky.min(axis=2) > 0.999 * sky.max())
+        around = directions(np.arange(sky.shape[0]), sky.shape[1], sky.shape[0])[rows, columns]
+        assert around.mean(axis=0) == pytest.approx(middle, abs=0.3)
+    (tmp_path / "stage.usda").write_text(text.replace("exposure = 1", "exposure = 1.1") + FEW)
+    assert not done.validated().passed
+
+
+FEW = 'def Cube "Unit"\n{\n}\n'
+
+
+def test_domes_add_up_and_lost_textures_are_black(tmp_path: Path) -> None:
+    plain = "float inputs:intensity = 2\ncolor3f inputs:color = (1, 0.5, 0.25)"
+    lost = f'def DomeLight "Lost" {{\n    {SKY.format("exr")}\n}}\n'
+    done = convert_light(tmp_path, "DomeLight", plain + "\n}\n" + lost + 'def Scope "S" {')
+    assert panorama(done).reshape(-1, 3) == pytest.approx(np.tile([2, 1, 0.5], (2, 1)))
+    assert done.warnings("/Lost") == {"texture-missing"}
+    assert done.validated().passed
 
 
 @pytest.mark.parametrize("value", ["nan", "inf", "-5"])

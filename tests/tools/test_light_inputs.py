@@ -26,7 +26,6 @@ INPUTS = [
         "float inputs:shaping:cone:angle = 9",
         "light-shaping-dropped",
     ),
-    (DOME, 'token poleAxis = "Z"', "light-input-dropped"),
     (DOME, "float guideRadius = 5", "light-input-dropped"),
     (DOME, "rel portals = </Unit>", "light-input-dropped"),
     (GLOWING, "bool inputs:normalize = 1", "light-input-dropped"),
@@ -55,9 +54,9 @@ def test_the_warning_has_to_name_the_input(tmp_path: Path) -> None:
     assert not done.validated().passed
 
 
-@pytest.mark.parametrize("line", ["float inputs:shadow:distance = -1", "token poleAxis"])
+@pytest.mark.parametrize("line", ["float inputs:shadow:distance = -1", "float guideRadius"])
 def test_inputs_at_their_fallback_say_nothing(tmp_path: Path, line: str) -> None:
-    done = convert_text(tmp_path, fill(DOME if "pole" in line else SHADED, line=line) + UNIT)
+    done = convert_text(tmp_path, fill(DOME if "guide" in line else SHADED, line=line) + UNIT)
     assert "light-input-dropped" not in done.warnings()
     assert done.validated().passed
 

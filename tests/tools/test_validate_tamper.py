@@ -62,8 +62,6 @@ PACKED = material_stage(
     "float inputs:metallic.connect = </Mat/T.outputs:r>",
     texture("R", "small.png") + texture("T", "t.png"),
 )
-DOME = 'def DomeLight "D"\n{\nfloat inputs:intensity = 1\n}\n'
-
 UNKNOWN_BASIS = """int[] curveVertexCounts = [4]
     point3f[] points = [(0,0,0), (1,0,0), (2,1,0), (3,0,0)]
     uniform token basis = "hermite"
@@ -154,8 +152,6 @@ CASES: list[Case] = [
     ("a lens", LENS + UNIT, "lens-dropped", zoom),
     ("a lens elsewhere", LENS + UNIT, "lens-dropped", place),
     ("a clipping range", BAD_CLIP + UNIT, "camera-clip-invalid", clip),
-    ("a dome", DOME + UNIT, "dome-light-external", lose("/Unit")),
-    ("a dome above", DOME.replace("}", UNIT + "}"), "dome-light-external", lose("/D/Unit")),
     ("a volume", 'def Volume "V" { }\n' + UNIT, "Volume-dropped", lose("/Unit")),
     ("a volume above", f'def Volume "V" {{\n{UNIT}}}\n', "Volume-dropped", lose("/V/Unit")),
     (

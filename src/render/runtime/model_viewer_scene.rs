@@ -37,8 +37,8 @@ pub fn is_model(path: &Path) -> bool {
 const USD_PREFIX: &str = "model.model.usd";
 
 /// Scene that shows one model. All its animations play once if no two move the same property of a node, else only the
-/// first one; the timeline has their length. A USD stage keeps its frame numbers and the total radiance of its dome
-/// lights; a glTF file with light of images is lit by that alone. A glTF file that is read here is cached in `options`
+/// first one; the timeline has their length. A USD stage keeps its frame numbers. A file with light of images, such as a
+/// stage with dome lights, is lit by that alone. A glTF file that is read here is cached in `options`
 /// for the load.
 ///
 /// # Errors
@@ -62,7 +62,7 @@ pub fn model_viewer_scene(
         let sun = sun(shadow_of(&playable, overrides));
         root.extend(made([
             ("light", made([("sun", sun)]).into()),
-            ("environment", sky(playable.stage.dome_radiance)),
+            ("environment", sky()),
         ]));
     }
     if let Some((name, duration_s)) = chosen(&playable) {
@@ -108,13 +108,10 @@ fn sun(shadow: Option<&'static str>) -> Content {
     sun.into()
 }
 
-/// Daylight, or the light of the dome lights of a stage.
-fn sky(dome_radiance: Option<[f32; 3]>) -> Content {
-    let colors: [Content; 3] = match dome_radiance {
-        Some(radiance) => [(); 3].map(|()| radiance.into()),
-        None => [[0.5, 0.55, 0.65], [0.6, 0.6, 0.6], [0.25, 0.23, 0.2]].map(Content::from),
-    };
-    let [zenith, horizon, ground] = colors;
+/// Daylight.
+fn sky() -> Content {
+    let colors = [[0.5, 0.55, 0.65], [0.6, 0.6, 0.6], [0.25, 0.23, 0.2]];
+    let [zenith, horizon, ground] = colors.map(Content::from);
     made([("zenith", zenith), ("horizon", horizon), ("ground", ground)]).into()
 }
 
@@ -206,7 +203,7 @@ struct FrameRange {
 }
 
 fn frame_range(duration_s: f64, playable: &Playable, asked_fps: Option<f64>) -> FrameRange {
-    if let Some(stage) = playable.stage.time
+    if let Some(stage) = playable.stage
         && asked_fps.is_none_or(|fps| fps == stage.rate)
         && stage.rate > 0.0
         && stage.rate <= 1000.0
@@ -245,7 +242,7 @@ fn fps_of(overrides: &[String]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use reflet_world::gltf::{Stage, StageTime};
+    use reflet_world::gltf::StageTime;
 
     #[test]
     fn timelines_are_as_long_as_their_animation() {
@@ -266,10 +263,7 @@ mod tests {
             end_time_code: None,
         };
         let of = |stage| Playable {
-            stage: Stage {
-                time: Some(stage),
-                dome_radiance: None,
-            },
+            stage: Some(stage),
             ..Playable::default()
         };
         let f32_end = f64::from(49.0_f32 / 30.0);

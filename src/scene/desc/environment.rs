@@ -52,7 +52,8 @@ declared! {
     /// `[environment]`: background and light around the scene: a panorama image (`file`), one `color` for all
     /// directions, or a gradient of `zenith`, `horizon` and `ground`. It is seen behind the scene and in
     /// reflections, and lights every surface. Without any of these the first model whose file brings light of images
-    /// (glTF's EXT_lights_image_based), and whose `lights` is not `false`, gives the environment; else it is black.
+    /// (glTF's EXT_lights_image_based, dome lights of a USD stage), and whose `lights` is not `false`, gives the
+    /// environment; else it is black.
     ///
     /// - `color`: linear radiance, the same in all directions, three numbers 0 or more.
     #[derive(Clone, Debug, PartialEq)]

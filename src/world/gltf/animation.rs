@@ -50,7 +50,7 @@ pub struct Playable {
     /// The animations.
     pub clips: Vec<Clip>,
     /// Metadata of the USD stage that the file was converted from.
-    pub stage: Stage,
+    pub stage: Option<StageTime>,
     /// Number of placements of meshes by the file's nodes.
     pub copies: usize,
     /// Number of triangles of all meshes, each mesh counted once.
@@ -63,29 +63,6 @@ pub struct Playable {
     pub is_unlit: bool,
     /// Whether the file has light from all directions.
     pub has_image_light: bool,
-}
-
-/// Stage metadata from the converter; empty for other files.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Stage {
-    /// Time mapping.
-    pub time: Option<StageTime>,
-    /// Total radiance of its untextured dome lights, nits.
-    pub dome_radiance: Option<[f32; 3]>,
-}
-
-impl Stage {
-    /// Stage metadata from the extras of a file's scene.
-    pub fn from_root(root: &Root) -> Self {
-        let scene = root.scenes.get(root.scene.unwrap_or(0));
-        let usd = scene.and_then(|scene| scene.extras.get("usd"));
-        Self {
-            time: usd.and_then(|usd| StageTime::deserialize(usd).ok()),
-            dome_radiance: usd
-                .and_then(|usd| <[f32; 3]>::deserialize(usd.get("domeRadiance")?).ok())
-                .filter(|radiance| radiance.iter().all(|v| v.is_finite() && *v >= 0.0)),
-        }
-    }
 }
 
 /// Mapping from seconds of the converted file to time codes of its stage.
@@ -102,6 +79,14 @@ pub struct StageTime {
     pub start_time_code: Option<f64>,
     /// Last time code that the stage states.
     pub end_time_code: Option<f64>,
+}
+
+impl StageTime {
+    /// Time mapping from the extras of a file's scene; `None` for files that the converter did not write.
+    pub fn from_root(root: &Root) -> Option<Self> {
+        let scene = root.scenes.get(root.scene.unwrap_or(0))?;
+        Self::deserialize(scene.extras.get("usd")?).ok()
+    }
 }
 
 /// Reads all animations of a file; a broken one keeps its error.

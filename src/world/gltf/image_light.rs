@@ -1,4 +1,4 @@
-//! Reads the light of EXT_lights_image_based that the shown scene has.
+//! Reads the light from all directions that the shown scene has: of EXT_lights_image_based, or of a converted stage.
 
 use std::path::Path;
 
@@ -7,6 +7,7 @@ use glam::Quat;
 use super::{
     Fault, ImageUse,
     accessor::Data,
+    container::Bytes,
     finite, label,
     schema::{self, Root},
     texture_ref::Textures,
@@ -14,17 +15,29 @@ use super::{
     uri::Sandbox,
 };
 
-/// Light from all directions: a cube map of radiance.
+/// Light from all directions: a cube map or a panorama of radiance.
 #[derive(Clone, Debug)]
 pub struct ImageLight {
     /// Name for messages, such as `image-based light 0 "studio"`.
     pub name: String,
-    /// Rotation from the space of the cube map to the model, of unit length.
-    pub rotation: Quat,
-    /// Factor on the radiance of the images, finite and 0 or more.
-    pub intensity: f32,
-    /// The six faces in the order +X, -X, +Y, -Y, +Z, -Z.
-    pub faces: Vec<ImageUse>,
+    /// Directions of its pixels.
+    pub map: LightMap,
+}
+
+/// Radiance by direction.
+#[derive(Clone, Debug)]
+pub enum LightMap {
+    /// Cube map of EXT_lights_image_based.
+    Cube {
+        /// Rotation from the space of the cube map to the model, of unit length.
+        rotation: Quat,
+        /// Factor on the radiance of the images, finite and 0 or more.
+        intensity: f32,
+        /// The six faces in the order +X, -X, +Y, -Y, +Z, -Z.
+        faces: Vec<ImageUse>,
+    },
+    /// A panorama in OpenEXR, which the converter of USD makes of a stage's dome lights.
+    Panorama(Bytes),
 }
 
 /// Number of faces of a cube.
@@ -40,8 +53,16 @@ pub fn read(
     folder: &Path,
     sandbox: &Sandbox,
 ) -> Result<Option<ImageLight>, Fault> {
-    let scene = tree::shown_scene(root)?;
-    let Some(used) = scene.and_then(|scene| scene.extensions.image_light.as_ref()) else {
+    let Some(scene) = tree::shown_scene(root)? else {
+        return Ok(None);
+    };
+    let domes = (scene.extras.get("usd")).and_then(|usd| usd.get("environment")?.as_u64());
+    if let Some(view) = domes {
+        let name = "the stage's dome lights".to_owned();
+        let map = LightMap::Panorama(data.view_bytes(view as usize)?);
+        return Ok(Some(ImageLight { name, map }));
+    }
+    let Some(used) = scene.extensions.image_light.as_ref() else {
         return Ok(None);
     };
     let lights = root.extensions.image_lights.as_ref();
@@ -84,8 +105,10 @@ fn convert(
     let faces = faces.iter().map(face).collect::<Result<_, _>>()?;
     Ok(ImageLight {
         name: name.to_owned(),
-        rotation: Quat::from_array(rotation).normalize(),
-        intensity,
-        faces,
+        map: LightMap::Cube {
+            rotation: Quat::from_array(rotation).normalize(),
+            intensity,
+            faces,
+        },
     })
 }

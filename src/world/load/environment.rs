@@ -1,12 +1,12 @@
 //! The environment and its panorama.
 
-use std::sync::Arc;
+use std::{path::Path, sync::Arc};
 
 use super::{Loader, Source, material::left_out};
 use crate::{
     Environment, Texture,
     environment::{CubeMap, LAYER_UNKNOWN, Panorama, PanoramaLimits, of_cube, read},
-    gltf::Fault,
+    gltf::{Fault, LightMap},
     texture::{self, TextureLimits, TextureRequest},
 };
 use reflet_base::memory::Budget;
@@ -52,7 +52,7 @@ impl Loader<'_> {
     pub fn read_environment(&mut self, models: &[Source]) {
         let panorama = match self.panorama_source(models) {
             Some(PanoramaSource::File(..)) => self.read_panorama(),
-            Some(PanoramaSource::Model(index)) => self.read_cube(index),
+            Some(PanoramaSource::Model(index)) => self.read_light(index),
             None => None,
         };
         if let Some(panorama) = &panorama {
@@ -102,12 +102,31 @@ impl Loader<'_> {
     }
 
     /// Makes the panorama of the light that a file brings; with `lenient`, one whose images cannot be read is left out.
-    fn read_cube(&mut self, index: usize) -> Option<Panorama> {
+    fn read_light(&mut self, index: usize) -> Option<Panorama> {
         let light = self.loaded[index].image_light.clone()?;
         let file = self.loaded[index].files[0].clone();
         let mut requests = Vec::new();
         let mut errors = Vec::new();
-        for face in light.faces {
+        let (rotation, intensity, faces) = match light.map {
+            LightMap::Cube {
+                rotation,
+                intensity,
+                faces,
+            } => (rotation, intensity, faces),
+            LightMap::Panorama(bytes) => {
+                let read = read(
+                    Path::new(&light.name),
+                    &bytes,
+                    None,
+                    &self.panorama_limits(),
+                );
+                return read
+                    .map(|(panorama, _)| panorama)
+                    .map_err(|fault| self.report_once(fault.in_file(&file)))
+                    .ok();
+            }
+        };
+        for face in faces {
             match face.source {
                 Ok(source) => requests.push(TextureRequest {
                     name: face.name,
@@ -124,8 +143,8 @@ impl Loader<'_> {
                 let cube = CubeMap {
                     name: light.name.clone(),
                     faces,
-                    rotation: light.rotation,
-                    intensity: light.intensity,
+                    rotation,
+                    intensity,
                 };
                 let made = of_cube(&cube, limits);
                 made.map_err(|fault| vec![fault.placed(&light.name).in_file(&file)])

@@ -36,8 +36,8 @@ class Context:
     """The time code that becomes 0 seconds."""
     stated_codes: tuple[float | None, float | None] = (None, None)
     """First and last time code that the stage states, or that `--frames` keeps."""
-    dome_radiance: list[float] | None = None
-    """Radiance of all dome lights without a texture, RGB in nits."""
+    domes: list[Any] = field(default_factory=list)
+    """Dome lights that were met, see `environment.Dome`."""
     visited: str = "/"
     """Path of the prim that is being converted."""
     boxes: UsdGeom.BBoxCache | None = None

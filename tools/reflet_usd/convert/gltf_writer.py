@@ -94,6 +94,10 @@ class GltfWriter:
             self._known[key] = self.add("images", entry)
         return self._known[key]
 
+    def add_bytes(self, data: bytes) -> int:
+        """Store bytes that no part of glTF refers to and return their buffer view."""
+        return self._add_view(data, None, None)
+
     def _add_view(self, data: bytes, target: int | None, stride: int | None) -> int:
         padding = -self._size % 4
         if padding:

@@ -9,13 +9,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from pxr import Sdf, Usd, UsdLux
+from pxr import Usd, UsdLux
 
 from .context import Context, in_float32, type_name
+from .environment import read_dome
 from .gltf_writer import GltfWriter
 from .light_losses import light_value, warn_unsupported
 from .light_size import Emitter
 from .scene import Array, Node
+from .texture import TextureLibrary
 
 _SMALLEST_CONE = 1e-3
 # KHR_lights_punctual's cone falloff with inner angle 0 and outer angle 90° is cos²θ, which
@@ -41,7 +43,7 @@ class Source:
 
 
 def add_light(context: Context, writer: GltfWriter, prim: Usd.Prim, node: Node) -> Emitter | None:
-    """Give `node` the light of `prim`, or keep it in extras where it is an environment.
+    """Give `node` the light of `prim`, or note it for the environment.
 
     Returns a light whose power depends on its size in the world, see `size_lights`.
     """
@@ -53,7 +55,8 @@ def add_light(context: Context, writer: GltfWriter, prim: Usd.Prim, node: Node) 
     source = light_emission(context, prim)
     warn_unsupported(context, prim)
     if kind in ("DomeLight", "DomeLight_1"):
-        _keep_dome(context, prim, node, source)
+        read_dome(context, TextureLibrary(context, writer), prim, source.color * source.radiance)
+        context.ledger.carry(prim)
         return None
     entry = _punctual(context, prim, source)
     if entry is None:
@@ -150,23 +153,3 @@ def _shaped(context: Context, prim: Usd.Prim) -> dict[str, Any]:
     inner = min(inner, outer * (1.0 - 1e-6))
     cone = {"innerConeAngle": inner, "outerConeAngle": outer}
     return {"type": "spot", "intensity": 0.0, "spot": cone}
-
-
-def _keep_dome(context: Context, prim: Usd.Prim, node: Node, source: Source) -> None:
-    texture = light_value(context, prim, "texture:file", None)
-    dome: dict[str, Any] = {
-        "color": source.color.tolist(),
-        "radiance_nits": source.radiance,
-        "texture_format": str(light_value(context, prim, "texture:format", "automatic")),
-    }
-    if isinstance(texture, Sdf.AssetPath) and texture.path:
-        dome["texture"] = texture.path
-    else:
-        sky = context.dome_radiance or [0.0, 0.0, 0.0]
-        context.dome_radiance = [
-            before + float(part) * source.radiance
-            for before, part in zip(sky, source.color, strict=True)
-        ]
-    node.extras["dome_light"] = dome
-    message = "glTF has no environment; color, radiance and texture are in the node's extras"
-    context.ledger.warn("dome-light-external", prim, message)

@@ -54,7 +54,7 @@ _JUDGED = frozenset(
     )
 )
 _JUDGED_OF_GEOMETRY = frozenset((*_EMISSION, "light:filters"))
-_OTHER_NAMES = ("guideRadius", "poleAxis", "portals")
+_OTHER_NAMES = ("guideRadius", "portals")
 
 
 def light_value(context: Context, prim: Usd.Prim, name: str, fallback: Any) -> Any:

@@ -9,6 +9,7 @@ from typing import Any
 from pxr import Ar, Tf, Usd
 
 from .context import Context
+from .environment import add_environment
 from .gltf_writer import GltfWriter
 from .ledger import Ledger
 from .metadata import stage_metadata_extras
@@ -38,7 +39,11 @@ def convert_opened(context: Context, stage_path: Path, out: Path) -> ConvertResu
     ledger = context.ledger
     writer = GltfWriter()
     roots = Traversal(context, writer).stage_roots()
-    writer.add_nodes(roots, {**_scene_extras(context), **stage_metadata_extras(context)})
+    extras = _scene_extras(context)
+    environment = add_environment(context, writer)
+    if environment is not None:
+        extras["usd"]["environment"] = environment
+    writer.add_nodes(roots, {**extras, **stage_metadata_extras(context)})
     if not writer.lists.get("meshes"):
         _refuse_empty(context, stage_path)
         ledger.warn("stage-empty", "/", _empty_message(context.stage))
@@ -94,10 +99,8 @@ def _prims(stage: Usd.Stage) -> list[tuple[str, str]]:
 
 def _scene_extras(context: Context) -> dict[str, Any]:
     """Scene extras that relate the file to the stage: units, time and axis."""
-    dome = {} if context.dome_radiance is None else {"domeRadiance": context.dome_radiance}
     return {
         "usd": {
-            **dome,
             "metersPerUnit": context.meters_per_unit,
             "timeCodesPerSecond": context.codes_per_second,
             "timeOrigin": context.time_origin,

@@ -8,7 +8,7 @@ import numpy as np
 from PIL import Image
 from pxr import Ar
 
-from reflet_usd.exr_pixels import is_exr, read_exr
+from reflet_usd.hdr_pixels import read_floats
 
 from .confinement import is_allowed, is_plain_file, outside_message
 from .context import Context
@@ -38,7 +38,7 @@ class ImageFile:
     has_key: bool = False
     """Whether one color is transparent (a PNG's tRNS chunk)."""
     floats: Array | None = None
-    """Linear values (height, width, 4) of an OpenEXR file."""
+    """Linear values (height, width, 4) of an OpenEXR or Radiance HDR file."""
 
     @property
     def is_gray(self) -> bool:
@@ -82,23 +82,23 @@ class TextureLibrary:
         self._files: dict[str, ImageFile | None] = {}
         Image.MAX_IMAGE_PIXELS = MAX_PIXELS
 
-    def image(self, read: TextureRead) -> ImageFile | None:
-        """The decoded file, or None with a warning."""
+    def image(self, read: TextureRead, without: str = "its fallback is used") -> ImageFile | None:
+        """The decoded file, or None with a warning, which says what is shown `without` it."""
         key = read.file or f"unresolved {read.authored_file}"
         if key not in self._files:
-            self._files[key] = self._open(read)
+            self._files[key] = self._open(read, without)
         elif self._files[key] is None:
-            self._open(read)  # every use of a lost texture gets a warning
+            self._open(read, without)  # every use of a lost texture gets a warning
         return self._files[key]
 
-    def _open(self, read: TextureRead) -> ImageFile | None:
+    def _open(self, read: TextureRead, without: str) -> ImageFile | None:
         warn = self.context.ledger.warn
         shown = os.path.basename(read.authored_file)
         if not read.authored_file:
-            warn("texture-missing", read.prim, "no texture file is named; its fallback is used")
+            warn("texture-missing", read.prim, f"no texture file is named; {without}")
             return None
         if not read.file:
-            warn("texture-missing", read.prim, f"@{shown}@ does not exist; its fallback is used")
+            warn("texture-missing", read.prim, f"@{shown}@ does not exist; {without}")
             return None
         if not is_allowed(read.file, self.context.allowed_roots):
             message = outside_message(f"@{shown}@", read.file)
@@ -135,8 +135,9 @@ class TextureLibrary:
 def _decode(read: TextureRead, data: bytes) -> ImageFile:
     # The resolved path of a packaged file ends in "package.usdz[name]".
     stem = os.path.splitext(os.path.basename(read.file.rstrip("]").split("[")[-1]))[0]
-    if is_exr(data):
-        return _decode_exr(stem, read_exr(data))
+    floats = read_floats(data)
+    if floats is not None:
+        return _of_floats(stem, floats)
     with Image.open(io.BytesIO(data), formats=_FORMATS) as image:
         image.load()
         wide = image.mode in ("I", "I;16", "I;16B", "F")
@@ -144,14 +145,14 @@ def _decode(read: TextureRead, data: bytes) -> ImageFile:
         return ImageFile(stem, data, kind, image.mode, image.size, wide, key)
 
 
-def _decode_exr(stem: str, values: Array) -> ImageFile:
+def _of_floats(stem: str, values: Array) -> ImageFile:
     height, width, count = values.shape
     floats = np.ones((height, width, 4), values.dtype)
     floats[..., :3] = values[..., :3] if count > 2 else values[..., :1]
     if count in (2, 4):
         floats[..., 3] = values[..., -1]
     mode = ("L", "LA", "RGB", "RGBA")[count - 1]
-    return ImageFile(stem, b"", "EXR", mode, (width, height), wide=True, floats=floats)
+    return ImageFile(stem, b"", "floats", mode, (width, height), wide=True, floats=floats)
 
 
 def _reason(error: Exception) -> str:

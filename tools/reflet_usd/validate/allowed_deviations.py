@@ -49,14 +49,11 @@ LOST_FILE = (*UNREAD_FILE, "asset-outside-roots", "texture-missing", "texture-un
 UNFIT_NODE = ("material-unsupported",)
 """Warning about a shading node that the file cannot follow."""
 NORMAL_SCALE = ("normal-scale-missing",)
-_DOMES = ("DomeLight", "DomeLight_1")
 _NO_LIGHTS = ("GeometryLight", "PluginLight")
 
 
 def absent(kind: str) -> tuple[str, ...]:
     """Warnings by which a prim of type `kind` may be missing."""
-    if kind in _DOMES:
-        return (*ABSENT, "dome-light-external")
     if kind == "PortalLight":
         return (*ABSENT, "portal-light-ignored")
     if kind in _NO_LIGHTS:

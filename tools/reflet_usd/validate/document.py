@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
-from pxr import Sdf, Usd, UsdGeom, UsdLux
+from pxr import Sdf, Usd, UsdGeom
 
 from .allowed_deviations import LEFT_OUT
 from .checks import Checks
@@ -13,10 +13,9 @@ from .extras_check import compare_extras, is_same
 from .gltf_pose import VISIBILITY
 from .gltf_scene import OutputReader
 from .primvar_extras_check import compare_primvar_extras
-from .usd_light import read_radiance
+from .usd_environment import compare_environment
 from .usd_stage import TruthStage, may_move, stated_codes
 
-_DOMES = ("DomeLight", "DomeLight_1")
 _PLACELESS = ("Material", "Shader", "NodeGraph", "GeomSubset", "SkelAnimation", "BlendShape")
 
 
@@ -38,6 +37,7 @@ def compare_document(
     compare_extras(checks, truth.stage, output, rest)
     compare_primvar_extras(checks, truth.stage, output, rest)
     _compare_extras(checks, truth, output, rest, settings)
+    compare_environment(checks, truth, output, rest)
 
 
 def _animation_faults(output: OutputReader, moves: bool) -> Iterator[str]:
@@ -102,23 +102,8 @@ def _compare_extras(
         "startTimeCode": start,
         "endTimeCode": end,
         "upAxis": "Z" if truth.z_up else "Y",
-        "domeRadiance": _dome_radiance(truth, rest),
     }
-    for name in sorted(expected.keys() | told.keys()):
+    for name in sorted(expected.keys() | told.keys() - {"environment"}):
         same = is_same(expected.get(name), told.get(name))
         text = f"{name} is {told.get(name)}, expected {expected.get(name)}"
         checks.add("extras", "/", int(not same), text)
-
-
-def _dome_radiance(truth: TruthStage, rest: Usd.TimeCode) -> list[float] | None:
-    """Sum of the radiance of drawn domes without a texture, in nits; None without any."""
-    total = None
-    for prim in Usd.PrimRange(truth.stage.GetPseudoRoot(), Usd.TraverseInstanceProxies()):
-        if prim.GetTypeName() not in _DOMES:
-            continue
-        if UsdGeom.Imageable(prim).ComputeVisibility(rest) == UsdGeom.Tokens.invisible:
-            continue
-        texture = UsdLux.DomeLight(prim).GetTextureFileAttr().Get(rest)
-        if not (texture and texture.path):
-            total = read_radiance(prim, rest) + (0.0 if total is None else total)
-    return None if total is None else total.tolist()

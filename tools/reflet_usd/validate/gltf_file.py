@@ -133,7 +133,11 @@ class GltfFile:
         image = self.gltf.images[index]
         if image.uri:
             return self.resource(image.uri)
-        view = self.gltf.bufferViews[image.bufferView]
+        return self.view_bytes(image.bufferView)
+
+    def view_bytes(self, index: int) -> bytes:
+        """The bytes of buffer view `index`."""
+        view = self.gltf.bufferViews[index]
         start = view.byteOffset or 0
         return self.buffer(view.buffer)[start : start + view.byteLength]
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from PIL import Image
 
-from reflet_usd.exr_pixels import is_exr, read_exr
+from reflet_usd.hdr_pixels import read_floats
 
 from .scene_data import Array
 
@@ -33,11 +33,13 @@ class Texels:
         return self.values.shape[1], self.values.shape[0]
 
 
-def decode(data: bytes) -> Texels | None:
-    """The image in `data`; None where it cannot be read. OpenEXR is clipped to glTF's range."""
+def decode(data: bytes, clip: bool = True) -> Texels | None:
+    """The image in `data`; None where it cannot be read. Floats are clipped to glTF's range."""
     try:
-        if is_exr(data):
-            texels = _filled(np.clip(read_exr(data).astype(np.float64), 0.0, 1.0), eight_bit=False)
+        floats = read_floats(data)
+        if floats is not None:
+            highest = 1.0 if clip else np.inf
+            texels = _filled(np.clip(floats.astype(np.float64), 0.0, highest), eight_bit=False)
             return dataclasses.replace(texels, digest=hashlib.sha256(data).digest())
         with Image.open(io.BytesIO(data), formats=FORMATS) as image:
             image.load()

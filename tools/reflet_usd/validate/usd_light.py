@@ -21,7 +21,7 @@ _SHAPES = {
     "CylinderLight": ("cylinder", ("length", "radius")),
 }
 _AREAS = ("RectLight", "DiskLight", "CylinderLight")
-_OF_LIGHTS = r"(inputs:|light:|guideRadius$|poleAxis$|portals$)"
+_OF_LIGHTS = r"(inputs:|light:|guideRadius$|portals$)"
 _LEVELS = r"inputs:(color|colorTemperature|diffuse|enableColorTemperature|exposure|intensity)$"
 OF_GEOMETRY = _LEVELS + r"|light:filters$"
 """Inputs of geometry lights that are compared, or have a check of their own."""
@@ -128,9 +128,9 @@ def geometry_lights(stage: Usd.Stage) -> dict[str, Usd.Prim]:
     return found
 
 
-def lost_of_dome(prim: Usd.Prim, time: Usd.TimeCode) -> Lost:
-    """Inputs of an environment that its node's extras do not hold; empty for other kinds."""
-    return _lost_inputs(prim, time) if prim.GetTypeName().startswith("DomeLight") else []
+def lost_of_dome(prim: Usd.Prim, time: Usd.TimeCode) -> Lost | None:
+    """Inputs of a dome light that the file's environment does not have; None for other kinds."""
+    return _lost_inputs(prim, time) if prim.GetTypeName().startswith("DomeLight") else None
 
 
 def _cone(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[float, float] | None:

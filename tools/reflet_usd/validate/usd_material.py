@@ -271,7 +271,7 @@ def _transform2d(shader: UsdShade.Shader) -> Array:
     return scale @ turn @ move
 
 
-def load_texture(resolved: str) -> Texels | None:
+def load_texture(resolved: str, clip: bool = True) -> Texels | None:
     """Decode a texture file, or one inside (nested) usdz packages: `a.usdz[b.usdz[c.png]]`."""
     outer, inner = Ar.SplitPackageRelativePathOuter(resolved)
     try:
@@ -283,4 +283,4 @@ def load_texture(resolved: str) -> Texels | None:
                 data = package.read(name)
     except (OSError, KeyError, zipfile.BadZipFile):
         return None
-    return decode(data)
+    return decode(data, clip)

@@ -87,13 +87,15 @@ class TruthReader:
                     light = source.placed(self.truth, place.matrix)
                     scene.lights.setdefault(place.key, []).append(light)
                 else:
-                    scene.other[place.key] = prim.GetTypeName()
-                    scene.inputs[str(prim.GetPath())] = lost_of_dome(prim, time)
+                    inputs = lost_of_dome(prim, time)
+                    scene.inputs[str(prim.GetPath())] = inputs or []
+                    if inputs is None:
+                        scene.other[place.key] = prim.GetTypeName()
                 continue
             if (surface := read_surface(prim, time, matrix)) is not None:
                 scene.surfaces.setdefault(place.key, []).append(surface)
                 if (lathe := read_tessellated(prim, time, surface)) is not None:
-                    lathes.setdefault(place.key, []).append((lathe, matrix))
+                    lathes.setdefault(place.key, []).append((tinted(lathe, place), matrix))
             elif (drawn := read_points(prim, time)) is not None:
                 scene.lost[str(prim.GetPath())] = drawn.lost
                 if len(drawn.points):
