@@ -164,7 +164,9 @@ class GeometryBuilder:
         warn_translucent(self.context, prim, plan, display)
         color = display.stream_for(*(reader is not None for reader in readers))
         parts = build_primitive(self.writer, surface, triangles, order, constants, color)
-        double_sided = bool(authored(prim, "doubleSided", self.context.time, False))
+        glow = self.lights.glow(prim)
+        # Seen from behind as well, as usdview shows it; but a lamp does not shine backwards.
+        double_sided = glow is None or bool(authored(prim, "doubleSided", self.context.time, False))
         self._warn_black_wraps(surface, triangles, plan)
         slots = {name: slot for slot, name in enumerate(order)}
         parts.entry["material"] = self.materials.instantiate(
@@ -174,7 +176,7 @@ class GeometryBuilder:
             display,
             color is not None,
             self._constants(plan, primvars),
-            self.lights.glow(prim),
+            glow,
         )
         if group.subset is not None:
             parts.entry["extras"] = {"prim": str(group.subset.GetPath())}

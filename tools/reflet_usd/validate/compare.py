@@ -289,9 +289,10 @@ class SceneComparer:
                 both,
             )
             self.checks.add("colors", key, value, "display color or opacity")
-        if expected.double_sided is not None:
-            wrong = found.double_sided is not None and found.double_sided != expected.double_sided
-            text = f"doubleSided should be {expected.double_sided}"
+        sides = expected.double_sided if found.is_lamp else True
+        if sides is not None:
+            wrong = found.double_sided is not None and found.double_sided != sides
+            text = f"doubleSided should be {sides}"
             self.checks.add("sides", key, int(wrong), text)
         self._bindings(key, expected, found)
 

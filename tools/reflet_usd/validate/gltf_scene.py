@@ -161,6 +161,7 @@ class OutputReader:
             labels.append(np.full(len(part.local.positions), label))
             stored = self.file.materials[material] if material is not None else None
             sides.add(bool(stored.doubleSided) if stored else False)
+            result.is_lamp |= stored is not None and "mesh_light" in (stored.extras or {})
         result.materials = np.concatenate(labels)
         result.double_sided = sides.pop() if len(sides) == 1 else None
 

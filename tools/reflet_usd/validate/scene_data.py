@@ -62,6 +62,8 @@ class Corners:
     point_values: dict[str, Array] = dataclasses.field(default_factory=dict)
     """Their attributes' values, each (k, n), by the attribute's name; v upward."""
     double_sided: bool | None = None
+    is_lamp: bool = False
+    """Whether its material is marked as a light, which keeps the sides that the stage gives it."""
 
 
 @dataclasses.dataclass
