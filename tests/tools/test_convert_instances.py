@@ -8,6 +8,7 @@ from pxr import Usd, UsdGeom
 from read_converted import Converted, convert_text
 from reflet_usd.convert import instance_motion as motion_module
 from reflet_usd.convert import instancer as instancer_module
+from tampering import Output, expect_found
 from texts import fill, text_of
 
 QUAD = text_of("convert_instances/quad.usda")
@@ -296,3 +297,29 @@ def test_what_is_below_an_instancer_and_no_prototype_is_told_so(tmp_path: Path) 
     assert entry["name"] == "prototype-unused"
     assert "no prototype" in entry["message"]
     assert not done.warnings("/I/Used")
+
+
+def test_instances_show_their_own_colors(tmp_path: Path, stages: Path) -> None:
+    def dye(out: Output) -> None:
+        for look in out.gltf.materials:
+            factor = look.pbrMetallicRoughness.baseColorFactor
+            factor[:3] = factor[1], factor[2], factor[0]
+
+    done = convert_text(tmp_path, (stages / "tinted.usda").read_text())
+    shown = {}
+    for node in done.json["nodes"]:
+        for child in node.get("children", []) if "instance" in node.get("extras", {}) else []:
+            mesh = done.json["nodes"][child].get("mesh")
+            if mesh is not None:
+                look = done.json["meshes"][mesh]["primitives"][0]["material"]
+                pbr = done.json["materials"][look]["pbrMetallicRoughness"]
+                prim = done.json["nodes"][child]["extras"]["prim"].rsplit("/")[-1]
+                shown.setdefault(prim, []).append(np.round(pbr["baseColorFactor"], 4).tolist())
+    assert shown == {
+        "Plain": [[0.1, 0.2, 0.3, 1], [0.2, 0.9, 0.1, 0.5]],
+        "Red": [[1, 0, 0, 1], [1, 0, 0, 0.25]],
+        "Ball": [[1, 1, 0, 1]] * 2,
+        "Dots": [[0, 1, 1, 1]] * 2,
+        "Bound": [[0.1, 0.2, 0.3, 1], [0.2, 0.9, 0.1, 1]],
+    }
+    expect_found(done, dye)

@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from .attributes import GprimPrimvars, Streams, inherited_primvars
+from .attributes import DisplayColor, GprimPrimvars, Streams, inherited_primvars
 from .context import Context, authored, in_float32, type_name
 from .geometry import BuiltMesh, mesh_extras, warn_still_points
 from .gltf_writer import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, LINES, POINTS, GltfWriter
-from .material import MaterialLibrary, warn_translucent
+from .material import DISPLAY, MaterialLibrary, painter_of, warn_translucent
 from .nurbs_curves import sample_nurbs
 from .polygons import read_points
 from .primvars import Topology
@@ -156,10 +156,16 @@ class LineBuilder:
         if bound_material(prim) is not None:
             message = "points and lines show displayColor, not the bound material"
             self._warn("material-unsupported", message)
-        entry["material"] = self.materials.instantiate(plan, {}, False, display, color is not None)
+
+        def paint(shown: DisplayColor) -> int:
+            return self.materials.instantiate(plan, {}, False, shown, color is not None)
+
+        entry["material"] = paint(display)
         mesh = {"name": prim.GetName(), "primitives": [entry], "extras": mesh_extras(prim, streams)}
         extras = {"primvars": primvars.constants} if primvars.constants else {}
-        return BuiltMesh(self.writer.add("meshes", mesh), extras)
+        index = self.writer.add("meshes", mesh)
+        self.materials.painters[index] = [painter_of(DISPLAY, primvars, display, paint)]
+        return BuiltMesh(index, extras)
 
     def _accessor(self, values: Array, bounds: bool = False) -> int:
         shaped = values[:, 0] if values.shape[1] == 1 else values

@@ -6,20 +6,20 @@ from typing import Any, Protocol
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from .attributes import GprimPrimvars, Streams, inherited_primvars, primvar_signature
+from .attributes import DisplayColor, GprimPrimvars, Streams, inherited_primvars, primvar_signature
 from .channel_packing import texture_transform, wraps_to_black
 from .context import Context, authored, source_path, type_name
 from .extras import is_custom
 from .gltf_writer import GltfWriter
 from .gprim import GPRIM_TYPES, cube_polygons, tessellate
-from .material import MaterialLibrary, MaterialPlan, warn_translucent
+from .material import MaterialLibrary, MaterialPlan, Painter, Tint, painter_of, warn_translucent
 from .mesh import mesh_surface
 from .mesh_light import MeshLights
 from .nurbs import patch_polygons, patch_topology
 from .polygons import Polygons, read_polygons, tet_polygons
 from .primitive import PrimitiveParts, build_primitive
 from .primvars import Topology
-from .scene import Array
+from .scene import Array, Node
 from .sources import Constant, PrimvarRead, TextureRead
 from .subsets import FaceGroup, face_groups
 from .surface import Surface
@@ -64,6 +64,7 @@ class GeometryBuilder:
         self.materials = MaterialLibrary(context, writer)
         self.lights = MeshLights(context)
         self._meshes: dict[tuple[Any, ...], tuple[Usd.Prim, BuiltMesh | None]] = {}
+        self._tinted: dict[tuple[int, Tint], int] = {}
 
     def build(self, prim: Usd.Prim, deformation: Deformer | None = None) -> BuiltMesh | None:
         """The glTF mesh of a gprim, or None (with a warning) where it has nothing to draw."""
@@ -100,6 +101,7 @@ class GeometryBuilder:
         if deformation is not None:
             deformation.prepare(surface, polygons)
         entries = []
+        painters: list[Painter | None] = []
         for group in groups:
             chosen = surface.triangles
             if group.faces is not None:
@@ -109,7 +111,8 @@ class GeometryBuilder:
                 chosen = surface.triangles[member[surface.triangle_faces]]
             if len(chosen) == 0:
                 continue
-            parts = self._primitive(surface, chosen, group, primvars, topology)
+            parts, painter = self._primitive(surface, chosen, group, primvars, topology)
+            painters.append(painter)
             if deformation is not None:
                 deformation.finish(surface, parts, polygons)
             entries.append(parts.entry)
@@ -125,7 +128,31 @@ class GeometryBuilder:
             mesh["weights"] = [0.0] * len(deformation.shape_names)
             mesh["extras"]["targetNames"] = deformation.shape_names
         extras = {"primvars": primvars.constants} if primvars.constants else {}
-        return BuiltMesh(self.writer.add("meshes", mesh), extras)
+        index = self.writer.add("meshes", mesh)
+        self.materials.painters[index] = painters
+        return BuiltMesh(index, extras)
+
+    def tint(self, node: Node, tint: Tint) -> Node:
+        """A copy of a prototype whose gprims without a display color of their own show `tint`."""
+        copy = node.clone()
+        for inner in copy.walk():
+            if inner.mesh in self.materials.painters:
+                inner.mesh = self._tint(inner.mesh, tint)
+        return copy
+
+    def _tint(self, index: int, tint: Tint) -> int:
+        painters = self.materials.painters[index]
+        if not any(painters):
+            return index
+        if (index, tint) not in self._tinted:
+            mesh = self.writer.lists["meshes"][index]
+            primitives = [
+                entry if painter is None else {**entry, "material": painter(tint)}
+                for entry, painter in zip(mesh["primitives"], painters, strict=True)
+            ]
+            entry = {**mesh, "primitives": primitives}
+            self._tinted[index, tint] = self.writer.add("meshes", entry)
+        return self._tinted[index, tint]
 
     def _surface(
         self, prim: Usd.Prim, deformed: bool
@@ -156,7 +183,7 @@ class GeometryBuilder:
         group: FaceGroup,
         primvars: GprimPrimvars,
         topology: Topology,
-    ) -> PrimitiveParts:
+    ) -> tuple[PrimitiveParts, Painter | None]:
         prim, plan = primvars.prim, self.materials.plan(group.material)
         order, constants = self._uv_order(prim, surface, plan)
         readers = (plan.color_primvar, plan.opacity_primvar)
@@ -169,18 +196,17 @@ class GeometryBuilder:
         double_sided = glow is None or bool(authored(prim, "doubleSided", self.context.time, False))
         self._warn_black_wraps(surface, triangles, plan)
         slots = {name: slot for slot, name in enumerate(order)}
-        parts.entry["material"] = self.materials.instantiate(
-            plan,
-            slots,
-            double_sided,
-            display,
-            color is not None,
-            self._constants(plan, primvars),
-            glow,
-        )
+        overrides = self._constants(plan, primvars)
+
+        def paint(shown: DisplayColor) -> int:
+            return self.materials.instantiate(
+                plan, slots, double_sided, shown, color is not None, overrides, glow
+            )
+
+        parts.entry["material"] = paint(display)
         if group.subset is not None:
             parts.entry["extras"] = {"prim": str(group.subset.GetPath())}
-        return parts
+        return parts, painter_of(readers, primvars, display, paint)
 
     def _constants(self, plan: MaterialPlan, primvars: GprimPrimvars) -> dict[str, Constant]:
         """Values of inputs that read a primvar with one value on the gprim."""

@@ -8,9 +8,12 @@ from pxr import Usd, UsdGeom
 
 from .animation import set_visibility
 from .context import Context, authored, in_float32, source_path, type_name
+from .geometry import GeometryBuilder
 from .gltf_writer import GltfWriter
 from .instance_motion import InstanceMotion, warn_normalized
 from .instancing import add_gpu_instances, decompose_many, trs_matrices, unit_quaternions
+from .material import DISPLAY, Tint
+from .primvars import read_primvar
 from .raw_trs import RawTrs, Tracks
 from .scene import Array, Node
 from .types import ConvertError
@@ -61,9 +64,16 @@ class Instances:
 class Instancers:
     """All point instancers of one conversion; prototypes are built once and cloned."""
 
-    def __init__(self, context: Context, writer: GltfWriter, prototype_node: PrototypeNode) -> None:
+    def __init__(
+        self,
+        context: Context,
+        writer: GltfWriter,
+        geometry: GeometryBuilder,
+        prototype_node: PrototypeNode,
+    ) -> None:
         self.context = context
         self.writer = writer
+        self.geometry = geometry
         self._prototype_node = prototype_node
         self._prototypes: dict[str, Node] = {}
         self._open: set[str] = set()
@@ -96,7 +106,8 @@ class Instancers:
                     self.context.ledger.skip_subtree("prototype-unused", child, message)
             return
         self.context.ledger.carry(prim)
-        self._warn_primvars(prim)
+        tints = self._tints(prim, instances.numbers)
+        self._warn_primvars(prim, () if tints is None else DISPLAY)
         motion = self._motion(prim, instances)
         for index, target in enumerate(targets):
             chosen = np.flatnonzero(instances.prototypes == index)
@@ -110,11 +121,14 @@ class Instancers:
                 self.context.ledger.skip_subtree("prototype-unused", prototype_prim, message)
                 continue
             prototype = self._prototype(prototype_prim)
-            moves = motion is not None or instances.changing(chosen).any()
-            many = len(chosen) > MAX_INSTANCE_NODES and not moves
-            if many and self._add_to_gpu(prim, node, str(target), instances, chosen):
-                continue
-            self._add_nodes(prim, node, prototype, instances, chosen, motion)
+            for tint, rows in _by_tint(tints, chosen):
+                shown = prototype if tint is None else self.geometry.tint(prototype, tint)
+                moves = motion is not None or instances.changing(rows).any()
+                many = len(rows) > MAX_INSTANCE_NODES and not moves
+                if not (
+                    many and self._add_to_gpu(prim, node, (str(target), shown), instances, rows)
+                ):
+                    self._add_nodes(prim, node, shown, instances, rows, motion)
 
     def _prototype(self, prim: Usd.Prim) -> Node:
         path = str(prim.GetPath())
@@ -126,11 +140,11 @@ class Instancers:
         self,
         prim: Usd.Prim,
         node: Node,
-        path: str,
+        named: tuple[str, Node],
         instances: Instances,
         chosen: Array,
     ) -> bool:
-        prototype = self._prototypes[path]
+        path, prototype = named
         exact = decompose_many(instances.matrices(chosen))
         if exact is None and len(chosen) <= MAX_SHEARED_NODES:
             return False
@@ -270,9 +284,33 @@ class Instancers:
             rows.append(np.array(mask, dtype=bool) if fits else np.ones(count, dtype=bool))
         return codes, np.array(rows)
 
-    def _warn_primvars(self, prim: Usd.Prim) -> None:
+    def _tints(self, prim: Usd.Prim, numbers: Array) -> Array | None:
+        """(instances, 4) display color and opacity that vary by instance; NaN where not given."""
+        tints = np.full((len(numbers), 4), np.nan)
+        for name, columns in zip(DISPLAY, (slice(0, 3), slice(3, 4)), strict=True):
+            primvar = UsdGeom.PrimvarsAPI(prim).GetPrimvar(name)
+            if not primvar or primvar.GetInterpolation() not in _BY_INSTANCE:
+                continue
+            read = read_primvar(self.context, prim, primvar)
+            values = np.zeros((0, 0)) if read is None else read.flat()
+            if values.shape[1] != columns.stop - columns.start or len(values) <= numbers.max():
+                message = f"'{name}' has {len(values)} values, which do not fit the instances"
+                self.context.ledger.warn("primvar-size-wrong", prim, message)
+                continue
+            tints[:, columns] = np.clip(values[numbers], 0.0, 1.0)
+            if primvar.ValueMightBeTimeVarying():
+                message = f"animated {primvar.GetName()} stay at their first value"
+                self.context.ledger.warn("primvar-animation-frozen", prim, message)
+        if len(np.unique(tints, axis=0)) > MAX_INSTANCE_NODES:
+            return None
+        return tints
+
+    def _warn_primvars(self, prim: Usd.Prim, carried: tuple[str, ...]) -> None:
         for primvar in UsdGeom.PrimvarsAPI(prim).GetPrimvarsWithValues():
-            if primvar.GetInterpolation() != UsdGeom.Tokens.constant:
+            interpolation = primvar.GetInterpolation()
+            if interpolation in _BY_INSTANCE and str(primvar.GetPrimvarName()) in carried:
+                continue
+            if interpolation != UsdGeom.Tokens.constant:
                 message = f"primvar '{primvar.GetPrimvarName()}' varies by instance"
                 self.context.ledger.warn("instance-primvar-dropped", prim, message)
         velocities = prim.GetAttribute("velocities")
@@ -292,6 +330,20 @@ class Instancers:
                 self.context.ledger.carry(child)
 
 
+def _by_tint(tints: Array | None, chosen: Array) -> list[tuple[Tint | None, Array]]:
+    """The chosen instances by what they show, in the order of its first instance."""
+    if tints is None or np.isnan(tints[chosen]).all():
+        return [(None, chosen)]
+    rows = np.where(np.isnan(tints[chosen]), -1.0, tints[chosen])
+    values, firsts, which = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(firsts)
+    return [
+        (tuple(None if v < 0 else v for v in values[i].tolist()), chosen[which.reshape(-1) == i])
+        for i in order
+    ]
+
+
+_BY_INSTANCE = ("varying", "vertex", "faceVarying")
 _NAMES = {
     "translation": ("positions",),
     "rotation": ("orientationsf", "orientations"),

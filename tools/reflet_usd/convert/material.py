@@ -1,11 +1,12 @@
 """Bound materials to plans, and plans to glTF materials for the prims that use them."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
 from pxr import Usd, UsdShade
 
-from .attributes import DisplayColor
+from .attributes import DisplayColor, GprimPrimvars
 from .channel_packing import Packer
 from .context import Context, source_path
 from .gltf_writer import GltfWriter
@@ -38,6 +39,13 @@ class MaterialPlan:
     """Shading nodes that were read, by path relative to the material."""
 
 
+DISPLAY = ("displayColor", "displayOpacity")
+Tint = tuple[float | None, ...]
+"""Red, green, blue and opacity that an instance gives; None where it gives none."""
+Painter = Callable[[Tint], int]
+"""Material of a primitive in the tint of an instance."""
+
+
 class MaterialLibrary:
     """All materials of one conversion."""
 
@@ -47,6 +55,8 @@ class MaterialLibrary:
         self._packer = Packer(context, writer)
         self._plans: dict[str, MaterialPlan] = {}
         self._written: dict[tuple[Any, ...], int] = {}
+        self.painters: dict[int, list[Painter | None]] = {}
+        """For each primitive, by mesh, how it shows the tint of an instance."""
 
     def plan(self, prim: Usd.Prim | None) -> MaterialPlan:
         """The plan of a material prim, or for None the plan for plain displayColor."""
@@ -161,6 +171,25 @@ class MaterialLibrary:
             entry["name"] = plan.prim.GetName()
             entry["extras"] = {"prim": str(plan.prim.GetPath())}
         return entry
+
+
+def painter_of(
+    readers: tuple[str | None, str | None],
+    primvars: GprimPrimvars,
+    display: DisplayColor,
+    paint: Callable[[DisplayColor], int],
+) -> Painter | None:
+    """How a primitive, whose material reads two primvars, shows a tint; None where it does not."""
+    own = {str(primvar.GetPrimvarName()) for primvar in primvars.owned}
+    takes = [name in DISPLAY and name not in own for name in readers]
+
+    def painter(tint: Tint) -> int:
+        parts = zip((takes[0],) * 3 + (takes[1],), tint, display.constant, strict=True)
+        shown = [part if takes and part is not None else own for takes, part, own in parts]
+        return paint(DisplayColor((*shown,), translucent=shown[3] < 1.0))  # type: ignore[arg-type]
+
+    varies = display.stream_for(*(reader is not None for reader in readers)) is not None
+    return painter if any(takes) and not varies else None
 
 
 def warn_translucent(

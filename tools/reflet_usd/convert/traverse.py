@@ -65,7 +65,7 @@ class Traversal:
         self.writer = writer
         self.geometry = GeometryBuilder(context, writer)
         self.skeletons = Skeletons(context, writer, self.geometry)
-        self.instancers = Instancers(context, writer, self.prototype_node)
+        self.instancers = Instancers(context, writer, self.geometry, self.prototype_node)
         self._emitters: dict[int, Emitter] = {}
         self._visited = 0
         self._last_report = time.monotonic()

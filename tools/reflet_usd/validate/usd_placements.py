@@ -6,6 +6,10 @@ from collections.abc import Iterator
 import numpy as np
 from pxr import Gf, Usd, UsdGeom, UsdLux
 
+from .scene_data import Array
+from .usd_primvars import flattened
+
+Tint = tuple[Array | None, ...]
 _IDENTITY = Gf.Matrix4d(1.0)
 _PLACING = ("positions", "orientations", "orientationsf", "scales", "protoIndices")
 
@@ -19,6 +23,8 @@ class Placement:
     """Path under which the prim is compared: its own, or the outermost instancer's."""
     matrix: Gf.Matrix4d
     """Matrix from local space to the stage's world."""
+    tint: Tint = (None, None)
+    """Display color (3,) and opacity (1,) that its instance gives."""
 
 
 class PlacementWalk:
@@ -98,16 +104,20 @@ class PlacementWalk:
                     self.outermost.setdefault(path, set()).add(key)
                     self._note_nested(prim, key, seen)
 
-    def _instances(self, instancer: Usd.Prim, key: str, world: Gf.Matrix4d) -> Iterator[Placement]:
+    def _instances(
+        self, instancer: Usd.Prim, key: str, world: Gf.Matrix4d, outer: Tint = (None, None)
+    ) -> Iterator[Placement]:
         own = str(instancer.GetPath())
         if own in self._open:
             self.cyclic.add(own)  # the inner one is left out, as documented
             return
         self._open.add(own)
-        yield from self._placed(instancer, key, world)
+        yield from self._placed(instancer, key, world, outer)
         self._open.discard(own)
 
-    def _placed(self, instancer: Usd.Prim, key: str, world: Gf.Matrix4d) -> Iterator[Placement]:
+    def _placed(
+        self, instancer: Usd.Prim, key: str, world: Gf.Matrix4d, outer: Tint
+    ) -> Iterator[Placement]:
         schema = UsdGeom.PointInstancer(instancer)
         targets = schema.GetPrototypesRel().GetForwardedTargets()
         indices = np.asarray(schema.GetProtoIndicesAttr().Get(self.time) or [], dtype=np.int64)
@@ -133,6 +143,10 @@ class PlacementWalk:
             for index, prim in prototypes.items()
             if UsdGeom.Xformable(prim)
         }
+        tints = [
+            by_instance(instancer, name, self.time, width, len(indices))
+            for name, width in (("displayColor", 3), ("displayOpacity", 1))
+        ]
         for number, (index, transform) in enumerate(zip(indices, transforms, strict=True)):
             if len(mask) and not mask[number]:
                 continue
@@ -143,10 +157,12 @@ class PlacementWalk:
                 # A reset stack drops the prototype's transforms above, not the instance's (Hydra).
                 root = _IDENTITY if reset else own.get(int(index), _IDENTITY)
                 place = relative * root * transform * world
+                pairs = zip(tints, outer, strict=True)
+                tint = tuple(above if own is None else own[number] for own, above in pairs)
                 if prim.IsA(UsdGeom.PointInstancer):
-                    yield from self._instances(prim, key, place)
+                    yield from self._instances(prim, key, place, tint)
                 else:
-                    yield Placement(prim, key, place)
+                    yield Placement(prim, key, place, tint)
 
     def _instancer_time(self, schema: UsdGeom.PointInstancer) -> Usd.TimeCode:
         """A numeric time for the earliest: velocities would reach back to minus infinity."""
@@ -178,6 +194,17 @@ class PlacementWalk:
     def _is_invisible(self, imageable: UsdGeom.Imageable) -> bool:
         value = imageable.GetVisibilityAttr().Get(self.time)
         return bool(value == UsdGeom.Tokens.invisible)
+
+
+def by_instance(
+    instancer: Usd.Prim, name: str, time: Usd.TimeCode, width: int, count: int
+) -> Array | None:
+    """A primvar's values (instances, width); None where it does not vary by instance."""
+    primvar = UsdGeom.PrimvarsAPI(instancer).GetPrimvar(name)
+    if not primvar or primvar.GetInterpolation() not in ("vertex", "varying", "faceVarying"):
+        return None
+    values = flattened(primvar, time, width)
+    return values.reshape(len(values), -1) if len(values) >= count else None
 
 
 def is_light(prim: Usd.Prim) -> bool:

@@ -1,5 +1,6 @@
 """Owns the truth: the facts of a stage that are compared, evaluated by usd-core."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -21,8 +22,8 @@ from .usd_light import (
 )
 from .usd_material import bound_material
 from .usd_mesh import LocalMesh, read_mesh
-from .usd_placements import PlacementWalk, is_light
-from .usd_primvars import array_of
+from .usd_placements import Placement, PlacementWalk, is_light
+from .usd_primvars import NO_COLOR, array_of
 from .usd_stage import TruthStage
 from .usd_subdivide import read_refined
 from .usd_tessellation import read_tessellated
@@ -105,12 +106,12 @@ class TruthReader:
             elif prim.IsA(UsdGeom.NurbsPatch):
                 grid, scene.lost[str(prim.GetPath())] = read_patch(prim, time)
                 if grid is not None:
-                    patch = read_grid(prim, time, grid)
+                    patch = tinted(read_grid(prim, time, grid), place)
                     pieces.setdefault(place.key, []).append((patch, matrix))
             else:
                 mesh = self._mesh(prim, time, meshes)
                 if mesh is not None and len(mesh.counts):
-                    pieces.setdefault(place.key, []).append((mesh, matrix))
+                    pieces.setdefault(place.key, []).append((tinted(mesh, place), matrix))
                     scene.misfits[str(prim.GetPath())] = mesh.misfits
                 elif (mesh is not None and mesh.optional_triangles) or _is_pointless(prim, time):
                     scene.optional.add(place.key)
@@ -164,6 +165,23 @@ class TruthReader:
                 world = xforms.GetLocalToWorldTransform(prim)
                 result[str(prim.GetPath())] = [self.truth.node_world(world)]
         return result
+
+
+def tinted(mesh: LocalMesh, place: Placement) -> LocalMesh:
+    """The mesh in the display color and opacity of its instance, where it has none of its own."""
+    api = UsdGeom.PrimvarsAPI(place.prim)
+    names = ("displayColor", "displayOpacity")
+    found = [api.FindPrimvarWithInheritance(name) for name in names]
+    own = [bool(primvar and primvar.HasValue()) for primvar in found]
+    if not any(part is not None and not has for part, has in zip(place.tint, own, strict=True)):
+        return mesh
+    count = len(mesh.positions)
+    colors = np.tile((NO_COLOR,) * 3 + (1.0,), (count, 1)) if mesh.colors is None else mesh.colors
+    colors = colors.copy()
+    for part, has, columns in zip(place.tint, own, (slice(0, 3), slice(3, 4)), strict=True):
+        if part is not None and not has:
+            colors[:, columns] = np.clip(part, 0.0, 1.0)
+    return dataclasses.replace(mesh, colors=colors)
 
 
 def _read_shining(
