@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from read_converted import Converted, convert_text
-from tampering import FACE, UNIT, expect_found, expect_required, mesh
+from tampering import FACE, UNIT, Output, expect_found, expect_required, mesh
 from test_validate_strict import attributes, node, rewrite
 from texts import text_of
 
@@ -124,7 +124,6 @@ def test_points_keep_their_primvars(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("body", "warning"),
     [
-        ("float[] widths = [1, 1, 1]", "width-dropped"),
         ("normal3f[] normals = [(0, 0, 1), (0, 0, 1), (0, 0, 1)]", "normals-dropped"),
         ("int64[] ids = [1, 2, 3]", "ids-dropped"),
         ('string[] primvars:x = ["a", "b", "c"] (interpolation = "vertex")', "primvar-dropped"),
@@ -142,11 +141,27 @@ def test_curves_keep_their_primvars(tmp_path: Path) -> None:
     expect_found(done, lambda out: out.rewrite(out.attributes("_EACH")[0], lambda v: v + 1))
 
 
-def test_values_of_control_points_are_named(tmp_path: Path) -> None:
+def test_values_of_control_points_follow_the_curve(tmp_path: Path) -> None:
     done = convert_text(tmp_path, CUBIC)
-    expect_required(done, "primvar-interpolation-dropped", "/C", "heat")
+    assert np.array(values(done, "_HEAT")) == pytest.approx(
+        np.concatenate([np.linspace(1, 4, 9), np.linspace(5, 8, 9)])
+    )
     lose(done, "_EACH")
     assert not done.validated().passed
+
+
+def test_widths_are_drawn(tmp_path: Path, stages: Path) -> None:
+    def widen(out: Output) -> None:
+        out.gltf.meshes[0].primitives[1].extras["width_m"] *= 1.2
+
+    done = convert_text(tmp_path, (stages / "widths.usda").read_text())
+    drawn = [
+        [round(part["extras"]["width_m"], 4) for part in mesh["primitives"]]
+        for mesh in done.json["meshes"][:3]
+    ]
+    assert drawn == [[0.1, 0.2], [0.15], [0.05, 0.2]]
+    assert done.warnings() == {"curves-approximated"}
+    expect_found(done, widen)
 
 
 LOOSE = text_of("primvars/loose.usda")
@@ -205,5 +220,5 @@ def test_animated_normals_are_named(tmp_path: Path, moving: str) -> None:
         last = first.replace("(1, 1, 0)", "(1, 2, 0)")
         text = text.replace(line, f"point3f[] points.timeSamples = {{ 0: {first}, 9: {last} }}")
     done = convert_text(tmp_path, text)
-    expect_required(done, "geometry-animation-frozen", "/M")
-    assert bool(done.gltf.animations) == bool(moving)
+    assert done.gltf.animations and done.validated().passed
+    assert f"geometry-animation-{'frozen' if moving else 'held'}" in done.warnings("/M")

@@ -68,7 +68,7 @@ pub fn build(
     );
     if !has_faces(primitive) {
         pose_at_rest(&context, deformation(&context)?, &mut mesh);
-        wire::build(&mut mesh, mode, &corners, data)?;
+        wire::build(&mut mesh, mode, &corners, width_m(primitive), data)?;
         repair::run(&mut mesh, notes);
     } else {
         mesh.triangles = triangles(mode, &corners);
@@ -188,10 +188,15 @@ fn has_faces(primitive: &Primitive) -> bool {
     primitive.mode.is_none_or(|mode| mode >= TRIANGLES)
 }
 
-/// Whether a primitive is unlit, as points and lines without normals are (glTF 2.0 §3.9.7).
+/// Whether a primitive is unlit, as points and lines without normals are (glTF 2.0 §3.9.7); round ones are not.
 pub fn is_without_light(primitive: &Primitive) -> bool {
     let has_normals = primitive.attributes.contains_key("NORMAL");
-    !has_faces(primitive) && !has_normals
+    !has_faces(primitive) && !has_normals && width_m(primitive).is_none()
+}
+
+/// Diameter of points and lines in the file of a stage that gives it, in meters.
+fn width_m(primitive: &Primitive) -> Option<f64> {
+    (primitive.extras.get("width_m")).and_then(serde_json::Value::as_f64)
 }
 
 /// Accessor of the positions, and mode of the primitive; `None`, with a warning, without positions.

@@ -176,6 +176,9 @@ pub struct Primitive {
     pub targets: Vec<BTreeMap<String, usize>>,
     #[serde(default)]
     pub extensions: PrimitiveExtensions,
+    /// Arbitrary data; the USD converter stores the width of points and lines here.
+    #[serde(default)]
+    pub extras: serde_json::Value,
 }
 
 #[derive(Debug, Default, Deserialize)]

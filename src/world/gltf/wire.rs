@@ -11,20 +11,30 @@ const LINE_RADIUS: f32 = 1.0 / 600.0;
 /// Radius where a primitive has no size, meters.
 const RADIUS_M: f32 = 0.01;
 
-/// Makes capsules of the vertices of a primitive of points (mode 0), or of lines (1 to 3: segments, a loop, a strip).
-/// Lines without length have none.
+/// Makes capsules of the vertices of a primitive of points (mode 0), or of lines (1 to 3: segments, a loop, a strip),
+/// as wide as `width_m` where it is given, else thin beside the primitive. Lines without length have none.
 ///
 /// # Errors
 /// More geometry than the file's budget.
-pub fn build(mesh: &mut Mesh, mode: u32, corners: &[u32], data: &Data<'_>) -> Result<(), Fault> {
+pub fn build(
+    mesh: &mut Mesh,
+    mode: u32,
+    corners: &[u32],
+    width_m: Option<f64>,
+    data: &Data<'_>,
+) -> Result<(), Fault> {
     let position = |i: u32| mesh.positions[i as usize];
     let used = corners.iter().map(|i| position(*i));
     let diagonal = Bounds::around(used.filter(|p| p.is_finite())).diagonal();
     let fraction = if mode == 0 { POINT_RADIUS } else { LINE_RADIUS };
-    let radius_m = match diagonal * fraction {
+    let thin_m = match diagonal * fraction {
         size if size > 0.0 && size.is_finite() => size,
         _ => RADIUS_M,
     };
+    // A width of 0 is widened to a pixel later.
+    let radius_m = width_m.map_or(thin_m, |width| {
+        (0.5 * width as f32).clamp(1e-6 * thin_m, 1e9)
+    });
     data.spend(bytes(mode, corners.len()))?;
     let line = |[a, b]: [u32; 2]| (position(a) != position(b)).then_some([a, b, b]);
     let pairs = || corners.windows(2).map(|w| [w[0], w[1]]);

@@ -1,6 +1,11 @@
-"""Points and curves to glTF points and lines; widths and exact curves are warnings."""
+"""Points and curves to glTF points and lines, and their widths, by which `reflet` draws them."""
 
-from dataclasses import dataclass, replace
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -13,12 +18,15 @@ from .gltf_writer import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, LINES, POINTS, Gltf
 from .material import DISPLAY, MaterialLibrary, painter_of, warn_translucent
 from .nurbs_curves import sample_nurbs
 from .polygons import read_points
-from .primvars import Topology
+from .primvars import Primvar, Topology, read_primvar, to_stream
 from .scene import Array
 from .subsets import bound_material
 from .surface import Stream
 
 SEGMENTS_PER_SPAN = 8
+WIDTH_ATTRIBUTE = "_DIAMETER_M"
+MOST_WIDTHS = 64
+"""Maximum number of different widths of one prim."""
 # Basis matrices: powers of t from 1 to t³ times these times four control points.
 _BASES = {
     "bezier": np.array([[1, 0, 0, 0], [-3, 3, 0, 0], [3, -6, 3, 0], [-1, 3, -3, 1]], dtype=float),
@@ -30,6 +38,43 @@ _BASES = {
 def draws_lines(prim: Usd.Prim) -> bool:
     """Whether `LineBuilder` converts the type."""
     return type_name(prim) in ("Points", "BasisCurves", "HermiteCurves", "NurbsCurves")
+
+
+@dataclass
+class Samples:
+    """Samples along curves, and how values of their control points follow them."""
+
+    counts: Array
+    """Control points of all curves, also of those that are not drawn."""
+    points: int
+    curves: list[Array]
+    numbers: list[int]
+    """The numbers of the curves that are drawn."""
+    along: Callable[[Array], tuple[list[Array], list[int]]]
+    """Values of control points to values of samples."""
+    ends: list[int] = field(default_factory=list)
+    """Numbers of varying values of each curve; none where they are not known."""
+
+    def refine(self, primvar: Primvar) -> Primvar:
+        """Values at the samples, of those at control points or at the ends of spans."""
+        if primvar.interpolation == "vertex":
+            values = np.concatenate(self.along(primvar.flat())[0])
+        elif primvar.interpolation == "varying":
+            runs = np.split(primvar.flat()[: sum(self.ends)], np.cumsum(self.ends)[:-1])
+            pairs = zip(runs, self.curves, strict=True)
+            values = np.concatenate([_between(run, len(curve)) for run, curve in pairs])
+        else:
+            return primvar
+        return Primvar(primvar.name, primvar.interpolation, values, None)
+
+
+def _between(run: Array, count: int) -> Array:
+    """`count` values along a curve, between the two nearest of its spans' ends."""
+    place = np.arange(count) / SEGMENTS_PER_SPAN
+    first = np.minimum(place.astype(np.int64), len(run) - 1)
+    share = (place - first)[:, None]
+    result: Array = run[first] * (1.0 - share) + run[(first + 1) % len(run)] * share
+    return result
 
 
 @dataclass
@@ -57,7 +102,7 @@ class LineBuilder:
             return None
         if not finite.all():
             self._warn("points-non-finite", "points that are not finite were dropped")
-        self._warn_lost("a glTF point has no size")
+        self._warn_lost()
         count = len(points)
         topology = Topology(count, 1, np.arange(count), np.zeros(count, dtype=np.int64))
         return self._write(points, np.flatnonzero(finite), None, topology)
@@ -74,15 +119,16 @@ class LineBuilder:
         if not in_float32(points).all():
             self._warn("points-non-finite", "curves with such points were dropped")
             return None
-        self._warn_lost("a glTF line has no width")
+        self._warn_lost()
         if type_name(prim) == "NurbsCurves":
             message = f"NURBS curves became lines, {SEGMENTS_PER_SPAN} for each span"
             self._warn("curves-approximated", message)
-            curves, numbers = sample_nurbs(self.context, prim, points, counts)
+            nurbs = functools.partial(sample_nurbs, self.context, prim, counts=counts)
+            curves, numbers = nurbs(points)
             if 0 < len(numbers) < len(counts):
                 message = f"{len(counts) - len(numbers)} curves, whose orders and knots do not fit"
                 self._warn("curves-invalid", f"{message}, were dropped")
-            return self._write_samples(counts, len(points), curves, numbers)
+            return self._write_samples(Samples(counts, len(points), curves, numbers, nurbs))
         kind = str(authored(prim, "type", time, "cubic"))
         wrap = str(authored(prim, "wrap", time, "nonperiodic"))
         if type_name(prim) == "HermiteCurves" or kind == "linear":
@@ -105,28 +151,33 @@ class LineBuilder:
             return None
         message = f"cubic {basis} curves became lines, {SEGMENTS_PER_SPAN} for each span"
         self._warn("curves-approximated", message)
-        curves, numbers = _sample_cubic(points, counts, basis, wrap)
-        return self._write_samples(counts, len(points), curves, numbers)
+        cubic = functools.partial(_sample_cubic, counts=counts, basis=basis, wrap=wrap)
+        curves, numbers = cubic(points)
+        samples = Samples(counts, len(points), curves, numbers, cubic)
+        if len(curves) == len(counts):
+            closed = wrap == "periodic"
+            samples.ends = [len(curve) // SEGMENTS_PER_SPAN + (not closed) for curve in curves]
+        return self._write_samples(samples)
 
-    def _write_samples(
-        self, counts: Array, authored_points: int, curves: list[Array], numbers: list[int]
-    ) -> BuiltMesh | None:
-        """Write lines along the samples of curves with these numbers; None where there are none."""
+    def _write_samples(self, samples: Samples) -> BuiltMesh | None:
+        """Write lines along the samples of curves; None where there are none."""
+        curves = samples.curves
         if not curves:
             self._warn("curves-invalid", "no curve has points, orders and knots that fit")
             return None
         sampled = np.concatenate(curves)
         lengths = np.array([len(curve) for curve in curves])
-        owners, lines = np.repeat(numbers, lengths), _polylines(lengths, False)
-        # Values per control point do not fit the samples; values per curve do.
-        vertices = np.arange(len(sampled))
+        owners, lines = np.repeat(samples.numbers, lengths), _polylines(lengths, False)
+        vertices, curve_count = np.arange(len(sampled)), len(samples.counts)
+        authored = Topology(samples.points, curve_count, owners, owners)
         topology = Topology(
             len(sampled),
-            len(counts),
+            curve_count,
             vertices,
             owners,
-            dropped=("vertex", "varying", "faceVarying"),
-            authored=Topology(authored_points, len(counts), owners, owners),
+            refine=samples.refine,
+            dropped=("faceVarying",) if samples.ends else ("varying", "faceVarying"),
+            authored=replace(authored, varying_count=sum(samples.ends)),
         )
         return self._write(sampled, vertices, lines, topology)
 
@@ -144,15 +195,16 @@ class LineBuilder:
         plan = self.materials.plan(None)
         warn_translucent(self.context, prim, plan, display)
         color = display.stream_for(True, True)
-        attributes = {"POSITION": self._accessor(points[vertices], bounds=True)}
+        values = {"POSITION": points[vertices]}
         colors = {} if color is None else {"COLOR_0": color}
         for name, stream in (colors | _vertex_streams(streams)).items():
-            attributes[name] = self._accessor(stream.values[stream.ids[vertices]])
-        mode = POINTS if lines is None else LINES
-        entry: dict[str, Any] = {"attributes": attributes, "mode": mode}
-        if lines is not None:
-            indices = lines.reshape(-1).astype(np.uint32)
-            entry["indices"] = self.writer.add_accessor(indices, ELEMENT_ARRAY_BUFFER)
+            values[name] = stream.values[stream.ids[vertices]]
+        widths = self._widths(topology)
+        if widths is not None:
+            values[WIDTH_ATTRIBUTE] = widths[vertices]
+        entries = [
+            self._entry(values, lines, rows, width) for rows, width in _by_width(values, lines)
+        ]
         if bound_material(prim) is not None:
             message = "points and lines show displayColor, not the bound material"
             self._warn("material-unsupported", message)
@@ -160,28 +212,83 @@ class LineBuilder:
         def paint(shown: DisplayColor) -> int:
             return self.materials.instantiate(plan, {}, False, shown, color is not None)
 
-        entry["material"] = paint(display)
-        mesh = {"name": prim.GetName(), "primitives": [entry], "extras": mesh_extras(prim, streams)}
+        look, painter = paint(display), painter_of(DISPLAY, primvars, display, paint)
+        primitives = [{**entry, "material": look} for entry in entries]
+        mesh = {"name": prim.GetName(), "primitives": primitives}
+        mesh["extras"] = mesh_extras(prim, streams)
         extras = {"primvars": primvars.constants} if primvars.constants else {}
         index = self.writer.add("meshes", mesh)
-        self.materials.painters[index] = [painter_of(DISPLAY, primvars, display, paint)]
+        self.materials.painters[index] = [painter] * len(entries)
         return BuiltMesh(index, extras)
+
+    def _entry(
+        self, values: dict[str, Array], lines: Array | None, rows: Array, width: float | None
+    ) -> dict[str, Any]:
+        """Primitive of some of the points, or of the lines, that are drawn this wide."""
+        used = rows
+        entry: dict[str, Any] = {"mode": POINTS}
+        if lines is not None:
+            used, ends = np.unique(lines[rows], return_inverse=True)
+            indices = self.writer.add_accessor(
+                ends.reshape(-1).astype(np.uint32), ELEMENT_ARRAY_BUFFER
+            )
+            entry = {"mode": LINES, "indices": indices}
+        entry["attributes"] = {
+            name: self._accessor(numbers[used], bounds=name == "POSITION")
+            for name, numbers in values.items()
+        }
+        return entry if width is None else {**entry, "extras": {"width_m": width}}
+
+    def _widths(self, topology: Topology) -> Array | None:
+        """Diameters (corners, 1) in meters; None where there are none that fit."""
+        primvar = UsdGeom.PrimvarsAPI(self.prim).GetPrimvar("widths")
+        read = read_primvar(self.context, self.prim, primvar) if primvar.HasValue() else None
+        if read is None:
+            schema = UsdGeom.Points if type_name(self.prim) == "Points" else UsdGeom.Curves
+            values = np.array(authored(self.prim, "widths", self.context.time, []), dtype=float)
+            finite = np.where(in_float32(values), values, 0.0).reshape(-1, 1)
+            read = Primvar("widths", schema(self.prim).GetWidthsInterpolation(), finite, None)
+        if not len(read.values):
+            return None
+        if len(read.flat()) == 1:
+            read = replace(read, interpolation="constant")
+        stream = to_stream(self.context, self.prim, read, topology)
+        if stream is None or stream.values.shape[1] != 1:
+            return None
+        return np.maximum(stream.values[stream.ids], 0.0) * self.context.meters_per_unit
 
     def _accessor(self, values: Array, bounds: bool = False) -> int:
         shaped = values[:, 0] if values.shape[1] == 1 else values
         return self.writer.add_accessor(shaped.astype(np.float32), ARRAY_BUFFER, bounds)
 
-    def _warn_lost(self, message: str) -> None:
-        """Warn about widths (`message` says why), normals and ids, which points and lines lack."""
-        widths = UsdGeom.PrimvarsAPI(self.prim).GetPrimvar("widths")
-        attribute = self.prim.GetAttribute("widths")
-        if (widths and widths.HasValue()) or (attribute and attribute.HasAuthoredValue()):
-            self._warn("width-dropped", message)
+    def _warn_lost(self) -> None:
+        """Warn about normals and ids, which points and lines lack."""
         for name, warning in (("normals", "normals-dropped"), ("ids", "ids-dropped")):
             attributes = (self.prim.GetAttribute(name), self.prim.GetAttribute(f"primvars:{name}"))
             if any(attribute and attribute.HasAuthoredValue() for attribute in attributes):
                 message = f"the {name} of points and curves are not carried"
                 self._warn(warning, message)
+
+
+def _by_width(values: dict[str, Array], lines: Array | None) -> list[tuple[Array, float | None]]:
+    """Points or lines of each width, a line having the mean of its ends.
+
+    Of more than `MOST_WIDTHS` the widths are rounded to as many, in equal ratios.
+    """
+    count = len(values["POSITION"]) if lines is None else len(lines)
+    if WIDTH_ATTRIBUTE not in values:
+        return [(np.arange(count), None)]
+    widths = values[WIDTH_ATTRIBUTE][:, 0]
+    if lines is not None:
+        widths = widths[lines].mean(axis=1)
+    drawn, which = np.unique(widths.astype(np.float32), return_inverse=True)
+    if len(drawn) > MOST_WIDTHS:
+        low = max(float(drawn[0]), float(drawn[-1]) * 1e-3)
+        ratio = math.log(float(drawn[-1]) / low) / (MOST_WIDTHS - 1)
+        step = np.round(np.log(np.maximum(widths, low) / low) / ratio)
+        drawn, which = np.unique(low * np.exp(step * ratio), return_inverse=True)
+    rows = [np.flatnonzero(which.reshape(-1) == index) for index in range(len(drawn))]
+    return list(zip(rows, drawn.astype(float).tolist(), strict=True))
 
 
 def _polylines(counts: Array, closed: bool) -> Array:
@@ -219,7 +326,7 @@ def _sample_cubic(
             continue
         windows = control[np.arange(spans)[:, None] * step + np.arange(4)]
         samples = np.einsum("tk,skc->stc", weights, windows)
-        curve = np.vstack([samples[:, :-1].reshape(-1, 3), samples[-1, -1:]])
+        curve = np.vstack([samples[:, :-1].reshape(-1, points.shape[1]), samples[-1, -1:]])
         curves.append(curve)
         numbers.append(number)
     return curves, numbers

@@ -40,7 +40,7 @@ def sample_nurbs(
             continue
         control = homogeneous[first[index] : first[index] + count]
         found = _de_boor(control, own, order, places)
-        curves.append(found[:, :3] / found[:, 3:])
+        curves.append(found[:, :-1] / found[:, -1:])
         drawn.append(index)
     return curves, drawn
 

@@ -42,6 +42,8 @@ class Topology:
     """Whether points and faces are numbered as in Hydra (cubes): UsdGeom does not number them."""
     dropped: tuple[str, ...] = ()
     """Interpolations without a meaning on the converted gprim (curved gprims, cubics)."""
+    varying_count: int | None = None
+    """Number of varying values, where it is not that of points."""
     authored: Topology | None = None
     """For refined meshes: the counts that authored primvars have."""
 
@@ -97,7 +99,7 @@ def to_stream(
         "constant": 1,
         "uniform": counted.face_count,
         "vertex": counted.point_count,
-        "varying": counted.point_count,
+        "varying": counted.varying_count or counted.point_count,
         "faceVarying": len(counted.corner_points),
     }.get(interpolation)
     if needed is None or count < needed:

@@ -13,6 +13,8 @@ from .gltf_file import GltfFile
 from .gltf_pose import Pose, Poser, compose
 from .scene_data import Array, Camera, Corners, Indices, Light, Scene, transform_points
 
+_MOST_ROUNDED = 0.06
+"""Maximum relative difference of a line from the width it is drawn with: half a step of 64."""
 _INSTANCING = "EXT_mesh_gpu_instancing"
 _LIGHTS = "KHR_lights_punctual"
 
@@ -215,6 +217,16 @@ class _Local:
             elif name.startswith("_"):
                 values = file.accessor(accessor)[corners].astype(np.float64)
                 self.customs[name] = values.reshape(len(values), -1)
+        width = (getattr(primitive, "extras", None) or {}).get("width_m")
+        authored = self.customs.get("_DIAMETER_M")
+        if authored is not None:
+            step = 1 if primitive.mode == 0 else 2
+            means = authored.reshape(-1, step).mean(axis=1)
+            lowest = max(float(means.max(initial=0.0)) * 1e-3, 1e-30)
+            drawn = -1.0 if width is None else max(width, lowest)
+            off = np.abs(np.maximum(means, lowest) / drawn - 1.0).max(initial=0.0)
+            if off > _MOST_ROUNDED:  # drawn otherwise than said
+                self.customs["_DIAMETER_M"] = np.full(authored.shape, np.inf)
         self.colors = self._colors(file, attributes, count)[corners]
 
     def _morphed(

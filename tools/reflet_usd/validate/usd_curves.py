@@ -1,13 +1,25 @@
 """Owns the truth about points, curves and NURBS patches, cubics by scipy's splines."""
 
+from __future__ import annotations
+
 import dataclasses
+from collections.abc import Callable
 
 import numpy as np
 from pxr import Usd, UsdGeom
 from scipy.interpolate import BPoly, BSpline, CubicHermiteSpline
 
 from .scene_data import Array, Indices, Lost
-from .usd_primvars import CornerMap, array_of, carried, customs, misfits, points_of, uv_sets
+from .usd_primvars import (
+    CornerMap,
+    array_of,
+    carried,
+    customs,
+    flattened,
+    misfits,
+    points_of,
+    uv_sets,
+)
 
 _STEPS = 8
 """Lines per span of a cubic, and quads per span of a patch, as documented."""
@@ -17,6 +29,8 @@ _MOST_ORDER = 32
 """Highest order of a curve that is drawn."""
 _BASES = ("bezier", "bspline", "catmullRom")
 _UNFIT: Lost = [("curves-invalid", "counts that do not fit the points")]
+DIAMETER = "_DIAMETER_M"
+"""Attribute of the file with the widths of points and curves."""
 _COLORS = {"displayColor", "displayOpacity"}
 
 
@@ -36,10 +50,28 @@ class Cloud:
         if self.corners is None:
             return {}
         entries = carried(prim)
+        widths = self._widths(prim, time)
         uvs = uv_sets(entries, time, self.corners)
         names = sorted(uvs, key=lambda name: (name != "st", name))
         result = {f"TEXCOORD_{slot}": uvs[name] for slot, name in enumerate(names)}
-        return result | customs(entries, time, self.corners)
+        wide = {} if widths is None else {DIAMETER: widths}
+        return result | customs(entries, time, self.corners) | wide
+
+    def _widths(self, prim: Usd.Prim, time: Usd.TimeCode) -> Array | None:
+        """Diameters (n, 1) in units of the stage; None where there are none that fit."""
+        assert self.corners is not None
+        primvar = UsdGeom.PrimvarsAPI(prim).GetPrimvar("widths")
+        if primvar.HasValue():
+            values, kind = flattened(primvar, time, 1), primvar.GetInterpolation()
+        else:
+            schema = UsdGeom.Points if prim.IsA(UsdGeom.Points) else UsdGeom.Curves
+            values = array_of(prim.GetAttribute("widths").Get(time), np.float64)
+            kind = schema(prim).GetWidthsInterpolation()
+        if not len(values):
+            return None
+        values = np.where(np.isfinite(values), np.maximum(values, 0.0), 0.0)
+        found = self.corners.expand(values, "constant" if len(values) == 1 else kind)
+        return None if found is None else found.reshape(-1, 1)
 
     def misfits(self, prim: Usd.Prim, time: Usd.TimeCode) -> tuple[str, ...]:
         """Primvars with values that have no place."""
@@ -71,7 +103,7 @@ def read_points(prim: Usd.Prim, time: Usd.TimeCode) -> Cloud | None:
 
 def _without_place(prim: Usd.Prim) -> Lost:
     """Inputs that no glTF point or line has."""
-    names = {"widths": "width-dropped", "normals": "normals-dropped", "ids": "ids-dropped"}
+    names = {"normals": "normals-dropped", "ids": "ids-dropped"}
     found: Lost = []
     for name, warning in names.items():
         attributes = (prim.GetAttribute(name), prim.GetAttribute(f"primvars:{name}"))
@@ -107,7 +139,32 @@ def _read_cloud(prim: Usd.Prim, time: Usd.TimeCode) -> Cloud | None:
     basis, wrap = str(schema.GetBasisAttr().Get(time)), str(schema.GetWrapAttr().Get(time))
     if basis not in _BASES:
         return None
-    return _sampled([_cubic(run, basis, wrap) for run in runs], lost)
+    drawn = [_cubic(run, basis, wrap) for run in runs]
+
+    def vertex(values: Array) -> Array:
+        parts = np.split(values[: counts.sum()], np.cumsum(counts)[:-1])
+        return np.concatenate([_cubic(part, basis, wrap) for part in parts])
+
+    cloud = _sampled(drawn, lost)
+    if all(len(run) for run in drawn) and cloud.corners is not None:
+        spans = [len(run) // _STEPS for run in drawn]
+        closed = wrap == UsdGeom.Tokens.periodic
+        ends = [count + (not closed) for count in spans]
+
+        def varying(values: Array) -> Array:
+            parts = np.split(values[: sum(ends)], np.cumsum(ends)[:-1])
+            return np.concatenate(
+                [_piecewise(part, n, closed) for part, n in zip(parts, spans, strict=True)]
+            )
+
+        cloud.corners = CurveCorners.of(
+            cloud.corners, {"vertex": len(points), "varying": sum(ends)}
+        )
+        cloud.corners.along = {"vertex": vertex, "varying": varying}
+    elif cloud.corners is not None:
+        cloud.corners = CurveCorners.of(cloud.corners, {"vertex": len(points)})
+        cloud.corners.along = {"vertex": vertex}
+    return cloud
 
 
 def _sampled(drawn: list[Array], lost: Lost) -> Cloud:
@@ -132,18 +189,65 @@ def _nurbs(prim: Usd.Prim, time: Usd.TimeCode, runs: list[Array], lost: Lost) ->
         return Cloud(np.zeros((0, 3)), _UNFIT)
     if len(weights) != total or not (weights > 0.0).all() or not np.isfinite(weights).all():
         weights = np.ones(total)
-    drawn = []
+    drawn, splines = [], []
     for index, run in enumerate(runs):
         own, knots = knots[: len(run) + orders[index]], knots[len(run) + orders[index] :]
         share, weights = weights[: len(run), None], weights[len(run) :]
         limits = ranges[index] if len(ranges) == len(runs) else None
         order = int(orders[index]) if orders[index] <= _MOST_ORDER else 0
-        control = np.column_stack([run * share, share])
-        found = _along(control, own, order, limits, most=1 << 30)
-        drawn.append(run[:0] if found is None else found[:, :3] / found[:, 3:])
+        splines.append((own, order, limits, share))
+        drawn.append(_rational(run, splines[-1]))
     if any(not len(run) for run in drawn):
         lost = [*lost, ("curves-invalid", "curves whose orders and knots do not fit")]
-    return _sampled(drawn, lost)
+
+    def vertex(values: Array) -> Array:
+        parts = np.split(values[: sum(sizes)], np.cumsum(sizes)[:-1])
+        return np.concatenate([_rational(part, s) for part, s in zip(parts, splines, strict=True)])
+
+    cloud = _sampled(drawn, lost)
+    if cloud.corners is not None:
+        cloud.corners = CurveCorners.of(cloud.corners, {"vertex": total})
+        cloud.corners.along = {"vertex": vertex}
+    return cloud
+
+
+Spline = tuple[Array, int, object, Array]
+
+
+def _rational(run: Array, spline: Spline) -> Array:
+    """Values (n, k) along a rational spline with these knots, order, range and weights."""
+    own, order, limits, share = spline
+    found = _along(np.column_stack([run * share, share]), own, order, limits, most=1 << 30)
+    return run[:0] if found is None else found[:, :-1] / found[:, -1:]
+
+
+def _piecewise(values: Array, spans: int, closed: bool) -> Array:
+    """Values (n, k) at every eighth of the spans, linear between their ends."""
+    ends = np.concatenate([values, values[:1]]) if closed else values
+    place = np.arange(spans * _STEPS + 1) / _STEPS
+    columns = [np.interp(place, np.arange(len(ends)), column) for column in ends.T]
+    return np.stack(columns, axis=1)
+
+
+@dataclasses.dataclass
+class CurveCorners(CornerMap):
+    """Samples of curves, to which values of control points and of spans' ends are carried."""
+
+    along: dict[str, Callable[[Array], Array]] = dataclasses.field(default_factory=dict)
+
+    @classmethod
+    def of(cls, plain: CornerMap, totals: dict[str, int]) -> CurveCorners:
+        """The same corners, for which these numbers of values are authored."""
+        return cls(**{**vars(plain), "totals": plain.totals | totals})
+
+    def expand(self, values: Array, interpolation: str) -> Array | None:
+        """(n, …) values at the samples; None where there are too few."""
+        if interpolation not in self.along:
+            return super().expand(values, interpolation)
+        if len(values) < self.totals[interpolation]:
+            return None
+        flat = self.along[interpolation](values.reshape(len(values), -1))
+        return flat.reshape(-1, *values.shape[1:])
 
 
 def _cubic(control: Array, basis: str, wrap: str) -> Array:

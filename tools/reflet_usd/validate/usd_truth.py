@@ -9,7 +9,7 @@ from pxr import Usd, UsdGeom, UsdShade
 from .faces import measure
 from .scene_data import Array, Corners, Indices, Scene, transform_points
 from .usd_camera import read_camera
-from .usd_curves import read_patch, read_points
+from .usd_curves import DIAMETER, read_patch, read_points
 from .usd_gprim import read_grid, read_polyhedron, read_surface
 from .usd_light import (
     OF_GEOMETRY,
@@ -102,7 +102,10 @@ class TruthReader:
                 if len(drawn.points):
                     scene.misfits[str(prim.GetPath())] = drawn.misfits(prim, time)
                     placed = transform_points(drawn.points, matrix)
-                    clouds.setdefault(place.key, []).append((placed, drawn.values(prim, time)))
+                    values = drawn.values(prim, time)
+                    if DIAMETER in values:
+                        values[DIAMETER] = values[DIAMETER] * self.truth.meters_per_unit
+                    clouds.setdefault(place.key, []).append((placed, values))
             elif prim.IsA(UsdGeom.NurbsPatch):
                 grid, scene.lost[str(prim.GetPath())] = read_patch(prim, time)
                 if grid is not None:
