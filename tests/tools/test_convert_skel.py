@@ -173,12 +173,6 @@ def test_animated_points_become_targets(tmp_path: Path) -> None:
         assert np.sort(points, axis=0) == pytest.approx(np.sort(wanted, axis=0), abs=1e-6)
 
 
-def test_points_that_change_their_topology_are_named(tmp_path: Path) -> None:
-    text = text_of("convert_skel/points_that_change_their_topology_are_named.usda")
-    done = convert_text(tmp_path, text)
-    assert {"points-animation-frozen", "geometry-animation-frozen"} <= done.warnings("/M")
-
-
 def test_interpolation_used_by_these_tests() -> None:
     times = np.array([0.0, 1.0])
     turn = np.array([[0, 0, 0, 1.0], [0, 0, 1.0, 0]])

@@ -111,16 +111,6 @@ def test_one_subset_reads_a_uv_set_that_is_not_there(tmp_path: Path) -> None:
     assert "uv-missing" in proven(tmp_path, text).warnings("/M")
 
 
-@pytest.mark.parametrize("kind", ["Points", "BasisCurves"])
-def test_points_and_curves_that_move_stand_still_and_are_named(tmp_path: Path, kind: str) -> None:
-    text = text_of(
-        "pipelines/points_and_curves_that_move_stand_still_and_are_named.usda", kind=kind
-    )
-    done = proven(tmp_path, text)
-    expected = {"geometry-animation-frozen", "points-animation-frozen", "width-dropped"}
-    assert done.warnings("/P") == expected
-
-
 def test_tiled_images_of_materialx(tmp_path: Path) -> None:
     save(tmp_path, "t.png", noise("RGB"))
     text = text_of("pipelines/tiled_images_of_materialx.usda", GRID=GRID)

@@ -38,10 +38,7 @@ PERSPECTIVE = """
     matrix4d xformOp:transform = ((1, 0, 0, 0.2), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))
     uniform token[] xformOpOrder = ["xformOp:transform"]
 """
-FROZEN = """
-    int[] faceVertexCounts.timeSamples = { 0: [4], 9: [3] }
-    int[] faceVertexIndices.timeSamples = { 0: [0, 1, 2, 3], 9: [0, 1, 2] }
-"""
+
 INSTANCER = text_of("validate_tamper/instancer.usda").replace("FACE", FACE)
 LENS = 'def Camera "C"\n{\nfloat fStop = 2.8\nfloat focusDistance = 5\n}\n'
 BAD_CLIP = 'def Camera "C"\n{\nfloat2 clippingRange = (5, 1)\n}\n'
@@ -78,16 +75,6 @@ CASES: list[Case] = [
         INSTANCER.replace("BODY", SPEED.replace(", (0, 0, 0), (0, 0, 0)]", "]")),
         "velocities-dropped",
         place,
-    ),
-    (
-        "frozen topology",
-        mesh("M", FROZEN).replace(
-            FACE,
-            FACE.split("int[]")[0]
-            + "point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]\n",
-        ),
-        "geometry-animation-frozen",
-        grow,
     ),
     ("perspective", mesh("M", PERSPECTIVE) + UNIT, "transform-projective", place),
     ("resampling", mesh("M", SHEARED) + UNIT, "animation-resampled", animate),

@@ -32,6 +32,8 @@ class Context:
     """Time codes per second."""
     time: Usd.TimeCode = field(default_factory=Usd.TimeCode.EarliestTime)
     """Time at which everything that is not animated in the file is evaluated."""
+    is_held: bool = False
+    """Whether `time` is one of several at which a gprim is drawn, so that nothing is frozen."""
     time_origin: float = 0.0
     """The time code that becomes 0 seconds."""
     stated_codes: tuple[float | None, float | None] = (None, None)

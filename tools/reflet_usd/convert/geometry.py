@@ -73,7 +73,8 @@ class GeometryBuilder:
         if deformation is not None:
             return self._build(prim, groups, primvars, deformation)
         bound = tuple("" if g.material is None else source_path(g.material) for g in groups)
-        key = (source_path(prim), bound, primvar_signature(primvars), self.lights.glow(prim))
+        glow, when = self.lights.glow(prim), self.context.time.GetValue()
+        key = (source_path(prim), bound, primvar_signature(primvars), glow, when)
         if key not in self._meshes:
             self._meshes[key] = (prim, self._build(prim, groups, primvars, None))
             return self._meshes[key][1]
@@ -253,16 +254,8 @@ class GeometryBuilder:
 
 
 _OTHER_SURFACES = ("NurbsPatch", "TetMesh")
-_STILL = (
-    "accelerations",
-    "xformOp",
-    "visibility",
-    "extent",
-    "points",
-    "velocities",
-    "primvars:skel:",
-    "normals",
-)
+STILL = ("accelerations", "xformOp", "visibility", "extent", "velocities", "primvars:skel:")
+"""Beginnings of the names of attributes that change no geometry, or have rules of their own."""
 
 
 def warn_frozen(context: Context, prim: Usd.Prim, primvars: list[UsdGeom.Primvar]) -> None:
@@ -270,7 +263,7 @@ def warn_frozen(context: Context, prim: Usd.Prim, primvars: list[UsdGeom.Primvar
     animated = [
         attribute.GetName()
         for attribute in prim.GetAuthoredAttributes()
-        if not attribute.GetName().startswith(_STILL)
+        if not attribute.GetName().startswith((*STILL, "points", "normals"))
         and attribute.ValueMightBeTimeVarying()
         and not is_custom(prim, attribute.GetName())
     ]
@@ -282,6 +275,8 @@ def warn_frozen(context: Context, prim: Usd.Prim, primvars: list[UsdGeom.Primvar
         for attribute, name in owners
         if name not in animated and attribute.ValueMightBeTimeVarying()
     ]
+    if context.is_held:
+        animated = [name for name in animated if not prim.HasAttribute(name)]
     velocities = prim.GetAttribute("velocities")
     if velocities and velocities.HasAuthoredValue():
         message = "velocities are not carried, points are interpolated"
@@ -308,7 +303,7 @@ def warn_still_points(context: Context, prim: Usd.Prim) -> None:
     """Warn about animated attributes of points and curves, which stand still in the file."""
     warn_frozen(context, prim, UsdGeom.PrimvarsAPI(prim).FindPrimvarsWithInheritance())
     points = prim.GetAttribute("points")
-    if points and points.ValueMightBeTimeVarying():
+    if points and points.ValueMightBeTimeVarying() and not context.is_held:
         message = "animated points stay at their first value"
         context.ledger.warn("points-animation-frozen", prim, message)
 

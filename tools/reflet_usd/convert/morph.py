@@ -87,7 +87,7 @@ def point_keys(context: Context, writer: GltfWriter, prim: Usd.Prim) -> PointKey
         return None
     reason = ""
     if any(prim.GetAttribute(name).ValueMightBeTimeVarying() for name in _TOPOLOGY):
-        reason = "the topology changes too"
+        reason = "the topology changes too, in too many frames"
     elif context.options.subdiv_level > 0:
         reason = "refined meshes do not move"
     elif len(codes) > MAX_POINT_KEYS:

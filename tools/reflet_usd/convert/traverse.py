@@ -14,6 +14,7 @@ from .curves import LineBuilder, draws_lines
 from .extras import keep_custom_properties
 from .geometry import BuiltMesh, GeometryBuilder, is_surface
 from .gltf_writer import GltfWriter
+from .held_frames import draw_held, held_codes
 from .instancer import Instancers
 from .light import add_light
 from .light_size import Emitter, size_lights
@@ -237,12 +238,19 @@ class Traversal:
         if self.skeletons.is_bound(prim):
             self.skeletons.fill(prim, node)
         elif is_surface(prim):
-            keys = point_keys(context, self.writer, prim)
-            if self._draw(node, self.geometry.build(prim, keys)) and keys is not None:
+            codes = held_codes(context, prim)
+            keys = None if codes else point_keys(context, self.writer, prim)
+            if codes:
+                draw_held(context, node, codes, lambda: self.geometry.build(prim))
+            elif self._draw(node, self.geometry.build(prim, keys)) and keys is not None:
                 keys.animate(node)
         elif draws_lines(prim):
             lines = LineBuilder(context, self.writer, self.geometry.materials, prim)
-            self._draw(node, lines.build())
+            codes = held_codes(context, prim)
+            if codes:
+                draw_held(context, node, codes, lines.build)
+            else:
+                self._draw(node, lines.build())
         elif prim.IsA(UsdGeom.Camera):
             add_camera(context, self.writer, prim, node)
         elif kind == "GeometryLight":

@@ -4,6 +4,7 @@ Each rule is written into the session layer of the opened stage, in memory, so t
 evaluates the value that the file must hold, and nothing has to be excused.
 """
 
+import math
 import re
 from collections.abc import Callable, Iterable
 from typing import Any
@@ -32,6 +33,8 @@ _PLACING = ("positions", "orientations", "orientationsf", "scales", "protoIndice
 _VELOCITIES = ("velocities", "angularVelocities", "accelerations")
 _NORMALIZED = "instance-rotation-normalized"
 _SIZES = "world sizes"
+_HELD = "geometry-animation-held"
+_SHOWN = re.compile(r"^animated (.+) are shown at (\d+) time codes")
 _FAR = 1e9
 """Weight that no animation reaches."""
 
@@ -47,7 +50,9 @@ def apply_rules(stage: Usd.Stage, warnings: Iterable[dict[str, Any]], rest: Usd.
             prim = _prim(stage, warning["prim"])
             if prim is None or prim.IsInstanceProxy() or prim.IsInPrototype():
                 continue
-            if warning["name"] in _FROZEN:
+            if warning["name"] == _HELD:
+                _hold(stage, prim, warning.get("message", ""))
+            elif warning["name"] in _FROZEN:
                 _freeze(prim, warning.get("message", ""), rest)
             elif warning["name"] == _NORMALIZED:
                 _normalize_instances(prim, warning.get("message", ""))
@@ -87,6 +92,27 @@ def _freeze(prim: Usd.Prim, message: str, rest: Usd.TimeCode) -> None:
             value = next((sample for sample in samples if sample is not None), None)
         if value is not None:
             attribute.Set(value)
+
+
+def _hold(stage: Usd.Stage, prim: Usd.Prim, message: str) -> None:
+    """Hold the attributes that the message names at the time codes at which the file shows them."""
+    match = _SHOWN.match(message)
+    names = match.group(1).split(", ") if match else []
+    varying = [prim.GetAttribute(name) for name in names if prim.HasAttribute(name)]
+    codes = {code for attribute in varying for code in attribute.GetTimeSamples()}
+    codes = {code for code in codes if abs(code) <= MAX_CODE}
+    if not match or len(codes) < 2:
+        return
+    whole = {float(code) for code in range(math.ceil(min(codes)), math.floor(max(codes)) + 1)}
+    # The file says how many there are, of the two ways that the manual gives.
+    shown = sorted(codes if len(codes) == int(match.group(2)) else codes | whole)
+    for attribute in varying:
+        values = [attribute.Get(code) for code in shown]
+        for index, value in enumerate(values):
+            kept = Sdf.ValueBlock() if value is None else value
+            attribute.Set(kept, shown[index])
+            if index + 1 < len(shown):
+                attribute.Set(kept, float(np.nextafter(shown[index + 1], -np.inf)))
 
 
 def _forget_velocities(prim: Usd.Prim) -> None:
@@ -251,5 +277,5 @@ _RULES: dict[str, Callable[[Usd.Prim], None]] = {
     "velocities-dropped": _forget_velocities,
     "weights-normalized": _normalize_weights,
 }
-NAMES = frozenset({*_FROZEN, *_RULES, _NORMALIZED})
+NAMES = frozenset({*_FROZEN, *_RULES, _NORMALIZED, _HELD})
 """All warnings that choose a rule."""
