@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import OpenEXR
 import pytest
 from material_stages import image, material, noise, pixels, save, shaded, stage, texture
 from PIL import Image
 from read_converted import convert_text
-from tampering import expect_required
+from tampering import Output, expect_found, expect_required
 from test_validate_strict import rewrite
 from texts import text_of
 
@@ -359,3 +360,27 @@ def test_broken_openexr_is_named(tmp_path: Path, damage: str) -> None:
     inputs = "float inputs:roughness.connect = </Mat/T.outputs:r>"
     done = shaded(tmp_path, inputs, texture("T", "t.exr"))
     assert "texture-unreadable" in done.warnings("/Mat/T")
+
+
+@pytest.mark.parametrize("turn", [0, 30])
+@pytest.mark.parametrize("format", ["png", "exr"])
+def test_udim_tiles_are_one_image(tmp_path: Path, turn: float, format: str) -> None:
+    def swap(_: Output) -> None:
+        first, other = (tmp_path / f"t.{number}.{format}" for number in (1001, 1012))
+        first.rename(tmp_path / "t")
+        other.rename(first)
+        (tmp_path / "t").rename(other)
+
+    random = np.random.default_rng(4)
+    for number in (1001, 1002, 1012):
+        texels = random.random((4, 4, 3)).astype(np.float32)
+        if format == "png":
+            Image.fromarray((255 * texels).astype(np.uint8)).save(tmp_path / f"t.{number}.png")
+        else:
+            header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+            OpenEXR.File(header, {"RGB": texels}).write(str(tmp_path / f"t.{number}.exr"))
+    text = text_of("convert_texture/udim.usda", turn=turn, format=format)
+    done = convert_text(tmp_path, text)
+    assert done.warnings() <= {"texture-converted"}
+    assert len(done.json["images"]) == 1
+    expect_found(done, swap)

@@ -120,9 +120,9 @@ class NetworkReader:
             self._four(node, name, default)
             for name, default in (("scale", 1.0), ("bias", 0.0), ("fallback", 0.0))
         )
-        return TextureRead(
+        read = TextureRead(
             prim=str(node.GetPath()),
-            file=self.resolved(node, asset),
+            file=asset.resolvedPath,
             authored_file=asset.path,
             parts=tuple(
                 Part(channel, scale[channel], bias[channel], fallback[channel])
@@ -135,6 +135,7 @@ class NetworkReader:
             ),
             color_space=str(self.value(node, "sourceColorSpace", "auto")),
         )
+        return self.tiled(node, read)
 
     def _four(self, node: UsdShade.Shader, name: str, default: float) -> tuple[float, ...]:
         """Four numbers of an input; alpha's fallback is 1."""
@@ -142,16 +143,18 @@ class NetworkReader:
         found = numbers(self.value(node, name, None))
         return (*found, *known[len(found) :]) if found and len(found) in (3, 4) else known
 
-    def resolved(self, node: UsdShade.Shader, asset: Sdf.AssetPath) -> str:
-        """Path of a texture's file, of the first tile where there are several; empty if lost."""
-        if "<UDIM>" not in asset.path:
-            return asset.resolvedPath
-        message = f"of the tiles @{asset.path}@ only the first is carried"
-        self.context.ledger.warn("udim-partial", node.GetPrim(), message)
+    def tiled(self, node: UsdShade.Shader, read: TextureRead) -> TextureRead:
+        """The read of all tiles, where the name of the file is that of several."""
+        if "<UDIM>" not in read.authored_file:
+            return read
         spec = node.GetInput("file").GetAttr().GetPropertyStack(self.context.time)
         layer = spec[0].layer if spec else self.context.stage.GetRootLayer()
-        tiles = UsdShade.UdimUtils.ResolveUdimTilePaths(asset.path, layer)
-        return sorted(tile[0] for tile in tiles)[0] if tiles else ""
+        found = UsdShade.UdimUtils.ResolveUdimTilePaths(read.authored_file, layer)
+        numbers = [(int(number) - 1001, path) for path, number in found]
+        tiles = sorted((number % 10, number // 10, path) for number, path in numbers if number >= 0)
+        if not tiles:
+            return replace(read, file="")
+        return replace(read, file=f"{tiles[0][2]} {len(tiles)}").tiled(tuple(tiles))
 
     def _uv(self, node: UsdShade.Shader) -> UvRead:
         """The UV set behind `st`, with at most one UsdTransform2d; more are a warning."""

@@ -145,15 +145,16 @@ class NodeValues:
         width = 4 if operation == "gltf_colorimage" else _width_of(kind)
         fallback = self.constant(node, "default", (0.0,) * width)
         wrap = [str(self.reader.value(node, f"{axis}addressmode", "periodic")) for axis in "uv"]
-        read: Source = TextureRead(
+        image = TextureRead(
             prim=str(node.GetPath()),
-            file=self.reader.resolved(node, asset),
+            file=asset.resolvedPath,
             authored_file=asset.path,
             parts=tuple(Part(index, fallback=fallback[index]) for index in range(width)),
             uv=coordinates(self, node, operation),
             wrap=(_WRAPS.get(wrap[0], "repeat"), _WRAPS.get(wrap[1], "repeat")),
             color_space=encoded,
         )
+        read: Source = self.reader.tiled(node, image)
         if operation == "gltf_normalmap":
             return affine(node, read, (2.0,) * 3, (-1.0,) * 3)
         if operation == "gltf_image" and node.GetInput("factor"):

@@ -1,6 +1,8 @@
 """Sources of a surface's inputs: constants, texture reads and primvars."""
 
-from dataclasses import dataclass, field
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
 
 from pxr import UsdShade
 
@@ -40,6 +42,23 @@ class TextureRead:
     uv: UvRead = field(default_factory=UvRead)
     wrap: tuple[str, str] = ("useMetadata", "useMetadata")
     color_space: str = "auto"
+    tiles: tuple[tuple[int, int, str], ...] = ()
+    """Column and row, from the lower left, and file of each tile of a UDIM texture."""
+
+    @property
+    def grid(self) -> tuple[int, int]:
+        """Columns and rows of the tiles; as many of both where the coordinates are turned."""
+        columns = max((column for column, _, _ in self.tiles), default=0) + 1
+        rows = max((row for _, row, _ in self.tiles), default=0) + 1
+        most = max(columns, rows)
+        return (columns, rows) if self.uv.rotation_deg == 0.0 else (most, most)
+
+    def tiled(self, tiles: tuple[tuple[int, int, str], ...]) -> TextureRead:
+        """The same read of one image with all tiles, whose coordinates 0 to 1 span their grid."""
+        read = replace(self, tiles=tiles, wrap=("clamp", "clamp"))
+        (sx, sy), (tx, ty), (columns, rows) = self.uv.scale, self.uv.translation, read.grid
+        scale, move = (sx / columns, sy / rows), (tx / columns, ty / rows)
+        return replace(read, uv=replace(self.uv, scale=scale, translation=move))
 
 
 @dataclass(frozen=True)

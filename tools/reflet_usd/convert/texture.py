@@ -2,7 +2,7 @@
 
 import io
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from PIL import Image
@@ -18,6 +18,8 @@ from .sources import TextureRead
 
 MAX_PIXELS = 2**28
 PNG_COMPRESSION = 3
+MOST_ACROSS = 8192
+"""Pixels across and down of the largest image of UDIM tiles."""
 # Only these formats: Pillow hands some others, such as EPS, to programs of the system.
 _FORMATS = ("PNG", "JPEG", "BMP", "GIF", "TGA", "TIFF", "WEBP")
 _MIME_TYPES = {"PNG": "image/png", "JPEG": "image/jpeg"}
@@ -92,6 +94,8 @@ class TextureLibrary:
         return self._files[key]
 
     def _open(self, read: TextureRead, without: str) -> ImageFile | None:
+        if read.tiles:
+            return self._open_tiles(read, without)
         warn = self.context.ledger.warn
         shown = os.path.basename(read.authored_file)
         if not read.authored_file:
@@ -118,6 +122,45 @@ class TextureLibrary:
         except (OSError, ValueError, SyntaxError, EOFError) as error:
             warn("texture-unreadable", read.prim, f"@{shown}@: {_reason(error)}")
         return None
+
+    def _open_tiles(self, read: TextureRead, without: str) -> ImageFile | None:
+        """One image of all tiles of a UDIM texture, of the largest tile's size each."""
+        opened = [
+            (column, row, self._open(replace(read, tiles=(), file=path), without))
+            for column, row, path in read.tiles
+        ]
+        files = [(column, row, file) for column, row, file in opened if file is not None]
+        if not files:
+            return None
+        columns, rows = read.grid
+        wanted = [max(file.size[axis] for _, _, file in files) for axis in (0, 1)]
+        side = [
+            max(1, min(size, MOST_ACROSS // count))
+            for size, count in zip(wanted, (columns, rows), strict=True)
+        ]
+        if side != wanted:
+            message = f"its tiles were reduced to {side[0]} x {side[1]} pixels"
+            self.context.ledger.warn("texture-repacked", read.prim, message)
+        whole = np.zeros((rows * side[1], columns * side[0], 4))
+        fallback = [part.fallback for part in read.parts][:3]
+        whole[..., : len(fallback)], whole[..., 3] = np.clip(fallback, 0.0, 1.0), 1.0
+        for column, row, file in files:
+            pixels = file.rgba() / 255.0 if file.floats is None else file.floats
+            for axis, count in enumerate(side[::-1]):  # a smaller tile is repeated
+                places = (np.arange(count) + 0.5) / count * pixels.shape[axis]
+                pixels = np.take(pixels, places.astype(np.int64), axis=axis)
+            top, left = (rows - 1 - row) * side[1], column * side[0]
+            whole[top : top + side[1], left : left + side[0]] = pixels
+        images = [file for _, _, file in files]
+        mode = "RGBA" if any(file.has_alpha for file in images) else "RGB"
+        mode = "L" if mode == "RGB" and all(file.is_gray for file in images) else mode
+        name, size = images[0].name, (whole.shape[1], whole.shape[0])
+        if any(file.wide for file in images):
+            return ImageFile(name, b"", "floats", mode, size, wide=True, floats=whole)
+        stream = io.BytesIO()
+        image = Image.fromarray(np.round(whole * 255.0).astype(np.uint8), "RGBA").convert(mode)
+        image.save(stream, "PNG", compress_level=PNG_COMPRESSION)
+        return ImageFile(name, stream.getvalue(), "PNG", mode, size, wide=False)
 
     def add_copy(self, file: ImageFile) -> int:
         """The file as a glTF image, its bytes unchanged."""

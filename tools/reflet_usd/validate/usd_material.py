@@ -33,6 +33,8 @@ _PREVIEW_SURFACES = ("UsdPreviewSurface", "ND_UsdPreviewSurface_surfaceshader")
 """Identifiers of preview surfaces; the second is MaterialX's."""
 TIME = Usd.TimeCode.EarliestTime()
 _IDENTITY = np.eye(3)
+_MOST_TILED = 8192
+"""Pixels across and down of the largest image of UDIM tiles that are not reduced."""
 _FEW = 16
 _BLOCK = 1 << 18
 """Number of texels that are compared at a time."""
@@ -210,10 +212,14 @@ def _texture(
     fallback = stated[channels]
     attribute = producer(shader.GetInput("file"))
     asset = attribute.Get(TIME) if attribute is not None else None
-    if not isinstance(asset, Sdf.AssetPath) or "<UDIM>" in asset.path:
-        return PreviewInput(None, None, "names no single texture file", fallback, prim)
-    texels = None
-    if roots is None or is_within(asset.resolvedPath, roots):
+    if not isinstance(asset, Sdf.AssetPath):
+        return PreviewInput(None, None, "names no texture file", fallback, prim)
+    texels, grid = None, None
+    if "<UDIM>" in asset.path:
+        texels, grid = _tiles(attribute, asset.path, roots)
+        if texels is not None and grid is None:
+            return PreviewInput(None, None, "its tiles have several sizes", fallback, prim)
+    elif roots is None or is_within(asset.resolvedPath, roots):
         texels = load_texture(asset.resolvedPath)
     if texels is None:
         reason = f"texture {asset.path} cannot be read"
@@ -227,6 +233,11 @@ def _texture(
     if placed is None:
         return PreviewInput(None, None, "its texture coordinates are not a primvar's")
     transform, primvar = placed
+    if grid is not None:  # coordinates of the one image that the file has of all tiles
+        sides = (max(grid),) * 2 if transform[0, 1] else grid
+        transform = transform @ np.diag([1.0 / sides[0], 1.0 / sides[1], 1.0])
+        first = second = "clamp"
+        texels = _square(texels, grid, sides, fallback)
     read = TextureRead(
         texels,
         channels,
@@ -240,6 +251,48 @@ def _texture(
         space == "auto",
     )
     return PreviewInput(None, read, "", fallback, prim)
+
+
+def _tiles(
+    attribute: Usd.Attribute, path: str, roots: tuple[str, ...] | None
+) -> tuple[Texels | None, tuple[int, int] | None]:
+    """One image of all UDIM tiles, NaN where there is none, and the numbers of columns and rows.
+
+    The numbers are None where tiles differ in size, or are reduced.
+    """
+    layer = attribute.GetPropertyStack(TIME)[0].layer
+    found = {}
+    for place, name in UsdShade.UdimUtils.ResolveUdimTilePaths(path, layer):
+        number = int(name) - 1001
+        tile = load_texture(place) if roots is None or is_within(place, roots) else None
+        if tile is not None and number >= 0:
+            found[number % 10, number // 10] = tile
+    if not found:
+        return None, None
+    columns, rows = (max(key[axis] for key in found) + 1 for axis in (0, 1))
+    some = next(iter(found.values()))
+    width, height = some.size
+    even = all(tile.size == some.size for tile in found.values())
+    if not even or columns * width > _MOST_TILED or rows * height > _MOST_TILED:
+        return some, None
+    whole = np.full((rows * height, columns * width, 4), np.nan)
+    for (column, row), tile in found.items():
+        bottom = len(whole) - row * height
+        whole[bottom - height : bottom, column * width : (column + 1) * width] = tile.values
+    channels = max(tile.channels for tile in found.values())
+    return Texels(whole, channels, all(tile.eight_bit for tile in found.values())), (columns, rows)
+
+
+def _square(
+    texels: Texels, grid: tuple[int, int], sides: tuple[int, int], fallback: Array
+) -> Texels:
+    """The image with empty tiles up to `sides`, and the fallback where there is no tile."""
+    height, width = texels.values.shape[0] // grid[1], texels.values.shape[1] // grid[0]
+    more = (sides[1] - grid[1]) * height, (sides[0] - grid[0]) * width
+    values = np.pad(texels.values, ((more[0], 0), (0, more[1]), (0, 0)), constant_values=np.nan)
+    plain = np.append(np.resize(np.clip(fallback, 0.0, 1.0), 3), 1.0)
+    values = np.where(np.isnan(values), plain, values)
+    return dataclasses.replace(texels, values=values)
 
 
 def _transform(shader: UsdShade.Shader) -> tuple[Array, str] | None:
