@@ -203,7 +203,7 @@ class LineBuilder:
         if widths is not None:
             values[WIDTH_ATTRIBUTE] = widths[vertices]
         entries = [
-            self._entry(values, lines, rows, width) for rows, width in _by_width(values, lines)
+            self._entry(values, lines, rows, width) for rows, width in by_width(values, lines)
         ]
         if bound_material(prim) is not None:
             message = "points and lines show displayColor, not the bound material"
@@ -270,7 +270,7 @@ class LineBuilder:
                 self._warn(warning, message)
 
 
-def _by_width(values: dict[str, Array], lines: Array | None) -> list[tuple[Array, float | None]]:
+def by_width(values: dict[str, Array], lines: Array | None) -> list[tuple[Array, float | None]]:
     """Points or lines of each width, a line having the mean of its ends.
 
     Of more than `MOST_WIDTHS` the widths are rounded to as many, in equal ratios.

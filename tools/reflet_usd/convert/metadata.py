@@ -12,12 +12,28 @@ from .scene import Node
 KEPT = ("kind", "displayName", "documentation", "comment", "assetInfo", "customData")
 KEPT_OF_STAGE = ("documentation", "comment", "customLayerData")
 # Schemas that the converter reads, or without properties of their own that would be lost.
+# The loss of a schema by a part of its name; the last stands for all others.
+_LOSSES = {
+    "Physics": "it takes part in no simulation, and is drawn where it is authored",
+    "Render": "settings of a renderer are given to reflet in a scene",
+    "Audio": "its sound is not heard",
+    "ParticleField": "particle fields other than Gaussian splats are not drawn",
+    "Volume": "volumes are not drawn",
+    "Field": "volumes are not drawn",
+    "Motion": "motion blur follows reflet's own shutter",
+    "CoordSys": "shaders are not given its coordinate system",
+    "LOD": "the finest level of detail is drawn at any distance",
+    "Accessibility": "its description is not read out",
+    "": "what it says has no effect on the picture",
+}
 _KNOWN_SCHEMAS = frozenset(
     {
         "ClipsAPI",
         "CollectionAPI",
         "ConnectableAPI",
         "GeomModelAPI",
+        "LODOverrideAPI",
+        "LODRootAPI",
         "LightAPI",
         "MaterialBindingAPI",
         "MeshLightAPI",
@@ -62,10 +78,17 @@ def warn_schemas(context: Context, prim: Usd.Prim) -> None:
     applied = [str(name) for name in prim.GetPrimTypeInfo().GetAppliedAPISchemas()]
     lost = [name for name in applied if name.partition(":")[0] not in _KNOWN_SCHEMAS]
     if lost:
-        message = f"glTF has no place for the applied {_listed(lost)}"
+        what = sorted({what_is_lost(name) for name in lost})
+        message = f"glTF has no place for the applied {_listed(lost)}; {' and '.join(what)}"
         context.ledger.warn("schema-ignored", prim, message)
     if prim.IsModel():
         _warn_draw_mode(context, prim)
+
+
+def what_is_lost(schema: str) -> str:
+    """A part of a sentence about schemas of this family that are not carried."""
+    families = (name for name in _LOSSES if name in schema)
+    return _LOSSES[next(families, "")]
 
 
 def _warn_draw_mode(context: Context, prim: Usd.Prim) -> None:

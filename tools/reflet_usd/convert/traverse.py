@@ -16,15 +16,17 @@ from .geometry import BuiltMesh, GeometryBuilder, is_surface
 from .gltf_writer import GltfWriter
 from .held_frames import draw_held, held_codes
 from .instancer import Instancers
+from .level_of_detail import unshown_level
 from .light import add_light
 from .light_size import Emitter, size_lights
 from .loose_primvars import keep_loose_primvars
 from .mesh_light import add_geometry_light, keep_mesh_light
-from .metadata import keep_metadata, warn_schemas
+from .metadata import keep_metadata, warn_schemas, what_is_lost
 from .morph import point_keys
 from .node_depth import check_depth, check_level, levels_to
 from .scene import Node
 from .skel import Skeletons
+from .splats import SPLATS, SplatBuilder
 from .subsets import note_binding_purposes
 from .unreadable_values import DAMAGE, reason_of_damage
 from .xform import column_matrix, place
@@ -152,6 +154,10 @@ class Traversal:
         if kind in _PLACELESS:
             self._keep_words(prim, None)
             return None
+        level = unshown_level(prim, self.context.time)
+        if level:
+            self.context.ledger.skip_subtree("lod-skipped", prim, level)
+            return None
         # A hidden skeleton still moves what it is bound to.
         if kind != "Skeleton" and prim.IsA(UsdGeom.Imageable) and self._is_hidden(prim):
             message = "the prim is invisible; it and all below it are left out"
@@ -244,8 +250,9 @@ class Traversal:
                 draw_held(context, node, codes, lambda: self.geometry.build(prim))
             elif self._draw(node, self.geometry.build(prim, keys)) and keys is not None:
                 keys.animate(node)
-        elif draws_lines(prim):
-            lines = LineBuilder(context, self.writer, self.geometry.materials, prim)
+        elif draws_lines(prim) or kind == SPLATS:
+            builder = SplatBuilder if kind == SPLATS else LineBuilder
+            lines = builder(context, self.writer, self.geometry.materials, prim)
             codes = held_codes(context, prim)
             if codes:
                 draw_held(context, node, codes, lines.build)
@@ -285,7 +292,8 @@ class Traversal:
             name = "curves-dropped" if kind.endswith("Curves") else f"{kind}-dropped"
             message = f"glTF has no counterpart of the type {kind}"
         else:
-            name, message = "schema-ignored", f"glTF has no place for a {kind}"
+            message = f"glTF has no place for a {kind}; {what_is_lost(kind)}"
+            name = "schema-ignored"
         self.context.ledger.warn(name, prim, message)
 
 

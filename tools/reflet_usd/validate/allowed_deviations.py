@@ -18,7 +18,7 @@ UV_SET = ("primvar-*",)
 """Warnings that a primvar, named in quotes, is not in the file."""
 UV_CONSTANT = ("uv-missing",)
 """Warning about a constant that replaces a UV set without a primvar."""
-LEFT_OUT = ("invisible-skipped", "purpose-skipped", "prim-damaged")
+LEFT_OUT = ("invisible-skipped", "purpose-skipped", "lod-skipped", "prim-damaged")
 """Warnings by which a prim and all below it have no node."""
 TRANSLUCENT = ("opacity-approximated",)
 """Warning about a displayColor that blends although no drawn corner is translucent."""

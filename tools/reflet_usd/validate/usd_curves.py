@@ -115,6 +115,8 @@ def _without_place(prim: Usd.Prim) -> Lost:
 def _read_cloud(prim: Usd.Prim, time: Usd.TimeCode) -> Cloud | None:
     kinds = (UsdGeom.BasisCurves, UsdGeom.HermiteCurves, UsdGeom.NurbsCurves)
     curves = any(prim.IsA(kind) for kind in kinds)
+    if prim.GetTypeName() == "ParticleField3DGaussianSplat":
+        return _splats(prim, time)
     if not (prim.IsA(UsdGeom.Points) or curves):
         return None
     points = points_of(UsdGeom.PointBased(prim).GetPointsAttr(), time)
@@ -165,6 +167,35 @@ def _read_cloud(prim: Usd.Prim, time: Usd.TimeCode) -> Cloud | None:
         cloud.corners = CurveCorners.of(cloud.corners, {"vertex": len(points)})
         cloud.corners.along = {"vertex": vertex}
     return cloud
+
+
+@dataclasses.dataclass
+class Splats(Cloud):
+    """Gaussian splats, as wide as two standard deviations."""
+
+    diameters: Array = dataclasses.field(default_factory=lambda: np.zeros((0, 1)))
+
+    def values(self, prim: Usd.Prim, time: Usd.TimeCode) -> dict[str, Array]:
+        """Only their diameters."""
+        return {DIAMETER: self.diameters}
+
+
+def _splats(prim: Usd.Prim, time: Usd.TimeCode) -> Splats:
+    def read(name: str, width: int) -> Array:
+        found = array_of(prim.GetAttribute(name).Get(time), np.float64, width)
+        return (
+            found
+            if len(found)
+            else array_of(prim.GetAttribute(f"{name}h").Get(time), np.float64, width)
+        )
+
+    points, scales, opacity = read("positions", 3), read("scales", 3), read("opacities", 1)
+    scales = scales[: len(points)] if len(scales) >= len(points) else np.ones_like(points)
+    rows = np.isfinite(points).all(axis=1) & np.isfinite(scales).all(axis=1)
+    if len(opacity) >= len(points):
+        rows &= opacity[: len(points)].reshape(-1) >= 0.1
+    sizes = 2.0 * np.abs(scales[:, :1] * scales[:, 1:2] * scales[:, 2:]) ** (1.0 / 3.0)
+    return Splats(points[rows], [], diameters=sizes[rows])
 
 
 def _sampled(drawn: list[Array], lost: Lost) -> Cloud:

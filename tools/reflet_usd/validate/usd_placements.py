@@ -56,6 +56,9 @@ class PlacementWalk:
             )
         )
         for prim in prims:
+            if is_other_level(prim):
+                prims.PruneChildren()
+                continue
             if prim.IsA(UsdGeom.PointInstancer):
                 prims.PruneChildren()
                 path = str(prim.GetPath())
@@ -182,7 +185,7 @@ class PlacementWalk:
         prims = iter(Usd.PrimRange(root, predicate))
         for prim in prims:
             imageable = UsdGeom.Imageable(prim)
-            if imageable and self._is_invisible(imageable):
+            if is_other_level(prim) or (imageable and self._is_invisible(imageable)):
                 prims.PruneChildren()
                 continue
             nested = prim.IsA(UsdGeom.PointInstancer)
@@ -194,6 +197,26 @@ class PlacementWalk:
     def _is_invisible(self, imageable: UsdGeom.Imageable) -> bool:
         value = imageable.GetVisibilityAttr().Get(self.time)
         return bool(value == UsdGeom.Tokens.invisible)
+
+
+def is_other_level(prim: Usd.Prim) -> bool:
+    """Whether the prim is a level of detail (UsdLod) that is not the one to draw."""
+    root = prim.GetParent()
+    if not root or not {"LODRootAPI"} & set(root.GetAppliedSchemas()):
+        return False
+    levels = [child for child in root.GetAllChildren() if UsdGeom.Imageable(child)]
+    chosen, above = 0, root
+    while above and not above.IsPseudoRoot():
+        mode = above.GetAttribute("lod:override:mode")
+        said = mode.Get(Usd.TimeCode.EarliestTime()) if mode else None
+        if said in ("allLOD", "noLOD"):
+            return said == "noLOD" and prim in levels
+        if said == "indexedLOD":
+            chosen = round(above.GetAttribute("lod:override:index").Get() or 0.0)
+        if said in ("indexedLOD", "noOverride"):
+            break
+        above = above.GetParent()
+    return prim in levels and levels[int(np.clip(chosen, 0, len(levels) - 1))] != prim
 
 
 def by_instance(
