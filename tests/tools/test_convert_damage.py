@@ -14,21 +14,6 @@ from texts import text_of
 CUBE = 'def Cube "C" {{\n{0}\n}}\n'
 
 
-@pytest.mark.parametrize(
-    ("kind", "value"),
-    [
-        ("Sphere", "double radius = -1"),
-        ("Cube", "double size = 0"),
-        ("Plane", "double width = -3"),
-        ("Cylinder", "double height = 0"),
-        ("Capsule", 'uniform token axis = "Q"'),
-    ],
-)
-def test_sizes_without_a_shape_are_named(tmp_path: Path, kind: str, value: str) -> None:
-    done = convert_text(tmp_path, f'def {kind} "G" {{\n{value}\n}}\n')
-    assert done.warnings("/G") == {"gprim-invalid"}
-
-
 @pytest.mark.parametrize("kind", ["Sphere", "Cube", "Cone", "Plane"])
 def test_left_handed_gprims_turn_inside_out(tmp_path: Path, kind: str) -> None:
     areas = []
@@ -82,37 +67,6 @@ def Cube "C" (prepend apiSchemas = ["MaterialBindingAPI"]) {{
 """
 
 
-@pytest.mark.parametrize(
-    ("value", "name"),
-    [
-        ("color3f inputs:diffuseColor = (nan, 2, -1)", "material-value-invalid"),
-        ("float inputs:metallic = inf", "material-value-invalid"),
-        ("float inputs:ior = 0", "material-value-invalid"),
-        ("color3f inputs:diffuseColor = (0, 2, -1)", "material-value-clamped"),
-        ("color3f inputs:emissiveColor = (0, 2, -1)", "material-value-clamped"),
-    ],
-)
-def test_material_values_without_meaning_are_named(tmp_path: Path, value: str, name: str) -> None:
-    done = convert_text(tmp_path, MATERIAL.format(value, ""))
-    found = [w for w in done.sidecar["warnings"] if w["name"] == name]
-    assert len(found) == 1
-    assert value.split("inputs:")[1].split(" ")[0] in found[0]["message"]
-
-
-@pytest.mark.parametrize(
-    ("st", "prim", "name"),
-    [
-        ("", "/M/t", "uv-assumed"),
-        ("float2 inputs:st.connect = </M/x.outputs:result>", "/M/x", "shader-cycle"),
-    ],
-)
-def test_coordinates_from_nowhere_are_named(tmp_path: Path, st: str, prim: str, name: str) -> None:
-    read = "color3f inputs:diffuseColor.connect = </M/t.outputs:rgb>"
-    done = convert_text(tmp_path, MATERIAL.format(read, st))
-    assert name in done.warnings(prim)
-    assert "uv-transform-dropped" not in done.warnings()
-
-
 def test_user_properties_travel_and_velocities_are_named(tmp_path: Path) -> None:
     text = text_of("convert_damage/user_properties_travel_and_velocities_are_named.usda")
     done = convert_text(tmp_path, text.replace("VERY", ", 0" * 64))
@@ -131,11 +85,6 @@ def test_user_properties_travel_and_velocities_are_named(tmp_path: Path) -> None
         "maker:friend": ["/M"],
         "maker:moving": 1.0,
     }
-
-
-def test_custom_attributes_without_a_node_are_named(tmp_path: Path) -> None:
-    done = convert_text(tmp_path, 'def Material "M" {\n    custom float foo = 1\n}\n')
-    assert done.warnings("/M") >= {"attribute-dropped"}
 
 
 def test_an_absurd_unit_is_named(tmp_path: Path) -> None:

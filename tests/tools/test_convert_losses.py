@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from material_stages import material, noise, save, shaded, stage, texture
+from material_stages import material, noise, save, shaded, texture
 from read_converted import Converted, convert_text
 from texts import text_of
 
@@ -69,36 +69,6 @@ def test_metadata_without_a_place_is_named_once(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("kind", "line", "named"),
-    [
-        ("component", 'uniform token model:drawMode = "bounds"', True),
-        ("group", 'uniform token model:drawMode = "cards"', False),
-        (
-            "group",
-            'uniform token model:drawMode = "cards"\nuniform bool model:applyDrawMode = 1',
-            True,
-        ),
-        ("component", 'uniform token model:drawMode = "default"', False),
-        ("component", "uniform bool model:applyDrawMode = 1", False),
-        (
-            "component",
-            'uniform token model:drawMode = "bounds"\nuniform bool model:applyDrawMode = 0',
-            False,
-        ),
-    ],
-)
-def test_draw_modes_are_named_where_they_apply(
-    tmp_path: Path, kind: str, line: str, named: bool
-) -> None:
-    text = text_of(
-        "convert_losses/draw_modes_are_named_where_they_apply.usda", kind=kind, line=line
-    )
-    assert convert_text(tmp_path, text).warnings("/A") == (
-        {"draw-mode-dropped"} if named else set()
-    )
-
-
-@pytest.mark.parametrize(
     "line",
     [
         "rel collection:lightLink:includes = </C>",
@@ -121,20 +91,6 @@ def {kind} {{
     done = convert_text(tmp_path, text)
     name = line.split()[1]
     assert messages(done, "light-linking-dropped") == {"/L": f"'{name}' has no counterpart"}
-
-
-def test_a_light_for_everything_is_not_named(tmp_path: Path) -> None:
-    done = convert_text(
-        tmp_path, 'def SphereLight "L" {\nbool collection:lightLink:includeRoot = 1\n}'
-    )
-    assert "light-linking-dropped" not in done.warnings()
-
-
-def test_animated_subsets_are_named(tmp_path: Path) -> None:
-    text = text_of("convert_losses/animated_subsets_are_named.usda")
-    done = convert_text(tmp_path, text)
-    assert done.warnings("/M/S") == {"subset-animation-frozen"}
-    assert done.warnings("/M/Still") == set()
 
 
 @pytest.mark.parametrize("name", ["ior", "opacityThreshold", "useSpecularWorkflow"])
@@ -174,12 +130,6 @@ def test_a_translucent_display_opacity_is_named_for_each_prim(tmp_path: Path, ki
     ]
     done = convert_text(tmp_path, "".join(prims))
     assert set(messages(done, "opacity-approximated")) == {"/A", "/B"}
-
-
-def test_a_material_on_lines_is_named(tmp_path: Path) -> None:
-    body = 'def Points "P" {\npoint3f[] points = [(0,0,0)]\nrel material:binding = </Mat>\n}\n'
-    done = convert_text(tmp_path, stage("") + body)
-    assert "material-unsupported" in done.warnings("/P")
 
 
 def test_collections_that_nothing_reads_are_kept_or_named(tmp_path: Path) -> None:

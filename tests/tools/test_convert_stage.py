@@ -257,33 +257,6 @@ def test_deeper_nesting_is_refused(tmp_path: Path, depth: int, inner: str) -> No
     assert not (tmp_path / "out.glb").exists()
 
 
-@pytest.mark.parametrize(
-    ("text", "prim", "warning"),
-    [
-        ('def Mesh "M" {\nstring[] points = ["x"]\n}\n', "/M", "prim-damaged"),
-        (
-            'def Cube "C" {\ndouble3 xformOp:translate.timeSamples = '
-            "{ 1: (0,0,0), 1e308: (1,0,0), 9: (2,0,0) }\n"
-            'uniform token[] xformOpOrder = ["xformOp:translate"]\n}\n',
-            "/C",
-            "time-sample-dropped",
-        ),
-        (
-            'def Cube "C" {\nfloat xformOp:rotateY.timeSamples = { 1: 0, 9: nan }\n'
-            'uniform token[] xformOpOrder = ["xformOp:rotateY"]\n}\n',
-            "/C",
-            "transform-non-finite",
-        ),
-    ],
-)
-def test_damaged_values_end_one_prim_only(
-    tmp_path: Path, text: str, prim: str, warning: str
-) -> None:
-    done = convert_text(tmp_path, text + 'def Cube "Fine" {\n}\n')
-    assert warning in done.warnings(prim)
-    assert done.gltf.nodes[done.node("/Fine")].mesh is not None
-
-
 def test_text_that_is_not_utf8_is_named(tmp_path: Path) -> None:
     stage = tmp_path / "bad.usda"
     stage.write_bytes(b'#usda 1.0\ndef Cube "a\xff\xfe" {\n}\n')

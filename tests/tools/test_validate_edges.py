@@ -239,13 +239,6 @@ def test_equal_factors_for_both_reflections_scale_the_light(tmp_path: Path) -> N
     assert done.validated().passed
 
 
-def test_angular_velocities_are_named(tmp_path: Path) -> None:
-    text = text_of("validate_edges/angular_velocities_are_named.usda")
-    done = convert_text(tmp_path, text)
-    assert "velocities-dropped" in done.warnings("/pi")
-    assert done.validated().passed
-
-
 def texture_of(name: str, varname: str) -> str:
     """Scene text of a texture and the primvar reader of its UV set."""
     return text_of("validate_edges/texture_of.usda", name=name, varname=varname)
