@@ -116,7 +116,9 @@ def read_document(path: str, is_allowed: Callable[[str], bool]) -> Document:
     options.readXIncludeFunction = include
     try:
         read(document, path, options)
+        own = {definition.getName() for definition in document.getNodeDefs()}
         document.setDataLibrary(_library(mx))
+        _unfold(document, own)
         writer = _Writer(mx, path)
         layer = writer.write(document)
     except DocumentError:
@@ -176,6 +178,17 @@ def _library(mx: Any) -> Any:
     library = mx.createDocument()
     mx.loadLibraries(mx.getDefaultDataLibraryFolders(), mx.getDefaultDataSearchPath(), library)
     return library
+
+
+def _unfold(document: Any, own: set[str]) -> None:
+    """Replace nodes that the document itself defines by the graphs that they stand for."""
+
+    def is_own(node: Any) -> bool:
+        definition = node.getNodeDef()
+        return definition is not None and definition.getName() in own
+
+    for graph in (document, *document.getNodeGraphs()) if own else ():
+        graph.flattenSubgraphs("", is_own)
 
 
 class _Writer:
