@@ -171,14 +171,18 @@ def test_the_rule_for_triangles_has_to_be_followed(tmp_path: Path, rule: str) ->
     assert not done.validated().passed
 
 
-@pytest.mark.parametrize("level", [0, 1])
-def test_a_loop_cage_is_not_said_to_refine(tmp_path: Path, level: int) -> None:
-    text = TRIANGLES.replace("{\n", '{\n    uniform token subdivisionScheme = "loop"\n', 1)
+@pytest.mark.parametrize("level", [0, 1, 2])
+def test_loop_refines_triangles(tmp_path: Path, level: int) -> None:
+    text = text_of("convert_subdiv/loop.usda")
     done = convert_text(tmp_path, text, subdiv_level=level)
-    told = [e["message"] for e in done.sidecar["warnings"] if e["name"] == "subdivision-cage"]
-    assert len(told) == 1
-    assert "--subdiv" not in told[0]
-    assert "loop" in told[0]
+    assert ("subdivision-cage" in done.warnings("/Shell")) == (level == 0)
+    assert "subdivision-cage" in done.warnings("/Mixed")
+    assert len(done.triangles(0)) == 8 * 4**level
+    if level == 1:  # an octahedron's corner: (1 - 4 w) of itself and w of each neighbor
+        share = (5 / 8 - (3 / 8) ** 2) / 4
+        tops = done.triangles(0).reshape(-1, 3)[:, 1]
+        assert tops.max() == pytest.approx(1 - 4 * share)
+    assert done.validated().passed
 
 
 CUBE = text_of("convert_subdiv/cube.usda")

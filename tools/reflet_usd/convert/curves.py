@@ -45,7 +45,7 @@ class Samples:
     """Samples along curves, and how values of their control points follow them."""
 
     counts: Array
-    """Control points of all curves, also of those that are not drawn."""
+    """Control points of each curve, drawn or not."""
     points: int
     curves: list[Array]
     numbers: list[int]
@@ -56,7 +56,7 @@ class Samples:
     """Numbers of varying values of each curve; none where they are not known."""
 
     def refine(self, primvar: Primvar) -> Primvar:
-        """Values at the samples, of those at control points or at the ends of spans."""
+        """Values at the samples, of control points or of the ends of spans."""
         if primvar.interpolation == "vertex":
             values = np.concatenate(self.along(primvar.flat())[0])
         elif primvar.interpolation == "varying":

@@ -126,7 +126,7 @@ def _radiance(dome: Dome, around: Array) -> Array:
         return np.broadcast_to(dome.radiance, around.shape)
     inside = around @ dome.from_file.T
     inside /= np.linalg.norm(inside, axis=-1, keepdims=True)
-    # As the texture is seen from within: to the right, up, and towards its middle.
+    # Axes of the texture, seen from within: to the right, up, and towards its middle.
     place = _PLACES.get(dome.layout, _latlong)(-inside[..., 0], inside[..., 1], inside[..., 2])
     return _between(dome.pixels, *place, dome.layout == "latlong") * dome.radiance
 

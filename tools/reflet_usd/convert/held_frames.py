@@ -22,7 +22,7 @@ _TOPOLOGY = ("faceVertexCounts", "faceVertexIndices", "holeIndices")
 def held_codes(context: Context, prim: Usd.Prim) -> list[float]:
     """Time codes at which a gprim gets a mesh of its own; none where one mesh is enough.
 
-    They are those of its samples, and whole ones between them where USD interpolates.
+    The codes of its samples, and whole codes between them where USD interpolates.
     """
     varying = _varying(prim)
     names = {attribute.GetName() for attribute in varying}
@@ -78,7 +78,7 @@ def _varying(prim: Usd.Prim) -> list[Usd.Attribute]:
         attribute
         for attribute in prim.GetAuthoredAttributes()
         if attribute.ValueMightBeTimeVarying()
-        and not attribute.GetName().startswith(STILL)
+        and not attribute.GetName().startswith((*STILL, "inputs:", "light:"))
         and not is_custom(prim, attribute.GetName())
     ]
 

@@ -331,7 +331,7 @@ class Instancers:
 
 
 def _by_tint(tints: Array | None, chosen: Array) -> list[tuple[Tint | None, Array]]:
-    """The chosen instances by what they show, in the order of its first instance."""
+    """The chosen instances by their tints, in the order of each tint's first instance."""
     if tints is None or np.isnan(tints[chosen]).all():
         return [(None, chosen)]
     rows = np.where(np.isnan(tints[chosen]), -1.0, tints[chosen])

@@ -144,7 +144,7 @@ class NetworkReader:
         return (*found, *known[len(found) :]) if found and len(found) in (3, 4) else known
 
     def tiled(self, node: UsdShade.Shader, read: TextureRead) -> TextureRead:
-        """The read of all tiles, where the name of the file is that of several."""
+        """The read of all tiles, where the file's name stands for several."""
         if "<UDIM>" not in read.authored_file:
             return read
         spec = node.GetInput("file").GetAttr().GetPropertyStack(self.context.time)

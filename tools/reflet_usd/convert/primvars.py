@@ -43,7 +43,7 @@ class Topology:
     dropped: tuple[str, ...] = ()
     """Interpolations without a meaning on the converted gprim (curved gprims, cubics)."""
     varying_count: int | None = None
-    """Number of varying values, where it is not that of points."""
+    """Number of varying values, where it differs from the number of points."""
     authored: Topology | None = None
     """For refined meshes: the counts that authored primvars have."""
 

@@ -28,7 +28,7 @@ class Refiner:
     """Value of faceVaryingLinearInterpolation."""
 
     def points(self, values: Array) -> Array:
-        """Values at vertices, by the Catmull-Clark rules."""
+        """Values at vertices, by the rules of the scheme."""
         for step in self.steps:
             values = step.smooth(values)
         return values
@@ -37,7 +37,7 @@ class Refiner:
         """(F,) the authored face of each refined face."""
         parents = np.arange(len(self.counts))
         for step in self.steps:
-            parents = parents[step.corner_faces]
+            parents = parents[step.child_faces]
         return parents
 
     def primvar(self, primvar: Primvar) -> Primvar:
@@ -67,6 +67,7 @@ class Refiner:
         ids = ids.reshape(-1)
         cage = Cage(self.counts, ids, len(first))
         cage.smooth_triangles = self.steps[0].cage.smooth_triangles
+        cage.is_loop = self.steps[0].cage.is_loop
         cage.pin_corners = self.linear_rule != "none"
         cage.pin_boundary = self.linear_rule == "boundaries"
         if self.linear_rule in ("cornersPlus1", "cornersPlus2"):
@@ -106,6 +107,7 @@ def refine_polygons(
     cage.pin_corners = boundary == "edgeAndCorner"
     triangles = str(authored(prim, "triangleSubdivisionRule", context.time, "catmullClark"))
     cage.smooth_triangles = triangles == UsdGeom.Tokens.smooth
+    cage.is_loop = polygons.scheme == "loop"
     _read_sharpness(context, prim, cage)
     rule = str(authored(prim, "faceVaryingLinearInterpolation", context.time, "cornersPlus1"))
     refiner = Refiner(refine_steps(cage, level), topology, polygons.counts, rule)
@@ -131,10 +133,10 @@ def _sharp_edges(cage: Cage) -> Array:
 
 
 def _why_not(context: Context, prim: Usd.Prim, polygons: Polygons, level: int) -> str:
-    if polygons.scheme != "catmullClark":
-        return f"the scheme '{polygons.scheme}' is not refined; its smooth cage is carried"
     if level == 0:
-        return "the catmullClark cage is carried with smooth normals; refine with --subdiv 2"
+        return f"the {polygons.scheme} cage is carried with smooth normals; refine with --subdiv 2"
+    if polygons.scheme == "loop" and (polygons.counts != 3).any():
+        return "the scheme 'loop' refines triangles only; its smooth cage is carried"
     faces = int(polygons.counts.sum()) * 4 ** (level - 1)
     if faces > MAX_REFINED_FACES:
         return f"level {level} would give {faces} faces, its cage is carried"

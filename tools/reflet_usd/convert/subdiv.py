@@ -1,7 +1,7 @@
-"""Catmull-Clark refinement: boundaries, creases, corners and faceVarying rules, whole arrays.
+"""Catmull-Clark and Loop refinement: boundaries, creases, corners, faceVarying rules, in arrays.
 
-Rules: Catmull and Clark 1978; semi-sharp creases from DeRose, Kass and Truong 1998; the names
-of the boundary and faceVarying options are UsdGeomMesh's.
+Rules: Catmull and Clark 1978; Loop 1987; semi-sharp creases from DeRose, Kass and Truong 1998;
+the names of the boundary and faceVarying options are UsdGeomMesh's.
 """
 
 from dataclasses import dataclass, field
@@ -38,6 +38,8 @@ class Cage:
     """(V,) pinned vertices, which keep their positions."""
     smooth_triangles: bool = False
     """Whether triangles weigh more (triangleSubdivisionRule `smooth`); their children are quads."""
+    is_loop: bool = False
+    """Whether the faces are triangles that Loop's scheme refines to four triangles each."""
 
 
 def edge_keys(a: Array, b: Array, base: int) -> Array:
@@ -77,13 +79,6 @@ class Step:
 
     def _classify_vertices(self) -> None:
         count = self.cage.vertex_count
-        sharp = self.sharpness > 0.0
-        ends = self.edges[sharp]
-        self.sharp_ends = ends
-        self.sharp_count = np.bincount(ends.reshape(-1), minlength=count)
-        weights = np.repeat(np.minimum(self.sharpness[sharp], INFINITE), 2)
-        total = np.bincount(ends.reshape(-1), weights=weights, minlength=count)
-        self.vertex_sharpness = total / np.maximum(self.sharp_count, 1)
         self.vertex_faces = np.bincount(self.cage.corners, minlength=count)
         self.vertex_edges = np.bincount(self.edges.reshape(-1), minlength=count)
         boundary = np.zeros(count, dtype=bool)
@@ -95,10 +90,12 @@ class Step:
             pinned[boundary] = INFINITE
         if self.cage.corner_sharpness is not None:
             pinned = np.maximum(pinned, self.cage.corner_sharpness)
-        self.corner_weight = np.minimum(pinned, 1.0)
+        self.corner_sharpness = np.minimum(pinned, INFINITE)
 
     def smooth(self, values: Array) -> Array:
-        """Catmull-Clark values (V + E + F, k) of vertex values (V, k)."""
+        """Values (V + E, k) by Loop, or (V + E + F, k) by Catmull and Clark, of vertices (V, k)."""
+        if self.cage.is_loop:
+            return self._smooth_loop(values)
         faces = self._face_points(values)
         middles = values[self.edges].mean(axis=1)
         around = _gather(self.corner_edges, faces[self.corner_faces], len(self.edges))
@@ -107,6 +104,25 @@ class Step:
         weight = np.minimum(self.sharpness, 1.0)[:, None]
         edge_points = np.where(weight >= 1.0, middles, soft + (middles - soft) * weight)
         return np.concatenate([self._vertex_points(values, faces, middles), edge_points, faces])
+
+    def _smooth_loop(self, values: Array) -> Array:
+        middles = values[self.edges].mean(axis=1)
+        across = values[self.cage.corners[self.previous]]
+        soft = 0.75 * middles + _gather(self.corner_edges, across, len(self.edges)) / 8.0
+        weight = np.minimum(self.sharpness, 1.0)[:, None]
+        edge_points = np.where(weight >= 1.0, middles, soft + (middles - soft) * weight)
+        count = np.maximum(self.vertex_edges, 1)[:, None]
+        share = (0.625 - (0.375 + np.cos(2.0 * np.pi / count) / 4.0) ** 2) / count
+        near = _gather(self.edges.reshape(-1), values[self.edges[:, ::-1].reshape(-1)], len(values))
+        own = values * (1.0 - count * share) + near * share
+        return np.concatenate([self._sharpened(values, own), edge_points])
+
+    @property
+    def child_faces(self) -> Array:
+        """The face that each child is a part of."""
+        if not self.cage.is_loop:
+            return self.corner_faces
+        return np.concatenate([self.corner_faces, np.arange(len(self.cage.counts))])
 
     def _face_shares(self) -> Array:
         """(E,) the weight of each of the two faces beside an edge."""
@@ -120,7 +136,8 @@ class Step:
     def linear(self, values: Array) -> Array:
         """Bilinear values (V + E + F, k), for `varying` and faceVarying `all`."""
         middles = values[self.edges].mean(axis=1)
-        return np.concatenate([values, middles, self._face_points(values)])
+        faces = values[:0] if self.cage.is_loop else self._face_points(values)
+        return np.concatenate([values, middles, faces])
 
     def _face_points(self, values: Array) -> Array:
         sums = np.add.reduceat(values[self.cage.corners], self.starts, axis=0)
@@ -133,20 +150,38 @@ class Step:
         q = _gather(self.cage.corners, faces[self.corner_faces], count) / valence
         r = _gather(self.edges.reshape(-1), np.repeat(middles, 2, axis=0), count) / edge_count
         soft = (q + 2.0 * r + (edge_count - 3.0) * values) / edge_count
-        neighbors = values[self.sharp_ends[:, ::-1].reshape(-1)]
-        along = _gather(self.sharp_ends.reshape(-1), neighbors, count)
-        crease = values * 0.75 + along / 8.0
-        weight = np.minimum(self.vertex_sharpness, 1.0)[:, None]
-        kind = self.sharp_count[:, None]
-        result = np.where(kind == 2, soft + (crease - soft) * weight, soft)
-        result = np.where(kind > 2, soft + (values - soft) * weight, result)
-        result = result + (values - result) * self.corner_weight[:, None]
+        return self._sharpened(values, soft)
+
+    def _sharpened(self, values: Array, soft: Array) -> Array:
+        """Vertex points by the rules of this step and the next, between which sharpness fades."""
+        fading, corner = (_fading(part) for part in (self.sharpness, self.corner_sharpness))
+        ends, count = self.edges.reshape(-1), self.cage.vertex_count
+        total = np.bincount(ends, np.repeat(fading, 2), count) + corner
+        number = np.bincount(ends, np.repeat(fading > 0.0, 2), count) + (corner > 0.0)
+        weight = np.where(number > 0, total / np.maximum(number, 1), 1.0)[:, None]
+        first = self._by_rule(values, soft, self.sharpness, self.corner_sharpness)
+        later = self._by_rule(
+            values, soft, _decayed(self.sharpness), _decayed(self.corner_sharpness)
+        )
+        result = first * weight + later * (1.0 - weight)
         unused = self.vertex_faces == 0
         result[unused] = values[unused]
         return result
 
+    def _by_rule(self, values: Array, soft: Array, sharpness: Array, corner: Array) -> Array:
+        """Vertex points: smooth, on a crease where two edges are sharp, at a corner of more."""
+        ends = self.edges[sharpness > 0.0]
+        count = np.bincount(ends.reshape(-1), minlength=self.cage.vertex_count)[:, None]
+        neighbors = values[ends[:, ::-1].reshape(-1)]
+        along = _gather(ends.reshape(-1), neighbors, self.cage.vertex_count)
+        result = np.where(count == 2, values * 0.75 + along / 8.0, soft)
+        return np.where((count > 2) | (corner > 0.0)[:, None], values, result)
+
     def child(self) -> Cage:
-        """The refined cage: one quad per corner, in the order of the corners."""
+        """The refined cage: one quad per corner, in the order of the corners.
+
+        By Loop's scheme one triangle per corner, and then one in the middle of each face.
+        """
         vertices, edges = self.cage.vertex_count, len(self.edges)
         own = self.cage.corners
         after = vertices + self.corner_edges
@@ -154,13 +189,20 @@ class Step:
         before = vertices + self.corner_edges[self.previous]
         corners = np.stack([own, after, center, before], axis=1).reshape(-1)
         count = vertices + edges + len(self.cage.counts)
+        if self.cage.is_loop:
+            corners = np.append(np.stack([own, after, before], axis=1).reshape(-1), after)
+            count = vertices + edges
+        size = 3 if self.cage.is_loop else 4
         # A crease of sharpness s gives two of s - 1; boundary edges are found by their faces.
         left = (self.sharpness > 1.0) & (self.edge_faces == 2)
         middle = vertices + np.flatnonzero(left)
         keys = np.concatenate([edge_keys(self.edges[left, side], middle, count) for side in (0, 1)])
         values = np.tile(self.sharpness[left] - 1.0, 2)
         order = np.argsort(keys)
-        child = Cage(np.full(len(own), 4), corners, count, keys[order], values[order])
+        child = Cage(
+            np.full(len(corners) // size, size), corners, count, keys[order], values[order]
+        )
+        child.is_loop = self.cage.is_loop
         child.pin_corners, child.pin_boundary = self.cage.pin_corners, self.cage.pin_boundary
         if self.cage.corner_sharpness is not None:
             kept = np.maximum(self.cage.corner_sharpness - 1.0, 0.0)
@@ -168,6 +210,16 @@ class Step:
         if self.cage.pinned is not None:
             child.pinned = np.concatenate([self.cage.pinned, np.zeros(count - vertices, bool)])
         return child
+
+
+def _decayed(sharpness: Array) -> Array:
+    """Sharpness at the next step."""
+    return np.where(sharpness >= INFINITE, sharpness, np.maximum(sharpness - 1.0, 0.0))
+
+
+def _fading(sharpness: Array) -> Array:
+    """Sharpness below 1, which ends at this step; else 0."""
+    return np.where(sharpness < 1.0, sharpness, 0.0)
 
 
 def _gather(targets: Array, values: Array, count: int) -> Array:

@@ -200,7 +200,7 @@ class PlacementWalk:
 
 
 def is_other_level(prim: Usd.Prim) -> bool:
-    """Whether the prim is a level of detail (UsdLod) that is not the one to draw."""
+    """Whether the prim is a level of detail (UsdLod) that is not drawn."""
     root = prim.GetParent()
     if not root or not {"LODRootAPI"} & set(root.GetAppliedSchemas()):
         return False

@@ -1,12 +1,13 @@
-"""Owns the truth about refined meshes: Catmull-Clark one element at a time, for checks only.
+"""Owns the truth about refined meshes: Catmull-Clark and Loop one element at a time, for checks.
 
-Written for being read beside the rules: Catmull and Clark 1978; boundaries as in UsdGeomMesh's
-`interpolateBoundary`; semi-sharp creases as in DeRose, Kass and Truong 1998, with the blend
-between rules that OpenSubdiv uses.
+Written for being read beside the rules: Catmull and Clark 1978; Loop 1987; boundaries as in
+UsdGeomMesh's `interpolateBoundary`; semi-sharp creases as in DeRose, Kass and Truong 1998, with
+the blend between rules that OpenSubdiv uses.
 """
 
 import dataclasses
 import itertools
+import math
 
 import numpy as np
 from pxr import Usd, UsdGeom
@@ -39,7 +40,7 @@ class Cage:
 def read_refined(
     prim: Usd.Prim, time: Usd.TimeCode, level: int, materials: tuple[Indices, list[str]]
 ) -> LocalMesh | None:
-    """The mesh after `level` steps; None where it is not a usable Catmull-Clark mesh.
+    """The mesh after `level` steps; None where the scheme cannot refine it.
 
     Only places, materials and orientation: primvars have their own rules and are left out.
     """
@@ -47,7 +48,11 @@ def read_refined(
     points = array_of(mesh.GetPointsAttr().Get(time), np.float64, 3)
     counts = array_of(mesh.GetFaceVertexCountsAttr().Get(time), np.int64)
     indices = array_of(mesh.GetFaceVertexIndicesAttr().Get(time), np.int64)
-    if mesh.GetSubdivisionSchemeAttr().Get(time) != UsdGeom.Tokens.catmullClark:
+    scheme = mesh.GetSubdivisionSchemeAttr().Get(time)
+    if scheme not in (UsdGeom.Tokens.catmullClark, UsdGeom.Tokens.loop):
+        return None
+    loop = scheme == UsdGeom.Tokens.loop
+    if loop and (counts != 3).any():
         return None
     if not len(counts) or counts.min() < 3 or counts.sum() != len(indices):
         return None
@@ -64,15 +69,16 @@ def read_refined(
         rim = {v for edge, near in around.faces_of_edge.items() if len(near) != 2 for v in edge}
         hidden |= {number for number, face in enumerate(faces) if rim & set(face)}
     for _ in range(level):
-        cage = refine(cage)
+        cage = refine_triangles(cage) if loop else refine(cage)
     drawn = [number for number, parent in enumerate(cage.parents) if parent not in hidden]
-    quads = np.array([cage.faces[number] for number in drawn], dtype=np.int64).reshape(-1, 4)
+    size = 3 if loop else 4
+    quads = np.array([cage.faces[number] for number in drawn], dtype=np.int64).reshape(-1, size)
     if mesh.GetOrientationAttr().Get(time) == UsdGeom.Tokens.leftHanded:
         quads = quads[:, ::-1]
     owners = np.array([cage.parents[number] for number in drawn], dtype=np.int64)
     return LocalMesh(
         cage.points[quads.reshape(-1)],
-        np.full(len(quads), 4),
+        np.full(len(quads), size),
         materials[0][owners],
         materials[1],
         bool(mesh.GetDoubleSidedAttr().Get(time)),
@@ -104,6 +110,35 @@ def refine(cage: Cage) -> Cage:
     corners = {v: _decayed(s) for v, s in cage.corner_sharpness.items() if _decayed(s) > 0}
     points = np.array([*vertex_points, *face_points, *edge_points])
     return Cage(points, faces, parents, sharp, corners, cage.pin_corners)
+
+
+def refine_triangles(cage: Cage) -> Cage:
+    """One step of Loop's refinement: three triangles at the corners, one in the middle."""
+    around = _Neighbors(cage)
+    edges = sorted(around.faces_of_edge)
+    middle = {edge: len(cage.points) + place for place, edge in enumerate(edges)}
+    points = [_vertex_point(cage, around, vertex, None) for vertex in range(len(cage.points))]
+    for a, b in edges:
+        halved = (cage.points[a] + cage.points[b]) / 2
+        sharpness = around.sharpness(cage, (a, b))
+        soft = halved
+        if sharpness < 1:
+            across = [
+                v for f in around.faces_of_edge[a, b] for v in cage.faces[f] if v not in (a, b)
+            ]
+            soft = (3 * (cage.points[a] + cage.points[b]) + sum(cage.points[v] for v in across)) / 8
+        points.append(soft * (1 - min(sharpness, 1)) + halved * min(sharpness, 1))
+    faces, parents = [], []
+    for index, (a, b, c) in enumerate(cage.faces):
+        ab, bc, ca = middle[_key(a, b)], middle[_key(b, c)], middle[_key(c, a)]
+        faces += [[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]
+        parents += [cage.parents[index]] * 4
+    sharp = {}
+    for (a, b), sharpness in cage.edge_sharpness.items():
+        if _decayed(sharpness) > 0 and (a, b) in middle:
+            sharp[_key(a, middle[a, b])] = sharp[_key(b, middle[a, b])] = _decayed(sharpness)
+    corners = {v: _decayed(s) for v, s in cage.corner_sharpness.items() if _decayed(s) > 0}
+    return Cage(np.array(points), faces, parents, sharp, corners, cage.pin_corners)
 
 
 def _read_sharpness(mesh: UsdGeom.Mesh, time: Usd.TimeCode, cage: Cage) -> None:
@@ -161,7 +196,9 @@ def _edge_point(cage: Cage, around: _Neighbors, edge: Edge, face_points: list[Ar
     return smooth * (1 - sharpness) + middle * sharpness
 
 
-def _vertex_point(cage: Cage, around: _Neighbors, vertex: int, face_points: list[Array]) -> Array:
+def _vertex_point(
+    cage: Cage, around: _Neighbors, vertex: int, face_points: list[Array] | None
+) -> Array:
     here = cage.points[vertex]
     if vertex not in around.faces_of_vertex:
         return here
@@ -186,7 +223,7 @@ def _by_rule(
     vertex: int,
     sharpness: dict[int, float],
     corner: float,
-    face_points: list[Array],
+    face_points: list[Array] | None,
 ) -> tuple[Array, str]:
     here = cage.points[vertex]
     sharp = [end for end, value in sharpness.items() if value > 0]
@@ -195,6 +232,10 @@ def _by_rule(
     if len(sharp) == 2:
         return (cage.points[sharp[0]] + cage.points[sharp[1]] + 6 * here) / 8, "crease"
     valence = len(sharpness)
+    if face_points is None:  # Loop's
+        share = (5 / 8 - (3 / 8 + math.cos(2 * math.pi / valence) / 4) ** 2) / valence
+        near = sum(cage.points[end] for end in sharpness)
+        return (1 - valence * share) * here + share * near, "smooth"
     faces = np.mean([face_points[face] for face in around.faces_of_vertex[vertex]], axis=0)
     ends = np.mean([cage.points[end] for end in sharpness], axis=0)
     return (faces + ends + (valence - 2) * here) / valence, "smooth"
