@@ -9,7 +9,7 @@ const GUIDE: &str = "docs/extending.md";
 
 /// For each kind of addition, the words that one of that kind has to itself, in the order of the document.
 const ADDITIONS: [&[&str]; 10] = [
-    &["soften", "Soften"],                             // a pass
+    &["denoise_indirect"],                             // a pass
     &["EdgeOn", "edge_on", "CAUSE_EDGE_ON"],           // a cause
     &["clearcoat_roughness"],                          // a material number
     &["Rect | Disk", "LightKind::Disk", "LIGHT_DISK"], // a light kind

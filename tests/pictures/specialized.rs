@@ -3,9 +3,16 @@
 
 use std::{collections::HashSet, path::PathBuf};
 
-use reflet::world::{load, load::LoadOptions};
+use reflet::{
+    render::passes::needed_passes,
+    world::{load, load::LoadOptions},
+};
 
-use crate::{common::shared_folder, kit::*};
+use crate::{
+    common::shared_folder,
+    kit::*,
+    probes::{WALLS, room},
+};
 
 /// Folders of complete scenes; folders `parts` hold parts.
 const FOLDERS: [&str; 4] = ["scenes", "scenes/examples", "scenes/paper", "scripts"];
@@ -162,5 +169,57 @@ fn compare_choices(choices: &[(&str, &[&str])]) {
     for (scene, choices) in choices {
         let set = [&[SMALL][..], choices].concat();
         let _ = compare(&root.join(scene), None, &set, &mut HashSet::new());
+    }
+}
+
+/// Passes that only some methods need, and settings with and without them. Nothing of the room with probes is rough.
+#[test]
+fn passes_are_recorded_only_where_the_method_needs_them() {
+    let Some(gpu) = gpu() else { return };
+    let [faces, far, layer, rate] = [
+        include_str!("box_faces/room.toml"),
+        include_str!("near_far/court.toml"),
+        include_str!("second_layer/scene.toml"),
+        include_str!("undersampled/scene.toml"),
+    ];
+    for (text, names, with, without) in [
+        (
+            &*room(WALLS),
+            &["capture", "probe"][..],
+            &["probe"][..],
+            &["rt", "ssr"][..],
+        ),
+        (&*room(WALLS), &["prefilter"], &[], &["probe"]),
+        (faces, &["box_faces"], &["\"ssr+box\""], &["rt", "ssr"]),
+        (far, &["far"], &["near-far"], &["rt", "hybrid"]),
+        (
+            layer,
+            &["peel"],
+            &["hybrid layers=2", "ssr layers=2"],
+            &["hybrid layers=1", "rt layers=2"],
+        ),
+        (
+            rate,
+            &["trace_sparse", "upsample"],
+            &["rt rate=2", "hybrid rate=4"],
+            &["rt rate=1", "ssr rate=4", "path rate=4"],
+        ),
+    ] {
+        let with = with.iter().map(|set| (set, true));
+        for (set, is_used) in with.chain(without.iter().map(|set| (set, false))) {
+            let set = format!("method={set}");
+            let set: Vec<_> = set
+                .split(' ')
+                .map(|set| format!("reflection.{set}"))
+                .collect();
+            let set: Vec<&str> = set.iter().map(String::as_str).collect();
+            let (desc, world) = scene(text, &set);
+            let renderer = renderer(gpu, &desc, &world, false);
+            let passes = needed_passes(renderer.plan(), renderer.options());
+            for name in names {
+                let is_recorded = passes.iter().any(|pass| pass.name == *name);
+                assert_eq!(is_recorded, is_used, "{set:?}: {name}");
+            }
+        }
     }
 }

@@ -68,7 +68,7 @@ pub enum Place {
     /// Before the march.
     March,
     /// Before rays are traced for reflections.
-    Lead,
+    Undersample,
     /// After rays are traced for reflections.
     LookUp,
 }

@@ -14,7 +14,7 @@ pub const PASS: Pass = Pass {
     color: [190, 120, 55],
     reads_shared: &[SharedData::ShadowMaps],
     writes_shared: &[SharedData::Counters],
-    overrides: super::soften::constants,
+    overrides: super::denoise_indirect::constants,
     needed: |plan, _| plan.features.indirect,
     // `check_world` and `Trees::build` validated every index that rays follow.
     checks: Checks::TrustedBuiltin,

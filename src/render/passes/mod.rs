@@ -5,6 +5,7 @@ pub mod audit;
 pub mod blur;
 pub mod compose;
 pub mod coverage;
+pub mod denoise_indirect;
 pub mod details;
 pub mod filter;
 pub mod fog;
@@ -15,7 +16,6 @@ pub mod light;
 pub mod primary;
 pub mod pyramid;
 pub mod shadow;
-pub mod soften;
 pub mod ssr;
 pub mod surface;
 pub mod tone;
@@ -62,7 +62,11 @@ fn rows() -> Vec<FrameRow> {
         FrameRow::compute(&arguments::PASS, arguments::record),
         FrameRow::compute(&transmit::PASS, transmit::record),
         FrameRow::compute(&indirect::PASS, indirect::record),
-        FrameRow::steps(&soften::PASS, soften::STEPS.len(), soften::record),
+        FrameRow::steps(
+            &denoise_indirect::PASS,
+            denoise_indirect::STEPS.len(),
+            denoise_indirect::record,
+        ),
         FrameRow::compute(&fog::PASS, fog::record),
     ]);
     rows.extend(passes_at(Place::March));
@@ -73,7 +77,7 @@ fn rows() -> Vec<FrameRow> {
         FrameRow::compute(&arguments::PASS, arguments::record),
         FrameRow::compute(&hits::PASS, hits::record),
     ]);
-    rows.extend(passes_at(Place::Lead));
+    rows.extend(passes_at(Place::Undersample));
     rows.push(FrameRow::compute(&trace::PASS, trace::record));
     rows.extend(passes_at(Place::LookUp));
     rows.extend([

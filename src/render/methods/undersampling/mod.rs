@@ -1,7 +1,7 @@
 //! Rays of some pixels only, whose hits the pixels around them share where they agree.
 
-pub mod lead;
-pub mod spread;
+pub mod trace_sparse;
+pub mod upsample;
 
 use super::{MethodRow, Place};
 use crate::pipeline::frame_pass::FrameRow;
@@ -10,10 +10,13 @@ use crate::pipeline::frame_pass::FrameRow;
 pub(super) const ROW: MethodRow = MethodRow {
     adopt: |own, asked| own.similarity = asked.similarity,
     passes: &[
-        (Place::Lead, FrameRow::compute(&lead::PASS, lead::record)),
         (
-            Place::Lead,
-            FrameRow::compute(&spread::PASS, spread::record),
+            Place::Undersample,
+            FrameRow::compute(&trace_sparse::PASS, trace_sparse::record),
+        ),
+        (
+            Place::Undersample,
+            FrameRow::compute(&upsample::PASS, upsample::record),
         ),
     ],
     ..MethodRow::NONE

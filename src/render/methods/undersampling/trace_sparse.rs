@@ -1,4 +1,4 @@
-//! Lead: traces the rays of one of several listed pixels, and lists the others.
+//! Trace sparse: traces the rays of one of several listed pixels, and lists the others.
 
 use crate::pipeline::{
     pass::{ComputePass, Dispatch, Pass, PassGroup},
@@ -10,9 +10,9 @@ use crate::pipeline::{
 };
 use reflet_gpu::Checks;
 
-/// See `shaders/methods/undersampling/lead.wgsl`.
+/// See `shaders/methods/undersampling/trace_sparse.wgsl`.
 pub const PASS: Pass = Pass {
-    name: "lead",
+    name: "trace_sparse",
     group: PassGroup::Reflection,
     color: [162, 0, 252],
     reads_shared: &[

@@ -1,4 +1,4 @@
-// Spread: gives pixels the hits of the rays around them where these agree (Kim et al. 2016), and lists the others for
+// Upsample: gives pixels the hits of the rays around them where these agree (Kim et al. 2016), and lists the others for
 // tracing. The geometry of the hit is taken over, not its color: each ray is intersected with the surface that its
 // neighbors hit, and the point is shaded.
 
@@ -9,7 +9,7 @@
 #import id_intersection
 #import radiance
 #import shaded_hit
-#import spread_params
+#import upsample_params
 
 @group(2) @binding(6) var reflection: RadianceTexture;
 @group(2) @binding(8) var hit: texture_storage_2d<rgba32uint, write>;

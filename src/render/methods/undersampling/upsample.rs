@@ -1,4 +1,4 @@
-//! Spread: gives pixels the hits of the rays around them where these agree, and lists the others for tracing.
+//! Upsample: gives pixels the hits of the rays around them where these agree, and lists the others for tracing.
 
 use crate::{
     layout::gpu_struct::gpu_struct,
@@ -11,9 +11,9 @@ use crate::{
 };
 use reflet_gpu::Checks;
 
-/// See `shaders/methods/undersampling/spread.wgsl`.
+/// See `shaders/methods/undersampling/upsample.wgsl`.
 pub const PASS: Pass = Pass {
-    name: "spread",
+    name: "upsample",
     group: PassGroup::Reflection,
     color: [189, 252, 0],
     reads_shared: &[
@@ -33,7 +33,7 @@ pub const PASS: Pass = Pass {
 };
 
 gpu_struct! {
-    /// Uniforms of the spread shader.
+    /// Uniforms of the upsample shader.
     pub struct Params = "Params" {
         /// Maximum angle between normals, and relative difference of distances.
         similarity: f32,

@@ -1,4 +1,4 @@
-//! Soften: smooths indirect diffuse light of pictures with few sub-frames.
+//! Denoise indirect: smooths indirect diffuse light of pictures with few sub-frames.
 
 use crate::{
     layout::gpu_struct::gpu_struct,
@@ -10,14 +10,14 @@ use crate::{
     settings::options::RenderOptions,
 };
 
-/// See `shaders/soften.wgsl`; `source` and `softened` alternate between the targets indirect light and blurred.
+/// See `shaders/denoise_indirect.wgsl`; `source` and `denoised` alternate between the targets indirect light and blurred.
 pub const PASS: Pass = Pass {
-    name: "soften",
+    name: "denoise_indirect",
     group: PassGroup::Light,
     color: [50, 180, 140],
     aliases: &[
         ("source", &[Target::IndirectLight, Target::Blurred]),
-        ("softened", &[Target::Blurred, Target::IndirectLight]),
+        ("denoised", &[Target::Blurred, Target::IndirectLight]),
     ],
     params: Some(Params::LAYOUT),
     needed: |plan, options| plan.features.indirect && options.smooths(),

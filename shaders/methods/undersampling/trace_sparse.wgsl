@@ -1,4 +1,4 @@
-// Lead: traces the rays of one of RATE listed pixels (Kim et al. 2016), and lists the others, which follow them.
+// Trace sparse: traces the rays of one of RATE listed pixels (Kim et al. 2016), and lists the others, which follow them.
 
 #import leaders
 #import lists

@@ -1,14 +1,14 @@
-// Soften: smooths indirect light on matte surfaces, in pictures of few sub-frames, over neighboring pixels of the same
+// Denoise indirect: smooths indirect light on matte surfaces, in pictures of few sub-frames, over neighboring pixels of the same
 // surface. The radius is a share of the harmonic mean distance that the light comes from, within which it changes
 // little (Ward et al. 1988). Textures stay sharp, as the light is smoothed before it is multiplied by their colors.
 
 #import gbuffer
 #import radiance
-#import soften_params
+#import denoise_indirect_params
 #import taps
 
 @group(2) @binding(5) var source: texture_2d<f32>; // see indirect.wgsl
-@group(2) @binding(6) var softened: RadianceTexture;
+@group(2) @binding(6) var denoised: RadianceTexture;
 @group(2) @binding(7) var<uniform> params: Params;
 
 const MOST_BETWEEN: i32 = 8; // pixels looked at between a pixel and a tap
@@ -55,7 +55,7 @@ fn weighted(light: vec4f, weight: f32) -> Weighted {
     return Weighted(light * known, known);
 }
 
-fn softened_light(pixel: vec2u, s: Surface, own: vec4f) -> vec4f {
+fn denoised_light(pixel: vec2u, s: Surface, own: vec4f) -> vec4f {
     let footprint_m = pixel_width(distance(s.position, frame.eye));
     let nearness = mean_nearness(vec2i(pixel));
     if (nearness <= 0.0) { return own; }
@@ -96,8 +96,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     var light = textureLoad(source, pixel, 0);
     if (light.w > 0.0) {
         let s = load_surface(pixel);
-        light = softened_light(pixel, s, light);
+        light = denoised_light(pixel, s, light);
         if (params.is_last != 0u) { light = vec4f(max(light.xyz, vec3f(0.0)) * scattering_albedo(s, -view_direction(s.position)), 1.0); }
     }
-    textureStore(softened, pixel, stored(light));
+    textureStore(denoised, pixel, stored(light));
 }
