@@ -67,64 +67,22 @@ type Break = (
     IsOf,
 );
 
-const BREAKS: [Break; 7] = [
-    (
-        "text",
-        "scene.toml",
-        Change::Scene,
-        "reflectivity = ",
-        "reflectivit = ",
-        |problems| !problems.scene.is_empty(),
-    ),
-    (
-        "setup of the script",
-        "s.rhai",
-        Change::Script,
-        "fn setup(ctx) {",
-        "fn setup(ctx) { throw 1;",
-        |problems| !problems.scene.is_empty(),
-    ),
-    (
-        "frame of the script",
-        "s.rhai",
-        Change::Script,
-        "fn frame(ctx) {",
-        "fn frame(ctx) { if ctx.frame > 2 { throw 1; }",
-        |problems| !problems.pose.is_empty(),
-    ),
-    (
-        "names of the world",
-        "scene.toml",
-        Change::Scene,
-        "material = \"red\"",
-        "material = \"rde\"",
-        |problems| !problems.scene.is_empty(),
-    ),
-    (
-        "files of the world",
-        "scene.toml",
-        Change::Scene,
-        "shape = { kind = \"box\" }",
-        "file = \"none.glb\"",
-        |problems| !problems.scene.is_empty(),
-    ),
-    (
-        "limits of the renderer",
-        "scene.toml",
-        Change::Scene,
-        "[environment]",
-        LARGE_MAPS,
-        |problems| problems.scene.is_empty() && problems.unbuilt_scene.is_some(),
-    ),
-    (
-        "shaders",
-        "shaders/tone.wgsl",
-        Change::Shader,
-        "fn main",
-        "fn main(",
-        |problems| problems.unbuilt_shaders.is_some(),
-    ),
-];
+/// Declares breaks, a row each.
+macro_rules! breaks {
+    ($($stage:literal in $file:literal $change:ident: $good:literal => $broken:expr, $is_of:expr;)*) => {
+        [$(($stage, $file, Change::$change, $good, $broken, $is_of)),*]
+    };
+}
+
+const BREAKS: [Break; 7] = breaks! {
+    "text" in "scene.toml" Scene: "reflectivity = " => "reflectivit = ", |problems| !problems.scene.is_empty();
+    "setup of the script" in "s.rhai" Script: "fn setup(ctx) {" => "fn setup(ctx) { throw 1;", |problems| !problems.scene.is_empty();
+    "frame of the script" in "s.rhai" Script: "fn frame(ctx) {" => "fn frame(ctx) { if ctx.frame > 2 { throw 1; }", |problems| !problems.pose.is_empty();
+    "names of the world" in "scene.toml" Scene: "material = \"red\"" => "material = \"rde\"", |problems| !problems.scene.is_empty();
+    "files of the world" in "scene.toml" Scene: "shape = { kind = \"box\" }" => "file = \"none.glb\"", |problems| !problems.scene.is_empty();
+    "limits of the renderer" in "scene.toml" Scene: "[environment]" => LARGE_MAPS, |problems| problems.scene.is_empty() && problems.unbuilt_scene.is_some();
+    "shaders" in "shaders/tone.wgsl" Shader: "fn main" => "fn main(", |problems| problems.unbuilt_shaders.is_some();
+};
 
 #[test]
 fn a_broken_stage_keeps_the_last_good_picture_and_a_mended_one_shows() {

@@ -4,53 +4,35 @@ use reflet::render::passes::needed_passes;
 
 use crate::{closed_form::MIRROR, kit::*};
 
+/// Facing mirrors give the series of a radiance of 0.1 each up to the last bounce. With `auto` 14 reflections can be seen,
+/// as the last makes less than half a step of 8 bits; with mirrors that reflect everything their number has an end all
+/// the same. A bounce whose throughput is below 1/255 is not followed.
 #[test]
-fn facing_mirrors_give_the_series_up_to_the_last_bounce() {
+fn facing_mirrors_give_the_series_up_to_the_last_bounce_that_can_be_seen() {
     let Some(gpu) = gpu() else { return };
-    for bounces in 1..=5 {
-        let series: f32 = (0..=bounces).map(|k| 0.1 * 0.5f32.powi(k)).sum();
-        for method in ["rt", "hybrid"] {
-            let set = [
-                format!("reflection.bounces={bounces}"),
-                format!("reflection.method={method}"),
-            ];
-            let set: Vec<&str> = set.iter().map(String::as_str).collect();
-            let picture = render(gpu, FACING, &set, &[]);
+    let sum = |bounces| (0..=bounces).map(|k| 0.1 * 0.5f32.powi(k)).sum();
+    let numbers = (1..=5).map(|bounces| (format!("reflection.bounces={bounces}"), sum(bounces)));
+    let auto = [(0.5f32, 0.2), (0.9, 0.9989), (1.0, 6.5)];
+    let auto = auto.map(|(share, sum)| (format!("material.mirror.reflectivity={share}"), sum));
+    for (set, series) in numbers.chain(auto) {
+        for method in ["reflection.method=rt", "reflection.method=hybrid"] {
+            let picture = render(gpu, FACING, &[&set, method], &[]);
             assert_color(&picture, 4, 4, [series; 3], 1e-3 * series);
         }
     }
-}
-
-/// A radiance of 0.1 each, and half of the other's light: 14 reflections can be seen, the last makes less than half a
-/// step of 8 bits. With mirrors that reflect everything, the number of reflections has an end all the same.
-#[test]
-fn auto_follows_facing_mirrors_until_nothing_can_be_seen() {
-    let Some(gpu) = gpu() else { return };
-    for (reflectance, series) in [(0.5f32, 0.2), (0.9, 0.9989), (1.0, 6.5)] {
-        for method in ["rt", "hybrid"] {
-            let set = [
-                format!("material.mirror.reflectivity={reflectance}"),
-                format!("reflection.method={method}"),
-            ];
-            let set: Vec<&str> = set.iter().map(String::as_str).collect();
-            let picture = render(gpu, FACING, &set, &[]);
-            assert_color(&picture, 4, 4, [series; 3], 1e-3 * series);
-        }
-    }
-}
-
-#[test]
-fn a_bounce_that_cannot_be_seen_is_not_followed() {
-    let Some(gpu) = gpu() else { return };
-    // Reflectance 0.05: the throughput is 1/400 after two reflections, below 1/255.
     let set = [
         "reflection.bounces=16",
         "material.mirror.reflectivity=0.05",
         "reflection.method=rt",
     ];
-    let picture = render(gpu, FACING, &set, &[]);
     let series = 0.1 + 0.05 * 0.1 + 0.05 * 0.05 * 0.1;
-    assert_color(&picture, 4, 4, [series; 3], 1e-3 * series);
+    assert_color(
+        &render(gpu, FACING, &set, &[]),
+        4,
+        4,
+        [series; 3],
+        1e-3 * series,
+    );
 }
 
 /// A mirror shows a dark pane, tilted by 45 degrees, that reflects 1/300 of a lamp of 1000: the throughput of the

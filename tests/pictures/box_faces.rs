@@ -1,7 +1,5 @@
 //! Buffers on the faces of a box, marched where the screen has nothing.
 
-use reflet::render::{methods::box_faces, passes::needed_passes};
-
 use crate::{common::assert_says, kit::*};
 
 /// A closed room with glowing walls, a floor that mirrors, a block, and a ball that moves.
@@ -151,22 +149,4 @@ fn faces_are_captured_once_without_what_moves() {
     let by_rays = integers(&traced, Aov::HitIds);
     let missed = on_faces.iter().filter(|&&i| by_rays[2 * i] == ball);
     assert!(missed.count() > 10, "rays hit the ball where faces do not");
-}
-
-/// Other methods have no pass for the faces.
-#[test]
-fn faces_cost_nothing_where_they_are_not_used() {
-    let Some(gpu) = gpu() else { return };
-    for (method, is_used) in [
-        (Method::Rt, false),
-        (Method::Ssr, false),
-        (Method::SsrBox, true),
-    ] {
-        let (mut desc, world) = scene(ROOM, &[]);
-        desc.reflection.method = method;
-        let renderer = renderer(gpu, &desc, &world, false);
-        let passes = needed_passes(renderer.plan(), renderer.options());
-        let has = passes.iter().any(|pass| pass.name == box_faces::PASS.name);
-        assert_eq!(has, is_used, "{method:?}");
-    }
 }

@@ -1,7 +1,5 @@
 //! Rays near the camera, and maps of the distance beyond.
 
-use reflet::render::{methods::near_far, passes::needed_passes};
-
 use crate::kit::*;
 
 /// A courtyard without a roof: two walls that glow, a floor that mirrors, and a ball that glows.
@@ -110,24 +108,6 @@ fn a_second_layer_shows_what_the_first_hides() {
         of_one > 20 && 2 * of_two < of_one,
         "{of_one} and {of_two} hidden"
     );
-}
-
-/// Other methods have no pass for the map.
-#[test]
-fn maps_cost_nothing_where_they_are_not_used() {
-    let Some(gpu) = gpu() else { return };
-    for (method, is_used) in [
-        (Method::Rt, false),
-        (Method::Hybrid, false),
-        (Method::NearFar, true),
-    ] {
-        let (mut desc, world) = scene(COURT, &[]);
-        desc.reflection.method = method;
-        let renderer = renderer(gpu, &desc, &world, false);
-        let passes = needed_passes(renderer.plan(), renderer.options());
-        let has = passes.iter().any(|pass| pass.name == near_far::PASS.name);
-        assert_eq!(has, is_used, "{method:?}");
-    }
 }
 
 fn shot(renderer: &mut Renderer, world: &World, eye: Vec3) -> (Picture, f64) {

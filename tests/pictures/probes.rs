@@ -1,12 +1,6 @@
 //! Reflections that are looked up in probes.
 
-use reflet::{
-    render::{
-        methods::probes::{capture, look_up, prefilter},
-        passes::needed_passes,
-    },
-    scene::desc::Lookup,
-};
+use reflet::scene::desc::Lookup;
 
 use crate::kit::*;
 
@@ -186,27 +180,6 @@ fn probes_answer_where_the_march_does_not() {
         }
     }
     assert!(counts.iter().all(|count| *count > 50), "{counts:?}");
-}
-
-/// Methods that look nothing up have no pass and no byte for probes.
-#[test]
-fn probes_cost_nothing_where_they_are_not_used() {
-    let Some(gpu) = gpu() else { return };
-    let text = room(WALLS);
-    for (method, is_used) in [
-        (Method::Rt, false),
-        (Method::Ssr, false),
-        (Method::Probe, true),
-    ] {
-        let (mut desc, world) = scene(&text, &[]);
-        desc.reflection.method = method;
-        let renderer = renderer(gpu, &desc, &world, false);
-        let passes = needed_passes(renderer.plan(), renderer.options());
-        let has = |name| passes.iter().any(|pass| pass.name == name);
-        assert_eq!(has(capture::PASS.name), is_used, "{method:?}");
-        assert_eq!(has(look_up::PASS.name), is_used, "{method:?}");
-        assert!(!has(prefilter::PASS.name), "nothing is rough");
-    }
 }
 
 fn shot(renderer: &mut Renderer, world: &World, eye: Vec3) -> Picture {

@@ -1,7 +1,5 @@
 //! The second depth layer of the march: its answers equal `rt`, and scenes without it are as before.
 
-use reflet::render::passes::needed_passes;
-
 use crate::kit::*;
 
 /// A board that hangs above a mirror hides the part of the wall that the mirror behind it shows.
@@ -112,30 +110,4 @@ fn the_second_layer_adds_hits_and_hardly_any_wrong_ones() {
         two_wrong <= one_wrong + 1,
         "{one_wrong} and {two_wrong} are wrong"
     );
-}
-
-#[test]
-fn methods_without_a_second_layer_draw_none() {
-    let Some(gpu) = gpu() else { return };
-    for (method, layers, is_drawn) in [
-        (Method::Hybrid, 1, false),
-        (Method::Hybrid, 2, true),
-        (Method::Ssr, 2, true),
-        (Method::Rt, 2, false),
-    ] {
-        let set = [
-            format!("reflection.method={}", method.name()),
-            format!("reflection.layers={layers}"),
-        ];
-        let (desc, world) = scene(SCENE, &set.each_ref().map(String::as_str));
-        let renderer = renderer(gpu, &desc, &world, false);
-        assert_eq!(renderer.plan().features.second_layer, is_drawn, "{set:?}");
-        let options = RenderOptions::for_scene(&desc);
-        let passes = needed_passes(renderer.plan(), &options);
-        assert_eq!(
-            passes.iter().any(|pass| pass.name == "peel"),
-            is_drawn,
-            "{set:?}"
-        );
-    }
 }

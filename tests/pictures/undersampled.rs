@@ -1,7 +1,5 @@
 //! Undersampled rays: pixels that reuse hits of the rays around them.
 
-use reflet::render::passes::needed_passes;
-
 use crate::kit::*;
 
 /// A mirror that shows one wall, and with a height, a ball before it.
@@ -95,31 +93,6 @@ fn rays_that_are_traced_first_keep_how_they_ended_in_maps() {
                     share.name
                 );
             }
-        }
-    }
-}
-
-#[test]
-fn rate_1_and_other_methods_need_no_pass() {
-    let Some(gpu) = gpu() else { return };
-    for (method, rate, is_used) in [
-        (Method::Rt, 1, false),
-        (Method::Rt, 2, true),
-        (Method::Hybrid, 4, true),
-        (Method::Ssr, 4, false),
-        (Method::Path, 4, false),
-    ] {
-        let set = [
-            format!("reflection.method={}", method.name()),
-            format!("reflection.rate={rate}"),
-        ];
-        let (desc, world) = scene(SCENE, &set.each_ref().map(String::as_str));
-        let renderer = renderer(gpu, &desc, &world, false);
-        assert_eq!(renderer.plan().features.undersampled, is_used, "{set:?}");
-        let passes = needed_passes(renderer.plan(), renderer.options());
-        for name in ["lead", "spread"] {
-            let is_recorded = passes.iter().any(|pass| pass.name == name);
-            assert_eq!(is_recorded, is_used, "{set:?}: {name}");
         }
     }
 }
