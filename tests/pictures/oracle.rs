@@ -4,7 +4,7 @@
 
 use glam::{DVec2, DVec3};
 use reflet::{
-    render::settings::view::{View, jitter},
+    render::settings::{offsets::jitter, view::View},
     world::{
         bvh::{Oracle, Ray, RayHit, UNREFLECTED, UNSEEN},
         load,

@@ -28,8 +28,9 @@ use crate::{
     },
     renderer::Renderer,
     settings::{
+        offsets::jitter,
         pixel_share::{MOMENTS, PixelShare, needs_moments},
-        view::{View, jitter},
+        view::View,
     },
 };
 

@@ -3,6 +3,7 @@
 
 pub(crate) mod coordinates;
 pub mod cutoff;
+pub mod offsets;
 pub mod options;
 pub mod pixel_share;
 pub mod precision;

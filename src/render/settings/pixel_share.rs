@@ -5,7 +5,7 @@
 //! become grain (interleaved sampling, Keller and Heidrich 2001). Each moment is posed and drawn whole, since the depth
 //! test and the march need all pixels, but light is computed only for the pixels that show it.
 
-use super::view::shutter_moment;
+use super::offsets::shutter_moment;
 
 /// Number of moments of a sub-frame where pixels of one sub-frame show different ones.
 pub const MOMENTS: u32 = 4;
@@ -58,12 +58,9 @@ impl PixelShare {
         self.moment == 0
     }
 
-    /// Moment within the time that the shutter is open, -0.5 to 0.5: the sub-frame's, turned in equal steps, so that
-    /// over all of `samples` sub-frames each pixel has moments as even as the sub-frames'.
+    /// Moment within the time that the shutter is open, -0.5 to 0.5, in a picture of `samples` sub-frames.
     pub fn moment_of(&self, samples: u32) -> f64 {
-        let turn = f64::from(self.moment) / f64::from(self.moments);
-        let moment = shutter_moment(self.sample, samples) + turn;
-        if moment < 0.5 { moment } else { moment - 1.0 }
+        shutter_moment(self.sample, samples, self.moment, self.moments)
     }
 
     /// Width and height of the picture in squares, of which each has one pixel of the share.

@@ -1,9 +1,11 @@
-//! Conversion of a camera to the frame's uniform block: projection, pixel rays, jitter.
+//! Conversion of a camera to the frame's uniform block: projection, pixel rays, lens.
 
 use glam::{DVec2, DVec3, Mat4, Vec2, Vec3, camera::rh};
 
 use reflet_base::math::Bounds;
 use reflet_scene::desc::CameraDesc;
+
+use super::offsets::on_lens;
 
 /// Kind of projection.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -127,16 +129,12 @@ impl View {
     }
 
     /// The view from the point of the lens that sub-frame `index` of `count` uses, and the shift in pixels that
-    /// keeps focused things in place. The last sub-frame uses the center of the lens.
+    /// keeps focused things in place.
     pub fn through_lens(&self, index: u32, count: u32) -> (Self, Vec2) {
-        let k = count - 1 - index.min(count - 1);
-        if self.lens_m <= 0.0 || k == 0 {
+        if self.lens_m <= 0.0 {
             return (*self, Vec2::ZERO);
         }
-        // Points of a sunflower spiral (Vogel 1979), from the center to the rim.
-        let radius = (f64::from(k) / f64::from(count - 1)).sqrt();
-        let (sine, cosine) = (f64::from(k) * GOLDEN_ANGLE).sin_cos();
-        let at = Vec2::new((radius * cosine) as f32, (radius * sine) as f32) * self.lens_m;
+        let at = on_lens(index, count) * self.lens_m;
         let (right, up) = (self.right.length(), self.up.length());
         let eye = self.eye + self.right * (at.x / right) + self.up * (at.y / up);
         let half = Vec2::new(self.size[0] as f32, self.size[1] as f32) * 0.5;
@@ -181,24 +179,3 @@ impl View {
 
 /// Far plane of an orthographic view of a scene of unknown size, meters.
 const FAR_M: f32 = 1e12;
-
-/// Golden angle, radians; multiples of it never come close to one another.
-const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
-
-/// Moment of sub-frame `index` of `count` within the time that the shutter is open, -0.5 to 0.5; the last sub-frame
-/// is in the middle.
-pub fn shutter_moment(index: u32, count: u32) -> f64 {
-    let k = f64::from(count - 1 - index.min(count - 1));
-    (k * (2f64.sqrt() - 1.0) + 0.5).fract() - 0.5
-}
-
-/// Offset of sub-frame `index` of `count` in pixels; the last sub-frame has none, so that AOVs, which come from it,
-/// are not offset. The R2 sequence (Roberts 2018) fills the pixel evenly for any count.
-pub fn jitter(index: u32, count: u32) -> Vec2 {
-    let k = f64::from(count - 1 - index.min(count - 1));
-    let wrapped = |step: f64| ((k * step + 0.5).fract() - 0.5) as f32;
-    Vec2::new(
-        wrapped(0.754_877_666_246_692_7),
-        wrapped(0.569_840_290_998_053_2),
-    )
-}
