@@ -12,18 +12,10 @@ override HAS_REFLECTIONS: bool = true;
 @group(2) @binding(7) var guides: texture_storage_2d_array<r32float, read_write>; // red, green, blue; x, y, z
 @group(2) @binding(8) var<uniform> params: Params;
 
-// Schlick's reflectance, mean over the channels.
-fn reflectance(s: Surface) -> f32 {
-    let f0 = mix(vec3f(s.reflectivity), s.base_color, s.metallic);
-    let f90 = saturate(50.0 * (f0.x + f0.y + f0.z) / 3.0);
-    let cosine = saturate(-dot(s.normal, view_direction(s.position)));
-    let fresnel = f0 + (vec3f(f90) - f0) * pow(1.0 - cosine, 5.0);
-    return (fresnel.x + fresnel.y + fresnel.z) / 3.0;
-}
-
 // Color of the surface of a pixel, in sharp mirrors of the reflected surface: white for the environment.
 fn color_of(pixel: vec2u, s: Surface) -> vec3f {
-    if (HAS_REFLECTIONS && s.roughness < SHARP_ROUGHNESS && reflects(textureLoad(cause, pixel, 0).x) && reflectance(s) > MIRROR_REFLECTANCE) {
+    let share = dot(fresnel(s, -dot(s.normal, view_direction(s.position))), vec3f(1.0 / 3.0));
+    if (HAS_REFLECTIONS && s.roughness < SHARP_ROUGHNESS && reflects(textureLoad(cause, pixel, 0).x) && share > MIRROR_REFLECTANCE) {
         let instance = textureLoad(hit, pixel, 0).y;
         if (instance == NONE) { return vec3f(1.0); }
         let m = instance_material(instance);

@@ -129,11 +129,12 @@ fn light_sample(i: u32, position: vec3f, u: vec2f) -> LightSample {
     return r;
 }
 
-// Light that a surface reflects from one sampled point, if nothing blocks it.
+// Light that a surface, or fog at a point of a ray, reflects from one sampled point, if nothing blocks it.
 struct Returned {
+    position: vec3f,
     to_light: vec3f,
     distance_m: f32,
-    diffuse: vec3f,
+    diffuse: vec3f, // of fog: all of it
     specular: vec3f,
     shown: f32, // share that the picture shows
 }
@@ -147,7 +148,7 @@ struct Receiver {
 }
 
 fn returned(s: Surface, view: vec3f, to: Receiver, l: LightSample, aimed: f32, specular_share: f32) -> Returned {
-    var r = Returned(l.to_light, l.distance_m, vec3f(0.0), vec3f(0.0), 1.0);
+    var r = Returned(s.position, l.to_light, l.distance_m, vec3f(0.0), vec3f(0.0), 1.0);
     r.diffuse = (to.albedo + sheen(s, view, l.to_light)) * l.color * (dot(s.normal, l.to_light) / PI * aimed);
     if (to.has_specular) { r.specular = ggx(s, view, l.to_light) * l.color * specular_share; }
     return r;
@@ -184,7 +185,7 @@ fn arriving_from(s: Surface, to_light: vec3f, distance_m: f32) -> vec3f {
     return transmittance(origin, toward, reach_m);
 }
 
-// Reservoir of one among several sampled points, by the light that the surface would reflect of each.
+// Reservoir of one among several sampled points, by the light that would be reflected of each.
 struct Choice {
     one: Returned,
     part: f32, // weight of `one`
@@ -214,8 +215,10 @@ fn offer(choice: ptr<function, Choice>, r: Returned, seen_share: f32) {
 // Light of the chosen point, scaled to stand for all offered points.
 fn standing_for_all(choice: Choice) -> Returned {
     let scale = choice.whole / max(choice.part, 1e-30);
-    let one = choice.one;
-    return Returned(one.to_light, one.distance_m, one.diffuse * scale, one.specular * scale, one.shown);
+    var one = choice.one;
+    one.diffuse *= scale;
+    one.specular *= scale;
+    return one;
 }
 
 // Groups of light sources, each with a shadow ray of its own: otherwise a sun behind a wall would be chosen nearly

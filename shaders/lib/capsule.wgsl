@@ -2,6 +2,8 @@
 // from the base, the segment's first end, to the second. src/world/bvh/capsule.rs has the same functions in f64.
 // Its two coordinates of points of the surface stand in hits where triangles have barycentric weights.
 
+#import basis
+
 // Whether some mesh is of capsules.
 override HAS_CAPSULES: bool = true;
 
@@ -58,19 +60,10 @@ fn ball_chord(origin: vec3f, direction: vec3f, dd: f32, radius: f32) -> vec2f {
     return vec2f(nearest, (radius * radius - dot(apart, apart)) / dd);
 }
 
-// Orthonormal vectors (Duff et al. 2017, "Building an Orthonormal Basis, Revisited"); the last is along the axis, or
-// along z for a sphere.
+// Basis around the axis, or around z for a sphere.
 fn capsule_frame(axis: vec3f) -> mat3x3f {
     let length2 = dot(axis, axis);
-    let w = select(vec3f(0.0, 0.0, 1.0), axis * inverseSqrt(max(length2, 1e-37)), length2 > 0.0);
-    let side = select(-1.0, 1.0, w.z >= 0.0);
-    let a = -1.0 / (side + w.z);
-    let b = w.x * w.y * a;
-    return mat3x3f(
-        vec3f(1.0 + side * w.x * w.x * a, side * b, -side * w.x),
-        vec3f(b, side + w.y * w.y * a, -w.y),
-        w,
-    );
+    return basis(select(vec3f(0.0, 0.0, 1.0), axis * inverseSqrt(max(length2, 1e-37)), length2 > 0.0));
 }
 
 const CAPSULE_PI: f32 = 3.14159265358979;

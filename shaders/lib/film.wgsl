@@ -2,6 +2,7 @@
 // "A Practical Extension to Microfacet Theory for the Modeling of Varying Iridescence", with two internal
 // reflections, as in KHR_materials_iridescence.
 
+#import frame
 #import scene
 
 override HAS_FILM: bool = true;
@@ -29,23 +30,18 @@ fn interference(way_nm: f32, shift: vec3f) -> vec3f {
 
 const LEAST_FILM_NM: f32 = 20.0;
 
-fn rise(cosine: f32) -> f32 {
-    let x = 1.0 - cosine;
-    return x * x * x * x * x;
-}
-
 // Reflectance of a film of this index and thickness over a surface of this reflectance at normal incidence.
 fn film_fresnel(f0: vec3f, index: f32, thickness_nm: f32, cosine: f32) -> vec3f {
     let sine2 = (1.0 - cosine * cosine) / (index * index);
     let cosine_inside = sqrt(max(1.0 - sine2, 0.0));
     let outer_f0 = pow((index - 1.0) / (index + 1.0), 2.0);
-    let outer = outer_f0 + (1.0 - outer_f0) * rise(cosine);
+    let outer = outer_f0 + (1.0 - outer_f0) * schlick_weight(cosine);
     let passed = 1.0 - outer;
     let root = sqrt(min(f0, vec3f(0.9999)));
     let below = (1.0 + root) / (1.0 - root);
     let inner_root = (below - index) / (below + index);
     let inner_f0 = inner_root * inner_root;
-    let inner = inner_f0 + (1.0 - inner_f0) * rise(cosine_inside);
+    let inner = inner_f0 + (1.0 - inner_f0) * schlick_weight(cosine_inside);
     // A reflection at a denser medium shifts the phase by half a wave.
     let shift = vec3f(PI) + select(vec3f(0.0), vec3f(PI), below < vec3f(index));
     let both = clamp(outer * inner, vec3f(1e-5), vec3f(0.9999));
@@ -62,7 +58,7 @@ fn film_fresnel(f0: vec3f, index: f32, thickness_nm: f32, cosine: f32) -> vec3f 
 
 // Reflectance at normal incidence that gives `reflectance` at this angle (Schlick 1994, inverted).
 fn schlick_f0(reflectance: vec3f, cosine: f32) -> vec3f {
-    let grazing = rise(cosine);
+    let grazing = schlick_weight(cosine);
     return clamp((reflectance - grazing) / (1.0 - grazing), vec3f(0.0), vec3f(1.0));
 }
 

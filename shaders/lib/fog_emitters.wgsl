@@ -21,9 +21,9 @@ fn chances_in_fog(chosen: LightChoice, lit: LitPoint) -> vec2f {
 
 // A point of an emitter and a point of the ray that it lights, chosen among several by the light that they add; both
 // ways to find one are weighted by the balance heuristic.
-fn scattered_of_emitters(way: Way, index: u32) -> Scattered {
-    if (!HAS_EMITTERS || sampling.light_tree.root == NONE) { return Scattered(); }
-    var choice: ScatteredChoice;
+fn scattered_of_emitters(way: Way, index: u32) -> Returned {
+    if (!HAS_EMITTERS || sampling.light_tree.root == NONE) { return Returned(); }
+    var choice: Choice;
     choice.u = sample_square(index, FOG_EMITTER_PLACE_PAIR).y;
     for (var k = 0u; k < FOG_CANDIDATES; k++) {
         let candidate = index * FOG_CANDIDATES + k;
@@ -49,7 +49,7 @@ fn scattered_of_emitters(way: Way, index: u32) -> Scattered {
         let place = Place(t, seen.x / max(expected, 1e-30));
         var s = scattered_by(way, place, l, fog_share(position, l.to_light, l.distance_m));
         s.shown = point.shown;
-        offer_scattered(&choice, s);
+        offer(&choice, s, 1.0);
     }
-    return scattered_choice(choice);
+    return standing_for_all(choice);
 }

@@ -23,10 +23,10 @@ fn scattered_gradient(direction: vec3f) -> vec3f {
 
 // By samples: one direction for one point of the ray. It follows the phase function or the bright parts of the
 // surroundings, on either side of the plane across the ray.
-fn scattered_of_sky(way: Way, index: u32) -> Scattered {
+fn scattered_of_sky(way: Way, index: u32) -> Returned {
     if (!SAMPLES_ENVIRONMENT) {
         let light = scattered_gradient(way.direction) * way.scattered;
-        return Scattered(way.origin, way.direction, BEYOND, light, 1.0);
+        return Returned(way.origin, way.direction, BEYOND, light, vec3f(0.0), 1.0);
     }
     let u = sample_square(index, FOG_PLACE_PAIR);
     let place = place_by_depth(way, u.x);
@@ -48,5 +48,5 @@ fn scattered_of_sky(way: Way, index: u32) -> Scattered {
         density += by_light * 0.5 * (environment_pdf(direction, forward) + environment_pdf(direction, -forward));
     }
     let light = environment(direction) * (place.weight * phase / max(density, 1e-30) * sky_share(position, direction));
-    return Scattered(position, direction, BEYOND, light, 1.0);
+    return Returned(position, direction, BEYOND, light, vec3f(0.0), 1.0);
 }

@@ -127,3 +127,10 @@ fn depth_of(z: f32) -> f32 {
 fn luminance(color: vec3f) -> f32 {
     return dot(color, vec3f(0.2126, 0.7152, 0.0722));
 }
+
+// Weight of the reflectance at grazing angles (Schlick 1994).
+fn schlick_weight(cosine: f32) -> f32 {
+    let x = 1.0 - saturate(cosine);
+    let x2 = x * x;
+    return x2 * x2 * x;
+}

@@ -122,29 +122,20 @@ fn place_towards(way: Way, pivot: vec3f, u: f32) -> Place {
     return Place(t, seen.x / max(seen.y, 1e-30));
 }
 
-// A lit point of a ray: the light that it scatters into the ray, if nothing blocks the light.
-struct Scattered {
-    position: vec3f,
-    to_light: vec3f,
-    distance_m: f32,
-    light: vec3f,
-    shown: f32, // share that the picture shows
-}
-
-// `share`: share of the light that arrives at the point.
-fn scattered_by(way: Way, place: Place, l: LightSample, share: f32) -> Scattered {
+// Light that a point of a ray scatters into it; `share` of the point's light arrives there.
+fn scattered_by(way: Way, place: Place, l: LightSample, share: f32) -> Returned {
     let light = l.color * (place.weight * share * fog_phase(dot(way.direction, l.to_light)));
-    return Scattered(way.origin + way.direction * place.t, l.to_light, l.distance_m, light, 1.0);
+    return Returned(way.origin + way.direction * place.t, l.to_light, l.distance_m, light, vec3f(0.0), 1.0);
 }
 
-fn scattered_of_light(way: Way, i: u32, index: u32) -> Scattered {
+fn scattered_of_light(way: Way, i: u32, index: u32) -> Returned {
     let u = sample_square(index, FOG_PAIR + i);
     var place: Place;
     if (lights[i].kind == LIGHT_DIRECTIONAL) {
         place = place_by_depth(way, u.x);
     } else {
         let lit = way_within(way.origin, way.direction, span_lit_by(way.span, i, way.origin, way.direction));
-        if (lit.scattered <= 1e-12) { return Scattered(); }
+        if (lit.scattered <= 1e-12) { return Returned(); }
         place = place_towards(lit, lights[i].position, u.x);
         place.weight *= decay(fog.density * fog_length(way.origin, way.direction, vec2f(way.span.x, lit.span.x)));
     }
@@ -157,74 +148,44 @@ fn scattered_of_light(way: Way, i: u32, index: u32) -> Scattered {
     return scattered_by(way, place, LightSample(l.to_light, l.distance_m, l.color, 1.0), 1.0);
 }
 
-// Reservoir of one among several points, chosen by the light that each scatters.
-struct ScatteredChoice {
-    one: Scattered,
-    part: f32, // weight of `one`
-    whole: f32, // sum of all weights
-    u: f32, // uniform random number in [0, 1) for the next choice
-}
-
-fn offer_scattered(choice: ptr<function, ScatteredChoice>, s: Scattered) {
-    let weight = dot(s.light, vec3f(1.0 / 3.0));
-    if (weight <= 0.0) { return; }
-    (*choice).whole += weight;
-    let share = weight / (*choice).whole;
-    if ((*choice).u < share) {
-        (*choice).u /= share;
-        (*choice).one = s;
-        (*choice).part = weight;
-    } else {
-        (*choice).u = ((*choice).u - share) / (1.0 - share);
-    }
-    (*choice).u = min((*choice).u, BELOW_ONE);
-}
-
-// The chosen point, which stands for all.
-fn scattered_choice(choice: ScatteredChoice) -> Scattered {
-    var s = choice.one;
-    s.light *= choice.whole / max(choice.part, 1e-30);
-    return s;
-}
-
 // Light that the fog on a ray scatters into it, coming straight from lights, emitters and the surroundings. `index` is
 // the number of the sample, `sky_kept` the share of the light of the surroundings that counts.
 fn scattered_on_way(way: Way, index: u32, sky_kept: f32) -> vec3f {
     var out = vec3f(0.0);
     if (way.scattered <= 1e-12) { return out; }
     let u = sample_square(index, FOG_CHOICE_PAIR);
-    var suns: ScatteredChoice;
-    var lamps: ScatteredChoice;
+    var suns: Choice;
+    var lamps: Choice;
     suns.u = u.x;
     lamps.u = u.y;
     for (var i = 0u; i < frame.light_count; i++) {
         var s = scattered_of_light(way, i, index);
         s.shown = shown_share(i);
-        if (!any(s.light > vec3f(0.0))) { continue; }
+        if (!any(s.diffuse > vec3f(0.0))) { continue; }
         if (!HAS_SHADOW_RAYS || lights[i].shadow != SHADOW_RAY) {
-            out += s.light * s.shown * map_share(i, s.position, s.to_light, s.to_light);
+            out += s.diffuse * s.shown * map_share(i, s.position, s.to_light, s.to_light);
         } else if (lights[i].kind == LIGHT_DIRECTIONAL) {
-            offer_scattered(&suns, s);
+            offer(&suns, s, 1.0);
         } else {
-            offer_scattered(&lamps, s);
+            offer(&lamps, s, 1.0);
         }
     }
-    var sky: Scattered;
+    var sky: Returned;
     if (sky_kept > 0.0) { sky = scattered_of_sky(way, index); }
-    sky.light *= sky_kept;
-    if (!HAS_ENVIRONMENT_RAYS) { out += sky.light; }
+    sky.diffuse *= sky_kept;
+    if (!HAS_ENVIRONMENT_RAYS) { out += sky.diffuse; }
     let emitted = scattered_of_emitters(way, index);
     // One call in a loop keeps the inlined code small: the traversal is long.
     let first = select(SKY, SUNS, HAS_SHADOW_RAYS);
     let end = select(select(SKY, EMITTERS, HAS_ENVIRONMENT_RAYS), EMITTERS + 1u, HAS_EMITTERS);
     for (var source = first; source < end; source++) {
         var s = emitted;
-        if (source == SUNS) { s = scattered_choice(suns); }
-        if (source == LAMPS) { s = scattered_choice(lamps); }
+        if (source == SUNS) { s = standing_for_all(suns); }
+        if (source == LAMPS) { s = standing_for_all(lamps); }
         if (source == SKY) { s = sky; }
-        if (!any(s.light > vec3f(0.0)) || (!HAS_ENVIRONMENT_RAYS && source == SKY)) { continue; }
+        if (!any(s.diffuse > vec3f(0.0)) || (!HAS_ENVIRONMENT_RAYS && source == SKY)) { continue; }
         let reach_m = select(FAR_M, s.distance_m * 0.9999, s.distance_m < BEYOND);
-        out += s.light * s.shown * transmittance(s.position, s.to_light, reach_m);
+        out += s.diffuse * s.shown * transmittance(s.position, s.to_light, reach_m);
     }
     return out * fog.albedo;
 }

@@ -1,18 +1,7 @@
 // Sampling of directions by the lobes of a surface, and their densities.
 
+#import basis
 #import frame
-
-// Orthonormal basis around a normal; columns: tangent, bitangent, normal (Duff et al. 2017).
-fn basis(n: vec3f) -> mat3x3f {
-    let sign = select(-1.0, 1.0, n.z >= 0.0);
-    let a = -1.0 / (sign + n.z);
-    let b = n.x * n.y * a;
-    return mat3x3f(
-        vec3f(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x),
-        vec3f(b, sign + n.y * n.y * a, -n.y),
-        n,
-    );
-}
 
 fn on_circle(radius: f32, turn: f32) -> vec2f {
     return radius * vec2f(cos(2.0 * PI * turn), sin(2.0 * PI * turn));

@@ -50,12 +50,6 @@ fn shown_lobe(s: Surface, view: vec3f) -> vec4f {
 
 const COAT_REFLECTIVITY: f32 = 0.04; // KHR_materials_clearcoat: an index of refraction of 1.5
 
-fn schlick_weight(cosine: f32) -> f32 {
-    let x = 1.0 - saturate(cosine);
-    let x2 = x * x;
-    return x2 * x2 * x;
-}
-
 // Albedo under uniform light of a lobe with reflectance `f` at normal incidence, single scattering: the split sum of
 // Karis 2013.
 fn split_sum(f: vec3f, grazing: f32, lobe: vec4f) -> vec3f {

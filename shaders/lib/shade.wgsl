@@ -57,9 +57,7 @@ fn dielectric_reflectance(s: Surface) -> vec2f {
 fn fresnel(s: Surface, cosine: f32) -> vec3f {
     if (is_transmissive(s)) { return transmissive_fresnel(s, cosine); }
     let f = f0(s);
-    let x = 1.0 - saturate(cosine);
-    let x2 = x * x;
-    return f + (vec3f(grazing_reflectance(s)) - f) * (x2 * x2 * x);
+    return f + (vec3f(grazing_reflectance(s)) - f) * schlick_weight(cosine);
 }
 
 // Roughness below which a surface's reflection is traced; higher for metals, which show nothing else.

@@ -1,0 +1,12 @@
+// Orthonormal basis around a normal; columns: tangent, bitangent, normal (Duff et al. 2017, "Building an Orthonormal
+// Basis, Revisited").
+fn basis(n: vec3f) -> mat3x3f {
+    let sign = select(-1.0, 1.0, n.z >= 0.0);
+    let a = -1.0 / (sign + n.z);
+    let b = n.x * n.y * a;
+    return mat3x3f(
+        vec3f(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x),
+        vec3f(b, sign + n.y * n.y * a, -n.y),
+        n,
+    );
+}
