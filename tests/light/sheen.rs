@@ -222,7 +222,9 @@ fn reflections_show_sheen_and_tints_too() {
             [(1, 1), (1, 0), (0, 1), (0, 0)].map(|(x, y)| color(&picture, half - x, half - y));
         for (channel, expected) in expected.into_iter().enumerate() {
             let found = around.iter().map(|c| c[channel]).sum::<f32>() / 4.0;
-            assert_close(found, expected, 0.02);
+            // Some rays of `ssr` meet the floor beside the picture.
+            let tolerance = if method == "ssr" { 0.03 } else { 0.005 };
+            assert_close(found, expected, tolerance);
         }
     }
 }

@@ -21,12 +21,13 @@ fn place(k: u32, count: u32, step: f64) -> u32 {
 }
 
 /// Middle of one of `count` equal parts of the range -0.5 to 0.5. An even number of parts has none in the middle: there
-/// the part after it stands at 0, and the last one farther out instead.
+/// the part after it stands at 0, and all others share its way outwards.
 fn part(index: u32, count: u32) -> f64 {
+    let middle = (f64::from(index) + 0.5) / f64::from(count) - 0.5;
     match count > 2 && count.is_multiple_of(2) {
         true if index == count / 2 => 0.0,
-        true if index == count - 1 => 0.5,
-        _ => (f64::from(index) + 0.5) / f64::from(count) - 0.5,
+        true => middle + 0.5 / (f64::from(count) * f64::from(count - 1)),
+        false => middle,
     }
 }
 
