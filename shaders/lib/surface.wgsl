@@ -224,7 +224,11 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
         n_object = round.normal;
     }
     let behind = dot(ng, direction) > 0.0;
-    let footprint = cone_m / max(abs(dot(ng, direction)), 0.05);
+    // All sub-frames together sample the pixel's footprint, an ellipse: each takes a disk of its share of the area, or
+    // as wide as the distance of their places along the ellipse, so that it is not blurred across.
+    footprint_samples = frame.sub_frames;
+    let shares = frame.sub_frames * max(abs(dot(ng, direction)), 0.05);
+    let footprint = cone_m * max(inverseSqrt(shares), 1.0 / shares);
 
     if ((HAS_TEXTURES || HAS_CHECKERS || HAS_PATTERNED || HAS_DECALS) && s.reflection != REFLECTION_NONE) {
         s.curvature = mean_curvature(c.p, normals, area2) * select(1.0, -1.0, behind);

@@ -37,6 +37,22 @@ fn pools_of(slot: u32) -> u32 {
     return (SLOT_POOLS >> (POOL_BITS * slot)) & ((1u << POOL_BITS) - 1u);
 }
 
+// Number of sub-frames that sample a footprint; set for surfaces, while coverage is of single points.
+var<private> footprint_samples: f32 = 1.0;
+
+// Texture coordinates as all sub-frames together need them: where they see texels apart, each is flat but for an edge
+// half as wide as the distance of their places, as else the filter between texels would blur the mean. The texture has
+// `size_px` texels; `footprint` is that of one sub-frame.
+fn between_texels(uv: vec2f, size_px: f32, footprint: f32) -> vec2f {
+    if (footprint_samples < 2.0) { return uv; }
+    let pixel = footprint * size_px * sqrt(footprint_samples); // the pixel's width, texels
+    let edge = 1.0 - saturate(2.0 * pixel - 1.0) * (1.0 - min(0.5 * pixel / footprint_samples, 1.0));
+    if (edge >= 1.0) { return uv; }
+    let at = uv * size_px - 0.5;
+    let whole = floor(at);
+    return (whole + 0.5 + saturate((at - whole - 0.5) / edge + 0.5)) / size_px;
+}
+
 // Samples a slot. `uv` are already transformed; `footprint` is the width of the ray cone in uv units; `pools` is the
 // mask of pools that this slot may be in.
 fn sample_slot(slot: TextureUse, uv_in: vec2f, footprint: f32, pools: u32) -> vec4f {
@@ -52,6 +68,7 @@ fn sample_slot(slot: TextureUse, uv_in: vec2f, footprint: f32, pools: u32) -> ve
         uv = (floor(uv * slot.texels) + 0.5) / slot.texels;
         lod = 0.0;
     }
+    uv = between_texels(uv, pool_px(slot.bits) * exp2(-floor(lod)), footprint);
     let pool = slot.bits & (TEXTURE_POOL_MASK | TEXTURE_SRGB);
     if ((pools & 1u) != 0u && pool == 0u) { return sample_wrapped(pool_0, uv, slot.layer, lod, clamps); }
     if ((pools & 2u) != 0u && pool == TEXTURE_SRGB) { return sample_wrapped(pool_0_srgb, uv, slot.layer, lod, clamps); }

@@ -127,6 +127,8 @@ pub struct FrameSettings<'a> {
     pub crop: [f32; 4],
     /// Pixels that the sub-frame renders.
     pub share: PixelShare,
+    /// Number of sub-frames of the picture.
+    pub samples: u32,
     /// Whether the surfaces of all pixels are resolved, not only of the share.
     pub whole_surfaces: bool,
 }
@@ -141,6 +143,7 @@ impl Frame {
             bounces,
             crop,
             share,
+            samples,
             whole_surfaces,
         } = *settings;
         let environment = &world.environment.desc;
@@ -177,6 +180,7 @@ impl Frame {
             moments: share.moments,
             moment: share.moment,
             whole_surfaces: u32::from(whole_surfaces),
+            sub_frames: samples as f32,
             crop,
         }
     }

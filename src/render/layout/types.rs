@@ -66,6 +66,8 @@ gpu_struct! {
         moment: u32,
         /// 1: surfaces are resolved for the pixels of other moments too.
         whole_surfaces: u32,
+        /// Number of sub-frames that show a pixel, by which the footprints of its textures are finer.
+        sub_frames: f32,
     }
 }
 

@@ -222,6 +222,7 @@ impl Renderer {
                 bounces: self.plan.bounces,
                 crop: self.options.crop_edges(),
                 share,
+                samples,
                 whole_surfaces,
             },
         );

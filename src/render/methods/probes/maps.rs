@@ -166,6 +166,7 @@ impl ProbeMaps {
             moments: 1,
             moment: 0,
             whole_surfaces: 0,
+            sub_frames: 1.0,
             crop: [0.0; 4],
             ..*frame
         }
