@@ -277,12 +277,15 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
         s.metallic *= metallic_roughness.z;
         if (HAS_NORMAL_MAPS && material_texture(m, NORMAL_SLOT).layer != NONE) {
             let texel = texel_at(material_texture(m, NORMAL_SLOT), pools_of(NORMAL_SLOT), instance, c.index, bary, area2, footprint);
-            n = perturbed(instance, c.index, weights, n, texel.xyz, material_normal_scale(m) * material_texture(m, NORMAL_SLOT).signs);
+            let scale = material_normal_scale(m) * material_texture(m, NORMAL_SLOT).signs;
+            n = perturbed(instance, c.index, weights, n, texel.xyz, scale);
+            s.roughness = roughened(s.roughness, texel.w, scale.x);
         }
         if (HAS_COAT_NORMALS && LAYER_POOLS != 0u && material_layer_texture(m, CLEARCOAT_NORMAL_SLOT).layer != NONE) {
             let texel = layer_texel(CLEARCOAT_NORMAL_SLOT, instance, c.index, bary, area2, footprint);
             let scale = material_layer_texture(m, CLEARCOAT_NORMAL_SLOT).signs;
             coat_normal = perturbed(instance, c.index, weights, coat_normal, texel.xyz, scale);
+            s.clearcoat_roughness = roughened(s.clearcoat_roughness, texel.w, scale.x);
         }
         let occlusion = texel_at(material_texture(m, OCCLUSION_SLOT), pools_of(OCCLUSION_SLOT), instance, c.index, bary, area2, footprint).x;
         s.occlusion = 1.0 + material_occlusion_strength(m) * (occlusion - 1.0);
@@ -397,6 +400,14 @@ fn perturbed(instance: u32, index: array<u32, 3>, weights: vec3f, n: vec3f, texe
     let v = (texel * 2.0 - 1.0) * vec3f(scale, 1.0);
     let mapped = axes[0] * v.x + axes[1] * v.y + n * v.z;
     return select(n, normalize(mapped), dot(mapped, mapped) > 1e-12 && any(axes[0] != vec3f(0.0)));
+}
+
+// Roughness of a surface whose normals are a mean of a normal map's: its lobe is as much wider as they spread (Toksvig
+// 2005, "Mipmapping Normal Maps", with alpha² = 2 / (exponent + 2)). `alpha`: see src/render/buffers/textures/resample.rs.
+fn roughened(roughness: f32, alpha: f32, scale: f32) -> f32 {
+    let lack = (1.0 - alpha) * (1.0 - alpha);
+    let r2 = roughness * roughness;
+    return min(sqrt(sqrt(r2 * r2 + 2.0 * scale * scale * lack / max(1.0 - lack, 1e-3))), 1.0);
 }
 
 // Tangent and bitangent; zeros where the mesh has none.

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use reflet_gpu::{Gpu, GpuError};
 use reflet_world::{
-    Material, Texture, TextureRef, World, Wrap,
+    CORE_SLOTS, CoreTexture, LayerTexture, Material, Texture, TextureRef, World, Wrap,
     texture::pool_size::{NUM_POOLS, PoolSizes, bytes_of_layer},
 };
 
@@ -25,25 +25,33 @@ struct Sampling {
     /// Whether magnification takes the nearest texel: texels must stay sharp.
     nearest: bool,
     wrap: [Wrap; 2],
+    /// Whether texels are normals, whose mips keep how far they spread.
+    normals: bool,
 }
 
 impl Sampling {
-    /// Settings for a use of `texture` in a pool of size `px`; uses with equal resampled images have equal settings.
-    fn for_texture(used: &TextureRef, texture: &Texture, px: u32) -> Self {
+    /// Settings for a use of `texture`, as the `slot` of a material, in a pool of size `px`; uses with equal resampled
+    /// images have equal settings.
+    fn for_texture(slot: usize, used: &TextureRef, texture: &Texture, px: u32) -> Self {
         // Beyond a mirrored border the nearest texel is the last one, like beyond a clamped border.
         let wrap = |wrap| match wrap {
             Wrap::Mirror => Wrap::Clamp,
             wrap => wrap,
         };
+        let as_it_is = Self {
+            normals: slot == CoreTexture::Normal as usize
+                || slot == CORE_SLOTS + LayerTexture::ClearcoatNormal as usize,
+            ..Self::default()
+        };
         match ([texture.width, texture.height] == [px, px], used.nearest) {
-            (true, _) => Self::default(),
+            (true, _) => as_it_is,
             (false, true) => Self {
                 nearest: true,
-                ..Self::default()
+                ..as_it_is
             },
             (false, false) => Self {
-                nearest: false,
                 wrap: used.wrap.map(wrap),
+                ..as_it_is
             },
         }
     }
@@ -182,8 +190,8 @@ impl Layers {
             slots: HashMap::new(),
         };
         let mut next = [0; NUM_POOLS];
-        for used in world.materials.iter().flat_map(Material::slots).flatten() {
-            let (key, pool) = layers.key(&used, &world.textures);
+        for (slot, used) in uses(world) {
+            let (key, pool) = layers.key(slot, &used, &world.textures);
             layers.slots.entry(key).or_insert_with(|| {
                 next[pool] += 1;
                 PoolSlot {
@@ -197,21 +205,27 @@ impl Layers {
     }
 
     /// Key of a texture use, and its pool.
-    fn key(&self, used: &TextureRef, textures: &[Texture]) -> ((usize, Sampling), usize) {
+    fn key(
+        &self,
+        slot: usize,
+        used: &TextureRef,
+        textures: &[Texture],
+    ) -> ((usize, Sampling), usize) {
         let pool = self.pools[used.texture];
-        let sampling = Sampling::for_texture(used, &textures[used.texture], self.sizes.px[pool]);
+        let sampling =
+            Sampling::for_texture(slot, used, &textures[used.texture], self.sizes.px[pool]);
         ((used.texture, sampling), pool)
     }
 
-    /// Pool and layer of a texture use; `None` if no material of the world used the image this way.
-    pub fn slot(&self, used: &TextureRef, textures: &[Texture]) -> Option<PoolSlot> {
-        self.slots.get(&self.key(used, textures).0).copied()
+    /// Pool and layer of a texture use, as `slot` of [`Material::slots`]; `None` if no material of the world used the
+    /// image this way.
+    pub fn slot(&self, slot: usize, used: &TextureRef, textures: &[Texture]) -> Option<PoolSlot> {
+        self.slots.get(&self.key(slot, used, textures).0).copied()
     }
 
     /// Whether all texture uses of another world, with the same images, have layers.
     pub fn cover(&self, world: &World) -> bool {
-        let mut uses = world.materials.iter().flat_map(Material::slots).flatten();
-        uses.all(|used| self.slot(&used, &world.textures).is_some())
+        uses(world).all(|(slot, used)| self.slot(slot, &used, &world.textures).is_some())
     }
 
     /// Size of all layers with their mips, bytes.
@@ -227,6 +241,13 @@ impl Layers {
         images.sort_by_key(|(_, _, slot)| (slot.pool, slot.layer));
         images
     }
+}
+
+/// All texture uses of a world, with their slots.
+fn uses(world: &World) -> impl Iterator<Item = (usize, TextureRef)> {
+    let slots = |m: &Material| m.slots().into_iter().enumerate();
+    (world.materials.iter())
+        .flat_map(move |m| slots(m).filter_map(|(slot, used)| Some((slot, used?))))
 }
 
 fn views(array: &wgpu::Texture) -> [wgpu::TextureView; 2] {

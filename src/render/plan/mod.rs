@@ -75,12 +75,15 @@ pub fn is_rough_reflector(world: &World, index: usize, cutoff: f32) -> bool {
     let material = &world.materials[index];
     let [_, roughness] = material.roughness_extremes();
     let [_, coat_roughness] = material.coat_roughness_extremes();
+    // Normals that are averaged over a footprint make a surface rougher.
     let spread = material.metallic_roughness_texture.is_some()
+        || material.normal_texture.is_some()
         || material.anisotropy.is_some()
         || (is_spread(roughness) && is_base_below(material, cutoff))
         || (material.clearcoat.is_some() && is_spread(coat_roughness));
     let scatters = material.transmission.is_some()
         && (material.metallic_roughness_texture.is_some()
+            || material.normal_texture.is_some()
             || material.anisotropy.is_some()
             || is_spread(roughness));
     material.reflection == ReflectionMode::Auto
@@ -225,7 +228,9 @@ fn samplers(world: &World, used: &BTreeSet<usize>, layers: &Layers) -> (u32, u32
         let slots_of = world.materials[m].slots().into_iter().enumerate();
         for (index, slot) in slots_of.filter_map(|(i, slot)| Some((i, slot?))) {
             let srgb = u32::from(world.textures[slot.texture].srgb);
-            let pool = layers.slot(&slot, &world.textures).map_or(0, |s| s.pool);
+            let pool = layers
+                .slot(index, &slot, &world.textures)
+                .map_or(0, |s| s.pool);
             let bit = 2 * pool + srgb;
             match index < CORE_SLOTS {
                 true => slot_pools |= 1 << (POOL_BITS * index as u32 + bit),

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 
 use crate::{
-    buffers::textures::Layers,
+    buffers::textures::{Layers, PoolSlot},
     layout::{
         gpu_patterned::GpuPatterned,
         gpu_struct::Shared as _,
@@ -22,13 +22,19 @@ use reflet_world::{
 
 /// GPU layout of a material of the world, whose textures lie in `layers`.
 pub fn gpu_material(m: &Material, world: &World, layers: &Layers) -> GpuMaterial {
-    let slot = |slot: Option<TextureRef>| {
-        slot.map_or(NO_TEXTURE, |s| texture_use(&s, m.uv_scale, world, layers))
-    };
     let slots = m.slots();
+    let slot = |i: usize| {
+        slots[i].map_or(NO_TEXTURE, |used| {
+            let place = layers.slot(i, &used, &world.textures);
+            // The pools are made for all materials of the world.
+            place.map_or(NO_TEXTURE, |place| {
+                texture_use(&used, m.uv_scale, world, place)
+            })
+        })
+    };
     let checker = m.checker;
     let color = |i: usize| checker.map_or([0.0; 3], |c| c.colors[i].to_array());
-    let mut layer_textures: [_; LAYER_SLOTS] = std::array::from_fn(|i| slot(slots[CORE_SLOTS + i]));
+    let mut layer_textures: [_; LAYER_SLOTS] = std::array::from_fn(|i| slot(CORE_SLOTS + i));
     let coat = &mut layer_textures[LayerTexture::ClearcoatNormal as usize];
     coat.signs = coat.signs.map(|sign| sign * m.clearcoat_normal_scale);
     GpuMaterial {
@@ -69,7 +75,7 @@ pub fn gpu_material(m: &Material, world: &World, layers: &Layers) -> GpuMaterial
         anisotropy_turn: Vec2::from_angle(m.anisotropy_rotation_deg.to_radians()).to_array(),
         anisotropy: m.anisotropy.unwrap_or(0.0),
         dispersion: m.dispersion.unwrap_or(0.0),
-        textures: std::array::from_fn(|i| slot(slots[i])),
+        textures: std::array::from_fn(slot),
         layer_textures,
         patterned: std::array::from_fn(|i| GpuPatterned::from_pattern(m.patterned.get(i))),
         ..GpuMaterial::ZERO
@@ -87,12 +93,9 @@ fn texture_use(
     slot: &TextureRef,
     uv_scale: [f32; 2],
     world: &World,
-    layers: &Layers,
+    place: PoolSlot,
 ) -> GpuTextureUse {
     let texture = &world.textures[slot.texture];
-    let Some(place) = layers.slot(slot, &world.textures) else {
-        return NO_TEXTURE; // the pools are made for all materials of the world
-    };
     let wrap = |w: Wrap| match w {
         Wrap::Repeat => WRAP_REPEAT,
         Wrap::Clamp => WRAP_CLAMP,

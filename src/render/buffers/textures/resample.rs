@@ -1,19 +1,31 @@
 //! Resampling of images to the size of their pool, and their mips.
 
+use glam::Vec3;
+
 use super::Sampling;
 use reflet_world::{Texture, Wrap};
 
-/// The image at `px` × `px`, and each halving of it.
+/// The image at `px` × `px`, and each halving of it; as a normal map with [`spread`](spread_code) in place of alpha.
 pub fn mip_chain(texture: &Texture, px: u32, sampling: Sampling) -> Vec<Vec<u8>> {
-    let base = if (texture.width, texture.height) == (px, px) {
+    let mut base = if (texture.width, texture.height) == (px, px) {
         texture.rgba.clone()
     } else {
         resampled(texture, px, sampling)
     };
+    if sampling.normals {
+        base.iter_mut()
+            .skip(3)
+            .step_by(4)
+            .for_each(|alpha| *alpha = NO_SPREAD);
+    }
     let mut chain = vec![base];
     let mut edge = px;
     while edge > 1 {
-        let next = box_downsampled(&chain[chain.len() - 1], edge, texture.srgb);
+        let last = &chain[chain.len() - 1];
+        let next = match sampling.normals {
+            true => mean_normals(last, edge),
+            false => box_downsampled(last, edge, texture.srgb),
+        };
         chain.push(next);
         edge /= 2;
     }
@@ -138,6 +150,41 @@ fn box_downsampled(rgba: &[u8], edge: u32, srgb: bool) -> Vec<u8> {
                     }
                 });
             }
+        }
+    }
+    out
+}
+
+/// Code of normals that do not spread.
+const NO_SPREAD: u8 = 255;
+
+/// Code of normals whose mean has this length: the square root of what it lacks. Rounded towards no spread, so that the
+/// rounding of a flat map's own normals has none.
+fn spread_code(length: f32) -> u8 {
+    NO_SPREAD - ((1.0 - length).max(0.0).sqrt() * 255.0) as u8
+}
+
+/// Halves a normal map: the direction of the mean normal, and how far the normals spread around it.
+fn mean_normals(rgba: &[u8], edge: u32) -> Vec<u8> {
+    let [edge, half] = [edge, edge / 2].map(|edge| edge as usize);
+    let normal = |i: usize| {
+        let axes = Vec3::new(rgba[i].into(), rgba[i + 1].into(), rgba[i + 2].into());
+        let spread = f32::from(NO_SPREAD - rgba[i + 3]) / 255.0;
+        (axes / 127.5 - 1.0).normalize_or_zero() * (1.0 - spread * spread)
+    };
+    let mut out = Vec::with_capacity(half * half * 4);
+    for y in 0..half {
+        for x in 0..half {
+            let first = (2 * y * edge + 2 * x) * 4;
+            let below = first + edge * 4;
+            let mean = [first, first + 4, below, below + 4]
+                .map(normal)
+                .iter()
+                .sum::<Vec3>()
+                / 4.0;
+            let code = ((mean.normalize_or(Vec3::Z) + 1.0) * 127.5).round();
+            out.extend(code.to_array().map(|code| code as u8));
+            out.push(spread_code(mean.length()));
         }
     }
     out
