@@ -22,7 +22,7 @@ override HAS_STATIC: bool = true;
 override HAS_TOP_LEVEL: bool = true;
 override HAS_CUTOUT: bool = true;
 // Whether nearest hits are of camera rays. The traversal then also keeps the nearest triangle that these rays
-// ignore, as a back face or as hidden from the camera, and that reflection rays meet.
+// ignore, as a back face, as cut away or as hidden from the camera, and that reflection rays meet.
 override OF_CAMERA: bool = false;
 // Whether rays pass through instances that may move.
 override STATIC_ONLY: bool = false;
@@ -100,8 +100,10 @@ fn trace_solid(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: 
 }
 
 fn is_cut_out(hit: Hit) -> bool {
-    return hit.instance != NO_INSTANCE && (hit.flags & ALPHA_TESTED) != 0u
+    let is_passed_through = hit.instance != NO_INSTANCE && (hit.flags & ALPHA_TESTED) != 0u
         && !alpha_passes(hit.instance, hit.triangle, hit.bary);
+    if OF_CAMERA && is_passed_through { culled_t = min(culled_t, hit.t); }
+    return is_passed_through;
 }
 
 struct TraversalRay {

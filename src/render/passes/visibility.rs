@@ -39,7 +39,7 @@ pub struct Visibility {
     pipelines: Vec<(DrawClass, Arc<wgpu::RenderPipeline>)>,
     /// Pipelines for culled back faces, where the march needs their depth.
     culled: Vec<(DrawClass, Arc<wgpu::RenderPipeline>)>,
-    /// Pipelines for instances that only reflections show, where the march needs their depth.
+    /// Pipelines for instances that only reflections show, or show more of, where the march needs their depth.
     unseen: Vec<(DrawClass, Arc<wgpu::RenderPipeline>)>,
 }
 
@@ -125,9 +125,10 @@ fn is_culled(draw: &Draw) -> bool {
     draw.shown.visible && draw.hides_backs
 }
 
-/// Whether only reflections show the instance.
+/// Whether only reflections show the instance, or more of it than a pixel's center does: what a cut-out shows there is
+/// not what it shows where a ray passes over the pixel.
 fn is_unseen(draw: &Draw) -> bool {
-    !draw.shown.visible && draw.shown.in_reflections
+    draw.shown.in_reflections && (!draw.shown.visible || draw.class.cutout)
 }
 
 /// Faces of single-sided triangles that a pipeline draws, and targets that it writes.
@@ -137,7 +138,7 @@ enum Faces {
     Shown,
     /// Back faces, into the depth only.
     Culled,
-    /// All faces, into the depth only.
+    /// All faces, those cut away included, into the depth only.
     Unseen,
 }
 
@@ -174,7 +175,8 @@ fn pipeline(
     let (gpu, shared, shader) = (builder.gpu, builder.shared, builder.shader(&PASS)?);
     let groups = [&shared.layouts[0], &shared.layouts[1]];
     let mut constants = declared_overrides(shader, &builder.overrides(&PASS));
-    constants.push(("CUTOUT", f64::from(u8::from(class.cutout))));
+    let is_cut_out = class.cutout && faces != Faces::Unseen;
+    constants.push(("CUTOUT", f64::from(u8::from(is_cut_out))));
     let cull_mode = match faces {
         _ if class.shape != DrawShape::Triangles => {
             constants.push(class.shape.constant());

@@ -49,10 +49,11 @@ impl PlannedScene<'_> {
             || reflectors_see_each_other(self.world, self.cutoff())
     }
 
-    /// Whether the camera does not see some instance or one of its sides.
+    /// Whether the camera does not see some instance or one of its sides, or what is cut away of it.
     pub(super) fn culls_some(&self) -> bool {
         let mut instances = self.world.instances.iter();
-        instances.any(|instance| self.world.hides_from_camera(instance))
+        self.has(|m| m.alpha_cutoff.is_some())
+            || instances.any(|instance| self.world.hides_from_camera(instance))
     }
 
     /// Whether some instance is hidden from a kind of ray, or may be.
