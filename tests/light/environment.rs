@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::kit::*;
+use super::{extent::METAL, kit::*};
 
 /// Folder for the files of one test.
 pub fn folder(name: &str) -> PathBuf {
@@ -265,26 +265,25 @@ fn a_rough_metal_in_a_furnace_shows_its_directional_albedo() {
     let Some(gpu) = gpu() else { return };
     let metal =
         include_str!("environment/a_rough_metal_in_a_furnace_shows_its_directional_albedo.toml");
-    let text = format!("{FLOOR}{metal}");
-    for roughness in ["0.1", "0.4", "0.7", "1"] {
-        for angle_deg in [0.0_f64, 60.0] {
-            let (sine, cosine) = angle_deg.to_radians().sin_cos();
-            let set = [
-                format!("material.metal.roughness={roughness}"),
-                format!(
-                    "camera.main.eye=[{}, {}, 0]",
-                    3.0 * sine,
-                    3.0 * cosine + 0.1
-                ),
-                "camera.main.target=[0, 0.1, 0]".to_owned(),
-                "camera.main.fov_deg=1".to_owned(),
-                "image.samples=32".to_owned(),
-            ];
-            let set: Vec<&str> = set.iter().map(String::as_str).collect();
-            let found = mean(&render(gpu, &text, &set, &[]))[0];
-            let number = roughness.parse().unwrap_or(0.0);
-            let expected = directional_albedo(cosine, number) as f32;
-            assert_close(found, expected, 0.01);
+    let sampled = format!("{FLOOR}{metal}");
+    // By samples of the environment, and by rays of either method.
+    for (text, method) in [(sampled.as_str(), "rt"), (METAL, "rt"), (METAL, "hybrid")] {
+        for roughness in ["0.1", "0.4", "0.7", "1"] {
+            for angle_deg in [5.0_f64, 60.0] {
+                let (sine, cosine) = angle_deg.to_radians().sin_cos();
+                let set = [
+                    format!("material.metal.roughness={roughness}"),
+                    format!("camera.main.eye=[{}, {}, 0]", 3.0 * sine, 3.0 * cosine),
+                    "camera.main.target=[0, 0, 0]".to_owned(),
+                    "camera.main.fov_deg=1".to_owned(),
+                    "image.samples=32".to_owned(),
+                    format!("reflection.method={method}"),
+                ];
+                let set: Vec<&str> = set.iter().map(String::as_str).collect();
+                let found = mean(&render(gpu, text, &set, &[]))[0];
+                let number = roughness.parse().unwrap_or(0.0);
+                assert_close(found, directional_albedo(cosine, number) as f32, 0.01);
+            }
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Lights with a size against form factors, and reflections of rough surfaces against integrals.
 
-use super::{environment::directional_albedo, kit::*};
+use super::kit::*;
 
 /// A white, matte floor at y = 0 of which the picture shows a few centimeters around the origin.
 pub const FLOOR: &str = include_str!("extent/floor.toml");
@@ -197,33 +197,7 @@ fn mirrors_show_lights_with_a_size() {
 }
 
 /// A metal with reflectance 1 and a rough specular lobe, under an even sky.
-const METAL: &str = include_str!("extent/metal.toml");
-
-#[test]
-fn a_rough_metal_reflects_its_directional_albedo() {
-    let Some(gpu) = gpu() else { return };
-    for (roughness, method) in [
-        ("0.1", "rt"),
-        ("0.4", "hybrid"),
-        ("0.7", "rt"),
-        ("1", "hybrid"),
-    ] {
-        for angle_deg in [5.0_f64, 60.0] {
-            let (sine, cosine) = angle_deg.to_radians().sin_cos();
-            let set = [
-                format!("material.metal.roughness={roughness}"),
-                format!("camera.main.eye=[{}, {}, 0]", 3.0 * sine, 3.0 * cosine),
-                "camera.main.target=[0, 0, 0]".to_owned(),
-                "camera.main.fov_deg=1".to_owned(),
-                format!("reflection.method={method}"),
-            ];
-            let set: Vec<&str> = set.iter().map(String::as_str).collect();
-            let found = mean(&render(gpu, METAL, &set, &[]))[0];
-            let number = roughness.parse().unwrap_or(0.0);
-            assert_close(found, directional_albedo(cosine, number) as f32, 0.01);
-        }
-    }
-}
+pub const METAL: &str = include_str!("extent/metal.toml");
 
 #[test]
 fn a_mirror_stays_sharp_whatever_its_roughness() {

@@ -192,7 +192,7 @@ fn a_highlight_is_that_of_ggx() {
     let Some(gpu) = gpu() else { return };
     for (roughness, reflectivity) in [(0.5f32, 0.5f32), (0.3, 0.04), (0.8, 0.01)] {
         let text = format!(
-            "{WALL}\n[environment]\ncolor = [0, 0, 0]\n[light.lamp]\nkind = \"point\"\n\
+            "{WALL}\n[reflection]\nmultiple_scattering = false\n[environment]\ncolor = [0, 0, 0]\n[light.lamp]\nkind = \"point\"\n\
              position = [1.5, 0.5, 2]\nintensity_cd = 40\nshadow = \"none\"\n"
         );
         let set = [

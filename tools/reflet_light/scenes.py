@@ -26,6 +26,7 @@ HEAD = """version = 1
 tone_map = "none"
 [reflection]
 method = "rt"
+multiple_scattering = false
 roughness_cutoff = 1
 bounces = 12
 unit_m = 1

@@ -205,12 +205,12 @@ declared! {
         /// textures and benchmarks are never smoothed. Default true.
         pub filter: bool = true,
         /// Whether light that rough surfaces reflect or pass on more than once between their microfacets is added
-        /// (Turquin 2019): they are brighter, metals more colorful, and in even white light white surfaces vanish,
-        /// whatever they are made of: metal, brushed or not, glass, coats, films. `false` is glTF's model, which loses
-        /// it: up to 69 % of the light that the roughest metal would reflect, and 80 % of the light that the roughest
-        /// glass would pass.
-        /// Default false.
-        pub multiple_scattering: bool = false,
+        /// (Turquin 2019), as appendix B of glTF 2.0 recommends: they are brighter, metals more colorful, and in even
+        /// white light white surfaces vanish, whatever they are made of: metal, brushed or not, glass, coats, films.
+        /// `false` is that appendix's sample code, which loses it: up to 69 % of the light that the roughest metal would
+        /// reflect, and 80 % of the light that the roughest glass would pass.
+        /// Default true.
+        pub multiple_scattering: bool = true,
         /// Length of a reflection ray in U, above 0. More reflects things that are farther away. Default 16.
         pub ray_length_u: f32 [RAY_LENGTH_U] = 16.0,
         /// Tolerance of `accept = "verified"` in pixels, 0 to 4: how far the hit point may lie outside of the pixel
