@@ -237,7 +237,7 @@ fn sampled_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
     let is_rough = is_rough_reflector(s);
     let has_specular = (is_rough || !is_reflector(s)) && (s.metallic > 0.0 || s.reflectivity > 0.0);
     let stand_in = select(0.0, stand_in_share(s), s.metallic > 0.0 || s.reflectivity > 0.0);
-    let has_highlight = HAS_HARD_LAMPS && (s.metallic > 0.0 || s.reflectivity > 0.0);
+    let has_highlight = HAS_HARD_LAMPS && shows_points(s);
     let has_lobe = has_specular || stand_in > 0.0 || has_highlight;
     if (!has_lobe && !has_sheen(s) && max(albedo.x, max(albedo.y, albedo.z)) <= 0.0) { return out; }
     let to = Receiver(albedo, is_rough, has_specular, stand_in);

@@ -178,7 +178,7 @@ fn returned_of_emitters(s: Surface, view: vec3f, to: Receiver, index: u32) -> Re
             let is_sized = chosen.sides == 1u;
             var lit_part = to;
             // No ray finds a point without a size, so that its highlight comes by light samples alone.
-            if (!is_sized) { lit_part = Receiver(to.albedo, false, s.metallic > 0.0 || s.reflectivity > 0.0, to.stand_in); }
+            if (!is_sized) { lit_part = Receiver(to.albedo, false, shows_points(s), to.stand_in); }
             var lit_by = returned_of_lamp(s, view, lit_part, point.light, is_sized);
             lit_by.shown = point.shown;
             offer(&choice, lit_by, 1.0);

@@ -119,6 +119,12 @@ struct OnlyLobe {
     share: f32,
 }
 
+// Whether the surface shows lights without a size: a mirror shows a point only where it is exactly in line. Lobes are at
+// least as wide as SMOOTH_ALPHA.
+fn shows_points(s: Surface) -> bool {
+    return (s.metallic > 0.0 || s.reflectivity > 0.0) && s.reflection != REFLECTION_MIRROR && s.roughness > 0.0;
+}
+
 // Whether a surface's reflection is blurred, beyond rounding.
 fn is_spread(s: Surface) -> bool {
     let roughness = reflected_roughness(s);
@@ -183,7 +189,7 @@ fn shade_layer(s: Surface, view: vec3f, reused: vec2u) -> Shade {
     let albedo = diffuse_albedo(s, view);
     var out = environment_light(s, view, albedo);
     out.diffuse += s.emission;
-    let has_specular = s.metallic > 0.0 || s.reflectivity > 0.0;
+    let has_specular = shows_points(s);
     for (var i = 0u; i < hard_lights(); i++) {
         let l = incoming(i, s.position);
         let nl = dot(s.normal, l.to_light);
