@@ -21,19 +21,19 @@ fn compensation(s: Surface, view: vec3f) -> vec3f {
     return vec3f(1.0) + again * lost(shown_lobe(s, view));
 }
 
-// Albedo of the specular lobe alone under uniform light. The split sum has Schlick's Fresnel term, glass the exact one:
-// the smoother it is, the more the ratio of both towards the view holds for the lobe.
+// Albedo of the specular lobe alone under uniform light. The split sum has Schlick's Fresnel term, where the exact one
+// counts: the smoother it is, the more the ratio of both towards the view holds for the lobe.
 fn lobe_reflectance(s: Surface, view: vec3f) -> vec3f {
     if (!CONSERVES_ENERGY) {
         let lobe = shown_lobe(s, view);
-        if (is_transmissive(s)) { return transmissive_fresnel(s, saturate(dot(s.normal, view))) * lobe.x; }
+        if (is_exact(s)) { return exact_fresnel(s, saturate(dot(s.normal, view))) * lobe.x; }
         return split_sum(f0(s), grazing_reflectance(s), lobe);
     }
     let rough = split_sum(f0(s), grazing_reflectance(s), shown_lobe(s, view)) * compensation(s, view);
-    if (!is_transmissive(s)) { return rough; }
+    if (!is_exact(s)) { return rough; }
     let cosine = dot(s.normal, view);
     let schlick = f0(s) + (vec3f(grazing_reflectance(s)) - f0(s)) * schlick_weight(cosine);
-    let exact = transmissive_fresnel(s, cosine) / max(schlick, vec3f(1e-6));
+    let exact = exact_fresnel(s, cosine) / max(schlick, vec3f(1e-6));
     return rough * mix(exact, vec3f(1.0), shown_roughness(s));
 }
 

@@ -11,7 +11,8 @@ fn pack_surface(s: Surface) -> vec4u {
         pack_unit(s.normal),
         pack_unit(s.geometric_normal),
         pack2x16float(vec2f(s.roughness, s.metallic)),
-        (pack2x16float(vec2f(s.reflectivity, 0.0)) & 0xffffu) | (s.reflection << 16u) | (layer_bits(s) << 18u),
+        // No reflectivity is negative, so that a sign is free.
+        (pack2x16float(vec2f(s.reflectivity, 0.0)) & 0x7fffu) | (u32(s.has_index) << 15u) | (s.reflection << 16u) | (layer_bits(s) << 18u),
     );
 }
 
@@ -83,7 +84,8 @@ fn unpack_surface(bits: vec4u, packed: vec4u) -> Surface {
     s.occlusion = base.w;
     s.roughness = roughness_metallic.x;
     s.metallic = roughness_metallic.y;
-    s.reflectivity = unpack2x16float(bits.w).x;
+    s.reflectivity = unpack2x16float(bits.w & 0x7fffu).x;
+    s.has_index = HAS_INDICES && (bits.w & 0x8000u) != 0u;
     s.reflection = (bits.w >> 16u) & 3u;
     s.emission = vec3f(unpack2x16float(packed.z), unpack2x16float(packed.w).x) * EMISSION_SCALE;
     if (!HAS_LAYERS) {

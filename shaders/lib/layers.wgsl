@@ -59,6 +59,11 @@ fn is_transmissive(s: Surface) -> bool {
     return HAS_TRANSMISSION && (s.transmission > 0.0 || s.alpha < 1.0);
 }
 
+// Whether the reflectance follows Fresnel's equations rather than Schlick's approximation.
+fn is_exact(s: Surface) -> bool {
+    return is_transmissive(s) || (HAS_INDICES && s.has_index);
+}
+
 // Whether the coat's reflection is traced, rather than lights and environment alone.
 fn has_traced_coat(s: Surface) -> bool {
     return HAS_COATS && s.clearcoat > 0.0
@@ -102,8 +107,8 @@ fn tinted(s: Surface, reflectance: f32) -> vec3f {
     return mix(dielectric_f0(s), vec3f(s.specular), rise);
 }
 
-// Exact Fresnel equations, as Schlick's approximation has no total reflection; index from the reflectivity.
-fn transmissive_fresnel(s: Surface, cosine: f32) -> vec3f {
+// Exact Fresnel equations, with the index of the reflectivity; Schlick's approximation for metals.
+fn exact_fresnel(s: Surface, cosine: f32) -> vec3f {
     let root = sqrt(min(s.reflectivity, 0.999));
     let index = (1.0 + root) / (1.0 - root);
     let dielectric = dielectric_fresnel(cosine, select(index, 1.0 / index, s.is_inside));
@@ -125,6 +130,7 @@ fn coat_of(s: Surface) -> Surface {
     coat.roughness = s.clearcoat_roughness;
     coat.normal = coat_normal(s);
     coat.reflectivity = COAT_REFLECTIVITY;
+    coat.has_index = false;
     coat.transmission = 0.0;
     coat.alpha = 1.0;
     coat.clearcoat = 0.0;

@@ -1,5 +1,6 @@
 // Parameters of a material, and the surface that has them. scene.wgsl imports this file and binds the materials.
 
+#import constants
 #import structs
 
 struct Surface {
@@ -11,6 +12,7 @@ struct Surface {
     emission: vec3f,
     roughness: f32,
     reflectivity: f32,
+    has_index: bool, // with HAS_INDICES: whether the reflectivity is of an index of refraction, for exact reflectances
     occlusion: f32,
     reflection: u32, // 0 none, 1 auto, 2 mirror
     curvature: f32, // mean curvature, 1/m; positive: convex to the viewer. Only set where ray cones need it
@@ -50,6 +52,9 @@ override HAS_TINTS: bool = true;
 
 override HAS_SHEEN: bool = true;
 
+// Whether some opaque material has an index of refraction.
+override HAS_INDICES: bool = true;
+
 // Whether some specular lobe is anisotropic.
 override HAS_ANISOTROPY: bool = true;
 
@@ -63,9 +68,10 @@ fn material_surface(m: u32) -> Surface {
     s.metallic = material_metallic(m);
     s.roughness = material_roughness(m);
     s.reflectivity = material_reflectivity(m);
+    s.has_index = HAS_INDICES && (material_reflection(m) & OF_INDEX) != 0u;
     s.emission = material_emission(m);
     s.occlusion = 1.0;
-    s.reflection = material_reflection(m);
+    s.reflection = material_reflection(m) & ~OF_INDEX;
     s.unlit = material_unlit(m) != 0u;
     if (HAS_TINTS) {
         s.specular = material_specular(m);

@@ -53,9 +53,9 @@ fn dielectric_reflectance(s: Surface) -> vec2f {
     return vec2f(max(f.x, max(f.y, f.z)), f90(vec3f(s.reflectivity)) * s.specular);
 }
 
-// Fresnel reflectance (Schlick 1994); exact for transmissive surfaces.
+// Fresnel reflectance (Schlick 1994); exact for transmissive surfaces and where an index of refraction is given.
 fn fresnel(s: Surface, cosine: f32) -> vec3f {
-    if (is_transmissive(s)) { return transmissive_fresnel(s, cosine); }
+    if (is_exact(s)) { return exact_fresnel(s, cosine); }
     let f = f0(s);
     return f + (vec3f(grazing_reflectance(s)) - f) * schlick_weight(cosine);
 }

@@ -5,7 +5,7 @@
 
 // Share of light that a facet of a transmissive surface lets pass.
 fn passing_share(s: Surface, cosine: f32) -> vec3f {
-    return left_of(s, transmissive_fresnel(s, cosine));
+    return left_of(s, exact_fresnel(s, cosine));
 }
 
 // Share of the light that arrives along a ray that a facet passes on. Where energy is conserved that is all light that

@@ -40,6 +40,8 @@ pub struct Material {
     pub solid: bool,
     /// Index of refraction inside of a solid, 1 or more.
     pub ior: f32,
+    /// Whether the reflectivity is of an index of refraction that was given, for exact reflectances.
+    pub has_index: bool,
     /// Strength of the clear coat's own normal map.
     pub clearcoat_normal_scale: f32,
     /// Thickness of the film at the texture's least values, nanometers.
@@ -106,6 +108,7 @@ impl Default for Material {
             unlit: false,
             solid: false,
             ior: 1.5,
+            has_index: false,
             clearcoat_normal_scale: 1.0,
             iridescence_least_nm: 100.0,
             blended: false,

@@ -217,6 +217,8 @@ gpu_struct! {
     }
 }
 
+/// Bit of [`GpuMaterial::reflection`]: the reflectivity is of an index of refraction.
+pub const OF_INDEX: u32 = 1 << 2;
 /// Mask of [`GpuTextureUse::bits`]: index of the pool.
 pub const TEXTURE_POOL_MASK: u32 = 3;
 /// Bit of [`GpuTextureUse::bits`]: the texture is sampled as sRGB.
@@ -277,7 +279,7 @@ gpu_struct! {
         checker_b: [f32; 3],
         /// Alpha below which a cut-out is transparent; below 0: opaque.
         alpha_cutoff: f32,
-        /// Reflection mode: 0 none, 1 auto, 2 mirror.
+        /// Reflection mode: 0 none, 1 auto, 2 mirror; with [`OF_INDEX`].
         reflection: u32,
         /// 1: the base color is shown without lighting.
         unlit: u32,

@@ -252,6 +252,12 @@ features! {
         used: scene.has(|m| m.specular.is_some() || m.specular_color.is_some()),
         dropped: "strength and color of specular lobes" => "no material sets them";
     }
+    /// Whether some opaque surface has the exact reflectance of an index of refraction.
+    indices {
+        used: scene.is_general() || scene.has(|m| m.has_index),
+        constant: HAS_INDICES,
+        dropped: "reflectances of indices of refraction" => "no material has one";
+    }
     /// Whether some surface has a sheen.
     sheen {
         used: scene.has(|m| m.sheen_color.is_some()),

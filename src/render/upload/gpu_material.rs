@@ -8,9 +8,9 @@ use crate::{
         gpu_patterned::GpuPatterned,
         gpu_struct::Shared as _,
         types::{
-            GpuMaterial, GpuTextureUse, NONE, TEXTURE_NEAREST, TEXTURE_SIZE_SHIFT, TEXTURE_SRGB,
-            TEXTURE_UV1, TEXTURE_WRAP_U_SHIFT, TEXTURE_WRAP_V_SHIFT, WRAP_CLAMP, WRAP_MIRROR,
-            WRAP_REPEAT, flag,
+            GpuMaterial, GpuTextureUse, NONE, OF_INDEX, TEXTURE_NEAREST, TEXTURE_SIZE_SHIFT,
+            TEXTURE_SRGB, TEXTURE_UV1, TEXTURE_WRAP_U_SHIFT, TEXTURE_WRAP_V_SHIFT, WRAP_CLAMP,
+            WRAP_MIRROR, WRAP_REPEAT, flag,
         },
     },
     settings::cutoff::{has_specular, packed, packed_coat},
@@ -51,11 +51,11 @@ pub fn gpu_material(m: &Material, world: &World, layers: &Layers) -> GpuMaterial
         pattern: checker.map_or(0, |c| c.kind as u32),
         alpha_cutoff: m.alpha_cutoff.unwrap_or(-1.0),
         // Without a specular lobe there is no reflection, whatever the reflection mode.
-        reflection: if has_specular(m) {
-            m.reflection as u32
-        } else {
-            0
-        },
+        reflection: flag(m.has_index, OF_INDEX)
+            | match has_specular(m) {
+                true => m.reflection as u32,
+                false => 0,
+            },
         unlit: m.unlit.into(),
         transmission: m.transmission.unwrap_or(0.0),
         clearcoat: packed_coat(m.clearcoat.unwrap_or(0.0)),

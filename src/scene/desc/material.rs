@@ -100,7 +100,7 @@ material! {
         /// It is followed by rays, with any `reflection`. Default 0, or the glTF value.
         transmission: f32, Number in UNIT, "share of light that passes through" varies Transmission => off "0";
         /// Index of refraction, 1 to 4: 1.33 is water, 1.5 glass, 2.42 diamond. More bends light more if `thickness_m`
-        /// is above 0, and gives more `reflectivity` if that is left out. Default 1.5, or the glTF value.
+        /// is above 0, and gives more `reflectivity` if that is left out, with its exact reflectance at all angles. Default 1.5, or the glTF value.
         ior: f32;
         /// Thickness of a surface that light passes, meters, 0 or more: 0 is a thin sheet, through which light goes
         /// straight on; any other value makes the closed mesh a solid that refracts and absorbs along the way through

@@ -118,6 +118,7 @@ fn specular(
             format!("ior is {ior}, expected 0 or at least 1"),
         ));
     }
+    out.has_index = ior > 0.0 && extensions.ior.is_some();
     out.reflectivity = if ior == 0.0 {
         1.0
     } else {

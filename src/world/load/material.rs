@@ -14,7 +14,7 @@ use crate::{
     texture::{self, TextureRequest},
 };
 use reflet_scene::{
-    desc::{At, MOST_PATTERNED, MaterialDesc},
+    desc::{At, MOST_PATTERNED, MaterialDesc, reflectivity_of},
     diagnostic::Diagnostic,
 };
 
@@ -137,6 +137,10 @@ impl Loader<'_> {
         material.is_mesh_light &= desc.light.is_none();
         material.reflection = desc.reflection.unwrap_or(material.reflection);
         material.ior = desc.ior.unwrap_or(material.ior);
+        if let Some(reflectivity) = desc.reflectivity {
+            // The reader fills in the reflectivity of an index.
+            material.has_index = desc.ior.map(reflectivity_of) == Some(reflectivity);
+        }
         if desc.alpha.is_some() && material.alpha_cutoff.is_none() {
             material.blended = true;
         }
