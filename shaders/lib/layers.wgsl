@@ -16,8 +16,8 @@ override HAS_COATS: bool = true;
 
 // Most passages through surfaces and reflections inside solids along one path; many, as walls of glass guide light.
 const MAX_CROSSINGS: u32 = 60u;
-// Maximum number of transmissive surfaces between a light and a point.
-const MAX_PANES: u32 = 16u;
+// Maximum number of transmissive and cut-out surfaces between a light and a point; MAX_VISITS limits their work.
+const MAX_PANES: u32 = 4096u;
 const DARKEST_PANE: f32 = 1.0 / 255.0; // minimum share of light that a shadow ray follows further
 
 var<private> path_crossings: u32 = 0u; // number of surfaces crossed
@@ -335,27 +335,6 @@ fn onward_origin(s: Surface, direction: vec3f) -> vec3f {
     return ray_origin(s.position, s.geometric_normal * select(1.0, -1.0, dot(direction, s.geometric_normal) < 0.0));
 }
 
-// The surface as it filters light that passes straight through it: its material, without the textures of color,
-// normal and roughness.
-fn pane_at(h: Hit, direction: vec3f) -> Surface {
-    let m = instance_material(h.instance);
-    let c = corners(h.instance, h.triangle);
-    let normal = outward_normal(h.instance, c.p, h.bary);
-    let bary = weights_at(h.instance, c.p, h.bary);
-    var s = material_at(m, h.instance, c.index, bary, 0.0, 1.0);
-    s.is_solid = material_is_solid(m) != 0u;
-    s.is_inside = s.is_solid && dot(normal, direction) > 0.0;
-    s.normal = select(normal, -normal, dot(normal, direction) > 0.0);
-    s.transmission *= layer_texel(TRANSMISSION_SLOT, h.instance, c.index, bary, 1.0, 0.0).x;
-    s.clearcoat *= layer_texel(CLEARCOAT_SLOT, h.instance, c.index, bary, 1.0, 0.0).x;
-    s = with_textured_details(s, h.instance, c.index, bary, 1.0, 0.0);
-    s = with_film(s, h.instance, c.index, bary, 1.0, 0.0, dot(s.normal, direction));
-    s.absorption = material_absorption(m);
-    s.alpha = 1.0;
-    if (material_is_blended(m) != 0u) { s.alpha = material_alpha(m, h.instance, c.index, bary, 0.0, 1.0); }
-    return s;
-}
-
 // Share of light that arrives along a ray, straight through transmissive surfaces: shadow rays are not refracted.
 fn transmittance(origin: vec3f, direction: vec3f, distance_m: f32) -> vec3f {
     if (!HAS_TRANSMISSION) { return vec3f(select(1.0, 0.0, trace_any(origin, direction, 0.0, distance_m))); }
@@ -376,7 +355,7 @@ fn transmittance(origin: vec3f, direction: vec3f, distance_m: f32) -> vec3f {
             passed_cutout = vec2u(h.instance, h.triangle);
             continue;
         }
-        var s = pane_at(h, direction);
+        var s = surface_at(h.instance, h.triangle, h.bary, direction, 0.0);
         if (!is_transmissive(s)) { break; }
         absorption = select(vec3f(0.0), s.absorption, s.is_solid && !s.is_inside);
         let cosine = dot(s.normal, -direction);

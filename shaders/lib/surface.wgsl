@@ -42,17 +42,6 @@ fn weights_at(instance: u32, p: array<vec3f, 3>, bary: vec2f) -> vec2f {
     return vec2f(capsule_point(bary, p[1] - p[0], instance_capsule_radius_m(instance)).share, 0.0);
 }
 
-// Unit normal on the front of a triangle, or on the outside of a capsule.
-fn outward_normal(instance: u32, p: array<vec3f, 3>, bary: vec2f) -> vec3f {
-    if (is_capsule(instance)) {
-        let point = capsule_point(bary, p[1] - p[0], instance_capsule_radius_m(instance));
-        return normalize(normal_to_world(instance, point.normal));
-    }
-    let p0 = to_world(instance, p[0]);
-    let normal = normalize(cross(to_world(instance, p[1]) - p0, to_world(instance, p[2]) - p0));
-    return select(normal, -normal, (instance_flags(instance) & FLAG_MIRRORED) != 0u);
-}
-
 // Hit of a ray with a capsule; t is in lengths of the direction.
 struct CapsuleHit {
     is_met: bool,

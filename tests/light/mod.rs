@@ -23,5 +23,6 @@ mod light_tree_kernel;
 mod many_lamps;
 mod near;
 mod panorama;
+mod passed;
 mod random_materials;
 mod sheen;

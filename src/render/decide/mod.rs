@@ -28,7 +28,7 @@ use super::{
         view_sample::ViewSample,
     },
     lighting::lights::{CUBE_FACES, has_cube_map},
-    plan::{reflects, traces_rays},
+    plan::{filters_light, reflects, traces_rays},
     settings::{options::RenderOptions, unit_costs::UnitCosts, view::View},
 };
 
@@ -177,6 +177,12 @@ impl Decider<'_> {
     }
 
     fn shadows(&mut self) {
+        let has_map = |l: &Light| matches!(l.desc.shadow, ShadowMode::Map | ShadowMode::Auto);
+        if filters_light(self.world) && self.world.lights.iter().any(has_map) {
+            self.decided.options.filtered_shadows = true;
+            let why = "light passes a surface, which one depth of a map cannot tell";
+            return self.choose("shadow maps", "ray", why.to_owned());
+        }
         let is_auto = |kind: usize| {
             let mut lights = self.world.lights.iter();
             lights.any(|l| l.desc.shadow == ShadowMode::Auto && l.desc.kind.index() == kind)

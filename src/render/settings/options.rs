@@ -17,6 +17,9 @@ pub struct RenderOptions {
     pub image: ImageDesc,
     /// Shadow mode of lights with `shadow = "auto"`, by kind of light.
     pub auto_shadow: [ShadowMode; LightKind::NAMES.len()],
+    /// Whether light passes some surface that casts a shadow, so that shadow rays stand in for maps: the one depth of a
+    /// texel cannot tell how much passes, in which color.
+    pub filtered_shadows: bool,
     /// Index of the camera whose view decides `auto` settings; `None` for [`World::main_camera`].
     pub camera: Option<usize>,
     /// Unit costs for deciding `auto` settings; `None` for the costs of the adapter's kind.
@@ -93,6 +96,7 @@ impl Default for RenderOptions {
             reflection: ReflectionDesc::default(),
             image: ImageDesc::default(),
             auto_shadow: [ShadowMode::Map; LightKind::NAMES.len()],
+            filtered_shadows: false,
             camera: None,
             costs: None,
             draft: None,
@@ -172,8 +176,9 @@ impl RenderOptions {
 
     /// Shadow mode of a light, with `auto` decided.
     pub fn shadow_of(&self, light: &LightDesc) -> ShadowMode {
+        let by_rays = self.is_unbiased() || self.filtered_shadows;
         match light.shadow {
-            ShadowMode::Map | ShadowMode::Auto if self.is_unbiased() => ShadowMode::Ray,
+            ShadowMode::Map | ShadowMode::Auto if by_rays => ShadowMode::Ray,
             ShadowMode::Auto => self.auto_shadow[light.kind.index()],
             mode => mode,
         }

@@ -1,0 +1,41 @@
+//! Light that surfaces let pass on its straight way, in shadows of all kinds of lights.
+
+use crate::common::cases;
+
+use super::kit::*;
+
+/// A matte floor below a pane that is above the camera.
+const FLOOR: &str = include_str!("passed/floor.toml");
+const PANES: &str = include_str!("passed/panes.txt");
+const LIGHTS: &str = include_str!("passed/lights.txt");
+
+/// Mean color of the floor below this pane and light.
+fn lit(pane: &str, light: &str, set: &[&str]) -> Option<[f32; 3]> {
+    let text = format!("{FLOOR}{pane}\n{light}\n");
+    Some(mean(&render(gpu()?, &text, set, &[])))
+}
+
+#[test]
+fn shadows_have_what_a_straight_ray_through_a_surface_passes() {
+    for (light, kind) in cases(LIGHTS) {
+        let open = or_skip!(lit(
+            "alpha = 1",
+            light,
+            &["instance.pane.casts_shadow=false"]
+        ));
+        for (pane, passed) in cases(PANES) {
+            for method in ["rt", "path"] {
+                let method = format!("reflection.method={method}");
+                let found = lit(pane, light, &[&method]).unwrap_or_default();
+                for (k, share) in passed.split(' ').enumerate() {
+                    let share: f32 = share.parse().expect("a number");
+                    let error = (found[k] / open[k] - share).abs();
+                    assert!(
+                        error < 4e-3,
+                        "{kind}, {method}, {pane}: {found:?} of {open:?}"
+                    );
+                }
+            }
+        }
+    }
+}
