@@ -42,7 +42,7 @@ var<private> footprint_samples: f32 = 1.0;
 
 // Texture coordinates as all sub-frames together need them: where they see texels apart, each is flat but for an edge
 // half as wide as the distance of their places, as else the filter between texels would blur the mean. The texture has
-// `size_px` texels; `footprint` is that of one sub-frame.
+// `size_px` texels; `footprint` is one sub-frame's.
 fn between_texels(uv: vec2f, size_px: f32, footprint: f32) -> vec2f {
     if (footprint_samples < 2.0) { return uv; }
     let pixel = footprint * size_px * sqrt(footprint_samples); // the pixel's width, texels

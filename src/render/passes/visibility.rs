@@ -125,8 +125,8 @@ fn is_culled(draw: &Draw) -> bool {
     draw.shown.visible && draw.hides_backs
 }
 
-/// Whether only reflections show the instance, or more of it than a pixel's center does: what a cut-out shows there is
-/// not what it shows where a ray passes over the pixel.
+/// Whether only reflections show the instance, or more of it than a pixel's center does: a cut-out may be solid where a ray
+/// passes over a pixel in whose center it has a hole.
 fn is_unseen(draw: &Draw) -> bool {
     draw.shown.in_reflections && (!draw.shown.visible || draw.class.cutout)
 }

@@ -49,7 +49,7 @@ impl PlannedScene<'_> {
             || reflectors_see_each_other(self.world, self.cutoff())
     }
 
-    /// Whether the camera does not see some instance or one of its sides, or what is cut away of it.
+    /// Whether the camera does not see some instance, one of its sides, or parts that are cut away.
     pub(super) fn culls_some(&self) -> bool {
         let mut instances = self.world.instances.iter();
         self.has(|m| m.alpha_cutoff.is_some())

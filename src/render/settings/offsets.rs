@@ -13,7 +13,7 @@ const PIXEL_STEPS: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2]
 /// Step of the moments, which no other sequence has.
 const SHUTTER_STEP: f64 = std::f64::consts::SQRT_2 - 1.0;
 
-/// Place of number `k` among the first `count` numbers k · step modulo 1 in ascending order, from that of number 0 on.
+/// Place of number `k` among the first `count` numbers k · step modulo 1 in ascending order; number 0 has the first.
 fn place(k: u32, count: u32, step: f64) -> u32 {
     let at = |k: u32| (f64::from(k) * step).fract();
     // Number 0 is the least.

@@ -158,7 +158,7 @@ fn box_downsampled(rgba: &[u8], edge: u32, srgb: bool) -> Vec<u8> {
 /// Code of normals that do not spread.
 const NO_SPREAD: u8 = 255;
 
-/// Code of normals whose mean has this length: the square root of what it lacks. Rounded towards no spread, so that the
+/// Code of normals whose mean has this length: the square root of its distance from 1. Rounded towards no spread, so that the
 /// rounding of a flat map's own normals has none.
 fn spread_code(length: f32) -> u8 {
     NO_SPREAD - ((1.0 - length).max(0.0).sqrt() * 255.0) as u8
