@@ -39,6 +39,8 @@ class MaterialPlan:
     """Shading nodes that were read, by path relative to the material."""
 
 
+CLEAR = 1.0 / 255.0
+"""Opacity below which a surface is glass rather than blended."""
 DISPLAY = ("displayColor", "displayOpacity")
 Tint = tuple[float | None, ...]
 """Red, green, blue and opacity that an instance gives; None where it gives none."""
@@ -128,6 +130,8 @@ class MaterialLibrary:
             message = f"a {what} has no glTF counterpart, displayColor is shown"
             self.context.ledger.warn("material-unsupported", prim, message)
             return MaterialPlan(prim)
+        if str(reader.value(shader, "opacityMode", "transparent")) != "presence":
+            inputs |= _as_glass(inputs)
         reader.visit(shader)
         self._warn_displacement(material)
         plan = self._planned(prim, inputs)
@@ -171,6 +175,17 @@ class MaterialLibrary:
             entry["name"] = plan.prim.GetName()
             entry["extras"] = {"prim": str(plan.prim.GetPath())}
         return entry
+
+
+def _as_glass(inputs: dict[str, Source]) -> dict[str, Source]:
+    """Inputs of a surface whose diffuse part cannot be seen: clear glass, which still reflects."""
+    opacity, threshold = inputs.get("opacity"), inputs.get("opacityThreshold", Constant((0.0,)))
+    if not isinstance(opacity, Constant) or opacity.value[0] >= CLEAR:
+        return {}
+    if threshold != Constant((0.0,)) or "transmission" in inputs:
+        return {}
+    white, clear = Constant((1.0, 1.0, 1.0)), Constant((1.0 - max(opacity.value[0], 0.0),))
+    return {"diffuseColor": white, "opacity": Constant((1.0,)), "transmission": clear}
 
 
 def painter_of(

@@ -4,6 +4,7 @@ import dataclasses
 import math
 
 import numpy as np
+from pxr import Usd
 
 from .allowed_deviations import (
     FROZEN_INPUT,
@@ -41,6 +42,8 @@ LAYERS = (
     "attenuationDistance",
 )
 """Channels beyond UsdPreviewSurface's."""
+_CLEAR = "clear"
+"""Transmission of a UsdPreviewSurface of next to no opacity."""
 _NOT_EVALUATED = PreviewInput(None, None, "not given")
 _ENCODED = ("diffuseColor", "emissiveColor", "specularColor")
 _NEUTRAL = {"displacement": (0.0,), "normal": (0.0, 0.0, 1.0), "occlusion": (1.0,)}
@@ -107,6 +110,7 @@ def compare_materials(
             checks.add("materials", path, math.inf, "is not in the output")
         for index in found:
             read = other or _preview_inputs(shader, truth.roots)
+            read = _seen_through(read, truth.stage.GetPrimAtPath(path))
             if read["diffuseColor"].reason or read["opacity"].reason:
                 colored.add(path.rsplit("/", 1)[-1])
             one = _Comparison(checks, path, _without_lost(checks, read))
@@ -114,6 +118,24 @@ def compare_materials(
             one.compare(output)
             uses += one.uv_uses(output)
     return uses, frozenset(colored)
+
+
+def _seen_through(read: dict[str, PreviewInput], material: Usd.Prim) -> dict[str, PreviewInput]:
+    """The inputs, of clear glass where nothing of the diffuse part can be seen, as documented."""
+    opacity, cutoff = read["opacity"].constant, read["opacityThreshold"].constant
+    if opacity is None or float(opacity[0]) >= 1.0 / 255.0:
+        return read
+    modes = (prim.GetAttribute("inputs:opacityMode") for prim in Usd.PrimRange(material))
+    if any(mode and mode.Get() == "presence" for mode in modes):
+        return read
+    if cutoff is None or float(cutoff[0]) != 0.0 or "transmission" in read:
+        return read
+    clear = PreviewInput(np.array([1.0 - max(float(opacity[0]), 0.0)]), None)
+    one = {
+        "diffuseColor": PreviewInput(np.ones(3), None),
+        "opacity": PreviewInput(np.ones(1), None),
+    }
+    return {**read, **one, _CLEAR: clear}
 
 
 def _compare_plain(checks: Checks, path: str, found: OutputMaterial) -> None:
@@ -172,6 +194,8 @@ class _Comparison:
             if name == "occlusion" and source.constant is not None:
                 source = PreviewInput(np.array([1.0]), None)
             self._channel(name, source, found)
+        if _CLEAR in self.inputs:
+            self._channel("transmission", self.inputs[_CLEAR], found)
         self._normal(found)
         self._losses()
         self._empty_slots(found)
@@ -217,6 +241,8 @@ class _Comparison:
                 text = f"{names[0]} has a texture only in the output"
                 self.checks.add("materials", self.path, math.inf, text)
         for text in unexpected_extensions(found.material, self._has_layers()):
+            if _CLEAR in self.inputs and "KHR_materials_transmission" in text:
+                continue
             self.checks.add("materials", self.path, math.inf, text)
 
     def _losses(self) -> None:
