@@ -21,19 +21,23 @@ fn points_and_lines_are_capsules_around_them() {
     let [o, x, y] = [Vec3::ZERO, Vec3::X, Vec3::Y];
     // The diagonal of the three vertices is √2 m.
     let (point, line) = (2.0_f32.sqrt() / 300.0, 2.0_f32.sqrt() / 600.0);
-    for (mode, expected, radius) in [
-        (0, vec![[o, o], [x, x], [y, y]], point),
-        (1, vec![[o, x]], line),
-        (2, vec![[o, x], [x, y], [y, o]], line),
-        (3, vec![[o, x], [x, y]], line),
+    for (mode, expected, radius, extras) in [
+        (0, vec![[o, o], [x, x], [y, y]], point, json!(null)),
+        (1, vec![[o, x]], line, json!([1])),
+        (2, vec![[o, x], [x, y], [y, o]], line, json!({})),
+        (3, vec![[o, x], [x, y]], line, json!({"width_m": "1"})),
+        (0, vec![[o, o], [x, x], [y, y]], 0.25, json!({"width_m": 0.5})),
+        (3, vec![[o, x], [x, y]], 0.25, json!({"width_m": 0.5})),
     ] {
         let mut doc = Doc::triangle();
         doc.primitive("mode", mode.into());
+        doc.primitive("extras", extras);
         let colors = doc.floats("VEC3", &[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
         doc.attribute("COLOR_0", colors);
         let world = doc.world();
         assert!(world.warnings.is_empty(), "{:?}", world.warnings);
         let mesh = &world.meshes[0];
+        assert_eq!(world.materials[world.instances[0].material].unlit, radius != 0.25);
         assert_eq!(ends(mesh), expected, "mode {mode}");
         assert!((mesh.capsule_radius_m.expect("capsules") - radius).abs() < 1e-7);
         assert_eq!(mesh.colors.len(), 3, "a vertex has its own color");

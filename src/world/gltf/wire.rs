@@ -32,9 +32,8 @@ pub fn build(
         _ => RADIUS_M,
     };
     // A width of 0 is widened to a pixel later.
-    let radius_m = width_m.map_or(thin_m, |width| {
-        (0.5 * width as f32).clamp(1e-6 * thin_m, 1e9)
-    });
+    let wide_m = |width: f64| (0.5 * width as f32).min(1e9).max(1e-6 * thin_m);
+    let radius_m = width_m.map_or(thin_m, wide_m);
     data.spend(bytes(mode, corners.len()))?;
     let line = |[a, b]: [u32; 2]| (position(a) != position(b)).then_some([a, b, b]);
     let pairs = || corners.windows(2).map(|w| [w[0], w[1]]);
