@@ -50,6 +50,7 @@ mod run;
 mod schema;
 mod skin;
 mod specular_glossiness;
+mod splats;
 pub mod stand_in;
 mod texture_ref;
 mod transform;

@@ -26,7 +26,12 @@ fn points_and_lines_are_capsules_around_them() {
         (1, vec![[o, x]], line, json!([1])),
         (2, vec![[o, x], [x, y], [y, o]], line, json!({})),
         (3, vec![[o, x], [x, y]], line, json!({"width_m": "1"})),
-        (0, vec![[o, o], [x, x], [y, y]], 0.25, json!({"width_m": 0.5})),
+        (
+            0,
+            vec![[o, o], [x, x], [y, y]],
+            0.25,
+            json!({"width_m": 0.5}),
+        ),
         (3, vec![[o, x], [x, y]], 0.25, json!({"width_m": 0.5})),
     ] {
         let mut doc = Doc::triangle();
@@ -37,7 +42,10 @@ fn points_and_lines_are_capsules_around_them() {
         let world = doc.world();
         assert!(world.warnings.is_empty(), "{:?}", world.warnings);
         let mesh = &world.meshes[0];
-        assert_eq!(world.materials[world.instances[0].material].unlit, radius != 0.25);
+        assert_eq!(
+            world.materials[world.instances[0].material].unlit,
+            radius != 0.25
+        );
         assert_eq!(ends(mesh), expected, "mode {mode}");
         assert!((mesh.capsule_radius_m.expect("capsules") - radius).abs() < 1e-7);
         assert_eq!(mesh.colors.len(), 3, "a vertex has its own color");
@@ -66,6 +74,34 @@ fn points_and_lines_are_capsules_around_them() {
     let corners = doc.accessor("SCALAR", 5121, 2, &[1, 1]);
     doc.primitive("indices", corners.into());
     assert_eq!(warnings(&doc.world()), ["mesh-empty", "model-empty"]);
+}
+
+/// Gaussian splats are points in the constant part of their color, of their mean size.
+#[test]
+fn splats_are_points_of_their_size() {
+    let mut doc = Doc::triangle();
+    doc.primitive("mode", 0.into());
+    doc.primitive(
+        "extensions",
+        json!({"KHR_gaussian_splatting": {"kernel": "ellipse", "colorSpace": "lin_rec709_display"}}),
+    );
+    doc.json["extensionsRequired"] = json!(["KHR_gaussian_splatting"]);
+    let logarithm = 0.1_f32.ln();
+    let scales = doc.floats("VEC3", &[logarithm; 9]);
+    doc.attribute("KHR_gaussian_splatting:SCALE", scales);
+    let red = [1.0, -1.0, 9.0].repeat(3);
+    let colors = doc.floats("VEC3", &red);
+    doc.attribute("KHR_gaussian_splatting:SH_DEGREE_0_COEF_0", colors);
+    let world = doc.world();
+    assert_eq!(warnings(&world), ["splats-approximated"]);
+    let mesh = &world.meshes[0];
+    assert!((mesh.capsule_radius_m.expect("capsules") - 0.1).abs() < 1e-6);
+    let color = mesh.colors[2].truncate();
+    assert!(color.abs_diff_eq(Vec3::new(0.782_095, 0.217_905, 1.0), 1e-5));
+    assert!(world.materials[world.instances[0].material].unlit);
+    let short = doc.floats("VEC3", &[0.0; 6]);
+    doc.attribute("KHR_gaussian_splatting:SCALE", short);
+    assert!(doc.load().is_err());
 }
 
 #[test]

@@ -6,12 +6,13 @@ use super::{Fault, schema::Root, uri::shorten};
 use reflet_scene::diagnostic::{Diagnostic, Severity};
 
 /// Supported extensions, which files may list in `extensionsRequired`.
-pub const SUPPORTED: [&str; 24] = [
+pub const SUPPORTED: [&str; 25] = [
     "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
     "KHR_draco_mesh_compression",
+    "KHR_gaussian_splatting", // shown as points, with a warning
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",

@@ -12,7 +12,7 @@ use super::{
     primitive_context::Context,
     repair,
     schema::Primitive,
-    skin, wire,
+    skin, splats, wire,
 };
 use crate::{
     Mesh,
@@ -68,7 +68,8 @@ pub fn build(
     );
     if !has_faces(primitive) {
         pose_at_rest(&context, deformation(&context)?, &mut mesh);
-        wire::build(&mut mesh, mode, &corners, width_m(primitive), data)?;
+        let width_m = width_m(primitive).or(splats::read(&context, &mut mesh, notes)?);
+        wire::build(&mut mesh, mode, &corners, width_m, data)?;
         repair::run(&mut mesh, notes);
     } else {
         mesh.triangles = triangles(mode, &corners);

@@ -188,6 +188,15 @@ pub struct PrimitiveExtensions {
     pub variants: Option<VariantMappings>,
     #[serde(rename = "KHR_draco_mesh_compression")]
     pub draco: Option<Draco>,
+    #[serde(rename = "KHR_gaussian_splatting")]
+    pub splats: Option<Splats>,
+}
+
+/// Gaussian splats, whose attributes are beside the primitive's others.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub struct Splats {
+    pub color_space: Option<String>,
 }
 
 /// A compressed primitive.

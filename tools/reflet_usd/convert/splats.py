@@ -9,6 +9,7 @@ from .context import authored, in_float32
 from .curves import WIDTH_ATTRIBUTE, LineBuilder, by_width
 from .geometry import BuiltMesh
 from .scene import Array
+from .texture import srgb_to_linear
 
 SPLATS = "ParticleField3DGaussianSplat"
 FAINTEST = 0.1
@@ -38,7 +39,10 @@ class SplatBuilder(LineBuilder):
         }
         entries = [self._entry(values, None, rows, width) for rows, width in by_width(values, None)]
         plan, white = self.materials.plan(None), DisplayColor((1.0, 1.0, 1.0, 1.0))
-        look = self.materials.instantiate(plan, {}, False, white, True)
+        lit = self.materials.instantiate(plan, {}, False, white, True)
+        self.writer.use_extension("KHR_materials_unlit")  # splats hold the light that they show
+        unlit: dict[str, Any] = {"extensions": {"KHR_materials_unlit": {}}}
+        look = self.writer.add_once("materials", {**self.writer.lists["materials"][lit], **unlit})
         message = f"of {count} splats {int(shown.sum())} are shown as opaque points"
         self._warn("splats-approximated", f"{message}, in the same color from all sides")
         mesh: dict[str, Any] = {"name": self.prim.GetName()}
@@ -55,9 +59,9 @@ class SplatBuilder(LineBuilder):
         return fallback
 
     def _colors(self, count: int) -> Array:
-        """Linear colors (splats, 3) by the constant part of the spherical harmonics."""
+        """Linear colors (splats, 3) by the constant part, which is encoded as for displays."""
         degree = int(authored(self.prim, "radiance:sphericalHarmonicsDegree", self.context.time, 3))
         each = (degree + 1) ** 2
         name = "radiance:sphericalHarmonicsCoefficients"
         found = self._values(name, 3, np.zeros((count * each, 3)))[: count * each : each]
-        return np.clip(np.nan_to_num(found) * _CONSTANT + _MIDDLE, 0.0, 1.0)
+        return srgb_to_linear(np.clip(np.nan_to_num(found) * _CONSTANT + _MIDDLE, 0.0, 1.0))

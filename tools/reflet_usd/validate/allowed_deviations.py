@@ -20,6 +20,8 @@ UV_CONSTANT = ("uv-missing",)
 """Warning about a constant that replaces a UV set without a primvar."""
 LEFT_OUT = ("invisible-skipped", "purpose-skipped", "lod-skipped", "prim-damaged")
 """Warnings by which a prim and all below it have no node."""
+UNLIT = ("splats-approximated",)
+"""Warning about points that hold the light that they show."""
 TRANSLUCENT = ("opacity-approximated",)
 """Warning about a displayColor that blends although no drawn corner is translucent."""
 EXTRAS = ("attribute-dropped",)

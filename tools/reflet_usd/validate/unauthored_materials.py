@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .allowed_deviations import TRANSLUCENT
+from .allowed_deviations import TRANSLUCENT, UNLIT
 from .checks import Checks
 from .gltf_material import is_mesh_light
 from .gltf_scene import OutputReader
@@ -85,6 +85,8 @@ def _compare_primitive(
     path = output.file.prim_of(material)
     if not path:
         for text in non_default_values(material):
+            if text.endswith("KHR_materials_unlit") and checks.excuse(key, UNLIT):
+                continue  # they hold the light that they show
             checks.add("materials", key, math.inf, f"in displayColor: {text}")
     elif path.rsplit("/", 1)[-1] not in colored:
         if "COLOR_0" in attributes:
