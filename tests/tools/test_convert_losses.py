@@ -68,31 +68,6 @@ def test_metadata_without_a_place_is_named_once(tmp_path: Path) -> None:
     assert "bad" not in kept and "many" not in kept
 
 
-@pytest.mark.parametrize(
-    "line",
-    [
-        "rel collection:lightLink:includes = </C>",
-        "rel collection:lightLink:excludes = </C>",
-        "rel collection:shadowLink:excludes = </C>",
-        "bool collection:lightLink:includeRoot = 0",
-    ],
-)
-@pytest.mark.parametrize(
-    "kind", ['SphereLight "L"', 'Cube "L" (prepend apiSchemas = ["MeshLightAPI"])']
-)
-def test_every_way_to_limit_a_light_is_named(tmp_path: Path, line: str, kind: str) -> None:
-    text = f"""
-def Cube "C" {{
-}}
-def {kind} {{
-    {line}
-}}
-"""
-    done = convert_text(tmp_path, text)
-    name = line.split()[1]
-    assert messages(done, "light-linking-dropped") == {"/L": f"'{name}' has no counterpart"}
-
-
 @pytest.mark.parametrize("name", ["ior", "opacityThreshold", "useSpecularWorkflow"])
 def test_a_texture_for_one_number_is_named_and_the_default_taken(tmp_path: Path, name: str) -> None:
     save(tmp_path, "t.png", noise("L"))
@@ -119,17 +94,6 @@ def test_recoded_texels_are_named(tmp_path: Path) -> None:
         found = messages(shaded(tmp_path, inputs, nodes), "texture-repacked")
         assert set(found) == (set() if named is None else {"/Mat/T"})
         assert named is None or named in found["/Mat/T"]
-
-
-@pytest.mark.parametrize("kind", ['Cube "{}"', 'Points "{}"'])
-def test_a_translucent_display_opacity_is_named_for_each_prim(tmp_path: Path, kind: str) -> None:
-    points = "point3f[] points = [(0,0,0), (1,0,0)]" if "Points" in kind else ""
-    prims = [
-        f"def {kind.format(name)} {{\n{points}\nfloat[] primvars:displayOpacity = [{opacity}]\n}}\n"
-        for name, opacity in (("A", 0.5), ("B", 0.5), ("C", 1))
-    ]
-    done = convert_text(tmp_path, "".join(prims))
-    assert set(messages(done, "opacity-approximated")) == {"/A", "/B"}
 
 
 def test_collections_that_nothing_reads_are_kept_or_named(tmp_path: Path) -> None:
