@@ -299,6 +299,11 @@ def test_what_is_below_an_instancer_and_no_prototype_is_told_so(tmp_path: Path) 
     assert not done.warnings("/I/Used")
 
 
+def test_colors_of_no_instance_are_left_out(tmp_path: Path, stages: Path) -> None:
+    text = (stages / "tinted.usda").read_text().replace("[0, 1, 2, 0, 1, 2]", "[9, 9, 9, 9, 9, 9]")
+    assert convert_text(tmp_path, text).validated().passed
+
+
 def test_instances_show_their_own_colors(tmp_path: Path, stages: Path) -> None:
     def dye(out: Output) -> None:
         for look in out.gltf.materials:

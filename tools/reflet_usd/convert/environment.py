@@ -77,7 +77,7 @@ def add_environment(context: Context, writer: GltfWriter) -> int | None:
         return None
     import OpenEXR
 
-    width = min(max(dome.width for dome in domes), MOST_ACROSS) // 2 * 2
+    width = max(min(max(dome.width for dome in domes), MOST_ACROSS) // 2 * 2, 2)
     height = width // 2
     sky = np.zeros((height, width, 3), np.float32)
     for first in range(0, height, _ROWS):

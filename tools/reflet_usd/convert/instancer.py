@@ -293,7 +293,9 @@ class Instancers:
                 continue
             read = read_primvar(self.context, prim, primvar)
             values = np.zeros((0, 0)) if read is None else read.flat()
-            if values.shape[1] != columns.stop - columns.start or len(values) <= numbers.max():
+            if values.shape[1] != columns.stop - columns.start or len(values) <= numbers.max(
+                initial=-1
+            ):
                 message = f"'{name}' has {len(values)} values, which do not fit the instances"
                 self.context.ledger.warn("primvar-size-wrong", prim, message)
                 continue
