@@ -229,15 +229,19 @@ impl ModelDesc {
     }
 }
 
-/// Tables and keys of these settings.
-pub const LATE_SETTINGS: [[&str; 2]; 7] = [
-    ["reflection", "method"],
-    ["reflection", "trace"],
-    ["probes", "spacing_m"],
-    ["probes", "face_px"],
-    ["probes", "samples"],
-    ["box_faces", "face_px"],
-    ["near_far", "face_px"],
+/// Settings that are in range, but that a world or an adapter may refuse: table and key of each, and errors that are
+/// told at its place, or at the place of the first of several that is written.
+pub const LATE_SETTINGS: [([&str; 2], &[&str]); 7] = [
+    (["reflection", "method"], &[]),
+    (["reflection", "trace"], &["no-ray-queries"]),
+    (["probes", "face_px"], &["probe-maps-too-large"]),
+    (
+        ["probes", "spacing_m"],
+        &["too-many-probes", "probe-maps-too-large"],
+    ),
+    (["probes", "samples"], &[]),
+    (["box_faces", "face_px"], &["box-faces-too-large"]),
+    (["near_far", "face_px"], &[]),
 ];
 
 /// Place of one of [`LATE_SETTINGS`].
@@ -266,19 +270,16 @@ impl SceneDesc {
 
     /// An error of a renderer with the place of the setting that it is about, if it is about one.
     pub fn located(&self, error: Diagnostic) -> Diagnostic {
-        let keys: &[[&str; 2]] = match error.name {
-            "no-ray-queries" => &[["reflection", "trace"]],
-            "too-many-probes" => &[["probes", "spacing_m"]],
-            "probe-maps-too-large" => &[["probes", "face_px"], ["probes", "spacing_m"]],
-            "box-faces-too-large" => &[["box_faces", "face_px"]],
-            _ => return error,
-        };
+        let about = LATE_SETTINGS
+            .iter()
+            .filter(|(_, names)| names.contains(&error.name));
+        let keys: Vec<_> = about.map(|(key, _)| *key).collect();
         match error.span.source {
-            Some(_) => error,
-            None => Diagnostic {
-                span: self.place_of(keys),
+            None if !keys.is_empty() => Diagnostic {
+                span: self.place_of(&keys),
                 ..error
             },
+            _ => error,
         }
     }
 }

@@ -8,6 +8,7 @@ use crate::scene::{
     parse::{Form, tables::Manual},
     syntax::{Content, Node},
 };
+use reflet_base::math::{linear_from_srgb, srgb_from_linear};
 
 /// Colors of a text: values of keys that take `"#rrggbb"`, written so or as three linear numbers up to 1.
 pub fn colors(file: &Source) -> Vec<Value> {
@@ -74,7 +75,7 @@ fn color_of(node: &Node) -> Option<[f64; 3]> {
             let numbers: Option<Vec<f64>> = items.iter().map(number).collect();
             let rgb: [f64; 3] = numbers?.try_into().ok()?;
             let is_shown = rgb.iter().all(|c| (0.0..=1.0).contains(c));
-            is_shown.then(|| rgb.map(encoded))
+            is_shown.then(|| rgb.map(|c| f64::from(srgb_from_linear(c as f32))))
         }
         _ => None,
     }
@@ -93,7 +94,7 @@ pub fn presentations(file: &Source, params: &Value) -> Vec<Value> {
         .map(|c| format!("{:02x}", (c * 255.0).round() as u8))
         .concat();
     let linear = rgb.map(|c| {
-        let text = format!("{:.4}", decoded(c));
+        let text = format!("{:.4}", linear_from_srgb(c as f32));
         text.trim_end_matches('0').trim_end_matches('.').to_owned()
     });
     let mut ways = [format!("\"#{hex}\""), format!("[{}]", linear.join(", "))];
@@ -102,34 +103,4 @@ pub fn presentations(file: &Source, params: &Value) -> Vec<Value> {
         ways.reverse();
     }
     ways.iter().map(|way| json!({ "label": way })).collect()
-}
-
-/// sRGB from linear (IEC 61966-2-1).
-fn encoded(c: f64) -> f64 {
-    match c <= 0.003_130_8 {
-        true => 12.92 * c,
-        false => 1.055 * c.powf(1.0 / 2.4) - 0.055,
-    }
-}
-
-/// Linear from sRGB.
-fn decoded(c: f64) -> f64 {
-    match c <= 0.040_45 {
-        true => c / 12.92,
-        false => ((c + 0.055) / 1.055).powf(2.4),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn display_colors_and_linear_ones_convert_both_ways() {
-        for step in 0..=255 {
-            let c = f64::from(step) / 255.0;
-            assert!((encoded(decoded(c)) - c).abs() < 1e-6, "{step}");
-        }
-        assert!((encoded(0.214_041) - 0.5).abs() < 1e-5);
-    }
 }

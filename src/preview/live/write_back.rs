@@ -196,8 +196,8 @@ impl Live {
     /// Same errors as [`Live::write`].
     pub fn undo(&mut self, again: bool) -> Result<String, String> {
         let (path, done, nothing) = match again {
-            false => (self.history.undo()?, "undid a change", "undo"),
-            true => (self.history.redo()?, "redid a change", "redo"),
+            false => (self.history.undo(false)?, "undid a change", "undo"),
+            true => (self.history.undo(true)?, "redid a change", "redo"),
         };
         Ok(match path {
             Some(path) => format!("{done} in {}", path.display()),

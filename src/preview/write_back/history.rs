@@ -64,33 +64,26 @@ impl History {
         Ok(())
     }
 
-    /// Undoes the last change; returns its file, or `None` if there is nothing to undo.
+    /// Undoes the last change, or with `again` redoes the change that was undone last; returns its file, or `None` if
+    /// there is none.
     ///
     /// # Errors
-    /// Same errors as [`History::write`]; the change can still be undone then.
-    pub fn undo(&mut self) -> Result<Option<PathBuf>, String> {
-        let Some(change) = self.done.last() else {
+    /// Same errors as [`History::write`]; the change can still be undone or redone then.
+    pub fn undo(&mut self, again: bool) -> Result<Option<PathBuf>, String> {
+        let (from, to) = match again {
+            true => (&mut self.undone, &mut self.done),
+            false => (&mut self.done, &mut self.undone),
+        };
+        let Some(change) = from.last() else {
             return Ok(None);
         };
-        change.write(&change.after, &change.before)?;
+        match again {
+            true => change.write(&change.before, &change.after)?,
+            false => change.write(&change.after, &change.before)?,
+        }
         let path = change.path.clone();
         self.writes += 1;
-        self.undone.extend(self.done.pop());
-        Ok(Some(path))
-    }
-
-    /// Redoes the change that was undone last; returns its file like [`History::undo`].
-    ///
-    /// # Errors
-    /// Same errors as [`History::undo`].
-    pub fn redo(&mut self) -> Result<Option<PathBuf>, String> {
-        let Some(change) = self.undone.last() else {
-            return Ok(None);
-        };
-        change.write(&change.before, &change.after)?;
-        let path = change.path.clone();
-        self.writes += 1;
-        self.done.extend(self.undone.pop());
+        to.extend(from.pop());
         Ok(Some(path))
     }
 }

@@ -88,7 +88,7 @@ fn refuse_more<T>(t: &mut Table, all: &[Entry<T>], most: usize, say: [&'static s
 
 /// Places of settings that a later stage may refuse.
 fn late_settings(t: &Table) -> Vec<LateSetting> {
-    let place = |key: [&'static str; 2]| {
+    let place = |(key, _): ([&'static str; 2], _)| {
         let at = t.written_in(key[0], key[1])?;
         Some(LateSetting { key, at })
     };
