@@ -6,7 +6,6 @@ mod comparators;
 pub mod progress;
 pub mod regret;
 pub mod reload;
-pub mod report_pictures;
 mod settings;
 mod stability;
 mod timeline;

@@ -24,7 +24,7 @@ use crate::{
             table::{self, Machine},
         },
     },
-    gpu::{Gpu, adapter, driver},
+    gpu::{adapter, driver},
 };
 use measuring::{ENOUGH_PX, MOST_DOUBLINGS, measure};
 
@@ -59,34 +59,18 @@ pub fn comparators(args: &ComparatorsArgs) -> Result<(), AppError> {
         reflet_base::error_line!("measured {}", rows.scene);
         scenes.push(rows);
     }
-    let enlarged = format!(
-        " A scene whose first frame has fewer than {ENOUGH_PX} reflective pixels to score is measured at a larger \
-         size, {} times as wide and high at most.",
-        1 << MOST_DOUBLINGS
-    );
-    report(&args.output, &gpu, args.frames, &enlarged, &scenes)
-}
-
-/// Writes the tables of systems, their charts and the page with both.
-fn report(
-    folder: &Path,
-    gpu: &Gpu,
-    pictures: u32,
-    further: &str,
-    scenes: &[SceneRows],
-) -> Result<(), AppError> {
     let machine = Machine {
         adapter: adapter::name(&gpu.adapter_info),
         is_processor: gpu.is_software(),
     };
-    let best = best(scenes, BEST);
+    let best = best(&scenes, BEST);
     let tables = [
-        table::by_scene(scenes, &machine),
+        table::by_scene(&scenes, &machine),
         table::over_all(&best),
-        frames::table(scenes),
+        frames::table(&scenes),
     ];
     for (name, text) in FILES.iter().zip(&tables) {
-        write(&folder.join(name), text.as_bytes())?;
+        write(&args.output.join(name), text.as_bytes())?;
     }
     let mut galleries = vec![gallery(
         "The best over all scenes",
@@ -99,28 +83,31 @@ fn report(
             ),
         }],
     )];
-    for scene in scenes {
+    for scene in &scenes {
         galleries.push(gallery(&scene.scene, charts(scene)?));
     }
     for chart in galleries.iter().flat_map(|gallery| &gallery.charts) {
-        write(&folder.join(&chart.name), chart.svg.as_bytes())?;
+        write(&args.output.join(&chart.name), chart.svg.as_bytes())?;
     }
     let time = match machine.is_processor {
         true => "processor time",
         false => "GPU time",
     };
     let about = format!(
-        "{}. Milliseconds are the {time} of the passes that find reflections, medians of the pictures of a still \
-         ({pictures} of each system, in turns), or of all frames of a film. Errors are against rt with bounces = \
-         \"auto\" and without reuse of light, inside the reflective pixels.{further}",
-        machine.adapter
+        "{}. Milliseconds are the {time} of the passes that find reflections, medians of the pictures of a still ({} of \
+         each system, in turns), or of all frames of a film. Errors are against rt with bounces = \"auto\" and without \
+         reuse of light, inside the reflective pixels. A scene whose first frame has fewer than {ENOUGH_PX} reflective \
+         pixels to score is measured at a larger size, {} times as wide and high at most.",
+        machine.adapter,
+        args.frames,
+        1 << MOST_DOUBLINGS
     );
     let head = [
         csv_table("Systems in each scene", &about, &tables[0]),
         csv_table("The best over all scenes", "", &tables[1]),
     ]
     .concat();
-    let path = folder.join("report.html");
+    let path = args.output.join("report.html");
     write(&path, page("Systems", &head, &[], &galleries).as_bytes())?;
     reflet_base::error_line!("wrote {}", path.display());
     Ok(())
@@ -129,11 +116,8 @@ fn report(
 fn gallery(title: &str, charts: Vec<ChartFile>) -> Gallery {
     Gallery {
         title: title.to_owned(),
-        anchor: String::new(),
-        text: String::new(),
-        points: Vec::new(),
         charts,
-        figures: Vec::new(),
+        ..Gallery::default()
     }
 }
 

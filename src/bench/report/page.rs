@@ -22,7 +22,7 @@ pub struct Figure {
 }
 
 /// Figures under one heading.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Gallery {
     /// Heading text.
     pub title: String,
