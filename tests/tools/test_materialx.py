@@ -1,6 +1,7 @@
 """MaterialX documents beside a stage: node graphs of textures, and unreadable parts."""
 
 import os
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -361,3 +362,15 @@ def test_without_the_library_a_warning_says_what_to_install(
     assert done.warnings("/Looks") == {"materialx-missing"}
     assert "pip install MaterialX" in str(done.sidecar["warnings"])
     assert done.json["meshes"]
+
+
+def test_nodes_that_a_document_defines_are_followed(tmp_path: Path) -> None:
+    nodes = '<half name="h" type="color3"><input name="in" type="color3" value="0.2, 0.4, 0.6" />'
+    nodes += "</half>" + output("color3", "h")
+    text = text_of("materialx/own.mtlx") + surface(base="float 1", base_color="color3 @o")
+    color = proven(tmp_path, document(text, nodes))["pbrMetallicRoughness"]["baseColorFactor"]
+    assert color[:3] == pytest.approx([0.1, 0.2, 0.3])
+    # Nodes in a namespace are named, and not followed.
+    text = re.sub(r"<(nodedef|nodegraph) ", r'<\1 namespace="N" ', text)
+    nodes = nodes.replace("<half ", '<half namespace="N" ')
+    assert "material-unsupported" in convert(tmp_path, document(text, nodes)).warnings()

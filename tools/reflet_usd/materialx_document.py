@@ -116,7 +116,9 @@ def read_document(path: str, is_allowed: Callable[[str], bool]) -> Document:
     options.readXIncludeFunction = include
     try:
         read(document, path, options)
-        own = {definition.getName() for definition in document.getNodeDefs()}
+        # MaterialX loses the connections of nodes in a namespace when it replaces them.
+        plain = [found for found in document.getNodeDefs() if not found.hasNamespace()]
+        own = {found.getName() for found in plain if ":" not in found.getName()}
         document.setDataLibrary(_library(mx))
         _unfold(document, own)
         writer = _Writer(mx, path)
