@@ -144,7 +144,11 @@ fn lights_and_cameras_of_files_are_placed() {
         }
     ));
 
-    assert_eq!(world.cameras.len(), 2);
+    assert_eq!(
+        world.cameras.len(),
+        3,
+        "with the default one: both look along the triangle"
+    );
     let camera = &world.cameras[0];
     assert_eq!(camera.name, "m/eye");
     assert_eq!(camera.value.eye, Vec3::new(1.0, 4.0, 0.0));
