@@ -211,7 +211,7 @@ declared! {
     /// Source of a model's geometry.
     #[derive(Clone, Debug, PartialEq)]
     pub enum ModelSource {
-        /// `file = "…"`: glTF 2.0 (`.gltf`, `.glb`) or a USD stage (`.usd`, `.usda`, `.usdc`, `.usdz`),
+        /// `file = "…"`: glTF 2.0 (`.gltf`, `.glb`), a USD stage (`.usd`, `.usda`, `.usdc`, `.usdz`), OBJ, STL or PLY,
         /// searched beside the scene, then in each `--assets` folder.
         File(At<String>),
         /// `shape = { kind = "…", … }`: geometry made here.

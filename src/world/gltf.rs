@@ -31,6 +31,7 @@ mod draco;
 mod extension;
 mod geometry;
 mod image_light;
+mod interchange;
 mod json_memory;
 mod layers;
 mod least_bytes;
@@ -323,15 +324,21 @@ fn read_faults(path: &Path, sandbox: &Sandbox, options: &ReadOptions) -> Result<
         memory::Budget::new(GEOMETRY_BUDGET_BYTES),
         options.memory.clone(),
     );
+    let mut notes = Notes::default();
+    let mut files = vec![path.to_owned()];
+    let found = interchange::Found {
+        notes: &mut notes,
+        files: &mut files,
+    };
+    let bytes = interchange::as_glb(path, bytes, sandbox, &options.memory, found).map_err(one)?;
     budget.take_file(bytes.len()).map_err(one)?;
     let container = container::open(bytes, options.lenient, &options.memory).map_err(one)?;
     let (mut root, binary, held) = (container.root, container.binary, container.held);
     let folder = path.parent().unwrap_or(Path::new("."));
     let mut model = Model {
-        files: vec![path.to_owned()],
+        files,
         ..Model::default()
     };
-    let mut notes = Notes::default();
     if options.lenient {
         lenient::mend(&mut root, &mut notes);
     }

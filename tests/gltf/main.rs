@@ -25,6 +25,7 @@ mod geometry;
 mod hostile;
 mod image;
 mod image_light;
+mod interchange;
 mod judge;
 mod kit;
 mod ktx2;

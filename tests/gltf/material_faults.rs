@@ -4,20 +4,16 @@ use reflet::world::emitters::MAX_EMITTERS;
 
 use crate::kit::*;
 
+/// The three words of a line.
+fn words(line: &str) -> [&str; 3] {
+    let words: Vec<_> = line.split(' ').collect();
+    words.try_into().expect("three words")
+}
+
 #[test]
 fn a_broken_image_names_the_texture_that_uses_it() {
-    for (extension, factor, key) in [
-        ("specular", "specularFactor", "specularTexture"),
-        ("sheen", "sheenRoughnessFactor", "sheenRoughnessTexture"),
-        ("transmission", "transmissionFactor", "transmissionTexture"),
-        ("clearcoat", "clearcoatFactor", "clearcoatRoughnessTexture"),
-        (
-            "iridescence",
-            "iridescenceFactor",
-            "iridescenceThicknessTexture",
-        ),
-        ("anisotropy", "anisotropyStrength", "anisotropyTexture"),
-    ] {
+    for line in include_str!("material_faults/textures.txt").lines() {
+        let [extension, factor, key] = words(line);
         let mut doc = stone();
         let broken = doc.texture(b"no image");
         let name = format!("KHR_materials_{extension}");
@@ -57,19 +53,9 @@ fn factors_outside_their_range_are_named() {
         message.starts_with('1') && message.ends_with(expected),
         "{message}"
     );
-    for (extension, key, value) in [
-        ("clearcoat", "clearcoatFactor", json!(2)),
-        ("clearcoat", "clearcoatRoughnessFactor", json!(-1)),
-        ("sheen", "sheenColorFactor", json!([0.5, 1.25, 0])),
-        ("sheen", "sheenRoughnessFactor", json!(7)),
-        ("specular", "specularFactor", json!(1.01)),
-        ("specular", "specularColorFactor", json!([-1, 0, 0])),
-        ("transmission", "transmissionFactor", json!(3)),
-        ("iridescence", "iridescenceFactor", json!(1.5)),
-        ("iridescence", "iridescenceThicknessMaximum", json!(-1)),
-        ("anisotropy", "anisotropyStrength", json!(-0.5)),
-        ("dispersion", "dispersion", json!(-1)),
-    ] {
+    for line in include_str!("material_faults/factors.txt").lines() {
+        let [extension, key, value] = words(line);
+        let value: Value = serde_json::from_str(value).expect("a value");
         let mut doc = stone();
         let name = format!("KHR_materials_{extension}");
         doc.json["materials"][0]["extensions"] = json!({ name: { key: value } });

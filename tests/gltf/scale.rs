@@ -19,68 +19,24 @@ use crate::{common::folder::Folder, kit::*};
 
 const START: &str = "version = 1\ncamera.main.eye = [0, 0, 9]\ntimeline.end = 3\n\
     [model.ball]\nshape = { kind = \"box\" }\n[[instance]]\nmodel = \"ball\"\nname = \"b\"\n";
-const KEYS: &str = "keys = [{ at_s = 0, value = [0, 0, 1] }, { at_s = 1, value = [0, 1, 0] }]";
 
-/// Name of a kind of scene, and the scene with a number of things.
-type Kind = (&'static str, fn(usize) -> String);
+/// Scenes with a number of things of one kind: lines once, lines for each of them, lines once more.
+const KINDS: &str = include_str!("scale/kinds.txt");
 
-/// Scenes with a number of things of one kind.
-const KINDS: [Kind; 10] = [
-    ("params", |n| {
-        text(n, "[params]\n", |i| format!("p{i} = 1\n"))
-    }),
-    ("variants", |n| {
-        text(n, "", |i| {
-            format!("[variant.v{i}.image]\nexposure_ev = 1\n")
-        })
-    }),
-    ("dynamic copies", |n| {
-        let n = n.max(1);
-        format!("{START}dynamic = true\nrepeat = {{ count = [{n}, 1, 1], step = [1, 1, 1] }}\n")
-    }),
-    ("models", |n| {
-        text(n, "", |i| {
-            format!("[model.m{i}]\nshape = {{ kind = \"box\" }}\n[[instance]]\nmodel = \"m{i}\"\n")
-        })
-    }),
-    ("moving instances", |n| {
-        text(n, "", |i| {
-            format!(
-                "[[instance]]\nname = \"i{i}\"\nmodel = \"ball\"\n[motion.instance.i{i}.translation]\n{KEYS}\n"
-            )
-        })
-    }),
-    ("following cameras", |n| {
-        text(n, "", |i| {
-            let target = format!("[motion.camera.c{i}.target]\nfollow = {{ instance = \"b\" }}\n");
-            format!("[group.g{i}]\n[camera.c{i}]\nparent = \"g{i}\"\neye = [0, 9, 9]\n{target}")
-        })
-    }),
-    ("moving materials", |n| {
-        text(n, "", |i| {
-            let used = format!("[[instance]]\nmodel = \"ball\"\nmaterial = \"m{i}\"\n");
-            let keys = "keys = [{ at_s = 0, value = 0 }, { at_s = 1, value = 1 }]";
-            format!("[material.m{i}]\n{used}[motion.material.m{i}.roughness]\n{keys}\n")
-        })
-    }),
-    ("instances of a variant", |n| {
-        text(n, "", |i| {
-            format!("[[variant.v.instance]]\nname = \"i{i}\"\nmodel = \"ball\"\n")
-        })
-    }),
-    ("removed instances", |n| {
-        let names: String = (0..n).map(|i| format!("\"instance.i{i}\", ")).collect();
-        let variant = format!("[variant.v]\nremove = [{names}]\n");
-        text(n, "", |i| {
-            format!("[[instance]]\nname = \"i{i}\"\nmodel = \"ball\"\n")
-        }) + variant.as_str()
-    }),
-    ("inherited keys", |n| {
-        text(n, "[material.a]\nroughness = 1\n", |i| {
-            format!("[material.m{i}]\nextends = \"a\"\n")
-        })
-    }),
-];
+/// The scene of a kind with `n` things.
+fn scene_of(kind: &str, n: usize) -> String {
+    let mut pieces = kind.splitn(3, "---\n");
+    let [head, part, tail] = [(); 3].map(|()| pieces.next().unwrap_or_default());
+    let names: String = (0..n).map(|i| format!("\"instance.i{i}\", ")).collect();
+    let count = n.max(1).to_string();
+    let whole = |lines: &str| {
+        format!("{lines}\n")
+            .replace("{n}", &count)
+            .replace("{names}", &names)
+    };
+    let part = |i: usize| format!("{part}\n").replace("{i}", &i.to_string());
+    text(n, &whole(head), part) + whole(tail).as_str()
+}
 
 /// A scene with `n` parts after `head`.
 fn text(n: usize, head: &str, part: impl Fn(usize) -> String) -> String {
@@ -106,9 +62,9 @@ fn read_all(text: &str) {
 
 #[test]
 fn twice_as_many_parts_take_twice_the_work() {
-    for (kind, make) in KINDS {
+    for kind in KINDS.split("\n\n") {
         let work = |n: usize| {
-            let text = make(n);
+            let text = scene_of(kind, n);
             let work = measure(|| read_all(&text));
             [work.count_total, work.bytes_total]
         };

@@ -1,17 +1,11 @@
 //! Numbers and keys of decals, written into the scene text.
 
-use reflet_preview::write_back::{KeyChange, KeyEdit, Numbers, SceneItem};
+use reflet_preview::write_back::{KeyChange, KeyEdit, SceneItem};
 
-use crate::kit::*;
-
-fn numbers(key: &'static str, values: &[f64]) -> Numbers {
-    let values = values.to_vec();
-    Numbers { key, values }
-}
-
-fn read(path: &Path) -> String {
-    fs::read_to_string(path).expect("it is there")
-}
+use crate::{
+    kit::*,
+    write_back_values::{numbers, read},
+};
 
 /// A decal's place, size and opacity are shown during a drag and written into its table; what a track moves is not.
 #[test]

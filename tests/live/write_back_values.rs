@@ -4,7 +4,7 @@
 
 use reflet::{runtime::parameters::ParameterOverrides, scene::desc::ParamValue};
 use reflet_preview::{
-    viewer::protocol::Task,
+    viewer::protocol::{Report, Task},
     write_back::{FlightPoint, KeyChange, KeyEdit, Numbers, SceneItem},
 };
 
@@ -15,12 +15,12 @@ const MORE: &str = include_str!("write_back_values/more.toml");
 const SHOT: &str =
     "version = 1\nbase = \"base.toml\"\n[material.red] # dull\nroughness = 0.5 # half\n";
 
-fn numbers(key: &'static str, values: &[f64]) -> Numbers {
+pub fn numbers(key: &'static str, values: &[f64]) -> Numbers {
     let values = values.to_vec();
     Numbers { key, values }
 }
 
-fn read(path: &Path) -> String {
+pub fn read(path: &Path) -> String {
     fs::read_to_string(path).expect("it is there")
 }
 
@@ -162,6 +162,7 @@ fn cameras_environment_and_parameters_are_written() {
     let until = |preview: &mut Watched, after: &str| {
         preview.until("the text", |_| (read(&path) == after).then_some(()));
     };
+    let is_reloaded = |report: &Report| matches!(report, Report::Reloaded(..)).then_some(());
     let mut after = text.replace("color = [0.2, 0.2, 0.3]", "color = [0.2, 0.5, 0.3]");
     let write = |preview: &Watched, item, key, values: &[f64]| {
         preview
@@ -175,13 +176,7 @@ fn cameras_environment_and_parameters_are_written() {
         .post(Task::Select(SceneItem::Environment));
     write(&preview, SceneItem::Environment, "color", &[0.2, 0.5, 0.3]);
     until(&mut preview, &after);
-    preview.until("the reload", |report| {
-        matches!(
-            report,
-            reflet_preview::viewer::protocol::Report::Reloaded(..)
-        )
-        .then_some(())
-    });
+    preview.until("the reload", is_reloaded);
     // Out of its range: the nearest value inside.
     write(&preview, SceneItem::Camera(0), "fov_deg", &[500.0]);
     after = after.replace(
@@ -189,13 +184,7 @@ fn cameras_environment_and_parameters_are_written() {
         "target = [0, 0.5, 0]\nfov_deg = 170\n",
     );
     until(&mut preview, &after);
-    preview.until("the reload", |report| {
-        matches!(
-            report,
-            reflet_preview::viewer::protocol::Report::Reloaded(..)
-        )
-        .then_some(())
-    });
+    preview.until("the reload", is_reloaded);
     let mut values = ParameterOverrides::default();
     values.set("height", ParamValue::Number(2.0), &ParamValue::Number(1.5));
     values.set("steps", ParamValue::Integer(4), &ParamValue::Integer(3));

@@ -13,7 +13,7 @@ pub const WALL: &str = include_str!("decals/wall.toml");
 const PIXEL_M: f32 = 0.05;
 
 /// Place of a pixel's middle on the wall, meters.
-fn place(pixel: usize) -> [f32; 2] {
+pub fn place(pixel: usize) -> [f32; 2] {
     let (x, y) = ((pixel % 40) as f32, (pixel / 40) as f32);
     [(x - 19.5) * PIXEL_M, (11.5 - y) * PIXEL_M]
 }

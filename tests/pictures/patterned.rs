@@ -1,18 +1,9 @@
 //! Numbers and colors of materials that follow patterns: closed forms, and pairs that must agree.
 
-use crate::kit::*;
+use crate::{decals::place, kit::*};
 
 /// A wall in the plane z = 0, seen so that a pixel is 0.05 m wide and the middle of the picture is the origin.
 const WALL: &str = include_str!("patterned/wall.toml");
-
-/// Width of a pixel of [`WALL`], meters.
-const PIXEL_M: f32 = 0.05;
-
-/// Place of a pixel's middle on the wall, meters.
-fn place(pixel: usize) -> [f32; 2] {
-    let (x, y) = ((pixel % 40) as f32, (pixel / 40) as f32);
-    [(x - 19.5) * PIXEL_M, (11.5 - y) * PIXEL_M]
-}
 
 /// Distance to the nearest whole number.
 fn from_whole(x: f32) -> f32 {

@@ -28,7 +28,7 @@ const LAST_FRAME: f64 = 1e6;
 pub fn is_model(path: &Path) -> bool {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
     is_stage(path)
-        || ["gltf", "glb"]
+        || ["gltf", "glb", "obj", "stl", "ply"]
             .iter()
             .any(|known| extension.eq_ignore_ascii_case(known))
 }

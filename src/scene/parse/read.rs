@@ -102,7 +102,12 @@ impl Section for ModelDesc {
     fn read(t: &mut Table) -> Option<Self> {
         t.one_of(true, &[&["file"], &["shape"]]);
         let file = t.find::<At<String>>("file", ANY);
-        t.files("file", &["gltf", "glb", "usd", "usda", "usdc", "usdz"]);
+        t.files(
+            "file",
+            &[
+                "gltf", "glb", "usd", "usda", "usdc", "usdz", "obj", "stl", "ply",
+            ],
+        );
         let shape = t.table("shape").map(ModelSource::Shape);
         let (mut material, mut overrides) = (None, Vec::new());
         let message = "`material` of a shape must be the name of a `[material.NAME]`, not a table";

@@ -3,9 +3,8 @@
 use std::path::Path;
 
 /// File name extensions of models in other formats.
-const MODELS: [&str; 16] = [
-    "3ds", "3mf", "abc", "blend", "c4d", "dae", "fbx", "hip", "ma", "max", "mb", "obj", "ply",
-    "skp", "step", "stl",
+const MODELS: [&str; 13] = [
+    "3ds", "3mf", "abc", "blend", "c4d", "dae", "fbx", "hip", "ma", "max", "mb", "skp", "step",
 ];
 
 /// File name extensions of images in other formats.
@@ -23,12 +22,16 @@ fn ending<'p>(path: &'p Path, of: &[&str]) -> Option<&'p str> {
 /// Error message and help for a model in another format; `None` for all other files.
 pub fn model(path: &Path) -> Option<(String, &'static str)> {
     let ending = ending(path, &MODELS)?;
-    let message =
-        format!("models are glTF (`.glb`, `.gltf`) or USD files, and this is a `.{ending}` file");
-    Some((
-        message,
-        "export it as `.glb`, in Blender by File, Export, glTF 2.0",
-    ))
+    let message = format!(
+        "models are glTF (`.glb`, `.gltf`), USD, OBJ, STL or PLY files, and this is a `.{ending}` file"
+    );
+    let help = match ending.eq_ignore_ascii_case("fbx") {
+        true => {
+            "make a `.glb` of it by Blender (File, Import, FBX, then Export, glTF 2.0) or FBX2glTF"
+        }
+        false => "export it as `.glb`, in Blender by File, Export, glTF 2.0",
+    };
+    Some((message, help))
 }
 
 /// Error message and help for an image in another format; `None` for all other files.
