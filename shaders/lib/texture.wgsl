@@ -68,7 +68,7 @@ fn sample_slot(slot: TextureUse, uv_in: vec2f, footprint: f32, pools: u32) -> ve
         uv = (floor(uv * slot.texels) + 0.5) / slot.texels;
         lod = 0.0;
     }
-    uv = between_texels(uv, pool_px(slot.bits) * exp2(-floor(lod)), footprint);
+    uv = between_texels(uv, pool_px * exp2(-floor(lod)), footprint);
     let pool = slot.bits & (TEXTURE_POOL_MASK | TEXTURE_SRGB);
     if ((pools & 1u) != 0u && pool == 0u) { return sample_wrapped(pool_0, uv, slot.layer, lod, clamps); }
     if ((pools & 2u) != 0u && pool == TEXTURE_SRGB) { return sample_wrapped(pool_0_srgb, uv, slot.layer, lod, clamps); }
