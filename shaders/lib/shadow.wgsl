@@ -47,7 +47,7 @@ fn cube_visibility(i: u32, position: vec3f, normal: vec3f, to_light: vec3f) -> f
         let tap = d + u * (f32(k & 1u) - 0.5) + v * (f32(k >> 1u) - 0.5);
         // Each tap uses the axis of its own face: at the edge of two faces their depths differ.
         let a = abs(tap);
-        let reference = SHADOW_NEAR_M / max(max(a.x, max(a.y, a.z)), 1e-6);
+        let reference = lights[i].clip_from_world[3].z / max(max(a.x, max(a.y, a.z)), 1e-6);
         lit += textureSampleCompareLevel(shadow_cubes, shadow_sampler, tap, lights[i].layer, reference);
     }
     return lit * 0.25;

@@ -22,6 +22,13 @@ fn lamps_close_to_a_surface_light_it_as_the_inverse_square() {
     }
 }
 
+#[test]
+fn things_close_to_a_lamp_shade_in_a_large_world() {
+    let Some(gpu) = gpu() else { return };
+    let picture = render(gpu, include_str!("near/large.toml"), &[], &[]);
+    assert_close(color(&picture, 4, 4)[0], 0.0, 0.01);
+}
+
 /// A scene with all lengths, written `<LENGTH>`, and intensities, `<<INTENSITY>>`: glass, curved mirrors, lamps with
 /// and without a size, and shadows by maps and by rays.
 const STAGE: &str = include_str!("near/stage.toml");

@@ -9,8 +9,12 @@ use reflet_world::Light;
 
 use crate::{layout::types::GpuLight, settings::options::RenderOptions};
 
-/// Near plane of shadow maps, in the renderer's lengths. Depth is reversed, so that it costs no precision.
-pub const SHADOW_NEAR_M: f32 = 1e-4;
+/// Near plane of shadow maps and maps of probes, in the renderer's lengths, of which one is so many `meters` of the
+/// scene: a tenth of a millimeter also of worlds that are scaled down. Depth is reversed, so that it costs no precision.
+pub fn map_near_m(meters: f32) -> f32 {
+    1e-4 / meters.max(1.0)
+}
+
 /// Value of [`GpuLight::shadow`] for lights without a shadow.
 pub const SHADOW_NONE: u32 = 0;
 /// Value of [`GpuLight::shadow`] for shadow maps.
@@ -126,11 +130,12 @@ pub fn in_order(lights: &[Light]) -> (impl Iterator<Item = &Light>, usize) {
 }
 
 /// Uniform block of the lights, lights without a size first, and the shadow views of one frame. `bounds` must contain
-/// all shadow casters.
+/// all shadow casters; `near_m` comes from [`map_near_m`].
 pub fn lights(
     lights: &[Light],
     sizes: ShadowSizes,
     bounds: &Bounds,
+    near_m: f32,
     options: &RenderOptions,
 ) -> (LightBlock, Vec<ShadowView>) {
     let mut block = LightBlock::zeroed();
@@ -145,8 +150,10 @@ pub fn lights(
         if let LightKind::Point { position, .. } = light.desc.kind {
             out.layer = cubes;
             out.texel = 2.0 / sizes.cube_px as f32;
+            let faces = cube_faces(position, near_m);
+            out.clip_from_world = faces[0].to_cols_array_2d(); // of which shaders need the near plane
             views.extend(
-                cube_faces(position)
+                faces
                     .into_iter()
                     .zip(6 * cubes..)
                     .map(|(clip, layer)| ShadowView {
@@ -157,7 +164,7 @@ pub fn lights(
             );
             cubes += 1;
         } else {
-            let (clip, texel) = flat_view(&light.desc.kind, sizes.map_px, bounds);
+            let (clip, texel) = flat_view(&light.desc.kind, sizes.map_px, bounds, near_m);
             out.layer = maps;
             out.texel = texel;
             out.clip_from_world = clip.to_cols_array_2d();
@@ -204,29 +211,29 @@ pub(crate) fn gpu_light(light: &Light, shadow: ShadowMode) -> GpuLight {
 }
 
 /// Clip matrix of a frustum with these axes: x to the right, y up, depth near / distance along `forward`.
-fn frustum(position: Vec3, forward: Vec3, right: Vec3, up: Vec3) -> Mat4 {
+fn frustum(position: Vec3, near_m: f32, [forward, right, up]: [Vec3; 3]) -> Mat4 {
     let row = |axis: Vec3| axis.extend(-axis.dot(position));
-    Mat4::from_cols(row(right), row(up), Vec4::W * SHADOW_NEAR_M, row(forward)).transpose()
+    Mat4::from_cols(row(right), row(up), Vec4::W * near_m, row(forward)).transpose()
 }
 
 /// Clip matrices of the six faces in the order and orientation of cube maps (Vulkan 1.3, "Cube Map Face Selection").
-fn cube_faces(position: Vec3) -> [Mat4; 6] {
+fn cube_faces(position: Vec3, near_m: f32) -> [Mat4; 6] {
     const X: Vec3 = Vec3::X;
     const Y: Vec3 = Vec3::Y;
     const Z: Vec3 = Vec3::Z;
     [
-        (X, -Z, Y),
-        (-X, Z, Y),
-        (Y, X, -Z),
-        (-Y, X, Z),
-        (Z, X, Y),
-        (-Z, -X, Y),
+        [X, -Z, Y],
+        [-X, Z, Y],
+        [Y, X, -Z],
+        [-Y, X, Z],
+        [Z, X, Y],
+        [-Z, -X, Y],
     ]
-    .map(|(forward, right, up)| frustum(position, forward, right, up))
+    .map(|axes| frustum(position, near_m, axes))
 }
 
 /// Clip matrix of a spot or directional light, and the world size of a texel (at distance 1 for spots), m.
-fn flat_view(kind: &LightKind, px: u32, bounds: &Bounds) -> (Mat4, f32) {
+fn flat_view(kind: &LightKind, px: u32, bounds: &Bounds, near_m: f32) -> (Mat4, f32) {
     match *kind {
         LightKind::Spot {
             position,
@@ -237,7 +244,7 @@ fn flat_view(kind: &LightKind, px: u32, bounds: &Bounds) -> (Mat4, f32) {
             let half = (outer_deg + 1.0).min(89.0).to_radians();
             let forward = direction.normalize_or(Vec3::NEG_Y);
             let projection =
-                rh::proj::directx::perspective_infinite_reverse(2.0 * half, 1.0, SHADOW_NEAR_M);
+                rh::proj::directx::perspective_infinite_reverse(2.0 * half, 1.0, near_m);
             let view = rh::view::look_to_mat4(position, forward, forward.any_orthonormal_vector());
             (projection * view, 2.0 * half.tan() / px as f32)
         }
@@ -261,13 +268,13 @@ pub fn map_texel_m(kind: &LightKind, px: u32, bounds: &Bounds, point: Vec3) -> f
             direction,
             ..
         } => {
-            let (_, texel) = flat_view(kind, px, bounds);
+            let (_, texel) = flat_view(kind, px, bounds, map_near_m(1.0));
             texel
                 * (point - position)
                     .dot(direction.normalize_or(Vec3::NEG_Y))
                     .max(0.0)
         }
-        _ => flat_view(kind, px, bounds).1,
+        _ => flat_view(kind, px, bounds, map_near_m(1.0)).1,
     }
 }
 

@@ -10,7 +10,7 @@ use reflet_scene::desc::ShadowMode;
 use reflet_world::Light;
 
 use crate::{
-    lighting::lights::{CUBE_FACES, SHADOW_NEAR_M, has_cube_map, in_order},
+    lighting::lights::{CUBE_FACES, has_cube_map, in_order},
     passes::trace,
     pipeline::{cause::Cause, ray_list::RAY_COUNTER},
     renderer::Renderer,
@@ -35,7 +35,7 @@ fn distance_m(clip_from_world: &Mat4, depth: f32) -> f32 {
     }
     let is_perspective = clip_from_world.row(3).truncate() != Vec3::ZERO;
     if is_perspective {
-        return SHADOW_NEAR_M / depth;
+        return clip_from_world.row(2).w / depth;
     }
     let depth_per_m = clip_from_world.row(2).truncate().length();
     (1.0 - depth) / depth_per_m
@@ -104,7 +104,7 @@ impl Renderer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lighting::lights::{ShadowSizes, lights};
+    use crate::lighting::lights::{ShadowSizes, lights, map_near_m};
     use reflet_base::math::Bounds;
     use reflet_scene::desc::{LightDesc, LightGroup, LightKind};
 
@@ -160,6 +160,7 @@ mod tests {
                 &all,
                 ShadowSizes::for_lights(&all, &options),
                 &bounds,
+                map_near_m(2.0),
                 &options,
             );
             assert_eq!(views.len(), shadow_faces(&all[0], &options));

@@ -91,7 +91,7 @@ pub fn wgsl() -> String {
         crate::buffers::texel_array { TEXEL_COLUMNS }
         crate::buffers::textures { POOL_BITS }
         crate::lighting::groove_table { GROOVE_COSINES, GROOVE_STEPS, GROOVE_NODES }
-        crate::lighting::lights { SHADOW_NONE, SHADOW_MAP, SHADOW_RAY, SHADOW_NEAR_M }
+        crate::lighting::lights { SHADOW_NONE, SHADOW_MAP, SHADOW_RAY }
         crate::lighting::lobe_table { LOBE_COSINES, LOBE_ROUGHNESSES, LOBE_NODES, SMOOTH_ALPHA }
         crate::lighting::sheen_table { LEAST_SHEEN_ALPHA }
         crate::pipeline::cause { CAUSE_MASK }

@@ -19,7 +19,7 @@ use crate::{
         fog::GpuFog,
         types::{Frame, Sampling},
     },
-    lighting::lights::{LightBlock, ShadowView, lights},
+    lighting::lights::{LightBlock, ShadowView, lights, map_near_m},
     maps::method_maps::{CaptureInputs, MapStats},
     pipeline::{
         instrument::Instrument,
@@ -269,6 +269,7 @@ impl Renderer {
             &self.world.lights,
             self.bindings.maps.sizes,
             &self.drawn_bounds(),
+            map_near_m(self.coordinates.meters()),
             &self.options,
         )
     }
