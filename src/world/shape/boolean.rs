@@ -16,13 +16,16 @@ use reflet_scene::desc::{LatheSource, PartDesc, PlacementDesc, ShapeDesc};
 
 use super::{
     Fault, Made, Supplies,
-    crossing::crossing,
+    crossing::{crossing, near_pairs},
     solid::{Corner, Solid, check_size},
 };
 use crate::Mesh;
 
 /// Largest number of triangles of two meshes that are combined.
 const MOST_COMBINED: usize = 500_000;
+
+/// Work for each pair of triangles that are near each other, in triangles.
+const PAIR: usize = 4;
 
 /// Normal and texture coordinates at a corner, which are interpolated where it is cut.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -85,7 +88,8 @@ pub fn add(
         whole = Some(match whole {
             None => own,
             Some(before) => {
-                supplies.spend(before.nf + own.nf).map_err(here)?;
+                let work = work(&before, &own, supplies.work.left());
+                supplies.spend(work).map_err(here)?;
                 combined(&before, &own, &operation).map_err(here)?
             }
         });
@@ -102,6 +106,19 @@ pub fn add(
         solid.triangle([corner(0), corner(1), corner(2)]);
     }
     Ok(warnings)
+}
+
+/// Work of combining two surfaces: their triangles, and the pairs of near ones, of which each may be cut.
+fn work(before: &Manifold<Skin>, own: &Manifold<Skin>, left: u64) -> usize {
+    let corners = |mesh: &Manifold<Skin>| {
+        let place = |vertex: usize| DVec3::from(mesh.ps[vertex].to_array());
+        let faces = mesh.hs.chunks_exact(3);
+        let faces = faces.map(|halves| [0, 1, 2].map(|k| place(halves[k].tail)));
+        faces.collect::<Vec<_>>()
+    };
+    let [one, other] = [before, own].map(corners);
+    let pairs = near_pairs(one.into_iter(), other.into_iter(), left as usize / PAIR);
+    before.nf + own.nf + PAIR * pairs
 }
 
 /// Refuses a surface that passes through itself: where it is wound around twice, inside and outside are not known.

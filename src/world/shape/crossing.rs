@@ -50,10 +50,13 @@ struct Triangle {
     bounds: Bounds,
 }
 
-/// A place at which a surface passes through itself; surfaces that only touch themselves do not count.
-pub fn crossing(triangles: impl Iterator<Item = [DVec3; 3]>) -> Option<DVec3> {
+/// Largest number of pairs of leaves that are looked at: a surface with more lies on itself in many layers.
+const MOST_PAIRS: usize = 1 << 24;
+
+/// Triangles in a tree of boxes, its root first; without triangles it has no nodes.
+fn tree(triangles: impl Iterator<Item = [DVec3; 3]>) -> (Vec<Triangle>, Vec<Node>) {
     let mut places = HashMap::new();
-    let mut all: Vec<Triangle> = triangles
+    let mut all: Vec<Triangle> = (triangles)
         .map(|corners| {
             let places = corners.map(|corner| {
                 let count = places.len();
@@ -68,12 +71,51 @@ pub fn crossing(triangles: impl Iterator<Item = [DVec3; 3]>) -> Option<DVec3> {
             }
         })
         .collect();
+    let mut nodes = Vec::new();
+    let count = all.len();
+    if count > 0 {
+        split(&mut nodes, &mut all, 0, count);
+    }
+    (all, nodes)
+}
+
+/// Number of pairs of triangles, one of each mesh, whose boxes meet; of the pairs it counts `most` at least.
+pub fn near_pairs(
+    one: impl Iterator<Item = [DVec3; 3]>,
+    other: impl Iterator<Item = [DVec3; 3]>,
+    most: usize,
+) -> usize {
+    let [(ones, one), (others, other)] = [tree(one), tree(other)];
+    let mut count = 0;
+    let mut pairs: Vec<(usize, usize)> = Vec::new();
+    pairs.extend((!one.is_empty() && !other.is_empty()).then_some((0, 0)));
+    while let Some((a, b)) = pairs.pop().filter(|_| count <= most) {
+        let (first, second) = (&one[a], &other[b]);
+        if !first.bounds.meets(&second.bounds) {
+            continue;
+        }
+        match (first.second, second.second) {
+            (Some(next), _) => pairs.extend([(a + 1, b), (next, b)]),
+            (None, Some(next)) => pairs.extend([(a, b + 1), (a, next)]),
+            (None, None) => {
+                for triangle in &ones[first.start..first.end] {
+                    let near = others[second.start..second.end].iter();
+                    count += near.filter(|t| t.bounds.meets(&triangle.bounds)).count();
+                }
+            }
+        }
+    }
+    count
+}
+
+/// A place at which a surface passes through itself, or lies on itself in very many layers; surfaces that only touch
+/// themselves do not count.
+pub fn crossing(triangles: impl Iterator<Item = [DVec3; 3]>) -> Option<DVec3> {
+    let (all, nodes) = tree(triangles);
     if all.is_empty() {
         return None;
     }
-    let mut nodes = Vec::new();
-    let count = all.len();
-    split(&mut nodes, &mut all, 0, count);
+    let mut looked_at = 0;
     let size = (nodes[0].bounds.max - nodes[0].bounds.min).length();
     let mut pairs = vec![(0, 0)];
     while let Some((a, b)) = pairs.pop() {
@@ -88,6 +130,10 @@ pub fn crossing(triangles: impl Iterator<Item = [DVec3; 3]>) -> Option<DVec3> {
             (Some(second), _) => pairs.extend([(a + 1, b), (second, b)]),
             (None, Some(second)) => pairs.extend([(a, b + 1), (a, second)]),
             (None, None) => {
+                looked_at += 1;
+                if looked_at > MOST_PAIRS {
+                    return Some(one.bounds.min);
+                }
                 let found = leaves(&all, [one, other], DEPTH * size);
                 if found.is_some() {
                     return found;

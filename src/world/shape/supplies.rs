@@ -7,7 +7,8 @@ use reflet_base::{digits::grouped, memory::Budget};
 use super::Fault;
 
 /// Triangles, chords and crossings that the shapes of a scene may have together, with the triangles of each two parts
-/// that are combined: half a minute of work, and a gigabyte of memory.
+/// that are combined, and four for each pair of triangles near each other: half a minute of work, and a gigabyte of
+/// memory.
 pub const MOST_WORK: u64 = 1 << 24;
 
 /// Font files, and the work that shapes may still take; clones share the work.
@@ -31,7 +32,7 @@ impl Supplies {
         let most = grouped(MOST_WORK);
         let message = format!(
             "with this shape the shapes of the scene take more work than {most}: their triangles, chords of outlines \
-             and crossings, and the triangles of parts each time that they are combined"
+             and crossings, and the triangles of parts, with the pairs near each other, each time that they are combined"
         );
         let help = "lower `segments`, place one model several times, or combine fewer parts";
         Err(Fault::new("shapes-too-large", message).help(help))
