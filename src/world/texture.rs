@@ -24,10 +24,12 @@ mod decoder;
 mod encoded;
 mod jpeg;
 mod ktx2;
+mod png_color;
 pub mod pool_size;
 mod specular_glossiness;
 mod webp;
 
+pub(super) use self::png_color::other_than_srgb;
 pub(super) use self::webp::{Watched, largest_frame_bytes};
 
 /// Limits of decoding.

@@ -79,7 +79,8 @@ fn four_inks_become_rgb() {
     let mut ycck = CMYK.to_vec();
     assert_eq!(&ycck[6..11], b"Adobe");
     ycck[17] = 2;
-    for (jpeg, is_ycck) in [(CMYK, false), (&ycck, true)] {
+    let no_end = &CMYK[..CMYK.len() - 2];
+    for (jpeg, is_ycck) in [(CMYK, false), (&ycck, true), (no_end, false)] {
         let texture = decoded_bytes(jpeg);
         assert_eq!((texture.width, texture.height), (16, 16));
         for (quadrant, inks) in INKS.iter().enumerate() {
@@ -205,6 +206,7 @@ fn image_bombs_are_stopped_at_the_header() {
     for (bytes, expected) in [
         (&good[..good.len() / 2], "image-broken"),
         (&good[..20], "image-broken"),
+        (&CMYK[..CMYK.len() - 12], "image-broken"),
         (&[0xFF, 0xD8, 0xFF][..], "image-broken"),
         (&[0xFF, 0xD8, 0xFF, 0xDA, 0, 2][..], "image-broken"),
         (b"RIFF\0\0\0\0WEBPVP8 ", "image-broken"),

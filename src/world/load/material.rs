@@ -2,6 +2,8 @@
 
 use std::{
     collections::HashMap,
+    fs::File,
+    io::Read as _,
     path::{Path, PathBuf},
 };
 
@@ -17,6 +19,9 @@ use reflet_scene::{
     desc::{At, MOST_PATTERNED, MaterialDesc, reflectivity_of},
     diagnostic::Diagnostic,
 };
+
+/// Bytes of an image in which its color space stands, before its pixels.
+const HEADER_BYTES: u64 = 1 << 16;
 
 /// Image key: a file by its canonical path, or an image inside a loaded file.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -182,6 +187,14 @@ impl Loader<'_> {
         }
     }
 
+    /// Color space that an image says it has, if it is a PNG of another one than sRGB.
+    fn other_space(&self, path: &Path) -> Option<String> {
+        let mut start = Vec::new();
+        let file = File::open(path).ok()?;
+        file.take(HEADER_BYTES).read_to_end(&mut start).ok()?;
+        texture::other_than_srgb(&start)
+    }
+
     /// An image file that the scene text names.
     fn scene_image(&mut self, name: &At<String>, srgb: bool) -> Option<TextureRef> {
         if let Some((message, help)) = foreign_formats::image(Path::new(&name.value)) {
@@ -195,6 +208,12 @@ impl Loader<'_> {
                 return None;
             }
         };
+        if let Some(space) = srgb.then(|| self.other_space(&path)).flatten() {
+            let message = format!("this image is {space}, and is shown as sRGB");
+            let help = "save it as sRGB in an image program, or without that chunk";
+            let warning = error_at("image-color-space", &name.at, message).help(help);
+            self.world.warnings.push(warning.warning());
+        }
         let request = TextureRequest {
             name: "image".into(),
             used_by: String::new(),

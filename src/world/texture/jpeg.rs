@@ -23,6 +23,7 @@ const ROW_BYTES_PER_PIXEL: u64 = 64;
 /// A JPEG file whose header was read.
 pub struct Jpeg<'a> {
     decoder: JpegDecoder<ZCursor<&'a [u8]>>,
+    bytes: &'a [u8],
     /// Width and height, pixels.
     pub size: [u32; 2],
     num_components: u64,
@@ -38,14 +39,7 @@ impl<'a> Jpeg<'a> {
     /// # Errors
     /// Broken headers, coding that is not supported, files that are too short for their size.
     pub fn open(bytes: &'a [u8]) -> Result<Self, Fault> {
-        // The caller checks the size. A file that is cut off near its end is shown as far as it goes, as elsewhere.
-        let options = DecoderOptions::default()
-            .set_strict_mode(false)
-            .set_max_width(usize::MAX)
-            .set_max_height(usize::MAX)
-            // Four channels are wrong for RGB, CMYK and YCCK (zune-jpeg 0.5).
-            .jpeg_set_out_colorspace(ColorSpace::RGB);
-        let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
+        let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options(false));
         decoder.decode_headers().map_err(broken)?;
         let info = (decoder.info()).ok_or_else(|| broken("it has no frame header"))?;
         let size = [info.width, info.height].map(u32::from);
@@ -67,6 +61,7 @@ impl<'a> Jpeg<'a> {
         }
         Ok(Self {
             decoder,
+            bytes,
             size,
             num_components: info.components.into(),
         })
@@ -87,10 +82,20 @@ impl<'a> Jpeg<'a> {
     /// Decodes the pixels.
     ///
     /// # Errors
-    /// Broken data.
+    /// Broken data, and pictures that end in the middle, of which the decoder shows the rest gray.
     pub fn decode(mut self) -> Result<RgbaImage, Fault> {
         let mut rgb = blank(self.size, 3)?;
-        self.decoder.decode_into(&mut rgb).map_err(broken)?;
+        if has_end(self.bytes) {
+            self.decoder.decode_into(&mut rgb).map_err(broken)?;
+        } else {
+            // All of the picture may be there, without the marker after it.
+            let bytes = ZCursor::new(self.bytes);
+            let mut decoder = JpegDecoder::new_with_options(bytes, options(true));
+            decoder.decode_into(&mut rgb).map_err(|_| {
+                let text = "ends in the middle of its picture";
+                fault("image-broken", text).help("copy or export the image again")
+            })?;
+        }
         let mut pixels = blank(self.size, 4)?;
         for (rgba, rgb) in pixels.chunks_exact_mut(4).zip(rgb.chunks_exact(3)) {
             rgba.copy_from_slice(&[rgb[0], rgb[1], rgb[2], 255]);
@@ -98,6 +103,46 @@ impl<'a> Jpeg<'a> {
         let [width, height] = self.size;
         RgbaImage::from_raw(width, height, pixels)
             .ok_or_else(|| broken("its size is not that of its header"))
+    }
+}
+
+/// Options of the decoder; strict, it refuses files that end too early.
+fn options(is_strict: bool) -> DecoderOptions {
+    // The caller checks the size.
+    DecoderOptions::default()
+        .set_strict_mode(is_strict)
+        .set_max_width(usize::MAX)
+        .set_max_height(usize::MAX)
+        // Four channels are wrong for RGB, CMYK and YCCK (zune-jpeg 0.5).
+        .jpeg_set_out_colorspace(ColorSpace::RGB)
+}
+
+/// Marker of the end of a picture (ITU-T T.81, table B.1).
+const END: u8 = 0xD9;
+
+/// Whether the segments of a file lead to the marker of its end; thumbnails inside of segments have one too.
+fn has_end(bytes: &[u8]) -> bool {
+    let mut at = 2; // after the marker of the start
+    loop {
+        // Between segments stand only fill bytes, in coded data also zeros and restarts after a byte of ones.
+        let Some(ones) = bytes
+            .get(at..)
+            .and_then(|rest| rest.iter().position(|b| *b == 0xFF))
+        else {
+            return false;
+        };
+        at += ones + 1;
+        match bytes.get(at) {
+            None => return false,
+            Some(&END) => return true,
+            Some(0xC0..=0xCF | 0xDA..=0xEF | 0xFE) => {
+                let Some([high, low]) = bytes.get(at + 1..at + 3) else {
+                    return false;
+                };
+                at += 1 + usize::from(u16::from_be_bytes([*high, *low]));
+            }
+            Some(_) => {}
+        }
     }
 }
 
