@@ -18,10 +18,11 @@ mod numbers;
 mod outlined;
 mod region;
 mod rounded_box;
+mod runs;
 mod solid;
 mod supplies;
 mod sweep;
-mod text;
+pub mod text;
 mod turn;
 
 use std::f32::consts::TAU;

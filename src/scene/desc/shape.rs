@@ -162,7 +162,8 @@ declared! {
         /// `"text"`: letters with a thickness: from z = 0 to their faces at z = `depth`, the first line standing on y =
         /// 0.
         Text = "text" {
-            /// The text, 1 to 1000 characters; `\n` begins a new line. Letters are joined and kerned as the font says.
+            /// The text, 1 to 1000 characters; `\n` begins a new line. Letters are joined and kerned as the font says;
+            /// words of scripts from right to left stand in their order (UAX #9).
             text: String,
             /// A font file with outlines (`.ttf`, `.otf`, or the first of a `.ttc`), searched beside the scene, then in
             /// each `--assets` folder. Default: Ubuntu Light.

@@ -1,6 +1,7 @@
 //! Reads the models of a scene, each file once.
 
 use std::{
+    fs,
     path::{Path, PathBuf},
     thread,
     time::Duration,
@@ -24,6 +25,9 @@ use reflet_scene::{
 
 /// Processor time that making a shape may take.
 const MOST_TIME: Duration = Duration::from_secs(30);
+/// Largest number of files of a folder that are looked at for a font, and of fonts that are read.
+const MOST_ENTRIES: usize = 10_000;
+const MOST_FONTS: usize = 50;
 
 /// Key of a file that is read once: its path, and the chosen parts of a USD stage.
 pub type Part = (PathBuf, usd::Choice);
@@ -93,7 +97,21 @@ impl Loader<'_> {
             };
             let supplies = self.supplies(shape)?;
             let made = make_guarded(shape, supplies).map_err(|fault| Box::new(said(fault)))?;
-            let warnings = made.warnings.into_iter().map(|fault| said(fault).warning());
+            let near = |fault: &shape::Fault| {
+                let ShapeDesc::Text { text, .. } = shape else {
+                    return None;
+                };
+                let is_meant = fault.name == "missing-letters";
+                let font = is_meant.then(|| self.font_with(text)).flatten()?;
+                Some(format!("write `font = \"{font}\"`, which has them"))
+            };
+            let warnings: Vec<_> = (made.warnings.into_iter())
+                .map(|fault| shape::Fault {
+                    help: near(&fault).or(fault.help.clone()),
+                    ..fault
+                })
+                .map(|fault| said(fault).warning())
+                .collect();
             self.world.warnings.extend(warnings);
             return Ok(made.mesh);
         };
@@ -119,6 +137,32 @@ impl Loader<'_> {
     }
 
     /// The font files of a shape, and the work that shapes may still take.
+    /// Name of a font beside the scene, in another folder of its files, or in a folder `fonts` below, that has all
+    /// letters of a text.
+    fn font_with(&self, text: &str) -> Option<String> {
+        let folders = self.folders.iter();
+        let folders = folders.flat_map(|folder| ["", "fonts"].map(|below| (folder, below)));
+        folders.into_iter().find_map(|(folder, below)| {
+            let entries = fs::read_dir(folder.join(below)).ok()?.flatten();
+            let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
+            let is_font = |name: &String| {
+                let name = name.to_lowercase();
+                [".ttf", ".otf"].iter().any(|ending| name.ends_with(ending))
+            };
+            let mut names: Vec<_> = names.take(MOST_ENTRIES).filter(is_font).collect();
+            names.sort();
+            names.into_iter().take(MOST_FONTS).find_map(|name| {
+                let name = match below {
+                    "" => name,
+                    below => format!("{below}/{name}"),
+                };
+                let path = self.sandbox.resolve(folder, &name).ok()?;
+                let bytes = self.sandbox.read(&path).ok()?;
+                shape::text::has_letters(&bytes, text).then_some(name)
+            })
+        })
+    }
+
     fn supplies(&mut self, shape: &ShapeDesc) -> Result<Supplies, Box<Diagnostic>> {
         let mut supplies = Supplies {
             work: self.shape_work.clone(),

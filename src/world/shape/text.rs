@@ -1,7 +1,7 @@
 //! Letters with a thickness.
 
 use epaint_default_fonts::UBUNTU_LIGHT;
-use harfrust::{Feature, ShapeOptions, ShaperData, Tag, UnicodeBuffer};
+use harfrust::{Direction, Feature, ShapeOptions, ShaperData, Tag, UnicodeBuffer};
 use reflet_base::guard;
 use reflet_scene::{
     desc::{FillRule, ShapeDesc, TextAlign},
@@ -24,6 +24,7 @@ use super::{
     Fault, Supplies, extrude,
     flatten::{MOST_CHORDS, Pen},
     region::Region,
+    runs::runs,
     solid::Solid,
 };
 
@@ -139,6 +140,17 @@ pub fn add(
     }))
 }
 
+/// Whether a font has a letter for each character of a text.
+pub fn has_letters(bytes: &[u8], text: &str) -> bool {
+    let has_all = || {
+        let face = open(bytes).ok()?;
+        let letters = face.charmap();
+        let mut visible = text.chars().filter(|letter| !letter.is_whitespace());
+        Some(visible.all(|letter| letters.map(letter).is_some_and(|glyph| glyph.to_u32() > 0)))
+    };
+    guard::catch(has_all).flatten().unwrap_or(false)
+}
+
 /// Opens a font with outlines.
 fn open(bytes: &[u8]) -> Result<FontRef<'_>, Fault> {
     let wrong = |what: &str, help: &str| Fault::new("wrong-font", what).help(help);
@@ -184,32 +196,42 @@ fn draw_lines(pen: &mut GlyphPen, shape: &ShapeDesc, face: &FontRef) -> Result<S
     let features = if spacing == 0.0 { &[][..] } else { &apart };
     let mut missing = String::new();
     for (number, line) in text.lines().enumerate() {
-        let mut buffer = UnicodeBuffer::new();
-        buffer.push_str(line);
-        buffer.guess_segment_properties();
-        let shaped = shaper.shape(buffer, ShapeOptions::new().features(features));
-        let (infos, places) = (shaped.glyph_infos(), shaped.glyph_positions());
+        let shaped: Vec<_> = (runs(line).into_iter())
+            .map(|run| {
+                let mut buffer = UnicodeBuffer::new();
+                buffer.push_str(&line[run.range.clone()]);
+                buffer.guess_segment_properties();
+                buffer.set_direction(match run.is_leftward {
+                    true => Direction::RightToLeft,
+                    false => Direction::LeftToRight,
+                });
+                let shaped = shaper.shape(buffer, ShapeOptions::new().features(features));
+                (run.range, shaped)
+            })
+            .collect();
         let advance =
             |place: &harfrust::GlyphPosition| f64::from(place.x_advance) * pen.scale + spacing;
-        let width: f64 = places.iter().map(advance).sum::<f64>() - spacing;
+        let places = shaped.iter().flat_map(|(_, run)| run.glyph_positions());
+        let width: f64 = places.map(advance).sum::<f64>() - spacing;
         let mut x = match align {
             TextAlign::Left => 0.0,
             TextAlign::Center => -width / 2.0,
             TextAlign::Right => -width,
         };
         let y = -(number as f64) * f64::from(line_height * size);
-        for (info, place) in infos.iter().zip(places) {
-            let offset = [place.x_offset, place.y_offset].map(|o| f64::from(o) * pen.scale);
-            let next = x + f64::from(place.x_advance) * pen.scale + spacing;
-            pen.origin = [x + offset[0], y + offset[1]];
-            draw_glyph(pen, &glyphs, info.glyph_id)?;
-            let letter = line
-                .get(info.cluster as usize..)
-                .and_then(|rest| rest.chars().next());
-            if info.glyph_id == 0 {
-                missing.extend(letter.filter(|letter| !missing.contains(*letter)));
+        for (range, run) in &shaped {
+            for (info, place) in run.glyph_infos().iter().zip(run.glyph_positions()) {
+                let offset = [place.x_offset, place.y_offset].map(|o| f64::from(o) * pen.scale);
+                let next = x + f64::from(place.x_advance) * pen.scale + spacing;
+                pen.origin = [x + offset[0], y + offset[1]];
+                draw_glyph(pen, &glyphs, info.glyph_id)?;
+                let letter = (line.get(range.start + info.cluster as usize..))
+                    .and_then(|rest| rest.chars().next());
+                if info.glyph_id == 0 {
+                    missing.extend(letter.filter(|letter| !missing.contains(*letter)));
+                }
+                x = next;
             }
-            x = next;
         }
     }
     Ok(missing)
