@@ -93,7 +93,8 @@ const LANGUAGES: [(&str, IsIn, &str); 7] = [
                 || first.starts_with("mtllib ")
                 || first.starts_with("v ")
         },
-        "a scene names it: `[model.NAME]` with `file = \"….glb\"`; `reflet render FILE` shows a glTF or USD file alone",
+        "a scene names it by its file, which ends in `.glb`, `.gltf`, `.usd`, `.obj`, `.stl` or `.ply`: write `[model.NAME]` \
+         with `file = \"chair.obj\"`",
     ),
 ];
 
