@@ -395,6 +395,8 @@ fn perturbed(instance: u32, index: array<u32, 3>, weights: vec3f, n: vec3f, texe
 // 2005, "Mipmapping Normal Maps", with alpha² = 2 / (exponent + 2)), but not past the limit up to which reflections are
 // traced in full: else bumps would take the reflections of a mirror. `alpha`: see src/render/buffers/textures/resample.rs.
 fn roughened(roughness: f32, alpha: f32, scale: f32, metallic: f32) -> f32 {
+    // A mirror stays one: a facet of a steep bump mirrors much of its light below the surface, and would be black.
+    if (roughness * roughness <= SMOOTH_ALPHA) { return roughness; }
     let limit = frame.roughness_cutoff * (1.0 + METAL_REACH * metallic) * (1.0 - CUTOFF_FADE);
     let lack = (1.0 - alpha) * (1.0 - alpha);
     let r2 = roughness * roughness;

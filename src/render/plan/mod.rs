@@ -75,15 +75,12 @@ pub fn is_rough_reflector(world: &World, index: usize, cutoff: f32) -> bool {
     let material = &world.materials[index];
     let [_, roughness] = material.roughness_extremes();
     let [_, coat_roughness] = material.coat_roughness_extremes();
-    // Normals that are averaged over a footprint make a surface rougher.
     let spread = material.metallic_roughness_texture.is_some()
-        || material.normal_texture.is_some()
         || material.anisotropy.is_some()
         || (is_spread(roughness) && is_base_below(material, cutoff))
         || (material.clearcoat.is_some() && is_spread(coat_roughness));
     let scatters = material.transmission.is_some()
         && (material.metallic_roughness_texture.is_some()
-            || material.normal_texture.is_some()
             || material.anisotropy.is_some()
             || is_spread(roughness));
     material.reflection == ReflectionMode::Auto
