@@ -31,6 +31,7 @@ fuzz_target!(|bytes: &[u8]| {
         memory_bytes: Some(1 << 30),
         // Files of odd length are read with what is forgiven.
         lenient: bytes.len() % 2 == 1,
+        strict: bytes.len() % 4 == 0,
         ..LoadOptions::default()
     };
     let Ok(mut world) = load(&READ, &options) else {

@@ -30,12 +30,15 @@ pub struct SceneArgs {
     /// repeatable. The folders of REFLET_ASSETS come last
     #[arg(long, value_name = "DIR")]
     pub assets: Vec<PathBuf>,
-    /// Load glTF files without parts that only change their look: materials, textures and lights of extensions that
-    /// they require and Reflet does not know; images that are missing or whose format or header cannot be read;
-    /// references to scenes, nodes, meshes, cameras, lights, materials, textures, images and samplers that a file does
-    /// not have. A node of several parents stays with the first. Each kind has a warning
+    /// Load glTF files without materials, textures and lights of extensions that they require and Reflet does not
+    /// know, and without references to scenes, nodes and meshes that a file does not have. A node of several parents
+    /// stays with the first. Each kind has a warning
     #[arg(long)]
     pub lenient: bool,
+    /// Refuse models with wrong parts that are else left out or replaced with a warning, such as images that are
+    /// missing, lights and channels of animations
+    #[arg(long, conflicts_with = "lenient")]
+    pub strict: bool,
     /// File or folder of the scene's project, in place of the reflet.toml that is found in its folder or above
     #[arg(long, value_name = "PATH", conflicts_with = "no_project")]
     pub project: Option<PathBuf>,
@@ -52,6 +55,7 @@ impl SceneArgs {
             variant: self.variant.clone(),
             assets: self.assets.clone(),
             lenient: self.lenient,
+            strict: self.strict,
             project: self.project_choice(),
             ..SceneOptions::default()
         }
@@ -130,6 +134,7 @@ impl PictureArgs {
                     variant,
                     assets: _,
                     lenient,
+                    strict,
                     project,
                     no_project,
                 },
@@ -174,6 +179,7 @@ impl PictureArgs {
         for (name, is_set) in [
             ("--denoise", denoise),
             ("--lenient", lenient),
+            ("--strict", strict),
             ("--no-project", no_project),
         ] {
             options.extend(is_set.then(|| name.to_owned()));

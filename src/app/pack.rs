@@ -132,6 +132,7 @@ impl Layout {
                 variant: manifest.variant.clone(),
                 assets: manifest.assets.iter().map(|f| folder.join(f)).collect(),
                 lenient: manifest.lenient,
+                strict: false,
                 project: manifest.project.as_ref().map(|own| folder.join(own)),
                 no_project: manifest.project.is_none(),
             },

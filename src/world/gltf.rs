@@ -63,6 +63,7 @@ pub use animation::{Clip, Playable, StageTime};
 pub use container::Bytes;
 pub use extension::SUPPORTED as SUPPORTED_EXTENSIONS;
 pub use image_light::{ImageLight, LightMap};
+pub use lenient::FORGIVEN;
 pub use posed::{Posed, PosedNames};
 pub use specular_glossiness::{Factors, Part, SpecularGlossinessMaps};
 pub use uri::Sandbox;
@@ -289,8 +290,10 @@ const MAX_ERRORS: usize = 20;
 #[derive(Clone, Debug, Default)]
 pub struct ReadOptions {
     /// Whether extensions that only change the look are ignored even if the file requires them, and wrong references
-    /// between its parts dropped.
+    /// to nodes and meshes dropped.
     pub lenient: bool,
+    /// Whether a wrong part that could be left out is an error.
+    pub strict: bool,
     /// Nodes and morph targets that scripts pose.
     pub posed: Posed,
     /// Memory budget of the load, from which geometry is taken.
@@ -339,8 +342,8 @@ fn read_faults(path: &Path, sandbox: &Sandbox, options: &ReadOptions) -> Result<
         files,
         ..Model::default()
     };
-    if options.lenient {
-        lenient::mend(&mut root, &mut notes);
+    if !options.strict {
+        lenient::mend(&mut root, &mut notes, options.lenient);
     }
     let mut buffers = buffer::read(
         &root,
@@ -356,7 +359,9 @@ fn read_faults(path: &Path, sandbox: &Sandbox, options: &ReadOptions) -> Result<
     let data = accessor::Data::new(&root, buffers, budget, &mut notes).map_err(one)?;
     check_indices::check(&root).map_err(one)?;
     material::read(&root, &data, folder, sandbox, &mut model, &mut notes).map_err(one)?;
-    model.image_light = image_light::read(&root, &data, folder, sandbox).map_err(one)?;
+    let light = image_light::read(&root, &data, folder, sandbox);
+    let light = lenient::forgiven(&root, light, None, &LEFT_OUT_LIGHT, &mut notes);
+    model.image_light = light.map_err(one)?;
     model.stage = StageTime::from_root(&root);
     let variants = root.extensions.variants.iter().flat_map(|v| &v.variants);
     model.variants = variants.map(|v| v.name.clone()).collect();
@@ -390,6 +395,13 @@ fn read_faults(path: &Path, sandbox: &Sandbox, options: &ReadOptions) -> Result<
     }
     Ok(model)
 }
+
+/// Warning about an image-based light that is left out.
+const LEFT_OUT_LIGHT: lenient::LeftOut<'_> = lenient::LeftOut {
+    name: "light-left-out",
+    what: "image-based lights are wrong and left out",
+    place: "the scene",
+};
 
 /// Name of an object for messages, such as `mesh 3 "wall"`.
 fn label(kind: &str, index: usize, name: Option<&str>) -> String {

@@ -43,7 +43,7 @@ pub(crate) mod tangent;
 mod vertex_streams;
 
 pub use asset_cache::AssetCache;
-pub use preloaded_models::PreloadedModels;
+pub use preloaded_models::{Forgiven, PreloadedModels};
 
 /// Asset folders and limits of loading.
 #[derive(Clone, Debug)]
@@ -61,9 +61,12 @@ pub struct LoadOptions {
     /// Memory limit of geometry, images and trees together, bytes; `None`: three quarters of the free memory,
     /// or 6 GiB where the system does not tell it.
     pub memory_bytes: Option<u64>,
-    /// Whether glTF files are shown without parts that change only their look: required extensions that are not
-    /// supported, images that cannot be found or read, and wrong references between parts.
+    /// Whether glTF files are shown without extensions that they require, that change only their look and are not
+    /// supported, and without wrong references to scenes, nodes and meshes.
     pub lenient: bool,
+    /// Whether wrong parts of glTF files that change only their look are errors; else they are left out with a warning:
+    /// images that cannot be found or read, materials, textures, attributes, lights, cameras and references to these.
+    pub strict: bool,
     /// Records the files that were searched.
     pub dependencies: Dependencies,
     /// Models that were read before.
@@ -80,6 +83,7 @@ impl Default for LoadOptions {
             max_file_bytes: 4 << 30,
             memory_bytes: None,
             lenient: false,
+            strict: false,
             dependencies: Dependencies::default(),
             preloaded_models: PreloadedModels::default(),
         }

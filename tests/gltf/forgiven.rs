@@ -1,6 +1,6 @@
 //! Faults of files that are forgiven with a warning, as other viewers forgive them.
 
-use reflet::scene::diagnostic::Diagnostic;
+use reflet::{scene::diagnostic::Diagnostic, world::gltf::FORGIVEN};
 
 use crate::kit::*;
 
@@ -165,10 +165,26 @@ fn both(doc: &Doc) -> [Result<World, Vec<Diagnostic>>; 2] {
     [false, true].map(|lenient| {
         let options = LoadOptions {
             lenient,
+            strict: !lenient,
             ..LoadOptions::default()
         };
         load(&scene(&folder.0, "m.glb"), &options)
     })
+}
+
+/// One wrong part of each kind in an otherwise good file is left out by name, or is one of the mistakes of `--strict`.
+#[test]
+fn one_wrong_part_does_not_take_the_file() {
+    for (damage, name) in cases(include_str!("forgiven/wrong_parts.txt")) {
+        let (mut doc, folder) = (Doc::triangle(), Folder::new());
+        doc.set(damage);
+        folder.write("m.glb", doc.glb());
+        let world = load(&scene(&folder.0, "m.glb"), &LoadOptions::default());
+        let world = world.unwrap_or_else(|errors| panic!("{damage}: {errors:#?}"));
+        assert_eq!(warnings(&world), [name], "{damage}");
+        assert_eq!(places(&world), [Vec3::ZERO], "{damage}");
+        assert!(FORGIVEN.contains(&name), "{name}");
+    }
 }
 
 #[test]

@@ -238,6 +238,7 @@ fn all_images_together_have_a_budget() {
         let options = LoadOptions {
             image_budget_bytes,
             max_texture_px,
+            strict: true,
             ..LoadOptions::default()
         };
         assert_eq!(load(&desc, &options).err().map(|e| e[0].name), expected);

@@ -219,7 +219,11 @@ pub fn scene(folder: &Path, file: &str) -> SceneDesc {
 }
 
 pub fn load_scene(desc: &SceneDesc) -> Result<World, Vec<Diagnostic>> {
-    load(desc, &LoadOptions::default())
+    let options = LoadOptions {
+        strict: true,
+        ..LoadOptions::default()
+    };
+    load(desc, &options)
 }
 
 pub fn unplaced(text: &str) -> At<String> {

@@ -15,12 +15,13 @@ use crate::{
 };
 
 /// Arguments that say how to measure, which conflict with drawing a table again (`--samples`).
-const MEASURING: [&str; 21] = [
+const MEASURING: [&str; 22] = [
     "scenes",
     "set",
     "variant",
     "assets",
     "lenient",
+    "strict",
     "project",
     "no_project",
     "methods",

@@ -15,7 +15,7 @@ use reflet_scene::{
 };
 use reflet_world::{
     gltf::{Fault, Playable, Sandbox},
-    load::LoadOptions,
+    load::{Forgiven, LoadOptions},
     usd,
 };
 
@@ -165,14 +165,20 @@ fn playable(
         .with_dependencies(&options.dependencies);
     let path = sandbox.resolve(folder, name)?;
     if !is_stage(&path) {
-        return Ok(options
-            .preloaded_models
-            .read(&path, &sandbox, options.lenient));
+        let forgiven = Forgiven {
+            lenient: options.lenient,
+            strict: options.strict,
+        };
+        return Ok(options.preloaded_models.read(&path, &sandbox, forgiven));
     }
     let glb = usd::convert(&path, "model", choice, &roots)?.glb;
     let folder = glb.parent().unwrap_or(Path::new("."));
     let sandbox = Sandbox::new([folder], options.max_file_bytes);
-    Ok(options.preloaded_models.read(&glb, &sandbox, false))
+    let forgiven = Forgiven {
+        lenient: false,
+        strict: options.strict,
+    };
+    Ok(options.preloaded_models.read(&glb, &sandbox, forgiven))
 }
 
 /// Name and duration, s, of the animation to play; broken animations are skipped.

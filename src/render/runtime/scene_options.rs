@@ -22,8 +22,11 @@ pub struct SceneOptions {
     pub variant: Vec<String>,
     /// Folders to search for models and textures after the scene's own, before folders of [`ASSETS_ENV`].
     pub assets: Vec<PathBuf>,
-    /// Whether to load glTF files without parts that only change their look, as [`LoadOptions::lenient`].
+    /// Whether to load glTF files without extensions that they require, as [`LoadOptions::lenient`].
     pub lenient: bool,
+    /// Whether wrong parts of models that could be left out are errors: see [`LoadOptions::strict`], and every warning
+    /// of [`FORGIVEN`](reflet_world::gltf::FORGIVEN).
+    pub strict: bool,
     /// Project of the scene.
     pub project: ProjectChoice,
     /// Scene texts and scripts that are open in an editor, for the files of which they stand.
@@ -72,6 +75,7 @@ pub fn load_options(from: &SceneOptions, project: Option<&Project>) -> LoadOptio
         assets: border.assets,
         project: border.project,
         lenient: from.lenient,
+        strict: from.strict,
         ..LoadOptions::default()
     }
 }

@@ -15,7 +15,7 @@ use super::{
 use reflet_scene::{
     dependencies::Dependencies,
     desc::ParamValue,
-    diagnostic::{Diagnostic, Source},
+    diagnostic::{Diagnostic, Severity, Source},
     motion::FrameState,
     parse::{self, Document, ReadOptions, Texts, VARIANT},
     project::{self, Project},
@@ -23,7 +23,7 @@ use reflet_scene::{
 };
 use reflet_world::{
     World,
-    gltf::MODEL_EMPTY,
+    gltf::{FORGIVEN, MODEL_EMPTY},
     load::{self, AssetCache, LoadOptions, foreign_formats},
     usd::STAGE_EMPTY,
 };
@@ -257,6 +257,9 @@ impl OpenedScene {
         match load::load_with_cache(&self.scene, &self.options) {
             Ok((mut world, assets)) => match self.nothing_to_show(&world) {
                 Some(error) => Err(self.told_with(world, error)),
+                None if self.options.strict && !forgiven(&world).is_empty() => {
+                    Err(self.after_warnings(forgiven(&world)))
+                }
                 None => {
                     world.warnings.retain(|warning| warning.name != STAGE_EMPTY);
                     Ok((world, assets))
@@ -398,3 +401,14 @@ impl LoadedScene {
 #[cfg(all(test, debug_assertions))]
 #[path = "scene_text_tests.rs"]
 mod tests;
+
+/// Errors in place of the warnings about parts of models that are left out or replaced.
+fn forgiven(world: &World) -> Vec<Diagnostic> {
+    let left_out = world.warnings.iter();
+    let left_out = left_out.filter(|warning| FORGIVEN.contains(&warning.name));
+    let error = |warning: &Diagnostic| Diagnostic {
+        severity: Severity::Error,
+        ..warning.clone()
+    };
+    left_out.map(error).collect()
+}

@@ -339,11 +339,6 @@ impl<'a> Data<'a> {
     pub fn count(&self, index: usize) -> Result<usize, Fault> {
         self.layout(index).map(|l| l.count)
     }
-
-    /// Number of components of one element; 0 where the accessor does not exist.
-    pub fn lanes(&self, index: usize) -> usize {
-        self.layout(index).map_or(0, |l| l.lanes)
-    }
 }
 
 /// Accepts floats: positions, normals and tangents of core glTF.

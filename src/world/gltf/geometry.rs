@@ -71,6 +71,7 @@ impl Reader<'_> {
         let material = primitive.material.unwrap_or(self.root.materials.len());
         let skin = self.skin_of(mesh_use);
         Context {
+            root: self.root,
             data: self.data,
             primitive,
             num_vertices: 0,

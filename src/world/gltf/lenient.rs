@@ -1,7 +1,7 @@
-//! Forgives wrong references between the parts of a file: they are left out, with a warning for each kind.
+//! Forgives wrong parts of a file and references between them: they are left out, with a warning for each kind.
 
 use super::{
-    Notes, label,
+    Fault, Notes, label,
     schema::{Node, Root, Texture},
 };
 
@@ -10,22 +10,74 @@ pub const DROPPED: &str = "reference-dropped";
 /// Text of that warning.
 pub const DROPPED_WHAT: &str = "references to parts that the file does not have are dropped";
 
-/// Drops references to nodes, meshes, cameras, materials, images, samplers, lights and scenes beyond their lists, and
-/// later parents of a node with several. A texture that a material lacks is dropped where it is used; a missing
-/// accessor is not forgiven.
-pub fn mend(root: &mut Root, notes: &mut Notes) {
+/// Names of the warnings about parts that are left out or replaced, which `--strict` makes errors.
+pub const FORGIVEN: [&str; 18] = [
+    "animation-broken",
+    "animation-channel",
+    "attribute-left-out",
+    "camera-fov-clamped",
+    "camera-left-out",
+    "color-unnormalized",
+    "factor-clamped",
+    "image-left-out",
+    "light-clamped",
+    "light-left-out",
+    "morph-left-out",
+    "mtl-left-out",
+    "mtl-missing",
+    "ply-left-out",
+    "property-left-out",
+    "reference-dropped",
+    "texture-left-out",
+    "texture-unsupported",
+];
+
+/// Warning about a part that is left out.
+pub struct LeftOut<'a> {
+    /// Name of the warning.
+    pub name: &'static str,
+    /// Parts that are left out, plural.
+    pub what: &'static str,
+    /// Place of the part.
+    pub place: &'a str,
+}
+
+/// A part of the file that only changes its look, or `other` with a warning where it is wrong and the load forgives
+/// it. Files that are too large, or cannot be read, stay errors.
+pub fn forgiven<T>(
+    root: &Root,
+    part: Result<T, Fault>,
+    other: T,
+    left_out: &LeftOut<'_>,
+    notes: &mut Notes,
+) -> Result<T, Fault> {
+    match part {
+        Err(fault) if root.is_lenient && fault.name.starts_with("gltf-") => {
+            let place = format!("{}: {}", left_out.place, fault.message);
+            notes.add(left_out.name, 1, left_out.what, &place);
+            Ok(other)
+        }
+        part => part,
+    }
+}
+
+/// Drops references to cameras, materials, images, samplers and lights beyond their lists; with `is_all` also to
+/// scenes, nodes and meshes, and later parents of a node with several. A texture that a material lacks is dropped where
+/// it is used; a missing accessor is not forgiven.
+pub fn mend(root: &mut Root, notes: &mut Notes, is_all: bool) {
     root.is_lenient = true;
     let mut dropped = Dropped(notes);
     let num_scenes = root.scenes.len();
-    dropped.one(&mut root.scene, num_scenes, || {
-        "the default scene".to_owned()
-    });
-    let num_nodes = root.nodes.len();
-    for (i, scene) in root.scenes.iter_mut().enumerate() {
-        dropped.list(&mut scene.nodes, num_nodes, || format!("scene {i}"));
+    if is_all {
+        let place = || "the default scene".to_owned();
+        dropped.one(&mut root.scene, num_scenes, place);
+        let num_nodes = root.nodes.len();
+        for (i, scene) in root.scenes.iter_mut().enumerate() {
+            dropped.list(&mut scene.nodes, num_nodes, || format!("scene {i}"));
+        }
     }
     mend_image_lights(root, &mut dropped);
-    mend_nodes(root, &mut dropped);
+    mend_nodes(root, &mut dropped, is_all);
     let num_materials = root.materials.len();
     let variants = root.extensions.variants.as_ref();
     let num_variants = variants.map_or(0, |all| all.variants.len());
@@ -78,7 +130,7 @@ fn mend_image_lights(root: &mut Root, dropped: &mut Dropped<'_>) {
     }
 }
 
-fn mend_nodes(root: &mut Root, dropped: &mut Dropped<'_>) {
+fn mend_nodes(root: &mut Root, dropped: &mut Dropped<'_>, is_all: bool) {
     let num_nodes = root.nodes.len();
     let (num_meshes, num_cameras) = (root.meshes.len(), root.cameras.len());
     let lights = root.extensions.lights.as_ref();
@@ -94,13 +146,16 @@ fn mend_nodes(root: &mut Root, dropped: &mut Dropped<'_>) {
             ..
         } = node;
         let place = || label("node", i, name.as_deref());
-        dropped.list(children, num_nodes, place);
-        dropped.one(mesh, num_meshes, place);
         dropped.one(camera, num_cameras, place);
         if (extensions.light.as_ref()).is_some_and(|used| used.light >= num_lights) {
             extensions.light = None;
             dropped.note(1, || format!("{}: its light", place()));
         }
+        if !is_all {
+            continue;
+        }
+        dropped.list(children, num_nodes, place);
+        dropped.one(mesh, num_meshes, place);
         children.retain(|&child| {
             let is_first = !std::mem::replace(&mut has_parent[child], true);
             let what = "nodes have several parents and stay with the first of them";

@@ -9,6 +9,7 @@ use super::{
     accessor::Data,
     animation::moved_material_keys,
     finite, label, layers,
+    lenient::{LeftOut, forgiven},
     ranges::Ranges,
     schema::{self, Root, TextureInfo},
     specular_glossiness,
@@ -97,7 +98,19 @@ fn convert(
     notes: &mut Notes,
 ) -> Result<Material, Fault> {
     let mut ranges = Ranges::default();
-    let mut out = factors(material, &mut ranges)?;
+    let root = textures.root;
+    let left_out = LeftOut {
+        name: "property-left-out",
+        what: "properties of materials are wrong, and left out with others of the same extensions",
+        place,
+    };
+    let plain = || Material {
+        base_color: Vec4::ONE,
+        double_sided: material.double_sided,
+        ..Material::default()
+    };
+    let factors = factors(material, &mut ranges);
+    let mut out = forgiven(root, factors, plain(), &left_out, notes)?;
     let pbr = &material.pbr_metallic_roughness;
     let mut texture = |info: &Option<TextureInfo>, srgb: bool, path: &str| {
         let slot = Slot {
@@ -120,14 +133,25 @@ fn convert(
     out.occlusion_texture = texture(&material.occlusion_texture, false, "occlusionTexture")?;
     out.emission_texture = texture(&material.emissive_texture, true, "emissiveTexture")?;
     let extensions = &material.extensions;
-    layers::read(extensions, &mut out, moves, &mut ranges, &mut texture)?;
+    let layers = layers::read(extensions, &mut out, moves, &mut ranges, &mut texture);
+    forgiven(root, layers, (), &left_out, notes)?;
     layers::note_shared_tangents(&out, place, notes);
-    out.alpha_cutoff = alpha(material, &mut ranges)?;
+    let cutoff = alpha(material, &mut ranges);
+    out.alpha_cutoff = forgiven(root, cutoff, None, &left_out, notes)?;
     out.is_mesh_light = (material.extras.get(MESH_LIGHT)).is_some_and(serde_json::Value::is_object);
     out.light = out.is_mesh_light;
     out.blended = material.alpha_mode.as_deref() == Some("BLEND");
     if let Some(gloss) = &material.extensions.specular_glossiness {
-        specular_glossiness::convert(gloss, &mut out, textures, index, place, &mut ranges, notes)?;
+        let converted = specular_glossiness::convert(
+            gloss,
+            &mut out,
+            textures,
+            index,
+            place,
+            &mut ranges,
+            notes,
+        );
+        forgiven(root, converted, (), &left_out, notes)?;
     }
     ranges.note(place, notes);
     if material.extensions.unlit.is_some() {

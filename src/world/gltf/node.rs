@@ -8,7 +8,9 @@ use super::{
     Attached, Clip, Fault, Model, Notes, Placement,
     accessor::Data,
     animated::Animated,
-    camera, label, light,
+    camera, label,
+    lenient::{LeftOut, forgiven},
+    light,
     posed::Posed,
     schema::{Node, Root},
     transform, tree,
@@ -293,12 +295,21 @@ impl Found<'_> {
         let name = camera.name.as_deref().or(self.node.name.as_deref());
         let name = name.map_or_else(|| format!("camera {i}"), shorten);
         let camera = match (&camera.perspective, &camera.orthographic) {
-            (Some(lens), _) => camera::perspective(lens, self.notes, self.path)?,
-            (None, Some(lens)) => camera::orthographic(lens)?,
+            (Some(lens), _) => camera::perspective(lens, self.notes, self.path),
+            (None, Some(lens)) => camera::orthographic(lens),
             (None, None) => {
                 let text = format!("camera {i} has neither `perspective` nor `orthographic`");
-                return Err(Fault::new("gltf-camera", text));
+                Err(Fault::new("gltf-camera", text))
             }
+        };
+        let left_out = LeftOut {
+            name: "camera-left-out",
+            what: "cameras are wrong and left out",
+            place: &name,
+        };
+        let camera = forgiven(self.root, camera.map(Some), None, &left_out, self.notes)?;
+        let Some(camera) = camera else {
+            return Ok(());
         };
         let mut camera = self.attached((name, camera));
         camera.index = Some(i);

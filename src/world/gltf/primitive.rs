@@ -7,7 +7,8 @@ use glam::{Vec2, Vec3, Vec4};
 
 use super::{
     Fault, Notes,
-    accessor::{self, Data},
+    accessor::{self, Component, Data},
+    lenient::{LeftOut, forgiven},
     morph,
     primitive_context::Context,
     repair,
@@ -58,7 +59,7 @@ pub fn build(
         ..Mesh::default()
     };
     check_reach(&mesh.positions)?;
-    read_attributes(&context, &mut mesh)?;
+    read_attributes(&context, &mut mesh, notes)?;
     let what = "morphs of a second set of texture coordinates, or of colors or coordinates that the mesh lacks, are left out";
     notes.add(
         "morph-left-out",
@@ -233,59 +234,96 @@ fn vectors<T, const N: usize>(
     Ok(raw.into_iter().map(convert).collect())
 }
 
-fn read_attributes(context: &Context<'_>, mesh: &mut Mesh) -> Result<(), Fault> {
-    let (data, quantized, count) = (context.data, context.quantized, mesh.positions.len());
-    let find = |attribute: &str| context.attribute(attribute);
-    let direction = if quantized {
-        accessor::float_or_signed
-    } else {
-        accessor::float_only
+/// Reads all attributes but the positions; a wrong one is left out where the load forgives that.
+fn read_attributes(context: &Context<'_>, mesh: &mut Mesh, notes: &mut Notes) -> Result<(), Fault> {
+    let direction = match context.quantized {
+        true => accessor::float_or_signed,
+        false => accessor::float_only,
     };
-    let coordinate = if quantized {
-        accessor::any_but_u32
-    } else {
-        accessor::float_or_unsigned
+    let coordinate = match context.quantized {
+        true => accessor::any_but_u32,
+        false => accessor::float_or_unsigned,
     };
-    if let Some(i) = find("NORMAL")? {
-        mesh.normals = vectors(
-            context.floats::<3>(i, direction),
-            "NORMAL",
-            Vec3::from_array,
-        )?;
-        // Without normals the specification says to ignore tangents.
-        if let Some(i) = find("TANGENT")? {
-            mesh.tangents = vectors(
-                context.floats::<4>(i, direction),
-                "TANGENT",
-                Vec4::from_array,
-            )?;
-        }
+    let (name, mut reader) = (mesh.name.clone(), Attributes { context, notes });
+    mesh.normals = reader.read(&name, "NORMAL", direction, Vec3::from_array)?;
+    // Without normals the specification says to ignore tangents.
+    if !mesh.normals.is_empty() {
+        mesh.tangents = reader.read(&name, "TANGENT", direction, Vec4::from_array)?;
     }
-    let coordinates = |set: u32| {
-        let name = format!("TEXCOORD_{set}");
-        let index = find(&name)?;
-        let read = |i| vectors(context.floats::<2>(i, coordinate), &name, Vec2::from_array);
-        index.map(read).transpose()
-    };
-    let [first, second] = context.uv_sets;
+    let [first, second] = context.uv_sets.map(|set| format!("TEXCOORD_{set}"));
+    mesh.uv0 = reader.read(&name, &first, coordinate, Vec2::from_array)?;
+    mesh.uv1 = reader.read(&name, &second, coordinate, Vec2::from_array)?;
     // Capsules have no texture coordinates where the file has none.
-    let zeros = if has_faces(context.primitive) {
-        count
-    } else {
-        0
-    };
-    mesh.uv0 = coordinates(first)?.unwrap_or_else(|| vec![Vec2::ZERO; zeros]);
-    mesh.uv1 = coordinates(second)?.unwrap_or_default();
-    if let Some(i) = find("COLOR_0")? {
-        let accept = accessor::float_or_unsigned;
-        mesh.colors = match data.lanes(i) {
-            3 => vectors(context.floats::<3>(i, accept), "COLOR_0", |[r, g, b]| {
-                Vec4::new(r, g, b, 1.0)
-            })?,
-            _ => vectors(context.floats::<4>(i, accept), "COLOR_0", Vec4::from_array)?,
-        };
+    if mesh.uv0.is_empty() && has_faces(context.primitive) {
+        mesh.uv0 = vec![Vec2::ZERO; mesh.positions.len()];
     }
+    mesh.colors = reader.colors(&name)?;
     Ok(())
+}
+
+/// Reader of attributes that only change the look.
+struct Attributes<'a, 'n> {
+    context: &'a Context<'a>,
+    notes: &'n mut Notes,
+}
+
+impl Attributes<'_, '_> {
+    /// Values of an attribute; empty where the primitive lacks it, or it is wrong and left out. `mesh` is for messages.
+    fn read<T, const N: usize>(
+        &mut self,
+        mesh: &str,
+        attribute: &str,
+        accept: fn(Component, bool) -> bool,
+        convert: fn([f32; N]) -> T,
+    ) -> Result<Vec<T>, Fault> {
+        let context = self.context;
+        let read = context.attribute(attribute).and_then(|index| {
+            let read = |i| vectors(context.floats::<N>(i, accept), attribute, convert);
+            index.map_or(Ok(Vec::new()), read)
+        });
+        let left_out = LeftOut {
+            name: "attribute-left-out",
+            what: "attributes of meshes are wrong and left out",
+            place: mesh,
+        };
+        forgiven(context.root, read, Vec::new(), &left_out, self.notes)
+    }
+
+    /// Colors of vertices; integers that are not normalized are taken as if they were.
+    fn colors(&mut self, mesh: &str) -> Result<Vec<Vec4>, Fault> {
+        let (context, name) = (self.context, "COLOR_0");
+        let index = context.primitive.attributes.get(name).copied();
+        let layout = index.and_then(|index| context.data.layout(index).ok());
+        let is_normalized = index.and_then(|index| context.data.accessor(index).ok());
+        let is_normalized = is_normalized.is_none_or(|accessor| accessor.normalized);
+        let most = match layout.as_ref().map(|layout| layout.component) {
+            Some(Component::U8) if !is_normalized => 255.0,
+            Some(Component::U16) if !is_normalized => 65535.0,
+            _ => 1.0,
+        };
+        let is_forgiven = most > 1.0 && context.root.is_lenient;
+        let accept: fn(Component, bool) -> bool = match is_forgiven {
+            true => accessor::any_but_u32,
+            false => accessor::float_or_unsigned,
+        };
+        let what =
+            "colors of vertices are integers that are not normalized, and taken as if they were";
+        self.notes
+            .add("color-unnormalized", is_forgiven.into(), what, mesh);
+        let is_opaque = layout.is_some_and(|layout| layout.lanes == 3);
+        let opaque = |[r, g, b]: [f32; 3]| Vec4::new(r, g, b, 1.0);
+        let mut colors = match is_opaque {
+            true => self.read(mesh, name, accept, opaque)?,
+            false => self.read(mesh, name, accept, Vec4::from_array)?,
+        };
+        if is_forgiven {
+            for color in &mut colors {
+                let alpha = if is_opaque { 1.0 } else { color.w / most };
+                *color = (color.truncate() / most).extend(alpha);
+            }
+        }
+        Ok(colors)
+    }
 }
 
 fn indices(data: &Data<'_>, index: usize, vertices: usize) -> Result<Vec<u32>, Fault> {

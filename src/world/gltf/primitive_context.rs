@@ -5,11 +5,13 @@ use glam::Affine3A;
 use super::{
     Fault,
     accessor::{Component, Data},
-    schema::Primitive,
+    schema::{Primitive, Root},
 };
 
 /// A primitive with its context.
 pub struct Context<'a> {
+    /// The document.
+    pub root: &'a Root,
     /// Accessors of the document.
     pub data: &'a Data<'a>,
     /// The primitive.

@@ -7,7 +7,8 @@ use glam::{Vec2, Vec3};
 use super::{
     Fault, ImageSource, ImageUse, Notes,
     accessor::Data,
-    finite, label, lenient,
+    finite, label,
+    lenient::{self, LeftOut},
     schema::{self, Root, TextureInfo},
     uri::{self, Sandbox},
 };
@@ -15,7 +16,8 @@ use crate::{TextureRef, Wrap};
 
 /// Collects the used images and their color spaces.
 pub struct Textures<'a> {
-    root: &'a Root,
+    /// The file.
+    pub root: &'a Root,
     data: &'a Data<'a>,
     folder: &'a Path,
     sandbox: &'a Sandbox,
@@ -66,7 +68,13 @@ impl Textures<'_> {
         notes: &mut Notes,
     ) -> Result<Option<TextureRef>, Fault> {
         let found = self.find(info, srgb, slot, notes);
-        found.map_err(|fault| fault.placed(&slot.to_string()))
+        let found = found.map_err(|fault| fault.placed(&slot.to_string()));
+        let left_out = LeftOut {
+            name: "texture-left-out",
+            what: "textures are wrong and left out",
+            place: slot.material,
+        };
+        lenient::forgiven(self.root, found, None, &left_out, notes)
     }
 
     fn find(
@@ -78,12 +86,12 @@ impl Textures<'_> {
     ) -> Result<Option<TextureRef>, Fault> {
         let Some(texture) = self.root.textures.get(info.index) else {
             let missing = missing("texture", info.index);
-            if self.root.is_lenient {
-                let place = format!("{}: {slot}: {}", slot.material, missing.message);
-                notes.add(lenient::DROPPED, 1, lenient::DROPPED_WHAT, &place);
-                return Ok(None);
-            }
-            return Err(missing);
+            let left_out = LeftOut {
+                name: lenient::DROPPED,
+                what: lenient::DROPPED_WHAT,
+                place: &format!("{}: {slot}", slot.material),
+            };
+            return lenient::forgiven(self.root, Err(missing), None, &left_out, notes);
         };
         let sampler = match texture.sampler.map(|i| (i, self.root.samplers.get(i))) {
             Some((_, Some(sampler))) => sampler,

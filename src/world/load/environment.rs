@@ -101,7 +101,7 @@ impl Loader<'_> {
         }
     }
 
-    /// Makes the panorama of the light that a file brings; with `lenient`, one whose images cannot be read is left out.
+    /// Makes the panorama of the light that a file brings; one whose images cannot be read is left out, but with `strict`.
     fn read_light(&mut self, index: usize) -> Option<Panorama> {
         let light = self.loaded[index].image_light.clone()?;
         let file = self.loaded[index].files[0].clone();
@@ -155,7 +155,7 @@ impl Loader<'_> {
         let files: Vec<_> = files.cloned().collect();
         self.add_files(&files);
         for error in read.as_ref().err().into_iter().flatten() {
-            match self.options.lenient {
+            match !self.options.strict {
                 true => self.warn_once(left_out(error.clone())),
                 false => self.report_once(error.clone()),
             }

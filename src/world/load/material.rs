@@ -91,13 +91,13 @@ impl Loader<'_> {
         material
     }
 
-    /// Index into the texture table; reports an image that cannot be found. With `lenient`, images that cannot be found
-    /// or whose headers cannot be read are left out.
+    /// Index into the texture table; reports an image that cannot be found. Images that cannot be found
+    /// or whose headers cannot be read are left out but with `strict`.
     fn file_image(&mut self, loaded: usize, index: usize) -> Option<usize> {
         let model = &self.loaded[loaded];
         let file = model.files[0].clone();
         let image = &model.images[index];
-        let lenient = self.options.lenient;
+        let lenient = !self.options.strict;
         let source = image.source.clone();
         let source = source.and_then(|source| match lenient {
             true => texture::check_header(&source, &self.texture_limits())

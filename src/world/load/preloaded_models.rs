@@ -9,6 +9,15 @@ use super::read_models::read_guarded;
 use crate::gltf::{Model, Playable, ReadOptions, Sandbox};
 use reflet_base::memory::Budget;
 
+/// Mistakes of files that a load forgives, see [`ReadOptions`].
+#[derive(Clone, Copy, Debug)]
+pub struct Forgiven {
+    /// Whether it ignores what a file requires, and drops wrong references to nodes and meshes.
+    pub lenient: bool,
+    /// Whether it leaves out nothing.
+    pub strict: bool,
+}
+
 /// A model with its canonical path and the budget that it was read with.
 type Preloaded = (PathBuf, Model, Budget);
 
@@ -19,9 +28,10 @@ pub struct PreloadedModels(Arc<Mutex<Vec<Preloaded>>>);
 impl PreloadedModels {
     /// Reads the file at `path` (canonical, from [`Sandbox::resolve`]) and caches it for the next
     /// load; returns its animations. Invalid files are not cached; the load reports their errors.
-    pub fn read(&self, path: &Path, sandbox: &Sandbox, lenient: bool) -> Playable {
+    pub fn read(&self, path: &Path, sandbox: &Sandbox, forgiven: Forgiven) -> Playable {
         let options = ReadOptions {
-            lenient,
+            lenient: forgiven.lenient,
+            strict: forgiven.strict,
             memory: Budget::of_machine(),
             ..ReadOptions::default()
         };

@@ -199,6 +199,7 @@ impl Loader<'_> {
         } else {
             let options = gltf::ReadOptions {
                 lenient: self.options.lenient,
+                strict: self.options.strict,
                 posed: posed(self.desc),
                 memory: self.memory.clone(),
             };
@@ -260,6 +261,7 @@ impl Loader<'_> {
         let ready = self.preloaded(&converted.glb);
         let options = gltf::ReadOptions {
             lenient: false,
+            strict: self.options.strict,
             posed: posed(self.desc),
             memory: self.memory.clone(),
         };
