@@ -215,3 +215,13 @@ fn a_node_of_two_parents_stays_with_the_first_where_asked() {
     assert_eq!(places(&world), [Vec3::X]);
     assert_eq!(warnings(&world), ["node-two-parents"]);
 }
+
+#[test]
+fn the_page_lists_each_warning_that_strict_makes_an_error() {
+    let page = include_str!("../../docs/gltf.md");
+    let table = page.split_once("| wrong part | warning |").unwrap().1;
+    let rows = table.split_once("\n\n").unwrap().0;
+    let mut names: Vec<&str> = rows.split('`').skip(1).step_by(2).collect();
+    names.sort_unstable();
+    assert_eq!(names, FORGIVEN);
+}
