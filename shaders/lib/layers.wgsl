@@ -340,7 +340,7 @@ fn transmittance(origin: vec3f, direction: vec3f, distance_m: f32) -> vec3f {
     if (!HAS_TRANSMISSION) { return vec3f(select(1.0, 0.0, trace_any(origin, direction, 0.0, distance_m))); }
     var share = vec3f(1.0);
     var start_m = 0.0;
-    var absorption = vec3f(0.0);
+    var absorption = medium; // of the solid that the ray is in
     visits_left = MAX_VISITS;
     passed_cutout = vec2u(NONE);
     for (var pane = 0u; pane < MAX_PANES; pane++) {
@@ -357,7 +357,8 @@ fn transmittance(origin: vec3f, direction: vec3f, distance_m: f32) -> vec3f {
         }
         var s = surface_at(h.instance, h.triangle, h.bary, direction, 0.0);
         if (!is_transmissive(s)) { break; }
-        absorption = select(vec3f(0.0), s.absorption, s.is_solid && !s.is_inside);
+        // Sheets within a solid leave it as it is, as in cross_surface.
+        if (s.is_solid && s.transmission > 0.0) { absorption = select(s.absorption, vec3f(0.0), s.is_inside); }
         let cosine = dot(s.normal, -direction);
         // Both sides filter alike: the ray leaves at the angle at which it entered.
         s.is_inside = false;

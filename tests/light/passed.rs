@@ -39,3 +39,16 @@ fn shadows_have_what_a_straight_ray_through_a_surface_passes() {
         }
     }
 }
+
+/// A floor within a solid that absorbs, below a pane that is within it too.
+const WITHIN: &str = include_str!("passed/within.toml");
+
+#[test]
+fn solids_absorb_light_on_its_way_to_what_is_within_them() {
+    let Some(gpu) = gpu() else { return };
+    // A meter from the top down and another back, of which the pane takes no part.
+    let [red, green, blue] = mean(&render(gpu, WITHIN, &[], &[]));
+    assert_close(red, 9.0 / std::f32::consts::PI * 0.75 * 0.75, 0.01);
+    assert_close(green, 0.5 * 0.5 * red, 0.01);
+    assert_close(blue, 0.25 * 0.25 * red, 0.01);
+}
