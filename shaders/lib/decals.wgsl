@@ -64,7 +64,7 @@ fn decal_point(d: Decal, p: vec3f, axes: mat3x3f, cosine: f32, footprint: f32, n
             let texel = decal_texel(m, NORMAL_SLOT, uv, width);
             let scale = material_normal_scale(m) * material_texture(m, NORMAL_SLOT).signs;
             let scaled = (texel.xyz * 2.0 - 1.0) * vec3f(scale, 1.0);
-            s.roughness = roughened(s.roughness, texel.w, scale.x, s.metallic);
+            s.roughness = roughened(s.roughness, texel.w, scale.x);
             let right = axes[0] - n * dot(axes[0], n);
             let up = axes[1] - n * dot(axes[1], n);
             let bent = normalize(right) * scaled.x + normalize(up) * scaled.y + n * scaled.z;

@@ -268,13 +268,13 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
             let texel = texel_at(material_texture(m, NORMAL_SLOT), pools_of(NORMAL_SLOT), instance, c.index, bary, area2, footprint);
             let scale = material_normal_scale(m) * material_texture(m, NORMAL_SLOT).signs;
             n = perturbed(instance, c.index, weights, n, texel.xyz, scale);
-            s.roughness = roughened(s.roughness, texel.w, scale.x, s.metallic);
+            s.roughness = roughened(s.roughness, texel.w, scale.x);
         }
         if (HAS_COAT_NORMALS && LAYER_POOLS != 0u && material_layer_texture(m, CLEARCOAT_NORMAL_SLOT).layer != NONE) {
             let texel = layer_texel(CLEARCOAT_NORMAL_SLOT, instance, c.index, bary, area2, footprint);
             let scale = material_layer_texture(m, CLEARCOAT_NORMAL_SLOT).signs;
             coat_normal = perturbed(instance, c.index, weights, coat_normal, texel.xyz, scale);
-            s.clearcoat_roughness = roughened(s.clearcoat_roughness, texel.w, scale.x, 0.0);
+            s.clearcoat_roughness = roughened(s.clearcoat_roughness, texel.w, scale.x);
         }
         let occlusion = texel_at(material_texture(m, OCCLUSION_SLOT), pools_of(OCCLUSION_SLOT), instance, c.index, bary, area2, footprint).x;
         s.occlusion = 1.0 + material_occlusion_strength(m) * (occlusion - 1.0);
@@ -392,16 +392,13 @@ fn perturbed(instance: u32, index: array<u32, 3>, weights: vec3f, n: vec3f, texe
 }
 
 // Roughness of a surface whose normals are a mean of a normal map's: its lobe is as much wider as they spread (Toksvig
-// 2005, "Mipmapping Normal Maps", with alpha² = 2 / (exponent + 2)), but not past the limit up to which reflections are
-// traced in full: else bumps would take the reflections of a mirror. `alpha`: see src/render/buffers/textures/resample.rs.
-fn roughened(roughness: f32, alpha: f32, scale: f32, metallic: f32) -> f32 {
-    // A mirror stays one: a facet of a steep bump mirrors much of its light below the surface, and would be black.
-    if (roughness * roughness <= SMOOTH_ALPHA) { return roughness; }
-    let limit = frame.roughness_cutoff * (1.0 + METAL_REACH * metallic) * (1.0 - CUTOFF_FADE);
-    let lack = (1.0 - alpha) * (1.0 - alpha);
+// 2005, "Mipmapping Normal Maps", with alpha² = 2 / (exponent + 2)). Mirrors stay smooth, up to twice the roughness of
+// SMOOTH_ALPHA in part: a facet of a steep bump mirrors much of its light below the surface, and would be black.
+// `alpha`: see src/render/buffers/textures/resample.rs.
+fn roughened(roughness: f32, alpha: f32, scale: f32) -> f32 {
     let r2 = roughness * roughness;
-    let spread = sqrt(sqrt(r2 * r2 + 2.0 * scale * scale * lack / max(1.0 - lack, 1e-3)));
-    return min(spread, select(1.0, min(limit, 1.0), roughness < limit));
+    let lack = (1.0 - alpha) * (1.0 - alpha) * saturate((r2 / SMOOTH_ALPHA - 1.0) / 3.0);
+    return min(sqrt(sqrt(r2 * r2 + 2.0 * scale * scale * lack / max(1.0 - lack, 1e-3))), 1.0);
 }
 
 // Tangent and bitangent; zeros where the mesh has none.

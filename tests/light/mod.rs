@@ -1,6 +1,7 @@
 //! Pictures of lights, environments and materials with known answers: closed forms and integrals.
 
 mod alpha;
+mod bumps;
 mod coat_normals;
 mod cutoff;
 mod emitters;
