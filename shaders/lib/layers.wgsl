@@ -91,7 +91,7 @@ fn reflected_share(s: Surface) -> f32 {
 fn dielectric_fresnel(cosine: f32, index: f32) -> f32 {
     let c = saturate(cosine);
     let sine2 = (1.0 - c * c) / (index * index);
-    if (sine2 >= 1.0) { return 1.0; }
+    if (sine2 >= 1.0) { return select(1.0, 0.0, index == 1.0); }
     let t = sqrt(1.0 - sine2);
     let s_wave = (c - index * t) / (c + index * t);
     let p_wave = (index * c - t) / (index * c + t);
