@@ -103,3 +103,19 @@ fn no_light_falls_from_behind_the_smooth_normal() {
     }
     assert!(lit > 400 && turned_away > 400, "{lit} {turned_away}");
 }
+
+#[test]
+fn a_mirror_shows_no_light_without_a_size() {
+    let Some(gpu) = gpu() else { return };
+    let lamp = "\n[light.lamp]\nkind = \"point\"\nposition = [0, 3, 0]\nintensity_cd = 10\nshadow = \"none\"\n";
+    let brightest = |keys: &str| {
+        let text =
+            format!("{FLOOR}{lamp}").replace("reflectivity = 0", &format!("metallic = 1\n{keys}"));
+        let picture = render(gpu, &text, &[], &[]);
+        (0..33)
+            .map(|x| color(&picture, x, 16)[1])
+            .fold(0.0, f32::max)
+    };
+    assert_eq!(brightest("roughness = 0"), 0.0);
+    assert!(brightest("roughness = 0.1") > 1.0);
+}

@@ -1,7 +1,6 @@
 //! Pictures of lights, environments and materials with known answers: closed forms and integrals.
 
 mod alpha;
-mod bumps;
 mod coat_normals;
 mod cutoff;
 mod emitters;
@@ -12,6 +11,7 @@ mod film_grooves_dispersion;
 mod first_pictures;
 mod fog;
 mod fog_closed_form;
+mod footprints;
 mod furnace;
 mod groups;
 mod indirect;
