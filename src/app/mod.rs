@@ -51,8 +51,8 @@ pub mod shell;
 pub mod shutdown;
 pub mod size_arg;
 pub mod stats;
-#[cfg(any(feature = "window", feature = "serve"))]
 pub mod usage;
+#[cfg(any(feature = "window", feature = "serve"))]
 pub mod viewed_scene;
 pub mod watch;
 
