@@ -104,6 +104,11 @@ reflet-preview reflet-bench|reflet-output|clap|plotters
 reflet-python reflet-bench|reflet-preview|egui|winit|clap|plotters
 CRATES
 
+heading "Command line without preview"
+# As tools/demo.sh builds it, but the preview's crate keeps its features, so that hardly another is compiled anew.
+linted test --locked --workspace --no-run --lib --no-default-features \
+    --features reflet-preview/window,reflet-preview/serve
+
 heading "Tests"
 # The tests of Python that run the program, or those of Rust that these arguments choose.
 run_part() {
