@@ -40,7 +40,11 @@ fn more_and_more_samples_make_the_picture_of_render() {
     preview.show(|view| view.camera = ViewCamera::Scene("main".to_owned()));
     preview.shown(|shown| shown.camera == main && shown.sides[0].stats.samples == 1);
     preview.shown(|shown| shown.camera == main && shown.sides[0].stats.samples == SAMPLES);
-    assert!(preview.screenshot() == wanted);
+    if preview.screenshot() != wanted {
+        // A late word of the new file begins the picture anew.
+        preview.shown(|shown| shown.camera == main && shown.sides[0].stats.samples == SAMPLES);
+        assert!(preview.screenshot() == wanted);
+    }
 }
 
 #[test]
