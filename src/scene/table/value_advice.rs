@@ -138,7 +138,8 @@ fn number_for_text(node: &Node, range: &Range) -> Option<String> {
     Some(format!("write a number, such as {}", range.clamp(1.0)))
 }
 
-/// Units that stand behind numbers elsewhere, their factor to the unit of scene text, and the name of that one.
+/// Unit suffixes of numbers in other programs' files, each with its factor to the unit of scene text and the name of
+/// that unit.
 const UNITS: &[(&str, f64, &str)] = &[
     ("mm", 1e-3, "meters"),
     ("cm", 1e-2, "meters"),
