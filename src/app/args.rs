@@ -105,10 +105,6 @@ pub struct PictureArgs {
     /// Use the GPU adapter whose name contains this text; also REFLET_ADAPTER
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
-    /// File of unit costs that `calibrate` measured on this adapter; settings left to auto are decided by them,
-    /// not by the built-in costs of GPUs and of software adapters
-    #[arg(long, value_name = "FILE")]
-    pub plan: Option<PathBuf>,
 }
 
 /// Default of `--denoise-window`.
@@ -148,7 +144,6 @@ impl PictureArgs {
             denoise_window,
             shaders,
             adapter,
-            plan,
         } = self;
         let size = size.as_ref().map(SizeArg::word);
         let method = method.map(|method| method.name().to_owned());
@@ -184,11 +179,7 @@ impl PictureArgs {
         ] {
             options.extend(is_set.then(|| name.to_owned()));
         }
-        let paths = [
-            ("--shaders", shaders),
-            ("--plan", plan),
-            ("--project", project),
-        ];
+        let paths = [("--shaders", shaders), ("--project", project)];
         let paths = paths
             .into_iter()
             .filter_map(|(name, path)| Some((name, path.as_deref()?)));
@@ -275,9 +266,6 @@ pub struct PreviewArgs {
     /// Read the shaders from a folder instead of the built-in ones, and reload them when they change
     #[arg(long, value_name = "DIR")]
     pub shaders: Option<PathBuf>,
-    /// File of unit costs that `calibrate` measured on this adapter, by which settings left to auto are decided
-    #[arg(long, value_name = "FILE")]
-    pub plan: Option<PathBuf>,
     /// Folder for screenshots (F12); without it, the current folder
     #[arg(long, value_name = "DIR")]
     pub screenshots: Option<PathBuf>,
@@ -306,20 +294,6 @@ pub struct CheckArgs {
     /// Print all messages as a SARIF 2.1.0 log, for editors and continuous integration
     #[arg(long)]
     pub json: bool,
-}
-
-/// `calibrate`
-#[derive(Clone, Debug, Args)]
-pub struct CalibrateArgs {
-    /// File of unit costs to write, for --plan
-    #[arg(short, long, value_name = "FILE", value_hint = clap::ValueHint::AnyPath)]
-    pub output: Goal,
-    /// Timed frames of each test scene and setting, 1 to 1000, after one untimed frame; the shortest time counts
-    #[arg(long, value_name = "N", default_value_t = 7, value_parser = clap::value_parser!(u32).range(1..=1000))]
-    pub frames: u32,
-    /// Use the GPU adapter whose name contains this text; also REFLET_ADAPTER
-    #[arg(long, value_name = "NAME")]
-    pub adapter: Option<String>,
 }
 
 /// Format of printed statistics.

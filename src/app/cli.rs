@@ -3,7 +3,7 @@
 use clap::{Parser, Subcommand};
 
 use super::{
-    args::{CalibrateArgs, CheckArgs, PreviewArgs, RenderArgs},
+    args::{CheckArgs, PreviewArgs, RenderArgs},
     bench::args::BenchArgs,
     cache::CacheArgs,
     info::InfoArgs,
@@ -41,8 +41,6 @@ pub enum Command {
     Check(CheckArgs),
     /// Print the contents of a scene: counts, sizes in meters, memory; needs no GPU
     Info(InfoArgs),
-    /// Measure the unit costs of rendering work on this adapter, for --plan
-    Calibrate(CalibrateArgs),
     /// Write what a render farm needs to render a film in parts; needs no GPU
     Job {
         /// Kind of render farm

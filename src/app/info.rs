@@ -13,10 +13,7 @@ use clap::Args;
 use serde::Serialize;
 use skipped::{SkippedInfo, skipped};
 
-use super::{
-    check, error::AppError, lint::Lint, plan_file::PlanFile, print_json, print_out,
-    scene::load_scene,
-};
+use super::{check, error::AppError, lint::Lint, print_json, print_out, scene::load_scene};
 use crate::{
     app::args::SceneArgs,
     files::folder_of,
@@ -118,8 +115,6 @@ pub struct Info {
     pub decided_software: Vec<Decision>,
     /// Settings left to `auto`, and their values on GPUs.
     pub decided_gpu: Vec<Decision>,
-    /// Decisions by the unit costs in the `--plan` file; `None` without one.
-    pub decided_plan: Option<AdapterDecisions>,
     /// Name, driver and API of this machine's adapter; `None` without one.
     pub adapter: Option<String>,
     /// Abilities of this adapter that Reflet uses or could use, such as ray queries.
@@ -145,15 +140,6 @@ pub struct Timeline {
     pub fps: f32,
 }
 
-/// Decisions for one adapter.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct AdapterDecisions {
-    /// Name of the adapter.
-    pub adapter: String,
-    /// Settings left to `auto`, and their values.
-    pub decisions: Vec<Decision>,
-}
-
 /// A cut of the timeline.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Cut {
@@ -168,19 +154,18 @@ pub struct Cut {
 /// # Errors
 /// [`AppError::Scene`] when it cannot be loaded, or when this machine's device cannot hold it.
 pub fn info(args: &InfoArgs) -> Result<(), AppError> {
-    let plan = args.plan.as_deref().map(PlanFile::read).transpose()?;
     let mut loaded = load_scene(args.scene.as_deref(), &args.from, &[])?;
     if let Some(refused) = Lint::refused_here(&loaded.scene, &loaded.world) {
         return Err(AppError::Scene(vec![refused]));
     }
     if args.frame {
-        let frames = frame::planned_frames(&loaded, plan.as_ref())?;
+        let frames = frame::planned_frames(&loaded)?;
         return match args.json {
             true => print_json(&frames),
             false => print_out(&frame::table(&frames)),
         };
     }
-    let mut info = gather(&loaded, plan.as_ref(), args.at)?;
+    let mut info = gather(&loaded, args.at)?;
     let found = check::lint(&mut loaded);
     print_diagnostics(&found);
     info.warnings += found.len();
@@ -218,16 +203,11 @@ fn border(loaded: &LoadedScene, args: &InfoArgs) -> Vec<String> {
         .collect()
 }
 
-/// Counts and measures a loaded scene. `plan_file` adds decisions by its unit costs to the decisions of adapter kinds;
-/// `at` is the frame whose skipped instances are listed, by default the first.
+/// Counts and measures a loaded scene. `at` is the frame whose skipped instances are listed, by default the first.
 ///
 /// # Errors
 /// [`AppError::Scene`] when its trees cannot be built, [`AppError::Usage`] when it has no such frame.
-pub fn gather(
-    loaded: &LoadedScene,
-    plan_file: Option<&PlanFile>,
-    at: Option<u32>,
-) -> Result<Info, AppError> {
+pub fn gather(loaded: &LoadedScene, at: Option<u32>) -> Result<Info, AppError> {
     let world = &loaded.first_frame();
     let reflection = &loaded.scene.reflection;
     let unit_m = reflection.unit_m.unwrap_or_else(|| world.unit_m());
@@ -297,7 +277,6 @@ pub fn gather(
         bounces: plan.bounces,
         decided_software: software.decisions,
         decided_gpu: gpu.decisions,
-        decided_plan: plan_file.map(|file| decide_by(file, world, &trees, options)),
         adapter: None,
         adapter_has: Vec::new(),
         adapter_lacks: Vec::new(),
@@ -319,19 +298,6 @@ fn trees_of(world: &World, options: &RenderOptions) -> Result<Trees, AppError> {
 fn settings(params: &[Entry<ParamValue>]) -> Vec<String> {
     let params = params.iter();
     params.map(|p| setting(&p.name, &p.value)).collect()
-}
-
-fn decide_by(
-    file: &PlanFile,
-    world: &World,
-    trees: &Trees,
-    mut options: RenderOptions,
-) -> AdapterDecisions {
-    options.costs = Some(file.unit_ns);
-    AdapterDecisions {
-        adapter: file.adapter.clone(),
-        decisions: decide(world, trees, &options, false).decisions,
-    }
 }
 
 /// Names of everything that `[motion]` and the script animate.
@@ -373,10 +339,6 @@ pub struct InfoArgs {
     /// Overrides of scene values
     #[command(flatten)]
     pub from: SceneArgs,
-    /// File of unit costs that `calibrate` measured; settings left to auto are decided by them, not by the
-    /// built-in costs of GPUs and of software adapters
-    #[arg(long, value_name = "FILE")]
-    pub plan: Option<PathBuf>,
     /// Frame of the timeline for which the instances are listed that reflections skip; default: the first
     #[arg(long, value_name = "FRAME")]
     pub at: Option<u32>,

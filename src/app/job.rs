@@ -320,7 +320,7 @@ impl Bundle<'_> {
     }
 }
 
-/// Name of the parameter of a template that an option's path gets, such as `Plan` for `--plan`.
+/// Name of the parameter of a template that an option's path gets, such as `Shaders` for `--shaders`.
 fn parameter(option: &str) -> String {
     let name = option.trim_start_matches('-');
     let (first, rest) = name.split_at(name.len().min(1));

@@ -20,7 +20,6 @@ use crate::{
 pub mod args;
 pub mod bench;
 pub mod cache;
-pub mod calibrate;
 pub mod cameras;
 pub mod check;
 pub mod cli;
@@ -35,7 +34,6 @@ pub mod new;
 pub mod pack;
 #[cfg(feature = "serve")]
 pub mod page;
-pub mod plan_file;
 #[cfg(feature = "window")]
 pub mod preview;
 pub mod progress;
@@ -80,7 +78,6 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
         Command::Preview(_) => Err(AppError::Usage(NO_WINDOW.to_owned())),
         Command::Check(args) => check::check(&args),
         Command::Info(args) => info::info(&args),
-        Command::Calibrate(args) => calibrate::calibrate(&args),
         Command::Cache(args) => cache::cache(args),
         Command::Lsp => lsp::lsp(),
         Command::Job { command } => job::job(&command),

@@ -55,13 +55,7 @@ pub fn render_once(args: &RenderArgs, files: &Dependencies) -> Result<(), AppErr
     let many = check_kind(args)?;
     let load_ms = load_started.elapsed().as_secs_f64() * 1e3;
     hint_at_mistakes(args.scene.as_deref(), &loaded);
-    let inputs = inputs(
-        args.scene
-            .as_deref()
-            .into_iter()
-            .chain(args.picture.plan.as_deref()),
-        &loaded,
-    );
+    let inputs = inputs(args.scene.as_deref(), &loaded);
     let mut failed = None;
     let runs = cameras::runs(args, &loaded)?;
     // The last run takes the scene itself.

@@ -4,7 +4,7 @@ use std::{ops::RangeInclusive, sync::Arc, time::Instant};
 
 use xxhash_rust::xxh3::Xxh3Default;
 
-use super::{args::RenderArgs, error::AppError, lint::Lint, plan_file::costs};
+use super::{args::RenderArgs, error::AppError, lint::Lint};
 use crate::{
     gpu::{ShaderLibrary, driver::open_gpu},
     output::denoise::{Denoiser, reproject::FramePose},
@@ -65,12 +65,10 @@ impl RenderSession {
             loaded.scene.reflection.may_query(),
         )?;
         let own_shaders = args.picture.shaders.is_some().then(|| hash_of(library));
-        let plan = args.picture.plan.as_deref();
         let view = ViewOverrides {
             audit: args.stats.is_some(),
             crop: crop.filter(|_| !needs_whole),
             guides: denoiser.is_some(),
-            costs: plan.map(|path| costs(path, &gpu)).transpose()?,
             camera: camera.map(|index| loaded.world.cameras[index].name.clone()),
             ..ViewOverrides::default()
         };

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{args::PreviewArgs, error::AppError, plan_file::costs};
+use super::{args::PreviewArgs, error::AppError};
 use crate::{
     gpu::{Gpu, driver::open_gpu},
     output::denoise::Denoiser,
@@ -14,7 +14,7 @@ use reflet_preview::viewer::{opening::ViewerOptions, picture_filter::PictureFilt
 /// The adapter of the arguments, and the options of their viewer, of this size in pixels.
 ///
 /// # Errors
-/// No usable GPU, a plan that cannot be read, and no Open Image Denoise for `--denoise`.
+/// No usable GPU, and no Open Image Denoise for `--denoise`.
 pub fn viewer(args: &PreviewArgs, size: [u32; 2]) -> Result<(Arc<Gpu>, ViewerOptions), AppError> {
     let source = SceneSource {
         path: args.scene.clone(),
@@ -23,12 +23,10 @@ pub fn viewer(args: &PreviewArgs, size: [u32; 2]) -> Result<(Arc<Gpu>, ViewerOpt
         text: None,
     };
     let gpu = Arc::new(open_gpu(args.adapter.as_deref(), may_query(&source))?);
-    let plan = args.plan.as_deref();
     let options = ViewerOptions {
         source,
         camera: args.camera.clone(),
         method: args.method,
-        costs: plan.map(|path| costs(path, &gpu)).transpose()?,
         size,
         denoiser: denoiser(args)?,
     };

@@ -1,7 +1,6 @@
 //! Command line: exit codes, messages, and atomic output files.
 
 mod cache;
-mod calibrate;
 mod crop;
 mod denoise;
 mod info;

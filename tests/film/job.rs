@@ -119,11 +119,11 @@ fn a_job_takes_the_options_of_render() {
             assert!(known.contains(option), "job {system} has no {option}");
         }
     }
-    fs::write(folder.join("p.json"), "{}").expect("written");
+    fs::create_dir(folder.join("own")).expect("written");
     let picture = words(
         "--size 96x54 --method rt --camera=main --samples 2 --aov depth,normal --denoise --adapter -a --lenient",
     );
-    let own = words("scene.toml -o bundle --pictures f.#.exr --plan p.json");
+    let own = words("scene.toml -o bundle --pictures f.#.exr --shaders own");
     let all = [&own[..], &picture[..10], &["--adapter=-a", "--lenient"]].concat();
     job(&folder, "openjd", all, 0);
     let command = format!("{:?}", task(&folder.join("bundle"), "0"));
@@ -136,14 +136,14 @@ fn a_job_takes_the_options_of_render() {
             "no {word} in {command}"
         );
     }
-    let plan = fs::canonicalize(folder.join("p.json")).expect("it is there");
-    let words = format!("\"--plan\" \"{}\"", plan.display());
+    let shaders = fs::canonicalize(folder.join("own")).expect("it is there");
+    let words = format!("\"--shaders\" \"{}\"", shaders.display());
     assert!(
         command.contains("\"--adapter=-a\"") && command.contains(&words),
         "{command}"
     );
     let references = read(&folder.join("bundle/asset_references.json")).to_string();
-    assert!(references.contains("p.json"), "{references}");
+    assert!(references.contains("/own\""), "{references}");
     let all = [&own[..], &["--aov", "warmth"]].concat();
     let text = job(&folder, "openjd", all, 2);
     assert!(text.contains("no such AOV"), "{text}");

@@ -143,7 +143,6 @@ fn outputs_are_regular_files() {
     for command in [
         "render scene.toml -o",
         "pack scene.toml -o",
-        "calibrate -o",
         "job slurm scene.toml --pictures p.#.png -o",
     ] {
         for (name, says) in [

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use reflet::{
     render::{
-        decide::{Decided, decide, needs_trees, view_sample::ViewSample},
+        decide::{Decided, decide, needs_trees, view_sample::ViewSample, workload},
         settings::view::View,
     },
     scene::desc::{Exposure, LightKind, ShadowMode},
@@ -17,6 +17,8 @@ const MIRRORS: &str = include_str!("../../scenes/mirrors.toml");
 
 /// Many small balls on a floor under two kinds of lights; nothing reflects but the last ball.
 const BALLS: &str = include_str!("decide/balls.toml");
+/// A mirror floor before a bright wall, in a room without gaps.
+const ROOM: &str = include_str!("decide/room.toml");
 
 fn decided(text: &str, set: &[&str], software: bool) -> Decided {
     let (desc, world) = scene(text, set);
@@ -63,6 +65,38 @@ fn the_cpu_counts_the_nodes_that_the_gpu_visits() {
     let on_cpu: u64 = pixels.map(visits).sum();
     let ratio = on_cpu as f64 / on_gpu as f64;
     assert!((0.98..1.02).contains(&ratio), "{on_cpu} against {on_gpu}");
+}
+
+#[test]
+fn the_cpu_counts_the_mirror_rays_that_the_gpu_traces() {
+    let Some(gpu) = gpu() else { return };
+    let (desc, world) = scene(ROOM, &[]);
+    let trees = Trees::build(&world, u64::MAX).expect("small");
+    let work = workload(&world, &trees, &RenderOptions::for_scene(&desc));
+    let mut renderer = renderer(gpu, &desc, &world, false);
+    let counts = renderer.counts(gpu, &world.cameras[0].value);
+    let counts = counts.expect("counted");
+    let on_gpu = counts.iter().find(|pass| pass.pass == "trace");
+    let on_gpu = on_gpu.expect("mirror rays").counts.traversals as f64;
+    let ratio = work.weight() * f64::from(work.view.all_mirror().rays) / on_gpu;
+    assert!((0.8..1.25).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn costs_of_other_adapters_are_shown_where_they_choose_otherwise() {
+    let text = ROOM.replace("method = \"rt\"", "method = \"auto\"");
+    let method = |software: bool| {
+        let decisions = decided(&text, &[], software).decisions;
+        let method = decisions.iter().find(|d| d.what == "reflection.method");
+        method.expect("decided").clone()
+    };
+    let on_gpus = method(false);
+    assert_eq!(on_gpus.chosen, "rt");
+    assert!(
+        on_gpus.why.contains("of 2013, hybrid takes 0."),
+        "{on_gpus:?}"
+    );
+    assert!(!method(true).why.contains("2013"));
 }
 
 #[test]

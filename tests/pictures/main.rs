@@ -54,7 +54,6 @@ mod queries;
 mod ray_list;
 mod script_mesh;
 mod second_layer;
-mod secondary_rays;
 mod shown;
 mod skip;
 mod specialized;

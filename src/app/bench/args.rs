@@ -209,9 +209,6 @@ pub struct RegretArgs {
     /// Timed frames of each alternative, 1 to 10000, after one untimed frame
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub frames: u32,
-    /// Let `auto` choose by this adapter's unit costs, from a file of `calibrate`
-    #[arg(long, value_name = "FILE")]
-    pub plan: Option<PathBuf>,
     /// Print the table as JSON
     #[arg(long)]
     pub json: bool,

@@ -6,14 +6,13 @@ use super::{args::RegretArgs, progress::Progress};
 use crate::{
     app::{
         error::AppError,
-        plan_file::costs,
         print_json, print_out,
         scene::{choose_camera, load_scene},
     },
     bench::{run::Observer as _, summary::digits},
     gpu::{Gpu, ShaderLibrary, driver::open_gpu},
     metric::percentile,
-    render::{RenderOptions, decide::Decision, settings::unit_costs::UnitCosts},
+    render::{RenderOptions, decide::Decision},
     runtime::{ViewOverrides, renderer_stage::RendererStage, scene_text::LoadedScene},
     scene::desc::{LightKind, Marched, Method, ShadowMode, Visibility},
     world::World,
@@ -141,8 +140,6 @@ struct Row {
 /// A scene that does not load, no usable GPU, errors of the renderer.
 pub fn regret(args: &RegretArgs) -> Result<(), AppError> {
     let gpu = open_gpu(args.adapter.as_deref(), false)?;
-    let plan = args.plan.as_deref();
-    let costs = plan.map(|path| costs(path, &gpu)).transpose()?;
     let scenes: Vec<Option<&Path>> = if args.scenes.is_empty() {
         vec![None]
     } else {
@@ -165,7 +162,7 @@ pub fn regret(args: &RegretArgs) -> Result<(), AppError> {
                 let text = "stopped; a table needs all of its rows".to_owned();
                 return Err(AppError::Interrupted(text));
             }
-            let row = measure(&gpu, &loaded, *size, costs, args.frames, &mut progress)?;
+            let row = measure(&gpu, &loaded, *size, args.frames, &mut progress)?;
             rows.extend(row);
         }
     }
@@ -179,7 +176,6 @@ fn measure(
     gpu: &Gpu,
     loaded: &LoadedScene,
     size: [u32; 2],
-    costs: Option<UnitCosts>,
     frames: u32,
     progress: &mut Progress,
 ) -> Result<Option<Row>, AppError> {
@@ -188,7 +184,6 @@ fn measure(
     let view = ViewOverrides {
         size: Some(size),
         method: Some(Method::Auto),
-        costs,
         ..ViewOverrides::default()
     };
     let mut options = view.options(loaded);

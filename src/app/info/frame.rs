@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::trees_of;
 use crate::{
-    app::{error::AppError, plan_file::PlanFile},
+    app::error::AppError,
     render::{
         buffers::textures::Layers,
         decide::decide,
@@ -30,18 +30,13 @@ pub struct PlannedFrame {
     pub left_out: Vec<Dropped>,
 }
 
-/// Frames of a scene: one for each kind of adapter, or a single one where all render the same. With the unit costs of
-/// `plan_file`, the frame of its adapter.
+/// Frames of a scene: one for each kind of adapter, or a single one where all render the same.
 ///
 /// # Errors
 /// [`AppError::Scene`] when its trees cannot be built; [`AppError::Gpu`] for a built-in shader with an error.
-pub fn planned_frames(
-    loaded: &LoadedScene,
-    plan_file: Option<&PlanFile>,
-) -> Result<Vec<PlannedFrame>, AppError> {
+pub fn planned_frames(loaded: &LoadedScene) -> Result<Vec<PlannedFrame>, AppError> {
     let world = &loaded.first_frame();
-    let mut options = ViewOverrides::default().options(loaded);
-    options.costs = plan_file.map(|file| file.unit_ns);
+    let options = ViewOverrides::default().options(loaded);
     let trees = trees_of(world, &options)?;
     let layers = Layers::for_world(world);
     let frame = |adapters: &str, is_software: bool| {
@@ -58,9 +53,6 @@ pub fn planned_frames(
             left_out: plan.dropped,
         })
     };
-    if let Some(file) = plan_file {
-        return Ok(vec![frame(&file.adapter, false)?]);
-    }
     let frames = [frame("GPUs", false)?, frame("software adapters", true)?];
     let [gpu, software] = &frames;
     Ok(

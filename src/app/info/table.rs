@@ -158,12 +158,9 @@ fn decisions(info: &Info) -> Vec<String> {
         let text = |d: &Decision| format!("{} = {} on {kind}: {}", d.what, d.chosen, d.why);
         list.iter().map(text).collect::<Vec<_>>()
     };
-    match &info.decided_plan {
-        Some(plan) => of(&plan.adapter, &plan.decisions),
-        None => [
-            of("software", &info.decided_software),
-            of("GPUs", &info.decided_gpu),
-        ]
-        .concat(),
-    }
+    [
+        of("software", &info.decided_software),
+        of("GPUs", &info.decided_gpu),
+    ]
+    .concat()
 }

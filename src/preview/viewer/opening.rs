@@ -8,7 +8,7 @@ use super::{
 };
 use crate::live::{InitialBuild, Live, SceneSource, ViewOverrides};
 use reflet_gpu::Gpu;
-use reflet_render::{runtime::SessionError, settings::unit_costs::UnitCosts};
+use reflet_render::runtime::SessionError;
 use reflet_scene::{desc::Method, diagnostic::print_diagnostics, script::Halt};
 
 /// A scene is shown after this time even if its scripts have not ended.
@@ -23,8 +23,6 @@ pub struct ViewerOptions {
     pub camera: Option<String>,
     /// Reflection method to show first, instead of the scene's.
     pub method: Option<Method>,
-    /// Unit costs of the adapter, by which settings left to `auto` are decided, instead of the built-in ones.
-    pub costs: Option<UnitCosts>,
     /// Width and height of the window, or of the page's picture, pixels.
     pub size: [u32; 2],
     /// Filter of pictures at rest.
@@ -51,7 +49,6 @@ impl Opened {
         let view = ViewOverrides {
             size: Some([64, 64]),
             method: options.method,
-            costs: options.costs,
             guides: options.denoiser.is_some(),
             ..ViewOverrides::default()
         };

@@ -5,10 +5,7 @@ use std::fmt;
 
 use reflet_scene::desc::LightKind;
 
-use super::{
-    secondary_rays::{RayCount, SecondaryRays},
-    view_sample::{MirrorRays, ViewSample},
-};
+use super::view_sample::{MirrorRays, ViewSample};
 use crate::settings::unit_costs::UnitCosts;
 
 /// Size of the frame and of the scene, and counts of the view.
@@ -106,8 +103,9 @@ impl Workload {
         Pair([("ray", MS * rays), ("map", MS * (maps + filter))])
     }
 
-    /// Expected costs of reflections by the methods `hybrid` and `rt`, where `hybrid` traces the instances of which
-    /// `is_traced` is true at once.
+    /// Expected costs of the mirror rays of pixels by the methods `hybrid` and `rt`, where `hybrid` traces the instances
+    /// of which `is_traced` is true at once. Rays onward from their hits and towards lights are left out: they are the
+    /// same for both methods.
     pub fn reflections(&self, unit: &UnitCosts, is_traced: impl Fn(usize) -> bool) -> Pair {
         let (mut hybrid, mut rt) = (0.0, 0.0);
         for (instance, rays) in &self.view.mirror {
@@ -118,9 +116,7 @@ impl Workload {
             };
         }
         let fixed = self.samples * (self.pixels * unit.pyramid_pixel + 4.0 * unit.pass);
-        let secondary = self.view.secondary.time(unit);
-        let hybrid = self.weight() * (hybrid + secondary) + fixed;
-        let rt = self.weight() * (rt + secondary);
+        let (hybrid, rt) = (self.weight() * hybrid + fixed, self.weight() * rt);
         Pair([("hybrid", MS * hybrid), ("rt", MS * rt)])
     }
 
@@ -136,18 +132,6 @@ impl Workload {
             _ => others,
         };
         (0..instances).map(of).collect()
-    }
-}
-
-impl SecondaryRays {
-    /// Expected time of all these rays, nanoseconds: the same for both methods.
-    fn time(&self, unit: &UnitCosts) -> f64 {
-        let cost = |count: RayCount, ray: f64, node: f64| {
-            f64::from(count.rays) * ray + f64::from(count.visits) * node
-        };
-        cost(self.onward, unit.onward_ray, unit.onward_node)
-            + cost(self.shadow, unit.shadow_ray, unit.shadow_node)
-            + cost(self.light, unit.light_ray, unit.light_node)
     }
 }
 

@@ -3,7 +3,6 @@
 pub mod cost;
 pub(crate) mod cull;
 pub(crate) mod edge_on;
-pub mod secondary_rays;
 pub mod shadow_texels;
 pub mod skip;
 pub mod trace_choice;

@@ -15,7 +15,7 @@ use reflet_world::{
     light_tree::{Chosen, LightTrees},
 };
 
-use super::view_rays::{SurfacePoint, ViewRays, is_in_reach, mirror_ray, off_surface, places};
+use super::view_rays::{SurfacePoint, ViewRays, mirror_ray, off_surface, places, towards};
 use crate::{
     lighting::lobe_table::SMOOTH_ALPHA,
     settings::{cutoff::can_reflect, view::View},
@@ -265,24 +265,23 @@ impl Estimator<'_> {
 
     /// Irradiance of a light on a surface.
     fn incoming(&self, light: &Light, point: &SurfacePoint) -> DVec3 {
+        let Some((to_light, t_max)) = towards(light, point) else {
+            return DVec3::ZERO;
+        };
         let kind = &light.desc.kind;
-        let (to_light, t_max, falloff) = match (kind.position(), kind.direction()) {
-            (Some(position), _) => {
-                let offset = position.as_dvec3() - point.position;
-                let facing = match kind.direction().filter(|_| kind.is_flat()) {
-                    Some(direction) => {
-                        let direction = direction.as_dvec3().normalize_or_zero();
-                        (-offset.normalize_or_zero().dot(direction)).max(0.0)
-                    }
-                    None => 1.0,
-                };
-                (offset, 0.9999, facing / offset.length_squared().max(1e-20))
+        let facing = match kind.direction().filter(|_| kind.is_flat()) {
+            Some(direction) => {
+                let direction = direction.as_dvec3().normalize_or_zero();
+                (-to_light.normalize_or_zero().dot(direction)).max(0.0)
             }
-            (None, Some(direction)) => (-direction.as_dvec3(), f64::INFINITY, 1.0),
-            (None, None) => return DVec3::ZERO,
+            None => 1.0,
+        };
+        let falloff = match kind.position() {
+            Some(_) => facing / to_light.length_squared().max(1e-20),
+            None => 1.0,
         };
         let cosine = to_light.normalize_or_zero().dot(point.normal);
-        if cosine <= 0.0 || !is_in_reach(light, to_light) {
+        if cosine <= 0.0 {
             return DVec3::ZERO;
         }
         let ray = Ray {

@@ -128,7 +128,7 @@ impl ViewRays<'_> {
 }
 
 /// Whether a light's cone and range include a point; `to_light` is the vector from the point to the light.
-pub fn is_in_reach(light: &Light, to_light: DVec3) -> bool {
+fn is_in_reach(light: &Light, to_light: DVec3) -> bool {
     let kind = &light.desc.kind;
     let direction = kind.direction().unwrap_or_default().as_dvec3();
     let in_cone = match kind.cone_deg() {
@@ -142,6 +142,19 @@ pub fn is_in_reach(light: &Light, to_light: DVec3) -> bool {
         && light
             .range_m
             .is_none_or(|range_m| to_light.length() < f64::from(range_m))
+}
+
+/// Direction towards a light, whose length is the way to it, and the share of the way that its ray takes; `None` out
+/// of its reach.
+pub fn towards(light: &Light, point: &SurfacePoint) -> Option<(DVec3, f64)> {
+    let kind = &light.desc.kind;
+    let (direction, t_max) = match (kind.position(), kind.direction()) {
+        // The ray ends before it meets the light itself.
+        (Some(position), _) => (position.as_dvec3() - point.position, 0.9999),
+        (None, Some(direction)) => (-direction.as_dvec3(), f64::INFINITY),
+        (None, None) => return None,
+    };
+    is_in_reach(light, direction).then_some((direction, t_max))
 }
 
 /// The mirror ray at a surface point that was hit along `direction`.

@@ -12,10 +12,7 @@ use reflet_world::{
     bvh::{Ray, RayHit, SHADOWLESS, Trees},
 };
 
-use super::{
-    secondary_rays::{Chance, LightsOfHits, SecondaryRays, towards},
-    view_rays::{SurfacePoint, ViewRays, mirror_ray, off_surface, places},
-};
+use super::view_rays::{SurfacePoint, ViewRays, mirror_ray, off_surface, places, towards};
 use crate::{
     plan::may_reflect,
     settings::{
@@ -24,8 +21,6 @@ use crate::{
     },
 };
 
-/// Maximum number of successive reflections that are traced.
-const MAX_BOUNCES: u32 = 4;
 /// Maximum distance between a mirror ray's hit and the surface seen on the screen to count as the same place, as a
 /// share of the depth.
 const SAME_PLACE: f64 = 2e-3;
@@ -66,8 +61,6 @@ pub struct ViewSample {
     pub surfaces: u32,
     /// Mirror rays by the instance that they start from.
     pub mirror: BTreeMap<usize, MirrorRays>,
-    /// Rays that the mirror rays bring from their first hit on.
-    pub secondary: SecondaryRays,
     /// Number of shadow rays to the `auto` lights of each kind, and number of nodes that they visit.
     pub shadows: [(u32, u32); LightKind::NAMES.len()],
 }
@@ -75,13 +68,9 @@ pub struct ViewSample {
 impl ViewSample {
     /// Traces the rays of a view; cut-outs count as solid, and transmission is not followed.
     pub fn new(world: &World, trees: &Trees, view: &View, options: &RenderOptions) -> Self {
-        let settings = &options.reflection;
         let sampler = Sampler {
             rays: ViewRays { world, trees, view },
-            lights: LightsOfHits::new(world, options),
-            cutoff: settings.reflects_below(),
-            bounces: settings.bounces.most().min(MAX_BOUNCES),
-            diffuse_bounces: settings.diffuse_bounces,
+            cutoff: options.reflection.reflects_below(),
         };
         let samples = places().map(|place| sampler.sample(place));
         samples.reduce(Self::default, Self::plus)
@@ -107,7 +96,6 @@ impl ViewSample {
             visits: self.visits + other.visits,
             surfaces: self.surfaces + other.surfaces,
             mirror: self.mirror,
-            secondary: self.secondary.plus(other.secondary),
             shadows,
         }
     }
@@ -115,10 +103,7 @@ impl ViewSample {
 
 struct Sampler<'a> {
     rays: ViewRays<'a>,
-    lights: LightsOfHits<'a>,
     cutoff: f32,
-    bounces: u32,
-    diffuse_bounces: u32,
 }
 
 impl Sampler<'_> {
@@ -148,40 +133,7 @@ impl Sampler<'_> {
             refused_visits: if shown { 0 } else { visits },
         };
         sum.mirror.insert(point.instance, counts);
-        sum.secondary = self.secondary(place, ray, met);
         sum
-    }
-
-    /// Counts what a mirror ray brings from its first hit on: rays to the lights of each hit, and onward.
-    fn secondary(&self, place: DVec2, first: Ray, first_met: Option<RayHit>) -> SecondaryRays {
-        let mut sum = SecondaryRays::default();
-        let [x, y] = (place * f64::from(1 << 12)).as_uvec2().to_array();
-        let mut chance = Chance::for_sample(x << 12 | y);
-        let (mut direction, mut met) = (first.direction, first_met);
-        let (mut mirrored, mut scattered) = (1, 0);
-        while let Some(hit) = met {
-            let point = self.rays.point(&hit, direction);
-            self.lights.count(&self.rays, &point, &mut chance, &mut sum);
-            let next = if self.reflects(&point) && mirrored < self.bounces {
-                mirrored += 1;
-                mirror_ray(&point, direction)
-            } else if self.is_matte(&point) && scattered < self.diffuse_bounces {
-                scattered += 1;
-                off_surface(&point, chance.scattered(point.normal))
-            } else {
-                break;
-            };
-            let (hit, visits) = self.rays.trees.nearest_counted(&next);
-            sum.onward.add(visits);
-            (direction, met) = (next.direction, hit);
-        }
-        sum
-    }
-
-    fn is_matte(&self, point: &SurfacePoint) -> bool {
-        let world = self.rays.world;
-        let material = &world.materials[world.instances[point.instance].material];
-        material.metallic < 1.0 && material.base_color.max_element() > 0.0
     }
 
     fn reflects(&self, point: &SurfacePoint) -> bool {

@@ -1,14 +1,11 @@
 //! Unit costs of the cost model, nanoseconds, each class of adapters with its source.
 //!
 //! The costs of a kind of adapter are constants, so that all machines of a kind decide alike. `docs/costs.md` lists
-//! their sources and their gaps; `reflet calibrate` measures them on one adapter. Costs of software adapters are
+//! their sources and their gaps. Costs of software adapters are
 //! processor time of all threads, costs of GPUs time on the device: only their ratios decide.
 
-use serde::{Deserialize, Serialize};
-
 /// Nanoseconds that each unit of work takes.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnitCosts {
     /// Drawing a triangle.
     pub raster_triangle: f64,
@@ -32,15 +29,6 @@ pub struct UnitCosts {
     pub mirror_ray: f64,
     /// Visiting a node with a mirror ray: more than for primary rays, as neighboring rays diverge.
     pub mirror_node: f64,
-    /// Tracing a ray onward from a hit of a mirror ray, without its nodes, and shading what it meets.
-    pub onward_ray: f64,
-    /// Visiting a node with such a ray.
-    pub onward_node: f64,
-    /// Sending a light ray from a hit: choosing its point on an emitter, on a lamp with a size or in the environment,
-    /// and tracing it, without its nodes.
-    pub light_ray: f64,
-    /// Visiting a node with a light ray.
-    pub light_node: f64,
     /// Marching a ray, without the part below.
     pub march_ray: f64,
     /// Part of marching a ray that grows with the nodes that the ray would visit if it were traced: the more there
@@ -55,7 +43,7 @@ pub struct UnitCosts {
 }
 
 impl UnitCosts {
-    /// Costs of software adapters: medians of three runs of `reflet calibrate` on llvmpipe (Mesa 22.3.6, two cores of
+    /// Costs of software adapters: medians of three fits to timed frames on llvmpipe (Mesa 22.3.6, two cores of
     /// an AMD EPYC), in processor time. Costs of 0.1 are too small for the times to show.
     pub const PROCESSOR: Self = Self {
         raster_triangle: 153.0,
@@ -69,10 +57,6 @@ impl UnitCosts {
         shadow_node: 75.0,
         mirror_ray: 109.0,
         mirror_node: 69.0,
-        onward_ray: 427.0,
-        onward_node: 60.0,
-        light_ray: 993.0,
-        light_node: 0.1,
         march_ray: 256.0,
         march_node: 10.2,
         pyramid_pixel: 8.6,
@@ -82,8 +66,7 @@ impl UnitCosts {
     /// Default costs, for every GPU. Their source is an experiment on one data-center GPU (NVIDIA H200), whose
     /// rasterizer is weak relative to its compute units: a scene of 1.8 million triangles, traversal in WGSL without
     /// shading, 2,240 million primary and 1,650 million mirror rays a second at 1280 × 720, 2.6 million triangles
-    /// rasterized in 5.6 ms, and a linear march of 64 steps. Rays onward and towards lights were not part of it: they
-    /// cost as mirror rays here, and are the same for both methods. No scene has been rendered on a GPU yet.
+    /// rasterized in 5.6 ms, and a linear march of 64 steps. No scene has been rendered on a GPU yet.
     pub const GPU: Self = Self {
         raster_triangle: 2.2,
         raster_pixel: 0.5,
@@ -96,10 +79,6 @@ impl UnitCosts {
         shadow_node: 0.02,
         mirror_ray: 0.2,
         mirror_node: 0.025,
-        onward_ray: 0.2,
-        onward_node: 0.025,
-        light_ray: 0.2,
-        light_node: 0.025,
         march_ray: 0.15,
         march_node: 0.005,
         pyramid_pixel: 0.02,

@@ -93,7 +93,6 @@ pub fn saves(
         source,
         camera: None,
         method: None,
-        costs: None,
         size,
         denoiser: None,
     };
