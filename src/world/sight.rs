@@ -41,6 +41,8 @@ pub struct Sight {
     near_m: f64,
     /// Pixels of a meter at a depth of 1 m, or at any depth.
     px_per_m: f64,
+    /// Pixel that the view direction meets.
+    middle: DVec2,
     size: DVec2,
 }
 
@@ -62,12 +64,9 @@ impl Sight {
         let depth = along(forward);
         let w = if is_perspective { depth } else { DVec4::W };
         let across = |axis: DVec3, middle: f64| along(axis * px_per_m) + w * middle;
-        let rows = [
-            across(right, 0.5 * size.x),
-            across(-up, 0.5 * size.y),
-            depth,
-            w,
-        ];
+        let shift = camera.lens_shift.map(f64::from);
+        let middle = 0.5 * size + DVec2::new(-shift[0], shift[1]) * size.y;
+        let rows = [across(right, middle.x), across(-up, middle.y), depth, w];
         Self {
             pixel_from_world: DMat4::from_cols_array_2d(&rows.map(|r| r.to_array())).transpose(),
             eye,
@@ -77,6 +76,7 @@ impl Sight {
             is_perspective,
             near_m: near_m.into(),
             px_per_m,
+            middle,
             size,
         }
     }
@@ -84,8 +84,9 @@ impl Sight {
     /// Origin and direction of the ray through a place in the picture, -1 to 1 from left to right and from bottom to
     /// top.
     pub fn ray(&self, place: Vec2) -> [Vec3; 2] {
-        let place = place.as_dvec2() * self.size * 0.5 / self.px_per_m;
-        let across = self.right * place.x + self.up * place.y;
+        let pixel = (DVec2::new(place.x.into(), (-place.y).into()) + 1.0) * 0.5 * self.size;
+        let place = (pixel - self.middle) / self.px_per_m;
+        let across = self.right * place.x - self.up * place.y;
         let ray = match self.is_perspective {
             true => [self.eye, self.forward + across],
             false => [self.eye + across, self.forward],

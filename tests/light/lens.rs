@@ -38,13 +38,29 @@ fn a_lens_spreads_what_is_out_of_focus_over_its_circle_of_confusion() {
 }
 
 #[test]
-fn one_sub_frame_looks_through_the_middle_of_the_lens() {
+fn one_sub_frame_looks_through_the_middle_of_the_lens_wherever_it_is_shifted() {
     let Some(gpu) = gpu() else { return };
     let one = ["image.samples=1", "camera.main.focus_m=2"];
     let through_lens = render(gpu, DISK, &one, &[]);
-    let pinhole = render(gpu, &DISK.replace("aperture_f = 0.12\n", ""), &one, &[]);
-    assert!(through_lens.color == pinhole.color);
-    assert!(mean(&pinhole)[0] > 0.0);
+    let pinhole = DISK.replace("aperture_f = 0.12\n", "");
+    let (samples, shift) = ("image.samples=4", "camera.main.lens_shift=[0.25, 0.125]");
+    assert!(through_lens.color == render(gpu, &pinhole, &one, &[]).color);
+    for kind in ["", "camera.main.orthographic_height_m=4"] {
+        let sets: Vec<_> = [samples, kind]
+            .into_iter()
+            .filter(|set| !set.is_empty())
+            .collect();
+        let middle = render(gpu, &pinhole, &sets, &[]);
+        let shifted = render(gpu, &pinhole, &[&sets[..], &[shift]].concat(), &[]);
+        assert!(mean(&middle)[0] > 0.0);
+        for (x, y) in (0..48).flat_map(|y| (0..48).map(move |x| (x, y))) {
+            assert_eq!(
+                color(&shifted, x, y + 8),
+                color(&middle, x + 16, y),
+                "{x}, {y}"
+            );
+        }
+    }
 }
 
 #[test]
@@ -54,7 +70,14 @@ fn hybrid_looks_through_the_same_lens_as_rt() {
     let through = |method: &str| {
         let method = format!("reflection.method=\"{method}\"");
         let lens = "camera.main.aperture_f=0.12";
-        let sets = ["image.size=[64, 36]", "image.samples=8", lens, &method];
+        let shift = "camera.main.lens_shift=[0.1, -0.2]";
+        let sets = [
+            "image.size=[64, 36]",
+            "image.samples=8",
+            lens,
+            shift,
+            &method,
+        ];
         render(gpu, text, &sets, &[])
     };
     let [rt, hybrid] = ["rt", "hybrid"].map(through);

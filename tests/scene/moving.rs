@@ -110,7 +110,11 @@ fn walk<T>(kind: &str, name: &str, field: &Field<T>, of: impl Fn(&FrameState) ->
         // Values that a rate reaches are clamped instead of refused.
         let rate = written(field.form, Vec3::splat(-1e9));
         let state = or_panic!(pose(&moved(format!("{{ rate = {rate} }}")), 8));
-        assert_is(field, of(&state), Vec3::splat(field.range.clamp(-1e9)));
+        let mut lowest = Vec3::splat(field.range.clamp(-1e9));
+        if field.form == Form::Pair {
+            lowest.z = 0.0;
+        }
+        assert_is(field, of(&state), lowest);
     }
     let slip = moved(keys).replace(&format!("\n{key} ="), &format!("\n{key}x ="));
     let error = pose(&slip, 0).expect_err("an unknown key");

@@ -3,14 +3,10 @@
 
 use std::{collections::BTreeMap, sync::Arc};
 
-use glam::{DAffine3, DMat3, DVec2, DVec3, UVec2, Vec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3, UVec2};
 
 use reflet_base::math::in_f64;
-use reflet_render::{
-    Plane, PlaneData,
-    picture::aov::Aov,
-    settings::view::{Projection, View},
-};
+use reflet_render::{Plane, PlaneData, picture::aov::Aov, settings::view::View};
 use reflet_world::{Mesh, Shared, World, deform::Deformed};
 
 /// Largest difference of two depths, relative to them, for which pixels of the same instance show the same place.
@@ -68,22 +64,13 @@ impl FramePose {
     /// Place of a world-space position in the picture, in pixels from its upper left corner, and its depth in meters;
     /// `None` behind the near plane.
     fn place(&self, position: DVec3) -> Option<(DVec2, f64)> {
-        let view = &self.view;
-        let offset = position - view.eye.as_dvec3();
-        let depth_m = offset.dot(view.forward.as_dvec3());
-        if depth_m < f64::from(view.near_m) {
+        let (place, depth_m) = self.view.place(position);
+        if depth_m < f64::from(self.view.near_m) {
             return None;
         }
-        let along = |axis: Vec3| {
-            let axis = axis.as_dvec3();
-            offset.dot(axis) / axis.length_squared()
-        };
-        let mut ndc = DVec2::new(along(view.right), -along(view.up));
-        if let Projection::Perspective { .. } = view.projection {
-            ndc /= depth_m;
-        }
-        let size = UVec2::from(view.size).as_dvec2();
-        Some(((ndc + 1.0) * 0.5 * size, depth_m))
+        let size = UVec2::from(self.view.size).as_dvec2();
+        let place = DVec2::new(place.x, -place.y);
+        Some(((place + 1.0) * 0.5 * size, depth_m))
     }
 
     /// Place in the picture of another frame, and depth there, of the surface that a pixel shows.
@@ -260,7 +247,7 @@ const STILL_PX: f64 = 0.01;
 
 #[cfg(test)]
 mod tests {
-    use glam::DQuat;
+    use glam::{DQuat, Vec3};
 
     use super::*;
     use reflet_scene::desc::CameraDesc;

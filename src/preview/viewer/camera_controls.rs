@@ -181,6 +181,10 @@ pub fn as_text(name: &str, camera: &CameraDesc) -> String {
     if let Some(near_m) = camera.near_m {
         let _ = writeln!(text, "near_m = {near_m}");
     }
+    let [x, y] = camera.lens_shift;
+    if camera.lens_shift != defaults.lens_shift {
+        let _ = writeln!(text, "lens_shift = [{x}, {y}]");
+    }
     let lens = [
         ("aperture_f", camera.aperture_f),
         ("focus_m", camera.focus_m),

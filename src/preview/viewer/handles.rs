@@ -62,8 +62,12 @@ pub fn project(camera: &CameraDesc, size: Vec2, point: Vec3) -> Option<(Vec2, f3
         return None;
     }
     let scale = size.y * 0.5 / camera.half_height_m(depth);
-    let shift = vec2(offset.dot(right), -offset.dot(up)) * scale;
-    Some((0.5 * size + shift, depth))
+    let [x, y] = camera.lens_shift;
+    let middle = 0.5 * size + vec2(-x, y) * size.y;
+    Some((
+        middle + vec2(offset.dot(right), -offset.dot(up)) * scale,
+        depth,
+    ))
 }
 
 /// Three numbers as a vector.

@@ -159,7 +159,7 @@ impl Frame {
             up: view.up.to_array(),
             roughness_cutoff: settings.reflects_below(),
             size: view.size.map(|v| v as f32),
-            jitter: jitter.to_array(),
+            jitter: (jitter + view.shift_px()).to_array(),
             zenith: radiance(environment.zenith),
             light_count: world.lights.len() as u32,
             horizon: radiance(environment.horizon),

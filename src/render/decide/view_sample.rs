@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use reflet_scene::desc::{LightKind, ShadowMode};
@@ -15,10 +15,7 @@ use reflet_world::{
 use super::view_rays::{SurfacePoint, ViewRays, mirror_ray, off_surface, places, towards};
 use crate::{
     plan::may_reflect,
-    settings::{
-        options::RenderOptions,
-        view::{Projection, View},
-    },
+    settings::{options::RenderOptions, view::View},
 };
 
 /// Maximum distance between a mirror ray's hit and the surface seen on the screen to count as the same place, as a
@@ -159,18 +156,9 @@ impl Sampler<'_> {
 
     /// Position of a point in the picture, 0 to 1 inside; `None` behind the near plane.
     fn place_of(&self, point: DVec3) -> Option<DVec2> {
-        let offset = point - self.rays.view.eye.as_dvec3();
-        let depth = offset.dot(self.rays.view.forward.as_dvec3());
-        let scale = match self.rays.view.projection {
-            Projection::Perspective { .. } => depth,
-            Projection::Orthographic { .. } => 1.0,
-        };
-        let along = |axis: Vec3| {
-            let axis = axis.as_dvec3();
-            offset.dot(axis) / axis.length_squared() / scale
-        };
-        let ndc = DVec2::new(along(self.rays.view.right), -along(self.rays.view.up));
-        (depth > f64::from(self.rays.view.near_m)).then_some(ndc * 0.5 + 0.5)
+        let (place, depth_m) = self.rays.view.place(point);
+        let place = DVec2::new(place.x, -place.y) * 0.5 + 0.5;
+        (depth_m > f64::from(self.rays.view.near_m)).then_some(place)
     }
 
     fn count_shadows(&self, point: &SurfacePoint, sum: &mut ViewSample) {

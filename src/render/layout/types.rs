@@ -28,7 +28,7 @@ gpu_struct! {
         roughness_cutoff: f32,
         /// Size of the picture, pixels.
         size: [f32; 2],
-        /// Offset of this sub-frame in pixels, -0.5 to 0.5, plus the lens shift.
+        /// Offset of this sub-frame in pixels, -0.5 to 0.5, plus the shifts of the lens.
         jitter: [f32; 2],
         /// Radiance straight up.
         zenith: [f32; 3],

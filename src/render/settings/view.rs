@@ -33,6 +33,8 @@ pub struct View {
     pub right: Vec3,
     /// Half the picture's height, likewise.
     pub up: Vec3,
+    /// Shift of the lens to the right and up, in halves of the picture's width and height.
+    pub lens_shift: Vec2,
     /// Near plane, meters.
     pub near_m: f32,
     /// The kind of projection.
@@ -70,6 +72,7 @@ impl View {
             forward,
             right: right * half * aspect,
             up: right.cross(forward) * half,
+            lens_shift: 2.0 * Vec2::from(camera.lens_shift) / Vec2::new(aspect, 1.0),
             near_m: camera.near_in(unit_m),
             projection,
             has_edge_on: false,
@@ -98,11 +101,31 @@ impl View {
     /// component of 1 along `forward`.
     pub fn ray(&self, ndc: DVec2) -> (DVec3, DVec3) {
         let (eye, forward) = (self.eye.as_dvec3(), self.forward.as_dvec3());
+        let ndc = ndc + self.lens_shift.as_dvec2();
         let offset = self.right.as_dvec3() * ndc.x + self.up.as_dvec3() * ndc.y;
         match self.projection {
             Projection::Perspective { .. } => (eye, forward + offset),
             Projection::Orthographic { .. } => (eye + offset, forward),
         }
+    }
+
+    /// Place of a point in the picture, -1 to 1 right and up, and its depth along the view in meters.
+    pub fn place(&self, point: DVec3) -> (DVec2, f64) {
+        let offset = point - self.eye.as_dvec3();
+        let depth_m = offset.dot(self.forward.as_dvec3());
+        let scale = match self.projection {
+            Projection::Perspective { .. } => depth_m,
+            Projection::Orthographic { .. } => 1.0,
+        };
+        let along = |axis: DVec3| offset.dot(axis) / axis.length_squared() / scale;
+        let place = DVec2::new(along(self.right.as_dvec3()), along(self.up.as_dvec3()));
+        (place - self.lens_shift.as_dvec2(), depth_m)
+    }
+
+    /// Shift of the lens in pixels to the right and down.
+    pub fn shift_px(&self) -> Vec2 {
+        let [width, height] = self.size.map(|pixels| pixels as f32);
+        self.lens_shift * Vec2::new(0.5 * width, -0.5 * height)
     }
 
     /// Transform from the world to clip space: reversed depth, infinite in perspective. A point at pixel + jitter is
@@ -120,9 +143,10 @@ impl View {
             }
         };
         let view = rh::view::look_to_mat4(self.eye, self.forward, self.up.normalize());
+        let moved = (self.shift_px() + jitter) * Vec2::new(-2.0, 2.0);
         let shift = Vec3::new(
-            -2.0 * jitter.x / self.size[0] as f32,
-            2.0 * jitter.y / self.size[1] as f32,
+            moved.x / self.size[0] as f32,
+            moved.y / self.size[1] as f32,
             0.0,
         );
         Mat4::from_translation(shift) * projection * view
@@ -152,7 +176,9 @@ impl View {
 
     /// Most pixels that an angle of one radian may cover, in the corners of the picture; `None` if orthographic.
     pub fn pixels_per_radian(&self) -> Option<f32> {
-        let squared = self.right.length_squared() + self.up.length_squared();
+        let farthest = Vec2::ONE + self.lens_shift.abs();
+        let corner = Vec2::new(self.right.length(), self.up.length()) * farthest;
+        let squared = corner.length_squared();
         match self.projection {
             // The derivative of the tangent, and pixels at its end.
             Projection::Perspective { .. } => Some((1.0 + squared) / self.pixel_spread()),

@@ -37,6 +37,11 @@ declared! {
         /// have the area of more than 16 × 16 pixels, `hybrid` traces every reflection. Default: perspective.
         #[track(Number, "height of an orthographic camera's view, meters")]
         pub orthographic_height_m: Option<f32> [ABOVE_0],
+        /// Shift of the lens to the right and up, in heights of the picture, -10 to 10: moves the picture over the
+        /// scene without turning the camera, so vertical lines stay parallel. With [0, 0.5] the view direction
+        /// meets the lower edge of the picture.
+        #[track(Pair, "shift of the lens to the right and up, in heights of the picture")]
+        pub lens_shift: [f32; 2] [range(-10.0, 10.0)] = [0.0, 0.0],
         /// Near plane: surfaces closer to the camera than this are not seen, meters, above 0. There is no far
         /// plane. Default 0.01, or a hundredth of U where that is less.
         #[track(Number, "distance of the near plane, meters", |it| Some(it.near_m.unwrap_or(NEAR_M).lanes()))]

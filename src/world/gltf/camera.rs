@@ -47,6 +47,12 @@ pub fn perspective(
     })
 }
 
+/// Shift of the lens that a camera's extras state, as the converter of USD writes them: glTF has no field for it.
+pub fn lens_shift(extras: &serde_json::Value) -> [f32; 2] {
+    let part = |i| Some(extras.get("lens_shift")?.get(i)?.as_f64()? as f32);
+    [part(0), part(1)].map(|v| v.unwrap_or(0.0).clamp(-10.0, 10.0))
+}
+
 fn at_node() -> CameraDesc {
     CameraDesc {
         eye: Vec3::ZERO,

@@ -308,9 +308,10 @@ impl Found<'_> {
             place: &name,
         };
         let camera = forgiven(self.root, camera.map(Some), None, &left_out, self.notes)?;
-        let Some(camera) = camera else {
+        let Some(mut camera) = camera else {
             return Ok(());
         };
+        camera.lens_shift = camera::lens_shift(&self.root.cameras[i].extras);
         let mut camera = self.attached((name, camera));
         camera.index = Some(i);
         self.visit.cameras.push(camera);

@@ -364,6 +364,7 @@ pub struct Camera {
     pub name: Option<String>,
     pub perspective: Option<Perspective>,
     pub orthographic: Option<Orthographic>,
+    pub extras: serde_json::Value,
 }
 
 #[derive(Debug, Deserialize)]
