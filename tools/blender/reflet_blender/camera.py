@@ -53,7 +53,13 @@ def values(
         "up": list(space.vector(turn @ Vector((0, 1, 0)))),
         "near_m": max(data.clip_start, 1e-6),
     }
-    if data.type == "ORTHO":
+    # Where the middle of the picture is, in halves of its size from the view direction.
+    is_flat = data.type == "ORTHO"
+    across, above = (-projection[i][3] if is_flat else projection[i][2] for i in (0, 1))
+    shift = [across / (half_height * projection[0][0]) / 2, above / 2]
+    if any(abs(part) > 1e-6 for part in shift):
+        out["lens_shift"] = [min(max(part, -10.0), 10.0) for part in shift]
+    if is_flat:
         out["orthographic_height_m"] = 2 * half_height
         return out
     out["fov_deg"] = min(max(math.degrees(2 * math.atan(half_height)), 1.0), 170.0)
@@ -81,8 +87,6 @@ def _focus_m(camera: bpy.types.Object) -> float:
 def name_losses(camera: bpy.types.Object, scene: bpy.types.Scene, report: Report) -> None:
     """Name what a camera has and `[camera.NAME]` has not."""
     data, dof = camera.data, camera.data.dof
-    if abs(data.shift_x) > 1e-6 or abs(data.shift_y) > 1e-6:
-        report.lose("lens-shift-dropped", camera.name)
     if scene.render.pixel_aspect_x != scene.render.pixel_aspect_y:
         report.lose("pixel-aspect-dropped", scene.name)
     if not dof.use_dof:

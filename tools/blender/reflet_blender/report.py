@@ -21,7 +21,6 @@ LOSSES = {
     "image-missing": "an image that cannot be read",
     "instances-frozen": "instances that come or go over time are those of the first frame",
     "layer-dropped": "materials, worlds, holdouts and indirect-only collections of a view layer",
-    "lens-shift-dropped": "a shift of the lens",
     "library-missing": "a linked library that cannot be found",
     "light-animation-frozen": "a value of a light that has no track: size, and roll about its beam",
     "light-kind-approximated": "an ellipse is a rectangle of the same area",
