@@ -239,13 +239,31 @@ def test_lens_values_that_are_no_numbers_are_named(tmp_path: Path) -> None:
 
 
 def test_what_a_pinhole_lacks_is_named(tmp_path: Path) -> None:
-    body = CAMERA + "\n    float fStop = 2.8\n    float horizontalApertureOffset = 3"
+    body = CAMERA + "\n    float fStop = 2.8\n    float horizontalApertureOffset = nan"
     body += "\n    float focusDistance = 500"
     done = convert_light(tmp_path, "Camera", body, 0.01)
     lens = done.json["nodes"][done.node("/L")]["extras"]["lens"]
     assert lens["fStop"] == pytest.approx(2.8)
     assert lens["focusDistance_m"] == pytest.approx(5)
     assert "lens-dropped" in done.warnings("/L")
+
+
+def test_lenses_are_shifted_and_zoom_as_the_stage_says(tmp_path: Path) -> None:
+    body = "float horizontalApertureOffset = 3\n    float verticalApertureOffset = -6"
+    body += "\n    float focalLength.timeSamples = { 1: 20, 24: 100, 48: 50 }"
+    body += "\n    float2 clippingRange.timeSamples = { 1: (1, 10), 24: (2, 10) }"
+    for kind in ("perspective", "orthographic"):
+        text = f'{body}\n    float verticalAperture = 12\n    token projection = "{kind}"'
+        done = convert_light(tmp_path, "Camera", text, 0.01)
+        assert done.json["cameras"][0]["extras"]["lens_shift"] == [0.25, -0.5]
+        moved = [
+            channel["target"]["extensions"]["KHR_animation_pointer"]["pointer"]
+            for channel in done.json["animations"][0]["channels"]
+        ]
+        zooms = ["/cameras/0/perspective/yfov"] if kind == "perspective" else []
+        assert moved == [*zooms, f"/cameras/0/{kind}/znear"]
+        assert done.warnings("/L") == set()
+        assert done.validated().passed
 
 
 @pytest.mark.parametrize(
@@ -255,7 +273,7 @@ def test_what_a_pinhole_lacks_is_named(tmp_path: Path) -> None:
         ("float focalLength = 0", "camera-invalid"),
         ("float verticalAperture = nan", "camera-invalid"),
         (
-            "float focalLength.timeSamples = { 1: 50, 24: 100 }",
+            "float fStop.timeSamples = { 1: 2, 24: 4 }",
             "camera-animation-frozen",
         ),
     ],

@@ -64,6 +64,11 @@ def bend(out: Output) -> None:
             out.rewrite(accessor, lambda values: values * 1.5)
 
 
+def shift_lens(out: Output) -> None:
+    """Damage: shift the lens of the camera to the other side."""
+    out.gltf.cameras[0].extras["lens_shift"][1] *= -1.0
+
+
 def invent_camera(out: Output) -> None:
     """Damage: give the node of an invalid camera another camera."""
     bad = next(n for n in out.gltf.nodes if (n.extras or {}).get("prim") == "/Bad")
@@ -82,6 +87,7 @@ FAR = mesh(
     """,
 )
 NO_LENS = text_of("validate_rules/no_lens.usda")
+MOVING_LENS = text_of("validate_rules/moving_lens.usda")
 LINES = text_of("validate_rules/lines.usda")
 CUBIC = text_of("validate_rules/cubic.usda")
 PATCH = text_of("validate_rules/patch.usda")
@@ -134,6 +140,8 @@ CASES: list[Case] = [
     ("a camera", NO_LENS + UNIT, "camera-invalid", lose("/C")),
     ("a camera's lens", NO_LENS + UNIT, "camera-invalid", zoom),
     ("a camera too many", NO_LENS + UNIT, "camera-invalid", invent_camera),
+    ("a moving lens", MOVING_LENS + UNIT, "", animate),
+    ("a shifted lens", MOVING_LENS + UNIT, "", shift_lens),
     ("curves", LINES + UNIT, "curves-invalid", lose("/L")),
     ("places of curves", LINES, "curves-invalid", grow),
     ("patches", PATCH, "curves-approximated", grow),

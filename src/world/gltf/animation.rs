@@ -13,7 +13,7 @@ use serde::Deserialize;
 
 pub use self::pointer::moved_material_keys;
 use self::{
-    pointer::{pointed_at, weights_pointed_at},
+    pointer::{is_unused, pointed_at, weights_pointed_at},
     shared::{Kind, SamplerKey, check_count},
 };
 use super::{
@@ -286,6 +286,9 @@ impl Reader<'_> {
             Ok(None)
         };
         let found = if let Some(pointer) = &target.extensions.pointer {
+            if is_unused(&pointer.pointer) {
+                return Ok(None);
+            }
             let Some(found) = pointed_at(&pointer.pointer) else {
                 let what = "channels of KHR_animation_pointer target values that Reflet cannot animate and are \
                             left out";

@@ -144,6 +144,7 @@ class GltfWriter:
         samplers: list[dict[str, Any]] = []
         channels: list[dict[str, Any]] = []
         known: dict[str, int] = {}
+        pointed: set[str] = set()
         for index, node in enumerate(order):
             for track in node.tracks:
                 sampler = self._sampler(track)
@@ -154,6 +155,10 @@ class GltfWriter:
                 target = _target(track, index)
                 if "extensions" in target:
                     self.use_extension("KHR_animation_pointer")
+                if track.path.startswith("/"):
+                    if track.path in pointed:
+                        continue  # a copy of a node shares its camera
+                    pointed.add(track.path)
                 channels.append({"sampler": known[key], "target": target})
         if channels:
             self.add("animations", {"channels": channels, "name": "stage", "samplers": samplers})
@@ -236,7 +241,7 @@ def _bounds(array: Array) -> dict[str, list[float]]:
 def _target(track: Track, node: int) -> dict[str, Any]:
     if track.path in ("translation", "rotation", "scale", "weights"):
         return {"node": node, "path": track.path}
-    pointer = f"/nodes/{node}/{track.path}"
+    pointer = track.path if track.path.startswith("/") else f"/nodes/{node}/{track.path}"
     return {"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": pointer}}}
 
 

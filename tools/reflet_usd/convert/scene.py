@@ -16,7 +16,7 @@ class Track:
     """One animated property of one node: keys in seconds, and one value row per key."""
 
     path: str
-    """`translation`, `rotation`, `scale`, `weights`, or a JSON pointer's tail."""
+    """`translation`, `rotation`, `scale`, `weights`, a JSON pointer, or its part after the node."""
     times: Array
     """float64 seconds, strictly increasing, at least 0."""
     values: Array

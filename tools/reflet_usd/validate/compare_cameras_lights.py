@@ -34,6 +34,7 @@ def camera_values(expected: Camera, found: Camera, diagonal: float) -> Iterable[
     if expected.ymag is not None and found.ymag is not None:
         yield "ymag", _relative(expected.ymag, found.ymag)
     yield "aspect", _relative(expected.aspect, found.aspect)
+    yield "shift", max(abs(a - b) for a, b in zip(expected.shift, found.shift, strict=True))
     yield "near", _relative(expected.near_m, found.near_m)
     if math.isfinite(found.far_m):
         yield "far", _relative(expected.far_m, found.far_m)

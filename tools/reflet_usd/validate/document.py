@@ -10,7 +10,7 @@ from pxr import Sdf, Usd, UsdGeom
 from .allowed_deviations import LEFT_OUT
 from .checks import Checks
 from .extras_check import compare_extras, is_same
-from .gltf_pose import VISIBILITY
+from .gltf_pose import POINTERS
 from .gltf_scene import OutputReader
 from .primvar_extras_check import compare_primvar_extras
 from .usd_environment import compare_environment
@@ -52,7 +52,7 @@ def _animation_faults(output: OutputReader, moves: bool) -> Iterator[str]:
         target = channel["target"]
         pointer = target.get("extensions", {}).get("KHR_animation_pointer", {}).get("pointer")
         targets[target.get("node"), target.get("path"), pointer] += 1
-        if pointer is not None and not VISIBILITY.fullmatch(pointer):
+        if pointer is not None and not POINTERS.fullmatch(pointer):
             yield f"animates {pointer}"
     for (node, path, pointer), count in targets.items():
         if count > 1:

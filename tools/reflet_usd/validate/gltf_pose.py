@@ -10,7 +10,12 @@ import numpy as np
 from .gltf_file import GltfFile
 from .scene_data import Array
 
-VISIBILITY = re.compile(r"/nodes/(\d+)/extensions/KHR_node_visibility/visible")
+POINTERS = re.compile(
+    r"/nodes/\d+/extensions/KHR_node_visibility/visible"
+    r"|/cameras/\d+/(perspective/(aspectRatio|yfov|zfar|znear)|orthographic/([xy]mag|zfar|znear))"
+)
+"""JSON pointers that a converted file may animate."""
+_VISIBILITY = "/nodes/{}/extensions/KHR_node_visibility/visible"
 
 
 class Poser:
@@ -65,27 +70,27 @@ class Poser:
         weights = {node: value for (node, path), value in values.items() if path == "weights"}
         return Pose(worlds, weights, frozenset(hidden))
 
+    def pointed(self, seconds: float | None) -> dict[str, float]:
+        """Numbers that KHR_animation_pointer sets, by JSON pointer; none as stored in the file."""
+        values: dict[str, float] = {}
+        for animation in [] if seconds is None else self.file.gltf.animations or []:
+            for channel in animation.channels:
+                extensions = channel.target.extensions or {}
+                pointer = extensions.get("KHR_animation_pointer", {}).get("pointer")
+                if pointer is not None:
+                    sampler = animation.samplers[channel.sampler]
+                    at = float(np.float32(seconds))
+                    values[pointer] = float(self._sample(sampler, "pointer", at)[0])
+        return values
+
     def _hidden(self, seconds: float | None) -> set[int]:
         """Nodes that KHR_node_visibility hides directly, animated through KHR_animation_pointer."""
-        tree = self.file.tree
+        pointed = self.pointed(seconds)
         hidden = set()
-        for number, node in enumerate(tree.get("nodes", [])):
+        for number, node in enumerate(self.file.tree.get("nodes", [])):
             state = node.get("extensions", {}).get("KHR_node_visibility", {})
-            if not state.get("visible", True):
+            if not pointed.get(_VISIBILITY.format(number), state.get("visible", True)):
                 hidden.add(number)
-        if seconds is None:
-            return hidden
-        for animation in tree.get("animations", []):
-            for channel in animation["channels"]:
-                extensions = channel["target"].get("extensions", {})
-                pointer = extensions.get("KHR_animation_pointer", {}).get("pointer", "")
-                match = VISIBILITY.fullmatch(pointer)
-                if match:
-                    sampler = animation["samplers"][channel["sampler"]]
-                    times = self.file.accessor(sampler["input"])
-                    place = max(int(np.searchsorted(times, seconds, side="right")) - 1, 0)
-                    shown = bool(self.file.accessor(sampler["output"])[place])
-                    (hidden.discard if shown else hidden.add)(int(match.group(1)))
         return hidden
 
     def _local(self, index: int, values: dict[tuple[int, str], Array], moved: bool) -> Array:

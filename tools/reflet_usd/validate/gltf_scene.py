@@ -42,7 +42,7 @@ class OutputReader:
 
         `hidden` includes nodes that KHR_node_visibility hides.
         """
-        pose = self.poser.pose(seconds)
+        pose, pointed = self.poser.pose(seconds), self.poser.pointed(seconds)
         scene = Scene(matrices=self.matrices(pose))
         pieces: dict[str, list[_Piece]] = {}
         for index in self.poser.order:
@@ -50,7 +50,7 @@ class OutputReader:
                 continue
             node, key, world = self.file.nodes[index], self.keys[index], pose.worlds[index]
             if node.camera is not None:
-                scene.cameras.setdefault(key, []).append(self._camera(node.camera, world))
+                scene.cameras.setdefault(key, []).append(self._camera(node.camera, world, pointed))
             light = (node.extensions or {}).get(_LIGHTS)
             if light is not None:
                 scene.lights.setdefault(key, []).append(self._light(light["light"], world))
@@ -167,14 +167,17 @@ class OutputReader:
         result.materials = np.concatenate(labels)
         result.double_sided = sides.pop() if len(sides) == 1 else None
 
-    def _camera(self, index: int, world: Array) -> Camera:
-        camera = self.file.gltf.cameras[index]
-        if camera.type == "orthographic":
-            lens = camera.orthographic
-            return Camera(world, None, lens.xmag / lens.ymag, lens.ymag, lens.znear, lens.zfar)
-        lens = camera.perspective
-        far = lens.zfar if lens.zfar is not None else math.inf
-        return Camera(world, lens.yfov, lens.aspectRatio or 0.0, None, lens.znear, far)
+    def _camera(self, index: int, world: Array, pointed: dict[str, float]) -> Camera:
+        camera = self.file.tree["cameras"][index]
+        kind = camera["type"]
+        lens = {k: pointed.get(f"/cameras/{index}/{kind}/{k}", v) for k, v in camera[kind].items()}
+        far = lens.get("zfar", math.inf)
+        x, y = (camera.get("extras") or {}).get("lens_shift", (0.0, 0.0))
+        if kind == "orthographic":
+            high = lens["ymag"]
+            return Camera(world, None, lens["xmag"] / high, high, lens["znear"], far, (x, y))
+        aspect = lens.get("aspectRatio", 0.0)
+        return Camera(world, lens["yfov"], aspect, None, lens["znear"], far, (x, y))
 
     def _light(self, index: int, world: Array) -> Light:
         light = self.file.extensions[_LIGHTS]["lights"][index]

@@ -99,6 +99,8 @@ class Camera:
     """Half height of an orthographic view, meters."""
     near_m: float
     far_m: float
+    shift: tuple[float, float] = (0.0, 0.0)
+    """Shift of the lens to the right and up, in heights of the picture."""
     lost: Lost = dataclasses.field(default_factory=list)
     """Inputs that no glTF camera holds."""
 

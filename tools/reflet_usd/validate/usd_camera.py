@@ -9,6 +9,8 @@ from .usd_stage import TruthStage
 
 _FALLBACK_RANGE_M = (0.01, 10_000.0)
 """Schema fallback in meters; marks clipping ranges that glTF cameras cannot express."""
+_MOST_SHIFT = 10.0
+"""Maximum shift of the lens that Reflet reads, in heights of the picture."""
 _NOT_IN_GLTF = (
     "clippingPlanes",
     "exposure",
@@ -17,11 +19,9 @@ _NOT_IN_GLTF = (
     "exposure:responsivity",
     "exposure:time",
     "fStop",
-    "horizontalApertureOffset",
     "shutter:close",
     "shutter:open",
     "stereoRole",
-    "verticalApertureOffset",
 )
 
 
@@ -43,6 +43,15 @@ def read_camera(
     if not (is_finite and 0.0 <= near < far and (near > 0.0 or orthographic)):
         near, far = _FALLBACK_RANGE_M
     yfov = math.radians(lens.GetFieldOfView(Gf.Camera.FOVVertical))
+    # Offsets move the window of the frustum in units of the aperture (GfCamera::GetFrustum).
+    shift = (
+        lens.horizontalApertureOffset / lens.verticalAperture,
+        lens.verticalApertureOffset / lens.verticalAperture,
+    )
+    lost = _lost_inputs(prim, time)
+    if not all(abs(part) <= _MOST_SHIFT for part in shift):
+        lost.append(("lens-dropped", "ApertureOffset"))
+        shift = (0.0, 0.0)
     half_height = 0.5 * lens.verticalAperture * Gf.Camera.APERTURE_UNIT * truth.meters_per_unit
     return Camera(
         truth.node_world(world),
@@ -51,7 +60,8 @@ def read_camera(
         half_height if orthographic else None,
         near,
         far,
-        _lost_inputs(prim, time),
+        shift,
+        lost,
     )
 
 

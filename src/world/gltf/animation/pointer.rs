@@ -90,6 +90,15 @@ const CAMERA: [(&str, &str, f64); 4] = [
     ("orthographic/znear", "near_m", 1.0),
 ];
 
+/// Whether a pointer is to a value of a camera that has no effect: the picture has an aspect ratio of its own, and there
+/// is no far plane.
+pub fn is_unused(pointer: &str) -> bool {
+    let field = pointer
+        .strip_prefix("/cameras/")
+        .and_then(|rest| rest.rsplit('/').next());
+    matches!(field, Some("aspectRatio" | "xmag" | "zfar"))
+}
+
 /// Node of a pointer such as `/nodes/3/weights`.
 pub fn weights_pointed_at(pointer: &str) -> Option<usize> {
     let (node, rest) = pointer.strip_prefix("/nodes/")?.split_once('/')?;
