@@ -107,8 +107,9 @@
 //! # Rules
 //!
 //! - Every pipeline stays inside `wgpu::Limits::default()` but for buffer and texture sizes, which
-//!   are checked by name, and for the number of storage buffers where geometry exceeds one
-//!   (`render/buffers/chunks.rs`). `tests/shaders` asserts it by reflection.
+//!   are checked by name, for the number of storage buffers where geometry exceeds one
+//!   (`render/buffers/chunks.rs`), and on software adapters for the number of textures, sampled or storage, that hold
+//!   the scene (`gpu/adapter.rs`). `tests/shaders` asserts it by reflection.
 //! - Shaders follow a world's indices unchecked in the tracing module, so [`render::check_world`] checks
 //!   them before an upload, and every later call that the world is the uploaded one, posed anew.
 //! - Every ray has one budget of nodes that it may visit (`shaders/lib/bvh.wgsl`); one that needs more is a

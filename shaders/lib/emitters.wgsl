@@ -9,14 +9,15 @@
 #import sampling
 #import shown
 #import surface
+#import texels
 
 override HAS_EMITTERS: bool = true;
 
 // Light trees, a texel for each of their vectors.
-@group(1) @binding(16) var emitters: texture_2d<u32>;
+@group(1) @binding(16) var emitters: VectorTexels;
 
 fn light_words(k: u32) -> vec4u {
-    return textureLoad(emitters, vec2u(k % TEXEL_COLUMNS, k / TEXEL_COLUMNS), 0);
+    return vector_at(emitters, k);
 }
 
 // Number of points of emitters of which each light ray is aimed at one, and of those among them whose triangle is

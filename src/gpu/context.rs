@@ -10,7 +10,7 @@ use std::{
 };
 
 use super::{
-    adapter::{MAX_STORAGE_BUFFERS, SAMPLED_TEXTURES, find},
+    adapter::{MAX_STORAGE_BUFFERS, SAMPLED_TEXTURES, STORAGE_TEXTURES, find},
     compile_stats::CompileStats,
     error::GpuError,
     experimental::Experimental,
@@ -64,6 +64,9 @@ pub struct Gpu {
     /// Whether shaders read textures faster than buffers, and may bind enough textures: llvmpipe reads buffers word
     /// by word, and other software adapters are assumed to do the same.
     pub reads_texels_faster: bool,
+    /// Whether these textures are read-only storage textures, which llvmpipe reads at the lowest cost: of a sampled one
+    /// it computes the sizes of its levels anew at each read, lane by lane.
+    pub reads_storage_texels: bool,
     /// Compile statistics of the device.
     pub compile_stats: CompileStats,
     /// Compiled shaders and pipelines, shared by all renderers of the device.
@@ -113,7 +116,9 @@ impl Gpu {
         ray_queries: bool,
     ) -> Result<Self, wgpu::RequestDeviceError> {
         let offered = adapter.limits();
+        let adapter_info = adapter.get_info();
         let experimental = Experimental::for_adapter(&adapter, ray_queries);
+        let defaults = experimental.limits(&offered);
         let limits = wgpu::Limits {
             max_storage_buffer_binding_size: offered
                 .max_storage_buffer_binding_size
@@ -125,9 +130,15 @@ impl Gpu {
             max_sampled_textures_per_shader_stage: offered
                 .max_sampled_textures_per_shader_stage
                 .clamp(16, SAMPLED_TEXTURES),
+            max_storage_textures_per_shader_stage: match is_software(&adapter_info) {
+                true => offered
+                    .max_storage_textures_per_shader_stage
+                    .clamp(4, STORAGE_TEXTURES),
+                false => 4,
+            },
             max_texture_array_layers: offered.max_texture_array_layers.min(MAX_ARRAY_LAYERS),
             max_texture_dimension_2d: offered.max_texture_dimension_2d.min(MAX_TEXTURE_SIDE),
-            ..experimental.limits(&offered)
+            ..defaults
         };
         let wanted = wgpu::Features::TIMESTAMP_QUERY
             | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS
@@ -154,10 +165,10 @@ impl Gpu {
                 record(&keep, GpuError::Lost(message));
             }
         });
-        let adapter_info = adapter.get_info();
         Ok(Self {
             reads_texels_faster: is_software(&adapter_info)
                 && limits.max_sampled_textures_per_shader_stage >= SAMPLED_TEXTURES,
+            reads_storage_texels: limits.max_storage_textures_per_shader_stage >= STORAGE_TEXTURES,
             adapter_info,
             instance: instance.clone(),
             adapter,

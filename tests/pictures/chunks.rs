@@ -39,17 +39,30 @@ fn shown(gpu: &Gpu, (desc, world): &(SceneDesc, World), visibility: Visibility) 
 }
 
 #[test]
-fn pictures_do_not_depend_on_how_much_a_buffer_holds() {
+fn pictures_do_not_depend_on_how_the_device_holds_and_reads_geometry() {
     check_buffers(&[(Visibility::Rays, Some(2 * SMALL_BYTES))]);
+    check_reading(Visibility::Raster);
 }
 
 #[test]
 #[ignore = "long: the same by further pipelines"]
-fn drawn_pictures_do_not_depend_on_how_much_a_small_buffer_holds() {
+fn pictures_by_further_pipelines_do_not_depend_on_the_device() {
     check_buffers(&[
         (Visibility::Raster, None),
         (Visibility::Raster, Some(2 * SMALL_BYTES)),
     ]);
+    check_reading(Visibility::Rays);
+}
+
+fn check_equal(a: &Picture, b: &Picture, case: &str) {
+    for aov in [Aov::Ids, Aov::HitIds] {
+        assert!(
+            integers(a, aov) == integers(b, aov),
+            "{}: {case}",
+            aov.name()
+        );
+    }
+    assert!(a.display == b.display, "{case}");
 }
 
 /// Compares pictures of a device with small bindings, and with buffers of so many bytes where they are given.
@@ -67,43 +80,26 @@ fn check_buffers(cases: &[(Visibility, Option<u64>)]) {
             let size = of_array.map_or(0, |(_, size)| *size);
             assert!(size > SMALL_BYTES, "{array}: {size} bytes are one buffer");
         }
-        for aov in [Aov::Ids, Aov::HitIds] {
-            assert!(
-                integers(&whole, aov) == integers(&chunked, aov),
-                "{}",
-                aov.name()
-            );
-        }
-        assert!(whole.display == chunked.display, "{visibility:?}");
+        check_equal(&whole, &chunked, "buffers");
     }
 }
 
-#[test]
-fn pictures_do_not_depend_on_how_the_device_reads() {
-    check_reading(Visibility::Raster);
-}
-
-#[test]
-#[ignore = "long: the same by further pipelines"]
-fn pictures_by_rays_do_not_depend_on_how_the_device_reads() {
-    check_reading(Visibility::Rays);
-}
-
+/// Compares pictures by storage textures, by sampled ones where four storage textures can be bound, and by buffers and
+/// vertices that are pulled, without primitive indices.
 fn check_reading(visibility: Visibility) {
-    let (gpu, mut plain) = (or_skip!(gpu()), or_skip!(gpu_or_skip()));
-    // A device without primitive indices: vertices are pulled, and BVHs are in buffers.
-    plain.features.remove(wgpu::Features::PRIMITIVE_INDEX);
-    plain.reads_texels_faster = false;
-    let small = scene(&balls(8), &[]);
-    let [own, other] = [gpu, &plain].map(|gpu| shown(gpu, &small, visibility));
-    for aov in [Aov::Ids, Aov::HitIds] {
-        assert!(
-            integers(&own, aov) == integers(&other, aov),
-            "{}",
-            aov.name()
-        );
-    }
-    assert!(own.display == other.display, "{visibility:?}");
+    let (gpu, small) = (or_skip!(gpu()), scene(&balls(8), &[]));
+    let own = shown(gpu, &small, visibility);
+    let mut other = or_skip!(gpu_or_skip());
+    other.reads_storage_texels = false;
+    other.limits.max_storage_textures_per_shader_stage = 4;
+    check_equal(&own, &shown(&other, &small, visibility), "sampled textures");
+    other.reads_texels_faster = false;
+    other.features.remove(wgpu::Features::PRIMITIVE_INDEX);
+    check_equal(
+        &own,
+        &shown(&other, &small, visibility),
+        "buffers of a plain device",
+    );
 }
 
 #[test]

@@ -25,6 +25,8 @@ pub struct Chunks {
     pub mesh_texels: bool,
     /// Whether instances and materials are textures.
     pub record_texels: bool,
+    /// Whether all these textures, and light trees, are storage textures.
+    pub storage_texels: bool,
     /// Size of each of several bindings, bytes, a power of two.
     pub bytes: u64,
 }
@@ -45,6 +47,7 @@ impl Chunks {
         mesh_data: 1,
         mesh_texels: false,
         record_texels: false,
+        storage_texels: false,
         bytes: 0,
     };
 

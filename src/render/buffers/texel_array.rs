@@ -61,7 +61,11 @@ impl TexelArray {
                 true => wgpu::TextureFormat::R32Uint,
                 false => wgpu::TextureFormat::Rgba32Uint,
             },
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            usage: wgpu::TextureUsages::COPY_DST
+                | match gpu.reads_storage_texels {
+                    true => wgpu::TextureUsages::STORAGE_BINDING,
+                    false => wgpu::TextureUsages::TEXTURE_BINDING,
+                },
             view_formats: &[],
         };
         let texture = gpu.scoped(name, || gpu.device.create_texture(&descriptor))?;
@@ -118,6 +122,28 @@ impl TexelArray {
         let size = self.texture.size();
         u64::from(size.width) * u64::from(size.height) * self.texel_bytes as u64
     }
+}
+
+/// Shader text with the types of such arrays, of vectors and of words, and functions that return an element by its
+/// index: as read-only storage textures, or as sampled ones.
+pub fn wgsl(are_storage: bool) -> String {
+    let (vectors, words, level) = match are_storage {
+        true => (
+            "texture_storage_2d<rgba32uint, read>",
+            "texture_storage_2d<r32uint, read>",
+            "",
+        ),
+        false => ("texture_2d<u32>", "texture_2d<u32>", ", 0"),
+    };
+    let load = format!("textureLoad(array, vec2u(i % TEXEL_COLUMNS, i / TEXEL_COLUMNS){level})");
+    format!(
+        "#import constants
+alias VectorTexels = {vectors};
+alias WordTexels = {words};
+fn vector_at(array: VectorTexels, i: u32) -> vec4u {{ return {load}; }}
+fn word_at(array: WordTexels, i: u32) -> u32 {{ return {load}.x; }}
+"
+    )
 }
 
 /// Size of a texel of an array of `T`, bytes.

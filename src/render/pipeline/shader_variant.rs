@@ -7,7 +7,7 @@ use reflet_scene::desc::Method;
 
 use super::{constants::wgsl, pass::Pass};
 use crate::{
-    buffers::chunks::Chunks,
+    buffers::{chunks::Chunks, texel_array},
     layout::{gpu_struct::StructSpec, types::SHARED},
     plan::Features,
     upload::records,
@@ -35,12 +35,14 @@ impl ShaderVariant {
         };
         let mut all: Vec<Self> = Features::variants().into_iter().map(of).collect();
         let (least, largest) = (all[0], all[1]);
-        all.extend([least, largest].map(|variant| Self {
+        let in_texels = [(least, true), (largest, false), (largest, true)];
+        all.extend(in_texels.map(|(variant, storage_texels)| Self {
             indexed: true,
             chunks: Chunks {
                 tree_texels: true,
                 mesh_texels: true,
                 record_texels: true,
+                storage_texels,
                 ..Chunks::WHOLE
             },
             ..variant
@@ -81,6 +83,7 @@ impl ShaderVariant {
             .with_generated("constants", wgsl())?
             .with_generated("structs", SHARED.iter().map(StructSpec::wgsl).collect())?
             .with_generated("geometry", self.chunks.wgsl())?
+            .with_generated("texels", texel_array::wgsl(self.chunks.storage_texels))?
             .with_generated("records", records::wgsl(self.chunks.record_texels))?;
         let params = passes.iter().flat_map(|pass| {
             let (params, structs) = (pass.params.as_slice(), pass.structs);

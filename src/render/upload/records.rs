@@ -92,14 +92,14 @@ pub fn are_texels_preferred(gpu: &Gpu, instances: usize, materials: usize) -> bo
 pub fn wgsl(in_texels: bool) -> String {
     let mut text = String::new();
     if in_texels {
-        text.push_str("#import texel\n");
+        text.push_str("#import texels\n");
     }
     for (spec, array, binding) in [
         (&GpuInstance::LAYOUT, "instances", 2),
         (&GpuMaterial::LAYOUT, "materials", 5),
     ] {
         let (space, of) = match in_texels {
-            true => ("", "texture_2d<u32>".to_owned()),
+            true => ("", "VectorTexels".to_owned()),
             false => ("<storage, read>", format!("array<{}>", spec.name)),
         };
         let _ = writeln!(
@@ -140,7 +140,7 @@ pub fn wgsl(in_texels: bool) -> String {
 fn value(array: &str, texel: &str, offset: usize, ty: &str) -> String {
     let load = |at: usize| {
         let texel = format!("{texel} + {}u", offset / TEXEL + at);
-        format!("textureLoad({array}, texel_place({texel}), 0)")
+        format!("vector_at({array}, {texel})")
     };
     let first = (offset % TEXEL) / 4;
     let part = |count: usize| &"xyzw"[first..first + count];
@@ -190,10 +190,10 @@ mod tests {
         lines(
             true,
             &[
-                "@group(1) @binding(5) var materials: texture_2d<u32>;",
-                "return textureLoad(instances, texel_place(8u * i + 7u), 0).y;",
-                "return bitcast<vec3f>(textureLoad(materials, texel_place(78u * i + 1u), 0).xyz);",
-                "return TextureUse(bitcast<vec3f>(textureLoad(materials, texel_place(78u * i + 3u * slot + 12u), 0).xyz), ",
+                "@group(1) @binding(5) var materials: VectorTexels;",
+                "return vector_at(instances, 8u * i + 7u).y;",
+                "return bitcast<vec3f>(vector_at(materials, 78u * i + 1u).xyz);",
+                "return TextureUse(bitcast<vec3f>(vector_at(materials, 78u * i + 3u * slot + 12u).xyz), ",
             ],
         );
     }

@@ -368,6 +368,7 @@ fn chunks(
         mesh_data: mesh_data.count(),
         mesh_texels: vertices.is_texels(),
         record_texels: instances.is_texels(),
+        storage_texels: gpu.reads_storage_texels,
         ..Chunks::WHOLE
     };
     chunks.on(gpu, bytes)
