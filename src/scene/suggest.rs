@@ -1,137 +1,107 @@
-//! "Did you mean" hints: the allowed word that is nearest to a wrong one.
+//! "Did you mean" hints: the allowed word that is nearest to a wrong one, and advice for words of other programs.
 
-/// Declares advice: words, then keys or kinds that tell where they are unsupported, and what to write instead.
-macro_rules! advice {
-    ($($($word:literal)|+ in $($among:literal)|+ => $help:literal;)*) => {
-        &[$(Advice { words: &[$($word),+], among: &[$($among),+], help: $help }),*]
-    };
+use std::{collections::HashMap, sync::LazyLock};
+
+use serde::Deserialize;
+
+/// Words of other programs, and what to write instead.
+#[derive(Deserialize)]
+struct OtherPrograms {
+    words: Vec<Advice>,
+    keys: Vec<Advice>,
+    kinds: Vec<Advice>,
+    script_words: Vec<(String, String)>,
+    script_functions: Vec<(String, String)>,
+    languages: Vec<(String, Vec<String>, String)>,
+    synonyms: HashMap<String, Vec<String>>,
 }
 
-mod absent;
-mod kinds;
+/// Words with blanks between, words beside which they are unsupported, and text of the advice.
+type Advice = (String, String, String);
 
-pub use absent::{absent, absent_key};
-pub use kinds::{absent_of_kind, example, example_of, key_of_advice};
+static OTHER_PROGRAMS: LazyLock<OtherPrograms> = LazyLock::new(|| {
+    toml::from_str(include_str!("other_programs.toml")).expect("every test of advice reads it")
+});
 
-/// Advice for words of other programs.
-struct Advice {
-    /// The words, in lower case.
-    words: &'static [&'static str],
-    /// Keys, words or kinds beside which they are unsupported.
-    among: &'static [&'static str],
-    /// Text of the advice.
-    help: &'static str,
+/// Whether a list of words has a word.
+fn lists(words: &str, word: &str) -> bool {
+    words.split(' ').any(|listed| listed == word)
 }
 
 /// Advice of a list for a word beside keys, words or kinds that are there.
-fn advice(all: &[Advice], typed: &str, is_there: impl Fn(&str) -> bool) -> Option<&'static str> {
+fn advice(
+    all: &'static [Advice],
+    typed: &str,
+    is_there: impl Fn(&str) -> bool,
+) -> Option<&'static str> {
     let lower = typed.to_lowercase();
-    let is_meant = |advice: &&Advice| {
-        advice.words.contains(&lower.as_str()) && advice.among.iter().any(|word| is_there(word))
-    };
-    all.iter().find(is_meant).map(|advice| advice.help)
+    let is_meant =
+        |(words, beside, _): &&Advice| lists(words, &lower) && beside.split(' ').any(&is_there);
+    all.iter().find(is_meant).map(|(.., help)| help.as_str())
 }
 
-/// Words of other renderers and formats, with the keys and words of scene text that they may mean.
-const SYNONYMS: &[(&str, &[&str])] = &[
-    ("add", &["union"]),
-    ("albedo", &["base_color"]),
-    ("angle_deg", &["outer_deg"]),
-    ("aperture_deg", &["fov_deg"]),
-    ("background", &["environment"]),
-    ("ball", &["sphere"]),
-    ("bottom", &["ground"]),
-    ("bulb", &["point"]),
-    ("bump", &["normal_texture"]),
-    ("circle", &["disk"]),
-    ("color", &["base_color", "colors", "emission"]),
-    ("constant", &["step"]),
-    ("cube", &["box"]),
-    ("cuboid", &["box"]),
-    ("diffuse", &["base_color"]),
-    ("diffuse_texture", &["base_color_texture"]),
-    ("distant", &["directional"]),
-    ("donut", &["torus"]),
-    ("ease_in", &["in"]),
-    ("ease_in_out", &["in_out"]),
-    ("ease_out", &["out"]),
-    ("emissive", &["emission"]),
-    ("entity", &["instance"]),
-    ("exposure", &["exposure_ev"]),
-    ("fbm", &["noise"]),
-    ("font_size", &["size"]),
-    ("from", &["eye"]),
-    ("ground", &["plane"]),
-    ("hdri", &["environment", "file"]),
-    ("hide", &["show"]),
-    ("hold", &["step"]),
-    ("image", &["file"]),
-    ("import", &["include"]),
-    ("intensity", &["intensity_cd", "intensity_lux"]),
-    ("intensity_cd", &["intensity_lux"]),
-    ("intensity_lux", &["intensity_cd"]),
-    ("intersect", &["intersection"]),
-    ("label", &["text"]),
-    ("letters", &["text"]),
-    ("linear", &["none"]),
-    ("lines", &["stripes"]),
-    ("location", &["eye", "position", "translation"]),
-    ("loft", &["sweep"]),
-    ("look_at", &["target"]),
-    ("lookat", &["target"]),
-    ("max_bounces", &["bounces"]),
-    ("mesh", &["model", "file"]),
-    ("metalness", &["metallic"]),
-    ("move", &["place"]),
-    ("node", &["instance"]),
-    ("normal_map", &["normal_texture"]),
-    ("object", &["instance"]),
-    ("of", &["parts"]),
-    ("origin", &["eye", "position"]),
-    ("panorama", &["file"]),
-    ("path", &["file"]),
-    ("perlin", &["noise"]),
-    ("pill", &["capsule"]),
-    ("polka", &["dots"]),
-    ("polygon", &["extrude"]),
-    ("pos", &["eye", "position", "translation"]),
-    ("position", &["eye", "translation"]),
-    ("prism", &["extrude"]),
-    ("push", &["add"]),
-    ("quad", &["plane"]),
-    ("ramp", &["gradient"]),
-    ("resolution", &["size"]),
-    ("revolve", &["lathe"]),
-    ("ring", &["torus"]),
-    ("rock", &["displaced"]),
-    ("rot", &["rotation_deg"]),
-    ("rotate", &["rotation_deg", "place"]),
-    ("rotation", &["rotation_deg"]),
-    ("rough", &["roughness"]),
-    ("set_position", &["place"]),
-    ("shapes", &["parts"]),
-    ("simplex", &["noise"]),
-    ("sky", &["environment", "zenith"]),
-    ("specular_tint", &["specular_color"]),
-    ("spin", &["lathe"]),
-    ("spline", &["catmull_rom"]),
-    ("spp", &["samples"]),
-    ("subtract", &["difference"]),
-    ("sun", &["directional"]),
-    ("svg", &["extrude"]),
-    ("terrain", &["heightfield"]),
-    ("texture", &["base_color_texture", "file"]),
-    ("thickness", &["depth", "thickness_m"]),
-    ("tonemap", &["tone_map"]),
-    ("top", &["zenith"]),
-    ("transform", &["matrix"]),
-    ("translate", &["translation", "place"]),
-    ("type", &["kind", "shape"]),
-    ("uri", &["file"]),
-    ("voronoi", &["noise"]),
-    ("wood", &["marble"]),
-    ("world", &["environment"]),
-];
+/// Advice for an unsupported key in a table with the keys `known`.
+pub fn absent_key(typed: &str, known: &[&str]) -> Option<&'static str> {
+    advice(&OTHER_PROGRAMS.keys, typed, |key| known.contains(&key))
+}
+
+/// Advice for an unsupported word where one of `words` is allowed.
+pub fn absent(typed: &str, words: &[&str]) -> Option<&'static str> {
+    advice(&OTHER_PROGRAMS.words, typed, |word| words.contains(&word))
+}
+
+/// Advice for an unsupported key in a table of this kind.
+pub fn absent_of_kind(kind: &str, typed: &str) -> Option<&'static str> {
+    advice(&OTHER_PROGRAMS.kinds, typed, |known| known == kind)
+}
+
+/// Advice for a word of another language in a script.
+pub fn script_word(word: &str) -> Option<&'static str> {
+    script_advice(&OTHER_PROGRAMS.script_words, word)
+}
+
+/// Advice for a function of another language or library in a script.
+pub fn script_function(name: &str) -> Option<&'static str> {
+    script_advice(&OTHER_PROGRAMS.script_functions, name)
+}
+
+/// Name of the language that a text begins in, and advice.
+pub fn language(begin: &str) -> Option<(&'static str, &'static str)> {
+    let is_it = |prefix: &String| begin.starts_with(prefix.as_str());
+    let mut all = OTHER_PROGRAMS.languages.iter();
+    let found = all.find(|(_, prefixes, _)| prefixes.iter().any(is_it));
+    found.map(|(name, _, help)| (name.as_str(), help.as_str()))
+}
+
+fn script_advice(all: &'static [(String, String)], typed: &str) -> Option<&'static str> {
+    let meant = all.iter().find(|(words, _)| lists(words, typed));
+    meant.map(|(_, help)| help.as_str())
+}
+
+/// The key that an advice begins with, as in ``write `size`, …``.
+pub fn key_of_advice(help: &str) -> Option<&str> {
+    let (key, rest) = help.strip_prefix("write `")?.split_once('`')?;
+    let (key, _) = key.split_once(" = ").unwrap_or((key, ""));
+    (rest.is_empty() || rest.starts_with([',', ';', ':'])).then_some(key)
+}
+
+/// Advice for a table that lacks this key.
+pub fn example(key: &str) -> String {
+    format!("write {}", example_of(key))
+}
+
+/// A key with a value that it may have.
+pub fn example_of(key: &str) -> String {
+    let value = match key {
+        "parts" => "[{ shape = { kind = \"box\" } }, { shape = { kind = \"sphere\" } }]",
+        "keys" => "[{ at_s = 0, value = … }, { at_s = 2, value = … }]",
+        "path" => "\"M 0 0 H 1 V 0.5 Z\"",
+        "shape" => "{ kind = \"box\" }",
+        "file" => "\"chair.glb\"",
+        _ => "…",
+    };
+    format!("`{key} = {value}`")
+}
 
 /// Largest number of names of a scene that are compared with one that refers to nothing.
 pub const MOST_NAMES: usize = 1000;
@@ -145,15 +115,13 @@ pub fn nearest<'a>(typed: &str, words: impl IntoIterator<Item = &'a str>) -> Opt
         return None;
     }
     let lower = typed.to_lowercase().replace('-', "_");
-    let meant = SYNONYMS
-        .iter()
-        .find(|(word, _)| *word == lower)
-        .map_or(&[][..], |(_, m)| m);
+    let meant = OTHER_PROGRAMS.synonyms.get(&lower);
     let score = |word: &str| {
         let is_stem = word
             .strip_prefix(lower.as_str())
             .is_some_and(|rest| rest.starts_with('_'));
-        if is_stem || meant.contains(&word) {
+        let is_synonym = meant.is_some_and(|meant| meant.iter().any(|other| other == word));
+        if is_stem || is_synonym {
             return 2.0;
         }
         if STRANGERS

@@ -73,6 +73,17 @@ fn without_comment(value: &str) -> &str {
     value
 }
 
+/// Whether a text is a key, perhaps with dots.
+fn is_key(text: &str) -> bool {
+    let is_part = |c: char| c.is_alphanumeric() || "_-.".contains(c);
+    !text.is_empty() && text.chars().all(is_part)
+}
+
+/// Advice to write a key with a value.
+fn written(key: &str, value: &str) -> String {
+    format!("write `{} = {}`", suggest::clip(key), suggest::clip(value))
+}
+
 /// Explains a color without quotes: `base_color = #ff8800`.
 fn hash_color(m: &Mistake) -> Option<Words> {
     let (_, raw) = m.line.split_once('=')?;
@@ -172,14 +183,9 @@ fn assignment(m: &Mistake) -> Option<Words> {
     };
     let sign = SIGNS.iter().find(sign)?;
     let (key, value) = m.line.split_once(sign)?;
-    let help = format!(
-        "write `{} = {}`",
-        suggest::clip(key.trim()),
-        suggest::clip(value.trim())
-    );
     words(
         format!("between a key and its value stands `=`, not `{sign}`"),
-        help,
+        written(key.trim(), value.trim()),
     )
 }
 
@@ -188,18 +194,11 @@ fn two_keys(m: &Mistake) -> Option<Words> {
     (!m.value.starts_with(['{', '[', '"', '\'']) && !m.key.is_empty()).then_some(())?;
     let (before, value) = m.value.split_once('=')?;
     let (first, key) = before.trim_end().rsplit_once([' ', ',', ';'])?;
-    let is_key = !key.is_empty()
-        && key
-            .chars()
-            .all(|c| c.is_alphanumeric() || "_-.".contains(c));
-    (is_key && !first.contains('(')).then_some(())?;
-    let help = format!(
-        "write `{key} = {}` on a line of its own",
-        suggest::clip(value.trim())
-    );
+    (is_key(key) && !first.contains('(')).then_some(())?;
+    let message = format!("`{}` and `{key}` stand on one line", suggest::clip(m.key));
     words(
-        format!("`{}` and `{key}` stand on one line", suggest::clip(m.key)),
-        help,
+        message,
+        written(key, value.trim()) + " on a line of its own",
     )
 }
 
@@ -242,17 +241,9 @@ fn colon(m: &Mistake) -> Option<Words> {
         .unwrap_or(value);
     let key = key.rsplit(['{', ',']).next().unwrap_or(key);
     let key = key.trim().trim_matches('"');
-    let is_key = !key.is_empty()
-        && key
-            .chars()
-            .all(|c| c.is_alphanumeric() || "_-.".contains(c));
     let at_colon = m.found.starts_with(':') || m.rest.starts_with(':');
-    (is_key && at_colon).then_some(())?;
-    let (key, value) = (
-        suggest::clip(key),
-        suggest::clip(value.trim().trim_end_matches(',')),
-    );
-    let help = format!("write `{key} = {value}`");
+    (is_key(key) && at_colon).then_some(())?;
+    let help = written(key, value.trim().trim_end_matches(','));
     words("between a key and its value stands `=`, not `:`", help)
 }
 
@@ -261,15 +252,8 @@ fn line_end(m: &Mistake) -> Option<Words> {
     let value = m.value;
     if let Some(own) = value.strip_suffix([';', ',']).filter(|_| !m.key.is_empty()) {
         let sign = &value[own.len()..];
-        let help = format!(
-            "write `{} = {}`",
-            suggest::clip(m.key),
-            suggest::clip(own.trim())
-        );
-        return words(
-            format!("`{sign}` does not belong at the end of the line"),
-            help,
-        );
+        let message = format!("`{sign}` does not belong at the end of the line");
+        return words(message, written(m.key, own.trim()));
     }
     let parts: Vec<_> = value.split(',').map(str::trim).collect();
     (parts.len() > 1 && parts.iter().all(|part| is_number(part))).then_some(())?;
@@ -395,29 +379,22 @@ fn quotes(m: &Mistake) -> Option<Words> {
             "add a `'`",
         );
     }
-    Some({
-        (
-            "the text in quotes `\"` does not end on its line".into(),
-            Some("add a `\"`; a text of several lines stands between `\"\"\"`".into()),
-        )
-    })
+    words(
+        "the text in quotes `\"` does not end on its line",
+        "add a `\"`; a text of several lines stands between `\"\"\"`",
+    )
 }
 
 /// Explains a missing `=`: `roughness 0.5`.
 fn equals(m: &Mistake) -> Option<Words> {
     (m.key.is_empty() && !m.line.contains('=')).then_some(())?;
     let (key, value) = m.line.split_once(char::is_whitespace)?;
-    let is_key = key
-        .chars()
-        .all(|c| c.is_alphanumeric() || "_-.".contains(c));
-    (is_key && !value.trim().is_empty()).then_some(())?;
-    let (key, value) = (suggest::clip(key), suggest::clip(value.trim()));
-    if let Some(name) = value.strip_suffix('{') {
-        let name = name.trim().trim_matches('"');
-        return words(
-            "tables begin with a header",
-            format!("write `[{key}.{name}]`"),
-        );
+    let value = value.trim();
+    (is_key(key) && !value.is_empty()).then_some(())?;
+    if let Some(name) = suggest::clip(value).strip_suffix('{') {
+        let (key, name) = (suggest::clip(key), name.trim().trim_matches('"'));
+        let help = format!("write `[{key}.{name}]`");
+        return words("tables begin with a header", help);
     }
-    words("`=` is missing", format!("write `{key} = {value}`"))
+    words("`=` is missing", written(key, value))
 }

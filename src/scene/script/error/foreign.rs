@@ -2,63 +2,9 @@
 
 use crate::{diagnostic::Span, suggest};
 
-/// Advice about a word of another language that Rhai does not have, or has for something else.
-fn advice(name: &str) -> Option<&'static str> {
-    Some(match name {
-        "function" | "def" | "func" | "proc" | "sub" => "write `fn name(ctx) { … }`",
-        "var" | "local" | "auto" | "mut" => "write `let x = 1;`",
-        "null" | "None" | "nil" | "undefined" | "NULL" => "nothing is written `()`",
-        "True" => "write `true`",
-        "False" => "write `false`",
-        "and" => "write `a && b`",
-        "or" => "write `a || b`",
-        "not" => "write `!a`",
-        "elif" | "elseif" | "elsif" => "write `else if a { … }`",
-        "Math" | "math" | "np" | "numpy" | "std" => {
-            "functions stand alone: `sin(x)`, `floor(x)`, `PI()`"
-        }
-        "console" | "println" | "printf" => "write `print(x)`",
-        "foreach" => "write `for x in list { … }`",
-        "pass" => "leave the braces empty: `{ }`",
-        "lambda" => "write `|x| x + 1`",
-        "self" | "this" => "a script has functions only; `ctx` is what `setup` and `frame` get",
-        "class" | "struct" => "write a map: `#{ name: \"a\", size: 2 }`",
-        "from" | "require" | "include" | "use" => "write `import \"name\" as name;` for name.rhai",
-        _ => return None,
-    })
-}
-
-/// Advice about a function of another language or library.
-pub fn function(name: &str) -> Option<&'static str> {
-    Some(match name {
-        "random" | "rand" | "rnd" | "randf" | "rand_float" | "randint" | "random_range" => {
-            "write `hash01(seed, id)`, a number from 0 to 1 that is the same in every run"
-        }
-        "range" | "xrange" => "write `for i in 0..5 { … }`",
-        "append" | "add" | "push_back" => "write `list.push(x)`",
-        "length" | "size" | "count" => "write `list.len()`",
-        "pow" | "power" => "write `a ** b`",
-        "lerp" | "interpolate" => "write `mix(a, b, t)`",
-        "sin_deg" | "cos_deg" | "tan_deg" | "sind" | "cosd" => {
-            "angles of `sin` and its like are in radians: write `sin(radians(x))`"
-        }
-        "rotate" | "set_rotation" | "rotation" => {
-            "write `ctx.place(name, position, rotation)`, with a rotation such as `rotation_deg(0, 90, 0)`"
-        }
-        "set" | "update" | "animate" | "get" => {
-            "`ctx.place`, `ctx.camera`, `ctx.light` and `ctx.material` set what their names say"
-        }
-        "format" | "sprintf" => "write `ball${i}` between backticks",
-        "str" | "string" | "toString" => "write `x.to_string()`",
-        "int" | "parseInt" => "write `x.to_int()`, or `parse_int(text)`",
-        "float" | "parseFloat" => "write `x.to_float()`, or `parse_float(text)`",
-        _ => return None,
-    })
-}
-
 /// Message and advice about a word of another language.
 pub fn word(word: &str) -> Option<(String, Option<String>)> {
-    let help = advice(word)?;
+    let help = suggest::script_word(word)?;
     let message = format!("there is no {} in Rhai", suggest::key(word));
     Some((message, Some(help.to_owned())))
 }

@@ -2,7 +2,7 @@
 
 use super::{
     super::{api, format_value::type_named},
-    Known, foreign,
+    Known,
 };
 use crate::suggest;
 
@@ -37,7 +37,7 @@ pub fn missing_function(signature: &str, functions: &[&str]) -> Explained {
         return ("script-error", message, help.map(str::to_owned));
     }
     let message = format!("there is no function {}", suggest::key(name));
-    if let Some(help) = foreign::function(name) {
+    if let Some(help) = suggest::script_function(name) {
         return ("script-error", message, Some(help.to_owned()));
     }
     let known = api::names().into_iter().chain(functions.iter().copied());
