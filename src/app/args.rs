@@ -1,13 +1,16 @@
 //! The arguments of the commands: their names, ranges and help.
 
-use std::path::{Path, PathBuf};
+use std::{
+    path::{Path, PathBuf},
+    time::Duration,
+};
 
 use clap::{
     Args, ValueEnum,
     builder::{PossibleValue, PossibleValuesParser, TypedValueParser},
 };
 
-pub use super::size_arg::{SizeArg, parse_crop, parse_size, parse_size_or_name};
+pub use super::size_arg::{SizeArg, parse_crop, parse_size, parse_size_or_name, parse_time};
 use crate::{
     files::Goal,
     output::frames::{Shard, parse_shard},
@@ -211,9 +214,18 @@ pub struct RenderArgs {
     /// Render again whenever a file of the scene is saved, until it is stopped
     #[arg(long, conflicts_with_all = ["resume", "shard", "stats"])]
     pub watch: bool,
-    /// Form of the progress report; without it a bar on a terminal, a line for each frame elsewhere
+    /// Form of the progress report; without it a bar on a terminal, elsewhere a line for each frame, and for one picture
+    /// a line a minute
     #[arg(long, value_name = "FORM")]
     pub progress: Option<ProgressForm>,
+    /// Ctrl-C and SIGTERM end a picture after the current sample and write the mean of its samples so far, without AOVs
+    /// and not denoised; without this option nothing is written
+    #[arg(long)]
+    pub keep_partial: bool,
+    /// Write a picture so far again and again while it is rendered, such as every 10s or 2m, without AOVs and not
+    /// denoised, in place of the output
+    #[arg(long, value_name = "TIME", value_parser = parse_time)]
+    pub write_every: Option<Duration>,
     /// Render only the I-th of N parts of the frames, for several machines
     #[arg(long, value_name = "I/N", value_parser = parse_shard)]
     pub shard: Option<Shard>,
@@ -305,14 +317,14 @@ pub enum StatsForm {
     Text,
 }
 
-/// Form in which the progress of a film is shown.
+/// Form in which progress is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ProgressForm {
     /// A bar with the remaining time, on standard error; nothing where that is no terminal
     Bar,
-    /// A line for each frame, on standard error
+    /// A line for each frame, or for each ten seconds of one picture, on standard error
     Lines,
-    /// A JSON object for each frame, on standard output
+    /// A JSON object for each frame, or for each sample of one picture, on standard output
     Json,
     /// Lines that a worker of Open Job Description reads, on standard output
     Openjd,

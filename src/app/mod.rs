@@ -49,6 +49,7 @@ pub mod shell;
 pub mod shutdown;
 pub mod size_arg;
 pub mod stats;
+pub mod still;
 pub mod usage;
 #[cfg(any(feature = "window", feature = "serve"))]
 pub mod viewed_scene;

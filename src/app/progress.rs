@@ -1,16 +1,30 @@
-//! Progress of a sequence: a bar on a terminal, a line per frame elsewhere.
+//! Progress of a sequence, by its frames, and of a picture, by its samples: a bar on a terminal, lines elsewhere.
 
 use std::{
+    cell::Cell,
     fmt,
     io::{IsTerminal as _, Write as _, stderr, stdout},
     path::Path,
+    time::{Duration, Instant},
 };
 
 use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
+use reflet_base::standard_error::end_work;
 use serde_json::json;
 
 use super::args::ProgressForm;
-use crate::scene::diagnostic::printable_lines;
+use crate::{
+    render::SoFar,
+    scene::{desc::Samples, diagnostic::printable_lines},
+};
+
+/// Form of progress where none is asked for.
+fn usual_form() -> ProgressForm {
+    match stderr().is_terminal() {
+        true => ProgressForm::Bar,
+        false => ProgressForm::Lines,
+    }
+}
 
 /// Progress of one command.
 #[derive(Debug)]
@@ -26,17 +40,8 @@ pub struct Progress {
 impl Progress {
     /// Progress over this many frames.
     pub fn new(total: usize, form: Option<ProgressForm>) -> Self {
-        let on_terminal = stderr().is_terminal();
-        let usual = if on_terminal {
-            ProgressForm::Bar
-        } else {
-            ProgressForm::Lines
-        };
-        let form = form.unwrap_or(usual);
-        let bar = match form {
-            ProgressForm::Bar => ProgressBar::new(total as u64).with_style(style()),
-            _ => ProgressBar::hidden(),
-        };
+        let form = form.unwrap_or_else(usual_form);
+        let bar = bar(form, total as u64, "");
         Self {
             total,
             kept: 0,
@@ -73,7 +78,7 @@ impl Progress {
         let file = path.display();
         match self.form {
             ProgressForm::Bar => {
-                self.bar.set_message(format!("frame {frame}"));
+                self.bar.set_message(format!(" frame {frame}"));
                 self.bar.set_position(done as u64);
                 if seconds.is_none() {
                     self.bar.reset_eta(); // kept files say nothing about the time of a frame
@@ -94,8 +99,7 @@ impl Progress {
                 print_line(&line);
             }
             ProgressForm::Openjd => {
-                let percent = 100.0 * done as f64 / self.total.max(1) as f64;
-                print_line(format_args!("openjd_progress: {percent:.1}"));
+                print_percent(done as f64 / self.total.max(1) as f64);
                 print_line(format_args!("openjd_status: {verb} {file}"));
             }
         }
@@ -120,14 +124,165 @@ impl Progress {
     }
 }
 
-fn style() -> ProgressStyle {
+/// Progress of one picture.
+#[derive(Debug)]
+pub struct PictureProgress {
+    form: ProgressForm,
+    /// Time between two lines.
+    every: Duration,
+    /// Number of pictures to render: its own, and for AOVs of lights one for each group.
+    pictures: u32,
+    /// Bound of the error, where it decides the number of samples.
+    bound: Option<f32>,
+    began: Instant,
+    /// Seconds and number of submitted samples when the first one, which compiles pipelines, was finished: the adapter
+    /// works at one while the next is recorded.
+    first: Cell<(f64, u32)>,
+    told: Cell<Instant>,
+    lights: Cell<u32>,
+    bar: ProgressBar,
+}
+
+impl PictureProgress {
+    /// Progress of a picture that begins now, with pictures of so many light groups.
+    pub fn new(form: Option<ProgressForm>, lights: u32, samples: Samples) -> Self {
+        let every = match form {
+            Some(ProgressForm::Json | ProgressForm::Openjd) => Duration::from_millis(100),
+            Some(_) => Duration::from_secs(10),
+            None => Duration::from_secs(60),
+        };
+        let form = form.unwrap_or_else(usual_form);
+        let bar = bar(form, samples.count().into(), " samples");
+        bar.set_message(", compiling");
+        bar.enable_steady_tick(Duration::from_millis(100));
+        let began = Instant::now();
+        Self {
+            form,
+            every,
+            pictures: lights + 1,
+            bound: match samples {
+                Samples::UntilError(bound) => Some(bound.error),
+                Samples::Count(_) => None,
+            },
+            began,
+            first: Cell::default(),
+            told: Cell::new(began),
+            lights: Cell::new(0),
+            bar,
+        }
+    }
+
+    /// Reports a sample.
+    pub fn sample(&self, so_far: &SoFar<'_>) {
+        let seconds = self.began.elapsed().as_secs_f64();
+        if so_far.done == 1 && so_far.light.is_some() {
+            self.lights.set(self.lights.get() + 1);
+        }
+        let done = so_far.done + self.lights.get() * so_far.samples;
+        let total = so_far.samples * self.pictures;
+        if done <= 2 {
+            self.first.set((seconds, done));
+        }
+        let (before_s, before) = self.first.get();
+        let each_s = (seconds - before_s) / f64::from(done - before).max(1.0);
+        let left_s = (done > before).then(|| each_s * f64::from(total - done));
+        if done == 3 {
+            self.announce(so_far, seconds + left_s.unwrap_or(0.0));
+        }
+        let error = so_far.error.map(|estimate| estimate.error);
+        let found = match (error, self.bound) {
+            (Some(error), Some(bound)) => format!(", error {error:.3} of {bound}"),
+            _ => String::new(),
+        };
+        if let ProgressForm::Bar = self.form {
+            self.bar.set_length(total.into());
+            self.bar.set_message(found);
+            self.bar.set_position(done.into());
+            return;
+        }
+        if self.told.get().elapsed() < self.every && done < total {
+            return;
+        }
+        self.told.set(Instant::now());
+        match self.form {
+            ProgressForm::Json => print_line(json!({
+                "sample": done, "samples": total, "seconds": seconds, "left_s": left_s, "error": error,
+            })),
+            ProgressForm::Openjd => print_percent(f64::from(done) / f64::from(total)),
+            _ if done == total => {}
+            _ => {
+                let left = left_s.map_or(String::new(), |s| format!(", {} left", about(s)));
+                reflet_base::error_line!(
+                    "sample {done} of {total}{found}, {} so far{left}",
+                    about(seconds)
+                );
+            }
+        }
+    }
+
+    /// Says what a long picture takes.
+    fn announce(&self, so_far: &SoFar<'_>, seconds: f64) {
+        let is_text = matches!(self.form, ProgressForm::Bar | ProgressForm::Lines);
+        if is_text && seconds > self.every.as_secs_f64().min(10.0) {
+            let (samples, [width, height]) = (so_far.samples, so_far.size());
+            let (method, mib) = (so_far.method().name(), so_far.bytes() >> 20);
+            let at_first = match self.bound {
+                Some(_) => " at first",
+                None => "",
+            };
+            self.bar.suspend(|| {
+                reflet_base::error_line!(
+                    "{width} x {height} pixels, {samples} samples{at_first} by {method}, {mib} MiB: {}",
+                    about(seconds)
+                );
+            });
+        }
+    }
+
+    /// Reports the written picture to programs, and ends the bar.
+    pub fn wrote(&self, frame: u32, path: &Path) {
+        self.end();
+        if let ProgressForm::Json | ProgressForm::Openjd = self.form {
+            let mut written = Progress::new(1, Some(self.form));
+            written.done(frame, "wrote", path, self.began.elapsed().as_secs_f64());
+        }
+    }
+
+    /// Erases the bar.
+    pub fn end(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// A time as people say it.
+fn about(seconds: f64) -> String {
+    match seconds < 100.0 {
+        true => format!("{} s", seconds.ceil()),
+        false => format!("{} min", (seconds / 60.0).round()),
+    }
+}
+
+/// A bar over so many steps, on a terminal; `unit` is written after their number.
+fn bar(form: ProgressForm, total: u64, unit: &str) -> ProgressBar {
+    end_work();
+    match form {
+        ProgressForm::Bar => ProgressBar::new(total).with_style(style(unit)),
+        _ => ProgressBar::hidden(),
+    }
+}
+
+fn print_percent(share: f64) {
+    print_line(format_args!("openjd_progress: {:.1}", 100.0 * share));
+}
+
+fn style(unit: &str) -> ProgressStyle {
     let left = |state: &ProgressState, out: &mut dyn fmt::Write| {
         let left = state.eta();
         if !left.is_zero() {
             let _ = write!(out, ", {:#} left", HumanDuration(left));
         }
     };
-    ProgressStyle::with_template("{bar:24} {pos}/{len} {msg}{left}")
+    ProgressStyle::with_template(&format!("{{bar:24}} {{pos}}/{{len}}{unit}{{msg}}{{left}}"))
         .expect("the template is right")
         .with_key("left", left)
         .progress_chars("█·")

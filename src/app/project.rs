@@ -1,4 +1,4 @@
-//! Arguments that the project of a scene gives: sizes by name, and the output of `render`.
+//! Sizes by name and the output of `render`, which the project of a scene may give, and the folder of the output.
 
 use std::path::Path;
 
@@ -8,10 +8,11 @@ use super::{
     error::AppError,
 };
 use crate::{
-    files::Goal,
+    files::{Goal, folder_of},
     output::{
         format::Format,
         frame_name::{CAMERA, has_number, number_in},
+        writable::create_last_folder,
     },
     runtime::scene_text::{LoadedScene, SceneText},
     scene::{
@@ -206,6 +207,18 @@ fn without(name: &str, placeholder: &str) -> String {
         .iter()
         .fold(name.to_owned(), |name, whole| name.replace(whole, ""));
     name.replace(placeholder, "")
+}
+
+/// Creates the folder of the output if only that folder is missing, and says so.
+///
+/// # Errors
+/// [`AppError::Usage`] for a folder that cannot be created.
+pub fn make_folder(output: &Path) -> Result<(), AppError> {
+    if create_last_folder(output)? {
+        let folder = folder_of(output);
+        reflet_base::error_line!("created the folder {}", folder.display());
+    }
+    Ok(())
 }
 
 #[cfg(test)]

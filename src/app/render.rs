@@ -7,15 +7,13 @@ use super::{
     cameras,
     error::AppError,
     lint::Lint,
-    project::with_output,
+    project::{make_folder, with_output},
     render_session::RenderSession,
     scene::load_followed,
-    sequence, shaders,
-    stats::{self},
+    sequence, shaders, still,
 };
 use crate::{
-    files::sweep,
-    output::{picture_file::PictureFile, stats::ReportContext, writable::inputs},
+    output::{picture_file::PictureFile, writable::inputs},
     render::picture::aov::Aov,
     runtime::scene_text::LoadedScene,
     scene::{dependencies::Dependencies, diagnostic::print_diagnostics, suggest},
@@ -70,7 +68,7 @@ pub fn render_once(args: &RenderArgs, files: &Dependencies) -> Result<(), AppErr
             let output = PictureFile::new(args.output())?;
             output.check_files(&aovs, &inputs)?;
             let session = RenderSession::new(&args, loaded, camera, aovs, &library)?;
-            picture(&args, session, &output, load_ms, started)
+            still::render(&args, session, &output, load_ms, started)
         };
         match rendered {
             Err(error @ AppError::Frames(_)) => {
@@ -92,7 +90,11 @@ fn check_kind(args: &RenderArgs) -> Result<bool, AppError> {
             let text = "--resume and --shard need --frames";
             return Err(AppError::Usage(text.to_owned()));
         }
+        make_folder(args.output())?;
         PictureFile::new(args.output())?;
+    } else if args.keep_partial || args.write_every.is_some() {
+        let text = "--keep-partial and --write-every are for one picture; a film keeps its finished frames";
+        return Err(AppError::Usage(text.to_owned()));
     }
     Ok(many)
 }
@@ -108,66 +110,6 @@ fn hint_at_mistakes(scene: Option<&Path>, loaded: &LoadedScene) {
             "note: likely mistakes ({names}): `reflet check {path}` explains them"
         );
     }
-}
-
-/// Renders one picture; `load_ms` and the start of the command are for its statistics.
-fn picture(
-    args: &RenderArgs,
-    mut session: RenderSession,
-    output: &PictureFile,
-    load_ms: f64,
-    started: Instant,
-) -> Result<(), AppError> {
-    sweep(
-        &output.files(
-            &session
-                .aovs
-                .iter()
-                .map(|aov| aov.plane_name())
-                .collect::<Vec<_>>(),
-        ),
-    );
-    let frame = session.scene.scene().scene.first_frame();
-    let log = session.scene.pose(frame);
-    for line in
-        &log.map_err(|error| AppError::from_session(error, session.own_shaders.is_some()))?
-    {
-        reflet_base::error_line!("{line}");
-    }
-    print_diagnostics(&session.warn_of_empty());
-    let pending = session.begin(output.has_color());
-    let mut picture = pending
-        .and_then(|pending| pending.take(session.scene.gpu()))
-        .map_err(|error| AppError::from_render(error, session.own_shaders.is_some()))?;
-    if let Some(denoiser) = &session.denoiser {
-        denoiser.apply(&mut picture)?;
-    }
-    if let Some(crop) = session.crop {
-        picture = picture.cropped(crop);
-    }
-    if picture.stats.exhausted_rays > 0 {
-        reflet_base::error_line!(
-            "warning: {} rays visited too many nodes and count as misses: too many instances overlap",
-            picture.stats.exhausted_rays
-        );
-    }
-    if let Some((sentence, _)) = session.samples_taken(&picture.stats) {
-        reflet_base::error_line!("{sentence}");
-    }
-    let context = ReportContext {
-        load_ms,
-        first_picture_ms: started.elapsed().as_secs_f64() * 1e3,
-    };
-
-    let timeline = session.scene.scene().scene.timeline.as_ref();
-    let part = timeline.map_or(String::new(), |timeline| {
-        let count = timeline.end - timeline.start + 1;
-        format!(" (frame {frame} of {count}; all with --frames all)")
-    });
-    for path in output.write(&picture)? {
-        reflet_base::error_line!("wrote {}{part}", path.display());
-    }
-    stats::print(args, &mut session, picture.stats, context)
 }
 
 /// Checks a list of AOVs as far as that can be done without the scene.

@@ -2,6 +2,7 @@
 
 use std::{ops::RangeInclusive, sync::Arc, time::Instant};
 
+use reflet_base::standard_error::show_work;
 use xxhash_rust::xxh3::Xxh3Default;
 
 use super::{args::RenderArgs, error::AppError, lint::Lint};
@@ -9,8 +10,10 @@ use crate::{
     gpu::{ShaderLibrary, driver::open_gpu},
     output::denoise::{Denoiser, reproject::FramePose},
     render::{
-        Crop, ErrorEstimate, PendingPicture, PictureRequest, RenderError, picture::aov::Aov,
-        renderer::stats::FrameStats, settings::view::View,
+        Crop, ErrorEstimate, PendingPicture, PictureRequest, RenderError,
+        picture::{aov::Aov, so_far::EachSample},
+        renderer::stats::FrameStats,
+        settings::view::View,
     },
     runtime::{SceneSource, Session, ViewOverrides, scene_text::LoadedScene},
     scene::{desc::Samples, diagnostic::Diagnostic},
@@ -52,6 +55,7 @@ impl RenderSession {
         aovs: Vec<Aov>,
         library: &ShaderLibrary,
     ) -> Result<Self, AppError> {
+        show_work(format_args!("compiling shaders"));
         let denoiser = (args.picture.denoise)
             .then(|| Denoiser::new(&aovs).map(Arc::new))
             .transpose()?;
@@ -105,10 +109,15 @@ impl RenderSession {
     }
 
     /// Starts a picture of the posed scene, with or without linear color; timed if statistics are requested.
+    /// `each_sample` is called after each sub-frame.
     ///
     /// # Errors
     /// Same errors as [`Session::begin`].
-    pub fn begin(&mut self, color: bool) -> Result<PendingPicture, RenderError> {
+    pub fn begin(
+        &mut self,
+        color: bool,
+        each_sample: Option<EachSample<'_>>,
+    ) -> Result<PendingPicture, RenderError> {
         let aovs = &self.read_aovs();
         if self.timed {
             self.warm_up()?;
@@ -118,6 +127,7 @@ impl RenderSession {
             aovs,
             timed: self.timed,
             estimates_error: false,
+            each_sample,
         })
     }
 

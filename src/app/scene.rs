@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use reflet_base::standard_error::{end_work, show_work};
+
 use super::{args::SceneArgs, error::AppError};
 use crate::{
     files::Goal,
@@ -66,7 +68,10 @@ pub fn load(opened: OpenedScene, name: String) -> Result<LoadedScene, AppError> 
     for line in opened.scene.scripts().flat_map(|s| &s.setup_log) {
         reflet_base::error_line!("{line}");
     }
-    let loaded = opened.load(name).map_err(AppError::Scene)?;
+    show_work(format_args!("reading {name}"));
+    let loaded = opened.load(name);
+    end_work();
+    let loaded = loaded.map_err(AppError::Scene)?;
     print_diagnostics(&loaded.warnings);
     Ok(loaded)
 }

@@ -13,11 +13,12 @@ use super::{
     encoder::{Encoders, Failures, Outcome, Rendered, Rendering, Target},
     error::AppError,
     progress::Progress,
+    project::make_folder,
     render_session::RenderSession,
     shutdown, stats,
 };
 use crate::{
-    files::{Goal, Inputs, folder_of, sweep},
+    files::{Goal, Inputs, sweep},
     gpu::GpuError,
     output::{
         denoise::window::{FrameError, KeptFrames},
@@ -28,7 +29,7 @@ use crate::{
         picture_file::PictureFile,
         stats::ReportContext,
         video::Film,
-        writable::{check_writable, create_last_folder},
+        writable::check_writable,
     },
     render::{PendingPicture, RenderError, picture::aov::Aov},
     scene::{desc::TimelineDesc, diagnostic::print_diagnostics, stages::Animator},
@@ -119,8 +120,8 @@ pub fn check_output(
         ));
     };
     let template = Template::new(args.output())?;
-    if template.is_some() && create_last_folder(args.output())? {
-        reflet_base::error_line!("created the folder {}", folder_of(args.output()).display());
+    if template.is_some() {
+        make_folder(args.output())?;
     }
     // The largest frame number has the longest name.
     let last = frames.0.iter().max().unwrap_or(first);
@@ -371,7 +372,7 @@ fn begin_frame(
     posed.map_err(scene_error)?;
     let empty = session.warn_of_empty();
     encoders.print_above(|| print_diagnostics(&empty));
-    let picture = session.begin(has_color).map_err(|error| {
+    let picture = session.begin(has_color, None).map_err(|error| {
         let fatal = matches!(
             error,
             RenderError::Gpu(GpuError::Lost(_) | GpuError::OutOfMemory(_))

@@ -136,6 +136,8 @@ fn render_all(
                 resume: false,
                 watch: false,
                 progress: None,
+                keep_partial: false,
+                write_every: None,
                 shard: None,
                 picture: args.picture.clone(),
                 stats: None,
@@ -165,7 +167,7 @@ fn render_all(
 fn picture_of(session: &mut RenderSession, frame: u32) -> Result<Vec<u8>, AppError> {
     let posed = session.scene.pose(frame);
     posed.map_err(|error| AppError::from_session(error, session.own_shaders.is_some()))?;
-    let pending = session.begin(false);
+    let pending = session.begin(false, None);
     let picture = pending.and_then(|pending| pending.take(session.scene.gpu()));
     let mut picture =
         picture.map_err(|error| AppError::from_render(error, session.own_shaders.is_some()))?;

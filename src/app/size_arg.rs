@@ -1,4 +1,6 @@
-//! `--size`: width and height, or the name of a size of the project.
+//! Values of options: `--size`, `--crop`, and times.
+
+use std::time::Duration;
 
 use crate::render::{Crop, check_size};
 
@@ -60,6 +62,26 @@ pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
     }
 }
 
+/// A time of at least a tenth of a second, such as `10s`, `2m` or `1h`.
+///
+/// # Errors
+/// Message that names the expected form.
+pub fn parse_time(text: &str) -> Result<Duration, String> {
+    let (number, unit) = text.split_at(text.len() - text.ends_with(['s', 'm', 'h']) as usize);
+    let unit_s = match unit {
+        "s" => Some(1.0),
+        "m" => Some(60.0),
+        "h" => Some(3600.0),
+        _ => None,
+    };
+    let seconds = unit_s.zip(number.parse::<f64>().ok()).map(|(s, n)| s * n);
+    let time = seconds
+        .filter(|s| *s >= 0.1)
+        .map(Duration::try_from_secs_f64);
+    time.and_then(Result::ok)
+        .ok_or_else(|| "expected a time of at least 0.1s, such as 10s, 2m or 1h".to_owned())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -75,6 +97,18 @@ mod tests {
         }
         let far = parse_crop("4294967295,0,1,1").expect("four numbers");
         assert!(!far.is_in([9, 9]));
+    }
+
+    #[test]
+    fn times_have_a_unit() {
+        assert_eq!(parse_time("2m"), Ok(Duration::from_secs(120)));
+        assert_eq!(parse_time("0.5s"), Ok(Duration::from_millis(500)));
+        for bad in ["", "5", "s", "0s", "-1m", "NaNs", "infs", "1e300h", "5ß"] {
+            assert!(
+                parse_time(bad).is_err_and(|text| text.contains("10s")),
+                "{bad}"
+            );
+        }
     }
 
     #[test]

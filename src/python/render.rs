@@ -76,6 +76,7 @@ impl Request {
             aovs: &self.aovs,
             timed: self.timed,
             estimates_error: false,
+            each_sample: None,
         });
         gpu.interrupt_by(None);
         let mut picture = begun?.take(&gpu)?;

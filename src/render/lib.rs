@@ -39,7 +39,7 @@ pub mod upload;
 
 pub use error::RenderError;
 pub use picture::aov::{Plane, PlaneData};
-pub use picture::{PendingPicture, Picture, PictureRequest};
+pub use picture::{PendingPicture, Picture, PictureRequest, so_far::SoFar};
 pub use renderer::Renderer;
 pub use renderer::error_estimate::ErrorEstimate;
 pub use renderer::rebuild_summary::RebuildSummary;

@@ -107,7 +107,9 @@ fn a_job_takes_the_options_of_render() {
         help
     };
     // These are the job's own, or of one machine.
-    let own = words("--output --frames --resume --progress --shard --stats --counters --watch");
+    let own = words(
+        "--output --frames --resume --progress --shard --stats --counters --watch --keep-partial --write-every",
+    );
     let of_render = help(&["render"]);
     for system in ["openjd", "slurm"] {
         let of_job = help(&["job", system]);

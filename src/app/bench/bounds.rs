@@ -154,6 +154,7 @@ fn rendered(session: &mut Session) -> Result<Picture, AppError> {
         aovs: &[],
         timed: false,
         estimates_error: false,
+        each_sample: None,
     };
     let gpu = Arc::clone(session.gpu());
     let pending = session.begin(request);

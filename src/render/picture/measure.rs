@@ -15,7 +15,7 @@ use crate::{
         pass_builder::PassBuilder,
         recorder::Timing,
     },
-    renderer::Renderer,
+    renderer::{Renderer, frame::Work},
     settings::pixel_share::PixelShare,
 };
 
@@ -51,31 +51,29 @@ impl Renderer {
     ) -> Result<Vec<PassCounts>, RenderError> {
         self.build_instrument(gpu, Instrument::Count)?;
         let mut sums: Vec<PassCounts> = Vec::new();
-        let measured = Some(Instrument::Count);
-        self.each_share(
-            gpu,
-            camera.into(),
-            Timing::None,
-            measured,
-            |renderer, recorder| {
-                renderer.submitted(recorder.submit())?;
-                for counted in renderer
-                    .bindings
-                    .instruments
-                    .counted
-                    .get()
-                    .into_iter()
-                    .flatten()
-                {
-                    let new = counted.read(gpu)?;
-                    match sums.iter_mut().find(|sum| sum.pass == new.pass) {
-                        Some(sum) => sum.counts = sum.counts.plus(new.counts),
-                        None => sums.push(new),
-                    }
+        let work = Work {
+            timing: Timing::None,
+            instrument: Some(Instrument::Count),
+            each_sample: None,
+        };
+        self.each_share(gpu, camera.into(), work, |renderer, recorder| {
+            renderer.submitted(recorder.submit())?;
+            for counted in renderer
+                .bindings
+                .instruments
+                .counted
+                .get()
+                .into_iter()
+                .flatten()
+            {
+                let new = counted.read(gpu)?;
+                match sums.iter_mut().find(|sum| sum.pass == new.pass) {
+                    Some(sum) => sum.counts = sum.counts.plus(new.counts),
+                    None => sums.push(new),
                 }
-                Ok(())
-            },
-        )?;
+            }
+            Ok(())
+        })?;
         Ok(sums)
     }
 
@@ -95,21 +93,19 @@ impl Renderer {
             return Ok(None);
         }
         let mut sum_ms = None;
-        let measured = Some(Instrument::Traverse);
-        self.each_share(
-            gpu,
-            camera.into(),
-            Timing::Passes,
-            measured,
-            |renderer, recorder| {
-                let times = renderer.submitted(recorder.finish())?;
-                let of = |(name, ms): &(String, f64)| (name == trace::TRAVERSE.name).then_some(*ms);
-                if let Some(ms) = times.passes_ms.iter().find_map(of) {
-                    sum_ms = Some(sum_ms.unwrap_or(0.0) + ms);
-                }
-                Ok(())
-            },
-        )?;
+        let work = Work {
+            timing: Timing::Passes,
+            instrument: Some(Instrument::Traverse),
+            each_sample: None,
+        };
+        self.each_share(gpu, camera.into(), work, |renderer, recorder| {
+            let times = renderer.submitted(recorder.finish())?;
+            let of = |(name, ms): &(String, f64)| (name == trace::TRAVERSE.name).then_some(*ms);
+            if let Some(ms) = times.passes_ms.iter().find_map(of) {
+                sum_ms = Some(sum_ms.unwrap_or(0.0) + ms);
+            }
+            Ok(())
+        })?;
         Ok(sum_ms)
     }
 
@@ -125,17 +121,15 @@ impl Renderer {
         aovs: &[Aov],
     ) -> Result<Vec<Plane>, RenderError> {
         self.build_instrument(gpu, Instrument::AcceptAll)?;
-        let measured = Some(Instrument::AcceptAll);
-        self.each_share(
-            gpu,
-            camera.into(),
-            Timing::None,
-            measured,
-            |renderer, recorder| {
-                renderer.submitted(recorder.submit())?;
-                Ok(())
-            },
-        )?;
+        let work = Work {
+            timing: Timing::None,
+            instrument: Some(Instrument::AcceptAll),
+            each_sample: None,
+        };
+        self.each_share(gpu, camera.into(), work, |renderer, recorder| {
+            renderer.submitted(recorder.submit())?;
+            Ok(())
+        })?;
         let planes = aovs.iter().map(|aov| aov.plane(gpu, self, camera));
         Ok(planes.collect::<Result<_, _>>()?)
     }

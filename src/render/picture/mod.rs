@@ -7,6 +7,7 @@ pub(crate) mod light_group;
 pub mod measure;
 pub mod png_file;
 pub(crate) mod read_targets;
+pub mod so_far;
 pub mod tone_map;
 
 use reflet_gpu::Gpu;
@@ -18,6 +19,7 @@ use super::{
     error::RenderError,
     picture::{
         aov::{Aov, Plane, PlaneData},
+        so_far::{EachSample, SoFar},
         tone_map::Tone,
     },
     pipeline::targets::Target,
@@ -96,7 +98,7 @@ impl Picture {
 }
 
 /// Contents to produce besides the display color.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct PictureRequest<'a> {
     /// Whether linear radiance is requested.
     pub color: bool,
@@ -106,6 +108,8 @@ pub struct PictureRequest<'a> {
     pub timed: bool,
     /// Whether the error is estimated, for which the first half of the sub-frames is read back too.
     pub estimates_error: bool,
+    /// Function that is called after each sub-frame.
+    pub each_sample: Option<EachSample<'a>>,
 }
 
 impl Picture {
@@ -254,6 +258,7 @@ impl Renderer {
             aovs,
             timed: true,
             estimates_error: false,
+            each_sample: None,
         };
         self.begin_picture(gpu, camera, request)?.take(gpu)
     }
@@ -269,7 +274,11 @@ impl Renderer {
         request: PictureRequest,
     ) -> Result<PendingPicture, RenderError> {
         self.first_half = FirstHalf::of_picture(request.estimates_error);
-        let (stats, camera) = self.shoot(gpu, shot.into(), request.timed)?;
+        let after_sample = |renderer: &Self, done| {
+            let so_far = SoFar::new(gpu, renderer, done);
+            (request.each_sample).map_or(Ok(()), |told| told(&so_far))
+        };
+        let (stats, camera) = self.shoot(gpu, shot.into(), request.timed, Some(&after_sample))?;
         let halves = self.take_halves(gpu)?;
         self.reading(gpu, &camera, request, stats, halves)
     }
@@ -290,6 +299,7 @@ impl Renderer {
             aovs: &[],
             timed: true,
             estimates_error: false,
+            each_sample: None,
         };
         self.reading(gpu, camera, request, stats, None)?.take(gpu)
     }

@@ -7,11 +7,12 @@ use reflet_gpu::{Gpu, GpuError, Timer, timer::sum_by_name};
 use super::shared_groups::SharedGroups;
 
 /// Whether passes are timed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Timing {
     /// Each pass is timed.
     Passes,
     /// No pass is timed.
+    #[default]
     None,
 }
 

@@ -57,6 +57,20 @@ impl<'a> From<&'a CameraDesc> for Shot<'a> {
     }
 }
 
+/// Function that is called after each sub-frame with the number of submitted ones; its error ends the picture.
+pub(crate) type AfterSample<'a> = &'a dyn Fn(&Renderer, u32) -> Result<(), RenderError>;
+
+/// Manner in which the sub-frames of a picture are recorded.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Work<'a> {
+    /// Passes whose time is measured.
+    pub(crate) timing: Timing,
+    /// Measurement that is added.
+    pub(crate) instrument: Option<Instrument>,
+    /// Function that is called after each sub-frame.
+    pub(crate) each_sample: Option<AfterSample<'a>>,
+}
+
 impl Renderer {
     /// Renders one picture into the targets.
     ///
@@ -67,24 +81,30 @@ impl Renderer {
         gpu: &Gpu,
         shot: impl Into<Shot<'a>>,
     ) -> Result<FrameStats, RenderError> {
-        Ok(self.shoot(gpu, shot.into(), true)?.0)
+        Ok(self.shoot(gpu, shot.into(), true, None)?.0)
     }
 
     /// Renders one picture, and returns the camera at the frame's own moment. Without timing or counting, at most two
     /// of its sub-frames wait for the GPU at a time.
     ///
     /// # Errors
-    /// Same errors as [`Renderer::render`].
+    /// Same errors as [`Renderer::render`], and errors of `each_sample`.
     pub(crate) fn shoot(
         &mut self,
         gpu: &Gpu,
         shot: Shot<'_>,
         timed: bool,
+        each_sample: Option<AfterSample<'_>>,
     ) -> Result<(FrameStats, CameraDesc), RenderError> {
         let started = Instant::now();
         let (mut times, mut before) = (PassTimes::default(), None);
         let timing = if timed { Timing::Passes } else { Timing::None };
-        let camera = self.each_share(gpu, shot, timing, None, |renderer, recorder| {
+        let work = Work {
+            timing,
+            each_sample,
+            ..Work::default()
+        };
+        let camera = self.each_share(gpu, shot, work, |renderer, recorder| {
             if timed {
                 times.extend(renderer.submitted(recorder.finish())?);
                 return Ok(());
@@ -115,8 +135,7 @@ impl Renderer {
         &mut self,
         gpu: &Gpu,
         mut shot: Shot<'_>,
-        timing: Timing,
-        instrument: Option<Instrument>,
+        work: Work<'_>,
         mut submit: impl FnMut(&Self, Recorder<'_>) -> Result<(), RenderError>,
     ) -> Result<CameraDesc, RenderError> {
         let samples = self.options.image.samples.count();
@@ -134,12 +153,15 @@ impl Renderer {
                     seen = Some((self.view(gpu, &camera), camera));
                 }
                 if let Some((view, _)) = &seen {
-                    let recorder = self.sub_frame(gpu, view, share, timing, instrument);
+                    let recorder = self.sub_frame(gpu, view, share, work.timing, work.instrument);
                     submit(self, recorder)?;
                 }
             }
-            if instrument.is_none() {
+            if work.instrument.is_none() {
                 self.end_of_sub_frame(gpu, sample)?;
+            }
+            if let Some(each_sample) = work.each_sample {
+                each_sample(self, sample + 1)?;
             }
         }
         Ok(seen.map(|(_, camera)| camera).unwrap_or_default())

@@ -1,7 +1,7 @@
 //! Number of sub-frames that a picture's error bound takes: `samples = { error = … }`.
 
 use super::{Session, ViewOverrides};
-use crate::{ErrorEstimate, PendingPicture, PictureRequest, RenderError};
+use crate::{ErrorEstimate, PendingPicture, PictureRequest, RenderError, SoFar};
 use reflet_scene::desc::{ErrorBound, Samples};
 
 /// Number of sub-frames of the first picture. From it on, all counts share their pipelines.
@@ -43,18 +43,25 @@ impl Session {
     ) -> Result<PendingPicture, RenderError> {
         let gpu = self.gpu.clone();
         let mut count = FIRST.min(bound.at_most);
+        let mut error = None;
         loop {
             self.set_view(ViewOverrides {
                 samples: Some(count),
                 ..view.clone()
             })?;
+            let with_error = |so_far: &SoFar<'_>| {
+                let each_sample = request.each_sample;
+                each_sample.map_or(Ok(()), |told| told(&SoFar { error, ..*so_far }))
+            };
             let mut picture = self.begin_counted(PictureRequest {
                 estimates_error: true,
+                each_sample: Some(&with_error),
                 ..request
             })?;
             let Some(estimate) = picture.estimate_error(&gpu)? else {
                 return Ok(picture);
             };
+            error = Some(estimate);
             match next_count(count, estimate, bound) {
                 Some(next) => count = next,
                 None => return Ok(picture),

@@ -7,7 +7,7 @@ use super::{
     open_shutter::{self, OpenShutter},
 };
 use crate::{
-    PendingPicture, Picture, PictureRequest, RebuildSummary, RenderError,
+    PendingPicture, Picture, PictureRequest, RebuildSummary, RenderError, SoFar,
     picture::aov::Aov,
     pipeline::instrument::PassCounts,
     renderer::frame::{Moments as _, Shot},
@@ -107,6 +107,7 @@ impl Session {
             aovs,
             timed: true,
             estimates_error: false,
+            each_sample: None,
         };
         self.begin(request)?.take(&self.gpu)
     }
@@ -122,24 +123,31 @@ impl Session {
         };
         for aov in request.aovs {
             if let Aov::Light(group) = aov {
-                picture.add_light(*group, self.begin_light(*group)?);
+                picture.add_light(*group, self.begin_light(*group, request)?);
             }
         }
         Ok(picture)
     }
 
     /// Starts to render the light of one group, with as many sub-frames as the last picture.
-    fn begin_light(&mut self, group: LightGroup) -> Result<PendingPicture, RenderError> {
+    fn begin_light(
+        &mut self,
+        group: LightGroup,
+        request: PictureRequest,
+    ) -> Result<PendingPicture, RenderError> {
         self.complete()?;
-        let (gpu, request) = (
-            Arc::clone(&self.gpu),
-            PictureRequest {
-                color: true,
-                aovs: &[],
-                timed: false,
-                estimates_error: false,
-            },
-        );
+        let gpu = Arc::clone(&self.gpu);
+        let with_light = |so_far: &SoFar<'_>| {
+            let light = Some(group);
+            (request.each_sample).map_or(Ok(()), |told| told(&SoFar { light, ..*so_far }))
+        };
+        let request = PictureRequest {
+            color: true,
+            aovs: &[],
+            timed: false,
+            estimates_error: false,
+            each_sample: Some(&with_light),
+        };
         self.renderer.show_light(&gpu, Some(group));
         let picture = self.begin_counted(request);
         self.renderer.show_light(&gpu, None);

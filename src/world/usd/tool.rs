@@ -11,7 +11,10 @@ use std::{
 
 use super::{TOOL_ENV, advice::in_reflet};
 use crate::gltf::Fault;
-use reflet_base::{shell::shell_word, standard_error::write_error};
+use reflet_base::{
+    shell::shell_word,
+    standard_error::{end_work, show_work},
+};
 use reflet_scene::diagnostic::printable_lines;
 
 /// Prefix of the converter's progress lines.
@@ -122,25 +125,21 @@ fn place() -> PathBuf {
 fn pass_on(stage: &Path, said: impl Read) -> Vec<String> {
     let on_terminal = stderr().is_terminal();
     let mut errors = Vec::new();
-    let mut shown = false;
     for line in BufReader::new(said).split(b'\n').map_while(Result::ok) {
         let line = printable_lines(String::from_utf8_lossy(&line).trim_end());
         match line.strip_prefix(PROGRESS) {
             Some(far) => {
                 let line = format!("usd: converting {}: {far}", stage.display());
                 match on_terminal {
-                    true => write_error(format_args!("\r\x1b[2K{line}")),
+                    true => show_work(format_args!("{line}")),
                     false => reflet_base::error_line!("{line}"),
                 }
-                shown = true;
             }
             None if line.starts_with("warning") || line.is_empty() => {}
             None => errors.push(line),
         }
     }
-    if shown && on_terminal {
-        write_error(format_args!("\r\x1b[2K"));
-    }
+    end_work();
     errors
 }
 
