@@ -173,11 +173,8 @@ fn test_triangle(index: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_
         return;
     }
     let front = (det > 0.0) != ((flags & FLIPPED) != 0u);
-    if !shadow && !front && (flags & DOUBLE_SIDED) == 0u {
-        if OF_CAMERA && !is_passed(flags, UNREFLECTED) { culled_t = min(culled_t, t); }
-        return;
-    }
-    if is_passed(flags, passed_flags(shadow)) {
+    let is_culled = !shadow && !front && (flags & DOUBLE_SIDED) == 0u;
+    if is_culled || is_passed(flags, passed_flags(shadow)) {
         if OF_CAMERA && !is_passed(flags, UNREFLECTED) { culled_t = min(culled_t, t); }
         return;
     }

@@ -20,25 +20,24 @@ struct DecalPoint {
     share: f32,
 }
 
-// Texel of a decal's texture; 1 where it has none. `width` is the footprint's in coordinates of the projection.
-fn decal_texel(m: u32, slot: u32, uv: vec2f, width: f32) -> vec4f {
+// Texel of a decal's texture; 1 where it has none. `footprint` holds the pixel's conjugate diameters in coordinates of the projection.
+fn decal_texel(m: u32, slot: u32, uv: vec2f, footprint: mat2x2f) -> vec4f {
     let used = material_texture(m, slot);
     if (pools_of(slot) == 0u || used.layer == NONE) { return vec4f(1.0); }
     let at = vec2f(dot(used.row_u, vec3f(uv, 1.0)), dot(used.row_v, vec3f(uv, 1.0)));
-    let stretch = abs(used.row_u.x * used.row_v.y - used.row_u.y * used.row_v.x);
-    return sample_slot(used, at, width * sqrt(stretch), pools_of(slot));
+    return sample_slot(used, at, transpose(mat2x2f(used.row_u.xy, used.row_v.xy)) * footprint, pools_of(slot));
 }
 
 // Surface of a decal at `p` of its cube. `cosine` is that between the surface's normal and the box's Z, `axes` are the
 // gradients of the cube's coordinates, `n` is the normal that it bends.
-fn decal_point(d: Decal, p: vec3f, axes: mat3x3f, cosine: f32, footprint: f32, n: vec3f) -> DecalPoint {
+fn decal_point(d: Decal, p: vec3f, axes: mat3x3f, cosine: f32, footprint: Footprint, n: vec3f) -> DecalPoint {
     let m = d.material;
     var s = material_surface(m);
     s.normal = n;
     var alpha = material_base_color(m).w;
     let uv = vec2f(p.x + 0.5, 0.5 - p.y);
     // Width of the footprint in texture coordinates, by the area that the surface covers of the projection.
-    let width = footprint * sqrt(length(axes[0]) * length(axes[1]) * max(abs(cosine), 1e-3));
+    let width = footprint.width_m * sqrt(length(axes[0]) * length(axes[1]) * max(abs(cosine), 1e-3));
     if (HAS_PATTERNED || HAS_CHECKERS) {
         let own_width = width * sqrt(d.size.x * d.size.y);
         let at = PatternedPoint(p * d.size, vec3f(0.0, 0.0, 1.0), own_width);
@@ -53,15 +52,16 @@ fn decal_point(d: Decal, p: vec3f, axes: mat3x3f, cosine: f32, footprint: f32, n
         }
     }
     if (HAS_TEXTURES) {
-        let color = decal_texel(m, BASE_COLOR_SLOT, uv, width);
+        let seen = transpose(mat2x3f(axes[0], -axes[1])) * footprint.diameters;
+        let color = decal_texel(m, BASE_COLOR_SLOT, uv, seen);
         s.base_color *= color.xyz;
         alpha *= color.w;
-        let metallic_roughness = decal_texel(m, METALLIC_ROUGHNESS_SLOT, uv, width);
+        let metallic_roughness = decal_texel(m, METALLIC_ROUGHNESS_SLOT, uv, seen);
         s.roughness *= metallic_roughness.y;
         s.metallic *= metallic_roughness.z;
-        s.emission *= decal_texel(m, EMISSION_SLOT, uv, width).xyz;
+        s.emission *= decal_texel(m, EMISSION_SLOT, uv, seen).xyz;
         if (HAS_NORMAL_MAPS && material_texture(m, NORMAL_SLOT).layer != NONE) {
-            let texel = decal_texel(m, NORMAL_SLOT, uv, width);
+            let texel = decal_texel(m, NORMAL_SLOT, uv, seen);
             let scale = material_normal_scale(m) * material_texture(m, NORMAL_SLOT).signs;
             let scaled = (texel.xyz * 2.0 - 1.0) * vec3f(scale, 1.0);
             s.roughness = roughened(s.roughness, texel.w, scale.x);
@@ -76,7 +76,7 @@ fn decal_point(d: Decal, p: vec3f, axes: mat3x3f, cosine: f32, footprint: f32, n
 
 // A surface with the decals of its instance, in their order. `plain` is its normal without normal map, on its front;
 // `behind` says whether it is seen from its back.
-fn with_decals(s0: Surface, instance: u32, plain: vec3f, behind: bool, footprint: f32) -> Surface {
+fn with_decals(s0: Surface, instance: u32, plain: vec3f, behind: bool, footprint: Footprint) -> Surface {
     var s = s0;
     let own = instance_flags(instance) >> DECAL_SET_SHIFT;
     if (own == 0u) { return s; }

@@ -147,9 +147,9 @@ fn emitter_sample(chosen: LightChoice, candidates: f32, position: vec3f, u: vec2
     let seen_share = select(1.0, INNER_SHARE, facing < 0.0 && chosen.sides == 1u);
     if ((flags & DOUBLE_SIDED) != 0u) { facing = abs(facing); }
     if (facing <= 0.0) { return EmitterSample(r, 0.0, 0.0); }
-    var emission = material_at(m, instance, c.index, bary, 0.0, 1.0).emission * emitted_share(m, instance, c.index, bary, facing);
+    var emission = material_at(m, instance, c.index, bary, Footprint()).emission * emitted_share(m, instance, c.index, bary, facing);
     if (HAS_TEXTURES) {
-        emission *= texel_at(material_texture(m, EMISSION_SLOT), pools_of(EMISSION_SLOT), instance, c.index, bary, 1.0, 0.0).xyz;
+        emission *= texel_at(material_texture(m, EMISSION_SLOT), pools_of(EMISSION_SLOT), instance, c.index, bary, Footprint()).xyz;
     }
     r.pdf = candidates * point_density(t, d2, facing);
     r.color = emission / max(r.pdf, 1e-30);

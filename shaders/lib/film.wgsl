@@ -64,15 +64,15 @@ fn schlick_f0(reflectance: vec3f, cosine: f32) -> vec3f {
 
 // The surface with reflectances at normal incidence that reproduce its film as seen at this angle. All facets use
 // the same values.
-fn with_film(s0: Surface, instance: u32, index: array<u32, 3>, bary: vec2f, area2: f32, footprint: f32, cosine: f32) -> Surface {
+fn with_film(s0: Surface, instance: u32, index: array<u32, 3>, bary: vec2f, footprint: Footprint, cosine: f32) -> Surface {
     var s = s0;
     if (!HAS_FILM) { return s; }
     let m = instance_material(instance);
     var strength = s.iridescence;
-    if (LAYER_POOLS != 0u && strength > 0.0) { strength *= layer_texel(IRIDESCENCE_SLOT, instance, index, bary, area2, footprint).x; }
+    if (LAYER_POOLS != 0u && strength > 0.0) { strength *= layer_texel(IRIDESCENCE_SLOT, instance, index, bary, footprint).x; }
     if (strength <= 0.0) { return s; }
     var thickness = 1.0;
-    if (LAYER_POOLS != 0u) { thickness = layer_texel(IRIDESCENCE_THICKNESS_SLOT, instance, index, bary, area2, footprint).y; }
+    if (LAYER_POOLS != 0u) { thickness = layer_texel(IRIDESCENCE_THICKNESS_SLOT, instance, index, bary, footprint).y; }
     let thickness_nm = mix(material_iridescence_least_nm(m), s.iridescence_thickness_nm, thickness);
     // A film far thinner than a wavelength is invisible.
     strength *= smoothstep(0.0, LEAST_FILM_NM, thickness_nm);

@@ -186,10 +186,10 @@ fn shade(s: Surface, view: vec3f, reused: vec2u) -> Shade {
 // alpha.
 fn emitted_share(material: u32, instance: u32, index: array<u32, 3>, bary: vec2f, cosine: f32) -> f32 {
     if (!HAS_LAYERS) { return 1.0; }
-    var s = material_at(material, instance, index, bary, 0.0, 1.0);
-    s.clearcoat *= layer_texel(CLEARCOAT_SLOT, instance, index, bary, 1.0, 0.0).x;
+    var s = material_at(material, instance, index, bary, Footprint());
+    s.clearcoat *= layer_texel(CLEARCOAT_SLOT, instance, index, bary, Footprint()).x;
     s.alpha = 1.0;
-    if (material_is_blended(material) != 0u) { s.alpha = material_alpha(material, instance, index, bary, 0.0, 1.0); }
+    if (material_is_blended(material) != 0u) { s.alpha = material_alpha(material, instance, index, bary, Footprint()); }
     return s.alpha * coat_transmittance(s, cosine);
 }
 

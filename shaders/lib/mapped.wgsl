@@ -16,6 +16,20 @@ var<private> map_steps: u32 = 0u;
 // How the last ray ended.
 var<private> map_cause: u32 = CAUSE_UNMARCHED;
 
+// Distances where a ray enters and leaves a box along each axis.
+struct BoxSpan {
+    enter: vec3f,
+    leave: vec3f,
+}
+
+// `low` and `high` are the corners from the ray's origin.
+fn span_in_box(low: vec3f, high: vec3f, direction: vec3f) -> BoxSpan {
+    let steep = abs(direction) > vec3f(1e-20);
+    let inverse = 1.0 / select(vec3f(1.0), direction, steep);
+    let beside = select(vec3f(FAR_M), vec3f(-FAR_M), (low <= vec3f(0.0)) & (high >= vec3f(0.0)));
+    return BoxSpan(select(beside, min(low * inverse, high * inverse), steep), select(-beside, max(low * inverse, high * inverse), steep));
+}
+
 // Hit of a ray on the triangle or capsule that a pixel of a map names, at the distance and place where the ray meets it
 // or its plane beside it; `none` where the map, which sees it along `sight`, does not show it there.
 fn named_hit(id: vec2u, met: vec3f, origin: vec3f, direction: vec3f, sight: vec3f, none: Hit) -> Hit {

@@ -7,6 +7,14 @@
 // Whether some number or color of a material follows a pattern.
 override HAS_PATTERNED: bool = false;
 
+// Part of a surface that a pixel sees.
+struct Footprint {
+    width_m: f32, // diameter of one sub-frame's disk
+    width_share: f32, // the same as a share of the root of twice the triangle's area
+    diameters: mat2x3f, // two conjugate diameters of the pixel's ellipse, m
+    bary_diameters: mat2x2f, // the same in barycentric coordinates
+}
+
 // A point in object space, with the width there of the footprint.
 struct PatternedPoint {
     position: vec3f,
@@ -14,15 +22,14 @@ struct PatternedPoint {
     width: f32,
 }
 
-// Point of a triangle whose area in the world is half of `area2`.
-fn patterned_point(instance: u32, index: array<u32, 3>, bary: vec2f, footprint: f32, area2: f32) -> PatternedPoint {
+fn patterned_point(instance: u32, index: array<u32, 3>, bary: vec2f, footprint: Footprint) -> PatternedPoint {
     let base = instance_vertex_base(instance);
     let p = vertex_position(base + index[0]);
     let e1 = vertex_position(base + index[1]) - p;
     let e2 = vertex_position(base + index[2]) - p;
     let across = cross(e1, e2);
     let area2_object = max(length(across), 1e-20);
-    return PatternedPoint(p + e1 * bary.x + e2 * bary.y, across / area2_object, footprint * sqrt(area2_object / area2));
+    return PatternedPoint(p + e1 * bary.x + e2 * bary.y, across / area2_object, footprint.width_share * sqrt(area2_object));
 }
 
 // Rotation by the smallest angle that turns `axis` to X: Möller and Hughes 1999, "Efficiently Building a Matrix to
@@ -79,8 +86,8 @@ fn with_patterned(s0: Surface, m: u32, at: PatternedPoint) -> Surface {
 }
 
 // Surface with the parameters of a material at a point of a triangle, before textures.
-fn material_at(m: u32, instance: u32, index: array<u32, 3>, bary: vec2f, footprint: f32, area2: f32) -> Surface {
+fn material_at(m: u32, instance: u32, index: array<u32, 3>, bary: vec2f, footprint: Footprint) -> Surface {
     let s = material_surface(m);
     if (!HAS_PATTERNED) { return s; }
-    return with_patterned(s, m, patterned_point(instance, index, bary, footprint, area2));
+    return with_patterned(s, m, patterned_point(instance, index, bary, footprint));
 }

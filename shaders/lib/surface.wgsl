@@ -1,6 +1,7 @@
 // The one function that turns (instance, triangle, barycentrics, footprint) into a surface, for rasterized pixels
 // and traced hits alike, so that no seam shows between them.
 
+#import basis
 #import capsule
 #import capsule_normals
 #import curvature
@@ -96,36 +97,11 @@ fn uv_corner(instance: u32, index: u32, second: bool) -> vec2f {
     return vertex_uv(instance_vertex_base(instance) + index);
 }
 
-// Texture coordinates of a slot at a point, and the width of a world-space `footprint` in texture coordinates.
-struct SlotUv {
-    uv: vec2f,
-    footprint: f32,
-}
-
-fn slot_uv(slot: TextureUse, instance: u32, index: array<u32, 3>, bary: vec2f, area2_world: f32, footprint_m: f32) -> SlotUv {
-    let second = (slot.bits & TEXTURE_UV1) != 0u;
-    var uv: array<vec2f, 3>;
-    for (var k = 0u; k < 3u; k++) {
-        let raw = vec3f(uv_corner(instance, index[k], second), 1.0);
-        uv[k] = vec2f(dot(slot.row_u, raw), dot(slot.row_v, raw));
-    }
-    let e1 = uv[1] - uv[0];
-    let e2 = uv[2] - uv[0];
-    // Ray-cone level of detail: Akenine-Möller et al. 2021, "Improved Shader and Texture Level of
-    // Detail Using Ray Cones", with the square root of the area ratio as texel density.
-    let density = sqrt(abs(e1.x * e2.y - e1.y * e2.x) / max(area2_world, 1e-20));
-    let at = uv[0] * (1.0 - bary.x - bary.y) + uv[1] * bary.x + uv[2] * bary.y;
-    return SlotUv(at, footprint_m * density);
-}
-
-fn material_alpha(material: u32, instance: u32, index: array<u32, 3>, bary: vec2f, footprint_m: f32, area2: f32) -> f32 {
+fn material_alpha(material: u32, instance: u32, index: array<u32, 3>, bary: vec2f, footprint: Footprint) -> f32 {
     let slot = material_texture(material, BASE_COLOR_SLOT);
     var alpha = material_base_color(material).w;
-    if (HAS_PATTERNED) { alpha = patterned_alpha(material, alpha, patterned_point(instance, index, bary, footprint_m, area2)); }
-    if (HAS_TEXTURES && slot.layer != NONE) {
-        let at = slot_uv(slot, instance, index, bary, area2, footprint_m);
-        alpha *= sample_slot(slot, at.uv, at.footprint, pools_of(BASE_COLOR_SLOT)).w;
-    }
+    if (HAS_PATTERNED) { alpha = patterned_alpha(material, alpha, patterned_point(instance, index, bary, footprint)); }
+    if (HAS_TEXTURES) { alpha *= texel_at(slot, pools_of(BASE_COLOR_SLOT), instance, index, bary, footprint).w; }
     if ((instance_flags(instance) & FLAG_COLORS) != 0u) {
         alpha *= vertex_color(instance, index, bary).w;
     }
@@ -145,7 +121,7 @@ fn alpha_passes(instance: u32, triangle: u32, bary: vec2f) -> bool {
     let material = instance_material(instance);
     let c = corners(instance, triangle);
     let weights = weights_at(instance, c.p, bary);
-    return material_alpha(material, instance, c.index, weights, 0.0, 1.0) >= material_alpha_cutoff(material);
+    return material_alpha(material, instance, c.index, weights, Footprint()) >= material_alpha_cutoff(material);
 }
 
 // Where a capsule is first solid along a ray past `t_min`: a cut-out one perhaps on its inner side.
@@ -167,6 +143,15 @@ fn solid_capsule_hit(instance: u32, capsule: u32, origin: vec3f, direction: vec3
 fn shown_emission(instance: u32) -> f32 {
     if (!HAS_LIGHT_GROUPS) { return 1.0; }
     return select(1.0, 0.0, (instance_flags(instance) & FLAG_DARK) != 0u);
+}
+
+// Conjugate diameters of the ellipse in which a cone of this width meets a plane.
+fn cone_diameters(cone_m: f32, direction: vec3f, normal: vec3f) -> mat2x3f {
+    let across = basis(direction);
+    let cosine = dot(direction, normal);
+    let onto_plane = direction / select(min(cosine, -0.05), max(cosine, 0.05), cosine > 0.0);
+    let first = across[0] - onto_plane * dot(across[0], normal);
+    return mat2x3f(first * cone_m, (across[1] - onto_plane * dot(across[1], normal)) * cone_m);
 }
 
 // Surface at a hit. `direction` is the unit direction of the arriving ray, `cone_m` the width of its cone here; `place`
@@ -195,7 +180,7 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
     if (is_round) {
         s.position += direction_to_world(instance, round.normal * radius);
         ng = normalize(normal_to_world(instance, round.normal));
-        area2 = 1.0; // capsules have no area of texture coordinates: the finest texels are sampled
+        area2 = 1.0; // a capsule's finest texels are sampled
     }
     let base = instance_vertex_base(instance);
     var weights = vec3f(1.0 - bary.x - bary.y, bary.x, bary.y);
@@ -217,7 +202,12 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
     // as wide as the distance of their places along the ellipse, so that it is not blurred across.
     footprint_samples = frame.sub_frames;
     let shares = frame.sub_frames * max(abs(dot(ng, direction)), 0.05);
-    let footprint = cone_m * max(inverseSqrt(shares), 1.0 / shares);
+    let width_m = cone_m * max(inverseSqrt(shares), 1.0 / shares);
+    var footprint = Footprint(width_m, width_m / sqrt(area2), mat2x3f(), mat2x2f());
+    if (HAS_TEXTURES) { footprint.diameters = cone_diameters(cone_m, direction, ng); }
+    if (HAS_TEXTURES && !is_round) {
+        footprint.bary_diameters = transpose(mat2x3f(cross(e2, ng), cross(ng, e1))) * footprint.diameters * (1.0 / area2);
+    }
 
     if ((HAS_TEXTURES || HAS_CHECKERS || HAS_PATTERNED || HAS_DECALS) && s.reflection != REFLECTION_NONE) {
         s.curvature = mean_curvature(c.p, normals, area2) * select(1.0, -1.0, behind);
@@ -237,7 +227,7 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
 
     if (HAS_ANISOTROPY) { s.anisotropy = material_anisotropy(m); }
     if (HAS_PATTERNED) {
-        var at = patterned_point(instance, c.index, bary, footprint, area2);
+        var at = patterned_point(instance, c.index, bary, footprint);
         if (is_round) {
             at.position += round.normal * radius;
             at.normal = round.normal;
@@ -253,32 +243,32 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
         var cross_object = cross(c.p[1] - c.p[0], c.p[2] - c.p[0]);
         if (is_round) { cross_object = round.normal; }
         let area2_object = max(length(cross_object), 1e-20);
-        let width = footprint * sqrt(area2_object / area2) / size;
+        let width = footprint.width_share * sqrt(area2_object) / size;
         let odd = pattern(material_pattern(m), p_object / size, cross_object / area2_object, width);
         s.base_color *= mix(material_checker_a(m), material_checker_b(m), odd);
     }
     let plain_normal = n;
     var coat_normal = n;
     if (HAS_TEXTURES) {
-        s.base_color *= texel_at(material_texture(m, BASE_COLOR_SLOT), pools_of(BASE_COLOR_SLOT), instance, c.index, bary, area2, footprint).xyz;
-        let metallic_roughness = texel_at(material_texture(m, METALLIC_ROUGHNESS_SLOT), pools_of(METALLIC_ROUGHNESS_SLOT), instance, c.index, bary, area2, footprint);
+        s.base_color *= texel_at(material_texture(m, BASE_COLOR_SLOT), pools_of(BASE_COLOR_SLOT), instance, c.index, bary, footprint).xyz;
+        let metallic_roughness = texel_at(material_texture(m, METALLIC_ROUGHNESS_SLOT), pools_of(METALLIC_ROUGHNESS_SLOT), instance, c.index, bary, footprint);
         s.roughness *= metallic_roughness.y;
         s.metallic *= metallic_roughness.z;
         if (HAS_NORMAL_MAPS && material_texture(m, NORMAL_SLOT).layer != NONE) {
-            let texel = texel_at(material_texture(m, NORMAL_SLOT), pools_of(NORMAL_SLOT), instance, c.index, bary, area2, footprint);
+            let texel = texel_at(material_texture(m, NORMAL_SLOT), pools_of(NORMAL_SLOT), instance, c.index, bary, footprint);
             let scale = material_normal_scale(m) * material_texture(m, NORMAL_SLOT).signs;
             n = perturbed(instance, c.index, weights, n, texel.xyz, scale);
             s.roughness = roughened(s.roughness, texel.w, scale.x);
         }
         if (HAS_COAT_NORMALS && LAYER_POOLS != 0u && material_layer_texture(m, CLEARCOAT_NORMAL_SLOT).layer != NONE) {
-            let texel = layer_texel(CLEARCOAT_NORMAL_SLOT, instance, c.index, bary, area2, footprint);
+            let texel = layer_texel(CLEARCOAT_NORMAL_SLOT, instance, c.index, bary, footprint);
             let scale = material_layer_texture(m, CLEARCOAT_NORMAL_SLOT).signs;
             coat_normal = perturbed(instance, c.index, weights, coat_normal, texel.xyz, scale);
             s.clearcoat_roughness = roughened(s.clearcoat_roughness, texel.w, scale.x);
         }
-        let occlusion = texel_at(material_texture(m, OCCLUSION_SLOT), pools_of(OCCLUSION_SLOT), instance, c.index, bary, area2, footprint).x;
+        let occlusion = texel_at(material_texture(m, OCCLUSION_SLOT), pools_of(OCCLUSION_SLOT), instance, c.index, bary, footprint).x;
         s.occlusion = 1.0 + material_occlusion_strength(m) * (occlusion - 1.0);
-        s.emission *= texel_at(material_texture(m, EMISSION_SLOT), pools_of(EMISSION_SLOT), instance, c.index, bary, area2, footprint).xyz;
+        s.emission *= texel_at(material_texture(m, EMISSION_SLOT), pools_of(EMISSION_SLOT), instance, c.index, bary, footprint).xyz;
     }
     if (HAS_DECALS) {
         s.normal = n;
@@ -298,9 +288,9 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
     }
     if (HAS_LAYERS) {
         if (LAYER_POOLS != 0u) {
-            s.transmission *= layer_texel(TRANSMISSION_SLOT, instance, c.index, bary, area2, footprint).x;
-            s.clearcoat *= layer_texel(CLEARCOAT_SLOT, instance, c.index, bary, area2, footprint).x;
-            s.clearcoat_roughness *= layer_texel(CLEARCOAT_ROUGHNESS_SLOT, instance, c.index, bary, area2, footprint).y;
+            s.transmission *= layer_texel(TRANSMISSION_SLOT, instance, c.index, bary, footprint).x;
+            s.clearcoat *= layer_texel(CLEARCOAT_SLOT, instance, c.index, bary, footprint).x;
+            s.clearcoat_roughness *= layer_texel(CLEARCOAT_ROUGHNESS_SLOT, instance, c.index, bary, footprint).y;
         }
         s.ior = material_ior(m);
         s.dispersion = material_dispersion(m);
@@ -308,12 +298,12 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
         s.is_solid = material_is_solid(m) != 0u;
         s.is_inside = behind && s.is_solid;
         s.alpha = 1.0;
-        if (material_is_blended(m) != 0u) { s.alpha = material_alpha(m, instance, c.index, bary, footprint, area2); }
+        if (material_is_blended(m) != 0u) { s.alpha = material_alpha(m, instance, c.index, bary, footprint); }
     }
-    s = with_textured_details(s, instance, c.index, bary, area2, footprint);
-    if (HAS_ANISOTROPY) { s = with_grooves(s, instance, c.index, weights, bary, area2, footprint, n); }
+    s = with_textured_details(s, instance, c.index, bary, footprint);
+    if (HAS_ANISOTROPY) { s = with_grooves(s, instance, c.index, weights, bary, footprint, n); }
     s.normal = facing(n, ng);
-    s = with_film(s, instance, c.index, bary, area2, footprint, dot(s.normal, direction));
+    s = with_film(s, instance, c.index, bary, footprint, dot(s.normal, direction));
     if (HAS_COAT_NORMALS) { s.coat_normal = facing(coat_normal, ng); }
     s.geometric_normal = ng;
     return s;
@@ -327,22 +317,28 @@ fn facing(normal: vec3f, geometric_normal: vec3f) -> vec3f {
 }
 
 // Texel of a material's texture at a point; 1 where it has none. `pools` must be a constant.
-fn texel_at(used: TextureUse, pools: u32, instance: u32, index: array<u32, 3>, bary: vec2f, area2: f32, footprint: f32) -> vec4f {
+fn texel_at(used: TextureUse, pools: u32, instance: u32, index: array<u32, 3>, bary: vec2f, footprint: Footprint) -> vec4f {
     if (pools == 0u || used.layer == NONE) { return vec4f(1.0); }
-    let at = slot_uv(used, instance, index, bary, area2, footprint);
-    return sample_slot(used, at.uv, at.footprint, pools);
+    let second = (used.bits & TEXTURE_UV1) != 0u;
+    var uv: array<vec2f, 3>;
+    for (var k = 0u; k < 3u; k++) {
+        let raw = vec3f(uv_corner(instance, index[k], second), 1.0);
+        uv[k] = vec2f(dot(used.row_u, raw), dot(used.row_v, raw));
+    }
+    let per_bary = mat2x2f(uv[1] - uv[0], uv[2] - uv[0]);
+    return sample_slot(used, uv[0] + per_bary * bary, per_bary * footprint.bary_diameters, pools);
 }
 
 // Applies the textures of specular strength, specular color and sheen.
-fn with_textured_details(s0: Surface, instance: u32, index: array<u32, 3>, bary: vec2f, area2: f32, footprint: f32) -> Surface {
+fn with_textured_details(s0: Surface, instance: u32, index: array<u32, 3>, bary: vec2f, footprint: Footprint) -> Surface {
     var s = s0;
     if (HAS_TINTS && LAYER_POOLS != 0u) {
-        s.specular *= layer_texel(SPECULAR_SLOT, instance, index, bary, area2, footprint).w;
-        s.specular_color *= layer_texel(SPECULAR_COLOR_SLOT, instance, index, bary, area2, footprint).xyz;
+        s.specular *= layer_texel(SPECULAR_SLOT, instance, index, bary, footprint).w;
+        s.specular_color *= layer_texel(SPECULAR_COLOR_SLOT, instance, index, bary, footprint).xyz;
     }
     if (HAS_SHEEN && LAYER_POOLS != 0u) {
-        s.sheen_color *= layer_texel(SHEEN_COLOR_SLOT, instance, index, bary, area2, footprint).xyz;
-        s.sheen_roughness *= layer_texel(SHEEN_ROUGHNESS_SLOT, instance, index, bary, area2, footprint).w;
+        s.sheen_color *= layer_texel(SHEEN_COLOR_SLOT, instance, index, bary, footprint).xyz;
+        s.sheen_roughness *= layer_texel(SHEEN_ROUGHNESS_SLOT, instance, index, bary, footprint).w;
     }
     return s;
 }
@@ -352,7 +348,7 @@ const LEAST_SPREAD_ROUGHNESS: f32 = 0.045;
 
 // Grain of KHR_materials_anisotropy; none where the mesh has no texture coordinates to give a direction. `n` is the
 // shading normal.
-fn with_grooves(s0: Surface, instance: u32, index: array<u32, 3>, weights: vec3f, bary: vec2f, area2: f32, footprint: f32, n: vec3f) -> Surface {
+fn with_grooves(s0: Surface, instance: u32, index: array<u32, 3>, weights: vec3f, bary: vec2f, footprint: Footprint, n: vec3f) -> Surface {
     var s = s0;
     let m = instance_material(instance);
     var strength = s.anisotropy;
@@ -360,7 +356,7 @@ fn with_grooves(s0: Surface, instance: u32, index: array<u32, 3>, weights: vec3f
     if (strength <= 0.0) { return s; }
     var along = vec2f(1.0, 0.0);
     if (LAYER_POOLS != 0u && material_layer_texture(m, ANISOTROPY_SLOT).layer != NONE) {
-        let texel = layer_texel(ANISOTROPY_SLOT, instance, index, bary, area2, footprint);
+        let texel = layer_texel(ANISOTROPY_SLOT, instance, index, bary, footprint);
         along = (texel.xy * 2.0 - 1.0) * material_layer_texture(m, ANISOTROPY_SLOT).signs;
         strength *= texel.z;
     }
@@ -376,10 +372,10 @@ fn with_grooves(s0: Surface, instance: u32, index: array<u32, 3>, weights: vec3f
 }
 
 // Texel of `Material.layer_textures` at a point; 1 where the material has none.
-fn layer_texel(slot: u32, instance: u32, index: array<u32, 3>, bary: vec2f, area2: f32, footprint: f32) -> vec4f {
+fn layer_texel(slot: u32, instance: u32, index: array<u32, 3>, bary: vec2f, footprint: Footprint) -> vec4f {
     if (LAYER_POOLS == 0u) { return vec4f(1.0); }
     let used = material_layer_texture(instance_material(instance), slot);
-    return texel_at(used, LAYER_POOLS, instance, index, bary, area2, footprint);
+    return texel_at(used, LAYER_POOLS, instance, index, bary, footprint);
 }
 
 // Tangent-space normal map with MikkTSpace tangents (glTF 2.0, 3.9.3). `scale` is negative where u or v of the map
@@ -397,7 +393,7 @@ fn perturbed(instance: u32, index: array<u32, 3>, weights: vec3f, n: vec3f, texe
 // `alpha`: see src/render/buffers/textures/resample.rs.
 fn roughened(roughness: f32, alpha: f32, scale: f32) -> f32 {
     let r2 = roughness * roughness;
-    let lack = (1.0 - alpha) * (1.0 - alpha) * saturate((r2 / SMOOTH_ALPHA - 1.0) / 3.0);
+    let lack = (1.0 - (1.0 - (1.0 - alpha) * (1.0 - alpha)) * taps_agreement) * saturate((r2 / SMOOTH_ALPHA - 1.0) / 3.0);
     return min(sqrt(sqrt(r2 * r2 + 2.0 * scale * scale * lack / max(1.0 - lack, 1e-3))), 1.0);
 }
 

@@ -19,18 +19,35 @@ fn many_samples_show_stripes_as_a_box_filter_does() {
     let stripes =
         image::GrayImage::from_fn(2048, 4, |x, _| image::Luma([255 * (x / 32 % 2) as u8]));
     stripes.save(&file).expect("a PNG");
-    // Share of each pixel that white stripes cover; a pixel is 0.8 stripes wide.
-    let white = |x: f32| (x / 2.0).floor() + (x % 2.0 - 1.0).max(0.0);
-    let covered = |x: u32| (white((x + 1) as f32 * 0.8) - white(x as f32 * 0.8)) / 0.8;
-    let boxed = contrast((0..80).map(covered));
-    let [one, many] = [1, 16].map(|samples| {
-        let samples = format!("image.samples={samples}");
-        let (desc, world) = scene_of(&file.with_file_name("test.toml"), STRIPES, &[&samples]);
+    // Scale of the texture, samples, and the least contrast beside a box filter; stripes of pixels that see many rows of the
+    // texture keep the contrast that they have where a pixel sees few.
+    let cases = [
+        ([1.0, 1.0], 1, 0.9),
+        ([1.0, 1.0], 16, 0.97),
+        ([0.5, 8.0], 1, 0.9),
+        ([0.5, 32.0], 16, 0.97),
+    ];
+    for (scale, samples, least) in cases {
+        let wide = 0.8 * scale[0]; // stripes in a pixel
+        let white = |x: f32| (x / 2.0).floor() + (x % 2.0 - 1.0).max(0.0);
+        let covered = |x: u32| (white((x + 1) as f32 * wide) - white(x as f32 * wide)) / wide;
+        let set = [
+            format!("image.samples={samples}"),
+            format!("material.stripes.uv_scale={scale:?}"),
+        ];
+        let (desc, world) = scene_of(
+            &file.with_file_name("test.toml"),
+            STRIPES,
+            &set.each_ref().map(String::as_str),
+        );
         let picture = renderer(gpu, &desc, &world, false).first_view(&world, &[]);
-        contrast((0..80).map(|x| color(&picture, x, 2)[1])) / boxed
-    });
-    assert!(many > 0.97 && many < 1.03, "{many}");
-    assert!(one < 1.03, "{one}");
+        let found =
+            contrast((0..80).map(|x| color(&picture, x, 2)[1])) / contrast((0..80).map(covered));
+        assert!(
+            (least..1.03).contains(&found),
+            "{scale:?}, {samples} samples: {found}"
+        );
+    }
 }
 
 #[test]

@@ -98,23 +98,6 @@ fn met_in_step(face: u32, r: BoxRay, first_m: f32, last_m: f32) -> Hit {
     return met_at(face, r, low);
 }
 
-// Parts of a ray in the box, a pixel wider than it is: distances where the ray enters along each axis, and leaves.
-struct BoxSpan {
-    enter: vec3f,
-    leave: vec3f,
-}
-
-fn span_in_box(start: vec3f, onward: vec3f) -> BoxSpan {
-    let margin = 1e-3 + SAME_PLACE_PX / f32(textureDimensions(face_hits).x);
-    let steep = abs(onward) > vec3f(1e-20);
-    let inverse = 1.0 / select(vec3f(1.0), onward, steep);
-    let low = (-margin - start) * inverse;
-    let high = (1.0 + margin - start) * inverse;
-    let is_within = abs(start - 0.5) <= vec3f(0.5 + margin);
-    let beside = select(vec3f(FAR_M), vec3f(-FAR_M), is_within);
-    return BoxSpan(select(beside, min(low, high), steep), select(-beside, max(low, high), steep));
-}
-
 // Whether a ray that leaves the box without a hit goes out of it as the face across sees: that face sees nothing there.
 fn is_seen_out(r: BoxRay, leave: vec3f) -> bool {
     var axis = select(0u, 1u, leave.y < leave.x);
@@ -128,7 +111,8 @@ fn closest_hit(origin: vec3f, direction: vec3f, start_m: f32, end_m: f32) -> Hit
     let none = Hit(end_m, NO_INSTANCE, 0u, vec2f(0.0), 0u);
     let start = (origin - face_box.low) / face_box.size;
     let onward = direction / face_box.size;
-    let span = span_in_box(start, onward);
+    let margin = 1e-3 + SAME_PLACE_PX / f32(textureDimensions(face_hits).x); // a pixel more than the box
+    let span = span_in_box(-margin - start, 1.0 + margin - start, onward);
     let from_m = max(max(span.enter.x, max(span.enter.y, span.enter.z)), start_m);
     let leave_m = min(span.leave.x, min(span.leave.y, span.leave.z));
     let to_m = min(leave_m, end_m);

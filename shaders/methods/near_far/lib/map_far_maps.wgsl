@@ -11,20 +11,6 @@
 // Largest angle of a step, radians: just below a right angle, whose tangent is infinite.
 const STEEPEST: f32 = 1.570795;
 
-// Part of a ray that lies in the box, given from its middle: distances where it enters and leaves; the second is the
-// smaller one where the ray misses the box.
-fn span_in_box(offset: vec3f, direction: vec3f) -> vec2f {
-    let steep = abs(direction) > vec3f(1e-20);
-    let inverse = 1.0 / select(vec3f(1.0), direction, steep);
-    let low = (-far_box.half_size_m - offset) * inverse;
-    let high = (far_box.half_size_m - offset) * inverse;
-    let is_within = abs(offset) <= vec3f(far_box.half_size_m);
-    let beside = select(vec3f(FAR_M), vec3f(-FAR_M), is_within);
-    let enter = select(beside, min(low, high), steep);
-    let leave = select(-beside, max(low, high), steep);
-    return vec2f(max(enter.x, max(enter.y, enter.z)), min(leave.x, min(leave.y, leave.z)));
-}
-
 // A ray as the middle of the maps sees it. Its points are given by the angle from the one nearest to the middle: even
 // angles are even steps over the maps.
 struct FarRay {
@@ -141,10 +127,13 @@ fn march_far(origin: vec3f, direction: vec3f, from_m: f32, to_m: f32) -> Hit {
 
 fn closest_hit(origin: vec3f, direction: vec3f, start_m: f32, end_m: f32) -> Hit {
     map_cause = CAUSE_UNMARCHED;
-    let span = span_in_box(origin - far_box.eye, direction);
-    let is_crossed = span.x < span.y && span.y > start_m;
-    let enter_m = select(end_m, clamp(span.x, start_m, end_m), is_crossed);
-    let leave_m = select(end_m, clamp(span.y, enter_m, end_m), is_crossed);
+    let offset = origin - far_box.eye;
+    let span = span_in_box(-far_box.half_size_m - offset, far_box.half_size_m - offset, direction);
+    let first_m = max(span.enter.x, max(span.enter.y, span.enter.z));
+    let last_m = min(span.leave.x, min(span.leave.y, span.leave.z));
+    let is_crossed = first_m < last_m && last_m > start_m;
+    let enter_m = select(end_m, clamp(first_m, start_m, end_m), is_crossed);
+    let leave_m = select(end_m, clamp(last_m, enter_m, end_m), is_crossed);
     var is_marched = false;
     // Before the box, in it, and behind it. One call in a loop keeps the inlined code small.
     for (var part = 0u; part < 2u; part++) {
