@@ -39,20 +39,21 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     var unlit = lit.w;
     if (HAS_TRANSMISSION) { out += textureLoad(transmitted_light, pixel, 0).xyz; }
     if (HAS_INDIRECT) { out += textureLoad(indirect_light, pixel, 0).xyz; }
-    if (HAS_REFLECTIONS) {
-        if (reflects(textureLoad(cause, pixel, 0).x)) {
-            let s = load_surface(pixel);
-            let ray = reflected_ray(pixel, s);
-            var weight = ray.weight;
-            if (FILTER && is_spread(s)) {
-                // Weight of the whole lobe, as the smoothed light is an average over facets. A ray of two lobes
-                // keeps its own.
-                let view = -view_direction(s.position);
-                let only = only_lobe(s, view);
-                if (only.share > 0.0) { weight = specular_albedo(only.layer, view) * only.share; }
-            }
-            out += weight * faded(pixel, ray.direction, textureLoad(reflection, pixel, 0).xyz);
+    if (HAS_REFLECTIONS && reflects(textureLoad(cause, pixel, 0).x)) {
+        let s = load_surface(pixel);
+        let ray = reflected_ray(pixel, s);
+        var weight = ray.weight;
+        if (FILTER && is_spread(s)) {
+            // Weight of the whole lobe, as the smoothed light is an average over facets. A ray of two lobes
+            // keeps its own.
+            let view = -view_direction(s.position);
+            let only = only_lobe(s, view);
+            if (only.share > 0.0) { weight = specular_albedo(only.layer, view) * only.share; }
         }
+        out += weight * faded(pixel, ray.direction, textureLoad(reflection, pixel, 0).xyz);
+    }
+    if (HAS_LAYERS && any(frame.eye_absorption > vec3f(0.0))) {
+        out *= exp(-frame.eye_absorption * textureLoad(view_depth, pixel, 0).x * length(pixel_ray(vec2f(pixel) + 0.5)));
     }
     out = fogged(pixel, out);
     unlit *= seen_through_fog(pixel);

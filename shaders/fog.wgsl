@@ -18,7 +18,7 @@ fn fog_before(pixel: vec2u) -> vec4f {
     var distance_m = FAR_M;
     if (depth_m < FAR_M) {
         // No fog is within glass around the eye.
-        if (load_surface(pixel).is_inside) { return vec4f(0.0, 0.0, 0.0, 1.0); }
+        if (load_surface(pixel).is_inside || frame.eye_solids > 0u) { return vec4f(0.0, 0.0, 0.0, 1.0); }
         distance_m = depth_m * length(along);
     }
     let origin = pixel_origin(center);

@@ -45,6 +45,8 @@ fn shade_pixel(pixel: vec2u) {
         start.ray.weight = vec3f(1.0);
         cone_there = continued(cone, distance(first.position, air.position));
     }
+    color *= medium_transmittance(end.distance_m);
+    start.ray.weight *= medium_transmittance(end.distance_m);
     color += followed(pixel, 2u, 1u, start, cone_there);
     if (HAS_FOG) { color = air.light + color * air.share; }
     textureStore(reflection, pixel, stored(vec4f(color, 1.0)));

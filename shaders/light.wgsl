@@ -22,6 +22,7 @@ fn light_pixel(pixel: vec2u) {
     var unlit = 0.0;
     if (textureLoad(view_depth, pixel, 0).x < FAR_M) {
         let s = load_surface(pixel);
+        start_path(s.position, s.is_inside);
         lit = shade(s, -view_direction(s.position), vec2u(0u));
         unlit = select(0.0, coverage(s), s.unlit);
     } else if (SHOW_ENVIRONMENT) {

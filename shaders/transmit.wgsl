@@ -49,8 +49,8 @@ fn behind_once(pixel: vec2u, first: Surface) -> vec4f {
         if (max(throughput.x, max(throughput.y, throughput.z)) < frame.dimmest) { break; }
         start_samples(pixel, FIRST_VERTEX + step + 1u);
         let h = trace_nearest(origin, ray.direction, 0.0, FAR_M);
-        throughput *= medium_transmittance(h.t);
         let end = seen_at_end(origin, ray, h.instance, h.t);
+        throughput *= medium_transmittance(end.distance_m);
         if (HAS_FOG) {
             let air = through_air(origin, ray, end.distance_m);
             color += found_light(throughput * air.light, step);

@@ -106,8 +106,8 @@ fn followed(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: Cone) -> 
         if (max(throughput.x, max(throughput.y, throughput.z)) < frame.dimmest) { break; }
         start_samples(pixel, vertex + k);
         let h = trace_nearest(origin, ray.direction, 0.0, FAR_M);
-        throughput *= medium_transmittance(h.t);
         let end = seen_at_end(origin, ray, h.instance, h.t);
+        throughput *= medium_transmittance(end.distance_m);
         if (k == 0u) { first_m = end.distance_m; }
         if (HAS_FOG) {
             let air = through_air(origin, ray, end.distance_m);

@@ -22,21 +22,34 @@ const DARKEST_PANE: f32 = 1.0 / 255.0; // minimum share of light that a shadow r
 
 var<private> path_crossings: u32 = 0u; // number of surfaces crossed
 var<private> vertex: vec3f = vec3f(0.0); // position of the surface that the path left last
-var<private> medium: vec3f = vec3f(0.0); // absorption coefficient of the medium that the path is in, per meter
-var<private> path_in_solid: bool = false; // whether the path is within a transmissive solid
+// Transmissive solids that a ray is in, and the absorption coefficients of the innermost ones, per meter.
+struct Media {
+    solids: u32,
+    here: vec3f,
+    around: vec3f,
+    farther: vec3f,
+}
 
-// Begins a path, outside or on the inner side of a transmissive solid.
+var<private> media: Media = Media(); // of the path
+
+// Begins a path where the eye is, or on the inner side of a transmissive solid.
 fn start_path(position: vec3f, is_inside: bool) {
     vertex = position;
     path_crossings = 0u;
     path_channel = 0u;
-    medium = vec3f(0.0);
-    path_in_solid = is_inside;
+    media = Media(max(frame.eye_solids, u32(is_inside)), frame.eye_absorption, vec3f(0.0), vec3f(0.0));
 }
 
 // Whether the path is within a transmissive solid.
 fn is_in_solid() -> bool {
-    return HAS_LAYERS && path_in_solid;
+    return HAS_LAYERS && media.solids > 0u;
+}
+
+// Media beyond a surface that a ray crosses; sheets within a solid leave it as it is.
+fn media_beyond(before: Media, s: Surface) -> Media {
+    if (!s.is_solid || s.transmission <= 0.0) { return before; }
+    if (s.is_inside) { return Media(max(before.solids, 1u) - 1u, before.around, before.farther, vec3f(0.0)); }
+    return Media(before.solids + 1u, s.absorption, before.here, before.around);
 }
 
 fn crossings() -> u32 {
@@ -44,10 +57,10 @@ fn crossings() -> u32 {
     return path_crossings;
 }
 
-// Share of light that is left after a distance in the current medium (Beer-Lambert law).
+// Share of light that is left after a distance where the path is (Beer-Lambert law).
 fn medium_transmittance(distance_m: f32) -> vec3f {
     if (!HAS_LAYERS) { return vec3f(1.0); }
-    return exp(-medium * distance_m);
+    return exp(-media.here * distance_m);
 }
 
 // Whether the surface is the inner side of glass, which mirrors part of the light back into it, or all.
@@ -280,10 +293,7 @@ fn coverage(s: Surface) -> f32 {
 // Records that the path crosses the surface.
 fn cross_surface(s: Surface) {
     path_crossings++;
-    if (s.is_solid && s.transmission > 0.0) {
-        medium = select(s.absorption, vec3f(0.0), s.is_inside);
-        path_in_solid = !s.is_inside;
-    }
+    media = media_beyond(media, s);
 }
 
 // Whether light behind the surface is found only by refracted or rough transmission rays, not by straight shadow
@@ -340,15 +350,15 @@ fn transmittance(origin: vec3f, direction: vec3f, distance_m: f32) -> vec3f {
     if (!HAS_TRANSMISSION) { return vec3f(select(1.0, 0.0, trace_any(origin, direction, 0.0, distance_m))); }
     var share = vec3f(1.0);
     var start_m = 0.0;
-    var absorption = medium; // of the solid that the ray is in
+    var within = media;
     visits_left = MAX_VISITS;
     passed_cutout = vec2u(NONE);
     for (var pane = 0u; pane < MAX_PANES; pane++) {
         // The nearest hit marked ALPHA_TESTED, or any opaque hit.
         let h = traverse(origin, direction, start_m, distance_m, true);
         if (visits_left == 0u) { exhausted_rays++; }
+        share *= exp(-within.here * (select(h.t, distance_m, h.instance == NONE) - start_m));
         if (h.instance == NONE || visits_left == 0u) { return share; }
-        share *= exp(-absorption * (h.t - start_m));
         start_m = max(start_m, h.t);
         passed_cutout = vec2u(NONE);
         if (HAS_CUTOUT && is_cut_out(h)) {
@@ -357,8 +367,7 @@ fn transmittance(origin: vec3f, direction: vec3f, distance_m: f32) -> vec3f {
         }
         var s = surface_at(h.instance, h.triangle, h.bary, direction, 0.0);
         if (!is_transmissive(s)) { break; }
-        // Sheets within a solid leave it as it is, as in cross_surface.
-        if (s.is_solid && s.transmission > 0.0) { absorption = select(s.absorption, vec3f(0.0), s.is_inside); }
+        within = media_beyond(within, s);
         let cosine = dot(s.normal, -direction);
         // Both sides filter alike: the ray leaves at the angle at which it entered.
         s.is_inside = false;

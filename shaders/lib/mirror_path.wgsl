@@ -45,8 +45,8 @@ fn trace_pixel(pixel: vec2u) -> vec4u {
         let h = closest_hit(origin, direction, start_m, reach_m());
         if (bounce == 0u) { first_cause = map_cause; }
         start_m = 0.0;
-        throughput *= medium_transmittance(h.t);
         let end = seen_at_end(origin, ray, h.instance, h.t);
+        throughput *= medium_transmittance(end.distance_m);
         if (bounce == 0u && !end.is_seen) { found = vec4u(bitcast<u32>(h.t), h.instance, h.triangle, 0u); }
         if (HAS_FOG && SHADE) {
             let air = through_air(origin, ray, end.distance_m);

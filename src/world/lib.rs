@@ -42,6 +42,7 @@ pub mod rig;
 pub mod shape;
 mod shared;
 pub mod sight;
+mod solid_around;
 pub mod texture;
 pub mod usd;
 
@@ -51,6 +52,7 @@ pub use environment::Environment;
 pub use material::{ListedVariants, Material};
 pub use material_textures::{CORE_SLOTS, CoreTexture, LAYER_SLOTS, LayerTexture, TEXTURE_SLOTS};
 pub use shared::Shared;
+pub use solid_around::solid_around;
 
 use deform::{Deformation, Deformed};
 

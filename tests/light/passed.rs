@@ -42,13 +42,31 @@ fn shadows_have_what_a_straight_ray_through_a_surface_passes() {
 
 /// A floor within a solid that absorbs, below a pane that is within it too.
 const WITHIN: &str = include_str!("passed/within.toml");
+const WAYS: &str = include_str!("passed/within.txt");
 
 #[test]
 fn solids_absorb_light_on_its_way_to_what_is_within_them() {
     let Some(gpu) = gpu() else { return };
-    // A meter from the top down and another back, of which the pane takes no part.
-    let [red, green, blue] = mean(&render(gpu, WITHIN, &[], &[]));
-    assert_close(red, 9.0 / std::f32::consts::PI * 0.75 * 0.75, 0.01);
-    assert_close(green, 0.5 * 0.5 * red, 0.01);
-    assert_close(blue, 0.25 * 0.25 * red, 0.01);
+    for (settings, expected) in cases(WAYS) {
+        let mut expected = expected.split(' ');
+        let [lux, way_m, share] = [0; 3].map(|_| {
+            expected
+                .next()
+                .map_or(0.0, |n| n.parse().expect("a number"))
+        });
+        for method in expected {
+            let method = format!("reflection.method={method}");
+            let set: Vec<&str> = settings.lines().chain([&*method]).collect();
+            for (found, kept) in mean(&render(gpu, WITHIN, &set, &[]))
+                .iter()
+                .zip([1.0, 0.5, 0.25_f32])
+            {
+                let radiance = lux / std::f32::consts::PI * share * kept.powf(way_m);
+                assert!(
+                    (found / radiance - 1.0).abs() < 0.01,
+                    "{set:?}: {found}, expected {radiance}"
+                );
+            }
+        }
+    }
 }

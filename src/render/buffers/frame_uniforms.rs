@@ -6,7 +6,7 @@ use glam::Vec2;
 
 use reflet_gpu::Gpu;
 use reflet_scene::desc::{Bounces, ImageDesc, Method, ReflectionDesc};
-use reflet_world::World;
+use reflet_world::{Material, World};
 
 use crate::{
     layout::{
@@ -131,6 +131,8 @@ pub struct FrameSettings<'a> {
     pub samples: u32,
     /// Whether the surfaces of all pixels are resolved, not only of the share.
     pub whole_surfaces: bool,
+    /// Material of the transmissive solid that the eye is in.
+    pub around: Option<&'a Material>,
 }
 
 impl Frame {
@@ -145,6 +147,7 @@ impl Frame {
             share,
             samples,
             whole_surfaces,
+            around,
         } = *settings;
         let environment = &world.environment.desc;
         let radiance = |color: glam::Vec3| (color * environment.intensity).to_array();
@@ -182,6 +185,8 @@ impl Frame {
             whole_surfaces: u32::from(whole_surfaces),
             sub_frames: samples as f32,
             crop,
+            eye_absorption: around.map_or([0.0; 3], |solid| solid.absorption().to_array()),
+            eye_solids: around.is_some().into(),
         }
     }
 }

@@ -68,6 +68,10 @@ gpu_struct! {
         whole_surfaces: u32,
         /// Number of sub-frames that show a pixel, by which the footprints of its textures are finer.
         sub_frames: f32,
+        /// Absorption coefficient of the solid that the eye is in, per meter; 0: of none.
+        eye_absorption: [f32; 3],
+        /// Number of transmissive solids that the eye is in, 0 or 1.
+        eye_solids: u32,
     }
 }
 

@@ -5,7 +5,7 @@ use std::{sync::Arc, time::Instant};
 use reflet_base::math::Bounds;
 use reflet_gpu::{Gpu, GpuError, readback};
 use reflet_scene::desc::{CameraDesc, Method};
-use reflet_world::World;
+use reflet_world::{World, solid_around};
 
 use super::{
     capture_times::without_capture,
@@ -246,6 +246,7 @@ impl Renderer {
                 share,
                 samples,
                 whole_surfaces,
+                around: solid_around(world, &self.trees, eye),
             },
         );
         let mut sampling =

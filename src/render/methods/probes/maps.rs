@@ -167,6 +167,8 @@ impl ProbeMaps {
             moment: 0,
             whole_surfaces: 0,
             sub_frames: 1.0,
+            eye_absorption: [0.0; 3],
+            eye_solids: 0,
             crop: [0.0; 4],
             ..*frame
         }
