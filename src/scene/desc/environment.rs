@@ -72,7 +72,8 @@ declared! {
         pub file: Option<At<String>>,
         /// Layer of an OpenEXR `file` with several, whose channels R, G and B are shown: `"ViewLayer.DiffCol"` of
         /// Blender's, for example. Default: the channels R, G and B without a layer, else the layer `Combined`, else
-        /// the first layer with such channels, else the luminance Y.
+        /// the first layer with such channels, else luminance and chroma (Y, RY, BY), else the luminance Y, else what
+        /// there is of R, G and B. Deep pixels are flattened.
         pub layer: Option<At<String>>,
         /// Rotation of the panorama about +Y, degrees, counterclockwise seen from above. Default 0.
         pub rotation_deg: f32,

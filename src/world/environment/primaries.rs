@@ -6,7 +6,7 @@ use glam::{DMat3, DVec2, DVec3};
 pub(super) type Chromaticities = [DVec2; 4];
 
 /// ITU-R BT.709-6, item 1.3 and 1.4.
-const BT709: Chromaticities = [
+pub(super) const BT709: Chromaticities = [
     DVec2::new(0.64, 0.33),
     DVec2::new(0.30, 0.60),
     DVec2::new(0.15, 0.06),
@@ -35,6 +35,11 @@ pub(super) fn to_bt709(from: Chromaticities) -> Result<Option<DMat3>, &'static s
         true => Ok(Some(matrix)),
         false => Err("its chromaticities span no colors"),
     }
+}
+
+/// Luminances of red, green and blue of some chromaticities, of which to_bt709 found colors; their sum is 1.
+pub(super) fn luminance(of: Chromaticities) -> DVec3 {
+    xyz_from(of).row(1)
 }
 
 /// XYZ of a chromaticity with a luminance of 1.
