@@ -3,14 +3,15 @@
 
 #import frame
 #import sampling
+#import texels
 
 override HAS_PANORAMA: bool = true;
 
 @group(0) @binding(6) var panorama: texture_2d<f32>;
-@group(0) @binding(7) var panorama_density: texture_2d<f32>; // mean brightness of equal-area squares, all levels
+// Cones around the light of coarse equal-area squares, see src/world/environment/cones.rs; then for each square the mean
+// brightness of the four squares within it. Of both the coarsest level comes first.
+@group(0) @binding(7) var panorama_squares: VectorTexels;
 @group(0) @binding(8) var panorama_sampler: sampler;
-// Cones around the light of coarse squares, the coarsest first; see src/world/environment/cones.rs.
-@group(0) @binding(12) var<uniform> panorama_cones: array<vec4f, MOST_CONES>;
 
 fn into_panorama(direction: vec3f) -> vec3f {
     let t = sampling.turn; // cosine and sine
@@ -78,17 +79,22 @@ fn cone_light(cone: vec4f, normal: vec3f) -> f32 {
     return max(towards * cone.w + sines, 0.0) * inverseSqrt(d2);
 }
 
-// Weights of the four squares within a square, for a surface with this normal, at the level `level` of the density.
-fn square_weights(at: vec2u, level: i32, normal: vec3f) -> vec4f {
+// Vector of a square in a grid with this edge, in the pyramid of vectors that starts at `first`.
+fn square_vector(first: u32, at: vec2u, edge: u32) -> vec4f {
+    return bitcast<vec4f>(vector_at(panorama_squares, first + (edge * edge - 1u) / 3u + at.y * edge + at.x));
+}
+
+fn square_density(at: vec2u, edge: u32) -> f32 {
+    let four = square_vector(MOST_CONES, at / 2u, max(edge / 2u, 1u));
+    return four[(at.x & 1u) + 2u * (at.y & 1u)];
+}
+
+// Weights of four squares, of which `at` is the first, in a grid with this edge, for a surface with this normal.
+fn square_weights(at: vec2u, edge: u32, normal: vec3f) -> vec4f {
+    if (edge >= 1u << CONE_LEVELS) { return square_vector(MOST_CONES, at / 2u, edge / 2u); }
     var weights: vec4f;
-    let edge = 1u << (sampling.density_levels - 1u - u32(level));
     for (var k = 0u; k < 4u; k++) {
-        let child = at + vec2u(k & 1u, k >> 1u);
-        if (edge < 1u << CONE_LEVELS) {
-            weights[k] = cone_light(panorama_cones[(edge * edge - 1u) / 3u + child.y * edge + child.x], normal);
-        } else {
-            weights[k] = textureLoad(panorama_density, child, level).x;
-        }
+        weights[k] = cone_light(square_vector(0u, at + vec2u(k & 1u, k >> 1u), edge), normal);
     }
     return weights;
 }
@@ -97,7 +103,7 @@ fn square_weights(at: vec2u, level: i32, normal: vec3f) -> vec4f {
 // from all directions alike: a quarter of it arrives, as the mean of the cosine over the sphere says.
 fn environment_share(normal: vec3f) -> f32 {
     if (!HAS_PANORAMA) { return 0.0; }
-    let all = panorama_cones[0];
+    let all = square_vector(0u, vec2u(0u), 1u);
     let held = cone_light(all, into_panorama(normal));
     return held / max(held + 0.25 * (1.0 - length(all.xyz)), 1e-30);
 }
@@ -113,13 +119,13 @@ fn environment_pdf(direction: vec3f, world_normal: vec3f) -> f32 {
     let least = i32(sampling.density_levels - min(sampling.density_levels, CONE_LEVELS));
     for (var level = i32(finest) - 1; level >= least; level--) {
         let child = at >> vec2u(u32(level));
-        let weights = square_weights(child & vec2u(0xfffffffeu), level, normal);
+        let weights = square_weights(child & vec2u(0xfffffffeu), 1u << (finest - u32(level)), normal);
         let sum = weights.x + weights.y + weights.z + weights.w;
         let own = weights[(child.x & 1u) + 2u * (child.y & 1u)];
         pdf *= 4.0 * own / max(sum, 1e-30);
     }
-    let coarse = textureLoad(panorama_density, at >> vec2u(u32(least)), least).x;
-    return pdf * textureLoad(panorama_density, at, 0).x / max(coarse, 1e-30);
+    let coarse = square_density(at >> vec2u(u32(least)), 1u << (finest - u32(least)));
+    return pdf * square_density(at, 1u << finest) / max(coarse, 1e-30);
 }
 
 // Samples a unit direction: descends the pyramid, choosing squares by their brightness (Clarberg et al. 2005), the
@@ -129,9 +135,9 @@ fn environment_direction(u_in: vec2f, world_normal: vec3f) -> vec3f {
     let normal = into_panorama(world_normal);
     var u = u_in;
     var at = vec2u(0u);
-    for (var level = i32(sampling.density_levels) - 2; level >= 0; level--) {
+    for (var level = 1u; level < sampling.density_levels; level++) {
         at *= 2u;
-        let w = square_weights(at, level, normal);
+        let w = square_weights(at, 1u << level, normal);
         let left = (w.x + w.z) / max(w.x + w.y + w.z + w.w, 1e-30);
         let goes_right = u.x >= left;
         let upper = select(w.x / max(w.x + w.z, 1e-30), w.y / max(w.y + w.w, 1e-30), goes_right);

@@ -15,9 +15,9 @@ pub(super) const MAX_STORAGE_BUFFERS: u32 = 32;
 /// default of 16.
 pub(super) const SAMPLED_TEXTURES: u32 = 22;
 
-/// Requested number of storage textures per shader stage of a software adapter: BVHs, meshes, instances, materials and
-/// light trees as storage textures are seven more than the default of 4.
-pub(super) const STORAGE_TEXTURES: u32 = 11;
+/// Requested number of storage textures per shader stage of a software adapter: BVHs, meshes, instances, materials,
+/// light trees and squares of the panorama as storage textures are eight more than the default of 4.
+pub(super) const STORAGE_TEXTURES: u32 = 12;
 
 /// Abilities that Reflet would use, or does use where they are there, with their features.
 const ABILITIES: [(&str, wgpu::Features); 5] = [

@@ -151,14 +151,18 @@ fn every_shader_stays_inside_the_default_limits() {
         let mut limits = wgpu::Limits::default();
         // Only devices with higher limits get BVHs, meshes, instances and materials as textures: software adapters, and
         // these and light trees as storage textures where enough can be bound.
-        let arrays = "nodes triangles vertices mesh_data instances materials emitters";
+        let arrays =
+            "nodes triangles vertices mesh_data instances materials emitters panorama_squares";
         let is_array = |name: &str| arrays.split(' ').any(|array| array == name);
         for binding in (info.bindings.iter()).filter(|b| is_array(&b.name)) {
             match binding.ty {
                 wgpu::BindingType::StorageTexture { .. } => {
                     limits.max_storage_textures_per_shader_stage += 1;
                 }
-                wgpu::BindingType::Texture { .. } if binding.name != "emitters" => {
+                // Every device binds light trees and squares of the panorama as textures.
+                wgpu::BindingType::Texture { .. }
+                    if !["emitters", "panorama_squares"].contains(&&*binding.name) =>
+                {
                     limits.max_sampled_textures_per_shader_stage += 1;
                 }
                 _ => {}

@@ -42,7 +42,7 @@ fn closed_forms_need_no_samples() {
     let samples = ["sample_square", "sampling"];
     assert_eq!(has(&closed, samples), [false; 2]);
     assert_eq!(has(&sampled, samples), [true; 2]);
-    let density = ["square_weights", "panorama_density"];
+    let density = ["square_weights", "panorama_squares"];
     assert_eq!(has(&sampled, density), [false; 2]);
     assert_eq!(has(&panorama, density), [true; 2]);
     let details = |sheen: bool| {

@@ -25,7 +25,7 @@ pub struct Chunks {
     pub mesh_texels: bool,
     /// Whether instances and materials are textures.
     pub record_texels: bool,
-    /// Whether all these textures, and light trees, are storage textures.
+    /// Whether all these textures, light trees and squares of the panorama are storage textures.
     pub storage_texels: bool,
     /// Size of each of several bindings, bytes, a power of two.
     pub bytes: u64,

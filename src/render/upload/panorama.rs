@@ -1,9 +1,9 @@
-//! The panorama of the environment on the GPU: its texels, and the density table with its cones for sampling.
+//! The panorama of the environment on the GPU: its texels, and the densities and cones of squares for sampling.
 
 use reflet_gpu::{Gpu, GpuError};
-use reflet_world::environment::{CONE_LEVELS, Panorama};
+use reflet_world::environment::{CONE_LEVELS, Density, Panorama};
 
-use crate::buffers::frame_uniforms::uniform;
+use crate::buffers::texel_array::TexelArray;
 
 /// Number of cones of all levels: (4^levels − 1) / 3.
 pub const MOST_CONES: usize = ((1 << (2 * CONE_LEVELS)) - 1) / 3;
@@ -12,8 +12,7 @@ pub const MOST_CONES: usize = ((1 << (2 * CONE_LEVELS)) - 1) / 3;
 #[derive(Clone, Debug)]
 pub struct GpuPanorama {
     texels: wgpu::TextureView,
-    density: wgpu::TextureView,
-    cones: wgpu::Buffer,
+    squares: TexelArray,
     sampler: wgpu::Sampler,
     /// Size of all textures and buffers, bytes.
     pub bytes: u64,
@@ -27,26 +26,10 @@ impl GpuPanorama {
     pub fn new(gpu: &Gpu, panorama: &Panorama) -> Result<Self, GpuError> {
         let (width, height) = (panorama.width, panorama.height);
         gpu.check_texture_size("the panorama", width, height)?;
-        let levels = &panorama.density.levels;
-        let edge = panorama.density.edge();
-        let texels = texture(gpu, [width, height], 1, wgpu::TextureFormat::Rgba16Float)?;
-        upload(gpu, &texels, 0, bytemuck::cast_slice(&panorama.texels));
-        let count = levels.len() as u32;
-        let density = texture(gpu, [edge, edge], count, wgpu::TextureFormat::R32Float)?;
-        for (level, squares) in levels.iter().enumerate() {
-            upload(gpu, &density, level as u32, bytemuck::cast_slice(squares));
-        }
-        // Coarser levels first, so that the place of a cone depends on its own level alone.
-        let mut cones = panorama
-            .density
-            .cones
-            .iter()
-            .rev()
-            .cloned()
-            .collect::<Vec<_>>()
-            .concat();
-        cones.resize(MOST_CONES, glam::Vec4::ZERO);
-        let cones = uniform(gpu, "panorama_cones", bytemuck::cast_slice(&cones));
+        let texels = texture(gpu, [width, height])?;
+        upload(gpu, &texels, bytemuck::cast_slice(&panorama.texels));
+        let squares = squares(&panorama.density);
+        let squares = TexelArray::new(gpu, "panorama_squares", squares.into_iter())?;
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("panorama sampler"),
             address_mode_u: wgpu::AddressMode::Repeat,
@@ -54,15 +37,11 @@ impl GpuPanorama {
             min_filter: wgpu::FilterMode::Linear,
             ..Default::default()
         });
-        let view = |t: &wgpu::Texture| t.create_view(&wgpu::TextureViewDescriptor::default());
-        let squares: usize = levels.iter().map(Vec::len).sum();
-        let tables = 4 * squares as u64 + cones.size();
         Ok(Self {
-            texels: view(&texels),
-            density: view(&density),
-            cones,
+            texels: texels.create_view(&wgpu::TextureViewDescriptor::default()),
+            bytes: 8 * u64::from(width) * u64::from(height) + squares.size(),
+            squares,
             sampler,
-            bytes: 8 * u64::from(width) * u64::from(height) + tables,
         })
     }
 
@@ -70,20 +49,34 @@ impl GpuPanorama {
     pub fn resource(&self, name: &str) -> Option<wgpu::BindingResource<'_>> {
         match name {
             "panorama" => Some(wgpu::BindingResource::TextureView(&self.texels)),
-            "panorama_density" => Some(wgpu::BindingResource::TextureView(&self.density)),
-            "panorama_cones" => Some(self.cones.as_entire_binding()),
+            "panorama_squares" => Some(self.squares.resource()),
             "panorama_sampler" => Some(wgpu::BindingResource::Sampler(&self.sampler)),
             _ => None,
         }
     }
 }
 
-fn texture(
-    gpu: &Gpu,
-    [width, height]: [u32; 2],
-    mip_level_count: u32,
-    format: wgpu::TextureFormat,
-) -> Result<wgpu::Texture, GpuError> {
+/// Vectors by which shaders choose squares: cones of coarse ones, then for each square the densities of the four within
+/// it. Coarser levels come first, so that the place of a square depends on its own level alone.
+fn squares(density: &Density) -> Vec<[f32; 4]> {
+    let cones = density.cones.iter().rev().flatten();
+    let mut all: Vec<_> = cones.map(glam::Vec4::to_array).collect();
+    all.resize(MOST_CONES, [0.0; 4]);
+    let finer = density.levels.iter().rev().skip(1);
+    for (edge, level) in (1..).map(|k| 1 << k).zip(finer) {
+        let half = edge / 2;
+        all.extend((0..half * half).map(|i| {
+            let first = i / half * 2 * edge + i % half * 2;
+            [first, first + 1, first + edge, first + edge + 1].map(|i| level[i])
+        }));
+    }
+    if density.levels.len() == 1 {
+        all.push([density.levels[0][0]; 4]);
+    }
+    all
+}
+
+fn texture(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<wgpu::Texture, GpuError> {
     gpu.scoped("panorama", || {
         gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("panorama"),
@@ -92,27 +85,20 @@ fn texture(
                 height,
                 depth_or_array_layers: 1,
             },
-            mip_level_count,
+            mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
-            format,
+            format: wgpu::TextureFormat::Rgba16Float,
             usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
             view_formats: &[],
         })
     })
 }
 
-fn upload(gpu: &Gpu, texture: &wgpu::Texture, mip_level: u32, bytes: &[u8]) {
-    let size = texture
-        .size()
-        .mip_level_size(mip_level, texture.dimension());
+fn upload(gpu: &Gpu, texture: &wgpu::Texture, bytes: &[u8]) {
+    let size = texture.size();
     gpu.queue.write_texture(
-        wgpu::TexelCopyTextureInfo {
-            texture,
-            mip_level,
-            origin: wgpu::Origin3d::ZERO,
-            aspect: wgpu::TextureAspect::All,
-        },
+        texture.as_image_copy(),
         bytes,
         wgpu::TexelCopyBufferLayout {
             offset: 0,
