@@ -7,6 +7,7 @@
 #import radiance
 
 @group(2) @binding(5) var indirect_light: RadianceTexture;
+@group(2) @binding(11) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
 
 // Whether the light is smoothed over neighbors: it is stored without the albedo of the surface then, -1 in colors that
 // the surface does not scatter, and w is the width of a pixel over the distance that the light came from; 0 where the
@@ -42,5 +43,6 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
     let pixel = invoked_pixel(group, groups, local);
     if (any(pixel >= vec2u(frame.size)) || is_left_out(pixel)) { return; }
     textureStore(indirect_light, pixel, stored(gathered(pixel)));
+    if (COUNT) { textureStore(counts, pixel, vec4u(0u, traversals, visited_nodes, tested_triangles)); }
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
 }

@@ -9,6 +9,7 @@
 
 @group(2) @binding(0) var ids: texture_2d<u32>;
 @group(2) @binding(6) var transmitted_light: RadianceTexture;
+@group(2) @binding(11) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
 
 const FIRST_VERTEX: u32 = 64u; // offset of sample numbers: others than for reflections
 
@@ -115,5 +116,6 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
     if (index >= atomicLoad(&counters[TRANSMISSIVE_COUNTER])) { return; }
     let pixel = unpack_pixel(lists[transmissive_slot(index)]);
     textureStore(transmitted_light, pixel, stored(behind(pixel)));
+    if (COUNT) { textureStore(counts, pixel, vec4u(0u, traversals, visited_nodes, tested_triangles)); }
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
 }

@@ -232,7 +232,8 @@ pub struct RenderArgs {
     /// Settings of the pictures
     #[command(flatten)]
     pub picture: PictureArgs,
-    /// Print pass times, shares by source and cause, rays and memory
+    /// Print pass times, shares by source and cause, rays and memory; a software adapter renders a first
+    /// sub-frame twice, once to compile
     #[arg(long, value_name = "FORM")]
     pub stats: Option<StatsForm>,
     /// With --stats, also count march steps, traversals, visited BVH nodes and tested triangles, in one

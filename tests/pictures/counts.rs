@@ -127,13 +127,25 @@ fn surfaces_without_a_specular_lobe_send_no_rays() {
 }
 
 #[test]
-fn every_lit_pixel_sends_one_shadow_ray_to_each_light() {
+fn every_pixel_sends_one_ray_to_each_light_behind_glass_and_to_other_surfaces() {
     let text = include_str!("counts/every_lit_pixel_sends_one_shadow_ray_to_each_light.toml");
     let (_, _, counts) = or_skip!(counted(text, &[]));
     let light = counts_of(&counts, "light");
     assert_eq!((light.traversals, light.visited_nodes), (288, 288));
     assert_eq!(light.march_steps, 0);
     assert_eq!(counts.len(), 1, "nothing reflects: {counts:?}");
+    for (set, pass) in [
+        ("material.gray.transmission=1", "transmit"),
+        ("reflection.diffuse_bounces=1", "indirect"),
+    ] {
+        let (_, _, counts) = or_skip!(counted(text, &["material.gray.roughness=0", set]));
+        let counts = counts_of(&counts, pass);
+        assert_eq!(
+            (counts.traversals, counts.visited_nodes),
+            (144, 144),
+            "{pass}"
+        );
+    }
 }
 
 #[test]

@@ -18,6 +18,7 @@ pub const PASS: Pass = Pass {
     needed: |plan, _| plan.features.indirect,
     // `check_world` and `Trees::build` validated every index that rays follow.
     checks: Checks::TrustedBuiltin,
+    counted: true,
     ..Pass::DEFAULT
 };
 

@@ -34,6 +34,7 @@ pub const PASS: Pass = Pass {
     },
     // `check_world` and `Trees::build` validated every index that rays follow.
     checks: Checks::TrustedBuiltin,
+    counted: true,
     ..Pass::DEFAULT
 };
 
