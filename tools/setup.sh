@@ -66,11 +66,13 @@ has_package() {
 can_be_root() { [ "$(id -u)" -eq 0 ] || { has sudo && sudo -n true 2>/dev/null; }; }
 
 apt_refreshed=no
+apt_refresh() {
+    [ "$apt_refreshed" = no ] || return 0
+    as_root env DEBIAN_FRONTEND=noninteractive apt-get update -q
+    apt_refreshed=yes
+}
 apt_install() {
-    if [ "$apt_refreshed" = no ]; then
-        as_root env DEBIAN_FRONTEND=noninteractive apt-get update -q
-        apt_refreshed=yes
-    fi
+    apt_refresh
     as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "$@"
 }
 
@@ -95,12 +97,58 @@ manifests() {
     done
 }
 
+has_gpu() { compgen -G '/dev/dri/renderD*' >/dev/null || [ -e /dev/nvidiactl ] || [ -e /dev/dxg ]; }
+
 # A driver that needs a GPU is no adapter on a machine without one; lavapipe always works.
 has_vulkan_adapter() {
     [ -n "${VK_DRIVER_FILES:-}${VK_ICD_FILENAMES:-}" ] && return 0
     [ -n "$(manifests 'lvp_icd*.json')" ] && return 0
-    [ -n "$(manifests '*.json')" ] || return 1
-    compgen -G '/dev/dri/renderD*' >/dev/null || [ -e /dev/nvidiactl ] || [ -e /dev/dxg ]
+    [ -n "$(manifests '*.json')" ] && has_gpu
+}
+
+# Whether Mesa's software adapter renders, of which newer versions are faster.
+renders_on_processor() { [ -z "${VK_DRIVER_FILES:-}${VK_ICD_FILENAMES:-}" ] && ! has_gpu; }
+
+# First version of Mesa whose software adapter is fast (docs/speed.md).
+readonly fast_mesa=25
+
+mesa_version() { dpkg-query -W -f '${Version}' mesa-vulkan-drivers 2>/dev/null || true; }
+
+# Version and suite of the newest Mesa that the system's archives offer.
+offered_mesa() {
+    apt-cache madison mesa-vulkan-drivers | awk '{ split($6, suite, "/"); print $3, suite[1] }' | sort -rV | sed -n 1p
+}
+
+# Suite to install Mesa's drivers from; none if they stay.
+mesa_suite=""
+
+# Chooses the newest Mesa that the system's archives offer, backports too where they are switched on, unless there is an
+# adapter that is fast.
+choose_mesa() {
+    local present newest suite
+    present="$(mesa_version)"
+    if has_vulkan_adapter; then
+        if ! renders_on_processor || [ -z "$present" ] || at_least "$present" "$fast_mesa"; then
+            return 0
+        fi
+    else
+        apt_refresh
+    fi
+    if [ -z "$(offered_mesa)" ] && can_be_root; then
+        apt_refresh
+    fi
+    read -r newest suite <<<"$(offered_mesa)"
+    if [ -z "$newest" ]; then
+        has_vulkan_adapter || fail "apt knows no package mesa-vulkan-drivers"
+        return 0
+    elif [ "$newest" = "$present" ]; then
+        return 0
+    elif has_vulkan_adapter && ! can_be_root; then
+        echo "slow: Mesa $present; as root, apt-get install -t $suite mesa-vulkan-drivers brings $newest"
+        return 0
+    fi
+    mesa_suite="$suite"
+    echo "missing: Mesa $newest of $suite"
 }
 
 setup_debian() {
@@ -123,6 +171,10 @@ setup_debian() {
     if wants test; then
         missing_to_test
     fi
+    if [ -n "$mesa_suite" ]; then
+        heading "Installing Mesa's drivers"
+        apt_install --target-release "$mesa_suite" mesa-vulkan-drivers
+    fi
     if [ "${#missing[@]}" -gt 0 ]; then
         heading "Installing ${missing[*]}"
         apt_install "${missing[@]}"
@@ -132,12 +184,22 @@ setup_debian() {
     fi
 }
 
-# Says which version of Mesa the system has: pictures are the same, times are not (docs/drivers.md).
+# Says which version of Mesa the system has, and how to get a faster one: pictures are the same, times are not
+# (docs/drivers.md).
 say_mesa() {
-    local version
-    version="$(dpkg-query -W -f '${Version}' mesa-vulkan-drivers 2>/dev/null)" || return 0
+    local version codename
+    version="$(mesa_version)"
+    [ -n "$version" ] || return 0
     heading "Mesa"
     echo "present: $version; tools/driver.sh unpacks others for tests"
+    if renders_on_processor && ! at_least "$version" "$fast_mesa"; then
+        echo "slow: it renders in 1.2 to 1.7 times the time of Mesa $fast_mesa on the processor"
+        codename="$(sed -n 's/^VERSION_CODENAME=//p' /etc/os-release)"
+        if grep -qx 'ID=debian' /etc/os-release && [ "$codename" = bookworm ]; then
+            echo "Debian's backports have $fast_mesa; with this line, run this script again:"
+            echo "echo 'deb http://deb.debian.org/debian $codename-backports main' >/etc/apt/sources.list.d/backports.list"
+        fi
+    fi
 }
 
 # Adds packages to `missing`.
@@ -152,9 +214,9 @@ missing_to_run() {
     if has_vulkan_adapter; then
         echo "present: an adapter"
     else
-        missing+=(mesa-vulkan-drivers)
         echo "missing: an adapter; mesa-vulkan-drivers renders without a GPU"
     fi
+    choose_mesa
     if [ -f "$root/tools/pyproject.toml" ] && ! python3 -c 'import ensurepip, venv' 2>/dev/null; then
         missing+=(python3 python3-venv)
         echo "missing: python3-venv"

@@ -13,6 +13,7 @@ use super::{
     sequence, shaders, still,
 };
 use crate::{
+    gpu::adapter::slow_mesa,
     output::{picture_file::PictureFile, writable::inputs},
     render::picture::aov::Aov,
     runtime::scene_text::LoadedScene,
@@ -63,11 +64,13 @@ pub fn render_once(args: &RenderArgs, files: &Dependencies) -> Result<(), AppErr
             let frames = sequence::choose(&args, loaded.scene.timeline.as_ref())?;
             sequence::check_output(&args, &frames, &aovs, &inputs)?;
             let session = RenderSession::new(&args, loaded, camera, aovs, &library)?;
+            note_old_driver(&session, frames.0.len());
             sequence::render(&args, session, &frames, load_ms, started)
         } else {
             let output = PictureFile::new(args.output())?;
             output.check_files(&aovs, &inputs)?;
             let session = RenderSession::new(&args, loaded, camera, aovs, &library)?;
+            note_old_driver(&session, 1);
             still::render(&args, session, &output, load_ms, started)
         };
         match rendered {
@@ -109,6 +112,20 @@ fn hint_at_mistakes(scene: Option<&Path>, loaded: &LoadedScene) {
         reflet_base::error_line!(
             "note: likely mistakes ({names}): `reflet check {path}` explains them"
         );
+    }
+}
+
+/// Number of pixels of all sub-frames and frames from which a render takes a processor half a minute and more.
+const LONG_RENDER: u64 = 1 << 23;
+
+/// Says before a long render what an old driver costs.
+fn note_old_driver(session: &RenderSession, frames: usize) {
+    let image = &session.scene.scene().scene.image;
+    let pixels = image.size.map(u64::from).iter().product::<u64>();
+    let pixels = pixels * u64::from(image.samples.count()) * frames as u64;
+    let slow = slow_mesa(&session.scene.gpu().adapter_info);
+    if let Some(slow) = slow.filter(|_| pixels >= LONG_RENDER) {
+        reflet_base::error_line!("note: {slow}");
     }
 }
 

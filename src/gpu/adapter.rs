@@ -19,6 +19,10 @@ pub(super) const SAMPLED_TEXTURES: u32 = 22;
 /// light trees and squares of the panorama as storage textures are eight more than the default of 4.
 pub(super) const STORAGE_TEXTURES: u32 = 12;
 
+/// First version of Mesa whose software adapter jumps over branches that no lane takes, of the versions that were
+/// measured (22.3 and 25.0).
+const FAST_MESA: u32 = 25;
+
 /// Abilities that Reflet would use, or does use where they are there, with their features.
 const ABILITIES: [(&str, wgpu::Features); 5] = [
     ("timestamps", wgpu::Features::TIMESTAMP_QUERY),
@@ -56,6 +60,7 @@ impl AdapterSummary {
     fn from_adapter(adapter: &wgpu::Adapter) -> Self {
         let features = adapter.features();
         let (has, mut lacks) = split_abilities(features);
+        lacks.extend(slow_mesa(&adapter.get_info()).map(|slow| format!("a newer driver: {slow}")));
         let offered = adapter.limits();
         for (what, has, most) in [
             (
@@ -99,6 +104,19 @@ fn split_abilities(features: wgpu::Features) -> (Vec<String>, Vec<String>) {
 pub fn name(info: &wgpu::AdapterInfo) -> String {
     let driver = [info.driver.as_str(), info.driver_info.as_str()].join(" ");
     format!("{}, {}, {}", info.name, driver.trim(), info.backend)
+}
+
+/// Cost of a software adapter that belongs to an old version of Mesa (docs/speed.md); `None` for other adapters.
+pub fn slow_mesa(info: &wgpu::AdapterInfo) -> Option<String> {
+    let version = info.driver_info.strip_prefix("Mesa ")?;
+    let version = version.split(' ').next()?;
+    let major: u32 = version.split('.').next()?.parse().ok()?;
+    let is_slow = info.device_type == wgpu::DeviceType::Cpu && major < FAST_MESA;
+    is_slow.then(|| {
+        format!(
+            "Mesa {version} takes 1.2 to 1.7 times as long as Mesa {FAST_MESA} (docs/drivers.md)"
+        )
+    })
 }
 
 /// The graphics API, and its adapters to try, best first.
@@ -188,5 +206,19 @@ mod tests {
         );
         assert!(name_matches("NVIDIA H200", " h2"));
         assert!(!name_matches("llvmpipe", "nvidia"));
+    }
+
+    #[test]
+    fn an_old_software_adapter_is_named_with_its_cost() {
+        let of = |kind, driver: &str| {
+            let mut info = wgpu::AdapterInfo::new(kind, wgpu::Backend::Vulkan);
+            info.driver_info = driver.to_owned();
+            slow_mesa(&info)
+        };
+        let slow = of(wgpu::DeviceType::Cpu, "Mesa 22.3.6 (LLVM 15.0.6)");
+        assert!(slow.is_some_and(|text| text.starts_with("Mesa 22.3.6 takes")));
+        assert_eq!(of(wgpu::DeviceType::Cpu, "Mesa 25.0.7 (LLVM 15.0.7)"), None);
+        assert_eq!(of(wgpu::DeviceType::IntegratedGpu, "Mesa 22.3.6"), None);
+        assert_eq!(of(wgpu::DeviceType::Cpu, "SwiftShader 5.0"), None);
     }
 }
