@@ -125,7 +125,7 @@ fn exact_fresnel(s: Surface, cosine: f32) -> vec3f {
     let root = sqrt(min(s.reflectivity, 0.999));
     let index = (1.0 + root) / (1.0 - root);
     let dielectric = dielectric_fresnel(cosine, select(index, 1.0 / index, s.is_inside));
-    let metal = s.base_color + (1.0 - s.base_color) * schlick_weight(cosine);
+    let metal = mix(s.base_color, vec3f(f90(s.base_color)), schlick_weight(cosine));
     return mix(tinted(s, dielectric), metal, s.metallic);
 }
 

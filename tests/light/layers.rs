@@ -1,5 +1,7 @@
 //! Transmission, blended alpha and clear coats, against closed forms.
 
+use crate::common::cases;
+
 use super::environment::directional_albedo;
 use super::kit::*;
 
@@ -37,6 +39,30 @@ fn a_pane_lets_through_what_it_does_not_reflect() {
             let picture = render(gpu, &text, &[&set[0]], &[]);
             let expected = [0.5 * passed, 0.5 * passed, 0.25 * passed];
             assert_color(&picture, 4, 4, expected, 2e-3);
+        }
+    }
+}
+
+#[test]
+fn mirrors_at_60_degrees_follow_fresnel() {
+    let Some(gpu) = gpu() else { return };
+    for (material, expected) in cases(include_str!("layers/fresnel.txt")) {
+        let text = wall_and(&thing(PANE, material));
+        for method in ["rt", "path"] {
+            let set = [
+                &format!("reflection.method={method}"),
+                "environment.color=[1, 1, 1]",
+                "model.wall.shape.size=[1, 1]",
+                "instance.thing.rotation_deg=[150, 0, 0]",
+            ];
+            let found = mean(&render(gpu, &text, &set, &[]));
+            for (found, share) in found.iter().zip(expected.split(' ')) {
+                let share: f32 = share.parse().expect("a number");
+                assert!(
+                    (found - share).abs() < 5e-4,
+                    "{material}, {method}: {found}, not {share}"
+                );
+            }
         }
     }
 }
