@@ -16,7 +16,10 @@ use crate::{
         settings::view::View,
     },
     runtime::{SceneSource, Session, ViewOverrides, scene_text::LoadedScene},
-    scene::{desc::Samples, diagnostic::Diagnostic},
+    scene::{
+        desc::{Method, Samples},
+        diagnostic::Diagnostic,
+    },
 };
 
 /// State for rendering the pictures of one command.
@@ -173,11 +176,28 @@ impl RenderSession {
             ),
             false => format!(
                 "warning: {samples} samples leave an error of {error:.4} in the tile at pixel {}, {}, \
-                 above `error = {}`: raise `at_most`, or `error`",
-                tile[0], tile[1], bound.error
+                 above `error = {}`: raise `at_most`, or `error`{}",
+                tile[0],
+                tile[1],
+                bound.error,
+                self.advice_on_grain()
             ),
         };
         Some((sentence, is_met))
+    }
+
+    /// Settings beside the number of samples that take grain out of the picture.
+    fn advice_on_grain(&self) -> &'static str {
+        let reflection = &self.scene.scene().scene.reflection;
+        let has_glints = reflection.glint_limit == 0.0 && reflection.method != Method::Path;
+        match (self.denoiser.is_none(), has_glints) {
+            (true, true) => {
+                "; `--denoise` smooths what is left, and `glint_limit = 4` in `[reflection]` leaves out rare bright paths"
+            }
+            (true, false) => "; `--denoise` smooths what is left",
+            (false, true) => "; `glint_limit = 4` in `[reflection]` leaves out rare bright paths",
+            (false, false) => "",
+        }
     }
 
     /// Has a software driver compile new pipelines before passes are timed.

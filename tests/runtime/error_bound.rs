@@ -104,5 +104,9 @@ fn files_hold_the_count_of_each_frame_alone() {
         &folder,
         &["-o", "short.#.png", "--frames", "1", "--set", bound],
     );
-    assert_says(&said, &["frame 1: warning: 18 samples leave an error of"]);
+    let advice = [
+        "frame 1: warning: 18 samples leave an error of",
+        "`--denoise`",
+    ];
+    assert_says(&said, &advice);
 }
