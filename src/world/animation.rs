@@ -55,6 +55,10 @@ pub struct Sampler {
     pub interpolation: Interpolation,
 }
 
+/// Time by which steps come early, seconds, less than any frame lasts: keys and the begin of playback are rounded to
+/// single precision, and a step at the time of a frame is part of that frame.
+const STEP_EARLY_S: f64 = 1e-4;
+
 impl Sampler {
     /// The value of a key.
     fn key(&self, index: usize) -> DVec4 {
@@ -67,7 +71,11 @@ impl Sampler {
     /// The value at a time, seconds; a rotation is normalized.
     pub fn value_at(&self, time_s: f64, property: Property) -> DVec4 {
         let last = self.times_s.len() - 1;
-        let next = self.times_s.partition_point(|t| f64::from(*t) <= time_s);
+        let reached_s = match self.interpolation {
+            Interpolation::Step => time_s + STEP_EARLY_S,
+            _ => time_s,
+        };
+        let next = self.times_s.partition_point(|t| f64::from(*t) <= reached_s);
         let before = next.saturating_sub(1);
         let value = if next == 0 || next > last {
             self.key(before)
@@ -310,6 +318,13 @@ mod tests {
         }
         let step = sampler(Interpolation::Step, &times, &values);
         assert_eq!(step.value_at(2.999, Property::Translation).x, -1.0);
+        for frame in 1..100 {
+            let seconds = f64::from(frame) / 24.0;
+            let step = sampler(Interpolation::Step, &[0.0, seconds as f32], &values[..2]);
+            let started_s = f64::from(41.7_f32);
+            let elapsed_s = (41.7 + seconds) - started_s;
+            assert_eq!(step.value_at(elapsed_s, Property::Visible).x, -1.0);
+        }
         let linear = sampler(Interpolation::Linear, &times, &values);
         assert_eq!(linear.value_at(2.0, Property::Translation).x, 1.5);
     }

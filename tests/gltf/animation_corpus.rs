@@ -172,6 +172,8 @@ fn local(node: &Value, set: impl Fn(&str) -> Option<DVec4>) -> DAffine3 {
 
 fn curve(times: &[f64], values: &[DVec4], kind: &str, is_rotation: bool, time_s: f64) -> DVec4 {
     let cubic = kind == "CUBICSPLINE";
+    // Steps come early by as much as single precision may be off at the time of a frame.
+    let time_s = time_s + if kind == "STEP" { 1e-4 } else { 0.0 };
     let key = |i: usize| if cubic { values[3 * i + 1] } else { values[i] };
     let last = times.len() - 1;
     if time_s <= times[0] {
