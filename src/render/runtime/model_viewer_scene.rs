@@ -70,7 +70,7 @@ pub fn model_viewer_scene(
         let animation = made([
             ("name", Content::from(name)),
             ("repeat", "once".into()),
-            ("start_s", (range.frames[0] / range.fps).into()),
+            ("start_s", range.animation_start_s.into()),
         ]);
         model.extend(made([("animation", animation.into())]));
         let timeline = made([
@@ -202,9 +202,10 @@ fn chosen(playable: &Playable) -> Option<(&str, f64)> {
     Some((name, f64::from(first.duration_s)))
 }
 
-/// Frame rate, and first and last frame of an animation.
+/// Frame rate, time of the animation's beginning, and first and last frame, at which that may have begun long ago.
 struct FrameRange {
     fps: f64,
+    animation_start_s: f64,
     frames: [f64; 2],
 }
 
@@ -219,11 +220,13 @@ fn frame_range(duration_s: f64, playable: &Playable, asked_fps: Option<f64>) -> 
         let end = stage.end_time_code.map_or(end, |code| code.max(end));
         // Tolerance for times rounded to 32 bits, frames.
         let last = (end - 1e-3).ceil();
-        let whole = stage.origin.fract() == 0.0 && stage.origin >= 0.0 && last <= LAST_FRAME;
+        let first = stage.start_time_code.unwrap_or(stage.origin);
+        let whole = first.fract() == 0.0 && first >= 0.0 && last <= LAST_FRAME;
         if whole {
             return FrameRange {
                 fps: stage.rate,
-                frames: [stage.origin, last.max(stage.origin)],
+                animation_start_s: stage.origin / stage.rate,
+                frames: [first, last.max(first)],
             };
         }
     }
@@ -231,6 +234,7 @@ fn frame_range(duration_s: f64, playable: &Playable, asked_fps: Option<f64>) -> 
     let last = (duration_s * fps - 1e-3).ceil();
     FrameRange {
         fps,
+        animation_start_s: 0.0,
         frames: [0.0, last.clamp(0.0, LAST_FRAME)],
     }
 }
@@ -278,6 +282,9 @@ mod tests {
         stage.end_time_code = Some(200.0);
         assert_eq!(frames(1.0, &of(stage), None), (30.0, [101.0, 200.0]));
         stage.origin = -5.0;
+        stage.start_time_code = Some(120.0);
+        assert_eq!(frames(1.0, &of(stage), None), (30.0, [120.0, 200.0]));
+        stage.start_time_code = None;
         assert_eq!(frames(1.0, &of(stage), None), (24.0, [0.0, 24.0]));
     }
 
