@@ -87,6 +87,8 @@ FAR = mesh(
     """,
 )
 NO_LENS = text_of("validate_rules/no_lens.usda")
+HERE = Path(__file__).parent
+fade = change("COLOR_0", lambda values: values * 0.9)
 MOVING_LENS = text_of("validate_rules/moving_lens.usda")
 LINES = text_of("validate_rules/lines.usda")
 CUBIC = text_of("validate_rules/cubic.usda")
@@ -142,6 +144,10 @@ CASES: list[Case] = [
     ("a camera too many", NO_LENS + UNIT, "camera-invalid", invent_camera),
     ("a moving lens", MOVING_LENS + UNIT, "", animate),
     ("a shifted lens", MOVING_LENS + UNIT, "", shift_lens),
+    *(
+        (f"colors of {name}", (HERE / "stages" / f"{name}.usda").read_text(), "", fade)
+        for name in ("widths", "levels")
+    ),
     ("curves", LINES + UNIT, "curves-invalid", lose("/L")),
     ("places of curves", LINES, "curves-invalid", grow),
     ("patches", PATCH, "curves-approximated", grow),

@@ -122,10 +122,9 @@ class OutputReader:
         )
         if loose:
             result.points = np.vstack([transform_points(p.local.points, p.place) for p in loose])
-            names = set.intersection(*({*p.local.uvs, *p.local.customs} for p in loose))
-            for name in sorted(names):
-                values = [{**p.local.uvs, **p.local.customs}[name] for p in loose]
-                result.point_values[name] = np.vstack(values)
+            many = [{**p.local.uvs, **p.local.customs, "COLOR_0": p.local.colors} for p in loose]
+            for name in sorted(set.intersection(*map(set, many))):
+                result.point_values[name] = np.vstack([values[name] for values in many])
         if not solid:
             return result
         center = result.positions.mean(axis=0) if len(result.positions) else np.zeros(3)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -14,6 +15,7 @@ from .usd_primvars import (
     CornerMap,
     array_of,
     carried,
+    corner_colors,
     customs,
     flattened,
     misfits,
@@ -29,6 +31,8 @@ _MOST_ORDER = 32
 """Highest order of a curve that is drawn."""
 _BASES = ("bezier", "bspline", "catmullRom")
 _UNFIT: Lost = [("curves-invalid", "counts that do not fit the points")]
+SHOWN = "COLOR_0"
+"""Attribute of the file with the display colors of points and curves."""
 DIAMETER = "_DIAMETER_M"
 """Attribute of the file with the widths of points and curves."""
 _COLORS = {"displayColor", "displayOpacity"}
@@ -56,6 +60,10 @@ class Cloud:
         result = {f"TEXCOORD_{slot}": uvs[name] for slot, name in enumerate(names)}
         wide = {} if widths is None else {DIAMETER: widths}
         return result | customs(entries, time, self.corners) | wide
+
+    def colors(self, prim: Usd.Prim, time: Usd.TimeCode) -> Array | None:
+        """Display color and opacity (n, 4); None where there are none that fit."""
+        return None if self.corners is None else corner_colors(prim, time, self.corners)
 
     def _widths(self, prim: Usd.Prim, time: Usd.TimeCode) -> Array | None:
         """Diameters (n, 1) in units of the stage; None where there are none that fit."""
@@ -171,13 +179,21 @@ def _read_cloud(prim: Usd.Prim, time: Usd.TimeCode) -> Cloud | None:
 
 @dataclasses.dataclass
 class Splats(Cloud):
-    """Gaussian splats, as wide as two standard deviations."""
+    """Gaussian splats, as wide as two standard deviations, in the constant part of their color."""
 
     diameters: Array = dataclasses.field(default_factory=lambda: np.zeros((0, 1)))
+    constants: Array = dataclasses.field(default_factory=lambda: np.zeros((0, 3)))
+    """Coefficients (n, 3) of the spherical harmonic of degree 0."""
 
     def values(self, prim: Usd.Prim, time: Usd.TimeCode) -> dict[str, Array]:
         """Only their diameters."""
         return {DIAMETER: self.diameters}
+
+    def colors(self, prim: Usd.Prim, time: Usd.TimeCode) -> Array | None:
+        """Linear colors: encoded ones are a half more than the harmonic's part (Kerbl et al.)."""
+        encoded = np.clip(0.5 + self.constants / math.sqrt(4.0 * math.pi), 0.0, 1.0)
+        low, high = encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4
+        return np.insert(np.where(encoded <= 0.04045, low, high), 3, 1.0, axis=1)
 
 
 def _splats(prim: Usd.Prim, time: Usd.TimeCode) -> Splats:
@@ -194,8 +210,13 @@ def _splats(prim: Usd.Prim, time: Usd.TimeCode) -> Splats:
     rows = np.isfinite(points).all(axis=1) & np.isfinite(scales).all(axis=1)
     if len(opacity) >= len(points):
         rows &= opacity[: len(points)].reshape(-1) >= 0.1
+    name = "radiance:sphericalHarmonicsDegree"
+    each = (int(prim.GetAttribute(name).Get(time)) + 1) ** 2
+    constants = read("radiance:sphericalHarmonicsCoefficients", 3)[::each][: len(points)]
+    if len(constants) < len(points):
+        constants = np.zeros_like(points)
     sizes = 2.0 * np.abs(scales[:, :1] * scales[:, 1:2] * scales[:, 2:]) ** (1.0 / 3.0)
-    return Splats(points[rows], [], diameters=sizes[rows])
+    return Splats(points[rows], [], diameters=sizes[rows], constants=constants[rows])
 
 
 def _sampled(drawn: list[Array], lost: Lost) -> Cloud:

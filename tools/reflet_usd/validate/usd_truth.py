@@ -9,7 +9,7 @@ from pxr import Usd, UsdGeom, UsdShade
 from .faces import measure
 from .scene_data import Array, Corners, Indices, Scene, transform_points
 from .usd_camera import read_camera
-from .usd_curves import DIAMETER, read_patch, read_points
+from .usd_curves import DIAMETER, SHOWN, read_patch, read_points
 from .usd_gprim import read_grid, read_polyhedron, read_surface
 from .usd_light import (
     OF_GEOMETRY,
@@ -96,25 +96,28 @@ class TruthReader:
             if (surface := read_surface(prim, time, matrix)) is not None:
                 scene.surfaces.setdefault(place.key, []).append(surface)
                 if (lathe := read_tessellated(prim, time, surface)) is not None:
-                    lathes.setdefault(place.key, []).append((tinted(lathe, place), matrix))
+                    lathes.setdefault(place.key, []).append((in_tint(lathe, place), matrix))
             elif (drawn := read_points(prim, time)) is not None:
                 scene.lost[str(prim.GetPath())] = drawn.lost
                 if len(drawn.points):
                     scene.misfits[str(prim.GetPath())] = drawn.misfits(prim, time)
                     placed = transform_points(drawn.points, matrix)
                     values = drawn.values(prim, time)
+                    colors = tinted(drawn.colors(prim, time), len(placed), place)
+                    plain = np.tile((NO_COLOR,) * 3 + (1.0,), (len(placed), 1))
+                    values[SHOWN] = plain if colors is None else colors
                     if DIAMETER in values:
                         values[DIAMETER] = values[DIAMETER] * self.truth.meters_per_unit
                     clouds.setdefault(place.key, []).append((placed, values))
             elif prim.IsA(UsdGeom.NurbsPatch):
                 grid, scene.lost[str(prim.GetPath())] = read_patch(prim, time)
                 if grid is not None:
-                    patch = tinted(read_grid(prim, time, grid), place)
+                    patch = in_tint(read_grid(prim, time, grid), place)
                     pieces.setdefault(place.key, []).append((patch, matrix))
             else:
                 mesh = self._mesh(prim, time, meshes)
                 if mesh is not None and len(mesh.counts):
-                    pieces.setdefault(place.key, []).append((tinted(mesh, place), matrix))
+                    pieces.setdefault(place.key, []).append((in_tint(mesh, place), matrix))
                     scene.misfits[str(prim.GetPath())] = mesh.misfits
                 elif (mesh is not None and mesh.optional_triangles) or _is_pointless(prim, time):
                     scene.optional.add(place.key)
@@ -170,21 +173,24 @@ class TruthReader:
         return result
 
 
-def tinted(mesh: LocalMesh, place: Placement) -> LocalMesh:
+def in_tint(mesh: LocalMesh, place: Placement) -> LocalMesh:
     """The mesh in the display color and opacity of its instance, where it has none of its own."""
+    return dataclasses.replace(mesh, colors=tinted(mesh.colors, len(mesh.positions), place))
+
+
+def tinted(colors: Array | None, count: int, place: Placement) -> Array | None:
+    """Colors (n, 4), from the instance of a prim where it has none of its own."""
     api = UsdGeom.PrimvarsAPI(place.prim)
     names = ("displayColor", "displayOpacity")
     found = [api.FindPrimvarWithInheritance(name) for name in names]
     own = [bool(primvar and primvar.HasValue()) for primvar in found]
     if not any(part is not None and not has for part, has in zip(place.tint, own, strict=True)):
-        return mesh
-    count = len(mesh.positions)
-    colors = np.tile((NO_COLOR,) * 3 + (1.0,), (count, 1)) if mesh.colors is None else mesh.colors
-    colors = colors.copy()
+        return colors
+    colors = np.tile((NO_COLOR,) * 3 + (1.0,), (count, 1)) if colors is None else colors.copy()
     for part, has, columns in zip(place.tint, own, (slice(0, 3), slice(3, 4)), strict=True):
         if part is not None and not has:
             colors[:, columns] = np.clip(part, 0.0, 1.0)
-    return dataclasses.replace(mesh, colors=colors)
+    return colors
 
 
 def _read_shining(

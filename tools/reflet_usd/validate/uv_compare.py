@@ -67,14 +67,16 @@ class CoordinateComparer:
             self._values(name, (self.expected.positions, wanted), drawn, both)
 
     def point_values(self) -> None:
-        """Compare the primvars of points and lines, including their coordinates."""
+        """Compare the primvars of points and lines, including their coordinates and colors."""
         expected, found = self.expected, self.found
         for name in sorted(expected.point_values.keys() | found.point_values.keys()):
             wanted, values = (side.point_values.get(name) for side in (expected, found))
             if wanted is None:
                 self.checks.add("uvs", self.key, math.inf, f"{name} is only in the output")
                 continue
-            self._values(name, (expected.points, wanted), (found.points, values), both=True)
+            check = "colors" if name == "COLOR_0" else "uvs"
+            drawn = (found.points, values)
+            self._values(name, (expected.points, wanted), drawn, both=True, check=check)
 
     def use(self, use: UvUse) -> None:
         """Compare primvar and attribute on the corners that carry the material of the use."""
@@ -117,15 +119,16 @@ class CoordinateComparer:
         expected: tuple[Array, Array],
         found: tuple[Array, Array | None],
         both: bool,
+        check: str = "uvs",
     ) -> None:
         places, values = found
         if values is None or values.shape[1] != expected[1].shape[1]:
             self._missing(name)
             return
         reach = _reach(expected[1])
-        step = BARS["uvs"].limit * reach
+        step = BARS[check].limit * reach
         distance = attribute_distance(expected, (places, values), self.tolerance, step, both)
-        self.checks.add("uvs", self.key, distance / reach, name)
+        self.checks.add(check, self.key, distance / reach, name)
 
 
 def _reach(values: Array) -> float:
