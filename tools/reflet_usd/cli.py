@@ -62,7 +62,7 @@ def _identity() -> str:
         code.update(f"{path.relative_to(package).as_posix()} {len(content)}\n".encode())
         code.update(content)
     parts = [f"code {code.hexdigest()[:16]}"]
-    for name in ("usd-core", "numpy", "pillow", "materialx"):
+    for name in ("usd-core", "numpy", "pillow", "scipy", "materialx"):
         with contextlib.suppress(metadata.PackageNotFoundError):
             parts.append(f"{name} {metadata.version(name)}")
     return ", ".join(parts)

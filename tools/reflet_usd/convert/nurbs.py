@@ -1,18 +1,15 @@
 """UsdGeomNurbsPatch evaluated on a grid of quads."""
 
-import itertools
 from dataclasses import dataclass, replace
 
 import numpy as np
 from pxr import Usd
 
 from .context import Context, authored
+from .nurbs_curves import SEGMENTS_PER_SPAN, spline_basis
 from .polygons import Polygons, read_points
 from .primvars import Primvar, Topology
 from .scene import Array
-
-SEGMENTS_PER_SPAN = 8
-MAX_SAMPLES = 1024
 
 
 @dataclass
@@ -97,37 +94,8 @@ def _direction(context: Context, prim: Usd.Prim, axis: str, count: int) -> Array
     """Basis function values (samples, control points) over the visible range of one direction."""
     order = int(authored(prim, f"{axis}Order", context.time, 0))
     knots = np.array(authored(prim, f"{axis}Knots", context.time, []), dtype=np.float64)
-    if order < 2 or count < order or len(knots) != count + order:
-        return None
-    if not np.isfinite(knots).all() or (np.diff(knots) < 0.0).any():
-        return None
-    low, high = knots[order - 1], knots[count]
-    chosen = authored(prim, f"{axis}Range", context.time, None)
-    if chosen is not None and low <= chosen[0] < chosen[1] <= high:
-        low, high = float(chosen[0]), float(chosen[1])
-    if not low < high:
-        return None
-    breaks = np.unique(np.concatenate(([low], knots[(knots > low) & (knots < high)], [high])))
-    steps = max(1, min(SEGMENTS_PER_SPAN, MAX_SAMPLES // len(breaks)))
-    inner = [np.linspace(a, b, steps, endpoint=False) for a, b in itertools.pairwise(breaks)]
-    return _basis(np.concatenate([*inner, [high]]), knots, order, count)
-
-
-def _basis(samples: Array, knots: Array, order: int, count: int) -> Array:
-    """B-spline basis by the Cox-de Boor recursion, (samples, count)."""
-    spans = np.clip(np.searchsorted(knots, samples, side="right") - 1, order - 1, count - 1)
-    values = np.zeros((len(samples), len(knots) - 1))
-    values[np.arange(len(samples)), spans] = 1.0
-    for degree in range(1, order):
-        raised = np.zeros((len(samples), len(knots) - 1 - degree))
-        for i in range(raised.shape[1]):
-            left, right = knots[i + degree] - knots[i], knots[i + degree + 1] - knots[i + 1]
-            if left > 0.0:
-                raised[:, i] += (samples - knots[i]) / left * values[:, i]
-            if right > 0.0:
-                raised[:, i] += (knots[i + degree + 1] - samples) / right * values[:, i + 1]
-        values = raised
-    return values
+    found = spline_basis(knots, count, order, authored(prim, f"{axis}Range", context.time, None))
+    return None if found is None else np.asarray(found.toarray())
 
 
 def _grid_polygons(grid: Array, left_handed: bool) -> Polygons:

@@ -1,5 +1,7 @@
 """UsdGeomNurbsCurves evaluated as lines, with their orders, knots, ranges and weights."""
 
+from typing import Any
+
 import numpy as np
 from pxr import Usd
 
@@ -7,6 +9,8 @@ from .context import Context, authored
 from .scene import Array
 
 SEGMENTS_PER_SPAN = 8
+MAX_SAMPLES = 1024
+"""Maximum number of samples of a patch in each direction."""
 MAX_ORDER = 32
 """Higher orders take long to evaluate, and no program writes them."""
 
@@ -35,19 +39,24 @@ def sample_nurbs(
     for index, (count, order) in enumerate(zip(counts.tolist(), orders.tolist(), strict=True)):
         own = knots[first_knot[index] : first_knot[index] + count + order]
         chosen = ranges[index] if len(ranges) == len(counts) else None
-        places = _places(own, count, order, chosen)
-        if places is None:
+        basis = spline_basis(own, count, order if order <= MAX_ORDER else 0, chosen, 1 << 30)
+        if basis is None:
             continue
-        control = homogeneous[first[index] : first[index] + count]
-        found = _de_boor(control, own, order, places)
+        found = basis @ homogeneous[first[index] : first[index] + count]
         curves.append(found[:, :-1] / found[:, -1:])
         drawn.append(index)
     return curves, drawn
 
 
-def _places(knots: Array, count: int, order: int, chosen: Array | None) -> Array | None:
-    """Parameters of the samples; None for a curve that does not fit together."""
-    if not 2 <= order <= MAX_ORDER or count < order:
+def spline_basis(knots: Array, count: int, order: int, chosen: Any, most: int = MAX_SAMPLES) -> Any:
+    """Sparse basis values (samples, control points); None where the parts do not fit together.
+
+    A spline of `count` control points has samples over its visible range, which `chosen` may cut,
+    as many for each span as `most` allow.
+    """
+    from scipy.interpolate import BSpline  # takes long, and few stages have NURBS
+
+    if order < 2 or count < order or len(knots) != count + order:
         return None
     if not np.isfinite(knots).all() or (np.diff(knots) < 0.0).any():
         return None
@@ -57,21 +66,7 @@ def _places(knots: Array, count: int, order: int, chosen: Array | None) -> Array
     if not low < high:
         return None
     breaks = np.unique(np.concatenate(([low], knots[(knots > low) & (knots < high)], [high])))
-    inner = np.arange((len(breaks) - 1) * SEGMENTS_PER_SPAN + 1) / SEGMENTS_PER_SPAN
-    return np.interp(inner, np.arange(len(breaks)), breaks)
-
-
-def _de_boor(control: Array, knots: Array, order: int, places: Array) -> Array:
-    """Points of a spline by de Boor's algorithm, from the `order` control points of each span."""
-    degree = order - 1
-    spans = np.clip(np.searchsorted(knots, places, side="right") - 1, degree, len(control) - 1)
-    window = spans[:, None] - degree + np.arange(order)
-    values = control[window]
-    for level in range(1, order):
-        for place in range(degree, level - 1, -1):
-            low = knots[window[:, place]]
-            high = knots[window[:, place] + order - level]
-            width = high - low
-            share = np.divide(places - low, width, out=np.zeros(len(places)), where=width > 0.0)
-            values[:, place] += (1.0 - share[:, None]) * (values[:, place - 1] - values[:, place])
-    return values[:, degree]
+    steps = max(1, min(SEGMENTS_PER_SPAN, most // len(breaks)))
+    inner = np.arange((len(breaks) - 1) * steps + 1) / steps
+    places = np.interp(inner, np.arange(len(breaks)), breaks)
+    return BSpline.design_matrix(places, knots, order - 1)
