@@ -116,9 +116,8 @@ def read_document(path: str, is_allowed: Callable[[str], bool]) -> Document:
     options.readXIncludeFunction = include
     try:
         read(document, path, options)
-        # MaterialX loses the connections of nodes in a namespace when it replaces them.
-        plain = [found for found in document.getNodeDefs() if not found.hasNamespace()]
-        own = {found.getName() for found in plain if ":" not in found.getName()}
+        _leave_namespaces(mx, document)
+        own = {found.getName() for found in document.getNodeDefs()}
         document.setDataLibrary(_library(mx))
         _unfold(document, own)
         writer = _Writer(mx, path)
@@ -180,6 +179,26 @@ def _library(mx: Any) -> Any:
     library = mx.createDocument()
     mx.loadLibraries(mx.getDefaultDataLibraryFolders(), mx.getDefaultDataSearchPath(), library)
     return library
+
+
+def _leave_namespaces(mx: Any, document: Any) -> None:
+    """Join namespaces with the names in them, but for nodes that the document does not define.
+
+    MaterialX loses the connections of nodes in a namespace when it replaces them.
+    """
+    defined = {(found.getNamespace(), found.getNodeString()) for found in document.getNodeDefs()}
+    elements = [found for found in document.traverseTree() if found.getParent() is not None]
+    spaces = [found.getNamespace() or found.getParent().getNamespace() for found in elements]
+    for element, space in zip(elements, spaces, strict=True):
+        if space and element.isA(mx.Node) and (space, element.getCategory()) in defined:
+            element.setCategory(f"{space}_{element.getCategory()}")
+        for name in ("node", "nodedef") if space and not element.isA(mx.Node) else ():
+            if element.hasAttribute(name):
+                element.setAttribute(name, f"{space}_{element.getAttribute(name)}")
+        if element.hasNamespace():
+            if not element.isA(mx.Node):
+                element.setName(f"{space}_{element.getName().rpartition(':')[2]}")
+            element.removeAttribute("namespace")
 
 
 def _unfold(document: Any, own: set[str]) -> None:
