@@ -3,8 +3,7 @@
 from pathlib import Path
 
 import numpy as np
-import pytest
-from material_stages import material, noise, save, shaded, texture
+from material_stages import noise, save, shaded, texture
 from read_converted import Converted, convert_text
 from texts import text_of
 
@@ -68,16 +67,18 @@ def test_metadata_without_a_place_is_named_once(tmp_path: Path) -> None:
     assert "bad" not in kept and "many" not in kept
 
 
-@pytest.mark.parametrize("name", ["ior", "opacityThreshold", "useSpecularWorkflow"])
-def test_a_texture_for_one_number_is_named_and_the_default_taken(tmp_path: Path, name: str) -> None:
-    save(tmp_path, "t.png", noise("L"))
-    nodes = texture("T", "t.png", "float4 inputs:fallback = (0.9, 0.9, 0.9, 1)")
-    plain = shaded(tmp_path, "")
-    before = material(plain)
-    done = shaded(tmp_path, f"float inputs:{name}.connect = </Mat/T.outputs:r>", nodes)
-    assert material(done) == before
-    assert "extensions" not in before
-    assert f"'{name}'" in messages(done, "material-texture-dropped")["/Mat"]
+def test_volumes_say_what_is_lost(tmp_path: Path) -> None:
+    text = """def Volume "V" {
+        rel field:density = </V/Smoke>
+        rel field:heat = </V/None>
+        def OpenVDBAsset "Smoke" {
+            asset filePath = @./smoke.vdb@
+        }
+    }"""
+    done = convert_text(tmp_path, text)
+    assert "('density' @./smoke.vdb@, 'heat')" in messages(done, "Volume-dropped")["/V"]
+    assert "of a volume" in messages(done, "OpenVDBAsset-dropped")["/V/Smoke"]
+    assert "1 Volume" in messages(done, "stage-empty")["/"]
 
 
 def test_recoded_texels_are_named(tmp_path: Path) -> None:

@@ -4,12 +4,12 @@ import time
 from dataclasses import dataclass, field
 
 import numpy as np
-from pxr import Usd, UsdGeom, UsdLux
+from pxr import Usd, UsdGeom, UsdLux, UsdVol
 
 from .animation import Visibility, add_visibility_track, own_visibility, transform_node
 from .camera import add_camera
 from .collection import keep_collections
-from .context import Context, type_name
+from .context import Context, authored, type_name
 from .curves import LineBuilder, draws_lines
 from .extras import keep_custom_properties
 from .geometry import BuiltMesh, GeometryBuilder, is_surface
@@ -290,11 +290,26 @@ class Traversal:
         kind = type_name(prim)
         if prim.IsA(UsdGeom.Gprim) or prim.IsA(UsdGeom.Imageable):
             name = "curves-dropped" if kind.endswith("Curves") else f"{kind}-dropped"
-            message = f"glTF has no counterpart of the type {kind}"
+            message = _volume_message(prim) or f"glTF has no counterpart of the type {kind}"
         else:
             message = f"glTF has no place for a {kind}; {what_is_lost(kind)}"
             name = "schema-ignored"
         self.context.ledger.warn(name, prim, message)
+
+
+def _volume_message(prim: Usd.Prim) -> str:
+    """Loss of a volume, or of a field of one, in words; empty for all other prims."""
+    if prim.IsA(UsdVol.FieldBase):
+        return "the field of a volume, which is not drawn"
+    if not prim.IsA(UsdVol.Volume):
+        return ""
+    fields = []
+    for name, path in sorted(UsdVol.Volume(prim).GetFieldPaths().items()):
+        field = prim.GetStage().GetPrimAtPath(path)
+        file = authored(field, "filePath", Usd.TimeCode.EarliestTime(), "") if field else ""
+        fields.append(f"'{name}' {file}".rstrip())
+    listed = f" ({', '.join(fields)})" if fields else ""
+    return f"its smoke, fire or cloud is not drawn: glTF has no grids of densities{listed}"
 
 
 def warn_variants(context: Context, prim: Usd.Prim) -> None:
