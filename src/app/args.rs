@@ -33,8 +33,7 @@ pub struct SceneArgs {
     /// repeatable. The folders of REFLET_ASSETS come last
     #[arg(long, value_name = "DIR")]
     pub assets: Vec<PathBuf>,
-    /// Load glTF files without materials, textures and lights of extensions that they require and Reflet does not
-    /// know, and without references to scenes, nodes and meshes that a file does not have. A node of several parents
+    /// Load glTF files without references to scenes, nodes and meshes that they do not have. A node of several parents
     /// stays with the first. Each kind has a warning
     #[arg(long)]
     pub lenient: bool,

@@ -25,7 +25,6 @@ mod animation;
 mod budget;
 mod buffer;
 mod camera;
-mod check_indices;
 mod container;
 mod draco;
 mod extension;
@@ -58,6 +57,7 @@ mod transform;
 mod tree;
 pub(super) mod uri;
 mod wire;
+mod wrong_types;
 
 pub use animation::{Clip, Playable, StageTime};
 pub use container::Bytes;
@@ -289,8 +289,7 @@ const MAX_ERRORS: usize = 20;
 /// Options of reading a file.
 #[derive(Clone, Debug, Default)]
 pub struct ReadOptions {
-    /// Whether extensions that only change the look are ignored even if the file requires them, and wrong references
-    /// to nodes and meshes dropped.
+    /// Whether wrong references to nodes and meshes are dropped.
     pub lenient: bool,
     /// Whether a wrong part that could be left out is an error.
     pub strict: bool,
@@ -335,16 +334,14 @@ fn read_faults(path: &Path, sandbox: &Sandbox, options: &ReadOptions) -> Result<
     };
     let bytes = interchange::as_glb(path, bytes, sandbox, &options.memory, found).map_err(one)?;
     budget.take_file(bytes.len()).map_err(one)?;
-    let container = container::open(bytes, options.lenient, &options.memory).map_err(one)?;
+    let container = container::open(bytes, options, &mut notes).map_err(one)?;
     let (mut root, binary, held) = (container.root, container.binary, container.held);
     let folder = path.parent().unwrap_or(Path::new("."));
     let mut model = Model {
         files,
         ..Model::default()
     };
-    if !options.strict {
-        lenient::mend(&mut root, &mut notes, options.lenient);
-    }
+    lenient::check_references(&mut root, &mut notes, options).map_err(one)?;
     let mut buffers = buffer::read(
         &root,
         binary,
@@ -357,7 +354,6 @@ fn read_faults(path: &Path, sandbox: &Sandbox, options: &ReadOptions) -> Result<
     .map_err(one)?;
     draco::decompress(&mut root, &mut buffers, &budget).map_err(one)?;
     let data = accessor::Data::new(&root, buffers, budget, &mut notes).map_err(one)?;
-    check_indices::check(&root).map_err(one)?;
     material::read(&root, &data, folder, sandbox, &mut model, &mut notes).map_err(one)?;
     let light = image_light::read(&root, &data, folder, sandbox);
     let light = lenient::forgiven(&root, light, None, &LEFT_OUT_LIGHT, &mut notes);

@@ -61,11 +61,11 @@ pub struct LoadOptions {
     /// Memory limit of geometry, images and trees together, bytes; `None`: three quarters of the free memory,
     /// or 6 GiB where the system does not tell it.
     pub memory_bytes: Option<u64>,
-    /// Whether glTF files are shown without extensions that they require, that change only their look and are not
-    /// supported, and without wrong references to scenes, nodes and meshes.
+    /// Whether glTF files are shown without wrong references to scenes, nodes and meshes.
     pub lenient: bool,
     /// Whether wrong parts of glTF files that change only their look are errors; else they are left out with a warning:
-    /// images that cannot be found or read, materials, textures, attributes, lights, cameras and references to these.
+    /// images that cannot be found or read, materials, textures, attributes, lights, cameras, references to these, and
+    /// extensions that a file requires.
     pub strict: bool,
     /// Records the files that were searched.
     pub dependencies: Dependencies,

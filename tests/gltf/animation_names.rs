@@ -123,6 +123,7 @@ fn a_broken_channel_stops_no_other() {
     for (channels, count) in [
         (json!([good, good]), "1 channels"),
         (json!([lost, good]), "1 channels"),
+        (json!([{"sampler": "x"}, 3, good]), "2 channels"),
         (
             Value::Array([vec![lost.clone(); 100], vec![good.clone()]].concat()),
             "100 channels",

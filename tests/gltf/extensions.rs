@@ -4,21 +4,11 @@ use reflet::world::gltf::SUPPORTED_EXTENSIONS;
 
 use crate::kit::*;
 
-fn lenient(doc: &Doc) -> Result<reflet::world::World, Vec<reflet::scene::diagnostic::Diagnostic>> {
-    let folder = Folder::new();
-    folder.write("m.glb", doc.glb());
-    let options = LoadOptions {
-        lenient: true,
-        ..LoadOptions::default()
-    };
-    load(&scene(&folder.0, "m.glb"), &options)
-}
-
 #[test]
 fn required_extensions_are_refused_by_name() {
     let mut doc = Doc::triangle();
     doc.json["extensionsRequired"] = json!(["KHR_texture_transform", "VENDOR_magic"]);
-    for result in [doc.load(), lenient(&doc)] {
+    for result in [doc.load(), doc.load_with(&LoadOptions::default())] {
         let errors = result.expect_err("unsupported");
         assert_eq!(errors[0].name, "extension-unsupported");
         let message = &errors[0].message;
@@ -30,7 +20,7 @@ fn required_extensions_are_refused_by_name() {
 }
 
 #[test]
-fn a_required_look_loads_when_asked() {
+fn a_required_look_is_refused_when_asked() {
     let mut doc = Doc::triangle();
     let names = [
         "KHR_materials_diffuse_transmission",
@@ -39,9 +29,9 @@ fn a_required_look_loads_when_asked() {
     doc.json["extensionsRequired"] = json!(names);
     let errors = doc.load().expect_err("unsupported");
     let help = errors[0].help.as_deref().expect("help");
-    assert!(help.contains("--lenient"), "{help}");
-    let world = lenient(&doc).expect("loads");
-    assert_eq!(warnings(&world), ["extension-ignored"; 2]);
+    assert!(help.contains("--strict"), "{help}");
+    let world = doc.load_with(&LoadOptions::default()).expect("loads");
+    assert_eq!(warnings(&world), ["extension-left-out"; 2]);
     for (warning, name) in world.warnings.iter().zip(names) {
         assert!(warning.message.contains(name), "{}", warning.message);
     }
@@ -67,7 +57,7 @@ fn images_that_cannot_be_read_are_left_out_when_asked() {
         errors.iter().any(|e| e.name == "file-not-found"),
         "{errors:?}"
     );
-    let world = lenient(&doc).expect("valid");
+    let world = doc.load_with(&LoadOptions::default()).expect("valid");
     let material = &world.materials[world.instances[0].material];
     assert_eq!(material.emission_texture.map(|used| used.texture), Some(0));
     assert_eq!(
@@ -86,7 +76,10 @@ fn images_that_cannot_be_read_are_left_out_when_asked() {
         let named = warning.message.contains(slot) && warning.message.contains("rock");
         assert!(named, "{}", warning.message);
     }
-    assert_eq!(warnings(&lenient(&rich()).expect("loads")), [""; 0]);
+    assert_eq!(
+        warnings(&rich().load_with(&LoadOptions::default()).expect("loads")),
+        [""; 0]
+    );
 }
 
 #[test]

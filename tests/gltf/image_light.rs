@@ -174,16 +174,9 @@ fn broken_lights_of_images_are_refused() {
 fn images_that_are_missing_are_left_out_where_asked() {
     let mut doc = lit(255, json!({}));
     doc.json["images"][2] = json!({"uri": "sky.png"});
-    let folder = Folder::new();
-    folder.write("m.glb", doc.glb());
-    let desc = scene(&folder.0, "m.glb");
-    let errors = load_scene(&desc).expect_err("an image is missing");
+    let errors = doc.load().expect_err("an image is missing");
     assert_eq!(errors[0].name, "file-not-found");
-    let lenient = LoadOptions {
-        lenient: true,
-        ..LoadOptions::default()
-    };
-    let world = load(&desc, &lenient).expect("valid");
+    let world = doc.load_with(&LoadOptions::default()).expect("valid");
     assert_eq!(warnings(&world), ["image-left-out"]);
     assert!(world.environment.panorama.is_none());
 }

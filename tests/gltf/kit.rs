@@ -176,9 +176,14 @@ impl Doc {
 
     /// Writes the document as GLB and loads it as the model `m`.
     pub fn load(&self) -> Result<World, Vec<Diagnostic>> {
+        self.load_with(&strict())
+    }
+
+    /// Loads the document with other options.
+    pub fn load_with(&self, options: &LoadOptions) -> Result<World, Vec<Diagnostic>> {
         let folder = Folder::new();
         folder.write("m.glb", self.glb());
-        load_scene(&scene(&folder.0, "m.glb"))
+        load(&scene(&folder.0, "m.glb"), options)
     }
 
     /// Loads the document, which must succeed.
@@ -219,11 +224,14 @@ pub fn scene(folder: &Path, file: &str) -> SceneDesc {
 }
 
 pub fn load_scene(desc: &SceneDesc) -> Result<World, Vec<Diagnostic>> {
-    let options = LoadOptions {
+    load(desc, &strict())
+}
+
+fn strict() -> LoadOptions {
+    LoadOptions {
         strict: true,
         ..LoadOptions::default()
-    };
-    load(desc, &options)
+    }
 }
 
 pub fn unplaced(text: &str) -> At<String> {
@@ -241,7 +249,6 @@ pub fn entry<T>(name: &str, value: T) -> Entry<T> {
     }
 }
 
-/// Names of the world's warnings.
 /// Names of the warnings, but that about cameras, which many documents place where nothing is seen.
 pub fn warnings(world: &World) -> Vec<&'static str> {
     let names = world.warnings.iter().map(|w| w.name);

@@ -14,7 +14,7 @@ fn doc(pointers: &[(&str, &str, &[f32], &[f32])]) -> Doc {
     doc.json["materials"] = json!([
         {"name": "lamp", "emissiveFactor": [1, 0.5, 0],
          "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 3}},
-         "pbrMetallicRoughness": {"metallicFactor": 0, "baseColorTexture": {"index": 0,
+         "pbrMetallicRoughness": {"metallicFactor": 0, "baseColorTexture": {"index": 0, "texCoord": 1,
             "extensions": {"KHR_texture_transform": {"scale": [2, 4]}}}}}
     ]);
     let png = "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mP8z8BQDwAEhQGAhKmMIQAAAABJRU5ErkJggg==";
@@ -22,7 +22,7 @@ fn doc(pointers: &[(&str, &str, &[f32], &[f32])]) -> Doc {
     doc.json["textures"] = json!([{"source": 0}]);
     doc.primitive("material", json!(0));
     let uv = doc.floats("VEC2", &[0.0, 0.0, 1.0, 0.0, 0.0, 1.0]);
-    doc.attribute("TEXCOORD_0", uv);
+    doc.attribute("TEXCOORD_1", uv);
     doc.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [
         {"type": "spot", "spot": {"outerConeAngle": 0.5}}]}});
     doc.json["cameras"] = json!([
@@ -114,7 +114,7 @@ fn materials_textures_lights_and_cameras_change() {
     assert_eq!(material.alpha_cutoff, None, "it is opaque");
     let texture = material.base_color_texture.expect("a texture");
     let rows = TextureRef::rows(Vec2::new(0.5, 1.5), 0.0, Vec2::new(2.0, 4.0));
-    assert_eq!(texture.transform, rows);
+    assert_eq!((texture.transform, texture.uv_set), (rows, 1));
     let light = &world.lights[0].desc;
     assert_eq!(light.color, Vec3::new(0.5, 0.25, 1.0));
     assert_eq!(light.kind.intensity(), 20.0);

@@ -22,7 +22,7 @@ pub struct SceneOptions {
     pub variant: Vec<String>,
     /// Folders to search for models and textures after the scene's own, before folders of [`ASSETS_ENV`].
     pub assets: Vec<PathBuf>,
-    /// Whether to load glTF files without extensions that they require, as [`LoadOptions::lenient`].
+    /// Whether to load glTF files without references to nodes and meshes that they lack: see [`LoadOptions::lenient`].
     pub lenient: bool,
     /// Whether wrong parts of models that could be left out are errors: see [`LoadOptions::strict`], and every warning
     /// of [`FORGIVEN`](reflet_world::gltf::FORGIVEN).

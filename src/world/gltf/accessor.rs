@@ -5,7 +5,9 @@ use std::sync::OnceLock;
 use super::{
     Fault, Notes,
     budget::GeometryBudget,
+    buffer::Buffer,
     container::Bytes,
+    lenient::{LeftOut, forgiven},
     meshopt,
     run::Run,
     schema::{Accessor, BufferView, Root},
@@ -17,7 +19,7 @@ const MAX_VIRTUAL_ELEMENTS: u64 = 1 << 22;
 /// The document's buffers, with a decode budget.
 pub struct Data<'a> {
     root: &'a Root,
-    buffers: Vec<Option<Bytes>>,
+    buffers: Vec<Buffer>,
     /// Decompressed buffer views, each on first use.
     decompressed: Vec<OnceLock<Result<Bytes, Fault>>>,
     pub(super) budget: GeometryBudget,
@@ -116,10 +118,11 @@ impl<'a> Data<'a> {
     /// errors where they are read. Bytes that the result decodes are taken from `budget`.
     ///
     /// # Errors
-    /// The first accessor or view that is out of range or of unknown type.
+    /// The first accessor or view that is out of range or of unknown type, where the load forgives nothing: else wrong
+    /// ones are warned about here, and errors where they are read.
     pub fn new(
         root: &'a Root,
-        buffers: Vec<Option<Bytes>>,
+        buffers: Vec<Buffer>,
         budget: GeometryBudget,
         notes: &mut Notes,
     ) -> Result<Self, Fault> {
@@ -129,13 +132,27 @@ impl<'a> Data<'a> {
             decompressed: root.buffer_views.iter().map(|_| OnceLock::new()).collect(),
             budget,
         };
-        for (i, view) in root.buffer_views.iter().enumerate() {
-            data.check_view(view)
-                .map_err(|f| f.placed(&format!("bufferView {i}")))?;
+        let left_out = |place| LeftOut {
+            name: "accessor-left-out",
+            what: "accessors and bufferViews are wrong, and left out with what they hold",
+            place,
+        };
+        for i in 0..root.buffer_views.len() {
+            forgiven(
+                root,
+                data.view(i).map(|_| ()),
+                (),
+                &left_out("the file"),
+                notes,
+            )?;
         }
         for (i, accessor) in root.accessors.iter().enumerate() {
             // Unknown types are an error only where they are used.
-            if shape(&accessor.kind, 1).is_some() && !data.layout(i)?.is_aligned {
+            if shape(&accessor.kind, 1).is_none() {
+                continue;
+            }
+            let is_aligned = data.layout(i).map(|layout| layout.is_aligned);
+            if !forgiven(root, is_aligned, true, &left_out("the file"), notes)? {
                 let what =
                     "accessors have components that do not start at a multiple of their size";
                 notes.add("accessor-unaligned", 1, what, &format!("accessor {i}"));
@@ -176,8 +193,11 @@ impl<'a> Data<'a> {
     }
 
     fn view(&self, index: usize) -> Result<&'a BufferView, Fault> {
-        (self.root.buffer_views.get(index))
-            .ok_or_else(|| fault(format!("bufferView {index} does not exist")))
+        let view = self.root.buffer_views.get(index);
+        let view = view.ok_or_else(|| fault(format!("bufferView {index} does not exist")))?;
+        let checked = self.check_view(view);
+        checked.map_err(|f| f.placed(&format!("bufferView {index}")))?;
+        Ok(view)
     }
 
     /// The bytes of a buffer view, decompressed.
@@ -213,11 +233,12 @@ impl<'a> Data<'a> {
     }
 
     fn buffer_bytes(&self, buffer: usize, offset: u64, length: u64) -> Result<Bytes, Fault> {
-        let bytes = self.buffers.get(buffer).and_then(Option::as_ref);
-        let bytes = bytes.ok_or_else(|| {
+        let missing = || {
             let text = format!("buffer {buffer} has no uri and no GLB chunk");
-            Fault::new("buffer-missing", text)
-        })?;
+            Err(Fault::new("buffer-missing", text))
+        };
+        let found = self.buffers.get(buffer).and_then(Option::as_ref);
+        let bytes = found.cloned().unwrap_or_else(missing)?;
         let start = usize::try_from(offset).ok();
         let end = (offset.checked_add(length)).and_then(|end| usize::try_from(end).ok());
         let range = start.and_then(|start| Some(start..end?));

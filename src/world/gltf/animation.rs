@@ -9,7 +9,8 @@ use std::{
 };
 
 use glam::DVec4;
-use serde::Deserialize;
+use serde::{Deserialize, de::DeserializeOwned};
+use serde_json::Value;
 
 pub use self::pointer::moved_material_keys;
 use self::{
@@ -98,14 +99,17 @@ pub fn read(root: &Root, data: &Data<'_>) -> Vec<Clip> {
         times: HashMap::new(),
         samplers: HashMap::new(),
     };
-    let clip = |(i, value): (usize, &serde_json::Value)| {
-        let parsed = parse(value);
-        let own = value.get("name").and_then(serde_json::Value::as_str);
+    let clip = |(i, value): (usize, &Value)| {
+        let parts = Parts {
+            channels: parse(value, "channels"),
+            samplers: parse(value, "samplers"),
+        };
+        let own = value.get("name").and_then(Value::as_str);
         let own = own.filter(|name| !name.trim().is_empty());
         let base = own.map_or_else(|| format!("animation {i}"), shorten);
         let mut notes = Notes::default();
         let place = label("animation", i, own);
-        let read = parsed.and_then(|animation| reader.animation(&animation, &place, &mut notes));
+        let read = reader.animation(&parts, &place, &mut notes);
         Clip {
             name: names.take(&base),
             animation: read.map(Arc::new).map_err(|fault| fault.placed(&place)),
@@ -115,14 +119,33 @@ pub fn read(root: &Root, data: &Data<'_>) -> Vec<Clip> {
     root.animations.iter().enumerate().map(clip).collect()
 }
 
-fn parse(value: &serde_json::Value) -> Result<schema::Animation, Fault> {
-    let first = match serde_json::from_value(value.clone()) {
-        Ok(animation) => return Ok(animation),
-        Err(first) => first,
+/// Channels and samplers of an animation; a broken channel or sampler is its error.
+struct Parts {
+    channels: Vec<Result<schema::Channel, Fault>>,
+    samplers: Vec<Result<schema::AnimationSampler, Fault>>,
+}
+
+impl Parts {
+    fn sampler(&self, channel: &schema::Channel) -> Result<&schema::AnimationSampler, Fault> {
+        let index = channel.sampler;
+        let missing = || fault(format!("sampler {index} does not exist"));
+        let sampler = self.samplers.get(index).ok_or_else(missing)?;
+        let broken = |fault: &Fault| fault.clone().placed(&format!("sampler {index}"));
+        sampler.as_ref().map_err(broken)
+    }
+}
+
+/// The parts in a list of an animation.
+fn parse<T: DeserializeOwned>(animation: &Value, list: &str) -> Vec<Result<T, Fault>> {
+    let parts = animation.get(list).and_then(Value::as_array);
+    let part = |part: &Value| {
+        serde_json::from_value(part.clone()).or_else(|first| {
+            let mut part = part.clone();
+            container::integers_from_floats(&mut part);
+            serde_json::from_value(part).map_err(|_| fault(first.to_string()))
+        })
     };
-    let mut value = value.clone();
-    container::integers_from_floats(&mut value);
-    serde_json::from_value(value).map_err(|_| fault(first.to_string()))
+    parts.into_iter().flatten().map(part).collect()
 }
 
 /// Maximum number of broken channels that are left out of an animation; one with more of them is not played.
@@ -156,7 +179,7 @@ struct Reader<'a> {
 impl Reader<'_> {
     fn animation(
         &mut self,
-        animation: &schema::Animation,
+        animation: &Parts,
         place: &str,
         notes: &mut Notes,
     ) -> Result<Animation, Fault> {
@@ -166,7 +189,9 @@ impl Reader<'_> {
         let mut read = Tracks::default();
         let mut broken = Vec::new();
         for (c, channel) in animation.channels.iter().enumerate() {
-            if let Err(fault) = self.channel(animation, channel, place, &mut read, notes) {
+            let channel = channel.as_ref().map_err(Fault::clone);
+            let added = channel.and_then(|c| self.channel(animation, c, place, &mut read, notes));
+            if let Err(fault) = added {
                 broken.push(fault.placed(&format!("channel {c}")));
             }
             if broken.len() > MOST_BROKEN {
@@ -188,7 +213,7 @@ impl Reader<'_> {
     /// Reads a channel, if its target is supported.
     fn channel(
         &mut self,
-        animation: &schema::Animation,
+        animation: &Parts,
         channel: &schema::Channel,
         place: &str,
         read: &mut Tracks,
@@ -209,10 +234,7 @@ impl Reader<'_> {
             let text = format!("an earlier channel moves the {property:?} of node {node} too");
             return Err(fault(text.to_lowercase()));
         }
-        let sampler = animation.samplers.get(channel.sampler);
-        let sampler = sampler
-            .ok_or_else(|| fault(format!("sampler {} does not exist", channel.sampler)))
-            .and_then(|sampler| self.sampler(sampler, property))?;
+        let sampler = self.sampler(animation.sampler(channel)?, property)?;
         if self.root.nodes[node].matrix.is_some() && property != Property::Visible {
             let what = "animated nodes have a matrix, which is split into translation, \
                         rotation and scale; a shear is lost";
@@ -231,7 +253,7 @@ impl Reader<'_> {
     /// The morph weights that a channel moves; `None` for other channels, and for nodes without morph targets.
     fn weights(
         &mut self,
-        animation: &schema::Animation,
+        animation: &Parts,
         channel: &schema::Channel,
     ) -> Result<Option<WeightTrack>, Fault> {
         let target = &channel.target;
@@ -241,16 +263,11 @@ impl Reader<'_> {
         };
         let mesh = node.and_then(|i| self.root.nodes.get(i)?.mesh);
         let primitive = mesh.and_then(|i| self.root.meshes.get(i)?.primitives.first());
-        let (Some(node), Some(count)) = (node, primitive.map(|p| p.targets.len())) else {
+        let count = primitive.map_or(0, |p| p.targets.len());
+        let Some(node) = node.filter(|_| count > 0) else {
             return Ok(None);
         };
-        let Some(sampler) = animation
-            .samplers
-            .get(channel.sampler)
-            .filter(|_| count > 0)
-        else {
-            return Ok(None);
-        };
+        let sampler = animation.sampler(channel)?;
         let samplers = self.once(sampler, Kind::Weights(count), |reader, times_s, interpolation| {
             let accept = accessor::float_or_normalized;
             let values = reader.data.floats::<1>(sampler.output, accept);

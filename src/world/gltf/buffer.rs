@@ -6,12 +6,24 @@ use super::{
     Fault, Notes,
     budget::GeometryBudget,
     container::Bytes,
-    schema::{Buffer, Root},
+    schema::{self, Root},
     uri::{self, Sandbox},
 };
 
-/// The data of every buffer, `None` without a URI or GLB chunk; files that were read are added to `files`. A buffer may
-/// have fewer bytes than it says, which is a warning.
+/// Names of errors of buffers that are not there.
+const IS_MISSING: [&str; 5] = [
+    "file-not-found",
+    "file-unreadable",
+    "not-a-file",
+    "path-escape",
+    "uri-broken",
+];
+
+/// The bytes of a buffer, or the error of one that cannot be read; `None` without a URI or GLB chunk.
+pub type Buffer = Option<Result<Bytes, Fault>>;
+
+/// The data of every buffer; files that were read are added to `files`. A buffer may have fewer bytes than it says, or
+/// be missing where the load forgives that, which are warnings.
 pub fn read(
     root: &Root,
     mut binary: Option<Bytes>,
@@ -20,7 +32,7 @@ pub fn read(
     files: &mut Vec<PathBuf>,
     notes: &mut Notes,
     budget: &GeometryBudget,
-) -> Result<Vec<Option<Bytes>>, Fault> {
+) -> Result<Vec<Buffer>, Fault> {
     let mut buffers = Vec::with_capacity(root.buffers.len());
     for (i, buffer) in root.buffers.iter().enumerate() {
         let chunk = if i == 0 { binary.take() } else { None };
@@ -31,7 +43,15 @@ pub fn read(
             budget.take_file(own.map_or(0, |bytes| bytes.len()))?;
             Ok(bytes)
         });
-        let bytes = bytes.map_err(|f| f.placed(&format!("buffer {i}")))?;
+        let bytes = match bytes.map_err(|f| f.placed(&format!("buffer {i}"))) {
+            Err(fault) if root.is_lenient && IS_MISSING.contains(&fault.name) => {
+                let what = "buffers cannot be read, and are left out with what they hold";
+                notes.add("buffer-left-out", 1, what, &fault.message);
+                buffers.push(Some(Err(fault)));
+                continue;
+            }
+            bytes => bytes?,
+        };
         if let Some(got) = bytes.as_ref().map(|bytes| bytes.len() as u64)
             && got < buffer.byte_length
         {
@@ -43,13 +63,13 @@ pub fn read(
                 &place,
             );
         }
-        buffers.push(bytes);
+        buffers.push(bytes.map(Ok));
     }
     Ok(buffers)
 }
 
 fn read_one(
-    buffer: &Buffer,
+    buffer: &schema::Buffer,
     chunk: Option<Bytes>,
     folder: &Path,
     sandbox: &Sandbox,

@@ -6,11 +6,12 @@ use std::{ops::Range, sync::Arc};
 use serde_json::Value;
 
 use super::{
-    Fault, extension,
+    Fault, Notes, ReadOptions, extension,
     json_memory::{Head, value_bytes},
     schema::Root,
+    wrong_types,
 };
-use reflet_base::memory::{Budget, Reservation};
+use reflet_base::memory::Reservation;
 
 /// Part of a shared block of bytes; keeps the block alive.
 #[derive(Clone, Debug)]
@@ -63,15 +64,15 @@ pub struct Container {
     pub held: Reservation,
 }
 
-/// Parses a file's bytes. With `lenient`, the file may require unsupported extensions that only change the look.
-pub fn open(bytes: Vec<u8>, lenient: bool, memory: &Budget) -> Result<Container, Fault> {
+/// Parses a file's bytes. But with `strict`, what is wrong or not supported and only changes the look is left out.
+pub fn open(bytes: Vec<u8>, options: &ReadOptions, notes: &mut Notes) -> Result<Container, Fault> {
     let bytes = Bytes::new(bytes);
     let (json, binary) = if bytes.starts_with(b"glTF") {
         split_glb(&bytes)?
     } else {
         (bytes.clone(), None)
     };
-    let (root, held) = parse(&json, lenient, memory)?;
+    let (root, held) = parse(&json, options, notes)?;
     Ok(Container { root, binary, held })
 }
 
@@ -131,14 +132,23 @@ fn split_glb(bytes: &Bytes) -> Result<(Bytes, Option<Bytes>), Fault> {
     Ok((json, binary))
 }
 
-fn parse(json: &[u8], lenient: bool, memory: &Budget) -> Result<(Root, Reservation), Fault> {
+fn parse(
+    json: &[u8],
+    options: &ReadOptions,
+    notes: &mut Notes,
+) -> Result<(Root, Reservation), Fault> {
+    let memory = &options.memory;
     let unreadable = |e: serde_json::Error| Fault::new("gltf-json", format!("not glTF JSON: {e}"));
     // A byte-order mark is against the specification, but harmless.
     let json = json.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(json);
     // Checked first, so that glTF 1.0 gets its own error message.
-    let head: Head = serde_json::from_slice(json).map_err(unreadable)?;
+    let head = serde_json::from_slice(json).or_else(|first| match options.strict {
+        true => Err(first),
+        false => Head::without_lists(json).map_err(|_| first),
+    });
+    let head: Head = head.map_err(unreadable)?;
     check_version(&head.asset)?;
-    extension::check_required(&head.extensions_required, lenient)?;
+    extension::check_required(&head.extensions_required, options.strict)?;
     let hold = |bytes: u64| {
         memory.hold(bytes).ok_or_else(|| {
             let text = format!(
@@ -154,6 +164,9 @@ fn parse(json: &[u8], lenient: bool, memory: &Budget) -> Result<(Root, Reservati
         let _held = hold(value_bytes(json))?;
         let mut value = serde_json::from_slice(json).map_err(unreadable)?;
         integers_from_floats(&mut value);
+        if !options.strict {
+            wrong_types::leave_out(&mut value, notes)?;
+        }
         serde_json::from_value(value).map_err(|_| unreadable(first))
     });
     Ok((root?, held))

@@ -11,6 +11,7 @@ use super::{
     Fault,
     accessor::{Component, shape},
     budget::GeometryBudget,
+    buffer,
     container::Bytes,
     label,
     schema::{Accessor, Buffer, BufferView, Primitive, Root},
@@ -57,7 +58,7 @@ struct Geometry {
 /// The first stream that is broken, too large, or lacks an attribute that it should have.
 pub fn decompress(
     root: &mut Root,
-    buffers: &mut Vec<Option<Bytes>>,
+    buffers: &mut Vec<buffer::Buffer>,
     budget: &GeometryBudget,
 ) -> Result<(), Fault> {
     let streams = streams(root, buffers)?;
@@ -92,7 +93,7 @@ fn place_fault(root: &Root, (m, p): Place, fault: Fault) -> Fault {
 }
 
 /// All streams that must be decoded.
-fn streams(root: &Root, buffers: &[Option<Bytes>]) -> Result<Vec<Stream>, Fault> {
+fn streams(root: &Root, buffers: &[buffer::Buffer]) -> Result<Vec<Stream>, Fault> {
     let mut streams: BTreeMap<usize, Stream> = BTreeMap::new();
     for (m, mesh) in root.meshes.iter().enumerate() {
         for (p, primitive) in mesh.primitives.iter().enumerate() {
@@ -211,10 +212,10 @@ fn attribute_name<'a>(root: &'a Root, stream: &Stream, (id, accessor): Attribute
 }
 
 /// The compressed bytes of a stream.
-fn stream_bytes(root: &Root, buffers: &[Option<Bytes>], view: usize) -> Result<Bytes, Fault> {
+fn stream_bytes(root: &Root, buffers: &[buffer::Buffer], view: usize) -> Result<Bytes, Fault> {
     let missing = || fault(format!("bufferView {view} does not exist or has no data"));
     let found = root.buffer_views.get(view).ok_or_else(missing)?;
-    let buffer = buffers.get(found.buffer).and_then(Option::as_ref);
+    let buffer = buffers.get(found.buffer).cloned().flatten().transpose()?;
     let start = usize::try_from(found.byte_offset).ok();
     let length = usize::try_from(found.byte_length).ok();
     let range = start.and_then(|start| Some(start..start.checked_add(length?)?));
@@ -250,7 +251,7 @@ fn encode(
 }
 
 /// Replaces the accessors of the primitives of a stream by uncompressed ones.
-fn insert(root: &mut Root, buffers: &mut Vec<Option<Bytes>>, stream: &Stream, geometry: Geometry) {
+fn insert(root: &mut Root, buffers: &mut Vec<buffer::Buffer>, stream: &Stream, geometry: Geometry) {
     /// glTF's component type `UNSIGNED_INT`.
     const U32: u32 = 5125;
     let mut add = |root: &mut Root, bytes: Vec<u8>, accessor: Accessor| {
@@ -264,7 +265,7 @@ fn insert(root: &mut Root, buffers: &mut Vec<Option<Bytes>>, stream: &Stream, ge
             byte_length,
             uri: None,
         });
-        buffers.push(Some(Bytes::new(bytes)));
+        buffers.push(Some(Ok(Bytes::new(bytes))));
         root.accessors.push(Accessor {
             buffer_view: Some(root.buffer_views.len() - 1),
             byte_offset: 0,

@@ -3,7 +3,7 @@
 use std::{collections::BTreeSet, path::Path};
 
 use super::{Fault, schema::Root, uri::shorten};
-use reflet_scene::diagnostic::{Diagnostic, Severity};
+use reflet_scene::diagnostic::Diagnostic;
 
 /// Supported extensions, which files may list in `extensionsRequired`.
 pub const SUPPORTED: [&str; 25] = [
@@ -45,24 +45,22 @@ fn is_look(name: &str) -> bool {
         .any(|part| name.contains(part))
 }
 
-/// Refuses unsupported extensions in `extensionsRequired`; with `lenient`, extensions that change only the look are
-/// ignored as if they were optional.
-pub fn check_required(required: &[String], lenient: bool) -> Result<(), Fault> {
-    let unknown = || {
-        let names = required.iter().map(String::as_str);
-        names.filter(|name| !(SUPPORTED.contains(name) || lenient && is_look(name)))
-    };
-    let quoted: Vec<_> = unknown()
-        .map(|name| format!("\"{}\"", shorten(name)))
-        .collect();
-    if quoted.is_empty() {
+/// Refuses unsupported extensions in `extensionsRequired`; without `strict`, extensions that only change the look are
+/// not refused.
+pub fn check_required(required: &[String], strict: bool) -> Result<(), Fault> {
+    let names = required.iter().map(String::as_str);
+    let is_refused = |name: &&str| is_ignored(name) && (strict || !is_look(name));
+    let refused: Vec<_> = names.filter(is_refused).collect();
+    if refused.is_empty() {
         return Ok(());
     }
-    let instead = if unknown().all(is_look) {
-        "add --lenient to load it without them"
+    let instead = if refused.iter().all(|name| is_look(name)) {
+        "leave --strict out to load it without them"
     } else {
         "export the file without them"
     };
+    let quote = |name: &&str| format!("\"{}\"", shorten(name));
+    let quoted: Vec<_> = refused.iter().map(quote).collect();
     Err(Fault::new(
         "extension-unsupported",
         format!(
@@ -73,17 +71,26 @@ pub fn check_required(required: &[String], lenient: bool) -> Result<(), Fault> {
     .help(format!("{instead}; supported are {}", SUPPORTED.join(", "))))
 }
 
+fn is_ignored(name: &str) -> bool {
+    !SUPPORTED.contains(&name) && !HARMLESS.contains(&name)
+}
+
 /// A warning for each ignored extension that changes the appearance.
 pub fn ignored(root: &Root, file: &Path) -> Vec<Diagnostic> {
     let all = root.extensions_used.iter().chain(&root.extensions_required);
     let used: BTreeSet<&str> = all.map(String::as_str).collect();
-    let is_ignored = |name: &&str| !SUPPORTED.contains(name) && !HARMLESS.contains(name);
     let warning = |name: &str| {
-        let text = format!("extension \"{}\" is ignored", shorten(name));
-        Diagnostic {
-            severity: Severity::Warning,
-            ..Diagnostic::in_file("extension-ignored", file, text)
-        }
+        let is_required = root.extensions_required.iter().any(|other| other == name);
+        let (kind, text) = match is_required {
+            true => (
+                "extension-left-out",
+                ", though the file requires it, as it only adds a look",
+            ),
+            false => ("extension-ignored", ""),
+        };
+        let text = format!("extension \"{}\" is ignored{text}", shorten(name));
+        Diagnostic::in_file(kind, file, text).warning()
     };
-    used.into_iter().filter(is_ignored).map(warning).collect()
+    let ignored = used.into_iter().filter(|name| is_ignored(name));
+    ignored.map(warning).collect()
 }

@@ -36,25 +36,45 @@ pub struct Head {
     animations: Vec<IgnoredAny>,
 }
 
+/// Version and requirements of a file.
+#[derive(Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+struct Bare {
+    asset: Asset,
+    extensions_required: Vec<String>,
+}
+
 impl Head {
+    /// Head of a file in which some of the lists may be no lists: any of its objects may be a material.
+    pub fn without_lists(json: &[u8]) -> Result<Self, serde_json::Error> {
+        let bare: Bare = serde_json::from_slice(json)?;
+        Ok(Self {
+            asset: bare.asset,
+            extensions_required: bare.extensions_required,
+            materials: vec![IgnoredAny; count(json, b'{') as usize],
+            animations: vec![IgnoredAny],
+            ..Self::default()
+        })
+    }
+
     /// Upper bound of the memory of the parsed file, bytes; `json` is its text.
     pub fn bytes(&self, json: &[u8]) -> u64 {
         let lists = [
-            (&self.nodes, size_of::<Node>()),
-            (&self.materials, size_of::<Material>()),
-            (&self.accessors, size_of::<Accessor>()),
-            (&self.buffer_views, size_of::<BufferView>()),
-            (&self.textures, size_of::<Texture>()),
-            (&self.images, size_of::<Image>()),
-            (&self.skins, size_of::<Skin>()),
-            (&self.meshes, size_of::<Mesh>()),
+            (self.nodes.len(), size_of::<Node>()),
+            (self.materials.len(), size_of::<Material>()),
+            (self.accessors.len(), size_of::<Accessor>()),
+            (self.buffer_views.len(), size_of::<BufferView>()),
+            (self.textures.len(), size_of::<Texture>()),
+            (self.images.len(), size_of::<Image>()),
+            (self.skins.len(), size_of::<Skin>()),
+            (self.meshes.len(), size_of::<Mesh>()),
         ];
-        let listed = lists.map(|(list, size)| list.len() as u64 * size as u64 * GROWTH);
+        let listed = lists.map(|(len, size)| (len * size) as u64 * GROWTH);
         // The largest objects in lists of their own are primitives.
         let nested = size_of::<Primitive>() as u64 * GROWTH;
         let [objects, keys, items] = [b'{', b':', b','].map(|mark| count(json, mark));
         let animated = VALUE_BYTES * u64::from(!self.animations.is_empty());
-        let outer: u64 = lists.iter().map(|(list, _)| list.len() as u64).sum();
+        let outer: u64 = lists.iter().map(|(len, _)| *len as u64).sum();
         listed.iter().sum::<u64>()
             + objects * MAP_BYTES
             + objects.saturating_sub(outer) * nested

@@ -4,8 +4,8 @@
 use glam::Vec3;
 
 use super::{
-    Fault, Notes, finite,
-    ranges::Ranges,
+    Fault, Notes,
+    ranges::Numbers,
     schema::{MaterialExtensions, TextureInfo},
 };
 use crate::{LAYER_SLOTS, LayerTexture, Material, TextureRef, normal_uv::NormalUv};
@@ -22,16 +22,23 @@ pub fn read(
     extensions: &MaterialExtensions,
     out: &mut Material,
     moves: &dyn Fn(&str) -> bool,
-    ranges: &mut Ranges,
+    numbers: &mut Numbers<'_>,
     texture: &mut FindTexture<'_>,
 ) -> Result<(), Fault> {
-    specular(extensions, out, moves, ranges)?;
-    sheen(extensions, out, moves, ranges)?;
-    transmission(extensions, out, moves, ranges)?;
-    dispersion(extensions, out, moves, ranges)?;
-    clearcoat(extensions, out, moves, ranges)?;
-    iridescence(extensions, out, moves, ranges)?;
-    anisotropy(extensions, out, moves, ranges)?;
+    let mut layers = Layers {
+        extensions,
+        out,
+        moves,
+        numbers,
+    };
+    let ior = layers.ior()?;
+    layers.specular(ior)?;
+    layers.sheen()?;
+    layers.transmission(ior)?;
+    layers.dispersion()?;
+    layers.clearcoat()?;
+    layers.iridescence()?;
+    layers.anisotropy()?;
     let is_used = [
         out.specular.is_some(),
         out.specular_color.is_some(),
@@ -104,192 +111,154 @@ pub fn note_shared_tangents(material: &Material, place: &str, notes: &mut Notes)
     notes.add("tangents-shared", u64::from(differs), what, place);
 }
 
-fn specular(
-    extensions: &MaterialExtensions,
-    out: &mut Material,
-    moves: &dyn Fn(&str) -> bool,
-    ranges: &mut Ranges,
-) -> Result<(), Fault> {
-    let ior = extensions.ior.as_ref().and_then(|e| e.ior).unwrap_or(1.5);
-    // 0 stands for an infinite index of refraction.
-    if !(ior == 0.0 || ior >= 1.0 && ior.is_finite()) {
-        return Err(Fault::new(
-            "gltf-material",
-            format!("ior is {ior}, expected 0 or at least 1"),
-        ));
+/// Layers of a material while they are read.
+struct Layers<'a, 'n> {
+    extensions: &'a MaterialExtensions,
+    out: &'a mut Material,
+    moves: &'a dyn Fn(&str) -> bool,
+    numbers: &'a mut Numbers<'n>,
+}
+
+impl Layers<'_, '_> {
+    /// Index of refraction; 0 stands for an infinite one.
+    fn ior(&mut self) -> Result<f32, Fault> {
+        let own = self.extensions.ior.as_ref().and_then(|e| e.ior);
+        let message = || {
+            format!(
+                "ior is {}, expected 0 or at least 1",
+                own.unwrap_or_default()
+            )
+        };
+        let is_right = |v: &[f32]| v[0] == 0.0 || v[0] >= 1.0 && v[0].is_finite();
+        let ior = (self.numbers).checked(own.map(|ior| [ior]), [1.5], is_right, message)?;
+        Ok(ior[0])
     }
-    out.has_index = ior > 0.0 && extensions.ior.is_some();
-    out.reflectivity = if ior == 0.0 {
-        1.0
-    } else {
-        ((ior - 1.0) / (ior + 1.0)).powi(2)
-    };
-    let Some(specular) = &extensions.specular else {
-        return Ok(());
-    };
-    let factor = specular.specular_factor.unwrap_or(1.0);
-    let color = specular.specular_color_factor.unwrap_or([1.0; 3]);
-    check(&color, "specular factors must be finite")?;
-    check(&[factor], "specular factors must be finite")?;
-    let factor = ranges.unit("specularFactor", factor);
-    let is_kept = moves("specular");
-    // Transmissive materials keep their index of refraction, even where they reflect nothing.
-    if factor <= 0.0 && !is_kept && extensions.transmission.is_none() {
-        out.reflectivity = 0.0;
-        return Ok(());
+
+    fn specular(&mut self, ior: f32) -> Result<(), Fault> {
+        let (extensions, out, numbers) = (self.extensions, &mut *self.out, &mut *self.numbers);
+        out.has_index = ior > 0.0 && extensions.ior.is_some();
+        out.reflectivity = match ior {
+            0.0 => 1.0,
+            ior => ((ior - 1.0) / (ior + 1.0)).powi(2),
+        };
+        let Some(specular) = &extensions.specular else {
+            return Ok(());
+        };
+        let factor = numbers.unit("specularFactor", specular.specular_factor, 1.0)?;
+        let is_kept = (self.moves)("specular");
+        // Transmissive materials keep their index of refraction, even where they reflect nothing.
+        if factor <= 0.0 && !is_kept && extensions.transmission.is_none() {
+            out.reflectivity = 0.0;
+            return Ok(());
+        }
+        let is_kept = is_kept || specular.specular_texture.is_some();
+        out.specular = (factor < 1.0 || is_kept).then_some(factor);
+        let own = specular.specular_color_factor;
+        let color = Vec3::from(numbers.clamped("specularColorFactor", own, [1.0; 3], 1e4)?);
+        let is_kept = specular.specular_color_texture.is_some() || (self.moves)("specular_color");
+        out.specular_color = (color != Vec3::ONE || is_kept).then_some(color);
+        Ok(())
     }
-    let is_kept = is_kept || specular.specular_texture.is_some();
-    out.specular = (factor < 1.0 || is_kept).then_some(factor);
-    let color = Vec3::from_array(ranges.clamped("specularColorFactor", color, 1e4));
-    let is_kept = specular.specular_color_texture.is_some() || moves("specular_color");
-    out.specular_color = (color != Vec3::ONE || is_kept).then_some(color);
-    Ok(())
-}
 
-fn sheen(
-    extensions: &MaterialExtensions,
-    out: &mut Material,
-    moves: &dyn Fn(&str) -> bool,
-    ranges: &mut Ranges,
-) -> Result<(), Fault> {
-    let Some(sheen) = &extensions.sheen else {
-        return Ok(());
-    };
-    let color = sheen.sheen_color_factor.unwrap_or_default();
-    let roughness = sheen.sheen_roughness_factor.unwrap_or(0.0);
-    check(&color, "sheen factors must be finite")?;
-    check(&[roughness], "sheen factors must be finite")?;
-    let color = Vec3::from_array(ranges.clamped("sheenColorFactor", color, 1.0));
-    out.sheen_color = (color != Vec3::ZERO || moves("sheen_color")).then_some(color);
-    out.sheen_roughness = ranges.unit("sheenRoughnessFactor", roughness);
-    Ok(())
-}
-
-fn transmission(
-    extensions: &MaterialExtensions,
-    out: &mut Material,
-    moves: &dyn Fn(&str) -> bool,
-    ranges: &mut Ranges,
-) -> Result<(), Fault> {
-    let Some(transmission) = &extensions.transmission else {
-        return Ok(());
-    };
-    let share = transmission.transmission_factor.unwrap_or(0.0);
-    check(&[share], "transmissionFactor must be finite")?;
-    let share = ranges.unit("transmissionFactor", share);
-    out.transmission = (share > 0.0 || moves("transmission")).then_some(share);
-    // 0 stands for an infinite index of refraction, which lets nothing through.
-    let ior = extensions.ior.as_ref().and_then(|e| e.ior).unwrap_or(1.5);
-    out.ior = if ior == 0.0 { 1.5 } else { ior };
-    let Some(volume) = &extensions.volume else {
-        return Ok(());
-    };
-    let thickness = volume.thickness_factor.unwrap_or(0.0);
-    check(&[thickness], "thicknessFactor must be finite")?;
-    let [thickness] = ranges.clamped("thicknessFactor", [thickness], f32::INFINITY);
-    out.solid = thickness > 0.0;
-    let color = volume.attenuation_color.unwrap_or([1.0; 3]);
-    check(&color, "attenuationColor must be finite")?;
-    out.attenuation_color = Vec3::from_array(ranges.clamped("attenuationColor", color, 1.0));
-    // glTF's default is an infinite distance; JSON cannot write it.
-    let distance = volume.attenuation_distance;
-    if distance.is_some_and(|d| d.is_nan() || d <= 0.0) {
-        return Err(Fault::new(
-            "gltf-material",
-            "attenuationDistance must be above 0",
-        ));
+    fn sheen(&mut self) -> Result<(), Fault> {
+        let Some(sheen) = &self.extensions.sheen else {
+            return Ok(());
+        };
+        let (out, numbers) = (&mut *self.out, &mut *self.numbers);
+        let own = sheen.sheen_color_factor;
+        let color = Vec3::from(numbers.clamped("sheenColorFactor", own, [0.0; 3], 1.0)?);
+        out.sheen_color = (color != Vec3::ZERO || (self.moves)("sheen_color")).then_some(color);
+        let own = sheen.sheen_roughness_factor;
+        out.sheen_roughness = numbers.unit("sheenRoughnessFactor", own, 0.0)?;
+        Ok(())
     }
-    out.attenuation_distance_m = distance.filter(|d| d.is_finite());
-    Ok(())
-}
 
-fn clearcoat(
-    extensions: &MaterialExtensions,
-    out: &mut Material,
-    moves: &dyn Fn(&str) -> bool,
-    ranges: &mut Ranges,
-) -> Result<(), Fault> {
-    let Some(coat) = &extensions.clearcoat else {
-        return Ok(());
-    };
-    let strength = coat.clearcoat_factor.unwrap_or(0.0);
-    let roughness = coat.clearcoat_roughness_factor.unwrap_or(0.0);
-    check(&[strength, roughness], "clearcoat factors must be finite")?;
-    let strength = ranges.unit("clearcoatFactor", strength);
-    out.clearcoat = (strength > 0.0 || moves("clearcoat")).then_some(strength);
-    out.clearcoat_roughness = ranges.unit("clearcoatRoughnessFactor", roughness);
-    let scale = coat.clearcoat_normal_texture.as_ref().and_then(|t| t.scale);
-    out.clearcoat_normal_scale = scale.filter(|s| s.is_finite()).unwrap_or(1.0);
-    Ok(())
-}
-
-fn dispersion(
-    extensions: &MaterialExtensions,
-    out: &mut Material,
-    moves: &dyn Fn(&str) -> bool,
-    ranges: &mut Ranges,
-) -> Result<(), Fault> {
-    let Some(dispersion) = &extensions.dispersion else {
-        return Ok(());
-    };
-    let value = dispersion.dispersion.unwrap_or(0.0);
-    check(&[value], "dispersion must be finite")?;
-    let [value] = ranges.clamped("dispersion", [value], DISPERSION.max as f32);
-    out.dispersion = (value > 0.0 || moves("dispersion")).then_some(value);
-    Ok(())
-}
-
-fn iridescence(
-    extensions: &MaterialExtensions,
-    out: &mut Material,
-    moves: &dyn Fn(&str) -> bool,
-    ranges: &mut Ranges,
-) -> Result<(), Fault> {
-    let Some(film) = &extensions.iridescence else {
-        return Ok(());
-    };
-    let strength = film.iridescence_factor.unwrap_or(0.0);
-    let ior = film.iridescence_ior.unwrap_or(1.3);
-    let least = film.iridescence_thickness_minimum.unwrap_or(100.0);
-    let most = film.iridescence_thickness_maximum.unwrap_or(400.0);
-    let numbers = [strength, ior, least, most];
-    check(&numbers, "iridescence factors must be finite")?;
-    if ior < 1.0 {
-        return Err(Fault::new(
-            "gltf-material",
-            format!("iridescenceIor is {ior}, expected at least 1"),
-        ));
+    fn transmission(&mut self, ior: f32) -> Result<(), Fault> {
+        let Some(transmission) = &self.extensions.transmission else {
+            return Ok(());
+        };
+        let (out, numbers) = (&mut *self.out, &mut *self.numbers);
+        let own = transmission.transmission_factor;
+        let share = numbers.unit("transmissionFactor", own, 0.0)?;
+        out.transmission = (share > 0.0 || (self.moves)("transmission")).then_some(share);
+        // An infinite index lets nothing through.
+        out.ior = if ior == 0.0 { 1.5 } else { ior };
+        let Some(volume) = &self.extensions.volume else {
+            return Ok(());
+        };
+        let own = volume.thickness_factor;
+        out.solid = numbers.one("thicknessFactor", own, 0.0, f32::INFINITY)? > 0.0;
+        let own = volume.attenuation_color;
+        let color = numbers.clamped("attenuationColor", own, [1.0; 3], 1.0)?;
+        out.attenuation_color = color.into();
+        // glTF's default is an infinite distance; JSON cannot write it.
+        let own = volume.attenuation_distance.map(|distance| [distance]);
+        let message = || "attenuationDistance must be above 0".into();
+        let distance = numbers.checked(own, [f32::INFINITY], |v| v[0] > 0.0, message)?;
+        out.attenuation_distance_m = Some(distance[0]).filter(|d| d.is_finite());
+        Ok(())
     }
-    let strength = ranges.unit("iridescenceFactor", strength);
-    out.iridescence = (strength > 0.0 || moves("iridescence")).then_some(strength);
-    out.iridescence_ior = ior;
-    let endless = f32::INFINITY;
-    [out.iridescence_least_nm] = ranges.clamped("iridescenceThicknessMinimum", [least], endless);
-    [out.iridescence_thickness_nm] = ranges.clamped("iridescenceThicknessMaximum", [most], endless);
-    Ok(())
-}
 
-fn anisotropy(
-    extensions: &MaterialExtensions,
-    out: &mut Material,
-    moves: &dyn Fn(&str) -> bool,
-    ranges: &mut Ranges,
-) -> Result<(), Fault> {
-    let Some(anisotropy) = &extensions.anisotropy else {
-        return Ok(());
-    };
-    let strength = anisotropy.anisotropy_strength.unwrap_or(0.0);
-    let rotation = anisotropy.anisotropy_rotation.unwrap_or(0.0);
-    check(&[strength, rotation], "anisotropy factors must be finite")?;
-    let strength = ranges.unit("anisotropyStrength", strength);
-    out.anisotropy = (strength > 0.0 || moves("anisotropy")).then_some(strength);
-    out.anisotropy_rotation_deg = rotation.to_degrees();
-    Ok(())
-}
-
-fn check(numbers: &[f32], message: &str) -> Result<(), Fault> {
-    if finite(numbers) {
-        return Ok(());
+    fn clearcoat(&mut self) -> Result<(), Fault> {
+        let Some(coat) = &self.extensions.clearcoat else {
+            return Ok(());
+        };
+        let (out, numbers) = (&mut *self.out, &mut *self.numbers);
+        let strength = numbers.unit("clearcoatFactor", coat.clearcoat_factor, 0.0)?;
+        out.clearcoat = (strength > 0.0 || (self.moves)("clearcoat")).then_some(strength);
+        let own = coat.clearcoat_roughness_factor;
+        out.clearcoat_roughness = numbers.unit("clearcoatRoughnessFactor", own, 0.0)?;
+        let own = coat.clearcoat_normal_texture.as_ref().and_then(|t| t.scale);
+        let scale = own.map(|scale| [scale]);
+        [out.clearcoat_normal_scale] =
+            numbers.finite("clearcoatNormalTexture/scale", scale, [1.0])?;
+        Ok(())
     }
-    Err(Fault::new("gltf-material", message))
+
+    fn dispersion(&mut self) -> Result<(), Fault> {
+        let Some(dispersion) = &self.extensions.dispersion else {
+            return Ok(());
+        };
+        let (own, most) = (dispersion.dispersion, DISPERSION.max as f32);
+        let value = self.numbers.one("dispersion", own, 0.0, most)?;
+        self.out.dispersion = (value > 0.0 || (self.moves)("dispersion")).then_some(value);
+        Ok(())
+    }
+
+    fn iridescence(&mut self) -> Result<(), Fault> {
+        let Some(film) = &self.extensions.iridescence else {
+            return Ok(());
+        };
+        let (out, numbers) = (&mut *self.out, &mut *self.numbers);
+        let strength = numbers.unit("iridescenceFactor", film.iridescence_factor, 0.0)?;
+        out.iridescence = (strength > 0.0 || (self.moves)("iridescence")).then_some(strength);
+        let own = film.iridescence_ior;
+        let is_right = |v: &[f32]| v[0] >= 1.0 && v[0].is_finite();
+        let message = || {
+            let ior = own.unwrap_or_default();
+            format!("iridescenceIor is {ior}, expected at least 1")
+        };
+        [out.iridescence_ior] = numbers.checked(own.map(|ior| [ior]), [1.3], is_right, message)?;
+        let mut thickness = |key: &str, own, other| numbers.one(key, own, other, f32::INFINITY);
+        let (least, most) = (
+            film.iridescence_thickness_minimum,
+            film.iridescence_thickness_maximum,
+        );
+        out.iridescence_least_nm = thickness("iridescenceThicknessMinimum", least, 100.0)?;
+        out.iridescence_thickness_nm = thickness("iridescenceThicknessMaximum", most, 400.0)?;
+        Ok(())
+    }
+
+    fn anisotropy(&mut self) -> Result<(), Fault> {
+        let Some(anisotropy) = &self.extensions.anisotropy else {
+            return Ok(());
+        };
+        let (out, numbers) = (&mut *self.out, &mut *self.numbers);
+        let strength = numbers.unit("anisotropyStrength", anisotropy.anisotropy_strength, 0.0)?;
+        out.anisotropy = (strength > 0.0 || (self.moves)("anisotropy")).then_some(strength);
+        let own = anisotropy.anisotropy_rotation.map(|rotation| [rotation]);
+        let [rotation] = numbers.finite("anisotropyRotation", own, [0.0])?;
+        out.anisotropy_rotation_deg = rotation.to_degrees();
+        Ok(())
+    }
 }

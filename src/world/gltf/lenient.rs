@@ -1,8 +1,10 @@
-//! Forgives wrong parts of a file and references between them: they are left out, with a warning for each kind.
+//! Forgives wrong parts of a file and references between them: they are left out, with a warning for each kind, or are
+//! errors with `strict`.
 
 use super::{
-    Fault, Notes, label,
-    schema::{Node, Root, Texture},
+    Fault, Notes, ReadOptions, label,
+    schema::{Node, Root, VariantMapping},
+    wrong_types::is_geometry,
 };
 
 /// Name of the warning about references that are dropped.
@@ -11,13 +13,16 @@ pub const DROPPED: &str = "reference-dropped";
 pub const DROPPED_WHAT: &str = "references to parts that the file does not have are dropped";
 
 /// Names of the warnings about parts that are left out or replaced, which `--strict` makes errors.
-pub const FORGIVEN: [&str; 18] = [
+pub const FORGIVEN: [&str; 21] = [
+    "accessor-left-out",
     "animation-broken",
     "animation-channel",
     "attribute-left-out",
+    "buffer-left-out",
     "camera-fov-clamped",
     "camera-left-out",
     "color-unnormalized",
+    "extension-left-out",
     "factor-clamped",
     "image-left-out",
     "light-clamped",
@@ -61,36 +66,64 @@ pub fn forgiven<T>(
     }
 }
 
-/// Drops references to cameras, materials, images, samplers and lights beyond their lists; with `is_all` also to
-/// scenes, nodes and meshes, and later parents of a node with several. A texture that a material lacks is dropped where
-/// it is used; a missing accessor is not forgiven.
-pub fn mend(root: &mut Root, notes: &mut Notes, is_all: bool) {
-    root.is_lenient = true;
-    let mut dropped = Dropped(notes);
-    let num_scenes = root.scenes.len();
-    if is_all {
+/// Checks references between the parts of a file. References to parts that are not there are dropped: to cameras,
+/// materials, images, samplers and lights, and of attributes to accessors but for positions, joints and weights; with
+/// `lenient` also to scenes, nodes and meshes, and later parents of a node with several. A texture that a material lacks
+/// is dropped where it is used.
+///
+/// # Errors
+/// With `strict`, the first of them in a mesh, a texture or an image, used or not: the file is damaged. Others are
+/// errors where they are used.
+pub fn check_references(
+    root: &mut Root,
+    notes: &mut Notes,
+    options: &ReadOptions,
+) -> Result<(), Fault> {
+    root.is_lenient = !options.strict;
+    let is_strict = options.strict;
+    let mut dropped = Dropped { notes, is_strict };
+    if options.lenient {
+        let num_scenes = root.scenes.len();
         let place = || "the default scene".to_owned();
-        dropped.one(&mut root.scene, num_scenes, place);
+        dropped.one("scene", &mut root.scene, num_scenes, place)?;
         let num_nodes = root.nodes.len();
         for (i, scene) in root.scenes.iter_mut().enumerate() {
-            dropped.list(&mut scene.nodes, num_nodes, || format!("scene {i}"));
+            dropped.list("node", &mut scene.nodes, num_nodes, || format!("scene {i}"))?;
         }
     }
-    mend_image_lights(root, &mut dropped);
-    mend_nodes(root, &mut dropped, is_all);
-    let num_materials = root.materials.len();
+    if !is_strict {
+        mend_image_lights(root, &mut dropped);
+        mend_nodes(root, &mut dropped, options.lenient)?;
+    }
+    let (num_materials, num_accessors) = (root.materials.len(), root.accessors.len());
     let variants = root.extensions.variants.as_ref();
     let num_variants = variants.map_or(0, |all| all.variants.len());
     for (m, mesh) in root.meshes.iter_mut().enumerate() {
         let name = mesh.name.clone();
         for (p, primitive) in mesh.primitives.iter_mut().enumerate() {
             let place = || format!("{} primitive {p}", label("mesh", m, name.as_deref()));
-            dropped.one(&mut primitive.material, num_materials, place);
+            let targets = primitive.targets.iter_mut();
+            for attributes in targets.chain([&mut primitive.attributes]) {
+                let mut geometry = attributes.iter().filter(|(name, _)| is_geometry(name));
+                if let Some((_, i)) = geometry.find(|(_, i)| **i >= num_accessors) {
+                    return Err(missing("accessor", *i, &place()));
+                }
+                let is_there = |i: &usize| *i < num_accessors;
+                let lost = attributes.values().find(|i| !is_there(i)).copied();
+                let before = attributes.len();
+                attributes.retain(|_, i| is_there(i));
+                dropped.count("accessor", lost, before - attributes.len(), place)?;
+            }
+            if let Some(i) = primitive.indices.filter(|i| *i >= num_accessors) {
+                return Err(missing("accessor", i, &place()));
+            }
+            dropped.one("material", &mut primitive.material, num_materials, place)?;
             if let Some(variants) = &mut primitive.extensions.variants {
                 let mappings = &mut variants.mappings;
-                dropped.retain(mappings, |v| v.material < num_materials, place);
+                let lost = |v: &VariantMapping| v.material;
+                dropped.retain("material", mappings, lost, num_materials, place)?;
                 for mapping in mappings {
-                    dropped.list(&mut mapping.variants, num_variants, place);
+                    dropped.list("variant", &mut mapping.variants, num_variants, place)?;
                 }
             }
         }
@@ -98,18 +131,23 @@ pub fn mend(root: &mut Root, notes: &mut Notes, is_all: bool) {
     let (num_images, num_samplers) = (root.images.len(), root.samplers.len());
     for (t, texture) in root.textures.iter_mut().enumerate() {
         let place = || format!("texture {t}");
-        let Texture {
-            sampler,
-            source,
-            extensions,
-        } = texture;
-        dropped.one(sampler, num_samplers, place);
-        dropped.one(source, num_images, place);
-        let extended = [&mut extensions.webp, &mut extensions.basisu];
-        for extension in extended.into_iter().flatten() {
-            dropped.one(&mut extension.source, num_images, place);
+        dropped.one("sampler", &mut texture.sampler, num_samplers, place)?;
+        dropped.one("image", &mut texture.source, num_images, place)?;
+        for extension in texture.extensions.all().into_iter().flatten() {
+            dropped.one("image", &mut extension.source, num_images, place)?;
         }
     }
+    let num_views = root.buffer_views.len();
+    for (i, image) in root.images.iter_mut().enumerate() {
+        let place = || label("image", i, image.name.as_deref());
+        dropped.one("bufferView", &mut image.buffer_view, num_views, place)?;
+    }
+    Ok(())
+}
+
+/// Error of a reference to a part that is not there.
+fn missing(kind: &str, index: usize, place: &str) -> Fault {
+    Fault::new("gltf-index", format!("{kind} {index} does not exist")).placed(place)
 }
 
 /// Lights of images that do not exist, or whose images do not.
@@ -130,7 +168,7 @@ fn mend_image_lights(root: &mut Root, dropped: &mut Dropped<'_>) {
     }
 }
 
-fn mend_nodes(root: &mut Root, dropped: &mut Dropped<'_>, is_all: bool) {
+fn mend_nodes(root: &mut Root, dropped: &mut Dropped<'_>, is_all: bool) -> Result<(), Fault> {
     let num_nodes = root.nodes.len();
     let (num_meshes, num_cameras) = (root.meshes.len(), root.cameras.len());
     let lights = root.extensions.lights.as_ref();
@@ -146,7 +184,7 @@ fn mend_nodes(root: &mut Root, dropped: &mut Dropped<'_>, is_all: bool) {
             ..
         } = node;
         let place = || label("node", i, name.as_deref());
-        dropped.one(camera, num_cameras, place);
+        dropped.one("camera", camera, num_cameras, place)?;
         if (extensions.light.as_ref()).is_some_and(|used| used.light >= num_lights) {
             extensions.light = None;
             dropped.note(1, || format!("{}: its light", place()));
@@ -154,51 +192,86 @@ fn mend_nodes(root: &mut Root, dropped: &mut Dropped<'_>, is_all: bool) {
         if !is_all {
             continue;
         }
-        dropped.list(children, num_nodes, place);
-        dropped.one(mesh, num_meshes, place);
+        dropped.list("node", children, num_nodes, place)?;
+        dropped.one("mesh", mesh, num_meshes, place)?;
         children.retain(|&child| {
             let is_first = !std::mem::replace(&mut has_parent[child], true);
             let what = "nodes have several parents and stay with the first of them";
             let place = || format!("node {child}, of which {} is a parent too", place());
             if !is_first {
-                dropped.0.add("node-two-parents", 1, what, &place());
+                dropped.notes.add("node-two-parents", 1, what, &place());
             }
             is_first
         });
     }
+    Ok(())
 }
 
-/// The references that were dropped.
-struct Dropped<'a>(&'a mut Notes);
+/// The references that were dropped; with `is_strict` the first of them is an error.
+struct Dropped<'a> {
+    notes: &'a mut Notes,
+    is_strict: bool,
+}
 
 impl Dropped<'_> {
     fn note(&mut self, count: usize, place: impl Fn() -> String) {
         if count > 0 {
-            self.0.add(DROPPED, count as u64, DROPPED_WHAT, &place());
+            self.notes
+                .add(DROPPED, count as u64, DROPPED_WHAT, &place());
+        }
+    }
+
+    /// Counts references, of which `lost` is the first, to parts of a kind.
+    fn count(
+        &mut self,
+        kind: &str,
+        lost: Option<usize>,
+        count: usize,
+        place: impl Fn() -> String,
+    ) -> Result<(), Fault> {
+        match lost {
+            Some(index) if self.is_strict => Err(missing(kind, index, &place())),
+            _ => {
+                self.note(count, place);
+                Ok(())
+            }
         }
     }
 
     /// Drops a reference to one of `len` parts.
-    fn one(&mut self, index: &mut Option<usize>, len: usize, place: impl Fn() -> String) {
-        if index.is_some_and(|index| index >= len) {
-            *index = None;
-            self.note(1, place);
-        }
+    fn one(
+        &mut self,
+        kind: &str,
+        index: &mut Option<usize>,
+        len: usize,
+        place: impl Fn() -> String,
+    ) -> Result<(), Fault> {
+        let lost = index.take_if(|index| *index >= len);
+        self.count(kind, lost, lost.iter().count(), place)
     }
 
     /// Drops the references in a list to one of `len` parts.
-    fn list(&mut self, indices: &mut Vec<usize>, len: usize, place: impl Fn() -> String) {
-        self.retain(indices, |index| *index < len, place);
+    fn list(
+        &mut self,
+        kind: &str,
+        indices: &mut Vec<usize>,
+        len: usize,
+        place: impl Fn() -> String,
+    ) -> Result<(), Fault> {
+        self.retain(kind, indices, |index| *index, len, place)
     }
 
     fn retain<T>(
         &mut self,
+        kind: &str,
         list: &mut Vec<T>,
-        is_kept: impl FnMut(&T) -> bool,
+        index: impl Fn(&T) -> usize,
+        len: usize,
         place: impl Fn() -> String,
-    ) {
+    ) -> Result<(), Fault> {
+        let lost = list.iter().map(&index).find(|index| *index >= len);
         let before = list.len();
-        list.retain(is_kept);
-        self.note(before - list.len(), place);
+        list.retain(|part| index(part) < len);
+        self.count(kind, lost, before - list.len(), place)
     }
 }

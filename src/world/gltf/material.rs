@@ -2,15 +2,14 @@
 
 use std::path::Path;
 
-use glam::{Vec3, Vec4};
+use glam::Vec3;
 
 use super::{
     Fault, Model, Notes,
     accessor::Data,
     animation::moved_material_keys,
-    finite, label, layers,
-    lenient::{LeftOut, forgiven},
-    ranges::Ranges,
+    label, layers,
+    ranges::Numbers,
     schema::{self, Root, TextureInfo},
     specular_glossiness,
     texture_ref::{Slot, Textures},
@@ -97,20 +96,12 @@ fn convert(
     textures: &mut Textures<'_>,
     notes: &mut Notes,
 ) -> Result<Material, Fault> {
-    let mut ranges = Ranges::default();
-    let root = textures.root;
-    let left_out = LeftOut {
-        name: "property-left-out",
-        what: "properties of materials are wrong, and left out with others of the same extensions",
+    let mut numbers = Numbers {
         place,
+        is_lenient: textures.root.is_lenient,
+        notes: Notes::default(),
     };
-    let plain = || Material {
-        base_color: Vec4::ONE,
-        double_sided: material.double_sided,
-        ..Material::default()
-    };
-    let factors = factors(material, &mut ranges);
-    let mut out = forgiven(root, factors, plain(), &left_out, notes)?;
+    let mut out = factors(material, &mut numbers)?;
     let pbr = &material.pbr_metallic_roughness;
     let mut texture = |info: &Option<TextureInfo>, srgb: bool, path: &str| {
         let slot = Slot {
@@ -133,27 +124,16 @@ fn convert(
     out.occlusion_texture = texture(&material.occlusion_texture, false, "occlusionTexture")?;
     out.emission_texture = texture(&material.emissive_texture, true, "emissiveTexture")?;
     let extensions = &material.extensions;
-    let layers = layers::read(extensions, &mut out, moves, &mut ranges, &mut texture);
-    forgiven(root, layers, (), &left_out, notes)?;
+    layers::read(extensions, &mut out, moves, &mut numbers, &mut texture)?;
     layers::note_shared_tangents(&out, place, notes);
-    let cutoff = alpha(material, &mut ranges);
-    out.alpha_cutoff = forgiven(root, cutoff, None, &left_out, notes)?;
+    out.alpha_cutoff = alpha(material, &mut numbers)?;
     out.is_mesh_light = (material.extras.get(MESH_LIGHT)).is_some_and(serde_json::Value::is_object);
     out.light = out.is_mesh_light;
     out.blended = material.alpha_mode.as_deref() == Some("BLEND");
     if let Some(gloss) = &material.extensions.specular_glossiness {
-        let converted = specular_glossiness::convert(
-            gloss,
-            &mut out,
-            textures,
-            index,
-            place,
-            &mut ranges,
-            notes,
-        );
-        forgiven(root, converted, (), &left_out, notes)?;
+        specular_glossiness::convert(gloss, &mut out, textures, index, &mut numbers)?;
     }
-    ranges.note(place, notes);
+    notes.merge(numbers.notes);
     if material.extensions.unlit.is_some() {
         out = unlit(&out);
     }
@@ -161,35 +141,29 @@ fn convert(
 }
 
 /// The factors of core glTF and KHR_materials_emissive_strength.
-fn factors(material: &schema::Material, ranges: &mut Ranges) -> Result<Material, Fault> {
-    let fault = |text: &str| Err(Fault::new("gltf-material", text));
+fn factors(material: &schema::Material, numbers: &mut Numbers<'_>) -> Result<Material, Fault> {
     let pbr = &material.pbr_metallic_roughness;
-    let base = pbr.base_color_factor.unwrap_or([1.0; 4]);
-    let emission = material.emissive_factor.unwrap_or_default();
-    let metallic = pbr.metallic_factor.unwrap_or(1.0);
-    let roughness = pbr.roughness_factor.unwrap_or(1.0);
-    if !(finite(&base) && finite(&emission) && finite(&[metallic, roughness])) {
-        return fault("factors must be finite");
-    }
-    let strength = material.extensions.emissive_strength.as_ref();
-    let strength = strength.and_then(|e| e.emissive_strength).unwrap_or(1.0);
-    if !(strength >= 0.0 && strength.is_finite()) {
-        return fault("emissiveStrength must be 0 or more");
-    }
-    let number = |info: &Option<TextureInfo>, get: fn(&TextureInfo) -> Option<f32>| {
-        let number = info.as_ref().and_then(get);
-        number.filter(|v| v.is_finite()).unwrap_or(1.0)
-    };
+    let own = pbr.base_color_factor;
+    let base_color = numbers.clamped("baseColorFactor", own, [1.0; 4], 1.0)?;
     // Factors above 1 are kept, though glTF allows at most 1.
-    let emission = Vec3::from_array(ranges.clamped("emissiveFactor", emission, f32::INFINITY));
-    let occlusion = number(&material.occlusion_texture, |t| t.strength);
+    let (own, endless) = (material.emissive_factor, f32::INFINITY);
+    let emission = Vec3::from(numbers.clamped("emissiveFactor", own, [0.0; 3], endless)?);
+    let strength = material.extensions.emissive_strength.as_ref();
+    let strength = strength.and_then(|e| e.emissive_strength).map(|v| [v]);
+    let is_right = |v: &[f32]| v[0] >= 0.0 && v[0].is_finite();
+    let message = || "emissiveStrength must be 0 or more".into();
+    let [strength] = numbers.checked(strength, [1.0], is_right, message)?;
+    let scale = material.normal_texture.as_ref().and_then(|t| t.scale);
+    let scale = scale.map(|scale| [scale]);
+    let occlusion = material.occlusion_texture.as_ref();
+    let occlusion = occlusion.and_then(|t| t.strength);
     Ok(Material {
-        base_color: Vec4::from_array(ranges.clamped("baseColorFactor", base, 1.0)),
+        base_color: base_color.into(),
         numbers: MaterialNumbers {
-            metallic: ranges.unit("metallicFactor", metallic),
-            roughness: ranges.unit("roughnessFactor", roughness),
-            normal_scale: number(&material.normal_texture, |t| t.scale),
-            occlusion_strength: ranges.unit("occlusionTexture/strength", occlusion),
+            metallic: numbers.unit("metallicFactor", pbr.metallic_factor, 1.0)?,
+            roughness: numbers.unit("roughnessFactor", pbr.roughness_factor, 1.0)?,
+            normal_scale: numbers.finite("normalTexture/scale", scale, [1.0])?[0],
+            occlusion_strength: numbers.unit("occlusionTexture/strength", occlusion, 1.0)?,
             ..MaterialNumbers::default()
         },
         // The cap keeps products finite.
@@ -199,21 +173,17 @@ fn factors(material: &schema::Material, ranges: &mut Ranges) -> Result<Material,
     })
 }
 
-fn alpha(material: &schema::Material, ranges: &mut Ranges) -> Result<Option<f32>, Fault> {
+fn alpha(material: &schema::Material, numbers: &mut Numbers<'_>) -> Result<Option<f32>, Fault> {
     match material.alpha_mode.as_deref().unwrap_or("OPAQUE") {
         "OPAQUE" | "BLEND" => Ok(None),
         "MASK" => {
-            let cutoff = material.alpha_cutoff.filter(|c| c.is_finite());
-            let cutoff = [cutoff.unwrap_or(0.5)];
-            let [cutoff] = ranges.clamped("alphaCutoff", cutoff, f32::INFINITY);
-            Ok(Some(cutoff))
+            let (own, endless) = (material.alpha_cutoff, f32::INFINITY);
+            numbers.one("alphaCutoff", own, 0.5, endless).map(Some)
         }
         other => {
             let other = uri::shorten(other);
-            Err(Fault::new(
-                "gltf-material",
-                format!("alphaMode \"{other}\" is unknown"),
-            ))
+            numbers.wrong(format!("alphaMode \"{other}\" is unknown"))?;
+            Ok(None)
         }
     }
 }

@@ -3,17 +3,27 @@
 use glam::{Vec2, Vec3, Vec4};
 
 use super::{
-    Fault,
+    Fault, Notes,
     accessor::{self, Component},
+    lenient::{LeftOut, forgiven},
     primitive_context::Context,
 };
 use crate::deform::MorphTarget;
 
-/// Reads the morph targets whose weight is not 0, or all where weights are animated.
+/// Name of the warnings about parts of morph targets that are left out.
+const LEFT_OUT: &str = "morph-left-out";
+
+/// Reads the morph targets whose weight is not 0, or all where weights are animated; `mesh` is for messages.
 ///
 /// # Errors
-/// Offsets of wrong type or count.
-pub fn targets(context: &Context<'_>) -> Result<Vec<MorphTarget>, Fault> {
+/// Offsets of positions of wrong type or count; of other attributes too, where the load forgives nothing.
+pub fn targets(
+    context: &Context<'_>,
+    mesh: &str,
+    notes: &mut Notes,
+) -> Result<Vec<MorphTarget>, Fault> {
+    let what = "morphs of a second set of texture coordinates, or of colors or coordinates that the mesh lacks, are left out";
+    notes.add(LEFT_OUT, left_out(context), what, mesh);
     let used = used(context);
     let arrays = used
         .iter()
@@ -24,7 +34,7 @@ pub fn targets(context: &Context<'_>) -> Result<Vec<MorphTarget>, Fault> {
     let bytes = vertices.saturating_mul(size_of::<Vec3>() as u64);
     context.data.budget.check(bytes)?;
     used.into_iter()
-        .map(|index| target(context, index))
+        .map(|index| target(context, index, mesh, notes))
         .collect()
 }
 
@@ -47,7 +57,7 @@ pub fn is_read(context: &Context<'_>, name: &str) -> bool {
 }
 
 /// Number of attributes of the targets that would show and are not read.
-pub fn left_out(context: &Context<'_>) -> u64 {
+fn left_out(context: &Context<'_>) -> u64 {
     let [first, second] = context.uv_sets.map(|set| format!("TEXCOORD_{set}"));
     let shows = |name: &str| name == "COLOR_0" || name == first || name == second;
     let targets = used(context).into_iter();
@@ -62,27 +72,36 @@ fn uv_name(context: &Context<'_>) -> String {
     format!("TEXCOORD_{}", context.uv_sets[0])
 }
 
-fn target(context: &Context<'_>, number: usize) -> Result<MorphTarget, Fault> {
-    let accept: fn(Component, bool) -> bool = match context.quantized {
-        true => accessor::any_but_u32,
-        false => accessor::float_only,
+fn target(
+    context: &Context<'_>,
+    number: usize,
+    mesh: &str,
+    notes: &mut Notes,
+) -> Result<MorphTarget, Fault> {
+    let [wide, narrow]: [fn(Component, bool) -> bool; 2] = match context.quantized {
+        true => [accessor::any_but_u32; 2],
+        false => [accessor::float_or_normalized, accessor::float_only],
     };
-    let (positions, normals, tangents) = ("POSITION", "NORMAL", "TANGENT");
-    let three = |name| offsets(context, number, name, accept, Vec3::from_array);
-    let accept = match context.quantized {
-        true => accessor::any_but_u32,
-        false => accessor::float_or_normalized,
-    };
+    let positions = offsets(context, number, "POSITION", narrow, Vec3::from_array)?;
     let uv_name = uv_name(context);
-    let colors = offsets(context, number, "COLOR_0", accept, Vec4::from_array);
+    let three = |name| offsets(context, number, name, narrow, Vec3::from_array);
+    let uv0 = offsets(context, number, &uv_name, wide, Vec2::from_array);
+    let colors = offsets(context, number, "COLOR_0", wide, Vec4::from_array);
     let opaque = |[r, g, b]: [f32; 3]| Vec4::new(r, g, b, 0.0);
+    let colors = colors.or_else(|_| offsets(context, number, "COLOR_0", wide, opaque));
+    let left_out = LeftOut {
+        name: LEFT_OUT,
+        what: "normals, tangents, texture coordinates and colors of morphs are wrong and left out",
+        place: mesh,
+    };
+    let root = context.root;
     Ok(MorphTarget {
         index: number,
-        positions: three(positions)?,
-        normals: three(normals)?,
-        tangents: three(tangents)?,
-        uv0: offsets(context, number, &uv_name, accept, Vec2::from_array)?,
-        colors: colors.or_else(|_| offsets(context, number, "COLOR_0", accept, opaque))?,
+        positions,
+        normals: forgiven(root, three("NORMAL"), Vec::new(), &left_out, notes)?,
+        tangents: forgiven(root, three("TANGENT"), Vec::new(), &left_out, notes)?,
+        uv0: forgiven(root, uv0, Vec::new(), &left_out, notes)?,
+        colors: forgiven(root, colors, Vec::new(), &left_out, notes)?,
     })
 }
 

@@ -60,15 +60,9 @@ pub fn build(
     };
     check_reach(&mesh.positions)?;
     read_attributes(&context, &mut mesh, notes)?;
-    let what = "morphs of a second set of texture coordinates, or of colors or coordinates that the mesh lacks, are left out";
-    notes.add(
-        "morph-left-out",
-        morph::left_out(&context),
-        what,
-        &mesh.name,
-    );
     if !has_faces(primitive) {
-        pose_at_rest(&context, deformation(&context)?, &mut mesh);
+        let deformation = deformation(&context, &mesh.name, notes)?;
+        pose_at_rest(&context, deformation, &mut mesh);
         let width_m = width_m(primitive).or(splats::read(&context, &mut mesh, notes)?);
         wire::build(&mut mesh, mode, &corners, width_m, data)?;
         repair::run(&mut mesh, notes);
@@ -99,14 +93,14 @@ fn check_reach(positions: &[Vec3]) -> Result<(), Fault> {
     Err(Fault::new(TOO_FAR, text).help("scale the model down"))
 }
 
-/// Joints and morph targets of the primitive.
-fn deformation(context: &Context<'_>) -> Result<Deformation, Fault> {
+/// Joints and morph targets of the primitive; `mesh` is for messages.
+fn deformation(context: &Context<'_>, mesh: &str, notes: &mut Notes) -> Result<Deformation, Fault> {
     let influences = match context.pose {
         Some(pose) => skin::influences(context, pose.len())?,
         None => Vec::new(),
     };
     Ok(Deformation {
-        targets: morph::targets(context)?,
+        targets: morph::targets(context, mesh, notes)?,
         influences,
         ..Deformation::default()
     })
@@ -124,7 +118,7 @@ fn pose_at_rest(context: &Context<'_>, mut deformation: Deformation, mesh: &mut 
 fn deform(context: &Context<'_>, mesh: &mut Mesh, notes: &mut Notes) -> Result<(), Fault> {
     /// Bytes per vertex of the undeformed attributes and of four joints with their weights.
     const DEFORMED_BYTES: u64 = 64;
-    let deformation = deformation(context)?;
+    let deformation = deformation(context, &mesh.name, notes)?;
     let morphs = context.has_animated_weights && !context.primitive.targets.is_empty();
     if deformation.is_empty() || !(morphs || context.has_animated_joints) {
         pose_at_rest(context, deformation, mesh);

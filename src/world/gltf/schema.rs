@@ -34,7 +34,7 @@ pub struct Root {
     pub samplers: Vec<Sampler>,
     pub cameras: Vec<Camera>,
     pub skins: Vec<Skin>,
-    /// Animations, each parsed separately as an [`Animation`]: a broken one is an error only where it is played.
+    /// Animations, whose channels and samplers are parsed one by one: a broken animation is an error only where it is played.
     pub animations: Vec<serde_json::Value>,
     pub extensions: RootExtensions,
     /// Whether references to parts that the file does not have are dropped.
@@ -66,7 +66,8 @@ pub struct Variants {
     pub variants: Vec<Variant>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
 pub struct Variant {
     pub name: String,
 }
@@ -77,7 +78,8 @@ pub struct Lights {
     pub lights: Vec<Light>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
 pub struct Light {
     pub name: Option<String>,
     #[serde(rename = "type")]
@@ -316,13 +318,6 @@ pub struct Buffer {
 pub struct Skin {
     pub inverse_bind_matrices: Option<usize>,
     pub joints: Vec<usize>,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
-pub struct Animation {
-    pub channels: Vec<Channel>,
-    pub samplers: Vec<AnimationSampler>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use glam::{Vec3, Vec4};
 
 use super::{
-    Fault, ImageSource, Notes, finite,
-    ranges::Ranges,
+    Fault, ImageSource, Notes,
+    ranges::Numbers,
     schema::{SpecularGlossiness, TextureInfo},
     texture_ref::{Slot, Textures},
 };
@@ -99,10 +99,9 @@ pub fn convert(
     material: &mut Material,
     textures: &mut Textures<'_>,
     index: usize,
-    place: &str,
-    ranges: &mut Ranges,
-    notes: &mut Notes,
+    numbers: &mut Numbers<'_>,
 ) -> Result<(), Fault> {
+    let place = numbers.place;
     let mut texture = |info: &Option<TextureInfo>, key: &str| match info {
         Some(info) => {
             let slot = Slot {
@@ -110,7 +109,7 @@ pub fn convert(
                 index,
                 path: &format!("{EXTENSION}/{key}"),
             };
-            textures.reference(info, true, &slot, notes)
+            textures.reference(info, true, &slot, &mut numbers.notes)
         }
         None => Ok(None),
     };
@@ -119,18 +118,15 @@ pub fn convert(
         &gloss.specular_glossiness_texture,
         "specularGlossinessTexture",
     )?;
-    let diffuse = gloss.diffuse_factor.unwrap_or([1.0; 4]);
-    let specular = gloss.specular_factor.unwrap_or([1.0; 3]);
-    let glossiness = gloss.glossiness_factor.unwrap_or(1.0);
-    if !(finite(&diffuse) && finite(&specular) && glossiness.is_finite()) {
-        return Err(Fault::new("gltf-material", "factors must be finite"));
-    }
-    let diffuse = Vec4::from_array(ranges.clamped("diffuseFactor", diffuse, 1.0));
+    let diffuse = numbers.clamped("diffuseFactor", gloss.diffuse_factor, [1.0; 4], 1.0)?;
+    let diffuse = Vec4::from(diffuse);
+    let specular = numbers.clamped("specularFactor", gloss.specular_factor, [1.0; 3], 1.0)?;
     let factors = Factors {
         diffuse: diffuse.truncate(),
-        specular: Vec3::from_array(ranges.clamped("specularFactor", specular, 1.0)),
-        glossiness: ranges.unit("glossinessFactor", glossiness),
+        specular: specular.into(),
+        glossiness: numbers.unit("glossinessFactor", gloss.glossiness_factor, 1.0)?,
     };
+    let notes = &mut numbers.notes;
     material.base_color = diffuse;
     material.base_color_texture = diffuse_map;
     material.metallic_roughness_texture = None;

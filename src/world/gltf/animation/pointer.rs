@@ -5,7 +5,7 @@ use std::{collections::HashSet, f64::consts::PI};
 use glam::DVec4;
 
 use super::{
-    Fault, Reader, fault, finite,
+    Fault, Parts, Reader, fault, finite,
     shared::{Kind, check_count},
 };
 use crate::{
@@ -228,7 +228,7 @@ impl Reader<'_> {
     /// Track of a channel that animates a material, a light or a camera; `None` for other channels.
     pub(super) fn pointed(
         &mut self,
-        animation: &schema::Animation,
+        animation: &Parts,
         channel: &schema::Channel,
     ) -> Result<Option<PointerTrack>, Fault> {
         let pointer = channel.target.extensions.pointer.as_ref();
@@ -239,10 +239,7 @@ impl Reader<'_> {
         if index >= count {
             return Err(fault(format!("{kind} {index} does not exist")));
         }
-        let sampler = animation.samplers.get(channel.sampler).ok_or_else(|| {
-            let number = channel.sampler;
-            fault(format!("sampler {number} does not exist"))
-        })?;
+        let sampler = animation.sampler(channel)?;
         let kind = Kind::Numbers(target.lanes, target.factor.to_bits());
         let samplers = self.once(sampler, kind, |reader, times_s, interpolation| {
             let values = reader.numbers(sampler.output, target.lanes);

@@ -22,8 +22,8 @@ pub struct ImageLights {
 }
 
 /// A cube map. Its irradiance coefficients are not read: irradiance is integrated over the images.
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
 pub struct ImageLight {
     pub name: Option<String>,
     pub rotation: Option<[f32; 4]>,

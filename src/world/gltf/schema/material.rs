@@ -195,6 +195,11 @@ pub struct TextureExtensions {
 }
 
 impl TextureExtensions {
+    /// Images of all extensions.
+    pub fn all(&mut self) -> [&mut Option<ImageSourceExtension>; 2] {
+        [&mut self.basisu, &mut self.webp]
+    }
+
     /// The images that take precedence over [`Texture::source`], the preferred one first.
     pub fn sources(&self) -> impl Iterator<Item = usize> {
         let extensions = [&self.basisu, &self.webp];
