@@ -20,6 +20,7 @@ use reflet_base::{
 };
 use reflet_scene::diagnostic::Diagnostic;
 
+mod basis;
 mod decoder;
 mod encoded;
 mod jpeg;

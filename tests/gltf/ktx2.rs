@@ -1,4 +1,4 @@
-//! KHR_texture_basisu: KTX2 files of the Basis Universal encoder, and invalid ones.
+//! KHR_texture_basisu and GOOGLE_texture_basis: files of the Basis Universal encoder, and invalid ones.
 
 use std::io::Cursor;
 
@@ -7,14 +7,16 @@ use reflet::scene::desc::MaterialDesc;
 
 use crate::kit::*;
 
-/// KTX2 files of 16 by 16 pixels with four quadrants of one color each.
-const FILES: [(&str, &[u8]); 3] = [
+/// Files of 16 by 16 pixels with four quadrants of one color each.
+const FILES: [(&str, &[u8]); 5] = [
     ("ETC1S", include_bytes!("quadrants_etc1s.ktx2")),
     ("UASTC", include_bytes!("quadrants_uastc.ktx2")),
     (
         "UASTC, Zstandard",
         include_bytes!("quadrants_uastc_zstd.ktx2"),
     ),
+    ("ETC1S alone", include_bytes!("quadrants_etc1s.basis")),
+    ("UASTC alone", include_bytes!("quadrants_uastc.basis")),
 ];
 const QUADRANTS: [[u8; 4]; 4] = [
     [200, 40, 30, 255],
@@ -27,11 +29,14 @@ const QUADRANTS: [[u8; 4]; 4] = [
 fn document(image: &[u8]) -> Doc {
     let mut doc = rich();
     let texture = doc.texture(&png(1, 1, [1, 2, 3, 255]));
+    let extension = match image.starts_with(b"sB") {
+        true => "GOOGLE_texture_basis",
+        false => "KHR_texture_basisu",
+    };
     let view = doc.view(image);
     let image = doc.image(json!({"bufferView": view, "mimeType": "image/ktx2"}));
-    doc.json["textures"][texture]["extensions"] = json!({"KHR_texture_basisu": {"source": image}});
-    doc.json["extensionsRequired"] = json!(["KHR_texture_basisu"]);
-    doc.json["extensionsUsed"] = json!(["KHR_texture_basisu"]);
+    doc.json["textures"][texture]["extensions"] = json!({extension: {"source": image}});
+    doc.json["extensionsRequired"] = json!([extension]);
     doc.json["materials"] = json!([{
         "pbrMetallicRoughness": {"baseColorTexture": {"index": texture}}
     }]);
@@ -105,7 +110,7 @@ fn broken_files_are_refused_or_decoded_with_little_work() {
     let mut random = Random(5);
     let (mut refused, mut most) = (0, Most::default());
     for round in 0..300 {
-        let mut file = FILES[round % 3].1.to_vec();
+        let mut file = FILES[round % 5].1.to_vec();
         for _ in 0..1 + random.below(3) {
             let at = 12 + random.below(file.len() - 12);
             file[at] = random.below(256) as u8;

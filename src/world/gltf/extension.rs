@@ -6,11 +6,12 @@ use super::{Fault, schema::Root, uri::shorten};
 use reflet_scene::diagnostic::Diagnostic;
 
 /// Supported extensions, which files may list in `extensionsRequired`.
-pub const SUPPORTED: [&str; 25] = [
+pub const SUPPORTED: [&str; 26] = [
     "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
+    "GOOGLE_texture_basis",
     "KHR_draco_mesh_compression",
     "KHR_gaussian_splatting", // shown as points, with a warning
     "KHR_lights_punctual",

@@ -10,6 +10,7 @@ use image::{
 
 use super::{
     TextureLimits,
+    basis::Basis,
     encoded::{Encoded, Format},
     fault,
     jpeg::Jpeg,
@@ -44,6 +45,7 @@ pub struct Opened<'a> {
 enum Decoder<'a> {
     Jpeg(Box<Jpeg<'a>>),
     Ktx2(Box<Ktx2<'a>>),
+    Basis(Basis<'a>),
     Other(Box<dyn ImageDecoder + 'a>),
 }
 
@@ -67,6 +69,11 @@ impl<'a> Opened<'a> {
                 check_size(size, limits)?;
                 let working = ktx2.working_bytes()?;
                 (Decoder::Ktx2(Box::new(ktx2)), size, working)
+            }
+            Format::Basis => {
+                let basis = Basis::open(bytes)?;
+                let (size, working) = (basis.size, basis.working_bytes());
+                (Decoder::Basis(basis), size, working)
             }
             Format::Png => {
                 let png = PngDecoder::with_limits(Cursor::new(bytes), png_limits(bytes, limits));
@@ -105,6 +112,7 @@ impl<'a> Opened<'a> {
         match self.decoder {
             Decoder::Jpeg(jpeg) => jpeg.decode(),
             Decoder::Ktx2(ktx2) => ktx2.decode(srgb),
+            Decoder::Basis(basis) => basis.decode(),
             Decoder::Other(decoder) => {
                 let pixels = DynamicImage::from_decoder(decoder).map_err(broken)?;
                 Ok(pixels.into_rgba8())

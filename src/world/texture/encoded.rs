@@ -20,6 +20,8 @@ pub enum Format {
     WebP,
     /// KTX 2.0.
     Ktx2,
+    /// Basis Universal in a file of its own.
+    Basis,
 }
 
 /// First bytes of every KTX 2 file.
@@ -111,6 +113,7 @@ fn format(bytes: &[u8]) -> Result<Format, Fault> {
             ..,
         ] => Ok(Format::WebP),
         bytes if bytes.starts_with(&KTX2_IDENTIFIER) => Ok(Format::Ktx2),
+        [b's', b'B', ..] => Ok(Format::Basis),
         [0xAB, b'K', b'T', b'X', ..] => unsupported("KTX 1"),
         [b'D', b'D', b'S', b' ', ..] => unsupported("DDS"),
         [b'G', b'I', b'F', b'8', ..] => unsupported("GIF"),

@@ -1,22 +1,17 @@
 //! KTX 2.0: Basis Universal and ASTC by its decoder, and the formats of `plain`.
 
-use basisu::{DecodeFlags, SourceFormat, TargetFormat, Transcoder};
 use image::{RgbaImage, imageops};
 
 use self::{header::Header, plain::Format};
-use super::fault;
+use super::{basis::Basis, fault};
 use crate::gltf::Fault;
 
 mod header;
 mod plain;
 
-/// Memory of the codebooks of ETC1S, which are at most as large as 16-bit indices allow, bytes.
-const CODEBOOK_BYTES: u64 = 8 << 20;
 /// Color models of Basis Universal that are read (Khronos Data Format 1.4, §5.6).
 const ETC1S: u8 = 163;
 const UASTC: u8 = 166;
-/// Bytes of a block of Basis Universal and of ASTC.
-const BLOCK_BYTES: u64 = 16;
 
 /// A KTX 2 file whose header was read.
 pub struct Ktx2<'a> {
@@ -27,7 +22,7 @@ pub struct Ktx2<'a> {
 }
 
 enum Content<'a> {
-    Transcoded(Box<Transcoder<'a>>),
+    Transcoded(Basis<'a>),
     Plain(Format),
 }
 
@@ -69,16 +64,12 @@ impl<'a> Ktx2<'a> {
         {
             return Err(other(format!("color model {model}")));
         }
-        let transcoder = Transcoder::new(bytes).map_err(cannot)?;
-        match transcoder.source_format() {
-            SourceFormat::Etc1s | SourceFormat::UastcLdr | SourceFormat::AstcLdr(_) => {}
-            format => return Err(other(format!("{format:?}"))),
-        }
-        let (width, height) = transcoder.base_dimensions();
+        let basis = Basis::open(bytes)?;
+        let size = basis.size;
         Ok(Self {
             header,
-            content: Content::Transcoded(Box::new(transcoder)),
-            size: [width, height],
+            content: Content::Transcoded(basis),
+            size,
         })
     }
 
@@ -87,19 +78,17 @@ impl<'a> Ktx2<'a> {
     /// # Errors
     /// Lengths that do not fit the picture.
     pub fn working_bytes(&self) -> Result<u64, Fault> {
-        let blocks = |[width, height]: [u32; 2]| {
-            let [across, down] = [self.size[0].div_ceil(width), self.size[1].div_ceil(height)];
-            u64::from(across) * u64::from(down)
-        };
         match &self.content {
             Content::Plain(format) => {
-                let level = blocks(format.block_px()) * format.block_bytes() as u64;
-                self.header.inflating_bytes(level)
+                let [width, height] = format.block_px();
+                let across = u64::from(self.size[0].div_ceil(width));
+                let blocks = across * u64::from(self.size[1].div_ceil(height));
+                self.header
+                    .inflating_bytes(blocks * format.block_bytes() as u64)
             }
-            Content::Transcoded(transcoder) => {
-                let level = blocks(transcoder.source_format().block_dims().into()) * BLOCK_BYTES;
-                let working = self.header.inflating_bytes(level)?;
-                Ok(working + level + CODEBOOK_BYTES)
+            Content::Transcoded(basis) => {
+                let inflating = self.header.inflating_bytes(basis.level_bytes())?;
+                Ok(inflating + basis.working_bytes())
             }
         }
     }
@@ -112,15 +101,14 @@ impl<'a> Ktx2<'a> {
     pub fn decode(self, srgb: bool) -> Result<RgbaImage, Fault> {
         let [width, height] = self.size;
         let (is_reversed, swizzle) = (self.header.is_reversed, self.header.swizzle);
-        let rgba = match self.content {
-            Content::Plain(format) => plain::decode(&self.header, format, srgb)?,
-            Content::Transcoded(transcoder) => transcoder
-                // Texels as the formats specify them, without a filter across large blocks.
-                .transcode(0, TargetFormat::Rgba32, DecodeFlags::NO_DEBLOCK_FILTERING)
-                .map_err(cannot)?,
+        let mut picture = match self.content {
+            Content::Plain(format) => {
+                let rgba = plain::decode(&self.header, format, srgb)?;
+                RgbaImage::from_raw(width, height, rgba)
+                    .ok_or_else(|| broken("it decodes to another size than its header says"))?
+            }
+            Content::Transcoded(basis) => basis.decode()?,
         };
-        let mut picture = RgbaImage::from_raw(width, height, rgba)
-            .ok_or_else(|| broken("it decodes to another size than its header says"))?;
         if swizzle != [0, 1, 2, 3] {
             for texel in picture.pixels_mut() {
                 let [r, g, b, a] = texel.0;
@@ -135,8 +123,4 @@ impl<'a> Ktx2<'a> {
         }
         Ok(picture)
     }
-}
-
-fn cannot(e: basisu::Error) -> Fault {
-    broken(&format!("cannot be decoded: {e:?}"))
 }

@@ -192,17 +192,20 @@ pub struct TextureExtensions {
     pub webp: Option<ImageSourceExtension>,
     #[serde(rename = "KHR_texture_basisu")]
     pub basisu: Option<ImageSourceExtension>,
+    /// Forerunner of KHR_texture_basisu, whose images are `.basis` files.
+    #[serde(rename = "GOOGLE_texture_basis")]
+    pub basis: Option<ImageSourceExtension>,
 }
 
 impl TextureExtensions {
     /// Images of all extensions.
-    pub fn all(&mut self) -> [&mut Option<ImageSourceExtension>; 2] {
-        [&mut self.basisu, &mut self.webp]
+    pub fn all(&mut self) -> [&mut Option<ImageSourceExtension>; 3] {
+        [&mut self.basisu, &mut self.basis, &mut self.webp]
     }
 
     /// The images that take precedence over [`Texture::source`], the preferred one first.
     pub fn sources(&self) -> impl Iterator<Item = usize> {
-        let extensions = [&self.basisu, &self.webp];
+        let extensions = [&self.basisu, &self.basis, &self.webp];
         extensions.into_iter().flatten().filter_map(|e| e.source)
     }
 }

@@ -1,0 +1,73 @@
+//! Basis Universal, in files of its own (`.basis`) and in KTX 2.0.
+
+use basisu::{DecodeFlags, SourceFormat, TargetFormat, Transcoder};
+use image::RgbaImage;
+
+use super::fault;
+use crate::gltf::Fault;
+
+/// Memory of the codebooks of ETC1S, which are at most as large as 16-bit indices allow, bytes.
+const CODEBOOK_BYTES: u64 = 8 << 20;
+/// Bytes of a block of Basis Universal and of ASTC.
+const BLOCK_BYTES: u64 = 16;
+
+/// A picture whose header was read.
+pub struct Basis<'a> {
+    transcoder: Box<Transcoder<'a>>,
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+}
+
+impl<'a> Basis<'a> {
+    /// Reads the header of a `.basis` or KTX 2 file.
+    ///
+    /// # Errors
+    /// Broken headers; formats of a wide range.
+    pub fn open(bytes: &'a [u8]) -> Result<Self, Fault> {
+        let transcoder = Box::new(Transcoder::new(bytes).map_err(cannot)?);
+        match transcoder.source_format() {
+            SourceFormat::Etc1s | SourceFormat::UastcLdr | SourceFormat::AstcLdr(_) => {}
+            format => {
+                let text =
+                    format!("is Basis Universal as {format:?}, expected ETC1S, UASTC or ASTC");
+                return Err(fault("image-unsupported", text).help("convert the image to PNG"));
+            }
+        }
+        let size = transcoder.base_dimensions().into();
+        Ok(Self { transcoder, size })
+    }
+
+    /// Bytes of the blocks of the first mip level.
+    pub fn level_bytes(&self) -> u64 {
+        let (width, height) = self.transcoder.source_format().block_dims();
+        let [across, down] = [self.size[0].div_ceil(width), self.size[1].div_ceil(height)];
+        u64::from(across) * u64::from(down) * BLOCK_BYTES
+    }
+
+    /// Upper bound of the memory for decoding, bytes, without the pixels. The size must have been checked.
+    pub fn working_bytes(&self) -> u64 {
+        self.level_bytes() + CODEBOOK_BYTES
+    }
+
+    /// Decodes the first mip level.
+    ///
+    /// # Errors
+    /// Broken data.
+    pub fn decode(&self) -> Result<RgbaImage, Fault> {
+        let [width, height] = self.size;
+        // Texels as the formats specify them, without a filter across large blocks.
+        let flags = DecodeFlags::NO_DEBLOCK_FILTERING;
+        let rgba = self.transcoder.transcode(0, TargetFormat::Rgba32, flags);
+        let picture = RgbaImage::from_raw(width, height, rgba.map_err(cannot)?);
+        picture.ok_or_else(|| {
+            fault(
+                "image-broken",
+                "it decodes to another size than its header says",
+            )
+        })
+    }
+}
+
+fn cannot(e: basisu::Error) -> Fault {
+    fault("image-broken", format!("cannot be decoded: {e:?}"))
+}
