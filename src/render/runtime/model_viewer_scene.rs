@@ -6,6 +6,7 @@ use std::{
     sync::Arc,
 };
 
+pub use reflet_scene::desc::is_model;
 use reflet_scene::{
     desc::is_stage,
     diagnostic::{Diagnostic, Source},
@@ -23,15 +24,6 @@ use reflet_world::{
 const FPS: f64 = 24.0;
 /// Maximum frame number of a timeline.
 const LAST_FRAME: f64 = 1e6;
-
-/// Whether the path is a model rather than a scene, by its extension.
-pub fn is_model(path: &Path) -> bool {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
-    is_stage(path)
-        || ["gltf", "glb", "obj", "stl", "ply"]
-            .iter()
-            .any(|known| extension.eq_ignore_ascii_case(known))
-}
 
 /// Prefix of overrides that choose parts of a USD stage.
 const USD_PREFIX: &str = "model.model.usd";

@@ -23,12 +23,25 @@ declared! {
     }
 }
 
+/// Endings of the names of model files; the last four are of USD stages.
+pub const MODEL_ENDINGS: &[&str] = &[
+    "gltf", "glb", "vrm", "obj", "stl", "ply", "usd", "usda", "usdc", "usdz",
+];
+
 /// Whether a file is a USD stage, judged by its name.
 pub fn is_stage(path: &Path) -> bool {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
-    ["usd", "usda", "usdc", "usdz"]
-        .iter()
-        .any(|known| extension.eq_ignore_ascii_case(known))
+    ends_with(path, &MODEL_ENDINGS[6..])
+}
+
+/// Whether a file is a model rather than a scene, judged by its name.
+pub fn is_model(path: &Path) -> bool {
+    ends_with(path, MODEL_ENDINGS)
+}
+
+fn ends_with(path: &Path, endings: &[&str]) -> bool {
+    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("");
+    let mut known = endings.iter();
+    known.any(|known| ending.eq_ignore_ascii_case(known))
 }
 
 const PURPOSES: [&str; 4] = ["default", "render", "proxy", "guide"];

@@ -102,12 +102,7 @@ impl Section for ModelDesc {
     fn read(t: &mut Table) -> Option<Self> {
         t.one_of(true, &[&["file"], &["shape"]]);
         let file = t.find::<At<String>>("file", ANY);
-        t.files(
-            "file",
-            &[
-                "gltf", "glb", "usd", "usda", "usdc", "usdz", "obj", "stl", "ply",
-            ],
-        );
+        t.files("file", MODEL_ENDINGS);
         let shape = t.table("shape").map(ModelSource::Shape);
         let (mut material, mut overrides) = (None, Vec::new());
         let message = "`material` of a shape must be the name of a `[material.NAME]`, not a table";

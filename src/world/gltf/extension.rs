@@ -36,7 +36,15 @@ pub const SUPPORTED: [&str; 26] = [
 ];
 
 /// Extensions that need no warning: the picture is the same without them, or the file has a fallback.
-const HARMLESS: [&str; 2] = ["KHR_animation_pointer", "KHR_xmp_json_ld"];
+const HARMLESS: [&str; 7] = [
+    "FB_ngon_encoding", // marks fans of triangles as polygons
+    "KHR_animation_pointer",
+    "KHR_xmp_json_ld",
+    "VRMC_node_constraint", // moves nodes after others that a program poses
+    "VRMC_springBone",      // swings of hair and clothes, at rest as the nodes are
+    "VRMC_springBone_extended_collider",
+    "VRMC_vrm", // names bones and expressions of an avatar
+];
 
 /// Whether an extension can only change how things look, as far as its name tells: materials,
 /// textures and lights.

@@ -23,7 +23,7 @@ fn ending<'p>(path: &'p Path, of: &[&str]) -> Option<&'p str> {
 pub fn model(path: &Path) -> Option<(String, &'static str)> {
     let ending = ending(path, &MODELS)?;
     let message = format!(
-        "models are glTF (`.glb`, `.gltf`), USD, OBJ, STL or PLY files, and this is a `.{ending}` file"
+        "models are glTF (`.glb`, `.gltf`, `.vrm`), USD, OBJ, STL or PLY files, and this is a `.{ending}` file"
     );
     let help = match ending.eq_ignore_ascii_case("fbx") {
         true => {
