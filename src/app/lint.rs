@@ -96,11 +96,6 @@ impl<'a> Lint<'a> {
         found.map(Diagnostic::warning).collect()
     }
 
-    /// Warning about a picture of a posed world that shows nothing; `camera` is an index.
-    pub fn empty(scene: &Scene, world: &World, camera: usize) -> Option<Diagnostic> {
-        view::unseen(scene, world, camera).map(Diagnostic::warning)
-    }
-
     /// Checks a posed frame; geometry is checked in the first frame only.
     pub fn frame(&mut self, world: &World) {
         self.is_lit |= is_lit(world);

@@ -5,7 +5,7 @@ use std::{ops::RangeInclusive, sync::Arc, time::Instant};
 use reflet_base::standard_error::show_work;
 use xxhash_rust::xxh3::Xxh3Default;
 
-use super::{args::RenderArgs, error::AppError, lint::Lint};
+use super::{args::RenderArgs, error::AppError};
 use crate::{
     gpu::{ShaderLibrary, driver::open_gpu},
     output::denoise::{Denoiser, reproject::FramePose},
@@ -15,7 +15,7 @@ use crate::{
         renderer::stats::FrameStats,
         settings::view::View,
     },
-    runtime::{SceneSource, Session, ViewOverrides, scene_text::LoadedScene},
+    runtime::{SceneSource, Session, ViewOverrides, empty_view, scene_text::LoadedScene},
     scene::{
         desc::{Method, Samples},
         diagnostic::Diagnostic,
@@ -107,8 +107,8 @@ impl RenderSession {
             return Vec::new();
         }
         let loaded = self.scene.scene();
-        let found = Lint::empty(&loaded.scene, &loaded.world, self.scene.camera());
-        found.into_iter().collect()
+        let found = empty_view::warning(&loaded.scene, &loaded.world, self.scene.camera());
+        found.map(Diagnostic::warning).into_iter().collect()
     }
 
     /// Starts a picture of the posed scene, with or without linear color; timed if statistics are requested.

@@ -128,4 +128,19 @@ fn a_scene_that_is_broken_at_first_is_shown_when_it_is_mended() {
     assert!(live.problems.is_empty() && live.warnings().is_empty());
     let mended = picture(&gpu, &mut live);
     assert!(mended == picture(&gpu, &mut open(&gpu, &path, None)));
+    folder.write(
+        "scene.toml",
+        SCENE.replace("[0, 0.5, 0]\n[mat", "[0, 9, 9]\n[mat"),
+    );
+    assert!(live.reload(&[Change::Scene].into()).ok);
+    let names: Vec<_> = live.warnings().iter().map(|w| w.name).collect();
+    assert_eq!(
+        names,
+        ["empty-view"],
+        "the picture shows the environment alone"
+    );
+    let away = open(&gpu, &path, None);
+    assert_eq!(away.warnings(), live.warnings());
+    folder.write("scene.toml", SCENE);
+    assert!(live.reload(&[Change::Scene].into()).ok && live.warnings().is_empty());
 }

@@ -9,6 +9,7 @@ use crate::{
         },
         settings::view::View,
     },
+    runtime::empty_view::{self, rounded_down, shortened},
     scene::{
         desc::{CameraDesc, Entry, Exposure},
         diagnostic::{Diagnostic, Span},
@@ -17,7 +18,6 @@ use crate::{
     world::{
         World,
         bvh::{Ray, RayHit, Trees},
-        sight::{Sight, Unseen},
     },
 };
 
@@ -41,7 +41,7 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
     let unit_m = settings.unit_m.unwrap_or_else(|| world.unit_m());
     let view = View::new(&camera.value, scene.image.size, unit_m);
     let (cutoff, length_m) = (settings.roughness_cutoff, settings.ray_length_u * unit_m);
-    if let Some(found) = unseen(scene, world, world.main_camera()) {
+    if let Some(found) = empty_view::warning(scene, world, world.main_camera()) {
         return vec![found];
     }
     let estimate = ViewEstimate::new(world, trees, &view, cutoff, length_m);
@@ -70,46 +70,6 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
         found.extend(reflector(scene, world, *material, reach, unit_m));
     }
     found
-}
-
-/// Warning that the picture of a camera shows no surface in the pose of the world, with the reason.
-pub fn unseen(scene: &Scene, world: &World, camera: usize) -> Option<Diagnostic> {
-    let camera = world.cameras.get(camera)?;
-    let unit_m = scene.reflection.unit_m.unwrap_or_else(|| world.unit_m());
-    let near_m = camera.value.near_in(unit_m);
-    let sight = Sight::new(&camera.value, near_m, scene.image.size);
-    let name = &camera.name;
-    let nothing = format!("camera \"{name}\" sees nothing but the environment");
-    let (message, help) = match sight.unseen(world, &world.meshes)? {
-        Unseen::Nothing => return None,
-        Unseen::Hidden => (
-            format!("{nothing}: all is hidden or scaled to 0 in this frame"),
-            "show it, or render another frame with --frames".to_owned(),
-        ),
-        Unseen::Outside => {
-            let [x, y, z] = world.static_bounds().center().to_array().map(shortened);
-            let help = format!("point it at the scene, whose middle is `target = [{x}, {y}, {z}]`");
-            (nothing, help)
-        }
-        Unseen::TooNear(depth_m) => {
-            let message = format!(
-                "all that camera \"{name}\" would see is nearer than its near plane, {near_m} m"
-            );
-            let near_m = rounded_down(depth_m as f32);
-            let help = format!("write `near_m = {near_m}` in its table");
-            return Some(Diagnostic::new("clipped-view", camera.at.clone(), message).help(help));
-        }
-        Unseen::Backs => (
-            format!("{nothing}: all surfaces before it have one side and turn their backs to it"),
-            "write `double_sided = true` in their materials, or look from the other side"
-                .to_owned(),
-        ),
-        Unseen::Small => (
-            format!("{nothing}: all before it is smaller than a pixel"),
-            "move it closer, or make the picture or the scene larger".to_owned(),
-        ),
-    };
-    Some(Diagnostic::new("empty-view", camera.at.clone(), message).help(help))
 }
 
 /// Warning about a near plane that cuts away a part of the hits of a camera without one.
@@ -197,15 +157,4 @@ fn reflector(
         let help = "write `[environment]`, or place what it shall show where its reflection falls";
         Diagnostic::new("black-reflector", at, message).help(help)
     })
-}
-
-/// Half of a length, rounded to a power of ten.
-fn rounded_down(length_m: f32) -> f32 {
-    10f32.powf((0.5 * length_m).log10().floor())
-}
-
-/// Number rounded to three decimals.
-fn shortened(x: f32) -> f64 {
-    // Zero is written without its sign.
-    (f64::from(x) * 1e3).round() / 1e3 + 0.0
 }

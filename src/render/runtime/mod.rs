@@ -29,6 +29,7 @@ use reflet_world::{World, load::AssetCache};
 
 mod catch_panic;
 mod coarse;
+pub mod empty_view;
 pub mod error;
 mod error_bound;
 pub mod inputs;
@@ -213,7 +214,8 @@ impl Session {
         &self.loaded
     }
 
-    /// Warnings about the scene's text, script and files.
+    /// Warnings about the scene's text, script and files, and about a picture that shows nothing when the scene is
+    /// opened or changed.
     pub fn warnings(&self) -> &[Diagnostic] {
         &self.loaded.warnings
     }

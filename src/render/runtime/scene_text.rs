@@ -8,7 +8,7 @@ use std::{
 
 pub use super::scene_options::{ASSETS_ENV, SceneOptions, asset_folders};
 use super::{
-    SessionError,
+    SessionError, empty_view,
     model_viewer_scene::{is_model, model_viewer_scene},
     scene_options::{load_options, missing_folders, read_options, without_project},
 };
@@ -226,9 +226,10 @@ impl SceneText {
 impl OpenedScene {
     /// A loaded scene with another description of the same scene, such as one with changed numbers.
     pub(super) fn of_loaded(loaded: &LoadedScene, scene: Arc<Scene>, options: LoadOptions) -> Self {
-        // Loading adds the world's warnings again.
+        // Loading adds the world's warnings again, and showing the picture's.
         let mut warnings = loaded.warnings.clone();
         warnings.retain(|warning| !loaded.world.warnings.contains(warning));
+        warnings.retain(|warning| !empty_view::NAMES.contains(&warning.name));
         Self {
             text: loaded.text.clone(),
             overrides: loaded.overrides.clone(),

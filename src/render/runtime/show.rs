@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::{
     GivenMeshes, InitialBuild, SceneSource, Session, SessionError, ViewOverrides, coarse,
+    empty_view,
     parameters::{DeclaredParameters, ParameterOverrides},
     read::{Pose, Read, TextStage},
     renderer_stage::RendererStage,
@@ -81,8 +82,9 @@ impl Session {
     ) -> Result<Self, SessionError> {
         let state = read.pose()?;
         let (world, assets) = read.texts.opened.world()?;
-        let (loaded, first) = posed(&read, world, state.as_ref())?;
+        let (mut loaded, first) = posed(&read, world, state.as_ref())?;
         accept(&view, &loaded)?;
+        warn_of_empty(&view, &mut loaded);
         let gpu = gpu()?;
         let options = view.options(&loaded);
         let coarse = (initial == InitialBuild::Coarse).then(|| coarse::world(&loaded.world));
@@ -202,11 +204,12 @@ impl Session {
                 (world, Some(assets))
             }
         };
-        let (loaded, first) = match posed(&read, world, state.as_ref()) {
+        let (mut loaded, first) = match posed(&read, world, state.as_ref()) {
             Ok(posed) => posed,
             Err(errors) => return Err(Refused::Pose(Box::new(read), errors)),
         };
         accept(&self.view, &loaded)?;
+        warn_of_empty(&self.view, &mut loaded);
         let options = self.view.options(&loaded);
         let poses = poses(&loaded, &first);
         let rebuilt = (self.renderer)
@@ -315,6 +318,14 @@ impl Session {
         self.coarse = None;
         Ok(rebuilt)
     }
+}
+
+/// Adds a warning to a posed scene whose picture shows nothing.
+fn warn_of_empty(view: &ViewOverrides, loaded: &mut LoadedScene) {
+    let chosen = loaded.camera(view.camera.as_deref());
+    let camera = chosen.unwrap_or_else(|| loaded.camera_at(loaded.frame));
+    let found = empty_view::warning(&loaded.scene, &loaded.world, camera);
+    loaded.warnings.extend(found.map(Diagnostic::warning));
 }
 
 /// The world in its first and in its shown pose.
