@@ -49,7 +49,13 @@ fn show(name: &str) -> std::path::PathBuf {
     top
 }
 
-const OPTIONS: [&str; 4] = ["--assets", "library", "--set", "params.lift=0.9"];
+const OPTIONS: [&str; 5] = [
+    "--assets",
+    "library",
+    "--set",
+    "params.lift=0.9",
+    "--strict",
+];
 
 fn pack(top: &Path, goal: &str) {
     let pack = ["pack", "shots/scene.toml", "-o", goal];
@@ -83,7 +89,10 @@ fn a_pack_renders_the_same_elsewhere() {
     let goal = elsewhere.join("made");
     let goal = goal.to_str().expect("UTF-8");
     let [command, _] = exits(&top, ["unpack", "show.zip", "-o", goal], 0);
-    assert_says(&command, &["--set params.lift=0.9 --frames all"]);
+    assert_says(
+        &command,
+        &["--set params.lift=0.9 --frames all", "--strict"],
+    );
     or_skip!(gpu_or_skip());
     let frame = ["-o", "f.#.png", "--frames", "3"];
     fs::rename(top.join("shots/scene.toml"), top.join("scene.toml")).expect("moved");

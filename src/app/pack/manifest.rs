@@ -35,6 +35,9 @@ pub struct Manifest {
     pub variant: Vec<String>,
     /// Whether `--lenient` was given.
     pub lenient: bool,
+    /// Whether `--strict` was given.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub strict: bool,
     /// Name of the project's folder in the pack; the empty name is its top, none is no project.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub project: Option<String>,
@@ -159,6 +162,7 @@ mod tests {
             set: Vec::new(),
             variant: Vec::new(),
             lenient: false,
+            strict: false,
             project: None,
             frames: None,
             files: (lengths.iter().enumerate())

@@ -241,9 +241,12 @@ fn command(manifest: &Manifest, folder: &Path) -> String {
     if let Some(project) = &manifest.project {
         words.extend(option_words("--project", &inside(project)));
     }
-    if manifest.lenient {
-        words.push("--lenient".to_owned());
-    }
+    let switches = [
+        (manifest.lenient, "--lenient"),
+        (manifest.strict, "--strict"),
+    ];
+    let given = switches.into_iter().filter(|(is_given, _)| *is_given);
+    words.extend(given.map(|(_, word)| word.to_owned()));
     let shown = |word: &String| -> String { word.chars().filter(|c| !c.is_control()).collect() };
     let words: Vec<_> = words.iter().map(|word| shell_word(&shown(word))).collect();
     words.join(" ")
