@@ -37,8 +37,9 @@ const OF_DICT: &str = "<dict>";
 /// one. `assets` are folders to search after the scene's own. `set` has values to change by their
 /// path, such as `{"image.samples": 16, "params.height": 2.0}`, and `variant` the names of variants
 /// to lay over it. `project` is False for a scene of no project, or the path of one, in place of
-/// the `reflet.toml` that is found in its folder or above. `lenient` loads glTF files without parts
-/// that cannot be read and only change their look.
+/// the `reflet.toml` that is found in its folder or above. `lenient` loads glTF files without
+/// references to nodes and meshes that they lack, and `strict` refuses models with wrong parts that
+/// are else left out with a warning; not both.
 ///
 /// `camera`, `size` (pixels), `samples` and `method` hold for all pictures. `adapter` is a part of
 /// an adapter's name, and `shaders` a folder of shaders in place of the built-in ones.
@@ -52,7 +53,7 @@ const OF_DICT: &str = "<dict>";
 #[pyfunction]
 #[pyo3(signature = (
     scene=None, *, text=None, folder=None, assets=None, set=None, variant=None, project=None, lenient=false,
-    camera=None, size=None, samples=None, method=None, adapter=None, shaders=None
+    strict=false, camera=None, size=None, samples=None, method=None, adapter=None, shaders=None
 ))]
 pub fn open(
     py: Python<'_>,
@@ -64,6 +65,7 @@ pub fn open(
     variant: Option<Bound<'_, PyAny>>,
     project: Option<Bound<'_, PyAny>>,
     lenient: bool,
+    strict: bool,
     camera: Option<String>,
     size: Option<Bound<'_, PyAny>>,
     samples: Option<i64>,
@@ -79,6 +81,12 @@ pub fn open(
     if let Some(set) = set {
         settings = settings_of(&set)?;
     }
+    if lenient && strict {
+        return Err(argument_error(
+            py,
+            "`lenient` and `strict` exclude each other",
+        ));
+    }
     let size = integers(size.as_ref()).map_err(|error| of_argument(py, "size", &error))?;
     settings
         .extend(size.map(|[width, height]: [i64; 2]| format!("image.size=[{width}, {height}]")));
@@ -89,6 +97,7 @@ pub fn open(
         variant: variant.map_or(Ok(Vec::new()), |variant| names(&variant, "variant"))?,
         assets: assets.unwrap_or_default(),
         lenient,
+        strict,
         project: project_choice(project)?,
         ..SceneOptions::default()
     };

@@ -285,11 +285,21 @@ def test_errors_have_places(reflet: ModuleType, scene: Path, tmp_path: Path) -> 
         ({"folder": tmp_path}, reflet.ArgumentError, "folder="),
         ({"variant": 5}, reflet.ArgumentError, "variant is a text"),
         ({"sample": 5}, TypeError, "sample"),
+        ({"lenient": True, "strict": True}, reflet.ArgumentError, "exclude each other"),
     ]:
         with pytest.raises(error, match=says):
             reflet.open(scene, **options)
     with pytest.raises(reflet.ArgumentError, match="a scene is a path"):
         reflet.open(5)
+    model = tmp_path / "point.gltf"
+    model.write_text("""{"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, "name": 3}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "mode": 0}]}],
+        "accessors": [{"componentType": 5126, "type": "VEC3", "count": 1}]}""")
+    with pytest.warns(reflet.SceneWarning, match="/nodes/0/name"):
+        reflet.open(model).close()
+    with pytest.raises(reflet.SceneError, match="not glTF JSON"):
+        reflet.open(model, strict=True)
     with reflet.open(scene) as session:
         for options, error, says in [
             ({"frame": 4}, reflet.FrameError, "no frame 4; the timeline has 0 to 3"),

@@ -87,6 +87,7 @@ def open(
     variant: str | Sequence[str] | None = None,
     project: bool | _Path | None = None,
     lenient: bool = False,
+    strict: bool = False,
     camera: str | None = None,
     size: _Integers | None = None,
     samples: int | None = None,
@@ -104,8 +105,9 @@ def open(
     one. `assets` are folders to search after the scene's own. `set` has values to change by their
     path, such as `{"image.samples": 16, "params.height": 2.0}`, and `variant` the names of variants
     to lay over it. `project` is False for a scene of no project, or the path of one, in place of
-    the `reflet.toml` that is found in its folder or above. `lenient` loads glTF files without parts
-    that cannot be read and only change their look.
+    the `reflet.toml` that is found in its folder or above. `lenient` loads glTF files without
+    references to nodes and meshes that they lack, and `strict` refuses models with wrong parts that
+    are else left out with a warning; not both.
 
     `camera`, `size` (pixels), `samples` and `method` hold for all pictures. `adapter` is a part of
     an adapter's name, and `shaders` a folder of shaders in place of the built-in ones.
