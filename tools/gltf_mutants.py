@@ -5,24 +5,29 @@
 Each broken file is read by `reflet check` within 5 s of processor time and 1.5 GiB of address
 space, and rendered at 16 × 16 where that finds nothing wrong. File N of a seed is always the
 same; files that are answered wrongly are kept in the folder that `--keep` names.
+
+With `--parts` each has one wrong part of the kinds of `gltf_mutations.PARTS` instead: all the rest
+must be shown, with a warning about the part, which `--strict` makes an error.
 """
 
 import argparse
 import collections
 import concurrent.futures
 import dataclasses
+import json
 import os
 import random
 import re
 import shutil
 import signal
+import subprocess
 import sys
 import tempfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import tables
-from gltf_mutations import KINDS, Model, mutate, read_model
+from gltf_mutations import KINDS, PARTS, Model, break_part, mutate, parts_of, read_model
 from measuring import ROOT, used
 
 PAGE = ROOT / "docs" / "gltf.md"
@@ -143,6 +148,71 @@ def one(
     return mutant
 
 
+COUNTED = (
+    "triangles_stored triangles_placed instances materials textures lights animations cameras "
+    "variants"
+)
+"""Counts of `reflet info --json` that one wrong part does not change."""
+
+
+@dataclasses.dataclass
+class Facts:
+    """Output of `reflet info` for a file."""
+
+    counts: dict[str, object] | None
+    """None for a file that is refused."""
+    said: str
+    """Warnings or errors, without the file's folder."""
+
+
+def facts(reflet: str, file: Path, *options: str) -> Facts:
+    command = [reflet, "info", str(file), "--json", *options]
+    ran = subprocess.run(command, capture_output=True, text=True, timeout=WALL_S, check=False)
+    counts = None
+    if ran.returncode == 0:
+        told = json.loads(ran.stdout)
+        counts = {name: told[name] for name in COUNTED.split()}
+    return Facts(counts, ran.stderr.replace(str(file.parent), ""))
+
+
+def part(reflet: str, whole: Facts, kind: str, model: Model, chance: random.Random) -> str:
+    """Fault in the answer to a model of one wrong part; empty for a right answer."""
+    said, files = break_part(model, kind, chance)
+    with tempfile.TemporaryDirectory() as name:
+        for place, data in files.items():
+            (Path(name) / place).parent.mkdir(parents=True, exist_ok=True)
+            (Path(name) / place).write_bytes(data)
+        shown = facts(reflet, Path(name) / model.name)
+        strict = facts(reflet, Path(name) / model.name, "--strict")
+    said = f"{model.file} {said}"
+    if shown.counts is None:
+        return f"refused: {said}: {shown.said[-300:]}"
+    may_change = PARTS[kind][1]
+    for count, value in (whole.counts or {}).items():
+        if count not in may_change and shown.counts[count] != value:
+            return f"lost more: {said}: {count} {value} -> {shown.counts[count]}"
+    if shown.said == whole.said:
+        return f"silent: {said}"
+    return "" if strict.counts is None else f"not strict: {said}: {shown.said[-300:]}"
+
+
+def parts(reflet: str, models: list[Model], count: int, seed: int) -> tuple[str, list[str]]:
+    """Table of `count` files with a wrong part of each kind, and the faults in their answers."""
+    whole = {model.file: facts(reflet, model.file) for model in models if model.root}
+    good = [m for m in models if m.file in whole and whole[m.file].counts is not None]
+    lines, wrong = [], []
+    for kind in PARTS:
+        chance = random.Random(f"{seed} {kind}")
+        having = [model for model in good if parts_of(model.root, kind)]
+        chosen = chance.choices(having, k=count) if having else []
+        jobs = [(kind, model, random.Random(chance.random())) for model in chosen]
+        with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+            found = list(pool.map(lambda job: part(reflet, whole[job[1].file], *job), jobs))
+        wrong += [f"{kind}: {end}" for end in found if end]
+        lines.append([kind, f"{len(found):,}", f"{sum(not end for end in found):,}"])
+    return tables.table(["a wrong part of", "files", "all else is shown"], lines, tight=True), wrong
+
+
 ENDS = {
     "refused": "refused by name",
     "shown": "shown",
@@ -185,9 +255,16 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", type=int, help="number of one file to run; prints its answers")
     parser.add_argument("--keep", type=Path, help="folder for files that are answered wrongly")
+    parser.add_argument("--parts", action="store_true", help="break one part; --count of each kind")
     parser.add_argument("--page", action="store_true", help="write the table into docs/gltf.md")
     arguments = parser.parse_args()
     models = [read_model(file) for file in roots(arguments.corpus)]
+    if arguments.parts:
+        text, said = parts(arguments.reflet, models, arguments.count, arguments.seed)
+        print(text, *said, sep="\n")
+        if arguments.page:
+            tables.write_tables(PAGE, {"parts": text})
+        sys.exit(bool(said))
     numbers = range(arguments.count) if arguments.only is None else [arguments.only]
 
     def job(number: int) -> Mutant:

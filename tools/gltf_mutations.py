@@ -4,6 +4,7 @@ import base64
 import dataclasses
 import json
 import random
+import re
 import struct
 import urllib.parse
 from collections.abc import Callable, Iterator
@@ -26,6 +27,73 @@ KINDS = {
 }
 DECODER_EVERY = 20
 """Share of the broken files that are made anew for a decoder."""
+PARTS = {
+    "materials": (
+        r"/materials/\d+/(name|alphaMode|alphaCutoff|doubleSided|emissiveFactor"
+        r"|(pbrMetallicRoughness|extensions/KHR_materials_\w+)(/\w+Factor)?)",
+        ("textures",),
+    ),
+    "uses of textures": (
+        r"/materials/\d+(/pbrMetallicRoughness|/extensions/KHR_materials_\w+)?/\w+Texture"
+        r"(/(index|texCoord|extensions/KHR_texture_transform(/(offset|rotation|scale))?))?",
+        ("textures",),
+    ),
+    "textures": (
+        r"/textures/\d+(/(source|sampler|extensions/\w+(/source)?))?",
+        ("textures",),
+    ),
+    "images": (r"/images/\d+(/(uri|bufferView|name))?", ("textures",)),
+    "samplers": (r"/samplers/\d+(/(wrapS|wrapT|magFilter))?", ("textures",)),
+    "cameras": (
+        r"/cameras/\d+(/(name|(perspective|orthographic)(/(yfov|ymag|znear))?))?",
+        ("cameras",),
+    ),
+    "lights": (
+        r"/extensions/KHR_lights_punctual/lights"
+        r"(/\d+(/(type|color|intensity|range|spot(/\w+ConeAngle)?))?)?",
+        ("lights",),
+    ),
+    "lights and cameras of nodes": (
+        r"/nodes/\d+/(camera|extensions/KHR_lights_punctual(/light)?)",
+        ("lights", "cameras"),
+    ),
+    "names": (r"/(nodes|meshes)/\d+/name", ()),
+    "attributes": (
+        r"/meshes/\d+/primitives/\d+/attributes/(NORMAL|TANGENT|TEXCOORD_\d|COLOR_0)",
+        (),
+    ),
+    "accessors of attributes": (r"/accessors/\d+/(count|byteOffset|bufferView|componentType)", ()),
+    "attributes of morph targets": (
+        r"/meshes/\d+/primitives/\d+/targets/\d+/(NORMAL|TANGENT|TEXCOORD_\d|COLOR_0)",
+        (),
+    ),
+    "materials of meshes": (
+        r"/meshes/\d+/primitives/\d+/(material|extensions/KHR_materials_variants"
+        r"(/mappings(/\d+(/(material|variants))?)?)?)",
+        ("materials", "textures"),
+    ),
+    "variants": (
+        r"/extensions/KHR_materials_variants(/variants(/\d+(/name)?)?)?",
+        ("variants",),
+    ),
+    "animations": (r"/animations/\d+(/(channels|samplers))?", ("animations",)),
+    "channels": (
+        r"/animations/0/(channels/\d+(/(sampler|target(/(node|path))?))?"
+        r"|samplers/\d+(/(input|output|interpolation))?)",
+        ("animations",),
+    ),
+    "whole lists": (
+        r"/(materials|textures|images|samplers|cameras|animations|extensions)",
+        ("materials", "textures", "cameras", "lights", "animations", "variants"),
+    ),
+}
+"""Kinds of parts that a file shows everything else without: pattern of their JSON pointers, and
+counts that may change with them."""
+_USER = re.compile(
+    r"/meshes/\d+/primitives/\d+/(indices|(attributes|targets/\d+)/\w+)|/nodes/.*/attributes/\w+"
+    r"|/skins/\d+/inverseBindMatrices|/animations/\d+/samplers/\d+/(input|output)"
+)
+"""References to accessors."""
 Pointer = tuple[Any, Any]
 """A container of the JSON, and a key or index in it."""
 _SPECIAL = (0, 1, -1, 2, 3, 7, 255, 256, 5120, 5121, 5123, 5125, 5126, 65535, 65536, 1 << 24)
@@ -129,6 +197,53 @@ def mutate(
     return kind, model, files
 
 
+def parts_of(root: Any, kind: str) -> list[tuple[str, Any, Any]]:
+    """Pointers of the parts of a kind of `PARTS`, each with its container and key."""
+    pattern = re.compile(PARTS[kind][0])
+    places = [place for place in _pointers(root) if pattern.fullmatch(place[0])]
+    if kind != "accessors of attributes":
+        return places
+    looks = re.compile(PARTS["attributes"][0])
+    used = [
+        (place[0], place[1][place[2]]) for place in _pointers(root) if _USER.fullmatch(place[0])
+    ]
+    own = {index for pointer, index in used if looks.fullmatch(pointer)}
+    own -= {i for pointer, i in used if type(i) is int and not looks.fullmatch(pointer)}
+    return [place for place in places if int(place[0].split("/")[2]) in own]
+
+
+def break_part(model: Model, kind: str, chance: random.Random) -> tuple[str, dict[str, bytes]]:
+    """Give a part of a kind a value of another type, or an index of nothing.
+
+    Returns its JSON pointer and value, and the files by name.
+    """
+    root = json.loads(json.dumps(model.root))
+    pointer, of, key = chance.choice(parts_of(root, kind))
+    if kind == "accessors of attributes":
+        of[key] = 10**9
+    else:
+        # An empty list is an object without keys.
+        same = {int: (int, float), float: (int, float), dict: (dict, list)}
+        others: list[Any] = ["lost", [], {}, 99_999]
+        wrong = [v for v in others if type(v) not in same.get(type(of[key]), (type(of[key]),))]
+        wrong += [-1, -7] if type(of[key]) is int else []
+        of[key] = chance.choice(wrong)
+    said = f"{pointer} = {json.dumps(of[key])}"
+    return said, model.beside | {model.name: model.assemble(root, model.binary)}
+
+
+def _pointers(value: Any) -> Iterator[tuple[str, Any, Any]]:
+    """JSON pointers of all values, without recursion: files may nest deeply."""
+    waiting = [("", value)]
+    while waiting:
+        pointer, of = waiting.pop()
+        keys: Any = of.keys() if isinstance(of, dict) else range(len(of))
+        for key in keys:
+            yield f"{pointer}/{key}", of, key
+            if isinstance(of[key], (dict, list)):
+                waiting.append((f"{pointer}/{key}", of[key]))
+
+
 def _change_bytes(data: bytes, chance: random.Random) -> bytes:
     out = bytearray(data)
     for _ in range(chance.choice((1, 2, 4, 16))):
@@ -154,15 +269,8 @@ def _change_length(data: bytes, chance: random.Random) -> bytes:
 
 
 def _places(value: Any) -> Iterator[Pointer]:
-    """Pointers to every value of the JSON, without recursion: files may nest deeply."""
-    waiting = [value]
-    while waiting:
-        of = waiting.pop()
-        keys: Any = of.keys() if isinstance(of, dict) else range(len(of))
-        for key in keys:
-            yield of, key
-            if isinstance(of[key], (dict, list)):
-                waiting.append(of[key])
+    """Containers and keys of every value of the JSON."""
+    return ((of, key) for _, of, key in _pointers(value))
 
 
 def _change_numbers(root: dict[str, Any], chance: random.Random) -> None:
