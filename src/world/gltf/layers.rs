@@ -3,28 +3,18 @@
 
 use glam::Vec3;
 
-use super::{
-    Fault, Notes,
-    ranges::Numbers,
-    schema::{MaterialExtensions, TextureInfo},
-};
-use crate::{LAYER_SLOTS, LayerTexture, Material, TextureRef, normal_uv::NormalUv};
+use super::{Fault, Notes, ranges::Numbers, schema::MaterialExtensions};
+use crate::{LAYER_SLOTS, LayerTexture, Material, normal_uv::NormalUv};
 use reflet_scene::range::DISPERSION;
 
-/// Function that resolves a texture by its use in the file, whether it is a color, and its JSON keys (for
-/// messages).
-pub type FindTexture<'a> =
-    dyn FnMut(&Option<TextureInfo>, bool, &str) -> Result<Option<TextureRef>, Fault> + 'a;
-
-/// Reads the factors and textures into `out`. `moves` tells whether an animation of the file moves the value of a
+/// Reads the factors into `out`, and whether each texture has an effect. `moves` tells whether an animation of the file moves the value of a
 /// key of scene text: such a layer is kept even if it has no effect at rest.
 pub fn read(
     extensions: &MaterialExtensions,
     out: &mut Material,
     moves: &dyn Fn(&str) -> bool,
     numbers: &mut Numbers<'_>,
-    texture: &mut FindTexture<'_>,
-) -> Result<(), Fault> {
+) -> Result<[bool; LAYER_SLOTS], Fault> {
     let mut layers = Layers {
         extensions,
         out,
@@ -39,7 +29,7 @@ pub fn read(
     layers.clearcoat()?;
     layers.iridescence()?;
     layers.anisotropy()?;
-    let is_used = [
+    Ok([
         out.specular.is_some(),
         out.specular_color.is_some(),
         out.sheen_color.is_some(),
@@ -51,52 +41,7 @@ pub fn read(
         out.iridescence.is_some(),
         out.iridescence.is_some(),
         out.anisotropy.is_some(),
-    ];
-    let places = textures(extensions).into_iter().zip(PATHS).zip(is_used);
-    for (i, ((info, path), _)) in places.enumerate().filter(|(_, (_, used))| *used) {
-        let srgb = [LayerTexture::SpecularColor, LayerTexture::SheenColor];
-        let is_color = srgb.iter().any(|color| *color as usize == i);
-        out.layer_textures[i] = texture(info, is_color, path)?;
-    }
-    Ok(())
-}
-
-/// Keys of the textures inside a material, in the order of [`LayerTexture`].
-const PATHS: [&str; LAYER_SLOTS] = [
-    "extensions/KHR_materials_specular/specularTexture",
-    "extensions/KHR_materials_specular/specularColorTexture",
-    "extensions/KHR_materials_sheen/sheenColorTexture",
-    "extensions/KHR_materials_sheen/sheenRoughnessTexture",
-    "extensions/KHR_materials_transmission/transmissionTexture",
-    "extensions/KHR_materials_clearcoat/clearcoatTexture",
-    "extensions/KHR_materials_clearcoat/clearcoatRoughnessTexture",
-    "extensions/KHR_materials_clearcoat/clearcoatNormalTexture",
-    "extensions/KHR_materials_iridescence/iridescenceTexture",
-    "extensions/KHR_materials_iridescence/iridescenceThicknessTexture",
-    "extensions/KHR_materials_anisotropy/anisotropyTexture",
-];
-
-/// The textures of the file, in the order of [`LayerTexture`].
-pub fn textures(extensions: &MaterialExtensions) -> [&Option<TextureInfo>; LAYER_SLOTS] {
-    let specular = extensions.specular.as_ref();
-    let sheen = extensions.sheen.as_ref();
-    let transmission = extensions.transmission.as_ref();
-    let coat = extensions.clearcoat.as_ref();
-    let film = extensions.iridescence.as_ref();
-    let anisotropy = extensions.anisotropy.as_ref();
-    [
-        specular.map_or(&None, |s| &s.specular_texture),
-        specular.map_or(&None, |s| &s.specular_color_texture),
-        sheen.map_or(&None, |s| &s.sheen_color_texture),
-        sheen.map_or(&None, |s| &s.sheen_roughness_texture),
-        transmission.map_or(&None, |t| &t.transmission_texture),
-        coat.map_or(&None, |c| &c.clearcoat_texture),
-        coat.map_or(&None, |c| &c.clearcoat_roughness_texture),
-        coat.map_or(&None, |c| &c.clearcoat_normal_texture),
-        film.map_or(&None, |f| &f.iridescence_texture),
-        film.map_or(&None, |f| &f.iridescence_thickness_texture),
-        anisotropy.map_or(&None, |a| &a.anisotropy_texture),
-    ]
+    ])
 }
 
 /// Warns of a clear coat whose normal map has other texture coordinates than the material's, as vertices have only

@@ -10,12 +10,12 @@ use super::{
     animation::moved_material_keys,
     label, layers,
     ranges::Numbers,
-    schema::{self, Root, TextureInfo},
+    schema::{self, Root, TEXTURE_PATHS},
     specular_glossiness,
     texture_ref::{Slot, Textures},
     uri::{self, Sandbox},
 };
-use crate::Material;
+use crate::{LAYER_SLOTS, Material, TEXTURE_SLOTS};
 use reflet_scene::desc::MaterialNumbers;
 
 /// Reads all materials into `model`, the default material last.
@@ -85,6 +85,14 @@ fn choose_uv_sets(material: &mut Material, place: &str, notes: &mut Notes) -> [u
     sets
 }
 
+/// Keys of the textures of colors, which are sRGB.
+const COLORS: [&str; 4] = [
+    "baseColorTexture",
+    "emissiveTexture",
+    "specularColorTexture",
+    "sheenColorTexture",
+];
+
 /// Key in a material's extras with an object that marks a mesh light, whose emission lights the scene.
 const MESH_LIGHT: &str = "mesh_light";
 
@@ -102,29 +110,21 @@ fn convert(
         notes: Notes::default(),
     };
     let mut out = factors(material, &mut numbers)?;
-    let pbr = &material.pbr_metallic_roughness;
-    let mut texture = |info: &Option<TextureInfo>, srgb: bool, path: &str| {
+    let has_effect = layers::read(&material.extensions, &mut out, moves, &mut numbers)?;
+    for (i, info) in material.textures().into_iter().enumerate() {
+        let layer = i.checked_sub(TEXTURE_SLOTS - LAYER_SLOTS);
+        let Some(info) = info.filter(|_| layer.is_none_or(|layer| has_effect[layer])) else {
+            continue;
+        };
+        let path = TEXTURE_PATHS[i];
         let slot = Slot {
             material: place,
             index,
             path,
         };
-        let found = info
-            .as_ref()
-            .map(|info| textures.reference(info, srgb, &slot, notes));
-        found.transpose().map(Option::flatten)
-    };
-    let core = "pbrMetallicRoughness";
-    let base_color = &pbr.base_color_texture;
-    out.base_color_texture = texture(base_color, true, &format!("{core}/baseColorTexture"))?;
-    let metallic_roughness = &pbr.metallic_roughness_texture;
-    let path = format!("{core}/metallicRoughnessTexture");
-    out.metallic_roughness_texture = texture(metallic_roughness, false, &path)?;
-    out.normal_texture = texture(&material.normal_texture, false, "normalTexture")?;
-    out.occlusion_texture = texture(&material.occlusion_texture, false, "occlusionTexture")?;
-    out.emission_texture = texture(&material.emissive_texture, true, "emissiveTexture")?;
-    let extensions = &material.extensions;
-    layers::read(extensions, &mut out, moves, &mut numbers, &mut texture)?;
+        let is_color = COLORS.iter().any(|key| path.ends_with(key));
+        *out.texture_slots()[i] = textures.reference(info, is_color, &slot, notes)?;
+    }
     layers::note_shared_tangents(&out, place, notes);
     out.alpha_cutoff = alpha(material, &mut numbers)?;
     out.is_mesh_light = (material.extras.get(MESH_LIGHT)).is_some_and(serde_json::Value::is_object);

@@ -1,4 +1,4 @@
-//! Numbers of materials: wrong ones are left out, and those outside their range clamped, each with a warning.
+//! Numbers of materials: wrong numbers are left out, numbers outside their range clamped, each with a warning.
 
 use super::{Fault, Notes, finite};
 

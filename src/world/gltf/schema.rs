@@ -10,8 +10,8 @@ mod material;
 
 pub use image_light::{ImageLight, ImageLights, SceneExtensions};
 pub use material::{
-    Image, Material, MaterialExtensions, Sampler, SpecularGlossiness, Texture, TextureInfo,
-    TextureTransform,
+    Image, Material, MaterialExtensions, Sampler, SpecularGlossiness, TEXTURE_PATHS, Texture,
+    TextureInfo, TextureTransform,
 };
 
 /// The whole document.

@@ -9,11 +9,10 @@ use super::{
     shared::{Kind, check_count},
 };
 use crate::{
-    TEXTURE_SLOTS,
     animation::{Interpolation, Pointed, PointedValue, PointerTrack, Property, Sampler},
     gltf::{
-        accessor, layers,
-        schema::{self, Root},
+        accessor,
+        schema::{self, Root, TEXTURE_PATHS},
     },
 };
 
@@ -60,26 +59,6 @@ const LAYER: &str = "extensions/KHR_materials_";
 const ANISOTROPY_ROTATION: &str = "anisotropy_rotation_deg";
 const EMISSION: &str = "emission";
 const EMISSION_STRENGTH: &str = "emission_strength";
-
-/// JSON pointers of textures in the order of [`crate::Material::slots`].
-const TEXTURES: [&str; TEXTURE_SLOTS] = [
-    "pbrMetallicRoughness/baseColorTexture",
-    "pbrMetallicRoughness/metallicRoughnessTexture",
-    "normalTexture",
-    "occlusionTexture",
-    "emissiveTexture",
-    "extensions/KHR_materials_specular/specularTexture",
-    "extensions/KHR_materials_specular/specularColorTexture",
-    "extensions/KHR_materials_sheen/sheenColorTexture",
-    "extensions/KHR_materials_sheen/sheenRoughnessTexture",
-    "extensions/KHR_materials_transmission/transmissionTexture",
-    "extensions/KHR_materials_clearcoat/clearcoatTexture",
-    "extensions/KHR_materials_clearcoat/clearcoatRoughnessTexture",
-    "extensions/KHR_materials_clearcoat/clearcoatNormalTexture",
-    "extensions/KHR_materials_iridescence/iridescenceTexture",
-    "extensions/KHR_materials_iridescence/iridescenceThicknessTexture",
-    "extensions/KHR_materials_anisotropy/anisotropyTexture",
-];
 
 /// Animatable values of cameras: JSON pointer, key of scene text, factor from the file's unit to the unit of scene
 /// text.
@@ -203,7 +182,7 @@ fn material_value(rest: &str) -> Option<(PointedValue, usize)> {
         return Some((PointedValue::Field(key), lanes));
     }
     let (texture, part) = rest.split_once("/extensions/KHR_texture_transform/")?;
-    let slot = TEXTURES.iter().position(|name| *name == texture)?;
+    let slot = TEXTURE_PATHS.iter().position(|name| *name == texture)?;
     match part {
         "offset" => Some((PointedValue::TextureOffset(slot), 2)),
         "rotation" => Some((PointedValue::TextureRotation(slot), 1)),
@@ -322,17 +301,7 @@ impl Reader<'_> {
             PointedValue::TextureOffset(slot)
             | PointedValue::TextureRotation(slot)
             | PointedValue::TextureScale(slot) => {
-                let pbr = &material.pbr_metallic_roughness;
-                let core = [
-                    &pbr.base_color_texture,
-                    &pbr.metallic_roughness_texture,
-                    &material.normal_texture,
-                    &material.occlusion_texture,
-                    &material.emissive_texture,
-                ];
-                let layers = layers::textures(&material.extensions);
-                let used = core.into_iter().chain(layers).nth(slot);
-                let used = used.and_then(Option::as_ref);
+                let used = material.textures()[slot];
                 let own = used.and_then(|u| u.extensions.transform.as_ref());
                 let offset = own.and_then(|t| t.offset).unwrap_or_default();
                 let rotation = own.and_then(|t| t.rotation).unwrap_or_default();

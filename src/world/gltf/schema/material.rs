@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, de::IgnoredAny};
 
+use crate::TEXTURE_SLOTS;
+
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub struct Material {
@@ -17,6 +19,57 @@ pub struct Material {
     pub extensions: MaterialExtensions,
     /// Arbitrary data; the USD converter marks mesh lights here.
     pub extras: serde_json::Value,
+}
+
+/// Keys of the textures inside a material, joined with `/`, in the order of [`crate::Material::slots`].
+pub const TEXTURE_PATHS: [&str; TEXTURE_SLOTS] = [
+    "pbrMetallicRoughness/baseColorTexture",
+    "pbrMetallicRoughness/metallicRoughnessTexture",
+    "normalTexture",
+    "occlusionTexture",
+    "emissiveTexture",
+    "extensions/KHR_materials_specular/specularTexture",
+    "extensions/KHR_materials_specular/specularColorTexture",
+    "extensions/KHR_materials_sheen/sheenColorTexture",
+    "extensions/KHR_materials_sheen/sheenRoughnessTexture",
+    "extensions/KHR_materials_transmission/transmissionTexture",
+    "extensions/KHR_materials_clearcoat/clearcoatTexture",
+    "extensions/KHR_materials_clearcoat/clearcoatRoughnessTexture",
+    "extensions/KHR_materials_clearcoat/clearcoatNormalTexture",
+    "extensions/KHR_materials_iridescence/iridescenceTexture",
+    "extensions/KHR_materials_iridescence/iridescenceThicknessTexture",
+    "extensions/KHR_materials_anisotropy/anisotropyTexture",
+];
+
+impl Material {
+    /// The textures, in the order of [`TEXTURE_PATHS`].
+    pub fn textures(&self) -> [Option<&TextureInfo>; TEXTURE_SLOTS] {
+        let (pbr, layers) = (&self.pbr_metallic_roughness, &self.extensions);
+        let specular = layers.specular.as_ref();
+        let sheen = layers.sheen.as_ref();
+        let transmission = layers.transmission.as_ref();
+        let coat = layers.clearcoat.as_ref();
+        let film = layers.iridescence.as_ref();
+        let anisotropy = layers.anisotropy.as_ref();
+        [
+            pbr.base_color_texture.as_ref(),
+            pbr.metallic_roughness_texture.as_ref(),
+            self.normal_texture.as_ref(),
+            self.occlusion_texture.as_ref(),
+            self.emissive_texture.as_ref(),
+            specular.and_then(|s| s.specular_texture.as_ref()),
+            specular.and_then(|s| s.specular_color_texture.as_ref()),
+            sheen.and_then(|s| s.sheen_color_texture.as_ref()),
+            sheen.and_then(|s| s.sheen_roughness_texture.as_ref()),
+            transmission.and_then(|t| t.transmission_texture.as_ref()),
+            coat.and_then(|c| c.clearcoat_texture.as_ref()),
+            coat.and_then(|c| c.clearcoat_roughness_texture.as_ref()),
+            coat.and_then(|c| c.clearcoat_normal_texture.as_ref()),
+            film.and_then(|f| f.iridescence_texture.as_ref()),
+            film.and_then(|f| f.iridescence_thickness_texture.as_ref()),
+            anisotropy.and_then(|a| a.anisotropy_texture.as_ref()),
+        ]
+    }
 }
 
 #[derive(Debug, Default, Deserialize)]
