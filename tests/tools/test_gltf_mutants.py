@@ -71,3 +71,15 @@ def test_a_few_broken_files_are_answered(models: list[Model], tmp_path: pathlib.
     ]
     assert set(ends) == {"refused", "shown"}, ends
     assert list(tmp_path.iterdir()) == []
+
+
+def test_one_wrong_part_takes_nothing_else(models: list[Model]) -> None:
+    if not BINARY.is_file():
+        pytest.skip(f"{BINARY} is not built")
+    [model] = models
+    whole = gltf_mutants.facts(str(BINARY), model.file)
+    for kind in ("materials", "names", "attributes", "accessors of attributes", "channels"):
+        assert gltf_mutants.part(str(BINARY), whole, kind, model, random.Random(1)) == "", kind
+    less = gltf_mutants.Facts({"lights": []}, "")
+    said = gltf_mutants.part(str(BINARY), less, "names", model, random.Random(1))
+    assert said.startswith("lost more")
