@@ -352,7 +352,7 @@ fn read_faults(path: &Path, sandbox: &Sandbox, options: &ReadOptions) -> Result<
         &budget,
     )
     .map_err(one)?;
-    draco::decompress(&mut root, &mut buffers, &budget).map_err(one)?;
+    draco::decompress(&mut root, &mut buffers, &budget, &mut notes).map_err(one)?;
     let data = accessor::Data::new(&root, buffers, budget, &mut notes).map_err(one)?;
     material::read(&root, &data, folder, sandbox, &mut model, &mut notes).map_err(one)?;
     let light = image_light::read(&root, &data, folder, sandbox);

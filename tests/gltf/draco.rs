@@ -132,6 +132,13 @@ fn wrong_streams_are_named() {
         &|doc| doc.json["accessors"][0]["count"] = (1u64 << 40).into(),
         "exceeds the memory budget",
     );
+    // A wrong attribute that only changes the look is left out, or is a mistake.
+    let mut doc = document(GRID);
+    doc.json["accessors"][1]["type"] = json!("VEC2");
+    assert!(doc.error().1.contains("NORMAL: the stream has 3 numbers"));
+    let world = doc.load_with(&LoadOptions::default()).expect("valid");
+    assert_eq!(warnings(&world), ["attribute-left-out"]);
+    assert_eq!(triangles(&world.meshes[0]).len(), 2 * (SIDE - 1).pow(2));
 }
 
 #[test]

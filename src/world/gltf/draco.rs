@@ -8,13 +8,15 @@ use rayon::prelude::*;
 
 use self::stream_bounds::StreamBounds;
 use super::{
-    Fault,
+    Fault, Notes,
     accessor::{Component, shape},
     budget::GeometryBudget,
     buffer,
     container::Bytes,
     label,
+    primitive::{LEFT_OUT, LEFT_OUT_WHAT},
     schema::{Accessor, Buffer, BufferView, Primitive, Root},
+    wrong_types::is_geometry,
 };
 use reflet_base::memory::wave_length;
 
@@ -49,6 +51,8 @@ struct Geometry {
     num_points: u64,
     /// Bytes of each attribute.
     attributes: Vec<(Attribute, Vec<u8>)>,
+    /// Wrong attributes that only change the look, with their errors.
+    left_out: Vec<(Attribute, Fault)>,
 }
 
 /// Decodes every compressed primitive whose accessors have no uncompressed data. The decoded size that the
@@ -60,6 +64,7 @@ pub fn decompress(
     root: &mut Root,
     buffers: &mut Vec<buffer::Buffer>,
     budget: &GeometryBudget,
+    notes: &mut Notes,
 ) -> Result<(), Fault> {
     let streams = streams(root, buffers)?;
     // Accessors state the decoded size, so the budget is checked before anything is decoded.
@@ -82,6 +87,11 @@ pub fn decompress(
         decoded.extend(geometries?);
     }
     for (stream, geometry) in streams.iter().zip(decoded) {
+        for (attribute, fault) in &geometry.left_out {
+            leave_out(root, stream, *attribute);
+            let fault = place_fault(root, stream.users[0], fault.clone());
+            notes.add(LEFT_OUT, 1, LEFT_OUT_WHAT, &fault.message);
+        }
         insert(root, buffers, stream, geometry);
     }
     Ok(())
@@ -184,16 +194,24 @@ fn decode(root: &Root, stream: &Stream) -> Result<Geometry, Fault> {
         num_indices: 3 * mesh.num_faces() as u64,
         num_points: num_points as u64,
         attributes: Vec::new(),
+        left_out: Vec::new(),
     };
     for &(id, index) in &stream.attributes {
-        let name = || attribute_name(root, stream, (id, index));
-        let accessor = (root.accessors.get(index))
-            .ok_or_else(|| fault(format!("accessor {index} does not exist")).placed(name()))?;
-        let values = mesh.attribute_by_unique_id(id);
-        let values =
-            values.ok_or_else(|| fault(format!("no attribute {id} in it")).placed(name()))?;
-        let bytes = encode(accessor, values, num_points).map_err(|f| f.placed(name()))?;
-        geometry.attributes.push(((id, index), bytes));
+        let name = attribute_name(root, stream, (id, index));
+        let read = || {
+            let accessor = root.accessors.get(index);
+            let accessor =
+                accessor.ok_or_else(|| fault(format!("accessor {index} does not exist")))?;
+            let values = mesh.attribute_by_unique_id(id);
+            let values = values.ok_or_else(|| fault(format!("no attribute {id} in it")))?;
+            encode(accessor, values, num_points)
+        };
+        match read().map_err(|fault| fault.placed(name)) {
+            Err(fault) if root.is_lenient && !is_geometry(name) => {
+                geometry.left_out.push(((id, index), fault));
+            }
+            bytes => geometry.attributes.push(((id, index), bytes?)),
+        }
     }
     Ok(geometry)
 }
@@ -220,6 +238,16 @@ fn stream_bytes(root: &Root, buffers: &[buffer::Buffer], view: usize) -> Result<
     let length = usize::try_from(found.byte_length).ok();
     let range = start.and_then(|start| Some(start..start.checked_add(length?)?));
     (buffer.and_then(|bytes| bytes.slice(range?))).ok_or_else(missing)
+}
+
+/// Removes an attribute of a stream from the primitives that use it.
+fn leave_out(root: &mut Root, stream: &Stream, (id, accessor): Attribute) {
+    for &(m, p) in &stream.users {
+        let primitive = &mut root.meshes[m].primitives[p];
+        let draco = primitive.extensions.draco.as_ref();
+        let own = |name: &String| draco.is_some_and(|d| d.attributes.get(name) == Some(&id));
+        (primitive.attributes).retain(|name, index| *index != accessor || !own(name));
+    }
 }
 
 /// Values of every point in the type of their accessor.

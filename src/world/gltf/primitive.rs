@@ -255,6 +255,11 @@ fn read_attributes(context: &Context<'_>, mesh: &mut Mesh, notes: &mut Notes) ->
     Ok(())
 }
 
+/// Name of the warning about wrong attributes.
+pub const LEFT_OUT: &str = "attribute-left-out";
+/// Text of that warning.
+pub const LEFT_OUT_WHAT: &str = "attributes of meshes are wrong and left out";
+
 /// Reader of attributes that only change the look.
 struct Attributes<'a, 'n> {
     context: &'a Context<'a>,
@@ -276,8 +281,8 @@ impl Attributes<'_, '_> {
             index.map_or(Ok(Vec::new()), read)
         });
         let left_out = LeftOut {
-            name: "attribute-left-out",
-            what: "attributes of meshes are wrong and left out",
+            name: LEFT_OUT,
+            what: LEFT_OUT_WHAT,
             place: mesh,
         };
         forgiven(context.root, read, Vec::new(), &left_out, self.notes)
