@@ -169,14 +169,3 @@ fn broken_lights_of_images_are_refused() {
     doc.json["scenes"][0]["extensions"]["EXT_lights_image_based"]["light"] = 1.into();
     assert_eq!(doc.error().0, "gltf-light");
 }
-
-#[test]
-fn images_that_are_missing_are_left_out_where_asked() {
-    let mut doc = lit(255, json!({}));
-    doc.json["images"][2] = json!({"uri": "sky.png"});
-    let errors = doc.load().expect_err("an image is missing");
-    assert_eq!(errors[0].name, "file-not-found");
-    let world = doc.load_with(&LoadOptions::default()).expect("valid");
-    assert_eq!(warnings(&world), ["image-left-out"]);
-    assert!(world.environment.panorama.is_none());
-}
