@@ -12,7 +12,7 @@ use std::{
     time::Instant,
 };
 
-use super::{error::AppError, progress::Progress};
+use super::{error::AppError, progress::Progress, shutdown};
 use crate::{
     files::Goal,
     gpu::Gpu,
@@ -188,6 +188,7 @@ impl<'a> Encoders<'a> {
                 lock(&self.progress).done(frame, verb, &path, seconds);
                 true
             }
+            Err(AppError::Interrupted(_)) => false,
             Err(AppError::Disk(why)) => {
                 self.failed(frame, &why);
                 lock(&self.full).get_or_insert(why);
@@ -225,7 +226,7 @@ impl<'a> Encoders<'a> {
         let written = match self.target {
             Target::Film(film) => {
                 let mut film = lock(film);
-                film.add(&picture.display)?;
+                film.add(&picture.display, shutdown::is_requested)?;
                 ("added to", film.path().to_owned())
             }
             Target::Files { output, names } => {

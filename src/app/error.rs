@@ -183,6 +183,7 @@ impl From<OutputError> for AppError {
             OutputError::Usage(text) => Self::Usage(text),
             OutputError::Disk(text) => Self::Disk(text),
             OutputError::Internal(text) => Self::Internal(text),
+            stopped @ OutputError::Stopped => Self::Interrupted(stopped.to_string()),
         }
     }
 }

@@ -227,7 +227,8 @@ pub fn render(
     if let Target::Film(film) = target {
         let film = film.into_inner();
         let film = film.map_err(|_| AppError::Internal("the encoder has failed".to_owned()))?;
-        reflet_base::error_line!("wrote {}", film.finish()?.display());
+        let path = film.finish(shutdown::is_requested)?;
+        reflet_base::error_line!("wrote {}", path.display());
     }
     let context = ReportContext {
         load_ms,

@@ -12,6 +12,8 @@ pub enum OutputError {
     Disk(String),
     /// Anything else.
     Internal(String),
+    /// The program was asked to stop while an encoder took nothing.
+    Stopped,
 }
 
 impl OutputError {
@@ -28,8 +30,10 @@ impl OutputError {
 
 impl fmt::Display for OutputError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (Self::Usage(text) | Self::Disk(text) | Self::Internal(text)) = self;
-        f.write_str(text)
+        f.write_str(match self {
+            Self::Usage(text) | Self::Disk(text) | Self::Internal(text) => text,
+            Self::Stopped => "stopped; no film was written",
+        })
     }
 }
 

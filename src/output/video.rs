@@ -5,8 +5,10 @@ use std::{
     fs::File,
     io::{self, BufWriter, ErrorKind, Read, Write as _},
     path::{self, Path, PathBuf},
-    process::{Child, ChildStdin, Command, Stdio},
+    process::{Child, Command, Stdio},
+    sync::mpsc::{self, SyncSender, TrySendError},
     thread::{self, JoinHandle},
+    time::Duration,
 };
 
 use super::{format::FilmFormat, writable::check_writable};
@@ -16,6 +18,9 @@ use reflet_render::picture::png_file::rgb;
 
 /// Maximum length of ffmpeg's output in a message, bytes; its end is quoted.
 const MAX_MESSAGE_BYTES: usize = 600;
+
+/// Interval in which a request to stop is noticed while ffmpeg reads nothing or does not end.
+const POLL: Duration = Duration::from_millis(10);
 
 /// Threads of ffmpeg's encoder, whose number changes the bytes of a film.
 const ENCODER_THREADS: &str = "4";
@@ -38,7 +43,10 @@ enum Encoder {
 /// An ffmpeg process that reads pixels from a pipe; killed on drop.
 struct Pipe {
     child: Child,
-    pixels: Option<ChildStdin>,
+    /// Frames for the writer; closed at the end.
+    frames: Option<SyncSender<Vec<u8>>>,
+    /// Thread that writes to ffmpeg, which may read nothing for ever.
+    writer: Option<JoinHandle<io::Result<()>>>,
     /// Thread that drains ffmpeg's standard error, since a full pipe would block ffmpeg.
     stderr: Option<JoinHandle<String>>,
 }
@@ -79,27 +87,27 @@ impl Film {
         &self.path
     }
 
-    /// Adds a frame, RGBA.
+    /// Adds a frame, RGBA; waits for the encoder until `is_stopped`.
     ///
     /// # Errors
-    /// [`OutputError::Disk`] with the encoder's message; no film is written then.
-    pub fn add(&mut self, rgba: &[u8]) -> Result<(), OutputError> {
+    /// [`OutputError::Disk`] with the encoder's message, and [`OutputError::Stopped`]; no film is written then.
+    pub fn add(&mut self, rgba: &[u8], is_stopped: fn() -> bool) -> Result<(), OutputError> {
         let result = match &mut self.encoder {
             Encoder::Apng(writer) => writer.write_image_data(&rgb(rgba)).map_err(apng_failed),
-            Encoder::Ffmpeg(pipe) => pipe.add(&rgb(rgba)),
+            Encoder::Ffmpeg(pipe) => pipe.add(rgb(rgba), is_stopped),
         };
         result.map_err(|why| failed(&self.path, &why))
     }
 
-    /// Completes the file and renames it to its final path.
+    /// Completes the file and renames it to its final path; waits for the encoder until `is_stopped`.
     ///
     /// # Errors
     /// Same errors as [`Film::add`].
-    pub fn finish(self) -> Result<PathBuf, OutputError> {
+    pub fn finish(self, is_stopped: fn() -> bool) -> Result<PathBuf, OutputError> {
         let path = self.path;
         let ended = match self.encoder {
             Encoder::Apng(writer) => writer.finish().map_err(apng_failed),
-            Encoder::Ffmpeg(pipe) => pipe.finish(),
+            Encoder::Ffmpeg(mut pipe) => pipe.end(is_stopped),
         };
         let synced = ended.and_then(|()| {
             let file = &self.temporary.file;
@@ -123,6 +131,8 @@ enum FilmError {
     File(String),
     /// Encoder error.
     Encoder(String),
+    /// The program is asked to stop.
+    Stopped,
 }
 
 impl From<io::Error> for FilmError {
@@ -143,6 +153,7 @@ fn failed(path: &Path, why: &FilmError) -> OutputError {
     let frames = path.with_extension("####.png");
     let (path, frames) = (path.display(), frames.display());
     OutputError::Disk(match why {
+        FilmError::Stopped => return OutputError::Stopped,
         FilmError::File(why) => format!(
             "cannot write {path}: {why}; there is no film: free disk space, or write frames ({frames}), \
              with which --resume goes on"
@@ -155,35 +166,44 @@ fn failed(path: &Path, why: &FilmError) -> OutputError {
 }
 
 impl Pipe {
-    fn add(&mut self, pixels: &[u8]) -> Result<(), FilmError> {
-        let written = self.pixels.as_mut().map(|pipe| pipe.write_all(pixels));
-        match written {
-            Some(Err(error)) => match self.end() {
-                Ok(()) => Err(FilmError::Encoder(format!(
-                    "ffmpeg accepts no input: {error}"
-                ))),
-                Err(why) => Err(why),
-            },
-            _ => Ok(()),
+    fn add(&mut self, mut pixels: Vec<u8>, is_stopped: fn() -> bool) -> Result<(), FilmError> {
+        while let Some(frames) = &self.frames {
+            match frames.try_send(pixels) {
+                Ok(()) => break,
+                Err(TrySendError::Full(_)) if is_stopped() => return Err(FilmError::Stopped),
+                Err(TrySendError::Full(back)) => {
+                    pixels = back;
+                    thread::sleep(POLL);
+                }
+                Err(TrySendError::Disconnected(_)) => return self.end(is_stopped),
+            }
         }
+        Ok(())
     }
 
-    fn finish(mut self) -> Result<(), FilmError> {
-        self.end()
-    }
-
-    /// Waits for ffmpeg's end. Some failed writes leave exit code 0, so its output is checked too.
-    fn end(&mut self) -> Result<(), FilmError> {
-        self.pixels = None; // closes its input
+    /// Waits for ffmpeg's end. Some failed writes leave exit code 0, so its output and its input are checked too.
+    fn end(&mut self, is_stopped: fn() -> bool) -> Result<(), FilmError> {
+        self.frames = None; // closes its input
+        let status = loop {
+            match self.child.try_wait()? {
+                Some(status) => break status,
+                None if is_stopped() => return Err(FilmError::Stopped),
+                None => thread::sleep(POLL),
+            }
+        };
         let stderr = self.stderr.take().and_then(|stderr| stderr.join().ok());
         let stderr = stderr.unwrap_or_default();
-        let status = self.child.wait()?;
-        if stderr.is_empty() && status.success() {
-            Ok(())
-        } else if stderr.is_empty() {
-            Err(FilmError::Encoder(format!("ffmpeg ended with {status}")))
-        } else {
-            Err(FilmError::Encoder(format!("ffmpeg says: {stderr}")))
+        let written = self.writer.take().and_then(|writer| writer.join().ok());
+        match written {
+            _ if !stderr.is_empty() => Err(FilmError::Encoder(format!("ffmpeg says: {stderr}"))),
+            _ if !status.success() => {
+                Err(FilmError::Encoder(format!("ffmpeg ended with {status}")))
+            }
+            Some(Err(error)) => {
+                let why = format!("ffmpeg accepts no input: {error}");
+                Err(FilmError::Encoder(why))
+            }
+            _ => Ok(()),
         }
     }
 }
@@ -317,11 +337,14 @@ fn ffmpeg(
         }
         _ => format!("ffmpeg cannot be started: {error}"),
     })?;
-    let pixels = child.stdin.take().ok_or("ffmpeg has no input")?;
+    let mut pixels = child.stdin.take().ok_or("ffmpeg has no input")?;
     let errors = child.stderr.take().ok_or("ffmpeg has no errors")?;
+    let (frames, queue) = mpsc::sync_channel::<Vec<u8>>(1);
+    let write = move || queue.iter().try_for_each(|frame| pixels.write_all(&frame));
     Ok(Encoder::Ffmpeg(Pipe {
         child,
-        pixels: Some(pixels),
+        frames: Some(frames),
+        writer: Some(thread::spawn(write)),
         stderr: Some(thread::spawn(move || end_of(errors))),
     }))
 }

@@ -51,9 +51,7 @@ impl Failure {
             Self::Output(OutputError::Usage(text)) => {
                 exception(py, "ArgumentError", &in_python(&text))
             }
-            Self::Output(OutputError::Disk(text) | OutputError::Internal(text)) => {
-                PyOSError::new_err(text)
-            }
+            Self::Output(error) => PyOSError::new_err(error.to_string()),
             Self::Bug(text) => {
                 let text =
                     format!("this is a bug in Reflet, please report it with the scene: {text}");

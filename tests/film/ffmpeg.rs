@@ -5,9 +5,11 @@ use std::{
     env,
     io::{BufRead as _, BufReader, Read as _},
     os::unix::{fs::PermissionsExt as _, process::CommandExt as _},
+    time::Instant,
 };
 
 use super::*;
+use crate::common::program::signal;
 
 pub fn is_there(tool: &str) -> bool {
     let found = Command::new(tool).arg("-version").output().is_ok();
@@ -212,6 +214,52 @@ fn an_ffmpeg_that_fails_is_quoted_and_leaves_nothing() {
     with_path(&folder, &path, film, 0);
     let pixels = fs::read(folder.join("f.mp4")).expect("it is there");
     assert_eq!(pixels.len(), 6 * 24 * 16 * 3);
+}
+
+/// Fake programs that read nothing, at once or at the end, in frames that a pipe cannot hold.
+#[test]
+fn a_signal_ends_a_film_whose_ffmpeg_has_stopped() {
+    or_skip!(gpu_or_skip());
+    let folder = folder("ffmpeg-stuck");
+    let path = format!(
+        "{}:{}",
+        folder.display(),
+        env::var("PATH").unwrap_or_default()
+    );
+    let stub = folder.join("ffmpeg");
+    for (script, last) in [
+        ("exec sleep 1000", 2000),
+        ("cat > /dev/null; exec sleep 1000", 2),
+    ] {
+        fs::write(&stub, format!("#!/bin/sh\necho > started; {script}\n")).expect("writable");
+        fs::set_permissions(&stub, fs::Permissions::from_mode(0o755)).expect("settable");
+        let arguments = format!("-o f.mp4 --size 256x200 --set timeline.end={last}");
+        let before = names(&folder);
+        let mut command = rendering(&folder, &arguments);
+        command.env("PATH", &path).stderr(Stdio::piped());
+        let mut child = command.spawn().expect("the program starts");
+        let mut errors = BufReader::new(child.stderr.take().expect("piped"));
+        let mut text = String::new();
+        while !text.contains("(1 of ") {
+            assert!(errors.read_line(&mut text).expect("readable") > 0, "{text}");
+        }
+        signal(&child, "-TERM");
+        let sent = Instant::now();
+        let code = loop {
+            if let Some(status) = child.try_wait().expect("a child") {
+                break status.code();
+            }
+            if sent.elapsed() > Duration::from_secs(60) {
+                child.kill().expect("a child");
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        };
+        errors.read_to_string(&mut text).expect("readable");
+        assert_eq!(code, Some(143), "{script}: {text}");
+        assert!(text.contains("no film was written"), "{script}: {text}");
+        fs::remove_file(folder.join("started")).expect("it has started");
+        assert_eq!(names(&folder), before, "{script}");
+    }
 }
 
 #[test]
