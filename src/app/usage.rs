@@ -43,9 +43,15 @@ fn advice(error: &clap::Error) -> Option<String> {
         });
     }
     let Some(ContextValue::String(typed)) = error.get(ContextKind::InvalidArg) else {
-        let is_output = |value: &ContextValue| value.to_string().contains("--output");
-        let lacks_output = error.get(ContextKind::InvalidArg).is_some_and(is_output);
-        return lacks_output.then(|| "write `-o sheet.png`, the file to make".to_owned());
+        let lacking = error.get(ContextKind::InvalidArg)?.to_string();
+        let help = match () {
+            () if lacking.contains("--output") => "write `-o sheet.png`, the file to make",
+            () if lacking.contains("<NAME>") => {
+                "write the name of a folder to make: `reflet new film`"
+            }
+            () => return None,
+        };
+        return Some(help.to_owned());
     };
     let name = typed.split(['=', ' ']).next().unwrap_or(typed);
     let is_written = [

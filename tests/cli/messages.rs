@@ -6,11 +6,18 @@ use crate::common::cases;
 #[test]
 fn usage_errors_exit_with_2_and_say_what_is_wrong() {
     let folder = folder("usage");
-    for (arguments, says) in cases(include_str!("messages/usage_errors.txt")) {
-        let [_, error] = exits(&folder, words(arguments), 2);
-        assert!(error.contains(says), "{arguments} says {error}");
+    fs::create_dir(folder.join("shots")).expect("new");
+    fs::write(folder.join("shots/sea.toml"), SCENE).expect("written");
+    fs::write(folder.join("photo.png"), b"\x89PNG\r\n\x1a\n").expect("written");
+    let of_usage = cases(include_str!("messages/usage_errors.txt"));
+    let of_files = cases(include_str!("messages/file_errors.txt"));
+    for (cases, code) in [(of_usage, 2), (of_files, 3)] {
+        for (arguments, says) in cases {
+            let [_, error] = exits(&folder, words(arguments), code);
+            assert!(error.contains(says), "{arguments} says {error}");
+        }
     }
-    assert_eq!(names(&folder), ["scene.toml"]);
+    assert_eq!(names(&folder), ["photo.png", "scene.toml", "shots"]);
 }
 
 #[test]
