@@ -183,7 +183,7 @@ def main() -> None:
     out, folders = Path(sys.argv[1]), sys.argv[2:]
     out.mkdir(parents=True, exist_ok=True)
     if folders == ["--panoramas"]:
-        write(out, {gltf_mutant_decoders.exr(random.Random(number)) for number in range(100)})
+        write(out, {gltf_mutant_decoders.panorama(random.Random(n)) for n in range(200)})
         return
     if folders == ["--scenes"]:
         write(out, {scene(random.Random(number)) for number in range(100)})

@@ -97,13 +97,14 @@ def _frame(marker: int, side: int, factors: int = 0x11) -> bytes:
 
 
 def jpeg(chance: random.Random) -> bytes:
-    """A JPEG whose frame header is large: baseline or progressive, perhaps after decoys."""
+    """A JPEG whose frame header is large: baseline or progressive, after decoys, or cut off."""
     side, marker = chance.choice(LARGE_PX), chance.choice((0xC0, 0xC1, 0xC2))
     decoys = chance.sample((0xC3, 0xC5, 0xC8, 0xC9, 0xCB, 0xCD, 0xCF), chance.randrange(3))
     codes = b"\1" + bytes(15) + b"\0"
     scan = b"\1\1\0" if chance.random() < 0.5 else b"\3\1\0\2\0\3\0"
     end = 0 if marker == 0xC2 else 63
     data = bytes(chance.choice((0, 100, 1 << 12, 1 << 15, 1 << 18)))
+    end_of_image = chance.choice((b"\xff\xd9", b""))
     return (
         b"\xff\xd8"
         + b"".join(_frame(decoy, 8) for decoy in decoys)
@@ -113,7 +114,7 @@ def jpeg(chance: random.Random) -> bytes:
         + _segment(0xC4, b"\x10" + codes)
         + _segment(0xDA, scan + bytes((0, end, 0)))
         + data
-        + b"\xff\xd9"
+        + end_of_image
     )
 
 
@@ -131,9 +132,10 @@ def png(chance: random.Random) -> bytes:
         )
 
     head = struct.pack(">IIBBBBB", width, height, depth, color, 0, 0, chance.randrange(2))
-    profile = b""
+    profile = chance.choice((b"", chunk(b"gAMA", struct.pack(">I", chance.choice((0, 1, 2**31))))))
+    profile += chance.choice((b"", chunk(b"cICP", chance.randbytes(4))))
     if chance.random() < 0.3:
-        profile = chunk(b"iCCP", b"p\0\0" + zlib.compress(bytes(32 << 20), 9))
+        profile += chunk(b"iCCP", b"p\0\0" + zlib.compress(bytes(32 << 20), 9))
     return (
         b"\x89PNG\r\n\x1a\n"
         + chunk(b"IHDR", head)
@@ -164,6 +166,7 @@ def ktx2(chance: random.Random) -> bytes:
     """A KTX2 picture of random blocks, perhaps inflated, or larger or shorter than it says."""
     formats = {37: (1, 4), 97: (1, 8), 131: (4, 8), 143: (4, 16), 145: (4, 16), 149: (4, 8)}
     formats |= {151: (4, 16), 153: (4, 8), 157: (4, 16), 165: (6, 16), 183: (12, 16)}
+    formats |= {1000066000: (4, 16), 1000066004: (6, 16)}
     kind = chance.choice(sorted(formats))
     edge, size = formats[kind]
     side = chance.choice((1, 4, 16, 64))
@@ -175,13 +178,23 @@ def ktx2(chance: random.Random) -> bytes:
     descriptor = b""
     if kind >= 157:
         descriptor = struct.pack("<IIHH", 44, 0, 2, 40)
-        descriptor += bytes((162, 1, 1, 0, edge - 1, edge - 1, 0, 0, 16)) + bytes(7)
+        model = 167 if kind == 1000066000 else 162
+        descriptor += bytes((model, 1, 1, 0, edge - 1, edge - 1, 0, 0, 16)) + bytes(7)
         descriptor += struct.pack("<HBB3I", 0, 127, 0, 0, 0, 2**32 - 1)
-    start = 104 + len(descriptor)
+    values = b""
+    for key, value in ((b"KTXorientation", b"lu"), (b"KTXswizzle", b"0gr1")):
+        pair = key + b"\0" + chance.choice((value, value[:1], b"", b"\xff" * 9)) + b"\0"
+        values += struct.pack("<I", chance.choice((len(pair), len(pair), 2**32 - 1)))
+        values += pair + b"\0" * (-len(pair) % 4)
+    start = 104 + len(descriptor) + len(values)
     head = b"\xabKTX 20\xbb\r\n\x1a\n"
-    head += struct.pack("<9I", kind, 1, stated_side, stated_side, 0, 0, 1, 1, scheme)
-    head += struct.pack("<4I5Q", 104, len(descriptor), 0, 0, 0, 0, start, len(stored), stated)
-    whole = head + descriptor + stored
+    shape = chance.choice(((stated_side, 0, 0, 1), (0, 0, 6, 1), (1, 9, 1, 0), (0, 0, 1, 1)))
+    shape = chance.choice(((stated_side, 0, 0, 1), (stated_side, 0, 0, 1), shape))
+    head += struct.pack("<9I", kind, 1, stated_side, *shape, 1, scheme)
+    end = 104 + len(descriptor)
+    head += struct.pack("<4I", 104, len(descriptor), end, len(values))
+    head += struct.pack("<5Q", 0, 0, start, len(stored), stated)
+    whole = head + descriptor + values + stored
     return whole[: chance.choice((len(whole), len(whole), chance.randrange(len(whole))))]
 
 
@@ -278,39 +291,85 @@ def objects(chance: random.Random) -> bytes:
     return json.dumps(root, separators=(",", ":")).encode()
 
 
+def panorama(chance: random.Random) -> bytes:
+    """A panorama of either format."""
+    return chance.choice((exr, exr, hdr))(chance)
+
+
 def exr(chance: random.Random) -> bytes:
-    """An OpenEXR panorama of many channels, or whose blocks say that they are large."""
+    """An OpenEXR panorama of many channels, of odd headers, or of blocks that claim to be large."""
     width, height = 64, 32
     packing = chance.choice((0, 2, 3, 4, 8, 9))  # none, ZIPS, ZIP, PIZ, DWAA, DWAB
     lines = {0: 1, 2: 1, 3: 16, 4: 32, 8: 32, 9: 256}[packing]
     extra = chance.choice((0, 3, 2000, 20_000))
-    names = sorted([b"R", b"G", b"B"] + [b"x%d" % i for i in range(extra)])
-    channels = b"".join(name + b"\0" + struct.pack("<iIii", 2, 0, 1, 1) for name in names) + b"\0"
+    deep = packing in (0, 2) and chance.random() < 0.5
+    shown = chance.choice((b"R G B", b"A R G B Z", b"Y", b"Y RY BY", b"G")).split()
+    names = sorted((*shown, *(b"x%d" % i for i in range(extra))))
+    step = chance.choice((1, 2, 2, 2, 0, 3))
+    steps = [step if name in (b"RY", b"BY") else 1 for name in names]
+    described = (struct.pack("<iIii", 2, 0, step, step) for step in steps)
+    channels = b"".join(n + b"\0" + d for n, d in zip(names, described, strict=True)) + b"\0"
     if chance.random() < 0.3:
         width = chance.choice(LARGE_PX)
     box = struct.pack("<4i", 0, 0, width - 1, height - 1)
+    window = chance.choice((box, box, struct.pack("<4i", *(chance.randrange(-99, 99),) * 4)))
 
     def attribute(name: bytes, kind: bytes, value: bytes) -> bytes:
         return name + b"\0" + kind + b"\0" + struct.pack("<i", len(value)) + value
 
-    head = b"\x76\x2f\x31\x01" + struct.pack("<I", 2)
+    head = b"\x76\x2f\x31\x01" + struct.pack("<I", 2 | deep << 11)
     head += attribute(b"channels", b"chlist", channels)
     head += attribute(b"compression", b"compression", bytes((packing,)))
-    head += attribute(b"dataWindow", b"box2i", box) + attribute(b"displayWindow", b"box2i", box)
+    head += attribute(b"dataWindow", b"box2i", box) + attribute(b"displayWindow", b"box2i", window)
     head += attribute(b"lineOrder", b"lineOrder", b"\0")
     head += attribute(b"pixelAspectRatio", b"float", struct.pack("<f", 1))
     head += attribute(b"screenWindowCenter", b"v2f", struct.pack("<2f", 0, 0))
-    head += attribute(b"screenWindowWidth", b"float", struct.pack("<f", 1)) + b"\0"
-    if packing in (8, 9):
+    head += attribute(b"screenWindowWidth", b"float", struct.pack("<f", 1))
+    kind = b"deepscanline" if deep else chance.choice((b"x", b"tiledimage"))
+    head += attribute(b"type", b"string", kind)
+    head += attribute(b"version", b"int", struct.pack("<i", 1))
+    if chance.random() < 0.3:
+        colors = chance.choice(([0.3] * 8, [1, 0, 0, 1, 0, 0, 1 / 3, 1 / 3], [3e38, -1] * 4))
+        head += attribute(b"chromaticities", b"chromaticities", struct.pack("<8f", *colors))
+    head += chance.choice((b"", b"", attribute(b"envmap", b"envmap", b"\1"))) + b"\0"
+    if deep:
+        count = chance.choice((0, 1, 1000, 2**31, 2**32 - 1))
+        ends = b"".join(struct.pack("<I", min(i * count, 2**32 - 1)) for i in range(width))
+        samples = bytes(min(1 << 16, 4 * len(names) * width * count))
+        unpacked = chance.choice((len(samples), 4 * len(names) * (width - 1) * count, 1 << 40))
+        if packing == 2:
+            ends, samples = zlib.compress(ends, 9), zlib.compress(samples, 9)
+        # The second half of each block's head stands where flat blocks have a length.
+        data = struct.pack("<QQQ", len(ends), len(samples), unpacked) + ends + samples
+    elif packing in (8, 9):
         sizes = [chance.choice((0, 64, 1 << 24, 1 << 40, 2**63 - 1)) for _ in range(11)]
         data = struct.pack("<11Q", 1, *sizes[1:]) + bytes(64)
     else:
         data = zlib.compress(bytes(min(16 << 20, 4 * width * lines * len(names))), 9)
     blocks = -(-height // lines)
     start = len(head) + 8 * blocks
-    table = b"".join(struct.pack("<Q", start + i * (8 + len(data))) for i in range(blocks))
-    body = b"".join(struct.pack("<ii", i * lines, len(data)) + data for i in range(blocks))
+    length = b"" if deep else struct.pack("<i", len(data))
+    step = 4 + len(length) + len(data)
+    table = b"".join(struct.pack("<Q", start + i * step) for i in range(blocks))
+    body = b"".join(struct.pack("<i", i * lines) + length + data for i in range(blocks))
     return head + table + body
+
+
+def hdr(chance: random.Random) -> bytes:
+    """A Radiance panorama of odd headers and orders of pixels, packed or not."""
+    lines = [chance.choice((b"#?RADIANCE", b"#?RGBE", b"#?AUTOPANO"))]
+    numbers = (b"1", b"0", b"-1", b"1e38", b"nan", b"2 3 4", b"x")
+    keys = (b"EXPOSURE", b"COLORCORR", b"GAMMA", b"PRIMARIES", b"PIXASPECT")
+    for key in chance.sample(keys, chance.randrange(len(keys))):
+        lines += [key + b"= " + chance.choice(numbers)] * chance.choice((1, 1, 300))
+    lines.append(b"FORMAT=32-bit_rle_" + chance.choice((b"rgbe", b"xyze", b"none")))
+    sides = [chance.choice((2, 8, 64, 32768, -1)) for _ in range(2)]
+    signs = [chance.choice((b"-Y", b"+Y")), chance.choice((b"+X", b"-X"))]
+    axes = chance.choice((signs, signs[::-1], signs[:1] * 2))
+    size = b" ".join(a + b" %d" % side for a, side in zip(axes, sides, strict=True))
+    row = b"\2\2" + struct.pack(">h", max(sides[1], -1) & 0x7FFF) + b"\xff\1" * 999
+    pixels = chance.choice((bytes(99), chance.randbytes(4 * 64), row * 2))
+    return b"\n".join((*lines, b"", size, pixels))
 
 
 def cube(chance: random.Random) -> bytes:
