@@ -1,6 +1,7 @@
 //! Shapes without files: their tessellation into meshes, in object space.
 
 mod boolean;
+mod charstring;
 mod contour;
 mod crossing;
 mod crossings;

@@ -21,7 +21,7 @@ use skrifa::{
 };
 
 use super::{
-    Fault, Supplies, extrude,
+    Fault, Supplies, charstring, extrude,
     flatten::{MOST_CHORDS, Pen},
     region::Region,
     runs::runs,
@@ -187,6 +187,7 @@ fn draw_lines(pen: &mut GlyphPen, shape: &ShapeDesc, face: &FontRef) -> Result<S
     let data = ShaperData::new(face);
     let shaper = data.shaper(face).build();
     let glyphs = Glyphs {
+        face,
         outlines: face.outline_glyphs(),
         tables: face.loca(None).ok().zip(face.glyf().ok()),
     };
@@ -239,6 +240,7 @@ fn draw_lines(pen: &mut GlyphPen, shape: &ShapeDesc, face: &FontRef) -> Result<S
 
 /// Outlines of a font, and its tables in which glyphs are put together of others.
 struct Glyphs<'a> {
+    face: &'a FontRef<'a>,
     outlines: OutlineGlyphCollection<'a>,
     tables: Option<(Loca<'a>, Glyf<'a>)>,
 }
@@ -264,6 +266,10 @@ fn draw_glyph(pen: &mut GlyphPen, glyphs: &Glyphs, glyph: u32) -> Result<(), Fau
     if parts > MOST_PARTS {
         let message =
             format!("a letter of this font is put together of more than {MOST_PARTS} others");
+        return Err(Fault::new("wrong-font", message).help("use another `font`"));
+    }
+    if !charstring::ends(glyphs.face, GlyphId::new(glyph)) {
+        let message = "the subroutines of a letter of this font call each other too often";
         return Err(Fault::new("wrong-font", message).help("use another `font`"));
     }
     if let Some(glyph) = glyphs.outlines.get(GlyphId::new(glyph)) {

@@ -122,6 +122,13 @@ fn fonts_that_are_none_are_refused_and_missing_letters_told() {
     for bytes in [&b""[..], b"wOF2....", b"not a font", &own[..200]] {
         assert_eq!(with(bytes).expect_err("no font").name, "wrong-font");
     }
+    // Eight subroutines, each of which calls the next sixty times, and the last one draws nothing.
+    let calls = with(include_bytes!("calls.otf")).expect_err("it does not end");
+    assert!(
+        calls.message.contains("call each other"),
+        "{}",
+        calls.message
+    );
     // Broken ones are errors or have other letters, and nothing worse.
     for cut in [2_000, 50_000, 200_000] {
         let _ = with(&own[..cut]);
