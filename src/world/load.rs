@@ -310,7 +310,13 @@ impl<'a> Loader<'a> {
         let image_files = requests.iter().flat_map(|r| r.source.files());
         let image_files: Vec<_> = image_files.cloned().collect();
         self.add_files(&image_files);
-        self.world.textures = texture::decode_all(&requests, &limits)?.into();
+        let lenient = !self.options.strict;
+        // Images that the scene text names have no user in a file.
+        let is_forgiven =
+            |request: &texture::TextureRequest| lenient && !request.used_by.is_empty();
+        let (textures, broken) = texture::decode_all(&requests, &limits, is_forgiven)?;
+        self.world.textures = textures.into();
+        self.leave_out_images(broken);
         self.world.memory = self.memory.clone();
         self.warn_of_reduced(&requests);
         let (meshes, textures) = (self.world.meshes.clone(), self.world.textures.clone());

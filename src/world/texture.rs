@@ -74,7 +74,11 @@ fn fault(name: &'static str, text: impl Into<String>) -> Fault {
     Fault::new(name, text)
 }
 
-/// Decodes all requests, in their order, and takes their memory from the budget of `limits`.
+/// Images in the order of their requests, and the index and the error of each forgiven one.
+pub type Decoded = (Vec<Texture>, Vec<(usize, Diagnostic)>);
+
+/// Decodes all requests, in their order, and takes their memory from the budget of `limits`. An image that is broken
+/// behind its header, and that `is_forgiven`, is a white pixel; its index and its error stand beside the images.
 ///
 /// # Errors
 /// One error for every image that is broken, of another format, or too large; `image-budget` when all
@@ -83,7 +87,8 @@ fn fault(name: &'static str, text: impl Into<String>) -> Fault {
 pub fn decode_all(
     requests: &[TextureRequest],
     limits: &TextureLimits,
-) -> Result<Vec<Texture>, Vec<Diagnostic>> {
+    is_forgiven: impl Fn(&TextureRequest) -> bool,
+) -> Result<Decoded, Vec<Diagnostic>> {
     let blame =
         |request: &TextureRequest, f: Fault| f.placed(&request.place()).in_file(&request.file);
     let mut errors = Vec::new();
@@ -98,7 +103,7 @@ pub fn decode_all(
         return Err(errors);
     }
     take_kept(requests, &needs, limits).map_err(|(at, f)| vec![blame(&requests[at], f)])?;
-    let mut textures = Vec::with_capacity(requests.len());
+    let (mut textures, mut forgiven) = (Vec::with_capacity(requests.len()), Vec::new());
     let mut start = 0;
     while start < requests.len() {
         let working = needs[start..].iter().map(|need| need.working);
@@ -114,13 +119,23 @@ pub fn decode_all(
         for (request, result) in requests[wave.clone()].iter().zip(decoded) {
             match result {
                 Ok(texture) => textures.push(texture),
+                Err(f) if is_forgiven(request) => {
+                    forgiven.push((textures.len(), blame(request, f)));
+                    textures.push(Texture {
+                        name: request.place(),
+                        width: 1,
+                        height: 1,
+                        rgba: vec![255; 4],
+                        srgb: request.srgb,
+                    });
+                }
                 Err(f) => report_once(&mut errors, blame(request, f)),
             }
         }
         start = wave.end;
     }
     if errors.is_empty() {
-        Ok(textures)
+        Ok((textures, forgiven))
     } else {
         Err(errors)
     }

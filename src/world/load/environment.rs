@@ -174,7 +174,7 @@ impl Loader<'_> {
             memory: memory.clone(),
             ..self.texture_limits()
         };
-        let faces = texture::decode_all(requests, &limits)?;
+        let (faces, _) = texture::decode_all(requests, &limits, |_| false)?;
         let limits = PanoramaLimits {
             memory,
             ..self.panorama_limits()

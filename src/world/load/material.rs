@@ -43,6 +43,9 @@ impl TextureTable {
         let index = *(self.indices.entry((key.clone(), request.srgb))).or_insert(next);
         if index == next {
             self.requests.push((key, request));
+        } else if request.used_by.is_empty() {
+            // The scene text names it too.
+            self.requests[index].1 = request;
         }
         index
     }
@@ -131,6 +134,17 @@ impl Loader<'_> {
             srgb: image.srgb,
         };
         Some(self.textures.index(key, request))
+    }
+
+    /// Leaves images of models out that turned out broken, by their indices.
+    pub fn leave_out_images(&mut self, broken: Vec<(usize, Diagnostic)>) {
+        for (index, error) in broken {
+            let materials = self.world.materials.iter_mut();
+            for slot in materials.flat_map(Material::texture_slots) {
+                *slot = slot.filter(|used| used.texture != index);
+            }
+            self.warn_once(left_out(error));
+        }
     }
 
     /// Applies the overrides of `desc` to `material`.
