@@ -25,8 +25,8 @@ pub mod series;
 pub mod viewer;
 
 use copy::{Edit, Edited, SceneCopy};
-use measure::Sample;
-use series::{Series, Timed, table};
+use measure::PREVIEW;
+use series::{Measurement, Sample, Series, table};
 
 /// Arguments of `bench reload`.
 #[derive(Clone, Debug, Args)]
@@ -58,11 +58,11 @@ pub struct ReloadArgs {
 
 /// Contents of `reload.json`.
 #[derive(Serialize)]
-struct Report<'a, S> {
+struct Report<'a> {
     host: &'a Host,
     scene: &'a str,
     size: [u32; 2],
-    series: &'a [Series<S>],
+    series: &'a [Series],
 }
 
 /// Runs the command `bench reload`.
@@ -81,17 +81,32 @@ pub fn reload(args: &ReloadArgs) -> Result<(), AppError> {
     let mut progress = Progress::new();
     match args.page {
         #[cfg(feature = "serve")]
-        true => report(args, &gpu, &measure_page(&gpu, args, &mut progress)?),
+        true => report(
+            args,
+            &gpu,
+            &measure_page(&gpu, args, &mut progress)?,
+            &viewer::PAGE,
+        ),
         #[cfg(not(feature = "serve"))]
         true => Err(AppError::Usage(
             "--page: this program was built without the preview's page".to_owned(),
         )),
-        false => report(args, &gpu, &measure_all(&gpu, args, &mut progress)?),
+        false => report(
+            args,
+            &gpu,
+            &measure_all(&gpu, args, &mut progress)?,
+            &PREVIEW,
+        ),
     }
 }
 
 /// Writes `reload.json` and prints the table.
-fn report<S: Timed>(args: &ReloadArgs, gpu: &Gpu, series: &[Series<S>]) -> Result<(), AppError> {
+fn report(
+    args: &ReloadArgs,
+    gpu: &Gpu,
+    series: &[Series],
+    what: &Measurement,
+) -> Result<(), AppError> {
     let scene = (args.scene.as_ref()).map_or_else(
         || "the built-in atrium".to_owned(),
         |path| path.display().to_string(),
@@ -113,7 +128,7 @@ fn report<S: Timed>(args: &ReloadArgs, gpu: &Gpu, series: &[Series<S>]) -> Resul
         "{scene}, {} saves each, {width}x{height} on {}\n\n{}",
         args.saves,
         host.adapter,
-        table(series)
+        table(series, what)
     ))
 }
 
@@ -125,12 +140,12 @@ pub fn measure_all(
     gpu: &Arc<Gpu>,
     args: &ReloadArgs,
     progress: &mut Progress,
-) -> Result<Vec<Series<Sample>>, AppError> {
+) -> Result<Vec<Series>, AppError> {
     let view = ViewOverrides {
         size: Some(args.size),
         ..ViewOverrides::default()
     };
-    each_edit(args, progress, |copy, edit, edited, progress| {
+    each_edit(args, progress, &PREVIEW, |copy, edit, edited, progress| {
         let mut live = Live::open(
             gpu.clone(),
             copy.origin(),
@@ -151,20 +166,26 @@ pub fn measure_page(
     gpu: &Arc<Gpu>,
     args: &ReloadArgs,
     progress: &mut Progress,
-) -> Result<Vec<Series<viewer::PageSample>>, AppError> {
-    each_edit(args, progress, |copy, _, edited, progress| {
-        viewer::saves(gpu, copy.origin(), args.size, args.saves, progress, |i| {
-            edited.save(i)
-        })
-    })
+) -> Result<Vec<Series>, AppError> {
+    each_edit(
+        args,
+        progress,
+        &viewer::PAGE,
+        |copy, _, edited, progress| {
+            viewer::saves(gpu, copy.origin(), args.size, args.saves, progress, |i| {
+                edited.save(i)
+            })
+        },
+    )
 }
 
 /// Calls `measure` for every kind of edit that a copy of the scene can have.
-fn each_edit<S: Timed>(
+fn each_edit(
     args: &ReloadArgs,
     progress: &mut Progress,
-    mut measure: impl FnMut(&SceneCopy, Edit, &Edited, &mut Progress) -> Result<Vec<S>, AppError>,
-) -> Result<Vec<Series<S>>, AppError> {
+    what: &Measurement,
+    mut measure: impl FnMut(&SceneCopy, Edit, &Edited, &mut Progress) -> Result<Vec<Sample>, AppError>,
+) -> Result<Vec<Series>, AppError> {
     let copy = SceneCopy::new(args.scene.as_deref(), &args.from, args.shaders.as_deref())?;
     let mut all = Vec::new();
     let edits = [
@@ -186,7 +207,7 @@ fn each_edit<S: Timed>(
             edited.name()
         ));
         let samples = measure(&copy, edit, &edited, progress)?;
-        all.push(Series::new(edit, edited.name(), samples));
+        all.push(Series::new(edit, edited.name(), samples, what));
     }
     Ok(all)
 }

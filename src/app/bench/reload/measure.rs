@@ -5,11 +5,9 @@ use std::{
     time::{Duration, Instant},
 };
 
-use serde::Serialize;
-
 use super::{
     copy::Edit,
-    series::{NamedPart, Timed},
+    series::{Measurement, Sample},
 };
 use crate::{
     app::{bench::progress::Progress, error::AppError},
@@ -26,57 +24,23 @@ const MOST_WAIT: Duration = Duration::from_secs(10);
 /// Pause between saves, longer than the watcher waits for further saves: later news belong to the next save.
 const REST: Duration = Duration::from_millis(60);
 
-/// Parts of the time of one save, milliseconds.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct Sample {
-    /// Time from the end of the save to the watcher's message, which waits for further saves.
-    pub notice_ms: f64,
-    /// Time of reading texts, running the script and posing.
-    pub parse_ms: f64,
-    /// Time of everything else on the CPU.
-    pub build_ms: f64,
-    /// Time of the driver for compiling pipelines.
-    pub driver_ms: f64,
-    /// Time of rendering.
-    pub frame_ms: f64,
-    /// Number of pipelines that were created.
-    pub pipelines: u32,
-}
-
-impl Sample {
-    /// Time on the CPU: all parts but the driver and the frame.
-    pub fn ready_ms(&self) -> f64 {
-        self.notice_ms + self.parse_ms + self.build_ms
-    }
-
-    /// Time from the save to the picture.
-    pub fn total_ms(&self) -> f64 {
-        self.ready_ms() + self.driver_ms + self.frame_ms
-    }
-}
-
-impl Timed for Sample {
-    const PARTS: &'static [NamedPart<Self>] = &[
-        ("notice_ms", |s| s.notice_ms),
-        ("parse_ms", |s| s.parse_ms),
-        ("build_ms", |s| s.build_ms),
-        ("ready_ms", Sample::ready_ms),
-        ("driver_ms", |s| s.driver_ms),
-        ("frame_ms", |s| s.frame_ms),
-        ("total_ms", Sample::total_ms),
-    ];
-    const JUDGED: &'static str = "ready_ms";
-    const LEGEND: &'static str = "notice: from the save to its notification, with the wait for further saves; parse: reading \
+/// Times of a save until the preview has rendered it.
+pub const PREVIEW: Measurement = Measurement {
+    parts: &[
+        "notice_ms",
+        "parse_ms",
+        "build_ms",
+        "ready_ms",
+        "driver_ms",
+        "frame_ms",
+        "total_ms",
+    ],
+    judged: "ready_ms",
+    target_ms: [100.0, 300.0],
+    legend: "notice: from the save to its notification, with the wait for further saves; parse: reading \
          texts,\nrunning the script, posing; build: everything else on the CPU; ready: these three; \
-         driver: compiling\npipelines; frame: rendering; total: from the save to the picture.\n";
-
-    fn target_ms(edit: Edit) -> f64 {
-        match edit {
-            Edit::Text | Edit::Script => 100.0,
-            Edit::Shader(_) => 300.0,
-        }
-    }
-}
+         driver: compiling\npipelines; frame: rendering; total: from the save to the picture.\n",
+};
 
 /// Calls `save` with 1, 2, … and waits for the picture each time.
 ///
@@ -124,14 +88,19 @@ pub fn saves(
         let ms = |time: Duration| time.as_secs_f64() * 1e3;
         let build = reload.took.saturating_sub(reload.parse + reload.driver);
         if i > 0 {
-            samples.push(Sample {
-                notice_ms: ms(notice),
-                parse_ms: ms(reload.parse),
-                build_ms: ms(build),
-                driver_ms: ms(reload.driver),
-                frame_ms: ms(frame),
-                pipelines: reload.pipelines,
-            });
+            let (notice, parse, build) = (ms(notice), ms(reload.parse), ms(build));
+            let ready = notice + parse + build;
+            let (driver, frame) = (ms(reload.driver), ms(frame));
+            samples.push(Sample::from([
+                ("notice_ms", notice),
+                ("parse_ms", parse),
+                ("build_ms", build),
+                ("ready_ms", ready),
+                ("driver_ms", driver),
+                ("frame_ms", frame),
+                ("total_ms", ready + driver + frame),
+                ("pipelines", reload.pipelines.into()),
+            ]));
         }
         while changes.recv_timeout(REST).is_ok() {}
         if progress.is_stopped() {

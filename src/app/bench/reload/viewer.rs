@@ -9,12 +9,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use serde::Serialize;
-
-use super::{
-    copy::Edit,
-    series::{NamedPart, Timed},
-};
+use super::series::{Measurement, Sample};
 use crate::{
     app::{bench::progress::Progress, error::AppError},
     bench::run::Observer as _,
@@ -29,46 +24,21 @@ use reflet_preview::{
 /// Longest wait for a picture.
 const MOST_WAIT: Duration = Duration::from_secs(120);
 
-/// Parts of the time of one save, milliseconds.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct PageSample {
-    /// Time from the end of the save until a viewer has the whole picture.
-    pub total_ms: f64,
-    /// Time of the driver for compiling pipelines.
-    pub driver_ms: f64,
-    /// Time of rendering.
-    pub frame_ms: f64,
-    /// Time of reading the picture back and encoding it.
-    pub encode_ms: f64,
-}
-
-impl PageSample {
-    /// Everything but driver and rendering.
-    pub fn beyond_ms(&self) -> f64 {
-        self.total_ms - self.driver_ms - self.frame_ms
-    }
-}
-
-impl Timed for PageSample {
-    const PARTS: &'static [NamedPart<Self>] = &[
-        ("encode_ms", |s| s.encode_ms),
-        ("beyond_ms", Self::beyond_ms),
-        ("driver_ms", |s| s.driver_ms),
-        ("frame_ms", |s| s.frame_ms),
-        ("total_ms", |s| s.total_ms),
-    ];
-    const JUDGED: &'static str = "beyond_ms";
-    const LEGEND: &'static str = "encode: reading the picture back, and PNG; beyond: all but driver and frame, encode among it; \
+/// Times of a save until a viewer of the page has its picture.
+pub const PAGE: Measurement = Measurement {
+    parts: &[
+        "encode_ms",
+        "beyond_ms",
+        "driver_ms",
+        "frame_ms",
+        "total_ms",
+    ],
+    judged: "beyond_ms",
+    target_ms: [150.0, 350.0],
+    legend: "encode: reading the picture back, and PNG; beyond: all but driver and frame, encode among it; \
          driver:\ncompiling pipelines; frame: rendering; total: from the save until a viewer of the \
-         page has the picture.\n";
-
-    fn target_ms(edit: Edit) -> f64 {
-        match edit {
-            Edit::Text | Edit::Script => 150.0,
-            Edit::Shader(_) => 350.0,
-        }
-    }
-}
+         page has the picture.\n",
+};
 
 /// Serves the scene on a page, calls `save` with 1, 2, … and waits for the picture each time.
 ///
@@ -82,7 +52,7 @@ pub fn saves(
     count: u32,
     progress: &mut Progress,
     save: impl Fn(u32) -> Result<(), AppError>,
-) -> Result<Vec<PageSample>, AppError> {
+) -> Result<Vec<Sample>, AppError> {
     let refused = |error: ServeError| match error {
         ServeError::Session(error) => AppError::from_session(error, false),
         ServeError::Address(text) => AppError::Internal(text),
@@ -119,7 +89,7 @@ fn measure(
     count: u32,
     progress: &mut Progress,
     save: impl Fn(u32) -> Result<(), AppError>,
-) -> Result<Vec<PageSample>, AppError> {
+) -> Result<Vec<Sample>, AppError> {
     let mut viewer = Client::join(url).map_err(AppError::Internal)?;
     let mut shown = viewer
         .wait_for_rest(MOST_WAIT)
@@ -136,12 +106,15 @@ fn measure(
         let ms = |time: Duration| time.as_secs_f64() * 1e3;
         // The first save tells when everything is watched; it is not counted.
         if i > 0 {
-            samples.push(PageSample {
-                total_ms: ms(arrival.at.saturating_duration_since(saved)),
-                driver_ms: ms(driver),
-                frame_ms: arrival.frame_ms,
-                encode_ms: arrival.encode_ms,
-            });
+            let total = ms(arrival.at.saturating_duration_since(saved));
+            let (driver, frame) = (ms(driver), arrival.frame_ms);
+            samples.push(Sample::from([
+                ("total_ms", total),
+                ("driver_ms", driver),
+                ("frame_ms", frame),
+                ("encode_ms", arrival.encode_ms),
+                ("beyond_ms", total - driver - frame),
+            ]));
         }
         shown = viewer
             .wait_for_rest(MOST_WAIT)
