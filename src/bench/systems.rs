@@ -157,7 +157,7 @@ pub struct LeftOut {
 }
 
 /// Measured systems of a scene.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct SceneRows {
     /// Scene file.
     pub scene: String,

@@ -58,23 +58,10 @@ fn picture() -> Picture {
         stats: FrameStats {
             size: [2, 1],
             samples: 1,
-            error: None,
             method: Method::Hybrid,
-            decisions: Vec::new(),
             unit_m: 1.0,
-            tree_ms: 0.0,
-            structures_ms: 0.0,
-            structures_update_ms: 0.0,
-            passes_ms: Vec::new(),
-            processor_ms: Vec::new(),
-            frame_ms: 0.0,
             shares: Shares::new(&[], [2, 1], Method::Hybrid),
-            rays: 0,
-            exhausted_rays: 0,
-            audit: None,
-            second_layer: None,
-            maps: None,
-            bytes: Vec::new(),
+            ..FrameStats::default()
         },
     }
 }

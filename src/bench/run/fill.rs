@@ -154,23 +154,12 @@ mod tests {
         let stats = FrameStats {
             size: [1, 1],
             samples: 1,
-            error: None,
             method: Method::Hybrid,
             unit_m: 1.0,
-            tree_ms: 0.0,
-            structures_ms: 0.0,
-            structures_update_ms: 0.0,
             shares: Shares::new(&[], [1, 1], Method::Hybrid),
-            rays: 0,
-            exhausted_rays: 0,
-            audit: None,
-            second_layer: None,
-            maps: None,
-            decisions: Vec::new(),
             passes_ms: passes_ms.map(|(name, ms)| (name.to_owned(), ms)).to_vec(),
-            processor_ms: Vec::new(),
             frame_ms: 15.0,
-            bytes: Vec::new(),
+            ..FrameStats::default()
         };
         let empty = Sample {
             detail: vec![0.0; detail_columns().len()],

@@ -94,13 +94,9 @@ mod tests {
             ..Row::default()
         };
         let scene = |rows: Vec<Row>| SceneRows {
-            scene: String::new(),
-            size: [64, 36],
-            frames: 1,
             scored_px: vec![500],
-            probes: 0,
             rows,
-            left_out: Vec::new(),
+            ..SceneRows::default()
         };
         let scenes = [
             scene(vec![

@@ -327,23 +327,19 @@ impl Renderer {
         FrameStats {
             size,
             samples: self.options.image.samples.count(),
-            error: None,
             method,
             unit_m: self.unit_m(),
             tree_ms: self.tree_ms,
             structures_ms: self.scene.structures.as_ref().map_or(0.0, |s| s.build_ms),
             structures_update_ms: self.scene.structures.as_ref().map_or(0.0, |s| s.update_ms),
             shares: Shares::new(&[], size, method),
-            rays: 0,
-            exhausted_rays: 0,
-            audit: None,
-            second_layer: None,
             decisions: self.decisions.clone(),
             passes_ms: times.passes_ms,
             processor_ms: times.processor_ms,
             frame_ms: frame_ms - captured.passes_ms,
             maps,
             bytes,
+            ..FrameStats::default()
         }
     }
 

@@ -20,7 +20,7 @@ use crate::{
 };
 
 /// Counts of pixels by cause and by source.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Shares {
     /// Number of pixels of the picture.
     pub pixels: u64,
@@ -165,7 +165,7 @@ impl std::fmt::Display for Audit {
 }
 
 /// Statistics of one rendered picture.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct FrameStats {
     /// Width and height, pixels.
     pub size: [u32; 2],

@@ -9,7 +9,7 @@ use reflet_scene::desc::{
 use reflet_world::World;
 
 /// Options of a renderer.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RenderOptions {
     /// Reflection settings.
     pub reflection: ReflectionDesc,
@@ -87,24 +87,6 @@ pub fn check_size(size: [u32; 2]) -> Result<(), String> {
     match size.iter().all(|side| (1..=16384).contains(side)) {
         true => Ok(()),
         false => Err("each side must be 1 to 16384 pixels".to_owned()),
-    }
-}
-
-impl Default for RenderOptions {
-    fn default() -> Self {
-        Self {
-            reflection: ReflectionDesc::default(),
-            image: ImageDesc::default(),
-            auto_shadow: [ShadowMode::Map; LightKind::NAMES.len()],
-            filtered_shadows: false,
-            camera: None,
-            costs: None,
-            draft: None,
-            crop: None,
-            audit: false,
-            guides: false,
-            general: false,
-        }
     }
 }
 

@@ -179,27 +179,17 @@ fn panels_list_times_shares_and_keys() {
     let stats = FrameStats {
         size: [10, 10],
         samples: 1,
-        error: None,
         method: Method::Hybrid,
-        decisions: Vec::new(),
         unit_m: 1.0,
-        tree_ms: 0.0,
-        structures_ms: 0.0,
-        structures_update_ms: 0.0,
         passes_ms: vec![("ssr".to_owned(), 1.25)],
-        processor_ms: Vec::new(),
         frame_ms: 2.5,
         shares: Shares::new(&counters, [10, 10], Method::Hybrid),
-        rays: 0,
-        exhausted_rays: 0,
         audit: Some(Audit {
             hits: 50,
             of: 60,
             wrong: 2,
         }),
-        second_layer: None,
-        maps: None,
-        bytes: Vec::new(),
+        ..FrameStats::default()
     };
     let history = VecDeque::from([stats.clone(), stats.clone()]);
     let harness = harness(move |ui, _| {
