@@ -85,31 +85,17 @@ pub fn break_even_share(costs: &Costs) -> Option<f64> {
 mod tests {
     use super::*;
 
+    const fn spot(ms: f64, error: f64) -> Spot {
+        Spot { ms, error }
+    }
+
     const SPOTS: [Spot; 6] = [
-        Spot {
-            ms: 1.0,
-            error: 0.5,
-        },
-        Spot {
-            ms: 2.0,
-            error: 0.2,
-        },
-        Spot {
-            ms: 2.0,
-            error: 0.3,
-        }, // as slow as its predecessor, and worse
-        Spot {
-            ms: 3.0,
-            error: 0.2,
-        }, // as good, slower
-        Spot {
-            ms: 4.0,
-            error: 0.0,
-        },
-        Spot {
-            ms: 5.0,
-            error: 0.6,
-        },
+        spot(1.0, 0.5),
+        spot(2.0, 0.2),
+        spot(2.0, 0.3), // as slow as its predecessor, and worse
+        spot(3.0, 0.2), // as good, slower
+        spot(4.0, 0.0),
+        spot(5.0, 0.6),
     ];
 
     #[test]

@@ -34,6 +34,16 @@ pub struct Name {
     pub range: Range<usize>,
 }
 
+impl Name {
+    /// The name at another place of its text.
+    pub fn at(&self, range: Range<usize>) -> Self {
+        Self {
+            range,
+            ..self.clone()
+        }
+    }
+}
+
 /// Names that a text defines.
 pub fn names(source: &Source) -> Vec<Name> {
     let words = words(source).into_iter();

@@ -169,7 +169,7 @@ mod tests {
     use super::*;
 
     /// Table, role and text of the word at `|`.
-    fn word_at_mark(text: &str) -> (String, Part, String) {
+    fn word_at_mark(text: &str) -> String {
         let (before, after) = text.split_once('|').expect("a mark");
         let source = Source::new("a.toml", format!("{before}{after}"));
         let (mut words, end) = words_before(&source, before.len());
@@ -177,60 +177,22 @@ mod tests {
             Some(word) if word.range.end == before.len() => word,
             _ => end,
         };
-        (word.table.join("."), word.part, word.text)
+        let part = match word.part {
+            Part::Header => "header".to_owned(),
+            Part::Key => "key".to_owned(),
+            Part::Value(key) => format!("value of {key}"),
+            Part::Nothing => "nothing".to_owned(),
+        };
+        let (table, text) = (word.table.join("."), word.text);
+        format!("[{table}] {part}: {text}").trim_end().to_owned()
     }
 
+    /// Lines of `places.txt`: a text with its cursor, and the table, role and beginning of the word there.
     #[test]
     fn a_cursor_knows_its_table_and_its_key() {
-        let value = |key: &str| Part::Value(key.to_owned());
-        for (text, table, part, word) in [
-            ("|", "", Part::Key, ""),
-            ("ver|", "", Part::Key, "ver"),
-            ("[cam|", "", Part::Header, "cam"),
-            ("a = 1\n[motion.camera.|", "motion.camera", Part::Header, ""),
-            ("[[instance]]\nmo|", "instance", Part::Key, "mo"),
-            (
-                "[[instance]]\nmodel = \"ba|",
-                "instance",
-                value("model"),
-                "ba",
-            ),
-            ("[light.sun]\nshadow = |", "light.sun", value("shadow"), ""),
-            ("[camera.main] # eye|", "camera.main", Part::Nothing, ""),
-            (
-                "[model.a]\nshape = { kind = \"s|",
-                "model.a.shape",
-                value("kind"),
-                "s",
-            ),
-            (
-                "[model.a]\nshape = { kind = \"box\", |",
-                "model.a.shape",
-                Part::Key,
-                "",
-            ),
-            (
-                "[motion.camera.main]\neye = { keys = [{ at_s = 0 }, { va|",
-                "motion.camera.main.eye.keys",
-                Part::Key,
-                "va",
-            ),
-            ("include = [\"a.toml\", \"b|", "", value("include"), "b"),
-            ("image.si|", "image", Part::Key, "si"),
-            (
-                "a = \"[x]\"\n[camera.\"x y\"]\ney|",
-                "camera.x y",
-                Part::Key,
-                "ey",
-            ),
-            ("a = [1,\n2]\nb|", "", Part::Key, "b"),
-            ("a = { b = 1 }\nc = |", "", value("c"), ""),
-        ] {
-            assert_eq!(
-                word_at_mark(text),
-                (table.to_owned(), part, word.to_owned()),
-                "{text}"
-            );
+        for case in include_str!("tests/places.txt").lines() {
+            let (text, wanted) = case.split_once(" => ").expect("a place");
+            assert_eq!(word_at_mark(&text.replace("\\n", "\n")), wanted, "{text}");
         }
     }
 

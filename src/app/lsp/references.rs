@@ -113,28 +113,14 @@ pub fn target(file: &Arc<Source>, offset: usize, texts: &[Arc<Source>]) -> Optio
             kind: "instance".to_owned(),
             name: (*group).to_owned(),
         };
-        let range = start + at.start..start + at.end;
-        return Some((
-            target,
-            Name {
-                range,
-                ..name.clone()
-            },
-        ));
+        return Some((target, name.at(start + at.start..start + at.end)));
     }
     let kind = kind_in(split.file, split.name, &kinds, texts)?;
     let target = Target {
         kind,
         name: split.name.to_owned(),
     };
-    let range = start + split.start..end;
-    Some((
-        target,
-        Name {
-            range,
-            ..name.clone()
-        },
-    ))
+    Some((target, name.at(start + split.start..end)))
 }
 
 /// All scenes that texts place.
@@ -208,10 +194,7 @@ fn parts_in(
         let mut add = |range: Range<usize>| {
             all.push(Place {
                 file: Arc::clone(file),
-                name: Name {
-                    range,
-                    ..name.clone()
-                },
+                name: name.at(range),
                 is_definition: false,
                 is_part: true,
                 lead: String::new(),

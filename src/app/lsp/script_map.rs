@@ -319,76 +319,27 @@ mod tests {
         }
     }
 
-    fn has(text: &str, wanted: &[&str], others: &[&str]) {
+    fn check(text: &str, wanted: &str, others: &str) {
         let found = labels(text);
-        let known = |word: &&str| found.iter().any(|label| label == word);
-        assert!(wanted.iter().all(known), "{text}: {found:?}");
-        assert!(!others.iter().any(known), "{text}: {found:?}");
-    }
-
-    #[test]
-    fn maps_of_functions_have_the_keys_that_they_take() {
-        has("ctx.camera(\"main\", #{ |", &["eye", "fov_deg"], &["color"]);
-        has(
-            "ctx.camera(\"main\", #{ eye: [0, 1, 2], fo|",
-            &["fov_deg"],
-            &["eye"],
-        );
-        has("ctx.light(\"a\", #{ color: [1, |", &[], &["intensity_cd"]);
-        has("ctx.decal(\"a\", #{|", &["opacity"], &["only"]);
-        has("ctx.material(\"a\", \"b\", #{ ro| })", &["roughness"], &[]);
-        has("ctx.instance_material(\"a\", #{ |", &["clearcoat"], &[]);
-        has("ctx.joint(\"a\", \"b\", #{ |", &["turn", "scale"], &["eye"]);
-        has("ctx.place(\"a\", #{ |", &[], &["eye"]);
-    }
-
-    #[test]
-    fn maps_of_what_setup_returns_have_the_keys_of_scene_text() {
-        let setup = |text: &str| format!("fn setup(ctx) {{\n{text}");
-        has(
-            &setup("#{ |"),
-            &["models", "instances", "environment"],
-            &["eye"],
-        );
-        has(
-            &setup("#{ cameras: #{ main: #{ |"),
-            &["eye", "fov_deg"],
-            &["models"],
-        );
-        has(&setup("#{ environment: #{ |"), &["zenith"], &[]);
-        has(
-            &setup("#{ models: #{ a: #{ shape: #{ kind: \"sphere\", |"),
-            &["radius"],
-            &["tube_radius", "kind"],
-        );
-        has(
-            &setup("#{ models: #{ a: #{ shape: #{ kind: \"ca|"),
-            &["capsule"],
-            &["radius"],
-        );
-        has(
-            &setup("#{ instances: [#{ model: \"|"),
-            &["<model>"],
-            &["<camera>"],
+        let is_found = |word: &str| found.iter().any(|label| label == word);
+        assert!(wanted.split_whitespace().all(is_found), "{text}: {found:?}");
+        assert!(
+            !others.split_whitespace().any(is_found),
+            "{text}: {found:?}"
         );
     }
 
+    /// Lines of `maps.txt`: a script with its cursor, words that are proposed there, and words that are not.
     #[test]
-    fn values_of_variables_and_functions_are_followed_to_where_they_go() {
-        let text = "fn spoke(i) {\n #{ | }\n}\nfn setup(ctx) {\n let list = [];\n list.push(spoke(1));\n #{ instances: list }\n}";
-        has(text, &["model", "translation"], &["models"]);
-        let text = "fn setup(ctx) {\n let chain = #{ kind: \"sweep\", | };\n #{ models: #{ c: #{ shape: chain } } }\n}";
-        has(text, &["outline", "twist_deg"], &["radius"]);
-        // Without an end, or in a circle.
-        has("fn f(a) { let x = #{ | }; x }", &[], &["model"]);
-        has("fn f(a) { f(#{ | }) }", &[], &["model"]);
+    fn maps_have_the_keys_that_they_take_wherever_they_go() {
+        for case in include_str!("tests/maps.txt").lines() {
+            let (text, words) = case.split_once(" => ").expect("words");
+            let (wanted, others) = words.split_once(';').expect("two lists");
+            check(&text.replace("\\n", "\n"), wanted, others);
+        }
+        // Values that go in a circle are followed a limited number of times.
         let circle = "a = b; b = c; c = a;\n".repeat(1000);
         let text = format!("fn f(a, b, c) {{ {circle} a = #{{ | }}; }}");
-        has(&text, &[], &["model"]);
-        has(
-            "fn f(a) { let a = b; let b = #{ | }; a = b; }",
-            &[],
-            &["model"],
-        );
+        check(&text, "", "model");
     }
 }

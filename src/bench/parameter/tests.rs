@@ -8,32 +8,22 @@ fn a_parameter_changes_its_setting_and_nothing_else() {
         method: Method::Hybrid,
         ..ReflectionDesc::default()
     };
-    let varied = |parameter| Variant::sweep(Method::Hybrid, &settings, parameter, &[8.0]);
-    let expect = |change: fn(&mut ReflectionDesc)| {
+    type Change = fn(&mut ReflectionDesc);
+    let changes: [(Parameter, Change); 5] = [
+        (Parameter::ThresholdU, |r| {
+            (r.accept, r.threshold_u) = (Accept::Threshold, 8.0);
+        }),
+        (Parameter::EdgePx, |r| r.edge_px = 8.0),
+        (Parameter::Steps, |r| r.steps = 8),
+        (Parameter::RayLengthU, |r| r.ray_length_u = 8.0),
+        (Parameter::Bounces, |r| r.bounces = Bounces::AtMost(8)),
+    ];
+    for (parameter, change) in changes {
+        let varied = Variant::sweep(Method::Hybrid, &settings, parameter, &[8.0]);
         let mut changed = settings;
         change(&mut changed);
-        changed
-    };
-    assert_eq!(
-        varied(Parameter::ThresholdU)[0].reflection,
-        expect(|r| (r.accept, r.threshold_u) = (Accept::Threshold, 8.0))
-    );
-    assert_eq!(
-        varied(Parameter::EdgePx)[0].reflection,
-        expect(|r| r.edge_px = 8.0)
-    );
-    assert_eq!(
-        varied(Parameter::Steps)[0].reflection,
-        expect(|r| r.steps = 8)
-    );
-    assert_eq!(
-        varied(Parameter::RayLengthU)[0].reflection,
-        expect(|r| r.ray_length_u = 8.0)
-    );
-    assert_eq!(
-        varied(Parameter::Bounces)[0].reflection,
-        expect(|r| r.bounces = Bounces::AtMost(8))
-    );
+        assert_eq!(varied[0].reflection, changed);
+    }
     let scaled = Variant::sweep(Method::Rt, &settings, Parameter::Scale, &[0.5])[0];
     assert_eq!(scaled.rendered_size([641, 1]), [321, 1]);
     assert_eq!(scaled.label(), "rt, scale = 0.5");

@@ -27,75 +27,41 @@ impl AnimationDesc {
 mod tests {
     use super::*;
 
+    /// Speed, start and repeat of an animation of 2 s; then scene times, each with the expected animation time.
+    const CASES: &str = "
+        1 0 once: 0>0 1.5>1.5 2>2 9>2
+        1 0 looped: 0>0 1.5>1.5 2>0 9.5>1.5
+        1 0 back: 0>0 2>2 2.5>1.5 4.5>0.5
+        2 1 once: 0.5>0 1>0 1.5>1 3>2
+        1 -0.5 looped: 0>0.5 1>1.5 1.5>0 2>0.5
+        -1 1 once: 0>2 1>2 2.5>0.5 9>0
+        -1 0 looped: 0>2 0.5>1.5 1.5>0.5 2.5>1.5
+        -1 0 back: 0>2 0.5>1.5 2>0 2.5>0.5
+        0 0 looped: 0>0 1>0 2>0 3>0";
+
     #[test]
     fn clock_applies_speed_offset_and_repeat() {
-        let (once, looped, back) = (Playback::Once, Playback::Loop, Playback::PingPong);
-        // Speed, start, repeat; then scene times and expected animation times, for an animation of 2 s.
-        for (speed, start_s, repeat, times) in [
-            (
-                1.0,
-                0.0,
-                once,
-                [(0.0, 0.0), (1.5, 1.5), (2.0, 2.0), (9.0, 2.0)],
-            ),
-            (
-                1.0,
-                0.0,
-                looped,
-                [(0.0, 0.0), (1.5, 1.5), (2.0, 0.0), (9.5, 1.5)],
-            ),
-            (
-                1.0,
-                0.0,
-                back,
-                [(0.0, 0.0), (2.0, 2.0), (2.5, 1.5), (4.5, 0.5)],
-            ),
-            (
-                2.0,
-                1.0,
-                once,
-                [(0.5, 0.0), (1.0, 0.0), (1.5, 1.0), (3.0, 2.0)],
-            ),
-            (
-                1.0,
-                -0.5,
-                looped,
-                [(0.0, 0.5), (1.0, 1.5), (1.5, 0.0), (2.0, 0.5)],
-            ),
-            (
-                -1.0,
-                1.0,
-                once,
-                [(0.0, 2.0), (1.0, 2.0), (2.5, 0.5), (9.0, 0.0)],
-            ),
-            (
-                -1.0,
-                0.0,
-                looped,
-                [(0.0, 2.0), (0.5, 1.5), (1.5, 0.5), (2.5, 1.5)],
-            ),
-            (
-                -1.0,
-                0.0,
-                back,
-                [(0.0, 2.0), (0.5, 1.5), (2.0, 0.0), (2.5, 0.5)],
-            ),
-            (
-                0.0,
-                0.0,
-                looped,
-                [(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (3.0, 0.0)],
-            ),
-        ] {
+        let number = |text: &str| text.parse::<f64>().expect("a number");
+        for case in CASES.trim_start().lines() {
+            let (settings, times) = case.split_once(": ").expect("times");
+            let settings: Vec<&str> = settings.split_whitespace().collect();
             let desc = AnimationDesc {
-                speed,
-                start_s,
-                repeat,
+                speed: number(settings[0]) as f32,
+                start_s: number(settings[1]) as f32,
+                repeat: match settings[2] {
+                    "once" => Playback::Once,
+                    "looped" => Playback::Loop,
+                    _ => Playback::PingPong,
+                },
                 ..AnimationDesc::endless(Vec::new())
             };
-            for (time, expected) in times {
-                let got = desc.local_s(time, 2.0);
-                assert!((got - expected).abs() < 1e-12, "{desc:?} {time}: {got}");
+            for pair in times.split(' ') {
+                let (time, expected) = pair.split_once('>').expect("a pair");
+                let got = desc.local_s(number(time), 2.0);
+                assert!(
+                    (got - number(expected)).abs() < 1e-12,
+                    "{case}, {time}: {got}"
+                );
             }
             assert_eq!(desc.local_s(3.0, 0.0), 0.0);
         }

@@ -99,38 +99,10 @@ mod tests {
     fn words_numbers_texts_and_signs_are_told_apart() {
         let text =
             "let a=1.5e-3/b; // c / d\nfor i in 0..3 { x /= \"}\\\"\" + `$`; } /* { */ #{k:0xff}";
-        let found: Vec<_> = tokens(text).into_iter().map(|t| t.text).collect();
-        assert_eq!(
-            found,
-            [
-                "let",
-                "a",
-                "=",
-                "1.5e-3",
-                "/",
-                "b",
-                ";",
-                "for",
-                "i",
-                "in",
-                "0",
-                "..",
-                "3",
-                "{",
-                "x",
-                "/=",
-                "\"}\\\"\"",
-                "+",
-                "`$`",
-                ";",
-                "}",
-                "#{",
-                "k",
-                ":",
-                "0xff",
-                "}",
-            ]
-        );
+        let found: Vec<_> = tokens(text).iter().map(|t| t.text).collect();
+        let wanted =
+            r##"let a = 1.5e-3 / b ; for i in 0 .. 3 { x /= "}\"" + `$` ; } #{ k : 0xff }"##;
+        assert_eq!(found.join(" "), wanted);
     }
 
     #[test]

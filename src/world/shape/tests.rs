@@ -1,11 +1,25 @@
 //! Shapes are closed, right way round, and near their closed forms.
 
-use std::{collections::HashMap, f64::consts::PI};
+use std::{collections::HashMap, f64::consts::PI, path::Path};
 
 use glam::DVec3;
 
 use super::*;
-use reflet_scene::desc::BevelDesc;
+use reflet_scene::{
+    desc::{BevelDesc, ModelSource},
+    stages::Scene,
+};
+
+/// A shape as scene text has it.
+fn read(shape: &str) -> ShapeDesc {
+    let text = format!("version = 1\n[camera.a]\n[model.a]\nshape = {shape}\n");
+    let (scene, _) = Scene::from_text(&text, Path::new("a.toml"), &[])
+        .unwrap_or_else(|mistakes| panic!("{shape}: {mistakes:?}"));
+    match &scene.desc.models[0].value.source {
+        ModelSource::Shape(shape) => shape.clone(),
+        ModelSource::File(_) => panic!("{shape}: no shape"),
+    }
+}
 
 fn mesh(shape: &ShapeDesc) -> Mesh {
     make(shape, &Supplies::default()).expect("a shape").mesh
@@ -117,83 +131,58 @@ fn outlines_turned_are_closed_and_near_their_closed_form() {
 
 #[test]
 fn curved_shapes_are_closed_and_near_their_closed_form() {
-    let (radius, height, segments) = (0.5, 2.0, 256);
     let (r, h) = (0.5_f64, 2.0_f64);
-    check(
-        ShapeDesc::Sphere { radius, segments },
-        4.0 * PI * r * r,
-        4.0 / 3.0 * PI * r * r * r,
-        1e-3,
-    );
-    let cylinder = ShapeDesc::Cylinder {
-        radius,
-        height,
-        segments,
-    };
-    check(cylinder, 2.0 * PI * r * (r + h), PI * r * r * h, 1e-3);
-    let cone = ShapeDesc::Cone {
-        radius,
-        height,
-        segments,
-    };
-    check(ShapeDesc::Disk { radius, segments }, PI * r * r, 0.0, 1e-3);
-    let torus = ShapeDesc::Torus {
-        radius,
-        tube_radius: 0.2,
-        segments,
-        angle_deg: 360.0,
-    };
-    check(
-        torus,
-        4.0 * PI * PI * r * 0.2,
-        2.0 * PI * PI * r * 0.04,
-        1e-3,
-    );
-    for (height, h) in [(height, h), (1.0, 1.0)] {
-        let capsule = ShapeDesc::Capsule {
-            radius,
-            height,
-            segments,
-        };
-        let volume = PI * r * r * (h - 2.0 * r) + 4.0 / 3.0 * PI * r * r * r;
-        check(capsule.clone(), 2.0 * PI * r * h, volume, 1e-3);
-        let bounds = mesh(&capsule).bounds;
-        assert_eq!((bounds.min.y, bounds.max.y), (0.0, height));
+    let ball = 4.0 / 3.0 * PI * r.powi(3);
+    for (shape, area, volume) in [
+        (r#"kind = "sphere""#, 4.0 * PI * r * r, ball),
+        (
+            r#"kind = "cylinder", height = 2"#,
+            2.0 * PI * r * (r + h),
+            PI * r * r * h,
+        ),
+        (
+            r#"kind = "cone", height = 2"#,
+            PI * r * (r + r.hypot(h)),
+            PI * r * r * h / 3.0,
+        ),
+        (r#"kind = "disk""#, PI * r * r, 0.0),
+        (
+            r#"kind = "torus", tube_radius = 0.2"#,
+            4.0 * PI * PI * r * 0.2,
+            2.0 * PI * PI * r * 0.04,
+        ),
+        (
+            r#"kind = "capsule", height = 2"#,
+            2.0 * PI * r * h,
+            PI * r * r + ball,
+        ),
+        (r#"kind = "capsule", height = 1"#, 2.0 * PI * r, ball),
+    ] {
+        let shape = read(&format!("{{ {shape}, radius = 0.5, segments = 256 }}"));
+        check(shape.clone(), area, volume, 1e-3);
+        if let ShapeDesc::Capsule { height, .. } = shape {
+            let bounds = mesh(&shape).bounds;
+            assert_eq!((bounds.min.y, bounds.max.y), (0.0, height));
+        }
     }
-    let slope = r.hypot(h);
-    check(cone, PI * r * (r + slope), PI * r * r * h / 3.0, 1e-3);
+}
+
+/// Shapes of `segments` sides.
+fn round_shapes(segments: u32) -> impl Iterator<Item = ShapeDesc> {
+    let kinds = [
+        r#"kind = "sphere""#,
+        r#"kind = "cylinder", height = 1"#,
+        r#"kind = "cone", height = 1"#,
+        r#"kind = "torus", tube_radius = 0.5"#,
+        r#"kind = "capsule", height = 3"#,
+    ];
+    let text = move |kind| format!("{{ {kind}, radius = 1, segments = {segments} }}");
+    kinds.into_iter().map(move |kind| read(&text(kind)))
 }
 
 #[test]
 fn coarsest_curved_shapes_are_closed() {
-    let segments = 3;
-    for shape in [
-        ShapeDesc::Sphere {
-            radius: 1.0,
-            segments,
-        },
-        ShapeDesc::Cylinder {
-            radius: 1.0,
-            height: 1.0,
-            segments,
-        },
-        ShapeDesc::Cone {
-            radius: 1.0,
-            height: 1.0,
-            segments,
-        },
-        ShapeDesc::Torus {
-            radius: 1.0,
-            tube_radius: 0.5,
-            segments,
-            angle_deg: 360.0,
-        },
-        ShapeDesc::Capsule {
-            radius: 1.0,
-            height: 3.0,
-            segments,
-        },
-    ] {
+    for shape in round_shapes(3) {
         let mesh = mesh(&shape);
         assert_eq!(open_edges(&mesh), 0, "{shape:?}");
         assert!(area_and_volume(&mesh).1 > 0.1, "{shape:?}");
@@ -202,35 +191,8 @@ fn coarsest_curved_shapes_are_closed() {
 
 #[test]
 fn texture_runs_left_to_right_seen_from_outside() {
-    for shape in [
-        ShapeDesc::Sphere {
-            radius: 1.0,
-            segments: 16,
-        },
-        ShapeDesc::Cylinder {
-            radius: 1.0,
-            height: 1.0,
-            segments: 16,
-        },
-        ShapeDesc::Cone {
-            radius: 1.0,
-            height: 1.0,
-            segments: 16,
-        },
-        cuboid(Vec3::ONE),
-        ShapeDesc::Plane { size: [1.0, 1.0] },
-        ShapeDesc::Torus {
-            radius: 1.0,
-            tube_radius: 0.5,
-            segments: 16,
-            angle_deg: 360.0,
-        },
-        ShapeDesc::Capsule {
-            radius: 1.0,
-            height: 3.0,
-            segments: 16,
-        },
-    ] {
+    let flat = [cuboid(Vec3::ONE), ShapeDesc::Plane { size: [1.0, 1.0] }];
+    for shape in round_shapes(16).chain(flat) {
         let mesh = mesh(&shape);
         for t in &mesh.triangles {
             let [a, b, c] = t.map(|i| mesh.uv0[i as usize]);

@@ -17,64 +17,13 @@ fn lint(text: &str) -> Vec<String> {
     found.iter().map(show).collect()
 }
 
+/// Lines of `cases.txt`: code, and its only warning with the text at which it stands, if there is one.
 #[test]
-fn quotients_of_whole_numbers_are_found() {
-    for (text, at) in [
-        ("let x = 1/2;", "1/2"),
-        (
-            "fn frame(ctx) { let t = ctx.frame / 24; }",
-            "ctx.frame / 24",
-        ),
-        ("for i in 0..3 { a(i / 3) }", "i / 3"),
-        ("for i in 0..3 { a(2 * i / 3) }", "2 * i / 3"),
-        ("fn f(ctx) { ctx.params.count / 2 }", "ctx.params.count / 2"),
-        (
-            "for i in 0..n { a(i / ctx.params.count) }",
-            "i / ctx.params.count",
-        ),
-        ("for i in 0..9 { a(i / list.len()) }", "i / list.len()"),
-        ("let n = 5; let x = 1 / n;", "1 / n"),
-    ] {
-        assert_eq!(lint(text), [format!("integer-division {at}")], "{text}");
-    }
-}
-
-#[test]
-fn other_quotients_are_left_alone() {
-    for text in [
-        "let x = 1/2.0; let y = 4 / 2; let z = 1.0 / 2;",
-        "fn frame(ctx) { let t = ctx.t / 24; let u = ctx.params.size / 2; }",
-        "for i in 0..9 { a(i / 3, i % 3) }",
-        "for i in 0..3 { a(2.0 * i / 3); b(i.to_float() / 3); }",
-        "fn f(n) { n / 2 }",
-        "// 1 / 2\nlet s = \"1 / 2\";",
-    ] {
-        assert_eq!(lint(text), [""; 0], "{text}");
-    }
-}
-
-#[test]
-fn names_that_hide_others_are_found() {
-    for (text, want) in [
-        (
-            "fn f(a) { let b = 0; for i in a { let b = i; } b }",
-            "shadowed-variable b",
-        ),
-        ("fn f(i) { for i in 0..3 { } }", "shadowed-variable i"),
-        (
-            "fn smoothstep(a, b, x) { x }",
-            "shadowed-function smoothstep",
-        ),
-    ] {
-        assert_eq!(lint(text), [want], "{text}");
-    }
-    for text in [
-        "fn f(a) { let a = 1; let a = 2; }",
-        "fn f(a) { if a { let b = 1; } else { let b = 2; } }",
-        "let a = 1; fn f() { let a = 2; }",
-        "fn smoothstep(x) { x }",
-    ] {
-        assert_eq!(lint(text), [""; 0], "{text}");
+fn quotients_and_hidden_names_are_found_and_others_left_alone() {
+    for case in include_str!("cases.txt").lines() {
+        let (text, want) = case.split_once(" =>").expect("code and warning");
+        let found = lint(&text.replace("\\n", "\n")).join("; ");
+        assert_eq!(found, want.trim_start(), "{text}");
     }
 }
 

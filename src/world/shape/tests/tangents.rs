@@ -1,8 +1,8 @@
 //! Normals, texture coordinates and tangents are defined for each kind of shape, at poles and tips too.
 
-use std::{collections::BTreeSet, path::Path};
+use std::collections::BTreeSet;
 
-use reflet_scene::{desc::ModelSource, parse::recorded_keys, stages::Scene};
+use reflet_scene::parse::recorded_keys;
 
 use super::*;
 use crate::{load::tangent::generate, normal_uv::NormalUv};
@@ -40,16 +40,6 @@ const SHAPES: &[&str] = &[
     r#"{ kind = "mesh", positions = [0, 0, 0, 1, 0, 0, 0, 1, 0], indices = [0, 1, 2], uv = [0, 1, 1, 1, 0, 0] }"#,
     r#"{ kind = "mesh", positions = [0, 0, 0, 1, 0, 0, 0, 1, 0], indices = [0, 1, 2] }"#,
 ];
-
-fn read(shape: &str) -> ShapeDesc {
-    let text = format!("version = 1\n[camera.a]\n[model.a]\nshape = {shape}\n");
-    let (scene, _) = Scene::from_text(&text, Path::new("a.toml"), &[])
-        .unwrap_or_else(|mistakes| panic!("{shape}: {mistakes:?}"));
-    match &scene.desc.models[0].value.source {
-        ModelSource::Shape(shape) => shape.clone(),
-        ModelSource::File(_) => panic!("{shape}: no shape"),
-    }
-}
 
 #[test]
 fn every_kind_of_shape_is_checked() {
