@@ -3,7 +3,7 @@
 use reflet::{
     gpu::{ShaderLibrary, readback::read_buffer},
     render::{
-        passes, pipeline::shader_variant::ShaderVariant, plan::Features,
+        buffers::chunks::Chunks, passes, pipeline::shader_variant::ShaderVariant, plan::Features,
         upload::emitters::GpuEmitters,
     },
     scene::desc::{LightDesc, LightKind, ShadowMode},
@@ -58,6 +58,10 @@ fn answers(gpu: &Gpu, emitters: &GpuEmitters, queries: &[Query]) -> Vec<Answer> 
     };
     let variant = ShaderVariant {
         features: features.with_followers(),
+        chunks: Chunks {
+            storage_texels: gpu.reads_storage_texels,
+            ..Chunks::default()
+        },
         ..ShaderVariant::default()
     };
     let library = variant
