@@ -3,8 +3,8 @@
 //!
 //! Each frame of the window is rendered and denoised by itself, so a frame is the same in whatever part of a film it is
 //! rendered. Pixels of other frames count where they show the same surface ([`super::reproject`]), the less the more
-//! their surroundings differ: shadows and reflections move otherwise than the surfaces that show them. Pixels are
-//! averaged in perceptual lightness, the cube root of radiance (CIE L*), so that one bright frame does not outweigh the
+//! their surroundings differ: shadows and reflections move otherwise than the surfaces that show them. Their average is
+//! the mean of perceptual lightness, the cube root of radiance (CIE L*), so that one bright frame does not outweigh the
 //! others.
 
 use std::{
