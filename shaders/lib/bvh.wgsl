@@ -78,25 +78,21 @@ fn trace_solid(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: 
     visits_left = MAX_VISITS;
     passed_cutout = vec2u(NONE);
     var start_m = t_min;
-    var hit: Hit;
     // One call in a loop keeps the inlined code small: the traversal is long.
-    for (var layer = 0u; visits_left > 0u; layer++) {
-        hit = traverse(origin, direction, start_m, t_max, shadow);
-        if !HAS_CUTOUT || PASSES_CUTOUTS || !is_cut_out(hit) {
+    for (var layer = 0u; layer <= MAX_LAYERS; layer++) {
+        let hit = traverse(origin, direction, start_m, t_max, shadow);
+        if visits_left == 0u {
             break;
+        }
+        if !HAS_CUTOUT || PASSES_CUTOUTS || !is_cut_out(hit) {
+            return hit;
         }
         passed_cutout = vec2u(hit.instance, hit.triangle);
         // Coplanar surfaces are passed in the order of their ids, never going back.
         start_m = max(start_m, hit.t);
-        if layer == MAX_LAYERS {
-            visits_left = 0u;
-        }
     }
-    if visits_left == 0u {
-        exhausted_rays++;
-        return Hit(t_max, NO_INSTANCE, 0u, vec2f(0.0), 0u);
-    }
-    return hit;
+    exhausted_rays++;
+    return Hit(t_max, NO_INSTANCE, 0u, vec2f(0.0), 0u);
 }
 
 fn is_cut_out(hit: Hit) -> bool {

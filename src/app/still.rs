@@ -60,7 +60,7 @@ pub fn render(
     }
     if picture.stats.exhausted_rays > 0 {
         reflet_base::error_line!(
-            "warning: {} rays visited too many nodes and count as misses: too many instances overlap",
+            "warning: {} rays visited too many nodes or surfaces and count as misses: too many of them overlap",
             picture.stats.exhausted_rays
         );
     }

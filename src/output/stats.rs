@@ -143,7 +143,7 @@ impl Report {
             let n = frame.exhausted_rays;
             line(
                 "",
-                format!("{n} visited too many nodes and count as misses"),
+                format!("{n} visited too many nodes or surfaces and count as misses"),
             );
         }
         for (index, pass) in self.counts.iter().flatten().enumerate() {

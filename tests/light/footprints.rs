@@ -26,6 +26,7 @@ fn many_samples_show_stripes_as_a_box_filter_does() {
         ([1.0, 1.0], 16, 0.97),
         ([0.5, 8.0], 1, 0.9),
         ([0.5, 32.0], 16, 0.97),
+        ([0.01, 10.0], 16, 0.9),
     ];
     for (scale, samples, least) in cases {
         let wide = 0.8 * scale[0]; // stripes in a pixel

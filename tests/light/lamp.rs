@@ -116,6 +116,10 @@ fn a_mirror_shows_no_light_without_a_size() {
             .map(|x| color(&picture, x, 16)[1])
             .fold(0.0, f32::max)
     };
-    assert_eq!(brightest("roughness = 0"), 0.0);
+    let opposite =
+        "[[instance]]\nmodel = \"floor\"\ntranslation = [0, 5, 0]\nrotation_deg = [180, 0, 0]\n";
+    for another in ["", opposite] {
+        assert_eq!(brightest(&format!("roughness = 0\n{another}")), 0.0);
+    }
     assert!(brightest("roughness = 0.1") > 1.0);
 }

@@ -202,8 +202,8 @@ pub struct FrameStats {
     pub shares: Shares,
     /// Number of rays traced from pixels in the last sub-frame, without further bounces.
     pub rays: u32,
-    /// Number of rays of the last sub-frame, shadow rays among them, that ran out of nodes to visit and count as
-    /// misses: 0 except in scenes of thousands of overlapping instances.
+    /// Number of rays of the last sub-frame, shadow rays among them, that ran out of nodes or transmissive surfaces to
+    /// pass and count as misses: 0 except in scenes of thousands of overlapping instances.
     pub exhausted_rays: u32,
     /// Result of the audit of the last sub-frame's screen hits, where the options ask for it and there were hits.
     #[serde(skip_serializing_if = "Option::is_none")]
