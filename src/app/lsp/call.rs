@@ -61,8 +61,8 @@ impl<'a> Call<'a> {
     fn signatures(&self) -> Vec<(&'static str, String)> {
         let entries = api::entries(self.name);
         let forms = entries.iter().flat_map(|entry| {
-            let forms = entry.signature.split("; ");
-            forms.map(|form| (form, entry.meaning()))
+            let forms = entry.forms.iter();
+            forms.map(|form| (form.0.as_str(), entry.meaning()))
         });
         let is_own = |form: &str| {
             let owner = form.split('(').next().unwrap_or_default();

@@ -110,7 +110,7 @@ fn item(name: &str, kind: u32) -> Value {
 /// Signatures and manual text of an API name, as Markdown.
 fn meaning(name: &str) -> Option<String> {
     let texts = api::entries(name).into_iter().map(|entry| {
-        let forms: Vec<_> = entry.signature.split("; ").collect();
+        let forms: Vec<_> = entry.forms.iter().map(|form| form.0.as_str()).collect();
         format!("```rhai\n{}\n```\n{}", forms.join("\n"), entry.meaning())
     });
     let texts: Vec<_> = texts.collect();

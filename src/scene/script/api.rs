@@ -1,13 +1,15 @@
-//! Functions, operators and properties that scripts have beyond Rhai's own: one table that registers them, documents
-//! them, and holds an example of each that a test runs.
+//! Functions, operators and properties that scripts have beyond Rhai's own: their registration, and their reference,
+//! which has an example of each that a test runs.
 
 use std::{
     fmt::Write as _,
     ops::{Range, RangeInclusive},
+    sync::LazyLock,
 };
 
 use glam::{DMat4, DQuat, DVec3};
 use rhai::Engine;
+use serde::Deserialize;
 
 use super::{context::rig, limits::limits};
 use crate::{
@@ -23,21 +25,6 @@ use crate::{
 
 pub use self::definitions::definitions;
 
-/// Declares a group of entries: signature and result, description, example, and registration.
-macro_rules! entries {
-    ($name:ident $($signature:literal => $gives:literal; $text:literal; $example:literal; |$e:pat_param| $register:expr;)*) => {
-        pub static $name: &[Entry] = &[$(Entry {
-            signature: $signature,
-            gives: $gives,
-            text: $text,
-            example: $example,
-            register: |$e| {
-                $register;
-            },
-        },)*];
-    };
-}
-
 mod definitions;
 mod floats;
 mod math;
@@ -45,16 +32,14 @@ mod random;
 mod scene;
 
 /// One function, operator or property.
+#[derive(Deserialize)]
 pub struct Entry {
-    /// Signature such as `vec3(x, y, z)`; several forms with `; ` between.
-    pub signature: &'static str,
-    /// Result type of each form, with `; ` between; `?` depends on the arguments.
-    pub gives: &'static str,
+    /// Signatures such as `vec3(x, y, z)`, each with its result type; `?` depends on the arguments.
+    pub forms: Vec<(String, String)>,
     /// Description of it; see [`Entry::meaning`].
-    text: &'static str,
-    /// An expression that evaluates to true.
-    pub example: &'static str,
-    register: fn(&mut Engine),
+    text: String,
+    /// Statements that end in an expression, which is true.
+    pub example: String,
 }
 
 impl Entry {
@@ -76,53 +61,40 @@ fn keys<T>(fields: &[Field<T>]) -> String {
 }
 
 /// A chapter of the reference.
+#[derive(Deserialize)]
 pub struct Group {
     /// Heading of the chapter.
-    pub title: &'static str,
+    title: String,
     /// Entries of the chapter.
-    pub entries: &'static [Entry],
+    pub entries: Vec<Entry>,
+}
+
+#[derive(Deserialize)]
+struct Reference {
+    group: Vec<Group>,
 }
 
 /// All chapters of the reference.
-pub static API: &[Group] = &[
-    Group {
-        title: "The call",
-        entries: scene::CALL,
-    },
-    Group {
-        title: "Posing the scene",
-        entries: scene::POSE,
-    },
-    Group {
-        title: "Vectors",
-        entries: math::VECTORS,
-    },
-    Group {
-        title: "Rotations and matrices",
-        entries: math::ROTATIONS,
-    },
-    Group {
-        title: "Numbers",
-        entries: math::NUMBERS,
-    },
-    Group {
-        title: "Arrays of many numbers",
-        entries: floats::FLOATS,
-    },
-    Group {
-        title: "Stateless pseudo-random numbers",
-        entries: random::RANDOM,
-    },
-];
+pub static API: LazyLock<Vec<Group>> = LazyLock::new(|| {
+    let read = toml::from_str::<Reference>(include_str!("api/reference.toml"));
+    read.expect("tests read it").group
+});
 
 const INTRODUCTION: &str = include_str!("api/introduction.md");
 
 /// Registers all types and functions with an engine.
 pub fn register(engine: &mut Engine) {
     register_types(engine);
-    for entry in API.iter().flat_map(|group| group.entries) {
-        (entry.register)(engine);
-    }
+    scene::register(engine);
+    math::register(engine);
+    floats::register(engine);
+    random::register(engine);
+}
+
+/// Signatures of all entries.
+fn forms() -> impl Iterator<Item = &'static str> {
+    let entries = API.iter().flat_map(|group| &group.entries);
+    entries.flat_map(|entry| entry.forms.iter().map(|(form, _)| form.as_str()))
 }
 
 /// Name in a signature: `place` in `ctx.place(name, position)`.
@@ -133,28 +105,21 @@ fn name_of(signature: &str) -> &str {
 
 /// All names, for suggestions.
 pub fn names() -> Vec<&'static str> {
-    let entries = API.iter().flat_map(|group| group.entries);
-    let names = entries.flat_map(|e| e.signature.split("; ")).map(name_of);
-    names
-        .filter(|n| n.chars().all(|c| c.is_alphanumeric() || c == '_'))
-        .collect()
+    let is_word = |name: &&str| name.chars().all(|c| c.is_alphanumeric() || c == '_');
+    forms().map(name_of).filter(is_word).collect()
 }
 
 /// Entries with a form of that name.
 pub fn entries(name: &str) -> Vec<&'static Entry> {
-    let entries = API.iter().flat_map(|group| group.entries);
-    let has_name = |e: &&Entry| e.signature.split("; ").any(|form| name_of(form) == name);
+    let entries = API.iter().flat_map(|group| &group.entries);
+    let has_name = |e: &&Entry| e.forms.iter().any(|(form, _)| name_of(form) == name);
     entries.filter(has_name).collect()
 }
 
 /// Signatures of the forms with that name, in code marks.
 pub fn signatures(name: &str) -> Vec<String> {
-    let entries = API.iter().flat_map(|group| group.entries);
-    let forms = entries.flat_map(|e| e.signature.split("; "));
-    forms
-        .filter(|form| name_of(form) == name)
-        .map(|form| format!("`{form}`"))
-        .collect()
+    let forms = forms().filter(|form| name_of(form) == name);
+    forms.map(|form| format!("`{form}`")).collect()
 }
 
 /// Keys of the map that a function of `ctx` takes; none if it takes no map.
@@ -174,9 +139,7 @@ pub fn map_keys(function: &str) -> Vec<&'static str> {
 
 /// Properties and functions whose signatures begin with an owner such as `ctx.`, without the owner.
 pub fn members(owner: &str) -> (Vec<&'static str>, Vec<&'static str>) {
-    let entries = API.iter().flat_map(|group| group.entries);
-    let forms = entries.flat_map(|e| e.signature.split("; "));
-    let own = forms.filter_map(|form| form.strip_prefix(owner));
+    let own = forms().filter_map(|form| form.strip_prefix(owner));
     let mut members = (Vec::new(), Vec::new());
     for form in own {
         match form.split_once('(') {
@@ -194,18 +157,14 @@ pub fn manual() -> String {
     for (what, most) in limits() {
         let _ = writeln!(out, "| {what} | {most} |");
     }
-    for group in API {
+    for group in API.iter() {
         let _ = write!(
             out,
             "\n## {}\n\n| write | meaning | true, for example |\n|---|---|---|\n",
             group.title
         );
-        for entry in group.entries {
-            let forms: Vec<_> = entry
-                .signature
-                .split("; ")
-                .map(|f| format!("`{f}`"))
-                .collect();
+        for entry in &group.entries {
+            let forms: Vec<_> = entry.forms.iter().map(|f| format!("`{}`", f.0)).collect();
             let cells = [
                 forms.join("<br>"),
                 entry.meaning(),

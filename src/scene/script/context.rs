@@ -81,7 +81,7 @@ struct Scene {
     touched: ScriptedFields,
 }
 
-/// The value `ctx` in scripts; all clones share one scene.
+/// The value `ctx` in scripts; all clones share one scene. Its methods take what Rhai hands to registered functions.
 #[derive(Clone, Debug)]
 pub struct Context {
     /// Time and parameters of the call.
@@ -195,14 +195,14 @@ impl Context {
     }
 
     /// Shows or hides an instance or a group.
-    pub fn show(&self, name: &str, shown: bool) -> Result<()> {
+    pub fn show(&mut self, name: &str, shown: bool) -> Result<()> {
         let index = self.movable(name)?;
         self.scene().state.hidden[index] = !shown;
         Ok(())
     }
 
     /// Sets the position of a node, which keeps its rotation and scale, or its whole matrix.
-    pub fn place(&self, name: &str, position: Dynamic) -> Result<()> {
+    pub fn place(&mut self, name: &str, position: Dynamic) -> Result<()> {
         if let Some(matrix) = position.clone().try_cast::<DMat4>() {
             return self.put(name, TRANSFORM, |_| {
                 Ok(Affine3A::from_mat4(matrix.as_mat4()))
@@ -218,8 +218,13 @@ impl Context {
     }
 
     /// Sets position, rotation and scale of a node.
-    pub fn place_all(&self, name: &str, at: [Dynamic; 3]) -> Result<()> {
-        let [position, turn, size] = at;
+    pub fn place_all(
+        &mut self,
+        name: &str,
+        position: Dynamic,
+        turn: Dynamic,
+        size: Dynamic,
+    ) -> Result<()> {
         let position = vector(&position, "the position")?.as_vec3();
         let (turn, size) = (rotation(&turn)?.as_quat(), scale(&size)?.as_vec3());
         self.put(name, TRANSFORM, |_| {
@@ -230,7 +235,7 @@ impl Context {
     }
 
     /// Sets position and rotation of a node, which keeps its scale.
-    pub fn turn(&self, name: &str, position: Dynamic, turn: Dynamic) -> Result<()> {
+    pub fn turn(&mut self, name: &str, position: Dynamic, turn: Dynamic) -> Result<()> {
         let position = vector(&position, "the position")?.as_vec3();
         let turn = rotation(&turn)?.as_quat();
         self.put(name, TRANSLATION | ROTATION, |old| {
@@ -241,8 +246,13 @@ impl Context {
         })
     }
 
+    /// World position of a node, as posed so far.
+    pub fn position(&mut self, name: &str) -> Result<DVec3> {
+        Ok(self.matrix(name)?.w_axis.truncate())
+    }
+
     /// Transform of a node, as posed so far, from its model space to the world.
-    pub fn matrix(&self, name: &str) -> Result<DMat4> {
+    pub fn matrix(&mut self, name: &str) -> Result<DMat4> {
         let index = self.find("instance", name, |n| &n.instances)?;
         let parents = &self.names()?.known.parents;
         let world = parents.world_of(&self.scene().state.instances, index);
@@ -250,7 +260,7 @@ impl Context {
     }
 
     /// Sets the time inside the animations that an instance plays, seconds.
-    pub fn animate(&self, name: &str, time_s: &Dynamic) -> Result<()> {
+    pub fn animate(&mut self, name: &str, time_s: Dynamic) -> Result<()> {
         let index = self.find("instance", name, |n| &n.instances)?;
         if !self.names()?.known.playing[index] {
             let shown = suggest::text(name);
@@ -258,7 +268,7 @@ impl Context {
                 "instance {shown} plays nothing; write `animation = \"…\"` in its [[instance]]"
             ));
         }
-        let time_s = number(time_s, "time_s")?;
+        let time_s = number(&time_s, "time_s")?;
         if !within(time_s) {
             return fail(format!(
                 "`time_s` must be between -1e12 and 1e12, not {time_s}"
@@ -269,11 +279,11 @@ impl Context {
     }
 
     /// Sets values of a camera.
-    pub fn camera(&self, name: &str, keys: &Map) -> Result<()> {
+    pub fn camera(&mut self, name: &str, keys: Map) -> Result<()> {
         let index = self.find("camera", name, |n| &n.cameras)?;
         let mut scene = self.scene();
         let mut camera = scene.state.cameras[index].clone();
-        let values = values(&CAMERA, keys, "a camera", |_| true)?;
+        let values = values(&CAMERA, &keys, "a camera", |_| true)?;
         let fields = field_bits(&CAMERA, values.iter().map(|(field, _)| *field));
         for (field, value) in values {
             (field.put)(&mut camera, value);
@@ -287,13 +297,13 @@ impl Context {
     }
 
     /// Sets values of a light.
-    pub fn light(&self, name: &str, keys: &Map) -> Result<()> {
+    pub fn light(&mut self, name: &str, keys: Map) -> Result<()> {
         let index = self.find("light", name, |n| &n.lights)?;
         let mut scene = self.scene();
         let mut light = scene.state.lights[index];
         let word = format!("a {} light", light.kind.name());
         let old = light;
-        let values = values(&LIGHT, keys, &word, |f| (f.get)(&old).is_some())?;
+        let values = values(&LIGHT, &keys, &word, |f| (f.get)(&old).is_some())?;
         let fields = field_bits(&LIGHT, values.iter().map(|(field, _)| *field));
         for (field, value) in values {
             (field.put)(&mut light, value);
@@ -315,9 +325,9 @@ impl Context {
     }
 
     /// Sets numbers of a `[material.NAME]`.
-    pub fn material(&self, name: &str, keys: &Map) -> Result<()> {
+    pub fn material(&mut self, name: &str, keys: Map) -> Result<()> {
         let index = self.find("material", name, |n| &n.materials)?;
-        let values = material_values(keys)?;
+        let values = material_values(&keys)?;
         let mut scene = self.scene();
         let material = &mut scene.state.materials[index];
         refuse_lacking(&values, material, || {
@@ -334,7 +344,7 @@ impl Context {
     }
 
     /// Sets numbers of an instance's own `material = { … }`.
-    pub fn instance_material(&self, name: &str, keys: &Map) -> Result<()> {
+    pub fn instance_material(&mut self, name: &str, keys: Map) -> Result<()> {
         let index = self.find("instance", name, |n| &n.instances)?;
         let Some(own) = self.names()?.known.overrides.get(&index) else {
             let shown = suggest::text(name);
@@ -343,7 +353,7 @@ impl Context {
                  in its [[instance]]"
             ));
         };
-        let values = material_values(keys)?;
+        let values = material_values(&keys)?;
         let path = || format!("`material` of instance {}", suggest::text(name));
         refuse_lacking(&values, own, path)?;
         let mut scene = self.scene();
@@ -353,7 +363,7 @@ impl Context {
     }
 
     /// Sets numbers of a material inside a model's file.
-    pub fn file_material(&self, model: &str, name: &str, keys: &Map) -> Result<()> {
+    pub fn file_material(&mut self, model: &str, name: &str, keys: Map) -> Result<()> {
         let names = self.names()?;
         let (table, full) = (&names.file_materials, names.full(model));
         let Some(&index) = table.get(&(full.clone(), name.to_owned())) else {
@@ -373,7 +383,7 @@ impl Context {
             let path = [model, name].map(suggest::clip).join(".material.");
             return fail(format!("the scene has no table `[model.{path}]`; {hint}"));
         };
-        let values = material_values(keys)?;
+        let values = material_values(&keys)?;
         refuse_lacking(&values, &self.names()?.known.written[index], || {
             let [model, name] = [model, name].map(suggest::clip);
             format!("`[model.{model}.material.{name}]`")
@@ -391,14 +401,19 @@ fn within(x: f64) -> bool {
     ANY.contains(x)
 }
 
-/// World position of the origin that a matrix transforms.
-pub fn position(matrix: &DMat4) -> DVec3 {
-    matrix.w_axis.truncate()
-}
-
 impl Context {
+    /// Smooths the normals of a mesh whose vertices get other positions.
+    pub fn mesh(&mut self, model: &str, positions: Dynamic) -> Result<()> {
+        self.deform(model, &positions, None)
+    }
+
+    /// Gives other positions and normals to the vertices of a mesh.
+    pub fn mesh_with(&mut self, model: &str, at: Dynamic, normals: Dynamic) -> Result<()> {
+        self.deform(model, &at, Some(&normals))
+    }
+
     /// Gives other positions to the vertices of a mesh, and normals, or smooth ones.
-    pub fn mesh(&self, model: &str, positions: &Dynamic, normals: Option<&Dynamic>) -> Result<()> {
+    fn deform(&self, model: &str, positions: &Dynamic, normals: Option<&Dynamic>) -> Result<()> {
         let index = self.find("model", model, |n| &n.models)?;
         let Some(vertices) = self.names()?.known.vertices[index] else {
             return fail(MeshPose::refusal(model));
@@ -425,9 +440,9 @@ const OPACITY: &str = "opacity";
 
 impl Context {
     /// Sets values of a decal.
-    pub fn decal(&self, name: &str, keys: &Map) -> Result<()> {
+    pub fn decal(&mut self, name: &str, keys: Map) -> Result<()> {
         let index = self.find("decal", name, |n| &n.decals)?;
-        let values = values(&DECAL, keys, "a decal", |_| true)?;
+        let values = values(&DECAL, &keys, "a decal", |_| true)?;
         let moved = values.iter().find(|(field, _)| field.key != OPACITY);
         if let Some((field, _)) =
             moved.filter(|_| !self.names().is_ok_and(|n| n.known.decals[index]))

@@ -2,7 +2,6 @@
 
 use std::{fmt::Write as _, sync::Arc};
 
-use glam::DVec3;
 use rhai::{Dynamic, EvalAltResult};
 
 use super::{format_value::named, limits::FLOATS, value::fail};
@@ -34,11 +33,6 @@ impl Floats {
             Arc::make_mut(&mut self.0).push(single);
         }
         Ok(())
-    }
-
-    /// Appends a vector.
-    pub(super) fn add_vector(&mut self, v: DVec3) -> Result<()> {
-        self.add(&v.to_array())
     }
 
     /// Number of numbers.

@@ -1,39 +1,23 @@
 //! Stateless pseudo-random numbers: the same numbers for the same arguments, in any order, on any machine.
 
 use glam::DVec3;
-use rhai::{Dynamic, EvalAltResult};
+use rhai::{Dynamic, Engine, EvalAltResult};
 
-use super::{
-    super::value::{number, vector},
-    Entry,
-};
+use super::super::value::{number, vector};
 
-entries! {
-    RANDOM
-    "hash01(seed); hash01(seed, id); hash01(seed, id, frame)" => "float; float; float";
-        "A pseudo-random number from 0 up to but not 1: a hash of the integers, so the same arguments always give the same number.";
-        "hash01(1, 2, 3) == hash01(1, 2, 3) && hash01(1, 2, 3) != hash01(1, 2, 4) && hash01(7) < 1";
-        |e| {
-            e.register_fn("hash01", |seed: i64| hash01([seed, 0, 0]));
-            e.register_fn("hash01", |seed: i64, id: i64| hash01([seed, id, 0]));
-            e.register_fn("hash01", |seed: i64, id: i64, frame: i64| hash01([seed, id, frame]));
-        };
-    "noise(seed, x); noise(seed, vector)" => "float; float";
-        "Smooth value noise, 0 to 1, of a number or a vector: random at whole numbers and smoothly interpolated between them.";
-        "noise(1, 2.5) == noise(1, 2.5) && noise(1, vec3(0, 0.5, 0)) <= 1";
-        |e| {
-            e.register_fn(
-                "noise",
-                |seed: i64, at: Dynamic| -> Result<f64, Box<EvalAltResult>> {
-                    let point = if at.is_int() || at.is_float() {
-                        DVec3::new(number(&at, "x")?, 0.0, 0.0)
-                    } else {
-                        vector(&at, "the place")?
-                    };
-                    Ok(noise(seed, point))
-                },
-            );
-        };
+/// Registers hashes and noise.
+pub fn register(e: &mut Engine) {
+    e.register_fn("hash01", |seed: i64| hash01([seed, 0, 0]));
+    e.register_fn("hash01", |seed: i64, id: i64| hash01([seed, id, 0]));
+    e.register_fn("hash01", |seed: i64, id: i64, frame: i64| {
+        hash01([seed, id, frame])
+    });
+    e.register_fn("noise", |seed: i64, at: Dynamic| {
+        Ok::<_, Box<EvalAltResult>>(match at.is_int() || at.is_float() {
+            true => noise(seed, DVec3::new(number(&at, "x")?, 0.0, 0.0)),
+            false => noise(seed, vector(&at, "the place")?),
+        })
+    });
 }
 
 /// Hash of four integers by the finalizer of SplitMix64 (Steele, Lea, Flood, "Fast splittable pseudorandom

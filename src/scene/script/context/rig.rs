@@ -16,11 +16,11 @@ pub const KEYS: [&str; 4] = ["translation", "rotation", "scale", "turn"];
 
 impl Context {
     /// Poses a node of an instance's file, relative to its parent.
-    pub fn joint(&self, name: &str, joint: &str, keys: &Map) -> Result<()> {
+    pub fn joint(&mut self, name: &str, joint: &str, keys: Map) -> Result<()> {
         let place = self.listed(name, joint, "joint", |names| &names.known.joints)?;
         let mut scene = self.scene();
         let mut pose = scene.state.joints.get(&place).copied().unwrap_or_default();
-        for (key, value) in keys {
+        for (key, value) in &keys {
             set(&mut pose, key, value).map_err(WrongKey::in_key(key))?;
         }
         scene.state.joints.insert(place, pose);
@@ -28,9 +28,9 @@ impl Context {
     }
 
     /// Sets the weight of a morph target of an instance's file.
-    pub fn morph(&self, name: &str, target: &str, weight: &Dynamic) -> Result<()> {
+    pub fn morph(&mut self, name: &str, target: &str, weight: Dynamic) -> Result<()> {
         let place = self.listed(name, target, "morph", |names| &names.known.morphs)?;
-        let weight = number(weight, "weight")?;
+        let weight = number(&weight, "weight")?;
         if !within(weight) {
             return fail(format!(
                 "`weight` must be between -1e12 and 1e12, not {weight}"
