@@ -1,7 +1,7 @@
 //! Errors of commands: messages and exit codes.
 
 use std::{
-    fmt, io,
+    io,
     path::{Path, PathBuf},
 };
 
@@ -20,25 +20,33 @@ macro_rules! say {
     };
 }
 
-/// Error of a command.
-#[derive(Clone, Debug)]
+/// Error of a command. It displays its message in one line.
+#[derive(Clone, Debug, thiserror::Error)]
 pub enum AppError {
     /// Invalid arguments: exit code 2.
+    #[error("{0}")]
     Usage(String),
     /// Errors in the scene or its files: exit code 3.
+    #[error("{}", first_message(.0))]
     Scene(Vec<Diagnostic>),
     /// A picture to compare or a table of samples cannot be read or written: exit code 2.
+    #[error("{}", first_message(.0))]
     Picture(Vec<Diagnostic>),
     /// A comparison crossed a threshold, as reported on standard output: exit code 6.
+    #[error("a threshold was crossed")]
     Threshold,
     /// Interrupted by Ctrl-C or SIGTERM; finished files stay, as the text says: exit code 130 or
     /// 143.
+    #[error("{0}")]
     Interrupted(String),
     /// No usable GPU (4), a shader of the user's own (2) or a bug (1).
-    Gpu(GpuError),
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
     /// Failed frames of a sequence: exit code 5.
+    #[error("{} frames failed", .0.len())]
     Frames(Vec<(u32, String)>),
     /// A failed frame of a video file, which is therefore not written: exit code 5.
+    #[error("there is no film {}", path.display())]
     NoFilm {
         /// Path of the film.
         path: PathBuf,
@@ -48,6 +56,7 @@ pub enum AppError {
         untried: Vec<u32>,
     },
     /// A full disk ended a sequence: exit code 5.
+    #[error("{why}")]
     Unwritten {
         /// File and error.
         why: String,
@@ -55,8 +64,10 @@ pub enum AppError {
         missing: Vec<u32>,
     },
     /// A full or read-only disk, or a failed video encoder: exit code 1.
+    #[error("{0}")]
     Disk(String),
     /// Anything else: exit code 1.
+    #[error("{0}")]
     Internal(String),
 }
 
@@ -143,37 +154,15 @@ impl AppError {
     }
 }
 
+fn first_message(diagnostics: &[Diagnostic]) -> &str {
+    diagnostics.first().map_or("", |first| &first.message)
+}
+
 fn print_failures(failed: &[(u32, String)]) {
     let plural = if failed.len() == 1 { "" } else { "s" };
     say!("error: {} frame{plural} failed:", failed.len());
     for (frame, why) in failed {
         say!("  {frame}: {why}");
-    }
-}
-
-/// The message in one line.
-impl fmt::Display for AppError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Usage(text)
-            | Self::Disk(text)
-            | Self::Internal(text)
-            | Self::Interrupted(text) => f.write_str(text),
-            Self::Unwritten { why, .. } => f.write_str(why),
-            Self::Gpu(error) => error.fmt(f),
-            Self::Scene(all) | Self::Picture(all) => {
-                f.write_str(all.first().map_or("", |first| first.message.as_str()))
-            }
-            Self::Frames(failed) => write!(f, "{} frames failed", failed.len()),
-            Self::NoFilm { path, .. } => write!(f, "there is no film {}", path.display()),
-            Self::Threshold => f.write_str("a threshold was crossed"),
-        }
-    }
-}
-
-impl From<GpuError> for AppError {
-    fn from(error: GpuError) -> Self {
-        Self::Gpu(error)
     }
 }
 

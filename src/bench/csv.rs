@@ -1,8 +1,6 @@
 //! Tables of comma-separated values with one line per row. Cells stay text: the columns of a table of samples
 //! depend on the passes, which the derived readers of serde cannot flatten from CSV.
 
-use std::fmt;
-
 /// A parsed table, whose cells are text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Table {
@@ -15,18 +13,13 @@ pub struct Table {
 }
 
 /// Reason why a text is no table.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("line {line}: {message}")]
 pub struct CsvError {
     /// Line of the text, from 1.
     pub line: usize,
     /// Message about the mistake.
     pub message: String,
-}
-
-impl fmt::Display for CsvError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "line {}: {}", self.line, self.message)
-    }
 }
 
 /// Formats cells as one line with its line break. Line breaks inside cells become spaces, so that a row

@@ -6,7 +6,7 @@ mod frame_series;
 mod interleave;
 mod judge;
 
-use std::{cell::RefCell, fmt, time::Instant};
+use std::{cell::RefCell, time::Instant};
 
 use flicker::Flicker;
 
@@ -372,30 +372,18 @@ fn decided_visibility(
 }
 
 /// Reason why a bench cannot go on.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, thiserror::Error)]
 pub enum BenchError {
     /// Error of the renderer or the GPU.
+    #[error("{0}")]
     Render(RenderError),
     /// A file that cannot be read or written, or has the wrong contents.
+    #[error("{}", .0.message)]
     File(Box<Diagnostic>),
     /// A frame that cannot be posed.
+    #[error("{}", .0.first().map_or("a frame cannot be posed", |d| d.message.as_str()))]
     Scene(Vec<Diagnostic>),
 }
-
-impl fmt::Display for BenchError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Render(error) => error.fmt(f),
-            Self::File(diagnostic) => f.write_str(&diagnostic.message),
-            Self::Scene(diagnostics) => {
-                let first = diagnostics.first().map(|d| d.message.as_str());
-                f.write_str(first.unwrap_or("a frame cannot be posed"))
-            }
-        }
-    }
-}
-
-impl std::error::Error for BenchError {}
 
 impl<E: Into<RenderError>> From<E> for BenchError {
     fn from(error: E) -> Self {

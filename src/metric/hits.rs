@@ -1,7 +1,5 @@
 //! Correctness without a picture: compares the hits of the screen march with the hits of traced rays.
 
-use std::fmt;
-
 use serde::Serialize;
 
 /// Outcome of the march at a pixel, as a cause code tells it.
@@ -82,11 +80,15 @@ pub struct CauseTally {
 }
 
 /// Reason why planes cannot be compared.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum HitError {
     /// The planes' lengths differ: cause, screen distance and surface, ray distance and surface.
+    #[error(
+        "the hit planes differ in length (cause, screen distance and surface, ray distance and surface): {0:?}"
+    )]
     Length([usize; 5]),
     /// A code that is not in the table of codes.
+    #[error("pixel {pixel} has the unknown cause code {code}")]
     Code {
         /// Unknown code.
         code: u32,
@@ -94,34 +96,12 @@ pub enum HitError {
         pixel: usize,
     },
     /// A distance that is NaN or negative.
+    #[error("pixel {pixel} has a hit distance that is NaN or negative")]
     Distance {
         /// Index of the first such pixel.
         pixel: usize,
     },
 }
-
-impl fmt::Display for HitError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Length(lengths) => write!(
-                f,
-                "the hit planes differ in length (cause, screen distance and surface, ray distance \
-                 and surface): {lengths:?}"
-            ),
-            Self::Code { code, pixel } => {
-                write!(f, "pixel {pixel} has the unknown cause code {code}")
-            }
-            Self::Distance { pixel } => {
-                write!(
-                    f,
-                    "pixel {pixel} has a hit distance that is NaN or negative"
-                )
-            }
-        }
-    }
-}
-
-impl std::error::Error for HitError {}
 
 /// Counts false accepts and false rejects per cause, in the order of `codes`.
 ///

@@ -1,7 +1,5 @@
 //! A picture to be compared: finite, non-negative colors and their encoding.
 
-use std::fmt;
-
 use rayon::prelude::*;
 
 use reflet_base::math::{linear_from_srgb, srgb_from_linear};
@@ -25,9 +23,10 @@ pub struct Picture {
 }
 
 /// Reason why numbers are no picture, or two pictures no pair.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PictureError {
     /// The number of pixels is 0, or not width × height.
+    #[error("{pixels} pixels given for a picture of {width} × {height}")]
     Shape {
         /// Pixels across.
         width: usize,
@@ -37,6 +36,10 @@ pub enum PictureError {
         pixels: usize,
     },
     /// Pixels that hold NaN, an infinity or a negative number.
+    #[error(
+        "{count} {} NaN, an infinity or a negative number, the first at column {}, row {}: {value}",
+        if *count == 1 { "pixel holds" } else { "pixels hold" }, first[0], first[1]
+    )]
     Value {
         /// Number of such pixels.
         count: usize,
@@ -46,6 +49,10 @@ pub enum PictureError {
         value: f32,
     },
     /// Two pictures (or a picture and a mask) of different sizes.
+    #[error(
+        "the sizes differ: {} × {} against {} × {} pixels; metrics compare pixel with pixel and never resample",
+        first[0], first[1], second[0], second[1]
+    )]
     Size {
         /// Size of the first, pixels.
         first: [usize; 2],
@@ -53,45 +60,6 @@ pub enum PictureError {
         second: [usize; 2],
     },
 }
-
-impl fmt::Display for PictureError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Shape {
-                width,
-                height,
-                pixels,
-            } => write!(
-                f,
-                "{pixels} pixels given for a picture of {width} × {height}"
-            ),
-            Self::Value {
-                count,
-                first: [x, y],
-                value,
-            } => write!(
-                f,
-                "{count} {} NaN, an infinity or a negative number, the first at column {x}, row \
-                 {y}: {value}",
-                if *count == 1 {
-                    "pixel holds"
-                } else {
-                    "pixels hold"
-                }
-            ),
-            Self::Size {
-                first: [a, b],
-                second: [c, d],
-            } => write!(
-                f,
-                "the sizes differ: {a} × {b} against {c} × {d} pixels; metrics compare pixel with \
-                 pixel and never resample"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for PictureError {}
 
 impl Picture {
     /// Checks `pixels` (row by row from the top left) and wraps them.

@@ -1,18 +1,22 @@
 //! Errors of writing, denoising, and choosing frames and files.
 
-use std::{fmt, io, path::Path};
+use std::{io, path::Path};
 
 /// Error of an output.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum OutputError {
     /// A path, a frame list, a size or a rate that cannot be, or a library that is missing; begins with the option's
     /// name.
+    #[error("{0}")]
     Usage(String),
     /// A full or read-only disk, or a failed video encoder: later files fail too.
+    #[error("{0}")]
     Disk(String),
     /// Anything else.
+    #[error("{0}")]
     Internal(String),
     /// The program was asked to stop while an encoder took nothing.
+    #[error("stopped; no film was written")]
     Stopped,
 }
 
@@ -27,14 +31,3 @@ impl OutputError {
         }
     }
 }
-
-impl fmt::Display for OutputError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Usage(text) | Self::Disk(text) | Self::Internal(text) => text,
-            Self::Stopped => "stopped; no film was written",
-        })
-    }
-}
-
-impl std::error::Error for OutputError {}

@@ -3,7 +3,6 @@
 
 use std::{
     collections::BTreeSet,
-    fmt,
     path::PathBuf,
     sync::Arc,
     time::{Duration, SystemTime},
@@ -60,21 +59,14 @@ pub struct Problems {
 }
 
 /// Error that keeps a scene or shaders from being built.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BuildProblem {
     /// Error in a shader.
-    Shader(ShaderError),
+    #[error(transparent)]
+    Shader(#[from] ShaderError),
     /// Any other error, such as a limit of the device.
+    #[error("{0}")]
     Device(String),
-}
-
-impl fmt::Display for BuildProblem {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Shader(error) => error.fmt(f),
-            Self::Device(text) => f.write_str(text),
-        }
-    }
 }
 
 impl Problems {

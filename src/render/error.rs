@@ -1,17 +1,19 @@
 //! Render errors.
 
-use std::{fmt, path::Path};
+use std::path::Path;
 
 use reflet_gpu::GpuError;
 use reflet_scene::{desc::SceneDesc, diagnostic::Diagnostic};
 
 /// Render errors.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RenderError {
     /// The scene cannot be rendered: too large, or broken geometry.
+    #[error("{}", .0.message)]
     Scene(Box<Diagnostic>),
     /// GPU or shader error.
-    Gpu(GpuError),
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
 }
 
 impl RenderError {
@@ -33,23 +35,6 @@ impl RenderError {
                 error.to_string(),
             )],
         }
-    }
-}
-
-impl fmt::Display for RenderError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Scene(diagnostic) => f.write_str(&diagnostic.message),
-            Self::Gpu(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for RenderError {}
-
-impl From<GpuError> for RenderError {
-    fn from(error: GpuError) -> Self {
-        Self::Gpu(error)
     }
 }
 

@@ -1,17 +1,17 @@
 //! Errors of sessions.
 
-use std::fmt;
-
 use crate::RenderError;
 use reflet_gpu::{GpuError, ShaderError};
 use reflet_scene::diagnostic::{Diagnostic, render_all};
 
 /// Why a session cannot be opened, changed or rendered. Displays the full text with files, lines and columns.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, thiserror::Error)]
 pub enum SessionError {
     /// Mistakes in the scene, its script or its files, or geometry past the limits of the adapter.
+    #[error("{}", render_all(.0, false).trim_end())]
     Scene(Vec<Diagnostic>),
     /// A name that does not exist.
+    #[error("there is no {kind} `{name}`; there are: {}", known.join(", "))]
     UnknownName {
         /// Kind of thing that the name stands for: `AOV`, `camera` or `model`.
         kind: &'static str,
@@ -21,6 +21,7 @@ pub enum SessionError {
         known: Vec<String>,
     },
     /// A frame outside of the timeline.
+    #[error("there is no frame {frame}; the timeline has {first} to {last}")]
     Frame {
         /// Requested frame number.
         frame: u32,
@@ -30,46 +31,17 @@ pub enum SessionError {
         last: u32,
     },
     /// Vertices that do not fit a mesh.
+    #[error("{0}")]
     Mesh(String),
     /// No usable adapter, a lost device, a picture or shadow maps past a limit, exhausted memory, or a shader that does
     /// not build.
-    Gpu(GpuError),
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
 }
-
-impl fmt::Display for SessionError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Scene(diagnostics) => f.write_str(render_all(diagnostics, false).trim_end()),
-            Self::UnknownName { kind, name, known } => {
-                write!(
-                    f,
-                    "there is no {kind} `{name}`; there are: {}",
-                    known.join(", ")
-                )
-            }
-            Self::Frame { frame, first, last } => {
-                write!(
-                    f,
-                    "there is no frame {frame}; the timeline has {first} to {last}"
-                )
-            }
-            Self::Mesh(text) => f.write_str(text),
-            Self::Gpu(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for SessionError {}
 
 impl From<Vec<Diagnostic>> for SessionError {
     fn from(diagnostics: Vec<Diagnostic>) -> Self {
         Self::Scene(diagnostics)
-    }
-}
-
-impl From<GpuError> for SessionError {
-    fn from(error: GpuError) -> Self {
-        Self::Gpu(error)
     }
 }
 
