@@ -1,10 +1,6 @@
 //! Arguments: computes the workgroup counts of dispatches over lists.
 
-use crate::pipeline::{
-    pass::{ComputePass, Dispatch, Pass, PassGroup},
-    shared_data::SharedData,
-    sub_frame::SubFrame,
-};
+use crate::pipeline::prelude::*;
 
 /// See `shaders/arguments.wgsl`.
 pub const PASS: Pass = Pass {
@@ -12,12 +8,7 @@ pub const PASS: Pass = Pass {
     group: PassGroup::Reflection,
     color: [178, 57, 122],
     needed: |plan, _| plan.features.lists,
-    reads_shared: &[SharedData::Counters],
-    writes_shared: &[SharedData::DispatchSizes],
+    reads_shared: &[Counters],
+    writes_shared: &[DispatchSizes],
     ..Pass::DEFAULT
 };
-
-/// Records the pass.
-pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
-    frame.dispatch(pass, &Dispatch::Groups(1));
-}

@@ -2,18 +2,10 @@
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use crate::{
-    layout::gpu_struct::gpu_struct,
-    pipeline::{
-        frame_pass::FramePass,
-        pass::{ComputePass, Dispatch, Pass, PassGroup},
-        pass_builder::PassBuilder,
-        ray_list::{AUDIT_RAYS, RAYS_PER_GROUP},
-        shared_data::SharedData,
-        sub_frame::SubFrame,
-    },
+use crate::pipeline::{
+    prelude::*,
+    ray_list::{AUDIT_RAYS, RAYS_PER_GROUP},
 };
-use reflet_gpu::{Checks, GpuError};
 use reflet_scene::desc::Method;
 
 /// See `shaders/audit.wgsl`.
@@ -21,13 +13,12 @@ pub const PASS: Pass = Pass {
     name: "audit",
     group: PassGroup::Measurement,
     color: [122, 122, 122],
-    reads_shared: &[SharedData::PixelLists, SharedData::Counters],
-    writes_shared: &[SharedData::Counters],
+    reads_shared: &[PixelLists, Counters],
+    writes_shared: &[Counters],
     params: Some(Params::LAYOUT),
     needed: |plan, options| {
         plan.features.reflections && options.audit && options.reflection.method == Method::Hybrid
     },
-    // `check_world` and `Trees::build` validated every index that tracing follows.
     checks: Checks::TrustedBuiltin,
     ..Pass::DEFAULT
 };
@@ -72,6 +63,6 @@ impl FramePass for Audit {
             seed: self.recorded.fetch_add(1, Ordering::Relaxed),
         };
         let groups = Dispatch::Groups(AUDIT_RAYS.div_ceil(RAYS_PER_GROUP));
-        frame.dispatch_with(&self.pass, &params, &groups);
+        frame.dispatch_with(&self.pass, &params, groups);
     }
 }

@@ -1,13 +1,6 @@
 //! Blur: the paper's Gaussian over the combined reflection, one direction at a time.
 
-use crate::{
-    layout::gpu_struct::gpu_struct,
-    pipeline::{
-        pass::{ComputePass, Dispatch, Pass, PassGroup},
-        sub_frame::SubFrame,
-        targets::Target,
-    },
-};
+use crate::pipeline::prelude::*;
 
 /// See `shaders/blur.wgsl`; `source` and `blurred` alternate between the targets reflection and blurred.
 pub const PASS: Pass = Pass {
@@ -41,6 +34,6 @@ pub fn record(passes: &[ComputePass], frame: &mut SubFrame<'_>) {
             direction,
             sigma_px,
         };
-        frame.dispatch_with(pass, &params, &Dispatch::PerPixel);
+        frame.dispatch_with(pass, &params, Dispatch::PerPixel);
     }
 }

@@ -1,13 +1,6 @@
 //! Compose: puts the reflection in place of the mirror term and sums the sub-frames.
 
-use crate::{
-    layout::gpu_struct::gpu_struct,
-    pipeline::{
-        pass::{ComputePass, Dispatch, Pass, PassGroup},
-        sub_frame::SubFrame,
-        targets::Target,
-    },
-};
+use crate::pipeline::prelude::*;
 
 use super::filter;
 
@@ -20,25 +13,13 @@ pub const PASS: Pass = Pass {
         ("color", &[Target::ColorEven, Target::ColorOdd]),
         ("previous", &[Target::ColorOdd, Target::ColorEven]),
     ],
-    params: Some(Params::LAYOUT),
+    params: Some(Sample::LAYOUT),
     overrides: |options| vec![("FILTER", f64::from(u8::from(filter::is_enabled(options))))],
     is_written: |options, target| target != Target::ColorOdd || options.image.samples.count() > 1,
     ..Pass::DEFAULT
 };
 
-gpu_struct! {
-    /// Uniforms of the compose shader for one sub-frame.
-    pub struct Params = "Params" {
-        /// Index of the sub-frame.
-        sample: u32,
-    }
-}
-
 /// Records the pass: one of the passes for even and odd sub-frames.
 pub fn record(passes: &[ComputePass], frame: &mut SubFrame<'_>) {
-    let params = Params {
-        sample: frame.share.sample,
-    };
-    let pass = &passes[frame.share.sample as usize % 2];
-    frame.dispatch_with(pass, &params, &Dispatch::PerPixel);
+    frame.dispatch_sample(&passes[frame.share.sample as usize % 2]);
 }

@@ -1,12 +1,7 @@
 //! Denoise indirect: smooths indirect diffuse light of pictures with few sub-frames.
 
 use crate::{
-    layout::gpu_struct::gpu_struct,
-    pipeline::{
-        pass::{ComputePass, Dispatch, Override, Pass, PassGroup},
-        sub_frame::SubFrame,
-        targets::Target,
-    },
+    pipeline::{pass::Override, prelude::*},
     settings::options::RenderOptions,
 };
 
@@ -60,6 +55,6 @@ pub fn record(passes: &[ComputePass], frame: &mut SubFrame<'_>) {
             taps,
             is_last: u32::from(i + 1 == STEPS.len()),
         };
-        frame.dispatch_with(pass, &params, &Dispatch::PerPixel);
+        frame.dispatch_with(pass, &params, Dispatch::PerPixel);
     }
 }

@@ -1,9 +1,6 @@
 //! Details: values of the visible surfaces that the G-buffer has no bits for.
 
-use crate::pipeline::{
-    pass::{ComputePass, Pass, PassGroup},
-    sub_frame::SubFrame,
-};
+use crate::pipeline::prelude::*;
 
 /// See `shaders/details.wgsl`.
 pub const PASS: Pass = Pass {
@@ -13,9 +10,3 @@ pub const PASS: Pass = Pass {
     needed: |plan, _| plan.features.details,
     ..Pass::DEFAULT
 };
-
-/// Records the pass.
-pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
-    let surfaces = frame.surfaces();
-    frame.dispatch(pass, &surfaces);
-}

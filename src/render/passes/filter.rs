@@ -1,14 +1,6 @@
 //! Filter: smooths rough reflections of pictures with few sub-frames.
 
-use crate::{
-    layout::gpu_struct::gpu_struct,
-    pipeline::{
-        pass::{ComputePass, Dispatch, Pass, PassGroup},
-        sub_frame::SubFrame,
-        targets::Target,
-    },
-    settings::options::RenderOptions,
-};
+use crate::{pipeline::prelude::*, settings::options::RenderOptions};
 
 /// See `shaders/filter.wgsl`; `source` and `blurred` alternate between the targets reflection and blurred.
 pub const PASS: Pass = Pass {
@@ -49,6 +41,6 @@ gpu_struct! {
 pub fn record(passes: &[ComputePass], frame: &mut SubFrame<'_>) {
     for (pass, (reach, taps)) in passes.iter().zip(STEPS) {
         let params = Params { reach, taps };
-        frame.dispatch_with(pass, &params, &Dispatch::PerPixel);
+        frame.dispatch_with(pass, &params, Dispatch::PerPixel);
     }
 }

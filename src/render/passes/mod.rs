@@ -36,9 +36,10 @@ use super::{
     methods::{Place, passes_at},
     pipeline::{
         frame_pass::{BuiltPass, FrameRow},
-        pass::{Pass, PassGroup},
+        pass::{ComputePass, Dispatch, Pass, PassGroup},
         pass_builder::PassBuilder,
         pass_targets::PassTargets,
+        ray_list::{List, PYRAMID_LEVELS},
         shader_variant::ShaderVariant,
         shared_data::SharedData,
         sub_frame::SubFrame,
@@ -48,34 +49,38 @@ use super::{
     settings::options::RenderOptions,
 };
 
+fn per_sample(pass: &ComputePass, frame: &mut SubFrame<'_>) {
+    frame.dispatch_sample(pass);
+}
+
 /// The list of a frame, in its order.
 fn rows() -> Vec<FrameRow> {
     let mut rows = vec![FrameRow::new::<shadow::Shadow>(&shadow::PASS)];
     rows.extend(passes_at(Place::Capture));
     rows.extend([
         FrameRow::new::<visibility::Visibility>(&visibility::PASS),
-        FrameRow::compute(&primary::PASS, primary::record),
-        FrameRow::compute(&surface::PASS, surface::record),
-        FrameRow::compute(&details::PASS, details::record),
-        FrameRow::compute(&light::PASS, light::record),
+        FrameRow::over(&primary::PASS, Dispatch::Surfaces),
+        FrameRow::over(&surface::PASS, Dispatch::Surfaces),
+        FrameRow::over(&details::PASS, Dispatch::Surfaces),
+        FrameRow::over(&light::PASS, Dispatch::PerPixel),
         // For the lists of the surface pass.
-        FrameRow::compute(&arguments::PASS, arguments::record),
+        FrameRow::over(&arguments::PASS, Dispatch::Groups(1)),
         FrameRow::compute(&transmit::PASS, transmit::record),
-        FrameRow::compute(&indirect::PASS, indirect::record),
+        FrameRow::over(&indirect::PASS, Dispatch::PerPixel),
         FrameRow::steps(
             &denoise_indirect::PASS,
             denoise_indirect::STEPS.len(),
             denoise_indirect::record,
         ),
-        FrameRow::compute(&fog::PASS, fog::record),
+        FrameRow::over(&fog::PASS, Dispatch::PerPixel),
     ]);
     rows.extend(passes_at(Place::March));
     rows.extend([
-        FrameRow::compute(&pyramid::PASS, pyramid::record),
+        FrameRow::over(&pyramid::PASS, Dispatch::Tiles(1 << PYRAMID_LEVELS)),
         FrameRow::compute(&ssr::PASS, ssr::record),
         // For the lists of hits and rays.
-        FrameRow::compute(&arguments::PASS, arguments::record),
-        FrameRow::compute(&hits::PASS, hits::record),
+        FrameRow::over(&arguments::PASS, Dispatch::Groups(1)),
+        FrameRow::over(&hits::PASS, Dispatch::Listed(List::Hits)),
     ]);
     rows.extend(passes_at(Place::Undersample));
     rows.push(FrameRow::compute(&trace::PASS, trace::record));
@@ -85,8 +90,8 @@ fn rows() -> Vec<FrameRow> {
         FrameRow::steps(&filter::PASS, filter::STEPS.len(), filter::record),
         FrameRow::steps(&blur::PASS, 2, blur::record),
         FrameRow::steps(&compose::PASS, 2, compose::record),
-        FrameRow::compute(&coverage::PASS, coverage::record),
-        FrameRow::compute(&guides::PASS, guides::record),
+        FrameRow::compute(&coverage::PASS, per_sample),
+        FrameRow::compute(&guides::PASS, per_sample),
         FrameRow::new::<tone::Tone>(&tone::PASS),
     ]);
     rows

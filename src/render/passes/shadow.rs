@@ -7,16 +7,12 @@ use xxhash_rust::xxh3::Xxh3Default;
 
 use crate::{
     decide::cull::is_outside,
-    layout::gpu_struct::gpu_struct,
     lighting::lights::ShadowView,
     maps::shadow_maps::FORMAT,
     pipeline::{
-        frame_pass::FramePass,
-        pass::{Pass, PassGroup, declared_overrides},
-        pass_builder::PassBuilder,
+        pass::declared_overrides,
+        prelude::*,
         raster::{Kind, depth_of_part, reversed_depth},
-        shared_data::SharedData,
-        sub_frame::SubFrame,
     },
     upload::{
         draw::{Draw, Indexed},
@@ -25,7 +21,7 @@ use crate::{
         scene::GpuScene,
     },
 };
-use reflet_gpu::{GpuError, GroupLayout};
+use reflet_gpu::GroupLayout;
 
 /// See `shaders/shadow.wgsl`.
 pub const PASS: Pass = Pass {
@@ -34,7 +30,7 @@ pub const PASS: Pass = Pass {
     color: [111, 93, 21],
     params: Some(Params::LAYOUT),
     needed: |plan, _| plan.features.cube_maps || plan.features.flat_maps,
-    writes_shared: &[SharedData::ShadowMaps],
+    writes_shared: &[ShadowMaps],
     ..Pass::DEFAULT
 };
 

@@ -1,17 +1,7 @@
 //! Screen-space reflections: marches the listed pixels' rays through the depth pyramid; lists screen hits for
 //! `hits.rs`, and rays that the screen cannot answer for `trace.rs`.
 
-use crate::{
-    layout::gpu_struct::gpu_struct,
-    pipeline::{
-        pass::{ComputePass, Dispatch, Pass, PassGroup},
-        ray_list::List,
-        shared_data::SharedData,
-        sub_frame::SubFrame,
-    },
-    settings::options::RenderOptions,
-};
-use reflet_gpu::Checks;
+use crate::{pipeline::prelude::*, settings::options::RenderOptions};
 use reflet_scene::desc::{Method, ReflectionDesc};
 
 /// See `shaders/ssr.wgsl`.
@@ -19,13 +9,8 @@ pub const PASS: Pass = Pass {
     name: "ssr",
     group: PassGroup::March,
     color: [100, 229, 167],
-    reads_shared: &[
-        SharedData::Counters,
-        SharedData::PixelLists,
-        SharedData::DispatchSizes,
-        SharedData::DepthPyramid,
-    ],
-    writes_shared: &[SharedData::PixelLists, SharedData::Counters],
+    reads_shared: &[Counters, PixelLists, DispatchSizes, DepthPyramid],
+    writes_shared: &[PixelLists, Counters],
     params: Some(Params::LAYOUT),
     needed: |plan, options| plan.features.reflections && is_enabled(options),
     overrides: |options| {
@@ -35,7 +20,6 @@ pub const PASS: Pass = Pass {
             ("TRACE", flag(options.reflection.method != Method::Ssr)),
         ]
     },
-    // The shader's ids come from the visibility pass, which `check_world` validated.
     checks: Checks::TrustedBuiltin,
     counted: true,
     ..Pass::DEFAULT
@@ -75,6 +59,6 @@ impl Params {
 /// Records the pass.
 pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
     let params = Params::new(&frame.options.reflection, frame.unit_m);
-    let reflectors = Dispatch::Listed(frame.resources.ray_list, List::Reflectors);
-    frame.dispatch_with(pass, &params, &reflectors);
+    let reflectors = Dispatch::Listed(List::Reflectors);
+    frame.dispatch_with(pass, &params, reflectors);
 }

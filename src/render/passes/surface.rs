@@ -1,15 +1,7 @@
 //! Surface: resolves the G-buffer in compute from the ids of the visibility pass, and lists the reflective and the
 //! transmissive pixels.
 
-use crate::{
-    pipeline::{
-        pass::{ComputePass, Pass, PassGroup},
-        shared_data::SharedData,
-        sub_frame::SubFrame,
-    },
-    plan::has_primary_rays,
-};
-use reflet_gpu::Checks;
+use crate::{pipeline::prelude::*, plan::has_primary_rays};
 
 use super::ssr;
 
@@ -18,12 +10,8 @@ pub const PASS: Pass = Pass {
     name: "surface",
     group: PassGroup::Surfaces,
     color: [147, 202, 253],
-    reads_shared: &[SharedData::CulledDepth],
-    writes_shared: &[
-        SharedData::DepthPyramid,
-        SharedData::PixelLists,
-        SharedData::Counters,
-    ],
+    reads_shared: &[CulledDepth],
+    writes_shared: &[DepthPyramid, PixelLists, Counters],
     overrides: |options| {
         let flag = |on| f64::from(u8::from(on));
         vec![
@@ -31,14 +19,6 @@ pub const PASS: Pass = Pass {
             ("RASTERIZED", flag(!has_primary_rays(options))),
         ]
     },
-    // The shader's ids come from the visibility pass or from primary rays, which `check_world` and `Trees::build`
-    // validated.
     checks: Checks::TrustedBuiltin,
     ..Pass::DEFAULT
 };
-
-/// Records the pass.
-pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
-    let surfaces = frame.surfaces();
-    frame.dispatch(pass, &surfaces);
-}

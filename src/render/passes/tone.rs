@@ -1,16 +1,6 @@
 //! Tone: linear radiance to display color.
 
-use crate::{
-    layout::gpu_struct::gpu_struct,
-    pipeline::{
-        frame_pass::FramePass,
-        pass::{ComputePass, Dispatch, Pass, PassGroup},
-        pass_builder::PassBuilder,
-        sub_frame::SubFrame,
-        targets::Target,
-    },
-};
-use reflet_gpu::GpuError;
+use crate::pipeline::prelude::*;
 use reflet_scene::desc::ImageDesc;
 
 /// See `shaders/tone.wgsl`; `color` is the sum of all sub-frames.
@@ -60,7 +50,7 @@ impl FramePass for Tone {
     fn record(&self, frame: &mut SubFrame<'_>) {
         let image = &frame.options.image;
         if frame.is_last() {
-            frame.dispatch_with(&self.0, &Params::new(image), &Dispatch::WholePicture);
+            frame.dispatch_with(&self.0, &Params::new(image), Dispatch::WholePicture);
         }
     }
 }

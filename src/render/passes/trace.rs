@@ -1,31 +1,15 @@
 //! Trace: follows the mirror rays of the listed pixels through the BVHs, bounce by bounce.
 
-use crate::{
-    pipeline::{
-        pass::{ComputePass, Dispatch, Pass, PassGroup},
-        ray_list::List,
-        shared_data::SharedData,
-        sub_frame::SubFrame,
-    },
-    settings::options::RenderOptions,
-};
-use reflet_gpu::Checks;
+use crate::{pipeline::prelude::*, settings::options::RenderOptions};
 
 /// See `shaders/trace.wgsl`.
 pub const PASS: Pass = Pass {
     name: "trace",
     group: PassGroup::Reflection,
     color: [231, 76, 116],
-    reads_shared: &[
-        SharedData::Counters,
-        SharedData::ShadowMaps,
-        SharedData::PixelLists,
-        SharedData::DispatchSizes,
-        SharedData::MethodMaps,
-    ],
-    writes_shared: &[SharedData::Counters],
+    reads_shared: &[Counters, ShadowMaps, PixelLists, DispatchSizes, MethodMaps],
+    writes_shared: &[Counters],
     needed: |plan, options| plan.features.reflections && is_enabled(options),
-    // `check_world` and `Trees::build` validated every index that tracing follows.
     checks: Checks::TrustedBuiltin,
     counted: true,
     ..Pass::DEFAULT
@@ -44,9 +28,9 @@ pub const TRAVERSE: Pass = Pass {
 
 /// Records the pass.
 pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
-    let rays = Dispatch::Listed(frame.resources.ray_list, List::Rays);
-    frame.dispatch(pass, &rays);
+    let rays = Dispatch::Listed(List::Rays);
+    frame.dispatch(pass, rays);
     if let Some(traverse) = frame.instruments.traverse(frame.instrument) {
-        frame.dispatch(traverse, &rays);
+        frame.dispatch(traverse, rays);
     }
 }

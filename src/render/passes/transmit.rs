@@ -1,14 +1,6 @@
 //! Transmit: light that passes through the surfaces of the listed pixels.
 
-use crate::pipeline::{
-    pass::{ComputePass, Dispatch, Pass, PassGroup},
-    ray_list::List,
-    recorder::clear_texture,
-    shared_data::SharedData,
-    sub_frame::SubFrame,
-    targets::Target,
-};
-use reflet_gpu::Checks;
+use crate::pipeline::{prelude::*, recorder::clear_texture};
 
 use super::ssr;
 
@@ -17,13 +9,8 @@ pub const PASS: Pass = Pass {
     name: "transmit",
     group: PassGroup::Light,
     color: [253, 208, 126],
-    reads_shared: &[
-        SharedData::Counters,
-        SharedData::ShadowMaps,
-        SharedData::PixelLists,
-        SharedData::DispatchSizes,
-    ],
-    writes_shared: &[SharedData::Counters],
+    reads_shared: &[Counters, ShadowMaps, PixelLists, DispatchSizes],
+    writes_shared: &[Counters],
     needed: |plan, _| plan.features.transmission,
     overrides: |options| {
         let flag = |on| f64::from(u8::from(on));
@@ -32,7 +19,6 @@ pub const PASS: Pass = Pass {
             ("HIDES_BACKGROUND", flag(options.image.alpha)),
         ]
     },
-    // `check_world` and `Trees::build` validated every index that rays follow.
     checks: Checks::TrustedBuiltin,
     counted: true,
     ..Pass::DEFAULT
@@ -47,6 +33,6 @@ pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
     if let Some(view) = targets.view(Target::TransmittedLight) {
         clear_texture(frame.recorder.encoder(), PASS.name, view, NOTHING_BEHIND);
     }
-    let transmissive = Dispatch::Listed(frame.resources.ray_list, List::Transmissive);
-    frame.dispatch(pass, &transmissive);
+    let transmissive = Dispatch::Listed(List::Transmissive);
+    frame.dispatch(pass, transmissive);
 }

@@ -5,12 +5,9 @@ use std::sync::Arc;
 use crate::{
     decide::cull::is_outside,
     pipeline::{
-        frame_pass::FramePass,
-        pass::{Pass, PassGroup, declared_overrides},
-        pass_builder::PassBuilder,
+        pass::declared_overrides,
+        prelude::*,
         raster::{depth_of_part, ids_of_part, reversed_depth},
-        sub_frame::SubFrame,
-        targets::Target,
     },
     plan::has_primary_rays,
     upload::{
@@ -19,7 +16,7 @@ use crate::{
         draw_shape::DrawShape,
     },
 };
-use reflet_gpu::{GpuError, Shader};
+use reflet_gpu::Shader;
 
 /// See `shaders/visibility.wgsl`.
 pub const PASS: Pass = Pass {

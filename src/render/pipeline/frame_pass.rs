@@ -5,7 +5,7 @@ use std::{fmt::Debug, sync::Arc};
 use reflet_gpu::GpuError;
 
 use super::{
-    pass::{ComputePass, Pass},
+    pass::{ComputePass, Dispatch, Pass},
     pass_builder::PassBuilder,
     sub_frame::SubFrame,
 };
@@ -46,6 +46,7 @@ type RecordSteps = fn(&[ComputePass], &mut SubFrame<'_>);
 enum Build {
     Own(fn(&PassBuilder<'_>) -> Result<Arc<dyn FramePass>, GpuError>),
     Compute(Record),
+    Over(Dispatch),
     Steps(usize, RecordSteps),
 }
 
@@ -63,6 +64,14 @@ impl FrameRow {
         Self {
             pass,
             build: Build::Compute(record),
+        }
+    }
+
+    /// Entry of a pass of a single compute shader without `Params`.
+    pub const fn over(pass: &'static Pass, dispatch: Dispatch) -> Self {
+        Self {
+            pass,
+            build: Build::Over(dispatch),
         }
     }
 
@@ -84,6 +93,9 @@ impl FrameRow {
             Build::Compute(record) => {
                 BuiltPass::Compute(Arc::new(builder.compute(self.pass, &[])?), record)
             }
+            Build::Over(dispatch) => {
+                BuiltPass::Over(Arc::new(builder.compute(self.pass, &[])?), dispatch)
+            }
             Build::Steps(pipelines, record) => {
                 let step = |i| builder.compute(self.pass, &self.pass.swapped(i));
                 BuiltPass::Steps((0..pipelines).map(step).collect::<Result<_, _>>()?, record)
@@ -99,6 +111,8 @@ pub enum BuiltPass {
     Own(Arc<dyn FramePass>),
     /// A single compute shader, and the function that records it.
     Compute(Arc<ComputePass>, Record),
+    /// A single compute shader, and the number of its workgroups.
+    Over(Arc<ComputePass>, Dispatch),
     /// Pipelines of a compute shader that swap its targets, and the function that records them.
     Steps(Arc<[ComputePass]>, RecordSteps),
 }
@@ -109,6 +123,7 @@ impl BuiltPass {
         match self {
             Self::Own(pass) => pass.record(frame),
             Self::Compute(pass, record) => record(pass, frame),
+            Self::Over(pass, dispatch) => frame.dispatch(pass, *dispatch),
             Self::Steps(passes, record) => record(passes, frame),
         }
     }

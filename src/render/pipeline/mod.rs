@@ -7,6 +7,7 @@ pub mod instrument;
 pub mod pass;
 pub(crate) mod pass_builder;
 pub mod pass_targets;
+pub(crate) mod prelude;
 pub(crate) mod raster;
 pub mod ray_list;
 pub(crate) mod recorder;

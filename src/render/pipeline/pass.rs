@@ -15,7 +15,9 @@ use super::{
     targets::{Target, Targets},
 };
 use crate::{
-    buffers::frame_uniforms::empty_uniform, layout::gpu_struct::StructSpec, plan::Plan,
+    buffers::frame_uniforms::empty_uniform,
+    layout::gpu_struct::{StructSpec, gpu_struct},
+    plan::Plan,
     settings::options::RenderOptions,
 };
 
@@ -81,7 +83,8 @@ pub struct Pass {
     pub is_written: fn(&RenderOptions, Target) -> bool,
     /// Values for overrides that only this pass's shader declares.
     pub overrides: fn(&RenderOptions) -> Vec<Override>,
-    /// Run-time checks of the shader.
+    /// Run-time checks of the shader: none of indices from a pass or a ray that `check_world` and `Trees::build` have
+    /// validated.
     pub(crate) checks: Checks,
     /// Whether the shader has the override [`COUNT`], with which it also counts its work.
     pub counted: bool,
@@ -126,14 +129,25 @@ impl Pass {
     }
 }
 
+gpu_struct! {
+    /// Uniforms of a pass that sums over the sub-frames.
+    pub struct Sample = "Params" {
+        /// Index of the sub-frame.
+        sample: u32,
+    }
+}
+
 /// Number of workgroups of a pass.
-pub enum Dispatch<'a> {
+#[derive(Clone, Copy, Debug)]
+pub enum Dispatch {
     /// One invocation per pixel that shows the moment.
     PerPixel,
     /// One invocation per pixel of the picture.
     WholePicture,
+    /// One invocation per pixel whose surface is resolved: of the picture, where others look at its surfaces.
+    Surfaces,
     /// Workgroups for a list of pixels, whose number the GPU wrote.
-    Listed(&'a RayList, List),
+    Listed(List),
     /// One workgroup for each square tile with this side, pixels.
     Tiles(u32),
     /// This number of workgroups.
@@ -272,29 +286,22 @@ impl ComputePass {
     }
 
     /// Records the pass; nothing if it was never bound.
-    pub fn record(&self, recorder: &mut Recorder<'_>, dispatch: &Dispatch<'_>) {
+    pub fn record(&self, recorder: &mut Recorder<'_>, lists: &RayList, dispatch: Dispatch) {
         let Some(bound) = &self.bound else { return };
         let (size, invoked) = (recorder.size, recorder.invoked);
         recorder.pass(self.pass.name, |encoder, recording| {
             let mut pass = self.begin(encoder, recording, recording.shared, bound);
-            match dispatch {
-                Dispatch::PerPixel | Dispatch::WholePicture => {
-                    let [width, height] = match dispatch {
-                        Dispatch::PerPixel => invoked,
-                        _ => size,
-                    };
-                    let [x, y] = self.tile;
-                    pass.dispatch_workgroups(width.div_ceil(x), height.div_ceil(y), 1);
-                }
-                Dispatch::Tiles(side) => {
-                    pass.dispatch_workgroups(size[0].div_ceil(*side), size[1].div_ceil(*side), 1);
-                }
-                Dispatch::Listed(lists, list) => {
+            let ([width, height], [x, y]) = match dispatch {
+                Dispatch::PerPixel => (invoked, self.tile),
+                Dispatch::WholePicture | Dispatch::Surfaces => (size, self.tile),
+                Dispatch::Tiles(side) => (size, [side; 2]),
+                Dispatch::Groups(groups) => ([groups, 1], [1; 2]),
+                Dispatch::Listed(list) => {
                     let offset = list.arguments_offset();
-                    pass.dispatch_workgroups_indirect(&lists.arguments, offset);
+                    return pass.dispatch_workgroups_indirect(&lists.arguments, offset);
                 }
-                Dispatch::Groups(groups) => pass.dispatch_workgroups(*groups, 1, 1),
-            }
+            };
+            pass.dispatch_workgroups(width.div_ceil(x), height.div_ceil(y), 1);
         });
     }
 }

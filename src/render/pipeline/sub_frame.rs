@@ -5,7 +5,7 @@ use glam::Mat4;
 
 use super::{
     instrument::{Instrument, Instruments},
-    pass::{ComputePass, Dispatch},
+    pass::{ComputePass, Dispatch, Sample},
     recorder::Recorder,
     resources::Resources,
 };
@@ -64,34 +64,31 @@ impl SubFrame<'_> {
         }
     }
 
-    /// Invocations of passes that resolve surfaces.
-    pub fn surfaces(&self) -> Dispatch<'static> {
-        match self.whole_surfaces {
-            true => Dispatch::WholePicture,
-            false => Dispatch::PerPixel,
-        }
-    }
-
     /// Whether this is the end of the picture.
     pub fn is_last(&self) -> bool {
         self.share.is_last() && self.share.sample + 1 == self.options.image.samples.count()
     }
 
     /// Records a pass, or the variant of an instrument.
-    pub fn dispatch(&mut self, pass: &ComputePass, dispatch: &Dispatch<'_>) {
+    pub fn dispatch(&mut self, pass: &ComputePass, dispatch: Dispatch) {
+        let dispatch = match dispatch {
+            Dispatch::Surfaces if !self.whole_surfaces => Dispatch::PerPixel,
+            other => other,
+        };
         let pass = self.instruments.replacement_for(pass, self.instrument);
-        pass.record(&mut self.recorder, dispatch);
+        pass.record(&mut self.recorder, self.resources.ray_list, dispatch);
     }
 
     /// Records a pass with these values of its `Params`.
-    pub fn dispatch_with(
-        &mut self,
-        pass: &ComputePass,
-        params: &impl Pod,
-        dispatch: &Dispatch<'_>,
-    ) {
+    pub fn dispatch_with(&mut self, pass: &ComputePass, params: &impl Pod, dispatch: Dispatch) {
         let replacement = self.instruments.replacement_for(pass, self.instrument);
         replacement.set_params(self.recorder.gpu, params);
-        replacement.record(&mut self.recorder, dispatch);
+        self.dispatch(pass, dispatch);
+    }
+
+    /// Records a pass over all pixels with the index of the sub-frame as its `Params`.
+    pub fn dispatch_sample(&mut self, pass: &ComputePass) {
+        let sample = self.share.sample;
+        self.dispatch_with(pass, &Sample { sample }, Dispatch::PerPixel);
     }
 }

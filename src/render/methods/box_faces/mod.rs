@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use reflet_gpu::Checks;
 use reflet_scene::{
     desc::{BoxFacesDesc, Method, ReflectionDesc},
     diagnostic::{Diagnostic, Span},
@@ -16,16 +15,11 @@ use super::{
     face_maps::{CaptureFaces, FaceKey},
 };
 use crate::{
-    layout::gpu_struct::gpu_struct,
     maps::{
         cube::{FACES, HIT_BYTES, MAX_MAP_BYTES, still_bounds},
         method_maps::{CaptureInputs, MapFacts, Number},
     },
-    pipeline::{
-        frame_pass::FrameRow,
-        pass::{Pass, PassGroup},
-        shared_data::SharedData,
-    },
+    pipeline::{frame_pass::FrameRow, prelude::*},
     upload::world_key::changing_cut_outs,
 };
 
@@ -55,11 +49,10 @@ pub const PASS: Pass = Pass {
     name: "box_faces",
     group: PassGroup::Capture,
     color: [0, 0, 250],
-    writes_shared: &[SharedData::MethodMaps],
+    writes_shared: &[MethodMaps],
     structs: &[FaceBox::LAYOUT],
     needed: |plan, _| plan.maps == Some(Method::SsrBox),
     overrides: |_| vec![("STATIC_ONLY", 1.0)],
-    // `check_world` and `Trees::build` validated every index that rays follow.
     checks: Checks::TrustedBuiltin,
     ..Pass::DEFAULT
 };

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use reflet_gpu::Checks;
 use reflet_scene::desc::{Method, ReflectionDesc};
 use reflet_world::Material;
 
@@ -11,13 +10,8 @@ use super::{
     face_maps::{CaptureFaces, FaceKey},
 };
 use crate::{
-    layout::gpu_struct::gpu_struct,
     maps::method_maps::{CaptureInputs, MapFacts, Number},
-    pipeline::{
-        frame_pass::FrameRow,
-        pass::{Pass, PassGroup},
-        shared_data::SharedData,
-    },
+    pipeline::{frame_pass::FrameRow, prelude::*},
     upload::world_key::{PoseKey, changing_cut_outs},
 };
 
@@ -38,10 +32,9 @@ pub const PASS: Pass = Pass {
     name: "far",
     group: PassGroup::Capture,
     color: [0, 0, 0],
-    writes_shared: &[SharedData::MethodMaps],
+    writes_shared: &[MethodMaps],
     structs: &[FarBox::LAYOUT],
     needed: |plan, _| plan.maps == Some(Method::NearFar),
-    // `check_world` and `Trees::build` validated every index that rays follow.
     checks: Checks::TrustedBuiltin,
     ..Pass::DEFAULT
 };

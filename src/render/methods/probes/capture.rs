@@ -2,19 +2,9 @@
 //! material has changed.
 
 use crate::{
-    layout::gpu_struct::gpu_struct,
-    pipeline::{
-        frame_pass::FramePass,
-        pass::{ComputePass, Pass, PassGroup},
-        pass_builder::PassBuilder,
-        resources::Resources,
-        shared_data::SharedData,
-        shared_groups::SharedGroups,
-        sub_frame::SubFrame,
-    },
+    pipeline::{prelude::*, resources::Resources, shared_groups::SharedGroups},
     plan::Plan,
 };
-use reflet_gpu::{Checks, GpuError};
 use reflet_scene::desc::Method;
 
 use super::{boxes::ProbeBox, maps::ProbeMaps};
@@ -26,8 +16,8 @@ pub const PASS: Pass = Pass {
     color: [252, 10, 251],
     params: Some(Params::LAYOUT),
     // Bound, as the code of light names them, but left unread by the overrides.
-    reads_shared: &[SharedData::ShadowMaps],
-    writes_shared: &[SharedData::MethodMaps],
+    reads_shared: &[ShadowMaps],
+    writes_shared: &[MethodMaps],
     structs: &[ProbeBox::LAYOUT],
     needed: |plan, _| plan.maps.is_some_and(Method::looks_up),
     // Things that move are left out, and so are shadow maps, on which they may be.
@@ -40,7 +30,6 @@ pub const PASS: Pass = Pass {
             ("HAS_FLAT_MAPS", 0.0),
         ]
     },
-    // `check_world` and `Trees::build` validated every index that rays follow.
     checks: Checks::TrustedBuiltin,
     ..Pass::DEFAULT
 };

@@ -1,15 +1,6 @@
 //! Probe: looks reflections up in the cube maps of probes, where the method has them in place of traced rays.
 
-use crate::{
-    layout::gpu_struct::gpu_struct,
-    pipeline::{
-        pass::{ComputePass, Dispatch, Pass, PassGroup},
-        ray_list::List,
-        shared_data::SharedData,
-        sub_frame::SubFrame,
-    },
-};
-use reflet_gpu::Checks;
+use crate::pipeline::prelude::*;
 use reflet_scene::desc::{Method, SelectBy};
 
 use super::maps::ProbeMaps;
@@ -19,12 +10,7 @@ pub const PASS: Pass = Pass {
     name: "probe",
     group: PassGroup::Reflection,
     color: [58, 7, 79],
-    reads_shared: &[
-        SharedData::Counters,
-        SharedData::PixelLists,
-        SharedData::DispatchSizes,
-        SharedData::MethodMaps,
-    ],
+    reads_shared: &[Counters, PixelLists, DispatchSizes, MethodMaps],
     params: Some(Params::LAYOUT),
     needed: |plan, _| plan.maps.is_some_and(Method::looks_up),
     overrides: |options| {
@@ -35,7 +21,6 @@ pub const PASS: Pass = Pass {
             ("PROBES_BY_INSTANCE", by_instance.into()),
         ]
     },
-    // The maps' ids come from traced rays, whose indices `check_world` and `Trees::build` validated.
     checks: Checks::TrustedBuiltin,
     ..Pass::DEFAULT
 };
@@ -63,6 +48,6 @@ pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
         nearest: frame.options.reflection.probes.nearest.min(count),
         levels: maps.key.levels(),
     };
-    let rays = Dispatch::Listed(frame.resources.ray_list, List::Rays);
-    frame.dispatch_with(pass, &params, &rays);
+    let rays = Dispatch::Listed(List::Rays);
+    frame.dispatch_with(pass, &params, rays);
 }

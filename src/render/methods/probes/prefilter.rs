@@ -2,17 +2,7 @@
 
 use wgpu::BindingResource;
 
-use crate::{
-    layout::gpu_struct::gpu_struct,
-    pipeline::{
-        frame_pass::FramePass,
-        pass::{ComputePass, Pass, PassGroup},
-        pass_builder::PassBuilder,
-        shared_data::SharedData,
-        sub_frame::SubFrame,
-    },
-};
-use reflet_gpu::GpuError;
+use crate::pipeline::prelude::*;
 
 use super::{capture, key::ProbeKey, maps::ProbeMaps};
 
@@ -22,8 +12,8 @@ pub const PASS: Pass = Pass {
     group: PassGroup::Capture,
     color: [11, 6, 154],
     params: Some(Params::LAYOUT),
-    reads_shared: &[SharedData::MethodMaps],
-    writes_shared: &[SharedData::MethodMaps],
+    reads_shared: &[MethodMaps],
+    writes_shared: &[MethodMaps],
     needed: |plan, _| capture::has_levels(plan),
     ..Pass::DEFAULT
 };

@@ -5,15 +5,10 @@ use std::sync::Arc;
 use crate::{
     buffers::frame_uniforms::empty_uniform,
     decide::cull::is_outside,
-    layout::gpu_struct::gpu_struct,
     pipeline::{
-        frame_pass::FramePass,
-        pass::{Pass, PassGroup, declared_overrides},
-        pass_builder::PassBuilder,
+        pass::declared_overrides,
+        prelude::*,
         raster::{Kind, depth_of_part, ids_of_part, reversed_depth},
-        shared_data::SharedData,
-        sub_frame::SubFrame,
-        targets::Target,
     },
     upload::{
         draw::{Draw, Indexed},
@@ -21,7 +16,7 @@ use crate::{
         draw_shape::DrawShape,
     },
 };
-use reflet_gpu::{GpuError, GroupLayout};
+use reflet_gpu::GroupLayout;
 
 /// See `shaders/methods/second_layer/peel.wgsl`.
 pub const PASS: Pass = Pass {
@@ -29,7 +24,7 @@ pub const PASS: Pass = Pass {
     group: PassGroup::March,
     color: [0, 198, 9],
     attachments: &[Target::SecondDepth, Target::SecondIds],
-    reads_shared: &[SharedData::DepthPyramid],
+    reads_shared: &[DepthPyramid],
     params: Some(Params::LAYOUT),
     needed: |plan, _| plan.features.second_layer,
     ..Pass::DEFAULT

@@ -1,31 +1,16 @@
 //! Trace sparse: traces the rays of one of several listed pixels, and lists the others.
 
-use crate::pipeline::{
-    pass::{ComputePass, Dispatch, Pass, PassGroup},
-    ray_list::List,
-    recorder::clear_texture,
-    shared_data::SharedData,
-    sub_frame::SubFrame,
-    targets::Target,
-};
-use reflet_gpu::Checks;
+use crate::pipeline::{prelude::*, recorder::clear_texture};
 
 /// See `shaders/methods/undersampling/trace_sparse.wgsl`.
 pub const PASS: Pass = Pass {
     name: "trace_sparse",
     group: PassGroup::Reflection,
     color: [162, 0, 252],
-    reads_shared: &[
-        SharedData::Counters,
-        SharedData::ShadowMaps,
-        SharedData::PixelLists,
-        SharedData::DispatchSizes,
-        SharedData::MethodMaps,
-    ],
-    writes_shared: &[SharedData::PixelLists, SharedData::Counters],
+    reads_shared: &[Counters, ShadowMaps, PixelLists, DispatchSizes, MethodMaps],
+    writes_shared: &[PixelLists, Counters],
     needed: |plan, _| plan.features.undersampled,
     overrides: |options| vec![("RATE", f64::from(options.reflection.rate))],
-    // `check_world` and `Trees::build` validated every index that tracing follows.
     checks: Checks::TrustedBuiltin,
     counted: true,
     ..Pass::DEFAULT
@@ -47,6 +32,6 @@ pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
         clear_texture(frame.recorder.encoder(), label, view, NOT_LED);
     }
     // The dispatch has workgroups for all rays, of which some find nothing left to do.
-    let rays = Dispatch::Listed(frame.resources.ray_list, List::Rays);
-    frame.dispatch(pass, &rays);
+    let rays = Dispatch::Listed(List::Rays);
+    frame.dispatch(pass, rays);
 }

@@ -1,32 +1,17 @@
 //! Upsample: gives pixels the hits of the rays around them where these agree, and lists the others for tracing.
 
-use crate::{
-    layout::gpu_struct::gpu_struct,
-    pipeline::{
-        pass::{ComputePass, Dispatch, Pass, PassGroup},
-        ray_list::List,
-        shared_data::SharedData,
-        sub_frame::SubFrame,
-    },
-};
-use reflet_gpu::Checks;
+use crate::pipeline::prelude::*;
 
 /// See `shaders/methods/undersampling/upsample.wgsl`.
 pub const PASS: Pass = Pass {
     name: "upsample",
     group: PassGroup::Reflection,
     color: [189, 252, 0],
-    reads_shared: &[
-        SharedData::Counters,
-        SharedData::ShadowMaps,
-        SharedData::PixelLists,
-        SharedData::DispatchSizes,
-    ],
-    writes_shared: &[SharedData::PixelLists, SharedData::Counters],
+    reads_shared: &[Counters, ShadowMaps, PixelLists, DispatchSizes],
+    writes_shared: &[PixelLists, Counters],
     params: Some(Params::LAYOUT),
     needed: |plan, _| plan.features.undersampled,
     overrides: |options| vec![("RATE", f64::from(options.reflection.rate))],
-    // `check_world` and `Trees::build` validated every index that tracing follows.
     checks: Checks::TrustedBuiltin,
     counted: true,
     ..Pass::DEFAULT
@@ -46,6 +31,6 @@ pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
         similarity: frame.options.reflection.similarity,
     };
     // The dispatch has workgroups for all rays, of which some find nothing left to do.
-    let rays = Dispatch::Listed(frame.resources.ray_list, List::Rays);
-    frame.dispatch_with(pass, &params, &rays);
+    let rays = Dispatch::Listed(List::Rays);
+    frame.dispatch_with(pass, &params, rays);
 }
