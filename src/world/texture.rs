@@ -23,6 +23,7 @@ use reflet_scene::diagnostic::Diagnostic;
 mod basis;
 mod decoder;
 mod encoded;
+mod floats;
 mod jpeg;
 mod ktx2;
 mod png_color;

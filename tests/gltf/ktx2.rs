@@ -59,6 +59,41 @@ fn basis_universal_becomes_rgba() {
     }
 }
 
+/// UASTC HDR: blocks of one color, which ASTC writes as four 16-bit floats.
+#[test]
+fn floats_of_uastc_become_srgb() {
+    const MODEL: usize = 116;
+    // 1/4, 1, 4 and an alpha of 1.
+    const BLOCK: [u8; 16] = [
+        252, 255, 255, 255, 255, 255, 255, 255, 0, 0x34, 0, 0x3c, 0, 0x44, 0, 0x3c,
+    ];
+    let mut file = FILES[1].1[..184].to_vec();
+    file[12..16].copy_from_slice(&1_000_066_000_u32.to_le_bytes());
+    // No supercompression: the level has 256 bytes in the file and as it is read.
+    file[44] = 0;
+    for at in [88, 96] {
+        file[at..at + 8].copy_from_slice(&256_u64.to_le_bytes());
+    }
+    assert_eq!(file[MODEL], 166);
+    file[MODEL] = 167;
+    file.extend(BLOCK.repeat(16));
+    let world = document(&file).world();
+    let slot = world.materials[0].base_color_texture.expect("a texture");
+    let texture = &world.textures[slot.texture];
+    assert_eq!((texture.width, texture.height), (16, 16));
+    let texels: &[[u8; 4]] = texture.rgba.as_chunks().0;
+    assert!(texels.iter().all(|texel| *texel == [137, 255, 255, 255]));
+    for (at, byte, expected) in [
+        (12, 212, "vkFormat 1000066004, expected"),
+        (MODEL, 162, "color model 162, expected"),
+    ] {
+        let mut other = file.clone();
+        other[at] = byte;
+        let (_, found) = document(&other).error();
+        assert!(found.contains(expected), "{found}");
+    }
+}
+
 /// Image formats in scene text are detected by content, too; file extensions do not matter.
 #[test]
 fn scene_text_names_any_image_that_is_read() {

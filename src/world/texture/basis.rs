@@ -3,7 +3,7 @@
 use basisu::{DecodeFlags, SourceFormat, TargetFormat, Transcoder};
 use image::RgbaImage;
 
-use super::fault;
+use super::{fault, floats::from_halves};
 use crate::gltf::Fault;
 
 /// Memory of the codebooks of ETC1S, which are at most as large as 16-bit indices allow, bytes.
@@ -22,19 +22,26 @@ impl<'a> Basis<'a> {
     /// Reads the header of a `.basis` or KTX 2 file.
     ///
     /// # Errors
-    /// Broken headers; formats of a wide range.
+    /// Broken headers; formats of floats but for UASTC HDR of 4 × 4 texels.
     pub fn open(bytes: &'a [u8]) -> Result<Self, Fault> {
         let transcoder = Box::new(Transcoder::new(bytes).map_err(cannot)?);
         match transcoder.source_format() {
             SourceFormat::Etc1s | SourceFormat::UastcLdr | SourceFormat::AstcLdr(_) => {}
+            SourceFormat::UastcHdr4x4 => {}
             format => {
-                let text =
-                    format!("is Basis Universal as {format:?}, expected ETC1S, UASTC or ASTC");
+                let text = format!(
+                    "is Basis Universal as {format:?}, expected ETC1S, UASTC, UASTC HDR of 4 × 4 texels or ASTC"
+                );
                 return Err(fault("image-unsupported", text).help("convert the image to PNG"));
             }
         }
         let size = transcoder.base_dimensions().into();
         Ok(Self { transcoder, size })
+    }
+
+    /// Whether its texels are floats.
+    fn is_hdr(&self) -> bool {
+        self.transcoder.source_format() == SourceFormat::UastcHdr4x4
     }
 
     /// Bytes of the blocks of the first mip level.
@@ -46,19 +53,25 @@ impl<'a> Basis<'a> {
 
     /// Upper bound of the memory for decoding, bytes, without the pixels. The size must have been checked.
     pub fn working_bytes(&self) -> u64 {
-        self.level_bytes() + CODEBOOK_BYTES
+        let [width, height] = self.size.map(u64::from);
+        let floats = if self.is_hdr() { width * height * 8 } else { 0 };
+        self.level_bytes() + floats + CODEBOOK_BYTES
     }
 
-    /// Decodes the first mip level.
+    /// Decodes the first mip level. Floats are clamped to 1, and become sRGB with `srgb`.
     ///
     /// # Errors
     /// Broken data.
-    pub fn decode(&self) -> Result<RgbaImage, Fault> {
+    pub fn decode(&self, srgb: bool) -> Result<RgbaImage, Fault> {
         let [width, height] = self.size;
         // Texels as the formats specify them, without a filter across large blocks.
         let flags = DecodeFlags::NO_DEBLOCK_FILTERING;
-        let rgba = self.transcoder.transcode(0, TargetFormat::Rgba32, flags);
-        let picture = RgbaImage::from_raw(width, height, rgba.map_err(cannot)?);
+        let texels = |format| self.transcoder.transcode(0, format, flags).map_err(cannot);
+        let rgba = match self.is_hdr() {
+            true => from_halves(&texels(TargetFormat::RgbaHalf)?, srgb),
+            false => texels(TargetFormat::Rgba32)?,
+        };
+        let picture = RgbaImage::from_raw(width, height, rgba);
         picture.ok_or_else(|| {
             fault(
                 "image-broken",

@@ -112,7 +112,7 @@ impl<'a> Opened<'a> {
         match self.decoder {
             Decoder::Jpeg(jpeg) => jpeg.decode(),
             Decoder::Ktx2(ktx2) => ktx2.decode(srgb),
-            Decoder::Basis(basis) => basis.decode(),
+            Decoder::Basis(basis) => basis.decode(srgb),
             Decoder::Other(decoder) => {
                 let pixels = DynamicImage::from_decoder(decoder).map_err(broken)?;
                 Ok(pixels.into_rgba8())

@@ -12,6 +12,9 @@ mod plain;
 /// Color models of Basis Universal that are read (Khronos Data Format 1.4, §5.6).
 const ETC1S: u8 = 163;
 const UASTC: u8 = 166;
+const UASTC_HDR: u8 = 167;
+/// `VK_FORMAT_ASTC_4x4_SFLOAT_BLOCK`, as files of UASTC HDR have it.
+const ASTC_4X4_FLOATS: u32 = 1_000_066_000;
 
 /// A KTX 2 file whose header was read.
 pub struct Ktx2<'a> {
@@ -51,16 +54,18 @@ impl<'a> Ktx2<'a> {
         }
         let other = |what: String| {
             unsupported(format!(
-                "is KTX with {what}, expected Basis Universal, BC1 to BC7, ETC2, EAC, ASTC, or 1 to 4 channels of 8 or \
+                "is KTX with {what}, expected Basis Universal (with floats: UASTC HDR of 4 × 4 texels), BC1 to BC7, ETC2, EAC, ASTC, or 1 to 4 channels of 8 or \
                  16 bits without sign or of 16-bit floats"
             ))
         };
-        if header.vk_format != 0 && !plain::is_astc(header.vk_format) {
-            return Err(other(format!("vkFormat {}", header.vk_format)));
-        }
+        let models = match header.vk_format {
+            0 => &[ETC1S, UASTC][..],
+            ASTC_4X4_FLOATS => &[UASTC_HDR],
+            format if plain::is_astc(format) => &[],
+            format => return Err(other(format!("vkFormat {format}"))),
+        };
         if let Some(model) = header.color_model
-            && header.vk_format == 0
-            && ![ETC1S, UASTC].contains(&model)
+            && !(models.is_empty() || models.contains(&model))
         {
             return Err(other(format!("color model {model}")));
         }
@@ -107,7 +112,7 @@ impl<'a> Ktx2<'a> {
                 RgbaImage::from_raw(width, height, rgba)
                     .ok_or_else(|| broken("it decodes to another size than its header says"))?
             }
-            Content::Transcoded(basis) => basis.decode()?,
+            Content::Transcoded(basis) => basis.decode(srgb)?,
         };
         if swizzle != [0, 1, 2, 3] {
             for texel in picture.pixels_mut() {

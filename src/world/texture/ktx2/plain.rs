@@ -2,7 +2,10 @@
 
 use half::f16;
 
-use super::header::Header;
+use super::{
+    super::floats::{float, unorm},
+    header::Header,
+};
 use crate::gltf::Fault;
 
 /// Texels along the side of a block.
@@ -157,18 +160,6 @@ pub fn decode(header: &Header<'_>, format: Format, srgb: bool) -> Result<Vec<u8>
         });
     }
     Ok(rgba)
-}
-
-fn unorm(value: f32) -> u8 {
-    (value.clamp(0.0, 1.0) * 255.0).round() as u8
-}
-
-/// A number of linear light or data; NaN is 0.
-fn float(value: f32, is_color: bool) -> u8 {
-    match is_color {
-        true => unorm(reflet_base::math::srgb_from_linear(value.clamp(0.0, 1.0))),
-        false => unorm(value),
-    }
 }
 
 /// RGBA of a texel that stands alone.
