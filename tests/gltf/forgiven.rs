@@ -201,10 +201,38 @@ fn wrong_references_are_dropped_where_asked() {
         assert_eq!(places(&world), [Vec3::ZERO], "{what}");
         assert_eq!(warnings(&world), ["reference-dropped"], "{what}");
     }
-    let mut doc = Doc::triangle();
-    doc.attribute("POSITION", 7);
-    let [_, lenient] = both(&doc);
-    assert_eq!(one_error(lenient).0, "gltf-index", "geometry is missing");
+    // Geometry is missing.
+    for (damage, name, place) in [
+        (
+            "/meshes/0/primitives/0/attributes/POSITION = 7",
+            "gltf-index",
+            "accessor 7 does not exist",
+        ),
+        (
+            "/accessors/0/count = \"3\"",
+            "gltf-accessor",
+            "accessor 0: count: invalid type",
+        ),
+        (
+            "/bufferViews/0 = 3",
+            "gltf-accessor",
+            "bufferView 0: invalid type",
+        ),
+        (
+            "/buffers/0/byteLength = {}",
+            "gltf-accessor",
+            "buffer 0: byteLength: invalid type",
+        ),
+        ("/accessors = 3", "gltf-json", "/accessors: invalid type"),
+    ] {
+        let mut doc = Doc::triangle();
+        doc.set(damage);
+        let [strict, lenient] = both(&doc);
+        assert!(strict.is_err(), "{damage}");
+        let (found, message) = one_error(lenient);
+        assert_eq!(found, name, "{damage}: {message}");
+        assert!(message.contains(place), "{damage}: {message}");
+    }
 }
 
 #[test]

@@ -75,6 +75,16 @@ pub(super) fn fault(text: String) -> Fault {
     Fault::new("gltf-accessor", text)
 }
 
+/// Refuses an accessor, view or buffer that stands for one with a value of another JSON type.
+///
+/// # Errors
+/// The value, with its place.
+pub(super) fn is_well_typed(wrong: &Option<Box<str>>) -> Result<(), Fault> {
+    wrong
+        .as_ref()
+        .map_or(Ok(()), |text| Err(fault(text.to_string())))
+}
+
 /// The layout of one element.
 #[derive(Clone, Copy)]
 pub struct Shape {
@@ -148,7 +158,7 @@ impl<'a> Data<'a> {
         }
         for (i, accessor) in root.accessors.iter().enumerate() {
             // Unknown types are an error only where they are used.
-            if shape(&accessor.kind, 1).is_none() {
+            if shape(&accessor.kind, 1).is_none() && accessor.wrong.is_none() {
                 continue;
             }
             let is_aligned = data.layout(i).map(|layout| layout.is_aligned);
@@ -162,6 +172,7 @@ impl<'a> Data<'a> {
     }
 
     fn check_view(&self, view: &BufferView) -> Result<(), Fault> {
+        is_well_typed(&view.wrong)?;
         self.check_range(view.buffer, view.byte_offset, view.byte_length)?;
         if let Some(stream) = view.extensions.meshopt() {
             self.check_range(stream.buffer, stream.byte_offset, stream.byte_length)
@@ -177,6 +188,7 @@ impl<'a> Data<'a> {
         let Some(found) = self.root.buffers.get(buffer) else {
             return fault(format!("buffer {buffer} does not exist"));
         };
+        is_well_typed(&found.wrong).map_err(|f| f.placed(&format!("buffer {buffer}")))?;
         let end = offset.checked_add(length);
         if end.is_none_or(|end| end > found.byte_length) {
             return fault(format!(
@@ -258,6 +270,7 @@ impl<'a> Data<'a> {
     }
 
     fn check_accessor(&self, accessor: &Accessor) -> Result<Layout, Fault> {
+        is_well_typed(&accessor.wrong)?;
         let component = Component::new(accessor.component_type).ok_or_else(|| {
             fault(format!(
                 "componentType {} is unknown",

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use self::stream_bounds::StreamBounds;
 use super::{
     Fault, Notes,
-    accessor::{Component, shape},
+    accessor::{self, Component, shape},
     budget::GeometryBudget,
     buffer,
     container::Bytes,
@@ -204,7 +204,8 @@ fn decode(root: &Root, stream: &Stream) -> Result<Geometry, Fault> {
                 accessor.ok_or_else(|| fault(format!("accessor {index} does not exist")))?;
             let values = mesh.attribute_by_unique_id(id);
             let values = values.ok_or_else(|| fault(format!("no attribute {id} in it")))?;
-            encode(accessor, values, num_points)
+            let encoded = encode(accessor, values, num_points);
+            encoded.map_err(|fault| fault.placed(&format!("accessor {index}")))
         };
         match read().map_err(|fault| fault.placed(name)) {
             Err(fault) if root.is_lenient && !is_geometry(name) => {
@@ -256,6 +257,7 @@ fn encode(
     values: &draco_core::PointAttribute,
     num_points: usize,
 ) -> Result<Vec<u8>, Fault> {
+    accessor::is_well_typed(&accessor.wrong)?;
     let component = Component::new(accessor.component_type);
     let component = component.ok_or_else(|| fault("its componentType is unknown"))?;
     let lanes = shape(&accessor.kind, 1).map_or(0, |shape| shape.lanes);
@@ -291,7 +293,7 @@ fn insert(root: &mut Root, buffers: &mut Vec<buffer::Buffer>, stream: &Stream, g
         });
         root.buffers.push(Buffer {
             byte_length,
-            uri: None,
+            ..Buffer::default()
         });
         buffers.push(Some(Ok(Bytes::new(bytes))));
         root.accessors.push(Accessor {

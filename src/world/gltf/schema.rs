@@ -238,6 +238,9 @@ pub struct Accessor {
     #[serde(rename = "type")]
     pub kind: String,
     pub sparse: Option<Sparse>,
+    /// Wrong value that `wrong_types` found, with its place, where this stands for an object that cannot be read.
+    #[serde(rename = "(wrong)")]
+    pub wrong: Option<Box<str>>,
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -274,6 +277,9 @@ pub struct BufferView {
     pub byte_stride: Option<u64>,
     #[serde(default)]
     pub extensions: BufferViewExtensions,
+    /// Wrong value that `wrong_types` found, with its place, where this stands for an object that cannot be read.
+    #[serde(rename = "(wrong)")]
+    pub wrong: Option<Box<str>>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -306,11 +312,14 @@ pub struct MeshoptCompression {
     pub filter: Option<String>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Buffer {
     pub byte_length: u64,
     pub uri: Option<String>,
+    /// Wrong value that `wrong_types` found, with its place, where this stands for an object that cannot be read.
+    #[serde(rename = "(wrong)")]
+    pub wrong: Option<Box<str>>,
 }
 
 #[derive(Debug, Default, Deserialize)]

@@ -1,7 +1,7 @@
 //! Leaves out values of the wrong JSON type, where they only change the look.
 
 use serde::de::DeserializeOwned;
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 use serde_path_to_error::Segment;
 
 use super::{Fault, Notes, schema, uri::shorten};
@@ -79,8 +79,11 @@ const MOST: usize = 100;
 /// Leaves out the values of a document that have the wrong type and only change the look, with a warning.
 ///
 /// # Errors
-/// A value of geometry, nodes or skins that has the wrong type.
+/// A value of meshes' geometry, nodes or skins that has the wrong type.
 pub fn leave_out(document: &mut Value, notes: &mut Notes) -> Result<(), Fault> {
+    replace::<schema::Accessor>(document, "accessors");
+    replace::<schema::BufferView>(document, "bufferViews");
+    replace::<schema::Buffer>(document, "buffers");
     for kind in &KINDS {
         let keys: Vec<&str> = kind.place.split_terminator('/').collect();
         each(document, &keys, String::new(), &mut |object, place| {
@@ -88,6 +91,21 @@ pub fn leave_out(document: &mut Value, notes: &mut Notes) -> Result<(), Fault> {
         })?;
     }
     Ok(())
+}
+
+/// Puts empty objects in the place of wrong objects of a list: they are errors where they are read.
+fn replace<T: DeserializeOwned>(document: &mut Value, list: &str) {
+    let list = document.get_mut(list).and_then(Value::as_array_mut);
+    for object in list.into_iter().flatten() {
+        let Some(Wrong { path, message }) = wrong::<T>(object) else {
+            continue;
+        };
+        let keys: String = path.iter().map(|key| shorten(key) + ": ").collect();
+        *object = json!({
+            "componentType": 0, "type": "", "count": 0, "buffer": 0, "byteLength": 0,
+            "(wrong)": keys + message.as_str(),
+        });
+    }
 }
 
 /// Calls `visit` with the objects at a place below `value`, and with their JSON pointers.
