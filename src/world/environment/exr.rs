@@ -5,6 +5,8 @@
 mod block;
 mod chroma;
 mod file;
+#[cfg(test)]
+mod tests;
 
 use std::{
     collections::BTreeMap,
