@@ -244,11 +244,15 @@ def test_lost_textures_leave_their_fallback(
 
 def test_other_image_formats_become_png(tmp_path: Path) -> None:
     data = noise("RGB")
-    save(tmp_path, "t.tga", data)
-    done = shaded(tmp_path, COLOR, texture("T", "t.tga"))
-    info = material(done)["pbrMetallicRoughness"]["baseColorTexture"]
-    assert np.array_equal(pixels(done, info)[..., :3], data)
-    assert "texture-converted" in done.warnings("/Mat/T")
+    for name, more in [("t.tga", []), ("t.tiff", []), ("t.tiff", [Image.new("RGB", (2, 2))])]:
+        pages = {"save_all": True, "append_images": more} if more else {}
+        Image.fromarray(data).save(tmp_path / name, **pages)
+        done = shaded(tmp_path, COLOR, texture("T", name))
+        info = material(done)["pbrMetallicRoughness"]["baseColorTexture"]
+        assert np.array_equal(pixels(done, info)[..., :3], data)
+        assert "texture-converted" in done.warnings("/Mat/T")
+        said = [w["message"] for w in done.sidecar["warnings"] if w["name"] == "texture-converted"]
+        assert ("mip levels" in said[0]) == bool(more)
 
 
 @pytest.mark.parametrize("workflow", [0, 1])

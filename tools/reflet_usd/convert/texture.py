@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from PIL import Image
+from PIL.TiffImagePlugin import TiffImageFile
 from pxr import Ar
 
 from reflet_usd.hdr_pixels import read_floats
@@ -41,6 +42,8 @@ class ImageFile:
     """Whether one color is transparent (a PNG's tRNS chunk)."""
     floats: Array | None = None
     """Linear values (height, width, 4) of an OpenEXR or Radiance HDR file."""
+    has_more: bool = False
+    """Whether other pictures follow the first, as mip levels do in a TIFF."""
 
     @property
     def is_gray(self) -> bool:
@@ -185,7 +188,8 @@ def _decode(read: TextureRead, data: bytes) -> ImageFile:
         image.load()
         wide = image.mode in ("I", "I;16", "I;16B", "F")
         kind, key = image.format or "", "transparency" in image.info
-        return ImageFile(stem, data, kind, image.mode, image.size, wide, key)
+        more = isinstance(image, TiffImageFile) and bool(image.tag_v2.next)
+        return ImageFile(stem, data, kind, image.mode, image.size, wide, key, has_more=more)
 
 
 def _of_floats(stem: str, values: Array) -> ImageFile:
