@@ -48,6 +48,31 @@ impl Most {
         }
     }
 
+    /// Loads so many documents of damaged files: up to five bytes behind the first `from` are changed in each, and every
+    /// seventh is cut. The numbers of the refused and the loaded ones.
+    pub fn damage(
+        &mut self,
+        rounds: usize,
+        files: &[Vec<u8>],
+        from: usize,
+        document: impl Fn(&[u8]) -> Doc,
+    ) -> [u32; 2] {
+        let (mut random, mut counts) = (Random(5), [0; 2]);
+        for round in 0..rounds {
+            let mut bytes = files[round % files.len()].clone();
+            for _ in 0..random.below(6) {
+                let at = from + random.below(bytes.len() - from);
+                bytes[at] = random.below(256) as u8;
+            }
+            if round % 7 == 0 {
+                bytes.truncate(random.below(bytes.len()));
+            }
+            let is_loaded = self.loads(&document(&bytes), &round.to_string());
+            counts[usize::from(is_loaded)] += 1;
+        }
+        counts
+    }
+
     /// Asserts that no read allocated more than this many MiB, in this many allocations.
     #[track_caller]
     pub fn assert_below(&self, mib: u64, allocations: u64) {
