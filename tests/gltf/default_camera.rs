@@ -34,16 +34,24 @@ fn seen(world: &World) -> [[f32; 2]; 2] {
 
 #[test]
 fn the_scene_fills_four_fifths_of_the_picture_and_is_centered() {
-    let mut doc = Doc::triangle();
-    doc.json["nodes"][0]["translation"] = json!([100, 0, 0]);
-    // A second triangle behind, so that the scene is not flat.
-    doc.root_node(json!({"mesh": 0, "translation": [100, 0.5, -2]}));
-    let seen = seen(&doc.world());
-    let filled = seen.map(|[least, most]| (most - least) / 2.0);
-    let most = filled[0].max(filled[1]);
-    assert!((most - 0.8).abs() < 1e-3, "{filled:?}");
-    for [least, most] in seen {
-        assert!((least + most).abs() < 0.05, "centered: {seen:?}");
+    // A second triangle behind, so that the scene is not flat; also in nanometers and in gigameters.
+    for scale in [1.0, 1e-9, 1e9] {
+        let world = placed(
+            json!([
+                {"scale": [scale, scale, scale], "children": [1, 2]},
+                {"mesh": 0, "translation": [100, 0, 0]},
+                {"mesh": 0, "translation": [100, 0.5, -2]}
+            ]),
+            &[0],
+        )
+        .world();
+        let seen = seen(&world);
+        let filled = seen.map(|[least, most]| (most - least) / 2.0);
+        let most = filled[0].max(filled[1]);
+        assert!((most - 0.8).abs() < 1e-3, "{scale}: {filled:?}");
+        for [least, most] in seen {
+            assert!((least + most).abs() < 0.05, "centered: {seen:?}");
+        }
     }
 }
 

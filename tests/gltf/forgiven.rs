@@ -10,14 +10,6 @@ fn places(world: &World) -> Vec<Vec3> {
     (instances.map(|i| i.world_from_object.translation.into())).collect()
 }
 
-/// The triangle in these nodes, of which the scene lists `roots`.
-fn placed(nodes: Value, roots: &[usize]) -> Doc {
-    let mut doc = Doc::triangle();
-    doc.json["nodes"] = nodes;
-    doc.json["scenes"][0]["nodes"] = json!(roots);
-    doc
-}
-
 #[test]
 fn a_root_that_is_a_child_is_shown_once_by_its_parent() {
     let moved = |x: f32| json!({"mesh": 0, "translation": [x, 0, 0]});

@@ -234,6 +234,14 @@ fn strict() -> LoadOptions {
     }
 }
 
+/// The triangle in these nodes, of which the scene lists `roots`.
+pub fn placed(nodes: Value, roots: &[usize]) -> Doc {
+    let mut doc = Doc::triangle();
+    doc.json["nodes"] = nodes;
+    doc.json["scenes"][0]["nodes"] = json!(roots);
+    doc
+}
+
 pub fn unplaced(text: &str) -> At<String> {
     At {
         value: text.to_owned(),

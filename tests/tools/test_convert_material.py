@@ -17,7 +17,7 @@ def test_constants(tmp_path: Path) -> None:
         "float inputs:roughness = 0.6\ncolor3f inputs:emissiveColor = (4, 2, 0)\n"
         "float inputs:ior = 1.33\nfloat inputs:clearcoat = 0.7\n"
         "float inputs:clearcoatRoughness = 0.2\nfloat inputs:opacity = 0.5",
-        body="uniform bool doubleSided = 1",
+        body="uniform bool doubleSided = 0",
     )
     found = material(done)
     pbr = found["pbrMetallicRoughness"]
