@@ -105,40 +105,6 @@ fn errors_name_file_and_place() {
 }
 
 #[test]
-fn the_node_tree_must_be_a_tree() {
-    let trees = [
-        ("its own child", json!([{"children": [0]}]), vec![0]),
-        (
-            "a circle",
-            json!([{"children": [1]}, {"children": [0]}]),
-            vec![0],
-        ),
-        (
-            "a circle elsewhere",
-            json!([{}, {"children": [2]}, {"children": [1]}]),
-            vec![0],
-        ),
-        (
-            "two parents",
-            json!([{"children": [2]}, {"children": [2]}, {}]),
-            vec![0, 1],
-        ),
-        (
-            "the same child twice",
-            json!([{"children": [1, 1]}, {}]),
-            vec![0],
-        ),
-        ("a root that does not exist", json!([{}]), vec![0, 9]),
-    ];
-    for (what, nodes, roots) in trees {
-        let mut doc = Doc::triangle();
-        doc.json["nodes"] = nodes;
-        doc.json["scenes"][0]["nodes"] = json!(roots);
-        assert_eq!(doc.error().0, "gltf-node", "{what}");
-    }
-}
-
-#[test]
 fn accessors_without_data_are_bounded() {
     let mut doc = Doc::triangle();
     doc.json["accessors"][0] = json!({"componentType": 5126, "count": 3, "type": "VEC3"});

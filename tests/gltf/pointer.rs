@@ -8,8 +8,8 @@ use reflet::{
 
 use crate::kit::*;
 
-/// A file with an animation of 2 s that changes the target of each pointer from its first to its last value.
-fn doc(pointers: &[(&str, &str, &[f32], &[f32])]) -> Doc {
+/// A file with an animation of 2 s. Each line has a pointer, the type of its values, and the first and the last value.
+fn doc(pointers: &str) -> Doc {
     let mut doc = Doc::triangle();
     doc.json["materials"] = json!([
         {"name": "lamp", "emissiveFactor": [1, 0.5, 0],
@@ -30,8 +30,13 @@ fn doc(pointers: &[(&str, &str, &[f32], &[f32])]) -> Doc {
     doc.root_node(json!({"camera": 0, "extensions": {"KHR_lights_punctual": {"light": 0}}}));
     let times = doc.floats("SCALAR", &[0.0, 2.0]);
     let (mut samplers, mut channels) = (Vec::new(), Vec::new());
-    for (pointer, form, first, last) in pointers {
-        let output = doc.floats(form, &[*first, *last].concat());
+    for line in pointers.lines() {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let [pointer, form, first, last] = words[..] else {
+            panic!("{line}");
+        };
+        let numbers = [first, last].map(|value| value.split(',').map(|n| n.parse().expect(n)));
+        let output = doc.floats(form, &numbers.into_iter().flatten().collect::<Vec<f32>>());
         channels.push(
             json!({"sampler": samplers.len(), "target": {"path": "pointer",
             "extensions": {"KHR_animation_pointer": {"pointer": pointer}}}}),
@@ -59,53 +64,21 @@ fn halfway(folder: &Folder, doc: &Doc) -> World {
     world
 }
 
+const POINTERS: &str = "\
+/materials/0/pbrMetallicRoughness/baseColorFactor VEC4 1,0,0,1 0,1,0,0
+/materials/0/pbrMetallicRoughness/roughnessFactor SCALAR 0 1
+/materials/0/extensions/KHR_materials_emissive_strength/emissiveStrength SCALAR 0 8
+/materials/0/alphaCutoff SCALAR 0 1
+/materials/0/pbrMetallicRoughness/baseColorTexture/extensions/KHR_texture_transform/offset VEC2 0,0 1,3
+/extensions/KHR_lights_punctual/lights/0/color VEC3 0,0,0 1,0.5,2
+/extensions/KHR_lights_punctual/lights/0/intensity SCALAR 10 30
+/extensions/KHR_lights_punctual/lights/0/spot/outerConeAngle SCALAR 0.5 1
+/cameras/0/orthographic/ymag SCALAR 1 3";
+
 #[test]
 fn materials_textures_lights_and_cameras_change() {
     let folder = Folder::new();
-    let light = "/extensions/KHR_lights_punctual/lights/0";
-    let transform =
-        "/materials/0/pbrMetallicRoughness/baseColorTexture/extensions/KHR_texture_transform";
-    let doc = doc(&[
-        (
-            "/materials/0/pbrMetallicRoughness/baseColorFactor",
-            "VEC4",
-            &[1.0, 0.0, 0.0, 1.0],
-            &[0.0, 1.0, 0.0, 0.0],
-        ),
-        (
-            "/materials/0/pbrMetallicRoughness/roughnessFactor",
-            "SCALAR",
-            &[0.0],
-            &[1.0],
-        ),
-        (
-            "/materials/0/extensions/KHR_materials_emissive_strength/emissiveStrength",
-            "SCALAR",
-            &[0.0],
-            &[8.0],
-        ),
-        ("/materials/0/alphaCutoff", "SCALAR", &[0.0], &[1.0]),
-        (
-            &format!("{transform}/offset"),
-            "VEC2",
-            &[0.0, 0.0],
-            &[1.0, 3.0],
-        ),
-        (
-            &format!("{light}/color"),
-            "VEC3",
-            &[0.0, 0.0, 0.0],
-            &[1.0, 0.5, 2.0],
-        ),
-        (&format!("{light}/intensity"), "SCALAR", &[10.0], &[30.0]),
-        (
-            &format!("{light}/spot/outerConeAngle"),
-            "SCALAR",
-            &[0.5],
-            &[1.0],
-        ),
-        ("/cameras/0/orthographic/ymag", "SCALAR", &[1.0], &[3.0]),
-    ]);
+    let doc = doc(POINTERS);
     let world = halfway(&folder, &doc);
     let material = &world.materials[world.instances[0].material];
     assert_eq!(material.base_color.truncate(), Vec3::new(0.5, 0.5, 0.0));
@@ -132,35 +105,26 @@ fn materials_textures_lights_and_cameras_change() {
 #[test]
 fn what_a_pointer_cannot_change_is_named() {
     let folder = Folder::new();
-    let unknown = doc(&[
+    let unknown = "/materials/0/extensions/KHR_materials_diffuse_transmission/diffuseTransmissionFactor SCALAR 0 1
+                   /cameras/0/orthographic/ymag SCALAR 1 3";
+    let world = halfway(&folder, &doc(unknown));
+    assert_eq!(warnings(&world), ["animation-pointer"]);
+    for (pointer, says) in [
         (
-            "/materials/0/extensions/KHR_materials_diffuse_transmission/diffuseTransmissionFactor",
-            "SCALAR",
-            &[0.0],
-            &[1.0],
-        ),
-        ("/cameras/0/orthographic/ymag", "SCALAR", &[1.0], &[3.0]),
-    ]);
-    assert_eq!(warnings(&halfway(&folder, &unknown)), ["animation-pointer"]);
-    for (pointer, form, says) in [
-        (
-            "/materials/7/alphaCutoff",
-            "SCALAR",
+            "/materials/7/alphaCutoff SCALAR",
             "material 7 does not exist",
         ),
         (
-            "/extensions/KHR_lights_punctual/lights/1/intensity",
-            "SCALAR",
+            "/extensions/KHR_lights_punctual/lights/1/intensity SCALAR",
             "light 1 does not exist",
         ),
         (
-            "/cameras/1/perspective/yfov",
-            "SCALAR",
+            "/cameras/1/perspective/yfov SCALAR",
             "camera 1 does not exist",
         ),
-        ("/materials/0/emissiveFactor", "VEC2", "output"),
+        ("/materials/0/emissiveFactor VEC2", "output"),
     ] {
-        let broken = doc(&[(pointer, form, &[0.0, 0.0, 0.0], &[0.0, 0.0, 0.0])]);
+        let broken = doc(&format!("{pointer} 0,0,0 0,0,0"));
         folder.write("m.glb", broken.glb());
         let mut desc = scene(&folder.0, "m.glb");
         desc.models[0].value.animation = Some(AnimationDesc::endless(vec![unplaced("clip")]));

@@ -5,6 +5,7 @@ use std::fs;
 use serde_json::{Value, json};
 
 use super::{Client, session::offset};
+use crate::common::cases;
 
 const SCENE: &str = "version = 1\nscript = \"move.rhai\"\n[material.brass]\nmetallic = 1\n\n[light.lamp]\nkind = \"point\"\n\n\
                      [model.ball]\nshape = { kind = \"sphere\" }\n\n[[instance]]\nname = \"first\"\nmodel = \"ball\"\n";
@@ -92,49 +93,10 @@ fn help_that_says_what_to_write_is_a_quick_fix() {
     let mut client = Client::start("help");
     let uri = client.uri("scene.toml");
     client.open("scene.toml", "version = 1\n");
-    for (wrong, right) in [
-        (
-            "[camera.main]\neye = (0, 1.6, 5)",
-            "[camera.main]\neye = [0, 1.6, 5]",
-        ),
-        (
-            "[camera.main]\neye = [0, 1.6*2, 5] # high",
-            "[camera.main]\neye = [0, 3.2, 5] # high",
-        ),
-        (
-            "[camera.main]\nfov_deg = 60deg",
-            "[camera.main]\nfov_deg = 60",
-        ),
-        ("[material.a]\nmetallic: 1", "[material.a]\nmetallic = 1"),
-        (
-            "[material.a]\nroughness = 0.5;",
-            "[material.a]\nroughness = 0.5",
-        ),
-        (
-            "[material.a]\nbase_color = #ff8800",
-            "[material.a]\nbase_color = \"#ff8800\"",
-        ),
-        ("[material red]", "[material.red]"),
-        ("// the floor", "# the floor"),
-        ("[model.a]\nfile = a.glb", "[model.a]\nfile = \"a.glb\""),
-        (
-            "[camera.main]\nfov_deg = \"55\"",
-            "[camera.main]\nfov_deg = 55",
-        ),
-        (
-            "[material.a]\nbase_color = \"red\"",
-            "[material.a]\nbase_color = \"#ff0000\"",
-        ),
-        (
-            "[model.a]\nshape = \"sphere\"",
-            "[model.a]\nshape = { kind = \"sphere\" }",
-        ),
-        (
-            "[image]\nsize = \"1280x720\"",
-            "[image]\nsize = [1280, 720]",
-        ),
-        ("[instance]\nmodel = \"a\"", "[[instance]]\nmodel = \"a\""),
-    ] {
+    let all = cases(include_str!("quick_fixes.txt")).into_iter();
+    // A line like it would be a comment of the table.
+    for (wrong, right) in all.chain([("// the floor", "# the floor")]) {
+        let right = right.replace("\\n", "\n");
         let text = format!("version = 1\n{wrong}\n");
         let change =
             json!({ "textDocument": { "uri": uri }, "contentChanges": [{ "text": text }] });
