@@ -56,69 +56,103 @@ fn open_edges(mesh: &Mesh) -> usize {
     edges.values().filter(|n| **n != 0).count() / 2
 }
 
-fn check(shape: ShapeDesc, area: f64, volume: f64, tolerance: f64) {
-    let mesh = mesh(&shape);
-    assert_eq!(mesh.normals.len(), mesh.positions.len());
-    assert_eq!(mesh.uv0.len(), mesh.positions.len());
-    for (t, [a, b, c]) in mesh.triangles.iter().zip(corners(&mesh)) {
-        let face = (b - a).cross(c - a);
-        assert!(face.length() > 0.0, "{shape:?}: degenerate {t:?}");
-        for i in t {
-            let normal = mesh.normals[*i as usize];
-            assert!((normal.length() - 1.0).abs() < 1e-5, "{shape:?}: {normal}");
-            let agrees = normal.as_dvec3().dot(face.normalize());
-            assert!(agrees > 0.3, "{shape:?}: normal and winding: {agrees}");
-            let uv = mesh.uv0[*i as usize];
-            assert!(uv.cmpge(Vec2::ZERO).all() && uv.cmple(Vec2::ONE).all());
+/// Lines of a file of cases, each with its outcome.
+fn cases(text: &str) -> impl Iterator<Item = (&str, &str)> {
+    let lines = text
+        .lines()
+        .filter(|line| !line.is_empty() && !line.starts_with('#'));
+    lines.map(|line| line.split_once(" => ").expect(line))
+}
+
+#[test]
+fn shapes_have_their_closed_forms() {
+    for (case, outcome) in cases(include_str!("tests/closed_forms.txt")) {
+        let (edges, shape) = case.split_once(' ').expect(case);
+        let mesh = mesh(&read(shape));
+        match edges {
+            "closed" => check_closed(&mesh, shape),
+            "joined" => check_joined(&mesh, shape),
+            rim => assert_eq!(open_edges(&mesh).to_string(), rim, "{shape}"),
+        }
+        let outcome = outcome.split('#').next().unwrap_or_default();
+        let numbers = outcome.split_whitespace().filter(|word| *word != "y");
+        let numbers: Vec<Option<f64>> = numbers.map(|number| number.parse().ok()).collect();
+        let (area, volume) = area_and_volume(&mesh);
+        for (found, expected) in [area, volume].into_iter().zip(&numbers) {
+            let off = expected.map_or(0.0, |expected| (found / expected - 1.0).abs());
+            let tolerance = numbers[2].expect("a tolerance");
+            assert!(off < tolerance, "{found}, not {expected:?}: {shape}");
+        }
+        if let [_, _, _, low, high] = numbers[..] {
+            let bounds = [mesh.bounds.min.y, mesh.bounds.max.y].map(|y| Some(y.into()));
+            assert_eq!(bounds, [low, high], "{shape}");
         }
     }
-    let (got_area, got_volume) = area_and_volume(&mesh);
-    assert!((got_area / area - 1.0).abs() < tolerance, "{got_area}");
-    if volume > 0.0 {
-        assert_eq!(open_edges(&mesh), 0, "{shape:?}");
-        assert!(
-            (got_volume / volume - 1.0).abs() < tolerance,
-            "{got_volume}"
-        );
-    } else {
-        let rim = match shape {
-            ShapeDesc::Disk { segments, .. } => segments as usize,
-            _ => 4,
+}
+
+#[test]
+fn wrong_shapes_are_refused_and_doubtful_ones_told() {
+    for (shape, expected) in cases(include_str!("tests/refused.txt")) {
+        let said = match make(&read(shape), &Supplies::default()) {
+            Err(fault) => format!("error {}: {}", fault.name, fault.message),
+            Ok(made) => match made.warnings.first() {
+                Some(warning) => format!("warning {}", warning.name),
+                None => "no warning".to_owned(),
+            },
         };
-        assert_eq!(open_edges(&mesh), rim);
+        let is_said = |part: &str| said.contains(part);
+        assert!(expected.split(" … ").all(is_said), "{said}: {shape}");
+    }
+}
+
+/// Checks that each edge belongs to two triangles, once in each direction, and that normals and texture coordinates fit
+/// the triangles.
+fn check_closed(mesh: &Mesh, shape: &str) {
+    let mut edges: HashMap<_, [u32; 2]> = HashMap::new();
+    for [a, b, c] in corners(mesh) {
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            let key = |p: DVec3| (p + DVec3::ZERO).to_array().map(f64::to_bits);
+            let (from, to) = (key(from), key(to));
+            let ends = if from < to { (from, to) } else { (to, from) };
+            edges.entry(ends).or_default()[usize::from(from < to)] += 1;
+        }
+    }
+    let odd = edges.values().filter(|uses| **uses != [1, 1]).count();
+    assert_eq!(odd, 0, "of {} edges of {shape}", edges.len());
+    let count = mesh.positions.len();
+    assert_eq!([mesh.normals.len(), mesh.uv0.len()], [count; 2], "{shape}");
+    for (normal, uv) in mesh.normals.iter().zip(&mesh.uv0) {
+        assert!((normal.length() - 1.0).abs() < 1e-5, "{shape}");
+        assert!(uv.cmpge(Vec2::ZERO).all() && uv.cmple(Vec2::ONE).all());
+    }
+    for triangle in &mesh.triangles {
+        let [a, b, c] = triangle.map(|i| mesh.positions[i as usize]);
+        let face = (b - a).cross(c - a).normalize_or_zero();
+        let agrees = triangle.map(|i| mesh.normals[i as usize].dot(face));
+        assert!(agrees.iter().all(|x| *x > 0.3), "{shape}: {agrees:?}");
+        let [a, b, c] = triangle.map(|i| mesh.uv0[i as usize].as_dvec2());
+        assert!((b - a).perp_dot(c - a) < 1e-9, "{shape}: {a} {b} {c}");
+    }
+}
+
+/// Checks that no edge is open, and that normals point out of their triangles; the faces of slivers are not known better
+/// than their corners.
+fn check_joined(mesh: &Mesh, shape: &str) {
+    assert_eq!(open_edges(mesh), 0, "{shape}");
+    for (triangle, [a, b, c]) in mesh.triangles.iter().zip(corners(mesh)) {
+        let face = (b - a).cross(c - a);
+        let normals = triangle.map(|i| mesh.normals[i as usize].as_dvec3());
+        let agrees = face.length() < 1e-6 || normals.iter().sum::<DVec3>().dot(face) > 0.0;
+        assert!(agrees, "{shape}: {face}");
     }
 }
 
 #[test]
-fn flat_shapes_are_exact() {
-    check(ShapeDesc::Plane { size: [2.0, 3.0] }, 6.0, 0.0, 1e-6);
-    let size = Vec3::new(1.0, 2.0, 3.0);
-    check(cuboid(size), 22.0, 6.0, 1e-6);
-    let plane = mesh(&ShapeDesc::Plane { size: [1.0, 1.0] });
-    assert!(plane.normals.iter().all(|n| *n == Vec3::Y));
-}
-
-/// A bottle: a floor, a bulge, a neck and a lid; and a cone upside down.
-#[test]
-fn outlines_turned_are_closed_and_near_their_closed_form() {
-    let segments = 256;
-    let lathe = |points: &[[f32; 2]]| ShapeDesc::Lathe {
-        source: LatheSource::Points(points.to_vec()),
-        segments,
-        angle_deg: 360.0,
-    };
-    let cylinder = lathe(&[[0.0, 0.0], [0.5, 0.0], [0.5, 2.0], [0.0, 2.0]]);
-    check(
-        cylinder,
-        PI * 0.5 * (2.0 * 2.0 + 2.0 * 0.5),
-        PI * 0.25 * 2.0,
-        1e-3,
-    );
-    let cone = lathe(&[[0.0, 0.0], [0.5, 1.0], [0.0, 1.0]]);
-    let slant = 1.25_f64.sqrt();
-    check(cone, PI * 0.5 * (slant + 0.5), PI * 0.25 / 3.0, 1e-3);
-    // Smooth where it bends little, an edge where it bends much.
-    let mesh = mesh(&lathe(&[[0.5, 0.0], [0.5, 1.0], [0.45, 2.0], [0.2, 2.0]]));
+fn outlines_turned_are_smooth_where_they_bend_little() {
+    let points = "[[0.5, 0.0], [0.5, 1.0], [0.45, 2.0], [0.2, 2.0]]";
+    let mesh = mesh(&read(&format!(
+        r#"{{ kind = "lathe", points = {points} }}"#
+    )));
     let at = |y: f32, x: f32| {
         let near = |p: &Vec3| (p.y - y).abs() < 1e-6 && (p.z - x).abs() < 1e-6;
         let all = mesh.positions.iter().zip(&mesh.normals);
@@ -127,44 +161,6 @@ fn outlines_turned_are_closed_and_near_their_closed_form() {
         found.len()
     };
     assert_eq!((at(1.0, 0.5), at(2.0, 0.45)), (1, 2));
-}
-
-#[test]
-fn curved_shapes_are_closed_and_near_their_closed_form() {
-    let (r, h) = (0.5_f64, 2.0_f64);
-    let ball = 4.0 / 3.0 * PI * r.powi(3);
-    for (shape, area, volume) in [
-        (r#"kind = "sphere""#, 4.0 * PI * r * r, ball),
-        (
-            r#"kind = "cylinder", height = 2"#,
-            2.0 * PI * r * (r + h),
-            PI * r * r * h,
-        ),
-        (
-            r#"kind = "cone", height = 2"#,
-            PI * r * (r + r.hypot(h)),
-            PI * r * r * h / 3.0,
-        ),
-        (r#"kind = "disk""#, PI * r * r, 0.0),
-        (
-            r#"kind = "torus", tube_radius = 0.2"#,
-            4.0 * PI * PI * r * 0.2,
-            2.0 * PI * PI * r * 0.04,
-        ),
-        (
-            r#"kind = "capsule", height = 2"#,
-            2.0 * PI * r * h,
-            PI * r * r + ball,
-        ),
-        (r#"kind = "capsule", height = 1"#, 2.0 * PI * r, ball),
-    ] {
-        let shape = read(&format!("{{ {shape}, radius = 0.5, segments = 256 }}"));
-        check(shape.clone(), area, volume, 1e-3);
-        if let ShapeDesc::Capsule { height, .. } = shape {
-            let bounds = mesh(&shape).bounds;
-            assert_eq!((bounds.min.y, bounds.max.y), (0.0, height));
-        }
-    }
 }
 
 /// Shapes of `segments` sides.
@@ -202,7 +198,6 @@ fn texture_runs_left_to_right_seen_from_outside() {
     }
 }
 
-mod areas;
 mod boolean;
 mod displaced;
 mod outlined;

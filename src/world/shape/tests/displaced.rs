@@ -71,13 +71,6 @@ fn noise_moves_a_ball_by_its_height_at_most_and_leaves_it_closed() {
     );
 }
 
-#[test]
-fn too_many_steps_are_refused_before_they_are_made() {
-    let shape = displaced(displaced(cuboid(Vec3::ONE), 6, false, 0.0), 8, false, 0.0);
-    let fault = make(&shape, &Supplies::default()).expect_err("too large");
-    assert_eq!(fault.name, "shape-too-large");
-}
-
 /// The work of a fan grows with its triangles, not with their square: 10 billion pairs here.
 #[test]
 fn a_vertex_of_many_triangles_is_smoothed_in_time() {

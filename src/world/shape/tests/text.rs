@@ -2,56 +2,45 @@
 
 use std::collections::HashMap;
 
-use reflet_scene::desc::{FontDesc, TextAlign, Written};
-
 use super::*;
 
-pub fn text(text: &str, align: TextAlign) -> ShapeDesc {
-    ShapeDesc::Text {
-        text: text.to_owned(),
-        font: None,
-        size: 1.0,
-        depth: 0.25,
-        bevel: BevelDesc::default(),
-        align,
-        line_height: 1.5,
-        letter_spacing: 0.0,
-        segments: 32,
-        at: Written(Default::default()),
-    }
+fn text(text: &str, more: &str) -> ShapeDesc {
+    let text = text.replace('\n', "\\n");
+    read(&format!(
+        "{{ kind = \"text\", text = \"{text}\", size = 1, depth = 0.25, segments = 32, {more} }}"
+    ))
+}
+
+/// A text that begins at x = 0.
+fn left(letters: &str) -> ShapeDesc {
+    text(letters, r#"align = "left""#)
 }
 
 /// A text in the font file `a.ttf`.
-pub fn with_font(letters: &str, align: TextAlign) -> ShapeDesc {
-    let mut shape = text(letters, align);
-    if let ShapeDesc::Text { font, .. } = &mut shape {
-        let at = Written(Default::default());
-        let file = "a.ttf".to_owned();
-        *font = Some(FontDesc { file, at });
-    }
-    shape
+pub fn with_font(letters: &str) -> ShapeDesc {
+    text(letters, r#"font = "a.ttf""#)
 }
 
 #[test]
 fn letters_are_closed_and_stand_on_their_line() {
-    let solid = mesh(&text("Reflét & 8%", TextAlign::Center));
+    let solid = mesh(&text("Reflét & 8%", ""));
     assert_eq!(open_edges(&solid), 0);
     assert!(area_and_volume(&solid).1 > 0.1);
     assert_eq!((solid.bounds.min.z, solid.bounds.max.z), (0.0, 0.25));
-    let capital = mesh(&text("H", TextAlign::Left)).bounds;
+    let capital = mesh(&left("H")).bounds;
     assert_eq!(capital.min.y, 0.0);
     assert!((0.6..0.8).contains(&capital.max.y), "{capital:?}");
     assert!(capital.min.x >= 0.0);
-    let right = mesh(&text("H", TextAlign::Right)).bounds;
+    let right = mesh(&text("H", r#"align = "right""#)).bounds;
     assert!(right.max.x <= 0.0);
-    let lines = mesh(&text("H\nH", TextAlign::Left)).bounds;
+    let lines = mesh(&text("H\nH", "line_height = 1.5")).bounds;
     assert!((lines.min.y + 1.5).abs() < 1e-6, "{lines:?}");
 }
 
 /// The H of Ubuntu Light is three rectangles: its volume is theirs.
 #[test]
 fn a_letter_has_the_volume_of_its_strokes() {
-    let solid = mesh(&text("H", TextAlign::Left));
+    let solid = mesh(&left("H"));
     let xs: std::collections::BTreeSet<u32> =
         solid.positions.iter().map(|p| p.x.to_bits()).collect();
     let ys: std::collections::BTreeSet<u32> =
@@ -75,23 +64,17 @@ fn a_letter_has_the_volume_of_its_strokes() {
 #[test]
 fn letters_that_are_spaced_are_no_ligatures() {
     let width = |spacing: f32| {
-        let mut shape = text("fi", TextAlign::Left);
-        if let ShapeDesc::Text { letter_spacing, .. } = &mut shape {
-            *letter_spacing = spacing;
-        }
-        mesh(&shape).bounds.max.x
+        let spacing = format!(r#"align = "left", letter_spacing = {spacing}"#);
+        mesh(&text("fi", &spacing)).bounds.max.x
     };
     assert!(width(2.0) > width(0.0) + 1.9, "{}", width(2.0));
 }
 
 #[test]
 fn bevelled_letters_are_closed() {
-    let mut shape = text("Reflet & GLASS 38%", TextAlign::Left);
-    let plain = area_and_volume(&mesh(&shape)).1;
-    if let ShapeDesc::Text { bevel, .. } = &mut shape {
-        bevel.width = 0.015;
-    }
-    let solid = mesh(&shape);
+    let of = |bevel: &str| mesh(&text("Reflet & GLASS 38%", bevel));
+    let plain = area_and_volume(&of("")).1;
+    let solid = of("bevel = 0.015");
     assert_eq!(open_edges(&solid), 0);
     let volume = area_and_volume(&solid).1;
     assert!(volume < plain && volume > 0.8 * plain, "{volume} {plain}");
@@ -100,7 +83,7 @@ fn bevelled_letters_are_closed() {
 #[test]
 fn kerning_moves_letters_together() {
     let width = |word: &str| {
-        let bounds = mesh(&text(word, TextAlign::Left)).bounds;
+        let bounds = mesh(&left(word)).bounds;
         bounds.max.x - bounds.min.x
     };
     let [apart, close] = [width("A") + width("V"), width("AV")];
@@ -110,7 +93,7 @@ fn kerning_moves_letters_together() {
 #[test]
 fn fonts_that_are_none_are_refused_and_missing_letters_told() {
     let with = |bytes: &[u8]| {
-        let shape = with_font("a", TextAlign::Left);
+        let shape = with_font("a");
         let fonts = Supplies {
             fonts: HashMap::from([("a.ttf".to_owned(), bytes.to_vec())]),
             ..Supplies::default()
@@ -145,8 +128,29 @@ fn fonts_that_are_none_are_refused_and_missing_letters_told() {
     let start = u32::from_be_bytes(own[loca + 8..loca + 12].try_into().expect("4 bytes")) as usize;
     long[start..start + 4000].fill(0x7f);
     let _ = with(&long);
-    let made = make(&text("a\u{4e00}", TextAlign::Left), &Supplies::default()).expect("a box");
-    assert_eq!(made.warnings[0].name, "missing-letters");
-    let blank = make(&text(" \u{a0}", TextAlign::Left), &Supplies::default());
-    assert_eq!(blank.expect_err("nothing").name, "wrong-font");
+    let mut blank = left("a");
+    if let ShapeDesc::Text { text, .. } = &mut blank {
+        " \u{a0}".clone_into(text);
+    }
+    let blank = make(&blank, &Supplies::default()).expect_err("nothing");
+    assert_eq!(blank.name, "wrong-font");
+}
+
+/// The sides of a letter are as long as its outline: faces and sides of two depths tell it.
+#[test]
+fn a_letter_has_the_area_of_its_faces_and_sides() {
+    let deep = |depth: f32| {
+        let mut letter = left("H");
+        if let ShapeDesc::Text { depth: own, .. } = &mut letter {
+            *own = depth;
+        }
+        area_and_volume(&mesh(&letter))
+    };
+    let ((thin, _), (thick, volume)) = (deep(0.25), deep(0.5));
+    let bounds = mesh(&left("H")).bounds;
+    // Three bars: around both strokes, and four times along the bar's gap.
+    let height = f64::from(bounds.max.y - bounds.min.y);
+    let round = (thick - thin) / 0.25;
+    assert!(round > 4.0 * height && round < 4.0 * height + 4.0 * f64::from(bounds.max.x));
+    assert!((thick - (2.0 * volume / 0.5 + 0.5 * round)).abs() < 1e-4 * thick);
 }

@@ -4,16 +4,9 @@ use std::collections::HashMap;
 
 use glam::{Quat, Vec3};
 use reflet_base::memory::Budget;
-use reflet_scene::{
-    desc::{ShapeDesc, TextAlign},
-    svg_path::PathSegment,
-};
+use reflet_scene::{desc::ShapeDesc, svg_path::PathSegment};
 
-use super::{
-    boolean::part,
-    outlined::{extrude, path, rect},
-    text::with_font,
-};
+use super::{boolean::part, read, text::with_font};
 use crate::shape::{
     MOST_WORK, Supplies,
     flatten::{MOST_CHORDS, Pen},
@@ -78,7 +71,9 @@ fn outlines_that_cross_too_often_are_refused() {
             format!("{} {}", turn.cos(), turn.sin())
         };
         let corners = (0..corners).map(corner).collect::<Vec<_>>().join("L");
-        extrude(path(&format!("M{corners}Z")), 1.0, 0.0, 1)
+        read(&format!(
+            r#"{{ kind = "extrude", depth = 1, outline = {{ path = "M{corners}Z" }} }}"#
+        ))
     };
     assert!(make(&star(51), &Supplies::default()).is_ok());
     let fault = make(&star(5001), &Supplies::default()).expect_err("too many");
@@ -94,13 +89,14 @@ fn outlines_that_cross_too_often_are_refused() {
 
 #[test]
 fn each_hole_costs_the_corners_before_it() {
-    let mut framed = rect(20.0, 1.0);
     let hole = |i: u8| {
         let x = 0.3 * f32::from(i) - 9.0;
-        vec![[x, 0.0], [x + 0.1, 0.0], [x, 0.1]]
+        format!("[[{x}, 0], [{}, 0], [{x}, 0.1]]", x + 0.1)
     };
-    framed.holes = (0..60).map(hole).collect();
-    let shape = extrude(framed, 1.0, 0.0, 1);
+    let holes = (0..60).map(hole).collect::<Vec<_>>().join(", ");
+    let shape = read(&format!(
+        r#"{{ kind = "extrude", depth = 1, outline = {{ rect = [20, 1], holes = [{holes}] }} }}"#
+    ));
     let spent = limited(1 << 20);
     make(&shape, &spent).expect("a frame");
     assert!(spent.work.left() > (1 << 20) - 10_000);
@@ -186,7 +182,7 @@ fn letters_of_letters_of_letters_are_refused() {
     let with = |bytes: Vec<u8>| {
         let fonts = HashMap::from([("a.ttf".to_owned(), bytes)]);
         let work = Budget::default();
-        let made = make(&with_font("A", TextAlign::Left), &Supplies { fonts, work });
+        let made = make(&with_font("A"), &Supplies { fonts, work });
         made.expect_err("no outline").message
     };
     // 10²⁵ parts, and some that are drawn and empty.
