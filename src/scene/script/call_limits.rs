@@ -2,7 +2,7 @@
 //! lines.
 
 use std::{
-    cell::{Cell, RefCell},
+    cell::RefCell,
     panic::resume_unwind,
     thread,
     time::{Duration, Instant},
@@ -58,62 +58,61 @@ impl<T> Run<Result<T, Box<EvalAltResult>>> {
 
 /// Use of the limits by the call on this thread.
 struct Used {
-    bounds: Cell<Bounds>,
-    operations: Cell<u64>,
+    bounds: Bounds,
+    operations: u64,
+    start: Instant,
     /// Processor time of the thread when the call began, where the system tells it.
-    processor_at_start: Cell<Option<Duration>>,
-    start: Cell<Option<Instant>>,
+    processor_at_start: Option<Duration>,
     /// Earliest moment at which the time can be over, since the thread works at most all the time.
-    end: Cell<Option<Instant>>,
-    next_memory: Cell<Option<Instant>>,
-    memory_at_start: Cell<Option<u64>>,
+    end: Instant,
+    next_memory: Instant,
+    memory_at_start: Option<u64>,
     /// Limit that was met, kept so that code that ignores the error cannot go on.
-    why: RefCell<Option<String>>,
-    by_time: Cell<bool>,
-    halt: RefCell<Option<Halt>>,
-    log: RefCell<Vec<String>>,
+    why: Option<String>,
+    by_time: bool,
+    halt: Option<Halt>,
+    log: Vec<String>,
     /// Bytes in the log; above the limit once the log is full.
-    printed: Cell<usize>,
+    printed: usize,
 }
 
 thread_local! {
-    static USED: Used = const {
-        Used {
-            bounds: Cell::new(Bounds::CALL),
-            operations: Cell::new(0),
-            processor_at_start: Cell::new(None),
-            start: Cell::new(None),
-            end: Cell::new(None),
-            next_memory: Cell::new(None),
-            memory_at_start: Cell::new(None),
-            why: RefCell::new(None),
-            by_time: Cell::new(false),
-            halt: RefCell::new(None),
-            log: RefCell::new(Vec::new()),
-            printed: Cell::new(0),
-        }
-    };
+    /// Begins with the call, which has a thread of its own.
+    static USED: RefCell<Option<Used>> = const { RefCell::new(None) };
+}
+
+/// Reads or changes the use of the limits by the call on this thread; `None` outside of calls.
+fn with_used<T>(work: impl FnOnce(&mut Used) -> T) -> Option<T> {
+    USED.with_borrow_mut(|used| used.as_mut().map(work))
 }
 
 impl Used {
-    fn start(&self, bounds: Bounds, halt: Option<Halt>) {
-        self.halt.replace(halt);
-        let now = Instant::now();
-        self.bounds.set(bounds);
-        self.processor_at_start.set(processor_time::of_thread());
-        self.start.set(Some(now));
-        self.end.set(Some(now + bounds.time));
-        self.next_memory.set(Some(now + MEMORY_EVERY));
-        self.memory_at_start.set(resident_bytes());
+    fn begin(bounds: Bounds, halt: Option<Halt>) -> Self {
+        let start = Instant::now();
+        Self {
+            bounds,
+            operations: 0,
+            start,
+            processor_at_start: processor_time::of_thread(),
+            end: start + bounds.time,
+            next_memory: start + MEMORY_EVERY,
+            memory_at_start: resident_bytes(),
+            why: None,
+            by_time: false,
+            halt,
+            log: Vec::new(),
+            printed: 0,
+        }
     }
 
-    /// Message about the limit that ends the call now, if any; operations were `before` and are now `count`.
-    fn look(&self, before: u64, count: u64) -> Option<String> {
-        if count > self.bounds.get().operations {
-            let most = grouped(self.bounds.get().operations);
+    /// Message about the limit that ends the call now, if any; operations were `before`.
+    fn look(&mut self, before: u64) -> Option<String> {
+        let bounds = self.bounds;
+        if self.operations > bounds.operations {
+            let most = grouped(bounds.operations);
             return Some(format!("it takes more than {most} operations"));
         }
-        if before / CLOCK_EVERY == count / CLOCK_EVERY {
+        if before / CLOCK_EVERY == self.operations / CLOCK_EVERY {
             return None;
         }
         if self.is_halted() {
@@ -121,8 +120,7 @@ impl Used {
         }
         let now = Instant::now();
         if self.is_out_of_time(now) {
-            self.by_time.set(true);
-            let bounds = self.bounds.get();
+            self.by_time = true;
             let most = bounds.time.as_secs_f64();
             return Some(match bounds.is_rest {
                 true => format!(
@@ -132,59 +130,46 @@ impl Used {
                 false => format!("it takes more than {most} s of {TIME_IS}"),
             });
         }
-        if self.next_memory.get().is_none_or(|next| now < next) {
+        if now < self.next_memory {
             return None;
         }
-        self.next_memory.set(Some(now + MEMORY_EVERY));
-        let grown = resident_bytes()?.saturating_sub(self.memory_at_start.get()?);
+        self.next_memory = now + MEMORY_EVERY;
+        let grown = resident_bytes()?.saturating_sub(self.memory_at_start?);
         let most = grouped(MEMORY >> 20);
         (grown > MEMORY).then(|| format!("it takes more than {most} MiB of memory"))
     }
 
-    /// Processor time that the call has taken so far; time where the system does not tell it.
-    fn time(&self) -> Duration {
-        match (self.processor_at_start.get(), processor_time::of_thread()) {
-            (Some(start), Some(now)) => now.saturating_sub(start),
-            _ => self
-                .start
-                .get()
-                .map_or(Duration::ZERO, |start| start.elapsed()),
-        }
+    /// Processor time that the call has taken so far; `None` where the system does not tell it.
+    fn processor_time(&self) -> Option<Duration> {
+        Some(processor_time::of_thread()?.saturating_sub(self.processor_at_start?))
     }
 
     /// Whether the processor time of the thread is used up; other work on the machine does not count.
-    fn is_out_of_time(&self, now: Instant) -> bool {
-        if self.end.get().is_none_or(|end| now <= end) {
+    fn is_out_of_time(&mut self, now: Instant) -> bool {
+        if now <= self.end {
             return false;
         }
-        let (Some(start), Some(processor)) =
-            (self.processor_at_start.get(), processor_time::of_thread())
-        else {
+        let Some(processor) = self.processor_time() else {
             return true;
         };
-        let left = (self.bounds.get().time).checked_sub(processor.saturating_sub(start));
-        self.end.set(left.map(|left| now + left));
+        let left = self.bounds.time.checked_sub(processor);
+        self.end = left.map_or(self.end, |left| now + left);
         left.is_none()
     }
 
     /// Whether the handle of this call was halted.
-    pub fn is_halted(&self) -> bool {
-        self.halt.borrow().as_ref().is_some_and(Halt::is_halted)
+    fn is_halted(&self) -> bool {
+        self.halt.as_ref().is_some_and(Halt::is_halted)
     }
 
     fn again(&self) -> Bounds {
-        let is_ended = self.why.borrow().is_some();
         if self.is_halted() {
             // No second run: nobody waits for the place.
             return Bounds::CALL.within(Duration::ZERO).at_most(0);
         }
         Bounds {
-            time: if self.by_time.get() {
-                FINDING_ANY
-            } else {
-                FINDING
-            },
-            operations: self.operations.get() - u64::from(is_ended),
+            time: if self.by_time { FINDING_ANY } else { FINDING },
+            operations: self.operations - u64::from(self.why.is_some()),
             is_rest: false,
         }
     }
@@ -192,44 +177,42 @@ impl Used {
 
 /// Counts operations of the call on this thread; gives the reason why it must end, if any.
 pub fn progress(operations: u64) -> Option<String> {
-    USED.with(|used| {
-        if let Some(why) = &*used.why.borrow() {
-            return Some(why.clone());
+    with_used(|used| {
+        if used.why.is_none() {
+            let before = used.operations;
+            used.operations = before.saturating_add(operations);
+            used.why = used.look(before);
         }
-        let before = used.operations.get();
-        let count = before.saturating_add(operations);
-        used.operations.set(count);
-        let why = used.look(before, count)?;
-        used.why.replace(Some(why.clone()));
-        Some(why)
-    })
+        used.why.clone()
+    })?
 }
 
 /// Limit that the call on this thread has met, as a message.
 pub fn met() -> Option<String> {
-    USED.with(|used| used.why.borrow().clone())
+    with_used(|used| used.why.clone())?
 }
 
 /// Keeps a line that the call on this thread prints, as far as its limits allow; what could control a terminal is
 /// replaced.
 pub fn print(text: &str) {
-    USED.with(|used| {
-        let mut log = used.log.borrow_mut();
-        let Some(left) = PRINTED.checked_sub(used.printed.get()) else {
+    with_used(|used| {
+        let Some(left) = PRINTED.checked_sub(used.printed) else {
             return;
         };
-        if log.len() == LINES {
-            log.push(format!("… only the first {LINES} lines are shown"));
-            used.printed.set(PRINTED + 1);
+        if used.log.len() == LINES {
+            let cut = format!("… only the first {LINES} lines are shown");
+            used.log.push(cut);
+            used.printed = PRINTED + 1;
             return;
         }
-        used.printed.set(used.printed.get() + text.len() + 1);
+        used.printed += text.len() + 1;
         let is_cut = text.len() > left;
         let text = &text[..text.floor_char_boundary(left)];
-        log.push(printable_lines(text));
+        used.log.push(printable_lines(text));
         if is_cut {
             let most = grouped(PRINTED as u64);
-            log.push(format!("… only the first {most} bytes are shown"));
+            let cut = format!("… only the first {most} bytes are shown");
+            used.log.push(cut);
         }
     });
 }
@@ -277,15 +260,18 @@ fn run_alone_under<T: Send>(
     work: impl FnOnce() -> T + Send,
 ) -> Run<T> {
     let limited = || {
-        USED.with(|used| used.start(bounds, halt));
+        USED.set(Some(Used::begin(bounds, halt)));
         let result = work();
-        USED.with(|used| Run {
+        let used = USED.take().expect("it began with the call");
+        Run {
             result,
-            log: used.log.take(),
             again: used.again(),
-            met: met(),
-            time: used.time(),
-        })
+            time: used
+                .processor_time()
+                .unwrap_or_else(|| used.start.elapsed()),
+            met: used.why,
+            log: used.log,
+        }
     };
     thread::scope(|scope| {
         let thread = thread::Builder::new()

@@ -2,71 +2,35 @@
 
 use std::sync::Arc;
 
+use super::tokens::tokens;
 use crate::diagnostic::Span;
 
 /// Place of a key in a map that is an argument of a call; `call` is the span of the name that is called.
 pub fn key_of_call(call: &Span, key: &str) -> Option<Span> {
     let source = call.source.as_ref()?;
+    let start = call.range.end;
+    let tokens = tokens(source.text.get(start..)?);
     let mut open = Vec::new();
-    let mut at = call.range.end;
-    while let Some(c) = source.text.get(at..)?.chars().next() {
-        let rest = &source.text[at..];
-        let skipped = match c {
-            '"' | '`' | '\'' => {
-                let end = end_of_text(&rest[1..], c)?;
-                let is_key = rest[1..].get(..end) == Some(key)
-                    && rest[end + 2..].trim_start().starts_with(':');
-                if is_key && open == ['(', '{'] {
-                    let range = at..at + end + 2;
-                    return Some(Span {
-                        source: Some(Arc::clone(source)),
-                        range,
-                    });
-                }
-                end + 2
-            }
-            '/' if rest.starts_with("//") => rest.find('\n')?,
-            '/' if rest.starts_with("/*") => rest.find("*/")? + 2,
-            '(' | '[' | '{' => {
-                open.push(c);
-                1
-            }
-            ')' | ']' | '}' => {
+    for (token, next) in tokens.iter().zip(tokens.iter().skip(1)) {
+        match token.text {
+            "(" | "[" | "{" | "#{" => open.push(token.text),
+            ")" | "]" | "}" => {
                 open.pop();
                 if open.is_empty() {
                     return None;
                 }
-                1
             }
-            c if c.is_alphanumeric() || c == '_' => {
-                let is_name = |c: char| c.is_alphanumeric() || c == '_';
-                let word = rest.split(|c| !is_name(c)).next().unwrap_or_default();
-                let is_key = word == key && rest[word.len()..].trim_start().starts_with(':');
-                if is_key && open == ['(', '{'] {
-                    let range = at..at + word.len();
+            text if open == ["(", "#{"] && next.text == ":" => {
+                let inner = text.trim_matches(['"', '`', '\'']);
+                if inner == key {
                     return Some(Span {
                         source: Some(Arc::clone(source)),
-                        range,
+                        range: start + token.at.start..start + token.at.end,
                     });
                 }
-                word.len()
             }
-            c => c.len_utf8(),
-        };
-        at += skipped;
+            _ => {}
+        }
     }
     None
-}
-
-/// Index of the quote that closes a text.
-fn end_of_text(text: &str, quote: char) -> Option<usize> {
-    let mut is_escaped = false;
-    let mut chars = text.char_indices();
-    chars.find_map(|(i, c)| {
-        if c == quote && !is_escaped {
-            return Some(i);
-        }
-        is_escaped = c == '\\' && !is_escaped && quote != '`';
-        None
-    })
 }

@@ -12,7 +12,7 @@ use super::{
     compile::compile,
     limits::{FILE_BYTES, NESTED},
     nested_values::is_deeper,
-    tokens::tokens,
+    tokens::{Token, tokens},
 };
 use crate::{
     confined_read::{self, Found, Kind, Problem},
@@ -21,9 +21,6 @@ use crate::{
     reach::Reach,
     suggest,
 };
-
-/// Maximum number of places that look like the definition of a function and are checked for it.
-const MOST_DEFINITIONS: usize = 1000;
 
 /// Extension of a file, if people write scripts of another language in such files.
 fn foreign_ending(file: &str) -> Option<&str> {
@@ -228,23 +225,11 @@ impl Sources {
     /// Span of `fn NAME` where a function is defined; the beginning of the text if it is not found.
     pub fn start_of_function(&self, name: &str, function: &str) -> Span {
         let mut span = self.start_of(name);
-        let definition = format!("fn {function}");
-        let is_name = |c: char| c.is_alphanumeric() || c == '_';
-        let is_definition = |text: &str, start: usize| {
-            let line = text[..start].rsplit('\n').next().unwrap_or_default();
-            let after = &text[start + definition.len()..];
-            !line.contains("//") && !after.starts_with(is_name)
-        };
-        let found = span.source.as_ref().and_then(|source| {
-            // Limit their number: each of many on one line looks through all of the line before it.
-            let mut all = source
-                .text
-                .match_indices(&definition)
-                .take(MOST_DEFINITIONS);
-            all.find(|(start, _)| is_definition(&source.text, *start))
-        });
-        if let Some((start, _)) = found {
-            span.range = start..start + definition.len();
+        let text = span.source.as_ref().map_or("", |source| &source.text);
+        let tokens = tokens(text);
+        let is_definition = |pair: &&[Token]| pair[0].text == "fn" && pair[1].text == function;
+        if let Some([keyword, name]) = tokens.windows(2).find(is_definition) {
+            span.range = keyword.at.start..name.at.end;
         }
         span
     }
