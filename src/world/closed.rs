@@ -42,9 +42,9 @@ impl Mesh {
         })
     }
 
-    /// Whether each edge is used in both directions equally often: then signed sums of the edges'
-    /// hashes cancel.
-    fn edges_cancel(&self) -> bool {
+    /// Whether the triangles bound a volume, from whichever side: each edge is used in both directions equally often,
+    /// so that signed sums of the edges' hashes cancel. Vertices at the same position count as one.
+    pub fn edges_cancel(&self) -> bool {
         let signed = self.edges().map(|[a, b]| {
             let (hash, sign) = edge_hash(a, b);
             if sign < 0 { hash.wrapping_neg() } else { hash }
