@@ -84,8 +84,8 @@ mod tests {
 
     #[test]
     fn folders_that_others_can_change_are_refused() {
-        let folder = env::temp_dir().join(format!("reflet-private-{}", std::process::id()));
-        fs::create_dir_all(&folder).expect("a temporary folder");
+        let temporary = tempfile::tempdir().expect("a folder");
+        let folder = temporary.path();
         let inside = |name: &str| folder.join(name);
         assert!(private(&inside("new")).is_ok(), "it is created");
         assert!(private(&inside("new")).is_ok(), "it is found");
@@ -101,6 +101,5 @@ mod tests {
         for refused in ["link", "file", "open", "missing/parent"] {
             assert!(private(&inside(refused)).is_err(), "{refused}");
         }
-        fs::remove_dir_all(&folder).expect("the temporary folder goes");
     }
 }

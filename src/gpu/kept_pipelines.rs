@@ -181,17 +181,11 @@ mod tests {
         adapter
     }
 
-    fn folder(name: &str) -> PathBuf {
-        let folder = std::env::temp_dir().join(format!("reflet-{name}-{}", std::process::id()));
-        let _ = fs::remove_dir_all(&folder);
-        fs::create_dir_all(&folder).expect("a temporary folder");
-        folder
-    }
-
     #[test]
     fn only_what_the_same_driver_wrote_whole_is_read() {
-        let folder = folder("kept");
-        let file = KeptFile::new(&folder, &adapter("1.0")).expect("Vulkan has a key");
+        let temporary = tempfile::tempdir().expect("a folder");
+        let folder = temporary.path();
+        let file = KeptFile::new(folder, &adapter("1.0")).expect("Vulkan has a key");
         assert!(file.read().is_err(), "there is none yet");
         file.write(b"pipelines").expect("writable");
         assert_eq!(file.read().expect("whole"), b"pipelines");
@@ -209,17 +203,17 @@ mod tests {
         fs::write(&file.path, [&whole[..], b"x"].concat()).expect("writable");
         assert!(file.read().is_err(), "longer");
 
-        let other = KeptFile::new(&folder, &adapter("1.1")).expect("Vulkan has a key");
+        let other = KeptFile::new(folder, &adapter("1.1")).expect("Vulkan has a key");
         assert_ne!(file.path, other.path);
         fs::write(&other.path, &whole).expect("writable");
         assert!(other.read().is_err(), "another driver's");
-        fs::remove_dir_all(&folder).expect("removable");
     }
 
     #[test]
     fn what_cannot_be_kept_leaves_no_file() {
-        let folder = folder("unkept");
-        let file = KeptFile::new(&folder, &adapter("")).expect("Vulkan has a key");
+        let temporary = tempfile::tempdir().expect("a folder");
+        let folder = temporary.path();
+        let file = KeptFile::new(folder, &adapter("")).expect("Vulkan has a key");
         file.write(b"few").expect("writable");
         let most = usize::try_from(MOST_BYTES).expect("64-bit");
         file.write(&vec![0; most]).expect("removed");
@@ -232,10 +226,9 @@ mod tests {
         let past = SystemTime::UNIX_EPOCH;
         let oldest = fs::File::options().append(true).open(&names[1]);
         (oldest.and_then(|file| file.set_modified(past))).expect("its time can be set");
-        remove_oldest(&folder, 250).expect("removable");
+        remove_oldest(folder, 250).expect("removable");
         assert_eq!(names.map(|name| name.exists()), [true, false, true]);
 
-        fs::remove_dir_all(&folder).expect("removable");
         assert!(file.write(b"few").is_err(), "no folder");
         assert!(!folder.exists());
     }
@@ -244,11 +237,11 @@ mod tests {
     #[test]
     fn a_file_that_others_can_write_is_not_read() {
         use std::os::unix::fs::PermissionsExt as _;
-        let folder = folder("shared");
-        let file = KeptFile::new(&folder, &adapter("")).expect("Vulkan has a key");
+        let temporary = tempfile::tempdir().expect("a folder");
+        let folder = temporary.path();
+        let file = KeptFile::new(folder, &adapter("")).expect("Vulkan has a key");
         file.write(b"pipelines").expect("writable");
         fs::set_permissions(&file.path, fs::Permissions::from_mode(0o666)).expect("its mode");
         assert!(file.read().is_err());
-        fs::remove_dir_all(&folder).expect("removable");
     }
 }

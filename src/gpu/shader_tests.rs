@@ -53,7 +53,8 @@ fn import_errors_state_place_and_reason() {
 
 #[test]
 fn a_folder_without_shaders_is_refused() {
-    let dir = std::env::temp_dir().join(format!("reflet-no-shaders-{}", std::process::id()));
+    let temporary = tempfile::tempdir().expect("a folder");
+    let dir = temporary.path().join("shaders");
     let error = ShaderLibrary::from_dir(&dir).expect_err("missing");
     assert!(error.to_string().contains("cannot read"));
     fs::create_dir_all(&dir).expect("temporary folder");
@@ -75,5 +76,4 @@ fn a_folder_without_shaders_is_refused() {
     fs::write(lib.join("x.wgsl"), "").expect("temporary file");
     let error = ShaderLibrary::from_dir(&dir).expect_err("two of one name");
     assert!(error.to_string().contains("has the name of"), "{error}");
-    fs::remove_dir_all(&dir).expect("clean up");
 }

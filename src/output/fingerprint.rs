@@ -120,9 +120,8 @@ mod tests {
 
     #[test]
     fn texts_count_as_they_were_read() {
-        let name = format!("reflet-read-{}", std::process::id());
-        let folder = std::env::temp_dir().join(name);
-        fs::create_dir_all(&folder).expect("writable");
+        let temporary = tempfile::tempdir().expect("a folder");
+        let folder = temporary.path();
         let folder = folder.canonicalize().expect("there");
         let files = [
             ("a.toml", "[material.a]\n"),
@@ -141,6 +140,5 @@ mod tests {
         for (file, text) in files {
             assert_eq!(known.get(folder.join(file).as_path()), Some(&text));
         }
-        fs::remove_dir_all(&folder).expect("clean up");
     }
 }

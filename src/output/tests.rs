@@ -17,12 +17,6 @@ use reflet_render::{
 };
 use reflet_scene::desc::Method;
 
-fn folder(name: &str) -> PathBuf {
-    let folder = std::env::temp_dir().join(format!("reflet-{name}-{}", std::process::id()));
-    fs::create_dir_all(&folder).expect("temporary folder");
-    folder
-}
-
 fn goal(path: impl Into<PathBuf>) -> Goal {
     Goal::typed(path.into())
 }
@@ -75,22 +69,23 @@ fn refusal(path: &Path) -> String {
 
 #[test]
 fn a_png_and_its_planes_are_written_whole() {
-    let folder = folder("png");
+    let temporary = tempfile::tempdir().expect("a folder");
+    let folder = temporary.path();
     let output = PictureFile::new(&goal(folder.join("out.png"))).expect("writable");
-    assert!(names(&folder).is_empty(), "checking leaves nothing");
+    assert!(names(folder).is_empty(), "checking leaves nothing");
     output.write(&picture()).expect("written");
     output.write(&picture()).expect("written over");
-    assert_eq!(names(&folder), ["out.cause.png", "out.png"]);
+    assert_eq!(names(folder), ["out.cause.png", "out.png"]);
     let read = image::open(folder.join("out.png"))
         .expect("a PNG")
         .into_rgb8();
     assert_eq!(read.into_raw(), [10, 20, 30, 40, 50, 60]);
-    fs::remove_dir_all(&folder).expect("clean up");
 }
 
 #[test]
 fn a_folder_where_a_plane_would_go_is_refused_before_rendering() {
-    let folder = folder("beside");
+    let temporary = tempfile::tempdir().expect("a folder");
+    let folder = temporary.path();
     fs::create_dir_all(folder.join("out.source.png")).expect("a folder in the way");
     let output = PictureFile::new(&goal(folder.join("out.png"))).expect("writable");
     assert!(
@@ -104,17 +99,17 @@ fn a_folder_where_a_plane_would_go_is_refused_before_rendering() {
         }
         other => panic!("{other:?}"),
     }
-    fs::remove_dir_all(&folder).expect("clean up");
 }
 
 #[test]
 fn an_exr_keeps_floats_and_codes() {
-    let folder = folder("exr");
+    let temporary = tempfile::tempdir().expect("a folder");
+    let folder = temporary.path();
     let path = folder.join("out.EXR");
     PictureFile::new(&goal(path.clone()))
         .and_then(|output| output.write(&picture()))
         .expect("written");
-    assert_eq!(names(&folder), ["out.EXR"]);
+    assert_eq!(names(folder), ["out.EXR"]);
     let read = read_first_flat_layer_from_file(&path).expect("an EXR");
     let channels = &read.layer_data.channel_data.list;
     let found: Vec<_> = channels.iter().map(|c| c.name.to_string()).collect();
@@ -122,12 +117,12 @@ fn an_exr_keeps_floats_and_codes() {
     let values: Vec<f32> = channels[1].sample_data.values_as_f32().collect();
     assert_eq!(values, [-1.0, 1e-4]);
     assert!(matches!(&channels[4].sample_data, FlatSamples::U32(codes) if codes == &[0, 7]));
-    fs::remove_dir_all(&folder).expect("clean up");
 }
 
 #[test]
 fn an_exr_that_was_cut_or_changed_is_not_done() {
-    let folder = folder("exr-broken");
+    let temporary = tempfile::tempdir().expect("a folder");
+    let folder = temporary.path();
     let path = folder.join("out.exr");
     let output = PictureFile::new(&goal(path.clone())).expect("writable");
     let side = 64;
@@ -156,12 +151,12 @@ fn an_exr_that_was_cut_or_changed_is_not_done() {
         .iter_mut()
         .for_each(|b| *b ^= 0x55);
     assert!(!is_done(&changed), "changed");
-    fs::remove_dir_all(&folder).expect("clean up");
 }
 
 #[test]
 fn refuses_invalid_paths_before_rendering() {
-    let folder = folder("refused");
+    let temporary = tempfile::tempdir().expect("a folder");
+    let folder = temporary.path();
     let long = format!("{}.png", "a".repeat(252));
     assert!(refusal(&folder.join(long)).contains("too long"));
     let longest = folder.join(format!("{}.png", "a".repeat(251)));
@@ -176,12 +171,12 @@ fn refuses_invalid_paths_before_rendering() {
     assert!(refusal(&folder.join("missing/out.png")).contains("create it first"));
     fs::create_dir(folder.join("dir.png")).expect("folder");
     assert!(refusal(&folder.join("dir.png")).contains("is a folder"));
-    fs::remove_dir_all(&folder).expect("clean up");
 }
 
 #[test]
 fn failed_output_leaves_no_file() {
-    let folder = folder("none-left");
+    let temporary = tempfile::tempdir().expect("a folder");
+    let folder = temporary.path();
     let output = PictureFile::new(&goal(folder.join("out.png"))).expect("writable");
     // A folder blocks the second file's temporary name: that fails after the first file is complete.
     let hidden = Temporary::create(&goal(folder.join("out.cause.png")));
@@ -194,13 +189,13 @@ fn failed_output_leaves_no_file() {
         "{error:?}"
     );
     let obstacle = obstacle.file_name().expect("a name").to_string_lossy();
-    assert_eq!(names(&folder), [obstacle]);
-    fs::remove_dir_all(&folder).expect("clean up");
+    assert_eq!(names(folder), [obstacle]);
 }
 
 #[test]
 fn a_transparent_background_is_in_the_file() {
-    let folder = folder("alpha");
+    let temporary = tempfile::tempdir().expect("a folder");
+    let folder = temporary.path();
     let output = PictureFile::new(&goal(folder.join("out.png"))).expect("writable");
     let mut transparent = Picture {
         alpha: true,
@@ -213,7 +208,6 @@ fn a_transparent_background_is_in_the_file() {
         panic!("the PNG has no alpha");
     };
     assert_eq!(read.into_raw(), transparent.display);
-    fs::remove_dir_all(&folder).expect("clean up");
 }
 
 /// Neither a hash map nor threads may decide the order of an EXR's attributes and compressed blocks.
@@ -233,7 +227,8 @@ fn the_bytes_of_a_picture_are_the_same_every_time() {
         planes,
         ..picture()
     };
-    let folder = folder("same");
+    let temporary = tempfile::tempdir().expect("a folder");
+    let folder = temporary.path();
     for ending in ["png", "exr"] {
         let path = folder.join(format!("out.{ending}"));
         let output = PictureFile::new(&goal(path.clone())).expect("writable");
@@ -248,5 +243,4 @@ fn the_bytes_of_a_picture_are_the_same_every_time() {
             assert!(*first == bytes, "{ending}: run {run} is another");
         }
     }
-    fs::remove_dir_all(&folder).expect("clean up");
 }

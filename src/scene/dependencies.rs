@@ -73,9 +73,8 @@ mod tests {
 
     #[test]
     fn changes_are_found_whatever_the_clock_says() {
-        let name = format!("reflet-dependencies-{}", std::process::id());
-        let folder = std::env::temp_dir().join(name);
-        fs::create_dir_all(&folder).expect("writable");
+        let temporary = tempfile::tempdir().expect("a folder");
+        let folder = temporary.path();
         let [file, missing] = ["a.toml", "b.toml"].map(|name| folder.join(name));
         let hour = Duration::from_secs(3600);
         for written in [SystemTime::now() + hour, SystemTime::now() - hour] {
@@ -103,6 +102,5 @@ mod tests {
             assert_eq!(known.changed(), Some(missing.clone()));
             fs::remove_file(&missing).expect("there");
         }
-        fs::remove_dir_all(&folder).expect("clean up");
     }
 }

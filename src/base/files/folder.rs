@@ -138,8 +138,8 @@ mod tests {
 
     #[test]
     fn a_held_folder_stays_where_it_was_opened() {
-        let name = format!("reflet-held-{}", std::process::id());
-        let folder = std::env::temp_dir().join(name);
+        let temporary = tempfile::tempdir().expect("a folder");
+        let folder = temporary.path();
         let [inside, outside, moved] = ["in", "out", "moved"].map(|name| folder.join(name));
         fs::create_dir_all(&inside).expect("a folder");
         fs::create_dir(&outside).expect("a folder");
@@ -156,6 +156,5 @@ mod tests {
         assert!(deep.create(name, false).is_err());
         symlink(outside.join("b.png"), moved.join("deep/b.png")).expect("a link");
         assert!(deep.create(OsStr::new("b.png"), false).is_err());
-        fs::remove_dir_all(&folder).expect("clean up");
     }
 }

@@ -239,17 +239,12 @@ mod tests {
     use super::*;
     use crate::files::{open_regular, write_whole};
 
-    fn folder(name: &str) -> PathBuf {
-        let folder = std::env::temp_dir().join(format!("reflet-{name}-{}", std::process::id()));
-        fs::create_dir_all(&folder).expect("a folder");
-        folder
-    }
-
     #[cfg(unix)]
     #[test]
     fn only_regular_files_are_replaced() {
         use std::os::unix::{fs::symlink, net::UnixListener};
-        let folder = folder("goals");
+        let temporary = tempfile::tempdir().expect("a folder");
+        let folder = temporary.path();
         let path = |name: &str| folder.join(name);
         fs::create_dir(path("folder")).expect("a folder");
         let _socket = UnixListener::bind(path("socket")).expect("a socket");
@@ -265,7 +260,7 @@ mod tests {
         symlink("/dev/null", path("null")).expect("a link");
         symlink("locked", path("to-locked")).expect("a link");
         let names = || {
-            let entries = fs::read_dir(&folder).expect("readable").flatten();
+            let entries = fs::read_dir(folder).expect("readable").flatten();
             let mut names: Vec<_> = entries.map(|entry| entry.file_name()).collect();
             names.sort();
             names
@@ -285,13 +280,13 @@ mod tests {
         }
         assert_eq!(names(), before, "nothing is left behind");
         assert_eq!(fs::read(path("locked")).expect("there"), b"old");
-        fs::remove_dir_all(&folder).expect("clean up");
     }
 
     #[cfg(unix)]
     #[test]
     fn an_output_through_a_link_replaces_the_linked_file() {
-        let folder = folder("linked");
+        let temporary = tempfile::tempdir().expect("a folder");
+        let folder = temporary.path();
         fs::create_dir(folder.join("inside")).expect("a folder");
         fs::write(folder.join("inside/real"), "old").expect("written");
         std::os::unix::fs::symlink("inside/real", folder.join("link")).expect("a link");
@@ -300,8 +295,7 @@ mod tests {
         write_whole(&Goal::typed(folder.join("link")), b"new").expect("written");
         assert!(folder.join("link").is_symlink());
         assert_eq!(fs::read(folder.join("inside/real")).expect("there"), b"new");
-        assert_eq!(fs::read_dir(&folder).expect("readable").count(), 2);
-        fs::remove_dir_all(&folder).expect("clean up");
+        assert_eq!(fs::read_dir(folder).expect("readable").count(), 2);
     }
 
     #[cfg(unix)]
@@ -309,9 +303,10 @@ mod tests {
     fn a_link_that_appears_after_the_check_is_not_followed() {
         use crate::files::Temporary;
         use std::os::unix::fs::symlink;
-        let folder = folder("swapped");
+        let temporary = tempfile::tempdir().expect("a folder");
+        let folder = temporary.path();
         let [inside, outside, moved] = ["in", "out", "moved"].map(|name| folder.join(name));
-        let goal = Goal::within(&folder, inside.join("deep/a.png"));
+        let goal = Goal::within(folder, inside.join("deep/a.png"));
         assert_eq!(goal.make_folders().expect("made").len(), 2);
         fs::create_dir(&outside).expect("a folder");
         fs::write(outside.join("a.png"), "precious").expect("written");
@@ -339,7 +334,6 @@ mod tests {
         assert!(goal.make_folders().is_err());
         let climbs = Goal::within(&inside, inside.join("../out/a.png"));
         assert!(write_whole(&climbs, b"new").is_err());
-        fs::remove_dir_all(&folder).expect("clean up");
     }
 
     #[test]
@@ -356,7 +350,8 @@ mod tests {
     #[cfg(unix)]
     #[test]
     fn inputs_are_known_by_any_name() {
-        let folder = folder("inputs");
+        let temporary = tempfile::tempdir().expect("a folder");
+        let folder = temporary.path();
         let path = |name: &str| folder.join(name);
         fs::create_dir(path("inside")).expect("a folder");
         for name in ["scene", "other"] {
@@ -371,6 +366,5 @@ mod tests {
         for name in ["other", "missing", "new"] {
             assert!(inputs.check(&Goal::typed(path(name))).is_ok(), "{name}");
         }
-        fs::remove_dir_all(&folder).expect("clean up");
     }
 }

@@ -114,12 +114,6 @@ mod tests {
 
     use super::*;
 
-    fn folder(name: &str) -> PathBuf {
-        let folder = std::env::temp_dir().join(format!("reflet-{name}-{}", std::process::id()));
-        fs::create_dir_all(&folder).expect("a folder");
-        folder
-    }
-
     fn hidden(folder: &Path) -> Option<PathBuf> {
         let entries = fs::read_dir(folder).expect("readable").flatten();
         let mut paths = entries.map(|entry| entry.path());
@@ -129,7 +123,8 @@ mod tests {
 
     #[test]
     fn a_save_while_the_new_content_is_synced_stays() {
-        let folder = folder("race");
+        let temporary = tempfile::tempdir().expect("a folder");
+        let folder = temporary.path();
         let path = folder.join("scene.toml");
         let in_place = || fs::write(&path, "by an editor").expect("saved");
         let by_renaming = || {
@@ -142,36 +137,36 @@ mod tests {
             let done = replace_content(&path, b"before", b"after", save);
             assert!(!done.expect("no error"), "the race is lost");
             assert_eq!(fs::read(&path).expect("there"), b"by an editor");
-            assert_eq!(hidden(&folder), None);
+            assert_eq!(hidden(folder), None);
         }
         fs::remove_file(&path).expect("removed");
         fs::write(&path, "before").expect("written");
         let remove = || fs::remove_file(&path).expect("removed");
         let done = replace_content(&path, b"before", b"after", remove);
         assert!(!done.expect("no error") && !path.exists());
-        fs::remove_dir_all(&folder).expect("clean up");
     }
 
     #[test]
     fn the_new_content_is_whole_before_the_old_one_goes() {
-        let folder = folder("whole");
+        let temporary = tempfile::tempdir().expect("a folder");
+        let folder = temporary.path();
         let path = folder.join("scene.toml");
         fs::write(&path, "before").expect("written");
         let done = replace_content(&path, b"before", b"after", || {
-            let hidden = hidden(&folder).expect("the new file");
+            let hidden = hidden(folder).expect("the new file");
             assert_eq!(fs::read(hidden).expect("there"), b"after");
             assert_eq!(fs::read(&path).expect("there"), b"before");
         });
         assert!(done.expect("no error"));
         assert_eq!(fs::read(&path).expect("there"), b"after");
-        fs::remove_dir_all(&folder).expect("clean up");
     }
 
     #[cfg(unix)]
     #[test]
     fn mode_and_owner_stay_and_a_private_file_is_never_readable() {
         use std::os::unix::fs::{MetadataExt as _, PermissionsExt as _, chown};
-        let folder = folder("mode");
+        let temporary = tempfile::tempdir().expect("a folder");
+        let folder = temporary.path();
         let path = folder.join("scene.toml");
         for mode in [0o600, 0o640, 0o755] {
             fs::write(&path, "before").expect("written");
@@ -181,7 +176,7 @@ mod tests {
             let was = path.metadata().expect("there");
             let seen = |path: &Path| path.metadata().expect("there").mode() & 0o7777;
             let done = replace_content(&path, b"before", b"after", || {
-                let hidden = hidden(&folder).expect("the new file");
+                let hidden = hidden(folder).expect("the new file");
                 assert_eq!(seen(&hidden), mode);
             });
             assert!(done.expect("no error"));
@@ -193,13 +188,13 @@ mod tests {
         let mode = private.file.metadata().expect("open").mode();
         assert_eq!(mode & 0o7777, 0o600, "before the first byte is written");
         drop(private);
-        fs::remove_dir_all(&folder).expect("clean up");
     }
 
     #[cfg(unix)]
     #[test]
     fn hard_links_stay_one_file() {
-        let folder = folder("hard");
+        let temporary = tempfile::tempdir().expect("a folder");
+        let folder = temporary.path();
         let [path, other] = ["scene.toml", "other.toml"].map(|name| folder.join(name));
         fs::write(&path, "before, and longer").expect("written");
         fs::hard_link(&path, &other).expect("a hard link");
@@ -208,11 +203,10 @@ mod tests {
         for path in [&path, &other] {
             assert_eq!(fs::read(path).expect("there"), b"after");
         }
-        assert_eq!(hidden(&folder), None);
+        assert_eq!(hidden(folder), None);
         let save = || fs::write(&other, "by an editor").expect("saved");
         let done = replace_content(&path, b"after", b"before", save);
         assert!(!done.expect("no error"), "the race is lost");
         assert_eq!(fs::read(&path).expect("there"), b"by an editor");
-        fs::remove_dir_all(&folder).expect("clean up");
     }
 }

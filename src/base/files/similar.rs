@@ -60,7 +60,8 @@ mod tests {
 
     #[test]
     fn names_that_look_the_same_are_found() {
-        let folder = std::env::temp_dir().join(format!("reflet-similar-{}", std::process::id()));
+        let temporary = tempfile::tempdir().expect("a folder");
+        let folder = temporary.path();
         let inner = folder.join("Maps");
         fs::create_dir_all(&inner).unwrap();
         for name in ["Wood.PNG", "cafe\u{301}.png"] {
@@ -75,7 +76,7 @@ mod tests {
             ("Maps/wool.png", None),
             ("none/wood.png", None),
         ] {
-            let found = similar(&folder, Path::new(asked));
+            let found = similar(folder, Path::new(asked));
             assert_eq!(found.as_deref(), expected.map(Path::new), "{asked}");
         }
         assert_eq!(similar(&inner, Path::new("../maps/Wood.PNG")), None);
@@ -87,6 +88,5 @@ mod tests {
             assert_eq!(through("here/wood.png"), Some("here/Wood.PNG".into()));
             assert_eq!(through("out/maps/wood.png"), None);
         }
-        fs::remove_dir_all(folder).unwrap();
     }
 }

@@ -11,8 +11,8 @@ fn libraries() -> PathBuf {
 
 #[test]
 fn python_loads_the_library() {
-    let package = env::temp_dir().join(format!("reflet-python-{}", std::process::id()));
-    fs::create_dir_all(&package).expect("writable");
+    let temporary = tempfile::tempdir().expect("a folder");
+    let package = temporary.path();
     let (prefix, suffix) = (env::consts::DLL_PREFIX, env::consts::DLL_SUFFIX);
     let library = libraries().join(format!("{prefix}reflet_python{suffix}"));
     let ending = if cfg!(windows) { "pyd" } else { "abi3.so" };
@@ -26,10 +26,9 @@ fn python_loads_the_library() {
     }
     let run = Command::new("python3")
         .args(["-c", "import _reflet; print(_reflet.__version__)"])
-        .env("PYTHONPATH", &package)
+        .env("PYTHONPATH", package)
         .output()
         .expect("there is a python3");
-    fs::remove_dir_all(&package).expect("clean up");
     let said = String::from_utf8_lossy(&run.stdout);
     let wrong = String::from_utf8_lossy(&run.stderr);
     assert_eq!(said.trim(), env!("CARGO_PKG_VERSION"), "{wrong}");

@@ -1,6 +1,8 @@
 //! Each text of a scene is parsed once, whoever asks for its tree.
 
-use std::{collections::BTreeMap, env, fs, path::Path};
+use std::{collections::BTreeMap, fs, path::Path};
+
+use tempfile::TempDir;
 
 use super::{super::kept_assets::KeptAssets, *};
 use reflet_base::memory::Budget;
@@ -35,30 +37,19 @@ const FILES: [(&str, &str); 6] = [
     ),
 ];
 
-/// A folder of scene texts that is removed after the test.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let folder = env::temp_dir().join(format!("reflet-{name}-{}", std::process::id()));
-        fs::create_dir_all(&folder).expect("it can be made");
-        for (name, text) in FILES {
-            fs::write(folder.join(name), text).expect("it can be written");
-        }
-        Self(folder)
+/// A folder of scene texts.
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().expect("it can be made");
+    for (name, text) in FILES {
+        fs::write(folder.path().join(name), text).expect("it can be written");
     }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
+    folder
 }
 
 #[test]
 fn each_text_is_parsed_once_per_opening() {
-    let folder = Folder::new("parsed-once");
-    let path = folder.0.join("scene.toml");
+    let folder = folder();
+    let path = folder.path().join("scene.toml");
     parsed::record();
     let text = SceneText::read(Some(&path), &SceneOptions::default()).expect("it can be read");
     assert_eq!(text.variants(), ["night"]);
@@ -106,8 +97,8 @@ fn scene_of_a_bare_model_is_made_without_parsing() {
 /// Worlds over kept assets have all that those read from files have, whatever a scene holds.
 #[test]
 fn kept_assets_change_nothing_of_a_world() {
-    let folder = Folder::new("kept-assets");
-    let path = folder.0.join("full.toml");
+    let folder = folder();
+    let path = folder.path().join("full.toml");
     let text = "version = 1\nbase = \"scene.toml\"\n[probe.middle]\nposition = [0, 1, 0]\n\
                 [material.spot]\nbase_color = [1, 0, 0]\n[decal.mark]\nmaterial = \"spot\"\nsize = [1, 1, 1]\n\
                 [material.paint]\nroughness = 0.1\n[environment]\nfog = { density = 0.1 }\n";

@@ -86,22 +86,24 @@ fn facts(path: &Path) -> Option<Facts> {
 
 #[cfg(test)]
 mod tests {
+    use tempfile::TempDir;
+
     use super::*;
 
     /// Folders `a/b/c` with a project in `a`.
-    struct Tree(PathBuf);
+    struct Tree(TempDir);
 
     impl Tree {
-        fn new(name: &str) -> Self {
-            let name = format!("reflet-find-{name}-{}", std::process::id());
-            let folder = env::temp_dir().join(name);
+        fn new() -> Self {
+            let temporary = tempfile::tempdir().expect("writable");
+            let folder = temporary.path();
             fs::create_dir_all(folder.join("a/b/c")).expect("writable");
             fs::write(folder.join("a").join(FILE), "").expect("writable");
-            Self(folder.canonicalize().expect("there"))
+            Self(temporary)
         }
 
         fn path(&self, path: &str) -> PathBuf {
-            self.0.join(path)
+            self.0.path().canonicalize().expect("there").join(path)
         }
 
         /// Search from `a/b/c` where one folder or file is different.
@@ -120,16 +122,10 @@ mod tests {
         }
     }
 
-    impl Drop for Tree {
-        fn drop(&mut self) {
-            let _ = fs::remove_dir_all(&self.0);
-        }
-    }
-
     #[test]
     #[cfg(unix)]
     fn the_search_ends_where_another_user_may_decide() {
-        let tree = Tree::new("ends");
+        let tree = Tree::new();
         let same = |_: &mut Facts| ();
         assert!(tree.search(&[], "", &same));
         let owner = |facts: &mut Facts| facts.owner += 1;
@@ -145,7 +141,7 @@ mod tests {
             );
         }
         // Above the project nothing matters.
-        assert!(tree.search(std::slice::from_ref(&tree.0), "", &owner));
+        assert!(tree.search(&[tree.path("")], "", &owner));
         assert!(!tree.search(&[], "a/b/c", &open), "the scene's own folder");
         assert!(!tree.search(&[], "a/reflet.toml", &owner), "the file");
         assert!(!tree.search(&[], "a/reflet.toml", &open), "the file");
@@ -154,7 +150,7 @@ mod tests {
     #[cfg(unix)]
     #[test]
     fn a_link_to_nothing_is_a_project_that_cannot_be_read() {
-        let tree = Tree::new("link");
+        let tree = Tree::new();
         let file = tree.path("a/b").join(FILE);
         for target in ["nowhere.toml", FILE] {
             std::os::unix::fs::symlink(target, &file).expect("writable");
@@ -165,7 +161,7 @@ mod tests {
 
     #[test]
     fn unpacked_folders_and_temporary_ones_hold_no_project() {
-        let tree = Tree::new("unpacked");
+        let tree = Tree::new();
         for folder in ["a", "a/b"] {
             let mark = tree.path(folder).join(UNPACKED);
             fs::write(&mark, "").expect("writable");
@@ -173,6 +169,6 @@ mod tests {
             fs::remove_file(&mark).expect("there");
         }
         let above = env::temp_dir().join(FILE);
-        assert_ne!(find(&tree.0), Some(above));
+        assert_ne!(find(&tree.path("")), Some(above));
     }
 }

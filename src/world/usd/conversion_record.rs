@@ -104,8 +104,8 @@ mod tests {
 
     #[test]
     fn inputs_are_steady_by_content_or_by_time() {
-        let folder = std::env::temp_dir().join(format!("reflet-inputs-{}", std::process::id()));
-        fs::create_dir_all(&folder).expect("a folder");
+        let temporary = tempfile::tempdir().expect("a folder");
+        let folder = temporary.path();
         let (file, none) = (folder.join("a.usda"), folder.join("b.usda"));
         fs::write(&file, "one").expect("written");
         let paths = [file.clone(), none.clone()];
@@ -126,6 +126,5 @@ mod tests {
             !Inputs::hash(&paths).are_steady(&came, later),
             "one changed"
         );
-        let _ = fs::remove_dir_all(&folder);
     }
 }

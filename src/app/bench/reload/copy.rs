@@ -3,9 +3,9 @@
 use std::{
     env, fs, io,
     path::{Path, PathBuf},
-    process,
-    sync::atomic::{AtomicU32, Ordering},
 };
+
+use tempfile::TempDir;
 
 use crate::{
     app::{
@@ -38,28 +38,6 @@ impl Edit {
             Self::Script => "script",
             Self::Shader(_) => "shader",
         }
-    }
-}
-
-/// Temporary folder that is removed when this is dropped.
-#[derive(Debug)]
-struct Folder(PathBuf);
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        // A folder that cannot be removed is left to the system's cleanup of temporary files.
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
-
-impl Folder {
-    fn new() -> Result<Self, AppError> {
-        static NUMBER: AtomicU32 = AtomicU32::new(0);
-        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
-        let name = format!("reflet-reload-{}-{number}", process::id());
-        let path = env::temp_dir().join(name);
-        let made = fs::create_dir_all(&path).and_then(|()| path.canonicalize());
-        made.map(Self).map_err(|e| failed(&path, &e))
     }
 }
 
@@ -100,7 +78,7 @@ fn failed(path: &Path, error: &io::Error) -> AppError {
 /// Copy of a scene in a temporary folder.
 #[derive(Debug)]
 pub struct SceneCopy {
-    folder: Folder,
+    folder: TempDir,
     /// Path of the scene's file below the folder.
     scene: PathBuf,
     from: SceneArgs,
@@ -125,8 +103,10 @@ impl SceneCopy {
         shaders: Option<&Path>,
     ) -> Result<Self, AppError> {
         let library = crate::app::shaders::library(shaders)?;
-        let folder = Folder::new()?;
-        let own = folder.0.join("project");
+        let temporary = env::temp_dir();
+        let folder = temporary.canonicalize().and_then(tempfile::tempdir_in);
+        let folder = folder.map_err(|e| failed(&temporary, &e))?;
+        let own = folder.path().join("project");
         fs::create_dir(&own).map_err(|e| failed(&own, &e))?;
         let CopiedScene { scene, from } = match path.filter(|path| !is_model(path)) {
             Some(path) => {
@@ -140,7 +120,7 @@ impl SceneCopy {
             .map_err(AppError::Scene)?;
         let (text, desc) = (opened.text, opened.scene.desc.clone());
         for (name, shader) in library.texts() {
-            write(&folder.0.join(SHADERS).join(name), shader)?;
+            write(&folder.path().join(SHADERS).join(name), shader)?;
         }
         Ok(Self {
             folder,
@@ -157,7 +137,7 @@ impl SceneCopy {
         SceneSource {
             path: Some(self.scene.clone()),
             options: self.from.options(),
-            shaders: Some(self.folder.0.join(SHADERS)),
+            shaders: Some(self.folder.path().join(SHADERS)),
             text: None,
         }
     }
@@ -169,7 +149,7 @@ impl SceneCopy {
     /// A folder that cannot be written to.
     pub fn edited(&self, edit: Edit) -> Result<Option<Edited>, AppError> {
         let new = |path: PathBuf, text: String, number: Option<(usize, usize)>| Edited {
-            name: (path.strip_prefix(&self.folder.0).unwrap_or(&path))
+            name: (path.strip_prefix(self.folder.path()).unwrap_or(&path))
                 .display()
                 .to_string(),
             path,
@@ -186,7 +166,7 @@ impl SceneCopy {
                 let Some((_, text)) = found else {
                     return Ok(None);
                 };
-                let path = self.folder.0.join(SHADERS).join(name);
+                let path = self.folder.path().join(SHADERS).join(name);
                 Ok(Some(Edited {
                     entry: entry(text),
                     ..new(path, text.to_owned(), None)

@@ -89,15 +89,13 @@ mod tests {
 
     #[test]
     fn screenshots_never_overwrite_each_other() {
-        let name = format!("reflet-names-{}", std::process::id());
-        let folder = std::env::temp_dir().join(name);
-        fs::create_dir_all(&folder).expect("a folder");
-        assert_eq!(free_name(&folder, "a"), folder.join("a-001.png"));
+        let temporary = tempfile::tempdir().expect("a folder");
+        let folder = temporary.path();
+        assert_eq!(free_name(folder, "a"), folder.join("a-001.png"));
         for number in 1..=10_000 {
             fs::write(folder.join(format!("a-{number:03}.png")), "").expect("written");
         }
-        let next = free_name(&folder, "a");
-        fs::remove_dir_all(&folder).expect("clean up");
+        let next = free_name(folder, "a");
         assert_eq!(next, folder.join("a-10001.png"));
     }
 }

@@ -123,13 +123,13 @@ mod tests {
 
     #[test]
     fn folders_are_entered_and_a_scene_is_chosen() {
-        let folder = std::env::temp_dir().join(format!("reflet-chooser-{}", std::process::id()));
-        let _ = fs::remove_dir_all(&folder);
+        let temporary = tempfile::tempdir().expect("a folder");
+        let folder = temporary.path();
         fs::create_dir_all(folder.join("shots")).expect("a folder");
         for name in ["shots/a.toml", "shots/notes.txt", "shots/.hidden.toml"] {
             fs::write(folder.join(name), "version = 1\n").expect("a file");
         }
-        let state = (FileChooser::new(&folder), Choice::Open);
+        let state = (FileChooser::new(folder), Choice::Open);
         let mut harness = Harness::new_ui_state(
             |ui, (chooser, choice): &mut (FileChooser, Choice)| {
                 if *choice == Choice::Open {
@@ -146,8 +146,7 @@ mod tests {
         harness.run();
         let chosen = Choice::File(folder.join("shots/a.toml"));
         assert_eq!(harness.state().1, chosen);
-        fs::remove_dir_all(&folder).expect("removed");
-        let gone = FileChooser::new(&folder);
+        let gone = FileChooser::new(&folder.join("none"));
         assert!(gone.problem.is_some());
     }
 }
