@@ -15,7 +15,7 @@ const ADDITIONS: [&[&str]; 10] = [
     &["Rect | Disk", "LightKind::Disk", "LIGHT_DISK"], // a light kind
     &["Torus", "torus"],                               // a shape
     &["SsrBox", "ssr+box", "box_faces", "BoxHidden"],  // a method
-    &["CacheArgs"],                                    // a subcommand
+    &["CacheArgs", "Command::Cache"],                  // a subcommand
     &["checkers", "HAS_CHECKERS"],                     // a shader feature
     &["threshold_u"],                                  // a reflection key
     &["rel_mse"],                                      // a metric
