@@ -310,6 +310,8 @@ pub struct Light {
     pub desc: LightDesc,
     /// Distance at which a file's light ends (KHR_lights_punctual `range`), meters; `None` is endless.
     pub range_m: Option<f32>,
+    /// Whether the description may be another one in other frames.
+    pub moves: bool,
 }
 
 impl World {

@@ -239,6 +239,7 @@ fn deep_world() -> World {
             light_group: <_>::default(),
         },
         range_m: None,
+        moves: false,
     };
     let bright = 197_000;
     let weak_cd = f64::from(bright) * WEAK_SHARE / f64::from(WEAK_LAMPS);

@@ -17,6 +17,8 @@ const MIRRORS: &str = include_str!("../../scenes/mirrors.toml");
 
 /// Many small balls on a floor under two kinds of lights; nothing reflects but the last ball.
 const BALLS: &str = include_str!("decide/balls.toml");
+/// A pane among lights that shine on it, aside and away.
+const PANE: &str = include_str!("decide/pane.toml");
 /// A mirror floor before a bright wall, in a room without gaps.
 const ROOM: &str = include_str!("decide/room.toml");
 
@@ -230,6 +232,25 @@ fn without_reflections_or_rays_nothing_needs_trees() {
     let rays = dull.replacen("shadow = \"auto\"", "shadow = \"ray\"", 1);
     let found = decided(&rays, &["image.size=[160, 90]"], true);
     assert_eq!(found.options.image.visibility, Visibility::Rays);
+}
+
+#[test]
+fn rays_stand_in_for_maps_of_lights_that_may_meet_a_pane() {
+    let of = |set: &[&str], range_m| {
+        let (desc, mut world) = scene(PANE, set);
+        world.lights[0].range_m = range_m;
+        let trees = Trees::build(&world, u64::MAX).expect("small");
+        let options = decide(&world, &trees, &RenderOptions::for_scene(&desc), true).options;
+        let has_rays = |(i, l): &(usize, &_)| options.shadow_of(*i, l) == ShadowMode::Ray;
+        let lights = world.lights.iter().enumerate().filter(has_rays);
+        lights
+            .map(|(_, light)| light.name.clone())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(of(&[], None), ["above", "onto", "sun", "turning"]);
+    assert_eq!(of(&[], Some(1.9)), ["onto", "sun", "turning"]);
+    assert_eq!(of(&["instance.pane.dynamic=true"], Some(1.9)).len(), 6);
+    assert_eq!(of(&["instance.pane.casts_shadow=false"], None).len(), 0);
 }
 
 #[test]

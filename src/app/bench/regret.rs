@@ -283,6 +283,7 @@ mod tests {
                 light_group: crate::scene::desc::LightGroup::default(),
             },
             range_m: None,
+            moves: false,
         };
         world.lights.push(lamp.clone());
         assert_eq!(Alternative::all(&world, false).len(), 4);

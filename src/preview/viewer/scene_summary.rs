@@ -141,7 +141,7 @@ impl SceneSummary {
                 .map(|(light, lamp)| ShadowLight {
                     light,
                     name: lights[light].clone(),
-                    faces: shadow_faces(lamp, live.renderer().options()),
+                    faces: shadow_faces(light, lamp, live.renderer().options()),
                 })
                 .filter(|shadow_light| shadow_light.faces > 0)
                 .collect(),

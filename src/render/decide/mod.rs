@@ -3,12 +3,15 @@
 pub mod cost;
 pub(crate) mod cull;
 pub(crate) mod edge_on;
+mod filtered_lights;
 pub mod shadow_texels;
 pub mod skip;
 pub mod trace_choice;
 pub mod view_estimate;
 pub mod view_rays;
 pub mod view_sample;
+
+use std::collections::BTreeSet;
 
 use serde::Serialize;
 
@@ -22,12 +25,13 @@ use super::{
         cost::{Pair, Workload},
         cull::is_outside,
         edge_on::has_edge_on_surfaces,
+        filtered_lights::filtered_lights,
         shadow_texels::{COARSE_PX, SeenSurfaces},
         view_estimate::ViewEstimate,
         view_sample::ViewSample,
     },
     lighting::lights::{CUBE_FACES, has_cube_map},
-    plan::{filters_light, reflects, traces_rays},
+    plan::{reflects, traces_rays},
     settings::{options::RenderOptions, unit_costs::UnitCosts, view::View},
 };
 
@@ -64,6 +68,10 @@ pub fn needs_trees(world: &World, options: &RenderOptions) -> bool {
 /// Decides the options left to `auto` for a posed world, as its camera [`RenderOptions::camera`] shows it. `trees` come
 /// from [`needs_trees`]; `software` tells the kind of the adapter. A draft gets the options of the whole picture.
 pub fn decide(world: &World, trees: &Trees, options: &RenderOptions, software: bool) -> Decided {
+    let options = &RenderOptions {
+        filtered_lights: filtered_lights(world),
+        ..*options
+    };
     let mut decider = Decider {
         workload: None,
         world,
@@ -176,19 +184,21 @@ impl Decider<'_> {
     }
 
     fn shadows(&mut self) {
-        let has_map = |l: &Light| matches!(l.desc.shadow, ShadowMode::Map | ShadowMode::Auto);
-        if filters_light(self.world) && self.world.lights.iter().any(has_map) {
-            self.decided.options.filtered_shadows = true;
-            let why = "light passes a surface, which one depth of a map cannot tell";
-            return self.choose("shadow maps", "ray", why.to_owned());
+        let lights = self.world.lights.iter().enumerate();
+        let mapped = lights.filter(|(_, l)| is_mapped(l));
+        let filtered = mapped
+            .clone()
+            .filter(|(i, _)| self.asked.filtered_lights >> i & 1 != 0);
+        if filtered.clone().next().is_some() {
+            let why = format!(
+                "light of {} of {} lights passes a surface, which one depth of a map cannot tell",
+                filtered.count(),
+                mapped.count()
+            );
+            self.choose("shadow maps", "ray", why);
         }
-        let is_auto = |kind: usize| {
-            let mut lights = self.world.lights.iter();
-            lights.any(|l| l.desc.shadow == ShadowMode::Auto && l.desc.kind.index() == kind)
-        };
-        let kinds: Vec<usize> = (0..LightKind::NAMES.len())
-            .filter(|k| is_auto(*k))
-            .collect();
+        let undecided = self.asked.undecided_lights(self.world);
+        let kinds: BTreeSet<usize> = undecided.map(|l| l.desc.kind.index()).collect();
         for kind in kinds {
             let what = format!("shadow of {} lights", LightKind::NAMES[kind]);
             if let Some(span) = self.coarsest_px(kind).filter(|span| *span > COARSE_PX) {
@@ -216,8 +226,8 @@ impl Decider<'_> {
     fn coarsest_px(&self, kind: usize) -> Option<f32> {
         let (world, trees) = (self.world, self.trees);
         let seen = SeenSurfaces::new(world, trees, &view_of(world, &self.asked));
-        let is_auto = |l: &&Light| l.desc.shadow == ShadowMode::Auto && l.desc.kind.index() == kind;
-        let lights = world.lights.iter().filter(is_auto);
+        let undecided = self.asked.undecided_lights(world);
+        let lights = undecided.filter(|l| l.desc.kind.index() == kind);
         let spans = lights.filter_map(|l| seen.texel_px(l, map_px(world, l) as u32));
         spans.max_by(f32::total_cmp)
     }
@@ -302,13 +312,15 @@ fn seen_by(world: &World, options: &RenderOptions) -> CameraDesc {
 
 const NO_RAYS: &str = "no other feature traces rays, so no BVH is built";
 
+/// Whether a light has a shadow map unless rays stand in for it.
+fn is_mapped(light: &Light) -> bool {
+    matches!(light.desc.shadow, ShadowMode::Map | ShadowMode::Auto)
+}
+
 /// Width in texels of the shadow map that a light would have: all maps of a form are as large as the largest.
 fn map_px(world: &World, light: &Light) -> f64 {
     let is_cube = has_cube_map(&light.desc.kind);
-    let has_map = |l: &&Light| {
-        let is_map = matches!(l.desc.shadow, ShadowMode::Map | ShadowMode::Auto);
-        is_map && has_cube_map(&l.desc.kind) == is_cube
-    };
+    let has_map = |l: &&Light| is_mapped(l) && has_cube_map(&l.desc.kind) == is_cube;
     let px = world
         .lights
         .iter()
@@ -340,11 +352,7 @@ pub fn workload(world: &World, trees: &Trees, options: &RenderOptions) -> Worklo
     }
     let mut map_pixels = [0.0; LightKind::NAMES.len()];
     let mut map_views = map_pixels;
-    for light in world
-        .lights
-        .iter()
-        .filter(|l| l.desc.shadow == ShadowMode::Auto)
-    {
+    for light in options.undecided_lights(world) {
         let kind = light.desc.kind.index();
         // Most triangles lie in one or two faces of a cube.
         let (faces, views) = if has_cube_map(&light.desc.kind) {

@@ -6,9 +6,9 @@ use std::collections::BTreeMap;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use reflet_scene::desc::{LightKind, ShadowMode};
+use reflet_scene::desc::LightKind;
 use reflet_world::{
-    World,
+    Light, World,
     bvh::{Ray, RayHit, SHADOWLESS, Trees},
 };
 
@@ -68,6 +68,7 @@ impl ViewSample {
         let sampler = Sampler {
             rays: ViewRays { world, trees, view },
             cutoff: options.reflection.reflects_below(),
+            undecided_lights: options.undecided_lights(world).collect(),
         };
         let samples = places().map(|place| sampler.sample(place));
         samples.reduce(Self::default, Self::plus)
@@ -101,6 +102,7 @@ impl ViewSample {
 struct Sampler<'a> {
     rays: ViewRays<'a>,
     cutoff: f32,
+    undecided_lights: Vec<&'a Light>,
 }
 
 impl Sampler<'_> {
@@ -162,8 +164,7 @@ impl Sampler<'_> {
     }
 
     fn count_shadows(&self, point: &SurfacePoint, sum: &mut ViewSample) {
-        let lights = self.rays.world.lights.iter();
-        for light in lights.filter(|l| l.desc.shadow == ShadowMode::Auto) {
+        for light in &self.undecided_lights {
             let Some((direction, t_max)) = towards(light, point) else {
                 continue;
             };

@@ -58,8 +58,8 @@ impl ShadowSizes {
     /// Sizes of the shadow maps of these lights.
     pub fn for_lights(lights: &[Light], options: &RenderOptions) -> Self {
         let mut sizes = Self::default();
-        let has_map = |l: &&Light| options.shadow_of(&l.desc) == ShadowMode::Map;
-        for light in lights.iter().filter(has_map) {
+        let has_map = |(i, l): &(usize, &Light)| options.shadow_of(*i, l) == ShadowMode::Map;
+        for (_, light) in lights.iter().enumerate().filter(has_map) {
             if has_cube_map(&light.desc.kind) {
                 sizes.cubes += 1;
                 sizes.cube_px = sizes.cube_px.max(light.desc.shadow_px);
@@ -97,10 +97,11 @@ impl LightNeeds {
     /// Features that these lights need.
     pub fn for_lights(lights: &[Light], options: &RenderOptions) -> Self {
         let is_sized = |light: &Light| light.desc.kind.has_size();
-        let has_ray = |light: &Light| options.shadow_of(&light.desc) == ShadowMode::Ray;
+        let by_rays = |(i, l): &(usize, &Light)| options.shadow_of(*i, l) == ShadowMode::Ray;
+        let mut by_rays = lights.iter().enumerate().filter(by_rays).peekable();
         Self {
-            rays: lights.iter().any(has_ray),
-            hard_rays: lights.iter().any(|l| !is_sized(l) && has_ray(l)),
+            rays: by_rays.peek().is_some(),
+            hard_rays: by_rays.any(|(_, light)| !is_sized(light)),
             sized: lights.iter().any(is_sized),
             sized_suns: lights
                 .iter()
@@ -122,9 +123,10 @@ pub fn has_shadow_rays(lights: &[Light], options: &RenderOptions) -> bool {
     LightNeeds::for_lights(lights, options).rays
 }
 
-/// Lights in the order of shaders: lights without a size first, and their number.
-pub fn in_order(lights: &[Light]) -> (impl Iterator<Item = &Light>, usize) {
-    let (sized, hard): (Vec<_>, Vec<_>) = lights.iter().partition(|l| l.desc.kind.has_size());
+/// Lights with their indices in the order of shaders: lights without a size first, and their number.
+pub fn in_order(lights: &[Light]) -> (impl Iterator<Item = (usize, &Light)>, usize) {
+    let lights = lights.iter().enumerate();
+    let (sized, hard): (Vec<_>, Vec<_>) = lights.partition(|(_, l)| l.desc.kind.has_size());
     let count = hard.len();
     (hard.into_iter().chain(sized), count)
 }
@@ -141,8 +143,8 @@ pub fn lights(
     let mut block = LightBlock::zeroed();
     let mut views = Vec::new();
     let (mut cubes, mut maps) = (0, 0);
-    for (light, out) in in_order(lights).0.zip(&mut block.lights) {
-        let shadow = options.shadow_of(&light.desc);
+    for ((index, light), out) in in_order(lights).0.zip(&mut block.lights) {
+        let shadow = options.shadow_of(index, light);
         *out = gpu_light(light, shadow);
         if shadow != ShadowMode::Map {
             continue;
@@ -233,7 +235,7 @@ fn cube_faces(position: Vec3, near_m: f32) -> [Mat4; 6] {
 }
 
 /// Clip matrix of a spot or directional light, and the world size of a texel (at distance 1 for spots), m.
-fn flat_view(kind: &LightKind, px: u32, bounds: &Bounds, near_m: f32) -> (Mat4, f32) {
+pub(crate) fn flat_view(kind: &LightKind, px: u32, bounds: &Bounds, near_m: f32) -> (Mat4, f32) {
     match *kind {
         LightKind::Spot {
             position,

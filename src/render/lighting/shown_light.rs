@@ -29,7 +29,7 @@ impl ShownLight {
             sampling.scale = 0.0;
         }
         let lights = in_order(&world.lights).0;
-        for (light, out) in lights.zip(&mut block.lights) {
+        for ((_, light), out) in lights.zip(&mut block.lights) {
             out.shown = f32::from(u8::from(self.shows(light.desc.light_group)));
         }
     }

@@ -17,10 +17,10 @@ use crate::{
     settings::options::RenderOptions,
 };
 
-/// Number of shadow map faces of a light: six for a point light, one for other lights, none where the shadow is not
-/// mapped.
-pub fn shadow_faces(light: &Light, options: &RenderOptions) -> usize {
-    match options.shadow_of(&light.desc) {
+/// Number of shadow map faces of a light with its index: six for a point light, one for other lights, none where the
+/// shadow is not mapped.
+pub fn shadow_faces(index: usize, light: &Light, options: &RenderOptions) -> usize {
+    match options.shadow_of(index, light) {
         ShadowMode::Map if has_cube_map(&light.desc.kind) => CUBE_FACES.len(),
         ShadowMode::Map | ShadowMode::Auto => 1,
         ShadowMode::None | ShadowMode::Ray => 0,
@@ -54,13 +54,13 @@ impl Renderer {
         face: usize,
     ) -> Result<Option<(u32, Vec<f32>)>, GpuError> {
         let world = &self.world;
-        let faces = |light: &Light| shadow_faces(light, &self.options);
-        if face >= world.lights.get(light).map_or(0, faces) {
+        let faces = |index: usize, light: &Light| shadow_faces(index, light, &self.options);
+        if face >= world.lights.get(light).map_or(0, |l| faces(light, l)) {
             return Ok(None);
         }
         let (lights, _) = in_order(&world.lights);
-        let before = lights.take_while(|l| !std::ptr::eq(*l, &raw const world.lights[light]));
-        let before: usize = before.map(faces).sum();
+        let before = lights.take_while(|(index, _)| *index != light);
+        let before: usize = before.map(|(index, l)| faces(index, l)).sum();
         let (_, views) = self.lights();
         let Some(view) = views.get(before + face) else {
             return Ok(None);
@@ -119,6 +119,7 @@ mod tests {
                 light_group: LightGroup::default(),
             },
             range_m: None,
+            moves: false,
         }
     }
 
@@ -163,7 +164,7 @@ mod tests {
                 map_near_m(2.0),
                 &options,
             );
-            assert_eq!(views.len(), shadow_faces(&all[0], &options));
+            assert_eq!(views.len(), shadow_faces(0, &all[0], &options));
             // The fourth view, the cube face that looks down; the only view of other maps.
             let view = views.get(3).unwrap_or(&views[0]);
             let clip = view.clip_from_world * point.extend(1.0);
@@ -182,8 +183,8 @@ mod tests {
             intensity_lux: 1.0,
             angle_deg: 0.0,
         });
-        assert_eq!(shadow_faces(&lamp, &RenderOptions::default()), 1);
+        assert_eq!(shadow_faces(0, &lamp, &RenderOptions::default()), 1);
         lamp.desc.shadow = ShadowMode::Ray;
-        assert_eq!(shadow_faces(&lamp, &RenderOptions::default()), 0);
+        assert_eq!(shadow_faces(0, &lamp, &RenderOptions::default()), 0);
     }
 }

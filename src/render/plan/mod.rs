@@ -16,7 +16,7 @@ use self::planned_scene::PlannedScene;
 pub use self::{
     feature_table::{Dropped, FeatureRow, FileChoice},
     features::Features,
-    uses::{filters_light, passes_light},
+    uses::passes_light,
 };
 use super::{
     buffers::textures::{Layers, POOL_BITS},

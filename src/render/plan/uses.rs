@@ -14,12 +14,6 @@ pub fn passes_light(world: &World) -> bool {
     uses(world, Material::passes_light)
 }
 
-/// Whether some instance that casts a shadow may transmit light.
-pub fn filters_light(world: &World) -> bool {
-    let filters = |material: usize| world.materials[material].passes_light();
-    (world.instances.iter()).any(|i| i.shown.casts_shadow && filters(i.material))
-}
-
 /// Whether some material has a specular lobe, whose facets may scatter light more than once.
 pub fn scatters_twice(world: &World) -> bool {
     uses(world, has_specular)

@@ -3,10 +3,8 @@
 use std::fmt;
 
 use super::{pixel_share::needs_moments, unit_costs::UnitCosts};
-use reflet_scene::desc::{
-    ImageDesc, LightDesc, LightKind, Method, ReflectionDesc, SceneDesc, ShadowMode,
-};
-use reflet_world::World;
+use reflet_scene::desc::{ImageDesc, LightKind, Method, ReflectionDesc, SceneDesc, ShadowMode};
+use reflet_world::{Light, World};
 
 /// Options of a renderer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -17,9 +15,9 @@ pub struct RenderOptions {
     pub image: ImageDesc,
     /// Shadow mode of lights with `shadow = "auto"`, by kind of light.
     pub auto_shadow: [ShadowMode; LightKind::NAMES.len()],
-    /// Whether light passes some surface that casts a shadow, so that shadow rays stand in for maps: the one depth of a
-    /// texel cannot tell how much passes, in which color.
-    pub filtered_shadows: bool,
+    /// Lights, a bit for each by its index in [`World::lights`], that may shine on something that lets light pass and casts
+    /// a shadow. Shadow rays stand in for their maps: the one depth of a texel cannot tell how much passes, in which color.
+    pub filtered_lights: u64,
     /// Index of the camera whose view decides `auto` settings; `None` for [`World::main_camera`].
     pub camera: Option<usize>,
     /// Unit costs for deciding `auto` settings; `None` for the costs of the adapter's kind.
@@ -156,14 +154,23 @@ impl RenderOptions {
         self.reflection.method == Method::Path
     }
 
-    /// Shadow mode of a light, with `auto` decided.
-    pub fn shadow_of(&self, light: &LightDesc) -> ShadowMode {
-        let by_rays = self.is_unbiased() || self.filtered_shadows;
-        match light.shadow {
+    /// Shadow mode of a light of [`World::lights`] with its index, with `auto` decided.
+    pub fn shadow_of(&self, index: usize, light: &Light) -> ShadowMode {
+        let by_rays = self.is_unbiased() || self.filtered_lights >> index & 1 != 0;
+        match light.desc.shadow {
             ShadowMode::Map | ShadowMode::Auto if by_rays => ShadowMode::Ray,
-            ShadowMode::Auto => self.auto_shadow[light.kind.index()],
+            ShadowMode::Auto => self.auto_shadow[light.desc.kind.index()],
             mode => mode,
         }
+    }
+
+    /// Lights of a world whose shadow mode is still to decide.
+    pub fn undecided_lights<'a>(&'a self, world: &'a World) -> impl Iterator<Item = &'a Light> {
+        let is_filtered = |index: usize| self.filtered_lights >> index & 1 != 0;
+        let lights = world.lights.iter().enumerate();
+        lights
+            .filter(move |(i, l)| l.desc.shadow == ShadowMode::Auto && !is_filtered(*i))
+            .map(|(_, light)| light)
     }
 }
 

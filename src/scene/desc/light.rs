@@ -15,7 +15,7 @@ declared! {
     /// How a light's shadows are found.
     #[words]
     pub enum ShadowMode = Map {
-        /// depth maps (cube maps for point lights), filtered; not for lights with a size. Where light passes
+        /// depth maps (cube maps for point lights), filtered; not for lights with a size. Where its light may pass
         /// something that casts a shadow, by its alpha or as glass, it is `ray`, which tells how much passes.
         Map = "map",
         /// shadow rays through the BVH that reflections use; exact, hard-edged for lights without a

@@ -1,10 +1,10 @@
 //! Parents and children: from transforms relative to parents to world transforms.
 
-use std::borrow::Cow;
+use std::{borrow::Cow, collections::HashSet};
 
 use glam::{Affine3A, Vec3};
 
-use super::transform;
+use super::{moving, transform};
 use crate::desc::{CameraDesc, LightDesc, Parents, PlacementDesc, SceneDesc};
 
 impl Parents {
@@ -119,6 +119,18 @@ impl SceneDesc {
         let mut lights: Vec<_> = self.lights.iter().map(|e| e.value).collect();
         attach_lights(&self.parents, &mut lights, rest);
         lights
+    }
+
+    /// Whether each light may change from frame to frame: by its motion, a parent that moves or a script.
+    pub fn moving_lights(&self) -> Vec<bool> {
+        let (moves, by_script) = (moving(self), self.has_frame_script());
+        let moved: HashSet<_> = self.motion.lights.iter().map(|e| &e.name).collect();
+        let has_moving_parent =
+            |light: usize| self.parents.of_light(light).is_some_and(|p| moves[p]);
+        let lights = self.lights.iter().enumerate();
+        lights
+            .map(|(index, e)| by_script || moved.contains(&e.name) || has_moving_parent(index))
+            .collect()
     }
 
     /// World-space cameras without motion; `rest` are the world transforms of the nodes.

@@ -70,6 +70,7 @@ pub fn read(light: &schema::Light, name: &str, notes: &mut Notes, place: &str) -
             light_group: LightGroup::default(),
         },
         range_m,
+        moves: false,
     })
 }
 

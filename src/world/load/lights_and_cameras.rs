@@ -35,10 +35,11 @@ pub struct Extras {
 impl Extras {
     /// Lights and cameras of the scene text; `rest` are the transforms of its instances and groups at rest.
     pub fn new(desc: &SceneDesc, rest: &[Affine3A]) -> Self {
-        let light = |(entry, desc): (&Entry<_>, _)| Light {
+        let light = |((entry, desc), moves): ((&Entry<_>, _), _)| Light {
             name: entry.name.clone(),
             desc,
             range_m: None,
+            moves,
         };
         let camera = |(entry, value): (&Entry<_>, _)| Entry {
             name: entry.name.clone(),
@@ -50,6 +51,7 @@ impl Extras {
             camera_names.take(&camera.name);
         }
         let lights = desc.lights.iter().zip(desc.lights_at_rest(rest));
+        let lights = lights.zip(desc.moving_lights());
         let cameras = desc.cameras.iter().zip(desc.cameras_at_rest(rest));
         Self {
             lights: lights.map(light).collect(),
@@ -121,6 +123,7 @@ impl Extras {
         anchor: Option<Anchor>,
         pointed: Option<(usize, Pointed)>,
     ) {
+        let moves = anchor.is_some();
         if let Some(anchor) = anchor {
             self.moving_lights.push(Moved {
                 pointed,
@@ -133,6 +136,7 @@ impl Extras {
             name: format!("{name}/{}", light.name),
             desc: placed_light(&light.desc, &place.world),
             range_m: light.range_m,
+            moves,
         });
     }
 }
