@@ -222,45 +222,6 @@ fn mirrors_show_what_is_behind_a_pane() {
 }
 
 #[test]
-fn lamps_shine_through_panes() {
-    let Some(gpu) = gpu() else { return };
-    let lamp = |kind: &str, keys: &str| {
-        format!(
-            "[light.lamp]\nkind = \"{kind}\"\nposition = [0, 0, 2]\nintensity_cd = 10\n{keys}\n"
-        )
-    };
-    let floor = WALL
-        .replace("emission = [1, 0.5, 0.25]", "reflection = \"none\"")
-        .replace(
-            "base_color = [0, 0, 0]\nreflectivity = 0",
-            "base_color = [1, 1, 1]\nreflectivity = 0",
-        );
-    let pane = thing(PANE, "transmission = 1\nior = 2\nbase_color = [0.25, 1, 1]");
-    let passed = 1.0 - fresnel_at_normal(2.0);
-    // A light behind the pane, so that it reaches the camera only through the pane.
-    let set = [
-        "camera.main.eye=[0, 0, -1]",
-        "camera.main.target=[0, 0, -5]",
-        "image.samples=16",
-    ];
-    let hard = lamp("point", "shadow = \"ray\"");
-    let sized = lamp("point", "shadow = \"ray\"\nradius_m = 0.05");
-    // At this distance, the size of the lamp changes its light by less than a ten-thousandth.
-    let open = mean(&render(gpu, &[floor.as_str(), &hard].concat(), &set, &[]));
-    for lamp in [hard, sized] {
-        let behind = mean(&render(
-            gpu,
-            &[&floor, &lamp, &pane].map(String::as_str).concat(),
-            &set,
-            &[],
-        ));
-        assert!(open[0] > 0.01);
-        assert_close(behind[0], open[0] * 0.25 * passed, 0.01);
-        assert_close(behind[1], open[1] * passed, 0.01);
-    }
-}
-
-#[test]
 fn blended_alpha_shows_both_the_surface_and_what_is_behind() {
     let Some(gpu) = gpu() else { return };
     let text = wall_and(&thing(
