@@ -62,7 +62,10 @@ PARTS = {
         r"/meshes/\d+/primitives/\d+/attributes/(NORMAL|TANGENT|TEXCOORD_\d|COLOR_0)",
         (),
     ),
-    "accessors of attributes": (r"/accessors/\d+/(count|byteOffset|bufferView|componentType)", ()),
+    "accessors of attributes": (
+        r"/accessors/\d+/(count|byteOffset|bufferView|componentType|type|normalized)",
+        (),
+    ),
     "attributes of morph targets": (
         r"/meshes/\d+/primitives/\d+/targets/\d+/(NORMAL|TANGENT|TEXCOORD_\d|COLOR_0)",
         (),
@@ -219,15 +222,13 @@ def break_part(model: Model, kind: str, chance: random.Random) -> tuple[str, dic
     """
     root = json.loads(json.dumps(model.root))
     pointer, of, key = chance.choice(parts_of(root, kind))
-    if kind == "accessors of attributes":
-        of[key] = 10**9
-    else:
-        # An empty list is an object without keys.
-        same = {int: (int, float), float: (int, float), dict: (dict, list)}
-        others: list[Any] = ["lost", [], {}, 99_999]
-        wrong = [v for v in others if type(v) not in same.get(type(of[key]), (type(of[key]),))]
-        wrong += [-1, -7] if type(of[key]) is int else []
-        of[key] = chance.choice(wrong)
+    # An empty list is an object without keys.
+    same = {int: (int, float), float: (int, float), dict: (dict, list)}
+    others: list[Any] = ["lost", [], {}, 99_999]
+    wrong = [v for v in others if type(v) not in same.get(type(of[key]), (type(of[key]),))]
+    if type(of[key]) is int:
+        wrong += [-1, 10**9 if kind == "accessors of attributes" else -7]
+    of[key] = chance.choice(wrong)
     said = f"{pointer} = {json.dumps(of[key])}"
     return said, model.beside | {model.name: model.assemble(root, model.binary)}
 

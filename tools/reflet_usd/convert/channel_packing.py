@@ -151,7 +151,9 @@ class Packer:
                 if file.floats is not None and file.floats[..., channel.index].max() > 1.0:
                     message += "; values above 1 are lost"
                 if file.has_more:
-                    message += "; pictures after its first, such as its own mip levels, are left out"
+                    message += (
+                        "; pictures after its first, such as its own mip levels, are left out"
+                    )
                 warn("texture-converted", channel.read.prim, message)
             elif channel.scale != 1.0 or channel.bias != 0.0 or len(sizes) > 1:
                 message = "its values were rewritten (scale, bias or size) with 8-bit rounding"
