@@ -48,7 +48,7 @@
 //! 1. **Shadow**: depth cube maps for point lights, flat maps for spot and directional ones; lights
 //!    with `shadow = "ray"` need none. A map whose light and casters have not moved is not drawn
 //!    again.
-//! 2. **Visibility** rasterizes depth and ids (instance, triangle) and nothing else; points and lines are capsules
+//! 2. **Visibility** rasterizes depth and ids (instance, triangle) and nothing else; spheres, points and lines are capsules
 //!    ([`world::Mesh::capsule_radius_m`]), whose id stands for a triangle's, drawn as quadrilaterals in which every
 //!    pixel tests its ray; with `image.visibility = "rays"`, **primary** finds the same ids by a ray a pixel.
 //! 3. **Surface** resolves the G-buffer from the ids in compute and lists the reflective pixels. The

@@ -77,7 +77,7 @@ fn capsule_share(point: vec3f, axis: vec3f) -> f32 {
 fn capsule_place(point: vec3f, axis: vec3f, radius: f32) -> vec2f {
     let share = capsule_share(point, axis);
     let normal = normalize(point - axis * share) * capsule_frame(axis);
-    let meridian = asin(clamp(normal.z, -1.0, 1.0)) + 0.5 * CAPSULE_PI;
+    let meridian = atan2(normal.z, length(normal.xy)) + 0.5 * CAPSULE_PI;
     let length_m = length(axis);
     let angle = atan2(normal.y, normal.x) / (2.0 * CAPSULE_PI);
     return vec2f((share * length_m + radius * meridian) / (length_m + radius * CAPSULE_PI), fract(angle));

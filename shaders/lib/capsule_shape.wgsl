@@ -46,10 +46,11 @@ fn capsule_vertex(instance: u32, vertex: u32, eye: vec4f, clip_from_world: mat4x
     // Half the side of a square around the circle in which the cone from the eye touches a sphere, over its distance.
     let nearest_m = min(base_m, end_m);
     let round = radius * inverseSqrt(max(nearest_m * nearest_m - radius * radius, 1e-4 * radius * radius));
-    // A capsule that is thinner than a pixel is drawn as wide: see pixel_radius_m.
+    // A point or a line that is thinner than a pixel is drawn as wide: see pixel_radius_m.
     let squeeze = max(length(rows[0].xyz), max(length(rows[1].xyz), length(rows[2].xyz)));
     let way = max(distance(eye.xyz, to_world(instance, c.p[0])) / base_m, distance(eye.xyz, to_world(instance, c.p[0] + axis)) / end_m);
-    let half_px = select(LINE_PX, POINT_PX, SPHERES || dot(axis, axis) == 0.0) * 0.5;
+    let least_px = select(LINE_PX, POINT_PX, SPHERES || dot(axis, axis) == 0.0);
+    let half_px = select(0.0, 0.5 * least_px, (instance_flags(instance) & FLAG_AT_LEAST_A_PIXEL) != 0u);
     let spread = max(round, half_px * squeeze * width.y * way);
     let outer_base = base / base_m - cross(across, base / base_m) * spread;
     let outer_end = end / end_m + cross(across, end / end_m) * spread;

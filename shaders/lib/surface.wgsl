@@ -68,7 +68,7 @@ fn pixel_radius_m(instance: u32, o: vec3f, d: vec3f, axis: vec3f, width: vec2f) 
 }
 
 // Where a ray past `t_min` meets a capsule, as in test_capsule of bvh.wgsl; where it misses, the point nearest to it.
-// `width` is of a pixel: m at the ray's origin, and m more for each length of its direction. Thinner capsules get this width.
+// `width` is of a pixel: m at the ray's origin, and m more for each length of its direction; thinner points and lines get it.
 fn capsule_hit(instance: u32, capsule: u32, origin: vec3f, direction: vec3f, t_min: f32, width: vec2f) -> CapsuleHit {
     let c = corners(instance, capsule);
     let axis = c.p[1] - c.p[0];
@@ -77,7 +77,7 @@ fn capsule_hit(instance: u32, capsule: u32, origin: vec3f, direction: vec3f, t_m
     let o = vec3f(dot(rows[0].xyz, offset), dot(rows[1].xyz, offset), dot(rows[2].xyz, offset)) - c.p[0];
     let d = vec3f(dot(rows[0].xyz, direction), dot(rows[1].xyz, direction), dot(rows[2].xyz, direction));
     var radius = instance_capsule_radius_m(instance);
-    if (width.x + width.y > 0.0) { radius = max(radius, pixel_radius_m(instance, o, d, axis, width)); }
+    if ((instance_flags(instance) & FLAG_AT_LEAST_A_PIXEL) != 0u && width.x + width.y > 0.0) { radius = max(radius, pixel_radius_m(instance, o, d, axis, width)); }
     let span = capsule_span(o, d, axis, radius);
     if (!span.is_met) {
         let t = dot(0.5 * axis - o, d) / dot(d, d);
@@ -177,10 +177,11 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
     var area2 = max(length(cross_world), 1e-20);
     var ng = cross_world / area2;
     if ((flags & FLAG_MIRRORED) != 0u) { ng = -ng; }
+    let outward = direction_to_world(instance, round.normal);
     if (is_round) {
-        s.position += direction_to_world(instance, round.normal * radius);
+        s.position += outward * radius;
         ng = normalize(normal_to_world(instance, round.normal));
-        area2 = 1.0; // a capsule's finest texels are sampled
+        area2 = dot(outward, outward); // patterns know their scale by it
     }
     let base = instance_vertex_base(instance);
     var weights = vec3f(1.0 - bary.x - bary.y, bary.x, bary.y);
@@ -213,8 +214,7 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
         s.curvature = mean_curvature(c.p, normals, area2) * select(1.0, -1.0, behind);
         // The mean curvature of a sphere, and of a cylinder.
         let turns = select(1.0, 0.5, round.share > 0.0 && round.share < 1.0);
-        let scale = length(direction_to_world(instance, round.normal));
-        if (is_round) { s.curvature = turns / (radius * scale) * select(1.0, -1.0, behind); }
+        if (is_round) { s.curvature = turns / (radius * length(outward)) * select(1.0, -1.0, behind); }
         if (is_plane) { s.curvature = 0.0; }
     }
     // With layers, the G-buffer has no bits for the lift.

@@ -134,6 +134,10 @@ pub struct Mesh {
     /// Radius in object space, m, of capsules: each of `triangles` is then `[a, b, b]` and stands for all points within
     /// this radius of the segment from vertex `a` to vertex `b`, a sphere where `a` is `b`.
     pub capsule_radius_m: Option<f32>,
+    /// Whether capsules are drawn at least a pixel wide, as points and lines of files are.
+    pub at_least_a_pixel: bool,
+    /// Capsule that takes the place of the triangles where no material needs these.
+    pub round: Option<Round>,
     /// Object-space bounds.
     pub bounds: Bounds,
     /// Deformation by animations; the vertices here are at rest, and the world holds their pose.
@@ -142,6 +146,15 @@ pub struct Mesh {
     pub closed: OnceLock<bool>,
     /// Cached result of [`Mesh::curvature`].
     pub curvature: OnceLock<Curvature>,
+}
+
+/// The exact surface of a mesh that is a sphere or a capsule.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Round {
+    /// Ends of the segment, in object space; equal for a sphere.
+    pub ends: [Vec3; 2],
+    /// Radius in object space, m.
+    pub radius_m: f32,
 }
 
 /// The attributes of a mesh that depend on its pose.
@@ -181,6 +194,23 @@ impl Mesh {
             size_of_val(self.triangles.as_slice()),
         ];
         streams.into_iter().sum::<usize>() as u64
+    }
+
+    /// Replaces the triangles with a capsule.
+    pub fn make_round(&mut self, round: Round) {
+        *self = Self {
+            name: std::mem::take(&mut self.name),
+            positions: round.ends.to_vec(),
+            triangles: vec![if round.ends[0] == round.ends[1] {
+                [0; 3]
+            } else {
+                [0, 1, 1]
+            }],
+            capsule_radius_m: Some(round.radius_m),
+            round: Some(round),
+            ..Self::default()
+        };
+        self.bounds = self.bounds_at_rest();
     }
 
     /// Bounds of the positions, with the radius of capsules.

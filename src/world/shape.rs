@@ -30,7 +30,7 @@ use std::f32::consts::TAU;
 
 use glam::{Vec2, Vec3};
 
-use super::Mesh;
+use super::{Mesh, Round};
 use reflet_base::math::Bounds;
 use reflet_scene::desc::{LatheSource, ShapeDesc};
 
@@ -70,6 +70,11 @@ fn simple(shape: &ShapeDesc) -> Mesh {
             "box"
         }
         ShapeDesc::Sphere { radius, segments } => {
+            builder.mesh.round = segments.is_none().then_some(Round {
+                ends: [Vec3::ZERO; 2],
+                radius_m: radius,
+            });
+            let segments = segments.unwrap_or(128);
             let rows = (segments / 2).max(2);
             let row = |row: u32| Row::new(row as f32 / rows as f32, 0.0);
             builder.round_ends(radius, &(0..=rows).map(row).collect::<Vec<_>>(), segments);
@@ -122,6 +127,11 @@ fn simple(shape: &ShapeDesc) -> Mesh {
             height,
             segments,
         } => {
+            builder.mesh.round = segments.is_none().then_some(Round {
+                ends: [radius, (height - radius).max(radius)].map(|y| Vec3::Y * y),
+                radius_m: radius,
+            });
+            let segments = segments.unwrap_or(64);
             let rows = capsule_rows(radius, height, segments);
             builder.round_ends(radius, &rows, segments);
             "capsule"

@@ -113,8 +113,11 @@ impl Sight {
             let place = instance.world_from_object;
             let front = f64::from(place.matrix3.determinant().signum());
             let scale = f64::from(place.matrix3.determinant().abs().cbrt());
-            let radius_m = mesh.capsule_radius_m.map(|m| f64::from(m) * scale);
-            let has_back = radius_m.is_none() && !world.materials[instance.material].double_sided;
+            let round = mesh.capsule_radius_m.map(|m| Thickness {
+                radius_m: f64::from(m) * scale,
+                least_px: if mesh.at_least_a_pixel { LEAST_PX } else { 0.0 },
+            });
+            let has_back = round.is_none() && !world.materials[instance.material].double_sided;
             for triangle in &mesh.triangles {
                 let corners = posed.corners(*triangle);
                 let [a, b, c] = corners.map(|p| place.transform_point3(p).as_dvec3());
@@ -123,7 +126,7 @@ impl Sight {
                     false => -self.forward,
                 };
                 let is_back = has_back && (b - a).cross(c - a).dot(to_eye) * front < 0.0;
-                match self.unseen_triangle([a, b, c], is_back, radius_m) {
+                match self.unseen_triangle([a, b, c], is_back, round) {
                     None => return None,
                     Some(reason) => why = later(why, reason),
                 }
@@ -132,27 +135,28 @@ impl Sight {
         Some(why)
     }
 
-    /// Why a triangle is not seen; one with a radius is a point or a line, which is at least a pixel wide.
+    /// Why a triangle, or a capsule of some thickness, is not seen.
     fn unseen_triangle(
         &self,
         corners: [DVec3; 3],
         is_back: bool,
-        radius_m: Option<f64>,
+        round: Option<Thickness>,
     ) -> Option<Unseen> {
+        let radius_m = round.map_or(0.0, |round| round.radius_m);
         let corners = corners.map(|p| self.pixel_from_world * p.extend(1.0));
         let beyond = |near_m: f64| {
             let cut = cut(&corners, near_m);
             let points = cut.iter().map(|p| p.truncate().truncate() / p.w);
-            match radius_m {
-                Some(radius_m) => {
+            match round {
+                Some(round) => {
                     let w = cut.iter().map(|p| p.w).fold(f64::MAX, f64::min);
-                    widened(points, (radius_m * self.px_per_m / w).max(LEAST_PX))
+                    widened(points, (radius_m * self.px_per_m / w).max(round.least_px))
                 }
                 None => points.collect(),
             }
         };
         let farthest = corners.iter().map(|p| p.z).fold(f64::MIN, f64::max);
-        let farthest = farthest + radius_m.unwrap_or(0.0);
+        let farthest = farthest + radius_m;
         let least_m = if self.is_perspective {
             self.near_m * 1e-6
         } else {
@@ -167,7 +171,7 @@ impl Sight {
         if is_back {
             return Some(Unseen::Backs);
         }
-        let polygon = beyond(self.near_m - radius_m.unwrap_or(0.0));
+        let polygon = beyond(self.near_m - radius_m);
         (!self.covers_a_center(&polygon)).then_some(match self.is_in_picture(&polygon) {
             true => Unseen::Small,
             false => Unseen::Outside,
@@ -204,6 +208,15 @@ impl Sight {
         }
         false
     }
+}
+
+/// Thickness of a capsule.
+#[derive(Clone, Copy)]
+struct Thickness {
+    /// Radius in the world, m.
+    radius_m: f64,
+    /// Least radius in the picture, pixels.
+    least_px: f64,
 }
 
 /// The reason that wins; of two depths the farther one.

@@ -51,6 +51,7 @@ fn mesh(
         positions,
         triangles: capsules.collect(),
         capsule_radius_m: Some(radius_m),
+        at_least_a_pixel: true,
         ..Mesh::default()
     };
     mesh.bounds = mesh.bounds_at_rest();

@@ -109,7 +109,7 @@ fn models_are_files_with_overrides_or_shapes() {
             }),
             ModelSource::Shape(ShapeDesc::Sphere {
                 radius: 0.5,
-                segments: 128
+                segments: None
             }),
             ModelSource::Shape(ShapeDesc::Cylinder {
                 radius: 2.0,
@@ -150,7 +150,7 @@ fn round_shapes_have_defaults() {
         ShapeDesc::Capsule {
             radius: 0.25,
             height: 3.0,
-            segments: 64,
+            segments: None,
         },
     ];
     assert_eq!(shapes, want.map(ModelSource::Shape));

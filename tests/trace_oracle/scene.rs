@@ -83,7 +83,7 @@ pub fn world(offset: Vec3) -> World {
     let mut meshes: Vec<_> = [
         ShapeDesc::Sphere {
             radius: 1.0,
-            segments: 24,
+            segments: Some(24),
         },
         ShapeDesc::Box {
             size: Vec3::ONE,
@@ -221,7 +221,7 @@ pub fn closed_shape(offset: Vec3, dynamic: bool) -> World {
             shape::make(
                 &ShapeDesc::Sphere {
                     radius: 3.0,
-                    segments: 256,
+                    segments: Some(256),
                 },
                 &shape::Supplies::default(),
             )

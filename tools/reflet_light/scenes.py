@@ -46,7 +46,7 @@ def thing(name: str, shape: str, material: str, place: str = "") -> str:
     )
 
 
-BALL = '{ kind = "sphere", radius = 1, segments = 512 }'
+BALL = '{ kind = "sphere", radius = 1 }'
 METAL = "base_color = [1.0, 0.78, 0.34]\nmetallic = 1\n"
 PLASTIC = "base_color = [0.5, 0.08, 0.06]\n"
 MATTE = "base_color = [0.7, 0.7, 0.7]\nreflectivity = 0"

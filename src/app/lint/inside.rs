@@ -11,7 +11,7 @@ use crate::{
         diagnostic::{Diagnostic, Span},
         stages::Scene,
     },
-    world::{Instance, Posed, World},
+    world::{Instance, Posed, World, bvh::capsule::Capsule},
 };
 
 /// Largest mesh that is tested for being closed, triangles.
@@ -241,7 +241,8 @@ impl<'a> Closed<'a> {
     /// Whether a closed instance contains a point.
     fn contains(&self, index: usize, point: Vec3) -> bool {
         let instance = &self.world.instances[index];
-        let triangles = &self.world.meshes[instance.mesh].triangles;
+        let mesh = &self.world.meshes[instance.mesh];
+        let triangles = &mesh.triangles;
         if !self.is_in_box(instance, point)
             || !invertible(&instance.world_from_object)
             || !self.take(triangles.len())
@@ -251,7 +252,9 @@ impl<'a> Closed<'a> {
         let object_from_world = in_f64(&instance.world_from_object).inverse();
         let posed = self.world.posed(instance.mesh);
         let point = object_from_world.transform_point3(point.as_dvec3());
-        winding_number(triangles, &posed, point).abs() > 0.5
+        let mut capsules = (0..triangles.len() as u32).map_while(|i| Capsule::of_mesh(mesh, i));
+        capsules.any(|capsule| capsule.height(point).0 < 0.0)
+            || winding_number(triangles, &posed, point).abs() > 0.5
     }
 }
 
@@ -282,7 +285,10 @@ mod tests {
         let bevel = BevelDesc::default();
         let (radius, height, segments) = (1.0, 2.0, 16);
         let cuboid = ShapeDesc::Box { size, bevel };
-        let sphere = ShapeDesc::Sphere { radius, segments };
+        let sphere = ShapeDesc::Sphere {
+            radius,
+            segments: Some(segments),
+        };
         let cone = ShapeDesc::Cone {
             radius,
             height,

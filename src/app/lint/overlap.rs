@@ -9,7 +9,10 @@ use crate::{
     math::in_f64,
     render::decide::view_rays::ViewRays,
     scene::{diagnostic::Diagnostic, stages::Scene},
-    world::bvh::{Ray, RayHit},
+    world::{
+        Instance, World,
+        bvh::{Ray, RayHit, capsule::Capsule},
+    },
 };
 
 /// Largest distance of two surfaces that count as one, as a share of the coordinates: some steps of a 32-bit float.
@@ -55,8 +58,8 @@ fn second(rays: &ViewRays, hit: &RayHit, direction: DVec3) -> Option<usize> {
     let world = rays.world;
     let point = rays.point(hit, direction);
     let first = &world.instances[point.instance];
-    let (_, normal) = plane(rays, point.instance, hit.triangle)?;
     let near = point.position.abs().max_element().max(1e-3) * NEAR;
+    let normal = surface_at(world, first, hit.triangle, point.position)?.normal;
     let mut compared = 0;
     world
         .instances
@@ -68,7 +71,7 @@ fn second(rays: &ViewRays, hit: &RayHit, direction: DVec3) -> Option<usize> {
             let is_candidate = index != point.instance
                 && other.material != first.material
                 && other.shown.visible
-                && mesh.capsule_radius_m.is_none()
+                && !mesh.at_least_a_pixel
                 && bounds.min.as_dvec3().cmple(point.position + near).all()
                 && bounds.max.as_dvec3().cmpge(point.position - near).all();
             if !is_candidate {
@@ -77,31 +80,53 @@ fn second(rays: &ViewRays, hit: &RayHit, direction: DVec3) -> Option<usize> {
             compared += mesh.triangles.len();
             compared <= MOST_COMPARED
                 && (0..mesh.triangles.len() as u32).any(|triangle| {
-                    plane(rays, index, triangle).is_some_and(|(corners, other)| {
-                        let distance = (point.position - corners[0]).dot(other);
-                        let is_inside = (0..3).all(|i| {
-                            let (a, b) = (corners[i], corners[(i + 1) % 3]);
-                            (b - a).cross(point.position - a).dot(other) >= -near * a.distance(b)
-                        });
-                        other.dot(normal) > PARALLEL && distance.abs() <= near && is_inside
+                    surface_at(world, other, triangle, point.position).is_some_and(|other| {
+                        other.normal.dot(normal) > PARALLEL
+                            && other.height.abs() <= near
+                            && other.beside <= near
                     })
                 })
         })
 }
 
-/// Corners of a triangle in world space, and its unit normal.
-fn plane(rays: &ViewRays, instance: usize, triangle: u32) -> Option<([DVec3; 3], DVec3)> {
-    let world = rays.world;
-    let instance = &world.instances[instance];
+/// Surface of a triangle or a capsule beside a point, in world space.
+struct NearSurface {
+    /// Unit normal of its front.
+    normal: DVec3,
+    /// Distance of the point from the plane of the triangle, or from the capsule.
+    height: f64,
+    /// Distance by which the point is beside the triangle; negative over it.
+    beside: f64,
+}
+
+/// The surface of an instance's triangle or capsule, seen from a point; `None` where it has no size.
+fn surface_at(world: &World, instance: &Instance, index: u32, point: DVec3) -> Option<NearSurface> {
     let mesh = &world.meshes[instance.mesh];
-    if mesh.capsule_radius_m.is_some() {
-        return None;
-    }
     let to_world = in_f64(&instance.world_from_object);
+    if let Some(capsule) = Capsule::of_mesh(mesh, index) {
+        let to_object = to_world.inverse();
+        let inner = to_object.transform_point3(point);
+        let (height, normal) = capsule.height(inner);
+        let surface = to_world.transform_point3(inner - normal * height);
+        return Some(NearSurface {
+            normal: (to_object.matrix3.transpose() * normal).try_normalize()?,
+            height: surface.distance(point),
+            beside: 0.0,
+        });
+    }
     let corners = world
         .posed(instance.mesh)
-        .corners(mesh.triangles[triangle as usize]);
+        .corners(mesh.triangles[index as usize]);
     let corners = corners.map(|corner| to_world.transform_point3(corner.as_dvec3()));
     let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-    Some((corners, normal.try_normalize()?))
+    let normal = normal.try_normalize()?;
+    let beside = |i: usize| {
+        let (a, b) = (corners[i], corners[(i + 1) % 3]);
+        (b - a).cross(a - point).dot(normal) / a.distance(b)
+    };
+    Some(NearSurface {
+        normal,
+        height: (point - corners[0]).dot(normal),
+        beside: (0..3).map(beside).fold(f64::MIN, f64::max),
+    })
 }

@@ -234,8 +234,8 @@ impl Decider<'_> {
 
     fn visibility(&mut self) {
         let what = "image.visibility";
-        let has_capsules = (self.world.meshes.iter()).any(|mesh| mesh.capsule_radius_m.is_some());
-        if has_capsules && self.asked.image.visibility != Visibility::Raster {
+        let has_lines = (self.world.meshes.iter()).any(|mesh| mesh.at_least_a_pixel);
+        if has_lines && self.asked.image.visibility != Visibility::Raster {
             self.decided.options.image.visibility = Visibility::Raster;
             let why = "points and lines are drawn at least a pixel wide, in trees they are as thin as they are";
             return self.choose(what, "raster", why.to_owned());

@@ -304,15 +304,18 @@ fn emits(material: &Material) -> bool {
 /// Diameter of a sphere around an instance, meters.
 fn diameter_m(world: &World, instance: &Instance, bounds: &Bounds) -> f32 {
     let mesh = &world.meshes[instance.mesh];
-    if mesh.capsule_radius_m.is_some() {
-        return bounds.diagonal();
-    }
     let (center, place) = (bounds.center(), &instance.world_from_object);
     let corners = mesh.positions.iter().map(|p| place.transform_point3(*p));
     let square = corners
         .map(|p| p.distance_squared(center))
         .fold(0.0, f32::max);
-    2.0 * square.sqrt()
+    let columns = [
+        place.matrix3.x_axis,
+        place.matrix3.y_axis,
+        place.matrix3.z_axis,
+    ];
+    let most = columns.map(|c| c.length()).into_iter().fold(0.0, f32::max);
+    2.0 * (square.sqrt() + mesh.capsule_radius_m.unwrap_or(0.0) * most)
 }
 
 /// Distance from a point to a box, meters; infinite for an empty box.

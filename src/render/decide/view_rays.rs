@@ -71,8 +71,8 @@ impl ViewRays<'_> {
     pub fn point(&self, hit: &RayHit, direction: DVec3) -> SurfacePoint {
         let instance = &self.world.instances[hit.instance as usize];
         let mesh = &self.world.meshes[instance.mesh];
-        if let Some(radius) = mesh.capsule_radius_m {
-            return self.point_on_capsule(hit, radius, direction);
+        if let Some(capsule) = Capsule::of_mesh(mesh, hit.triangle) {
+            return self.point_on_capsule(hit, &capsule, direction);
         }
         let posed = self.world.posed(instance.mesh);
         let triangles = &mesh.triangles;
@@ -96,20 +96,13 @@ impl ViewRays<'_> {
 }
 
 impl ViewRays<'_> {
-    fn point_on_capsule(&self, hit: &RayHit, radius: f32, direction: DVec3) -> SurfacePoint {
+    fn point_on_capsule(&self, hit: &RayHit, capsule: &Capsule, direction: DVec3) -> SurfacePoint {
         let instance = &self.world.instances[hit.instance as usize];
         let mesh = &self.world.meshes[instance.mesh];
         let corners = mesh.triangles[hit.triangle as usize];
-        let ends = mesh.at_rest().corners(corners);
-        let [base, end, _] = ends.map(|p| p.as_dvec3());
-        let capsule = Capsule {
-            base,
-            axis: end - base,
-            radius: radius.into(),
-        };
         let (share, normal) = capsule.point(hit.bary);
         let to_world = in_f64(&instance.world_from_object);
-        let point = base + capsule.axis * share + normal * capsule.radius;
+        let point = capsule.base + capsule.axis * share + normal * capsule.radius;
         let shaded = match mesh.normals.as_slice() {
             [] => normal,
             normals => {

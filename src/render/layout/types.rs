@@ -185,6 +185,8 @@ pub const FLAG_TRACED: u32 = 8;
 pub const FLAG_DARK: u32 = 32;
 /// Bit of [`GpuInstance::flags`]: the mesh is of capsules, and its vertices have normals.
 pub const FLAG_CAPSULE_NORMALS: u32 = 16;
+/// Bit of [`GpuInstance::flags`]: the mesh is of capsules that are drawn at least a pixel wide.
+pub const FLAG_AT_LEAST_A_PIXEL: u32 = 64;
 
 gpu_struct! {
     /// A vertex, 32 bytes.

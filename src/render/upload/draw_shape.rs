@@ -10,7 +10,8 @@ pub const SQUARE_CORNERS: u32 = 6;
 pub enum DrawShape {
     /// Its triangles.
     Triangles,
-    /// A square around each of its capsules, which are all spheres.
+    /// A square around each of its capsules, which are all points of a file: spheres too small for the eye or a light to
+    /// be inside.
     Spheres,
     /// A quadrilateral around each of its capsules.
     Capsules,
@@ -22,7 +23,9 @@ impl DrawShape {
         let is_sphere = |[a, b, _]: &[u32; 3]| a == b;
         match mesh.capsule_radius_m {
             None => Self::Triangles,
-            Some(_) if mesh.triangles.iter().all(is_sphere) => Self::Spheres,
+            Some(_) if mesh.at_least_a_pixel && mesh.triangles.iter().all(is_sphere) => {
+                Self::Spheres
+            }
             Some(_) => Self::Capsules,
         }
     }

@@ -22,8 +22,8 @@ use crate::{
         gpu_decal::DECAL_SET_SHIFT,
         gpu_struct::Shared as _,
         types::{
-            FLAG_CAPSULE_NORMALS, FLAG_COLORS, FLAG_DARK, FLAG_EMITTER, FLAG_MIRRORED, FLAG_TRACED,
-            GpuInstance, flag,
+            FLAG_AT_LEAST_A_PIXEL, FLAG_CAPSULE_NORMALS, FLAG_COLORS, FLAG_DARK, FLAG_EMITTER,
+            FLAG_MIRRORED, FLAG_TRACED, GpuInstance, flag,
         },
     },
     lighting::shown_light::ShownLight,
@@ -125,6 +125,7 @@ pub fn instance_records(
                 | flag(!inputs.shown_light.shows(light_group), FLAG_DARK)
                 | flag(is_traced, FLAG_TRACED)
                 | flag(has_capsule_normals, FLAG_CAPSULE_NORMALS)
+                | flag(mesh.at_least_a_pixel, FLAG_AT_LEAST_A_PIXEL)
                 | u32::from(world.decals.set_of(index)) << DECAL_SET_SHIFT,
             capsule_radius_m: radius.unwrap_or(0.0),
             ..GpuInstance::ZERO

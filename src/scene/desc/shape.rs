@@ -23,7 +23,7 @@ use crate::{
 const TURN_DEG: Range = range(0.0, 360.0).above();
 
 declared! {
-    /// `shape = { kind = "…" }`, centered on the origin unless said; curved ones are tessellated.
+    /// `shape = { kind = "…" }`, centered on the origin unless said; spheres and capsules are exact, other curved ones are tessellated.
     #[derive(Clone, Debug, PartialEq)]
     #[kinds(check::shape)]
     #[table(
@@ -52,8 +52,9 @@ declared! {
         Sphere = "sphere" {
             /// Radius, meters, above 0. Default 0.5.
             radius: f32 [ABOVE_0] = 0.5,
-            /// Divisions around, 3 to 1024; half as many from pole to pole. More is rounder. Default 128.
-            segments: u32 [SEGMENTS] = 128,
+            /// Divisions around, 3 to 1024; half as many from pole to pole. Without it the sphere is exact, or has 128
+            /// where its material needs triangles: textures, anisotropy, `light = true`, or an `alpha` that varies.
+            segments: Option<u32> [SEGMENTS],
         },
         /// `"cylinder"`: axis Y, standing on y = 0, with caps.
         Cylinder = "cylinder" {
@@ -98,8 +99,8 @@ declared! {
             radius: f32 [ABOVE_0] = 0.25,
             /// Length from end to end, meters, above 0 and at least twice the radius. Default 1.
             height: f32 [ABOVE_0] = 1.0,
-            /// Divisions around, 3 to 1024. Default 64.
-            segments: u32 [SEGMENTS] = 64,
+            /// Divisions around, 3 to 1024. Without it the capsule is exact, or has 64 where a sphere would have 128.
+            segments: Option<u32> [SEGMENTS],
         },
         /// `"lathe"`: an outline turned around axis Y, with exactly one of `points` and `outline`.
         ///

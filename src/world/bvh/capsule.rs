@@ -8,6 +8,8 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{DVec2, DVec3};
 
+use crate::Mesh;
+
 /// A capsule.
 #[derive(Clone, Copy, Debug)]
 pub struct Capsule {
@@ -20,6 +22,24 @@ pub struct Capsule {
 }
 
 impl Capsule {
+    /// Capsule of a mesh, in object space; `None` where the mesh is of triangles.
+    pub fn of_mesh(mesh: &Mesh, index: u32) -> Option<Self> {
+        let radius = mesh.capsule_radius_m?.into();
+        let [base, end, _] =
+            mesh.triangles[index as usize].map(|i| mesh.positions[i as usize].as_dvec3());
+        let axis = end - base;
+        Some(Self { base, axis, radius })
+    }
+
+    /// Distance of a point from the surface, negative inside, and the unit normal there.
+    pub fn height(&self, point: DVec3) -> (f64, DVec3) {
+        let from_base = point - self.base;
+        let along = from_base.dot(self.axis) / self.axis.length_squared().max(1e-300);
+        let from_axis = from_base - self.axis * along.clamp(0.0, 1.0);
+        let height = from_axis.length() - self.radius;
+        (height, from_axis.normalize_or(DVec3::Z))
+    }
+
     /// Where the ray's line enters and leaves the capsule, in lengths of the direction; `None` where it misses.
     pub fn span(&self, origin: DVec3, direction: DVec3) -> Option<[f64; 2]> {
         let (axis, dd) = (self.axis, direction.length_squared());
@@ -99,14 +119,6 @@ impl Capsule {
 mod tests {
     use super::*;
 
-    /// Distance of a point to the capsule's surface.
-    fn off_surface(capsule: &Capsule, point: DVec3) -> f64 {
-        let from_base = point - capsule.base;
-        let aa = capsule.axis.length_squared();
-        let share = (from_base.dot(capsule.axis) / aa.max(1e-300)).clamp(0.0, 1.0);
-        (from_base - capsule.axis * share).length() - capsule.radius
-    }
-
     #[test]
     fn rays_meet_the_surface_where_it_is() {
         let base = DVec3::new(1.0, 2.0, 3.0);
@@ -129,9 +141,7 @@ mod tests {
                 let Some(times) = capsule.span(origin, direction) else {
                     let steps =
                         (0..4000).map(|s| origin + direction * (39.0 + f64::from(s) / 2000.0));
-                    let least = steps
-                        .map(|p| off_surface(&capsule, p))
-                        .fold(f64::MAX, f64::min);
+                    let least = steps.map(|p| capsule.height(p).0).fold(f64::MAX, f64::min);
                     assert!(least > -1e-6, "{axis} {k}: a miss that is {least} inside");
                     continue;
                 };
@@ -139,7 +149,7 @@ mod tests {
                 assert!(times[0] <= times[1]);
                 for t in times {
                     let point = origin + direction * t;
-                    assert!(off_surface(&capsule, point).abs() < 1e-9, "{axis} {k}");
+                    assert!(capsule.height(point).0.abs() < 1e-9, "{axis} {k}");
                     let (share, normal) = capsule.point(capsule.place(point));
                     let again = base + axis * share + normal * capsule.radius;
                     assert!(again.distance(point) < 1e-9, "{axis} {k}: {again} {point}");

@@ -140,14 +140,10 @@ impl Oracle {
             let spaces = || [transform.inverse(), transform];
             (oracle.spaces).push(mesh.capsule_radius_m.map(|_| spaces()));
             for t in 0..mesh.triangles.len() as u32 {
-                let corners = corners(world, instance.mesh, t).map(|p| p.as_dvec3());
-                let shape = match mesh.capsule_radius_m {
-                    Some(radius) => Shape::Capsule(Capsule {
-                        base: corners[0],
-                        axis: corners[1] - corners[0],
-                        radius: radius.into(),
-                    }),
+                let shape = match Capsule::of_mesh(mesh, t) {
+                    Some(capsule) => Shape::Capsule(capsule),
                     None => {
+                        let corners = corners(world, instance.mesh, t).map(|p| p.as_dvec3());
                         let [base, b, c] = corners.map(|p| transform.transform_point3(p));
                         let (edge1, edge2) = (b - base, c - base);
                         Shape::Triangle { base, edge1, edge2 }

@@ -170,7 +170,7 @@ mod tests {
         shape::make(
             &ShapeDesc::Sphere {
                 radius: 1.0,
-                segments: 32,
+                segments: Some(32),
             },
             &shape::Supplies::default(),
         )

@@ -131,7 +131,7 @@ fn copies_are_stored_once_where_they_do_not_fit() {
     let sphere = shape::make(
         &ShapeDesc::Sphere {
             radius: 1.0,
-            segments: 64,
+            segments: Some(64),
         },
         &shape::Supplies::default(),
     )

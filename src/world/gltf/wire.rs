@@ -50,6 +50,7 @@ pub fn build(
         _ => pairs().filter_map(line).collect(),
     };
     mesh.capsule_radius_m = Some(radius_m);
+    mesh.at_least_a_pixel = true;
     mesh.tangents = Vec::new();
     Ok(())
 }

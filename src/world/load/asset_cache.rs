@@ -106,6 +106,7 @@ impl AssetCache {
             name: mesh.name.clone(),
             bounds: mesh.bounds,
             deformation: mesh.deformation.clone(),
+            round: mesh.round,
             ..Mesh::default()
         };
         loader.world.meshes = world.meshes.iter().map(stub).collect();

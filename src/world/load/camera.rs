@@ -3,7 +3,7 @@
 use glam::{Affine3A, Vec3, Vec4};
 
 use super::one_color::{PlacedMesh, is_one_color, plain_color};
-use crate::{Mesh, Posed, Shared, World, sight::Sight};
+use crate::{Mesh, Posed, Shared, World, bvh::capsule::Capsule, sight::Sight};
 use reflet_base::math::Bounds;
 use reflet_scene::{
     desc::{CameraDesc, Entry, SceneDesc},
@@ -115,6 +115,8 @@ struct Shown<'a> {
     triangles: &'a [[u32; 3]],
     place: Affine3A,
     double_sided: bool,
+    /// Exact surface, in place of the triangles.
+    round: Option<Capsule>,
     /// Color, where no light changes it.
     color: Option<Vec4>,
     /// Radius of capsules, else 0, in object space, m.
@@ -160,6 +162,7 @@ impl<'a> Framed<'a> {
                 triangles: &mesh.triangles,
                 place: instance.world_from_object,
                 double_sided: world.materials[instance.material].double_sided,
+                round: mesh.round.and_then(|_| Capsule::of_mesh(mesh, 0)),
                 color: plain_color(&world.materials[instance.material], mesh),
                 radius_m: mesh.capsule_radius_m.unwrap_or(0.0),
             }
@@ -211,6 +214,7 @@ impl<'a> Framed<'a> {
             triangles: (shown.triangles.iter()).map(|t| shown.posed.corners(*t)),
             place: &shown.place,
             double_sided: shown.double_sided,
+            round: shown.round,
             color: shown.color,
             count: shown.triangles.len(),
         });

@@ -3,7 +3,8 @@
 use glam::{Affine3A, Vec2, Vec3, Vec3A, Vec4};
 use obvhs::{ray::Ray, triangle::Triangle};
 
-use crate::{Material, Mesh, sight::Sight};
+use crate::{Material, Mesh, bvh::capsule::Capsule, sight::Sight};
+use reflet_base::math::in_f64;
 
 /// Number of rays along each axis of the picture.
 const RAYS: u8 = 5;
@@ -19,7 +20,7 @@ pub fn plain_color(material: &Material, mesh: &Mesh) -> Option<Vec4> {
         && material.patterned.is_empty()
         && material.slots().iter().flatten().next().is_none()
         && mesh.colors.is_empty()
-        && mesh.capsule_radius_m.is_none();
+        && !mesh.at_least_a_pixel;
     is_plain.then(|| material.base_color + material.emission.extend(0.0))
 }
 
@@ -29,6 +30,8 @@ pub struct PlacedMesh<'a, T> {
     pub triangles: T,
     pub place: &'a Affine3A,
     pub double_sided: bool,
+    /// Exact surface, in place of the triangles.
+    pub round: Option<Capsule>,
     /// Result of [`plain_color`].
     pub color: Option<Vec4>,
     /// Number of triangles.
@@ -56,6 +59,27 @@ pub fn is_one_color<'a, T: Iterator<Item = [Vec3; 3]>>(
         .collect();
     for met in met {
         let mirrors = met.place.matrix3.determinant().signum();
+        if let Some(capsule) = met.round {
+            let to_object = in_f64(met.place).inverse();
+            for (ray, color) in &mut rays {
+                let origin = to_object.transform_point3(ray.origin.as_dvec3());
+                let direction = to_object.transform_vector3(ray.direction.as_dvec3());
+                let span = capsule.span(origin, direction).unwrap_or([-1.0; 2]);
+                let shown = if met.double_sided {
+                    &span[..]
+                } else {
+                    &span[..1]
+                };
+                let distance = shown
+                    .iter()
+                    .find(|t| **t > 0.0)
+                    .map_or(f32::MAX, |t| *t as f32);
+                if distance < ray.tmax {
+                    (ray.tmax, *color) = (distance, met.color);
+                }
+            }
+            continue;
+        }
         for corners in met.triangles {
             let [v0, v1, v2] = corners.map(|p| Vec3A::from(met.place.transform_point3(p)));
             let triangle = Triangle { v0, v1, v2 };

@@ -188,7 +188,7 @@ mod tests {
     fn copies_over_a_surface_lie_on_it_and_are_as_many_everywhere() {
         let sphere = ShapeDesc::Sphere {
             radius: 2.0,
-            segments: 64,
+            segments: Some(64),
         };
         let mesh = shape::make(&sphere, &shape::Supplies::default())
             .expect("a sphere")

@@ -7,9 +7,12 @@ use glam::Vec2;
 use rayon::prelude::*;
 
 use super::tangent;
-use crate::{LayerTexture, Mesh, World, normal_uv::NormalUv};
+use crate::{LayerTexture, Material, Mesh, World, normal_uv::NormalUv};
 use reflet_base::guard;
-use reflet_scene::diagnostic::{Diagnostic, Severity, Span};
+use reflet_scene::{
+    desc::{PatternedDesc, PatternedKey},
+    diagnostic::{Diagnostic, Severity, Span},
+};
 
 /// Streams that a mesh needs for its materials.
 #[derive(Clone, Copy, Debug, Default)]
@@ -19,13 +22,15 @@ pub struct Needs {
     /// Whether two materials want tangents of different coordinates.
     tangents_differ: bool,
     uv1: bool,
+    /// Whether a mesh that could be round needs its triangles.
+    triangles: bool,
 }
 
 impl Needs {
     /// Whether streams generated for `self` suffice for `other`.
     pub fn cover(self, other: Self) -> bool {
         let tangents = other.tangents_from.is_none() || other.tangents_from == self.tangents_from;
-        tangents && (self.uv1 || !other.uv1)
+        tangents && (self.uv1 || !other.uv1) && self.triangles == other.triangles
     }
 }
 
@@ -48,10 +53,22 @@ pub fn needs(world: &World) -> Vec<Needs> {
         if let Some(uv) = wanted {
             need.tangents_differ |= *need.tangents_from.get_or_insert(uv) != uv;
         }
+        let mesh = &world.meshes[instance.mesh];
+        need.triangles |= mesh.round.is_some() && has_faces(material);
         let textures = material.textures();
         need.uv1 |= textures.into_iter().flatten().any(|t| t.uv_set == 1);
     }
     needs
+}
+
+/// Whether a material needs triangles: for texture coordinates, to emit light from them, or as holes of exact surfaces
+/// do not follow patterns.
+fn has_faces(material: &Material) -> bool {
+    let varies = |p: &PatternedDesc| p.value == PatternedKey::Alpha;
+    material.textures().iter().any(Option::is_some)
+        || material.anisotropy.is_some()
+        || material.light
+        || material.patterned.iter().any(varies)
 }
 
 /// Generates or drops the vertex streams of every mesh, within the world's memory.
@@ -83,6 +100,10 @@ pub fn run(world: &mut World, needs: &[Needs]) -> Result<(), Vec<Diagnostic>> {
 
 fn finish(mesh: &mut Mesh, need: &Needs) -> Vec<Diagnostic> {
     let mut messages = Vec::new();
+    if let Some(round) = mesh.round.filter(|_| !need.triangles) {
+        mesh.make_round(round);
+        return messages;
+    }
     if !need.uv1 {
         mesh.uv1 = Vec::new();
     } else if mesh.uv1.is_empty() {

@@ -51,7 +51,7 @@ fn smoothed_shapes_are_closed_and_inside_their_hull() {
 fn noise_moves_a_ball_by_its_height_at_most_and_leaves_it_closed() {
     let sphere = ShapeDesc::Sphere {
         radius: 1.0,
-        segments: 16,
+        segments: Some(16),
     };
     let still = mesh(&displaced(sphere.clone(), 2, false, 0.0));
     let moved = mesh(&displaced(sphere.clone(), 2, false, 0.2));

@@ -22,7 +22,10 @@ fn limited(work: u64) -> Supplies {
 
 fn sphere(segments: u32) -> ShapeDesc {
     let radius = 1.0;
-    ShapeDesc::Sphere { radius, segments }
+    ShapeDesc::Sphere {
+        radius,
+        segments: Some(segments),
+    }
 }
 
 #[test]
