@@ -11,7 +11,7 @@ use self::unclosed::Unclosed;
 use crate::{
     diagnostic::{Diagnostic, Source, Span},
     suggest,
-    syntax::{Entries, MOST_TABLES, TOO_MANY_TABLES},
+    syntax::{Entries, MOST_TABLES, TOO_MANY_TABLES, Token, TokenKind, tokens},
     table::report::Report,
 };
 
@@ -75,7 +75,8 @@ fn errors(source: &Arc<Source>, base: usize, report: &mut Report) -> Vec<Shadow>
         return vec![shadow(0..text.len() + 1, 0)];
     }
     let mut line_end = None;
-    let unclosed = unclosed::first(text).filter(|_| !errors.is_empty());
+    let is_wrong = !errors.is_empty();
+    let unclosed = is_wrong.then(|| unclosed::first(text)).flatten();
     let (mut doubled, mut is_full) = (0..0, false);
     for error in errors {
         let at = error.at.clone();
@@ -237,39 +238,28 @@ const MOST_DEPTH: usize = 64;
 
 /// The first bracket or key that is too deep.
 fn first_too_deep(text: &str) -> Option<Range<usize>> {
-    let (mut depth, mut parts, mut key) = (0_usize, 0, 0);
-    let mut chars = text.char_indices();
-    while let Some((at, c)) = chars.next() {
-        match c {
-            '#' => {
-                chars.by_ref().find(|(_, c)| *c == '\n');
-                (parts, key) = (0, at + 1);
-            }
-            '"' | '\'' => {
-                let mut is_escaped = false;
-                chars.by_ref().find(|(_, next)| {
-                    let ends = *next == c && !is_escaped;
-                    is_escaped = c == '"' && *next == '\\' && !is_escaped;
-                    ends
-                });
-            }
-            '[' | '{' => {
+    let (mut depth, mut parts, mut key) = (0_usize, 0, None);
+    for Token { kind, at } in tokens(text) {
+        match kind {
+            TokenKind::LeftSquareBracket | TokenKind::LeftCurlyBracket => {
                 depth += 1;
                 if depth > MOST_DEPTH {
-                    return Some(at..at + 1);
+                    return Some(at);
                 }
-                (parts, key) = (0, at + 1);
+                (parts, key) = (0, None);
             }
-            ']' | '}' => depth = depth.saturating_sub(1),
-            '.' => {
+            TokenKind::RightSquareBracket | TokenKind::RightCurlyBracket => {
+                depth = depth.saturating_sub(1);
+            }
+            TokenKind::Dot => {
                 parts += 1;
                 if parts > MOST_DEPTH {
-                    let start = text[key..].find(|c: char| !c.is_whitespace());
-                    return Some(key + start.unwrap_or(0)..at);
+                    return Some(key.unwrap_or(at.start)..at.start);
                 }
             }
-            '\n' | '=' | ',' => (parts, key) = (0, at + 1),
-            _ => {}
+            TokenKind::Equals | TokenKind::Comma | TokenKind::Newline => (parts, key) = (0, None),
+            TokenKind::Whitespace | TokenKind::Comment => {}
+            _ => key = key.or(Some(at.start)),
         }
     }
     None

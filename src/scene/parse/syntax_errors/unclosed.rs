@@ -1,5 +1,7 @@
 //! Finds a bracket that is never closed: most messages about the lines below only follow from that.
 
+use crate::syntax::{Token, TokenKind, tokens};
+
 /// A bracket without its partner.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Unclosed {
@@ -17,54 +19,49 @@ pub struct Unclosed {
 /// is closed.
 pub fn first(text: &str) -> Option<Unclosed> {
     let mut open: Vec<(char, usize)> = Vec::new();
-    // The last character that is neither space nor comment, and the byte offset of its end.
+    // First character of the last token that is neither space nor comment, and the byte offset of its end.
     let mut last = ('\n', 0);
-    let mut at = 0;
-    let mut line_start = true;
-    while let Some(c) = text[at..].chars().next() {
-        let rest = &text[at..];
+    let (mut line_start, mut in_header) = (true, false);
+    for Token { kind, at } in tokens(text) {
         if line_start {
-            let line = rest.lines().next().unwrap_or("");
+            let line = text[at.start..].lines().next().unwrap_or("").trim();
             if let Some((bracket, start)) = open.last()
-                && cannot_be_inside(line.trim(), *bracket, last.0)
+                && cannot_be_inside(line, *bracket, last.0)
             {
                 return Some(unclosed(*bracket, *start, last.1, None));
             }
-            if open.is_empty() && line.trim_start().starts_with('[') {
-                at += line.len(); // table header
-                line_start = false;
-                continue;
-            }
+            in_header = open.is_empty() && line.starts_with('[');
         }
-        line_start = c == '\n';
-        at += match c {
-            '#' => rest.find('\n').unwrap_or(rest.len()),
-            '"' | '\'' => {
-                last = (c, at + 1);
-                let length = length_of_text(rest, c);
-                if rest[length..].starts_with('\n') && !rest[..length].ends_with(c) {
-                    return None; // the text is not closed, and the bracket only seems open
-                }
-                length
-            }
-            _ => {
-                match (c, open.last()) {
-                    ('[' | '{', _) => open.push((c, at)),
-                    (']' | '}', Some((bracket, start))) => {
-                        let is_around = |(bracket, _): &(char, usize)| closer(*bracket) == c;
-                        if closer(*bracket) != c && open.iter().any(is_around) {
-                            return Some(unclosed(*bracket, *start, last.1, Some(c)));
-                        }
-                        open.pop();
-                    }
-                    _ => {}
-                }
-                if !c.is_whitespace() {
-                    last = (c, at + c.len_utf8());
-                }
-                c.len_utf8()
-            }
+        line_start = kind == TokenKind::Newline;
+        let is_said = !matches!(
+            kind,
+            TokenKind::Newline | TokenKind::Whitespace | TokenKind::Comment
+        );
+        let Some(c) = text[at.start..]
+            .chars()
+            .next()
+            .filter(|_| is_said && !in_header)
+        else {
+            continue;
         };
+        match (c, open.last()) {
+            ('[' | '{', _) => open.push((c, at.start)),
+            (']' | '}', Some((bracket, start))) => {
+                let is_around = |(bracket, _): &(char, usize)| closer(*bracket) == c;
+                if closer(*bracket) != c && open.iter().any(is_around) {
+                    return Some(unclosed(*bracket, *start, last.1, Some(c)));
+                }
+                open.pop();
+            }
+            // The text is not closed on its line, and the bracket only seems open.
+            ('"' | '\'', _)
+                if !text[..at.end].ends_with(c) && text[at.end..].starts_with(['\r', '\n']) =>
+            {
+                return None;
+            }
+            _ => {}
+        }
+        last = (c, at.end);
     }
     open.last()
         .map(|(bracket, start)| unclosed(*bracket, *start, last.1, None))
@@ -81,23 +78,6 @@ fn unclosed(bracket: char, at: usize, end: usize, before: Option<char>) -> Unclo
 
 fn closer(bracket: char) -> char {
     if bracket == '{' { '}' } else { ']' }
-}
-
-/// Length of a text in quotes, with them; without a closing quote it ends with its line.
-fn length_of_text(rest: &str, quote: char) -> usize {
-    let triple = if quote == '"' { "\"\"\"" } else { "'''" };
-    if let Some(inner) = rest.strip_prefix(triple) {
-        return inner.find(triple).map_or(rest.len(), |end| end + 6);
-    }
-    let mut is_escaped = false;
-    for (i, c) in rest.char_indices().skip(1) {
-        match c {
-            '\n' => return i,
-            c if c == quote && !is_escaped => return i + 1,
-            _ => is_escaped = c == '\\' && quote == '"' && !is_escaped,
-        }
-    }
-    rest.len()
 }
 
 /// Whether a line shows that the bracket must have been closed before; `last` is the last character
