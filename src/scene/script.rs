@@ -25,7 +25,7 @@ mod setters;
 mod setup_output;
 mod sort;
 mod source_files;
-mod tokens;
+pub mod tokens;
 mod value;
 
 use std::{fmt, sync::Arc};

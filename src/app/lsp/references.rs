@@ -11,11 +11,10 @@ use super::{
     names::{Name, border_of, kinds_of_value, names, uses, with_parts},
     position::{range, uri_of},
     scopes::{Placement, is_named, placements, split},
-    script_text::is_word,
 };
 use crate::{
     files::{folder_of, open_regular, read_at_most},
-    scene::{diagnostic::Source, parse, toml_text::toml_text},
+    scene::{diagnostic::Source, parse, script::tokens::tokens, toml_text::toml_text},
 };
 
 /// Maximum number of files that are searched, and depth of the folders.
@@ -234,9 +233,8 @@ fn used_names(file: &Source) -> Vec<(Name, Vec<String>)> {
 /// that are the value of a key which names something, and `ctx.params.NAME` with the kind `params`. Other texts are
 /// none, as they may be anything.
 fn script_names(file: &Source) -> Vec<(Name, Vec<String>)> {
-    const PARAM: &str = "ctx.params.";
+    let tokens = tokens(&file.text);
     let mut found = Vec::new();
-    let mut start = 0;
     let mut add = |name: &str, range: Range<usize>, kinds: &[&str]| {
         let name = Name {
             kind: String::new(),
@@ -246,39 +244,26 @@ fn script_names(file: &Source) -> Vec<(Name, Vec<String>)> {
         let kinds = kinds.iter().map(|kind| (*kind).to_owned());
         found.push((name, kinds.collect()));
     };
-    for line in file.text.split_inclusive('\n') {
-        let code = line.split("//").next().unwrap_or_default();
-        let mut quotes = code.match_indices('"').map(|(at, _)| at);
-        while let (Some(open), Some(close)) = (quotes.next(), quotes.next()) {
-            let kinds = match key_before(&code[..open]) {
-                Some(key) => kinds_of_value(key),
-                None => Call::around_end_of(&file.text[..=start + open])
-                    .map_or(&[][..], |call| call.kinds_of_names()),
+    for (i, token) in tokens.iter().enumerate() {
+        let before = |n: usize| i.checked_sub(n).map_or("", |i| tokens[i].text);
+        let quoted = token
+            .text
+            .strip_prefix('"')
+            .and_then(|text| text.strip_suffix('"'));
+        if let Some(name) = quoted {
+            let call = || Call::around_end_of(&file.text[..=token.at.start]);
+            let kinds = match before(1) {
+                ":" => kinds_of_value(before(2)),
+                _ => call().map_or(&[][..], |call| call.kinds_of_names()),
             };
             if !kinds.is_empty() {
-                add(
-                    &code[open + 1..close],
-                    start + open..start + close + 1,
-                    kinds,
-                );
+                add(name, token.at.clone(), kinds);
             }
+        } else if token.is_word() && [4, 3, 2, 1].map(before) == ["ctx", ".", "params", "."] {
+            add(token.text, token.at.clone(), &["params"]);
         }
-        for (at, _) in code.match_indices(PARAM) {
-            let rest = &code[at + PARAM.len()..];
-            let name = &rest[..rest.find(|c| !is_word(c)).unwrap_or(rest.len())];
-            let from = start + at + PARAM.len();
-            add(name, from..from + name.len(), &["params"]);
-        }
-        start += line.len();
     }
     found
-}
-
-/// Key of a map whose value begins after a text: `model` after `#{ model: `.
-fn key_before(before: &str) -> Option<&str> {
-    let key = before.trim_end().strip_suffix(':')?.trim_end();
-    let start = key.trim_end_matches(is_word).len();
-    Some(&key[start..]).filter(|key| !key.is_empty())
 }
 
 /// Locations of places in the protocol's form.

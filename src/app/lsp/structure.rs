@@ -10,7 +10,10 @@ use super::{
     outline::{Part, words},
     position::range,
 };
-use crate::scene::diagnostic::Source;
+use crate::scene::{
+    diagnostic::Source,
+    script::tokens::{Token, tokens},
+};
 
 /// Kinds of symbols in the protocol.
 const FUNCTION: u32 = 12;
@@ -144,19 +147,14 @@ fn headers(file: &Source) -> Vec<(String, Range<usize>, u32)> {
 }
 
 fn functions(text: &str) -> Vec<(String, Range<usize>, u32)> {
-    let mut all = Vec::new();
-    let mut start = 0;
-    for line in text.split_inclusive('\n') {
-        let code = line.trim_start().trim_start_matches("private ");
-        if let Some(rest) = code.strip_prefix("fn ") {
-            let name = rest.split('(').next().unwrap_or_default().trim();
-            all.push((
-                name.to_owned(),
-                start..start + line.trim_end().len(),
-                FUNCTION,
-            ));
-        }
-        start += line.len();
-    }
-    all
+    let tokens = tokens(text);
+    let is_function = |pair: &&[Token]| pair[0].text == "fn" && pair[1].is_word();
+    let named = tokens.windows(2).filter(is_function);
+    let function = |pair: &[Token]| {
+        let start = text[..pair[0].at.start].rfind('\n').map_or(0, |i| i + 1);
+        let line = text[start..].lines().next().unwrap_or_default();
+        let line = start..start + line.trim_end().len();
+        (pair[1].text.to_owned(), line, FUNCTION)
+    };
+    named.map(function).collect()
 }
