@@ -109,8 +109,9 @@ fn open_solids(scene: &Scene, world: &World) -> Vec<Diagnostic> {
             ModelSource::File(_) => false,
         });
     let found = turned.filter_map(|model| {
-        let of_model = scene.instances.iter().position(|i| i.model.value == model.name)?;
-        let name = scene.instances[of_model].name.as_deref().unwrap_or(&model.name);
+        // A model that no instance names is placed by its own name.
+        let of_model = scene.instances.iter().find(|i| i.model.value == model.name);
+        let name = of_model.and_then(|i| i.name.as_deref()).unwrap_or(&model.name);
         let instance = world.instances.iter().find(|i| i.name == name)?;
         let material = &world.materials[instance.material];
         let is_open = !world.meshes[instance.mesh].is_closed_outward();
