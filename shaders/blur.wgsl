@@ -25,10 +25,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     var weights = 0.0;
     let reach = i32(ceil(3.0 * params.sigma_px));
     for (var k = -reach; k <= reach; k++) {
-        let near = vec2i(pixel) + params.direction * k;
-        if (any(near < vec2i(0)) || any(near >= vec2i(frame.size))) { continue; }
-        let at = pixel_of_moment(near);
-        if (any(at >= vec2i(frame.size))) { continue; }
+        let at = pixel_of_moment(vec2i(pixel) + params.direction * k);
+        if (any(at < vec2i(0)) || any(at >= vec2i(frame.size))) { continue; }
         if (!reflects(textureLoad(cause, at, 0).x)) { continue; }
         let x = f32(k) / params.sigma_px;
         let alike = saturate(dot(normal, unpack_unit(textureLoad(surface, at, 0).y)) * 10.0 - 9.0);

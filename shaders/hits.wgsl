@@ -2,16 +2,12 @@
 // footprint, as the trace pass would.
 
 #import in_scattering
-#import cone
-#import gbuffer
-#import indirect
-#import light_reuse
 #import lists
 #import radiance
+#import shaded_hit
 
 @group(2) @binding(5) var hit: texture_2d<u32>;
 @group(2) @binding(6) var reflection: RadianceTexture;
-@group(2) @binding(7) var visible_lights: texture_2d<u32>; // shadow ray results of the light pass, reused here
 @group(2) @binding(8) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
 
 fn shade_pixel(pixel: vec2u) {
@@ -21,7 +17,6 @@ fn shade_pixel(pixel: vec2u) {
     let found = textureLoad(hit, pixel, 0);
     // In fog, rays past all surfaces are listed too, for the light on their way.
     if (HAS_FOG && found.y == NONE && !carries_light(ray)) { return; }
-    let cone = mirrored_cone(pixel_cone(distance(first.position, frame.eye)), first.curvature);
     let distance_m = select(bitcast<f32>(found.x), FAR_M, HAS_FOG && found.y == NONE);
     start_samples(pixel, 1u);
     start_path(first.position, first.is_inside);
@@ -29,9 +24,9 @@ fn shade_pixel(pixel: vec2u) {
     let air = through_air(first.position, ray, end.distance_m);
     var color = end.radiance;
     var start = Start(Reflected(direction, vec3f(0.0), 0.0, 0.0, 1.0, first.normal), first.position);
-    var cone_there = continued(cone, distance_m);
+    var cone = reflected_cone(first, distance_m);
     if (!end.is_seen && !air.scatters) {
-        var s = surface_at(found.y, found.z, unpack2x16unorm(found.w), direction, cone_there.width_m);
+        var s = surface_at(found.y, found.z, unpack2x16unorm(found.w), direction, cone.width_m);
         s.emission *= met_emission(ray, found.y, found.z, distance_m, s);
         var reused = vec2u(0u);
         if (REUSES_LIGHT) { reused = reused_visibility(visible_lights, s); }
@@ -43,13 +38,13 @@ fn shade_pixel(pixel: vec2u) {
         color = vec3f(0.0);
         start = Start(air.ray, air.position);
         start.ray.weight = vec3f(1.0);
-        cone_there = continued(cone, distance(first.position, air.position));
+        cone = reflected_cone(first, distance(first.position, air.position));
     }
     color *= medium_transmittance(end.distance_m);
     start.ray.weight *= medium_transmittance(end.distance_m);
-    color += followed(pixel, 2u, 1u, start, cone_there);
+    color += followed(pixel, 2u, 1u, start, cone);
     if (HAS_FOG) { color = air.light + color * air.share; }
-    textureStore(reflection, pixel, stored(vec4f(color, 1.0)));
+    textureStore(reflection, pixel, stored(smoothable(first, ray, color)));
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
 }
 

@@ -28,11 +28,6 @@ fn shrink(@builtin(global_invocation_id) id: vec3u) {
     textureStore(level, id.xy, id.z, halved(sum * 0.25));
 }
 
-// Radical inverse in base 2 (Hammersley's sequence).
-fn radical_inverse(i: u32) -> f32 {
-    return f32(reverseBits(i) >> 8u) * exp2(-24.0);
-}
-
 @compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= vec2u(params.face_px))) { return; }
@@ -46,7 +41,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     var sum = vec4f(0.0);
     var weights = 0.0;
     for (var i = 0u; i < SAMPLES; i++) {
-        let u = vec2f((f32(i) + 0.5) / f32(SAMPLES), radical_inverse(i));
+        // Hammersley's sequence, with the radical inverse in base 2.
+        let u = vec2f((f32(i) + 0.5) / f32(SAMPLES), f32(reverseBits(i) >> 8u) * exp2(-24.0));
         // Facet normals by their projected density, D cos θ.
         let cos2 = (1.0 - u.x) / (1.0 + (a2 - 1.0) * u.x);
         let sine = sqrt(max(1.0 - cos2, 0.0));
