@@ -8,7 +8,6 @@
 #import lobe_albedo
 
 override HAS_REFLECTIONS: bool = true;
-override FILTER: bool = true; // rough reflections were smoothed
 
 @group(2) @binding(5) var radiance: texture_2d<f32>;
 @group(2) @binding(6) var specular: texture_2d<f32>;
@@ -43,13 +42,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         let s = load_surface(pixel);
         let ray = reflected_ray(pixel, s);
         var weight = ray.weight;
-        if (FILTER && is_spread(s)) {
-            // Weight of the whole lobe, as the smoothed light is an average over facets. A ray of two lobes
-            // keeps its own.
-            let view = -view_direction(s.position);
-            let only = only_lobe(s, view);
-            if (only.share > 0.0) { weight = specular_albedo(only.layer, view) * only.share; }
-        }
+        if (SMOOTHS_REFLECTIONS && is_spread(s)) { weight = max(reflected_albedo(s), vec3f(1e-4)); }
         out += weight * faded(pixel, ray.direction, textureLoad(reflection, pixel, 0).xyz);
     }
     if (HAS_LAYERS && any(frame.eye_absorption > vec3f(0.0))) {

@@ -20,9 +20,7 @@ fn mean_nearness(pixel: vec2i) -> f32 {
     var count = 0.0;
     for (var k = 0; k < 25; k++) {
         if (k == 12) { continue; }
-        let near = pixel + vec2i(k % 5 - 2, k / 5 - 2) * 3;
-        if (!inside(near)) { continue; }
-        let at = pixel_of_moment(near);
+        let at = pixel_of_moment(pixel + vec2i(k % 5 - 2, k / 5 - 2) * 3);
         if (!inside(at)) { continue; }
         let nearness = textureLoad(source, at, 0).w;
         sum += nearness;
@@ -68,9 +66,7 @@ fn denoised_light(pixel: vec2u, s: Surface, own: vec4f) -> vec4f {
     var sum = weighted(own, 1.0);
     for (var k = 0u; k < params.taps; k++) {
         let r = tap_radius(k, params.taps);
-        let near = tap_at(pixel, turn, reach_px * r, k);
-        if (!inside(near)) { continue; }
-        let at = pixel_of_moment(near);
+        let at = tap_at(pixel, turn, reach_px * r, k);
         if (!inside(at)) { continue; }
         let found = textureLoad(source, at, 0);
         if (found.w <= 0.0) { continue; }
@@ -81,7 +77,7 @@ fn denoised_light(pixel: vec2u, s: Surface, own: vec4f) -> vec4f {
         let away = max(r * r, dot(offset_m, offset_m) / (reach_m * reach_m));
         let weight = exp(-2.0 * away - 20.0 * tilt);
         if (weight < 1e-3 || abs(dot(offset_m, normal)) > tolerance_m) { continue; }
-        if (is_apart(vec2i(pixel), near, s, normal, tolerance_m)) { continue; }
+        if (is_apart(vec2i(pixel), at, s, normal, tolerance_m)) { continue; }
         let part = weighted(found, weight);
         sum.light += part.light;
         sum.weight += part.weight;

@@ -21,9 +21,7 @@ fn mean_hit_m(pixel: vec2i, farthest_m: f32) -> f32 {
     var sum = 0.0;
     var count = 0.0;
     for (var k = 0; k < 9; k++) {
-        let near = pixel + vec2i(k % 3 - 1, k / 3 - 1) * 2;
-        if (!inside(near)) { continue; }
-        let at = pixel_of_moment(near);
+        let at = pixel_of_moment(pixel + vec2i(k % 3 - 1, k / 3 - 1) * 2);
         if (!inside(at) || !reflects(textureLoad(cause, at, 0).x) || textureLoad(source, at, 0).w == 0.0) { continue; }
         let found = textureLoad(hit, at, 0).xy;
         sum += select(min(bitcast<f32>(found.x), farthest_m), farthest_m, found.y == NONE);
@@ -32,9 +30,8 @@ fn mean_hit_m(pixel: vec2i, farthest_m: f32) -> f32 {
     return sum / max(count, 1.0);
 }
 
-fn filtered(pixel: vec2u, own: vec4f) -> vec3f {
+fn filtered(pixel: vec2u, center: vec3f) -> vec3f {
     let s = load_surface(pixel);
-    let center = own.xyz;
     if (!is_spread(s)) { return center; }
     let roughness = reflected_roughness(s);
     let alpha = roughness * roughness;
@@ -44,14 +41,12 @@ fn filtered(pixel: vec2u, own: vec4f) -> vec3f {
     let reach_m = params.reach * alpha * mean_hit_m(vec2i(pixel), farthest_m);
     let reach_px = reach_m / footprint_m;
     if (reach_px < 0.5) { return center; }
-    var sum = center * own.w;
-    var weights = own.w;
+    var sum = center;
+    var weights = 1.0;
     let turn = turn_of(pixel);
     for (var k = 0u; k < params.taps; k++) {
         let r = tap_radius(k, params.taps);
-        let near = tap_at(pixel, turn, reach_px * r, k);
-        if (!inside(near)) { continue; }
-        let at = pixel_of_moment(near);
+        let at = tap_at(pixel, turn, reach_px * r, k);
         if (!inside(at) || !reflects(textureLoad(cause, at, 0).x)) { continue; }
         let other = load_surface(vec2u(at));
         if (!is_spread(other)) { continue; }
@@ -61,12 +56,10 @@ fn filtered(pixel: vec2u, own: vec4f) -> vec3f {
         let rougher = (reflected_roughness(other) - roughness) / (0.2 * roughness);
         var weight = exp(-2.0 * r * r - tilt2 / (alpha * alpha) - rougher * rougher);
         weight *= select(1.0, 0.0, abs(away_m) > 0.1 * reach_m + 0.5 * footprint_m);
-        let found = textureLoad(source, at, 0);
-        weight *= found.w;
-        sum += found.xyz * weight;
+        sum += textureLoad(source, at, 0).xyz * weight;
         weights += weight;
     }
-    return sum / max(weights, 1e-6);
+    return sum / weights;
 }
 
 @compute @workgroup_size(GROUP_PX, GROUP_PX)
@@ -74,6 +67,6 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let pixel = moment_pixel(id.xy);
     if (any(pixel >= vec2u(frame.size))) { return; }
     var color = textureLoad(source, pixel, 0);
-    if (reflects(textureLoad(cause, pixel, 0).x)) { color = vec4f(filtered(pixel, color), color.w); }
+    if (reflects(textureLoad(cause, pixel, 0).x)) { color = vec4f(filtered(pixel, color.xyz), color.w); }
     textureStore(blurred, pixel, stored(color));
 }

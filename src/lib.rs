@@ -56,7 +56,7 @@
 //!    in `shaders/lib/surface.wgsl`; screen hits and traced hits use the same one.
 //! 4. **Light** shades the surfaces that the camera sees: view-independent radiance, apart from the specular of
 //!    this view. **Transmit** follows rays through the surfaces that pixels show, where some transmit light. **Indirect**
-//!    finds light between matte surfaces (`diffuse_bounces`), which **denoise_indirect** smooths below 16 sub-frames.
+//!    finds light between matte surfaces (`diffuse_bounces`), which **denoise_indirect** smooths below 256 sub-frames.
 //! 5. **Peel** rasterizes the second depth layer, where `reflection.layers` asks for it. **Pyramid** keeps the nearest depth of ever larger cells of pixels.
 //! 6. **SSR** walks the listed pixels' mirror rays through the pyramid, cell by cell, and decides what
 //!    each ray hits ([`render::pipeline::cause::Cause`]): `accept_verified` in `shaders/ssr.wgsl` accepts a triangle
@@ -68,7 +68,7 @@
 //!    **upsample** reuses their hits. **Trace** follows the listed rays through the static tree and the top level over instances,
 //!    bounce by bounce. With `reflection.trace = "query"` the device's ray queries find candidates in the structures of
 //!    [`render::upload::structures`], for these and all other rays; our own tests choose among them.
-//! 9. **Filter** (rough reflections, below 16 sub-frames), **blur** (if asked for), **compose** (only the
+//! 9. **Filter** (rough reflections, below 256 sub-frames), **blur** (if asked for), **compose** (only the
 //!    mirror term is replaced, and transmitted light is added), **guides** (where a picture is denoised), **tone**.
 //!
 //! Settings that a scene leaves to `auto` (method, visibility, shadows, exposure) are decided before a renderer is

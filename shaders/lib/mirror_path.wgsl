@@ -28,7 +28,8 @@ fn trace_pixel(pixel: vec2u) -> vec4u {
     let first = load_surface(pixel);
     var cone = mirrored_cone(pixel_cone(distance(first.position, frame.eye)), first.curvature);
     var origin = ray_origin(first.position, first.geometric_normal);
-    var ray = reflected_ray(pixel, first);
+    let leaving = reflected_ray(pixel, first);
+    var ray = leaving;
     if (!carries_light(ray)) {
         textureStore(hit, pixel, vec4u(0u, NONE, NONE, 0u));
         if (SHADE) { textureStore(reflection, pixel, vec4f(0.0)); }
@@ -81,7 +82,7 @@ fn trace_pixel(pixel: vec2u) -> vec4u {
         if (dot(ray.direction, s.geometric_normal) > 0.0) { cone = mirrored_cone(cone, s.curvature); }
         origin = onward_origin(s, ray.direction);
     }
-    if (SHADE) { textureStore(reflection, pixel, stored(vec4f(color, 1.0))); }
+    if (SHADE) { textureStore(reflection, pixel, stored(smoothable(first, leaving, color))); }
     textureStore(hit, pixel, found);
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
     return found;

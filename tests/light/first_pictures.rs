@@ -25,39 +25,71 @@ fn one_sample_follows_four_paths_through_glass() {
 /// A checkered floor of two boxes, one higher than the other, in a room that a lamp lights by way of the ceiling alone.
 const ROOM: &str = include_str!("first_pictures/room.toml");
 
+fn room(gpu: &Gpu, samples: u32, set: &[&str]) -> Picture {
+    let samples = format!("image.samples={samples}");
+    render(gpu, ROOM, &[&[&*samples], set].concat(), &[Aov::BaseColor])
+}
+
+fn sum_over_room(of: &dyn Fn(u32, u32) -> f32) -> f32 {
+    let pixels = (0..27).flat_map(|y| (0..48).map(move |x| (x, y)));
+    pixels.map(|(x, y)| of(x, y)).sum()
+}
+
+/// Relative squared error.
+fn error(picture: &Picture, converged: &Picture) -> f32 {
+    sum_over_room(&|x, y| {
+        let (a, b) = (color(picture, x, y)[1], color(converged, x, y)[1]);
+        (a - b).powi(2) / (b * b + 0.01)
+    })
+}
+
 /// Indirect light that rare paths of a pixel find is averaged with its surroundings, but neither across edges nor over
 /// textures.
 #[test]
 fn light_between_surfaces_is_smooth_in_first_pictures() {
     let Some(gpu) = gpu() else { return };
-    let of = |samples: u32, filter: bool| {
-        let (samples, filter) = (
-            format!("image.samples={samples}"),
-            format!("reflection.filter={filter}"),
-        );
-        render(gpu, ROOM, &[&samples, &filter], &[Aov::BaseColor])
-    };
-    let (grainy, smooth, converged) = (of(1, false), of(1, true), of(128, true));
-    let pixels: Vec<_> = (0..27).flat_map(|y| (0..48).map(move |x| (x, y))).collect();
-    let sum = |of: &dyn Fn(u32, u32) -> f32| pixels.iter().map(|&(x, y)| of(x, y)).sum::<f32>();
-    let error = |picture| {
-        sum(&|x, y| {
-            let (a, b) = (color(picture, x, y)[1], color(&converged, x, y)[1]);
-            (a - b).powi(2) / (b * b + 0.01)
-        })
-    };
-    let light = |picture| sum(&|x, y| color(picture, x, y)[1]);
+    let plain = ["reflection.filter=false"];
+    let (grainy, smooth) = (room(gpu, 1, &plain), room(gpu, 1, &[]));
+    let converged = room(gpu, 256, &[]);
+    let light = |picture| sum_over_room(&|x, y| color(picture, x, y)[1]);
     let bases = floats(&smooth, Aov::BaseColor);
-    let red_of_cyan = sum(&|x, y| match bases[3 * (y * 48 + x) as usize] < 1e-3 {
+    let red_of_cyan = sum_over_room(&|x, y| match bases[3 * (y * 48 + x) as usize] < 1e-3 {
         true => color(&smooth, x, y)[0],
         false => 0.0,
     });
-    let errors = error(&smooth) / error(&grainy);
+    let errors = error(&smooth, &converged) / error(&grainy, &converged);
     assert!(errors < 0.08, "{errors}");
     let kept = light(&smooth) / light(&grainy);
     assert!((kept - 1.0).abs() < 0.03, "{kept}");
     assert!(red_of_cyan < 0.01, "{red_of_cyan}");
 }
+
+/// Smoothing fades out without a step: neither matte surfaces nor rough metal show more error with more samples.
+#[test]
+fn error_falls_with_the_number_of_samples() {
+    let Some(gpu) = gpu() else { return };
+    let metal = ["material.floor.metallic=1", "material.floor.roughness=0.4"];
+    let plain = ["reflection.filter=false"];
+    for set in [&[][..], &metal] {
+        let converged = room(gpu, 1024, set);
+        let counts = [1, 2, 4, 8, 12, 15, 16, 24, 32, 48, 64];
+        let errors = counts.map(|samples| error(&room(gpu, samples, set), &converged));
+        let falls = errors.windows(2).all(|pair| pair[1] < 1.05 * pair[0]);
+        assert!(falls, "{set:?}: {errors:?}");
+    }
+    // Without light between matte surfaces only rough reflections are left to smooth, and mirrors have none.
+    let mirror = [metal[0], "material.floor.reflection=mirror", NO_BOUNCES];
+    let metal = [metal[0], metal[1], NO_BOUNCES];
+    let [converged, grainy, smooth] = [(256, &[][..]), (1, &plain), (1, &[])]
+        .map(|(n, set)| room(gpu, n, &[&metal, set].concat()));
+    let errors = error(&smooth, &converged) / error(&grainy, &converged);
+    assert!(errors < 0.5, "{errors}");
+    assert!(room(gpu, 256, &[&metal[..], &plain].concat()).color == converged.color);
+    let [smoothed, as_it_is] = [&[][..], &plain].map(|set| room(gpu, 1, &[&mirror, set].concat()));
+    assert!(smoothed.color == as_it_is.color);
+}
+
+const NO_BOUNCES: &str = "reflection.diffuse_bounces=0";
 
 /// A thin wall between a floor that light from a roof reaches and one that no light reaches, seen from above.
 const WALL: &str = include_str!("first_pictures/wall.toml");

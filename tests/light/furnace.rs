@@ -31,13 +31,14 @@ fn emissive() -> Vec<Lobe> {
 }
 
 /// Tiles of all lobes, roughnesses and angles beside each other, seen in parallel. Planes are hidden from rays, and
-/// slabs lie far behind each other, so that no tile sees another.
+/// slabs lie far behind each other, so that no tile sees another, and nothing is smoothed from
+/// tile to tile.
 fn scene(lobes: &[Lobe], light: f32) -> String {
     let (columns, rows) = (roughnesses().len() * COSINES.len(), lobes.len());
     let mut text = format!(
         "version = 1\n[camera.main]\neye = [0, 0, 50]\ntarget = [0, 0, 0]\northographic_height_m = {}\n\
          [image]\nsize = [{}, {}]\nsamples = {}\ntone_map = \"none\"\n[environment]\ncolor = [{light}, {light}, {light}]\n\
-         [reflection]\nmethod = \"rt\"\nray_length_u = 1000\n",
+         [reflection]\nmethod = \"rt\"\nray_length_u = 1000\nfilter = false\n",
         2 * rows,
         columns * CELL,
         rows * CELL,

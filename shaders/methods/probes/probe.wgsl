@@ -102,7 +102,7 @@ fn look_up(pixel: vec2u) {
     }
     let lamp = seen_light(s.position, ray, reach_m);
     if (lamp.is_seen) { light = lamp.radiance; }
-    textureStore(reflection, pixel, stored(vec4f(light, 1.0)));
+    textureStore(reflection, pixel, stored(smoothable(s, ray, light)));
     textureStore(hit, pixel, found);
 }
 

@@ -2,8 +2,6 @@
 
 use crate::pipeline::prelude::*;
 
-use super::filter;
-
 /// See `shaders/compose.wgsl`; `color` and `previous` swap targets after each sub-frame.
 pub const PASS: Pass = Pass {
     name: "compose",
@@ -14,7 +12,6 @@ pub const PASS: Pass = Pass {
         ("previous", &[Target::ColorOdd, Target::ColorEven]),
     ],
     params: Some(Sample::LAYOUT),
-    overrides: |options| vec![("FILTER", f64::from(u8::from(filter::is_enabled(options))))],
     is_written: |options, target| target != Target::ColorOdd || options.image.samples.count() > 1,
     ..Pass::DEFAULT
 };

@@ -2,7 +2,7 @@
 
 use crate::{
     pipeline::{pass::Override, prelude::*},
-    settings::options::RenderOptions,
+    settings::options::{RenderOptions, SMOOTHED_OVER},
 };
 
 /// See `shaders/denoise_indirect.wgsl`; `source` and `denoised` alternate between the targets indirect light and blurred.
@@ -31,6 +31,11 @@ pub const STEPS: [(f32, u32); 4] = [(1.0, 24), (0.5, 16), (0.25, 12), (0.1, 8)];
 /// Maximum radius of the first step, as a share of the picture's height.
 const WIDEST: f32 = 0.2;
 
+const _: () = assert!(
+    (STEPS[0].0 + STEPS[1].0 + STEPS[2].0 + STEPS[3].0) * WIDEST < SMOOTHED_OVER,
+    "crops lack light that is smoothed into them"
+);
+
 gpu_struct! {
     /// Uniforms of the shader for one step.
     pub struct Params = "Params" {
@@ -52,7 +57,7 @@ pub fn record(passes: &[ComputePass], frame: &mut SubFrame<'_>) {
         let params = Params {
             reach: width * reach,
             widest: width * reach * WIDEST,
-            taps,
+            taps: frame.options.taps(taps),
             is_last: u32::from(i + 1 == STEPS.len()),
         };
         frame.dispatch_with(pass, &params, Dispatch::PerPixel);

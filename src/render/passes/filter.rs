@@ -1,6 +1,6 @@
 //! Filter: smooths rough reflections of pictures with few sub-frames.
 
-use crate::{pipeline::prelude::*, settings::options::RenderOptions};
+use crate::pipeline::prelude::*;
 
 /// See `shaders/filter.wgsl`; `source` and `blurred` alternate between the targets reflection and blurred.
 pub const PASS: Pass = Pass {
@@ -12,16 +12,9 @@ pub const PASS: Pass = Pass {
         ("blurred", &[Target::Blurred, Target::Reflection]),
     ],
     params: Some(Params::LAYOUT),
-    needed: |plan, options| {
-        plan.features.reflections && plan.features.rough_reflections && is_enabled(options)
-    },
+    needed: |plan, _| plan.features.smoothed_reflections,
     ..Pass::DEFAULT
 };
-
-/// Whether the options ask for smoothing of rough reflections.
-pub fn is_enabled(options: &RenderOptions) -> bool {
-    options.smooths()
-}
 
 /// Radius in lobe widths and number of taps of both steps; the narrow one fills the gaps between the taps of the
 /// wide one.
@@ -40,7 +33,10 @@ gpu_struct! {
 /// Records the pass: wide, then narrow.
 pub fn record(passes: &[ComputePass], frame: &mut SubFrame<'_>) {
     for (pass, (reach, taps)) in passes.iter().zip(STEPS) {
-        let params = Params { reach, taps };
+        let params = Params {
+            reach: frame.options.smoothing() * reach,
+            taps: frame.options.taps(taps),
+        };
         frame.dispatch_with(pass, &params, Dispatch::PerPixel);
     }
 }

@@ -223,6 +223,11 @@ features! {
         constant: HAS_ROUGH_REFLECTIONS,
         dropped: "rough reflections" => "all reflective materials are smooth", if reflections;
     }
+    /// Whether rough reflections are smoothed over neighbors.
+    smoothed_reflections {
+        used: reflections && rough_reflections && scene.options.smooths(),
+        constant: SMOOTHS_REFLECTIONS,
+    }
     /// Whether diffuse surfaces light each other: diffuse interreflection.
     indirect {
         used: scatters(scene.options),

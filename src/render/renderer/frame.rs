@@ -242,7 +242,7 @@ impl Renderer {
                 exposure_ev: self.options.image.exposure_ev.ev(),
                 unit_m: self.unit_m,
                 bounces: self.plan.bounces,
-                crop: self.options.crop_edges(),
+                crop: self.options.lit_edges(),
                 share,
                 samples,
                 whole_surfaces,

@@ -44,11 +44,20 @@ pub struct Draft {
     pub samples: u32,
 }
 
-/// Number of sub-frames from which samples alone are smooth.
-const ENOUGH_SAMPLES: u32 = 16;
+/// Number of sub-frames up to which rough reflections and indirect light are smoothed as far as one sub-frame is.
+const FEW_SAMPLES: u32 = 16;
 
-/// Number of sub-frames up to which indirect light is smoothed as far as one sub-frame is.
-const FEW_SAMPLES: u32 = 8;
+/// Number of sub-frames from which samples alone are smooth.
+const ENOUGH_SAMPLES: u32 = 256;
+
+/// Greatest number of sub-frames that share the taps of one, as each turns them differently.
+const SHARED_TAPS: u32 = 4;
+
+/// Distance that light is smoothed over at most, as a share of the picture's height, by all steps of a pass.
+pub const SMOOTHED_OVER: f32 = 0.4;
+
+/// Distance within which a pass looks for the radius of its steps, pixels.
+const LOOKED_OVER_PX: f32 = 24.0;
 
 /// Rectangle of pixels of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -118,35 +127,47 @@ impl RenderOptions {
 
     /// Whether rough reflections and indirect light are smoothed over neighbors.
     pub fn smooths(&self) -> bool {
-        self.reflection.filter && self.image.samples.count() < ENOUGH_SAMPLES
+        self.reflection.filter && self.smoothing() > 0.0
     }
 
-    /// Share of its whole radius by which indirect light is smoothed; it shrinks towards the number of sub-frames that
-    /// are smooth alone, so that nothing jumps there.
+    /// Share of its whole radius by which light is smoothed. It shrinks with the octaves of sub-frames past few of them,
+    /// ever faster: the gain of smoothing falls with each, its own error does not.
     pub fn smoothing(&self) -> f32 {
-        let missing = ENOUGH_SAMPLES.saturating_sub(self.image.samples.count());
-        (missing as f32 / (ENOUGH_SAMPLES - FEW_SAMPLES) as f32).min(1.0)
+        let octaves = |count: u32| (count.max(FEW_SAMPLES) as f32 / FEW_SAMPLES as f32).log2();
+        let share = octaves(self.image.samples.count()) / octaves(ENOUGH_SAMPLES);
+        (1.0 - share * share).max(0.0)
     }
 
-    /// Whether light outside of the crop is left out. Pixels inside need none of it unless light is smoothed or
-    /// blurred over neighbors, or reuse the light of the pixels that screen hits are shown at.
+    /// Number of taps of one sub-frame of this picture, where a picture of one has `whole`.
+    pub fn taps(&self, whole: u32) -> u32 {
+        whole.div_ceil((self.image.samples.count() / FEW_SAMPLES).clamp(1, SHARED_TAPS))
+    }
+
+    /// Whether light outside of the crop and its surroundings is left out. Pixels inside need none of it unless it is
+    /// blurred over neighbors, or they reuse the light of the pixels that screen hits are shown at.
     pub fn leaves_out_light(&self) -> bool {
         let reflection = &self.reflection;
         let has_hits = reflection.method.marches() || reflection.method.looks_up();
-        let shares =
-            self.smooths() || reflection.blur_px > 0.0 || reflection.reuse_light && has_hits;
+        let shares = reflection.blur_px > 0.0 || reflection.reuse_light && has_hits;
         self.crop.is_some() && !shares
     }
 
-    /// Left, top, right and bottom edge of the crop, pixels; the picture's edges without a crop.
-    pub fn crop_edges(&self) -> [f32; 4] {
+    /// Left, top, right and bottom edge of the crop and the surroundings that its light is smoothed with, pixels; the
+    /// picture's edges without a crop.
+    pub fn lit_edges(&self) -> [f32; 4] {
         let [width, height] = self.image.size;
         let whole = Crop {
             at: [0, 0],
             size: [width, height],
         };
         let Crop { at, size } = self.crop.unwrap_or(whole);
-        [at[0], at[1], at[0] + size[0], at[1] + size[1]].map(|edge| edge as f32)
+        let edges = [at[0], at[1], at[0] + size[0], at[1] + size[1]].map(|edge| edge as f32);
+        let around = match self.smooths() {
+            true => self.smoothing() * SMOOTHED_OVER * height as f32 + LOOKED_OVER_PX,
+            false => 0.0,
+        };
+        let [left, top, right, bottom] = edges;
+        [left - around, top - around, right + around, bottom + around]
     }
 
     /// Whether all light is path traced without bias.
@@ -184,11 +205,16 @@ mod tests {
         let of = |samples: u32| {
             let mut options = RenderOptions::default();
             options.image.samples = Samples::Count(samples);
-            (options.smooths(), options.smoothing())
+            (options.smooths(), options.smoothing(), options.taps(20))
         };
-        let some = [1, 8, 12, 15].map(of);
-        assert_eq!(some, [(true, 1.0), (true, 1.0), (true, 0.5), (true, 0.125)]);
-        assert_eq!([16, 64].map(of), [(false, 0.0); 2]);
+        let some = [1, 16, 64, 255].map(of);
+        let last = some[3].1;
+        assert_eq!(
+            some[..3],
+            [(true, 1.0, 20), (true, 1.0, 20), (true, 0.75, 5)]
+        );
+        assert!(some[3].0 && last > 0.0 && last < 0.01, "{last}");
+        assert_eq!([256, 4096].map(of), [(false, 0.0, 5); 2]);
     }
 
     #[test]
@@ -202,7 +228,7 @@ mod tests {
                 size: [3, 4],
             });
             change(&mut options);
-            (options.leaves_out_light(), options.crop_edges())
+            (options.leaves_out_light(), options.lit_edges())
         };
         let edges = [1.0, 2.0, 4.0, 6.0];
         for method in [Method::Rt, Method::Path] {
@@ -211,7 +237,8 @@ mod tests {
         let reuses = |on: bool| move |o: &mut RenderOptions| o.reflection.reuse_light = on;
         assert_eq!(of(Method::Hybrid, &reuses(true)), (false, edges));
         assert_eq!(of(Method::Hybrid, &reuses(false)), (true, edges));
-        assert!(!of(Method::Rt, &|o| o.reflection.filter = true).0);
+        let smoothed = of(Method::Rt, &|o| o.reflection.filter = true);
+        assert_eq!(smoothed, (true, [-311.0, -310.0, 316.0, 318.0]));
         assert!(!of(Method::Rt, &|o| o.reflection.blur_px = 1.0).0);
         let whole = of(Method::Rt, &|o| o.crop = None);
         assert_eq!(whole, (false, [0.0, 0.0, 1280.0, 720.0]));
