@@ -125,9 +125,11 @@ impl RenderOptions {
         self.image.shutter > 0.0 && needs_moments(self.image.samples.count())
     }
 
-    /// Whether rough reflections and indirect light are smoothed over neighbors.
+    /// Whether rough reflections and indirect light are smoothed over neighbors. A denoiser cleans more than few samples
+    /// better than smoothed ones, whose grain is as wide as details.
     pub fn smooths(&self) -> bool {
-        self.reflection.filter && self.smoothing() > 0.0
+        let is_denoised = self.guides && self.image.samples.count() >= FEW_SAMPLES;
+        self.reflection.filter && !is_denoised && self.smoothing() > 0.0
     }
 
     /// Share of its whole radius by which light is smoothed. It shrinks with the octaves of sub-frames past few of them,
@@ -215,6 +217,15 @@ mod tests {
         );
         assert!(some[3].0 && last > 0.0 && last < 0.01, "{last}");
         assert_eq!([256, 4096].map(of), [(false, 0.0, 5); 2]);
+        let denoised = |samples: u32| {
+            let mut options = RenderOptions {
+                guides: true,
+                ..RenderOptions::default()
+            };
+            options.image.samples = Samples::Count(samples);
+            options.smooths()
+        };
+        assert_eq!([1, 15, 16, 255].map(denoised), [true, true, false, false]);
     }
 
     #[test]

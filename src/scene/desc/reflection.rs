@@ -202,7 +202,7 @@ declared! {
         /// Whether blurred reflections of rough surfaces, as far as their lobe spreads, and the light of
         /// `diffuse_bounces` on matte ones, as far as the distance that it comes from, are smoothed over neighboring
         /// pixels: less grain, and a little less detail. The radius shrinks from 17 `samples` on, and nothing is smoothed
-        /// with 256 and more. Sharp reflections, textures and benchmarks are never smoothed. Default true.
+        /// with 256 and more, nor with 16 and more where the picture is denoised. Sharp reflections, textures and benchmarks are never smoothed. Default true.
         pub filter: bool = true,
         /// Whether light that rough surfaces reflect or pass on more than once between their microfacets is added
         /// (Turquin 2019), as appendix B of glTF 2.0 recommends: they are brighter, metals more colorful, and in even
