@@ -70,7 +70,7 @@ fn texel_ray(texel: vec2f) -> TexelRay {
 @fragment
 fn fragment_capsule(in: CapsuleVarying) -> @builtin(frag_depth) f32 {
     let ray = texel_ray(in.place.xy / in.place.w);
-    let hit = solid_capsule_hit(in.ids.x, in.ids.y, ray.origin, ray.direction, ray.near_t, vec2f(0.0));
+    let hit = solid_capsule_hit(in.ids.x, in.ids.y, ray.origin, ray.direction, ray.near_t, vec2f(0.0), true);
     if (!hit.is_met) { discard; }
     return select(hit.t, 1.0 / hit.t, ray.near_t > 0.0) * ray.depth.x + ray.depth.y;
 }

@@ -51,6 +51,6 @@ fn clamped(bary: vec2f) -> vec2f {
 fn meet_named(id: vec2u, origin: vec3f, direction: vec3f) -> vec3f {
     if (!is_capsule(id.x)) { return meet(triangle_of(id, origin), direction); }
     if (COUNT) { march_triangles++; }
-    let met = capsule_hit(id.x, id.y, origin, direction, 0.0, vec2f(0.0));
+    let met = capsule_hit(id.x, id.y, origin, direction, 0.0, vec2f(0.0), false);
     return vec3f(select(-1.0, met.t, met.is_met), met.place);
 }

@@ -69,7 +69,7 @@ fn pixel_radius_m(instance: u32, o: vec3f, d: vec3f, axis: vec3f, width: vec2f) 
 
 // Where a ray past `t_min` meets a capsule, as in test_capsule of bvh.wgsl; where it misses, the point nearest to it.
 // `width` is of a pixel: m at the ray's origin, and m more for each length of its direction; thinner points and lines get it.
-fn capsule_hit(instance: u32, capsule: u32, origin: vec3f, direction: vec3f, t_min: f32, width: vec2f) -> CapsuleHit {
+fn capsule_hit(instance: u32, capsule: u32, origin: vec3f, direction: vec3f, t_min: f32, width: vec2f, shadow: bool) -> CapsuleHit {
     let c = corners(instance, capsule);
     let axis = c.p[1] - c.p[0];
     let rows = instance_object_from_world(instance);
@@ -83,8 +83,8 @@ fn capsule_hit(instance: u32, capsule: u32, origin: vec3f, direction: vec3f, t_m
         let t = dot(0.5 * axis - o, d) / dot(d, d);
         return CapsuleHit(false, t, capsule_place(o + d * t, axis, radius));
     }
-    let is_double_sided = (instance_trace_flags(instance) & DOUBLE_SIDED) != 0u;
-    let t = select(span.enter, span.leave, span.enter <= t_min && is_double_sided);
+    let sees_backs = shadow || (instance_trace_flags(instance) & DOUBLE_SIDED) != 0u;
+    let t = select(span.enter, span.leave, span.enter <= t_min && sees_backs);
     return CapsuleHit(t > t_min, t, capsule_place(o + d * t, axis, radius));
 }
 
@@ -125,13 +125,13 @@ fn alpha_passes(instance: u32, triangle: u32, bary: vec2f) -> bool {
 }
 
 // Where a capsule is first solid along a ray past `t_min`: a cut-out one perhaps on its inner side.
-fn solid_capsule_hit(instance: u32, capsule: u32, origin: vec3f, direction: vec3f, t_min: f32, width: vec2f) -> CapsuleHit {
+fn solid_capsule_hit(instance: u32, capsule: u32, origin: vec3f, direction: vec3f, t_min: f32, width: vec2f, shadow: bool) -> CapsuleHit {
     let is_cut_out = material_alpha_cutoff(instance_material(instance)) >= 0.0;
     var start = t_min;
     var hit: CapsuleHit;
     // One call in a loop keeps the inlined code small.
     for (var side = 0u; side < 2u; side++) {
-        hit = capsule_hit(instance, capsule, origin, direction, start, width);
+        hit = capsule_hit(instance, capsule, origin, direction, start, width, shadow);
         if (!hit.is_met || !is_cut_out || alpha_passes(instance, capsule, hit.place)) { return hit; }
         start = hit.t;
     }

@@ -163,12 +163,21 @@ fn exact_shapes_look_like_fine_meshes() {
     let glass = "material.red={ transmission=1, ior=1.5, roughness=0 }";
     let checker = "material.red.checker={ colors=[[1, 0.2, 0.1], [0.1, 0.2, 1]], size_m=0.1 }";
     let within = "camera.main={ eye=[-0.6, 1, 0], target=[0, 0.8, 0.6] }";
+    let both = "material.red.double_sided=true";
+    // The middle of the ball is before the near plane, or behind the eye.
+    let cut = "camera.main={ eye=[-0.6, 1, 0.3], target=[-0.6, 1, 0], near_m=0.5 }";
+    let flat = "camera.main={ eye=[-0.6, 1, -0.2], target=[-0.6, 1, -1], orthographic_height_m=2 }";
+    let bulb =
+        r#"light.lamp={ kind="point", position=[-0.55, 1, 0], intensity_cd=50, shadow="map" }"#;
     let capsule = r#"kind="capsule", radius=0.2"#;
     let sphere = r#"kind="sphere", radius=0.4"#;
     for (shape, set) in [
         (capsule, &[checker][..]),
         (sphere, &[glass]),
-        (sphere, &[checker, "material.red.double_sided=true", within]),
+        (sphere, &[checker, both, within]),
+        (sphere, &[checker, both, cut]),
+        (sphere, &[checker, both, flat]),
+        (sphere, &[bulb]),
     ] {
         let of = |segments: &str, visibility: &str| {
             let shape = format!("model.thing.shape={{ {shape}{segments} }}");
