@@ -229,6 +229,7 @@ mod tests {
         remove_oldest(folder, 250).expect("removable");
         assert_eq!(names.map(|name| name.exists()), [true, false, true]);
 
+        fs::remove_dir_all(folder).expect("removable");
         assert!(file.write(b"few").is_err(), "no folder");
         assert!(!folder.exists());
     }
