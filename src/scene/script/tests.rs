@@ -75,6 +75,33 @@ fn every_example_of_the_reference_evaluates_as_documented() {
 }
 
 #[test]
+fn every_registered_name_is_in_the_reference() {
+    let sources = [
+        include_str!("api/floats.rs"),
+        include_str!("api/math.rs"),
+        include_str!("api/random.rs"),
+        include_str!("api/scene.rs"),
+    ];
+    let calls = sources
+        .iter()
+        .flat_map(|text| text.split(".register_").skip(1));
+    let named = calls.filter_map(|call| {
+        call.split_once('(')?
+            .1
+            .trim_start()
+            .strip_prefix('"')?
+            .split('"')
+            .next()
+    });
+    let is_word = |name: &&str| name.chars().all(|c| c.is_alphanumeric() || c == '_');
+    let names: Vec<_> = named.filter(is_word).collect();
+    assert!(names.len() > 60, "{names:?}");
+    let known = api::names();
+    let missing: Vec<_> = names.iter().filter(|name| !known.contains(name)).collect();
+    assert!(missing.is_empty(), "not in api/reference.toml: {missing:?}");
+}
+
+#[test]
 fn the_example_of_the_introduction_runs() {
     let manual = api::manual();
     let script = manual.split("```rust\n").nth(1).expect("an example");
