@@ -136,7 +136,7 @@ pub struct Mesh {
     pub capsule_radius_m: Option<f32>,
     /// Whether capsules are drawn at least a pixel wide, as points and lines of files are.
     pub at_least_a_pixel: bool,
-    /// Capsule that takes the place of the triangles where no material needs these.
+    /// Capsule that takes the place of the triangles where no material needs these; kept when it has taken it.
     pub round: Option<Round>,
     /// Object-space bounds.
     pub bounds: Bounds,
@@ -211,6 +211,13 @@ impl Mesh {
             ..Self::default()
         };
         self.bounds = self.bounds_at_rest();
+    }
+
+    /// Greatest distance of a placed capsule's surface from its segment, meters; `None` for triangles.
+    pub fn placed_radius_m(&self, place: &Affine3A) -> Option<f32> {
+        let columns = [place.x_axis, place.y_axis, place.z_axis].map(|c| c.length());
+        let scale = columns.into_iter().fold(0.0, f32::max);
+        self.capsule_radius_m.map(|radius_m| radius_m * scale)
     }
 
     /// Bounds of the positions, with the radius of capsules.

@@ -112,10 +112,8 @@ impl Sight {
             let posed = deformed.map_or_else(|| mesh.at_rest(), |deformed| deformed.posed());
             let place = instance.world_from_object;
             let front = f64::from(place.matrix3.determinant().signum());
-            let columns = [place.x_axis, place.y_axis, place.z_axis].map(|c| c.length());
-            let scale = f64::from(columns.into_iter().fold(0.0, f32::max));
-            let round = mesh.capsule_radius_m.map(|m| Thickness {
-                radius_m: f64::from(m) * scale,
+            let round = mesh.placed_radius_m(&place).map(|radius_m| Thickness {
+                radius_m: radius_m.into(),
                 least_px: if mesh.at_least_a_pixel { LEAST_PX } else { 0.0 },
             });
             let has_back = round.is_none() && !world.materials[instance.material].double_sided;

@@ -309,13 +309,7 @@ fn diameter_m(world: &World, instance: &Instance, bounds: &Bounds) -> f32 {
     let square = corners
         .map(|p| p.distance_squared(center))
         .fold(0.0, f32::max);
-    let columns = [
-        place.matrix3.x_axis,
-        place.matrix3.y_axis,
-        place.matrix3.z_axis,
-    ];
-    let most = columns.map(|c| c.length()).into_iter().fold(0.0, f32::max);
-    2.0 * (square.sqrt() + mesh.capsule_radius_m.unwrap_or(0.0) * most)
+    2.0 * (square.sqrt() + mesh.placed_radius_m(place).unwrap_or(0.0))
 }
 
 /// Distance from a point to a box, meters; infinite for an empty box.
