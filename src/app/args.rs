@@ -281,9 +281,12 @@ pub struct PreviewArgs {
     /// Folder for screenshots (F12); without it, the current folder
     #[arg(long, value_name = "DIR")]
     pub screenshots: Option<PathBuf>,
-    /// Denoise pictures at rest, by Intel Open Image Denoise, as render does
+    /// Refuse to start where Intel Open Image Denoise, which denoises pictures at rest, is not installed
     #[arg(long)]
     pub denoise: bool,
+    /// Show pictures at rest with their noise
+    #[arg(long, conflicts_with = "denoise")]
+    pub no_denoise: bool,
     /// Show a page for browsers instead of the window, and print its address with a token; on a free port of this
     /// machine alone, unless an address is given: HOST:PORT, HOST or :PORT
     #[cfg(feature = "serve")]

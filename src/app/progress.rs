@@ -162,7 +162,7 @@ impl PictureProgress {
             pictures: lights + 1,
             bound: match samples {
                 Samples::UntilError(bound) => Some(bound.error),
-                Samples::Count(_) => None,
+                Samples::Count(_) | Samples::Unwritten => None,
             },
             began,
             first: Cell::default(),

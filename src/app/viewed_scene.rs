@@ -28,18 +28,26 @@ pub fn viewer(args: &PreviewArgs, size: [u32; 2]) -> Result<(Arc<Gpu>, ViewerOpt
         camera: args.camera.clone(),
         method: args.method,
         size,
-        denoiser: denoiser(args)?,
+        denoiser: denoiser(args, &gpu)?,
     };
     Ok((gpu, options))
 }
 
-/// Filter of pictures at rest, if `--denoise` asks for it.
+/// Filter of pictures at rest, where Open Image Denoise is installed.
 ///
 /// # Errors
-/// [`AppError::Usage`] if Open Image Denoise is not installed.
-fn denoiser(args: &PreviewArgs) -> Result<Option<PictureFilter>, AppError> {
-    let denoiser = args.denoise.then(|| Denoiser::new(&[])).transpose()?;
+/// [`AppError::Usage`] if `--denoise` asks for it, and it is not installed.
+fn denoiser(args: &PreviewArgs, gpu: &Arc<Gpu>) -> Result<Option<PictureFilter>, AppError> {
+    if args.no_denoise {
+        return Ok(None);
+    }
+    let denoiser = match Denoiser::new(&[]) {
+        Err(missing) if args.denoise => return Err(missing.into()),
+        installed => installed.ok(),
+    };
+    let gpu = gpu.clone();
     Ok(denoiser.map(|denoiser| {
+        let denoiser = denoiser.stopped_by(move || gpu.check_interrupt().is_err());
         PictureFilter::new(move |picture| denoiser.apply(picture).map_err(|e| e.to_string()))
     }))
 }

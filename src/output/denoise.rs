@@ -49,7 +49,11 @@ pub struct Denoiser {
     library: Library,
     /// Number of AOVs that are written; further ones follow them.
     written: usize,
+    stop: Stop,
 }
+
+/// Whether a picture is given up.
+type Stop = Box<dyn Fn() -> bool + Send + Sync>;
 
 /// An input or output image of a filter: its name in the library, and three floats per pixel.
 struct Image<'a>(&'a CStr, &'a mut [f32]);
@@ -80,7 +84,14 @@ impl Denoiser {
         Ok(Self {
             library,
             written: aovs.len(),
+            stop: Box::new(|| false),
         })
+    }
+
+    /// The denoiser, whose pictures are given up with an error once `stop` holds.
+    pub fn stopped_by(self, stop: impl Fn() -> bool + Send + Sync + 'static) -> Self {
+        let stop = Box::new(stop);
+        Self { stop, ..self }
     }
 
     /// AOVs to render for denoising: the requested ones, with `has_window` also AOVs that find surfaces in other
@@ -188,11 +199,14 @@ impl Denoiser {
             )
         );
         let set_flag = function!(oidnSetFilterBool(Handle, *const c_char, bool));
+        let set_monitor =
+            function!(oidnSetFilterProgressMonitorFunction(Handle, Monitor, *const Stop));
         let commit_filter = function!(oidnCommitFilter(Handle));
         let run = function!(oidnExecuteFilter(Handle));
         let release_filter = function!(oidnReleaseFilter(Handle));
         // SAFETY: handles are used only between creation and release; images have three floats for each pixel
-        // (checked above) and live until the filter is released; a CPU device reads and writes them in place.
+        // (checked above) and live until the filter is released, as `self.stop` does; a CPU device reads and writes
+        // them in place.
         unsafe {
             let device = new_device(DEVICE_CPU);
             commit_device(device);
@@ -213,6 +227,7 @@ impl Denoiser {
                 );
             }
             set_flag(filter, kind.as_ptr(), true);
+            set_monitor(filter, goes_on, &raw const self.stop);
             commit_filter(filter);
             run(filter);
             let mut message = ptr::null();
@@ -226,6 +241,13 @@ impl Denoiser {
             if failed { Err(text) } else { Ok(()) }
         }
     }
+}
+
+/// Called by the library while it works, in any of its threads, with the share that is done; it ends at `false`.
+type Monitor = extern "C" fn(&Stop, f64) -> bool;
+
+extern "C" fn goes_on(stop: &Stop, _: f64) -> bool {
+    !stop()
 }
 
 /// Three planes, pixel by pixel.

@@ -213,6 +213,12 @@ impl Live {
         self.session.set_view(audited(view))
     }
 
+    /// Number of sub-frames of a whole picture.
+    pub fn samples(&self) -> u32 {
+        let options = self.view().options(self.session.scene());
+        options.image.samples.count()
+    }
+
     /// Renders into the targets with a camera that may move with the world: while the shutter is open, each
     /// sub-frame shows another moment.
     ///

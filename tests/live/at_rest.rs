@@ -3,54 +3,69 @@
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use reflet::{render::picture::png_file, scene::desc::CameraDesc};
-use reflet_preview::viewer::{picture_filter::PictureFilter, protocol::ViewCamera};
+use reflet_preview::viewer::{
+    opening::{Opened, ViewerOptions},
+    picture_filter::PictureFilter,
+    protocol::{FinishedFrame, ViewCamera},
+};
 
 use crate::kit::*;
 
 const SIZE: [u32; 2] = [24, 16];
-/// Samples of the scene.
-const SAMPLES: u32 = 16;
-
 /// Value of all channels of a filtered picture.
 const FILTERED: u8 = 77;
 
-fn scene(samples: u32) -> String {
-    SCENE.replace("[image]", &format!("[image]\nsamples = {samples}"))
-}
-
 #[test]
 fn more_and_more_samples_make_the_picture_of_render() {
-    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
-    let path = folder.write("scene.toml", scene(SAMPLES));
-    let live = open(&gpu, &path, None);
-    let main = first_camera(live.world());
-    let mut session = Session::open(
-        &path,
-        &with_set(&[&format!("image.size={SIZE:?}"), "reflection.method=hybrid"]),
-    )
-    .expect("it opens");
-    let rendered = session.render(&[]).expect("it renders").display;
-    let wanted = png_file::encode(SIZE, &rendered, &[]).expect("encodes");
+    let gpu = or_skip!(gpu());
+    let written = |samples: u32| SCENE.replace("[image]", &format!("[image]\nsamples = {samples}"));
+    // Without a word of it 16.
+    for (text, all) in [(written(5), 5), (SCENE.to_owned(), 16), (written(1), 1)] {
+        let folder = Folder::new();
+        let path = folder.write("scene.toml", text);
+        let set = [
+            &format!("image.size={SIZE:?}"),
+            &format!("image.samples={all}"),
+            "reflection.method=hybrid",
+        ];
+        let mut session = Session::open(&path, &with_set(&set)).expect("it opens");
+        let rendered = session.render(&[]).expect("it renders").display;
+        let wanted = png_file::encode(SIZE, &rendered, &[]).expect("encodes");
 
-    let mut preview = Watched::start(Arc::clone(&gpu), folder, live, false);
-    // No budget: the first picture has one sample, as nothing takes less time.
-    let free = CameraDesc::default();
-    preview.show(|view| (view.camera, view.rest_ms) = (ViewCamera::Free(free.clone()), 1e-6));
-    preview.shown(|shown| shown.camera == free && shown.sides[0].stats.samples == 1);
-    preview.show(|view| view.camera = ViewCamera::Scene("main".to_owned()));
-    preview.shown(|shown| shown.camera == main && shown.sides[0].stats.samples == 1);
-    preview.shown(|shown| shown.camera == main && shown.sides[0].stats.samples == SAMPLES);
-    if preview.screenshot() != wanted {
-        // A late word of the new file begins the picture anew.
-        preview.shown(|shown| shown.camera == main && shown.sides[0].stats.samples == SAMPLES);
-        assert!(preview.screenshot() == wanted);
+        let options = ViewerOptions {
+            source: source(&path),
+            camera: None,
+            method: None,
+            size: SIZE,
+            denoiser: None,
+        };
+        let opened = or_panic!(Opened::new(&gpu, &options));
+        let (thread, _) = opened.start(&gpu, None, || ());
+        let mut preview = Watched::of_thread(thread, folder);
+        // No budget: the first picture has one sample, as nothing takes less time.
+        let free = CameraDesc::default();
+        preview.show(|view| (view.camera, view.rest_ms) = (ViewCamera::Free(free.clone()), 1e-6));
+        let has = |shown: &FinishedFrame, samples: u32| {
+            let side = &shown.sides[0];
+            let (named, is_whole) = (&side.legend, samples == all);
+            let is_named = is_whole && named.is_empty()
+                || !is_whole && *named == format!("{samples} of {all} samples");
+            side.stats.samples == samples && is_named
+        };
+        preview.shown(|shown| shown.camera == free && has(shown, 1));
+        preview.show(|view| view.camera = ViewCamera::Scene("main".to_owned()));
+        preview.shown(|shown| shown.camera != free && has(shown, 1));
+        assert!(preview.screenshot() == wanted, "a file has all samples");
+        if all > 1 {
+            preview.shown(|shown| shown.camera != free && has(shown, all));
+        }
     }
 }
 
 #[test]
 fn the_picture_at_rest_is_denoised_and_drafts_are_not() {
     let (gpu, folder) = (or_skip!(gpu()), Folder::new());
-    let path = folder.write("scene.toml", scene(2));
+    let path = folder.write("scene.toml", SCENE);
     let mut live = open(&gpu, &path, None);
     let guides = ViewOverrides {
         guides: true,

@@ -70,6 +70,12 @@ impl Watched {
         is_waiting: bool,
         filter: Option<PictureFilter>,
     ) -> Self {
+        let worker = RenderThread::start(gpu, live, is_waiting, filter, || ());
+        Self::of_thread(worker, folder)
+    }
+
+    /// Draws the scene of a thread once.
+    pub fn of_thread(worker: RenderThread, folder: Folder) -> Self {
         let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
         let side = Side {
             method: Method::Hybrid,
@@ -77,7 +83,7 @@ impl Watched {
         };
         let mut this = Self {
             _turn: turn,
-            worker: RenderThread::start(gpu, live, is_waiting, filter, || ()),
+            worker,
             folder,
             view: View {
                 camera: ViewCamera::Scene("main".to_owned()),

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use super::ignored::written;
 use crate::{
     scene::{
-        desc::{LightKind, ModelSource, Samples, ShapeDesc},
+        desc::{LightKind, ModelSource, ShapeDesc},
         diagnostic::{Diagnostic, Span},
         stages::Scene,
         syntax::{Content, Entries, Node},
@@ -34,7 +34,7 @@ fn warning(name: &'static str, at: &Span, message: String, help: &str) -> Diagno
 
 /// Lenses and shutters that are open for a picture of one sample.
 fn grain(scene: &Scene, start: &Span) -> Vec<Diagnostic> {
-    if scene.image.samples != Samples::Count(1) {
+    if scene.image.samples.count() != 1 {
         return Vec::new();
     }
     let help = "write `samples = 64` in `[image]`; it is 1";

@@ -9,7 +9,11 @@ use super::{
 use crate::live::{InitialBuild, Live, SceneSource, ViewOverrides};
 use reflet_gpu::Gpu;
 use reflet_render::runtime::SessionError;
-use reflet_scene::{desc::Method, diagnostic::print_diagnostics, script::Halt};
+use reflet_scene::{
+    desc::{Method, Samples},
+    diagnostic::print_diagnostics,
+    script::Halt,
+};
 
 /// A scene is shown after this time even if its scripts have not ended.
 const SCRIPT_WAIT: Duration = Duration::from_secs(1);
@@ -49,6 +53,7 @@ impl Opened {
         let view = ViewOverrides {
             size: Some([64, 64]),
             method: options.method,
+            unwritten_samples: Some(Samples::AT_REST),
             guides: options.denoiser.is_some(),
             ..ViewOverrides::default()
         };

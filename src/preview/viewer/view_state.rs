@@ -16,7 +16,7 @@ const SETTLE_S: f64 = 0.15;
 /// Time budget of a picture while something moves, milliseconds.
 const MOVING_MS: f64 = 50.0;
 /// Time budget of the first picture at rest, milliseconds.
-const REST_MS: f64 = 1000.0;
+const REST_MS: f64 = 250.0;
 /// Fraction of a frame's duration that its picture may take while playing.
 const PLAYING_SHARE: f64 = 0.8;
 /// Delay after the end of a rest time at which the view is asked for again, seconds.

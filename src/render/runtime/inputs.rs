@@ -65,6 +65,8 @@ pub struct ViewOverrides {
     pub method: Option<Method>,
     /// Sub-frames per picture.
     pub samples: Option<u32>,
+    /// Sub-frames per picture of a scene that does not write their number; without it 1.
+    pub unwritten_samples: Option<u32>,
     /// See [`RenderOptions::costs`].
     pub costs: Option<UnitCosts>,
     /// See [`RenderOptions::draft`].
@@ -100,7 +102,12 @@ impl ViewOverrides {
         };
         options.reflection.method = self.method.unwrap_or(options.reflection.method);
         options.image.size = self.size.unwrap_or(options.image.size);
-        options.image.samples = self.samples.map_or(options.image.samples, Samples::Count);
+        let samples = &mut options.image.samples;
+        let count = match samples {
+            Samples::Unwritten => Some(self.samples.or(self.unwritten_samples).unwrap_or(1)),
+            _ => self.samples,
+        };
+        *samples = count.map_or(*samples, Samples::Count);
         options
     }
 }

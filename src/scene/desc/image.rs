@@ -69,6 +69,8 @@ declared! {
 /// Number of sub-frames of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Samples {
+    /// No word of it: 1, or [`Samples::AT_REST`] where the preview rests.
+    Unwritten,
     /// A number that is written.
     Count(u32),
     /// Smallest number that meets an error bound.
@@ -93,9 +95,13 @@ declared! {
 }
 
 impl Samples {
+    /// Sub-frames of pictures at rest in the preview, of scenes that do not write a number.
+    pub const AT_REST: u32 = 16;
+
     /// `samples = 16`, or a table.
     fn read(t: &mut Table) -> Option<Self> {
         Some(match t.number_or_table("samples", range(1.0, 4096.0), 1) {
+            NumberOr::Number(_) if !t.has("samples") => Self::Unwritten,
             NumberOr::Number(count) => Self::Count(count),
             NumberOr::Nested(bound) => Self::UntilError(bound),
         })
@@ -104,6 +110,7 @@ impl Samples {
     /// Number of sub-frames; the largest one that a bound allows.
     pub fn count(self) -> u32 {
         match self {
+            Self::Unwritten => 1,
             Self::Count(count) => count,
             Self::UntilError(bound) => bound.at_most,
         }
@@ -120,9 +127,9 @@ declared! {
         pub size: [u32; 2] [range(1.0, 16384.0)] = [1280, 720],
         /// Number of sub-frames, each with its own pixel offset, that are averaged to a picture, 1 to 4096.
         /// More gives smoother edges and less grain, and takes longer. `{ error = 0.01 }` chooses a number for each
-        /// picture. Default 1.
+        /// picture. Default 1, or 16 where the preview rests.
         #[by(Samples::read)]
-        pub samples: Samples = Samples::Count(1),
+        pub samples: Samples = Samples::Unwritten,
         /// Number of rays per pixel and sub-frame towards each kind of light that is sampled, 1 to 256. The
         /// kinds are lamps with a size (each ray picks one, by how much it may light the pixel), suns with a
         /// size (likewise), an environment with `shadow = "ray"` or a `file`, and all surfaces with `light =

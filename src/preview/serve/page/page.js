@@ -144,10 +144,11 @@ function show_item(item) {
 }
 
 function show_statistics({ picture, frame, encode_ms, sides }) {
+  const legends = sides.filter((side) => side.legend).map(({ method, legend }) => (sides[1] ? `${method}: ${legend}` : legend));
+  $("legend").textContent = legends.join("\n");
   const lines = [`picture ${picture}, frame ${frame}, read and encoded in ${encode_ms.toFixed(1)} ms`];
-  for (const { method, size, samples, ms, rays, passes, legend } of sides) {
+  for (const { method, size, samples, ms, rays, passes } of sides) {
     lines.push(`${method} ${size[0]}\u00d7${size[1]}, samples ${samples}, ${ms.toFixed(1)} ms, rays ${rays}`);
-    if (legend) lines.push(legend);
     for (const [name, of] of passes) lines.push(`  ${name} ${of.toFixed(2)} ms`);
   }
   $("statistics").textContent = lines.join("\n");

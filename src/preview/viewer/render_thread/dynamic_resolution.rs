@@ -56,7 +56,7 @@ impl FrameCost {
     }
 }
 
-/// Factor from the budget of a picture at rest to the budget of the next one, which renders all sub-frames anew: all
+/// Factor from the time of a picture at rest to the budget of the next one, which renders all sub-frames anew: all
 /// pictures together take at most a third more time than the last one.
 const REST_GROWTH: f64 = 4.0;
 
@@ -79,9 +79,10 @@ impl RestBudget {
         }
     }
 
-    /// Notes that a picture had fewer sub-frames than the scene wants.
-    pub fn fall_short(&mut self) {
+    /// Notes that a picture had fewer sub-frames than the scene wants, and the time that it took, milliseconds.
+    pub fn fall_short(&mut self, took_ms: f64) {
         self.is_short = true;
+        self.ms = self.ms.max(took_ms);
     }
 
     /// Whether a picture with more sub-frames is due.

@@ -267,7 +267,13 @@ impl Worker {
                 None => self.render(view, side.method)?,
             };
             let old = self.textures.get(index).cloned();
+            let (begun, frame_ms) = (Instant::now(), stats.frame_ms);
             let visualization = self.visualize(side, view, stats, old)?;
+            if self.rest_budget.is_short() {
+                // Denoising takes time too.
+                let ms = begun.elapsed().as_secs_f64() * 1e3;
+                self.rest_budget.fall_short(frame_ms + ms);
+            }
             self.textures.truncate(index);
             self.textures.push(visualization.texture.clone());
             sides.push(visualization);

@@ -7,6 +7,7 @@ use std::{
 };
 
 use super::{
+    dynamic_resolution::RestBudget,
     pixels::{Pixels, compose_wipe},
     worker::Worker,
 };
@@ -17,7 +18,11 @@ use reflet_render::picture::png_file;
 impl Worker {
     /// Writes a screenshot and reports its path, or answers with it.
     pub(super) fn write_screenshot(&mut self, view: &View, screenshot: &Screenshot) {
+        // A file has all samples, however many the view has so far.
+        let all = RestBudget::starting(f64::INFINITY);
+        let budget = std::mem::replace(&mut self.rest_budget, all);
         let rendered = self.render_screenshot(view, screenshot);
+        self.rest_budget = budget;
         let (folder, stem) = match &screenshot.goal {
             ScreenshotGoal::File { folder, stem } => (folder, stem),
             ScreenshotGoal::Reply(Reply(reply)) => {

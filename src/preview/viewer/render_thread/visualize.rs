@@ -42,7 +42,7 @@ impl Worker {
             (ViewChannel::Picture, Some(display)) => {
                 let texture = FrameTexture::of_size(&self.gpu, old, stats.size)?;
                 texture.copy(&self.gpu, display)?;
-                (texture, String::new())
+                (texture, self.samples_so_far(view, &stats))
             }
             (channel, _) => {
                 let (pixels, legend) = self.pixels(channel, view, &stats)?;
@@ -64,7 +64,17 @@ impl Worker {
         self.denoiser.is_some() && view.draft_ms.is_none() && !self.live.is_coarse()
     }
 
-    /// Denoised display color of the last rendered frame, and nothing or why it could not be denoised.
+    /// Number of sub-frames of a picture at rest, until it has all.
+    fn samples_so_far(&self, view: &View, stats: &FrameStats) -> String {
+        let (samples, all) = (stats.samples, self.live.samples());
+        match view.draft_ms.is_none() && samples < all {
+            true => format!("{samples} of {all} samples"),
+            false => String::new(),
+        }
+    }
+
+    /// Denoised display color of the last rendered frame, with its legend: its sub-frames so far, and why it could not
+    /// be denoised.
     fn denoised(
         &self,
         view: &View,
@@ -75,8 +85,12 @@ impl Worker {
         let renderer = self.live.renderer();
         let mut picture = renderer.rendered_picture(&self.gpu, &camera, stats.clone())?;
         let denoised = denoiser.apply(&mut picture);
-        let legend =
-            denoised.map_or_else(|error| format!("not denoised: {error}"), |()| String::new());
+        self.gpu.check_interrupt()?;
+        let mut legend = self.samples_so_far(view, stats);
+        if let Err(error) = denoised {
+            legend += &format!("\nnot denoised: {error}");
+        }
+        let legend = legend.trim_start().to_owned();
         let (size, rgba) = (picture.size, picture.display);
         Ok((Pixels { size, rgba }, legend))
     }

@@ -186,7 +186,7 @@ impl Worker {
         let most = self.gpu.limits.max_texture_dimension_2d;
         let pixels = |size: [u32; 2]| f64::from(size[0]) * f64::from(size[1]);
         let whole = view.size.map(|side| side.clamp(1, most));
-        let (mut size, all_samples) = (whole, self.live.desc().image.samples.count());
+        let (mut size, all_samples) = (whole, self.live.samples());
         let mut samples = all_samples;
         if let Some(draft_ms) = view.draft_ms {
             samples = 1;
@@ -215,7 +215,7 @@ impl Worker {
         self.live.complete()?;
         let stats = self.live.render(&|world| camera_in(world, &view.camera))?;
         if !is_whole && view.draft_ms.is_none() {
-            self.rest_budget.fall_short();
+            self.rest_budget.fall_short(stats.frame_ms);
         }
         self.frame_cost
             .record(pixels(size) * f64::from(samples), stats.frame_ms);
