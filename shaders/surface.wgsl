@@ -66,17 +66,10 @@ fn resolve(pixel: vec2u) -> Resolved {
     store_depth(pixel, shown.depth_m);
     textureStore(surface, pixel, pack_surface(s));
     textureStore(colors, pixel, pack_colors(s));
-    // Rounded as in the packed surface that other passes read.
-    var packed = s;
-    let rounded = unpack2x16float(pack2x16float(vec2f(s.roughness, s.metallic)));
-    packed.roughness = rounded.x;
-    packed.metallic = rounded.y;
-    packed.clearcoat = round(s.clearcoat * COAT_STEPS) / COAT_STEPS;
-    packed.clearcoat_roughness = round(s.clearcoat_roughness * COAT_STEPS) / COAT_STEPS;
     let rough = select(UNREFLECTIVE, ROUGH, s.reflection != REFLECTION_NONE);
     let is_traced = !MARCH || (instance_flags(hit.x) & FLAG_TRACED) != 0u;
     let reflective = select(MARCHED, TRACED, is_traced);
-    return Resolved(select(rough, reflective, is_reflector(packed)), is_transmissive(s));
+    return Resolved(select(rough, reflective, is_reflector(rounded_surface(s))), is_transmissive(s));
 }
 
 @compute @workgroup_size(GROUP_PX, GROUP_PX)

@@ -16,6 +16,17 @@ fn pack_surface(s: Surface) -> vec4u {
     );
 }
 
+// The surface with the numbers that decide whether it reflects rounded as they are packed.
+fn rounded_surface(s0: Surface) -> Surface {
+    var s = s0;
+    let rounded = unpack2x16float(pack2x16float(vec2f(s.roughness, s.metallic)));
+    s.roughness = rounded.x;
+    s.metallic = rounded.y;
+    s.clearcoat = round(s.clearcoat * COAT_STEPS) / COAT_STEPS;
+    s.clearcoat_roughness = round(s.clearcoat_roughness * COAT_STEPS) / COAT_STEPS;
+    return s;
+}
+
 // Layer values in 14 bits beside the reflection mode. Index and absorption are read from the pixel's material.
 fn layer_bits(s: Surface) -> u32 {
     if (!HAS_LAYERS) { return u32(s.unlit) | (lift_bits(s.lift_m) << 1u); }

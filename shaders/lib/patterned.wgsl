@@ -2,6 +2,7 @@
 
 #import pack
 #import pattern
+#import patterned_keys
 #import scene
 
 // Whether some number or color of a material follows a pattern.
@@ -62,25 +63,7 @@ fn with_patterned(s0: Surface, m: u32, at: PatternedPoint) -> Surface {
     for (var k = 0u; k < MOST_PATTERNED; k++) {
         let used = material_patterned(m, k);
         if (used.size_m <= 0.0) { break; }
-        let value = patterned_value(used, at);
-        switch used.bits >> PATTERNED_SHIFT {
-            case BASE_COLOR_VARIES: { s.base_color = value; }
-            case METALLIC_VARIES: { s.metallic = value.x; }
-            case ROUGHNESS_VARIES: { s.roughness = value.x; }
-            case EMISSION_VARIES: { s.emission = value; }
-            case REFLECTIVITY_VARIES: { s.reflectivity = value.x; }
-            case TRANSMISSION_VARIES: { s.transmission = value.x; }
-            case CLEARCOAT_VARIES: { s.clearcoat = value.x; }
-            case CLEARCOAT_ROUGHNESS_VARIES: { s.clearcoat_roughness = value.x; }
-            case SPECULAR_VARIES: { s.specular = value.x; }
-            case SPECULAR_COLOR_VARIES: { s.specular_color = value; }
-            case SHEEN_COLOR_VARIES: { s.sheen_color = value; }
-            case SHEEN_ROUGHNESS_VARIES: { s.sheen_roughness = value.x; }
-            case IRIDESCENCE_VARIES: { s.iridescence = value.x; }
-            case IRIDESCENCE_THICKNESS_VARIES: { s.iridescence_thickness_nm = value.x; }
-            case ANISOTROPY_VARIES: { s.anisotropy = value.x; }
-            default: {}
-        }
+        s = with_value(s, used.bits >> PATTERNED_SHIFT, patterned_value(used, at));
     }
     return s;
 }

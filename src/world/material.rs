@@ -10,9 +10,10 @@ use super::{
     material_textures::{CoreTexture, LAYER_SLOTS, LayerTexture, TEXTURE_SLOTS},
 };
 use reflet_scene::desc::{
-    CheckerDesc, LightGroup, MaterialDesc, MaterialNumbers, PatternKind, PatternedDesc,
+    CheckerDesc, LightGroup, MATERIAL, MaterialDesc, MaterialNumbers, PatternKind, PatternedDesc,
     PatternedKey, ReflectionMode,
 };
+use reflet_scene::number::find;
 
 /// A surface description after all overrides; textures are indices into [`World::textures`](super::World::textures).
 #[derive(Clone, Debug, PartialEq)]
@@ -281,21 +282,13 @@ impl Material {
     }
 
     /// Least and largest value over the surface of a number without its textures; of a color, over its channels too.
-    pub fn extremes(&self, of: PatternedKey, value: f32) -> [f32; 2] {
+    pub fn extremes(&self, of: PatternedKey) -> [f32; 2] {
         let pattern = self.patterned.iter().find(|p| p.value == of);
-        pattern.map_or([value; 2], |p| {
-            let (least, most) = (p.from.min(p.to), p.from.max(p.to));
-            [least.min_element(), most.max_element()]
-        })
-    }
-
-    /// Least and largest roughness over the surface.
-    pub fn roughness_extremes(&self) -> [f32; 2] {
-        self.extremes(PatternedKey::Roughness, self.roughness)
-    }
-
-    /// Least and largest roughness of the clear coat over the surface.
-    pub fn coat_roughness_extremes(&self) -> [f32; 2] {
-        self.extremes(PatternedKey::ClearcoatRoughness, self.clearcoat_roughness)
+        let plain = || find(&MATERIAL, of.key()).and_then(|field| (field.get)(&self.numbers()));
+        let ends = pattern.map_or_else(|| [plain().unwrap_or_default(); 2], |p| [p.from, p.to]);
+        [
+            ends[0].min(ends[1]).min_element(),
+            ends[0].max(ends[1]).max_element(),
+        ]
     }
 }

@@ -14,11 +14,14 @@ use reflet::gpu::{
 };
 use reflet::render::{
     RenderOptions,
-    layout::{gpu_struct, types},
+    layout::gpu_struct,
     passes,
     pipeline::{
-        pass::Pass, pass_targets::PassTargets, shader_variant::ShaderVariant,
-        shared_data::SharedData, targets::Target,
+        pass::Pass,
+        pass_targets::PassTargets,
+        shader_variant::{self, ShaderVariant},
+        shared_data::SharedData,
+        targets::Target,
     },
     plan::Features,
 };
@@ -234,7 +237,7 @@ fn shared_structs_have_the_same_layout_in_the_shaders() {
         assert_eq!(layout.size as usize, spec.size, "{name} in {file}");
         true
     };
-    for spec in types::SHARED {
+    for spec in shader_variant::SHARED {
         let found = SHIPPED.iter().filter(|shader| compare(spec, shader));
         assert!(found.count() > 0, "no shader uses {}", spec.name);
     }

@@ -297,7 +297,7 @@ fn kept(world: &World, instance: &Instance) -> Option<Kept> {
 
 /// Whether a material emits light somewhere.
 fn emits(material: &Material) -> bool {
-    let [_, most] = material.extremes(PatternedKey::Emission, material.emission.max_element());
+    let [_, most] = material.extremes(PatternedKey::Emission);
     most > 0.0
 }
 

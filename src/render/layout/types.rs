@@ -1,9 +1,7 @@
 //! Structs shared with the shaders, which get them by `#import structs`.
 
-use super::gpu_struct::{StructSpec, gpu_struct};
-use super::{fog::GpuFog, gpu_decal::GpuDecal, gpu_patterned::GpuPatterned};
-use reflet_scene::desc::{MOST_PATTERNED, ProbesDesc};
-use reflet_world::{CORE_SLOTS, LAYER_SLOTS};
+use super::gpu_struct::gpu_struct;
+use reflet_scene::desc::ProbesDesc;
 
 gpu_struct! {
     /// Uniforms of a frame; see `shaders/lib/frame.wgsl`.
@@ -260,82 +258,6 @@ pub const WRAP_CLAMP: u32 = 1;
 /// Wrap mode in [`GpuTextureUse::bits`]: mirrored repeat.
 pub const WRAP_MIRROR: u32 = 2;
 
-gpu_struct! {
-    /// A material; see `shaders/lib/scene.wgsl`.
-    pub struct GpuMaterial = padded "Material" {
-        /// Linear base color, alpha in w.
-        base_color: [f32; 4],
-        /// Emitted linear radiance.
-        emission: [f32; 3],
-        /// Metalness, 0 to 1.
-        metallic: f32,
-        /// Perceptual roughness, 0 to 1.
-        roughness: f32,
-        /// Reflectance of the dielectric at normal incidence.
-        reflectivity: f32,
-        /// Strength of the normal map.
-        normal_scale: f32,
-        /// Strength of the occlusion map.
-        occlusion_strength: f32,
-        /// First checker color.
-        checker_a: [f32; 3],
-        /// Size of a checker's cell, meters; 0: no checker.
-        checker_size_m: f32,
-        /// Second checker color.
-        checker_b: [f32; 3],
-        /// Alpha below which a cut-out is transparent; below 0: opaque.
-        alpha_cutoff: f32,
-        /// Reflection mode: 0 none, 1 auto, 2 mirror; with [`OF_INDEX`].
-        reflection: u32,
-        /// 1: the base color is shown without lighting.
-        unlit: u32,
-        /// Share of the light that enters the surface and is transmitted.
-        transmission: f32,
-        /// Strength of the clear coat.
-        clearcoat: f32,
-        /// Absorption coefficient inside a solid, per meter.
-        absorption: [f32; 3],
-        /// Index of refraction.
-        ior: f32,
-        /// Perceptual roughness of the clear coat.
-        clearcoat_roughness: f32,
-        /// 1: transmitted light is refracted and absorbed.
-        is_solid: u32,
-        /// 1: alpha is the surface's coverage.
-        is_blended: u32,
-        /// [`PatternKind`](reflet_scene::desc::PatternKind) that uses the checker's colors and size.
-        pattern: u32,
-        /// Color factor on the reflectivity.
-        specular_color: [f32; 3],
-        /// Factor on the reflectivity and on the reflectance at grazing angles.
-        specular: f32,
-        /// Color of the sheen; black: none.
-        sheen_color: [f32; 3],
-        /// Perceptual roughness of the sheen.
-        sheen_roughness: f32,
-        /// Strength of the thin film.
-        iridescence: f32,
-        /// Index of refraction of the thin film.
-        iridescence_ior: f32,
-        /// Thickness of the film where its texture is 0, nanometers.
-        iridescence_least_nm: f32,
-        /// Thickness of the film where its texture is 1, nanometers.
-        iridescence_thickness_nm: f32,
-        /// Cosine and sine of the anisotropy's angle from the tangent.
-        anisotropy_turn: [f32; 2],
-        /// Strength of the anisotropy.
-        anisotropy: f32,
-        /// Dispersion: 20 over the Abbe number.
-        dispersion: f32,
-        /// Textures of base color, metallic-roughness, normal, occlusion, emission.
-        textures: [GpuTextureUse; CORE_SLOTS],
-        /// Textures of layers, in the order of [`LayerTexture`](reflet_world::LayerTexture).
-        layer_textures: [GpuTextureUse; LAYER_SLOTS],
-        /// Numbers and colors that follow patterns.
-        patterned: [GpuPatterned; MOST_PATTERNED],
-    }
-}
-
 /// Maximum number of probes of a frame.
 pub const MOST_PROBES: usize = ProbesDesc::MOST;
 /// Share of a probe's half size within which a point lies on the border of its box.
@@ -348,20 +270,5 @@ pub fn flag(on: bool, bit: u32) -> u32 {
 
 /// Index value that stands for none.
 pub const NONE: u32 = u32::MAX;
-
-/// Structs of the generated `lib/structs.wgsl`; the `Params` of a pass have a file of their own.
-pub const SHARED: &[StructSpec] = &[
-    Frame::LAYOUT,
-    LightTree::LAYOUT,
-    Sampling::LAYOUT,
-    GpuFog::LAYOUT,
-    GpuLight::LAYOUT,
-    GpuInstance::LAYOUT,
-    GpuVertex::LAYOUT,
-    GpuTextureUse::LAYOUT,
-    GpuPatterned::LAYOUT,
-    GpuMaterial::LAYOUT,
-    GpuDecal::LAYOUT,
-];
 
 const _: () = assert!(size_of::<GpuVertex>() == 32 && size_of::<GpuInstance>() == 128);

@@ -4,8 +4,9 @@
 use std::fmt::Write as _;
 
 use reflet_scene::desc::{
-    LightKind, Lookup, Method, PatternKind, PatternedKey, ReflectionMode, ToneMap,
+    LightKind, Lookup, MATERIAL, Method, PatternKind, PatternedKey, ReflectionMode, ToneMap,
 };
+use reflet_scene::number::{Form, find};
 use reflet_world::{CoreTexture, LayerTexture, light_tree::Sides};
 
 use super::{
@@ -177,6 +178,21 @@ fn define_variants(out: &mut String) {
     for value in PatternedKey::ALL {
         define_numbered(out, value, "_VARIES", value as u32);
     }
+}
+
+/// The function that sets the value of a surface which follows a pattern; alpha is not one of its values.
+pub fn patterned() -> String {
+    let mut out = "fn with_value(s0: Surface, which: u32, value: vec3f) -> Surface {\n    var s = s0;\n    switch which {\n".to_owned();
+    for of in PatternedKey::ALL {
+        let key = of.key();
+        let is_color = find(&MATERIAL, key).is_some_and(|field| field.form == Form::Color);
+        let value = if is_color { "value" } else { "value.x" };
+        if of != PatternedKey::Alpha {
+            // Writing to a string cannot fail.
+            let _ = writeln!(out, "        case {}u: {{ s.{key} = {value}; }}", of as u32);
+        }
+    }
+    out + "        default: {}\n    }\n    return s;\n}\n"
 }
 
 /// Defines the number of a variant, by its name in capitals: `SpecularColor` with `_SLOT` is `SPECULAR_COLOR_SLOT`.

@@ -5,13 +5,37 @@
 use reflet_gpu::{ShaderError, ShaderLibrary};
 use reflet_scene::desc::Method;
 
-use super::{constants::wgsl, pass::Pass};
+use super::{
+    constants::{patterned, wgsl},
+    pass::Pass,
+};
 use crate::{
     buffers::{chunks::Chunks, texel_array},
-    layout::{gpu_struct::StructSpec, types::SHARED},
+    layout::{
+        fog::GpuFog,
+        gpu_decal::GpuDecal,
+        gpu_patterned::GpuPatterned,
+        gpu_struct::StructSpec,
+        types::{Frame, GpuInstance, GpuLight, GpuTextureUse, GpuVertex, LightTree, Sampling},
+    },
     plan::Features,
-    upload::records,
+    upload::{gpu_material::GpuMaterial, records},
 };
+
+/// Structs of the generated `lib/structs.wgsl`; the `Params` of a pass have a file of their own.
+pub const SHARED: &[StructSpec] = &[
+    Frame::LAYOUT,
+    LightTree::LAYOUT,
+    Sampling::LAYOUT,
+    GpuFog::LAYOUT,
+    GpuLight::LAYOUT,
+    GpuInstance::LAYOUT,
+    GpuVertex::LAYOUT,
+    GpuTextureUse::LAYOUT,
+    GpuPatterned::LAYOUT,
+    GpuMaterial::LAYOUT,
+    GpuDecal::LAYOUT,
+];
 
 /// Shader files that a frame uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -81,6 +105,7 @@ impl ShaderVariant {
         let library = library
             .clone()
             .with_generated("constants", wgsl())?
+            .with_generated("patterned_keys", patterned())?
             .with_generated("structs", SHARED.iter().map(StructSpec::wgsl).collect())?
             .with_generated("geometry", self.chunks.wgsl())?
             .with_generated("texels", texel_array::wgsl(self.chunks.storage_texels))?

@@ -9,7 +9,7 @@ mod uses;
 
 use std::collections::BTreeSet;
 
-use reflet_scene::desc::{Method, ReflectionMode, Visibility};
+use reflet_scene::desc::{Method, PatternedKey, ReflectionMode, Visibility};
 use reflet_world::{CORE_SLOTS, World, Wrap, bvh::Trees};
 
 use self::planned_scene::PlannedScene;
@@ -73,8 +73,8 @@ fn is_spread(roughness: f32) -> bool {
 /// single sharp ray.
 pub fn is_rough_reflector(world: &World, index: usize, cutoff: f32) -> bool {
     let material = &world.materials[index];
-    let [_, roughness] = material.roughness_extremes();
-    let [_, coat_roughness] = material.coat_roughness_extremes();
+    let [_, roughness] = material.extremes(PatternedKey::Roughness);
+    let [_, coat_roughness] = material.extremes(PatternedKey::ClearcoatRoughness);
     let spread = material.metallic_roughness_texture.is_some()
         || material.anisotropy.is_some()
         || (is_spread(roughness) && is_base_below(material, cutoff))

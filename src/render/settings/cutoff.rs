@@ -42,8 +42,8 @@ pub fn has_specular(material: &Material) -> bool {
 /// Whether the lobe of a material without its clear coat is below the cut-off; higher for metals, which show nothing
 /// else.
 pub(crate) fn is_base_below(material: &Material, cutoff: f32) -> bool {
-    let [roughness, _] = material.roughness_extremes();
-    let [_, metallic] = material.extremes(PatternedKey::Metallic, material.metallic);
+    let [roughness, _] = material.extremes(PatternedKey::Roughness);
+    let [_, metallic] = material.extremes(PatternedKey::Metallic);
     packed(roughness) < cutoff * (1.0 + METAL_REACH * packed(metallic))
 }
 
@@ -52,7 +52,7 @@ fn is_coat_below(material: &Material, cutoff: f32) -> bool {
     let has_map = material
         .layer_texture(LayerTexture::ClearcoatRoughness)
         .is_some();
-    let [roughness, _] = material.coat_roughness_extremes();
+    let [roughness, _] = material.extremes(PatternedKey::ClearcoatRoughness);
     let steps = (roughness * COAT_STEPS).round();
     material.clearcoat.is_some() && (has_map || steps < cutoff * COAT_STEPS)
 }
@@ -76,8 +76,8 @@ pub fn can_reflect_under(own: &Material, decal: &Decal, over: &Material, cutoff:
     let values = |m: &Material| match m.metallic_roughness_texture {
         Some(_) => [0.0, 1.0],
         None => [
-            m.roughness_extremes()[0],
-            m.extremes(PatternedKey::Metallic, m.metallic)[1],
+            m.extremes(PatternedKey::Roughness)[0],
+            m.extremes(PatternedKey::Metallic)[1],
         ],
     };
     let [own_roughness, own_metallic] = values(own);

@@ -57,7 +57,7 @@ pub fn brightest_emission(world: &World) -> f32 {
     let brightest = |materials: &mut dyn Iterator<Item = usize>| {
         materials
             .map(|m| &world.materials[m])
-            .map(|m| m.extremes(PatternedKey::Emission, m.emission.max_element())[1])
+            .map(|m| m.extremes(PatternedKey::Emission)[1])
             .fold(0.0, f32::max)
     };
     // Decals add to the emission of the surfaces under them.

@@ -7,13 +7,10 @@ use bytemuck::{Pod, cast_slice};
 
 use reflet_gpu::{Gpu, GpuError};
 
-use super::geometry::buffer;
+use super::{geometry::buffer, gpu_material::GpuMaterial};
 use crate::{
     buffers::texel_array::TexelArray,
-    layout::{
-        gpu_struct::StructSpec,
-        types::{GpuInstance, GpuMaterial},
-    },
+    layout::{gpu_struct::StructSpec, types::GpuInstance},
 };
 
 /// Size of a texel, bytes.

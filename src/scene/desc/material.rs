@@ -243,6 +243,12 @@ impl Field<MaterialDesc> {
         ((self.get)(material).is_none() && !needs.is_empty()).then_some(needs)
     }
 
+    /// The value that changes nothing, of a number that a material may lack.
+    pub fn off(&self) -> Option<Vec3> {
+        let off = self.track()?.off.trim_start_matches('[');
+        off.split(',').next()?.parse().ok().map(Vec3::splat)
+    }
+
     /// Comment of the key of this field's track.
     pub fn track_text(&self) -> String {
         let Some(track) = self.track() else {

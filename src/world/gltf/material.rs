@@ -10,7 +10,7 @@ use super::{
     animation::moved_material_keys,
     label, layers,
     ranges::Numbers,
-    schema::{self, Root, TEXTURE_PATHS},
+    schema::{self, EMISSIVE_STRENGTH, Root, TEXTURE_PATHS},
     specular_glossiness,
     texture_ref::{Slot, Textures},
     uri::{self, Sandbox},
@@ -148,8 +148,8 @@ fn factors(material: &schema::Material, numbers: &mut Numbers<'_>) -> Result<Mat
     // Factors above 1 are kept, though glTF allows at most 1.
     let (own, endless) = (material.emissive_factor, f32::INFINITY);
     let emission = Vec3::from(numbers.clamped("emissiveFactor", own, [0.0; 3], endless)?);
-    let strength = material.extensions.emissive_strength.as_ref();
-    let strength = strength.and_then(|e| e.emissive_strength).map(|v| [v]);
+    let strength = material.extensions.number(EMISSIVE_STRENGTH);
+    let strength = strength.map(|v| [v]);
     let is_right = |v: &[f32]| v[0] >= 0.0 && v[0].is_finite();
     let message = || "emissiveStrength must be 0 or more".into();
     let [strength] = numbers.checked(strength, [1.0], is_right, message)?;

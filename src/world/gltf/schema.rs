@@ -6,13 +6,16 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 mod image_light;
+mod layers;
 mod material;
+mod texture_info;
 
 pub use image_light::{ImageLight, ImageLights, SceneExtensions};
-pub use material::{
-    Image, Material, MaterialExtensions, Sampler, SpecularGlossiness, TEXTURE_PATHS, Texture,
-    TextureInfo, TextureTransform,
+pub use layers::{
+    EMISSIVE_STRENGTH, LAYER_NUMBERS, MaterialExtensions, SpecularGlossiness, layer_field,
 };
+pub use material::{Image, Material, Sampler, Texture};
+pub use texture_info::{TEXTURE_PATHS, TextureInfo, TextureTransform};
 
 /// The whole document.
 #[derive(Debug, Default, Deserialize)]

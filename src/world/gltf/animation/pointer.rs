@@ -12,9 +12,10 @@ use crate::{
     animation::{Interpolation, Pointed, PointedValue, PointerTrack, Property, Sampler},
     gltf::{
         accessor,
-        schema::{self, Root, TEXTURE_PATHS},
+        schema::{self, EMISSIVE_STRENGTH, LAYER_NUMBERS, Root, TEXTURE_PATHS, layer_field},
     },
 };
+use reflet_scene::number::Form;
 
 /// Animatable values of materials: JSON pointer, key of scene text, number of components.
 const CORE: [(&str, &str, usize); 7] = [
@@ -26,37 +27,8 @@ const CORE: [(&str, &str, usize); 7] = [
     ("emissiveFactor", EMISSION, 3),
     ("alphaCutoff", "alpha_cutoff", 1),
 ];
-/// Animatable values of layers, whose JSON pointers begin with [`LAYER`].
-const LAYERS: [(&str, &str, usize); 16] = [
-    ("emissive_strength/emissiveStrength", EMISSION_STRENGTH, 1),
-    ("transmission/transmissionFactor", "transmission", 1),
-    ("volume/attenuationColor", "attenuation_color", 3),
-    ("volume/attenuationDistance", "attenuation_distance_m", 1),
-    ("clearcoat/clearcoatFactor", "clearcoat", 1),
-    (
-        "clearcoat/clearcoatRoughnessFactor",
-        "clearcoat_roughness",
-        1,
-    ),
-    ("specular/specularFactor", "specular", 1),
-    ("specular/specularColorFactor", "specular_color", 3),
-    ("sheen/sheenColorFactor", "sheen_color", 3),
-    ("sheen/sheenRoughnessFactor", "sheen_roughness", 1),
-    ("iridescence/iridescenceFactor", "iridescence", 1),
-    ("iridescence/iridescenceIor", "iridescence_ior", 1),
-    (
-        "iridescence/iridescenceThicknessMaximum",
-        "iridescence_thickness_nm",
-        1,
-    ),
-    ("anisotropy/anisotropyStrength", "anisotropy", 1),
-    ("anisotropy/anisotropyRotation", ANISOTROPY_ROTATION, 1),
-    ("dispersion/dispersion", "dispersion", 1),
-];
 /// Begin of pointers to values of layers.
 const LAYER: &str = "extensions/KHR_materials_";
-/// Key of the anisotropy's rotation, in degrees; files have radians.
-const ANISOTROPY_ROTATION: &str = "anisotropy_rotation_deg";
 const EMISSION: &str = "emission";
 const EMISSION_STRENGTH: &str = "emission_strength";
 
@@ -114,7 +86,8 @@ fn target(root: &Root, pointer: &str) -> Option<Target> {
     };
     if let Some((index, rest)) = of("/materials/") {
         let (value, lanes) = material_value(rest)?;
-        let is_angle = matches!(value, PointedValue::Field(ANISOTROPY_ROTATION));
+        // Files have radians.
+        let is_angle = matches!(value, PointedValue::Field(key) if key.ends_with("_deg"));
         return Some(Target {
             object: Pointed::Material(index),
             value,
@@ -173,13 +146,16 @@ pub fn moved_material_keys(root: &Root) -> HashSet<(usize, &'static str)> {
 }
 
 fn material_value(rest: &str) -> Option<(PointedValue, usize)> {
-    let (values, name) = match rest.strip_prefix(LAYER) {
-        Some(layer) => (&LAYERS[..], layer),
-        None => (&CORE[..], rest),
-    };
-    let found = values.iter().find(|(pointer, ..)| *pointer == name);
-    if let Some(&(_, key, lanes)) = found {
+    let own = CORE.into_iter().find(|(pointer, ..)| *pointer == rest);
+    if let Some((_, key, lanes)) = own {
         return Some((PointedValue::Field(key), lanes));
+    }
+    if let Some(layer) = rest.strip_prefix(LAYER) {
+        let row = LAYER_NUMBERS.into_iter().find(|(path, _)| *path == layer);
+        if let Some(field) = row.and_then(|(_, key)| layer_field(key)) {
+            let lanes = if field.form == Form::Color { 3 } else { 1 };
+            return Some((PointedValue::Field(field.key), lanes));
+        }
     }
     let (texture, part) = rest.split_once("/extensions/KHR_texture_transform/")?;
     let slot = TEXTURE_PATHS.iter().position(|name| *name == texture)?;
@@ -289,8 +265,7 @@ impl Reader<'_> {
         };
         match value {
             PointedValue::Field(EMISSION | EMISSION_STRENGTH) => {
-                let strength = material.extensions.emissive_strength.as_ref();
-                let strength = strength.and_then(|s| s.emissive_strength).unwrap_or(1.0);
+                let strength = material.extensions.number(EMISSIVE_STRENGTH).unwrap_or(1.0);
                 let factor = material.emissive_factor.unwrap_or_default();
                 vec![
                     (PointedValue::Field(EMISSION), lanes(&factor)),
