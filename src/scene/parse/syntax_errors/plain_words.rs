@@ -1,9 +1,12 @@
 //! Syntax errors of TOML in plain words: the mistake, and the text to write instead.
 
-use std::ops::Range;
+use std::{borrow::Cow, ops::Range, sync::LazyLock};
+
+use regex::{Captures, Regex};
+use serde::Deserialize;
 
 use super::{
-    Mistake, Words, is_number,
+    Mistake, Words,
     numbers::{constant, number},
     words,
 };
@@ -29,7 +32,7 @@ pub fn in_plain_words(text: &str, at: &Range<usize>, message: &str) -> Words {
         let help = "save the file with line ends that your editor calls LF or CRLF";
         return (message.to_owned(), Some(help.to_owned()));
     }
-    let explained = EXPLANATIONS.iter().find_map(|explain| explain(&mistake));
+    let explained = FORMS.iter().find_map(|form| form.explained(&mistake));
     explained.unwrap_or_else(|| (format!("not TOML: {message}"), None))
 }
 
@@ -40,25 +43,101 @@ fn has_lone_return(text: &str, at: usize) -> bool {
     is_lone(at) || at.checked_sub(1).is_some_and(is_lone)
 }
 
-/// Explanations in order; the first one that fits the mistake is used.
-const EXPLANATIONS: [fn(&Mistake) -> Option<Words>; 16] = [
-    hash_color,
-    typographic_quotes,
-    comment,
-    header,
-    backslash,
-    assignment,
-    two_keys,
-    colon,
-    joined,
-    line_end,
-    parentheses,
-    constant,
-    word,
-    number,
-    quotes,
-    equals,
-];
+/// A form that mistakes have: the part of the text, a regular expression or a function for it, message and advice.
+struct Form {
+    part: String,
+    pattern: Result<Regex, fn(&Mistake) -> Option<Words>>,
+    message: String,
+    help: String,
+}
+
+#[derive(Deserialize)]
+struct Rows {
+    forms: Vec<[String; 4]>,
+}
+
+/// Forms in order; the first one that fits the mistake is used.
+static FORMS: LazyLock<Vec<Form>> = LazyLock::new(|| {
+    let rows: Rows = toml::from_str(include_str!("forms.toml")).expect("tests read it");
+    let form = |[part, pattern, message, help]: [String; 4]| Form {
+        pattern: match pattern.as_str() {
+            "header" => Err(header),
+            "backslash" => Err(backslash),
+            "colon" => Err(colon),
+            "joined" => Err(joined),
+            "css_color" => Err(css_color),
+            "constant" => Err(constant),
+            "number" => Err(number),
+            _ => {
+                let pattern = pattern
+                    .replace("<n>", r"(?:[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))")
+                    .replace("<k>", r"[\p{Alphabetic}\p{N}_.\-]");
+                Ok(Regex::new(&pattern).expect("tests read it"))
+            }
+        },
+        part,
+        message,
+        help,
+    };
+    rows.forms.into_iter().map(form).collect()
+});
+
+/// A place in a message that a text of the user fills.
+static SLOT: LazyLock<Regex> =
+    LazyLock::new(|| Regex::new(r"\{([a-z]+)(?::([a-z]+))?\}").expect("it is right"));
+
+impl Form {
+    fn explained(&self, m: &Mistake) -> Option<Words> {
+        let pattern = match &self.pattern {
+            Ok(pattern) => pattern,
+            Err(explain) => return explain(m),
+        };
+        let part = m.part(&self.part)?;
+        let found = pattern.captures(&part)?;
+        let slot = |slot: &Captures| {
+            let group = found.name(&slot[1]).map(|group| group.as_str().into());
+            let text = group.or_else(|| m.part(&slot[1])).unwrap_or_default();
+            written(&text, slot.get(2).map_or("", |form| form.as_str()))
+        };
+        let fill = |template: &str| SLOT.replace_all(template, slot).into_owned();
+        words(fill(&self.message), fill(&self.help))
+    }
+}
+
+/// A text of the user in a message.
+fn written(text: &str, form: &str) -> String {
+    let joined = |parts: Vec<&str>| suggest::clip(&parts.join(", "));
+    match form {
+        "key" => suggest::key(text),
+        "text" => suggest::text(text),
+        "list" => joined(text.split(',').map(str::trim).collect()),
+        "spaced" => joined(text.split_whitespace().collect()),
+        _ => suggest::clip(text.trim()),
+    }
+}
+
+impl<'t> Mistake<'t> {
+    /// A part of the text by its name in `forms.toml`; `None` where the mistake has none.
+    fn part(&self, name: &str) -> Option<Cow<'t, str>> {
+        let unquoted = self.message.starts_with("string values must be quoted");
+        // For a word that begins like `true` or `nan`, the parser says that it expects that one.
+        let is_bare = self.value.starts_with(char::is_alphabetic)
+            && self.value.chars().all(char::is_alphanumeric)
+            && self.message.starts_with("invalid ");
+        match name {
+            "line" => Some(self.line.into()),
+            "rest" => Some(self.rest.into()),
+            "value" => Some(self.value.into()),
+            "message" => Some(self.message.into()),
+            "entry" if !self.key.is_empty() => {
+                Some(format!("{} = {}", self.key, self.value).into())
+            }
+            "word" if unquoted => Some(self.found.into()),
+            "word" if is_bare => Some(self.value.into()),
+            _ => None,
+        }
+    }
+}
 
 fn without_comment(value: &str) -> &str {
     let mut quote = None;
@@ -77,54 +156,6 @@ fn without_comment(value: &str) -> &str {
 fn is_key(text: &str) -> bool {
     let is_part = |c: char| c.is_alphanumeric() || "_-.".contains(c);
     !text.is_empty() && text.chars().all(is_part)
-}
-
-/// Advice to write a key with a value.
-fn written(key: &str, value: &str) -> String {
-    format!("write `{} = {}`", suggest::clip(key), suggest::clip(value))
-}
-
-/// Explains a color without quotes: `base_color = #ff8800`.
-fn hash_color(m: &Mistake) -> Option<Words> {
-    let (_, raw) = m.line.split_once('=')?;
-    let color = raw.trim().strip_prefix('#')?;
-    let digits = color.chars().take_while(char::is_ascii_hexdigit).count();
-    (m.value.is_empty() && digits >= 3).then_some(())?;
-    let message = "`#` begins a comment, so there is no value";
-    words(
-        message,
-        format!("write \"#{}\", in quotes", &color[..digits]),
-    )
-}
-
-/// Explains typographic quotes: `model = “box”`.
-fn typographic_quotes(m: &Mistake) -> Option<Words> {
-    let is_quote = |c: char| "“”„‘’«»".contains(c);
-    let inner = m.value.strip_prefix(is_quote)?.trim_end_matches(is_quote);
-    let help = format!("write {}, with straight quotes", suggest::text(inner));
-    let quote: String = m.value.chars().take(1).collect();
-    let message = format!("`{quote}` is a typographic quote, which TOML does not know");
-    words(message, help)
-}
-
-/// Explains a comment in the form of another language: `roughness = 0.5 // glossy`.
-fn comment(m: &Mistake) -> Option<Words> {
-    let here = if m.rest.starts_with('/') {
-        m.rest
-    } else {
-        m.line
-    };
-    let sign = ["//", "/*", "--", "<!--"]
-        .into_iter()
-        .find(|s| here.starts_with(s))?;
-    let text = here[sign.len()..]
-        .trim()
-        .trim_end_matches("*/")
-        .trim_end_matches("-->");
-    words(
-        "comments begin with `#`",
-        format!("write `# {}`", suggest::clip(text.trim())),
-    )
 }
 
 /// Explains a malformed table header: `[material red]`, `[[instance]`.
@@ -171,37 +202,6 @@ fn header(m: &Mistake) -> Option<Words> {
     words(message, help)
 }
 
-/// Explains another sign of assignment: `roughness := 0.5`, `roughness => 0.5`.
-fn assignment(m: &Mistake) -> Option<Words> {
-    const SIGNS: [&str; 7] = [":=", "=>", "+=", "==", "<-", "->", "~="];
-    let end = m
-        .line
-        .find(|c: char| !(c.is_alphanumeric() || " _-.\"".contains(c)))?;
-    let sign = |sign: &&&str| {
-        m.line[end..].starts_with(**sign)
-            || m.line[..end].ends_with(&sign[..1]) && m.line[end..].starts_with(&sign[1..])
-    };
-    let sign = SIGNS.iter().find(sign)?;
-    let (key, value) = m.line.split_once(sign)?;
-    words(
-        format!("between a key and its value stands `=`, not `{sign}`"),
-        written(key.trim(), value.trim()),
-    )
-}
-
-/// Explains two keys on a line: `roughness = 0.5, metallic = 1`.
-fn two_keys(m: &Mistake) -> Option<Words> {
-    (!m.value.starts_with(['{', '[', '"', '\'']) && !m.key.is_empty()).then_some(())?;
-    let (before, value) = m.value.split_once('=')?;
-    let (first, key) = before.trim_end().rsplit_once([' ', ',', ';'])?;
-    (is_key(key) && !first.contains('(')).then_some(())?;
-    let message = format!("`{}` and `{key}` stand on one line", suggest::clip(m.key));
-    words(
-        message,
-        written(key, value.trim()) + " on a line of its own",
-    )
-}
-
 /// Explains texts that are added up: `file = "a" + ".glb"`.
 fn joined(m: &Mistake) -> Option<Words> {
     let parts: Option<Vec<_>> = m
@@ -243,158 +243,16 @@ fn colon(m: &Mistake) -> Option<Words> {
     let key = key.trim().trim_matches('"');
     let at_colon = m.found.starts_with(':') || m.rest.starts_with(':');
     (is_key(key) && at_colon).then_some(())?;
-    let help = written(key, value.trim().trim_end_matches(','));
+    let value = suggest::clip(value.trim().trim_end_matches(','));
+    let help = format!("write `{} = {value}`", suggest::clip(key));
     words("between a key and its value stands `=`, not `:`", help)
 }
 
-/// Explains a `;` or `,` after a value, or a list without brackets: `roughness = 0.5;`, `base_color = 1, 0, 0`.
-fn line_end(m: &Mistake) -> Option<Words> {
-    let value = m.value;
-    if let Some(own) = value.strip_suffix([';', ',']).filter(|_| !m.key.is_empty()) {
-        let sign = &value[own.len()..];
-        let message = format!("`{sign}` does not belong at the end of the line");
-        return words(message, written(m.key, own.trim()));
-    }
-    let parts: Vec<_> = value.split(',').map(str::trim).collect();
-    (parts.len() > 1 && parts.iter().all(|part| is_number(part))).then_some(())?;
-    let list = format!("[{}]", parts.join(", "));
-    match parts.as_slice() {
-        [whole, rest]
-            if rest.len() == 3 && !whole.contains('.') && is_number(whole) && *whole != "0" =>
-        {
-            let help = format!("write {whole}{rest}, or {whole}.{rest} with a decimal point");
-            words(
-                format!("`{whole},{rest}` is no number: commas stand between numbers"),
-                help,
-            )
-        }
-        [whole, rest] if !whole.contains('.') && !rest.contains('.') => {
-            let help = format!("write {whole}.{rest}, or as a list {list}");
-            words("numbers have a decimal point `.`, not a comma `,`", help)
-        }
-        _ => words(
-            "a list stands in square brackets `[ ]`",
-            format!("write {list}"),
-        ),
-    }
-}
-
-/// Explains a list in parentheses: `eye = (0, 1.6, 5)`, `eye = vec3(0, 1.6, 5)`.
-fn parentheses(m: &Mistake) -> Option<Words> {
-    let (before, inner) = m.value.split_once('(')?;
-    let is_call = before
-        .trim()
-        .chars()
-        .all(|c| c.is_alphanumeric() || "_.".contains(c));
-    let inner = inner.strip_suffix(')').filter(|_| is_call)?;
-    if let Some(color) = in_css(m.value) {
-        let (r, g, b) = (color.red, color.green, color.blue);
-        let message = format!("TOML has no function {}", suggest::key(before.trim()));
-        return words(message, format!("write \"#{r:02x}{g:02x}{b:02x}\""));
-    }
-    let parts: Vec<_> = inner.split(',').map(str::trim).collect();
-    if parts.iter().all(|part| part.contains('=')) {
-        let help = format!("write {{ {} }}", suggest::clip(&parts.join(", ")));
-        return words(
-            "a table stands in braces `{ }`, not in parentheses `( )`",
-            help,
-        );
-    }
-    parts.iter().all(|part| is_number(part)).then_some(())?;
-    let help = format!("write [{}]", parts.join(", "));
-    words(
-        "a list stands in square brackets `[ ]`, not in parentheses `( )`",
-        help,
-    )
-}
-
-/// Explains a word that is no TOML value: `dynamic = True`, `material = red`.
-fn word(m: &Mistake) -> Option<Words> {
-    let unquoted = m.message.starts_with("string values must be quoted");
-    if unquoted && m.found.is_empty() {
-        let help = "write a value, or remove the key for its default";
-        return words("a value is missing after `=`", help);
-    }
-    // For a word that begins like `true` or `nan`, the parser says that it expects that one.
-    let is_bare = !m.value.is_empty() && m.value.chars().all(char::is_alphanumeric);
-    let like_word = is_bare && m.value.starts_with(char::is_alphabetic);
-    let found = match () {
-        () if unquoted => m.found,
-        () if like_word && m.message.starts_with("invalid ") => m.value,
-        () => return None,
-    };
-    let instead = match found.to_ascii_lowercase().as_str() {
-        "true" | "yes" | "on" => "true",
-        "false" | "no" | "off" => "false",
-        "none" | "null" | "nil" => {
-            let message = format!("there is no {} in TOML", suggest::key(found));
-            return words(message, "leave the key out for its default");
-        }
-        _ => "",
-    };
-    if !instead.is_empty() {
-        let message = format!("{} is not a value", suggest::key(found));
-        return words(message, format!("write {instead}"));
-    }
-    if found.starts_with(['$', '~', '%']) {
-        let message = format!(
-            "{} is no path: scenes know no variables of the environment and no home folder",
-            suggest::key(found)
-        );
-        return words(
-            message,
-            "write the path from the scene's folder, or add its folder by `--assets DIR`",
-        );
-    }
-    let parts: Vec<&str> = found.split_whitespace().collect();
-    if parts.len() > 1 && parts.iter().all(|word| is_number(word)) {
-        let help = format!("write {}", parts.join(", "));
-        let message = format!(
-            "a comma is missing between `{}` and `{}`",
-            parts[0], parts[1]
-        );
-        return words(message, help);
-    }
-    number(m).or_else(|| {
-        let message = format!("{} must be in quotes", suggest::key(found));
-        words(
-            message,
-            format!("write {}", suggest::text(found.trim_matches('`'))),
-        )
-    })
-}
-
-/// Explains a missing closing quote: `model = "box`.
-fn quotes(m: &Mistake) -> Option<Words> {
-    let is_open = |(kind, quote)| {
-        m.message
-            .starts_with(&format!("invalid {kind} string, expected `{quote}`"))
-    };
-    let (_, quote) = [("basic", '"'), ("literal", '\'')]
-        .into_iter()
-        .find(|kind| is_open(*kind))?;
-    if quote == '\'' {
-        return words(
-            "the text in quotes `'` does not end on its line",
-            "add a `'`",
-        );
-    }
-    words(
-        "the text in quotes `\"` does not end on its line",
-        "add a `\"`; a text of several lines stands between `\"\"\"`",
-    )
-}
-
-/// Explains a missing `=`: `roughness 0.5`.
-fn equals(m: &Mistake) -> Option<Words> {
-    (m.key.is_empty() && !m.line.contains('=')).then_some(())?;
-    let (key, value) = m.line.split_once(char::is_whitespace)?;
-    let value = value.trim();
-    (is_key(key) && !value.is_empty()).then_some(())?;
-    if let Some(name) = suggest::clip(value).strip_suffix('{') {
-        let (key, name) = (suggest::clip(key), name.trim().trim_matches('"'));
-        let help = format!("write `[{key}.{name}]`");
-        return words("tables begin with a header", help);
-    }
-    words("`=` is missing", written(key, value))
+/// Explains a color of a stylesheet: `base_color = rgb(255, 0, 0)`.
+fn css_color(m: &Mistake) -> Option<Words> {
+    let (function, _) = m.value.split_once('(')?;
+    let color = in_css(m.value)?;
+    let (r, g, b) = (color.red, color.green, color.blue);
+    let message = format!("TOML has no function {}", suggest::key(function.trim()));
+    words(message, format!("write \"#{r:02x}{g:02x}{b:02x}\""))
 }
