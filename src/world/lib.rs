@@ -50,7 +50,9 @@ pub use curvature::Curvature;
 pub use decals::{Decal, DecalMask, Decals};
 pub use environment::Environment;
 pub use material::{ListedVariants, Material};
-pub use material_textures::{CORE_SLOTS, CoreTexture, LAYER_SLOTS, LayerTexture, TEXTURE_SLOTS};
+pub use material_textures::{
+    CORE_SLOTS, CoreTexture, FILE_TEXTURES, FileTexture, LAYER_SLOTS, LayerTexture, TEXTURE_SLOTS,
+};
 pub use shared::Shared;
 pub use solid_around::solid_around;
 

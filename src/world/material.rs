@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::{
     TextureRef,
-    material_textures::{CoreTexture, LAYER_SLOTS, LayerTexture, TEXTURE_SLOTS},
+    material_textures::{LAYER_SLOTS, LayerTexture, TEXTURE_SLOTS},
 };
 use reflet_scene::desc::{
     CheckerDesc, LightGroup, MATERIAL, MaterialDesc, MaterialNumbers, PatternKind, PatternedDesc,
@@ -185,43 +185,28 @@ impl Material {
 
     /// The textures without `uv_scale` in their transforms, in the order of [`Self::slots`].
     pub fn textures(&self) -> [Option<TextureRef>; TEXTURE_SLOTS] {
-        let core = CoreTexture::ALL.map(|texture| match texture {
-            CoreTexture::BaseColor => self.base_color_texture,
-            CoreTexture::MetallicRoughness => self.metallic_roughness_texture,
-            CoreTexture::Normal => self.normal_texture,
-            CoreTexture::Occlusion => self.occlusion_texture,
-            CoreTexture::Emission => self.emission_texture,
-        });
-        let all = core.into_iter().chain(self.layer_textures);
-        let mut slots = [None; TEXTURE_SLOTS];
-        slots
-            .iter_mut()
-            .zip(all)
-            .for_each(|(slot, used)| *slot = used);
-        slots
+        let core = [
+            self.base_color_texture,
+            self.metallic_roughness_texture,
+            self.normal_texture,
+            self.occlusion_texture,
+            self.emission_texture,
+        ];
+        let mut all = core.into_iter().chain(self.layer_textures);
+        std::array::from_fn(|_| all.next().flatten())
     }
 
     /// The texture fields for writing, in the order of [`Self::slots`].
     pub fn texture_slots(&mut self) -> [&mut Option<TextureRef>; TEXTURE_SLOTS] {
-        let [a, b, c, d, e, f, g, h, i, j, k] = &mut self.layer_textures;
-        [
+        let core = [
             &mut self.base_color_texture,
             &mut self.metallic_roughness_texture,
             &mut self.normal_texture,
             &mut self.occlusion_texture,
             &mut self.emission_texture,
-            a,
-            b,
-            c,
-            d,
-            e,
-            f,
-            g,
-            h,
-            i,
-            j,
-            k,
-        ]
+        ];
+        let mut all = core.into_iter().chain(&mut self.layer_textures);
+        std::array::from_fn(|_| all.next().expect("a field for each"))
     }
 
     /// Whether the clear coat has other normals than the base: it follows its own normal map alone, not the

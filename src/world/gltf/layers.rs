@@ -8,36 +8,21 @@ use super::{
     ranges::Numbers,
     schema::{EMISSIVE_STRENGTH, MaterialExtensions, layer_field},
 };
-use crate::{LAYER_SLOTS, LayerTexture, Material, normal_uv::NormalUv};
+use crate::{LayerTexture, Material, normal_uv::NormalUv};
 use reflet_scene::{
     desc::{MaterialDesc, MaterialNumbers, reflectivity_of},
     number::{Field, Form},
     range::LIMIT,
 };
 
-/// Keys of scene text without which the textures have no effect, in the order of [`LayerTexture`].
-const TEXTURED: [&str; LAYER_SLOTS] = [
-    "specular",
-    "specular_color",
-    "sheen_color",
-    "sheen_color",
-    "transmission",
-    "clearcoat",
-    "clearcoat",
-    "clearcoat",
-    "iridescence",
-    "iridescence",
-    "anisotropy",
-];
-
-/// Reads the factors into `out`, and whether each texture has an effect. `moves` tells whether an animation of the file moves the value of a
-/// key of scene text: such a layer is kept even if it has no effect at rest.
+/// Reads the factors into `out`, and returns the layers that the material then has. `moves` tells whether an animation
+/// of the file moves the value of a key of scene text: such a layer is kept even if it has no effect at rest.
 pub fn read(
     extensions: &MaterialExtensions,
     out: &mut Material,
     moves: &dyn Fn(&str) -> bool,
     numbers: &mut Numbers<'_>,
-) -> Result<[bool; LAYER_SLOTS], Fault> {
+) -> Result<MaterialDesc, Fault> {
     let passes = extensions.has("transmission");
     let ior = index(extensions, out, numbers)?;
     let maps = extensions.textures();
@@ -81,7 +66,7 @@ pub fn read(
     let coat_map = maps[LayerTexture::ClearcoatNormal as usize];
     let scale = coat_map.and_then(|map| map.scale).map(|scale| [scale]);
     [out.clearcoat_normal_scale] = numbers.finite("clearcoatNormalTexture/scale", scale, [1.0])?;
-    Ok(TEXTURED.map(|key| desc.has(key)))
+    Ok(desc)
 }
 
 /// Index of refraction, with the reflectivity that follows from it; 0 stands for an infinite one.

@@ -10,12 +10,12 @@ use super::{
     animation::moved_material_keys,
     label, layers,
     ranges::Numbers,
-    schema::{self, EMISSIVE_STRENGTH, Root, TEXTURE_PATHS},
+    schema::{self, EMISSIVE_STRENGTH, Root},
     specular_glossiness,
     texture_ref::{Slot, Textures},
     uri::{self, Sandbox},
 };
-use crate::{LAYER_SLOTS, Material, TEXTURE_SLOTS};
+use crate::{FILE_TEXTURES, Material};
 use reflet_scene::desc::MaterialNumbers;
 
 /// Reads all materials into `model`, the default material last.
@@ -85,14 +85,6 @@ fn choose_uv_sets(material: &mut Material, place: &str, notes: &mut Notes) -> [u
     sets
 }
 
-/// Keys of the textures of colors, which are sRGB.
-const COLORS: [&str; 4] = [
-    "baseColorTexture",
-    "emissiveTexture",
-    "specularColorTexture",
-    "sheenColorTexture",
-];
-
 /// Key in a material's extras with an object that marks a mesh light, whose emission lights the scene.
 const MESH_LIGHT: &str = "mesh_light";
 
@@ -110,20 +102,18 @@ fn convert(
         notes: Notes::default(),
     };
     let mut out = factors(material, &mut numbers)?;
-    let has_effect = layers::read(&material.extensions, &mut out, moves, &mut numbers)?;
-    for (i, info) in material.textures().into_iter().enumerate() {
-        let layer = i.checked_sub(TEXTURE_SLOTS - LAYER_SLOTS);
-        let Some(info) = info.filter(|_| layer.is_none_or(|layer| has_effect[layer])) else {
+    let kept = layers::read(&material.extensions, &mut out, moves, &mut numbers)?;
+    let textures_of = material.textures().into_iter().zip(FILE_TEXTURES);
+    for (i, (info, file)) in textures_of.enumerate() {
+        let Some(info) = info.filter(|_| file.needs.is_empty() || kept.has(file.needs)) else {
             continue;
         };
-        let path = TEXTURE_PATHS[i];
         let slot = Slot {
             material: place,
             index,
-            path,
+            path: file.path,
         };
-        let is_color = COLORS.iter().any(|key| path.ends_with(key));
-        *out.texture_slots()[i] = textures.reference(info, is_color, &slot, notes)?;
+        *out.texture_slots()[i] = textures.reference(info, file.is_color, &slot, notes)?;
     }
     layers::note_shared_tangents(&out, place, notes);
     out.alpha_cutoff = alpha(material, &mut numbers)?;

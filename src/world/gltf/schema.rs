@@ -15,7 +15,7 @@ pub use layers::{
     EMISSIVE_STRENGTH, LAYER_NUMBERS, MaterialExtensions, SpecularGlossiness, layer_field,
 };
 pub use material::{Image, Material, Sampler, Texture};
-pub use texture_info::{TEXTURE_PATHS, TextureInfo, TextureTransform};
+pub use texture_info::{TextureInfo, TextureTransform};
 
 /// The whole document.
 #[derive(Debug, Default, Deserialize)]

@@ -9,10 +9,11 @@ use super::{
     shared::{Kind, check_count},
 };
 use crate::{
+    FILE_TEXTURES,
     animation::{Interpolation, Pointed, PointedValue, PointerTrack, Property, Sampler},
     gltf::{
         accessor,
-        schema::{self, EMISSIVE_STRENGTH, LAYER_NUMBERS, Root, TEXTURE_PATHS, layer_field},
+        schema::{self, EMISSIVE_STRENGTH, LAYER_NUMBERS, Root, layer_field},
     },
 };
 use reflet_scene::number::Form;
@@ -158,7 +159,7 @@ fn material_value(rest: &str) -> Option<(PointedValue, usize)> {
         }
     }
     let (texture, part) = rest.split_once("/extensions/KHR_texture_transform/")?;
-    let slot = TEXTURE_PATHS.iter().position(|name| *name == texture)?;
+    let slot = FILE_TEXTURES.iter().position(|own| own.path == texture)?;
     match part {
         "offset" => Some((PointedValue::TextureOffset(slot), 2)),
         "rotation" => Some((PointedValue::TextureRotation(slot), 1)),

@@ -6,8 +6,8 @@ use serde::{
 };
 use std::fmt;
 
-use super::texture_info::{TEXTURE_PATHS, TextureInfo};
-use crate::{CORE_SLOTS, LAYER_SLOTS};
+use super::texture_info::TextureInfo;
+use crate::{CORE_SLOTS, FILE_TEXTURES, LAYER_SLOTS};
 use reflet_scene::{
     desc::{MATERIAL, MaterialDesc},
     number::{Field, Form, find},
@@ -158,7 +158,7 @@ impl<'de> Visitor<'de> for Keys<'_> {
                     Some(Form::Color) => map.next_value()?,
                     _ => map.next_value::<Option<f32>>()?.map(|x| [x; 3]),
                 });
-            } else if let Some(slot) = TEXTURE_PATHS.iter().position(|own| *own == full) {
+            } else if let Some(slot) = FILE_TEXTURES.iter().position(|own| own.path == full) {
                 out.textures[slot - CORE_SLOTS] = map.next_value()?;
             } else {
                 map.next_value::<IgnoredAny>()?;

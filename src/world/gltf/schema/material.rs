@@ -23,7 +23,7 @@ pub struct Material {
 }
 
 impl Material {
-    /// The textures, in the order of [`TEXTURE_PATHS`].
+    /// The textures, in the order of [`FILE_TEXTURES`](crate::FILE_TEXTURES).
     pub fn textures(&self) -> [Option<&TextureInfo>; TEXTURE_SLOTS] {
         let pbr = &self.pbr_metallic_roughness;
         let core = [

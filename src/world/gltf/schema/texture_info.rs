@@ -2,28 +2,6 @@
 
 use serde::Deserialize;
 
-use crate::TEXTURE_SLOTS;
-
-/// Keys of the textures inside a material, joined with `/`, in the order of [`crate::Material::slots`].
-pub const TEXTURE_PATHS: [&str; TEXTURE_SLOTS] = [
-    "pbrMetallicRoughness/baseColorTexture",
-    "pbrMetallicRoughness/metallicRoughnessTexture",
-    "normalTexture",
-    "occlusionTexture",
-    "emissiveTexture",
-    "extensions/KHR_materials_specular/specularTexture",
-    "extensions/KHR_materials_specular/specularColorTexture",
-    "extensions/KHR_materials_sheen/sheenColorTexture",
-    "extensions/KHR_materials_sheen/sheenRoughnessTexture",
-    "extensions/KHR_materials_transmission/transmissionTexture",
-    "extensions/KHR_materials_clearcoat/clearcoatTexture",
-    "extensions/KHR_materials_clearcoat/clearcoatRoughnessTexture",
-    "extensions/KHR_materials_clearcoat/clearcoatNormalTexture",
-    "extensions/KHR_materials_iridescence/iridescenceTexture",
-    "extensions/KHR_materials_iridescence/iridescenceThicknessTexture",
-    "extensions/KHR_materials_anisotropy/anisotropyTexture",
-];
-
 /// A use of a texture, with the keys of normal and occlusion textures too.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
