@@ -23,6 +23,7 @@ use crate::{
         buffers::textures::Layers,
         decide::{Decision, decide, needs_trees, skip::Skipping},
         layout::types::GpuVertex,
+        lighting::lights::ShadowSizes,
         maps::method_maps::MapFacts,
         methods,
         plan::{Dropped, Plan},
@@ -101,6 +102,8 @@ pub struct Info {
     pub geometry_bytes: u64,
     /// Images with their mip levels, bytes.
     pub texture_bytes: u64,
+    /// Shadow maps, bytes.
+    pub shadow_map_bytes: u64,
     /// BVHs that rays are traced through, bytes.
     pub tree_bytes: u64,
     /// Maps that the scene's method captures; `None` where it captures or needs none, or they are refused.
@@ -269,6 +272,7 @@ pub fn gather(loaded: &LoadedScene, at: Option<u32>) -> Result<Info, AppError> {
         threshold_m: reflection.threshold_u * unit_m,
         geometry_bytes: geometry_bytes(world),
         texture_bytes: layers.bytes(),
+        shadow_map_bytes: ShadowSizes::for_lights(&world.lights, &gpu.options).bytes(),
         tree_bytes: (size_of_val(trees.nodes.as_slice())
             + size_of_val(trees.triangles.as_slice())
             + size_of_val(trees.instances.as_slice())) as u64,
@@ -288,7 +292,10 @@ pub fn gather(loaded: &LoadedScene, at: Option<u32>) -> Result<Info, AppError> {
 
 /// BVHs of a world, empty where no adapter traces rays.
 fn trees_of(world: &World, options: &RenderOptions) -> Result<Trees, AppError> {
-    match needs_trees(world, options) {
+    match [true, false]
+        .into_iter()
+        .any(|software| needs_trees(world, options, software))
+    {
         true => Trees::build_apart(world, u64::MAX, &Skipping::for_world(world, options).apart)
             .map_err(|d| AppError::Scene(vec![*d])),
         false => Ok(Trees::unbuilt(world)),

@@ -113,6 +113,7 @@ impl<'a> Lint<'a> {
             .extend(probe::empty(self.scene, world, start(self.scene)));
         self.found.extend(capture::slow(self.scene, world));
         self.found.extend(shadow::lamps(self.scene, world));
+        self.found.extend(shadow::memory(self.scene, world));
         let is_traced = traces_rays(world, &RenderOptions::for_scene(self.scene));
         self.found
             .extend(size::lint(world, is_traced, start(self.scene)));

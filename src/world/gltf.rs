@@ -113,20 +113,10 @@ pub struct Model {
 }
 
 impl Model {
-    /// Animations and sizes of the model, and metadata of its USD stage.
+    /// Animations and light of the model, and metadata of its USD stage.
     pub fn playable(&self) -> Playable {
-        let triangles = |mesh: usize| self.meshes[mesh].triangles.len();
         let is_unlit = |placed: &Attached<Placement>| self.materials[placed.value.material].unlit;
-        let has_capsules = |mesh: usize| self.meshes[mesh].capsule_radius_m.is_some();
-        let lit = self.placements.iter().filter(|placed| !is_unlit(placed));
-        let lit = lit.map(|placed| placed.value.mesh);
         Playable {
-            copies: self.placements.len(),
-            stored_triangles: (0..self.meshes.len()).map(triangles).sum(),
-            placed_triangles: (self.placements.iter())
-                .map(|placed| triangles(placed.value.mesh))
-                .sum(),
-            lit_capsules: lit.filter(|mesh| has_capsules(*mesh)).map(triangles).sum(),
             is_unlit: !self.placements.is_empty() && self.placements.iter().all(is_unlit),
             has_image_light: self.image_light.is_some(),
             clips: self.clips.clone(),

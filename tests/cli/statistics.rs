@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Software drivers compile pipelines in a sub-frame that is not timed; shadow maps that it drew are drawn again.
+/// Software drivers compile pipelines in a sub-frame that is not timed; of shadow maps that draws no more than their pipelines need.
 #[test]
 fn passes_are_timed_after_a_warm_up_that_changes_no_picture() {
     or_skip!(gpu_or_skip());

@@ -6,7 +6,7 @@ use reflet::{
         decide::{Decided, decide, needs_trees, view_sample::ViewSample, workload},
         settings::view::View,
     },
-    scene::desc::{Exposure, LightKind, ShadowMode},
+    scene::desc::{Exposure, ShadowMode},
     world::bvh::{Ray, Trees},
 };
 
@@ -25,7 +25,7 @@ const ROOM: &str = include_str!("decide/room.toml");
 fn decided(text: &str, set: &[&str], software: bool) -> Decided {
     let (desc, world) = scene(text, set);
     let options = RenderOptions::for_scene(&desc);
-    let trees = if needs_trees(&world, &options) {
+    let trees = if needs_trees(&world, &options, software) {
         Trees::build(&world, u64::MAX).expect("small")
     } else {
         Trees::unbuilt(&world)
@@ -116,7 +116,6 @@ fn what_is_written_is_kept_and_nothing_stays_auto() {
             assert!(method == "auto" || name == method);
             assert_ne!(options.reflection.method, Method::Auto);
             assert_ne!(options.image.visibility, Visibility::Auto);
-            assert!(!options.auto_shadow.contains(&ShadowMode::Auto));
             let left = usize::from(method == "auto") + usize::from(visibility == "auto") + 2;
             assert_eq!(found.decisions.len(), left, "{:?}", found.decisions);
         }
@@ -141,14 +140,9 @@ fn rays_win_where_triangles_are_many_and_pixels_few() {
         "{:?}",
         large.decisions
     );
-    let shadows = |d: &Decided| [d.options.auto_shadow[0], d.options.auto_shadow[2]];
-    assert_eq!(
-        shadows(&small),
-        [ShadowMode::Ray; 2],
-        "{:?}",
-        small.decisions
-    );
-    assert_eq!(shadows(&large)[0], ShadowMode::Map, "{:?}", large.decisions);
+    let rays = [&small, &large].map(|d| d.options.rays_for_maps);
+    assert_eq!(rays[0], 0b11, "{:?}", small.decisions);
+    assert_eq!(rays[1] & 1, 0, "{:?}", large.decisions);
 }
 
 /// Shadow map of a sun over 60 m of floor; a pixel of the larger picture is a few millimeters wide there.
@@ -202,7 +196,7 @@ fn only_auto_lights_and_what_they_reach_are_weighed() {
         let (desc, world) = scene(&text, &[small]);
         let trees = Trees::build(&world, u64::MAX).expect("small");
         let view = View::new(&world.cameras[0].value, desc.image.size, world.unit_m());
-        ViewSample::new(&world, &trees, &view, &RenderOptions::for_scene(&desc)).shadows[1].0
+        ViewSample::new(&world, &trees, &view, &RenderOptions::for_scene(&desc)).shadows[&0].0
     };
     let (narrow, wide) = (spot("30"), spot("60"));
     assert!(0 < narrow && narrow < wide, "{narrow} {wide}");
@@ -220,13 +214,11 @@ fn the_main_camera_decides_where_none_is_chosen() {
 
 #[test]
 fn without_reflections_or_rays_nothing_needs_trees() {
-    let dull = BALLS.replace("metallic = 1\nroughness = 0.05", "roughness = 0.9");
+    let few = BALLS.replace("count = [20, 1, 20]", "count = [2, 1, 2]");
+    let dull = few.replace("metallic = 1\nroughness = 0.05", "roughness = 0.9");
     let found = decided(&dull, &["image.size=[160, 90]"], true);
     assert_eq!(found.options.image.visibility, Visibility::Raster);
-    assert_eq!(
-        found.options.auto_shadow,
-        [ShadowMode::Map; LightKind::NAMES.len()]
-    );
+    assert_eq!(found.options.rays_for_maps, 0);
     assert!(found.decisions.iter().all(|d| d.why.contains("no")));
     // A light with shadows by rays needs the BVHs.
     let rays = dull.replacen("shadow = \"auto\"", "shadow = \"ray\"", 1);
@@ -267,11 +259,10 @@ fn a_decided_picture_is_the_one_that_says_so_itself() {
             Visibility::Rays => "image.visibility=rays",
             _ => "image.visibility=raster",
         };
-        let shadow = match chosen.auto_shadow[0] {
-            ShadowMode::Ray => "\"ray\"",
-            _ => "\"map\"",
+        let shadow = match chosen.rays_for_maps {
+            0 => "\"map\"",
+            _ => "\"ray\"",
         };
-        assert_eq!(chosen.auto_shadow[0], chosen.auto_shadow[2]);
         let text = text.replace("\"auto\"", shadow);
         let set = ["image.size=[96, 54]", &method, visibility];
         let written = render(gpu, &text, &set, &[]);
@@ -298,5 +289,55 @@ fn an_auto_exposure_shows_the_brightest_tenth_as_light_gray() {
         assert!((shown - 0.6).abs() < 0.05, "{radiance} becomes {shown}");
         let mut decisions = renderer.decisions().iter();
         assert!(decisions.any(|d| d.what == "image.exposure_ev" && d.chosen == ev.to_string()));
+    }
+}
+
+/// Maps of lights without `shadow` are few where they take much time or memory, alike on all adapters.
+#[test]
+fn maps_give_way_to_rays_where_they_do_not_pay() {
+    let lamp = |n: usize, z: f32, shadow: &str| {
+        format!(
+            "[light.l{n}]\nkind = \"point\"\nposition = [40, 3, {z}]\nintensity_cd = 9\n{shadow}\n"
+        )
+    };
+    let ball = |count: &str| {
+        format!(
+            "version = 1\n[camera.main]\neye = [9, 2, -9]\ntarget = [9, 2, 9]\n[image]\nsize = [64, 36]\nsamples = 64\n\
+             [material.matte]\nreflectivity = 0\n[model.ball]\nshape = {{ kind = \"sphere\" }}\n\
+             material = \"matte\"\n[[instance]]\nmodel = \"ball\"\nrepeat = {{ count = {count}, step = [2, 2, 2] }}\n"
+        )
+    };
+    let (few, many) = (ball("[2, 1, 1]"), ball("[100, 9, 100]"));
+    // Ten of twelve maps have room; the first four lamps shine on the back of the balls alone.
+    let twelve = |shadow: &str| -> String {
+        let lamps = (0..12).map(|n| lamp(n, if n < 4 { 1e4 } else { 3.0 }, shadow));
+        lamps.collect()
+    };
+    let map = "shadow = \"map\"";
+    for (balls, lamps, by_rays) in [
+        (&few, lamp(0, 3.0, ""), 0),
+        (&many, lamp(0, 3.0, ""), 1),
+        (&many, lamp(0, 3.0, map), 0),
+        (&few, twelve(""), 0b1100),
+        (&few, twelve(map), 0),
+    ] {
+        for software in [true, false] {
+            let found = decided(&format!("{balls}{lamps}"), &[], software);
+            assert_eq!(
+                found.options.rays_for_maps, by_rays,
+                "{:?}",
+                found.decisions
+            );
+        }
+    }
+    // Drawn 64 times, the same balls take longer than their trees.
+    for (samples, visibility) in [(1, Visibility::Raster), (64, Visibility::Rays)] {
+        let set = format!("image.samples={samples}");
+        let found = decided(&many, &[&set, "image.visibility=auto"], true);
+        assert_eq!(
+            found.options.image.visibility, visibility,
+            "{:?}",
+            found.decisions
+        );
     }
 }

@@ -234,7 +234,7 @@ fn lights_have_the_keys_of_their_kind() {
     let common = |kind| LightDesc {
         kind,
         color: Vec3::ONE,
-        shadow: ShadowMode::Map,
+        shadow: ShadowMode::Default,
         shadow_px: 1024,
         light_group: LightGroup::default(),
     };

@@ -36,7 +36,13 @@ struct Alternative {
 
 impl Alternative {
     /// Alternative that was chosen for these options, where only some surfaces are marched or all of them.
-    fn for_options(options: &RenderOptions, marches_some: bool) -> Self {
+    fn for_options(world: &World, options: &RenderOptions, marches_some: bool) -> Self {
+        let is_map = |kind: usize| {
+            let mut lights = options
+                .undecided_lights(world)
+                .map(|(_, light)| &light.desc);
+            lights.any(|l| l.shadow == ShadowMode::Auto && l.kind.index() == kind)
+        };
         Self {
             method: options.reflection.method,
             marched: match marches_some {
@@ -44,7 +50,10 @@ impl Alternative {
                 false => Marched::All,
             },
             visibility: options.image.visibility,
-            shadows: options.auto_shadow,
+            shadows: std::array::from_fn(|kind| match is_auto(world, kind) && !is_map(kind) {
+                true => ShadowMode::Ray,
+                false => ShadowMode::Map,
+            }),
         }
     }
 
@@ -52,11 +61,7 @@ impl Alternative {
     /// march some surfaces only, that is one more.
     fn all(world: &World, marches_some: bool) -> Vec<Self> {
         let kinds = 0..LightKind::NAMES.len();
-        let is_auto = kinds.clone().map(|kind| {
-            let mut lights = world.lights.iter();
-            lights.any(|l| l.desc.shadow == ShadowMode::Auto && l.desc.kind.index() == kind)
-        });
-        let is_auto: Vec<bool> = is_auto.collect();
+        let is_auto: Vec<bool> = kinds.clone().map(|kind| is_auto(world, kind)).collect();
         let shadows = (0..1 << kinds.len()).filter_map(|bits: usize| {
             let is_ray = |kind: usize| bits >> kind & 1 == 1;
             let is_choice = (0..is_auto.len()).all(|kind| is_auto[kind] || !is_ray(kind));
@@ -119,6 +124,12 @@ impl Alternative {
         }
         name
     }
+}
+
+/// Whether a light of this kind has `shadow = "auto"`.
+fn is_auto(world: &World, kind: usize) -> bool {
+    let mut lights = world.lights.iter().map(|light| &light.desc);
+    lights.any(|l| l.shadow == ShadowMode::Auto && l.kind.index() == kind)
 }
 
 /// Result of a scene at a size.
@@ -228,7 +239,7 @@ fn measure(
     let best = medians.iter().min_by(|a, b| a.1.total_cmp(&b.1));
     let chosen = medians
         .iter()
-        .find(|(way, _)| *way == Alternative::for_options(&decided, marches_some));
+        .find(|(way, _)| *way == Alternative::for_options(&world, &decided, marches_some));
     Ok(best.zip(chosen).map(|(best, chosen)| Row {
         scene: loaded.name.clone(),
         size,

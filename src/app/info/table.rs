@@ -73,10 +73,11 @@ pub fn table(info: &Info) -> String {
     line(
         "memory",
         format!(
-            "geometry {}, trees {}, textures {}",
+            "geometry {}, trees {}, textures {}, shadow maps {}",
             mebibytes(info.geometry_bytes),
             mebibytes(info.tree_bytes),
-            mebibytes(info.texture_bytes)
+            mebibytes(info.texture_bytes),
+            mebibytes(info.shadow_map_bytes)
         ),
     );
     line("bounces", info.bounces.to_string());

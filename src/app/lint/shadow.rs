@@ -1,19 +1,26 @@
-//! Shadow maps that are too coarse for the main camera, and lamps of the light tree that have none.
+//! Shadow maps that are too coarse for the main camera or take much memory, and lamps of the light tree that have none.
 
 use crate::{
     render::{
         RenderOptions,
-        decide::shadow_texels::{COARSE_PX, SeenSurfaces},
+        decide::{
+            map_work::MAP_BUDGET_BYTES,
+            shadow_texels::{COARSE_PX, SeenSurfaces},
+        },
         lighting::lights::{ShadowSizes, has_cube_map},
         settings::view::View,
     },
-    scene::{desc::ShadowMode, diagnostic::Diagnostic, stages::Scene},
+    scene::{
+        desc::{Entry, LightDesc, ShadowMode},
+        diagnostic::Diagnostic,
+        stages::Scene,
+    },
     world::{MAX_LIGHTS, World, bvh::Trees},
 };
 
 /// Warns of shadow maps whose texels span many pixels (the median over the visible surfaces).
 pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
-    let has_map = |shadow| shadow == ShadowMode::Map;
+    let has_map = |shadow| matches!(shadow, ShadowMode::Default | ShadowMode::Map);
     let Some(camera) = world.cameras.get(world.main_camera()) else {
         return Vec::new();
     };
@@ -52,19 +59,51 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
 /// Warns, once, of lights of the scene text whose `shadow = "map"` is a shadow by rays, as they are lamps of the light
 /// tree.
 pub fn lamps(scene: &Scene, world: &World) -> Option<Diagnostic> {
-    let mut mapped = (scene.lights.iter().zip(world.all_lights()))
-        .filter(|(_, light)| light.desc.shadow == ShadowMode::Map && world.has_lamp(light))
-        .map(|(entry, _)| entry);
-    let first = mapped.next()?;
-    let count = 1 + mapped.count();
+    let (first, count) = asked_maps(scene, world, true)?;
     let all = world.lights.len() + world.lamps.len();
     let message = format!(
         "the scene has {all} lights, and shadow maps are for at most {MAX_LIGHTS}: of {count} with \
-         `shadow = \"map\"`, which is the default, \"{}\" the first, shadows are found by rays",
+         `shadow = \"map\"`, \"{}\" the first, shadows are found by rays",
         first.name
     );
     let help = format!(
         "write `shadow = \"ray\"` for these, which is the same picture, or no more than {MAX_LIGHTS} lights"
     );
     Some(Diagnostic::new("lamp-shadow", first.at.clone(), message).help(help))
+}
+
+/// Warns, once, of the memory of the maps of lights of the scene text with `shadow = "map"`, which have no budget.
+pub fn memory(scene: &Scene, world: &World) -> Option<Diagnostic> {
+    let (first, count) = asked_maps(scene, world, false)?;
+    let mut asked = world.lights.clone();
+    asked.retain(|light| light.desc.shadow == ShadowMode::Map);
+    let bytes = ShadowSizes::for_lights(&asked, &RenderOptions::default()).bytes();
+    if bytes <= MAP_BUDGET_BYTES {
+        return None;
+    }
+    let message = format!(
+        "the shadow maps of {count} lights with `shadow = \"map\"`, \"{}\" the first, take {} MiB",
+        first.name,
+        bytes >> 20
+    );
+    let help = format!(
+        "leave out `shadow`, so that maps take at most {} MiB and other lights have shadows by rays, or write less `shadow_px`",
+        MAP_BUDGET_BYTES >> 20
+    );
+    Some(Diagnostic::new("map-memory", first.at.clone(), message).help(help))
+}
+
+/// First light of the scene text with `shadow = "map"`, and the number of such lights, that `are_lamps` of the light
+/// tree or are not.
+fn asked_maps<'a>(
+    scene: &'a Scene,
+    world: &World,
+    are_lamps: bool,
+) -> Option<(&'a Entry<LightDesc>, usize)> {
+    let lights = scene.lights.iter().zip(world.all_lights());
+    let mut mapped = lights.filter(|(_, light)| {
+        light.desc.shadow == ShadowMode::Map && world.has_lamp(light) == are_lamps
+    });
+    let (first, _) = mapped.next()?;
+    Some((first, 1 + mapped.count()))
 }

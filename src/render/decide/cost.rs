@@ -3,8 +3,7 @@
 
 use std::fmt;
 
-use reflet_scene::desc::LightKind;
-
+use super::map_work::MapWork;
 use super::view_sample::{MirrorRays, ViewSample};
 use crate::settings::unit_costs::UnitCosts;
 
@@ -17,12 +16,8 @@ pub struct Workload {
     pub samples: f64,
     /// Number of triangles that the camera draws.
     pub triangles_in_view: f64,
-    /// Number of triangles of the scene.
-    pub triangles: f64,
-    /// Number of pixels of the shadow maps that the `auto` lights of each kind would have.
-    pub map_pixels: [f64; LightKind::NAMES.len()],
-    /// Expected number of views of those maps that a triangle is drawn in.
-    pub map_views: [f64; LightKind::NAMES.len()],
+    /// Shadow maps that undecided lights would have.
+    pub maps: Vec<MapWork>,
     /// Counts of the view.
     pub view: ViewSample,
 }
@@ -89,18 +84,24 @@ impl Workload {
         Pair([("rays", MS * rays), ("raster", MS * raster)])
     }
 
-    /// Expected costs of the shadows of a kind of light, as if every picture drew all maps. Hits of mirror rays are
-    /// lit too.
-    pub fn shadow(&self, unit: &UnitCosts, kind: usize) -> Pair {
+    /// Expected costs of the shadows of lights with these maps, as if every picture drew all maps. Hits of mirror rays
+    /// are lit too.
+    pub fn shadow<'a>(
+        &self,
+        unit: &UnitCosts,
+        maps: impl IntoIterator<Item = &'a MapWork>,
+    ) -> Pair {
         let view = &self.view;
-        let (rays, visits) = view.shadows[kind];
         let lit = 1.0 + f64::from(view.all_mirror().rays) / f64::from(view.surfaces.max(1));
-        let draw = self.triangles * self.map_views[kind] * unit.map_triangle;
-        let maps = draw + self.map_pixels[kind] * unit.map_pixel;
-        let filter = self.weight() * lit * f64::from(rays) * unit.filter;
-        let counts = f64::from(rays) * unit.shadow_ray + f64::from(visits) * unit.shadow_node;
-        let rays = self.weight() * lit * counts;
-        Pair([("ray", MS * rays), ("map", MS * (maps + filter))])
+        let of_pixels = self.weight() * lit;
+        let (mut by_rays, mut by_maps) = (0.0, 0.0);
+        for map in maps {
+            let (rays, visits) = view.shadows.get(&map.light).copied().unwrap_or_default();
+            let counts = f64::from(rays) * unit.shadow_ray + f64::from(visits) * unit.shadow_node;
+            by_rays += of_pixels * counts;
+            by_maps += map.draw_ns(unit) + of_pixels * f64::from(rays) * unit.filter;
+        }
+        Pair([("ray", MS * by_rays), ("map", MS * by_maps)])
     }
 
     /// Expected costs of the mirror rays of pixels by the methods `hybrid` and `rt`, where `hybrid` traces the instances

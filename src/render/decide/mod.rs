@@ -4,6 +4,7 @@ pub mod cost;
 pub(crate) mod cull;
 pub(crate) mod edge_on;
 mod filtered_lights;
+pub mod map_work;
 pub mod shadow_texels;
 pub mod skip;
 pub mod trace_choice;
@@ -26,11 +27,15 @@ use super::{
         cull::is_outside,
         edge_on::has_edge_on_surfaces,
         filtered_lights::filtered_lights,
+        map_work::{
+            DEAR, MAP_BUDGET_BYTES, MapWork, are_slow, doubtful_maps, drawn_triangles, is_mapped,
+            map_px,
+        },
         shadow_texels::{COARSE_PX, SeenSurfaces},
         view_estimate::ViewEstimate,
         view_sample::ViewSample,
     },
-    lighting::lights::{CUBE_FACES, has_cube_map},
+    lighting::lights::ShadowSizes,
     plan::{reflects, traces_rays},
     settings::{options::RenderOptions, unit_costs::UnitCosts, view::View},
 };
@@ -57,27 +62,75 @@ pub struct Decided {
     pub traced: Vec<bool>,
 }
 
-/// Whether frames trace rays, or [`decide`] needs them.
-pub fn needs_trees(world: &World, options: &RenderOptions) -> bool {
+/// Whether frames trace rays, or [`decide`] needs them, on an adapter that is `software` or a GPU.
+pub fn needs_trees(world: &World, options: &RenderOptions, software: bool) -> bool {
     let is_auto = |light: &Light| light.desc.shadow == ShadowMode::Auto;
     traces_rays(world, options)
         || options.image.exposure_ev == Exposure::Auto
         || world.lights.iter().any(is_auto)
+        || draws_longer_than_trees(world, options, &unit_costs(options, software))
+        || doubtful_maps(world, &with_filtered(world, options)) != 0
+}
+
+/// The options with rays in place of the maps of lights that may shine on a surface that lets light pass.
+fn with_filtered(world: &World, options: &RenderOptions) -> RenderOptions {
+    RenderOptions {
+        rays_for_maps: filtered_lights(world),
+        ..*options
+    }
+}
+
+/// Costs that decide.
+fn unit_costs(options: &RenderOptions, software: bool) -> UnitCosts {
+    options.costs.unwrap_or(UnitCosts::of_kind(software))
+}
+
+/// Expected time to build the trees, milliseconds.
+fn trees_ms(world: &World, unit: &UnitCosts) -> f64 {
+    let triangles: usize = world.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
+    1e-6 * (triangles as f64 * unit.tree_triangle
+        + world.instances.len() as f64 * unit.tree_instance)
+}
+
+/// Number of nodes that a primary ray is expected to visit, before there is a tree.
+const PRIMARY_NODES: f64 = 20.0;
+
+/// Whether the picture is expected to take longer to draw than trees to build and primary rays to trace, with
+/// `visibility = "auto"`.
+fn draws_longer_than_trees(world: &World, options: &RenderOptions, unit: &UnitCosts) -> bool {
+    if options.image.visibility != Visibility::Auto || has_lines(world) {
+        return false;
+    }
+    let samples = f64::from(options.image.samples.count());
+    let pixels = samples * options.image.size.map(f64::from).iter().product::<f64>();
+    let drawn = samples * triangles_in_view(world, options) * unit.raster_triangle;
+    let traced = pixels * PRIMARY_NODES * unit.primary_node;
+    1e-6 * drawn > trees_ms(world, unit) + 1e-6 * traced
+}
+
+/// Whether something is drawn at least a pixel wide.
+fn has_lines(world: &World) -> bool {
+    world.meshes.iter().any(|mesh| mesh.at_least_a_pixel)
+}
+
+/// Number of triangles of the instances that the options' camera sees.
+fn triangles_in_view(world: &World, options: &RenderOptions) -> f64 {
+    let clip_from_world = view_of(world, options).clip_from_world(glam::Vec2::ZERO);
+    let seen = world.instances.iter();
+    let seen = seen.filter(|i| !is_outside(&clip_from_world, &world.bounds_of(i)));
+    seen.map(|i| drawn_triangles(&world.meshes[i.mesh])).sum()
 }
 
 /// Decides the options left to `auto` for a posed world, as its camera [`RenderOptions::camera`] shows it. `trees` come
 /// from [`needs_trees`]; `software` tells the kind of the adapter. A draft gets the options of the whole picture.
 pub fn decide(world: &World, trees: &Trees, options: &RenderOptions, software: bool) -> Decided {
-    let options = &RenderOptions {
-        filtered_lights: filtered_lights(world),
-        ..*options
-    };
+    let options = &with_filtered(world, options);
     let mut decider = Decider {
         workload: None,
         world,
         trees,
         asked: *options,
-        unit: options.costs.unwrap_or(UnitCosts::of_kind(software)),
+        unit: unit_costs(options, software),
         other: (options.costs.is_none() && !software).then_some(UnitCosts::CARD),
         decided: Decided {
             options: *options,
@@ -188,7 +241,7 @@ impl Decider<'_> {
         let mapped = lights.filter(|(_, l)| is_mapped(l));
         let filtered = mapped
             .clone()
-            .filter(|(i, _)| self.asked.filtered_lights >> i & 1 != 0);
+            .filter(|(i, _)| self.asked.rays_for_maps >> i & 1 != 0);
         if filtered.clone().next().is_some() {
             let why = format!(
                 "light of {} of {} lights passes a surface, which one depth of a map cannot tell",
@@ -197,45 +250,134 @@ impl Decider<'_> {
             );
             self.choose("shadow maps", "ray", why);
         }
-        let undecided = self.asked.undecided_lights(self.world);
-        let kinds: BTreeSet<usize> = undecided.map(|l| l.desc.kind.index()).collect();
-        for kind in kinds {
+        for kind in self
+            .auto_lights()
+            .map(|l| l.desc.kind.index())
+            .collect::<BTreeSet<_>>()
+        {
             let what = format!("shadow of {} lights", LightKind::NAMES[kind]);
             if let Some(span) = self.coarsest_px(kind).filter(|span| *span > COARSE_PX) {
-                self.decided.options.auto_shadow[kind] = ShadowMode::Ray;
+                self.take_rays(kind);
                 let why = format!("a texel of a map would span {span:.0} pixels");
                 self.choose(&what, "ray", why);
                 continue;
             }
-            if !traces_rays(self.world, &self.decided.options) {
+            if !traces_rays(self.world, &self.decided.options) && !self.are_slow() {
                 self.choose(&what, "map", NO_RAYS.to_owned());
                 continue;
             }
-            let unit = self.unit;
-            let pair = self.workload().shadow(&unit, kind);
-            let name = pair.cheaper();
-            self.decided.options.auto_shadow[kind] = match name {
-                "ray" => ShadowMode::Ray,
-                _ => ShadowMode::Map,
+            let (unit, world) = (self.unit, self.world);
+            let is_auto = |map: &&MapWork| {
+                map.kind == kind && world.lights[map.light].desc.shadow == ShadowMode::Auto
             };
+            let workload = self.workload();
+            let pair = workload.shadow(&unit, workload.maps.iter().filter(is_auto));
+            let name = pair.cheaper();
+            if name == "ray" {
+                self.take_rays(kind);
+            }
             self.choose(&what, name, pair.to_string());
         }
+        if self.trees.is_built() {
+            self.dear_maps();
+            self.spare_maps();
+        }
+    }
+
+    /// Has the `auto` lights of a kind take rays.
+    fn take_rays(&mut self, kind: usize) {
+        let lights = self.asked.undecided_lights(self.world);
+        let is_of = |l: &Light| l.desc.shadow == ShadowMode::Auto && l.desc.kind.index() == kind;
+        let lights = lights.filter(|(_, l)| is_of(l));
+        self.decided.options.rays_for_maps |= lights.fold(0, |mask, (i, _)| mask | 1 << i);
+    }
+
+    /// Has lights take rays where a processor would draw their map much longer, alike on every adapter.
+    fn dear_maps(&mut self) {
+        if !self.are_slow() {
+            return;
+        }
+        let lights = &self.world.lights;
+        let workload = self.workload();
+        let shadow = |map: &MapWork| workload.shadow(&UnitCosts::PROCESSOR, [map]).ms();
+        let maps = workload.maps.iter();
+        let maps = maps.filter(|map| lights[map.light].desc.shadow == ShadowMode::Default);
+        let dear: Vec<(usize, [f64; 2])> = (maps.map(|map| (map.light, shadow(map))))
+            .filter(|(_, [ray, map])| *map > DEAR * ray)
+            .collect();
+        if dear.is_empty() {
+            return;
+        }
+        let [ray, map] = [0, 1].map(|way| dear.iter().map(|(_, ms)| ms[way]).sum::<f64>());
+        let why = format!(
+            "maps of {} of {} lights would take a processor {map:.0} ms, their rays {ray:.0} ms",
+            dear.len(),
+            lights.len()
+        );
+        for (light, _) in dear {
+            self.decided.options.rays_for_maps |= 1 << light;
+        }
+        self.choose("shadow maps", "ray", why);
+    }
+
+    /// Whether a processor is expected to draw the maps of undecided lights for long.
+    fn are_slow(&self) -> bool {
+        let maps = MapWork::of_world(self.world, &self.asked);
+        are_slow(&maps, self.world, &self.decided.options)
+    }
+
+    /// Has lights of which the picture shows least take rays until all maps have room in their budget.
+    fn spare_maps(&mut self) {
+        let (lights, before) = (&self.world.lights, self.decided.options);
+        let bytes = |options: &RenderOptions| ShadowSizes::for_lights(lights, options).bytes();
+        if bytes(&before) <= MAP_BUDGET_BYTES {
+            return;
+        }
+        let seen = self.workload().view.shadows.clone();
+        let has_map = |i: &usize| before.shadow_of(*i, &lights[*i]) == ShadowMode::Map;
+        let undecided = before.undecided_lights(self.world).map(|(i, _)| i);
+        let mut left: Vec<usize> = undecided.filter(has_map).collect();
+        // The last of equally seen lights goes first.
+        left.sort_by_key(|i| std::cmp::Reverse(seen.get(i).map_or(0, |(rays, _)| *rays)));
+        let mut options = before;
+        while bytes(&options) > MAP_BUDGET_BYTES
+            && let Some(least) = left.pop()
+        {
+            options.rays_for_maps |= 1 << least;
+        }
+        let count = (options.rays_for_maps & !before.rays_for_maps).count_ones();
+        if count == 0 {
+            return;
+        }
+        self.decided.options = options;
+        let why = format!(
+            "all maps would take {} MiB, above {}: {count} of {} lights, of which the picture shows least, need none",
+            bytes(&before) >> 20,
+            MAP_BUDGET_BYTES >> 20,
+            lights.len()
+        );
+        self.choose("shadow maps", "ray", why);
+    }
+
+    /// Lights with `shadow = "auto"` that may have a map.
+    fn auto_lights(&self) -> impl Iterator<Item = &Light> {
+        let undecided = self.asked.undecided_lights(self.world);
+        let lights = undecided.map(|(_, light)| light);
+        lights.filter(|light| light.desc.shadow == ShadowMode::Auto)
     }
 
     /// Largest number of pixels that a shadow map texel would span, over the `auto` lights of a kind.
     fn coarsest_px(&self, kind: usize) -> Option<f32> {
         let (world, trees) = (self.world, self.trees);
         let seen = SeenSurfaces::new(world, trees, &view_of(world, &self.asked));
-        let undecided = self.asked.undecided_lights(world);
-        let lights = undecided.filter(|l| l.desc.kind.index() == kind);
-        let spans = lights.filter_map(|l| seen.texel_px(l, map_px(world, l) as u32));
+        let lights = self.auto_lights().filter(|l| l.desc.kind.index() == kind);
+        let spans = lights.filter_map(|l| seen.texel_px(l, map_px(world, l)));
         spans.max_by(f32::total_cmp)
     }
 
     fn visibility(&mut self) {
         let what = "image.visibility";
-        let has_lines = (self.world.meshes.iter()).any(|mesh| mesh.at_least_a_pixel);
-        if has_lines && self.asked.image.visibility != Visibility::Raster {
+        if has_lines(self.world) && self.asked.image.visibility != Visibility::Raster {
             self.decided.options.image.visibility = Visibility::Raster;
             let why = "points and lines are drawn at least a pixel wide, in trees they are as thin as they are";
             return self.choose(what, "raster", why.to_owned());
@@ -244,10 +386,12 @@ impl Decider<'_> {
             return;
         }
         self.decided.options.image.visibility = Visibility::Raster;
-        if !traces_rays(self.world, &self.decided.options) {
+        let (unit, world) = (self.unit, self.world);
+        if !traces_rays(world, &self.decided.options)
+            && !draws_longer_than_trees(world, &self.asked, &unit)
+        {
             return self.choose(what, "raster", NO_RAYS.to_owned());
         }
-        let unit = self.unit;
         let pair = self.workload().visibility(&unit);
         if pair.cheaper() == "rays" {
             self.decided.options.image.visibility = Visibility::Rays;
@@ -312,23 +456,6 @@ fn seen_by(world: &World, options: &RenderOptions) -> CameraDesc {
 
 const NO_RAYS: &str = "no other feature traces rays, so no BVH is built";
 
-/// Whether a light has a shadow map unless rays stand in for it.
-fn is_mapped(light: &Light) -> bool {
-    matches!(light.desc.shadow, ShadowMode::Map | ShadowMode::Auto)
-}
-
-/// Width in texels of the shadow map that a light would have: all maps of a form are as large as the largest.
-fn map_px(world: &World, light: &Light) -> f64 {
-    let is_cube = has_cube_map(&light.desc.kind);
-    let has_map = |l: &&Light| is_mapped(l) && has_cube_map(&l.desc.kind) == is_cube;
-    let px = world
-        .lights
-        .iter()
-        .filter(has_map)
-        .map(|l| l.desc.shadow_px);
-    px.max().unwrap_or(0).into()
-}
-
 /// The view of the options' camera.
 pub(super) fn view_of(world: &World, options: &RenderOptions) -> View {
     View::new(
@@ -340,37 +467,12 @@ pub(super) fn view_of(world: &World, options: &RenderOptions) -> View {
 
 /// Sizes and counts of a world as the options' camera sees it.
 pub fn workload(world: &World, trees: &Trees, options: &RenderOptions) -> Workload {
-    let view = view_of(world, options);
-    let clip_from_world = view.clip_from_world(glam::Vec2::ZERO);
-    let (mut triangles, mut triangles_in_view) = (0.0, 0.0);
-    for instance in &world.instances {
-        let count = world.meshes[instance.mesh].triangles.len() as f64;
-        triangles += count;
-        if !is_outside(&clip_from_world, &world.bounds_of(instance)) {
-            triangles_in_view += count;
-        }
-    }
-    let mut map_pixels = [0.0; LightKind::NAMES.len()];
-    let mut map_views = map_pixels;
-    for light in options.undecided_lights(world) {
-        let kind = light.desc.kind.index();
-        // Most triangles lie in one or two faces of a cube.
-        let (faces, views) = if has_cube_map(&light.desc.kind) {
-            (CUBE_FACES.len() as f64, 1.5)
-        } else {
-            (1.0, 1.0)
-        };
-        map_pixels[kind] += faces * map_px(world, light).powi(2);
-        map_views[kind] += views;
-    }
     let [width, height] = options.image.size;
     Workload {
         pixels: f64::from(width) * f64::from(height),
         samples: f64::from(options.image.samples.count()),
-        triangles_in_view,
-        triangles,
-        map_pixels,
-        map_views,
-        view: ViewSample::new(world, trees, &view, options),
+        triangles_in_view: triangles_in_view(world, options),
+        maps: MapWork::of_world(world, options),
+        view: ViewSample::new(world, trees, &view_of(world, options), options),
     }
 }

@@ -6,7 +6,6 @@ use std::collections::BTreeMap;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use reflet_scene::desc::LightKind;
 use reflet_world::{
     Light, World,
     bvh::{Ray, RayHit, SHADOWLESS, Trees},
@@ -58,8 +57,8 @@ pub struct ViewSample {
     pub surfaces: u32,
     /// Mirror rays by the instance that they start from.
     pub mirror: BTreeMap<usize, MirrorRays>,
-    /// Number of shadow rays to the `auto` lights of each kind, and number of nodes that they visit.
-    pub shadows: [(u32, u32); LightKind::NAMES.len()],
+    /// Number of shadow rays to each undecided light, by its index, and number of nodes that they visit.
+    pub shadows: BTreeMap<usize, (u32, u32)>,
 }
 
 impl ViewSample {
@@ -85,16 +84,16 @@ impl ViewSample {
             let sum = self.mirror.entry(instance).or_default();
             *sum = sum.plus(counts);
         }
-        let shadows = std::array::from_fn(|kind| {
-            let ((a, b), (c, d)) = (self.shadows[kind], other.shadows[kind]);
-            (a + c, b + d)
-        });
+        for (light, (rays, visits)) in other.shadows {
+            let sum = self.shadows.entry(light).or_default();
+            *sum = (sum.0 + rays, sum.1 + visits);
+        }
         Self {
             rays: self.rays + other.rays,
             visits: self.visits + other.visits,
             surfaces: self.surfaces + other.surfaces,
             mirror: self.mirror,
-            shadows,
+            shadows: self.shadows,
         }
     }
 }
@@ -102,7 +101,7 @@ impl ViewSample {
 struct Sampler<'a> {
     rays: ViewRays<'a>,
     cutoff: f32,
-    undecided_lights: Vec<&'a Light>,
+    undecided_lights: Vec<(usize, &'a Light)>,
 }
 
 impl Sampler<'_> {
@@ -164,7 +163,7 @@ impl Sampler<'_> {
     }
 
     fn count_shadows(&self, point: &SurfacePoint, sum: &mut ViewSample) {
-        for light in &self.undecided_lights {
+        for (index, light) in &self.undecided_lights {
             let Some((direction, t_max)) = towards(light, point) else {
                 continue;
             };
@@ -177,7 +176,7 @@ impl Sampler<'_> {
                 passes: SHADOWLESS,
                 ..off_surface(point, direction)
             };
-            let (rays, visits) = &mut sum.shadows[light.desc.kind.index()];
+            let (rays, visits) = sum.shadows.entry(*index).or_default();
             *rays += 1;
             *visits += self.rays.trees.any_counted(&ray).1;
         }

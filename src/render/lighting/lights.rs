@@ -22,6 +22,9 @@ pub const SHADOW_MAP: u32 = 1;
 /// Value of [`GpuLight::shadow`] for shadow rays.
 pub const SHADOW_RAY: u32 = 2;
 
+/// Bytes of a texel of a shadow map.
+pub const TEXEL_BYTES: u64 = 4;
+
 /// Uniform block of the lights, always of full size.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -69,6 +72,12 @@ impl ShadowSizes {
             }
         }
         sizes
+    }
+
+    /// Size of all maps, bytes.
+    pub fn bytes(&self) -> u64 {
+        let of = |px: u32, layers: u32| TEXEL_BYTES * u64::from(px).pow(2) * u64::from(layers);
+        of(self.cube_px, 6 * self.cubes) + of(self.map_px, self.maps)
     }
 }
 
@@ -206,7 +215,7 @@ pub(crate) fn gpu_light(light: &Light, shadow: ShadowMode) -> GpuLight {
     out.range_m = light.range_m.unwrap_or(0.0);
     out.shadow = match shadow {
         ShadowMode::None => SHADOW_NONE,
-        ShadowMode::Map | ShadowMode::Auto => SHADOW_MAP,
+        ShadowMode::Default | ShadowMode::Map | ShadowMode::Auto => SHADOW_MAP,
         ShadowMode::Ray => SHADOW_RAY,
     };
     out

@@ -2,7 +2,7 @@
 
 use reflet_gpu::{Gpu, GpuError};
 
-use crate::lighting::lights::ShadowSizes;
+use crate::lighting::lights::{ShadowSizes, TEXEL_BYTES};
 
 /// Format of every map.
 pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -97,7 +97,7 @@ fn array(
     };
     let (px, count) = (px.max(1), layers.max(least));
     gpu.check_texture_size("a shadow map", px, px)?;
-    let bytes = 4 * u64::from(px) * u64::from(px) * u64::from(count);
+    let bytes = TEXEL_BYTES * u64::from(px) * u64::from(px) * u64::from(count);
     if bytes > MAX_MAP_BYTES {
         return Err(GpuError::Limit {
             what: format!(

@@ -10,6 +10,7 @@ use crate::{
     lighting::lights::ShadowView,
     maps::shadow_maps::FORMAT,
     pipeline::{
+        instrument::Instrument,
         pass::declared_overrides,
         prelude::*,
         raster::{Kind, depth_of_part, reversed_depth},
@@ -107,6 +108,10 @@ impl FramePass for Shadow {
         let (scene, maps) = (frame.resources.scene, frame.resources.maps);
         let recorder = &mut frame.recorder;
         let mut drawn = self.drawn();
+        let most = match frame.instrument {
+            Some(Instrument::WarmUp) => 1,
+            _ => usize::MAX,
+        };
         let views = frame.shadow_views.iter().zip(&self.groups).zip(0u64..);
         for (((view, group), slot), drawn) in views.zip(drawn.iter_mut()) {
             let content = content(scene, view);
@@ -131,7 +136,7 @@ impl FramePass for Shadow {
             let Some(target) = of.get(view.layer as usize) else {
                 continue;
             };
-            let calls = self.draw_calls(scene, view, recorder.gpu.is_software());
+            let calls = self.draw_calls(scene, view, recorder.gpu.is_software(), most);
             recorder.pass_in_parts(PASS.name, calls.num_parts(), |part, encoder, recording| {
                 let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                     label: Some(PASS.name),
@@ -160,18 +165,19 @@ impl Shadow {
         self.drawn.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Draw calls of instances that may appear in a map.
+    /// Draw calls of instances that may appear in a map, at `most` so many by each pipeline.
     fn draw_calls<'a>(
         &'a self,
         scene: &'a GpuScene,
         view: &'a ShadowView,
         is_software: bool,
+        most: usize,
     ) -> DrawCalls<'a> {
         let mut calls = DrawCalls::new(is_software);
         for (kind, pipeline) in &self.pipelines {
             let draws = casters(scene, view).filter(|d| Kind::for_class(&d.class) == *kind);
             calls.add(
-                draws,
+                draws.take(most),
                 pipeline,
                 scene.indexed().is_some() && kind.is_indexed(),
             );

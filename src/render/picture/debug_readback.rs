@@ -22,7 +22,7 @@ use crate::{
 pub fn shadow_faces(index: usize, light: &Light, options: &RenderOptions) -> usize {
     match options.shadow_of(index, light) {
         ShadowMode::Map if has_cube_map(&light.desc.kind) => CUBE_FACES.len(),
-        ShadowMode::Map | ShadowMode::Auto => 1,
+        ShadowMode::Default | ShadowMode::Map | ShadowMode::Auto => 1,
         ShadowMode::None | ShadowMode::Ray => 0,
     }
 }

@@ -27,7 +27,8 @@ impl Renderer {
     /// Same errors as [`Renderer::render`].
     pub fn warm_up(&mut self, gpu: &Gpu, camera: &CameraDesc) -> Result<(), RenderError> {
         let view = self.view(gpu, camera);
-        let recorder = self.sub_frame(gpu, &view, PixelShare::all(0), Timing::None, None);
+        let (share, warm_up) = (PixelShare::all(0), Some(Instrument::WarmUp));
+        let recorder = self.sub_frame(gpu, &view, share, Timing::None, warm_up);
         self.submitted(recorder.submit())?;
         gpu.wait()?;
         self.redraw_shadows();
@@ -150,7 +151,7 @@ impl Renderer {
                     variant(&ssr::PASS, &ssr::PASS, "REFUSE")
                 })
             }
-            Instrument::Traverse | Instrument::AcceptAll => Ok(()),
+            Instrument::Traverse | Instrument::AcceptAll | Instrument::WarmUp => Ok(()),
         }
     }
 }

@@ -18,6 +18,8 @@ pub enum Instrument {
     Traverse,
     /// The march accepts every crossing.
     AcceptAll,
+    /// Pipelines run once, for a driver that compiles them then: maps get one draw call of each.
+    WarmUp,
 }
 
 /// Work of a pass over all pixels. It depends on the scene and its settings, not on the machine.
@@ -171,7 +173,7 @@ impl Instruments {
             Some(Instrument::AcceptAll) => {
                 self.accept_all.get().filter(|c| c.name() == pass.name())
             }
-            Some(Instrument::Traverse) | None => None,
+            Some(Instrument::Traverse | Instrument::WarmUp) | None => None,
         };
         other.unwrap_or(pass)
     }

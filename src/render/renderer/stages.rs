@@ -210,7 +210,7 @@ impl Traced {
             TreeKey::from_world(world),
             Skipping::for_world(world, options),
         );
-        let kept = old.filter(|old| old.keeps_trees(world, &key, options, &skip));
+        let kept = old.filter(|old| old.keeps_trees(gpu, world, &key, options, &skip));
         let is_new = kept.is_none();
         let (trees, ms) = match kept {
             Some(old) => {
@@ -256,13 +256,14 @@ impl Renderer {
     /// two methods would otherwise rebuild them for each picture.
     fn keeps_trees(
         &self,
+        gpu: &Gpu,
         world: &World,
         key: &TreeKey,
         options: &RenderOptions,
         skip: &Skipping,
     ) -> bool {
         let fits = || self.trees.is_built() && skip.apart == self.skip.apart;
-        *key == self.tree_key && (!needs_trees(world, options) || fits())
+        *key == self.tree_key && (!needs_trees(world, options, gpu.is_software()) || fits())
     }
 
     /// Whether materials or records of instances differ, which name their trees in another way for ray queries.
@@ -289,7 +290,7 @@ fn build_trees(
     options: &RenderOptions,
     apart: &[bool],
 ) -> Result<(Arc<Trees>, f64), RenderError> {
-    if !options.general && !needs_trees(world, options) {
+    if !options.general && !needs_trees(world, options, gpu.is_software()) {
         return Ok((Trees::unbuilt(world).into(), 0.0));
     }
     let started = Instant::now();

@@ -2,7 +2,7 @@
 //! sampling are left out, since their shaders and BVHs take seconds to compile and build.
 
 use super::Session;
-use crate::{RenderError, RenderOptions};
+use crate::{RenderError, RenderOptions, decide::map_work::doubtful_maps};
 use reflet_scene::desc::{
     EnvironmentShadow, Exposure, Method, ReflectionMode, Samples, ShadowMode, Visibility,
 };
@@ -18,8 +18,9 @@ pub enum InitialBuild {
 }
 
 /// World without the features that the coarse picture leaves out.
-pub(super) fn world(of: &World) -> World {
+pub(super) fn world(of: &World, options: &RenderOptions) -> World {
     let mut world = of.clone();
+    let doubtful = doubtful_maps(of, options);
     // Animated materials may turn these features on again in another frame.
     world.moving = Moving::default();
     for material in &mut world.materials {
@@ -27,10 +28,11 @@ pub(super) fn world(of: &World) -> World {
         (material.transmission, material.clearcoat) = (None, None);
         (material.blended, material.light) = (false, false);
     }
-    for light in &mut world.lights {
+    for (index, light) in world.lights.iter_mut().enumerate() {
         light.desc.shadow = match light.desc.shadow {
             ShadowMode::None => ShadowMode::None,
             _ if light.desc.kind.has_size() => ShadowMode::None,
+            _ if doubtful >> index & 1 != 0 => ShadowMode::None,
             _ => ShadowMode::Map,
         };
     }

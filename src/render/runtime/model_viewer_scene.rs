@@ -51,7 +51,7 @@ pub fn model_viewer_scene(
     let mut model = made([("file", Content::from(&*name))]);
     let mut root = made([("version", Content::from(1))]);
     if !playable.has_image_light {
-        let sun = sun(shadow_of(&playable, overrides));
+        let sun = sun(is_unlit(&playable, overrides));
         root.extend(made([
             ("light", made([("sun", sun)]).into()),
             ("environment", sky()),
@@ -76,26 +76,22 @@ pub fn model_viewer_scene(
     Ok(Source::generated(path, root))
 }
 
-/// Shadow mode of the sun: none where nothing is lit, rays where drawing a shadow map takes longer, else the default.
-fn shadow_of(playable: &Playable, overrides: &[String]) -> Option<&'static str> {
+/// Whether nothing of a model is lit, so that the sun needs no shadows.
+fn is_unlit(playable: &Playable, overrides: &[String]) -> bool {
     // Other materials may be lit.
-    let keeps_materials = !overrides.iter().any(|text| text.contains("material"));
-    match playable.is_unlit && keeps_materials {
-        true => Some("none"),
-        false => is_dear_to_draw(playable).then_some("ray"),
-    }
+    playable.is_unlit && !overrides.iter().any(|text| text.contains("material"))
 }
 
 /// Sun from above.
-fn sun(shadow: Option<&'static str>) -> Content {
+fn sun(is_shadowless: bool) -> Content {
     let mut sun = made([
         ("kind", Content::from("directional")),
         ("direction", [-0.5, -1.0, -0.7].into()),
         ("intensity_lux", 2.5.into()),
         ("shadow_px", 2048.into()),
     ]);
-    if let Some(shadow) = shadow {
-        sun.extend(made([("shadow", shadow.into())]));
+    if is_shadowless {
+        sun.extend(made([("shadow", "none".into())]));
     }
     sun.into()
 }
@@ -105,19 +101,6 @@ fn sky() -> Content {
     let colors = [[0.5, 0.55, 0.65], [0.6, 0.6, 0.6], [0.25, 0.23, 0.2]];
     let [zenith, horizon, ground] = colors.map(Content::from);
     made([("zenith", zenith), ("horizon", horizon), ("ground", ground)]).into()
-}
-
-/// Whether a model has so many copies, or points and lines, that ray traced shadows cost less than drawing each into a
-/// shadow map: BVHs hold each mesh only once, and every texel of a map tests the points and lines drawn there.
-fn is_dear_to_draw(playable: &Playable) -> bool {
-    /// Number of placed triangles from which the difference is noticeable.
-    const MANY: usize = 4_000_000;
-    /// Number of copies from which it is noticeable, however small they are.
-    const MANY_COPIES: usize = 100_000;
-    let (stored, placed) = (playable.stored_triangles, playable.placed_triangles);
-    playable.copies >= MANY_COPIES
-        || playable.lit_capsules >= MANY_COPIES
-        || (placed >= MANY && placed / 4 >= stored)
 }
 
 /// Parts of the stage that `--set model.model.usd.…` chooses. Errors are reported when the scene is read.

@@ -87,7 +87,8 @@ impl Session {
         warn_of_empty(&view, &mut loaded);
         let gpu = gpu()?;
         let options = view.options(&loaded);
-        let coarse = (initial == InitialBuild::Coarse).then(|| coarse::world(&loaded.world));
+        let coarse =
+            (initial == InitialBuild::Coarse).then(|| coarse::world(&loaded.world, &options));
         let renderer = match &coarse {
             Some(coarse) => RendererStage::new(&gpu, &library, coarse, &coarse::options(options)),
             None => RendererStage::new(&gpu, &library, poses(&loaded, &first), &options),

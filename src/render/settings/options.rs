@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::{pixel_share::needs_moments, unit_costs::UnitCosts};
-use reflet_scene::desc::{ImageDesc, LightKind, Method, ReflectionDesc, SceneDesc, ShadowMode};
+use reflet_scene::desc::{ImageDesc, Method, ReflectionDesc, SceneDesc, ShadowMode};
 use reflet_world::{Light, World};
 
 /// Options of a renderer.
@@ -13,11 +13,9 @@ pub struct RenderOptions {
     pub reflection: ReflectionDesc,
     /// Picture size, number of sub-frames, exposure and tone mapping.
     pub image: ImageDesc,
-    /// Shadow mode of lights with `shadow = "auto"`, by kind of light.
-    pub auto_shadow: [ShadowMode; LightKind::NAMES.len()],
-    /// Lights, a bit for each by its index in [`World::lights`], that may shine on something that lets light pass and casts
-    /// a shadow. Shadow rays stand in for their maps: the one depth of a texel cannot tell how much passes, in which color.
-    pub filtered_lights: u64,
+    /// Lights, a bit for each by its index in [`World::lights`], whose maps shadow rays stand in for: where light may pass
+    /// something that casts a shadow, which the one depth of a texel cannot tell, and where rays were decided for.
+    pub rays_for_maps: u64,
     /// Index of the camera whose view decides `auto` settings; `None` for [`World::main_camera`].
     pub camera: Option<usize>,
     /// Unit costs for deciding `auto` settings; `None` for the costs of the adapter's kind.
@@ -179,21 +177,23 @@ impl RenderOptions {
 
     /// Shadow mode of a light of [`World::lights`] with its index, with `auto` decided.
     pub fn shadow_of(&self, index: usize, light: &Light) -> ShadowMode {
-        let by_rays = self.is_unbiased() || self.filtered_lights >> index & 1 != 0;
+        let by_rays = self.is_unbiased() || self.rays_for_maps >> index & 1 != 0;
         match light.desc.shadow {
-            ShadowMode::Map | ShadowMode::Auto if by_rays => ShadowMode::Ray,
-            ShadowMode::Auto => self.auto_shadow[light.desc.kind.index()],
+            ShadowMode::Default | ShadowMode::Map | ShadowMode::Auto if by_rays => ShadowMode::Ray,
+            ShadowMode::Default | ShadowMode::Auto => ShadowMode::Map,
             mode => mode,
         }
     }
 
-    /// Lights of a world whose shadow mode is still to decide.
-    pub fn undecided_lights<'a>(&'a self, world: &'a World) -> impl Iterator<Item = &'a Light> {
-        let is_filtered = |index: usize| self.filtered_lights >> index & 1 != 0;
+    /// Lights of a world, with their indices, whose shadow mode is still to decide.
+    pub fn undecided_lights<'a>(
+        &'a self,
+        world: &'a World,
+    ) -> impl Iterator<Item = (usize, &'a Light)> + Clone {
+        let is_decided = |index: usize| self.rays_for_maps >> index & 1 != 0;
+        let is_left = |mode| matches!(mode, ShadowMode::Default | ShadowMode::Auto);
         let lights = world.lights.iter().enumerate();
-        lights
-            .filter(move |(i, l)| l.desc.shadow == ShadowMode::Auto && !is_filtered(*i))
-            .map(|(_, light)| light)
+        lights.filter(move |(i, l)| is_left(l.desc.shadow) && !is_decided(*i))
     }
 }
 

@@ -15,6 +15,8 @@ pub struct UnitCosts {
     pub map_triangle: f64,
     /// Drawing a pixel of a shadow map.
     pub map_pixel: f64,
+    /// Drawing a texel of a shadow map that a sphere or a capsule covers.
+    pub map_capsule: f64,
     /// Filtering a shadow map at a pixel.
     pub filter: f64,
     /// Tracing a primary ray, without its nodes.
@@ -40,6 +42,10 @@ pub struct UnitCosts {
     pub hit: f64,
     /// Starting a pass.
     pub pass: f64,
+    /// Building the trees, per stored triangle; on the processor, for all adapters.
+    pub tree_triangle: f64,
+    /// Building the trees, per instance; on the processor, for all adapters.
+    pub tree_instance: f64,
 }
 
 impl UnitCosts {
@@ -50,6 +56,7 @@ impl UnitCosts {
         raster_pixel: 5.4,
         map_triangle: 106.0,
         map_pixel: 2.0,
+        map_capsule: 105.0,
         filter: 60.0,
         primary_ray: 0.1,
         primary_node: 47.0,
@@ -62,6 +69,8 @@ impl UnitCosts {
         pyramid_pixel: 8.6,
         hit: 251.0,
         pass: 160_000.0,
+        tree_triangle: 970.0,
+        tree_instance: 2_000.0,
     };
     /// Default costs, for every GPU. Their source is an experiment on one data-center GPU (NVIDIA H200), whose
     /// rasterizer is weak relative to its compute units: a scene of 1.8 million triangles, traversal in WGSL without
@@ -72,6 +81,7 @@ impl UnitCosts {
         raster_pixel: 0.5,
         map_triangle: 2.2,
         map_pixel: 0.05,
+        map_capsule: 0.1,
         filter: 0.05,
         primary_ray: 0.1,
         primary_node: 0.017,
@@ -84,6 +94,8 @@ impl UnitCosts {
         pyramid_pixel: 0.02,
         hit: 0.1,
         pass: 10_000.0,
+        tree_triangle: Self::PROCESSOR.tree_triangle,
+        tree_instance: Self::PROCESSOR.tree_instance,
     };
     /// Ratios of a graphics card of 2013 (GeForce GTX 780 Ti), from the three frame times of Macedo and Rodrigues
     /// (2018): SSR takes 6.1 ms, hybrid 16.9 ms, ray tracing 21.2 ms at 1280 × 720. A frame without march and

@@ -14,8 +14,13 @@ use crate::{
 declared! {
     /// How a light's shadows are found.
     #[words]
-    pub enum ShadowMode = Map {
-        /// depth maps (cube maps for point lights), filtered; not for lights with a size. Where its light may pass
+    pub enum ShadowMode = Default {
+        /// `map` while it pays, the same on every adapter: where a processor would take more than half a second to
+        /// draw the maps of all such lights, each light takes `ray` whose map is expected to take twice as long as its
+        /// rays; and of maps that take more than 256 MiB together, lights of which the picture shows least give
+        /// theirs up. Lights with a size take `ray`.
+        Default = "default",
+        /// depth maps (cube maps for point lights), filtered, whatever they take; not for lights with a size. Where its light may pass
         /// something that casts a shadow, by its alpha or as glass, it is `ray`, which tells how much passes.
         Map = "map",
         /// shadow rays through the BVH that reflections use; exact, hard-edged for lights without a
@@ -47,8 +52,7 @@ declared! {
     pub struct LightDesc {
         /// Linear color, three numbers 0 or more, or sRGB text `"#rrggbb"`. Default white.
         pub color: Vec3 as Color [FROM_0] = Vec3::ONE,
-        /// How the light's shadows are found: by a depth map or by rays. Default `"map"`; `"ray"` for lights
-        /// with a size.
+        /// How the light's shadows are found: by a depth map or by rays. Default `"default"`.
         #[by(|t| Some(t.find("shadow", ANY).unwrap_or_default()))]
         pub shadow: ShadowMode,
         /// Edge length of the shadow map in pixels, 16 to 4096; for point lights, of each of six faces. More is
@@ -73,12 +77,12 @@ impl LightDesc {
         if !self.kind.has_size() {
             return self;
         }
-        if t.has("shadow") && self.shadow == ShadowMode::Map {
+        if self.shadow == ShadowMode::Map {
             let message = "`shadow = \"map\"` cannot show the soft shadow of a light with a size";
             let help = "write `shadow = \"ray\"`, or leave it out";
             t.refuse("wrong-shadow", "shadow", message, help);
         }
-        if !t.has("shadow") || self.shadow == ShadowMode::Auto {
+        if matches!(self.shadow, ShadowMode::Default | ShadowMode::Auto) {
             self.shadow = ShadowMode::Ray;
         }
         self

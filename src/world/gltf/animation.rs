@@ -45,21 +45,13 @@ fn fault(text: impl Into<String>) -> Fault {
     Fault::new("gltf-animation", text)
 }
 
-/// Animations of a file, with its sizes and the metadata of its USD stage.
+/// Animations of a file, with the kinds of its light and the metadata of its USD stage.
 #[derive(Clone, Debug, Default)]
 pub struct Playable {
     /// The animations.
     pub clips: Vec<Clip>,
     /// Metadata of the USD stage that the file was converted from.
     pub stage: Option<StageTime>,
-    /// Number of placements of meshes by the file's nodes.
-    pub copies: usize,
-    /// Number of triangles of all meshes, each mesh counted once.
-    pub stored_triangles: usize,
-    /// Number of triangles of all meshes, each mesh counted as often as nodes place it.
-    pub placed_triangles: usize,
-    /// Number of points and lines among them that light shines on.
-    pub lit_capsules: usize,
     /// Whether all placed materials are unlit.
     pub is_unlit: bool,
     /// Whether the file has light from all directions.
