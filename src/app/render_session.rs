@@ -167,13 +167,26 @@ impl RenderSession {
             return None;
         };
         let (found, samples) = (stats.error?, stats.samples);
-        let ErrorEstimate { error, tile } = found;
+        let ErrorEstimate {
+            error,
+            tile,
+            specks,
+        } = found;
         let is_met = error <= bound.error;
         let sentence = match is_met {
-            true => format!(
-                "{samples} samples, error {error:.4} (`error = {}`)",
-                bound.error
-            ),
+            true => {
+                let met = format!(
+                    "{samples} samples, error {error:.4} (`error = {}`)",
+                    bound.error
+                );
+                match specks {
+                    0 => met,
+                    _ => format!(
+                        "{met}, and {specks} single pixels are specks{}",
+                        self.advice_on_grain()
+                    ),
+                }
+            }
             false => format!(
                 "warning: {samples} samples leave an error of {error:.4} in the tile at pixel {}, {}, \
                  above `error = {}`: raise `at_most`, or `error`{}",

@@ -26,7 +26,7 @@ use super::{
     renderer::{
         Renderer,
         download::{Download, TargetValues},
-        error_estimate::{ErrorEstimate, FirstHalf, Halves, tile_means},
+        error_estimate::{ErrorEstimate, FirstHalf, Halves, tile_errors},
         frame::Shot,
         stats::FrameStats,
     },
@@ -131,7 +131,8 @@ impl Picture {
             (difference, other[..3].iter().sum())
         });
         let exposure = self.tone.exposure_ev.exp2();
-        tile_means(compared, self.size[0] as usize, exposure).0
+        let tiles = tile_errors(compared, self.size[0] as usize, exposure);
+        tiles.into_iter().map(|(error, _)| error).collect()
     }
 }
 

@@ -10,13 +10,23 @@ use crate::pipeline::targets::Target;
 /// Width and height of a tile, pixels.
 const TILE_PX: usize = 16;
 
+/// One in so many pixels of a tile may be a speck, whose error counts as the error of the worst pixel beside them: a
+/// bright and rare path would decide alone, and no bound would be met before it had converged.
+const SPECKS: usize = 64;
+
+/// Least error beyond that pixel's which makes a pixel a speck in reports: of a mid-gray some 25 of 255 steps.
+const SPECK: f32 = 0.25;
+
 /// Error of the tile that has the largest one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ErrorEstimate {
-    /// Mean over the pixels of the tile: |ΔR| + |ΔG| + |ΔB| over √(R + G + B), at the picture's exposure.
+    /// Mean over the pixels of the tile, winsorized at the worst 1 in 64: |ΔR| + |ΔG| + |ΔB| over √(R + G + B), at the
+    /// picture's exposure.
     pub error: f32,
     /// Upper left pixel of the tile.
     pub tile: [u32; 2],
+    /// Number of pixels of the picture whose error is larger by 0.25 than it counts.
+    pub specks: u32,
 }
 
 /// Copies of the sum of the first half of the sub-frames and of the sum of all, and how to read them.
@@ -91,36 +101,42 @@ fn estimate(
         }
         (difference, brightness)
     });
-    let (means, tiles_across) = tile_means(compared, width, exposure);
-    let largest = means.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
-    let (index, error) = largest.map_or((0, 0.0), |(index, error)| (index, *error));
-    let tile = [index % tiles_across.max(1), index / tiles_across.max(1)];
+    let tiles = tile_errors(compared, width, exposure);
+    let largest = (tiles.iter().enumerate()).max_by(|(_, a), (_, b)| a.0.total_cmp(&b.0));
+    let (index, error) = largest.map_or((0, 0.0), |(index, (error, _))| (index, *error));
+    let tiles_across = width.div_ceil(TILE_PX).max(1);
+    let tile = [index % tiles_across, index / tiles_across];
     ErrorEstimate {
         error: error as f32,
         tile: tile.map(|at| (at * TILE_PX) as u32),
+        specks: tiles.iter().map(|(_, specks)| specks).sum(),
     }
 }
 
-/// Mean error of each tile from the difference and the brightness of each pixel, and the number of tiles across.
-pub(crate) fn tile_means(
+/// Error of each tile and its number of specks, from the difference and the brightness of each pixel.
+pub(crate) fn tile_errors(
     pixels: impl ExactSizeIterator<Item = (f32, f32)>,
     width: usize,
     exposure: f32,
-) -> (Vec<f64>, usize) {
+) -> Vec<(f64, u32)> {
     let tiles_across = width.div_ceil(TILE_PX);
     let height = pixels.len() / width.max(1);
-    let mut tiles = vec![(0.0_f64, 0_u32); tiles_across * height.div_ceil(TILE_PX)];
+    let mut tiles = vec![Vec::new(); tiles_across * height.div_ceil(TILE_PX)];
     for (index, (difference, brightness)) in pixels.enumerate() {
         // A pixel is black if neither half has light there.
         let error = difference * exposure / (brightness * exposure).max(1e-4).sqrt();
-        let tile = &mut tiles[index / width / TILE_PX * tiles_across + index % width / TILE_PX];
-        tile.0 += f64::from(error);
-        tile.1 += 1;
+        tiles[index / width / TILE_PX * tiles_across + index % width / TILE_PX].push(error);
     }
-    let means = tiles
-        .iter()
-        .map(|(sum, pixels)| sum / f64::from((*pixels).max(1)));
-    (means.collect(), tiles_across)
+    tiles.iter_mut().map(|errors| winsorized(errors)).collect()
+}
+
+/// Mean of the errors of a tile, of which the largest count as the next one, and the number of specks.
+fn winsorized(errors: &mut [f32]) -> (f64, u32) {
+    let worst = errors.len() - 1 - errors.len() / SPECKS;
+    let most = *errors.select_nth_unstable_by(worst, f32::total_cmp).1;
+    let sum: f64 = errors.iter().map(|error| f64::from(error.min(most))).sum();
+    let specks = errors.iter().filter(|error| **error > most + SPECK);
+    (sum / errors.len() as f64, specks.count() as u32)
 }
 
 #[cfg(test)]
@@ -166,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn the_estimate_is_the_error_of_random_numbers() {
+    fn the_estimate_is_the_error_of_random_numbers_with_few_specks_among_them() {
         // Uniform numbers in [0, 1) have σ = √(1/12); 12 sub-frames leave σ / √12 = 1/12. Mean |Δ| is √(2/π) of that.
         let mut sequence = Pcg::new(7);
         let mut number = || sequence.unit() as f32;
@@ -177,8 +193,16 @@ mod tests {
             first.push(half);
             all.push(half + (0..7).map(|_| number()).sum::<f32>());
         }
-        let found = estimate(&gray(&first), 5, &gray(&all), 12, 16, 1.0);
         let want = 3.0 / 12.0 * (2.0 / std::f32::consts::PI).sqrt() / 1.5_f32.sqrt();
-        assert!((found.error / want - 1.0).abs() < 0.15, "{found:?}, {want}");
+        for (specks, is_met) in [(0, true), (4, true), (5, false)] {
+            // Paths of the second half, which bring a thousand times the light of the others.
+            for (i, all) in all.iter_mut().enumerate().take(specks) {
+                *all = first[i] + 5e3;
+            }
+            let found = estimate(&gray(&first), 5, &gray(&all), 12, 16, 1.0);
+            let is_near = (found.error / want - 1.0).abs() < 0.15;
+            assert_eq!(is_near, is_met, "{specks} specks: {found:?}, {want}");
+            assert_eq!(found.specks, if is_met { specks as u32 } else { 0 });
+        }
     }
 }

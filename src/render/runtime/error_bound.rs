@@ -91,8 +91,12 @@ mod tests {
             error: 0.01,
             at_most: 1000,
         };
-        let tile = [0, 0];
-        next_count(count, ErrorEstimate { error, tile }, bound)
+        let estimate = ErrorEstimate {
+            error,
+            tile: [0, 0],
+            specks: 0,
+        };
+        next_count(count, estimate, bound)
     }
 
     #[test]
