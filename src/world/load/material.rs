@@ -11,7 +11,7 @@ use glam::Vec3;
 
 use super::{Loader, MOST_SHOWN, error_at, foreign_formats};
 use crate::{
-    Material, TextureRef, World, Wrap,
+    CoreTexture, FILE_TEXTURES, Material, TextureRef, World, Wrap,
     gltf::ImageSource,
     texture::{self, TextureRequest},
 };
@@ -68,21 +68,28 @@ impl TextureTable {
     }
 }
 
+/// Textures that scene text may name, with their files.
+fn scene_textures(desc: &MaterialDesc) -> [(CoreTexture, Option<&At<String>>); 4] {
+    [
+        (CoreTexture::BaseColor, desc.base_color_texture.as_ref()),
+        (
+            CoreTexture::MetallicRoughness,
+            desc.metallic_roughness_texture.as_ref(),
+        ),
+        (CoreTexture::Normal, desc.normal_texture.as_ref()),
+        (CoreTexture::Emission, desc.emission_texture.as_ref()),
+    ]
+}
+
 impl Loader<'_> {
     /// A file's material with the overrides of `desc`; only images still in use are requested.
     pub fn file_material(&mut self, loaded: usize, index: usize, desc: &MaterialDesc) -> Material {
         let mut material = self.loaded[loaded].materials[index].clone();
-        if desc.base_color_texture.is_some() || desc.checker.is_some() {
-            material.base_color_texture = None;
-        }
-        if desc.metallic_roughness_texture.is_some() {
-            material.metallic_roughness_texture = None;
-        }
-        if desc.normal_texture.is_some() {
-            material.normal_texture = None;
-        }
-        if desc.emission_texture.is_some() {
-            material.emission_texture = None;
+        for (texture, name) in scene_textures(desc) {
+            let is_checker = texture == CoreTexture::BaseColor && desc.checker.is_some();
+            if name.is_some() || is_checker {
+                *material.texture_slots()[texture as usize] = None;
+            }
         }
         for slot in material.texture_slots() {
             *slot = slot.and_then(|used| {
@@ -169,23 +176,12 @@ impl Loader<'_> {
         if material.solid && material.passes_light() {
             material.double_sided = true; // rays leave it through its back
         }
-        let mut texture = |slot: &mut Option<TextureRef>, name: &Option<At<String>>, srgb| {
+        for (texture, name) in scene_textures(desc) {
             if let Some(name) = name {
-                *slot = self.scene_image(name, srgb);
+                let is_color = FILE_TEXTURES[texture as usize].is_color;
+                *material.texture_slots()[texture as usize] = self.scene_image(name, is_color);
             }
-        };
-        texture(
-            &mut material.base_color_texture,
-            &desc.base_color_texture,
-            true,
-        );
-        texture(
-            &mut material.metallic_roughness_texture,
-            &desc.metallic_roughness_texture,
-            false,
-        );
-        texture(&mut material.normal_texture, &desc.normal_texture, false);
-        texture(&mut material.emission_texture, &desc.emission_texture, true);
+        }
         match desc.unlit {
             Some(true) => *material = material.without_light(),
             Some(false) => material.unlit = false,
