@@ -1,6 +1,7 @@
 //! Messages as SARIF 2.1.0 (OASIS, Static Analysis Results Interchange Format), which editors and
 //! continuous integration read.
 
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use serde_json::{Value, json};
 
 use crate::scene::diagnostic::{Diagnostic, Severity, Span};
@@ -80,22 +81,19 @@ fn location(span: &Span) -> Option<Value> {
     }))
 }
 
-/// A path as a URI reference (RFC 3986): all but unreserved characters are percent-encoded.
+/// Characters of a path that a URI reference does not encode (RFC 3986): unreserved ones, and the slash.
+const PLAIN: &AsciiSet = &NON_ALPHANUMERIC
+    .remove(b'-')
+    .remove(b'.')
+    .remove(b'_')
+    .remove(b'~')
+    .remove(b'/');
+
+/// A path as a URI reference.
 fn uri(path: &str) -> String {
     let path = path.replace('\\', "/");
-    let mut uri = String::new();
-    if path.starts_with('/') {
-        uri.push_str("file://");
-    }
-    for byte in path.bytes() {
-        match byte {
-            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' | b'/' => {
-                uri.push(char::from(byte));
-            }
-            _ => uri.push_str(&format!("%{byte:02X}")),
-        }
-    }
-    uri
+    let scheme = if path.starts_with('/') { "file://" } else { "" };
+    format!("{scheme}{}", utf8_percent_encode(&path, PLAIN))
 }
 
 #[cfg(test)]
