@@ -26,21 +26,8 @@ struct State {
 fn harness<'a>() -> Harness<'a, State> {
     let mut summary = summary();
     summary.materials[0].numbers = PLAIN;
-    summary.materials[1].numbers = MaterialDesc {
-        emission: Some(Vec3::new(0.0, 2.0, 4.0)),
-        alpha: Some(0.5),
-        alpha_cutoff: Some(0.5),
-        transmission: Some(0.5),
-        attenuation_color: Some(Vec3::ONE),
-        attenuation_distance_m: Some(1.0),
-        clearcoat: Some(1.0),
-        clearcoat_roughness: Some(0.1),
-        specular: Some(0.5),
-        specular_color: Some(Vec3::ONE),
-        sheen_color: Some(Vec3::ONE),
-        iridescence: Some(0.5),
-        anisotropy: Some(0.5),
-        dispersion: Some(0.5),
+    let numbers = &mut summary.materials[1].numbers;
+    *numbers = MaterialDesc {
         checker: Some(CheckerDesc {
             colors: [Vec3::ONE, Vec3::ZERO],
             size_m: 0.5,
@@ -48,6 +35,13 @@ fn harness<'a>() -> Harness<'a, State> {
         }),
         ..PLAIN
     };
+    for field in MATERIAL
+        .iter()
+        .filter(|field| (field.get)(&PLAIN).is_none())
+    {
+        field.put_clamped(numbers, Vec3::splat(0.5));
+    }
+    numbers.emission = Some(Vec3::new(0.0, 2.0, 4.0));
     let state = State {
         settings: ViewSettings::new(Method::Hybrid),
         summary,
