@@ -12,16 +12,18 @@ override HAS_REFLECTIONS: bool = true;
 @group(2) @binding(7) var guides: texture_storage_2d_array<r32float, read_write>; // red, green, blue; x, y, z
 @group(2) @binding(8) var<uniform> params: Params;
 
-// Color of the surface of a pixel, in sharp mirrors of the reflected surface: white for the environment.
+// Color of the surface of a pixel, in sharp mirrors with the color of the reflected surface, white for the environment,
+// by the share that they reflect.
 fn color_of(pixel: vec2u, s: Surface) -> vec3f {
-    let share = dot(fresnel(s, -dot(s.normal, view_direction(s.position))), vec3f(1.0 / 3.0));
-    if (HAS_REFLECTIONS && s.roughness < SHARP_ROUGHNESS && reflects(textureLoad(cause, pixel, 0).x) && share > MIRROR_REFLECTANCE) {
-        let instance = textureLoad(hit, pixel, 0).y;
-        if (instance == NONE) { return vec3f(1.0); }
+    if (!HAS_REFLECTIONS || s.roughness >= SHARP_ROUGHNESS || !reflects(textureLoad(cause, pixel, 0).x)) { return s.base_color + s.emission; }
+    let instance = textureLoad(hit, pixel, 0).y;
+    var seen = vec3f(1.0);
+    if (instance != NONE) {
         let m = instance_material(instance);
-        return material_base_color(m).xyz + material_emission(m);
+        seen = min(material_base_color(m).xyz + material_emission(m), seen);
     }
-    return s.base_color + s.emission;
+    let reflected = fresnel(s, -dot(s.normal, view_direction(s.position)));
+    return reflected * seen + (1.0 - reflected) * (1.0 - s.metallic) * s.base_color + s.emission;
 }
 
 @compute @workgroup_size(GROUP_PX, GROUP_PX)

@@ -104,7 +104,7 @@ pub fn wgsl() -> String {
         }
         crate::pipeline::targets { FAR_M }
         crate::settings::cutoff {
-            METAL_REACH, COAT_STEPS, CUTOFF_FADE, SHARP_ROUGHNESS, MIRROR_REFLECTANCE,
+            METAL_REACH, COAT_STEPS, CUTOFF_FADE, SHARP_ROUGHNESS,
         }
         crate::upload::draw_shape { SQUARE_CORNERS }
         crate::upload::emitters { LAMP_RECORD, LIGHT_VECTORS, DARK_LAMP }
