@@ -25,14 +25,18 @@ const TASK: usize = 4096;
 /// Merges finite boxes, which there are, to one tree; with `patient` false, all adjacent boxes of the Morton order in
 /// each round, so that it is balanced. Its depth grows with the logarithm of the number of boxes.
 pub(super) fn cluster(boxes: &[Aabb], patient: bool) -> Bvh2 {
-    let total = (boxes.iter()).fold(Aabb::empty(), |total, one| total.union(one));
+    let each = boxes.par_iter().with_min_len(TASK);
+    let total = (each.clone().copied()).reduce(Aabb::empty, |total, one| total.union(&one));
     let scale = 1.0 / total.diagonal().as_dvec3();
     let offset = -total.min.as_dvec3() * scale;
     let code = |one: &Aabb| morton_encode_u64_unorm(one.center().as_dvec3() * scale + offset);
-    let mut order: Vec<(u64, u32)> = boxes.iter().map(code).zip(0..).collect();
-    order.sort_unstable_by_key(|(code, _)| *code);
+    let indexed = each.enumerate().map(|(i, one)| (code(one), i as u32));
+    let mut order: Vec<(u64, u32)> = indexed.collect();
+    // By the index too, so that boxes of one code have one order with any number of threads.
+    order.par_sort_unstable();
     let leaf = |(_, index): (u64, u32)| Bvh2Node::new(boxes[index as usize], 1, index);
-    let mut clusters: Vec<Bvh2Node> = order.into_iter().map(leaf).collect();
+    let ordered = order.into_par_iter().with_min_len(TASK);
+    let mut clusters: Vec<Bvh2Node> = ordered.map(leaf).collect();
     let mut tree = Bvh2::zeroed(boxes.len());
     tree.primitive_indices = (0..boxes.len() as u32).collect();
     let mut free = tree.nodes.len();
@@ -48,6 +52,8 @@ pub(super) fn cluster(boxes: &[Aabb], patient: bool) -> Bvh2 {
             partner != i && partners[partner] as usize == i
         };
         let merging = (0..partners.len())
+            .into_par_iter()
+            .with_min_len(TASK)
             .filter(|i| is_pair(&partners, *i))
             .count();
         if merging * LEAST_SHARE < clusters.len() && (merging == 0 || clusters.len() > FEW) {
