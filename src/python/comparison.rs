@@ -20,74 +20,55 @@ use reflet_metric::{
 };
 
 /// Metrics of the pixels of a region, as `reflet compare` prints them.
-#[pyclass(module = "reflet", frozen, subclass)]
-pub struct Scores(Judged);
+#[pyclass(module = "reflet", frozen, subclass, get_all)]
+pub struct Scores {
+    /// Number of pixels.
+    area_px: usize,
+    /// Mean FLIP, the difference that an observer sees: 0 (equal) to 1.
+    flip: f64,
+    /// FLIP that 95 % of the pixels do not exceed.
+    flip_p95: f64,
+    /// FLIP that 99 % of the pixels do not exceed.
+    flip_p99: f64,
+    /// Structural similarity, 1 for equal pictures; None below 11 x 11 pixels.
+    ssim: Option<f64>,
+    /// Peak signal-to-noise ratio of the display values, dB; infinite for equal ones.
+    psnr_db: f64,
+    /// Relative mean squared error in linear light.
+    rel_mse: f64,
+    /// Largest difference of a channel, code values from 0 to 255.
+    max_difference: f64,
+    /// Share of pixels that stand out in this picture but not in the reference, 0 to 1.
+    specks: f64,
+}
+
+impl From<&Judged> for Scores {
+    fn from(of: &Judged) -> Self {
+        Self {
+            area_px: of.area_px,
+            flip: of.flip_mean,
+            flip_p95: of.flip_p95,
+            flip_p99: of.flip_p99,
+            ssim: of.ssim,
+            psnr_db: of.psnr_db,
+            rel_mse: of.rel_mse,
+            max_difference: of.max_difference,
+            specks: of.specks,
+        }
+    }
+}
 
 #[pymethods]
 impl Scores {
-    /// Number of pixels.
-    #[getter]
-    fn area_px(&self) -> usize {
-        self.0.area_px
-    }
-
-    /// Mean FLIP, the difference that an observer sees: 0 (equal) to 1.
-    #[getter]
-    fn flip(&self) -> f64 {
-        self.0.flip_mean
-    }
-
-    /// FLIP that 95 % of the pixels do not exceed.
-    #[getter]
-    fn flip_p95(&self) -> f64 {
-        self.0.flip_p95
-    }
-
-    /// FLIP that 99 % of the pixels do not exceed.
-    #[getter]
-    fn flip_p99(&self) -> f64 {
-        self.0.flip_p99
-    }
-
-    /// Structural similarity, 1 for equal pictures; None below 11 x 11 pixels.
-    #[getter]
-    fn ssim(&self) -> Option<f64> {
-        self.0.ssim
-    }
-
-    /// Peak signal-to-noise ratio of the display values, dB; infinite for equal ones.
-    #[getter]
-    fn psnr_db(&self) -> f64 {
-        self.0.psnr_db
-    }
-
-    /// Relative mean squared error in linear light.
-    #[getter]
-    fn rel_mse(&self) -> f64 {
-        self.0.rel_mse
-    }
-
-    /// Largest difference of a channel, code values from 0 to 255.
-    #[getter]
-    fn max_difference(&self) -> f64 {
-        self.0.max_difference
-    }
-
-    /// Share of pixels that stand out in this picture but not in the reference, 0 to 1.
-    #[getter]
-    fn specks(&self) -> f64 {
-        self.0.specks
-    }
-
     fn __repr__(&self) -> String {
-        let Judged {
-            flip_mean,
+        let Self {
+            flip,
             ssim,
             psnr_db,
             ..
-        } = &self.0;
+        } = self;
         let ssim = ssim.map_or("None".to_owned(), |ssim| format!("{ssim:.6}"));
-        format!("<reflet.Scores flip={flip_mean:.6}, ssim={ssim}, psnr_db={psnr_db:.3}>")
+        format!("<reflet.Scores flip={flip:.6}, ssim={ssim}, psnr_db={psnr_db:.3}>")
     }
 }
 
@@ -116,7 +97,7 @@ impl Comparison {
     #[getter]
     fn mask(&self) -> Option<Scores> {
         match &self.table.mask.as_ref()?.scores {
-            MaskScores::Scored(scores) => Some(Scores(scores.clone())),
+            MaskScores::Scored(scores) => Some(scores.into()),
             MaskScores::TooSmall(_) => None,
         }
     }
@@ -162,7 +143,7 @@ pub fn compare(
         ..table
     };
     let flip_map = array(py, flip, size, None)?;
-    let scores = Scores(table.frame.clone());
+    let scores = Scores::from(&table.frame);
     let whole = PyClassInitializer::from(scores).add_subclass(Comparison { table, flip_map });
     Py::new(py, whole)
 }
