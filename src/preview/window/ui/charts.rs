@@ -31,14 +31,9 @@ pub fn pass_color(name: &str) -> Color32 {
 
 /// A source's color, as in its AOV.
 pub fn source_color(name: &str) -> Color32 {
-    rgb(match name {
-        "screen" => Source::Screen,
-        "traced" => Source::Traced,
-        "failed" => Source::Failed,
-        "none" => Source::None,
-        _ => Source::Rough,
-    }
-    .color())
+    let mut sources = Source::ALL.into_iter();
+    let source = sources.find(|source| source.name() == name);
+    source.map_or(ACCENT, |source| rgb(source.color()))
 }
 
 fn rgb([r, g, b]: [u8; 3]) -> Color32 {

@@ -1,6 +1,6 @@
 //! Tests of the panels without a window: clicks and the requests they make, errors and their places.
 
-use std::collections::VecDeque;
+use std::collections::{HashSet, VecDeque};
 
 use eframe::egui::{self, accesskit::Role};
 use egui_kittest::{
@@ -19,7 +19,10 @@ use crate::{
     },
 };
 use reflet_base::math::Bounds;
-use reflet_render::renderer::stats::{Audit, FrameStats, Shares};
+use reflet_render::{
+    pipeline::cause::Source,
+    renderer::stats::{Audit, FrameStats, Shares},
+};
 use reflet_scene::desc::{CameraDesc, MaterialDesc};
 
 pub fn summary() -> SceneSummary {
@@ -206,6 +209,10 @@ fn panels_list_times_shares_and_keys() {
     ] {
         assert!(harness.query_by_label(label).is_some(), "{label}");
     }
+    let colors: HashSet<_> = (Source::ALL.iter())
+        .map(|source| charts::source_color(source.name()))
+        .collect();
+    assert_eq!(colors.len(), Source::ALL.len(), "two share a color");
 }
 
 #[test]
