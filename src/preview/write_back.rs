@@ -11,6 +11,7 @@ mod overridden;
 mod places;
 mod put;
 mod splice;
+mod tracks;
 mod tree;
 
 use glam::{Affine3A, Vec3};
@@ -20,11 +21,11 @@ pub use self::{
     inspect::{exact, inspect, numbers_of, shown_place},
     item::{MaterialOrigin, SceneItem},
     keys::{
-        FlightPoint, KeyChange, KeyEdit, KeyTrack, TrackName, change_flight, change_keys,
-        key_tracks, reduced,
+        FlightPoint, KeyChange, KeyEdit, KeyTrack, change_flight, change_keys, key_tracks, reduced,
     },
     overridden::Layered,
     put::put,
+    tracks::TrackName,
 };
 use self::{
     places::{Place, Subject, places},

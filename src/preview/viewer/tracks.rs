@@ -14,14 +14,7 @@ impl ViewState {
         let selected = selected.and_then(|item| {
             let mut rows = self.summary.items.iter();
             let row = rows.find(|row| row.item == item)?;
-            let kind = match item {
-                SceneItem::Instance(_) => "instance",
-                SceneItem::Group(_) => "group",
-                SceneItem::Decal(_) => "decal",
-                SceneItem::Light(_) => "light",
-                SceneItem::Camera(_) => "camera",
-                SceneItem::Environment => return None,
-            };
+            let kind = item.kind();
             Some(of(kind, row.label.strip_prefix(kind)?.trim_start()))
         });
         let selected = selected.filter(|tracks| !tracks.is_empty());

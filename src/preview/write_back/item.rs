@@ -87,7 +87,7 @@ impl SceneItem {
     }
 
     /// Key of the item's kind in scene text.
-    pub(super) fn kind(self) -> &'static str {
+    pub fn kind(self) -> &'static str {
         match self {
             Self::Instance(_) => "instance",
             Self::Group(_) => "group",

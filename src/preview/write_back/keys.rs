@@ -6,28 +6,16 @@ use super::{
     Change, Layered, changed,
     places::{Place, Subject, places},
     splice::{Value, list, replace},
+    tracks::{FoundTrack, TrackName, all_tracks},
     tree::numbers,
 };
 use reflet_scene::{
-    desc::{
-        CAMERA, DecalMotionDesc, InstanceMotionDesc, LIGHT, MATERIAL, SceneDesc, TrackDesc, Tracks,
-    },
-    motion::{DECAL, key_value},
-    number::{Field, Form},
+    desc::{SceneDesc, TrackDesc},
+    motion::key_value,
+    number::Form,
     range::LIMIT,
     syntax::{Content, Node, SyntaxTree},
 };
-
-/// A track with keys: `[motion.KIND.NAME]` and the key in it.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub struct TrackName {
-    /// Kind of the thing: `camera`, `instance`, `group`, `decal`, `light` or `material`.
-    pub kind: &'static str,
-    /// Name of the thing.
-    pub name: String,
-    /// Key of the track, such as `eye`.
-    pub key: &'static str,
-}
 
 /// Times of the keys of a track.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,83 +62,13 @@ const MOST: usize = 256;
 /// Shortest time between two keys, seconds.
 const APART_S: f64 = 1e-3;
 
-/// A track, its form, and whether its values are numbers for all axes.
-type Found<'d> = (TrackName, &'d TrackDesc, Form);
-
-/// Tracks that place an instance, a group or a decal.
-fn placing<'d>(
-    kind: &'static str,
-    name: &str,
-    moved: &'d InstanceMotionDesc,
-) -> impl Iterator<Item = Found<'d>> {
-    let parts = [
-        ("translation", &moved.translation),
-        ("rotation_deg", &moved.rotation_deg),
-        ("scale", &moved.scale),
-    ];
-    parts.into_iter().filter_map(move |(key, track)| {
-        let name = name.to_owned();
-        Some((TrackName { kind, name, key }, track.as_ref()?, Form::Vector))
-    })
-}
-
-/// Tracks of a scene.
-fn all_tracks(desc: &SceneDesc) -> Vec<Found<'_>> {
-    let motion = &desc.motion;
-    let mut all: Vec<Found<'_>> = Vec::new();
-    fn fields<'d, T>(
-        kind: &'static str,
-        name: &str,
-        tracks: &'d Tracks,
-        table: &'static [Field<T>],
-    ) -> Vec<Found<'d>> {
-        let one = |(field, track): &'d (usize, TrackDesc)| {
-            let field = &table[*field];
-            let name = TrackName {
-                kind,
-                name: name.to_owned(),
-                key: field.key,
-            };
-            (name, track, field.form)
-        };
-        tracks.iter().map(one).collect()
-    }
-    for entry in &motion.cameras {
-        all.extend(fields("camera", &entry.name, &entry.value.tracks, &CAMERA));
-    }
-    for (kind, list) in [("instance", &motion.instances), ("group", &motion.groups)] {
-        for entry in list {
-            all.extend(placing(kind, &entry.name, &entry.value));
-        }
-    }
-    for entry in &motion.decals {
-        let DecalMotionDesc { place, tracks } = &entry.value;
-        all.extend(placing("decal", &entry.name, place));
-        all.extend(fields("decal", &entry.name, tracks, &DECAL));
-    }
-    for entry in &motion.lights {
-        all.extend(fields("light", &entry.name, &entry.value.tracks, &LIGHT));
-    }
-    for entry in &motion.materials {
-        all.extend(fields(
-            "material",
-            &entry.name,
-            &entry.value.tracks,
-            &MATERIAL,
-        ));
-    }
-    all
-}
-
 /// Tracks that have keys, with the times of these.
 pub fn key_tracks(desc: &SceneDesc) -> Vec<KeyTrack> {
     let all = all_tracks(desc).into_iter();
-    let keyed = all.filter(|(_, track, _)| !track.keys.is_empty());
-    let listed = keyed.map(|(name, track, _)| KeyTrack {
-        track: name,
-        at_s: track
-            .keys
-            .iter()
+    let keyed = all.filter(|found| !found.track.keys.is_empty());
+    let listed = keyed.map(|found| KeyTrack {
+        track: found.name,
+        at_s: (found.track.keys.iter())
             .map(|key| super::exact(key.at_s))
             .collect(),
     });
@@ -164,8 +82,8 @@ pub fn key_tracks(desc: &SceneDesc) -> Vec<KeyTrack> {
 pub fn change_keys(scene: &Layered<'_>, edit: &KeyEdit) -> Result<Change, String> {
     let TrackName { kind, name, key } = &edit.track;
     let mut all = all_tracks(scene.desc).into_iter();
-    let found = all.find(|(track, _, _)| *track == edit.track);
-    let (_, track, form) = found.ok_or("the track is not there any more")?;
+    let found = all.find(|found| found.name == edit.track);
+    let FoundTrack { track, form, .. } = found.ok_or("the track is not there any more")?;
     if let Some(why) = scene.on_command_line(&["motion", kind, name], key) {
         return Err(why);
     }

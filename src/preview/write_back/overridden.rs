@@ -1,8 +1,12 @@
 //! Reasons why another value in the text would not be seen: tracks, scripts and the command line set it.
 
-use super::item::{MaterialOrigin, SceneItem};
+use super::{
+    item::{MaterialOrigin, SceneItem},
+    places::alike,
+    tracks::{FoundTrack, all_tracks},
+};
 use reflet_scene::{
-    desc::{CAMERA, DecalMotionDesc, Entry, LIGHT, MATERIAL, SceneDesc, TrackDesc, Tracks},
+    desc::{CAMERA, Entry, LIGHT, MATERIAL, SceneDesc, TrackDesc, Tracks},
     diagnostic::Span,
     motion::{DECAL, FileMaterial, Kind, ScriptedFields, file_materials},
     number::Field,
@@ -77,50 +81,14 @@ impl Layered<'_> {
             self.scripted_field(kind, index, field)
         };
         let by_track = || {
-            let motion = &desc.motion;
-            let (at, track) = match item {
-                SceneItem::Instance(_) | SceneItem::Group(_) => {
-                    let list = match item {
-                        SceneItem::Group(_) => &motion.groups,
-                        _ => &motion.instances,
-                    };
-                    let entry = named(list, name)?;
-                    let track = match key {
-                        "translation" => &entry.value.translation,
-                        "rotation_deg" => &entry.value.rotation_deg,
-                        _ => &entry.value.scale,
-                    };
-                    (&entry.at, track.as_ref()?)
-                }
-                SceneItem::Decal(_) => {
-                    let entry = named(&motion.decals, name)?;
-                    let DecalMotionDesc { place, tracks } = &entry.value;
-                    let track = match key {
-                        "translation" => place.translation.as_ref(),
-                        "rotation_deg" => place.rotation_deg.as_ref(),
-                        "scale" => place.scale.as_ref(),
-                        _ => track_of(tracks, &DECAL, key),
-                    };
-                    (&entry.at, track?)
-                }
-                SceneItem::Light(_) => {
-                    let entry = named(&motion.lights, name)?;
-                    let alike: &[&str] = match key {
-                        "direction" | "target" => &["direction", "target"],
-                        _ => &[key],
-                    };
-                    let mut found = alike.iter();
-                    let found = found.find_map(|key| track_of(&entry.value.tracks, &LIGHT, key));
-                    (&entry.at, found?)
-                }
-                SceneItem::Camera(_) => {
-                    let entry = named(&motion.cameras, name)?;
-                    (&entry.at, track_of(&entry.value.tracks, &CAMERA, key)?)
-                }
-                SceneItem::Environment => return None,
+            let (kind, name) = (item.kind(), name?);
+            let is_it = |found: &FoundTrack<'_>| {
+                let of = &found.name;
+                let sets = of.key == key || alike(key).contains(&of.key);
+                of.kind == kind && of.name == name && sets
             };
-            let table = format!("{}.{}", item.kind(), name.unwrap_or_default());
-            replaces(track).then(|| animated(&table, at))
+            let found = all_tracks(desc).into_iter().find(is_it)?;
+            replaces(found.track).then(|| animated(&format!("{kind}.{name}"), found.at))
         };
         self.on_command_line(&path, key)
             .or_else(by_script)

@@ -119,7 +119,7 @@ pub fn writable(source: Option<&Source>) -> Result<(), String> {
 }
 
 /// Keys that set the same value as this key, itself included.
-fn alike(key: &str) -> &'static [&'static str] {
+pub(super) fn alike(key: &str) -> &'static [&'static str] {
     match key {
         "rotation_deg" => &["rotation_deg", "rotation_quat"],
         "direction" | "target" => &["direction", "target"],
