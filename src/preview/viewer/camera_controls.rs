@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use glam::{Quat, Vec2, Vec3};
 
 use reflet_base::math::Bounds;
-use reflet_scene::desc::CameraDesc;
+use reflet_scene::{desc::CameraDesc, syntax::key_text};
 
 /// Minimum angle between the view direction and straight up or down, radians.
 const POLE: f32 = 0.02;
@@ -156,17 +156,12 @@ fn scale_of(bounds: &Bounds) -> f32 {
 /// A camera as scene text.
 pub fn as_text(name: &str, camera: &CameraDesc) -> String {
     let defaults = CameraDesc::default();
-    let is_bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-    let name = if !name.is_empty() && name.chars().all(is_bare) {
-        name.to_owned()
-    } else {
-        format!("{:?}", name.replace(|c: char| c.is_control(), " "))
-    };
     // Precision: a ten-thousandth of the distance to the target, in scenes of any size.
     let distance = camera.eye.distance(camera.target).max(1e-30);
     let decimals = (4.0 - distance.log10().floor()).clamp(4.0, 30.0) as usize;
     let mut text = format!(
-        "[camera.{name}]\neye = {}\ntarget = {}\n",
+        "[camera.{}]\neye = {}\ntarget = {}\n",
+        key_text(name),
         vector(camera.eye, decimals),
         vector(camera.target, decimals)
     );
@@ -345,7 +340,7 @@ mod tests {
             ..CameraDesc::default()
         };
         camera.eye = Vec3::new(-0.000_01, 12.345_67, 1e3);
-        for name in ["main", "my \"best\" view"] {
+        for name in ["main", "my \"best\" view", "zero\u{200b}width"] {
             let text = format!("version = 1\n{}", as_text(name, &camera));
             let (desc, _) = Scene::from_text(&text, Path::new("copied.toml"), &[]).expect(&text);
             assert_eq!(desc.cameras[0].name, name);

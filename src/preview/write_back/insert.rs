@@ -2,10 +2,9 @@
 //! the tables of its kind.
 
 use super::tree::{Step, find};
-use reflet_render::runtime::parameters::key as toml_key;
 use reflet_scene::{
     parse::recorded_keys,
-    syntax::{Content, Entries, Key, Node},
+    syntax::{Content, Entries, Key, Node, key_text},
 };
 
 /// Keys of a table in the order of the manual; `section` is the table's type in `desc.rs`.
@@ -90,7 +89,7 @@ pub fn insert(
         (None, usize::MAX) => own().map(|entry| end(&entry)).max(),
         (None, _) => None,
     };
-    let line = format!("{} = {value}", toml_key(key));
+    let line = format!("{} = {value}", key_text(key));
     let at = node.span();
     let mut out = text.to_owned();
     let starts = |with: char| text[at.start..].starts_with(with);
@@ -150,7 +149,7 @@ fn insert_dotted(
 
 /// Text of a header, `[a."b c"]`.
 fn header(locator: &[Step]) -> Option<String> {
-    let names = locator.iter().map(|step| step.key().map(toml_key));
+    let names = locator.iter().map(|step| step.key().map(key_text));
     let names = names.collect::<Option<Vec<_>>>()?;
     Some(format!("[{}]", names.join(".")))
 }
@@ -184,7 +183,7 @@ pub fn insert_table(
             let mut value = format!("{{ {} }}", body(", "));
             for step in missing[1..].iter().rev() {
                 let key = step.key().ok_or("its table is not there any more")?;
-                value = format!("{{ {} = {value} }}", toml_key(key));
+                value = format!("{{ {} = {value} }}", key_text(key));
             }
             let key = missing[0].key().ok_or("its table is not there any more")?;
             let order = order_of(if is_of_list { "InstanceDesc" } else { "" });

@@ -4,6 +4,7 @@ use reflet_scene::{
     desc::ParamValue,
     diagnostic::{Diagnostic, Span},
     parse::OVERRIDE,
+    syntax::key_text,
     toml_text::toml_text,
 };
 
@@ -46,7 +47,7 @@ impl ParameterOverrides {
     /// Overrides as arguments of `--set`.
     pub fn settings(&self) -> Vec<String> {
         let text = |(name, value): &(String, ParamValue)| {
-            format!("params.{}={}", key(name), value_text(value))
+            format!("params.{}={}", key_text(name), value_text(value))
         };
         self.0.iter().map(text).collect()
     }
@@ -85,19 +86,9 @@ pub fn same_kind(a: &ParamValue, b: &ParamValue) -> bool {
     }
 }
 
-/// TOML key: bare where possible.
-pub fn key(name: &str) -> String {
-    let is_bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-    if !name.is_empty() && name.chars().all(is_bare) {
-        name.to_owned()
-    } else {
-        toml_text(name)
-    }
-}
-
 /// A name and its value as a line of scene text.
 pub fn setting(name: &str, value: &ParamValue) -> String {
-    format!("{} = {}", key(name), value_text(value))
+    format!("{} = {}", key_text(name), value_text(value))
 }
 
 fn value_text(value: &ParamValue) -> String {

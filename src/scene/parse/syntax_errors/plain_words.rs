@@ -10,7 +10,7 @@ use super::{
     numbers::{constant, number},
     words,
 };
-use crate::{suggest, table::color::in_css};
+use crate::{suggest, syntax::key_text, table::color::in_css};
 
 /// Message and advice for a syntax error at `at`; the parser's own `message` where no explanation fits.
 pub fn in_plain_words(text: &str, at: &Range<usize>, message: &str) -> Words {
@@ -178,15 +178,10 @@ fn header(m: &Mistake) -> Option<Words> {
     let names = inner.split(between).map(str::trim);
     let names: Vec<_> = names.filter(|name| !name.is_empty()).collect();
     let is_name = |n: &&str| n.chars().all(|c| c.is_alphanumeric() || " _-".contains(c));
-    let is_bare = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
-    let written = |n: &&str| match n.chars().all(is_bare) {
-        true => (*n).to_owned(),
-        false => format!("\"{n}\""),
-    };
     let help = match names.as_slice() {
         ["instance" | "instances"] => "write `[[instance]]`".to_owned(),
         all if !all.is_empty() && all.iter().all(is_name) => {
-            let all: Vec<_> = all.iter().map(written).collect();
+            let all: Vec<_> = all.iter().map(|name| key_text(name)).collect();
             format!("write `[{}]`", suggest::clip(&all.join(".")))
         }
         _ => {
