@@ -17,6 +17,7 @@ use crate::{
     },
     write_back::{KeyChange, KeyEdit, Numbers},
 };
+use reflet_render::runtime::parameters::declared_value;
 use reflet_scene::desc::{MATERIAL, Method};
 
 impl Session {
@@ -256,13 +257,8 @@ impl Session {
     }
 
     fn change_parameter(&mut self, name: &str, value: &serde_json::Value, write: bool) {
-        let own = self
-            .state
-            .summary
-            .declared
-            .iter()
-            .find(|(known, _)| known == name);
-        let changed = own.and_then(|(_, own)| Some((own, state::parameter(value, own)?)));
+        let own = declared_value(&self.state.summary.declared, name);
+        let changed = own.and_then(|own| Some((own, state::parameter(value, own)?)));
         let Some((own, value)) = changed else {
             return self.say("there is no such parameter, or its value is of another kind");
         };
@@ -289,8 +285,7 @@ impl Session {
 
     /// Gives a parameter the value that the scene declares.
     pub(super) fn take_back_parameter(&mut self, name: &str) {
-        let mut declared = self.state.summary.declared.iter();
-        if let Some((_, own)) = declared.find(|(known, _)| known == name) {
+        if let Some(own) = declared_value(&self.state.summary.declared, name) {
             self.overrides.set(name, own.clone(), own);
             self.state.stir(self.now_s());
             self.post(Task::SetParameters(self.overrides.clone()));

@@ -11,6 +11,12 @@ use reflet_scene::{
 /// Declared parameters in the scene's order.
 pub type DeclaredParameters = Vec<(String, ParamValue)>;
 
+/// The declared value of a parameter.
+pub fn declared_value<'a>(declared: &'a DeclaredParameters, name: &str) -> Option<&'a ParamValue> {
+    let own = declared.iter().find(|(known, _)| known == name);
+    own.map(|(_, own)| own)
+}
+
 /// Overrides of declared values.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ParameterOverrides(Vec<(String, ParamValue)>);
@@ -38,8 +44,7 @@ impl ParameterOverrides {
     /// Drops overrides of missing parameters, of other kinds, and equal to the declared value.
     pub fn keep_what_fits(&mut self, declared: &DeclaredParameters) {
         let fits = |(name, value): &(String, ParamValue)| {
-            let own = declared.iter().find(|(known, _)| known == name);
-            own.is_some_and(|(_, own)| same_kind(own, value) && own != value)
+            declared_value(declared, name).is_some_and(|own| same_kind(own, value) && own != value)
         };
         self.0.retain(fits);
     }

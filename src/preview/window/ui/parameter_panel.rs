@@ -10,7 +10,7 @@ use super::{
 };
 use crate::live::Refusal;
 use reflet_render::runtime::parameters::{
-    DeclaredParameters, ParameterOverrides, same_kind, setting,
+    DeclaredParameters, ParameterOverrides, declared_value, same_kind, setting,
 };
 use reflet_scene::{desc::ParamValue, range::LIMIT};
 
@@ -68,9 +68,8 @@ impl Parameters {
         let Refusal { values, stays, why } = refusal;
         let mut marked = Vec::new();
         for (name, value) in values {
-            let own = declared.iter().find(|(known, _)| *known == name);
-            let own = own.filter(|(_, own)| *self.shown(&name, own) == value);
-            if let Some((_, own)) = own {
+            let own = declared_value(declared, &name);
+            if let Some(own) = own.filter(|own| *self.shown(&name, own) == value) {
                 let stays = stays.get(&name).unwrap_or(own);
                 self.set(&name, stays.clone(), own);
                 marked.push((name, value));
@@ -89,9 +88,8 @@ impl Parameters {
         self.overrides.keep_what_fits(declared);
         let overrides = self.overrides.clone();
         self.forget_refused(|name, value| {
-            let own = declared.iter().find(|(known, _)| known == name);
             // A value in effect was not rejected.
-            own.is_none_or(|(_, own)| {
+            declared_value(declared, name).is_none_or(|own| {
                 !same_kind(own, value) || overrides.get(name).unwrap_or(own) == value
             })
         });
@@ -163,9 +161,9 @@ fn refused(
     };
     let in_force: Vec<_> = (all.values.iter())
         .filter_map(|(name, _)| {
-            let own = declared.iter().find(|(known, _)| known == name);
-            let now = parameters.overrides.get(name).or(own.map(|(_, own)| own));
-            now.map(|now| (name.clone(), now.clone()))
+            let own = declared_value(declared, name);
+            let now = parameters.overrides.get(name).or(own)?;
+            Some((name.clone(), now.clone()))
         })
         .collect();
     let mut is_decided = false;
@@ -186,7 +184,7 @@ fn refused(
             let again = ui.button("try again").on_hover_text("after other changes");
             if again.clicked() {
                 for (name, value) in &all.values {
-                    if let Some((_, own)) = declared.iter().find(|(known, _)| known == name) {
+                    if let Some(own) = declared_value(declared, name) {
                         parameters.set(name, value.clone(), own);
                     }
                 }
