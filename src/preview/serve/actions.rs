@@ -1,6 +1,6 @@
 //! Inputs of viewers, as changes of the view and tasks of the render thread.
 
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 
 use super::{
     input::{Input, KeyInput},
@@ -8,7 +8,9 @@ use super::{
     state,
 };
 use crate::{
+    live::Edit,
     viewer::{
+        camera_controls::CameraControls,
         keys::KeyAction,
         protocol::{FrameAction, FrameRequest, Side, Task},
         recording::RECORDING,
@@ -21,7 +23,8 @@ use reflet_render::runtime::parameters::declared_value;
 use reflet_scene::desc::{MATERIAL, Method};
 
 impl Session {
-    fn moved(&mut self) {
+    fn move_camera(&mut self, by: impl FnOnce(&mut CameraControls)) {
+        by(&mut self.state.controls);
         self.state.move_camera(self.now_s());
     }
 
@@ -34,14 +37,31 @@ impl Session {
 
     pub(super) fn act(&mut self, input: Input) {
         let now_s = self.now_s();
+        // A window is never dragged further than this.
+        let part = |by: [f32; 2]| Vec2::from(by.map(|x| x.clamp(-4.0, 4.0)));
         match input {
             Input::Shown => {}
-            Input::Orbit { .. }
-            | Input::Drag { .. }
-            | Input::Look { .. }
-            | Input::Pan { .. }
-            | Input::Dolly { .. }
-            | Input::Fly { .. } => self.move_view(&input),
+            Input::Orbit { by } => self.move_camera(|camera| camera.orbit(part(by))),
+            Input::Look { by } => self.move_camera(|camera| camera.look(part(by))),
+            Input::Pan { by } => self.move_camera(|camera| camera.pan(part(by))),
+            Input::Dolly { notches } => {
+                self.move_camera(|camera| camera.dolly(notches.clamp(-20.0, 20.0)));
+            }
+            Input::Fly { by, seconds } => {
+                let along = Vec3::from(by.map(|x| x.clamp(-1.0, 1.0)));
+                self.move_camera(|camera| camera.fly(along, seconds.clamp(0.0, 0.5)));
+            }
+            Input::Drag {
+                from,
+                to,
+                by,
+                start,
+            } => {
+                let is_held = (!start || self.grab(from)) && self.drag_handle(from, to);
+                if !is_held && !self.is_taken(from) {
+                    self.move_camera(|camera| camera.orbit(part(by)));
+                }
+            }
             Input::Drop { from } => self.let_go(Some(from)),
             Input::Handles { kind } => self.choose_handle(&kind),
             Input::Camera { name } => self.choose_camera(name.as_deref()),
@@ -99,7 +119,7 @@ impl Session {
         match action {
             KeyAction::Frame => {
                 match (self.state).frame_selection(self.picked.as_ref(), self.size) {
-                    Ok(()) => self.moved(),
+                    Ok(()) => self.state.move_camera(self.now_s()),
                     Err(why) => self.say(why),
                 }
             }
@@ -107,51 +127,6 @@ impl Session {
             KeyAction::Undo(again) => self.post(Task::Undo(again)),
             KeyAction::Nudge(by) => self.nudge(by),
             KeyAction::Record => self.record(),
-            _ => {}
-        }
-    }
-
-    /// Moves the camera, or a handle.
-    fn move_view(&mut self, input: &Input) {
-        // A window is never dragged further than this.
-        let part = |by: [f32; 2]| Vec2::from(by.map(|x| x.clamp(-4.0, 4.0)));
-        match input {
-            Input::Orbit { by } => {
-                self.state.controls.orbit(part(*by));
-                self.moved();
-            }
-            Input::Drag {
-                from,
-                to,
-                by,
-                start,
-            } => {
-                let is_held = match *start {
-                    true => self.grab(*from) && self.drag_handle(*from, *to),
-                    false => self.drag_handle(*from, *to),
-                };
-                if !is_held && !self.is_taken(*from) {
-                    self.state.controls.orbit(part(*by));
-                    self.moved();
-                }
-            }
-            Input::Look { by } => {
-                self.state.controls.look(part(*by));
-                self.moved();
-            }
-            Input::Pan { by } => {
-                self.state.controls.pan(part(*by));
-                self.moved();
-            }
-            Input::Dolly { notches } => {
-                self.state.controls.dolly(notches.clamp(-20.0, 20.0));
-                self.moved();
-            }
-            Input::Fly { by, seconds } => {
-                let along = glam::Vec3::from(by.map(|x| x.clamp(-1.0, 1.0)));
-                self.state.controls.fly(along, seconds.clamp(0.0, 0.5));
-                self.moved();
-            }
             _ => {}
         }
     }
@@ -213,7 +188,7 @@ impl Session {
     /// Changes a number of the shown material.
     fn change_material(&mut self, key: &str, values: &[f64], write: bool) {
         let material = self.state.settings.material;
-        let row = material.and_then(|index| self.state.summary.materials.get_mut(index));
+        let row = material.and_then(|index| self.state.summary.materials.get(index));
         let Some(row) = row else {
             return self.say("no material is shown");
         };
@@ -223,12 +198,20 @@ impl Session {
         let Some((index, value)) = changed else {
             return self.say("the material has no such number");
         };
-        row.edit = row.with(&row.edit, index, value);
+        let edit = self.edit_material(index, Some(value));
+        let written = edit.and_then(|edit| MaterialRow::to_write(&edit, index));
+        (written.into_iter().filter(|_| write)).for_each(|task| self.post(task));
+    }
+
+    /// Shows the shown material with another value of a field, or with the scene's.
+    fn edit_material(&mut self, field: usize, value: Option<Vec3>) -> Option<Edit> {
+        let row = self.state.settings.material?;
+        let row = self.state.summary.materials.get_mut(row)?;
+        row.edit = row.with(&row.edit, field, value);
         let edit = row.edit;
         self.state.stir(self.now_s());
         self.post(Task::Edit(Box::new(edit)));
-        let written = MaterialRow::to_write(&edit, index).filter(|_| write);
-        written.into_iter().for_each(|task| self.post(task));
+        Some(edit)
     }
 
     /// Changes a key of a track, given by kind, name and key.
@@ -272,15 +255,8 @@ impl Session {
 
     /// Shows a number of the shown material as the scene has it.
     pub(super) fn take_back_material(&mut self, key: &str) {
-        let row = self.state.settings.material;
-        let row = row.and_then(|index| self.state.summary.materials.get_mut(index));
         let field = MATERIAL.iter().position(|field| field.key == key);
-        if let (Some(row), Some(field)) = (row, field) {
-            row.edit = MaterialRow::without(&row.edit, field);
-            let edit = row.edit;
-            self.state.stir(self.now_s());
-            self.post(Task::Edit(Box::new(edit)));
-        }
+        field.and_then(|field| self.edit_material(field, None));
     }
 
     /// Gives a parameter the value that the scene declares.

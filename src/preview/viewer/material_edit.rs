@@ -34,29 +34,17 @@ impl MaterialRow {
         Some(Task::WriteMaterial(edit.material, numbers))
     }
 
-    /// The edit after the value of a field of [`MATERIAL`], by its index, is changed. Emission and its strength are set
-    /// together, since a material keeps only their product.
-    pub fn with(&self, edit: &Edit, field: usize, value: Vec3) -> Edit {
+    /// The edit after the value of a field of [`MATERIAL`], by its index, is changed, or is the scene's again where there
+    /// is none. Emission and its strength are set together, since a material keeps only their product.
+    pub fn with(&self, edit: &Edit, field: usize, value: Option<Vec3>) -> Edit {
         let now = self.edit.over(&self.numbers);
         let mut edit = *edit;
-        edit.values[field] = Some(value);
-        if PAIR.contains(&MATERIAL[field].key) {
-            for (other, of) in MATERIAL.iter().enumerate() {
-                if other != field && PAIR.contains(&of.key) {
-                    edit.values[other] = (of.get)(&now);
-                }
-            }
-        }
-        edit
-    }
-
-    /// The edit in which a field of [`MATERIAL`], by its index, has the scene's value again.
-    pub fn without(edit: &Edit, field: usize) -> Edit {
-        let mut edit = *edit;
+        let is_paired = PAIR.contains(&MATERIAL[field].key);
         for (other, of) in MATERIAL.iter().enumerate() {
-            let are_pair = PAIR.contains(&of.key) && PAIR.contains(&MATERIAL[field].key);
-            if other == field || are_pair {
-                edit.values[other] = None;
+            if other == field {
+                edit.values[other] = value;
+            } else if is_paired && PAIR.contains(&of.key) {
+                edit.values[other] = value.and_then(|_| (of.get)(&now));
             }
         }
         edit

@@ -128,7 +128,7 @@ fn numbers(ui: &mut Ui, row: &MaterialRow) -> Edit {
     let mut edit = row.edit;
     for (index, field, mut value) in row.fields() {
         if control(ui, field, &mut value) {
-            edit = row.with(&edit, index, value);
+            edit = row.with(&edit, index, Some(value));
         }
     }
     edit
