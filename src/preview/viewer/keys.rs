@@ -135,32 +135,28 @@ pub fn presses() -> impl Iterator<Item = &'static Press> + Clone {
 }
 
 impl Timeline {
-    /// Moves time as a key does.
-    pub fn press(&mut self, action: KeyAction, now_s: f64) {
+    /// Moves time as a key does; returns whether it is such a key.
+    pub fn press(&mut self, action: KeyAction, now_s: f64) -> bool {
         match action {
             KeyAction::Play => self.toggle(now_s),
             KeyAction::Step(by) => self.step(by),
             KeyAction::Start => self.seek(self.start(), now_s),
             KeyAction::End => self.seek(self.end(), now_s),
             KeyAction::Loop => self.repeats = !self.repeats,
-            _ => {}
+            _ => return false,
         }
+        true
     }
 }
 
 impl ViewState {
     /// Does what a key does to time and view alone; returns whether it is such a key.
     pub fn press(&mut self, action: KeyAction, now_s: f64) -> bool {
+        if (self.timeline.as_mut()).is_some_and(|time| time.press(action, now_s)) {
+            return true;
+        }
         let settings = &mut self.settings;
         match action {
-            KeyAction::Play
-            | KeyAction::Step(_)
-            | KeyAction::Start
-            | KeyAction::End
-            | KeyAction::Loop => {
-                let time = self.timeline.iter_mut();
-                time.for_each(|time| time.press(action, now_s));
-            }
             KeyAction::Method(index) => {
                 settings.a.method = FIRST_METHODS
                     .get(index)

@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, Ui};
 
-use crate::viewer::timeline::Timeline;
+use crate::viewer::{keys::KeyAction, timeline::Timeline};
 
 /// Width below which the slider has a row of its own, points.
 const ONE_ROW: f32 = 620.0;
@@ -55,27 +55,20 @@ pub fn panel(ui: &mut Ui, timeline: &mut Timeline, shown: Option<u32>, is_stuck:
 }
 
 fn buttons(ui: &mut Ui, timeline: &mut Timeline, now_s: f64) {
-    let button =
-        |ui: &mut Ui, text: &str, hover: &str| ui.button(text).on_hover_text(hover).clicked();
-    if button(ui, "|<", "Home: first frame") {
-        timeline.seek(timeline.start(), now_s);
-    }
-    if button(ui, "<", "left arrow: one frame back") {
-        timeline.step(-1);
-    }
-    let word = if timeline.is_playing() {
-        "pause"
-    } else {
-        "play"
+    let play = match timeline.is_playing() {
+        true => "pause",
+        false => "play",
     };
-    if button(ui, word, "Space") {
-        timeline.toggle(now_s);
-    }
-    if button(ui, ">", "right arrow: one frame on") {
-        timeline.step(1);
-    }
-    if button(ui, ">|", "End: last frame") {
-        timeline.seek(timeline.end(), now_s);
+    for (text, hover, action) in [
+        ("|<", "Home: first frame", KeyAction::Start),
+        ("<", "left arrow: one frame back", KeyAction::Step(-1)),
+        (play, "Space", KeyAction::Play),
+        (">", "right arrow: one frame on", KeyAction::Step(1)),
+        (">|", "End: last frame", KeyAction::End),
+    ] {
+        if ui.button(text).on_hover_text(hover).clicked() {
+            timeline.press(action, now_s);
+        }
     }
     ui.checkbox(&mut timeline.repeats, "loop")
         .on_hover_text("L: the first frame follows the last");

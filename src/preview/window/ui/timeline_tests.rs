@@ -20,8 +20,9 @@ struct State {
 fn timeline_harness<'a>() -> Harness<'a, State> {
     let draw = |ui: &mut Ui, state: &mut State| {
         for press in keys::presses() {
-            let time = &mut state.timeline;
-            (0..presses(ui, press)).for_each(|_| time.press(press.action, state.now_s));
+            for _ in 0..presses(ui, press) {
+                state.timeline.press(press.action, state.now_s);
+            }
         }
         state.timeline.tick(state.now_s);
         let (shown, is_stuck) = (state.shown, state.is_stuck);
