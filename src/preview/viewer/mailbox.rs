@@ -50,18 +50,12 @@ impl Mailbox {
     /// pending one.
     pub fn post(&self, task: Task) {
         self.change(|inbox| {
-            if let Task::Edit(new) = &task {
-                let same = |old: &Task| matches!(old, Task::Edit(e) if e.material == new.material);
-                inbox.tasks.retain(|old| !same(old));
-            }
-            if matches!(task, Task::Drag(..)) {
-                inbox.tasks.retain(|old| !matches!(old, Task::Drag(..)));
-            }
-            if matches!(task, Task::SetParameters(_)) {
-                inbox
-                    .tasks
-                    .retain(|old| !matches!(old, Task::SetParameters(_)));
-            }
+            inbox.tasks.retain(|old| match (old, &task) {
+                (Task::Edit(old), Task::Edit(new)) => old.material != new.material,
+                (Task::Drag(..), Task::Drag(..))
+                | (Task::SetParameters(_), Task::SetParameters(_)) => false,
+                _ => true,
+            });
             inbox.tasks.push_back(task);
         });
     }

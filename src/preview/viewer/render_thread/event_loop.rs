@@ -102,60 +102,33 @@ impl Worker {
     }
 
     fn perform(&mut self, task: Task) -> bool {
-        let redraw = match task {
-            Task::Reload(changes, since) => {
-                self.reload(&changes, since);
-                false
-            }
+        let mut redraw = false;
+        match task {
+            Task::Reload(changes, since) => self.reload(&changes, since),
             Task::Edit(edit) => {
                 self.edit(*edit);
-                true
+                redraw = true;
             }
-            Task::SetParameters(overrides) => {
-                self.live.set_parameters(overrides);
-                false
-            }
-            Task::Unwatched(why) => {
-                self.send(Report::Unwatched(why));
-                false
-            }
-            Task::Frame(request) => {
-                self.frame_requests.push_back(request);
-                false
-            }
-            Task::Unpick => {
-                self.unpick();
-                false
-            }
+            Task::SetParameters(overrides) => self.live.set_parameters(overrides),
+            Task::Unwatched(why) => self.send(Report::Unwatched(why)),
+            Task::Frame(request) => self.frame_requests.push_back(request),
+            Task::Unpick => self.unpick(),
             Task::Select(item) => {
                 self.select(item);
-                true
+                redraw = true;
             }
-            Task::Drag(item, numbers) => self.drag(item, &numbers),
-            Task::DropDrag => self.drop_drag(),
-            Task::Write(item, numbers) => self.write(item, &numbers),
-            Task::WriteMaterial(material, numbers) => {
-                self.write_material(material, &numbers);
-                false
-            }
+            Task::Drag(item, numbers) => redraw = self.drag(item, &numbers),
+            Task::DropDrag => redraw = self.drop_drag(),
+            Task::Write(item, numbers) => redraw = self.write(item, &numbers),
+            Task::WriteMaterial(material, numbers) => self.write_material(material, &numbers),
             Task::WriteParameters(values) => {
                 self.unwritten = Some(values);
                 self.write_parameters();
-                false
             }
-            Task::Key(edit) => {
-                self.edit_key(&edit);
-                false
-            }
-            Task::Flight(camera, points) => {
-                self.write_flight(&camera, &points);
-                false
-            }
-            Task::Undo(again) => {
-                self.undo(again);
-                false
-            }
-        };
+            Task::Key(edit) => self.edit_key(&edit),
+            Task::Flight(camera, points) => self.write_flight(&camera, &points),
+            Task::Undo(again) => self.undo(again),
+        }
         self.note_writes();
         redraw
     }
