@@ -90,6 +90,22 @@ pub struct Inspected {
     pub world_from_parent: Affine3A,
 }
 
+#[cfg(test)]
+impl Inspected {
+    /// An item with these numbers, at the top of a scene.
+    pub fn example(item: SceneItem, numbers: Vec<Numbers>) -> Self {
+        Self {
+            item,
+            label: "light lamp".to_owned(),
+            place: "scene.toml:3".to_owned(),
+            numbers,
+            held: Vec::new(),
+            refused: None,
+            world_from_parent: Affine3A::IDENTITY,
+        }
+    }
+}
+
 /// Form of a key of an item, and its values within their range.
 fn within<T>(
     fields: &'static [Field<T>],

@@ -288,15 +288,7 @@ mod tests {
             numbers("size", &[2.0, 4.0, 0.0]),
         ];
         let of = |item| {
-            let shown = Inspected {
-                item,
-                label: String::new(),
-                place: String::new(),
-                numbers: numbers.to_vec(),
-                held: Vec::new(),
-                refused: None,
-                world_from_parent: Affine3A::IDENTITY,
-            };
+            let shown = Inspected::example(item, numbers.to_vec());
             box_edges(&shown, &numbers, &camera(), vec2(100.0, 100.0))
         };
         let edges = of(SceneItem::Decal(0));

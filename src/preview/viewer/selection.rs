@@ -126,23 +126,16 @@ impl Selection {
 
 #[cfg(test)]
 mod tests {
-    use glam::{Affine3A, Vec3, vec2};
+    use glam::{Vec3, vec2};
 
     use super::*;
 
     fn item(index: usize, values: [f64; 3]) -> Inspected {
-        Inspected {
-            item: SceneItem::Light(index),
-            label: "light lamp".to_owned(),
-            place: "scene.toml:3".to_owned(),
-            numbers: vec![Numbers {
-                key: "position",
-                values: values.to_vec(),
-            }],
-            held: Vec::new(),
-            refused: None,
-            world_from_parent: Affine3A::IDENTITY,
-        }
+        let numbers = Numbers {
+            key: "position",
+            values: values.to_vec(),
+        };
+        Inspected::example(SceneItem::Light(index), vec![numbers])
     }
 
     fn write(index: usize, values: [f64; 3]) -> Option<Task> {

@@ -79,29 +79,24 @@ pub fn handles(
 #[cfg(test)]
 mod tests {
     use eframe::egui::Pos2;
-    use glam::Vec3;
+    use glam::{Affine3A, Vec3};
 
     use super::*;
-    use crate::{viewer::handles::LENGTH, write_back::Numbers};
+    use crate::{
+        viewer::handles::LENGTH,
+        write_back::{Inspected, Numbers, SceneItem},
+    };
 
     /// A lamp at the origin of a parent that is scaled by 2.
     fn lamp() -> Selection {
-        use glam::Affine3A;
-
-        use crate::write_back::{Inspected, SceneItem};
-
+        let place = Numbers {
+            key: "position",
+            values: vec![0.0, 0.0, 0.0],
+        };
         let mut selection = Selection::default();
         selection.show(Some(Inspected {
-            item: SceneItem::Light(1),
-            label: "light lamp".to_owned(),
-            place: "scene.toml:3".to_owned(),
-            numbers: vec![Numbers {
-                key: "position",
-                values: vec![0.0, 0.0, 0.0],
-            }],
-            held: Vec::new(),
-            refused: None,
             world_from_parent: Affine3A::from_scale(Vec3::splat(2.0)),
+            ..Inspected::example(SceneItem::Light(1), vec![place])
         }));
         selection
     }

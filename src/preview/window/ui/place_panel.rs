@@ -138,7 +138,6 @@ pub fn outline(
 mod tests {
     use eframe::egui::{Key, Modifiers};
     use egui_kittest::{Harness, kittest::Queryable as _};
-    use glam::Affine3A;
 
     use super::*;
     use crate::{
@@ -159,13 +158,12 @@ mod tests {
         };
         let mut selection = Selection::default();
         selection.show(Some(Inspected {
-            item: SceneItem::Instance(4),
             label: "instance ball".to_owned(),
-            place: "scene.toml:7".to_owned(),
-            numbers: refused.map_or_else(|| vec![numbers], |_| Vec::new()),
-            held: Vec::new(),
             refused: refused.map(str::to_owned),
-            world_from_parent: Affine3A::IDENTITY,
+            ..Inspected::example(
+                SceneItem::Instance(4),
+                refused.map_or_else(|| vec![numbers], |_| Vec::new()),
+            )
         }));
         let rows = [OutlineRow {
             item: SceneItem::Light(2),
@@ -199,7 +197,7 @@ mod tests {
     #[test]
     fn keys_and_buttons_request_what_they_say() {
         let mut harness = harness(None);
-        for label in ["instance ball", "scene.toml:7", "translation"] {
+        for label in ["instance ball", "scene.toml:3", "translation"] {
             assert!(
                 harness.query_all_by_label(label).next().is_some(),
                 "{label}"
