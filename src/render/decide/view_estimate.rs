@@ -21,6 +21,8 @@ use crate::{
     settings::{cutoff::can_reflect, view::View},
 };
 
+/// Its multiples, less their whole parts, are spread evenly and in step with no width of a texture.
+const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
 /// Number of successive mirror reflections that are traced.
 const BOUNCES: u32 = 2;
 /// Maximum number of texels for the mean of a texture.
@@ -119,18 +121,23 @@ impl AverageColors {
 
 /// Mean linear color of an sRGB texture; white without one.
 fn mean_of(world: &World, texture: Option<TextureRef>) -> DVec3 {
-    let Some(texture) = texture.and_then(|t| world.textures.get(t.texture)) else {
+    let texture = texture.and_then(|t| world.textures.get(t.texture));
+    let rgba = texture.map_or(&[][..], |t| &t.rgba);
+    let texels = rgba.len() / 4;
+    if texels == 0 {
         return DVec3::ONE;
-    };
-    let texels = texture.rgba.len() / 4;
-    let step = texels.div_ceil(MOST_TEXELS).max(1);
-    let linear = |byte: u8| f64::from(linear_from_srgb(f32::from(byte) / 255.0));
-    let (mut sum, mut count) = (DVec3::ZERO, 0.0);
-    for texel in texture.rgba.chunks_exact(4).step_by(step) {
-        sum += DVec3::new(linear(texel[0]), linear(texel[1]), linear(texel[2]));
-        count += 1.0;
     }
-    if count > 0.0 { sum / count } else { DVec3::ONE }
+    let linear = |byte: u8| f64::from(linear_from_srgb(f32::from(byte) / 255.0));
+    let count = texels.min(MOST_TEXELS);
+    let sum: DVec3 = (0..count)
+        .map(|k| {
+            // An even stride would meet the same columns of every row, and only one color of stripes.
+            let place = (k as f64 * GOLDEN_RATIO).fract() * texels as f64;
+            let texel = if texels > count { place as usize } else { k };
+            DVec3::from_array([0, 1, 2].map(|channel| linear(rgba[4 * texel + channel])))
+        })
+        .sum();
+    sum / count as f64
 }
 
 /// Number of lamps that are chosen for each point.

@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use super::{Found, count, found, found_at};
+use super::{Found, count, folder, found, found_at};
 
 const NONE: [Found; 0] = [];
 
@@ -58,6 +58,24 @@ fn a_picture_that_is_lit_by_reflection_alone_is_not_black() {
             .replace("POSITION", position);
         assert_eq!(count("black-picture", &scene), expected, "{scene}");
     }
+}
+
+/// Black and white columns of a wall's texture, of which an even stride through its texels would meet black alone.
+#[test]
+fn stripes_are_half_as_bright_as_white() {
+    let folder = folder("stripes");
+    let column = |x: u32, _| image::Luma([if x.is_multiple_of(2) { 0_u8 } else { 255 }]);
+    let stripes = image::ImageBuffer::from_fn(64, 64, column);
+    stripes.save(folder.join("stripes.png")).expect("writable");
+    let scene = include_str!("lit_by_reflection.toml")
+        .replace(
+            "metallic = 1",
+            "emission = [1, 1, 1]\nemission_texture = \"stripes.png\"",
+        )
+        .replace("ROUGHNESS", "1")
+        .replace("LIGHT", "kind = \"point\"")
+        .replace("POSITION", "[0, 9, -9]");
+    assert_eq!(found_at(&folder.join("scene.toml"), &scene), NONE);
 }
 
 /// Keys of a base material have an effect if a material that extends it gives them one.
