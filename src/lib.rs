@@ -114,12 +114,13 @@
 //!   them before an upload, and every later call that the world is the uploaded one, posed anew.
 //! - Every ray has one budget of nodes that it may visit (`shaders/lib/bvh.wgsl`); one that needs more is a
 //!   miss, counted in the frame's statistics.
-//! - `unsafe` is used in seven places, each with its reason: `src/main.rs` sets environment variables
+//! - `unsafe` is used in eight places, each with its reason: `src/main.rs` sets environment variables
 //!   before any thread exists, `src/gpu/pipeline.rs` turns off run-time checks of a built-in shader,
 //!   `src/gpu/experimental.rs` lets devices of scenes that ask for it use ray queries, which wgpu calls experimental,
-//!   `src/gpu/kept_pipelines.rs` hands a driver the pipelines that it compiled in an earlier run,
-//!   `src/base/processor_time.rs` reads CPU clocks that the standard library lacks, `src/world/usd/tool.rs` has the
-//!   converter end with its parent, and `src/output/denoise.rs` calls a C library that it loads at run time.
+//!   `src/gpu/adapter.rs` loads the Vulkan loader that a release brings, `src/gpu/kept_pipelines.rs` hands a driver the
+//!   pipelines that it compiled in an earlier run, `src/base/processor_time.rs` reads CPU clocks that the standard
+//!   library lacks, `src/world/usd/tool.rs` has the converter end with its parent, and `src/output/denoise.rs` calls a C
+//!   library that it loads at run time.
 //! - No import cycles: the modules of one parent can be read in some order (`tests/layers`).
 //! - A dependency on another package stands in the manifest of the crates that use it; its version and its reason
 //!   stand once, in the workspace's `Cargo.toml`.

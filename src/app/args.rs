@@ -104,7 +104,7 @@ pub struct PictureArgs {
     /// Read the shaders from a folder instead of the built-in ones
     #[arg(long, value_name = "DIR")]
     pub shaders: Option<PathBuf>,
-    /// Use the GPU adapter whose name contains this text; also REFLET_ADAPTER
+    /// Use the GPU adapter whose name contains this text, or a `software` one; also REFLET_ADAPTER
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
 }
@@ -292,7 +292,7 @@ pub struct PreviewArgs {
     #[cfg(feature = "serve")]
     #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = "", conflicts_with = "screenshots")]
     pub serve: Option<String>,
-    /// Use the GPU adapter whose name contains this text; also REFLET_ADAPTER
+    /// Use the GPU adapter whose name contains this text, or a `software` one; also REFLET_ADAPTER
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
 }

@@ -1,11 +1,19 @@
 //! Choice of the adapter: by name, then by the kind that is probably fastest; and its abilities.
 
-use std::env;
+use std::{cmp::Reverse, env, mem, path::PathBuf};
+
+use libloading::Library;
 
 use super::error::GpuError;
 
 /// Environment variable with the adapter filter, like `--adapter`.
 pub const ADAPTER_ENV: &str = "REFLET_ADAPTER";
+
+/// Software driver that a release may bring, below the folder that holds the program's folder `bin`.
+pub(super) const BROUGHT_DRIVER: &str = "lib/reflet/driver/lvp_icd.json";
+
+/// Environment variable with drivers that the Vulkan loader offers beside the system's (since 1.3.207).
+pub(super) const ADDED_DRIVERS_ENV: &str = "VK_ADD_DRIVER_FILES";
 
 /// Maximum requested number of storage buffers per shader stage: only scenes whose geometry exceeds one buffer use
 /// more than the default of 8.
@@ -106,11 +114,16 @@ pub fn name(info: &wgpu::AdapterInfo) -> String {
     format!("{}, {}, {}", info.name, driver.trim(), info.backend)
 }
 
-/// Cost of a software adapter that belongs to an old version of Mesa (docs/speed.md); `None` for other adapters.
-pub fn slow_mesa(info: &wgpu::AdapterInfo) -> Option<String> {
+/// Version of the Mesa that an adapter belongs to, and its first number.
+fn mesa_version(info: &wgpu::AdapterInfo) -> Option<(&str, u32)> {
     let version = info.driver_info.strip_prefix("Mesa ")?;
     let version = version.split(' ').next()?;
-    let major: u32 = version.split('.').next()?.parse().ok()?;
+    Some((version, version.split('.').next()?.parse().ok()?))
+}
+
+/// Cost of a software adapter that belongs to an old version of Mesa (docs/speed.md); `None` for other adapters.
+pub fn slow_mesa(info: &wgpu::AdapterInfo) -> Option<String> {
+    let (version, major) = mesa_version(info)?;
     let is_slow = info.device_type == wgpu::DeviceType::Cpu && major < FAST_MESA;
     is_slow.then(|| {
         format!(
@@ -128,9 +141,32 @@ pub(super) fn find(filter: Option<&str>) -> Result<(wgpu::Instance, Vec<wgpu::Ad
         backends: wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12,
         ..wgpu::InstanceDescriptor::new_without_display_handle()
     };
+    load_brought_vulkan();
     let instance = wgpu::Instance::new(descriptor.with_env());
     let found = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
     Ok((instance, choose(found, filter)?))
+}
+
+/// Loads the Vulkan loader that stands beside a driver which came along, where the system has no Vulkan loader.
+#[expect(
+    unsafe_code,
+    reason = "a library is loaded, as wgpu loads the system's"
+)]
+fn load_brought_vulkan() {
+    const VULKAN: &str = "libvulkan.so.1";
+    let driver = env::var_os(ADDED_DRIVERS_ENV).map(PathBuf::from);
+    let Some(driver) = driver.filter(|driver| driver.ends_with(BROUGHT_DRIVER)) else {
+        return;
+    };
+    // SAFETY: code that runs while a library is loaded is the Vulkan loader's own, from the system or a release.
+    unsafe {
+        if Library::new(VULKAN).is_err()
+            && let Ok(library) = Library::new(driver.with_file_name(VULKAN))
+        {
+            // It stays loaded: whoever asks for this name then gets it.
+            mem::forget(library);
+        }
+    }
 }
 
 /// The adapters to try, best first: named by `filter`, else by [`ADAPTER_ENV`], else all.
@@ -150,7 +186,7 @@ fn choose(
     }
     if let Some(filter) = filter.as_deref() {
         let names: Vec<String> = adapters.iter().map(|a| a.get_info().name).collect();
-        adapters.retain(|adapter| name_matches(&adapter.get_info().name, filter));
+        adapters.retain(|adapter| is_meant(&adapter.get_info(), filter));
         if adapters.is_empty() {
             return Err(GpuError::NoAdapter(format!(
                 "no adapter matches \"{filter}\"; this machine has: {}",
@@ -158,29 +194,37 @@ fn choose(
             )));
         }
     }
-    adapters.sort_by_key(|adapter| speed_rank(adapter.get_info().device_type));
+    adapters.sort_by_cached_key(|adapter| speed_rank(&adapter.get_info()));
     Ok(adapters)
 }
 
-fn name_matches(name: &str, filter: &str) -> bool {
-    name.to_lowercase().contains(&filter.trim().to_lowercase())
+/// Whether a filter names this adapter: by a part of its name, or as `software`.
+fn is_meant(info: &wgpu::AdapterInfo, filter: &str) -> bool {
+    let filter = filter.trim().to_lowercase();
+    info.name.to_lowercase().contains(&filter)
+        || filter == "software" && info.device_type == wgpu::DeviceType::Cpu
 }
 
-fn speed_rank(kind: wgpu::DeviceType) -> u32 {
-    match kind {
+/// Place in the order in which adapters are tried; of software adapters the newest comes first.
+fn speed_rank(info: &wgpu::AdapterInfo) -> (u32, Reverse<u32>) {
+    let kind = match info.device_type {
         wgpu::DeviceType::DiscreteGpu => 0,
         wgpu::DeviceType::IntegratedGpu => 1,
         wgpu::DeviceType::VirtualGpu => 2,
         wgpu::DeviceType::Other => 3,
         wgpu::DeviceType::Cpu => 4,
-    }
+    };
+    let is_software = info.device_type == wgpu::DeviceType::Cpu;
+    let version = mesa_version(info).filter(|_| is_software);
+    (kind, Reverse(version.map_or(0, |(_, major)| major)))
 }
 
 fn install_advice() -> &'static str {
     if cfg!(target_os = "linux") {
         "no graphics adapter found: install the Vulkan loader and a driver \
          (Debian/Ubuntu: apt-get install libvulkan1 mesa-vulkan-drivers; \
-         the latter also renders without a GPU)"
+         the latter also renders without a GPU), or without root unpack reflet-software beside Reflet \
+         (docs/install.md)"
     } else if cfg!(windows) {
         "no graphics adapter found: install a graphics driver with DirectX 12 or Vulkan"
     } else {
@@ -198,23 +242,36 @@ mod tests {
         assert!(matches!(&error, GpuError::NoAdapter(text) if text.contains("driver")));
     }
 
+    fn adapter(kind: wgpu::DeviceType, name: &str, driver: &str) -> wgpu::AdapterInfo {
+        let mut info = wgpu::AdapterInfo::new(kind, wgpu::Backend::Vulkan);
+        (info.name, info.driver_info) = (name.to_owned(), driver.to_owned());
+        info
+    }
+
     #[test]
-    fn software_comes_last_and_names_match_in_any_case() {
-        assert!(speed_rank(wgpu::DeviceType::Cpu) > speed_rank(wgpu::DeviceType::Other));
-        assert!(
-            speed_rank(wgpu::DeviceType::DiscreteGpu) < speed_rank(wgpu::DeviceType::VirtualGpu)
-        );
-        assert!(name_matches("NVIDIA H200", " h2"));
-        assert!(!name_matches("llvmpipe", "nvidia"));
+    fn software_comes_last_and_the_newest_first_of_it() {
+        use wgpu::DeviceType::{Cpu, Other, VirtualGpu};
+        let order = [
+            adapter(VirtualGpu, "", "Mesa 22.3.6"),
+            adapter(Other, "", ""),
+            adapter(Cpu, "", "Mesa 25.0.7 (LLVM 15.0.7)"),
+            adapter(Cpu, "", "Mesa 22.3.6 (LLVM 15.0.6)"),
+            adapter(Cpu, "", "SwiftShader"),
+        ];
+        assert!(order.map(|info| speed_rank(&info)).is_sorted());
+    }
+
+    #[test]
+    fn filters_name_a_part_in_any_case_or_software() {
+        let gpu = adapter(wgpu::DeviceType::DiscreteGpu, "NVIDIA H200", "");
+        let cpu = adapter(wgpu::DeviceType::Cpu, "llvmpipe (LLVM 15)", "");
+        assert!(is_meant(&gpu, " h2") && is_meant(&cpu, "Software") && is_meant(&cpu, "LLVM"));
+        assert!(!is_meant(&cpu, "nvidia") && !is_meant(&gpu, "software"));
     }
 
     #[test]
     fn an_old_software_adapter_is_named_with_its_cost() {
-        let of = |kind, driver: &str| {
-            let mut info = wgpu::AdapterInfo::new(kind, wgpu::Backend::Vulkan);
-            info.driver_info = driver.to_owned();
-            slow_mesa(&info)
-        };
+        let of = |kind, driver: &str| slow_mesa(&adapter(kind, "", driver));
         let slow = of(wgpu::DeviceType::Cpu, "Mesa 22.3.6 (LLVM 15.0.6)");
         assert!(slow.is_some_and(|text| text.starts_with("Mesa 22.3.6 takes")));
         assert_eq!(of(wgpu::DeviceType::Cpu, "Mesa 25.0.7 (LLVM 15.0.7)"), None);

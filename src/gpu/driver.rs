@@ -6,7 +6,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::{Gpu, GpuError, GpuOptions};
+use crate::{
+    Gpu, GpuError, GpuOptions,
+    adapter::{ADDED_DRIVERS_ENV, BROUGHT_DRIVER},
+};
 use reflet_base::{cache::private_folder, files::free_bytes};
 
 /// Folder of compiled pipelines, below the user's cache folder.
@@ -50,7 +53,20 @@ pub fn driver_variables() -> Vec<(&'static str, OsString)> {
     const RUNTIME_DIR: &str = "XDG_RUNTIME_DIR";
     let lacks_folder = cfg!(target_os = "linux") && env::var_os(RUNTIME_DIR).is_none();
     let folder = lacks_folder.then(|| (RUNTIME_DIR, env::temp_dir().into_os_string()));
-    mesa_variables().into_iter().chain(folder).collect()
+    let variables = mesa_variables().into_iter().chain(folder);
+    variables.chain(brought_driver()).collect()
+}
+
+/// Environment variable that offers the driver beside the program, if there is one and the user names none.
+fn brought_driver() -> Option<(&'static str, OsString)> {
+    if !cfg!(target_os = "linux") || env::var_os(ADDED_DRIVERS_ENV).is_some() {
+        return None;
+    }
+    let program = env::current_exe().ok()?;
+    let driver = program.parent()?.parent()?.join(BROUGHT_DRIVER);
+    driver
+        .is_file()
+        .then(|| (ADDED_DRIVERS_ENV, driver.into_os_string()))
 }
 
 /// Whether the disk of a folder has room for the index that Mesa's drivers map there, where the system tells it.
