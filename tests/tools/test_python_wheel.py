@@ -9,6 +9,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
+import reflet_usd
 from texts import text_of
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -89,7 +90,7 @@ def test_it_runs_in_an_empty_environment(tmp_path: Path) -> None:
     assert run(python, "program.py", cwd=work).split() == ["True", "4"]
     # The converter of USD comes with the extra, whose other packages are not fetched here.
     planned = run(*pip, "install", "--dry-run", "--find-links", wheels, "reflet[usd]")
-    assert "reflet-usd-0.1.0" in planned, planned
+    assert f"reflet-usd-{reflet_usd.__version__}" in planned, planned
     run(*pip, "install", "--quiet", "--no-deps", "--no-index", "--find-links", wheels, "reflet-usd")
     named = (
         "import os, reflet; reflet.open(size=(8, 8), samples=1); print(os.environ['REFLET_USD'])"
