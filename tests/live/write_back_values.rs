@@ -121,6 +121,10 @@ fn what_does_not_rest_is_said_and_not_written() {
             "`--set light.lamp.color=",
         ),
         (
+            live.write(SceneItem::Light(1), &numbers("direction", &[1.0; 3])),
+            "`[motion.light.spot]`",
+        ),
+        (
             live.write_material(red.0, red.1, &numbers("roughness", &[0.5]))
                 .map(drop),
             "`[motion.material.red]`",
