@@ -292,7 +292,7 @@ fn an_auto_exposure_shows_the_brightest_tenth_as_light_gray() {
     }
 }
 
-/// Maps of lights without `shadow` are few where they take much time or memory, alike on all adapters.
+/// Maps of lights without `shadow` are few where they take much time or memory, alike on all adapters and in all sizes.
 #[test]
 fn maps_give_way_to_rays_where_they_do_not_pay() {
     let lamp = |n: usize, z: f32, shadow: &str| {
@@ -321,8 +321,11 @@ fn maps_give_way_to_rays_where_they_do_not_pay() {
         (&few, twelve(""), 0b1100),
         (&few, twelve(map), 0),
     ] {
-        for software in [true, false] {
-            let found = decided(&format!("{balls}{lamps}"), &[], software);
+        for (software, set) in [
+            (true, ["image.size=[8, 8]", "image.samples=1"]),
+            (false, ["image.size=[1920, 1080]", "image.samples=64"]),
+        ] {
+            let found = decided(&format!("{balls}{lamps}"), &set, software);
             assert_eq!(
                 found.options.rays_for_maps, by_rays,
                 "{:?}",

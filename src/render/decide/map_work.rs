@@ -19,9 +19,13 @@ pub const MAP_BUDGET_BYTES: u64 = 256 << 20;
 /// Expected time that a processor may take to draw all maps, milliseconds, before maps give way to rays.
 const MANY_MS: f64 = 500.0;
 
-/// Multiple of the time of its rays from which a map gives way to them: maps serve all pictures in which nothing moves,
-/// and costs are expected only.
+/// Multiple of the time of its rays in the reference picture from which a map gives way to them: maps serve all pictures
+/// in which nothing moves, and costs are expected only.
 pub(super) const DEAR: f64 = 2.0;
+
+/// Width and height of the picture of one sample whose rays are weighed against maps, so that pictures of any size and
+/// number of samples have the same shadows.
+pub(super) const REFERENCE_PX: [u32; 2] = [1280, 720];
 
 /// Number of triangles that take as long to draw as the quadrilateral around a capsule.
 const CAPSULE_TRIANGLES: f64 = 4.0;

@@ -28,8 +28,8 @@ use super::{
         edge_on::has_edge_on_surfaces,
         filtered_lights::filtered_lights,
         map_work::{
-            DEAR, MAP_BUDGET_BYTES, MapWork, are_slow, doubtful_maps, drawn_triangles, is_mapped,
-            map_px,
+            DEAR, MAP_BUDGET_BYTES, MapWork, REFERENCE_PX, are_slow, doubtful_maps,
+            drawn_triangles, is_mapped, map_px,
         },
         shadow_texels::{COARSE_PX, SeenSurfaces},
         view_estimate::ViewEstimate,
@@ -127,6 +127,7 @@ pub fn decide(world: &World, trees: &Trees, options: &RenderOptions, software: b
     let options = &with_filtered(world, options);
     let mut decider = Decider {
         workload: None,
+        reference: None,
         world,
         trees,
         asked: *options,
@@ -153,6 +154,8 @@ pub fn decide(world: &World, trees: &Trees, options: &RenderOptions, software: b
 struct Decider<'a> {
     /// Counts of the view, made on first use.
     workload: Option<Workload>,
+    /// Counts of the reference picture, made on first use.
+    reference: Option<Workload>,
     world: &'a World,
     trees: &'a Trees,
     asked: RenderOptions,
@@ -166,6 +169,14 @@ impl Decider<'_> {
     fn workload(&mut self) -> &Workload {
         let (world, trees, options) = (self.world, self.trees, &self.asked);
         (self.workload).get_or_insert_with(|| workload(world, trees, options))
+    }
+
+    /// Counts by which the budget of shadow maps decides, the same for all sizes and samples.
+    fn reference(&mut self) -> &Workload {
+        let (world, trees, mut options) = (self.world, self.trees, self.asked);
+        options.image.size = REFERENCE_PX;
+        options.image.samples = Samples::Count(1);
+        (self.reference).get_or_insert_with(|| workload(world, trees, &options))
     }
 
     fn choose(&mut self, what: &str, chosen: &str, why: String) {
@@ -298,7 +309,7 @@ impl Decider<'_> {
             return;
         }
         let lights = &self.world.lights;
-        let workload = self.workload();
+        let workload = self.reference();
         let shadow = |map: &MapWork| workload.shadow(&UnitCosts::PROCESSOR, [map]).ms();
         let maps = workload.maps.iter();
         let maps = maps.filter(|map| lights[map.light].desc.shadow == ShadowMode::Default);
@@ -309,8 +320,9 @@ impl Decider<'_> {
             return;
         }
         let [ray, map] = [0, 1].map(|way| dear.iter().map(|(_, ms)| ms[way]).sum::<f64>());
+        let [width, height] = REFERENCE_PX;
         let why = format!(
-            "maps of {} of {} lights would take a processor {map:.0} ms, their rays {ray:.0} ms",
+            "maps of {} of {} lights would take a processor {map:.0} ms, their rays in {width} x {height} pixels {ray:.0} ms",
             dear.len(),
             lights.len()
         );
@@ -323,7 +335,7 @@ impl Decider<'_> {
     /// Whether a processor is expected to draw the maps of undecided lights for long.
     fn are_slow(&self) -> bool {
         let maps = MapWork::of_world(self.world, &self.asked);
-        are_slow(&maps, self.world, &self.decided.options)
+        are_slow(&maps, self.world, &self.asked)
     }
 
     /// Has lights of which the picture shows least take rays until all maps have room in their budget.
@@ -333,7 +345,7 @@ impl Decider<'_> {
         if bytes(&before) <= MAP_BUDGET_BYTES {
             return;
         }
-        let seen = self.workload().view.shadows.clone();
+        let seen = self.reference().view.shadows.clone();
         let has_map = |i: &usize| before.shadow_of(*i, &lights[*i]) == ShadowMode::Map;
         let undecided = before.undecided_lights(self.world).map(|(i, _)| i);
         let mut left: Vec<usize> = undecided.filter(has_map).collect();
@@ -351,7 +363,7 @@ impl Decider<'_> {
         }
         self.decided.options = options;
         let why = format!(
-            "all maps would take {} MiB, above {}: {count} of {} lights, of which the picture shows least, need none",
+            "all maps would take {} MiB, above {}: {count} of {} lights, of which the camera sees least, take rays",
             bytes(&before) >> 20,
             MAP_BUDGET_BYTES >> 20,
             lights.len()

@@ -15,13 +15,14 @@ declared! {
     /// How a light's shadows are found.
     #[words]
     pub enum ShadowMode = Default {
-        /// `map` while it pays, the same on every adapter: where a processor would take more than half a second to
-        /// draw the maps of all such lights, each light takes `ray` whose map is expected to take twice as long as its
-        /// rays; and of maps that take more than 256 MiB together, lights of which the picture shows least give
-        /// theirs up. Lights with a size take `ray`.
+        /// `map` within a budget, the same on every adapter and for every size and number of samples: where a processor
+        /// would take more than half a second to draw the maps of all such lights, a light takes `ray` if its map is
+        /// expected to take twice as long as its rays in one picture of 1280 × 720 pixels; and of maps that take more
+        /// than 256 MiB together, lights of which the camera sees least give theirs up. Lights with a size take `ray`.
         Default = "default",
-        /// depth maps (cube maps for point lights), filtered, whatever they take; not for lights with a size. Where its light may pass
-        /// something that casts a shadow, by its alpha or as glass, it is `ray`, which tells how much passes.
+        /// depth maps (cube maps for point lights), filtered, whatever they take; not for lights with a size. Where its
+        /// light may pass something that casts a shadow, by its alpha or as glass, it is `ray`, which tells how much
+        /// passes.
         Map = "map",
         /// shadow rays through the BVH that reflections use; exact, hard-edged for lights without a
         /// size, soft for lights with a size.
