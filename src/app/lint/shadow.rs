@@ -4,8 +4,10 @@ use crate::{
     render::{
         RenderOptions,
         decide::{
+            decide,
             map_work::MAP_BUDGET_BYTES,
             shadow_texels::{COARSE_PX, SeenSurfaces},
+            with_filtered,
         },
         lighting::lights::{ShadowSizes, has_cube_map},
         settings::view::View,
@@ -15,25 +17,27 @@ use crate::{
         diagnostic::Diagnostic,
         stages::Scene,
     },
-    world::{MAX_LIGHTS, World, bvh::Trees},
+    world::{Light, MAX_LIGHTS, World, bvh::Trees},
 };
 
 /// Warns of shadow maps whose texels span many pixels (the median over the visible surfaces).
 pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
-    let has_map = |shadow| matches!(shadow, ShadowMode::Default | ShadowMode::Map);
+    let may_have_map = |shadow| matches!(shadow, ShadowMode::Default | ShadowMode::Map);
     let Some(camera) = world.cameras.get(world.main_camera()) else {
         return Vec::new();
     };
-    if !world.lights.iter().any(|l| has_map(l.desc.shadow)) {
+    if !world.lights.iter().any(|l| may_have_map(l.desc.shadow)) {
         return Vec::new();
     }
     let unit_m = (scene.reflection.unit_m).unwrap_or_else(|| world.unit_m());
     let view = View::new(&camera.value, scene.image.size, unit_m);
     let seen = SeenSurfaces::new(world, trees, &view);
-    let sizes = ShadowSizes::for_lights(&world.lights, &RenderOptions::for_scene(&scene.desc));
+    let asked = RenderOptions::for_scene(&scene.desc);
+    let decided = decide(world, trees, &asked, true).options;
+    let sizes = ShadowSizes::for_lights(&world.lights, &decided);
     let mut found = Vec::new();
     for (entry, light) in scene.lights.iter().zip(world.all_lights()) {
-        if !has_map(light.desc.shadow) || world.has_lamp(light) {
+        if !may_have_map(light.desc.shadow) || !has_map(world, &decided, light) {
             continue;
         }
         let px = if has_cube_map(&light.desc.kind) {
@@ -56,10 +60,16 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
     found
 }
 
+/// Whether a light of a world has a shadow map, by options without `auto`.
+fn has_map(world: &World, options: &RenderOptions, light: &Light) -> bool {
+    let mut lights = world.lights.iter().enumerate();
+    lights.any(|(i, l)| std::ptr::eq(l, light) && options.shadow_of(i, l) == ShadowMode::Map)
+}
+
 /// Warns, once, of lights of the scene text whose `shadow = "map"` is a shadow by rays, as they are lamps of the light
 /// tree.
 pub fn lamps(scene: &Scene, world: &World) -> Option<Diagnostic> {
-    let (first, count) = asked_maps(scene, world, true)?;
+    let (first, count) = asked_maps(scene, world, |light| world.has_lamp(light))?;
     let all = world.lights.len() + world.lamps.len();
     let message = format!(
         "the scene has {all} lights, and shadow maps are for at most {MAX_LIGHTS}: of {count} with \
@@ -74,10 +84,14 @@ pub fn lamps(scene: &Scene, world: &World) -> Option<Diagnostic> {
 
 /// Warns, once, of the memory of the maps of lights of the scene text with `shadow = "map"`, which have no budget.
 pub fn memory(scene: &Scene, world: &World) -> Option<Diagnostic> {
-    let (first, count) = asked_maps(scene, world, false)?;
-    let mut asked = world.lights.clone();
-    asked.retain(|light| light.desc.shadow == ShadowMode::Map);
-    let bytes = ShadowSizes::for_lights(&asked, &RenderOptions::default()).bytes();
+    let options = with_filtered(world, &RenderOptions::for_scene(&scene.desc));
+    let (first, count) = asked_maps(scene, world, |light| has_map(world, &options, light))?;
+    let undecided = options.undecided_lights(world);
+    let asked = RenderOptions {
+        rays_for_maps: undecided.fold(options.rays_for_maps, |rays, (i, _)| rays | 1 << i),
+        ..options
+    };
+    let bytes = ShadowSizes::for_lights(&world.lights, &asked).bytes();
     if bytes <= MAP_BUDGET_BYTES {
         return None;
     }
@@ -87,23 +101,22 @@ pub fn memory(scene: &Scene, world: &World) -> Option<Diagnostic> {
         bytes >> 20
     );
     let help = format!(
-        "leave out `shadow`, so that maps take at most {} MiB and other lights have shadows by rays, or write less `shadow_px`",
+        "leave out `shadow`, so that maps take at most {} MiB and other lights have shadows by rays, \
+         or write less `shadow_px`",
         MAP_BUDGET_BYTES >> 20
     );
     Some(Diagnostic::new("map-memory", first.at.clone(), message).help(help))
 }
 
-/// First light of the scene text with `shadow = "map"`, and the number of such lights, that `are_lamps` of the light
-/// tree or are not.
+/// First light of the scene text with `shadow = "map"` for which a condition holds, and the number of such lights.
 fn asked_maps<'a>(
     scene: &'a Scene,
     world: &World,
-    are_lamps: bool,
+    holds: impl Fn(&Light) -> bool,
 ) -> Option<(&'a Entry<LightDesc>, usize)> {
     let lights = scene.lights.iter().zip(world.all_lights());
-    let mut mapped = lights.filter(|(_, light)| {
-        light.desc.shadow == ShadowMode::Map && world.has_lamp(light) == are_lamps
-    });
+    let mut mapped =
+        lights.filter(|(_, light)| light.desc.shadow == ShadowMode::Map && holds(light));
     let (first, _) = mapped.next()?;
     Some((first, 1 + mapped.count()))
 }

@@ -73,7 +73,7 @@ pub fn needs_trees(world: &World, options: &RenderOptions, software: bool) -> bo
 }
 
 /// The options with rays in place of the maps of lights that may shine on a surface that lets light pass.
-fn with_filtered(world: &World, options: &RenderOptions) -> RenderOptions {
+pub fn with_filtered(world: &World, options: &RenderOptions) -> RenderOptions {
     RenderOptions {
         rays_for_maps: filtered_lights(world),
         ..*options
