@@ -1,4 +1,5 @@
-//! Shadow maps that are too coarse for the main camera or take much memory, and lamps of the light tree that have none.
+//! Shadow maps that are too coarse for the main camera, take much memory or give way to rays, and lamps of the light
+//! tree that have none.
 
 use crate::{
     render::{
@@ -20,7 +21,8 @@ use crate::{
     world::{Light, MAX_LIGHTS, World, bvh::Trees},
 };
 
-/// Warns of shadow maps whose texels span many pixels (the median over the visible surfaces).
+/// Warns of shadow maps whose texels span many pixels (the median over the visible surfaces), and of the `shadow_px` of
+/// lights whose maps give way to rays.
 pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
     let may_have_map = |shadow| matches!(shadow, ShadowMode::Default | ShadowMode::Map);
     let Some(camera) = world.cameras.get(world.main_camera()) else {
@@ -32,12 +34,20 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
     let unit_m = (scene.reflection.unit_m).unwrap_or_else(|| world.unit_m());
     let view = View::new(&camera.value, scene.image.size, unit_m);
     let seen = SeenSurfaces::new(world, trees, &view);
-    let asked = RenderOptions::for_scene(&scene.desc);
+    let asked = with_filtered(world, &RenderOptions::for_scene(&scene.desc));
     let decided = decide(world, trees, &asked, true).options;
     let sizes = ShadowSizes::for_lights(&world.lights, &decided);
     let mut found = Vec::new();
     for (entry, light) in scene.lights.iter().zip(world.all_lights()) {
-        if !may_have_map(light.desc.shadow) || !has_map(world, &decided, light) {
+        if !may_have_map(light.desc.shadow) {
+            continue;
+        }
+        if !has_map(world, &decided, light) {
+            let is_written = entry.at.source.as_ref().is_some_and(|s| !s.generated);
+            let says_px = is_written && light.desc.shadow_px != LightDesc::SHADOW_PX;
+            if says_px && has_map(world, &asked, light) {
+                found.push(unused_px(entry));
+            }
             continue;
         }
         let px = if has_cube_map(&light.desc.kind) {
@@ -58,6 +68,17 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
         found.push(Diagnostic::new("coarse-shadow", at, message).help(help));
     }
     found
+}
+
+/// Warning of the `shadow_px` of a light whose map gives way to rays.
+fn unused_px(entry: &Entry<LightDesc>) -> Diagnostic {
+    let message = format!(
+        "`shadow_px` of light \"{}\" changes nothing: its shadow is found by rays, as the shadow maps of the scene \
+         would take too much time or memory",
+        entry.name
+    );
+    let help = "write `shadow = \"map\"` for the map, whatever it takes, or remove `shadow_px`";
+    Diagnostic::new("ignored-key", entry.at.clone(), message).help(help)
 }
 
 /// Whether a light of a world has a shadow map, by options without `auto`.

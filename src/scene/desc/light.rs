@@ -59,8 +59,9 @@ declared! {
         /// Edge length of the shadow map in pixels, 16 to 4096; for point lights, of each of six faces. More is
         /// sharper. The map of a directional light spans the whole scene, so large scenes need more, or `shadow
         /// = "ray"`. The largest value of a point light holds for all point lights, the largest value
-        /// of any other light for all others. Default 1024.
-        pub shadow_px: u32 [range(16.0, 4096.0)] = 1024,
+        /// of any other light for all others. Without `shadow = "map"` maps have a budget, above which `shadow_px`
+        /// changes nothing: 256 MiB for all, of which a point light takes 24 with 1024 and 384 with 4096. Default 1024.
+        pub shadow_px: u32 [range(16.0, 4096.0)] = LightDesc::SHADOW_PX,
         /// Light group, 1 to 31 letters, digits, `-` and `_`: `--aov light:NAME` writes the light of all lights,
         /// materials and the environment of this name apart. Default "other".
         #[by(LightGroup::find)]
@@ -73,6 +74,9 @@ declared! {
 }
 
 impl LightDesc {
+    /// Edge length of shadow maps of which a scene says none, pixels.
+    pub const SHADOW_PX: u32 = 1024;
+
     fn settled(mut self, t: &mut Table) -> Self {
         self.settle();
         if !self.kind.has_size() {

@@ -8,9 +8,6 @@ use super::{FORWARD, Notes, schema, uri::shorten};
 use crate::Light;
 use reflet_scene::desc::{LightDesc, LightGroup, LightKind, ShadowMode};
 
-/// Width and height of a shadow map, pixels; scene text has the same default.
-const DEFAULT_SHADOW_PX: u32 = 1024;
-
 /// Share of the outer angle of a spot light at which the edge of its cone begins at the latest: a hard edge.
 const HARD_EDGE: f32 = 0.999;
 
@@ -66,7 +63,7 @@ pub fn read(light: &schema::Light, name: &str, notes: &mut Notes, place: &str) -
             kind,
             color: Vec3::from_array(color),
             shadow: ShadowMode::default(),
-            shadow_px: DEFAULT_SHADOW_PX,
+            shadow_px: LightDesc::SHADOW_PX,
             light_group: LightGroup::default(),
         },
         range_m,

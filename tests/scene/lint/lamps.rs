@@ -3,7 +3,7 @@
 use super::{found, only};
 
 /// Where lights are too many for maps, their lamps are named once, and where maps take much memory; rays and maps that
-/// nobody asked for or that rays stand in for are nothing to warn of.
+/// nobody asked for or that rays stand in for are nothing to warn of, but for the size of such a map.
 #[test]
 fn lamps_without_the_map_that_is_asked_for_are_counted() {
     let lit = |more: &str, count: u32, shadow: &str| {
@@ -32,6 +32,7 @@ fn lamps_without_the_map_that_is_asked_for_are_counted() {
     for (count, shadow, expected) in [
         (64, map, "of 62 lights|1488 MiB|at most 256 MiB"),
         (66, map, "66 lights|at most 64|of 64 with|write `shadow"),
+        (3, "shadow_px = 4096", "changes nothing|write `shadow"),
     ] {
         let [_, at, says] = only(&lit("", count, shadow));
         assert_eq!(at, "17:8");
