@@ -179,7 +179,13 @@ impl Decider<'_> {
         (self.reference).get_or_insert_with(|| workload(world, trees, &options))
     }
 
+    /// Notes a choice; further reasons of the same choice join its first.
     fn choose(&mut self, what: &str, chosen: &str, why: String) {
+        let mut made = self.decided.decisions.iter_mut();
+        if let Some(same) = made.find(|d| d.what == what && d.chosen == chosen) {
+            same.why = format!("{}; {why}", same.why);
+            return;
+        }
         self.decided.decisions.push(Decision {
             what: what.to_owned(),
             chosen: chosen.to_owned(),

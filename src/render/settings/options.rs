@@ -14,7 +14,7 @@ pub struct RenderOptions {
     /// Picture size, number of sub-frames, exposure and tone mapping.
     pub image: ImageDesc,
     /// Lights, a bit for each by its index in [`World::lights`], whose maps shadow rays stand in for: where light may pass
-    /// something that casts a shadow, which the one depth of a texel cannot tell, and where rays were decided for.
+    /// something that casts a shadow, which the one depth of a texel cannot tell, and where a decision chose rays.
     pub rays_for_maps: u64,
     /// Index of the camera whose view decides `auto` settings; `None` for [`World::main_camera`].
     pub camera: Option<usize>,
