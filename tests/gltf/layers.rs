@@ -31,14 +31,15 @@ fn what_passes_through_and_what_lies_over_a_material_is_read() {
         "KHR_materials_volume": {"attenuationDistance": 0}
     });
     let error = &doc.load().expect_err("a distance of 0")[0];
-    assert!(
-        error
-            .message
-            .contains("attenuationDistance must be above 0"),
-        "{}",
-        error.message
-    );
+    let said = "attenuationDistance must be above 0";
+    assert!(error.message.contains(said), "{}", error.message);
+    doc.json["materials"][0]["extensions"]["KHR_materials_iridescence"] =
+        json!({"iridescenceIor": 1e39});
     doc.json["materials"][0]["extensions"]["KHR_materials_volume"] = json!({});
+    let said = "iridescenceIor is inf, expected at least 1";
+    let errors = doc.load().expect_err("no number of this type");
+    assert!(errors[0].message.contains(said), "{}", errors[0].message);
+    doc.json["materials"][0]["extensions"]["KHR_materials_iridescence"] = json!({});
     let world = doc.world();
     assert!(warnings(&world).is_empty(), "{:?}", world.warnings);
     assert_eq!(

@@ -121,7 +121,10 @@ fn number(
     } else if least == 0.0 && !is_above {
         numbers.clamped(name, own, plain, most)?
     } else {
-        let is_right = |v: &[f32]| v[0] > least || v[0] == least && !is_above;
+        let may_be_infinite = plain[0].is_infinite();
+        let is_right = |v: &[f32]| {
+            (v[0] > least || v[0] == least && !is_above) && (v[0].is_finite() || may_be_infinite)
+        };
         let message = || match own {
             Some([x]) if !is_above => format!("{name} is {x}, expected at least {least}"),
             _ => format!("{name} must be above {least}"),
