@@ -10,7 +10,7 @@ use crate::pipeline::targets::Target;
 /// Width and height of a tile, pixels.
 const TILE_PX: usize = 16;
 
-/// One in so many pixels of a tile may be a speck, whose error counts as the error of the worst pixel beside them: a
+/// One in so many pixels of a tile, and in each tile of two pixels or more at least one, may be a speck, whose error counts as the error of the worst pixel beside them: a
 /// bright and rare path would decide alone, and no bound would be met before it had converged.
 const SPECKS: usize = 64;
 
@@ -132,7 +132,7 @@ pub(crate) fn tile_errors(
 
 /// Mean of the errors of a tile, of which the largest count as the next one, and the number of specks.
 fn winsorized(errors: &mut [f32]) -> (f64, u32) {
-    let worst = errors.len() - 1 - errors.len() / SPECKS;
+    let worst = errors.len() - 1 - errors.len().div_ceil(SPECKS).min(errors.len() - 1);
     let most = *errors.select_nth_unstable_by(worst, f32::total_cmp).1;
     let sum: f64 = errors.iter().map(|error| f64::from(error.min(most))).sum();
     let specks = errors.iter().filter(|error| **error > most + SPECK);
@@ -154,6 +154,14 @@ mod tests {
         let (first, all) = (gray(&[2.0; 512]), gray(&[4.0; 512]));
         let found = estimate(&first, 4, &all, 8, 32, 1.0);
         assert_eq!(found.error, 0.0);
+    }
+
+    #[test]
+    fn one_speck_does_not_decide_in_a_tile_at_the_border() {
+        let (mut first, all) = (vec![1.0; 17 * 17], vec![2.0; 17 * 17]);
+        first[16] = 0.0;
+        let found = estimate(&gray(&first), 1, &gray(&all), 2, 17, 1.0);
+        assert_eq!((found.error, found.specks), (0.0, 1));
     }
 
     #[test]

@@ -86,7 +86,7 @@ declared! {
     #[derive(Clone, Copy, Debug, PartialEq)]
     #[table("samples = { error = … }")]
     pub struct ErrorBound {
-        /// Largest error that a tile of 16 × 16 pixels may have, the mean of its pixels, of which the worst 4 count no
+        /// Largest error that a tile of 16 × 16 pixels may have, the mean of its pixels, of which the worst 1 in 64 count no
         /// more than the next one, so that specks of rare bright paths do not decide; 0.0005 to 1. About 0.01 is a
         /// grain of 1 of 255 steps in a mid-gray, which is hardly seen.
         pub error: f32 [range(0.0005, 1.0)],
