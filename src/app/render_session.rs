@@ -173,44 +173,43 @@ impl RenderSession {
             specks,
         } = found;
         let is_met = error <= bound.error;
-        let sentence = match is_met {
-            true => {
-                let met = format!(
-                    "{samples} samples, error {error:.4} (`error = {}`)",
-                    bound.error
-                );
-                match specks {
-                    0 => met,
-                    _ => format!(
-                        "{met}, and {specks} single pixels are specks{}",
-                        self.advice_on_grain()
-                    ),
-                }
-            }
-            false => format!(
-                "warning: {samples} samples leave an error of {error:.4} in the tile at pixel {}, {}, \
-                 above `error = {}`: raise `at_most`, or `error`{}",
-                tile[0],
-                tile[1],
-                bound.error,
-                self.advice_on_grain()
-            ),
+        let left = match specks {
+            0 => String::new(),
+            1 => ", and one pixel is a speck".to_owned(),
+            _ => format!(", and {specks} single pixels are specks"),
+        };
+        let advice = if is_met && specks == 0 {
+            String::new()
+        } else {
+            self.advice_on_grain(samples)
+        };
+        let bound = bound.error;
+        let sentence = if is_met {
+            format!("{samples} samples, error {error:.4} (`error = {bound}`){left}{advice}")
+        } else {
+            let [x, y] = tile;
+            format!(
+                "warning: {samples} samples leave an error of {error:.4} in the tile at pixel {x}, {y}, above \
+                 `error = {bound}`{left}: raise `at_most`, or `error`{advice}"
+            )
         };
         Some((sentence, is_met))
     }
 
-    /// Settings beside the number of samples that take grain out of the picture.
-    fn advice_on_grain(&self) -> &'static str {
+    /// Settings beside the number of samples that take grain out of a picture of so many.
+    fn advice_on_grain(&self, samples: u32) -> String {
         let reflection = &self.scene.scene().scene.reflection;
-        let has_glints = reflection.glint_limit == 0.0 && reflection.method != Method::Path;
-        match (self.denoiser.is_none(), has_glints) {
-            (true, true) => {
-                "; `--denoise` smooths what is left, and `glint_limit = 4` in `[reflection]` leaves out rare bright paths"
-            }
-            (true, false) => "; `--denoise` smooths what is left",
-            (false, true) => "; `glint_limit = 4` in `[reflection]` leaves out rare bright paths",
-            (false, false) => "",
+        let mut advice = String::new();
+        if self.denoiser.is_none() {
+            advice += "; `--denoise` smooths what is left";
         }
+        if reflection.glint_limit == 0.0 && reflection.method != Method::Path {
+            let limit = f64::from(samples).sqrt().round();
+            advice += &format!(
+                "; `glint_limit = {limit}` in `[reflection]` leaves out rare bright paths"
+            );
+        }
+        advice
     }
 
     /// Has a software driver compile new pipelines before passes are timed.
