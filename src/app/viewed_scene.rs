@@ -43,6 +43,10 @@ fn denoiser(args: &PreviewArgs, gpu: &Arc<Gpu>) -> Result<Option<PictureFilter>,
     }
     let denoiser = match Denoiser::new(&[]) {
         Err(missing) if args.denoise => return Err(missing.into()),
+        Err(missing) if Denoiser::has_named_folder() => {
+            reflet_base::error_line!("note: pictures are shown with their noise: {missing}");
+            None
+        }
         installed => installed.ok(),
     };
     let gpu = gpu.clone();

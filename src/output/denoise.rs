@@ -88,6 +88,11 @@ impl Denoiser {
         })
     }
 
+    /// Whether the user names a folder of the library.
+    pub fn has_named_folder() -> bool {
+        env::var_os(FOLDER).is_some_and(|folder| !folder.is_empty())
+    }
+
     /// The denoiser, whose pictures are given up with an error once `stop` holds.
     pub fn stopped_by(self, stop: impl Fn() -> bool + Send + Sync + 'static) -> Self {
         let stop = Box::new(stop);
