@@ -236,7 +236,8 @@ declared! {
         /// Limit of the radiance that a path may add past its first hit, once it has taken a random direction, 0 or
         /// more. Less removes more of the bright specks that lamps leave on rough surfaces, glass and coats, and
         /// some light with them; the square root of `samples` takes hardly any. 1 is white at the picture's exposure, 0
-        /// is no limit, as for method `path`. Default 0.
+        /// is no limit, as for method `path`. Pictures in linear light (EXR) are limited likewise, so that the exposure
+        /// changes their specks too. Default 0.
         pub glint_limit: f32 [FROM_0] = 0.0,
         /// Standard deviation of the Gaussian blur of the combined reflection, pixels, 0 to 16: 0 is off. Default 0.
         pub blur_px: f32 [range(0.0, 16.0)] = 0.0,
