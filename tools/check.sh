@@ -187,6 +187,15 @@ if [ "$full" = yes ]; then
         echo "NOT CHECKED: another version of Mesa, which cannot be fetched"
     fi
 
+    heading "Release"
+    if [ "$(id -u)" = 0 ] && command -v debootstrap && [ -z "$(git status --porcelain)" ]; then
+        rm -rf target/release-checked
+        tools/release.sh target/release-checked
+        tools/try_release.sh target/release-checked
+    else
+        echo "NOT CHECKED: a release, which needs root, debootstrap and a tree without changes"
+    fi
+
     heading "Broken files"
     tools/fuzz.sh
 
