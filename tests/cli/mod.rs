@@ -7,7 +7,7 @@ mod info;
 mod lsp;
 mod messages;
 mod project;
-mod project_defaults;
+mod sessions;
 mod sheet;
 mod statistics;
 

@@ -1,0 +1,75 @@
+//! Sessions: commands one after another in a folder, each with its exit code and what it says and leaves.
+
+use super::{project::show, *};
+
+/// Steps of a session, a line each: `file NAME` with its text in the indented lines below, `link NAME TARGET`,
+/// `remove NAME`, `run CODE ARGUMENTS`; and of the run before: `says TEXT`, `lacks TEXT`, and `files FOLDER: NAMES`,
+/// `same A B` and `differ A B`, which compare bytes. `{here}` is the folder, `''` an empty argument.
+fn session(folder: &Path, text: &str) {
+    let here = folder.canonicalize().expect("there");
+    let text = text.replace("{here}", &here.display().to_string());
+    let mut lines = text.lines().peekable();
+    let mut said = String::new();
+    while let Some(line) = lines.next() {
+        let (step, rest) = line.split_once(' ').unwrap_or((line, ""));
+        let pair = || rest.split_once(' ').expect("two words");
+        let read = |name: &str| fs::read(folder.join(name)).expect(line);
+        match step {
+            "" | "#" => {}
+            "file" => {
+                let path = folder.join(rest);
+                fs::create_dir_all(path.parent().expect("a folder")).expect(line);
+                let mut text = String::new();
+                while let Some(more) = lines.next_if(|line| line.starts_with("    ")) {
+                    text += &format!("{}\n", &more[4..]);
+                }
+                fs::write(path, text).expect(line);
+            }
+            #[cfg(unix)]
+            "link" => {
+                let (name, target) = pair();
+                std::os::unix::fs::symlink(target, folder.join(name)).expect(line);
+            }
+            "remove" => fs::remove_file(folder.join(rest)).expect(line),
+            "run" => {
+                let (code, arguments) = pair();
+                let arguments = arguments.split(' ').map(|a| if a == "''" { "" } else { a });
+                let arguments: Vec<&str> = arguments.collect();
+                said = exits(folder, arguments, code.parse().expect(line)).concat();
+            }
+            "says" => assert!(said.contains(rest), "{line}: {said}"),
+            "lacks" => assert!(!said.contains(rest), "{line}: {said}"),
+            "files" => {
+                let (below, all) = rest.split_once(": ").expect(line);
+                assert_eq!(names(&folder.join(below)).join(" "), all, "{line}");
+            }
+            "same" | "differ" => {
+                let (a, b) = pair();
+                assert_eq!(read(a) == read(b), step == "same", "{line}");
+            }
+            _ => panic!("{line}: no such step"),
+        }
+    }
+}
+
+/// Declares tests of the sessions of this folder, in a folder with a scene, or in the project of these settings.
+macro_rules! sessions {
+    ($($name:ident $(($project:literal))?,)*) => {
+        $(#[test]
+        fn $name() {
+            let text = include_str!(concat!("sessions/", stringify!($name), ".txt"));
+            if text.contains("\nrun 0 render") {
+                or_skip!(gpu_or_skip());
+            }
+            let folder = [folder(stringify!($name)) $(, show(stringify!($name), $project))?];
+            session(folder.last().expect("one"), text);
+        })*
+    };
+}
+
+sessions! {
+    render_takes_camera_variant_size_and_output_from_the_project(""),
+    names_of_a_project_that_are_nearly_those_of_the_scene_are_warned_of(""),
+    names_climb_inside_a_project_and_nowhere_else("scripts = \"scripts\"\n"),
+    links_out_of_a_project_are_refused("assets = [\"lib\"]\n"),
+}
