@@ -10,6 +10,7 @@ use clap::{
     builder::{PossibleValue, PossibleValuesParser, TypedValueParser},
 };
 
+use super::relight::Light;
 pub use super::size_arg::{SizeArg, parse_crop, parse_size, parse_size_or_name, parse_time};
 use crate::{
     files::Goal,
@@ -74,6 +75,9 @@ pub struct PictureArgs {
     /// Width and height in pixels, each 1 to 16384, or the name of a size of the project
     #[arg(long, value_name = "WxH", value_parser = parse_size_or_name)]
     pub size: Option<SizeArg>,
+    /// Light in place of the scene's lights and environment: outdoor, studio, or a panorama (.hdr, .exr)
+    #[arg(long, value_name = "LIGHT")]
+    pub light: Option<Light>,
     /// Part of the picture to write: left and top edge, width and height in pixels. It has the same pixels as the whole
     /// picture
     #[arg(long, value_name = "X,Y,W,H", value_parser = parse_crop, allow_hyphen_values = true)]
@@ -122,6 +126,16 @@ pub struct PictureWords<'a> {
 }
 
 impl PictureArgs {
+    /// The arguments with their light as overrides of the scene, before all others.
+    pub fn lit(&self) -> Self {
+        let mut lit = self.clone();
+        if let Some(light) = lit.light.take() {
+            lit.from.set.splice(0..0, light.overrides());
+            lit.from.assets.extend(light.folder());
+        }
+        lit
+    }
+
     /// Words that pass these arguments on, but for the folders of assets.
     pub fn words(&self) -> PictureWords<'_> {
         // Without `..`, so that an argument that is added does not compile until it is passed on.
@@ -137,6 +151,7 @@ impl PictureArgs {
                     no_project,
                 },
             size,
+            light: _, // part of `from`, see `PictureArgs::lit`
             crop,
             method,
             camera,
@@ -207,6 +222,10 @@ pub struct RenderArgs {
     /// Default: all where the output is a film or has #### in its name, else the first
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub frames: Option<String>,
+    /// Turn the camera once around the scene in this time, such as 4s, at 24 frames a second or as many as its timeline
+    /// has
+    #[arg(long, value_name = "TIME", value_parser = parse_time, conflicts_with = "camera")]
+    pub turntable: Option<Duration>,
     /// Keep the files of frames that were made from the same scene, settings and version
     #[arg(long)]
     pub resume: bool,
@@ -242,6 +261,25 @@ pub struct RenderArgs {
 }
 
 impl RenderArgs {
+    /// Arguments for pictures of a scene that another command writes.
+    pub fn for_pictures(scene: &Path, picture: &PictureArgs) -> Self {
+        Self {
+            scene: Some(scene.to_owned()),
+            output: None,
+            frames: None,
+            turntable: None,
+            resume: false,
+            watch: false,
+            progress: None,
+            keep_partial: false,
+            write_every: None,
+            shard: None,
+            picture: picture.clone(),
+            stats: None,
+            counters: false,
+        }
+    }
+
     /// File to write; empty as long as the project has not given it.
     pub fn output(&self) -> &Goal {
         static NONE: Goal = Goal::typed(PathBuf::new());

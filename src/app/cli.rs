@@ -11,6 +11,7 @@ use super::{
     new::NewArgs,
     pack::{PackArgs, unpack::UnpackArgs},
     sheet::SheetArgs,
+    thumbs::ThumbsArgs,
 };
 use crate::app::compare::CompareArgs;
 
@@ -33,6 +34,8 @@ pub enum Command {
     Render(RenderArgs),
     /// Render cameras, variants and frames of a scene into one picture, each with its name
     Sheet(Box<SheetArgs>),
+    /// Render a small picture of every model, panorama and scene of a folder
+    Thumbs(Box<ThumbsArgs>),
     /// Show a scene in a window; every save of its files shows at once
     #[cfg_attr(not(any(feature = "window", feature = "serve")), command(hide = true))]
     Preview(PreviewArgs),

@@ -55,6 +55,14 @@ pub enum AppError {
         /// Frames that were not tried.
         untried: Vec<u32>,
     },
+    /// Files of a folder without a picture, which were reported when they failed: exit code 5.
+    #[error("{failed} of {all} files have no picture")]
+    NoPicture {
+        /// Number of files without a picture.
+        failed: usize,
+        /// Number of all files.
+        all: usize,
+    },
     /// A full disk ended a sequence: exit code 5.
     #[error("{why}")]
     Unwritten {
@@ -78,7 +86,10 @@ impl AppError {
         match self {
             Self::Usage(_) | Self::Picture(_) => 2,
             Self::Scene(_) => 3,
-            Self::Frames(_) | Self::NoFilm { .. } | Self::Unwritten { .. } => 5,
+            Self::Frames(_)
+            | Self::NoFilm { .. }
+            | Self::NoPicture { .. }
+            | Self::Unwritten { .. } => 5,
             Self::Threshold => 6,
             Self::Interrupted(_) => super::shutdown::exit_code(),
             Self::Gpu(GpuError::NoAdapter(_) | GpuError::OutOfMemory(_) | GpuError::Lost(_)) => 4,
@@ -103,6 +114,7 @@ impl AppError {
                 say!("error: {why}");
                 say!("{frames} {is} missing: {list}; free disk space and add --resume to continue");
             }
+            Self::NoPicture { .. } => say!("error: {self}"),
             Self::Interrupted(text) => say!("{text}"),
             Self::Gpu(error) => say!("error: {error}"),
             Self::Scene(diagnostics) | Self::Picture(diagnostics) => {

@@ -65,6 +65,14 @@ struct Film {
 }
 
 impl TaskArgs {
+    /// The arguments with their light as overrides of the scene.
+    fn lit(&self) -> Self {
+        Self {
+            picture: self.picture.lit(),
+            ..self.clone()
+        }
+    }
+
     /// Loads the scene, and checks that its frames can be rendered in parts.
     fn film(&self) -> Result<Film, AppError> {
         if Template::new(&self.pictures)?.is_none() || Format::is_film(&self.pictures) {
@@ -117,6 +125,7 @@ fn openjd(args: &OpenjdArgs) -> Result<(), AppError> {
         tasks: args,
         output,
     } = args;
+    let args = &args.lit();
     let Film { loaded, frames } = args.film()?;
     let folders = asset_folders(&args.picture.from.assets);
     let picture = in_project(&args.picture, &loaded);

@@ -38,6 +38,7 @@ pub mod page;
 pub mod preview;
 pub mod progress;
 pub mod project;
+pub mod relight;
 pub mod render;
 pub mod render_session;
 pub mod sarif;
@@ -50,6 +51,7 @@ pub mod shutdown;
 pub mod size_arg;
 pub mod stats;
 pub mod still;
+pub mod thumbs;
 pub mod usage;
 #[cfg(any(feature = "window", feature = "serve"))]
 pub mod viewed_scene;
@@ -85,6 +87,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
         Command::New(args) => new::new(&args),
         Command::Pack(args) => pack::pack(&args),
         Command::Sheet(args) => sheet::sheet(&args),
+        Command::Thumbs(args) => thumbs::thumbs(&args),
         Command::Unpack(args) => pack::unpack::unpack(&args),
         Command::Compare(args) => run_compare(&args),
         Command::Bench(args) => bench::bench(&args),

@@ -8,6 +8,7 @@ use super::{
     error::AppError,
     lint::Lint,
     project::{make_folder, with_output},
+    relight::{TURNTABLE, turntable},
     render_session::RenderSession,
     scene::load_followed,
     sequence, shaders, still,
@@ -16,7 +17,7 @@ use crate::{
     gpu::adapter::slow_mesa,
     output::{picture_file::PictureFile, writable::inputs},
     render::picture::aov::Aov,
-    runtime::scene_text::LoadedScene,
+    runtime::scene_text::{LoadedScene, SceneText},
     scene::{dependencies::Dependencies, diagnostic::print_diagnostics, suggest},
     world::World,
 };
@@ -35,6 +36,7 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
 /// Same errors as [`render`].
 pub fn render_once(args: &RenderArgs, files: &Dependencies) -> Result<(), AppError> {
     let started = Instant::now();
+    let args = &turned(args)?;
     // Cheap checks first, before rendering.
     if args.output.is_some() {
         check_kind(args)?;
@@ -83,6 +85,26 @@ pub fn render_once(args: &RenderArgs, files: &Dependencies) -> Result<(), AppErr
         }
     }
     failed.map_or(Ok(()), Err)
+}
+
+/// The arguments with light and turntable as overrides of the scene.
+fn turned(args: &RenderArgs) -> Result<RenderArgs, AppError> {
+    let mut args = args.clone();
+    args.picture = args.picture.lit();
+    if let Some(time) = args.turntable.take() {
+        let scene = args.scene.as_deref();
+        let mut options = args.picture.from.options();
+        options.set.extend(overrides(&args.picture, scene)?);
+        let text = SceneText::read(scene, &options).map_err(AppError::Scene)?;
+        let name = text.name();
+        let opened = text.open(&[], &Dependencies::default());
+        let loaded = opened
+            .and_then(|opened| opened.load(name))
+            .map_err(AppError::Scene)?;
+        args.picture.from.set.extend(turntable(&loaded, time));
+        args.picture.camera = Some(TURNTABLE.to_owned());
+    }
+    Ok(args)
 }
 
 /// Checks the name of the output; returns whether it is for many frames.

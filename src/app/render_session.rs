@@ -7,10 +7,10 @@ use xxhash_rust::xxh3::Xxh3Default;
 
 use super::{args::RenderArgs, error::AppError};
 use crate::{
-    gpu::{ShaderLibrary, driver::open_gpu},
+    gpu::{Gpu, ShaderLibrary, driver::open_gpu},
     output::denoise::{Denoiser, reproject::FramePose},
     render::{
-        Crop, ErrorEstimate, PendingPicture, PictureRequest, RenderError,
+        Crop, ErrorEstimate, PendingPicture, Picture, PictureRequest, RenderError,
         picture::{aov::Aov, so_far::EachSample},
         renderer::stats::FrameStats,
         settings::view::View,
@@ -59,6 +59,24 @@ impl RenderSession {
         library: &ShaderLibrary,
     ) -> Result<Self, AppError> {
         show_work(format_args!("compiling shaders"));
+        checked_crop(args, &loaded)?; // before the device, which may be missing
+        let may_query = loaded.scene.reflection.may_query();
+        let gpu = Arc::new(open_gpu(args.picture.adapter.as_deref(), may_query)?);
+        Self::with_gpu(&gpu, args, loaded, camera, aovs, library)
+    }
+
+    /// Builds the renderer on a device that is open, whose pipelines it shares. `camera` is the index of a chosen camera.
+    ///
+    /// # Errors
+    /// A scene past the device's limits, a shader error.
+    pub fn with_gpu(
+        gpu: &Arc<Gpu>,
+        args: &RenderArgs,
+        loaded: LoadedScene,
+        camera: Option<usize>,
+        aovs: Vec<Aov>,
+        library: &ShaderLibrary,
+    ) -> Result<Self, AppError> {
         let denoiser = (args.picture.denoise)
             .then(|| Denoiser::new(&aovs).map(Arc::new))
             .transpose()?;
@@ -67,10 +85,6 @@ impl RenderSession {
         let needs_whole = denoiser.is_some()
             || args.stats.is_some()
             || matches!(loaded.scene.image.samples, Samples::UntilError(_));
-        let gpu = open_gpu(
-            args.picture.adapter.as_deref(),
-            loaded.scene.reflection.may_query(),
-        )?;
         let own_shaders = args.picture.shaders.is_some().then(|| hash_of(library));
         let view = ViewOverrides {
             audit: args.stats.is_some(),
@@ -85,7 +99,7 @@ impl RenderSession {
             shaders: args.picture.shaders.clone(),
             text: None,
         };
-        let scene = Session::of_loaded(Arc::new(gpu), source, view, library.clone(), loaded)
+        let scene = Session::of_loaded(Arc::clone(gpu), source, view, library.clone(), loaded)
             .map_err(|error| AppError::from_render(error, own_shaders.is_some()))?;
         Ok(Self {
             scene,
@@ -131,6 +145,30 @@ impl RenderSession {
             timed: self.timed,
             estimates_error: false,
             each_sample,
+        })
+    }
+
+    /// The finished picture of a frame, posed, denoised and cropped as asked; `each_sample` is called after each sub-frame.
+    ///
+    /// # Errors
+    /// Errors of the scene at the frame, and of rendering.
+    pub fn picture(
+        &mut self,
+        frame: u32,
+        each_sample: Option<EachSample<'_>>,
+    ) -> Result<Picture, AppError> {
+        let is_own = self.own_shaders.is_some();
+        let posed = self.scene.pose(frame);
+        posed.map_err(|error| AppError::from_session(error, is_own))?;
+        let pending = self.begin(false, each_sample);
+        let picture = pending.and_then(|pending| pending.take(self.scene.gpu()));
+        let mut picture = picture.map_err(|error| AppError::from_render(error, is_own))?;
+        if let Some(denoiser) = &self.denoiser {
+            denoiser.apply(&mut picture)?;
+        }
+        Ok(match self.crop {
+            Some(crop) => picture.cropped(crop),
+            None => picture,
         })
     }
 

@@ -80,6 +80,10 @@ pub fn sheet(args: &SheetArgs) -> Result<(), AppError> {
             "--aov does not apply to a sheet".to_owned(),
         ));
     }
+    let args = &SheetArgs {
+        picture: args.picture.lit(),
+        ..args.clone()
+    };
     let output = PictureFile::new(&args.output)?;
     let library = shaders::library(args.picture.shaders.as_deref())?;
     let takes = takes(args)?;
@@ -129,20 +133,7 @@ fn render_all(
     let mut index = 0;
     for take in takes {
         for &camera in &take.cameras {
-            let render = RenderArgs {
-                scene: Some(args.scene.clone()),
-                output: Some(args.output.clone()),
-                frames: None,
-                resume: false,
-                watch: false,
-                progress: None,
-                keep_partial: false,
-                write_every: None,
-                shard: None,
-                picture: args.picture.clone(),
-                stats: None,
-                counters: false,
-            };
+            let render = RenderArgs::for_pictures(&args.scene, &args.picture);
             let name = take.loaded.world.cameras[camera].name.clone();
             let loaded = take.loaded.clone();
             let mut session =
@@ -153,37 +144,13 @@ fn render_all(
                     return Err(AppError::Interrupted(text));
                 }
                 let label = label(take, &name, frame, names);
-                let picture = picture_of(&mut session, frame)?;
-                page.put(index, &picture, &label);
+                page.put(index, &session.picture(frame, None)?.display, &label);
                 index += 1;
                 reflet_base::error_line!("{index} of {count}: {label}");
             }
         }
     }
     Ok(())
-}
-
-/// Display color of a frame, RGBA.
-fn picture_of(session: &mut RenderSession, frame: u32) -> Result<Vec<u8>, AppError> {
-    let posed = session.scene.pose(frame);
-    posed.map_err(|error| AppError::from_session(error, session.own_shaders.is_some()))?;
-    let pending = session.begin(false, None);
-    let picture = pending.and_then(|pending| pending.take(session.scene.gpu()));
-    let mut picture =
-        picture.map_err(|error| AppError::from_render(error, session.own_shaders.is_some()))?;
-    if let Some(denoiser) = &session.denoiser {
-        denoiser.apply(&mut picture)?;
-    }
-    let picture = match session.crop {
-        Some(crop) => picture.cropped(crop),
-        None => picture,
-    };
-    // A sheet is opaque; what a picture lets through is the page.
-    Ok(picture
-        .display
-        .chunks_exact(4)
-        .flat_map(|p| [p[0], p[1], p[2], 255])
-        .collect())
 }
 
 /// Caption of a picture: of variant, camera and frame, whatever differs on the sheet.

@@ -18,7 +18,7 @@ use reflet_render::{
     renderer::stats::FrameStats,
     runtime::{
         Session, SessionError,
-        model_viewer_scene::is_model,
+        model_viewer_scene::is_bare,
         parameters::{DeclaredParameters, ParameterOverrides},
     },
 };
@@ -160,7 +160,7 @@ impl Live {
     /// Files to watch: read for the shown scene or searched since, with the time of the read.
     pub fn watch_list(&self) -> (WatchList, SystemTime) {
         let kind = |path: &PathBuf| {
-            if is_model(path) {
+            if is_bare(path) {
                 Change::Asset
             } else {
                 Change::Scene

@@ -74,7 +74,7 @@ pub use self::{
     scatter::{AlongDesc, OverDesc},
     script::ScriptDesc,
     shape::{FontDesc, LatheSource, NoiseDesc, PartDesc, ShapeDesc, SweepCurve, TextAlign},
-    stage::{MODEL_ENDINGS, StageDesc, is_model, is_stage},
+    stage::{MODEL_ENDINGS, PANORAMA_ENDINGS, StageDesc, is_bare, is_panorama, is_stage},
     track::{
         CurveKind, Ease, FollowDesc, KeyDesc, NumberKeyDesc, NumberOscillateDesc, NumberTrackDesc,
         OrbitDesc, OscillateDesc, PairKeyDesc, PairOscillateDesc, PairTrackDesc, ScaleKeyDesc,

@@ -20,7 +20,7 @@ pub use toml_parser::lexer::TokenKind;
 
 pub use self::{
     size::{MOST_TABLES, MOST_TEXT_BYTES, Size, tables_in},
-    write::{key_text, to_text},
+    write::{key_text, to_text, value_text},
 };
 
 /// A key with its byte range in the text.

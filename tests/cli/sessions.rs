@@ -1,4 +1,4 @@
-//! Sessions: commands one after another in a folder, each with its exit code and what it says and leaves.
+//! Sessions: commands one after another in a folder, each with its exit code, its words and the files that it leaves.
 
 use super::{project::show, *};
 
@@ -68,6 +68,8 @@ macro_rules! sessions {
 }
 
 sessions! {
+    each_file_of_a_folder_has_a_picture_or_an_error,
+    bare_models_have_light_and_turn_as_asked,
     render_takes_camera_variant_size_and_output_from_the_project(""),
     names_of_a_project_that_are_nearly_those_of_the_scene_are_warned_of(""),
     names_climb_inside_a_project_and_nowhere_else("scripts = \"scripts\"\n"),

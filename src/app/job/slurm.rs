@@ -37,10 +37,11 @@ pub struct SlurmArgs {
 /// Errors of the scene, [`AppError::Usage`] for names that are not UTF-8 and for too many tasks, and a script
 /// that cannot be written.
 pub fn slurm(args: &SlurmArgs) -> Result<(), AppError> {
-    let film = args.tasks.film()?;
-    let script = script(&args.tasks, &film)?;
+    let tasks = &args.tasks.lit();
+    let film = tasks.film()?;
+    let script = script(tasks, &film)?;
     let output = &args.output;
-    let inputs = inputs([args.tasks.scene.as_path()], &film.loaded);
+    let inputs = inputs([tasks.scene.as_path()], &film.loaded);
     check_writable(output, &inputs)?;
     write_whole(output, script.as_bytes()).map_err(|error| AppError::unwritten(output, &error))?;
     reflet_base::error_line!("wrote {}", output.display());

@@ -8,7 +8,7 @@ use std::{sync::Arc, time::Instant};
 
 use super::{Live, Problems, Reload};
 use reflet_render::runtime::{
-    model_viewer_scene::is_model, parameters::ParameterOverrides, read::Read,
+    model_viewer_scene::is_bare, parameters::ParameterOverrides, read::Read,
 };
 use reflet_scene::{desc::ParamValue, stages::Scene};
 
@@ -184,7 +184,7 @@ impl Live {
         let is_shown = self.pending.reusable.scene && self.pending.unposed.is_none();
         let path = self.source().path.as_deref();
         let is_current = is_asked && is_shown && self.pending.trial.is_none();
-        is_current && !self.is_stand_in && !path.is_some_and(is_model)
+        is_current && !self.is_stand_in && !path.is_some_and(is_bare)
     }
 
     /// Values refused since the last call.

@@ -9,7 +9,7 @@ use crate::write_back::{
     change_flight, change_keys, change_material, change_parameters, inspect, key_tracks, put,
     reduced,
 };
-use reflet_render::runtime::{model_viewer_scene::is_model, parameters::ParameterOverrides};
+use reflet_render::runtime::{model_viewer_scene::is_bare, parameters::ParameterOverrides};
 use reflet_scene::{
     desc::{InstanceMaterialDesc, ModelSource},
     stages::Scene,
@@ -209,8 +209,8 @@ impl Live {
     fn check_text(&self) -> Result<(), String> {
         match &self.source().path {
             None => Err("the built-in scene has no file".to_owned()),
-            Some(path) if is_model(path) => {
-                Err("a model alone has no scene text to change".to_owned())
+            Some(path) if is_bare(path) => {
+                Err("a file alone has no scene text to change".to_owned())
             }
             Some(_) => Ok(()),
         }

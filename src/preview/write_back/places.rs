@@ -107,7 +107,7 @@ pub fn writable(source: Option<&Source>) -> Result<(), String> {
         ));
     }
     if source.generated {
-        return Err("a model alone has no scene text to change".to_owned());
+        return Err("a file alone has no scene text to change".to_owned());
     }
     if [OVERRIDE, VARIANT]
         .iter()

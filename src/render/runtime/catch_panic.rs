@@ -10,7 +10,10 @@ use std::{
 use reflet_scene::diagnostic::Diagnostic;
 
 /// Result of `work`; a panic becomes a diagnostic about this file.
-pub(super) fn catch_panic<T>(
+///
+/// # Errors
+/// Errors of `work`, and a panic.
+pub fn catch_panic<T>(
     file: &Path,
     work: impl FnOnce() -> Result<T, Vec<Diagnostic>>,
 ) -> Result<T, Vec<Diagnostic>> {

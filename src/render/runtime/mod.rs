@@ -27,7 +27,7 @@ use reflet_gpu::{Gpu, GpuOptions, ShaderLibrary};
 use reflet_scene::{dependencies::Dependencies, diagnostic::Diagnostic, motion::FrameState};
 use reflet_world::{World, load::AssetCache};
 
-mod catch_panic;
+pub mod catch_panic;
 mod coarse;
 pub mod empty_view;
 pub mod error;

@@ -1,4 +1,5 @@
-//! Model viewer scene: a scene made for a bare model, with daylight and its animations.
+//! Viewer scenes: a scene made for a bare model, with daylight and its animations, or for a panorama, with a ball that
+//! mirrors it.
 
 use std::{
     collections::HashSet,
@@ -6,7 +7,7 @@ use std::{
     sync::Arc,
 };
 
-pub use reflet_scene::desc::is_model;
+pub use reflet_scene::desc::is_bare;
 use reflet_scene::{
     desc::is_stage,
     diagnostic::{Diagnostic, Source},
@@ -76,6 +77,26 @@ pub fn model_viewer_scene(
     Ok(Source::generated(path, root))
 }
 
+/// Scene that shows a panorama: behind a ball that mirrors all of it.
+pub fn panorama_viewer_scene(path: &Path) -> Source {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let shape = made([("kind", Content::from("sphere"))]);
+    let chrome = made([("metallic", Content::from(1)), ("roughness", 0.into())]);
+    let ball = made([("shape", shape.into()), ("material", "chrome".into())]);
+    let main = [("eye", [0.0, 0.0, 2.0].into()), ("fov_deg", 45.into())];
+    let root = made([
+        ("version", Content::from(1)),
+        ("camera", made([("main", made(main).into())]).into()),
+        (
+            "environment",
+            made([("file", Content::from(&*name))]).into(),
+        ),
+        ("material", made([("chrome", chrome.into())]).into()),
+        ("model", made([("ball", ball.into())]).into()),
+    ]);
+    Source::generated(path, root)
+}
+
 /// Whether nothing of a model is lit, so that the sun needs no shadows.
 fn is_unlit(playable: &Playable, overrides: &[String]) -> bool {
     // Other materials may be lit.
@@ -83,7 +104,7 @@ fn is_unlit(playable: &Playable, overrides: &[String]) -> bool {
 }
 
 /// Sun from above.
-fn sun(is_shadowless: bool) -> Content {
+pub fn sun(is_shadowless: bool) -> Content {
     let mut sun = made([
         ("kind", Content::from("directional")),
         ("direction", [-0.5, -1.0, -0.7].into()),
@@ -97,7 +118,7 @@ fn sun(is_shadowless: bool) -> Content {
 }
 
 /// Daylight.
-fn sky() -> Content {
+pub fn sky() -> Content {
     let colors = [[0.5, 0.55, 0.65], [0.6, 0.6, 0.6], [0.25, 0.23, 0.2]];
     let [zenith, horizon, ground] = colors.map(Content::from);
     made([("zenith", zenith), ("horizon", horizon), ("ground", ground)]).into()

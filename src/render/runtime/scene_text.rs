@@ -9,12 +9,12 @@ use std::{
 pub use super::scene_options::{ASSETS_ENV, SceneOptions, asset_folders};
 use super::{
     SessionError, empty_view,
-    model_viewer_scene::{is_model, model_viewer_scene},
+    model_viewer_scene::{is_bare, model_viewer_scene, panorama_viewer_scene},
     scene_options::{load_options, missing_folders, read_options, without_project},
 };
 use reflet_scene::{
     dependencies::Dependencies,
-    desc::ParamValue,
+    desc::{ParamValue, is_panorama},
     diagnostic::{Diagnostic, Severity, Source},
     motion::FrameState,
     parse::{self, Document, ReadOptions, Texts, VARIANT},
@@ -95,8 +95,8 @@ impl SceneText {
         Document::new(&self.texts, &self.read).variants()
     }
 
-    /// Reads the scene text from the file or from the built-in atrium, and the texts that it names; for a model,
-    /// makes a model viewer scene. Making it reads the model, which is cached for the load.
+    /// Reads the scene text from the file or from the built-in atrium, and the texts that it names; for a model
+    /// or a panorama, makes a viewer scene. Making it reads the model, which is cached for the load.
     ///
     /// # Errors
     /// Same errors as [`parse::read`], and a USD stage that cannot be converted.
@@ -106,8 +106,8 @@ impl SceneText {
             let text = Self::new(ATRIUM, Path::new("atrium.toml"), &without_project(from));
             return Ok(Self { name, ..text });
         };
-        if is_model(path) {
-            return Self::of_model(path, from);
+        if is_bare(path) {
+            return Self::of_file(path, from);
         }
         let is_project = path.file_name().is_some_and(|name| name == project::FILE);
         let project = is_project.then(|| ("this is a project's file".into(), "name a scene of it"));
@@ -118,11 +118,15 @@ impl SceneText {
         Ok(Self::new(&parse::read(path)?, path, from))
     }
 
-    /// Model viewer scene of a model.
-    fn of_model(path: &Path, from: &SceneOptions) -> Result<Self, Vec<Diagnostic>> {
+    /// Viewer scene of a model or a panorama.
+    fn of_file(path: &Path, from: &SceneOptions) -> Result<Self, Vec<Diagnostic>> {
         let project = from.project.project_of(path)?;
         let options = load_options(from, project.as_ref());
-        let own = model_viewer_scene(path, &options, &from.set).map_err(|error| vec![*error])?;
+        let own = match is_panorama(path) {
+            true => Ok(panorama_viewer_scene(path)),
+            false => model_viewer_scene(path, &options, &from.set),
+        };
+        let own = own.map_err(|error| vec![*error])?;
         Ok(Self {
             options,
             ..Self::from_source(Arc::new(own), from)

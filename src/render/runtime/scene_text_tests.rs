@@ -77,7 +77,7 @@ fn each_text_is_parsed_once_per_opening() {
 #[test]
 fn scene_of_a_bare_model_is_made_without_parsing() {
     let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scripts/walker.glb");
-    assert!(is_model(&model) && !is_stage(&model));
+    assert!(is_bare(&model) && !is_stage(&model));
     parsed::record();
     let text = SceneText::read(Some(&model), &SceneOptions::default()).expect("it can be read");
     let opened = text

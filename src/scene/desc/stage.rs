@@ -33,9 +33,17 @@ pub fn is_stage(path: &Path) -> bool {
     ends_with(path, &MODEL_ENDINGS[6..])
 }
 
-/// Whether a file is a model rather than a scene, judged by its name.
-pub fn is_model(path: &Path) -> bool {
-    ends_with(path, MODEL_ENDINGS)
+/// Endings of the names of panoramas.
+pub const PANORAMA_ENDINGS: &[&str] = &["hdr", "exr"];
+
+/// Whether a file is a panorama, judged by its name.
+pub fn is_panorama(path: &Path) -> bool {
+    ends_with(path, PANORAMA_ENDINGS)
+}
+
+/// Whether a file is a model or a panorama rather than a scene, judged by its name.
+pub fn is_bare(path: &Path) -> bool {
+    ends_with(path, MODEL_ENDINGS) || is_panorama(path)
 }
 
 fn ends_with(path: &Path, endings: &[&str]) -> bool {

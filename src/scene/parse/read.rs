@@ -203,7 +203,7 @@ impl Section for EnvironmentDesc {
             light_group: LightGroup::find(t).unwrap_or_default(),
             is_written: has_colors || t.has("file"),
         };
-        t.files("file", &["hdr", "exr"]);
+        t.files("file", PANORAMA_ENDINGS);
         let of_file = t.needing("file", &["rotation_deg", "layer"]);
         if let Some(key) = of_file.first().filter(|_| t.clean()) {
             let does = if *key == "layer" { "is of" } else { "turns" };

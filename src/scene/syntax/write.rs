@@ -16,7 +16,12 @@ fn write_table(path: &str, table: &Entries, out: &mut String) {
     let is_table = |node: &Node| matches!(node.get_ref(), Content::Table(_));
     for (key, node) in table.iter().filter(|(_, node)| !is_table(node)) {
         // Writing to a string cannot fail.
-        let _ = writeln!(out, "{} = {}", key_text(key.get_ref()), value(node));
+        let _ = writeln!(
+            out,
+            "{} = {}",
+            key_text(key.get_ref()),
+            value_text(node.get_ref())
+        );
     }
     for (key, node) in table {
         if let Content::Table(inner) = node.get_ref() {
@@ -37,20 +42,28 @@ pub fn key_text(key: &str) -> String {
     }
 }
 
-fn value(node: &Node) -> String {
-    match node.get_ref() {
+/// Content as a value in one line.
+pub fn value_text(content: &Content) -> String {
+    match content {
         Content::String(text) => toml_text(text),
         Content::Integer(number) => number.to_string(),
         Content::Float(number) => number.to_string(),
         Content::Boolean(value) => value.to_string(),
         Content::Datetime => String::new(), // no generated scene has one
         Content::Array(items) => {
-            let items: Vec<_> = items.iter().map(value).collect();
+            let items: Vec<_> = items
+                .iter()
+                .map(|item| value_text(item.get_ref()))
+                .collect();
             format!("[{}]", items.join(", "))
         }
         Content::Table(table) => {
             let pair = |(key, node): (&super::Key, &Node)| {
-                format!("{} = {}", key_text(key.get_ref()), value(node))
+                format!(
+                    "{} = {}",
+                    key_text(key.get_ref()),
+                    value_text(node.get_ref())
+                )
             };
             let pairs: Vec<_> = table.iter().map(pair).collect();
             format!("{{ {} }}", pairs.join(", "))

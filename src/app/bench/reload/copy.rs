@@ -15,7 +15,7 @@ use crate::{
     },
     files::folder_of,
     gpu::ShaderLibrary,
-    runtime::{SceneSource, model_viewer_scene::is_model, scene_text::SceneText},
+    runtime::{SceneSource, model_viewer_scene::is_bare, scene_text::SceneText},
     scene::{dependencies::Dependencies, desc::SceneDesc},
 };
 
@@ -108,7 +108,7 @@ impl SceneCopy {
         let folder = folder.map_err(|e| failed(&temporary, &e))?;
         let own = folder.path().join("project");
         fs::create_dir(&own).map_err(|e| failed(&own, &e))?;
-        let CopiedScene { scene, from } = match path.filter(|path| !is_model(path)) {
+        let CopiedScene { scene, from } = match path.filter(|path| !is_bare(path)) {
             Some(path) => {
                 let copied = Layout::for_scene(path, from)?.copy_to(&own);
                 copied.map_err(|e| failed(&own, &e))?

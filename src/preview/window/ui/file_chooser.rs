@@ -7,7 +7,7 @@ use std::{
 
 use eframe::egui::{self, Align2, RichText, ScrollArea, Ui};
 
-use reflet_render::runtime::model_viewer_scene::is_model;
+use reflet_render::runtime::model_viewer_scene::is_bare;
 
 /// A folder and its entries.
 #[derive(Debug)]
@@ -55,7 +55,7 @@ impl FileChooser {
             }
             if path.is_dir() {
                 self.folders.push(name.to_owned());
-            } else if is_model(&path) || path.extension().is_some_and(|e| e == "toml") {
+            } else if is_bare(&path) || path.extension().is_some_and(|e| e == "toml") {
                 self.files.push(name.to_owned());
             }
         }

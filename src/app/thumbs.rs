@@ -1,0 +1,273 @@
+//! `thumbs`: a small picture of every model, panorama and scene of a folder, by one process with one device.
+
+use std::{
+    collections::VecDeque,
+    fmt::Display,
+    fs,
+    path::{Path, PathBuf},
+    sync::{
+        Arc,
+        mpsc::{Receiver, channel},
+    },
+    thread,
+    time::{Duration, Instant},
+};
+
+use clap::Args;
+use reflet_base::standard_error::{end_work, show_work};
+use walkdir::{DirEntry, WalkDir};
+
+use super::{
+    args::{PictureArgs, RenderArgs, SizeArg, parse_time},
+    cameras,
+    error::AppError,
+    render::overrides,
+    render_session::RenderSession,
+    shaders, shutdown,
+};
+use crate::{
+    files::{Goal, open_regular, read_at_most},
+    gpu::{Gpu, GpuError, ShaderLibrary, driver::open_gpu},
+    output::picture_file::PictureFile,
+    runtime::{
+        catch_panic::catch_panic,
+        scene_text::{LoadedScene, SceneText},
+    },
+    scene::{dependencies::Dependencies, desc::is_bare, parse::MOST_BYTES, project},
+};
+
+/// Width and height of the pictures without `--size`.
+const SIDE_PX: u32 = 256;
+/// Sub-frames of the pictures without `--samples`.
+const SAMPLES: u32 = 8;
+/// Maximum number of files that are read at a time.
+const MOST_READERS: usize = 4;
+
+/// Arguments of `thumbs`.
+#[derive(Clone, Debug, Args)]
+pub struct ThumbsArgs {
+    /// Folder whose models, panoramas and scenes are shown, with the folders below; links to folders are not followed
+    pub folder: PathBuf,
+    /// Folder to write into: the picture of a/b.glb is a/b.glb.png
+    #[arg(short, long, value_name = "DIR", value_hint = clap::ValueHint::DirPath)]
+    pub output: Goal,
+    /// Keep pictures that are newer than their file
+    #[arg(long)]
+    pub resume: bool,
+    /// Time after which reading or rendering a file is given up, such as 90s or 2m
+    #[arg(long, value_name = "TIME", default_value = "60s", value_parser = parse_time)]
+    pub timeout: Duration,
+    /// Settings of the pictures; without --size they have 256 x 256 pixels, without --samples 8 sub-frames
+    #[command(flatten)]
+    pub picture: PictureArgs,
+}
+
+/// A file to show.
+struct Job {
+    file: PathBuf,
+    picture: Goal,
+}
+
+/// Scene of a file that a thread reads since a time.
+struct Reading {
+    job: Job,
+    began: Instant,
+    loaded: Receiver<Result<LoadedScene, AppError>>,
+}
+
+/// Renders a picture of each file.
+///
+/// # Errors
+/// [`AppError::Usage`] for a folder without files to show, no usable adapter, a full disk, [`AppError::NoPicture`] after
+/// all others where some files have none; each is reported when it fails.
+pub fn thumbs(args: &ThumbsArgs) -> Result<(), AppError> {
+    let mut picture = args.picture.lit();
+    if !picture.aov.is_empty() || picture.crop.is_some() {
+        let text = "--aov and --crop do not apply to thumbs";
+        return Err(AppError::Usage(text.to_owned()));
+    }
+    picture.size.get_or_insert(SizeArg::Pixels([SIDE_PX; 2]));
+    picture.samples.get_or_insert(SAMPLES);
+    let library = shaders::library(picture.shaders.as_deref())?;
+    let mut failed = 0;
+    let mut jobs = jobs(args, &mut failed)?;
+    let all = jobs.len() + failed;
+    jobs.retain(|job| !is_kept(args, job));
+    let kept = all - failed - jobs.len();
+    fs::create_dir_all(&*args.output).map_err(|error| AppError::unwritten(&args.output, &error))?;
+    shutdown::listen();
+    let mut gpu = open(&picture)?;
+    let readers = thread::available_parallelism().map_or(1, |n| n.get().min(MOST_READERS));
+    let mut jobs = jobs.into_iter().map(|job| read(job, &picture));
+    let mut reading = VecDeque::from_iter(jobs.by_ref().take(readers));
+    let mut made = 0;
+    while let Some(Reading { job, began, loaded }) = reading.pop_front() {
+        let number = kept + failed + made + 1;
+        show_work(format_args!("{number} of {all}: {}", job.file.display()));
+        let left = args.timeout.saturating_sub(began.elapsed());
+        // A thread that reads for too long is left alone.
+        let loaded = loaded
+            .recv_timeout(left)
+            .unwrap_or_else(|_| Err(late(args)));
+        reading.extend(jobs.next());
+        let shown = loaded.and_then(|loaded| render(&gpu, args, &picture, loaded, &job, &library));
+        end_work();
+        if shutdown::is_requested() {
+            let text = format!("stopped after {made} pictures; --resume goes on with the others");
+            return Err(AppError::Interrupted(text));
+        }
+        match shown {
+            Ok(()) => made += 1,
+            Err(error @ AppError::Disk(_)) => return Err(error),
+            Err(error) => {
+                report(&job.file, &error, &mut failed);
+                if matches!(
+                    error,
+                    AppError::Gpu(GpuError::Lost(_) | GpuError::OutOfMemory(_))
+                ) {
+                    gpu = open(&picture)?;
+                }
+            }
+        }
+    }
+    reflet_base::error_line!("wrote {made} pictures, kept {kept}");
+    match failed {
+        0 => Ok(()),
+        failed => Err(AppError::NoPicture { failed, all }),
+    }
+}
+
+/// The device of all pictures.
+fn open(picture: &PictureArgs) -> Result<Arc<Gpu>, AppError> {
+    Ok(Arc::new(open_gpu(picture.adapter.as_deref(), false)?))
+}
+
+/// Names a file that has no picture, with the reason.
+fn report(file: &Path, error: &dyn Display, failed: &mut usize) {
+    reflet_base::error_line!("error: {}: {error}", file.display());
+    *failed += 1;
+}
+
+fn late(args: &ThumbsArgs) -> AppError {
+    let seconds = args.timeout.as_secs_f64();
+    AppError::Usage(format!("it takes longer than {seconds} s (--timeout)"))
+}
+
+/// The files of the folder in order of their paths; folders that cannot be read are reported.
+fn jobs(args: &ThumbsArgs, failed: &mut usize) -> Result<Vec<Job>, AppError> {
+    let is_visible = |entry: &DirEntry| {
+        entry.depth() == 0 || !entry.file_name().to_string_lossy().starts_with('.')
+    };
+    let walk = WalkDir::new(&args.folder).sort_by_file_name();
+    let mut jobs = Vec::new();
+    for entry in walk.into_iter().filter_entry(is_visible) {
+        let entry = match entry {
+            Ok(entry) => entry,
+            Err(error) if error.depth() == 0 => {
+                return Err(AppError::Usage(format!("{error}")));
+            }
+            Err(error) => {
+                report(error.path().unwrap_or(&args.folder), &error, failed);
+                continue;
+            }
+        };
+        let file = entry.path();
+        if !file.is_file() || !(is_bare(file) || is_scene(file)) {
+            continue;
+        }
+        let below = file.strip_prefix(&args.folder).unwrap_or(file);
+        let mut picture = args.output.join(below).into_os_string();
+        picture.push(".png");
+        jobs.push(Job {
+            file: file.to_owned(),
+            picture: args.output.renamed(picture.into()),
+        });
+    }
+    if jobs.is_empty() && *failed == 0 {
+        let folder = args.folder.display();
+        let text = format!("{folder} has no models, panoramas (.hdr, .exr) or scenes");
+        return Err(AppError::Usage(text));
+    }
+    Ok(jobs)
+}
+
+/// Whether a file is a scene's text: `version` stands before its first table.
+fn is_scene(file: &Path) -> bool {
+    let is_toml = file.extension().is_some_and(|ending| ending == "toml");
+    if !is_toml || file.file_name().is_some_and(|name| name == project::FILE) {
+        return false;
+    }
+    let bytes = open_regular(file, false).and_then(|file| read_at_most(&file, MOST_BYTES));
+    let text = bytes.map_or(String::new(), |bytes| {
+        String::from_utf8_lossy(&bytes).into_owned()
+    });
+    let mut lines = text.lines().map(str::trim_start);
+    lines
+        .by_ref()
+        .take_while(|line| !line.starts_with('['))
+        .any(|line| {
+            line.strip_prefix("version")
+                .is_some_and(|rest| rest.trim_start().starts_with('='))
+        })
+}
+
+/// Whether the picture of a job is newer than its file, and such pictures are kept.
+fn is_kept(args: &ThumbsArgs, job: &Job) -> bool {
+    let time = |path: &Path| fs::metadata(path).and_then(|found| found.modified()).ok();
+    args.resume && time(&job.picture).is_some_and(|picture| Some(picture) > time(&job.file))
+}
+
+/// Starts a thread that reads the file of a job, without a word about its warnings.
+fn read(job: Job, picture: &PictureArgs) -> Reading {
+    let (sender, loaded) = channel();
+    let (file, picture) = (job.file.clone(), picture.clone());
+    thread::spawn(move || {
+        let loaded = overrides(&picture, Some(&file)).and_then(|more| {
+            let loaded = catch_panic(&file, || {
+                let text = SceneText::read(Some(&file), &picture.from.options())?;
+                let name = text.name();
+                text.open(&more, &Dependencies::default())?.load(name)
+            });
+            loaded.map_err(AppError::Scene)
+        });
+        let _ = sender.send(loaded); // nobody waits for it any more
+    });
+    Reading {
+        job,
+        began: Instant::now(),
+        loaded,
+    }
+}
+
+/// Renders and writes the picture of a scene, unless rendering takes longer than the timeout.
+fn render(
+    gpu: &Arc<Gpu>,
+    thumbs: &ThumbsArgs,
+    picture: &PictureArgs,
+    loaded: LoadedScene,
+    job: &Job,
+    library: &ShaderLibrary,
+) -> Result<(), AppError> {
+    let began = Instant::now();
+    let camera = picture
+        .camera
+        .as_deref()
+        .map(|name| cameras::choose(&loaded, Some(name)));
+    let camera = camera.transpose()?.and_then(|all| all.first().copied());
+    let args = RenderArgs::for_pictures(&job.file, picture);
+    let mut session = RenderSession::with_gpu(gpu, &args, loaded, camera, Vec::new(), library)?;
+    let first = session.scene.scene().scene.first_frame();
+    let is_late = || began.elapsed() > thumbs.timeout;
+    let shown = session.picture(
+        first,
+        Some(&|_| match is_late() || shutdown::is_requested() {
+            true => Err(GpuError::Interrupted.into()),
+            false => Ok(()),
+        }),
+    );
+    let shown = shown.map_err(|error| if is_late() { late(thumbs) } else { error })?;
+    let unwritten = |error| AppError::unwritten(&job.picture, &error);
+    job.picture.make_folders().map_err(unwritten)?;
+    PictureFile::new(&job.picture)?.write(&shown)?;
+    Ok(())
+}
