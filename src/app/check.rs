@@ -2,7 +2,6 @@
 
 use std::{
     io::{self, Read as _},
-    ops::RangeInclusive,
     path::Path,
     sync::Arc,
     time::{Duration, Instant},
@@ -19,6 +18,7 @@ use super::{
 use crate::{
     runtime::{
         kept_assets::KeptAssets,
+        posing::{frames_of, pose_all},
         scene_text::{LoadedScene, SceneOptions, SceneText},
     },
     scene::{
@@ -26,7 +26,7 @@ use crate::{
         diagnostic::{Diagnostic, Source, at_most, print_diagnostics},
         parse::MOST_BYTES,
         reach::UnsavedTexts,
-        stages::{Animator, Scene},
+        stages::Animator,
     },
     world::World,
 };
@@ -200,7 +200,8 @@ fn check_variant(
     }
     let mut loaded = kept.assets.load(&opened, name)?;
     let mut log = Log::default();
-    let found = pose_and_lint(&mut loaded, &mut kept.trees, &mut log, posing);
+    let mut print = |_: &World, frame, lines| log.add(frame, lines);
+    let found = pose_and_lint(&mut loaded, &mut kept.trees, posing, &mut print);
     log.print();
     let mut messages = [misspelt_names(&loaded), loaded.warnings].concat();
     let posed = match found {
@@ -236,10 +237,11 @@ fn check_variant(
     })
 }
 
-/// All warnings of [`Lint`] about a loaded scene; none if a frame cannot be posed, which `check` reports.
-pub fn lint(loaded: &mut LoadedScene) -> Vec<Diagnostic> {
-    let mut log = Log::default();
-    let found = pose_and_lint(loaded, &mut KeptTrees::default(), &mut log, POSING);
+/// All warnings of [`Lint`] about a loaded scene; none if a frame cannot be posed, which `check` reports. `visit` is
+/// called with each posed world.
+pub fn lint(loaded: &mut LoadedScene, visit: &mut dyn FnMut(&World)) -> Vec<Diagnostic> {
+    let mut visit = |world: &World, _, _| visit(world);
+    let found = pose_and_lint(loaded, &mut KeptTrees::default(), POSING, &mut visit);
     found.map_or_else(|_| Vec::new(), |(_, warnings)| warnings)
 }
 
@@ -247,28 +249,18 @@ pub fn lint(loaded: &mut LoadedScene) -> Vec<Diagnostic> {
 fn pose_and_lint(
     loaded: &mut LoadedScene,
     trees: &mut KeptTrees,
-    log: &mut Log,
     posing: Duration,
+    visit: &mut dyn FnMut(&World, u32, Vec<String>),
 ) -> Result<(u32, Vec<Diagnostic>), Vec<Diagnostic>> {
     let animator = Animator::new(&loaded.scene);
     let mut lint = Lint::new(&loaded.scene, trees);
-    let mut visit = |world: &World| lint.frame(world);
+    let mut visit = |world: &World, frame, log| {
+        lint.frame(world);
+        visit(world, frame, log);
+    };
     let frames = frames_of(&loaded.scene);
-    let posed = pose_all(
-        &animator,
-        &mut loaded.world,
-        frames,
-        posing,
-        log,
-        &mut visit,
-    )?;
+    let posed = pose_all(&animator, &mut loaded.world, frames, posing, &mut visit)?;
     Ok((posed, lint.finish()))
-}
-
-/// Frames of the timeline; without one, the only frame.
-fn frames_of(scene: &Scene) -> RangeInclusive<u32> {
-    let first = scene.first_frame();
-    first..=scene.timeline.as_ref().map_or(first, |t| t.end)
 }
 
 /// Reads scene text from standard input; its relative paths start from the current folder.
@@ -315,68 +307,9 @@ impl Log {
     }
 }
 
-/// Poses frames within the time budget, at least the first and the last unless a script exceeds a
-/// limit; returns their number. Script output is added to `log`; `visit` is called with each posed world.
-fn pose_all(
-    animator: &Animator,
-    world: &mut World,
-    frames: RangeInclusive<u32>,
-    posing: Duration,
-    log: &mut Log,
-    visit: &mut dyn FnMut(&World),
-) -> Result<u32, Vec<Diagnostic>> {
-    let started = Instant::now();
-    let (first, last) = (*frames.start(), *frames.end());
-    let mut wrong: Vec<(u32, Diagnostic)> = Vec::new();
-    let mut posed = 0;
-    for frame in spread(first, last) {
-        let is_end = frame == first || frame == last;
-        // A frame that exceeded a limit may have taken very long, and the last frame would too.
-        let met_limit = wrong.iter().any(|(_, e)| e.name == "script-limit");
-        if met_limit || (!is_end && started.elapsed() > posing) {
-            break;
-        }
-        posed += 1;
-        let done = animator.pose(frame).and_then(|state| {
-            world.apply(&state)?;
-            visit(world);
-            log.add(frame, state.log);
-            Ok(())
-        });
-        for error in done.err().into_iter().flatten() {
-            let same = wrong
-                .iter_mut()
-                .find(|(_, known)| known.name == error.name && known.span == error.span);
-            match same {
-                Some(known) if known.0 <= frame => {}
-                Some(known) => *known = (frame, error),
-                None => wrong.push((frame, error)),
-            }
-        }
-    }
-    wrong.sort_by_key(|(frame, _)| *frame);
-    match wrong.is_empty() {
-        true => Ok(posed),
-        false => Err(wrong.into_iter().map(|(_, e)| e).collect()),
-    }
-}
-
-/// Frame numbers: both ends, then successively finer steps between them; each frame once.
-fn spread(first: u32, last: u32) -> impl Iterator<Item = u32> {
-    let length = last - first;
-    let most = u32::BITS - length.leading_zeros();
-    let steps = (0..most).rev().map(|bit| 1_u32 << bit);
-    let between = steps.flat_map(move |step| {
-        let odd = (u64::from(step)..u64::from(length)).step_by(2 * step as usize);
-        odd.map(move |offset| first + offset as u32)
-    });
-    let ends = [Some(first), (last > first).then_some(last)];
-    ends.into_iter().flatten().chain(between)
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{Log, MOST_LINES, spread};
+    use super::{Log, MOST_LINES};
 
     #[test]
     fn script_log_keeps_only_shown_lines() {
@@ -388,16 +321,5 @@ mod tests {
         let frames = log.lines.iter().map(|(frame, _)| *frame);
         let expected = [0; 60].into_iter().chain([3; 40]);
         assert!(frames.eq(expected));
-    }
-
-    #[test]
-    fn check_order_has_each_frame_once_and_both_ends_first() {
-        for (first, last) in [(0, 0), (3, 4), (0, 5), (7, 23), (0, 64), (1, 949)] {
-            let mut frames: Vec<_> = spread(first, last).collect();
-            assert_eq!(frames[0], first);
-            assert_eq!(frames[frames.len().min(2) - 1], last);
-            frames.sort_unstable();
-            assert_eq!(frames, (first..=last).collect::<Vec<_>>());
-        }
     }
 }

@@ -10,6 +10,7 @@ use super::{
     job::JobCommand,
     new::NewArgs,
     pack::{PackArgs, unpack::UnpackArgs},
+    query::QueryArgs,
     sheet::SheetArgs,
     thumbs::ThumbsArgs,
 };
@@ -44,6 +45,9 @@ pub enum Command {
     Check(CheckArgs),
     /// Print the contents of a scene: counts, sizes in meters, memory; needs no GPU
     Info(InfoArgs),
+    /// Tell which things of a scene are visible, where they stand in the text, and which others hide, light and touch
+    /// them, by rays on the processor; needs no GPU
+    Query(Box<QueryArgs>),
     /// Write what a render farm needs to render a film in parts; needs no GPU
     Job {
         /// Kind of render farm
@@ -69,6 +73,9 @@ pub enum Command {
         /// Print the schema of projects (reflet.toml) instead
         #[arg(long)]
         project: bool,
+        /// Print the schema of the answers of `query --json` instead
+        #[arg(long, conflicts_with = "project")]
+        query: bool,
     },
     /// Print the manual of scene text, as Markdown
     Manual,

@@ -1,6 +1,6 @@
 //! `info`: contents of a scene as counts, meters and bytes.
 
-mod frame;
+pub mod frame;
 mod skipped;
 mod table;
 
@@ -10,6 +10,7 @@ use std::{
 };
 
 use clap::Args;
+use frame::planned_frames;
 use serde::Serialize;
 use skipped::{SkippedInfo, skipped};
 
@@ -18,6 +19,7 @@ use crate::{
     app::args::SceneArgs,
     files::folder_of,
     gpu::adapter::AdapterSummary,
+    math::Bounds,
     render::{
         RenderOptions,
         buffers::textures::Layers,
@@ -27,6 +29,7 @@ use crate::{
         maps::method_maps::MapFacts,
         methods,
         plan::{Dropped, Plan},
+        query::answer::Choices,
         settings::cutoff::can_reflect,
     },
     runtime::{
@@ -38,7 +41,7 @@ use crate::{
         desc::{Entry, LightKind, ParamValue, SceneDesc},
         diagnostic::print_diagnostics,
     },
-    world::{Light, ListedVariants, Mesh, World, animation::Listed, bvh::Trees},
+    world::{Light, Mesh, World, animation::Listed, bvh::Trees},
 };
 
 /// Output of `info --json`.
@@ -78,20 +81,19 @@ pub struct Info {
     pub light_triangles: usize,
     /// Animations of the files, played or not.
     pub animations: Vec<Listed>,
-    /// Material variants of the files that have some.
-    pub variants: Vec<ListedVariants>,
-    /// First frame, last frame and frames a second; `None` without a timeline.
-    pub timeline: Option<Timeline>,
-    /// Cuts of the timeline, each with the camera shown from its frame on.
-    pub cuts: Vec<Cut>,
+    /// Names that the scene and its models' files offer to choose from.
+    #[serde(flatten)]
+    pub choices: Choices,
     /// Animated values and their sources.
     pub moves: Vec<String>,
     /// Parameters of the script, as scene text.
     pub params: Vec<String>,
     /// Parameters of the scripts of placed scenes, with their values there, by the names of the scenes' groups.
     pub placed_params: BTreeMap<String, Vec<String>>,
-    /// Smallest and largest corner of the static bounds, meters; `None` for an empty scene.
+    /// Smallest and largest corner of all instances over their motion, meters; `None` for an empty scene.
     pub bounds_m: Option<[[f32; 3]; 2]>,
+    /// Smallest and largest corner of the static instances, of which U is a share, or of all where none is static.
+    pub static_bounds_m: Option<[[f32; 3]; 2]>,
     /// U, meters.
     pub unit_m: f32,
     /// Length of a reflection ray, meters.
@@ -132,26 +134,6 @@ pub struct Info {
     pub files: Vec<String>,
 }
 
-/// The frames of a scene.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Timeline {
-    /// First frame.
-    pub start: u32,
-    /// Last frame.
-    pub end: u32,
-    /// Frames a second.
-    pub fps: f32,
-}
-
-/// A cut of the timeline.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Cut {
-    /// First frame of the camera.
-    pub frame: u32,
-    /// Name of the camera.
-    pub camera: String,
-}
-
 /// Prints the contents of a scene, or the passes of its frame.
 ///
 /// # Errors
@@ -162,14 +144,18 @@ pub fn info(args: &InfoArgs) -> Result<(), AppError> {
         return Err(AppError::Scene(vec![refused]));
     }
     if args.frame {
-        let frames = frame::planned_frames(&loaded)?;
+        let frames = planned_frames(&loaded)?;
         return match args.json {
             true => print_json(&frames),
             false => print_out(&frame::table(&frames)),
         };
     }
     let mut info = gather(&loaded, args.at)?;
-    let found = check::lint(&mut loaded);
+    let mut bounds = loaded.first_frame().bounds();
+    let found = check::lint(&mut loaded, &mut |world| {
+        bounds = bounds.union(world.bounds())
+    });
+    info.bounds_m = corners(bounds);
     print_diagnostics(&found);
     info.warnings += found.len();
     info.border = border(&loaded, args);
@@ -216,7 +202,6 @@ pub fn gather(loaded: &LoadedScene, at: Option<u32>) -> Result<Info, AppError> {
     let unit_m = reflection.unit_m.unwrap_or_else(|| world.unit_m());
     let is_of = |light: &Light, name: &str| light.desc.kind.name() == name;
     let num_lights = |name| world.all_lights().filter(|l| is_of(l, name)).count();
-    let bounds = world.static_bounds();
     let num_triangles = |mesh: usize| world.meshes[mesh].triangles.len();
     let options = ViewOverrides::default().options(loaded);
     let trees = trees_of(world, &options)?;
@@ -249,24 +234,14 @@ pub fn gather(loaded: &LoadedScene, at: Option<u32>) -> Result<Info, AppError> {
             .map(|(_, instance)| num_triangles(instance.mesh))
             .sum(),
         animations: world.animations.clone(),
-        variants: world.variants.clone(),
-        timeline: loaded.scene.timeline.as_ref().map(|t| Timeline {
-            start: t.start,
-            end: t.end,
-            fps: t.fps,
-        }),
-        cuts: (loaded.scene.cuts.iter())
-            .map(|cut| Cut {
-                frame: cut.frame,
-                camera: cut.camera.value.clone(),
-            })
-            .collect(),
+        choices: Choices::of_scene(loaded),
         moves: moves(&loaded.scene),
         params: settings(&loaded.scene.params),
         placed_params: (loaded.scene.placed_params.iter())
             .map(|(group, params)| (group.clone(), settings(params)))
             .collect(),
-        bounds_m: (!bounds.is_empty()).then(|| [bounds.min.to_array(), bounds.max.to_array()]),
+        bounds_m: corners(world.bounds()),
+        static_bounds_m: corners(world.static_bounds()),
         unit_m,
         ray_length_m: reflection.ray_length_u * unit_m,
         threshold_m: reflection.threshold_u * unit_m,
@@ -305,6 +280,10 @@ fn trees_of(world: &World, options: &RenderOptions) -> Result<Trees, AppError> {
 fn settings(params: &[Entry<ParamValue>]) -> Vec<String> {
     let params = params.iter();
     params.map(|p| setting(&p.name, &p.value)).collect()
+}
+
+fn corners(bounds: Bounds) -> Option<[[f32; 3]; 2]> {
+    (!bounds.is_empty()).then(|| [bounds.min.to_array(), bounds.max.to_array()])
 }
 
 /// Names of everything that `[motion]` and the script animate.

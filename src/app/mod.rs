@@ -9,6 +9,7 @@ use clap::Parser as _;
 
 use crate::{
     app::compare::{CompareArgs, compare},
+    render::query::answer,
     scene::{
         diagnostic::printable_lines,
         manual::manual,
@@ -38,6 +39,7 @@ pub mod page;
 pub mod preview;
 pub mod progress;
 pub mod project;
+pub mod query;
 pub mod relight;
 pub mod render;
 pub mod render_session;
@@ -81,6 +83,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
         Command::Preview(_) => Err(AppError::Usage(NO_WINDOW.to_owned())),
         Command::Check(args) => check::check(&args),
         Command::Info(args) => info::info(&args),
+        Command::Query(args) => query::query(&args),
         Command::Cache(args) => cache::cache(args),
         Command::Lsp => lsp::lsp(),
         Command::Job { command } => job::job(&command),
@@ -91,8 +94,9 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
         Command::Unpack(args) => pack::unpack::unpack(&args),
         Command::Compare(args) => run_compare(&args),
         Command::Bench(args) => bench::bench(&args),
-        Command::Schema { project: false } => print_json(&schema()),
-        Command::Schema { project: true } => print_json(&project_schema()),
+        Command::Schema { query: true, .. } => print_json(&answer::schema()),
+        Command::Schema { project: true, .. } => print_json(&project_schema()),
+        Command::Schema { .. } => print_json(&schema()),
         Command::Manual => print_out(&manual()),
         Command::Scripting { definitions: true } => print_out(&script::api::definitions()),
         Command::Scripting { definitions: false } => print_out(&script::api::manual()),

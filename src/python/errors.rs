@@ -67,7 +67,7 @@ fn class_of(error: &SessionError) -> &'static str {
         SessionError::Scene(_) => "SceneError",
         SessionError::UnknownName { .. } => "UnknownNameError",
         SessionError::Frame { .. } => "FrameError",
-        SessionError::Mesh(_) => "ArgumentError",
+        SessionError::Mesh(_) | SessionError::Pixel { .. } => "ArgumentError",
         SessionError::Gpu(GpuError::NoAdapter(_)) => "NoAdapterError",
         SessionError::Gpu(_) => "DeviceError",
     }

@@ -18,6 +18,7 @@
 //! | [`renderer`] | a world that is rendered, changed and posed; statistics and error of its frames |
 //! | [`picture`] | pictures and AOVs that are read back, tone mapped or encoded as PNG |
 //! | [`runtime`] | keyed stages from a scene's text to its picture ([`runtime::Session`]) |
+//! | [`query`] | questions about a scene, answered by rays on the CPU |
 //!
 //! It prints nothing and writes no file; `docs/examples/render_to_pixels.rs` is a program.
 
@@ -32,6 +33,7 @@ pub mod passes;
 pub mod picture;
 pub mod pipeline;
 pub mod plan;
+pub mod query;
 pub mod renderer;
 pub mod runtime;
 pub mod settings;

@@ -208,6 +208,18 @@ impl Span {
         self.in_script().map_or(self, |(span, _)| span)
     }
 
+    /// The place as `file:line:column`, or the model file for which the program generated the text; `None` for the
+    /// default span.
+    pub fn in_words(&self) -> Option<String> {
+        let source = self.source.as_ref()?;
+        let path = source.path.display();
+        if source.generated {
+            return Some(path.to_string());
+        }
+        let place = source.place(self.range.start);
+        Some(format!("{path}:{}:{}", place.line, place.column))
+    }
+
     /// For a span of text that a script returned: the place in the script, and the entry's name.
     fn in_script(&self) -> Option<(Self, String)> {
         let source = self.source.as_ref()?;

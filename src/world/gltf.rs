@@ -12,7 +12,7 @@ use std::{
 
 use glam::{Affine3A, Vec3};
 
-use super::{Light, Material, Mesh, deform::DeformingNodes, rig::Rig};
+use super::{Light, ListedNames, Material, Mesh, deform::DeformingNodes, rig::Rig};
 use reflet_base::memory;
 use reflet_scene::{
     desc::CameraDesc,
@@ -85,6 +85,8 @@ pub struct Model {
     pub images: Vec<ImageUse>,
     /// Deforming nodes of each mesh that animations of the file deform, by index into [`Model::meshes`].
     pub deforming: HashMap<usize, Arc<DeformingNodes>>,
+    /// Names of the materials and the nodes, in the order of the file.
+    pub names: ListedNames,
     /// Names of the material variants.
     pub variants: Vec<String>,
     /// Materials of each mesh in some variants, as indices into [`Model::variants`] and
@@ -365,6 +367,15 @@ fn read_faults(path: &Path, sandbox: &Sandbox, options: &ReadOptions) -> Result<
     model.posed_names = PosedNames::from_nodes(&root, &options.posed, |node| {
         visit.model_from_node(node).is_some()
     });
+    let of_scene = |(i, node): (usize, &schema::Node)| {
+        let name = node.name.clone().filter(|name| !name.is_empty());
+        name.filter(|_| visit.model_from_node(i).is_some())
+    };
+    let own_materials = model.materials.iter().take(root.materials.len());
+    model.names = ListedNames {
+        materials: own_materials.map(|m| m.name.clone()).collect(),
+        nodes: root.nodes.iter().enumerate().filter_map(of_scene).collect(),
+    };
     let primitives = geometry::read(&root, &data, &visit, &mut model, &mut notes)?;
     model.warnings = extension::ignored(&root, path);
     // A million nodes take less memory as JSON or as placements than as both.

@@ -21,6 +21,7 @@ use reflet_scene::{
 pub mod animation;
 pub mod bvh;
 mod closed;
+pub mod contact;
 mod corner_tangents;
 mod curvature;
 mod decals;
@@ -49,7 +50,7 @@ pub mod usd;
 pub use curvature::Curvature;
 pub use decals::{Decal, DecalMask, Decals};
 pub use environment::Environment;
-pub use material::{ListedVariants, Material};
+pub use material::{ListedModel, ListedNames, Material};
 pub use material_textures::{
     CORE_SLOTS, CoreTexture, FILE_TEXTURES, FileTexture, LAYER_SLOTS, LayerTexture, TEXTURE_SLOTS,
 };
@@ -91,8 +92,8 @@ pub struct World {
     pub environment: Environment,
     /// The animations of all files.
     pub animations: Vec<animation::Listed>,
-    /// The material variants of the files that have some.
-    pub variants: Vec<ListedVariants>,
+    /// Contents of the models' files.
+    pub models: Vec<ListedModel>,
     /// Named warnings collected while loading.
     pub warnings: Vec<Diagnostic>,
     /// Every file that was read, for fingerprints and watching.

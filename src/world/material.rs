@@ -1,14 +1,15 @@
 //! Materials: the properties of a surface for shading and ray tracing.
 
-use std::ops::{Deref, DerefMut};
-
-use glam::{Vec3, Vec4};
-use serde::Serialize;
+use std::{
+    ops::{Deref, DerefMut},
+    path::PathBuf,
+};
 
 use super::{
-    TextureRef,
+    Shared, TextureRef,
     material_textures::{LAYER_SLOTS, LayerTexture, TEXTURE_SLOTS},
 };
+use glam::{Vec3, Vec4};
 use reflet_scene::desc::{
     CheckerDesc, LightGroup, MATERIAL, MaterialDesc, MaterialNumbers, PatternKind, PatternedDesc,
     PatternedKey, ReflectionMode,
@@ -70,13 +71,26 @@ pub struct Material {
     pub layer_textures: [Option<TextureRef>; LAYER_SLOTS],
 }
 
-/// The material variants of a file.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ListedVariants {
+/// Names of the contents of a file, in its order; names that it lacks are left out.
+#[derive(Clone, Debug, Default)]
+pub struct ListedNames {
+    /// Names of its own materials.
+    pub materials: Shared<String>,
+    /// Names of the nodes of its scene.
+    pub nodes: Shared<String>,
+}
+
+/// Contents of a model's file from which scene text chooses by name.
+#[derive(Clone, Debug)]
+pub struct ListedModel {
     /// Name of the `[model.NAME]`.
     pub model: String,
-    /// Names of the variants in scene text.
-    pub names: Vec<String>,
+    /// The file.
+    pub file: PathBuf,
+    /// Names of materials and nodes.
+    pub names: ListedNames,
+    /// Names of the material variants.
+    pub variants: Vec<String>,
     /// Name of the shown variant; `None`: the file's own materials are shown.
     pub shown: Option<String>,
 }

@@ -3,7 +3,7 @@
 mod boolean;
 mod charstring;
 mod contour;
-mod crossing;
+pub(crate) mod crossing;
 mod crossings;
 mod curve;
 mod displaced;

@@ -3,7 +3,7 @@
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Vec2, Vec3};
 
-use super::{Mesh, World};
+use super::{Instance, Mesh, World};
 use reflet_scene::desc::CameraDesc;
 
 /// Number of triangles that are looked at; of more, the picture is taken to show some.
@@ -99,37 +99,45 @@ impl Sight {
         let mut why = Unseen::Nothing;
         let mut tried = 0;
         for instance in &world.instances {
-            if !instance.shown.visible || instance.is_hidden() {
-                why = later(why, Unseen::Hidden);
-                continue;
-            }
             let mesh = &meshes[instance.mesh];
             tried += mesh.triangles.len();
             if tried > MOST_TRIED {
                 return None;
             }
-            let deformed = world.deformed.get(&instance.mesh);
-            let posed = deformed.map_or_else(|| mesh.at_rest(), |deformed| deformed.posed());
-            let place = instance.world_from_object;
-            let front = f64::from(place.matrix3.determinant().signum());
-            let round = mesh.placed_radius_m(&place).map(|radius_m| Thickness {
-                radius_m: radius_m.into(),
-                least_px: if mesh.at_least_a_pixel { LEAST_PX } else { 0.0 },
-            });
-            let has_back = round.is_none() && !world.materials[instance.material].double_sided;
-            for triangle in &mesh.triangles {
-                let corners = posed.corners(*triangle);
-                let [a, b, c] = corners.map(|p| place.transform_point3(p).as_dvec3());
-                let to_eye = match self.is_perspective {
-                    true => self.eye - a,
-                    false => -self.forward,
-                };
-                let is_back = has_back && (b - a).cross(c - a).dot(to_eye) * front < 0.0;
-                match self.unseen_triangle([a, b, c], is_back, round) {
-                    None => return None,
-                    Some(reason) => why = later(why, reason),
-                }
-            }
+            why = later(why, self.unseen_instance(world, mesh, instance)?);
+        }
+        Some(why)
+    }
+
+    /// Why the picture would show no surface of an instance of this mesh that nothing hides; `None` where it would.
+    pub fn unseen_instance(
+        &self,
+        world: &World,
+        mesh: &Mesh,
+        instance: &Instance,
+    ) -> Option<Unseen> {
+        if !instance.shown.visible || instance.is_hidden() {
+            return Some(Unseen::Hidden);
+        }
+        let deformed = world.deformed.get(&instance.mesh);
+        let posed = deformed.map_or_else(|| mesh.at_rest(), |deformed| deformed.posed());
+        let place = instance.world_from_object;
+        let front = f64::from(place.matrix3.determinant().signum());
+        let round = mesh.placed_radius_m(&place).map(|radius_m| Thickness {
+            radius_m: radius_m.into(),
+            least_px: if mesh.at_least_a_pixel { LEAST_PX } else { 0.0 },
+        });
+        let has_back = round.is_none() && !world.materials[instance.material].double_sided;
+        let mut why = Unseen::Nothing;
+        for triangle in &mesh.triangles {
+            let corners = posed.corners(*triangle);
+            let [a, b, c] = corners.map(|p| place.transform_point3(p).as_dvec3());
+            let to_eye = match self.is_perspective {
+                true => self.eye - a,
+                false => -self.forward,
+            };
+            let is_back = has_back && (b - a).cross(c - a).dot(to_eye) * front < 0.0;
+            why = later(why, self.unseen_triangle([a, b, c], is_back, round)?);
         }
         Some(why)
     }

@@ -46,10 +46,10 @@ fn a_variant_is_chosen_by_name() {
             .map(|i| world.materials[i.material].name.as_str())
             .collect();
         assert_eq!(names, [expected, "default"], "{variant:?}");
-        let [listed] = &world.variants[..] else {
-            panic!("one file has variants: {:?}", world.variants);
+        let [listed] = &world.models[..] else {
+            panic!("one file is read: {:?}", world.models);
         };
-        assert_eq!(listed.names, ["beach", "street", "night"]);
+        assert_eq!(listed.variants, ["beach", "street", "night"]);
         assert_eq!(listed.shown.as_deref(), variant);
     }
     desc.models[0].value.variant = Some(unplaced("nigt"));

@@ -23,6 +23,7 @@ mod mistakes;
 mod moving;
 mod placed;
 mod placed_script;
+mod queries;
 mod removed;
 mod returned;
 mod schema;

@@ -65,23 +65,16 @@ fn a_panorama_and_colors_replace_each_other() {
     let file =
         "version = 1\nbase = \"base.toml\"\n[environment]\nfile = \"sky.hdr\"\nrotation_deg = 90\n";
     let colors = "version = 1\nbase = \"file.toml\"\n[environment]\ncolor = [0, 1, 0]\n";
-    let files = [
-        ("shot/base.toml", base),
-        ("shot/file.toml", file),
-        ("shot/scene.toml", file),
-    ];
-    let environment = Folder::with(&files).expect().environment.clone();
+    let read = |own| {
+        let texts = [("base", base), ("file", file), ("scene", own)];
+        let files = texts.map(|(name, text)| (format!("shot/{name}.toml"), text));
+        let files = files.each_ref().map(|(name, text)| (name.as_str(), *text));
+        Folder::with(&files).expect().environment.clone()
+    };
+    let environment = read(file);
     assert!(environment.file.is_some() && environment.intensity == 2.0);
-    let files = [
-        ("shot/base.toml", base),
-        ("shot/file.toml", file),
-        ("shot/scene.toml", colors),
-    ];
-    let scene = Folder::with(&files).expect();
-    let environment = scene.environment.clone();
+    let environment = read(colors);
     assert!(environment.file.is_none() && environment.zenith == glam::Vec3::Y);
-    assert_eq!(
-        (environment.rotation_deg, environment.intensity),
-        (0.0, 2.0)
-    );
+    let rest = (environment.rotation_deg, environment.intensity);
+    assert_eq!(rest, (0.0, 2.0));
 }

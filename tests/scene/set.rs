@@ -44,19 +44,12 @@ fn values_are_set_by_path_index_and_name() {
         panic!("it has no matrix");
     };
     assert_eq!((translation, scale), (Vec3::Y, Vec3::new(1.0, 2.0, 3.0)));
-    assert!(matches!(
-        scene.instances[0].material,
-        Some(InstanceMaterialDesc::Override(_))
-    ));
+    let own = &scene.instances[0].material;
+    assert!(matches!(own, Some(InstanceMaterialDesc::Override(_))));
     assert_eq!(scene.image.size, [16, 8]);
     let material = &scene.materials[0].value;
-    assert_eq!(
-        material
-            .base_color_texture
-            .as_ref()
-            .map(|t| t.value.as_str()),
-        Some("a/b.png")
-    );
+    let texture = material.base_color_texture.as_ref().expect("a texture");
+    assert_eq!(texture.value, "a/b.png");
     assert_eq!(material.roughness, Some(0.25));
 }
 
@@ -64,10 +57,8 @@ fn values_are_set_by_path_index_and_name() {
 fn override_can_fix_an_error_of_the_file() {
     let text = "version = 1\n[image]\nsamples = 0\n";
     assert!(Scene::from_text(text, Path::new("scene.toml"), &[]).is_err());
-    assert_eq!(
-        read_with(text, &["image.samples=4"]).image.samples,
-        Samples::Count(4)
-    );
+    let samples = read_with(text, &["image.samples=4"]).image.samples;
+    assert_eq!(samples, Samples::Count(4));
     let empty = read_with("", &["version=1", "environment.color=[1, 1, 1]"]);
     assert_eq!(empty.environment.zenith, Vec3::ONE);
 }

@@ -2,8 +2,15 @@
 
 use std::fmt::Write as _;
 
-use super::{Info, Timeline, skipped};
-use crate::{output::stats::mebibytes, render::decide::Decision, scene::desc::LightKind};
+use super::{Info, skipped};
+use crate::{
+    output::stats::mebibytes,
+    render::{decide::Decision, query::answer::Timeline},
+    scene::desc::LightKind,
+};
+
+/// Number of names of a file that are told.
+const NAMES: usize = 12;
 
 /// Project of the scene, and the folders that its files may be in.
 fn files(info: &Info) -> Vec<(&'static str, String)> {
@@ -47,10 +54,10 @@ pub fn table(info: &Info) -> String {
     for (label, value) in choices(info) {
         line(label, value);
     }
-    if let Some(Timeline { start, end, fps }) = info.timeline {
+    if let Some(Timeline { start, end, fps }) = info.choices.timeline {
         line("timeline", format!("frames {start} to {end} at {fps} fps"));
     }
-    for cut in &info.cuts {
+    for cut in &info.choices.cuts {
         line("cut", format!("frame {}: {}", cut.frame, cut.camera));
     }
     for what in &info.moves {
@@ -63,10 +70,17 @@ pub fn table(info: &Info) -> String {
         line("param", format!("of \"{group}\": {}", params.join(", ")));
     }
     let corner = |[x, y, z]: [f32; 3]| format!("({x:.3}, {y:.3}, {z:.3})");
-    let bounds = info.bounds_m.map_or("nothing".to_owned(), |[min, max]| {
-        format!("{} to {} m", corner(min), corner(max))
-    });
-    line("bounds", bounds);
+    let corners = |[min, max]: [_; 2]| format!("{} to {} m", corner(min), corner(max));
+    line(
+        "bounds",
+        info.bounds_m.map_or("nothing".to_owned(), corners),
+    );
+    if let Some(bounds) = info
+        .static_bounds_m
+        .filter(|_| info.static_bounds_m != info.bounds_m)
+    {
+        line("static", corners(bounds));
+    }
     line("U", format!("{:.4} m", info.unit_m));
     line("ray length", format!("{:.3} m", info.ray_length_m));
     line("threshold", format!("{:.4} m", info.threshold_m));
@@ -122,14 +136,30 @@ fn choices(info: &Info) -> Vec<(&'static str, String)> {
         let (model, name) = (&animation.model, &animation.name);
         lines.push(("animation", format!("\"{name}\" of model {model}: {state}")));
     }
-    for listed in &info.variants {
-        let shown = listed.shown.as_deref().unwrap_or("none of them");
-        let (names, model) = (listed.names.join(", "), &listed.model);
-        lines.push((
-            "variants",
-            format!("{names} of model {model}; shown: {shown}"),
-        ));
+    for file in &info.choices.models {
+        let kinds = [
+            ("materials", &file.materials),
+            ("nodes", &file.nodes),
+            ("variants", &file.variants),
+        ];
+        for (label, names) in kinds.into_iter().filter(|(_, names)| !names.is_empty()) {
+            let mut text: Vec<&str> = names.iter().take(NAMES).map(String::as_str).collect();
+            let more = format!(
+                "and {} more, which --json lists",
+                names.len().saturating_sub(NAMES)
+            );
+            text.extend((names.len() > NAMES).then_some(more.as_str()));
+            let shown = file.shown_variant.as_deref().unwrap_or("none of them");
+            let shown = match label {
+                "variants" => format!("; shown: {shown}"),
+                _ => String::new(),
+            };
+            let text = text.join(", ");
+            lines.push((label, format!("{text} of model {}{shown}", file.name)));
+        }
     }
+    let own = info.choices.scene_variants.join(", ");
+    lines.extend((!own.is_empty()).then_some(("variants", format!("{own} of the scene"))));
     lines
 }
 

@@ -200,7 +200,7 @@ impl Estimator<'_> {
         let around = ambient(&self.sky, point.normal);
         let mut light: DVec3 = look.emission + albedo * around;
         for lamp in &world.lights {
-            light += albedo * self.incoming(lamp, &point) / PI;
+            light += albedo * incoming(self.rays.trees, lamp, &point) / PI;
         }
         light += albedo * self.incoming_of_lamps(&point) / PI;
         let f0 = DVec3::splat(reflectivity).lerp(look.base_color, metallic);
@@ -227,7 +227,7 @@ impl Estimator<'_> {
         let alpha2 = alpha * alpha;
         let of = |light: &Light| {
             let kind = &light.desc.kind;
-            let arrives = f0 * self.incoming(light, point);
+            let arrives = f0 * incoming(self.rays.trees, light, point);
             let offset = kind.position().map(|at| at.as_dvec3() - point.position);
             let away = kind.direction().map(|to| -to.as_dvec3());
             let to_light = offset.or(away).unwrap_or(DVec3::ZERO);
@@ -265,52 +265,54 @@ impl Estimator<'_> {
                 continue;
             };
             let lamp = &self.rays.world.lamps[lamp as usize];
-            light += self.incoming(lamp, point) / f64::from(CHOSEN_LAMPS) / f64::from(chance);
+            light += incoming(self.rays.trees, lamp, point)
+                / f64::from(CHOSEN_LAMPS)
+                / f64::from(chance);
         }
         light
     }
+}
 
-    /// Irradiance of a light on a surface.
-    fn incoming(&self, light: &Light, point: &SurfacePoint) -> DVec3 {
-        let Some((to_light, t_max)) = towards(light, point) else {
-            return DVec3::ZERO;
-        };
-        let kind = &light.desc.kind;
-        let facing = match kind.direction().filter(|_| kind.is_flat()) {
-            Some(direction) => {
-                let direction = direction.as_dvec3().normalize_or_zero();
-                (-to_light.normalize_or_zero().dot(direction)).max(0.0)
-            }
-            None => 1.0,
-        };
-        let falloff = match kind.position() {
-            Some(_) => facing / to_light.length_squared().max(1e-20),
-            None => 1.0,
-        };
-        let cosine = to_light.normalize_or_zero().dot(point.normal);
-        if cosine <= 0.0 {
-            return DVec3::ZERO;
+/// Irradiance of a light on a surface, by the light's middle.
+pub fn incoming(trees: &Trees, light: &Light, point: &SurfacePoint) -> DVec3 {
+    let Some((to_light, t_max)) = towards(light, point) else {
+        return DVec3::ZERO;
+    };
+    let kind = &light.desc.kind;
+    let facing = match kind.direction().filter(|_| kind.is_flat()) {
+        Some(direction) => {
+            let direction = direction.as_dvec3().normalize_or_zero();
+            (-to_light.normalize_or_zero().dot(direction)).max(0.0)
         }
-        let ray = Ray {
-            t_max,
-            passes: SHADOWLESS,
-            ..off_surface(point, to_light)
-        };
-        let has_shadow = light.desc.shadow != ShadowMode::None;
-        if has_shadow && self.rays.trees.any(&ray, |_, _, _| false) {
-            return DVec3::ZERO;
-        }
-        light.desc.color.as_dvec3() * (f64::from(kind.intensity()) * falloff * cosine)
+        None => 1.0,
+    };
+    let falloff = match kind.position() {
+        Some(_) => facing / to_light.length_squared().max(1e-20),
+        None => 1.0,
+    };
+    let cosine = to_light.normalize_or_zero().dot(point.normal);
+    if cosine <= 0.0 {
+        return DVec3::ZERO;
     }
+    let ray = Ray {
+        t_max,
+        passes: SHADOWLESS,
+        ..off_surface(point, to_light)
+    };
+    let has_shadow = light.desc.shadow != ShadowMode::None;
+    if has_shadow && trees.any(&ray, |_, _, _| false) {
+        return DVec3::ZERO;
+    }
+    light.desc.color.as_dvec3() * (f64::from(kind.intensity()) * falloff * cosine)
 }
 
 /// Radiance of a gradient, like `gradient` in `shaders/lib/environment.wgsl`.
-fn environment(sky: &[DVec3; 3], direction: DVec3) -> DVec3 {
+pub fn environment(sky: &[DVec3; 3], direction: DVec3) -> DVec3 {
     gradient(sky, direction.y.max(0.0), (-direction.y).max(0.0))
 }
 
 /// Irradiance / π of a gradient, like `ambient` in `shaders/lib/ambient.wgsl`.
-fn ambient(sky: &[DVec3; 3], normal: DVec3) -> DVec3 {
+pub fn ambient(sky: &[DVec3; 3], normal: DVec3) -> DVec3 {
     let overlap = |c: f64| {
         let cosine = c.clamp(-1.0, 1.0);
         let sine = (1.0 - cosine * cosine).max(0.0).sqrt();

@@ -96,6 +96,21 @@ impl ViewRays<'_> {
 }
 
 impl ViewRays<'_> {
+    /// Unit normal of the front of a surface that is hit; zero for a triangle without area.
+    pub fn front(&self, hit: &RayHit) -> DVec3 {
+        let instance = &self.world.instances[hit.instance as usize];
+        let mesh = &self.world.meshes[instance.mesh];
+        let to_world = in_f64(&instance.world_from_object).matrix3;
+        if let Some(capsule) = Capsule::of_mesh(mesh, hit.triangle) {
+            let (_, normal) = capsule.point(hit.bary);
+            return (to_world.inverse().transpose() * normal).normalize_or_zero();
+        }
+        let posed = self.world.posed(instance.mesh);
+        let corners = posed.corners(mesh.triangles[hit.triangle as usize]);
+        let [a, b, c] = corners.map(|p| to_world * p.as_dvec3());
+        (b - a).cross(c - a).normalize_or_zero() * to_world.determinant().signum()
+    }
+
     fn point_on_capsule(&self, hit: &RayHit, capsule: &Capsule, direction: DVec3) -> SurfacePoint {
         let instance = &self.world.instances[hit.instance as usize];
         let mesh = &self.world.meshes[instance.mesh];

@@ -2,7 +2,10 @@
 
 use crate::RenderError;
 use reflet_gpu::{GpuError, ShaderError};
-use reflet_scene::diagnostic::{Diagnostic, render_all};
+use reflet_scene::{
+    diagnostic::{Diagnostic, render_all},
+    suggest::{MOST_NAMES, hint},
+};
 
 /// Why a session cannot be opened, changed or rendered. Displays the full text with files, lines and columns.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -11,7 +14,7 @@ pub enum SessionError {
     #[error("{}", render_all(.0, false).trim_end())]
     Scene(Vec<Diagnostic>),
     /// A name that does not exist.
-    #[error("there is no {kind} `{name}`; there are: {}", known.join(", "))]
+    #[error("there is no {kind} `{name}`{}", among(name, known))]
     UnknownName {
         /// Kind of thing that the name stands for: `AOV`, `camera` or `model`.
         kind: &'static str,
@@ -30,6 +33,14 @@ pub enum SessionError {
         /// Last frame of the timeline; 0 without one.
         last: u32,
     },
+    /// A pixel outside of the picture.
+    #[error("there is no pixel {}, {}; the picture has {} x {}", at[0], at[1], size[0], size[1])]
+    Pixel {
+        /// Column and row, from the upper left corner.
+        at: [u32; 2],
+        /// Width and height of the picture.
+        size: [u32; 2],
+    },
     /// Vertices that do not fit a mesh.
     #[error("{0}")]
     Mesh(String),
@@ -37,6 +48,18 @@ pub enum SessionError {
     /// not build.
     #[error(transparent)]
     Gpu(#[from] GpuError),
+}
+
+/// The name that is nearest to a wrong one, else the names that there are, at most 24 of them.
+fn among(name: &str, known: &[String]) -> String {
+    let known: Vec<&str> = known.iter().take(MOST_NAMES).map(String::as_str).collect();
+    match known.is_empty() {
+        true => String::new(),
+        false => format!(
+            "; {}",
+            hint(name, &known, |word| format!("`{word}`"), "there are")
+        ),
+    }
 }
 
 impl From<Vec<Diagnostic>> for SessionError {

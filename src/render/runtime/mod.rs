@@ -39,6 +39,7 @@ pub mod model_viewer_scene;
 pub mod open_shutter;
 pub mod parameters;
 mod pictures;
+pub mod posing;
 pub mod read;
 pub mod renderer_stage;
 pub mod scene_options;
@@ -184,11 +185,7 @@ impl Session {
     /// [`SessionError::Frame`] outside of the timeline; [`SessionError::Scene`] where the script fails
     /// at that frame. The session is then unchanged.
     pub fn pose(&mut self, frame: u32) -> Result<Vec<String>, SessionError> {
-        let timeline = self.loaded.scene.timeline.as_ref();
-        let (first, last) = timeline.map_or((0, 0), |t| (t.start, t.end));
-        if !(first..=last).contains(&frame) {
-            return Err(SessionError::Frame { frame, first, last });
-        }
+        self.loaded.check_frame(frame)?;
         let pose = self.meshes.pose(&self.loaded.scene, frame)?;
         self.apply(frame, pose, &|_| ())?;
         let state = self.state.as_ref();

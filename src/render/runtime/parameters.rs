@@ -83,6 +83,18 @@ impl ParameterOverrides {
     }
 }
 
+/// Least and largest value of the slider of a declared number: from zero to twice the number; `around` zero for zero
+/// itself.
+pub fn slider_range(own: f64, around: f64) -> [f64; 2] {
+    if own > 0.0 {
+        [0.0, (own * 2.0).max(around)]
+    } else if own < 0.0 {
+        [own * 2.0, own * -2.0]
+    } else {
+        [-around, around]
+    }
+}
+
 /// Whether two values have the same kind; lists of numbers must also have the same length.
 pub fn same_kind(a: &ParamValue, b: &ParamValue) -> bool {
     match (a, b) {
@@ -96,7 +108,8 @@ pub fn setting(name: &str, value: &ParamValue) -> String {
     format!("{} = {}", key_text(name), value_text(value))
 }
 
-fn value_text(value: &ParamValue) -> String {
+/// A value as scene text.
+pub fn value_text(value: &ParamValue) -> String {
     match value {
         ParamValue::Integer(i) => i.to_string(),
         ParamValue::Number(x) => number(*x),

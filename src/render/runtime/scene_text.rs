@@ -332,6 +332,19 @@ impl LoadedScene {
         Cow::Borrowed(&self.world)
     }
 
+    /// Checks that the timeline has a frame; a scene without one has frame 0 only.
+    ///
+    /// # Errors
+    /// [`SessionError::Frame`].
+    pub fn check_frame(&self, frame: u32) -> Result<(), SessionError> {
+        let timeline = self.scene.timeline.as_ref();
+        let (first, last) = timeline.map_or((0, 0), |t| (t.start, t.end));
+        match (first..=last).contains(&frame) {
+            true => Ok(()),
+            false => Err(SessionError::Frame { frame, first, last }),
+        }
+    }
+
     /// Poses the world at a frame, and returns the lines that the script printed there.
     ///
     /// # Errors

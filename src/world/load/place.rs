@@ -11,7 +11,7 @@ use super::{
     repeat::{InstancePlacement, copies},
 };
 use crate::{
-    Instance, ListedVariants,
+    Instance, ListedModel,
     animation::Listed,
     deform::Deformer,
     gltf::Placement,
@@ -21,7 +21,7 @@ use crate::{
 };
 use reflet_base::math::invertible;
 use reflet_scene::{
-    desc::{AnimationDesc, ByName, Entry, InstanceDesc, ModelDesc, SceneDesc, ShownDesc},
+    desc::{AnimationDesc, ByName, InstanceDesc, SceneDesc, ShownDesc},
     diagnostic::{Diagnostic, Severity, Span},
     motion::{changing_overrides, moving},
 };
@@ -125,7 +125,7 @@ impl Loader<'_> {
             self.warn_of_dropped(job, &dropped, placed - before);
         }
         self.finish_extras(extras);
-        self.list_animations(sources);
+        self.list_contents(sources);
     }
 
     /// Refuses instances of a job that are too far away; `first` is the index of its first instance.
@@ -148,8 +148,8 @@ impl Loader<'_> {
         }
     }
 
-    /// Lists the animations of the files.
-    fn list_animations(&mut self, sources: &[Source]) {
+    /// Lists the contents and the animations of the files.
+    fn list_contents(&mut self, sources: &[Source]) {
         let desc = self.desc;
         let mut played_of = vec![Vec::new(); desc.models.len()];
         for instance in &desc.instances {
@@ -161,11 +161,18 @@ impl Loader<'_> {
             let Source::File(loaded) = source else {
                 continue;
             };
-            self.list_variants(entry, *loaded);
+            let file = &self.loaded[*loaded];
+            self.world.models.push(ListedModel {
+                model: entry.name.clone(),
+                file: file.files[0].clone(),
+                names: file.names.clone(),
+                variants: file.variants.clone(),
+                shown: entry.value.variant.as_ref().map(|v| v.value.clone()),
+            });
             if played.is_empty() {
                 played.push(entry.value.animation.as_ref());
             }
-            for clip in &self.loaded[*loaded].clips {
+            for clip in &file.clips {
                 let whole = clip.animation.as_ref().ok();
                 self.world.animations.push(Listed {
                     model: entry.name.clone(),
@@ -176,16 +183,6 @@ impl Loader<'_> {
                     played: whole.is_some() && played.iter().flatten().any(|p| p.plays(&clip.name)),
                 });
             }
-        }
-    }
-
-    fn list_variants(&mut self, model: &Entry<ModelDesc>, loaded: usize) {
-        if let names @ [_, ..] = &self.loaded[loaded].variants[..] {
-            self.world.variants.push(ListedVariants {
-                model: model.name.clone(),
-                names: names.to_vec(),
-                shown: model.value.variant.as_ref().map(|v| v.value.clone()),
-            });
         }
     }
 

@@ -16,7 +16,7 @@ use reflet_scene::desc::{LatheSource, PartDesc, PlacementDesc, ShapeDesc};
 
 use super::{
     Fault, Made, Supplies,
-    crossing::{crossing, near_pairs},
+    crossing::{crossing, visit_near},
     solid::{Corner, Solid, check_size},
 };
 use crate::Mesh;
@@ -117,7 +117,11 @@ fn work(before: &Manifold<Skin>, own: &Manifold<Skin>, left: u64) -> usize {
         faces.collect::<Vec<_>>()
     };
     let [one, other] = [before, own].map(corners);
-    let pairs = near_pairs(one.into_iter(), other.into_iter(), left as usize / PAIR);
+    let (mut pairs, most) = (0, left as usize / PAIR);
+    visit_near([one, other].map(Vec::into_iter), DVec3::ZERO, |_, _| {
+        pairs += 1;
+        pairs <= most
+    });
     before.nf + own.nf + PAIR * pairs
 }
 

@@ -79,17 +79,23 @@ fn tree(triangles: impl Iterator<Item = [DVec3; 3]>) -> (Vec<Triangle>, Vec<Node
     (all, nodes)
 }
 
-/// Number of pairs of triangles, one of each mesh, whose boxes meet; of the pairs it counts `most` at least.
-pub fn near_pairs(
-    one: impl Iterator<Item = [DVec3; 3]>,
-    other: impl Iterator<Item = [DVec3; 3]>,
-    most: usize,
-) -> usize {
-    let [(ones, one), (others, other)] = [tree(one), tree(other)];
-    let mut count = 0;
+/// Visits the pairs of triangles, one of each mesh, whose boxes are no farther apart than `margin` along each axis, as long
+/// as `visit` returns true.
+pub fn visit_near(
+    [one, other]: [impl Iterator<Item = [DVec3; 3]>; 2],
+    margin: DVec3,
+    mut visit: impl FnMut(&[DVec3; 3], &[DVec3; 3]) -> bool,
+) {
+    let [(ones, one), (mut others, mut other)] = [tree(one), tree(other)];
+    let boxes =
+        (others.iter_mut().map(|t| &mut t.bounds)).chain(other.iter_mut().map(|n| &mut n.bounds));
+    for bounds in boxes {
+        bounds.min -= margin;
+        bounds.max += margin;
+    }
     let mut pairs: Vec<(usize, usize)> = Vec::new();
     pairs.extend((!one.is_empty() && !other.is_empty()).then_some((0, 0)));
-    while let Some((a, b)) = pairs.pop().filter(|_| count <= most) {
+    while let Some((a, b)) = pairs.pop() {
         let (first, second) = (&one[a], &other[b]);
         if !first.bounds.meets(&second.bounds) {
             continue;
@@ -99,13 +105,16 @@ pub fn near_pairs(
             (None, Some(next)) => pairs.extend([(a, b + 1), (a, next)]),
             (None, None) => {
                 for triangle in &ones[first.start..first.end] {
-                    let near = others[second.start..second.end].iter();
-                    count += near.filter(|t| t.bounds.meets(&triangle.bounds)).count();
+                    for near in &others[second.start..second.end] {
+                        let meets = near.bounds.meets(&triangle.bounds);
+                        if meets && !visit(&triangle.corners, &near.corners) {
+                            return;
+                        }
+                    }
                 }
             }
         }
     }
-    count
 }
 
 /// A place at which a surface passes through itself, or lies on itself in very many layers; surfaces that only touch

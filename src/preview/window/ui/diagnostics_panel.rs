@@ -6,7 +6,7 @@ use eframe::egui::{self, Rect, RichText, Ui, vec2};
 
 use crate::live::{BuildProblem, Problems};
 use reflet_gpu::ShaderError;
-use reflet_scene::diagnostic::{Diagnostic, Severity, Span};
+use reflet_scene::diagnostic::{Diagnostic, Severity};
 
 /// Maximum size of the list, points, and the largest fraction of the picture's height that it
 /// covers.
@@ -48,7 +48,9 @@ impl DiagnosticEntry {
     fn from_diagnostic(diagnostic: &Diagnostic) -> Self {
         let help = diagnostic.help.iter().map(|help| ("help", help.clone()));
         let related = diagnostic.related.iter().map(|(span, note)| {
-            let place = place_in(span).map_or(String::new(), |place| format!("{place}: "));
+            let place = span
+                .in_words()
+                .map_or(String::new(), |place| format!("{place}: "));
             ("note", format!("{place}{note}"))
         });
         Self {
@@ -116,20 +118,13 @@ impl DiagnosticEntry {
     }
 }
 
-fn place_in(span: &Span) -> Option<String> {
-    let source = span.source.as_ref()?;
-    let path = source.path.display();
-    if source.generated {
-        return Some(path.to_string());
-    }
-    let place = source.place(span.range.start);
-    Some(format!("{path}:{}:{}", place.line, place.column))
-}
-
 /// Place of a diagnostic: `file:line:column`, or the file.
 fn place_of(diagnostic: &Diagnostic) -> Option<String> {
     let file = || diagnostic.file.as_ref();
-    place_in(&diagnostic.span).or_else(|| file().map(|file| file.display().to_string()))
+    diagnostic
+        .span
+        .in_words()
+        .or_else(|| file().map(|file| file.display().to_string()))
 }
 
 /// The message of a diagnostic after its place.

@@ -1,7 +1,5 @@
 //! The script's parameters: a slider, box or field for each.
 
-use std::ops::RangeInclusive;
-
 use eframe::egui::{self, DragValue, RichText, Slider, SliderClamping, Ui};
 
 use super::{
@@ -10,7 +8,7 @@ use super::{
 };
 use crate::live::Refusal;
 use reflet_render::runtime::parameters::{
-    DeclaredParameters, ParameterOverrides, declared_value, same_kind, setting,
+    DeclaredParameters, ParameterOverrides, declared_value, same_kind, setting, slider_range,
 };
 use reflet_scene::{desc::ParamValue, range::LIMIT};
 
@@ -201,7 +199,7 @@ fn refused(
 fn row(ui: &mut Ui, label: RichText, own: &ParamValue, value: &mut ParamValue) {
     match (value, own) {
         (ParamValue::Integer(now), ParamValue::Integer(own)) => {
-            let (least, most) = range(*own as f64, 10.0).into_inner();
+            let [least, most] = slider_range(*own as f64, 10.0);
             let range = (least as i64).min(*now)..=(most as i64).max(*now);
             // A typed number may lie outside the slider's range.
             let slider = Slider::new(now, range).clamping(SliderClamping::Never);
@@ -209,7 +207,7 @@ fn row(ui: &mut Ui, label: RichText, own: &ParamValue, value: &mut ParamValue) {
             *now = (*now).clamp(-(LIMIT as i64), LIMIT as i64);
         }
         (ParamValue::Number(now), ParamValue::Number(own)) => {
-            let (least, most) = range(*own, 1.0).into_inner();
+            let [least, most] = slider_range(*own, 1.0);
             let slider = Slider::new(now, least.min(*now)..=most.max(*now));
             let slider = slider.clamping(SliderClamping::Never).max_decimals(4);
             named(ui, slider.update_while_editing(false), label);
@@ -238,17 +236,6 @@ fn row(ui: &mut Ui, label: RichText, own: &ParamValue, value: &mut ParamValue) {
         }
         // An override has the kind of its declaration.
         _ => {}
-    }
-}
-
-/// Slider range for a value: from zero to twice the value; around zero for zero itself.
-fn range(own: f64, around: f64) -> RangeInclusive<f64> {
-    if own > 0.0 {
-        0.0..=(own * 2.0).max(around)
-    } else if own < 0.0 {
-        own * 2.0..=(-own * 2.0)
-    } else {
-        -around..=around
     }
 }
 

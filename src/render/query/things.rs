@@ -1,0 +1,156 @@
+//! Things of a scene: instances of its text, with their copies and the parts of their files.
+
+use std::collections::HashMap;
+
+use super::{Question, answer::Thing, bounds_of, corners, numbers};
+use crate::runtime::{SessionError, scene_text::LoadedScene};
+use reflet_base::math::Bounds;
+
+/// The things of a world.
+pub struct Things {
+    /// Name and instances of each.
+    all: Vec<(String, Vec<usize>)>,
+    /// Index of the thing of each instance.
+    of_instance: Vec<usize>,
+    /// Whether each thing is asked about.
+    is_chosen: Vec<bool>,
+}
+
+/// Whether a name belongs to the thing, or the placed scene, of another name: it is the same, or adds a copy or a part.
+fn is_below(name: &str, above: &str) -> bool {
+    let rest = name.strip_prefix(above);
+    rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '/', '[', '#']))
+}
+
+impl Things {
+    /// The things of a scene.
+    ///
+    /// # Errors
+    /// [`SessionError::UnknownName`] for a name of the question without a thing.
+    pub fn new(loaded: &LoadedScene, question: &Question) -> Result<Self, SessionError> {
+        let (scene, world) = (&loaded.scene, &loaded.world);
+        let mut things = Self {
+            all: Vec::new(),
+            of_instance: Vec::new(),
+            is_chosen: Vec::new(),
+        };
+        let mut known = HashMap::new();
+        let mut found = vec![false; question.of.len()];
+        for (index, instance) in world.instances.iter().enumerate() {
+            let written = world.written[index].and_then(|i| scene.instances.get(i));
+            let model = scene.models.get(world.placed_models[index]);
+            let model = model.map_or("", |model| model.name.as_str());
+            let own = written.map_or(model, |i| i.name.as_deref().unwrap_or(&i.model.value));
+            let part = instance.name.as_str();
+            let asked = question.of.iter().zip(&mut found);
+            let mut asked = asked.filter(|(name, _)| is_below(own, name) || is_below(part, name));
+            let asked = asked.next().map(|(name, found)| {
+                *found = true;
+                name.as_str()
+            });
+            let name = match asked {
+                _ if question.parts => part,
+                Some(name) if !is_below(own, name) => name,
+                _ => own,
+            };
+            // Two instances of one model without names are two things.
+            let key = (
+                name.to_owned(),
+                (name == own).then_some(world.written[index]),
+            );
+            let thing = *known.entry(key).or_insert_with(|| {
+                things.all.push((name.to_owned(), Vec::new()));
+                things
+                    .is_chosen
+                    .push(question.of.is_empty() || asked.is_some());
+                things.all.len() - 1
+            });
+            things.all[thing].1.push(index);
+            things.of_instance.push(thing);
+        }
+        match found.iter().position(|found| !found) {
+            Some(missing) => Err(SessionError::UnknownName {
+                kind: "thing",
+                name: question.of[missing].clone(),
+                known: things.all.into_iter().map(|(name, _)| name).collect(),
+            }),
+            None => Ok(things),
+        }
+    }
+
+    /// Number of things.
+    pub fn len(&self) -> usize {
+        self.all.len()
+    }
+
+    /// Indices of the things that are asked about.
+    pub fn chosen(&self) -> Vec<usize> {
+        (0..self.len()).filter(|i| self.is_chosen[*i]).collect()
+    }
+
+    /// Index of the thing of an instance.
+    pub fn of(&self, instance: usize) -> usize {
+        self.of_instance[instance]
+    }
+
+    /// Name of a thing.
+    pub fn name(&self, thing: usize) -> &str {
+        &self.all[thing].0
+    }
+
+    /// Name of the thing of an instance.
+    pub fn name_of(&self, instance: usize) -> &str {
+        self.name(self.of(instance))
+    }
+
+    /// Instances of a thing.
+    pub fn instances(&self, thing: usize) -> &[usize] {
+        &self.all[thing].1
+    }
+
+    /// Place of the table of an instance, or of its model, in the text.
+    pub fn place_of(&self, loaded: &LoadedScene, instance: usize) -> Option<String> {
+        let written = loaded.world.written[instance].and_then(|i| loaded.scene.instances.get(i));
+        let model = loaded
+            .scene
+            .models
+            .get(loaded.world.placed_models[instance]);
+        let at = written.map(|i| &i.at).or(model.map(|model| &model.at))?;
+        at.clone().shown().in_words()
+    }
+
+    /// Name, place and size of a thing; `motion` are the bounds of all instances over their motion.
+    pub fn describe(&self, loaded: &LoadedScene, thing: usize, motion: &[Bounds]) -> Thing {
+        let world = &loaded.world;
+        let (name, instances) = &self.all[thing];
+        let parts = instances.iter().map(|i| &world.instances[*i]);
+        let mut materials: Vec<_> = parts.clone().map(|i| i.material).collect();
+        materials.sort_unstable();
+        materials.dedup();
+        let mut materials: Vec<_> = (materials.iter())
+            .map(|m| world.materials[*m].name.clone())
+            .collect();
+        materials.dedup();
+        materials.truncate(super::MOST_LISTED);
+        let bounds = bounds_of(world, instances);
+        let over_motion = instances
+            .iter()
+            .fold(Bounds::EMPTY, |all, i| all.union(motion[*i]));
+        let moves = instances
+            .iter()
+            .any(|i| motion[*i] != world.bounds_of(&world.instances[*i]));
+        let model = loaded.scene.models.get(world.placed_models[instances[0]]);
+        Thing {
+            name: name.clone(),
+            place: self.place_of(loaded, instances[0]),
+            model: model.map_or_else(String::new, |model| model.name.clone()),
+            materials,
+            parts: instances.len(),
+            triangles: parts.map(|i| world.meshes[i.mesh].triangles.len()).sum(),
+            bounds_m: corners(bounds),
+            size_m: (!bounds.is_empty()).then(|| numbers((bounds.max - bounds.min).as_dvec3())),
+            motion_bounds_m: corners(over_motion).filter(|_| moves),
+            ..Thing::default()
+        }
+    }
+}
