@@ -16,10 +16,7 @@ use crate::{
         settings::view::View,
     },
     runtime::{SceneSource, Session, ViewOverrides, empty_view, scene_text::LoadedScene},
-    scene::{
-        desc::{Method, Samples},
-        diagnostic::Diagnostic,
-    },
+    scene::{desc::Samples, diagnostic::Diagnostic},
 };
 
 /// State for rendering the pictures of one command.
@@ -216,10 +213,10 @@ impl RenderSession {
             1 => ", and one pixel is a speck".to_owned(),
             _ => format!(", and {specks} single pixels are specks"),
         };
-        let advice = if is_met && specks == 0 {
-            String::new()
-        } else {
-            self.advice_on_grain(samples)
+        let is_clean = is_met && specks == 0 || self.denoiser.is_some();
+        let advice = match is_clean {
+            true => "",
+            false => "; `--denoise` smooths what is left",
         };
         let bound = bound.error;
         let sentence = if is_met {
@@ -232,22 +229,6 @@ impl RenderSession {
             )
         };
         Some((sentence, is_met))
-    }
-
-    /// Settings beside the number of samples that take grain out of a picture of so many.
-    fn advice_on_grain(&self, samples: u32) -> String {
-        let reflection = &self.scene.scene().scene.reflection;
-        let mut advice = String::new();
-        if self.denoiser.is_none() {
-            advice += "; `--denoise` smooths what is left";
-        }
-        if reflection.glint_limit == 0.0 && reflection.method != Method::Path {
-            let limit = f64::from(samples).sqrt().round();
-            advice += &format!(
-                "; `glint_limit = {limit}` in `[reflection]` leaves out rare bright paths"
-            );
-        }
-        advice
     }
 
     /// Has a software driver compile new pipelines before passes are timed.

@@ -10,19 +10,23 @@ impl World {
     /// Groups of the lights, emitting surfaces and the environment, sorted by name behind the group without a name,
     /// which is always there.
     pub fn light_groups(&self) -> BTreeSet<LightGroup> {
-        let lights = self.all_lights().map(|light| light.desc.light_group);
-        let surfaces = self
-            .instances
-            .iter()
-            .map(|i| self.materials[i.material].light_group);
-        let groups = lights.chain(surfaces);
-        groups
-            .chain([self.environment.desc.light_group, LightGroup::default()])
+        self.groups_of_all()
+            .chain([LightGroup::default()])
             .collect()
     }
 
     /// Whether something names a light group.
     pub fn has_light_groups(&self) -> bool {
-        self.light_groups().len() > 1
+        self.groups_of_all().any(|group| group.is_named())
+    }
+
+    /// The group of each light, instance and the environment.
+    fn groups_of_all(&self) -> impl Iterator<Item = LightGroup> {
+        let lights = self.all_lights().map(|light| light.desc.light_group);
+        let surfaces = self.instances.iter();
+        let surfaces = surfaces.map(|i| self.materials[i.material].light_group);
+        lights
+            .chain(surfaces)
+            .chain([self.environment.desc.light_group])
     }
 }

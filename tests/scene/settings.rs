@@ -39,7 +39,7 @@ fn environment_reflection_and_image_arrive() {
             threshold_u: 0.0,
             bounces: Bounces::AtMost(16),
             diffuse_bounces: 8,
-            glint_limit: 3.0,
+            glint_limit: Some(3.0),
             steps: 8,
             layers: 2,
             separation_m: Some(0.2),

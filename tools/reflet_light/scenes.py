@@ -28,6 +28,7 @@ tone_map = "none"
 method = "rt"
 multiple_scattering = false
 roughness_cutoff = 1
+glint_limit = 0
 bounces = 12
 unit_m = 1
 ray_length_u = 1000

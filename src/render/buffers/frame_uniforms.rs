@@ -178,7 +178,8 @@ impl Frame {
             far_m: view.far_m(),
             has_edge_on: u32::from(view.has_edge_on),
             diffuse_bounces: settings.diffuse_bounces,
-            glint_limit: settings.glint_limit / exposure_ev.exp2(),
+            glint_limit: settings.glint_limit(samples, world.has_light_groups())
+                / exposure_ev.exp2(),
             hard_lights: in_order(&world.lights).1 as u32,
             moments: share.moments,
             moment: share.moment,

@@ -235,10 +235,10 @@ declared! {
         pub roughness_cutoff: f32 [UNIT] = 0.2,
         /// Limit of the radiance that a path may add past its first hit, once it has taken a random direction, 0 or
         /// more. Less removes more of the bright specks that lamps leave on rough surfaces, glass and coats, and
-        /// some light with them; the square root of `samples` takes hardly any. 1 is white at the picture's exposure, 0
-        /// is no limit, as for method `path`. Pictures in linear light (EXR) are limited likewise, so that the exposure
-        /// changes their specks too. Default 0.
-        pub glint_limit: f32 [FROM_0] = 0.0,
+        /// some light with them. 1 is white at the picture's exposure, 0 is no limit. Pictures in linear light (EXR)
+        /// are limited likewise, so that the exposure changes their specks too. Default the square root of `samples`; 0
+        /// for method `path` and in scenes with a `light_group`, whose pictures add up.
+        pub glint_limit: Option<f32> [FROM_0],
         /// Standard deviation of the Gaussian blur of the combined reflection, pixels, 0 to 16: 0 is off. Default 0.
         pub blur_px: f32 [range(0.0, 16.0)] = 0.0,
         /// Box and buffers, as `[box_faces]` sets them, for method `ssr+box`.
@@ -279,7 +279,7 @@ replaced_by_path! {
     skip_px: 0.0,
     bounces: Bounces::AtMost(ENDLESS),
     diffuse_bounces: ENDLESS,
-    glint_limit: 0.0,
+    glint_limit: Some(0.0),
     roughness_cutoff: 1.0,
     ray_length_u: 1e12,
     reuse_light: false,
@@ -294,6 +294,14 @@ impl ReflectionDesc {
             let (message, help) = ("`rate` must be 1, 2 or 4, not 3", "write 2 or 4");
             t.refuse("out-of-range", "rate", message, help);
         }
+    }
+
+    /// Limit of the radiance past first hits in a picture of a number of samples, of a scene with light groups or
+    /// without; 0 is none. A bound that grows as their square root takes no more light in the end than grain hides
+    /// (Ionides 2008, "Truncated Importance Sampling").
+    pub fn glint_limit(&self, samples: u32, has_light_groups: bool) -> f32 {
+        let default = if has_light_groups { 0 } else { samples };
+        self.glint_limit.unwrap_or((default as f32).sqrt())
     }
 
     /// Roughness below which every `"auto"` material that can reflect does; above 1 if all do.
