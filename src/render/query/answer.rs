@@ -154,7 +154,8 @@ pub struct Surface {
     pub triangle: u32,
     /// Name of the material.
     pub material: String,
-    /// Place of the material's table in the text; none for a material of a file that the text does not change.
+    /// Place of the table in the text that has, or changes, the material; none for a material of a file that the text does
+    /// not change.
     pub material_place: Option<String>,
     /// Names of the decals that cover it there, the topmost first.
     pub decals: Vec<String>,

@@ -25,7 +25,7 @@ use crate::{
     settings::view::View,
 };
 use reflet_base::math::Bounds;
-use reflet_scene::desc::MaterialDesc;
+use reflet_scene::desc::{InstanceMaterialDesc, MaterialDesc};
 use reflet_world::{
     World,
     bvh::{RayHit, Trees},
@@ -203,16 +203,22 @@ fn surface(
     let model = scene.models.get(world.placed_models[point.instance]);
     let overrides: &[_] = model.map_or(&[], |model| &model.value.overrides);
     let of_file = overrides.iter().find(|entry| entry.name == material.name);
-    let material_place = place_in::<MaterialDesc>(&scene.materials, &material.name);
+    let place = things.place_of(loaded, point.instance);
+    let written = world.written[point.instance].and_then(|i| scene.instances.get(i));
+    let material_place = match written.and_then(|written| written.material.as_ref()) {
+        Some(InstanceMaterialDesc::Override(_)) => place.clone(),
+        _ => (of_file.and_then(|entry| entry.at.in_words()))
+            .or_else(|| place_in::<MaterialDesc>(&scene.materials, &material.name)),
+    };
     let (position, normal) = (point.position.as_vec3(), point.normal.as_vec3());
     let decals = world.covering_decals(point.instance, position, normal);
     Surface {
         thing: things.name_of(point.instance).to_owned(),
-        place: things.place_of(loaded, point.instance),
+        place,
         part: instance.name.clone(),
         triangle: hit.triangle,
         material: material.name.clone(),
-        material_place: (of_file.and_then(|entry| entry.at.in_words())).or(material_place),
+        material_place,
         decals: decals.map(|i| world.decals.list[i].name.clone()).collect(),
         distance_m: rounded(hit.t * direction.length()),
         at_m: numbers(point.position),
