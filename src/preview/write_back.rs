@@ -25,6 +25,7 @@ pub use self::{
     },
     overridden::Layered,
     put::put,
+    splice::list,
     tracks::TrackName,
 };
 use self::{

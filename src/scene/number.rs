@@ -12,10 +12,23 @@ pub enum Form {
     Number,
     /// Two numbers; the third component is 0.
     Pair,
-    /// Three numbers that are not a position, so that tracks cannot `follow` or `orbit`.
+    /// A linear color.
     Color,
-    /// A point or a direction.
+    /// Three numbers that are no color and no position: sizes and angles.
+    Triple,
+    /// A point or a direction, which tracks can `follow` and `orbit`.
     Vector,
+}
+
+impl Form {
+    /// Number of components.
+    pub const fn lanes(self) -> usize {
+        match self {
+            Self::Number => 1,
+            Self::Pair => 2,
+            Self::Color | Self::Triple | Self::Vector => 3,
+        }
+    }
 }
 
 /// One value of a `T` that may change.

@@ -40,7 +40,7 @@ fn samples<T>(field: &Field<T>) -> ([Vec3; 2], Option<Vec3>) {
     let values = match field.form {
         Form::Vector => [Vec3::new(3.0, 5.0, 7.0), Vec3::new(2.0, -4.0, 1.0)],
         Form::Pair => [Vec3::new(2.0, -3.0, 0.0), Vec3::new(0.5, 4.0, 0.0)],
-        Form::Number | Form::Color => [at(0.25), at(0.5)],
+        Form::Number | Form::Color | Form::Triple => [at(0.25), at(0.5)],
     };
     let beyond = (field.range.min > -1e12).then(|| Vec3::splat(field.range.min as f32 - 1.0));
     (values, beyond)
@@ -51,7 +51,7 @@ fn written(form: Form, v: Vec3) -> String {
     match form {
         Form::Number => format!("{:?}", v.x),
         Form::Pair => format!("[{:?}, {:?}]", v.x, v.y),
-        Form::Color | Form::Vector => format!("[{:?}, {:?}, {:?}]", v.x, v.y, v.z),
+        Form::Color | Form::Triple | Form::Vector => format!("[{:?}, {:?}, {:?}]", v.x, v.y, v.z),
     }
 }
 

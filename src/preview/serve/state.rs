@@ -110,11 +110,11 @@ pub(super) fn material_value(field: &Field<MaterialDesc>, values: &[f64]) -> Opt
     if !lanes.iter().all(|x| x.is_finite()) {
         return None;
     }
-    match (field.form, lanes.as_slice()) {
-        (Form::Number, [x]) => Some(Vec3::splat(*x)),
-        (Form::Pair, [x, y]) => Some(Vec3::new(*x, *y, 0.0)),
-        (Form::Color | Form::Vector, [x, y, z]) => Some(Vec3::new(*x, *y, *z)),
-        _ => None,
+    match *lanes.as_slice() {
+        _ if lanes.len() != field.form.lanes() => None,
+        [x] => Some(Vec3::splat(x)),
+        [x, y] => Some(Vec3::new(x, y, 0.0)),
+        _ => Some(Vec3::from_slice(&lanes)),
     }
 }
 

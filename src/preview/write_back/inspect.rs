@@ -134,12 +134,7 @@ pub fn exact(x: f32) -> f64 {
 
 /// Numbers of a value of this form.
 pub fn numbers_of(form: Form, value: Vec3) -> Vec<f64> {
-    let count = match form {
-        Form::Number => 1,
-        Form::Pair => 2,
-        Form::Color | Form::Vector => 3,
-    };
-    value.to_array().map(exact)[..count].to_vec()
+    value.to_array().map(exact)[..form.lanes()].to_vec()
 }
 
 /// Editable fields of a light, a camera or the environment.

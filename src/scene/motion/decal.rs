@@ -57,7 +57,7 @@ pub static DECAL: [Field<DecalPose>; 4] = [
     Field {
         key: "rotation_deg",
         what: "",
-        form: Form::Color,
+        form: Form::Triple,
         range: ANY,
         get: |decal| {
             let (_, rotation, _) = decal.placement.to_scale_rotation_translation();
@@ -70,7 +70,7 @@ pub static DECAL: [Field<DecalPose>; 4] = [
             decal.placement = Affine3A::from_scale_rotation_translation(scale, turn, at);
         },
     },
-    plain!(size, "", Color, ABOVE_0),
+    plain!(size, "", Triple, ABOVE_0),
     plain!(opacity, "factor on its coverage", Number, UNIT),
 ];
 

@@ -86,7 +86,7 @@ fn lanes(value: &Dynamic, key: &str, form: Form, range: &Range) -> Result<Vec3> 
             let [x, y] = pair(value, key)?;
             (vec![x, y], DVec3::new(x, y, 0.0))
         }
-        Form::Color | Form::Vector => {
+        Form::Color | Form::Triple | Form::Vector => {
             let v = vector(value, &format!("`{key}`"))?;
             (v.to_array().to_vec(), v)
         }

@@ -13,6 +13,7 @@ use crate::{
         scene_summary::{MaterialRow, SceneSummary},
         view_settings::ViewSettings,
     },
+    write_back::{list as number_list, numbers_of},
 };
 use reflet_scene::{
     desc::{MATERIAL, MaterialDesc, PLAIN, PatternKind},
@@ -180,16 +181,11 @@ fn control(ui: &mut Ui, field: &Field<MaterialDesc>, value: &mut Vec3) -> bool {
                 // Space for three numbers and a label.
                 ui.spacing_mut().item_spacing.x = 4.0;
                 let mut changed = false;
-                let lanes = match form {
-                    Form::Number => 1,
-                    Form::Pair => 2,
-                    Form::Color | Form::Vector => 3,
-                };
                 if form == Form::Color {
                     changed |= picker(ui, value);
                 }
                 let mut all = value.to_array();
-                let drags: Vec<_> = (all[..lanes].iter_mut())
+                let drags: Vec<_> = (all[..form.lanes()].iter_mut())
                     .map(|lane| {
                         let drag = DragValue::new(lane).range(range.clone());
                         ui.add(drag.speed(SPEED).max_decimals(3))
@@ -226,24 +222,18 @@ pub(super) fn picker(ui: &mut Ui, color: &mut Vec3) -> bool {
 
 /// A material's non-default values, as keys of its scene table.
 fn scene_text(material: &MaterialDesc) -> String {
-    let list = |lanes: &[f32]| {
-        let texts: Vec<_> = lanes.iter().map(ToString::to_string).collect();
-        format!("[{}]", texts.join(", "))
-    };
     let mut text = String::new();
     for field in MATERIAL.iter().filter(|f| !f.key.starts_with("checker_")) {
         let value = (field.get)(material);
         if let Some(value) = value.filter(|_| value != (field.get)(&PLAIN)) {
-            let shown = match field.form {
-                Form::Number => value.x.to_string(),
-                Form::Pair => list(&value.to_array()[..2]),
-                Form::Color | Form::Vector => list(&value.to_array()),
-            };
-            let _ = writeln!(text, "{} = {shown}", field.key);
+            let numbers = numbers_of(field.form, value);
+            let _ = writeln!(text, "{} = {}", field.key, number_list(&numbers));
         }
     }
     if let Some(checker) = &material.checker {
-        let [a, b] = checker.colors.map(|color| list(&color.to_array()));
+        let [a, b] = checker
+            .colors
+            .map(|color| number_list(&numbers_of(Form::Color, color)));
         let size_m = checker.size_m;
         let start = match checker.kind {
             PatternKind::Checker => "checker = {".to_owned(),

@@ -20,7 +20,7 @@ pub fn tracks<T>(t: &mut Table, fields: &[Field<T>]) -> Tracks {
         let track = match field.form {
             Form::Number => track::<f32>(t, field.key, field.range),
             Form::Pair => track::<[f32; 2]>(t, field.key, field.range),
-            Form::Color | Form::Vector => track::<Vec3>(t, field.key, field.range),
+            Form::Color | Form::Triple | Form::Vector => track::<Vec3>(t, field.key, field.range),
         };
         if !field.what.is_empty() {
             t.explain(field.key, || field.track_words() + ".");

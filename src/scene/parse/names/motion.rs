@@ -325,7 +325,7 @@ fn check_tracks<T>(
     report: &mut Report,
 ) {
     for (field, track) in tracks {
-        if fields[*field].form != Form::Color {
+        if fields[*field].form == Form::Vector {
             if let Some(follow) = followed(track)
                 && !all.nodes.is_group(&follow.value)
             {
