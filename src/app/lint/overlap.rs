@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::inside::{place_of, related};
 use crate::{
-    math::in_f64,
+    math::{Bounds, in_f64},
     render::decide::view_rays::ViewRays,
     scene::{diagnostic::Diagnostic, stages::Scene},
     world::{
@@ -27,8 +27,14 @@ const FEWEST: usize = 4;
 /// Warnings about pairs of instances of different materials whose surfaces coincide where these hits of a view are.
 pub fn lint(scene: &Scene, rays: &ViewRays, hits: &[Option<(Ray, RayHit)>]) -> Vec<Diagnostic> {
     let mut counts: BTreeMap<[usize; 2], usize> = BTreeMap::new();
+    let bounds: Vec<_> = rays
+        .world
+        .instances
+        .iter()
+        .map(|i| rays.world.bounds_of(i))
+        .collect();
     for (ray, hit) in hits.iter().flatten() {
-        if let Some(second) = second(rays, hit, ray.direction) {
+        if let Some(second) = second(rays, &bounds, hit, ray.direction) {
             let first = hit.instance as usize;
             *counts
                 .entry([first.min(second), first.max(second)])
@@ -53,8 +59,9 @@ pub fn lint(scene: &Scene, rays: &ViewRays, hits: &[Option<(Ray, RayHit)>]) -> V
     found.collect()
 }
 
-/// Another instance, of another material, whose surface is where a ray meets the surface of the first.
-fn second(rays: &ViewRays, hit: &RayHit, direction: DVec3) -> Option<usize> {
+/// Another instance, of another material, whose surface is where a ray meets the surface of the first; `bounds` has
+/// the bounds of all instances.
+fn second(rays: &ViewRays, bounds: &[Bounds], hit: &RayHit, direction: DVec3) -> Option<usize> {
     let world = rays.world;
     let point = rays.point(hit, direction);
     let first = &world.instances[point.instance];
@@ -67,7 +74,7 @@ fn second(rays: &ViewRays, hit: &RayHit, direction: DVec3) -> Option<usize> {
         .enumerate()
         .position(|(index, other)| {
             let mesh = &world.meshes[other.mesh];
-            let bounds = world.bounds_of(other);
+            let bounds = &bounds[index];
             let is_candidate = index != point.instance
                 && other.material != first.material
                 && other.shown.visible
