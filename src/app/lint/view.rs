@@ -152,7 +152,8 @@ fn reflector(
         return Some(Diagnostic::new("short-reflection", at, message).help(help));
     }
     let has_lamp = world.all_lights().any(|light| light.desc.kind.has_size());
-    (world.environment.is_black() && !has_lamp).then(|| {
+    let is_lit = has_lamp || reach.highlight > BLACK;
+    (world.environment.is_black() && !is_lit).then(|| {
         let message = format!("material \"{name}\" reflects nothing but the black environment");
         let help = "write `[environment]`, or place what it shall show where its reflection falls";
         Diagnostic::new("black-reflector", at, message).help(help)

@@ -34,7 +34,7 @@ pub struct ViewEstimate {
     /// Largest channel of the linear radiance at each sample, before exposure.
     pub radiance: Vec<f32>,
     /// Largest channel of the brightest highlight of a light, or reflection of a lamp, at a sample's surface; lamps of
-    /// the light tree are left out.
+    /// the light tree count as one, by the sum of their highlights.
     pub highlight: f32,
     /// Number of samples that show a surface.
     pub surfaces: usize,
@@ -51,6 +51,8 @@ pub struct Reach {
     pub met: usize,
     /// Distance of the nearest hit beyond the ray length, meters.
     pub beyond_m: Option<f64>,
+    /// Largest channel of the brightest highlight on this material, as in [`ViewEstimate::highlight`].
+    pub highlight: f32,
 }
 
 /// Result of one sampled pixel.
@@ -88,6 +90,7 @@ impl ViewEstimate {
             };
             let reach = estimate.reflectors.entry(material).or_default();
             reach.rays += 1;
+            reach.highlight = reach.highlight.max(sample.highlight);
             match distance_m {
                 Some(distance_m) if distance_m <= f64::from(ray_length_m) => reach.met += 1,
                 Some(distance_m) => {
@@ -202,7 +205,8 @@ impl Estimator<'_> {
         for lamp in &world.lights {
             light += albedo * incoming(self.rays.trees, lamp, &point) / PI;
         }
-        light += albedo * self.incoming_of_lamps(&point) / PI;
+        let of = |lamp: &Light| incoming(self.rays.trees, lamp, &point);
+        light += albedo * self.sum_of_lamps(&point, of) / PI;
         let f0 = DVec3::splat(reflectivity).lerp(look.base_color, metallic);
         if bounces == 0 || !can_reflect(material, self.cutoff) {
             return light + f0 * around;
@@ -223,8 +227,13 @@ impl Estimator<'_> {
         let material = &world.materials[index];
         let f0 = DVec3::splat(f64::from(material.reflectivity))
             .lerp(self.looks[index].base_color, f64::from(material.metallic));
-        let alpha = f64::from(material.roughness).powi(2).max(SMOOTH_ALPHA);
-        let alpha2 = alpha * alpha;
+        let alpha = f64::from(material.roughness).powi(2);
+        // Sharp reflections show no light without a size.
+        let alpha2 = if alpha > SMOOTH_ALPHA {
+            alpha * alpha
+        } else {
+            0.0
+        };
         let of = |light: &Light| {
             let kind = &light.desc.kind;
             let arrives = f0 * incoming(self.rays.trees, light, point);
@@ -246,13 +255,14 @@ impl Estimator<'_> {
             let lamp = if radius2 > 0.0 { lamp } else { 0.0 };
             let cosines =
                 4.0 * to_light.normalize_or_zero().dot(point.normal) * -direction.dot(point.normal);
-            (arrives * (ggx.max(lamp) / cosines.max(1e-3))).max_element() as f32
+            arrives * (ggx.max(lamp) / cosines.max(1e-3))
         };
-        world.lights.iter().map(of).fold(0.0, f32::max)
+        let brightest = world.lights.iter().map(of).fold(DVec3::ZERO, DVec3::max);
+        brightest.max(self.sum_of_lamps(point, of)).max_element() as f32
     }
 
-    /// Irradiance of the lamps on a surface, estimated from lamps that a light tree chooses.
-    fn incoming_of_lamps(&self, point: &SurfacePoint) -> DVec3 {
+    /// Sum over the lamps of their light at a surface, estimated from lamps that a light tree chooses.
+    fn sum_of_lamps(&self, point: &SurfacePoint, of: impl Fn(&Light) -> DVec3) -> DVec3 {
         let mut light = DVec3::ZERO;
         let Some(trees) = &self.lamps else {
             return light;
@@ -265,9 +275,7 @@ impl Estimator<'_> {
                 continue;
             };
             let lamp = &self.rays.world.lamps[lamp as usize];
-            light += incoming(self.rays.trees, lamp, point)
-                / f64::from(CHOSEN_LAMPS)
-                / f64::from(chance);
+            light += of(lamp) / f64::from(CHOSEN_LAMPS) / f64::from(chance);
         }
         light
     }

@@ -20,11 +20,10 @@ fn lamps_without_the_map_that_is_asked_for_are_counted() {
     let map = "shadow = \"map\"";
     let path = "[reflection]\nmethod = \"path\"\n";
     let pane = "material = \"pane\"\n[material.pane]\nalpha = 0.5\n";
-    for (count, shadow) in [(12, map), (64, ""), (66, "")] {
-        assert!(
-            found(&lit("", count, shadow)).is_empty(),
-            "{count} {shadow}"
-        );
+    let metal = "material = \"metal\"\n[material.metal]\nmetallic = 1\nroughness = 0.5\n";
+    for (more, count, shadow) in [("", 12, map), ("", 64, ""), ("", 66, ""), (metal, 66, "")] {
+        let all = found(&lit(more, count, shadow));
+        assert!(all.is_empty(), "{count} {shadow} {all:?}");
     }
     for more in [path, pane] {
         assert!(found(&lit(more, 64, map)).is_empty(), "{more}");

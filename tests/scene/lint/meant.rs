@@ -49,8 +49,8 @@ fn a_picture_that_is_lit_by_reflection_alone_is_not_black() {
         (lamp, "0", "[0, 9, 5]", 1),
         (lamp, "0.5", "[0, 9, 5]", 0),
         ("kind = \"point\"", "0.4", "[0, 1, 5]", 0),
-        ("kind = \"point\"", "0", "[0, 1, 5]", 0),
-        ("kind = \"point\"", "0", "[0, 9, 5]", 1),
+        ("kind = \"point\"", "0", "[0, 1, 5]", 1),
+        ("kind = \"point\"", "0.4", "[0, 9, -5]", 1),
     ] {
         let scene = include_str!("lit_by_reflection.toml")
             .replace("ROUGHNESS", roughness)
