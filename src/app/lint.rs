@@ -102,30 +102,27 @@ impl<'a> Lint<'a> {
         if !std::mem::replace(&mut self.is_first, false) {
             return;
         }
-        self.found
-            .extend(ignored::lint(self.scene, &start(self.scene)));
-        self.found
-            .extend(silent::lint(self.scene, world, &start(self.scene)));
-        self.found.extend(inside::lights(self.scene, world));
-        self.found.extend(inside::cameras(self.scene, world));
-        self.found.extend(inside::probes(self.scene, world));
-        self.found
-            .extend(probe::empty(self.scene, world, start(self.scene)));
-        self.found.extend(capture::slow(self.scene, world));
-        self.found.extend(shadow::lamps(self.scene, world));
-        self.found.extend(shadow::memory(self.scene, world));
-        let is_traced = traces_rays(world, &RenderOptions::for_scene(self.scene));
-        self.found
-            .extend(size::lint(world, is_traced, start(self.scene)));
+        let (scene, at, found) = (self.scene, start(self.scene), &mut self.found);
+        found.extend(ignored::lint(scene, &at));
+        found.extend(silent::lint(scene, world, &at));
+        found.extend(inside::lights(scene, world));
+        found.extend(inside::cameras(scene, world));
+        found.extend(inside::probes(scene, world));
+        found.extend(probe::empty(scene, world, at.clone()));
+        found.extend(capture::slow(scene, world));
+        found.extend(shadow::lamps(scene, world));
+        found.extend(shadow::memory(scene, world));
+        let is_traced = traces_rays(world, &RenderOptions::for_scene(scene));
+        found.extend(size::lint(world, is_traced, at));
         let triangles = |i: &crate::world::Instance| world.meshes[i.mesh].triangles.len();
         let total: usize = world.instances.iter().map(triangles).sum();
         if total > MOST_TRIANGLES || world.instances.is_empty() {
             return;
         }
         if let Some(trees) = self.trees.for_world(world) {
-            self.found.extend(probe::close(self.scene, world, trees));
-            self.found.extend(view::lint(self.scene, world, trees));
-            self.found.extend(shadow::lint(self.scene, world, trees));
+            found.extend(probe::close(scene, world, trees));
+            found.extend(view::lint(scene, world, trees));
+            found.extend(shadow::lint(scene, world, trees));
         }
     }
 

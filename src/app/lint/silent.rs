@@ -24,7 +24,7 @@ pub fn lint(scene: &Scene, world: &World, start: &Span) -> Vec<Diagnostic> {
     found.extend(open_solids(scene, world));
     found.extend(emitters(scene, world));
     found.extend(late_keys(scene, start));
-    found.extend(unseen_cameras(scene));
+    found.extend(unseen_cameras(scene, world));
     found
 }
 
@@ -226,17 +226,14 @@ fn time_of(key: &Node) -> Option<(f64, &Node)> {
 }
 
 /// Cameras that move and that no frame shows.
-fn unseen_cameras(scene: &Scene) -> Vec<Diagnostic> {
+fn unseen_cameras(scene: &Scene, world: &World) -> Vec<Diagnostic> {
     let cuts: Vec<&str> = scene
         .cuts
         .iter()
         .map(|cut| cut.camera.value.as_str())
         .collect();
-    let mut cameras = scene.cameras.iter().map(|camera| camera.name.as_str());
-    let main = cameras
-        .clone()
-        .find(|name| *name == "main")
-        .or_else(|| cameras.next());
+    let main = world.cameras.get(world.main_camera());
+    let main = main.map(|camera| camera.name.as_str());
     let is_shown = |name: &str| cuts.contains(&name) || main == Some(name);
     let moved = scene
         .motion
