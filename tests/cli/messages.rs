@@ -1,5 +1,8 @@
 //! Messages on standard error: errors of usage, notes about likely mistakes, and streams that take no message.
 
+use clap::Parser as _;
+use reflet::app::cli::Cli;
+
 use super::*;
 use crate::common::cases;
 
@@ -18,6 +21,33 @@ fn usage_errors_exit_with_2_and_say_what_is_wrong() {
         }
     }
     assert_eq!(names(&folder), ["photo.png", "scene.toml", "shots"]);
+}
+
+/// Commands in shell blocks of the documents: names of options and forms of values, not the files, are checked.
+#[test]
+fn commands_of_the_documents_are_understood() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let docs = fs::read_dir(root.join("docs")).expect("documents");
+    let pages = docs.map(|entry| entry.expect("an entry").path());
+    let is_page = |path: &PathBuf| path.extension().is_some_and(|ending| ending == "md");
+    let mut count = 0;
+    for page in pages.filter(is_page).chain([root.join("README.md")]) {
+        let text = fs::read_to_string(&page)
+            .expect("a page")
+            .replace("\\\n", " ");
+        let blocks = text.split("```sh\n").skip(1);
+        let lines = blocks.flat_map(|block| block.split("```").next().expect("a block").lines());
+        for line in lines.filter(|line| line.starts_with("reflet ")) {
+            let ends = [" #", " |", " >", " &&"].map(|end| line.find(end));
+            let end = ends.into_iter().flatten().min().unwrap_or(line.len());
+            let command = line[..end].replace(['\'', '"'], "");
+            if let Err(error) = Cli::try_parse_from(command.split_whitespace()) {
+                panic!("{}: {line}: {error}", page.display());
+            }
+            count += 1;
+        }
+    }
+    assert!(count > 50, "only {count} commands are found");
 }
 
 #[test]
