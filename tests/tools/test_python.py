@@ -158,6 +158,20 @@ def test_written_pixels_are_saved(reflet: ModuleType, scene: Path, tmp_path: Pat
         picture.save(tmp_path / "out.png")
 
 
+def test_the_sample_of_the_manual_runs_as_it_stands(
+    reflet: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The scene beside it has the names that the sample mentions."""
+    (tmp_path / "lib").mkdir()
+    (tmp_path / "height.rhai").write_text("fn frame(ctx) {}")
+    (tmp_path / "scene.toml").write_text(text_of("python/sample.toml"))
+    manual = (ROOT / "docs/python.md").read_text(encoding="utf-8")
+    (sample,) = manual.split("```python\n")[1:]
+    monkeypatch.chdir(tmp_path)
+    exec(sample.split("```")[0], {"__name__": "sample"})  # noqa: S102
+    assert len(list(Path("out").iterdir())) == 48
+
+
 def test_a_scene_is_a_file_a_text_or_a_dict(reflet: ModuleType, scene: Path) -> None:
     import tomllib
 
