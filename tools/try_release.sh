@@ -41,6 +41,16 @@ picture() {
     printf '%s, %s: a picture after %d s\n' "$suite" "$what" $((SECONDS - began))
 }
 
+# Checks the program and the module of the installed wheels.
+wheels() {
+    picture "$1, program" /home/it/venv/bin/reflet render "$unpacked/$scene"
+    within /home/it/venv/bin/python -c "
+import reflet
+with reflet.open('$unpacked/$scene', size=(96, 54)) as scene:
+    assert scene.render().display.shape[:2] == (54, 96)"
+    printf '%s, %s: renders to an array\n' "$suite" "$1"
+}
+
 for suite in "${suites[@]}"; do
     root="$work/$suite"
     debootstrap --variant=minbase --include=ca-certificates,xz-utils "$suite" "$root" >"$work/log" 2>&1 ||
@@ -59,32 +69,47 @@ for suite in "${suites[@]}"; do
 
     # The driver that comes along, with its Vulkan loader.
     driver="$(echo "$folder"/reflet_software-*.whl)"
+    has_driver=yes
     if within sh -c "dpkg --compare-versions \$(dpkg-query -W -f '\${Version}' libc6) ge $(sed 's/.*manylinux_\([0-9]*\)_\([0-9]*\)_.*/\1.\2/' <<<"$driver")"; then
         within sh -c 'cd /home/it && tar -xf reflet-software-*.tar.xz'
         picture "software driver" "$unpacked/bin/reflet" render "$unpacked/$scene"
         rm -r "$root$unpacked/lib"
     else
-        printf '%s, software driver: NOT CHECKED, its glibc is too old\n' "$suite"
+        has_driver=no
     fi
 
-    within root sh -c "cd /home/it && apt-get update -q && DEBIAN_FRONTEND=noninteractive apt-get install -y -q ./reflet_*_amd64.deb" \
+    # Wheels, of the program first with the driver's.
+    within root sh -c 'apt-get update -q && DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends python3-venv python3-numpy' \
         >"$work/log" 2>&1 || fail "$(tail -n 20 "$work/log")"
+    has_python=no
+    if within python3 -c 'import sys, numpy; sys.exit(sys.version_info < (3, 11) or numpy.__version__ < "1.26")'; then
+        has_python=yes
+        within sh -c 'cd /home/it && python3 -m venv --system-site-packages venv && venv/bin/pip install -q --no-index reflet-*-abi3-*.whl reflet_software-*.whl'
+        wheels "wheels of package and driver"
+    else
+        printf '%s, wheels: NOT CHECKED, its Python is older than 3.11 or its NumPy than 1.26\n' "$suite"
+    fi
+
+    within root sh -c "cd /home/it && DEBIAN_FRONTEND=noninteractive apt-get install -y -q ./reflet_*_amd64.deb" \
+        >"$work/log" 2>&1 || fail "$(tail -n 20 "$work/log")"
+    if [ "$has_driver" = no ]; then
+        # Its own Mesa is older than what Reflet needs: the program runs, and says so.
+        within reflet check "/usr/$scene"
+        status=0
+        within reflet render "/usr/$scene" -o /home/it/no.png 2>"$work/log" || status=$?
+        [ "$status" = 4 ] || fail "$suite, old driver: $status, $(cat "$work/log")"
+        printf '%s, Debian package: checks scenes; renders on GPUs alone\n' "$suite"
+        umount "$root/proc"
+        continue
+    fi
     picture "Debian package" reflet render "/usr/$scene"
     within sh -c 'test -s /usr/share/man/man1/reflet-render.1.gz || grep -q man /etc/dpkg/dpkg.cfg.d/*'
     within root apt-get remove -y -q reflet >/dev/null
     picture archive "$unpacked/bin/reflet" render "$unpacked/$scene"
 
-    within root env DEBIAN_FRONTEND=noninteractive apt-get install -y -q python3-venv python3-numpy >"$work/log" 2>&1 || fail "$(tail -n 20 "$work/log")"
-    if within python3 -c 'import sys, numpy; sys.exit(sys.version_info < (3, 11) or numpy.__version__ < "1.26")'; then
-        within sh -c 'cd /home/it && python3 -m venv --system-site-packages venv && venv/bin/pip install -q --no-index reflet-*-abi3-*.whl'
-        picture "wheel's program" /home/it/venv/bin/reflet render "$unpacked/$scene"
-        within /home/it/venv/bin/python -c "
-import reflet
-with reflet.open('$unpacked/$scene', size=(96, 54)) as scene:
-    assert scene.render().display.shape[:2] == (54, 96)"
-        printf '%s, wheel: renders to an array\n' "$suite"
-    else
-        printf '%s, wheel: NOT CHECKED, its Python is older than 3.11 or its NumPy than 1.26\n' "$suite"
+    if [ "$has_python" = yes ]; then
+        within /home/it/venv/bin/pip uninstall -q -y reflet-software
+        wheels wheel
     fi
     umount "$root/proc"
     rm -rf "$root"
