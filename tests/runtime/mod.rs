@@ -150,7 +150,7 @@ fn bad_input_is_refused_when_opened() {
     };
     assert_eq!(
         refused(open(&folder, &camera)),
-        "there is no camera `far`; there are: main, near"
+        "there is no camera `far`; there are `main`, `near`"
     );
     let shaders = SessionOptions {
         shaders: Some(folder.join("none")),
@@ -194,7 +194,7 @@ fn bad_input_leaves_an_open_session_as_it_was() {
     assert!(key.contains("miror") && key.contains("mirror"), "{key}");
     let aov = refused(session.render(&["depth", "deepth"]));
     assert!(
-        aov.starts_with("there is no AOV `deepth`; there are: depth, "),
+        aov == "there is no AOV `deepth`; did you mean `depth`?",
         "{aov}"
     );
     let frame = refused(session.pose(9));
