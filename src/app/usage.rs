@@ -37,6 +37,9 @@ fn advice(error: &clap::Error) -> Option<String> {
     if let Some(ContextValue::String(typed)) = error.get(ContextKind::InvalidSubcommand) {
         let file = Path::new(typed);
         return find(known.commands, typed).or_else(|| {
+            if file.is_dir() {
+                return Some(format!("`{typed}` is a folder: write the path of a scene in it, as in `reflet preview scene.toml`"));
+            }
             (file.is_file() || file.extension().is_some_and(|e| e == "toml")).then(|| {
                 format!("`{typed}` is a file: `reflet render {typed} -o picture.png` renders it, `reflet preview {typed}` shows it")
             })

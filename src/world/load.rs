@@ -277,6 +277,12 @@ impl<'a> Loader<'a> {
             () if !name.value.contains('.') => {
                 "write the name of a file with its ending, such as \"a.ttf\" for a font: names of the system's fonts are none"
             }
+            () if name.value.starts_with('~') => {
+                "`~` is not expanded: write the name of the file, and its folder with --assets DIR"
+            }
+            () if name.at.source.as_ref().is_some_and(|s| s.generated) => {
+                "check the path; it starts from the folder you are in"
+            }
             () => "add the folder that has it with --assets DIR or REFLET_ASSETS",
         };
         error.help = similar.or_else(|| Some(help.into()));

@@ -65,6 +65,10 @@ impl Sandbox {
         if name.is_empty() || name.contains('\0') {
             return Err(escape("is not a file name"));
         }
+        if name.contains("://") {
+            let help = "download the file into the scene's folder, and write its name";
+            return Err(escape("is a URL").help(help));
+        }
         if has_scheme(&name) {
             return Err(escape("is a URL or names a drive"));
         }
@@ -106,10 +110,8 @@ impl Sandbox {
             return Err(escape("is a link that leaves the allowed folders"));
         }
         if !path.is_file() {
-            return Err(Fault::new(
-                "not-a-file",
-                format!("\"{shown}\" is not a regular file"),
-            ));
+            let fault = Fault::new("not-a-file", format!("\"{shown}\" is not a regular file"));
+            return Err(fault.help("write the path of a file: folders, devices and pipes are none"));
         }
         Ok(path)
     }
