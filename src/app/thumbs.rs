@@ -33,7 +33,10 @@ use crate::{
         catch_panic::catch_panic,
         scene_text::{LoadedScene, SceneText},
     },
-    scene::{dependencies::Dependencies, desc::is_bare, parse::MOST_BYTES, project},
+    scene::{
+        dependencies::Dependencies, desc::is_bare, diagnostic::printable_lines, parse::MOST_BYTES,
+        project,
+    },
 };
 
 /// Width and height of the pictures without `--size`.
@@ -144,7 +147,8 @@ fn open(picture: &PictureArgs) -> Result<Arc<Gpu>, AppError> {
 
 /// Names a file that has no picture, with the reason.
 fn report(file: &Path, error: &dyn Display, failed: &mut usize) {
-    reflet_base::error_line!("error: {}: {error}", file.display());
+    let text = printable_lines(&format!("{}: {error}", file.display())).replace('\n', " ");
+    reflet_base::error_line!("error: {text}");
     *failed += 1;
 }
 
