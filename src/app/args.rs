@@ -10,8 +10,8 @@ use clap::{
     builder::{PossibleValue, PossibleValuesParser, TypedValueParser},
 };
 
-use super::relight::Light;
 pub use super::size_arg::{SizeArg, parse_crop, parse_size, parse_size_or_name, parse_time};
+use super::{error::AppError, relight::Light};
 use crate::{
     files::Goal,
     output::frames::{Shard, parse_shard},
@@ -75,7 +75,8 @@ pub struct PictureArgs {
     /// Width and height in pixels, each 1 to 16384, or the name of a size of the project
     #[arg(long, value_name = "WxH", value_parser = parse_size_or_name)]
     pub size: Option<SizeArg>,
-    /// Light in place of the scene's lights and environment: outdoor, studio, or a panorama (.hdr, .exr)
+    /// Light in place of the scene's lights, their motion and environment: outdoor, studio, or a panorama (.hdr, .exr).
+    /// A script that sets a light by its name fails
     #[arg(long, value_name = "LIGHT")]
     pub light: Option<Light>,
     /// Part of the picture to write: left and top edge, width and height in pixels. It has the same pixels as the whole
@@ -126,14 +127,18 @@ pub struct PictureWords<'a> {
 }
 
 impl PictureArgs {
-    /// The arguments with their light as overrides of the scene, before all others.
-    pub fn lit(&self) -> Self {
+    /// The arguments with their light as overrides of a scene, before all others.
+    ///
+    /// # Errors
+    /// Same errors as [`Light::overrides`].
+    pub fn lit(&self, scene: Option<&Path>) -> Result<Self, AppError> {
         let mut lit = self.clone();
         if let Some(light) = lit.light.take() {
-            lit.from.set.splice(0..0, light.overrides());
-            lit.from.assets.extend(light.folder());
+            let (set, folder) = light.overrides(&lit.from.assets, scene)?;
+            lit.from.set.splice(0..0, set);
+            lit.from.assets.extend(folder);
         }
-        lit
+        Ok(lit)
     }
 
     /// Words that pass these arguments on, but for the folders of assets.

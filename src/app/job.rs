@@ -66,11 +66,11 @@ struct Film {
 
 impl TaskArgs {
     /// The arguments with their light as overrides of the scene.
-    fn lit(&self) -> Self {
-        Self {
-            picture: self.picture.lit(),
+    fn lit(&self) -> Result<Self, AppError> {
+        Ok(Self {
+            picture: self.picture.lit(Some(&self.scene))?,
             ..self.clone()
-        }
+        })
     }
 
     /// Loads the scene, and checks that its frames can be rendered in parts.
@@ -125,7 +125,7 @@ fn openjd(args: &OpenjdArgs) -> Result<(), AppError> {
         tasks: args,
         output,
     } = args;
-    let args = &args.lit();
+    let args = &args.lit()?;
     let Film { loaded, frames } = args.film()?;
     let folders = asset_folders(&args.picture.from.assets);
     let picture = in_project(&args.picture, &loaded);

@@ -90,7 +90,7 @@ pub fn render_once(args: &RenderArgs, files: &Dependencies) -> Result<(), AppErr
 /// The arguments with light and turntable as overrides of the scene.
 fn turned(args: &RenderArgs) -> Result<RenderArgs, AppError> {
     let mut args = args.clone();
-    args.picture = args.picture.lit();
+    args.picture = args.picture.lit(args.scene.as_deref())?;
     if let Some(time) = args.turntable.take() {
         let scene = args.scene.as_deref();
         let mut options = args.picture.from.options();
@@ -101,7 +101,7 @@ fn turned(args: &RenderArgs) -> Result<RenderArgs, AppError> {
         let loaded = opened
             .and_then(|opened| opened.load(name))
             .map_err(AppError::Scene)?;
-        args.picture.from.set.extend(turntable(&loaded, time));
+        args.picture.from.set.extend(turntable(&loaded, time)?);
         args.picture.camera = Some(TURNTABLE.to_owned());
     }
     Ok(args)

@@ -81,7 +81,7 @@ pub fn sheet(args: &SheetArgs) -> Result<(), AppError> {
         ));
     }
     let args = &SheetArgs {
-        picture: args.picture.lit(),
+        picture: args.picture.lit(Some(&args.scene))?,
         ..args.clone()
     };
     let output = PictureFile::new(&args.output)?;

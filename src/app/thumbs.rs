@@ -84,7 +84,8 @@ struct Reading {
 /// [`AppError::Usage`] for a folder without files to show, no usable adapter, a full disk, [`AppError::NoPicture`] after
 /// all others where some files have none; each is reported when it fails.
 pub fn thumbs(args: &ThumbsArgs) -> Result<(), AppError> {
-    let mut picture = args.picture.lit();
+    let mut picture = args.picture.clone();
+    picture.lit(None)?; // its panorama is there
     if !picture.aov.is_empty() || picture.crop.is_some() {
         let text = "--aov and --crop do not apply to thumbs";
         return Err(AppError::Usage(text.to_owned()));
@@ -133,7 +134,7 @@ pub fn thumbs(args: &ThumbsArgs) -> Result<(), AppError> {
             }
         }
     }
-    reflet_base::error_line!("wrote {made} pictures, kept {kept}");
+    reflet_base::error_line!("wrote {made} of {all} pictures, kept {kept}");
     match failed {
         0 => Ok(()),
         failed => Err(AppError::NoPicture { failed, all }),
@@ -163,12 +164,22 @@ fn jobs(args: &ThumbsArgs, failed: &mut usize) -> Result<Vec<Job>, AppError> {
         entry.depth() == 0 || !entry.file_name().to_string_lossy().starts_with('.')
     };
     let walk = WalkDir::new(&args.folder).sort_by_file_name();
+    if args.folder.is_file() {
+        let file = args.folder.display();
+        let text = format!(
+            "{file} is a file: write the folder that has it, or `reflet render {file} -o picture.png`"
+        );
+        return Err(AppError::Usage(text));
+    }
     let mut jobs = Vec::new();
     for entry in walk.into_iter().filter_entry(is_visible) {
         let entry = match entry {
             Ok(entry) => entry,
             Err(error) if error.depth() == 0 => {
-                return Err(AppError::Usage(format!("{error}")));
+                let why = error
+                    .io_error()
+                    .map_or("it cannot be read".to_owned(), ToString::to_string);
+                return Err(AppError::Usage(format!("{}: {why}", args.folder.display())));
             }
             Err(error) => {
                 report(error.path().unwrap_or(&args.folder), &error, failed);
@@ -176,6 +187,9 @@ fn jobs(args: &ThumbsArgs, failed: &mut usize) -> Result<Vec<Job>, AppError> {
             }
         };
         let file = entry.path();
+        if entry.path_is_symlink() && !file.exists() && is_bare(file) {
+            report(file, &"it is a link to a file that is not there", failed);
+        }
         if !file.is_file() || !(is_bare(file) || is_scene(file)) {
             continue;
         }
@@ -210,8 +224,9 @@ fn is_scene(file: &Path) -> bool {
         .by_ref()
         .take_while(|line| !line.starts_with('['))
         .any(|line| {
-            line.strip_prefix("version")
-                .is_some_and(|rest| rest.trim_start().starts_with('='))
+            line.trim_start_matches('"')
+                .strip_prefix("version")
+                .is_some_and(|rest| rest.trim_start_matches('"').trim_start().starts_with('='))
         })
 }
 
@@ -226,7 +241,8 @@ fn read(job: Job, picture: &PictureArgs) -> Reading {
     let (sender, loaded) = channel();
     let (file, picture) = (job.file.clone(), picture.clone());
     thread::spawn(move || {
-        let loaded = overrides(&picture, Some(&file)).and_then(|more| {
+        let loaded = picture.lit(Some(&file)).and_then(|picture| {
+            let more = overrides(&picture, Some(&file))?;
             let loaded = catch_panic(&file, || {
                 let text = SceneText::read(Some(&file), &picture.from.options())?;
                 let name = text.name();

@@ -61,8 +61,8 @@ pub use self::{
         reflectivity_of,
     },
     motion::{
-        CutDesc, DecalMotionDesc, GroupMotionDesc, InstanceMotionDesc, ModelMotionDesc, MotionDesc,
-        TimelineDesc,
+        CutDesc, DecalMotionDesc, FRAMES, GroupMotionDesc, InstanceMotionDesc, ModelMotionDesc,
+        MotionDesc, TimelineDesc,
     },
     near_far::NearFarDesc,
     outline::{BevelDesc, FigureDesc, FillRule, OutlineDesc},

@@ -12,7 +12,7 @@ use crate::{
 };
 
 /// Range of frame numbers.
-const FRAMES: Range = range(0.0, 1e6);
+pub const FRAMES: Range = range(0.0, 1e6);
 
 declared! {
     /// `[timeline]`: the frames of a film.
