@@ -10,7 +10,7 @@ use crate::{
     output::{OutputError, frames::spans},
     render::RenderError,
     runtime::SessionError,
-    scene::diagnostic::{Diagnostic, Severity, print_diagnostics, printable_lines},
+    scene::diagnostic::{Diagnostic, print_diagnostics, printable_lines},
 };
 
 /// Writes a line to standard error; what could control a terminal is replaced, as messages quote names of files.
@@ -167,9 +167,7 @@ impl AppError {
 }
 
 fn first_message(diagnostics: &[Diagnostic]) -> &str {
-    let is_error = |message: &&Diagnostic| message.severity == Severity::Error;
-    let first = diagnostics.iter().find(is_error).or(diagnostics.first());
-    first.map_or("", |first| &first.message)
+    diagnostics.first().map_or("", |first| &first.message)
 }
 
 fn print_failures(failed: &[(u32, String)]) {

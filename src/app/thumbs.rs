@@ -28,13 +28,16 @@ use super::{
 use crate::{
     files::{Goal, open_regular, read_at_most},
     gpu::{Gpu, GpuError, ShaderLibrary, driver::open_gpu},
-    output::picture_file::PictureFile,
+    output::{picture_file::PictureFile, writable::inputs},
     runtime::{
         catch_panic::catch_panic,
         scene_text::{LoadedScene, SceneText},
     },
     scene::{
-        dependencies::Dependencies, desc::is_bare, diagnostic::printable_lines, parse::MOST_BYTES,
+        dependencies::Dependencies,
+        desc::is_bare,
+        diagnostic::{Diagnostic, Severity, printable_lines},
+        parse::MOST_BYTES,
         project,
     },
 };
@@ -71,7 +74,7 @@ struct Job {
     picture: Goal,
 }
 
-/// Scene of a file that a thread reads since a time.
+/// A job whose file a thread reads.
 struct Reading {
     job: Job,
     began: Instant,
@@ -124,7 +127,7 @@ pub fn thumbs(args: &ThumbsArgs) -> Result<(), AppError> {
             Ok(()) => made += 1,
             Err(error @ AppError::Disk(_)) => return Err(error),
             Err(error) => {
-                report(&job.file, &error, &mut failed);
+                report(&job.file, &reason(&error), &mut failed);
                 if matches!(
                     error,
                     AppError::Gpu(GpuError::Lost(_) | GpuError::OutOfMemory(_))
@@ -151,6 +154,30 @@ fn report(file: &Path, error: &dyn Display, failed: &mut usize) {
     let text = printable_lines(&format!("{}: {error}", file.display())).replace('\n', " ");
     reflet_base::error_line!("error: {text}");
     *failed += 1;
+}
+
+/// The first error of a scene with its place and help, or the message of another error.
+fn reason(error: &AppError) -> String {
+    let messages = match error {
+        AppError::Scene(messages) => messages.as_slice(),
+        _ => &[],
+    };
+    let is_error = |message: &&Diagnostic| message.severity == Severity::Error;
+    let Some(first) = messages.iter().find(is_error) else {
+        return error.to_string();
+    };
+    let source = first
+        .span
+        .source
+        .as_ref()
+        .filter(|source| !source.generated);
+    let place = source.and_then(|_| first.span.in_words());
+    let place = place.map_or(String::new(), |place| format!(", at {place}"));
+    let help = first
+        .help
+        .as_ref()
+        .map_or(String::new(), |help| format!("; {help}"));
+    format!("{}{place}{help}", first.message)
 }
 
 fn late(args: &ThumbsArgs) -> AppError {
@@ -275,6 +302,7 @@ fn render(
         .map(|name| cameras::choose(&loaded, Some(name)));
     let camera = camera.transpose()?.and_then(|all| all.first().copied());
     let args = RenderArgs::for_pictures(&job.file, picture);
+    let inputs = inputs([job.file.as_path()], &loaded);
     let mut session = RenderSession::with_gpu(gpu, &args, loaded, camera, Vec::new(), library)?;
     let first = session.scene.scene().scene.first_frame();
     let is_late = || began.elapsed() > thumbs.timeout;
@@ -288,6 +316,8 @@ fn render(
     let shown = shown.map_err(|error| if is_late() { late(thumbs) } else { error })?;
     let unwritten = |error| AppError::unwritten(&job.picture, &error);
     job.picture.make_folders().map_err(unwritten)?;
-    PictureFile::new(&job.picture)?.write(&shown)?;
+    let output = PictureFile::new(&job.picture)?;
+    output.check_files(&[], &inputs)?;
+    output.write(&shown)?;
     Ok(())
 }
