@@ -167,7 +167,7 @@ impl Sight {
         let least_m = if self.is_perspective {
             self.near_m * 1e-6
         } else {
-            f64::MIN
+            -radius_m
         };
         if !self.is_in_picture(&beyond(least_m)) {
             return Some(Unseen::Outside);
