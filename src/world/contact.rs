@@ -1,6 +1,6 @@
 //! Contacts of two instances: whether their surfaces touch or cut through each other, by their triangles and capsules.
 
-use std::collections::BTreeSet;
+use std::{collections::BTreeSet, f64::consts::TAU};
 
 use glam::{DAffine3, DVec3};
 
@@ -13,12 +13,17 @@ const NEAR: f64 = 1e-4;
 const ROUNDED: f64 = 1e-6;
 /// Number of crossed faces by which the depth of a cut is measured.
 const MOST_FACES: usize = 64;
+/// Number of triangles that are looked at to find an overlap of two instances whose surfaces only touch.
+const MOST_SOLID_WORK: usize = 50_000;
+
+/// Least number of windings around the inside of a closed surface; an open one has about 0.5 beside it.
+const SOLID: f64 = 0.75;
 
 /// Contact of two instances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// Distance by which one of the two would have to be moved, across a face where they cross, until it is beyond that
-    /// face, m; 0 where they only touch.
+    /// Least distance by which one of the two must be moved out of the other through a face where they cross, until it
+    /// is beyond the outside of that face of a solid, or beyond either side of an open surface, m; 0 where they only touch.
     pub depth_m: f64,
     /// A point of the contact.
     pub at: DVec3,
@@ -79,10 +84,18 @@ pub fn contact(
         let plane = normal.extend(normal.dot(*at) / smaller_m.max(near_m));
         known.insert(plane.to_array().map(|x| (x * 1e4).round() as i64))
     });
+    let outward = [0, 1].map(|k| {
+        let (at, (normal, _)) = crossed.iter().find(|(_, (_, owner))| *owner == k)?;
+        placed[k].outward(*at, *normal, near_m)
+    });
     let depth_m = |(at, (normal, owner)): &(DVec3, Crossed)| {
         let at = normal.dot(*at);
         let [low, high] = placed[1 - owner].extent(*normal);
-        (high - at).min(at - low)
+        match outward[*owner] {
+            Some(true) => at - low,
+            Some(false) => high - at,
+            None => (high - at).min(at - low),
+        }
     };
     let step = crossed.len().div_ceil(MOST_FACES).max(1);
     let cuts = crossed.iter().step_by(step).map(|cut| Contact {
@@ -90,7 +103,56 @@ pub fn contact(
         at: cut.0,
     });
     let cut = cuts.min_by(|a, b| a.depth_m.total_cmp(&b.depth_m));
-    Ok(cut.or(touched.map(|at| Contact { depth_m: 0.0, at })))
+    let touch = touched
+        .map(|at| overlap(&placed, [min, max], near_m).unwrap_or(Contact { depth_m: 0.0, at }));
+    Ok(cut.or(touch))
+}
+
+/// Overlap of two solids whose faces touch and do not cross, such as aligned boxes, if a point is found that is inside
+/// both; `[min, max]` is the box that both are in.
+fn overlap(placed: &[Placed<'_>; 2], [min, max]: [DVec3; 2], near_m: f64) -> Option<Contact> {
+    let is_inside = |k: usize, at: DVec3| placed[k].is_inside(at, near_m);
+    let middle = (min + max) * 0.5;
+    let mut inner = (is_inside(0, middle) && is_inside(1, middle)).then_some(middle);
+    let triangles = placed.each_ref().map(|p| p.mesh.triangles.len());
+    let most = (MOST_SOLID_WORK / (triangles[0] + triangles[1])).min(MOST_FACES);
+    for k in [0, 1] {
+        let middles = placed[k].parts().filter_map(|part| {
+            let middle = part.iter().sum::<DVec3>() / 3.0;
+            let is_near = middle.cmpge(min).all() && middle.cmple(max).all();
+            is_near.then_some((middle, normal(&part)?))
+        });
+        let middles: Vec<_> = middles.collect();
+        let step = middles.len().div_ceil(most.max(1)).max(1);
+        // A face of one is inside the other, or the space behind faces that lie on each other.
+        let points = middles
+            .iter()
+            .step_by(step)
+            .take(most)
+            .flat_map(|(middle, normal)| {
+                let behind = [1.0, -1.0].map(|side| *middle - *normal * (side * 2.0 * near_m));
+                [*middle, behind[0], behind[1]].into_iter().enumerate()
+            });
+        inner = inner.or_else(|| {
+            let mut points = points;
+            let is_found = |(place, at): &(usize, DVec3)| {
+                is_inside(1 - k, *at) && (*place == 0 || is_inside(k, *at))
+            };
+            points.find(is_found).map(|(_, at)| at)
+        });
+    }
+    let at = inner?;
+    let mut ways = DVec3::AXES.to_vec();
+    for one in placed {
+        let step = one.mesh.triangles.len().div_ceil(MOST_FACES).max(1);
+        ways.extend(one.parts().step_by(step).filter_map(|part| normal(&part)));
+    }
+    let depths = ways.into_iter().map(|way| {
+        let [a, b] = placed.each_ref().map(|p| p.extent(way));
+        (a[1] - b[0]).min(b[1] - a[0])
+    });
+    let depth_m = depths.fold(f64::MAX, f64::min);
+    (depth_m > near_m).then_some(Contact { depth_m, at })
 }
 
 /// The work that a search for contacts may take does not suffice.
@@ -125,6 +187,61 @@ impl<'a> Placed<'a> {
     fn radius_along(&self, normal: DVec3) -> f64 {
         let radius = f64::from(self.mesh.capsule_radius_m.unwrap_or(0.0));
         (self.to_world.matrix3.transpose() * normal).length() * radius
+    }
+
+    /// Times that its surface goes around a point: 1 in a closed one, -1 if its fronts are inside as in a room, 0 outside
+    /// (van Oosterom, Strackee, "The Solid Angle of a Plane Triangle", 1983).
+    fn windings(&self, at: DVec3) -> f64 {
+        let angles = self.parts().map(|part| {
+            let [a, b, c] = part.map(|p| p - at);
+            let lengths = [a.length(), b.length(), c.length()];
+            let below = lengths.iter().product::<f64>()
+                + a.dot(b) * lengths[2]
+                + b.dot(c) * lengths[0]
+                + c.dot(a) * lengths[1];
+            a.dot(b.cross(c)).atan2(below)
+        });
+        angles.sum::<f64>() / TAU * self.to_world.matrix3.determinant().signum()
+    }
+
+    /// Whether a point is inside its capsules, or its closed surface, by more than `near_m`.
+    fn is_inside(&self, at: DVec3, near_m: f64) -> bool {
+        match self.mesh.capsule_radius_m {
+            Some(radius) => {
+                let at = self.to_world.inverse().transform_point3(at);
+                let is_inside = |triangle: &[u32; 3]| {
+                    let [base, end] =
+                        [triangle[0], triangle[1]].map(|i| self.positions[i as usize].as_dvec3());
+                    let capsule = Capsule {
+                        base,
+                        axis: end - base,
+                        radius: radius.into(),
+                    };
+                    capsule.height(at).0 < -near_m
+                };
+                self.mesh.triangles.iter().any(is_inside)
+            }
+            None => {
+                self.windings(at) > SOLID
+                    && self.parts().all(|part| {
+                        let (nearest, ..) = segment_to_triangle([at, at], &part, 0.0);
+                        nearest.distance(at) > near_m
+                    })
+            }
+        }
+    }
+
+    /// Whether the normal of a face at a point points out of a closed surface; `None` for an open one.
+    fn outward(&self, at: DVec3, normal: DVec3, near_m: f64) -> Option<bool> {
+        if self.mesh.capsule_radius_m.is_some() {
+            return Some(true);
+        }
+        let is_solid = |side: f64| self.windings(at + normal * (side * near_m)) > SOLID;
+        match [is_solid(-1.0), is_solid(1.0)] {
+            [true, false] => Some(true),
+            [false, true] => Some(false),
+            _ => None,
+        }
     }
 
     /// Least and largest coordinate along a unit vector.
