@@ -1,12 +1,19 @@
 //! `query`: the visible things of a scene, and other things and lights that hide, light and touch them.
 
-use std::path::PathBuf;
+use std::{fmt, path::PathBuf};
 
 use clap::Args;
+use serde::{
+    Deserialize, Deserializer,
+    de::{MapAccess, Visitor},
+};
 use serde_json::Value;
 
 use super::{args::SceneArgs, error::AppError, print_json, print_out, scene::load_scene};
-use crate::render::query::{Question, answer::Answer, ask};
+use crate::render::{
+    query::{Question, answer::Answer, ask},
+    runtime::scene_text::LoadedScene,
+};
 
 /// `query`
 #[derive(Clone, Debug, Args)]
@@ -23,7 +30,7 @@ pub struct QueryArgs {
     #[arg(long, value_name = "N")]
     pub frame: Option<u32>,
     /// Time in seconds, in place of the frame: the frame that is nearest to it
-    #[arg(long, value_name = "SECONDS", conflicts_with = "frame")]
+    #[arg(long, value_name = "SECONDS", conflicts_with = "frame", value_parser = parse_time)]
     pub time: Option<f32>,
     /// Column and row of a pixel, from the upper left corner, whose surfaces are listed with their places in the text;
     /// repeatable
@@ -51,10 +58,11 @@ pub fn query(args: &QueryArgs) -> Result<(), AppError> {
     match args.json {
         true => print_json(&answer),
         false => {
-            let value = serde_json::to_value(&answer);
-            let value = value.map_err(|error| AppError::Internal(format!("as JSON: {error}")))?;
+            let fields = serde_json::to_string(&answer);
+            let fields = fields.and_then(|json| serde_json::from_str(&json));
+            let fields = fields.map_err(|error| AppError::Internal(format!("as JSON: {error}")))?;
             let mut text = String::new();
-            write_text(&value, 0, &mut text);
+            write_text(&fields, 0, &mut text);
             print_out(&text)
         }
     }
@@ -66,17 +74,35 @@ pub fn query(args: &QueryArgs) -> Result<(), AppError> {
 /// Same errors as [`query`].
 pub fn answer(args: &QueryArgs) -> Result<Answer, AppError> {
     let mut loaded = load_scene(args.scene.as_deref(), &args.from, &[])?;
-    let fps = loaded.scene.timeline.as_ref().map_or(24.0, |t| t.fps);
+    let at_time = args.time.map(|time_s| frame_at(&loaded, time_s));
     let question = Question {
         camera: args.camera.clone(),
-        frame: args
-            .frame
-            .or(args.time.map(|time_s| (time_s * fps).round() as u32)),
+        frame: args.frame.or(at_time.transpose()?),
         at: args.at.clone(),
         of: args.of.clone(),
         parts: args.parts,
     };
     ask(&mut loaded, &question).map_err(|error| AppError::from_session(error, false))
+}
+
+/// The frame that is nearest to a time.
+fn frame_at(loaded: &LoadedScene, time_s: f32) -> Result<u32, AppError> {
+    let timeline = loaded.scene.timeline.as_ref();
+    let (fps, start, end) = timeline.map_or((24.0, 0, 0), |t| (t.fps, t.start, t.end));
+    let frame = (time_s * fps).round();
+    if (start as f32..=end as f32).contains(&frame) {
+        return Ok(frame as u32);
+    }
+    let [first_s, last_s] = [start, end].map(|frame| (frame as f32 / fps * 1e3).round() / 1e3);
+    Err(AppError::Usage(format!(
+        "there is no frame at {time_s} s; the timeline has {first_s} to {last_s} s"
+    )))
+}
+
+fn parse_time(text: &str) -> Result<f32, String> {
+    let time_s = text.parse().ok();
+    let time_s = time_s.filter(|time_s: &f32| time_s.is_finite() && *time_s >= 0.0);
+    time_s.ok_or_else(|| "write a time in seconds from 0 on, such as 2.5".to_owned())
 }
 
 fn parse_pixel(text: &str) -> Result<[u32; 2], String> {
@@ -87,34 +113,78 @@ fn parse_pixel(text: &str) -> Result<[u32; 2], String> {
     }
 }
 
-/// Writes a value as lines for people: a line for each key that has a value, and lists of numbers and names in one line.
-fn write_text(value: &Value, depth: usize, out: &mut String) {
-    let is_plain = |value: &Value| !value.is_object() && !value.is_array();
-    let plain = |value: &Value| {
-        value
-            .as_str()
-            .map_or_else(|| value.to_string(), str::to_owned)
-    };
+/// A value of an answer, as it is shown to people.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Shown {
+    Fields(Fields),
+    List(Vec<Shown>),
+    Plain(Value),
+}
+
+/// Keys and values in the order of the fields of an answer, which a [`Value`] would sort.
+struct Fields(Vec<(String, Shown)>);
+
+impl<'de> Deserialize<'de> for Fields {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        from.deserialize_map(FieldsVisitor)
+    }
+}
+
+struct FieldsVisitor;
+
+impl<'de> Visitor<'de> for FieldsVisitor {
+    type Value = Fields;
+
+    fn expecting(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        to.write_str("an object")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Fields, A::Error> {
+        let mut fields = Vec::new();
+        while let Some(field) = map.next_entry()? {
+            fields.push(field);
+        }
+        Ok(Fields(fields))
+    }
+}
+
+/// Writes fields as lines for people: a line for each key that has a value, and lists of numbers and names in one line.
+fn write_text(Fields(fields): &Fields, depth: usize, out: &mut String) {
     let indent = "  ".repeat(depth);
-    for (key, value) in value.as_object().into_iter().flatten() {
-        match value {
-            Value::Null => {}
-            Value::Array(list) if list.is_empty() => {}
-            Value::Array(list) if list.iter().any(Value::is_object) => {
-                for entry in list {
+    for (key, value) in fields {
+        let values = match value {
+            Shown::List(list) if list.iter().any(|one| matches!(one, Shown::Fields(_))) => {
+                list.as_slice()
+            }
+            value => std::slice::from_ref(value),
+        };
+        for value in values {
+            match value {
+                Shown::Fields(fields) => {
                     out.push_str(&format!("{indent}{key}\n"));
-                    write_text(entry, depth + 1, out);
+                    write_text(fields, depth + 1, out);
                 }
+                value => match in_line(value) {
+                    text if !text.is_empty() => out.push_str(&format!("{indent}{key}: {text}\n")),
+                    _ if key == "surfaces" => out.push_str(&format!("{indent}background\n")),
+                    _ => {}
+                },
             }
-            Value::Array(list) if list.iter().all(is_plain) => {
-                let list: Vec<_> = list.iter().map(plain).collect();
-                out.push_str(&format!("{indent}{key}: {}\n", list.join(", ")));
-            }
-            Value::Object(_) => {
-                out.push_str(&format!("{indent}{key}\n"));
-                write_text(value, depth + 1, out);
-            }
-            value => out.push_str(&format!("{indent}{key}: {}\n", plain(value))),
+        }
+    }
+}
+
+/// A value in one line; empty without one.
+fn in_line(value: &Shown) -> String {
+    match value {
+        Shown::Fields(_) | Shown::Plain(Value::Null) => String::new(),
+        Shown::Plain(Value::String(text)) => text.clone(),
+        Shown::Plain(value) => value.to_string(),
+        Shown::List(list) => {
+            let is_nested = list.iter().any(|one| matches!(one, Shown::List(_)));
+            let list: Vec<_> = list.iter().map(in_line).collect();
+            list.join(if is_nested { " to " } else { ", " })
         }
     }
 }
