@@ -35,7 +35,7 @@ pub struct Answer {
     /// Pixels that were asked about.
     pub pixels: Vec<Pixel>,
     /// Direct light on the surfaces in the picture, brightest first.
-    pub lit_by: Vec<Share>,
+    pub lit_by: Vec<LightShare>,
     /// The cameras.
     pub cameras: Vec<Named>,
     /// The lights of the scene and its files.
@@ -62,7 +62,8 @@ pub struct Thing {
     pub parts: usize,
     /// Number of its triangles and capsules.
     pub triangles: usize,
-    /// Least and greatest corner at this frame, m; none for a thing that is switched off.
+    /// Least and greatest corner at this frame, m, whether the thing is visible or not; none if it has no surface or is
+    /// scaled to 0.
     pub bounds_m: Option<[[f64; 3]; 2]>,
     /// Width, height and depth of these bounds, m.
     pub size_m: Option<[f64; 3]>,
@@ -87,7 +88,7 @@ pub struct Thing {
     /// Things that it touches or cuts through, deepest first.
     pub contacts: Vec<Contact>,
     /// Direct light on its surface, brightest first; only of things that were asked about by name.
-    pub lit_by: Vec<Share>,
+    pub lit_by: Vec<LightShare>,
 }
 
 /// Reason why a picture shows none of a thing.
@@ -108,10 +109,33 @@ pub enum UnseenFor {
     Hidden,
 }
 
-/// A name with a share, from 0 to 1.
+/// Share of a light in the light on surfaces, from 0 to 1.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct LightShare {
+    /// Kind of the light.
+    pub kind: LightKind,
+    /// Name of the lamp or of the thing; `environment` for the light from all around.
+    pub name: String,
+    /// The share.
+    pub share: f64,
+}
+
+/// Kind of a light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum LightKind {
+    /// A light of the scene or of its files.
+    Lamp,
+    /// A thing whose material lights.
+    Thing,
+    /// The environment.
+    Environment,
+}
+
+/// Name of a thing with a share, from 0 to 1.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Share {
-    /// Name of a light or of a thing; `environment` for the light from all around.
+    /// The name.
     pub name: String,
     /// The share.
     pub share: f64,
@@ -124,7 +148,9 @@ pub struct Contact {
     pub with: String,
     /// Whether it cuts through it; else they only touch.
     pub cuts: bool,
-    /// Distance by which one would have to be moved, across a face where they cross, until it is beyond that face, m.
+    /// Least distance by which one must be moved straight out of the other through a face that they cross, m: until it is
+    /// beyond the outside of that face of a solid, or beyond either side of an open surface. Where no faces cross because
+    /// the two solids are aligned: the least along the normals of their faces and the axes until their extents are apart.
     pub depth_m: f64,
     /// A point of the contact, m.
     pub at_m: [f64; 3],
@@ -138,7 +164,7 @@ pub struct Pixel {
     /// Surfaces at its middle from the front to the first that lets no light through; none for the background.
     pub surfaces: Vec<Surface>,
     /// Direct light on the first surface, brightest first.
-    pub lit_by: Vec<Share>,
+    pub lit_by: Vec<LightShare>,
 }
 
 /// A surface behind a pixel.

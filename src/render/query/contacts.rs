@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use super::{
-    MOST_LISTED,
     answer::{Answer, Contact},
     numbers, rounded,
     things::Things,
@@ -67,13 +66,9 @@ pub fn find(world: &World, things: &Things, chosen: &[usize], answer: &mut Answe
             }
         }
     }
-    let mut surplus = 0;
     for thing in &mut answer.things {
         thing
             .contacts
             .sort_by(|a, b| b.depth_m.total_cmp(&a.depth_m));
-        surplus += thing.contacts.len().saturating_sub(MOST_LISTED);
-        thing.contacts.truncate(MOST_LISTED);
     }
-    answer.leave_out(surplus, "contacts are not listed");
 }

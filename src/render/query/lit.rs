@@ -6,7 +6,7 @@ use std::{collections::HashMap, f64::consts::PI};
 use glam::DVec3;
 
 use super::{
-    answer::Share,
+    answer::{LightKind, LightShare},
     rounded,
     surfaces::{point_of, spread},
 };
@@ -34,6 +34,8 @@ const LEAST: f64 = 1e-3;
 pub struct Lights<'a> {
     rays: ViewRays<'a>,
     lamps: Vec<&'a Light>,
+    /// Number of lamps that are not looked at.
+    pub left_out: usize,
     /// Points of materials that light, each with the normal of its front.
     emitters: Vec<SurfacePoint>,
     /// Power of a point of them, W as far as radiance is in W/m²/sr, over π.
@@ -47,7 +49,8 @@ impl<'a> Lights<'a> {
     pub fn new(rays: ViewRays<'a>) -> Self {
         let world = rays.world;
         let mut lamps: Vec<&Light> = world.all_lights().collect();
-        if lamps.len() > MOST_LAMPS {
+        let left_out = lamps.len().saturating_sub(MOST_LAMPS);
+        if left_out > 0 {
             let power =
                 |light: &Light| light.desc.kind.intensity() * light.desc.color.dot(LUMINANCE);
             lamps.sort_by(|a, b| power(b).total_cmp(&power(a)));
@@ -68,6 +71,7 @@ impl<'a> Lights<'a> {
         };
         Self {
             lamps,
+            left_out,
             emitters: (0..EMITTER_POINTS).filter_map(point).collect(),
             emitter_power: total / EMITTER_POINTS as f64,
             sky: world.environment.coarse_gradient(),
@@ -75,29 +79,32 @@ impl<'a> Lights<'a> {
         }
     }
 
-    /// Whether some lamps are left out.
-    pub fn is_cut(&self) -> bool {
-        self.lamps.len() == MOST_LAMPS
-    }
-
     /// Shares of the lights in the light on these points, brightest first; `name_of` names the thing of an instance.
-    pub fn shares(&self, points: &[SurfacePoint], name_of: impl Fn(usize) -> String) -> Vec<Share> {
+    pub fn shares(
+        &self,
+        points: &[SurfacePoint],
+        name_of: impl Fn(usize) -> String,
+    ) -> Vec<LightShare> {
         let luminance = |light: DVec3| light.dot(LUMINANCE.as_dvec3());
-        let mut sums: HashMap<String, f64> = HashMap::new();
+        let mut sums: HashMap<(LightKind, String), f64> = HashMap::new();
         for point in points {
             for lamp in &self.lamps {
                 let light = luminance(incoming(self.rays.trees, lamp, point));
-                *sums.entry(lamp.name.clone()).or_default() += light;
+                let key = (LightKind::Lamp, lamp.name.clone());
+                *sums.entry(key).or_default() += light;
             }
             for emitter in &self.emitters {
                 let light = self.light_of_emitter(emitter, point);
-                *sums.entry(name_of(emitter.instance)).or_default() += light;
+                let key = (LightKind::Thing, name_of(emitter.instance));
+                *sums.entry(key).or_default() += light;
             }
             let light = luminance(self.light_of_sky(point));
-            *sums.entry("environment".to_owned()).or_default() += light;
+            let key = (LightKind::Environment, "environment".to_owned());
+            *sums.entry(key).or_default() += light;
         }
         let total: f64 = sums.values().sum();
-        let share = |(name, sum)| Share {
+        let share = |((kind, name), sum)| LightShare {
+            kind,
             name,
             share: rounded(sum / total),
         };

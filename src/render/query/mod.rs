@@ -14,7 +14,7 @@ use std::time::Duration;
 use glam::{DVec2, DVec3};
 
 use self::{
-    answer::{Answer, Choices, Named, Pixel, Surface},
+    answer::{Answer, Choices, ModelContents, Named, Pixel, Surface, Thing},
     lit::Lights,
     things::Things,
     visible::Visibility,
@@ -106,7 +106,7 @@ pub fn ask(loaded: &mut LoadedScene, question: &Question) -> Result<Answer, Sess
         posed_frames,
         lit_by: lights.shares(&visible.points(None, PICTURE_POINTS), name_of),
         cameras: cameras(loaded),
-        lights: (world.all_lights().take(MOST_LISTED))
+        lights: (world.all_lights())
             .map(|light| Named {
                 name: light.name.clone(),
                 kind: Some(light.desc.kind.name().to_owned()),
@@ -118,16 +118,10 @@ pub fn ask(loaded: &mut LoadedScene, question: &Question) -> Result<Answer, Sess
         choices: Choices::of_scene(loaded),
         ..Answer::default()
     };
-    let all_lights = world.all_lights().count();
     answer.leave_out(
-        all_lights.saturating_sub(MOST_LISTED),
-        "lights are not listed",
+        lights.left_out,
+        "lamps are too weak to be looked at for `lit_by`: the 256 strongest are",
     );
-    if lights.is_cut() {
-        answer
-            .left_out
-            .push("light of all but the 256 strongest lamps".to_owned());
-    }
     let mut chosen = things.chosen();
     chosen.sort_by(|a, b| visible.share(*b).total_cmp(&visible.share(*a)));
     answer.leave_out(
@@ -143,12 +137,7 @@ pub fn ask(loaded: &mut LoadedScene, question: &Question) -> Result<Answer, Sess
         }
         answer.things.push(thing);
     }
-    let outside = visible.outside_of_all();
-    answer.leave_out(
-        outside.len().saturating_sub(MOST_LISTED),
-        "things outside are not listed",
-    );
-    answer.outside = outside.into_iter().take(MOST_LISTED).collect();
+    answer.outside = visible.outside_of_all();
     contacts::find(world, &things, &chosen, &mut answer);
     for at in &question.at {
         let place =
@@ -165,10 +154,59 @@ pub fn ask(loaded: &mut LoadedScene, question: &Question) -> Result<Answer, Sess
             lit_by: lights.shares(&first, name_of),
         });
     }
+    answer.cut_lists();
     Ok(answer)
 }
 
+/// Cuts a list, and returns the number of the entries that are gone.
+fn cut<T>(list: &mut Vec<T>) -> usize {
+    let surplus = list.len().saturating_sub(MOST_LISTED);
+    list.truncate(MOST_LISTED);
+    surplus
+}
+
 impl Answer {
+    /// Cuts all lists that may be longer than [`MOST_LISTED`], and counts what is left out.
+    fn cut_lists(&mut self) {
+        let choices = &mut self.choices;
+        let models = cut(&mut choices.models);
+        let mut of_things =
+            |list: fn(&mut Thing) -> usize| -> usize { self.things.iter_mut().map(list).sum() };
+        let mut of_models = |list: fn(&mut ModelContents) -> usize| -> usize {
+            choices.models.iter_mut().map(list).sum()
+        };
+        let lit_things = of_things(|t| cut(&mut t.lit_by));
+        let lit_pixels: usize = self.pixels.iter_mut().map(|p| cut(&mut p.lit_by)).sum();
+        let lit = cut(&mut self.lit_by) + lit_things + lit_pixels;
+        let left_out = [
+            (lit, "lights of `lit_by`"),
+            (cut(&mut self.outside), "things outside"),
+            (cut(&mut self.cameras), "cameras"),
+            (cut(&mut self.lights), "lights"),
+            (of_things(|t| cut(&mut t.contacts)), "contacts"),
+            (of_things(|t| cut(&mut t.materials)), "materials of things"),
+            (of_things(|t| cut(&mut t.hidden_by)), "hiding things"),
+            (
+                of_things(|t| cut(&mut t.in_pictures_of)),
+                "cameras of things",
+            ),
+            (models, "models"),
+            (of_models(|m| cut(&mut m.materials)), "materials of models"),
+            (of_models(|m| cut(&mut m.variants)), "variants of models"),
+            (
+                of_models(|m| m.node_count - m.nodes.len()),
+                "nodes of models",
+            ),
+            (cut(&mut choices.scene_variants), "scene variants"),
+            (cut(&mut choices.parameters), "parameters"),
+            (cut(&mut choices.cuts), "cuts"),
+        ];
+        for (count, kind) in left_out.into_iter().filter(|(count, _)| *count > 0) {
+            self.left_out
+                .push(format!("{kind} that are not listed: {count}"));
+        }
+    }
+
     fn leave_out(&mut self, count: usize, what: &str) {
         if count > 0 {
             self.left_out.push(format!("{count} {what}"));
@@ -177,7 +215,7 @@ impl Answer {
 }
 
 fn cameras(loaded: &LoadedScene) -> Vec<Named> {
-    let cameras = loaded.world.cameras.iter().take(MOST_LISTED);
+    let cameras = loaded.world.cameras.iter();
     let named = cameras.map(|camera| Named {
         name: camera.name.clone(),
         kind: None,

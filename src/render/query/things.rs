@@ -16,10 +16,10 @@ pub struct Things {
     is_chosen: Vec<bool>,
 }
 
-/// Whether a name belongs to the thing, or the placed scene, of another name: it is the same, or adds a copy or a part.
-fn is_below(name: &str, above: &str) -> bool {
+/// Whether a name is equal to another name, or adds to it after a mark of the list.
+fn is_below(name: &str, above: &str, marks: &[char]) -> bool {
     let rest = name.strip_prefix(above);
-    rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '/', '[', '#']))
+    rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(marks))
 }
 
 impl Things {
@@ -42,15 +42,22 @@ impl Things {
             let model = model.map_or("", |model| model.name.as_str());
             let own = written.map_or(model, |i| i.name.as_deref().unwrap_or(&i.model.value));
             let part = instance.name.as_str();
+            let is_asked = |name: &str| {
+                let is_group = || scene.groups.iter().any(|group| group.name == name);
+                let is_part = name.len() > own.len() && is_below(part, name, &['/', '[', '#']);
+                own == name || part == name || is_part || is_below(own, name, &['.']) && is_group()
+            };
             let asked = question.of.iter().zip(&mut found);
-            let mut asked = asked.filter(|(name, _)| is_below(own, name) || is_below(part, name));
-            let asked = asked.next().map(|(name, found)| {
+            let asked = asked.filter(|(name, _)| is_asked(name));
+            let asked = asked.map(|(name, found)| {
                 *found = true;
                 name.as_str()
             });
+            // A part is asked about apart from its thing.
+            let asked = asked.max_by_key(|name| name.len());
             let name = match asked {
                 _ if question.parts => part,
-                Some(name) if !is_below(own, name) => name,
+                Some(name) if name.len() > own.len() => name,
                 _ => own,
             };
             // Two instances of one model without names are two things.
@@ -131,7 +138,6 @@ impl Things {
             .map(|m| world.materials[*m].name.clone())
             .collect();
         materials.dedup();
-        materials.truncate(super::MOST_LISTED);
         let bounds = bounds_of(world, instances);
         let over_motion = instances
             .iter()

@@ -4,7 +4,7 @@ use glam::{DVec2, UVec2};
 use rayon::prelude::*;
 
 use super::{
-    MOST_LISTED, POINTS,
+    POINTS,
     answer::{Share, Thing, UnseenFor},
     rounded, surfaces,
     things::Things,
@@ -92,7 +92,7 @@ impl<'a> Visibility<'a> {
             things,
             grid,
             camera,
-            sights: (rays.world.cameras.iter().take(MOST_LISTED))
+            sights: (rays.world.cameras.iter())
                 .map(|c| Sight::new(&c.value, c.value.near_in(unit_m), size))
                 .collect(),
             background: 1.0 - first.len() as f64 / count,
