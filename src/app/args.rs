@@ -79,6 +79,10 @@ pub struct PictureArgs {
     /// A script that sets a light by its name fails
     #[arg(long, value_name = "LIGHT")]
     pub light: Option<Light>,
+    /// Turn the camera once around the scene in this time, such as 4s, at 24 frames a second or as many as its timeline
+    /// has
+    #[arg(long, value_name = "TIME", value_parser = parse_time, conflicts_with = "camera")]
+    pub turntable: Option<Duration>,
     /// Part of the picture to write: left and top edge, width and height in pixels. It has the same pixels as the whole
     /// picture
     #[arg(long, value_name = "X,Y,W,H", value_parser = parse_crop, allow_hyphen_values = true)]
@@ -156,7 +160,9 @@ impl PictureArgs {
                     no_project,
                 },
             size,
-            light: _, // part of `from`, see `PictureArgs::lit`
+            // Part of `from`, see `render::turned`.
+            light: _,
+            turntable: _,
             crop,
             method,
             camera,
@@ -227,10 +233,6 @@ pub struct RenderArgs {
     /// Default: all where the output is a film or has #### in its name, else the first
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub frames: Option<String>,
-    /// Turn the camera once around the scene in this time, such as 4s, at 24 frames a second or as many as its timeline
-    /// has
-    #[arg(long, value_name = "TIME", value_parser = parse_time, conflicts_with = "camera")]
-    pub turntable: Option<Duration>,
     /// Keep the files of frames that were made from the same scene, settings and version
     #[arg(long)]
     pub resume: bool,
@@ -272,7 +274,6 @@ impl RenderArgs {
             scene: Some(scene.to_owned()),
             output: None,
             frames: None,
-            turntable: None,
             resume: false,
             watch: false,
             progress: None,

@@ -16,7 +16,7 @@ use self::slurm::slurm;
 use super::{
     args::{PictureArgs, PictureWords},
     error::AppError,
-    render::{check_aovs, overrides},
+    render::{check_aovs, overrides, turned},
     scene::{choose_camera, load_scene},
 };
 use crate::{
@@ -65,10 +65,10 @@ struct Film {
 }
 
 impl TaskArgs {
-    /// The arguments with their light as overrides of the scene.
-    fn lit(&self) -> Result<Self, AppError> {
+    /// The arguments with light and turntable as overrides of the scene.
+    fn turned(&self) -> Result<Self, AppError> {
         Ok(Self {
-            picture: self.picture.lit(Some(&self.scene))?,
+            picture: turned(&self.picture, Some(&self.scene))?,
             ..self.clone()
         })
     }
@@ -125,7 +125,7 @@ fn openjd(args: &OpenjdArgs) -> Result<(), AppError> {
         tasks: args,
         output,
     } = args;
-    let args = &args.lit()?;
+    let args = &args.turned()?;
     let Film { loaded, frames } = args.film()?;
     let folders = asset_folders(&args.picture.from.assets);
     let picture = in_project(&args.picture, &loaded);

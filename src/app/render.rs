@@ -36,7 +36,10 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
 /// Same errors as [`render`].
 pub fn render_once(args: &RenderArgs, files: &Dependencies) -> Result<(), AppError> {
     let started = Instant::now();
-    let args = &turned(args)?;
+    let args = &RenderArgs {
+        picture: turned(&args.picture, args.scene.as_deref())?,
+        ..args.clone()
+    };
     // Cheap checks first, before rendering.
     if args.output.is_some() {
         check_kind(args)?;
@@ -87,24 +90,24 @@ pub fn render_once(args: &RenderArgs, files: &Dependencies) -> Result<(), AppErr
     failed.map_or(Ok(()), Err)
 }
 
-/// The arguments with light and turntable as overrides of the scene.
-fn turned(args: &RenderArgs) -> Result<RenderArgs, AppError> {
-    let mut args = args.clone();
-    args.picture = args.picture.lit(args.scene.as_deref())?;
-    if let Some(time) = args.turntable.take() {
-        let scene = args.scene.as_deref();
-        let mut options = args.picture.from.options();
-        options.set.extend(overrides(&args.picture, scene)?);
+/// Settings of pictures with light and turntable as overrides of the scene.
+///
+/// # Errors
+/// Errors of the scene, where it is turned; same errors as [`PictureArgs::lit`] and [`turntable`].
+pub fn turned(picture: &PictureArgs, scene: Option<&Path>) -> Result<PictureArgs, AppError> {
+    let mut picture = picture.lit(scene)?;
+    if let Some(time) = picture.turntable.take() {
+        let mut options = picture.from.options();
+        options.set.extend(overrides(&picture, scene)?);
         let text = SceneText::read(scene, &options).map_err(AppError::Scene)?;
         let name = text.name();
         let opened = text.open(&[], &Dependencies::default());
-        let loaded = opened
-            .and_then(|opened| opened.load(name))
-            .map_err(AppError::Scene)?;
-        args.picture.from.set.extend(turntable(&loaded, time)?);
-        args.picture.camera = Some(TURNTABLE.to_owned());
+        let loaded = opened.and_then(|opened| opened.load(name));
+        let values = turntable(&loaded.map_err(AppError::Scene)?, time)?;
+        picture.from.set.extend(values);
+        picture.camera = Some(TURNTABLE.to_owned());
     }
-    Ok(args)
+    Ok(picture)
 }
 
 /// Checks the name of the output; returns whether it is for many frames.

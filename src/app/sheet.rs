@@ -11,7 +11,7 @@ use super::{
     args::{PictureArgs, RenderArgs, SceneArgs},
     cameras,
     error::AppError,
-    render::overrides,
+    render::{overrides, turned},
     render_session::RenderSession,
     scene::load_scene,
     shaders, shutdown,
@@ -81,7 +81,7 @@ pub fn sheet(args: &SheetArgs) -> Result<(), AppError> {
         ));
     }
     let args = &SheetArgs {
-        picture: args.picture.lit(Some(&args.scene))?,
+        picture: turned(&args.picture, Some(&args.scene))?,
         ..args.clone()
     };
     let output = PictureFile::new(&args.output)?;

@@ -89,8 +89,8 @@ struct Reading {
 pub fn thumbs(args: &ThumbsArgs) -> Result<(), AppError> {
     let mut picture = args.picture.clone();
     picture.lit(None)?; // its panorama is there
-    if !picture.aov.is_empty() || picture.crop.is_some() {
-        let text = "--aov and --crop do not apply to thumbs";
+    if !picture.aov.is_empty() || picture.crop.is_some() || picture.turntable.is_some() {
+        let text = "--aov, --crop and --turntable do not apply to thumbs";
         return Err(AppError::Usage(text.to_owned()));
     }
     picture.size.get_or_insert(SizeArg::Pixels([SIDE_PX; 2]));

@@ -37,7 +37,7 @@ pub struct SlurmArgs {
 /// Errors of the scene, [`AppError::Usage`] for names that are not UTF-8 and for too many tasks, and a script
 /// that cannot be written.
 pub fn slurm(args: &SlurmArgs) -> Result<(), AppError> {
-    let tasks = &args.tasks.lit()?;
+    let tasks = &args.tasks.turned()?;
     let film = tasks.film()?;
     let script = script(tasks, &film)?;
     let output = &args.output;
