@@ -236,7 +236,7 @@ def test_meshes_are_moved(reflet: ModuleType) -> None:
         ]:
             with np.errstate(all="ignore"), pytest.raises(error, match=says):
                 session.mesh("cloth", **wrong)
-        with pytest.raises(reflet.UnknownNameError, match="no model `cloths`; there are:"):
+        with pytest.raises(reflet.UnknownNameError, match="no model `cloths`; did you mean"):
             session.mesh("cloths", positions=near)
         with pytest.raises(reflet.ArgumentError, match="cannot be deformed"):
             session.mesh("ball", positions=near)
@@ -288,7 +288,7 @@ def test_errors_have_places(reflet: ModuleType, scene: Path, tmp_path: Path) -> 
     assert caught.value.line is None
     scene.write_text(SCENE)
     for options, error, says in [
-        ({"camera": "mian"}, reflet.UnknownNameError, "no camera `mian`; there are: main, side"),
+        ({"camera": "mian"}, reflet.UnknownNameError, "no camera `mian`; did you mean `main`"),
         ({"adapter": "no such adapter"}, reflet.NoAdapterError, "no such adapter"),
         ({"method": "rays"}, reflet.SceneError, "reflection.method"),
         ({"size": (0, 5)}, reflet.SceneError, "size"),
