@@ -13,10 +13,8 @@ import argparse
 import collections
 import concurrent.futures
 import dataclasses
-import json
 import os
 import re
-import struct
 import subprocess
 import sys
 import time
@@ -24,6 +22,7 @@ from pathlib import Path
 
 import tables
 import tomllib
+from gltf_mutations import read_model
 from measuring import ROOT, add_program, program_of
 from sheet import sheet
 
@@ -99,11 +98,7 @@ def read_index(corpus: Path) -> list[Root]:
 
 def has_mesh(file: Path) -> bool:
     """Whether a valid file has a scene with a node whose mesh has positions."""
-    data = file.read_bytes()
-    if data[:4] == b"glTF":
-        (length,) = struct.unpack("<I", data[12:16])
-        data = data[20 : 20 + length]
-    root = json.loads(data)
+    root = read_model(file).root or {}
     nodes, meshes = root.get("nodes", []), root.get("meshes", [])
     shown = [meshes[node["mesh"]] for node in nodes if "mesh" in node]
     attributes = [part["attributes"] for mesh in shown for part in mesh["primitives"]]

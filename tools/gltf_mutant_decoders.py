@@ -8,7 +8,7 @@ import json
 import random
 import struct
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 LARGE_PX = (2048, 8192, 16384, 65535)
@@ -47,25 +47,32 @@ class Buffer:
         self.accessors.append(entry | more)
         return len(self.accessors) - 1
 
+    def floats(self, kind: str, count: int, numbers: Sequence[float], **more: Any) -> int:
+        """Add an accessor of floats."""
+        raw = struct.pack(f"<{len(numbers)}f", *numbers)
+        return self.accessor(self.view(raw), kind, 5126, count, **more)
+
+    def glb(self, root: dict[str, Any], separators: tuple[str, str] | None = None) -> bytes:
+        """A `.glb` of the buffer and a JSON, which may leave out a first node of a first mesh."""
+        self.data += b"\0" * (-len(self.data) % 4)
+        first = {"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}]}
+        lists = {"accessors": self.accessors, "bufferViews": self.views}
+        lists["buffers"] = [{"byteLength": len(self.data)}]
+        return glb(root | (first | root | lists), bytes(self.data), separators)
+
 
 def on_triangle(image: bytes, extension: str | None, mime: str, copies: int = 1) -> bytes:
     """A `.glb` of a triangle with the image as its base color, perhaps as several images."""
-    corners = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0)
-    uv = struct.pack("<6f", 0, 0, 1, 0, 0, 1)
-    binary, views = b"", []
-    for part in (corners, uv, image):
-        views.append({"buffer": 0, "byteOffset": len(binary), "byteLength": len(part)})
-        binary += part + b"\0" * (-len(part) % 4)
-    accessor = {"componentType": 5126, "count": 3}
-    attributes = {"POSITION": 0, "TEXCOORD_0": 1}
+    out = Buffer()
+    bounds = {"min": [0.0, 0.0, 0.0], "max": [1.0, 1.0, 0.0]}
+    corners = out.floats("VEC3", 3, (0, 0, 0, 1, 0, 0, 0, 1, 0), **bounds)
+    attributes = {"POSITION": corners, "TEXCOORD_0": out.floats("VEC2", 3, (0, 0, 1, 0, 0, 1))}
+    view = out.view(image)
 
     def texture(source: int) -> dict[str, Any]:
         return {"extensions": {extension: {"source": source}}} if extension else {"source": source}
 
     root: dict[str, Any] = {
-        "asset": {"version": "2.0"},
-        "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0}],
         "meshes": [
             {"primitives": [{"attributes": attributes, "material": i} for i in range(copies)]}
         ],
@@ -73,18 +80,11 @@ def on_triangle(image: bytes, extension: str | None, mime: str, copies: int = 1)
             {"pbrMetallicRoughness": {"baseColorTexture": {"index": i}}} for i in range(copies)
         ],
         "textures": [texture(i) for i in range(copies)],
-        "images": [{"bufferView": 2, "mimeType": mime} for _ in range(copies)],
-        "accessors": [
-            accessor
-            | {"bufferView": 0, "type": "VEC3", "min": [0.0, 0.0, 0.0], "max": [1.0, 1.0, 0.0]},
-            accessor | {"bufferView": 1, "type": "VEC2"},
-        ],
-        "bufferViews": views,
-        "buffers": [{"byteLength": len(binary)}],
+        "images": [{"bufferView": view, "mimeType": mime} for _ in range(copies)],
     }
     if extension:
         root |= {"extensionsUsed": [extension], "extensionsRequired": [extension]}
-    return glb(root, binary)
+    return out.glb(root)
 
 
 def _segment(marker: int, body: bytes) -> bytes:
@@ -213,21 +213,14 @@ def draco(chance: random.Random) -> bytes:
     name = "KHR_draco_mesh_compression"
     compressed = {"bufferView": 0, "attributes": {"POSITION": 0}}
     primitive = {"attributes": {"POSITION": 0}, "indices": 1, "extensions": {name: compressed}}
-    root = {
-        "asset": {"version": "2.0"},
-        "extensionsUsed": [name],
-        "extensionsRequired": [name],
-        "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0}],
-        "meshes": [{"primitives": [primitive] * chance.choice((1, 1, 100))}],
-        "accessors": [
-            {"componentType": 5126, "count": 3, "type": "VEC3"},
-            {"componentType": 5125, "count": 3, "type": "SCALAR"},
-        ],
-        "bufferViews": [{"buffer": 0, "byteLength": len(stream)}],
-        "buffers": [{"byteLength": len(stream)}],
-    }
-    return glb(root, stream)
+    out = Buffer()
+    out.view(stream)
+    out.accessors += [
+        {"componentType": 5126, "count": 3, "type": "VEC3"},
+        {"componentType": 5125, "count": 3, "type": "SCALAR"},
+    ]
+    meshes = [{"primitives": [primitive] * chance.choice((1, 1, 100))}]
+    return out.glb({"extensionsUsed": [name], "extensionsRequired": [name], "meshes": meshes})
 
 
 def far(chance: random.Random) -> bytes:
@@ -241,46 +234,19 @@ def far(chance: random.Random) -> bytes:
         values[chance.randrange(len(values))] = huge
     elif where == 1:
         offsets[chance.randrange(len(values))] = huge
-    binary = struct.pack(f"<{len(values)}f", *values)
-    binary += struct.pack(f"<{len(offsets)}f", *offsets) + struct.pack("<4f", 0, 1, 0, 1)
-    part = 4 * len(values)
     node: dict[str, Any] = {"mesh": 0}
     if where == 2:
         node["translation"] = [0, huge, 0]
     elif where == 3:
         node["scale"] = [huge, huge, huge]
-    accessor: dict[str, Any] = {"componentType": 5126, "count": count, "type": "VEC3"}
-    times = {"bufferView": 2, "componentType": 5126, "count": 2, "type": "SCALAR"}
-    root = {
-        "asset": {"version": "2.0"},
-        "scenes": [{"nodes": [0]}],
-        "nodes": [node],
-        "meshes": [
-            {
-                "weights": [0],
-                "primitives": [{"attributes": {"POSITION": 0}, "targets": [{"POSITION": 1}]}],
-            }
-        ],
-        "animations": [
-            {
-                "channels": [{"sampler": 0, "target": {"node": 0, "path": "weights"}}],
-                "samplers": [{"input": 2, "output": 3}],
-            }
-        ],
-        "accessors": [
-            accessor | {"bufferView": 0},
-            accessor | {"bufferView": 1},
-            times,
-            times | {"byteOffset": 8},
-        ],
-        "bufferViews": [
-            {"buffer": 0, "byteLength": part},
-            {"buffer": 0, "byteOffset": part, "byteLength": part},
-            {"buffer": 0, "byteOffset": 2 * part, "byteLength": 16},
-        ],
-        "buffers": [{"byteLength": len(binary)}],
-    }
-    return glb(root, binary)
+    out = Buffer()
+    primitive: dict[str, Any] = {"attributes": {"POSITION": out.floats("VEC3", count, values)}}
+    primitive["targets"] = [{"POSITION": out.floats("VEC3", count, offsets)}]
+    sampler = {"input": out.floats("SCALAR", 2, (0, 1)), "output": out.floats("SCALAR", 2, (0, 1))}
+    channel = {"sampler": 0, "target": {"node": 0, "path": "weights"}}
+    meshes = [{"weights": [0], "primitives": [primitive]}]
+    animations = [{"channels": [channel], "samplers": [sampler]}]
+    return out.glb({"nodes": [node], "meshes": meshes, "animations": animations})
 
 
 def objects(chance: random.Random) -> bytes:

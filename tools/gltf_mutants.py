@@ -13,6 +13,7 @@ must be shown, with a warning about the part, which `--strict` makes an error.
 import argparse
 import collections
 import concurrent.futures
+import contextlib
 import dataclasses
 import json
 import os
@@ -114,6 +115,17 @@ def roots(corpus: Path) -> list[Path]:
     return [corpus / line.split("\t")[0] for line in lines] + own
 
 
+@contextlib.contextmanager
+def written(files: dict[str, bytes]) -> Iterator[Path]:
+    """A temporary folder of the files."""
+    with tempfile.TemporaryDirectory() as name:
+        for place, data in files.items():
+            path = Path(name, place)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(data)
+        yield Path(name)
+
+
 def one(
     number: int,
     seed: int,
@@ -126,11 +138,7 @@ def one(
     """Make, check and render broken file `number`."""
     chance = random.Random(f"{seed} {number}")
     kind, model, files = mutate(models, number, chance)
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        for place, data in files.items():
-            (folder / place).parent.mkdir(parents=True, exist_ok=True)
-            (folder / place).write_bytes(data)
+    with written(files) as folder:
         file = str(folder / model.name)
         mutant = Mutant(number, kind, model, run([reflet, "check", file], MEMORY_MIB))
         if render and mutant.check.what == "fine":
@@ -176,12 +184,9 @@ def facts(reflet: str, file: Path, *options: str) -> Facts:
 def part(reflet: str, whole: Facts, kind: str, model: Model, chance: random.Random) -> str:
     """Fault in the answer to a model of one wrong part; empty for a right answer."""
     said, files = break_part(model, kind, chance)
-    with tempfile.TemporaryDirectory() as name:
-        for place, data in files.items():
-            (Path(name) / place).parent.mkdir(parents=True, exist_ok=True)
-            (Path(name) / place).write_bytes(data)
-        shown = facts(reflet, Path(name) / model.name)
-        strict = facts(reflet, Path(name) / model.name, "--strict")
+    with written(files) as folder:
+        shown = facts(reflet, folder / model.name)
+        strict = facts(reflet, folder / model.name, "--strict")
     said = f"{model.file} {said}"
     if shown.counts is None:
         return f"refused: {said}: {shown.said[-300:]}"

@@ -15,7 +15,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from gltf_mutant_decoders import Buffer, glb
+from gltf_mutant_decoders import Buffer
 from measuring import add_program, program_of, used
 from tables import Rows, read_rows, write_rows
 
@@ -35,7 +35,7 @@ class Writer(Buffer):
 
     def __init__(self) -> None:
         super().__init__()
-        self.root: dict = {"asset": {"version": "2.0"}, "scene": 0, "meshes": [], "nodes": []}
+        self.root: dict = {"scene": 0, "meshes": [], "nodes": []}
 
     def add(self, values: np.ndarray, kind: str, component: int) -> int:
         bounds = {"min": values.min(0).tolist(), "max": values.max(0).tolist()}
@@ -89,11 +89,8 @@ class Writer(Buffer):
             material["pbrMetallicRoughness"]["metallicFactor"] = 0
         for mesh in self.root["meshes"]:
             mesh["primitives"][0].setdefault("material", 0)
-        root = self.root | {"accessors": self.accessors, "bufferViews": self.views}
-        root["scenes"] = [{"nodes": list(range(len(root["nodes"])))}]
-        self.data += b"\0" * (-len(self.data) % 4)
-        root["buffers"] = [{"byteLength": len(self.data)}]
-        path.write_bytes(glb(root, bytes(self.data)))
+        scene = {"nodes": list(range(len(self.root["nodes"])))}
+        path.write_bytes(self.glb(self.root | {"scenes": [scene]}))
 
 
 def triangles(millions: float, path: Path) -> None:

@@ -3,7 +3,6 @@
 import argparse
 from pathlib import Path
 
-import gltf_mutant_decoders
 import numpy as np
 from gltf_mutant_decoders import Buffer
 
@@ -249,7 +248,7 @@ def stride_m() -> float:
     return 4.0 * reach * float(np.sin(0.48)) * 0.93
 
 
-def glb() -> bytes:
+def figure() -> bytes:
     """Bytes of the whole .glb file."""
     vertices, triangles = surface()
     joints, weights = influences(vertices)
@@ -311,11 +310,8 @@ def glb() -> bytes:
         ],
         "skins": [{"joints": list(range(1, 1 + len(JOINTS))), "inverseBindMatrices": inverse}],
         "animations": [animation(out)],
-        "accessors": out.accessors,
-        "bufferViews": out.views,
-        "buffers": [{"byteLength": len(out.data)}],
     }
-    return gltf_mutant_decoders.glb(root, bytes(out.data), (",", ":"))
+    return out.glb(root, (",", ":"))
 
 
 def main() -> None:
@@ -323,7 +319,7 @@ def main() -> None:
     default = Path(__file__).parent.parent / "scripts" / "walker.glb"
     parser.add_argument("output", nargs="?", type=Path, default=default)
     path = parser.parse_args().output
-    path.write_bytes(glb())
+    path.write_bytes(figure())
     print(f"{path}: {path.stat().st_size} bytes, {stride_m():.3f} m in {CYCLE_S} s")
 
 
