@@ -53,7 +53,7 @@ def summarize(stage_path: Path, out: Path, options: dict[str, Any]) -> StageSumm
     """Read `stage_path` in this process; `out` is where a trial conversion may write."""
     from pxr import Tf
 
-    from reflet_usd.convert.stage import error_text
+    from reflet_usd.stage_files import error_text
 
     try:
         return _summary(stage_path, out, options)
@@ -152,7 +152,7 @@ def _trial(context: Context, stage_path: Path, out: Path) -> tuple[list[dict[str
     from pxr import Tf
 
     from reflet_usd.convert.pipeline import convert_opened
-    from reflet_usd.convert.stage import error_text
+    from reflet_usd.stage_files import error_text
 
     try:
         result = convert_opened(context, stage_path, out)

@@ -12,7 +12,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from pxr import Ar, Gf, Sdf, Tf
+from pxr import Ar, Sdf, Tf
+
+from reflet_usd.stage_files import editable, outer_file
 
 SUFFIX = ".mtlx"
 MOST_BYTES = 16 << 20
@@ -33,11 +35,7 @@ _TYPES = {
     "vector4": Sdf.ValueTypeNames.Float4,
 }
 _VECTORS = {
-    "color3": Gf.Vec3f,
-    "color4": Gf.Vec4f,
-    "vector2": Gf.Vec2f,
-    "vector3": Gf.Vec3f,
-    "vector4": Gf.Vec4f,
+    kind: of.type.pythonClass for kind, of in _TYPES.items() if kind.startswith(("color", "vector"))
 }
 _METERS = {
     "micrometer": 1e-6,
@@ -145,17 +143,15 @@ def refer(layer: Sdf.Layer, asset_path: str, stand_in: str) -> None:
 
     In packages too, whose asset paths UsdUtils does not change. The layer is changed in memory.
     """
-    was_editable = layer.permissionToEdit
-    layer.SetPermissionToEdit(True)
-    # A layer that is both sublayer and reference takes two calls.
-    while asset_path in layer.GetCompositionAssetDependencies():
-        if not layer.UpdateCompositionAssetDependency(asset_path, stand_in):
-            break
-    layer.SetPermissionToEdit(was_editable)
+    with editable(layer):
+        # A layer that is both sublayer and reference takes two calls.
+        while asset_path in layer.GetCompositionAssetDependencies():
+            if not layer.UpdateCompositionAssetDependency(asset_path, stand_in):
+                break
 
 
 def _content(path: str) -> str:
-    is_file = os.path.isfile(Ar.SplitPackageRelativePathOuter(path)[0])
+    is_file = os.path.isfile(outer_file(path))
     asset = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(path)) if is_file else None
     if not asset:
         name = os.path.basename(path.rstrip("]"))

@@ -3,7 +3,6 @@
 import os
 import re
 import shlex
-import stat
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,6 +10,14 @@ from pathlib import Path
 from pxr import Ar, Sdf, Tf, Usd, UsdShade, UsdUtils
 
 from reflet_usd.materialx_document import Document, DocumentError, is_document, read_document, refer
+from reflet_usd.stage_files import (
+    is_packaged,
+    is_plain_file,
+    is_within,
+    outer_file,
+    rename,
+    turn_separators,
+)
 from reflet_usd.usdz_check import check_referenced
 
 from .ledger import Ledger
@@ -30,16 +37,9 @@ def allowed_roots(stage_path: Path, extra_roots: Sequence[Path]) -> tuple[str, .
     return tuple(os.path.realpath(root) for root in (stage_path.resolve().parent, *extra_roots))
 
 
-def is_allowed(resolved: str, roots: tuple[str, ...]) -> bool:
-    """Whether the file behind a resolved asset path (a package's outer file) is inside a root."""
-    outer = Ar.SplitPackageRelativePathOuter(resolved)[0] if resolved else resolved
-    real = os.path.realpath(outer)
-    return any(real == root or real.startswith(root.rstrip(os.sep) + os.sep) for root in roots)
-
-
 def _folder(resolved: str) -> str:
     """The real folder of a resolved asset path (a package's outer file)."""
-    return os.path.dirname(os.path.realpath(Ar.SplitPackageRelativePathOuter(resolved)[0]))
+    return os.path.dirname(os.path.realpath(outer_file(resolved)))
 
 
 def outside_message(asset: str, resolved: str) -> str:
@@ -100,7 +100,7 @@ def cut_foreign_layers(
     seen = {root_layer.identifier}
     for layer in layers:  # the list grows during the loop
         files.layers.append(layer.identifier)
-        _turn_separators(layer)
+        turn_separators(layer)
         for identifier in _kept_dependencies(layer, roots, files, cut):
             if identifier in seen or len(layers) > MAX_LAYERS:
                 continue
@@ -112,41 +112,6 @@ def cut_foreign_layers(
             if opened is not None:
                 layers.append(opened)
     return layers, cut
-
-
-def _turn_separators(layer: Sdf.Layer) -> None:
-    """Replace Windows path separators by slashes, in memory, where that names a file."""
-
-    def resolves(path: str) -> bool:
-        if UsdShade.UdimUtils.IsUdimIdentifier(path):
-            return bool(UsdShade.UdimUtils.ResolveUdimTilePaths(path, layer))
-        return bool(Ar.GetResolver().Resolve(layer.ComputeAbsolutePath(path)))
-
-    turned: dict[str, str] = {}
-
-    def look(path: str) -> str:
-        slashes = path.replace("\\", "/")
-        if slashes != path and "`" not in path and not resolves(path) and resolves(slashes):
-            turned[path] = slashes
-        return path
-
-    UsdUtils.ModifyAssetPaths(layer, look)
-    if turned and not _is_packaged(layer):
-        _rename(layer, turned)
-
-
-def _is_packaged(layer: Sdf.Layer) -> bool:
-    """Whether the layer is a package, or in one."""
-    packaged = Ar.IsPackageRelativePath(layer.identifier)
-    return packaged or layer.GetFileFormat().formatId == "usdz"
-
-
-def _rename(layer: Sdf.Layer, names: dict[str, str]) -> None:
-    """Replace asset paths of the layer in memory, also where it is read-only."""
-    was_editable = layer.permissionToEdit
-    layer.SetPermissionToEdit(True)
-    UsdUtils.ModifyAssetPaths(layer, lambda path: names.get(path, path))
-    layer.SetPermissionToEdit(was_editable)
 
 
 def _kept_dependencies(
@@ -175,10 +140,10 @@ def _kept_dependencies(
     for asset_path, (name, message) in (refused | lost).items():
         files.missing.add(asset_path)
         cut.append(LeftOut(name, message, layer, _places(layer, asset_path)))
-    if _is_packaged(layer):
+    if is_packaged(layer):
         _cut_in_package(layer, refused)
     elif refused:
-        _rename(layer, dict.fromkeys(refused, ""))
+        rename(layer, dict.fromkeys(refused, ""))
     for asset_path, identifier in stand_ins.items():
         refer(layer, asset_path, identifier)
     return kept
@@ -209,13 +174,13 @@ def _stand_in(
         return None  # composition names it as unresolved
     try:
         if path not in files.documents:
-            files.documents[path] = read_document(path, lambda file: is_allowed(file, roots))
+            files.documents[path] = read_document(path, lambda file: is_within(file, roots))
     except DocumentError as error:
         return error.name, f"the MaterialX document @{asset_path}@ is not read: {error}"
     document = files.documents[path]
     named = [file for file in document.images if not Ar.IsPackageRelativePath(file)]
     files.absent.update(
-        file for file in named if is_allowed(file, roots) and not os.path.exists(file)
+        file for file in named if is_within(file, roots) and not os.path.exists(file)
     )
     stand_ins[asset_path] = document.layer.identifier
     return None
@@ -240,14 +205,14 @@ def _fault(
         return None
     if not is_plain_file(resolved):
         return "asset-not-a-file", f"@{asset_path}@ is a pipe, device or folder, it is not opened"
-    is_layer, allowed = _names_a_layer(identifier), is_allowed(resolved, roots)
+    is_layer, allowed = _names_a_layer(identifier), is_within(resolved, roots)
     if is_document(identifier) and not allowed:
         return "asset-outside-roots", outside_message(f"@{asset_path}@", resolved)
     if is_layer and not allowed:
         files.outside.add(_folder(resolved))
         return "asset-outside-roots", outside_message(f"the layer @{asset_path}@", resolved)
     if allowed:
-        check_referenced(Ar.SplitPackageRelativePathOuter(resolved)[0])
+        check_referenced(outer_file(resolved))
     if is_layer:
         kept.append(identifier)
     else:
@@ -350,7 +315,7 @@ def _template_matches(prim: Usd.Prim, name: str) -> bool:
 
 
 def _is_readable(asset: Sdf.AssetPath, roots: tuple[str, ...]) -> bool:
-    if not asset.resolvedPath or not is_allowed(asset.resolvedPath, roots):
+    if not asset.resolvedPath or not is_within(asset.resolvedPath, roots):
         return False
     try:
         return open_layer(asset.resolvedPath) is not None
@@ -363,16 +328,7 @@ def _is_outside(asset_path: str, roots: tuple[str, ...]) -> bool:
     path = re.sub(r"^file:(//)?", "", asset_path)
     if not os.path.isabs(path) or Sdf.FileFormat.GetFileExtension(path).lower() in _IMAGES:
         return False
-    return not is_allowed(path, roots)
-
-
-def is_plain_file(resolved: str) -> bool:
-    """Whether a resolved asset path (a package's outer file) can be opened without waiting."""
-    outer = Ar.SplitPackageRelativePathOuter(resolved)[0]
-    try:
-        return stat.S_ISREG(os.stat(outer).st_mode)
-    except OSError:
-        return True  # no file that could block; opening it names the fault
+    return not is_within(path, roots)
 
 
 def _absent_file(layer: Sdf.Layer, identifier: str, roots: tuple[str, ...]) -> list[str]:
@@ -380,7 +336,7 @@ def _absent_file(layer: Sdf.Layer, identifier: str, roots: tuple[str, ...]) -> l
     if not layer.realPath or any(sign in identifier + layer.realPath for sign in "<[\0"):
         return []  # one of many tiles, or inside an existing package
     path = os.path.join(os.path.dirname(layer.realPath), identifier)
-    return [os.path.abspath(path)] if is_allowed(path, roots) else []
+    return [os.path.abspath(path)] if is_within(path, roots) else []
 
 
 def _names_a_layer(identifier: str) -> bool:
@@ -391,7 +347,7 @@ def _names_a_layer(identifier: str) -> bool:
 def check_used_layers(stage: Usd.Stage, roots: tuple[str, ...]) -> None:
     """The last guard: no layer of the composed stage may come from elsewhere."""
     for layer in stage.GetUsedLayers():
-        if not layer.anonymous and layer.realPath and not is_allowed(layer.realPath, roots):
+        if not layer.anonymous and layer.realPath and not is_within(layer.realPath, roots):
             message = outside_message(f"@{layer.identifier}@", layer.realPath)
             raise ConvertError("asset-outside-roots", message, stage.GetRootLayer().identifier)
-        check_referenced(Ar.SplitPackageRelativePathOuter(layer.realPath)[0])  # also in expressions
+        check_referenced(outer_file(layer.realPath))  # also in expressions

@@ -6,14 +6,16 @@ from collections import Counter
 from pathlib import Path
 from typing import Any
 
-from pxr import Ar, Tf, Usd
+from pxr import Tf, Usd
+
+from reflet_usd.stage_files import error_text, outer_file
 
 from .context import Context
 from .environment import add_environment
 from .gltf_writer import GltfWriter
 from .ledger import Ledger
 from .metadata import stage_metadata_extras
-from .stage import error_text, open_context
+from .stage import open_context
 from .traverse import Traversal
 from .types import ConvertError, ConvertOptions, ConvertResult, count_of
 
@@ -88,7 +90,7 @@ def _files_read(context: Context) -> list[str]:
     layers = [layer.realPath for layer in context.stage.GetUsedLayers()]
     documents = [path for found in context.files.documents.values() for path in found.files]
     paths = [path for path in (*layers, *documents, *context.textures_read) if path]
-    return sorted({os.path.abspath(Ar.SplitPackageRelativePathOuter(path)[0]) for path in paths})
+    return sorted({os.path.abspath(outer_file(path)) for path in paths})
 
 
 def _prims(stage: Usd.Stage) -> list[tuple[str, str]]:

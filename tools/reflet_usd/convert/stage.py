@@ -1,12 +1,19 @@
 """Opens a stage: confines its layers, applies variants, reads units, axis and time."""
 
-import math
 import os
 import re
 from pathlib import Path
-from typing import Any
 
 from pxr import Sdf, Tf, Usd, UsdGeom, UsdUtils
+
+from reflet_usd.stage_files import (
+    editable,
+    error_text,
+    is_positive,
+    is_rate,
+    stage_metadata,
+    state_rates,
+)
 
 from .confinement import (
     Files,
@@ -21,7 +28,7 @@ from .context import MAX_CODE, Context
 from .ledger import Ledger
 from .missing_xform_ops import skip_missing_ops
 from .prim_count import check_prim_count
-from .samples import first_code, has_spline
+from .samples import first_code
 from .types import ConvertError, ConvertOptions
 
 # UsdGeom's documented fallbacks.
@@ -29,8 +36,6 @@ FALLBACK_METERS_PER_UNIT = 0.01
 FALLBACK_CODES_PER_SECOND = 24.0
 # Range of meters per unit, picometers to billions of kilometers; outside, float32 is left.
 LEAST_UNIT = 1e-12
-# Range of time codes per second; outside, keys of a clip leave single precision as seconds.
-LEAST_RATE, MOST_RATE = 1e-6, 1e9
 
 
 def open_context(path: Path, options: ConvertOptions, ledger: Ledger) -> Context:
@@ -80,40 +85,13 @@ def _repair_time_rates(layers: list[Sdf.Layer], ledger: Ledger) -> None:
         if not layer.pseudoRoot.HasInfo("timeCodesPerSecond"):
             continue
         rate = layer.pseudoRoot.GetInfo("timeCodesPerSecond")
-        if _is_rate(rate):
+        if is_rate(rate):
             continue
         name = os.path.basename(layer.identifier)
         message = f"timeCodesPerSecond of {name} is {rate!r}, taken as 24"
         ledger.warn("time-rate-invalid", "/", message)
-        was_editable = layer.permissionToEdit
-        layer.SetPermissionToEdit(True)
-        layer.pseudoRoot.SetInfo("timeCodesPerSecond", FALLBACK_CODES_PER_SECOND)
-        layer.SetPermissionToEdit(was_editable)
-
-
-def error_text(error: Exception, path: Path) -> str:
-    """The first reason in USD's error, without source positions in its library."""
-    if isinstance(error, UnicodeDecodeError):
-        return "it holds text that is not UTF-8"
-    try:
-        text = " ".join(str(error).split())
-    except UnicodeDecodeError as cut:  # USD quotes bytes, or parts of characters
-        if not _is_utf8(path):
-            return "it is not UTF-8 text"
-        text = " ".join(cut.object.decode("utf-8", "replace").split())
-    found = re.search(r"Error in '.*?' at line \d+ in file \S+ : '(.*?)'(?: Error in '|$)", text)
-    reason = found.group(1) if found else text or "USD gives no reason"
-    reason = re.sub(r"pxrInternal\w*::|\S*pegtl::\S*", "", reason).replace(str(path), path.name)
-    reason = re.sub(r"parse error matching .*? at '", "cannot parse '", reason)
-    return reason.strip()[:400]
-
-
-def _is_utf8(path: Path) -> bool:
-    try:
-        path.read_bytes().decode("utf-8")
-    except (OSError, UnicodeDecodeError):
-        return False
-    return True
+        with editable(layer):
+            layer.pseudoRoot.SetInfo("timeCodesPerSecond", FALLBACK_CODES_PER_SECOND)
 
 
 def _select_variants(stage: Usd.Stage, options: ConvertOptions, path: str) -> None:
@@ -170,21 +148,13 @@ def _without_folder(asset: str) -> str:
     return os.path.basename(package) + bracket + inner
 
 
-def stage_metadata(stage: Usd.Stage, name: str) -> Any:
-    """Raw root or session metadata: typed getters throw where a float stands for a double."""
-    for layer in (stage.GetSessionLayer(), stage.GetRootLayer()):
-        if layer is not None and layer.pseudoRoot.HasInfo(name):
-            return layer.pseudoRoot.GetInfo(name)
-    return None
-
-
 def _read_units(context: Context) -> None:
     stage, ledger = context.stage, context.ledger
     units = stage_metadata(stage, "metersPerUnit")
     context.meters_per_unit = FALLBACK_METERS_PER_UNIT
     if units is None:
         ledger.warn("units-missing", "/", "metersPerUnit is not authored, taken as 0.01 (cm)")
-    elif not _is_positive(units):
+    elif not is_positive(units):
         ledger.warn("units-invalid", "/", f"metersPerUnit is {units!r}, taken as 0.01 (cm)")
     elif not LEAST_UNIT <= units <= 1.0 / LEAST_UNIT:
         message = f"metersPerUnit is {units:g}, beyond all lengths of scenes, taken as 0.01 (cm)"
@@ -199,17 +169,6 @@ def _read_units(context: Context) -> None:
     context.z_up = axis == "Z"
 
 
-def _is_positive(value: Any) -> bool:
-    try:
-        return math.isfinite(value) and value > 0.0
-    except TypeError:
-        return False
-
-
-def _is_rate(value: Any) -> bool:
-    return _is_positive(value) and LEAST_RATE <= value <= MOST_RATE
-
-
 def _read_time(context: Context) -> None:
     stage = context.stage
     rate = stage_metadata(stage, "timeCodesPerSecond")
@@ -217,7 +176,7 @@ def _read_time(context: Context) -> None:
         rate = stage_metadata(stage, "framesPerSecond")
     if rate is None:
         rate = FALLBACK_CODES_PER_SECOND
-    if not _is_rate(rate):
+    if not is_rate(rate):
         message = f"timeCodesPerSecond is {rate!r}, taken as 24"
         context.ledger.warn("time-rate-invalid", "/", message)
         rate = FALLBACK_CODES_PER_SECOND
@@ -253,15 +212,9 @@ def _drop_far_samples(context: Context, keyed: list[Usd.Attribute]) -> None:
             found.append((attribute, [(code, attribute.Get(code)) for code in near]))
     if not found:
         return
-    # With other rates, USD would scale the codes that are written into the session layer.
     stage = context.stage
-    rates = ("timeCodesPerSecond", "framesPerSecond")
-    session = stage.GetSessionLayer()
-    for name in rates:
-        rate = stage_metadata(stage, name)
-        if rate is not None:
-            session.pseudoRoot.SetInfo(name, rate)
-    with Usd.EditContext(stage, session):
+    state_rates(stage)
+    with Usd.EditContext(stage, stage.GetSessionLayer()):
         for attribute, keys in found:
             message = f"samples of '{attribute.GetName()}' beyond ±{MAX_CODE:g} were dropped"
             context.ledger.warn("time-sample-dropped", attribute.GetPrim(), message)
@@ -277,5 +230,5 @@ def _keyed_attributes(stage: Usd.Stage) -> list[Usd.Attribute]:
         for root in (stage.GetPseudoRoot(), *stage.GetPrototypes())
         for prim in Usd.PrimRange(root)
         for attribute in prim.GetAuthoredAttributes()
-        if attribute.GetNumTimeSamples() or has_spline(attribute)
+        if attribute.GetNumTimeSamples() or attribute.HasSpline()
     ]

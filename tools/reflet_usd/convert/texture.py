@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from PIL import Image
 from PIL.TiffImagePlugin import TiffImageFile
-from pxr import Ar
 
 from reflet_usd.hdr_pixels import read_floats
+from reflet_usd.stage_files import is_plain_file, is_within, read_asset
 
-from .confinement import is_allowed, is_plain_file, outside_message
+from .confinement import outside_message
 from .context import Context
 from .gltf_writer import GltfWriter
 from .scene import Array
@@ -107,7 +107,7 @@ class TextureLibrary:
         if not read.file:
             warn("texture-missing", read.prim, f"@{shown}@ does not exist; {without}")
             return None
-        if not is_allowed(read.file, self.context.allowed_roots):
+        if not is_within(read.file, self.context.allowed_roots):
             message = outside_message(f"@{shown}@", read.file)
             warn("asset-outside-roots", read.prim, message)
             return None
@@ -116,10 +116,8 @@ class TextureLibrary:
             warn("asset-not-a-file", read.prim, message)
             return None
         self.context.textures_read.add(read.file)
-        asset = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(read.file))
-        data = bytes((asset.GetBuffer() if asset else None) or b"")  # empty files have no buffer
         try:
-            return _decode(read, data)
+            return _decode(read, read_asset(read.file))
         except Image.DecompressionBombError:
             warn("texture-too-large", read.prim, f"@{shown}@ has more than {MAX_PIXELS} pixels")
         except (OSError, ValueError, SyntaxError, EOFError) as error:

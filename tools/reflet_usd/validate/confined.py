@@ -2,7 +2,6 @@
 
 import dataclasses
 import os
-import stat
 from pathlib import Path
 from typing import Any
 
@@ -84,7 +83,7 @@ def _guard_layers(stage: Path, roots: list[str]) -> None:
     """Mute layers that are no plain files, on which USD would block, and check packages first."""
     from pxr import Ar, Sdf, Tf
 
-    from .usd_stage import is_within
+    from reflet_usd.stage_files import is_plain_file, is_within, outer_file
 
     folders = tuple(os.path.realpath(root) for root in (str(stage.parent), *roots))
     waiting = [str(stage)]
@@ -98,16 +97,9 @@ def _guard_layers(stage: Path, roots: list[str]) -> None:
             resolved = Ar.GetResolver().Resolve(found).GetPathString()
             if not resolved or found in waiting:
                 continue
-            outer = Ar.SplitPackageRelativePathOuter(resolved)[0]
-            if not is_within(outer, folders) or not _is_plain(outer):
+            outer = outer_file(resolved)
+            if not is_within(outer, folders) or not is_plain_file(outer):
                 Sdf.Layer.AddToMutedLayers(found)
                 continue
             check_referenced(outer)
             waiting.append(found)
-
-
-def _is_plain(path: str) -> bool:
-    try:
-        return stat.S_ISREG(os.stat(path).st_mode)
-    except OSError:
-        return True  # no file that could block

@@ -7,13 +7,15 @@ import numpy as np
 from pxr import Usd, UsdGeom, UsdLux
 from scipy.ndimage import map_coordinates
 
+from reflet_usd.stage_files import is_within
+
 from .checks import Checks
 from .gltf_scene import OutputReader
 from .images import decode, srgb_to_linear
 from .scene_data import Array
 from .usd_light import read_radiance
 from .usd_material import load_texture
-from .usd_stage import TruthStage, is_within
+from .usd_stage import TruthStage
 
 _SAMPLES = 1024
 _WIDEST = 4096

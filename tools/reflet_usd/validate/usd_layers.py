@@ -1,13 +1,12 @@
 """Owns the truth about layers that must not be read although a stage names them."""
 
-import os
-import stat
-
 from pxr import Ar, Sdf, Usd
+
+from reflet_usd.stage_files import is_plain_file, is_within
 
 from .allowed_deviations import NOT_READ
 from .checks import Checks
-from .usd_stage import TruthStage, is_within
+from .usd_stage import TruthStage
 
 
 def compare_layers(checks: Checks, truth: TruthStage) -> None:
@@ -38,10 +37,4 @@ def _is_refused(layer: Sdf.Layer, asset: str, roots: tuple[str, ...]) -> bool:
     resolved = Ar.GetResolver().Resolve(layer.ComputeAbsolutePath(asset)).GetPathString()
     if not resolved:
         return False  # it does not exist, which composition reports
-    outer = Ar.SplitPackageRelativePathOuter(resolved)[0]
-    if not is_within(outer, roots):
-        return True
-    try:
-        return not stat.S_ISREG(os.stat(outer).st_mode)
-    except OSError:
-        return False
+    return not is_within(resolved, roots) or not is_plain_file(resolved)

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
-import zipfile
 from collections.abc import Callable, Iterator
-from io import BytesIO
 from typing import Any
 
 import numpy as np
-from pxr import Ar, Sdf, Usd, UsdShade
+from pxr import Sdf, Usd, UsdShade
+
+from reflet_usd.stage_files import is_plain_file, is_within, read_asset
 
 from .images import Texels, decode, enlarged, linear_to_srgb, sample, srgb_to_linear
 from .scene_data import Array
-from .usd_stage import is_within
 
 DEFAULTS: dict[str, tuple[float, ...]] = {
     "diffuseColor": (0.18, 0.18, 0.18),
@@ -326,14 +325,4 @@ def _transform2d(shader: UsdShade.Shader) -> Array:
 
 def load_texture(resolved: str, clip: bool = True) -> Texels | None:
     """Decode a texture file, or one inside (nested) usdz packages: `a.usdz[b.usdz[c.png]]`."""
-    outer, inner = Ar.SplitPackageRelativePathOuter(resolved)
-    try:
-        with open(outer, "rb") as stream:
-            data = stream.read()
-        while inner:
-            name, inner = Ar.SplitPackageRelativePathOuter(inner)
-            with zipfile.ZipFile(BytesIO(data)) as package:
-                data = package.read(name)
-    except (OSError, KeyError, zipfile.BadZipFile):
-        return None
-    return decode(data, clip)
+    return decode(read_asset(resolved), clip) if is_plain_file(resolved) else None

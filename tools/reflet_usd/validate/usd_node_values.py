@@ -6,10 +6,11 @@ from collections.abc import Callable
 import numpy as np
 from pxr import Sdf, Usd, UsdShade
 
+from reflet_usd.stage_files import is_within
+
 from .images import Texels, sample
 from .scene_data import Array
 from .usd_material import TIME, input_value, load_texture, producer
-from .usd_stage import is_within
 
 _WIDTH = {"float": 1, "integer": 1, "boolean": 1, "vector2": 2, "color4": 4, "vector4": 4}
 _LETTERS = "rgbaxyzw"

@@ -3,16 +3,25 @@
 import contextlib
 import dataclasses
 import itertools
-import math
 import os
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pxr import Ar, Gf, Sdf, Tf, Usd, UsdGeom, UsdUtils
+from pxr import Ar, Gf, Sdf, Tf, Usd, UsdGeom
 
 from reflet_usd.materialx_document import Document, DocumentError, is_document, read_document, refer
+from reflet_usd.stage_files import (
+    error_text,
+    is_positive,
+    is_rate,
+    is_within,
+    outer_file,
+    stage_metadata,
+    state_rates,
+    turn_separators,
+)
 
 from .scene_data import Array, StageError
 
@@ -77,8 +86,7 @@ def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
             _repair_time_rate(layer)
         stage = Usd.Stage.Open(str(path), Usd.Stage.LoadAll)
     except Tf.ErrorException as error:
-        lines = [line.strip(" \t'") for line in _text(error).splitlines()]
-        reason = next((line for line in reversed(lines) if line), "it gives no reason")
+        reason = error_text(error, path)
         raise StageError(f"usd-core does not open {path}: {reason}") from None
     if stage is None:
         raise StageError(f"usd-core does not open {path}")
@@ -86,41 +94,30 @@ def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
         os.path.realpath(root) for root in (path.resolve().parent, *(settings.get("roots") or ()))
     )
     _confine(stage, roots)
-    _turn_separators(stage)
+    for layer in _layers_of(stage):
+        turn_separators(layer)
     documents = _stand_in_documents(stage, roots)
     _confine(stage, roots)
-    # With other rates, usd-core would scale the times that baking writes.
-    for name in ("timeCodesPerSecond", "framesPerSecond"):
-        if stage.GetRootLayer().pseudoRoot.HasInfo(name):
-            rate = stage.GetRootLayer().pseudoRoot.GetInfo(name)
-            stage.GetSessionLayer().pseudoRoot.SetInfo(name, rate)
+    state_rates(stage)  # for the times that baking writes
     with Usd.EditContext(stage, stage.GetSessionLayer()):
         for prim_path, set_name, variant in settings.get("variants") or ():
             stage.GetPrimAtPath(prim_path).GetVariantSet(set_name).SetVariantSelection(variant)
     _confine(stage, roots)  # again, for the layers of variants
-    units = _root_metadata(stage, "metersPerUnit")
-    rate = _root_metadata(stage, "timeCodesPerSecond")
-    rate = rate if rate is not None else _root_metadata(stage, "framesPerSecond")
-    axis = _root_metadata(stage, "upAxis") or UsdGeom.GetFallbackUpAxis()
+    units = stage_metadata(stage, "metersPerUnit")
+    rate = stage_metadata(stage, "timeCodesPerSecond")
+    rate = rate if rate is not None else stage_metadata(stage, "framesPerSecond")
+    axis = stage_metadata(stage, "upAxis") or UsdGeom.GetFallbackUpAxis()
     return TruthStage(
         stage,
         tuple(settings.get("purpose") or ("default", "render")),
-        float(units) if _is_positive(units) else 0.01,
+        float(units) if is_positive(units) else 0.01,
         axis == "Z",
-        float(rate) if _is_rate(rate) else 24.0,
+        float(rate) if is_rate(rate) else 24.0,
         float(settings.get("timeOrigin") or 0.0),
         int(settings.get("subdivLevel") or 0),
         roots,
         documents,
     )
-
-
-def _text(error: Tf.ErrorException) -> str:
-    """USD's message, which may hold cut characters."""
-    try:
-        return str(error)
-    except UnicodeDecodeError as cut:
-        return cut.object.decode("utf-8", "replace")
 
 
 def _forget_old_layers() -> None:
@@ -130,16 +127,10 @@ def _forget_old_layers() -> None:
     hands out layers with their old content, or with edits in memory.
     """
     for layer in Sdf.Layer.GetLoadedLayers():
-        outer = "" if not layer else Ar.SplitPackageRelativePathOuter(layer.realPath)[0]
+        outer = outer_file(layer.realPath) if layer else ""
         if layer and not layer.anonymous and os.path.isfile(outer):
             with contextlib.suppress(Tf.ErrorException):  # opening the broken layer reports it
                 layer.Reload(force=True)
-
-
-def is_within(resolved: str, roots: tuple[str, ...]) -> bool:
-    """Whether a resolved asset, or the package around it, lies in one of the folders."""
-    real = os.path.realpath(Ar.SplitPackageRelativePathOuter(resolved)[0])
-    return any(real == root or real.startswith(root.rstrip(os.sep) + os.sep) for root in roots)
 
 
 def _confine(stage: Usd.Stage, roots: tuple[str, ...]) -> None:
@@ -173,7 +164,7 @@ def sample_codes(stage: Usd.Stage) -> list[float]:
 
 def stated_codes(stage: Usd.Stage) -> tuple[float | None, float | None]:
     """Start and end time code that the stage states; None where missing or out of range."""
-    stated = (_root_metadata(stage, name) for name in ("startTimeCode", "endTimeCode"))
+    stated = (stage_metadata(stage, name) for name in ("startTimeCode", "endTimeCode"))
     start, end = (
         float(code) if isinstance(code, (int, float)) and abs(code) <= MAX_CODE else None
         for code in stated
@@ -273,71 +264,34 @@ def _placed_attributes(stage: Usd.Stage) -> Iterator[Usd.Attribute]:
                 yield from prim.GetAuthoredAttributes()
 
 
-def _turn_separators(stage: Usd.Stage) -> None:
-    """Replace backslashes in paths by slashes where no file has that name: Windows separators."""
-    done: set[str] = set()
-    while layers := [layer for layer in stage.GetUsedLayers() if layer.identifier not in done]:
-        for layer in layers:
-            done.add(layer.identifier)
-            if layer.anonymous or Ar.IsPackageRelativePath(layer.identifier):
-                continue
-
-            turned: dict[str, str] = {}
-
-            def look(path: str, layer: Sdf.Layer = layer, turned: dict[str, str] = turned) -> str:
-                known = Ar.GetResolver().Resolve(layer.ComputeAbsolutePath(path))
-                if "\\" in path and "`" not in path and not known:
-                    turned[path] = path.replace("\\", "/")
-                return path
-
-            UsdUtils.ModifyAssetPaths(layer, look)
-            if turned:
-                layer.SetPermissionToEdit(True)
-                UsdUtils.ModifyAssetPaths(layer, lambda path, to=turned: to.get(path, path))
-
-
 def _repair_time_rate(layer: Sdf.Layer) -> None:
     """Give a layer with invalid rates USD's default, in memory: usd-core hangs on 0."""
     for name in ("timeCodesPerSecond", "framesPerSecond"):
         root = layer.pseudoRoot
-        if root.HasInfo(name) and not _is_rate(root.GetInfo(name)):
+        if root.HasInfo(name) and not is_rate(root.GetInfo(name)):
             layer.pseudoRoot.ClearInfo(name)
 
 
-def _root_metadata(stage: Usd.Stage, name: str) -> Any:
-    # Typed getters throw where a float was authored for a double, so the raw field is read.
-    for layer in (stage.GetSessionLayer(), stage.GetRootLayer()):
-        if layer is not None and layer.pseudoRoot.HasInfo(name):
-            return layer.pseudoRoot.GetInfo(name)
-    return None
-
-
-def _is_rate(value: Any) -> bool:
-    """Whether a rate is in the documented range: 1e-6 to 1e9 codes per second."""
-    return _is_positive(value) and 1e-6 <= value <= 1e9
-
-
-def _is_positive(value: Any) -> bool:
-    return isinstance(value, (int, float)) and math.isfinite(value) and value > 0
+def _layers_of(stage: Usd.Stage) -> Iterator[Sdf.Layer]:
+    """The stage's layers, also those that changes of earlier ones bring."""
+    done: set[str] = set()
+    while layers := [layer for layer in stage.GetUsedLayers() if layer.identifier not in done]:
+        done.update(layer.identifier for layer in layers)
+        yield from (layer for layer in layers if not layer.anonymous)
 
 
 def _stand_in_documents(stage: Usd.Stage, roots: tuple[str, ...]) -> list[Document]:
     """Replace MaterialX documents by layers, in memory; unreadable documents stay lost."""
     documents: dict[str, Document] = {}
-    done: set[str] = set()
-    while layers := [layer for layer in stage.GetUsedLayers() if layer.identifier not in done]:
-        for layer in layers:
-            done.add(layer.identifier)
-            if layer.anonymous:
+    for layer in _layers_of(stage):
+        for asset in layer.GetCompositionAssetDependencies():
+            path = str(Ar.GetResolver().Resolve(layer.ComputeAbsolutePath(asset)))
+            if not is_document(asset) or not path or not is_within(path, roots):
                 continue
-            for asset in layer.GetCompositionAssetDependencies():
-                path = str(Ar.GetResolver().Resolve(layer.ComputeAbsolutePath(asset)))
-                if not is_document(asset) or not path or not is_within(path, roots):
-                    continue
-                try:
-                    if path not in documents:
-                        documents[path] = read_document(path, lambda file: is_within(file, roots))
-                except DocumentError:
-                    continue
-                refer(layer, asset, documents[path].layer.identifier)
+            try:
+                if path not in documents:
+                    documents[path] = read_document(path, lambda file: is_within(file, roots))
+            except DocumentError:
+                continue
+            refer(layer, asset, documents[path].layer.identifier)
     return list(documents.values())
