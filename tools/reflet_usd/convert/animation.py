@@ -12,7 +12,7 @@ from pxr import Usd, UsdGeom
 from .context import Context
 from .keyframes import Evaluate, Keys, OneNode, TwoNodes, exact_keys, remembered, sampled_keys
 from .missing_xform_ops import warn_missing_ops
-from .samples import has_spline, seconds_of, value_codes, warn_extrapolation, with_jumps
+from .samples import seconds_of, value_codes, warn_extrapolation, with_jumps
 from .scene import Array, Node
 from .spline_keys import set_spline_tracks, spline_keys
 from .transform_tolerance import Reach, reach_of
@@ -54,7 +54,7 @@ def key_codes(context: Context, xformable: UsdGeom.Xformable) -> list[float]:
 
 def _splines(xformable: UsdGeom.Xformable) -> list[Usd.Attribute]:
     attributes = [op.GetAttr() for op in xformable.GetOrderedXformOps()]
-    return [attribute for attribute in attributes if has_spline(attribute)]
+    return [attribute for attribute in attributes if attribute.HasSpline()]
 
 
 def _place(context: Context, prim: Usd.Prim, node: Node, matrix: Array) -> Node:

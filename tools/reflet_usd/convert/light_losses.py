@@ -7,20 +7,6 @@ from pxr import Sdf, Usd, UsdLux
 from .context import Context, type_name
 
 _LINKS = ("lightLink", "shadowLink")
-_OUTDATED = (
-    "intensity",
-    "exposure",
-    "color",
-    "normalize",
-    "radius",
-    "width",
-    "height",
-    "length",
-    "angle",
-    "texture:file",
-    "enableColorTemperature",
-    "colorTemperature",
-)
 _NO_SHAPING = ("RectLight", "DiskLight", "CylinderLight", "DistantLight")
 # Inputs that are carried, or named by a warning of their own.
 _EMISSION = (
@@ -71,10 +57,11 @@ def warn_unsupported(context: Context, prim: Usd.Prim) -> None:
     _warn_shape(context, prim)
     warn_links(context, prim)
     _warn_inputs(context, prim, _JUDGED)
+    definition = prim.GetPrimDefinition()
     outdated = [
         attribute.GetName()
         for attribute in prim.GetAuthoredAttributes()
-        if attribute.GetName() in _OUTDATED
+        if definition.GetSpecType(f"inputs:{attribute.GetName()}") != Sdf.SpecTypeUnknown
     ]
     if outdated:
         message = f"USD ignores {', '.join(outdated)}, which today are named 'inputs:...'"
@@ -98,9 +85,7 @@ def _warn_animated(context: Context, prim: Usd.Prim) -> None:
         for attribute in prim.GetAuthoredAttributes()
         if attribute.GetName().startswith("inputs:") and attribute.ValueMightBeTimeVarying()
     ]
-    if animated:
-        message = f"animated {', '.join(sorted(animated))} stay at their first value"
-        context.ledger.warn("light-animation-frozen", prim, message)
+    context.ledger.warn_frozen("light-animation-frozen", prim, animated)
 
 
 def _warn_inputs(context: Context, prim: Usd.Prim, judged: frozenset[str]) -> None:

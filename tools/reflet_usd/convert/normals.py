@@ -50,6 +50,11 @@ def smooth_groups(corners: Array, counts: Array, point_count: int, sharp_edges: 
 
     `sharp_edges` are sorted keys of `edge_keys`.
     """
+    if not len(sharp_edges):
+        return np.unique(corners, return_inverse=True)[1].reshape(-1)
+    from scipy.sparse import coo_array  # takes long, and few meshes have creases
+    from scipy.sparse.csgraph import connected_components
+
     starts = np.concatenate(([0], np.cumsum(counts)[:-1])).astype(np.int64)
     following = np.arange(1, len(corners) + 1)
     following[starts + counts - 1] = starts
@@ -68,16 +73,9 @@ def smooth_groups(corners: Array, counts: Array, point_count: int, sharp_edges: 
         np.where(is_low, np.arange(len(corners)), following),
         np.where(is_low, following, np.arange(len(corners))),
     ]
-    joined = [(end[first], end[second]) for end in ends]
-    labels = np.arange(len(corners))
-    while True:
-        before = labels.copy()
-        for one, other in joined:
-            least = np.minimum(labels[one], labels[other])
-            np.minimum.at(labels, one, least)
-            np.minimum.at(labels, other, least)
-        if np.array_equal(before, labels):
-            break
+    joined = [np.concatenate([end[sides] for end in ends]) for sides in (first, second)]
+    shape = (len(corners), len(corners))
+    labels = connected_components(coo_array((np.ones(len(joined[0])), joined), shape=shape))[1]
     groups = np.where(at_crease[corners], point_count + labels, corners)
     return np.unique(groups, return_inverse=True)[1].reshape(-1)
 

@@ -1,6 +1,6 @@
 """Number of prims in a composed stage, instances multiplied, without walking the instances."""
 
-from collections.abc import Iterator
+import graphlib
 
 from pxr import Usd
 
@@ -31,22 +31,6 @@ def _count(stage: Usd.Stage) -> int:
             if prim.IsInstance():
                 inner[path].append(str(prim.GetPrototype().GetPath()))
     counts: dict[str, int] = {}
-    for path in _inner_first(inner, str(stage.GetPseudoRoot().GetPath())):
+    for path in graphlib.TopologicalSorter(inner).static_order():
         counts[path] = own[path] + sum(counts[other] for other in inner[path])
     return counts["/"]
-
-
-def _inner_first(inner: dict[str, list[str]], start: str) -> Iterator[str]:
-    """The prototypes below `start`, each after the prototypes within it; USD allows no cycles."""
-    done: set[str] = set()
-    stack = [(start, iter(inner[start]))]
-    while stack:
-        path, rest = stack[-1]
-        following = next((other for other in rest if other not in done), None)
-        if following is None:
-            stack.pop()
-            if path not in done:
-                done.add(path)
-                yield path
-        else:
-            stack.append((following, iter(inner[following])))

@@ -13,21 +13,16 @@ from .scene import Array
 JUMP = 1e-7
 
 
-def has_spline(attribute: Usd.Attribute) -> bool:
-    """Whether a spline gives the attribute's value; usd-core before 25.05 has none."""
-    return hasattr(attribute, "HasSpline") and bool(attribute.HasSpline())
-
-
 def value_codes(attribute: Usd.Attribute) -> list[float]:
     """The codes of the attribute's time samples, or of its spline's knots, in order."""
-    if has_spline(attribute):
+    if attribute.HasSpline():
         return [float(code) for code in attribute.GetSpline().GetKnotsWithInnerLoopsBaked()]
     return list(attribute.GetTimeSamples())
 
 
 def first_code(attribute: Usd.Attribute) -> float | None:
     """The first of `value_codes`."""
-    if attribute.GetNumTimeSamples() == 0 and not has_spline(attribute):
+    if attribute.GetNumTimeSamples() == 0 and not attribute.HasSpline():
         return None
     return next(iter(value_codes(attribute)), None)
 

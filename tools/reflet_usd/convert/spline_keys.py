@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from .context import Context
+from .instancing import trs_matrices
 from .samples import is_jump, seconds_of
 from .scene import Array, Node
 from .transform_tolerance import Reach
@@ -124,23 +125,10 @@ class _Follower:
             + (b - a) * (t**3 - t**2) * into
         )
         wanted = np.array([self.evaluate(a + (b - a) * float(share)) for share in t[:, 0]])
-        linear = np.abs(_linear(shown) - wanted[:, :3, :3]).max(axis=(1, 2))
-        place = np.abs(shown[:, :3] - wanted[:, :3, 3]).max(axis=1)
+        rotations = shown[:, 3:7] / np.linalg.norm(shown[:, 3:7], axis=1, keepdims=True)
+        apart = np.abs(trs_matrices(shown[:, :3], rotations, shown[:, 7:]) - wanted)
+        linear, place = apart[:, :3, :3].max(axis=(1, 2)), apart[:, :3, 3].max(axis=1)
         sizes = np.maximum(np.abs(wanted[:, :3, :3]).max(axis=(1, 2)), 1e-30)
         worst = max(float((linear / sizes).max()), float(place.max()) / self.size)
         pairs = zip(linear.tolist(), place.tolist(), strict=True)
         return max(worst, *(self.reach.corner(off, away) for off, away in pairs))
-
-
-def _linear(parts: Array) -> Array:
-    """Rotation times scale of many parts, (n, 3, 3)."""
-    unit = parts[:, 3:7] / np.linalg.norm(parts[:, 3:7], axis=1, keepdims=True)
-    x, y, z, w = unit.T
-    rotation = np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-    return np.moveaxis(rotation, 2, 0) * parts[:, None, 7:10]

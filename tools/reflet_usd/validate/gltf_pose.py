@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from typing import Any
 
@@ -123,15 +124,13 @@ class Poser:
         return _squeeze(first + (second - first) * factor, path)
 
 
+@dataclasses.dataclass
 class Pose:
     """World matrices and morph weights of all nodes at one time, and the hidden nodes."""
 
-    def __init__(
-        self, worlds: dict[int, Array], weights: dict[int, Array], hidden: frozenset[int]
-    ) -> None:
-        self.worlds = worlds
-        self.weights = weights
-        self.hidden = hidden
+    worlds: dict[int, Array]
+    weights: dict[int, Array]
+    hidden: frozenset[int]
 
 
 def compose(translation: Array, rotation: Array, scale: Array) -> Array:

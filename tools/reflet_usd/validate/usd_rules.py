@@ -115,6 +115,16 @@ def _hold(stage: Usd.Stage, prim: Usd.Prim, message: str) -> None:
                 attribute.Set(kept, float(np.nextafter(shown[index + 1], -np.inf)))
 
 
+def _times(source: Any) -> list[Usd.TimeCode]:
+    """Times of the samples of an attribute or a transform, or the default time without any."""
+    return [Usd.TimeCode(code) for code in source.GetTimeSamples()] or [Usd.TimeCode.Default()]
+
+
+def _values(attribute: Usd.Attribute | None) -> list[tuple[Usd.TimeCode, Any]]:
+    """An attribute's values by their times, all read before one is changed; none without it."""
+    return [(time, attribute.Get(time)) for time in _times(attribute)] if attribute else []
+
+
 def _forget_velocities(prim: Usd.Prim) -> None:
     """Remove velocities: the file interpolates points and instances between their keys."""
     for name in _VELOCITIES:
@@ -172,13 +182,8 @@ def _joint_count(prim: Usd.Prim) -> int:
 def _normalize_rotations(prim: Usd.Prim) -> None:
     """Normalize the quaternions of the skeleton's animation."""
     source = UsdSkel.BindingAPI(prim).GetInheritedAnimationSource()
-    attribute = UsdSkel.Animation(source).GetRotationsAttr() if source else None
-    if not attribute:
-        return
-    codes = attribute.GetTimeSamples()
-    times = [Usd.TimeCode(code) for code in codes] or [Usd.TimeCode.Default()]
-    found = [(time, attribute.Get(time)) for time in times]
-    for time, value in found:
+    attribute: Any = UsdSkel.Animation(source).GetRotationsAttr() if source else None
+    for time, value in _values(attribute):
         if value is not None:
             attribute.Set(Vt.QuatfArray([Gf.Quatf(q).GetNormalized() for q in value]), time)
 
@@ -196,13 +201,9 @@ def _finite_weights(prim: Usd.Prim) -> None:
     skeleton = UsdSkel.BindingAPI(prim).GetInheritedSkeleton()
     if not source and skeleton:
         source = UsdSkel.BindingAPI(skeleton.GetPrim()).GetAnimationSource()
-    attribute = UsdSkel.Animation(source).GetBlendShapeWeightsAttr() if source else None
-    if not attribute:
-        return
-    codes = attribute.GetTimeSamples()
-    times = [Usd.TimeCode(code) for code in codes] or [Usd.TimeCode.Default()]
-    found = [(time, np.array(attribute.Get(time) or [], dtype=np.float32)) for time in times]
-    for time, values in found:
+    attribute: Any = UsdSkel.Animation(source).GetBlendShapeWeightsAttr() if source else None
+    for time, value in _values(attribute):
+        values = np.array(value or [], dtype=np.float32)
         usable = np.where(np.isfinite(values), values, np.float32(0.0))
         attribute.Set(Vt.FloatArray.FromNumpy(usable), time)
 
@@ -224,27 +225,21 @@ def _normalize_instances(prim: Usd.Prim, message: str) -> None:
     named = [index for index, path in enumerate(targets) if f"'{path}'" in message]
     exact, half = schema.GetOrientationsfAttr(), schema.GetOrientationsAttr()
     source = exact if exact.Get(Usd.TimeCode.EarliestTime()) else half
-    codes = source.GetTimeSamples()
-    times = [Usd.TimeCode(code) for code in codes] or [Usd.TimeCode.Default()]
-    found = []
-    for time in times:
-        at = time if codes else Usd.TimeCode.EarliestTime()
-        rows = np.array(source.Get(time), dtype=np.float64).reshape(-1, 4)
+    for time, value in _values(source):
+        at = Usd.TimeCode.EarliestTime() if time.IsDefault() else time
+        rows = np.array(value, dtype=np.float64).reshape(-1, 4)
         chosen = np.isin(np.array(schema.GetProtoIndicesAttr().Get(at)), named)
         lengths = np.linalg.norm(rows, axis=1, keepdims=True)
         unit = rows / np.where(lengths > 0.0, lengths, 1.0)
         if len(chosen) == len(rows):
             rows = np.where(chosen[:, None], unit, rows)
-        found.append((time, Vt.QuatfArray([Gf.Quatf(r[3], *r[:3]) for r in rows.tolist()])))
-    for time, value in found:
-        exact.Set(value, time)
+        exact.Set(Vt.QuatfArray([Gf.Quatf(r[3], *r[:3]) for r in rows.tolist()]), time)
 
 
 def _without_perspective(prim: Usd.Prim) -> None:
     """The prim's own matrices without a fourth column, w divided out; else the identity."""
     xformable = UsdGeom.Xformable(prim)
-    codes = xformable.GetTimeSamples()
-    times = [Usd.TimeCode(code) for code in codes] or [Usd.TimeCode.Default()]
+    times = _times(xformable)
     matrices = [xformable.GetLocalTransformation(time) for time in times]
     reset = xformable.GetResetXformStack()
     op = xformable.MakeMatrixXform()
