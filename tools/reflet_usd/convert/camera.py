@@ -158,9 +158,7 @@ def _animate(context: Context, prim: Usd.Prim, node: Node, kind: str) -> None:
                 if np.ptp(column) > 0.0:
                     path = f"/cameras/{node.camera}/{kind}/{name}"
                     node.add_track(path, seconds_of(context, keys), column.reshape(-1, 1))
-    if stays:
-        message = f"animated {', '.join(sorted(stays))} stay at their first value"
-        context.ledger.warn("camera-animation-frozen", prim, message)
+    context.ledger.warn_frozen("camera-animation-frozen", prim, stays)
 
 
 def _halved(

@@ -14,7 +14,7 @@ from pxr import Usd, UsdGeom
 from .attributes import DisplayColor, GprimPrimvars, Streams, inherited_primvars
 from .context import Context, authored, in_float32, type_name
 from .geometry import BuiltMesh, mesh_extras, warn_still_points
-from .gltf_writer import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, LINES, POINTS, GltfWriter
+from .gltf_writer import ELEMENT_ARRAY_BUFFER, LINES, POINTS, GltfWriter
 from .material import DISPLAY, MaterialLibrary, painter_of, warn_translucent
 from .nurbs_curves import sample_nurbs
 from .polygons import read_points
@@ -234,7 +234,7 @@ class LineBuilder:
             )
             entry = {"mode": LINES, "indices": indices}
         entry["attributes"] = {
-            name: self._accessor(numbers[used], bounds=name == "POSITION")
+            name: self.writer.add_floats(numbers[used], bounds=name == "POSITION")
             for name, numbers in values.items()
         }
         return entry if width is None else {**entry, "extras": {"width_m": width}}
@@ -256,10 +256,6 @@ class LineBuilder:
         if stream is None or stream.values.shape[1] != 1:
             return None
         return np.maximum(stream.values[stream.ids], 0.0) * self.context.meters_per_unit
-
-    def _accessor(self, values: Array, bounds: bool = False) -> int:
-        shaped = values[:, 0] if values.shape[1] == 1 else values
-        return self.writer.add_accessor(shaped.astype(np.float32), ARRAY_BUFFER, bounds)
 
     def _warn_lost(self) -> None:
         """Warn about normals and ids, which points and lines lack."""

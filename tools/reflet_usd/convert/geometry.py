@@ -283,11 +283,8 @@ def warn_frozen(context: Context, prim: Usd.Prim, primvars: list[UsdGeom.Primvar
         context.ledger.warn("velocities-dropped", prim, message)
     values = [name for name in animated if name.startswith("primvars:")]
     shape = [name for name in animated if name not in values]
-    lost = {"geometry-animation-frozen": shape, "primvar-animation-frozen": values}
-    for warning, names in lost.items():
-        if names:
-            message = f"animated {', '.join(sorted(names))} stay at their first value"
-            context.ledger.warn(warning, prim, message)
+    context.ledger.warn_frozen("geometry-animation-frozen", prim, shape)
+    context.ledger.warn_frozen("primvar-animation-frozen", prim, values)
 
 
 def _draws_normals(prim: Usd.Prim) -> bool:
@@ -304,8 +301,7 @@ def warn_still_points(context: Context, prim: Usd.Prim) -> None:
     warn_frozen(context, prim, UsdGeom.PrimvarsAPI(prim).FindPrimvarsWithInheritance())
     points = prim.GetAttribute("points")
     if points and points.ValueMightBeTimeVarying() and not context.is_held:
-        message = "animated points stay at their first value"
-        context.ledger.warn("points-animation-frozen", prim, message)
+        context.ledger.warn_frozen("points-animation-frozen", prim, ["points"])
 
 
 def is_surface(prim: Usd.Prim) -> bool:

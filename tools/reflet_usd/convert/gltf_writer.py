@@ -54,6 +54,11 @@ class GltfWriter:
             self._known[key] = self.add(kind, entry)
         return self._known[key]
 
+    def add_floats(self, values: Array, bounds: bool = False) -> int:
+        """Store an attribute of vertices, (V,) or (V, N), and return its accessor."""
+        shaped = values[:, 0] if values.shape[1:] == (1,) else values
+        return self.add_accessor(shaped.astype(np.float32), ARRAY_BUFFER, bounds)
+
     def add_accessor(
         self,
         array: Array,

@@ -264,12 +264,8 @@ class Instancers:
                 varying.append(path)
                 continue
             tracks[path] = (codes, stacked)
-        if varying:
-            message = f"animated {', '.join(varying)} stay at their first value"
-            context.ledger.warn("instancer-animation-frozen", prim, message)
-            if set(varying) & set(_FROZEN):
-                return {}
-        return tracks
+        context.ledger.warn_frozen("instancer-animation-frozen", prim, varying)
+        return {} if set(varying) & set(_FROZEN) else tracks
 
     def _masks(self, prim: Usd.Prim, count: int) -> tuple[list[float], Array]:
         """Codes at which the mask changes, and (codes, count) whether an instance is seen then."""
@@ -301,8 +297,8 @@ class Instancers:
                 continue
             tints[:, columns] = np.clip(values[numbers], 0.0, 1.0)
             if primvar.ValueMightBeTimeVarying():
-                message = f"animated {primvar.GetName()} stay at their first value"
-                self.context.ledger.warn("primvar-animation-frozen", prim, message)
+                names = [str(primvar.GetName())]
+                self.context.ledger.warn_frozen("primvar-animation-frozen", prim, names)
         if len(np.unique(tints, axis=0)) > MAX_INSTANCE_NODES:
             return None
         return tints

@@ -1,6 +1,7 @@
 """The ledger of a conversion: named warnings by prim path, and the prims that were carried."""
 
 from collections import defaultdict
+from collections.abc import Iterable
 
 from .types import Warning
 
@@ -21,6 +22,11 @@ class Ledger:
         if entry not in self._warnings:
             self._warnings[entry] = None
             self._by_prim[entry.prim].append(entry)
+
+    def warn_frozen(self, name: str, prim: object, attributes: Iterable[str]) -> None:
+        """Record that animated attributes of `prim`, if there are any, do not move."""
+        if listed := ", ".join(sorted(attributes)):
+            self.warn(name, prim, f"animated {listed} stay at their first value")
 
     def repeat(self, first: object, other: object) -> None:
         """Repeat the warnings of `first` for `other`: both share what was converted once."""

@@ -44,6 +44,4 @@ def keep_loose_primvars(
     if dropped:
         message = f"of its primvars {listed(dropped)} not carried, nothing here reads them"
         context.ledger.warn("primvar-dropped", prim, message)
-    if frozen:
-        message = f"animated {', '.join(sorted(frozen))} stay at their first value"
-        context.ledger.warn("primvar-animation-frozen", prim, message)
+    context.ledger.warn_frozen("primvar-animation-frozen", prim, frozen)

@@ -4,7 +4,7 @@ import numpy as np
 from pxr import Usd
 
 from .context import Context, in_float32, type_name
-from .gltf_writer import ARRAY_BUFFER, GltfWriter
+from .gltf_writer import GltfWriter
 from .mesh import computed_normals, drawn_faces
 from .nurbs import read_patch
 from .polygons import Polygons
@@ -26,21 +26,17 @@ def morph_target(
     normal_offsets: Array | None,
 ) -> dict[str, int]:
     """Morph target of one primitive: `offsets` (N, 3) of the points, and of the normals."""
-    target = {"POSITION": _accessor(writer, offsets[parts.points], bounds=True)}
+    target = {"POSITION": writer.add_floats(offsets[parts.points], bounds=True)}
     normals = surface.normals
     if normals is None or polygons is None:
         return target
     if normal_offsets is not None and polygons.scheme == "none":
-        target["NORMAL"] = _accessor(writer, normal_offsets[parts.points])
+        target["NORMAL"] = writer.add_floats(normal_offsets[parts.points])
     elif polygons.computed_normals:
         moved = computed_normals(polygons, surface.points + offsets, drawn_faces(polygons))
         ids = normals.ids[parts.vertices.corners]
-        target["NORMAL"] = _accessor(writer, moved.values[ids] - normals.values[ids])
+        target["NORMAL"] = writer.add_floats(moved.values[ids] - normals.values[ids])
     return target
-
-
-def _accessor(writer: GltfWriter, values: Array, bounds: bool = False) -> int:
-    return writer.add_accessor(values.astype(np.float32), ARRAY_BUFFER, bounds)
 
 
 class PointKeys:

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from .gltf_writer import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, GltfWriter
+from .gltf_writer import ELEMENT_ARRAY_BUFFER, GltfWriter
 from .scene import Array
 from .surface import Stream, Surface, Vertices, weld
 
@@ -38,33 +38,27 @@ def build_primitive(
     vertices = weld(surface, triangles, streams)
     points = surface.corner_points[vertices.corners]
     attributes: dict[str, int] = {
-        "POSITION": _vertex_accessor(writer, surface.points[points], bounds=True)
+        "POSITION": writer.add_floats(surface.points[points], bounds=True)
     }
 
     def pick(stream: Stream) -> Array:
         return stream.values[stream.ids[vertices.corners]]
 
     if surface.normals is not None:
-        attributes["NORMAL"] = _vertex_accessor(writer, pick(surface.normals))
+        attributes["NORMAL"] = writer.add_floats(pick(surface.normals))
     for slot, name in enumerate(uv_order):
         if name in surface.uvs:
             uv = pick(surface.uvs[name])
         else:
             uv = np.tile(uv_constant[name], (len(points), 1))
         flipped = np.column_stack([uv[:, 0], 1.0 - uv[:, 1]])
-        attributes[f"TEXCOORD_{slot}"] = _vertex_accessor(writer, flipped)
+        attributes[f"TEXCOORD_{slot}"] = writer.add_floats(flipped)
     if color is not None:
-        attributes["COLOR_0"] = _vertex_accessor(writer, pick(color))
+        attributes["COLOR_0"] = writer.add_floats(pick(color))
     for name, stream in surface.custom.items():
-        values = pick(stream)
-        shaped = values[:, 0] if values.shape[1] == 1 else values
-        attributes[name] = _vertex_accessor(writer, shaped)
+        attributes[name] = writer.add_floats(pick(stream))
     entry = {"attributes": attributes, "indices": _index_accessor(writer, vertices.indices)}
     return PrimitiveParts(entry, vertices, points)
-
-
-def _vertex_accessor(writer: GltfWriter, values: Array, bounds: bool = False) -> int:
-    return writer.add_accessor(values.astype(np.float32), ARRAY_BUFFER, bounds)
 
 
 def _index_accessor(writer: GltfWriter, indices: Array) -> int:
