@@ -103,7 +103,7 @@ def compare_materials(
             for index in outputs.get(path, []):
                 _compare_plain(checks, path, OutputMaterial(file, index))
             continue
-        for prim, name in animated_inputs(truth.stage.GetPrimAtPath(path)):
+        for prim, name in sorted(animated_inputs(truth.stage.GetPrimAtPath(path))):
             checks.add_lost(prim, FROZEN_INPUT, f"keys of '{name}'", name)
         found = outputs.get(path) or by_name.get(path.rsplit("/", 1)[-1], [])
         if not found:

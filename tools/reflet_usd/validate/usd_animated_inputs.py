@@ -29,8 +29,7 @@ def animated_inputs(material: Usd.Prim) -> set[tuple[str, str]]:
     shader = surface_shader(material)
     if shader is None:
         return set()
-    kind = str(shader.GetIdAttr().Get())
-    return set(_behind(shader, surface_inputs(kind) or _SURFACE, _DEEPEST, False))
+    return set(_behind(shader, surface_inputs(shader) or _SURFACE, _DEEPEST, False))
 
 
 def _behind(

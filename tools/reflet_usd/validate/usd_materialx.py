@@ -4,7 +4,6 @@ Every channel is evaluated as a function of texture coordinates; the documentati
 gives the rules.
 """
 
-import dataclasses
 from collections.abc import Callable
 
 import numpy as np
@@ -20,74 +19,25 @@ _FEW = 4
 Function = Callable[[Array], Array]
 
 
-@dataclasses.dataclass
-class Names:
-    """Names of a surface's inputs, and the definition's defaults that differ among surfaces."""
-
-    metal: str
-    roughness: tuple[str, float]
-    ior: str
-    coat: tuple[str, str, float]
-    opacity: str
-    specular: str
-    normal: str
-    base: tuple[str, str]
-    under: tuple[str, tuple[float, ...]]
-    through: str
-    thin: str
-    fuzz: tuple[str, str, str]
-    glow: tuple[str, str]
-    grooves: str
-
-
-_LAYERED = {
-    "ND_standard_surface_surfaceshader": Names(
-        "metalness",
-        ("specular_roughness", 0.2),
-        "specular_IOR",
-        ("coat", "coat_roughness", 0.1),
-        "opacity",
-        "specular",
-        "normal",
-        ("base_color", "base"),
-        ("subsurface", _WHITE),
-        "transmission",
-        "thin_walled",
-        ("sheen", "sheen_color", "sheen_roughness"),
-        ("emission_color", "emission"),
-        "specular_anisotropy",
-    ),
-    "ND_open_pbr_surface_surfaceshader": Names(
-        "base_metalness",
-        ("specular_roughness", 0.3),
-        "specular_ior",
-        ("coat_weight", "coat_roughness", 0.0),
-        "geometry_opacity",
-        "specular_weight",
-        "geometry_normal",
-        ("base_color", "base_weight"),
-        ("subsurface_weight", _GRAY),
-        "transmission_weight",
-        "geometry_thin_walled",
-        ("fuzz_weight", "fuzz_color", "fuzz_roughness"),
-        ("emission_color", "emission_luminance"),
-        "specular_roughness_anisotropy",
-    ),
+_STANDARD = "ND_standard_surface_surfaceshader"
+_OPEN_PBR = "ND_open_pbr_surface_surfaceshader"
+_OPEN_NAMES = {
+    "base": "base_weight",
+    "coat": "coat_weight",
+    "emission": "emission_luminance",
+    "metalness": "base_metalness",
+    "normal": "geometry_normal",
+    "opacity": "geometry_opacity",
+    "sheen": "fuzz_weight",
+    "sheen_color": "fuzz_color",
+    "specular": "specular_weight",
+    "specular_IOR": "specular_ior",
+    "specular_anisotropy": "specular_roughness_anisotropy",
+    "subsurface": "subsurface_weight",
+    "thin_walled": "geometry_thin_walled",
+    "transmission": "transmission_weight",
 }
-_MORE = (
-    "alpha",
-    "alpha_cutoff",
-    "base_color",
-    "clearcoat",
-    "clearcoat_roughness",
-    "emissive",
-    "emissive_strength",
-    "ior",
-    "metallic",
-    "normal",
-    "occlusion",
-    "roughness",
-)
+"""OpenPBR's names of standard surface's inputs, where they differ."""
 
 
 def is_gltf_surface(material: Usd.Prim) -> bool:
@@ -96,16 +46,11 @@ def is_gltf_surface(material: Usd.Prim) -> bool:
     return shader is not None and str(shader.GetIdAttr().Get()) == GLTF_SURFACE
 
 
-def surface_inputs(identifier: str) -> set[str]:
-    """Inputs of a MaterialX surface, from which the file's approximated values follow."""
-    if identifier == GLTF_SURFACE:
-        return set(_MORE)
-    names = _LAYERED.get(identifier)
-    if names is None:
-        return set()
-    found = [names.metal, names.ior, names.opacity, names.specular, names.normal, names.through]
-    found += [*names.base, *names.glow, *names.coat[:2], names.roughness[0], names.under[0]]
-    return {*found, "coat_color", "subsurface_color", "transmission_color", "transmission_depth"}
+def surface_inputs(shader: UsdShade.Shader) -> set[str]:
+    """Inputs of a MaterialX surface, from which the file's values follow; none of others."""
+    rules = _Rules(NodeValues(roots=()), shader, 1.0)
+    rules.channels()
+    return rules.read
 
 
 def materialx_inputs(
@@ -116,15 +61,16 @@ def materialx_inputs(
     Names beyond UsdPreviewSurface's come from `OutputMaterial`.
     """
     shader = surface_shader(material)
-    kind = str(shader.GetIdAttr().Get()) if shader else ""
-    if shader is None or (kind != GLTF_SURFACE and kind not in _LAYERED):
+    if shader is None:
+        return None
+    rules = _Rules(NodeValues(roots), shader, meters)
+    functions = rules.channels()
+    if not functions:
         return None
     result = {name: PreviewInput(np.array(value), None) for name, value in DEFAULTS.items()}
     result.update(
         {n: PreviewInput(np.zeros(1), None) for n in ("displacement", "useSpecularWorkflow")}
     )
-    rules = _Rules(NodeValues(roots), shader, meters)
-    functions = rules.gltf() if kind == GLTF_SURFACE else rules.layered(_LAYERED[kind])
     for name, function in functions.items():
         result[name] = _channel(rules.nodes, str(shader.GetPath()), function)
     return result
@@ -149,14 +95,28 @@ def _channel(nodes: NodeValues, shader: str, function: Function) -> PreviewInput
     return found
 
 
-@dataclasses.dataclass
 class _Rules:
-    nodes: NodeValues
-    shader: UsdShade.Shader
-    meters: float
+    """Channels of one surface as functions of texture coordinates."""
+
+    def __init__(self, nodes: NodeValues, shader: UsdShade.Shader, meters: float) -> None:
+        self.nodes = nodes
+        self.shader = shader
+        self.meters = meters
+        self.kind = str(shader.GetIdAttr().Get())
+        self.read: set[str] = set()
+        """Inputs that the channels follow from."""
+
+    def channels(self) -> dict[str, Function]:
+        """All channels; none of a surface that is not MaterialX's."""
+        if self.kind == GLTF_SURFACE:
+            return self._gltf()
+        return self._layered() if self.kind in (_STANDARD, _OPEN_PBR) else {}
 
     def of(self, name: str, *default: float) -> Function:
-        """An input as a function of texture coordinates."""
+        """An input, by standard surface's name, as a function of texture coordinates."""
+        if self.kind == _OPEN_PBR:
+            name = _OPEN_NAMES.get(name, name)
+        self.read.add(name)
         return lambda st: self.nodes.value(self.shader, name, default, st)
 
     def number(self, name: str, default: float) -> float:
@@ -169,18 +129,19 @@ class _Rules:
             return default
         return default if len(self.nodes.images) > known else value
 
-    def layered(self, names: Names) -> dict[str, Function]:
+    def _layered(self) -> dict[str, Function]:
         """Channels of standard surface and OpenPBR."""
-        base, weight = self.of(names.base[0], *_GRAY), self.of(names.base[1], 1.0)
-        under = self.of(names.under[0], 0.0)
-        scattered = self.of("subsurface_color", *names.under[1])
-        through = self.of(names.through, 0.0)
+        is_open = self.kind == _OPEN_PBR
+        base, weight = self.of("base_color", *_GRAY), self.of("base", 1.0)
+        under = self.of("subsurface", 0.0)
+        scattered = self.of("subsurface_color", *(_GRAY if is_open else _WHITE))
+        through = self.of("transmission", 0.0)
         tint = self.of("transmission_color", *_WHITE)
         depth = self.number("transmission_depth", 0.0)
-        thin = self.number(names.thin, 0.0) != 0.0
-        coat, coat_tint = self.of(names.coat[0], 0.0), self.of("coat_color", *_WHITE)
-        glow, nits = self.of(names.glow[0], *_WHITE), self.of(names.glow[1], 0.0)
-        fuzz, fuzz_color = self.of(names.fuzz[0], 0.0), self.of(names.fuzz[1], *_WHITE)
+        thin = self.number("thin_walled", 0.0) != 0.0
+        coat, coat_tint = self.of("coat", 0.0), self.of("coat_color", *_WHITE)
+        glow, nits = self.of("emission_color", *_WHITE), self.of("emission", 0.0)
+        fuzz, fuzz_color = self.of("sheen", 0.0), self.of("sheen_color", *_WHITE)
         absorbs = depth > 0.0 and not thin
 
         def color(st: Array) -> Array:
@@ -188,19 +149,19 @@ class _Rules:
             shown = _mix(shown, np.ones(3) if absorbs else tint(st), through(st))
             return shown * _mix(np.ones(3), coat_tint(st), coat(st))
 
-        aspect = np.sqrt(1.0 - min(max(self.number(names.grooves, 0.0), 0.0), 0.999))
-        rough = self.of(names.roughness[0], names.roughness[1])
+        aspect = np.sqrt(1.0 - min(max(self.number("specular_anisotropy", 0.0), 0.0), 0.999))
+        rough = self.of("specular_roughness", 0.3 if is_open else 0.2)
         functions = {
             "diffuseColor": color,
-            "metallic": self.of(names.metal, 0.0),
+            "metallic": self.of("metalness", 0.0),
             "roughness": lambda st: rough(st) * np.sqrt(aspect),
-            "ior": self.of(names.ior, 1.5),
-            "opacity": self.of(names.opacity, 1.0),
-            "normal": self.of(names.normal, 0.0, 0.0, 1.0),
+            "ior": self.of("specular_IOR", 1.5),
+            "opacity": self.of("opacity", 1.0),
+            "normal": self.of("normal", 0.0, 0.0, 1.0),
             "clearcoat": coat,
-            "clearcoatRoughness": self.of(names.coat[1], names.coat[2]),
+            "clearcoatRoughness": self.of("coat_roughness", 0.0 if is_open else 0.1),
             "emissiveColor": lambda st: glow(st) * nits(st),
-            "specular": self.of(names.specular, 1.0),
+            "specular": self.of("specular", 1.0),
             "specularTint": self.of("specular_color", *_WHITE),
             "sheenColor": lambda st: fuzz_color(st) * fuzz(st),
             "transmission": through,
@@ -211,7 +172,7 @@ class _Rules:
             functions["attenuationDistance"] = lambda st: np.full((len(st), 1), depth * self.meters)
         return functions
 
-    def gltf(self) -> dict[str, Function]:
+    def _gltf(self) -> dict[str, Function]:
         """Channels of glTF PBR, whose inputs are glTF's own."""
         emissive, strength = self.of("emissive", *_BLACK), self.of("emissive_strength", 1.0)
         thickness = self.of("thickness", 0.0)
