@@ -202,26 +202,21 @@ def main() -> int:
     if (args.pairs is not None) != bool(args.scene) or args.pairs == 0:
         parser.error("--pairs needs a number above 0 and scenes; without it there are none to name")
     assets: list[str | Path] = ["--assets", args.assets] if args.assets else []
-    if args.pairs:
+    try:
+        programs = [program.resolve(strict=True) for program in (args.old, args.new)]
         options = assets + [word for text in args.set for word in ("--set", text)]
-        try:
-            programs = [program.resolve(strict=True) for program in (args.old, args.new)]
-            for scene in args.scene:
-                tell_ratio(programs, scene, args.pairs, options)
-        except (CompareError, OSError) as error:
-            print(f"error: {error}", file=sys.stderr)
-            return 2
-        return 0
-    with tempfile.TemporaryDirectory() as scratch:
-        place = args.cache or Path(scratch)
-        try:
-            programs = [program.resolve(strict=True) for program in (args.old, args.new)]
+        for scene in args.scene:
+            tell_ratio(programs, scene, args.pairs, options)
+        if args.pairs:
+            return 0
+        with tempfile.TemporaryDirectory() as scratch:
+            place = args.cache or Path(scratch)
             works = shipped(programs[1], assets)
             folders = [rendered(p, works, folder_of(p, place), assets) for p in programs]
             count, different = compare(folders[0], folders[1], works)
-        except (CompareError, OSError) as error:
-            print(f"error: {error}", file=sys.stderr)
-            return 2
+    except (CompareError, OSError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
     for name in different:
         print(f"differs: {name}")
     print(f"{count} pictures of {len(works)} scenes compared, {len(different)} differ")

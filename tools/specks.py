@@ -13,15 +13,18 @@ import dataclasses
 import re
 import subprocess
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from measuring import add_program, program_of
 from PIL import Image
+from scipy.ndimage import maximum_filter, median_filter, minimum_filter
 from sheet import sheet
 from tables import table
 
 ENDINGS = {".toml", ".glb", ".gltf"}
 SCENES_PER_SHEET = 14
+AROUND: dict[str, Any] = {"size": (5, 5, 1), "mode": "nearest"}
 SPECK = 0.3 * 255  # as in src/metric/specks.rs
 
 
@@ -48,19 +51,11 @@ def specks(picture: np.ndarray, reference: np.ndarray) -> Found:
     A channel differs by more than SPECK from its median over 5 x 5 pixels, which differ by less in
     the reference.
     """
-    surroundings = around(reference)
-    smooth = (surroundings.max(axis=2) - surroundings.min(axis=2)).max(axis=2) <= SPECK
-    off = picture.astype(int) - np.median(around(picture), axis=2)
+    shown, truth = picture.astype(int), reference.astype(int)
+    smooth = (maximum_filter(truth, **AROUND) - minimum_filter(truth, **AROUND)).max(2) <= SPECK
+    off = shown - median_filter(shown, **AROUND)
     white = smooth & (off.max(axis=2) > SPECK)
     return Found(int(white.sum()), int((smooth & ~white & (off.min(axis=2) < -SPECK)).sum()))
-
-
-def around(picture: np.ndarray) -> np.ndarray:
-    """The values of the 5 x 5 pixels around each pixel, in the third axis."""
-    height, width, _ = picture.shape
-    padded = np.pad(picture.astype(int), ((2, 2), (2, 2), (0, 0)), mode="edge")
-    shifted = [padded[y : y + height, x : x + width] for y in range(5) for x in range(5)]
-    return np.stack(shifted, axis=2)
 
 
 def levels(path: Path) -> np.ndarray:

@@ -11,6 +11,7 @@ from collections.abc import Iterable
 
 import numpy as np
 from measuring import ROOT, render, settings
+from numpy.lib.stride_tricks import sliding_window_view
 from PIL import Image
 from sheet import sheet
 from tables import Row, Rows, by, filled, number, read_rows, table, table_of, values, write_rows
@@ -278,11 +279,8 @@ def worst(a: Image.Image, b: Image.Image) -> tuple[int, int, int, int]:
     """The part in which two pictures differ most: left, top, right and bottom."""
     levels = (np.asarray(picture.convert("RGB"), dtype=int) for picture in (a, b))
     difference = abs(np.subtract(*levels)).sum(axis=2)
-    # Summed-area table of the differences above and to the left.
-    sums = np.pad(difference.cumsum(0).cumsum(1), ((1, 0), (1, 0)))
     width, height = PART
-    inside = sums[height:, width:] + sums[:-height, :-width]
-    inside = inside - sums[height:, :-width] - sums[:-height, width:]
+    inside = sliding_window_view(difference, (height, width)).sum(axis=(2, 3))
     top, left = np.unravel_index(inside.argmax(), inside.shape)
     return int(left), int(top), int(left) + width, int(top) + height
 

@@ -11,6 +11,7 @@ import numpy as np
 import tomllib
 from measuring import ROOT, render
 from PIL import Image
+from scipy.ndimage import maximum_filter, minimum_filter
 from tables import table
 
 from documents.document import DATA, Run
@@ -74,10 +75,8 @@ class Frame:
 
     def inside(self) -> Picture:
         """Pixels whose 3 x 3 pixels show one instance: no edge of a thing smoothed in them."""
-        padded = np.pad(self.instance, 1, mode="edge")
-        height, width = self.instance.shape
-        around = [padded[y : y + height, x : x + width] for y in range(3) for x in range(3)]
-        return np.logical_and.reduce([other == self.instance for other in around])
+        lowest, highest = (of(self.instance, 3) for of in (minimum_filter, maximum_filter))
+        return lowest == highest
 
 
 def moved(values: Picture, before: Frame, frame: Frame) -> tuple[Picture, Picture]:

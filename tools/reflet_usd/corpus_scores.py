@@ -120,14 +120,9 @@ def score_output(
     )
 
 
-def failed_score(like: Score | None) -> Score:
+def failed_score(root: Root, like: Score | None) -> Score:
     """Score of a stage that was not converted."""
-    none = (0, 0)
-    if like is None:
-        return Score(False, None, "-", none, 0, none, none, none, 0)
-    pairs = [(0, pair[1]) for pair in (like.materials, like.cameras, like.lights, like.animated)]
-    box = "-" if like.box == "-" else "none"
-    return Score(False, None, box, pairs[0], 0, pairs[1], pairs[2], pairs[3], 0)
+    return dataclasses.replace(score_output(root, {}, None, like), converted=False)
 
 
 def summary_rows(

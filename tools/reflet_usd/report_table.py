@@ -33,7 +33,7 @@ def _summary(rows: list[Row], peers: dict[str, dict[str, Score]], version: str) 
             facts = row.validation.get("facts", {})
             ours[row.root.file] = score_output(row.root, facts, row.validator_errors, example)
         else:
-            ours[row.root.file] = failed_score(example)
+            ours[row.root.file] = failed_score(row.root, example)
     columns = {f"{_OURS} {version}": ours, **peers}
     lines = ["| measure | " + " | ".join(columns) + " |", "|---" * (len(columns) + 1) + "|"]
     for title, cells in summary_rows([row.root for row in rows], columns):

@@ -21,6 +21,7 @@ _EXTENTS = ("extent", "extentsHint")
 _SHADING = ("info", "inputs", "outputs")
 _USER = "userProperties"
 _MAX_VALUES = 64
+_SHOWN = 8
 
 
 def keep_custom_properties(
@@ -96,11 +97,15 @@ def property_value(context: Context, item: Usd.Property) -> Any:
     return plain_value(item.Get(context.time))
 
 
+def quoted(names: list[str]) -> str:
+    """The first names in quotes, and the number of the others."""
+    shown = ", ".join(f"'{name}'" for name in names[:_SHOWN])
+    return shown + (f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else "")
+
+
 def listed(names: list[str]) -> str:
-    """The first names in quotes, the number of the others, and the verb."""
-    shown = ", ".join(f"'{name}'" for name in names[:8])
-    rest = f" and {len(names) - 8} more" if len(names) > 8 else ""
-    return f"{shown}{rest} {'is' if len(names) == 1 else 'are'}"
+    """The names as `quoted`, and the verb."""
+    return f"{quoted(names)} {'is' if len(names) == 1 else 'are'}"
 
 
 def plain_value(value: Any, limit: int = _MAX_VALUES) -> Any:

@@ -5,7 +5,7 @@ from typing import Any
 from pxr import Kind, Sdf, Usd, UsdGeom
 
 from .context import Context
-from .extras import plain_value
+from .extras import listed, plain_value, quoted
 from .scene import Node
 
 # Metadata fields that people and pipelines write; USD itself uses the others.
@@ -50,7 +50,6 @@ _KNOWN_SCHEMAS = frozenset(
 _MAX_DEPTH = 8
 _MAX_VALUES = 1024
 """Maximum number of numbers and strings in the extras of one prim."""
-_SHOWN = 8
 
 
 def keep_metadata(context: Context, prim: Usd.Prim, node: Node | None) -> None:
@@ -79,7 +78,7 @@ def warn_schemas(context: Context, prim: Usd.Prim) -> None:
     lost = [name for name in applied if name.partition(":")[0] not in _KNOWN_SCHEMAS]
     if lost:
         what = sorted({what_is_lost(name) for name in lost})
-        message = f"glTF has no place for the applied {_listed(lost)}; {' and '.join(what)}"
+        message = f"glTF has no place for the applied {quoted(lost)}; {' and '.join(what)}"
         context.ledger.warn("schema-ignored", prim, message)
     if prim.IsModel():
         _warn_draw_mode(context, prim)
@@ -140,11 +139,5 @@ def _plain_value(value: Any) -> Any:
 
 def _warn(context: Context, prim: object, dropped: list[str]) -> None:
     if dropped:
-        verb = "is" if len(dropped) == 1 else "are"
-        message = f"the metadata {_listed(dropped)} {verb} not carried"
+        message = f"the metadata {listed(dropped)} not carried"
         context.ledger.warn("metadata-dropped", prim, message)
-
-
-def _listed(names: list[str]) -> str:
-    shown = ", ".join(f"'{name}'" for name in names[:_SHOWN])
-    return shown + (f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else "")

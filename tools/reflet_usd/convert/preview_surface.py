@@ -289,18 +289,18 @@ class PreviewMaterial:
             "clearcoatRoughnessFactor": self._unit("clearcoatRoughness")[0],
         }
         if coat:
-            (value,), (red,) = factored(coat, 1)
-            extension["clearcoatFactor"] = value
-            extension["clearcoatTexture"] = self.packer.texture(
-                [red, None, None], False, self.slots
-            )
+            extension |= self._textured("clearcoat", coat, 0)
         if rough:
-            (value,), (green,) = factored(rough, 1)
-            extension["clearcoatRoughnessFactor"] = value
-            extension["clearcoatRoughnessTexture"] = self.packer.texture(
-                [None, green, None], False, self.slots
-            )
+            extension |= self._textured("clearcoatRoughness", rough, 1)
         self.extend(entry, {"KHR_materials_clearcoat": extension})
+
+    def _textured(self, key: str, read: TextureRead, place: int) -> dict[str, Any]:
+        """Factor and texture of one number, which the texture holds in the channel `place`."""
+        (factor,), (channel,) = factored(read, 1)
+        channels: list[Channel | None] = [None] * max(3, place + 1)
+        channels[place] = channel
+        info = self.packer.texture(channels, False, self.slots)
+        return {f"{key}Factor": factor, f"{key}Texture": info}
 
     def extend(self, entry: dict[str, Any], extensions: dict[str, Any]) -> None:
         """Add extensions to the material."""

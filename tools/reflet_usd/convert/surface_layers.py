@@ -3,7 +3,6 @@
 from typing import Any, ClassVar
 
 from .attributes import DisplayColor
-from .channel_packing import Channel
 from .preview_surface import PREVIEW_INPUTS, PreviewMaterial, Slots, factored
 from .sources import Source
 
@@ -25,7 +24,7 @@ _LAYER_INPUTS: dict[str, tuple[float, ...]] = {
     "iridescenceThickness": (100.0,),
     "coatNormal": (0.0, 0.0, 1.0),
 }
-_RED, _ALPHA = 0, 3
+_RED, _GREEN, _ALPHA = 0, 1, 3
 
 
 class LayeredMaterial(PreviewMaterial):
@@ -57,11 +56,7 @@ class LayeredMaterial(PreviewMaterial):
         read = self._texture(name)
         if read is None:
             return {f"{key}Factor": self._unit(name)[0]}
-        (factor,), (channel,) = factored(read, 1)
-        channels: list[Channel | None] = [None] * max(3, place + 1)
-        channels[place] = channel
-        info = self.packer.texture(channels, False, self.slots)
-        return {f"{key}Factor": factor, f"{key}Texture": info}
+        return self._textured(key, read, place)
 
     def _color(self, name: str, key: str) -> dict[str, Any]:
         """Factor and texture of a color."""
@@ -100,9 +95,7 @@ class LayeredMaterial(PreviewMaterial):
         if read is None:
             thickness = self._numbers("thickness")[0]
             return {"thicknessFactor": thickness} if thickness > 0.0 else None
-        (factor,), (channel,) = factored(read, 1)
-        info = self.packer.texture([None, channel, None], False, self.slots)
-        return {"thicknessFactor": factor, "thicknessTexture": info}
+        return self._textured("thickness", read, _GREEN)
 
     def _sheen(self) -> tuple[str, dict[str, Any]]:
         color = self._color("sheenColor", "sheenColor")

@@ -20,12 +20,12 @@ class _Place(NamedTuple):
     """Where a material keeps a channel; the factor is `default` where it is not stated."""
 
     part: str
-    """The part's name, perhaps that of an extension; empty for the material itself."""
+    """Name of the part or extension; empty for the material itself."""
     texture: str
     factor: str
     default: tuple[float, ...]
     texels: list[int]
-    """Which channels of the texture hold the value."""
+    """Channels of the texture that hold the value."""
     encoded: bool = False
     """Whether the texels are in sRGB."""
 

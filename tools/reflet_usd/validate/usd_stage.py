@@ -273,7 +273,7 @@ def _repair_time_rate(layer: Sdf.Layer) -> None:
 
 
 def _layers_of(stage: Usd.Stage) -> Iterator[Sdf.Layer]:
-    """The stage's layers, also those that changes of earlier ones bring."""
+    """Layers of the stage, also new layers that changes of the others bring."""
     done: set[str] = set()
     while layers := [layer for layer in stage.GetUsedLayers() if layer.identifier not in done]:
         done.update(layer.identifier for layer in layers)
