@@ -245,5 +245,33 @@ fn scene_text(material: &MaterialDesc) -> String {
 }
 
 #[cfg(test)]
-#[path = "material_panel_tests.rs"]
-mod tests;
+mod tests {
+    use super::*;
+    use reflet_scene::desc::CheckerDesc;
+
+    #[test]
+    fn a_material_as_scene_text_has_what_its_table_needs() {
+        assert_eq!(scene_text(&PLAIN), "");
+        let material = MaterialDesc {
+            base_color: Some(Vec3::new(0.5, 0.25, 1.0)),
+            metallic: Some(1.0),
+            uv_scale: Some([2.0, 3.0]),
+            checker: Some(CheckerDesc {
+                colors: [Vec3::ONE, Vec3::ZERO],
+                size_m: 0.5,
+                kind: Default::default(),
+            }),
+            ..PLAIN
+        };
+        let text = scene_text(&material);
+        let scene = format!("version = 1\n[material.a]\n{text}");
+        let read =
+            reflet_scene::stages::Scene::from_text(&scene, std::path::Path::new("a.toml"), &[]);
+        let (scene, _) = read.unwrap_or_else(|e| panic!("{text}: {e:?}"));
+        let read = &scene.materials[0].value;
+        for field in &MATERIAL {
+            let got = (field.get)(read).or((field.get)(&PLAIN));
+            assert_eq!(got, (field.get)(&material), "{}", field.key);
+        }
+    }
+}

@@ -17,6 +17,8 @@ mod panels;
 mod parameter_panel;
 mod place_panel;
 mod recording;
+#[cfg(test)]
+mod sessions;
 pub(super) mod shell;
 mod sidebar;
 mod status_bar;

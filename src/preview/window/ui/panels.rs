@@ -207,7 +207,3 @@ pub fn comparison(
             charts::flip_scale(ui);
         });
 }
-
-#[cfg(test)]
-#[path = "panels_tests.rs"]
-pub(super) mod tests;

@@ -238,7 +238,3 @@ fn row(ui: &mut Ui, label: RichText, own: &ParamValue, value: &mut ParamValue) {
         _ => {}
     }
 }
-
-#[cfg(test)]
-#[path = "parameter_panel_tests.rs"]
-mod tests;

@@ -73,7 +73,3 @@ fn buttons(ui: &mut Ui, timeline: &mut Timeline, now_s: f64) {
     ui.checkbox(&mut timeline.repeats, "loop")
         .on_hover_text("L: the first frame follows the last");
 }
-
-#[cfg(test)]
-#[path = "timeline_tests.rs"]
-mod tests;

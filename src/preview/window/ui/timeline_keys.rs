@@ -277,7 +277,3 @@ impl KeyHandle<'_> {
         ((to_s - at_s).abs() > 1e-6).then_some(to_s)
     }
 }
-
-#[cfg(test)]
-#[path = "timeline_keys_tests.rs"]
-mod tests;

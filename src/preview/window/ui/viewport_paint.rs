@@ -245,7 +245,7 @@ impl Window {
 }
 
 /// Caption of the selection.
-fn selection(ui: &mut Ui, label: &str, material: &str, is_seen: bool) {
+pub(super) fn selection(ui: &mut Ui, label: &str, material: &str, is_seen: bool) {
     ui.strong(label);
     ui.label(format!("material {material}"));
     if !is_seen {
@@ -255,7 +255,7 @@ fn selection(ui: &mut Ui, label: &str, material: &str, is_seen: bool) {
 }
 
 /// Caption of the error map: metric, scores and scale.
-fn error_map(ui: &mut Ui, method: Method, scores: &Scores) {
+pub(super) fn error_map(ui: &mut Ui, method: Method, scores: &Scores) {
     let method = method.name();
     ui.strong(format!("error map: FLIP of {method} against rt"));
     if scores.max_difference == 0.0 {
@@ -289,5 +289,53 @@ pub(super) fn empty_scene(ui: &Ui, rect: Rect, warnings: &[Diagnostic]) {
 }
 
 #[cfg(test)]
-#[path = "viewport_paint_tests.rs"]
-mod tests;
+mod tests {
+    use super::*;
+
+    fn area(width: f32, height: f32) -> Rect {
+        Rect::from_min_size(pos2(20.0, 10.0), vec2(width, height))
+    }
+
+    #[test]
+    fn a_picture_of_another_shape_keeps_it_in_the_middle() {
+        let wide = fit(area(400.0, 100.0), [200, 100]);
+        assert_eq!(
+            wide,
+            Rect::from_min_size(pos2(120.0, 10.0), vec2(200.0, 100.0))
+        );
+        let tall = fit(area(100.0, 400.0), [50, 100]);
+        assert_eq!(
+            tall,
+            Rect::from_min_size(pos2(20.0, 110.0), vec2(100.0, 200.0))
+        );
+        let small = fit(area(300.0, 300.0), [10, 10]);
+        assert_eq!(small, area(300.0, 300.0), "enlarged");
+    }
+
+    #[test]
+    fn what_was_drawn_for_the_area_fills_it() {
+        for [width, height] in [[640.4, 481.7], [1001.3, 6.6], [333.0, 333.0]] {
+            let all = area(width, height);
+            let size = [width, height].map(|side: f32| side.round() as u32);
+            assert_eq!(fit(all, size), all, "{size:?}");
+        }
+    }
+
+    #[test]
+    fn labels_of_a_wipe_stay_inside_and_apart() {
+        for width in [120.0, 390.0, 900.0] {
+            let all = area(width, 300.0);
+            for part in [0.0, 0.1, 0.5, 0.9, 1.0] {
+                let widths = [110.0, 130.0_f32.min(width - 16.0)];
+                let widths = widths.map(|x: f32| x.min(width - 16.0));
+                let places = name_places(all, all.left() + part * width, widths);
+                let [a, b] = [0, 1].map(|i| Rect::from_min_size(places[i], vec2(widths[i], 17.0)));
+                assert!(
+                    all.contains_rect(a) && all.contains_rect(b),
+                    "{width} {part}"
+                );
+                assert!(!a.intersects(b), "{width} {part}: {a} {b}");
+            }
+        }
+    }
+}
