@@ -4,7 +4,8 @@
 use std::collections::{HashSet, VecDeque};
 
 use eframe::egui::{
-    Event, Key, Modifiers, PointerButton, Pos2, Rect, Ui, accesskit::Role, pos2, vec2,
+    Event, Key, Modifiers, OutputCommand, PointerButton, Pos2, Rect, Ui, accesskit::Role, pos2,
+    vec2,
 };
 use egui_kittest::{
     Harness, Node,
@@ -13,8 +14,9 @@ use egui_kittest::{
 use glam::Vec3;
 
 use super::{
-    charts, frame_panels, keys::presses, material_panel, panels, panels::ViewRequest,
-    parameter_panel, parameter_panel::Parameters, status_bar, status_bar::Activity,
+    charts, diagnostics_panel, diagnostics_panel::FoldState, frame_panels, keys::presses,
+    material_panel, panels, panels::ViewRequest, parameter_panel, parameter_panel::Parameters,
+    place_panel, place_panel::OutlineScroll, status_bar, status_bar::Activity,
     status_message::StatusMessage, timeline, timeline_keys, timeline_keys::Keys, viewport_paint,
 };
 use crate::{
@@ -22,11 +24,13 @@ use crate::{
     viewer::{
         keys,
         protocol::{Picked, Task},
-        scene_summary::{MaterialRow, SceneSummary},
+        scene_summary::{MaterialRow, OutlineRow, SceneSummary},
+        selection::Selection,
         timeline::{Timeline, follow},
+        view_channel::ShadowLight,
         view_settings::ViewSettings,
     },
-    write_back::{KeyTrack, TrackName, numbers_of},
+    write_back::{Inspected, KeyTrack, Numbers, SceneItem, TrackName, numbers_of},
 };
 use reflet_base::math::Bounds;
 use reflet_metric::{
@@ -51,6 +55,9 @@ struct Stage {
     settings: ViewSettings,
     summary: SceneSummary,
     picked: Option<Picked>,
+    selection: Selection,
+    problems: Problems,
+    fold: FoldState,
     timeline: Option<Timeline>,
     hidden_timeline: Option<Timeline>,
     /// Seconds until the next frame, by the last tick of the clock.
@@ -111,6 +118,22 @@ fn summary() -> SceneSummary {
     }
 }
 
+/// The selected ball, with its place unless that cannot be changed.
+fn ball(refused: Option<&str>) -> Selection {
+    let place = Numbers {
+        key: "translation",
+        values: vec![1.0, 2.0, 3.0],
+    };
+    let numbers = refused.map_or(vec![place], |_| Vec::new());
+    let mut selection = Selection::default();
+    selection.show(Some(Inspected {
+        label: "instance ball".to_owned(),
+        refused: refused.map(str::to_owned),
+        ..Inspected::example(SceneItem::Instance(4), numbers)
+    }));
+    selection
+}
+
 /// Scores of two gray pictures that differ by this much everywhere.
 fn scores(difference: u8) -> Scores {
     let gray = |value: u8| Picture::from_rgb8(16, 16, &[value; 768]).expect("a picture");
@@ -166,6 +189,9 @@ impl Stage {
             settings: ViewSettings::new(Method::Hybrid),
             summary: summary(),
             picked: None,
+            selection: ball(None),
+            problems: Problems::default(),
+            fold: FoldState::default(),
             timeline: Some(Timeline::new(&desc("24 2 11"))),
             hidden_timeline: None,
             wait_s: None,
@@ -261,6 +287,24 @@ impl Stage {
                 let written = parameters.take_finished(ui);
                 requests.extend(written.map(|o| Task::WriteParameters(o).into()));
             }
+            "problems" => {
+                let picture = ui.ctx().content_rect();
+                diagnostics_panel::overlay(ui, picture, &self.problems, &mut self.fold);
+            }
+            "place" => {
+                for press in keys::presses() {
+                    let pressed = (0..presses(ui, press)).map(|_| ViewRequest::Press(press.action));
+                    requests.extend(pressed);
+                }
+                let rows = [OutlineRow {
+                    item: SceneItem::Light(2),
+                    label: "light lamp".to_owned(),
+                    depth: 1,
+                }];
+                place_panel::panel(ui, &mut self.selection, requests);
+                let (item, mut scroll) = (self.selection.item(), OutlineScroll::default());
+                place_panel::outline(ui, &rows, item, &mut scroll, requests);
+            }
             "none" => {}
             _ => panic!("no panel {panel}"),
         }
@@ -287,6 +331,28 @@ impl Stage {
             "shown_method" => self.settings.shown_method = Some(method(value)),
             "left" => self.settings.a.method = method(value),
             "right" => self.settings.b.method = method(value),
+            "fixed" => self.selection = ball(Some(value)),
+            // A light with as many shadow maps.
+            "light" => {
+                let (name, maps) = value.split_once(' ').expect(value);
+                let light = self.summary.shadow_lights.len();
+                self.summary.shadow_lights.push(ShadowLight {
+                    light,
+                    name: name.to_owned(),
+                    faces: maps.parse().expect(maps),
+                });
+            }
+            // Unknown keys of a camera, from a line on.
+            "mistakes" => {
+                let (line, keys) = value.split_once(' ').unwrap_or((value, ""));
+                let lines = "\n".repeat(line.parse::<usize>().expect(line) - 3);
+                let keys = keys.replace(' ', " = 1\n");
+                let text = format!("{lines}version = 1\n[camera.main]\n{keys} = 1\n");
+                self.problems.scene = match keys.is_empty() {
+                    true => Vec::new(),
+                    false => Scene::from_text(&text, "my.toml".as_ref(), &[]).expect_err(value),
+                };
+            }
             "difference" => self.scores = scores(number() as u8),
             "picked" => {
                 self.settings.material = Some(1);
@@ -355,6 +421,8 @@ impl Stage {
         match name {
             "left" => settings.a.method.name().to_owned(),
             "right" => settings.b.method.name().to_owned(),
+            "channel" => format!("{:?}", settings.a.channel),
+            "moved" => format!("{:?}", self.selection.moved([1.0, 0.0, 0.0])),
             "wipe" => settings.wipe.to_string(),
             "error_map" => settings.error_map.to_string(),
             "material" => format!("{:?}", settings.material),
@@ -448,7 +516,7 @@ impl Session {
         all.collect()
     }
 
-    /// The first node, or the one of an index in front, which counts from the end where it is negative.
+    /// The first node, or the node at an index written in front of it, which counts from the end where it is negative.
     fn node<'a>(&'a self, node: &'a str) -> Node<'a> {
         let (index, node) = match node.strip_prefix('#').and_then(|n| n.split_once(' ')) {
             Some((index, node)) => (index.parse::<isize>().expect(index), node),
@@ -518,7 +586,28 @@ impl Session {
                 let [a, b] = [first, second].map(|node| self.node(node).rect());
                 assert!(b.left() > a.right() && b.y_range().contains(a.center().y));
             }
-            "above" => assert!(self.node(first).rect().top() < second.parse().expect(second)),
+            "at" => {
+                let [side, relation, number] = second.split(' ').collect::<Vec<_>>()[..] else {
+                    panic!("not side, relation and number")
+                };
+                let rect = self.node(first).rect();
+                let found = match side {
+                    "left" => rect.left(),
+                    _ => rect.top(),
+                };
+                let is_less = found < number.parse().expect(number);
+                assert_eq!(is_less, relation == "<", "{found}");
+            }
+            "under" => {
+                let [lower, upper] = [first, second].map(|node| self.node(node).rect().top());
+                assert!(lower > upper + 10.0);
+            }
+            "copies" => {
+                self.node(first).click();
+                self.harness.step();
+                let commands = &self.harness.output().platform_output.commands;
+                assert!(commands.contains(&OutputCommand::CopyText(second.to_owned())));
+            }
             "mark" => self.marked = Some(self.node(rest).rect()),
             "stays" => assert_eq!(Some(self.node(rest).rect()), self.marked),
             "is" => {
@@ -553,7 +642,15 @@ impl Session {
             // All in one frame.
             "keys" => {
                 for key in rest.split(' ') {
-                    self.harness.key_press(Key::from_name(key).expect(key));
+                    let mut words = key.split('+').rev();
+                    let key = words.next().and_then(Key::from_name).expect(key);
+                    let modifiers = words.map(|word| match word {
+                        "Alt" => Modifiers::ALT,
+                        "Shift" => Modifiers::SHIFT,
+                        _ => Modifiers::COMMAND,
+                    });
+                    let modifiers = modifiers.fold(Modifiers::NONE, |all, one| all | one);
+                    self.harness.key_press_modifiers(modifiers, key);
                 }
                 self.harness.run();
             }
@@ -610,7 +707,9 @@ macro_rules! sessions {
 sessions! {
     keys_of_tracks,
     materials,
+    mistakes,
     parameters,
+    places,
     status_and_scores,
     time,
     toolbar,
