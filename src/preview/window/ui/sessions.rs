@@ -11,10 +11,10 @@ use egui_kittest::{
     Harness, Node,
     kittest::{By, NodeT as _, Queryable as _},
 };
-use glam::Vec3;
+use glam::{Affine3A, Vec3};
 
 use super::{
-    charts, diagnostics_panel, diagnostics_panel::FoldState, frame_panels, keys::presses,
+    charts, diagnostics_panel, diagnostics_panel::FoldState, frame_panels, gizmo, keys::presses,
     material_panel, panels, panels::ViewRequest, parameter_panel, parameter_panel::Parameters,
     place_panel, place_panel::OutlineScroll, status_bar, status_bar::Activity,
     status_message::StatusMessage, timeline, timeline_keys, timeline_keys::Keys, viewport_paint,
@@ -56,6 +56,7 @@ struct Stage {
     summary: SceneSummary,
     picked: Option<Picked>,
     selection: Selection,
+    camera: CameraDesc,
     problems: Problems,
     fold: FoldState,
     timeline: Option<Timeline>,
@@ -134,6 +135,20 @@ fn ball(refused: Option<&str>) -> Selection {
     selection
 }
 
+/// The selected lamp, at the origin of a parent that is scaled by 2.
+fn lamp() -> Selection {
+    let place = Numbers {
+        key: "position",
+        values: vec![0.0; 3],
+    };
+    let mut selection = Selection::default();
+    selection.show(Some(Inspected {
+        world_from_parent: Affine3A::from_scale(Vec3::splat(2.0)),
+        ..Inspected::example(SceneItem::Light(1), vec![place])
+    }));
+    selection
+}
+
 /// Scores of two gray pictures that differ by this much everywhere.
 fn scores(difference: u8) -> Scores {
     let gray = |value: u8| Picture::from_rgb8(16, 16, &[value; 768]).expect("a picture");
@@ -190,6 +205,12 @@ impl Stage {
             summary: summary(),
             picked: None,
             selection: ball(None),
+            camera: CameraDesc {
+                eye: Vec3::new(0.0, 0.0, 5.0),
+                target: Vec3::ZERO,
+                fov_deg: 90.0,
+                ..CameraDesc::default()
+            },
             problems: Problems::default(),
             fold: FoldState::default(),
             timeline: Some(Timeline::new(&desc("24 2 11"))),
@@ -291,6 +312,11 @@ impl Stage {
                 let picture = ui.ctx().content_rect();
                 diagnostics_panel::overlay(ui, picture, &self.problems, &mut self.fold);
             }
+            "handles" => {
+                let (place, camera) = (ui.ctx().content_rect(), &self.camera);
+                let tasks = gizmo::handles(ui, place, camera, &mut self.selection);
+                requests.extend(tasks.into_iter().map(ViewRequest::from));
+            }
             "place" => {
                 for press in keys::presses() {
                     let pressed = (0..presses(ui, press)).map(|_| ViewRequest::Press(press.action));
@@ -331,6 +357,8 @@ impl Stage {
             "shown_method" => self.settings.shown_method = Some(method(value)),
             "left" => self.settings.a.method = method(value),
             "right" => self.settings.b.method = method(value),
+            "lamp" => self.selection = lamp(),
+            "eye" => self.camera.eye = Vec3::from_slice(&numbers(value)),
             "fixed" => self.selection = ball(Some(value)),
             // A light with as many shadow maps.
             "light" => {
@@ -451,6 +479,12 @@ fn as_text(request: &ViewRequest) -> String {
         }
         ViewRequest::Task(Task::WriteMaterial(material, n)) => {
             format!("write {material} {}={:?}", n.key, n.values)
+        }
+        ViewRequest::Task(Task::Drag(item, n)) => {
+            format!("drag {item:?} {}={:.2?}", n.key, n.values)
+        }
+        ViewRequest::Task(Task::Write(item, n)) => {
+            format!("write {item:?} {}={:.2?}", n.key, n.values)
         }
         ViewRequest::Task(Task::SetParameters(o)) => format!("set {}", o.settings().join(" ")),
         ViewRequest::Task(Task::WriteParameters(o)) => format!("write {}", o.settings().join(" ")),
@@ -661,10 +695,18 @@ impl Session {
                 self.moved(at);
                 self.press(true);
             }
-            "drag" => self.moved(pos2(
-                self.at.x + rest.parse::<f32>().expect(rest),
-                self.at.y,
-            )),
+            // The end of a handle, by its axis.
+            "hold" => {
+                let (stage, size) = (self.harness.state(), glam::Vec2::from(self.size));
+                let handles = stage.selection.handles(&stage.camera, size);
+                let end = handles.expect("they are seen").ends[rest.parse::<usize>().expect(rest)];
+                self.moved(pos2(end.x, end.y));
+                self.press(true);
+            }
+            "drag" => {
+                let by = numbers::<f32>(rest);
+                self.moved(self.at + vec2(by[0], by.get(1).copied().unwrap_or(0.0)));
+            }
             "release" => {
                 self.press(false);
                 self.harness.run();
@@ -705,6 +747,7 @@ macro_rules! sessions {
 }
 
 sessions! {
+    handles,
     keys_of_tracks,
     materials,
     mistakes,
