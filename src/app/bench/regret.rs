@@ -1,6 +1,6 @@
 //! `bench regret`: time of the choice of `auto` against the fastest alternative.
 
-use std::{fmt::Write as _, path::Path};
+use std::fmt::Write as _;
 
 use super::{args::RegretArgs, progress::Progress};
 use crate::{
@@ -15,7 +15,7 @@ use crate::{
     render::{RenderOptions, decide::Decision},
     runtime::{ViewOverrides, renderer_stage::RendererStage, scene_text::LoadedScene},
     scene::desc::{LightKind, Marched, Method, ShadowMode, Visibility},
-    world::World,
+    world::{Light, World},
 };
 
 use serde::Serialize;
@@ -30,19 +30,14 @@ struct Alternative {
     /// Surfaces that method `hybrid` marches.
     marched: Marched,
     visibility: Visibility,
-    /// Shadow mode of lights with `shadow = "auto"`, by their kind.
-    shadows: [ShadowMode; LightKind::NAMES.len()],
+    /// Kinds of lights with `shadow = "auto"` whose shadows are found by rays, a bit each.
+    rays: usize,
 }
 
 impl Alternative {
     /// Alternative that was chosen for these options, where only some surfaces are marched or all of them.
     fn for_options(world: &World, options: &RenderOptions, marches_some: bool) -> Self {
-        let is_map = |kind: usize| {
-            let mut lights = options
-                .undecided_lights(world)
-                .map(|(_, light)| &light.desc);
-            lights.any(|l| l.shadow == ShadowMode::Auto && l.kind.index() == kind)
-        };
+        let maps = auto_kinds(options.undecided_lights(world).map(|(_, light)| light));
         Self {
             method: options.reflection.method,
             marched: match marches_some {
@@ -50,44 +45,30 @@ impl Alternative {
                 false => Marched::All,
             },
             visibility: options.image.visibility,
-            shadows: std::array::from_fn(|kind| match is_auto(world, kind) && !is_map(kind) {
-                true => ShadowMode::Ray,
-                false => ShadowMode::Map,
-            }),
+            rays: auto_kinds(&world.lights) & !maps,
         }
     }
 
     /// All alternatives of a world: kinds of lights without `auto` have one shadow mode. Where the cost model would
     /// march some surfaces only, that is one more.
     fn all(world: &World, marches_some: bool) -> Vec<Self> {
-        let kinds = 0..LightKind::NAMES.len();
-        let is_auto: Vec<bool> = kinds.clone().map(|kind| is_auto(world, kind)).collect();
-        let shadows = (0..1 << kinds.len()).filter_map(|bits: usize| {
-            let is_ray = |kind: usize| bits >> kind & 1 == 1;
-            let is_choice = (0..is_auto.len()).all(|kind| is_auto[kind] || !is_ray(kind));
-            is_choice.then(|| {
-                std::array::from_fn(|kind| match is_ray(kind) {
-                    true => ShadowMode::Ray,
-                    false => ShadowMode::Map,
-                })
-            })
-        });
+        let kinds = auto_kinds(&world.lights);
+        let ways = [
+            (Method::Hybrid, Marched::All),
+            (Method::Rt, Marched::All),
+            (Method::Hybrid, Marched::Cheaper),
+        ];
         let mut all = Vec::new();
-        for shadows in shadows {
-            let ways = [
-                (Method::Hybrid, Marched::All),
-                (Method::Rt, Marched::All),
-                (Method::Hybrid, Marched::Cheaper),
-            ];
-            for (method, marched) in &ways[..2 + usize::from(marches_some)] {
-                for visibility in [Visibility::Raster, Visibility::Rays] {
-                    all.push(Self {
-                        method: *method,
-                        marched: *marched,
+        for rays in (0..=kinds).filter(|rays| rays & !kinds == 0) {
+            for (method, marched) in ways.into_iter().take(2 + usize::from(marches_some)) {
+                all.extend(
+                    [Visibility::Raster, Visibility::Rays].map(|visibility| Self {
+                        method,
+                        marched,
                         visibility,
-                        shadows,
-                    });
-                }
+                        rays,
+                    }),
+                );
             }
         }
         all
@@ -98,7 +79,10 @@ impl Alternative {
         let (mut world, mut options) = (world.clone(), *options);
         for light in &mut world.lights {
             if light.desc.shadow == ShadowMode::Auto {
-                light.desc.shadow = self.shadows[light.desc.kind.index()];
+                light.desc.shadow = match self.has_rays(light.desc.kind.index()) {
+                    true => ShadowMode::Ray,
+                    false => ShadowMode::Map,
+                };
             }
         }
         options.reflection.method = self.method;
@@ -117,19 +101,23 @@ impl Alternative {
             _ => "",
         };
         let mut name = format!("{}{some}, {visibility}", self.method.name());
-        for (kind, mode) in LightKind::NAMES.iter().zip(self.shadows) {
-            if mode == ShadowMode::Ray {
-                let _ = write!(name, ", {kind} shadows by rays"); // writing to a string cannot fail
+        for (kind, word) in LightKind::NAMES.iter().enumerate() {
+            if self.has_rays(kind) {
+                let _ = write!(name, ", {word} shadows by rays"); // writing to a string cannot fail
             }
         }
         name
     }
+
+    fn has_rays(self, kind: usize) -> bool {
+        self.rays >> kind & 1 == 1
+    }
 }
 
-/// Whether a light of this kind has `shadow = "auto"`.
-fn is_auto(world: &World, kind: usize) -> bool {
-    let mut lights = world.lights.iter().map(|light| &light.desc);
-    lights.any(|l| l.shadow == ShadowMode::Auto && l.kind.index() == kind)
+/// Kinds of the lights with `shadow = "auto"`, a bit each.
+fn auto_kinds<'a>(lights: impl IntoIterator<Item = &'a Light>) -> usize {
+    let auto = (lights.into_iter()).filter(|light| light.desc.shadow == ShadowMode::Auto);
+    auto.fold(0, |kinds, light| kinds | 1 << light.desc.kind.index())
 }
 
 /// Result of a scene at a size.
@@ -151,18 +139,13 @@ struct Row {
 /// A scene that does not load, no usable GPU, errors of the renderer.
 pub fn regret(args: &RegretArgs) -> Result<(), AppError> {
     let gpu = open_gpu(args.adapter.as_deref(), false)?;
-    let scenes: Vec<Option<&Path>> = if args.scenes.is_empty() {
-        vec![None]
-    } else {
-        args.scenes
-            .iter()
-            .map(|path| Some(path.as_path()))
-            .collect()
-    };
-    let sizes = if args.sizes.is_empty() {
-        &SIZES[..]
-    } else {
-        &args.sizes
+    let mut scenes: Vec<_> = args.scenes.iter().map(|path| Some(&**path)).collect();
+    if scenes.is_empty() {
+        scenes.push(None);
+    }
+    let sizes = match &args.sizes[..] {
+        [] => &SIZES[..],
+        sizes => sizes,
     };
     let mut rows = Vec::new();
     let mut progress = Progress::new();
@@ -218,12 +201,9 @@ fn measure(
     }
     // The first round is untimed; then alternatives alternate, forwards and backwards.
     for round in 0..=frames {
-        let order: Vec<usize> = if round % 2 == 0 {
-            (0..timed.len()).collect()
-        } else {
-            (0..timed.len()).rev().collect()
-        };
-        for index in order {
+        let last = timed.len() - 1;
+        for place in 0..=last {
+            let index = if round % 2 == 0 { place } else { last - place };
             let (_, world, renderer, times) = &mut timed[index];
             renderer.redraw_shadows();
             let camera = world.cameras[camera].value.clone();

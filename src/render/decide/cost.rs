@@ -16,8 +16,8 @@ pub struct Workload {
     pub samples: f64,
     /// Number of triangles that the camera draws.
     pub triangles_in_view: f64,
-    /// Shadow maps that undecided lights would have.
-    pub maps: Vec<MapWork>,
+    /// Number of instances of the scene.
+    pub instances: usize,
     /// Counts of the view.
     pub view: ViewSample,
 }
@@ -104,35 +104,30 @@ impl Workload {
         Pair([("ray", MS * by_rays), ("map", MS * by_maps)])
     }
 
-    /// Expected costs of the mirror rays of pixels by the methods `hybrid` and `rt`, where `hybrid` traces the instances
-    /// of which `is_traced` is true at once. Rays onward from their hits and towards lights are left out: they are the
-    /// same for both methods.
-    pub fn reflections(&self, unit: &UnitCosts, is_traced: impl Fn(usize) -> bool) -> Pair {
-        let (mut hybrid, mut rt) = (0.0, 0.0);
-        for (instance, rays) in &self.view.mirror {
-            rt += rays.traced(unit);
-            hybrid += match is_traced(*instance) {
-                true => rays.traced(unit),
-                false => rays.marched(unit),
-            };
-        }
-        let fixed = self.samples * (self.pixels * unit.pyramid_pixel + 4.0 * unit.pass);
-        let (hybrid, rt) = (self.weight() * hybrid + fixed, self.weight() * rt);
-        Pair([("hybrid", MS * hybrid), ("rt", MS * rt)])
-    }
-
-    /// Whether the mirror rays of each of `instances` take less time to trace than to march. Instances of which few
-    /// rays were sampled are taken together; without any they count as all instances.
-    pub fn cheaper_traced(&self, unit: &UnitCosts, instances: usize) -> Vec<bool> {
-        let is_traced = |rays: &MirrorRays| rays.traced(unit) <= rays.marched(unit);
-        let few = self.view.mirror.values().filter(|m| m.rays < LEAST_RAYS);
+    /// Whether `hybrid` traces the rays of an instance at once, by index, and the expected costs of the mirror rays of
+    /// pixels by `hybrid` and `rt`; `is_split`: it marches only surfaces for which that is cheaper. Instances of which few
+    /// rays were sampled are taken together; without any they count as all instances. Rays onward from the hits and
+    /// towards lights are left out: they are the same for both methods.
+    pub fn reflections(&self, unit: &UnitCosts, is_split: bool) -> (Vec<bool>, Pair) {
+        let mirror = &self.view.mirror;
+        let is_traced = |rays: &MirrorRays| is_split && rays.traced(unit) <= rays.marched(unit);
+        let few = mirror.values().filter(|m| m.rays < LEAST_RAYS);
         let few = few.copied().reduce(MirrorRays::plus);
         let others = is_traced(&few.unwrap_or_else(|| self.view.all_mirror()));
-        let of = |instance: usize| match self.view.mirror.get(&instance) {
-            Some(rays) if rays.rays >= LEAST_RAYS => is_traced(rays),
-            _ => others,
+        let of = |instance: usize| {
+            let own = mirror.get(&instance).filter(|m| m.rays >= LEAST_RAYS);
+            own.map_or(others, is_traced)
         };
-        (0..instances).map(of).collect()
+        let traced: Vec<bool> = (0..self.instances).map(of).collect();
+        let of_hybrid = |(instance, rays): (&usize, &MirrorRays)| match traced[*instance] {
+            true => rays.traced(unit),
+            false => rays.marched(unit),
+        };
+        let hybrid: f64 = mirror.iter().map(of_hybrid).sum();
+        let rt: f64 = mirror.values().map(|rays| rays.traced(unit)).sum();
+        let fixed = self.samples * (self.pixels * unit.pyramid_pixel + 4.0 * unit.pass);
+        let (hybrid, rt) = (self.weight() * hybrid + fixed, self.weight() * rt);
+        (traced, Pair([("hybrid", MS * hybrid), ("rt", MS * rt)]))
     }
 }
 

@@ -12,18 +12,16 @@ pub mod view_estimate;
 pub mod view_rays;
 pub mod view_sample;
 
-use std::collections::BTreeSet;
+use std::{cell::OnceCell, cmp::Reverse, collections::BTreeSet};
 
 use serde::Serialize;
 
-use reflet_scene::desc::{
-    CameraDesc, Exposure, LightKind, Method, Samples, ShadowMode, Visibility,
-};
+use reflet_scene::desc::{Exposure, LightKind, Method, Samples, ShadowMode, Visibility};
 use reflet_world::{Light, World, bvh::Trees};
 
 use super::{
     decide::{
-        cost::{Pair, Workload},
+        cost::Workload,
         cull::is_outside,
         edge_on::has_edge_on_surfaces,
         filtered_lights::filtered_lights,
@@ -124,17 +122,18 @@ fn triangles_in_view(world: &World, options: &RenderOptions) -> f64 {
 /// Decides the options left to `auto` for a posed world, as its camera [`RenderOptions::camera`] shows it. `trees` come
 /// from [`needs_trees`]; `software` tells the kind of the adapter. A draft gets the options of the whole picture.
 pub fn decide(world: &World, trees: &Trees, options: &RenderOptions, software: bool) -> Decided {
-    let options = &with_filtered(world, options);
+    let options = with_filtered(world, options);
     let mut decider = Decider {
-        workload: None,
-        reference: None,
+        workload: OnceCell::new(),
+        reference: OnceCell::new(),
+        maps: MapWork::of_world(world, &options),
         world,
         trees,
-        asked: *options,
-        unit: unit_costs(options, software),
-        other: (options.costs.is_none() && !software).then_some(UnitCosts::CARD),
+        asked: options,
+        unit: unit_costs(&options, software),
+        is_default_gpu: options.costs.is_none() && !software,
         decided: Decided {
-            options: *options,
+            options,
             decisions: Vec::new(),
             traced: Vec::new(),
         },
@@ -152,31 +151,33 @@ pub fn decide(world: &World, trees: &Trees, options: &RenderOptions, software: b
 }
 
 struct Decider<'a> {
-    /// Counts of the view, made on first use.
-    workload: Option<Workload>,
-    /// Counts of the reference picture, made on first use.
-    reference: Option<Workload>,
+    /// Counts of the view.
+    workload: OnceCell<Workload>,
+    /// Counts of the reference picture, by which the budget of shadow maps decides for all sizes and samples.
+    reference: OnceCell<Workload>,
+    /// Shadow maps that undecided lights would have.
+    maps: Vec<MapWork>,
     world: &'a World,
     trees: &'a Trees,
     asked: RenderOptions,
     unit: UnitCosts,
-    /// Costs of another class of the same kind of adapter, which are shown where they would choose otherwise.
-    other: Option<UnitCosts>,
+    /// Whether the default costs of GPUs decide, beside which a graphics card's are told where they choose otherwise.
+    is_default_gpu: bool,
     decided: Decided,
 }
 
 impl Decider<'_> {
-    fn workload(&mut self) -> &Workload {
-        let (world, trees, options) = (self.world, self.trees, &self.asked);
-        (self.workload).get_or_insert_with(|| workload(world, trees, options))
+    fn workload(&self) -> &Workload {
+        let counted = || workload(self.world, self.trees, &self.asked);
+        self.workload.get_or_init(counted)
     }
 
-    /// Counts by which the budget of shadow maps decides, the same for all sizes and samples.
-    fn reference(&mut self) -> &Workload {
-        let (world, trees, mut options) = (self.world, self.trees, self.asked);
+    fn reference(&self) -> &Workload {
+        let mut options = self.asked;
         options.image.size = REFERENCE_PX;
         options.image.samples = Samples::Count(1);
-        (self.reference).get_or_insert_with(|| workload(world, trees, &options))
+        let counted = || workload(self.world, self.trees, &options);
+        self.reference.get_or_init(counted)
     }
 
     /// Notes a choice; further reasons of the same choice join its first.
@@ -194,106 +195,81 @@ impl Decider<'_> {
     }
 
     fn method(&mut self) {
-        let is_split = self.asked.reflection.marches_cheaper_only();
-        if self.asked.reflection.method != Method::Auto && !is_split {
+        let settings = &self.asked.reflection;
+        let is_split = settings.marches_cheaper_only();
+        if settings.method != Method::Auto && !is_split {
             return;
         }
-        if !reflects(self.world, self.asked.reflection.reflects_below()) {
-            self.decided.options.reflection.method = Method::Rt;
+        self.decided.options.reflection.method = Method::Rt;
+        if !reflects(self.world, settings.reflects_below()) {
             return;
         }
         let view = view_of(self.world, &self.asked);
-        if self.asked.reflection.verifies() && has_edge_on_surfaces(self.world, &view) {
-            self.decided.options.reflection.method = Method::Rt;
+        if settings.verifies() && has_edge_on_surfaces(self.world, &view) {
             let why =
                 "the camera sees surfaces edge-on, which no pixel shows, so no ray is marched";
             return self.choose("reflection.method", Method::Rt.name(), why.to_owned());
         }
-        let (unit, other, instances) = (self.unit, self.other, self.world.instances.len());
         let workload = self.workload();
-        let (traced, pair) = reflections(workload, &unit, instances, is_split);
-        let view = &workload.view;
+        let (traced, pair) = workload.reflections(&self.unit, is_split);
+        let (view, sampled) = (&workload.view, workload.view.all_mirror());
         let percent = |part: u32, of: u32| 100.0 * f64::from(part) / f64::from(of.max(1));
-        let sampled = view.all_mirror();
-        let marched = view
-            .mirror
-            .iter()
-            .filter(|(instance, _)| !traced[**instance]);
-        let marched_surfaces = marched.clone().count();
-        let marched_rays = marched.map(|(_, rays)| rays.rays).sum();
         let mut why = format!(
             "{pair}; {:.0} % of the pixels reflect, of which the picture shows {:.0} %",
             percent(sampled.rays, view.rays),
             percent(sampled.shown, sampled.rays),
         );
-        let others = other.map(|other| reflections(workload, &other, instances, is_split).1);
-        if let Some(others) = others.filter(|others| others.cheaper() != pair.cheaper()) {
-            let text = format!(
+        let card = workload.reflections(&UnitCosts::CARD, is_split).1;
+        if self.is_default_gpu && card.cheaper() != pair.cheaper() {
+            why += &format!(
                 "; a data-center chip's costs decide; by a graphics card's of 2013, hybrid takes {:.2} of the time of rt",
-                others.ratio()
+                card.ratio()
             );
-            why.push_str(&text);
         }
-        let part = format!("{marched_surfaces} of {} surfaces", view.mirror.len());
+        let marched = view.mirror.iter().filter(|(i, _)| !traced[**i]);
+        let part = format!(
+            "{} of {} surfaces",
+            marched.clone().count(),
+            view.mirror.len()
+        );
+        let marched_rays = marched.map(|(_, rays)| rays.rays).sum();
         let share = format!(
             "they have {:.0} % of the reflective pixels; rays of the others take less time to trace",
             percent(marched_rays, sampled.rays)
         );
-        let chosen = match pair.cheaper() {
-            "hybrid" => Method::Hybrid,
-            _ => Method::Rt,
-        };
-        self.decided.options.reflection.method = chosen;
-        self.choose("reflection.method", chosen.name(), why);
-        if chosen == Method::Hybrid && marched_rays < sampled.rays {
-            self.choose("reflection.marched", &part, share);
-        }
-        if chosen == Method::Hybrid {
+        let marches_some = marched_rays < sampled.rays;
+        self.choose("reflection.method", pair.cheaper(), why);
+        if pair.cheaper() == Method::Hybrid.name() {
+            self.decided.options.reflection.method = Method::Hybrid;
             self.decided.traced = traced;
+            if marches_some {
+                self.choose("reflection.marched", &part, share);
+            }
         }
     }
 
     fn shadows(&mut self) {
         let lights = self.world.lights.iter().enumerate();
         let mapped = lights.filter(|(_, l)| is_mapped(l));
-        let filtered = mapped
-            .clone()
-            .filter(|(i, _)| self.asked.rays_for_maps >> i & 1 != 0);
-        if filtered.clone().next().is_some() {
+        let is_filtered = |(i, _): &(usize, &Light)| self.asked.rays_for_maps >> i & 1 != 0;
+        let filtered = mapped.clone().filter(is_filtered).count();
+        if filtered > 0 {
             let why = format!(
-                "light of {} of {} lights passes a surface, which one depth of a map cannot tell",
-                filtered.count(),
+                "light of {filtered} of {} lights passes a surface, which one depth of a map cannot tell",
                 mapped.count()
             );
             self.choose("shadow maps", "ray", why);
         }
-        for kind in self
-            .auto_lights()
-            .map(|l| l.desc.kind.index())
-            .collect::<BTreeSet<_>>()
-        {
+        let auto = self.maps.iter().filter(|map| self.is_auto(map));
+        for kind in auto.map(|map| map.kind).collect::<BTreeSet<_>>() {
+            let (chosen, why) = self.shadow(kind);
+            if chosen == "ray" {
+                let maps = self.maps.iter();
+                let of_kind = maps.filter(|map| map.kind == kind && self.is_auto(map));
+                self.decided.options.rays_for_maps |= bits(of_kind);
+            }
             let what = format!("shadow of {} lights", LightKind::NAMES[kind]);
-            if let Some(span) = self.coarsest_px(kind).filter(|span| *span > COARSE_PX) {
-                self.take_rays(kind);
-                let why = format!("a texel of a map would span {span:.0} pixels");
-                self.choose(&what, "ray", why);
-                continue;
-            }
-            if !traces_rays(self.world, &self.decided.options) && !self.are_slow() {
-                self.choose(&what, "map", NO_RAYS.to_owned());
-                continue;
-            }
-            let (unit, world) = (self.unit, self.world);
-            let is_auto = |map: &&MapWork| {
-                map.kind == kind && world.lights[map.light].desc.shadow == ShadowMode::Auto
-            };
-            let workload = self.workload();
-            let pair = workload.shadow(&unit, workload.maps.iter().filter(is_auto));
-            let name = pair.cheaper();
-            if name == "ray" {
-                self.take_rays(kind);
-            }
-            self.choose(&what, name, pair.to_string());
+            self.choose(&what, chosen, why);
         }
         if self.trees.is_built() {
             self.dear_maps();
@@ -301,27 +277,45 @@ impl Decider<'_> {
         }
     }
 
-    /// Has the `auto` lights of a kind take rays.
-    fn take_rays(&mut self, kind: usize) {
-        let lights = self.asked.undecided_lights(self.world);
-        let is_of = |l: &Light| l.desc.shadow == ShadowMode::Auto && l.desc.kind.index() == kind;
-        let lights = lights.filter(|(_, l)| is_of(l));
-        self.decided.options.rays_for_maps |= lights.fold(0, |mask, (i, _)| mask | 1 << i);
+    /// Whether the light of a map asks for the cheaper way.
+    fn is_auto(&self, map: &MapWork) -> bool {
+        self.world.lights[map.light].desc.shadow == ShadowMode::Auto
+    }
+
+    /// The way of the shadows of the `auto` lights of a kind, and why.
+    fn shadow(&self, kind: usize) -> (&'static str, String) {
+        let maps = self.maps.iter();
+        let maps = maps.filter(|map| map.kind == kind && self.is_auto(map));
+        let world = self.world;
+        let seen = SeenSurfaces::new(world, self.trees, &view_of(world, &self.asked));
+        let span = |map: &MapWork| {
+            let light = &world.lights[map.light];
+            seen.texel_px(light, map_px(world, light))
+        };
+        let coarsest = maps.clone().filter_map(span).max_by(f32::total_cmp);
+        if let Some(span) = coarsest.filter(|span| *span > COARSE_PX) {
+            return (
+                "ray",
+                format!("a texel of a map would span {span:.0} pixels"),
+            );
+        }
+        let traces = traces_rays(world, &self.decided.options);
+        if !traces && !are_slow(&self.maps, world, &self.asked) {
+            return ("map", NO_RAYS.to_owned());
+        }
+        let pair = self.workload().shadow(&self.unit, maps);
+        (pair.cheaper(), pair.to_string())
     }
 
     /// Has lights take rays where a processor would draw their map much longer, alike on every adapter.
     fn dear_maps(&mut self) {
-        if !self.are_slow() {
+        if !are_slow(&self.maps, self.world, &self.asked) {
             return;
         }
-        let lights = &self.world.lights;
-        let workload = self.reference();
-        let shadow = |map: &MapWork| workload.shadow(&UnitCosts::PROCESSOR, [map]).ms();
-        let maps = workload.maps.iter();
-        let maps = maps.filter(|map| lights[map.light].desc.shadow == ShadowMode::Default);
-        let dear: Vec<(usize, [f64; 2])> = (maps.map(|map| (map.light, shadow(map))))
-            .filter(|(_, [ray, map])| *map > DEAR * ray)
-            .collect();
+        let shadow = |map| (self.reference()).shadow(&UnitCosts::PROCESSOR, [map]).ms();
+        let maps = self.maps.iter().filter(|map| !self.is_auto(map));
+        let dear = maps.map(|map| (map, shadow(map)));
+        let dear: Vec<_> = dear.filter(|(_, [ray, map])| *map > DEAR * ray).collect();
         if dear.is_empty() {
             return;
         }
@@ -330,87 +324,64 @@ impl Decider<'_> {
         let why = format!(
             "maps of {} of {} lights would take a processor {map:.0} ms, their rays in {width} x {height} pixels {ray:.0} ms",
             dear.len(),
-            lights.len()
+            self.world.lights.len()
         );
-        for (light, _) in dear {
-            self.decided.options.rays_for_maps |= 1 << light;
-        }
+        self.decided.options.rays_for_maps |= bits(dear.into_iter().map(|(map, _)| map));
         self.choose("shadow maps", "ray", why);
-    }
-
-    /// Whether a processor is expected to draw the maps of undecided lights for long.
-    fn are_slow(&self) -> bool {
-        let maps = MapWork::of_world(self.world, &self.asked);
-        are_slow(&maps, self.world, &self.asked)
     }
 
     /// Has lights of which the picture shows least take rays until all maps have room in their budget.
     fn spare_maps(&mut self) {
-        let (lights, before) = (&self.world.lights, self.decided.options);
+        let (lights, mut options) = (&self.world.lights, self.decided.options);
         let bytes = |options: &RenderOptions| ShadowSizes::for_lights(lights, options).bytes();
-        if bytes(&before) <= MAP_BUDGET_BYTES {
+        let all_mib = bytes(&options) >> 20;
+        if bytes(&options) <= MAP_BUDGET_BYTES {
             return;
         }
-        let seen = self.reference().view.shadows.clone();
-        let has_map = |i: &usize| before.shadow_of(*i, &lights[*i]) == ShadowMode::Map;
-        let undecided = before.undecided_lights(self.world).map(|(i, _)| i);
+        let seen = &self.reference().view.shadows;
+        let has_map = |i: &usize| options.shadow_of(*i, &lights[*i]) == ShadowMode::Map;
+        let undecided = options.undecided_lights(self.world).map(|(i, _)| i);
         let mut left: Vec<usize> = undecided.filter(has_map).collect();
         // The last of equally seen lights goes first.
-        left.sort_by_key(|i| std::cmp::Reverse(seen.get(i).map_or(0, |(rays, _)| *rays)));
-        let mut options = before;
+        left.sort_by_key(|i| Reverse(seen.get(i).map_or(0, |(rays, _)| *rays)));
+        let before = left.len();
         while bytes(&options) > MAP_BUDGET_BYTES
             && let Some(least) = left.pop()
         {
             options.rays_for_maps |= 1 << least;
         }
-        let count = (options.rays_for_maps & !before.rays_for_maps).count_ones();
+        let count = before - left.len();
         if count == 0 {
             return;
         }
         self.decided.options = options;
         let why = format!(
-            "all maps would take {} MiB, above {}: {count} of {} lights, of which the camera sees least, take rays",
-            bytes(&before) >> 20,
+            "all maps would take {all_mib} MiB, above {}: {count} of {} lights, of which the camera sees least, take rays",
             MAP_BUDGET_BYTES >> 20,
             lights.len()
         );
         self.choose("shadow maps", "ray", why);
     }
 
-    /// Lights with `shadow = "auto"` that may have a map.
-    fn auto_lights(&self) -> impl Iterator<Item = &Light> {
-        let undecided = self.asked.undecided_lights(self.world);
-        let lights = undecided.map(|(_, light)| light);
-        lights.filter(|light| light.desc.shadow == ShadowMode::Auto)
-    }
-
-    /// Largest number of pixels that a shadow map texel would span, over the `auto` lights of a kind.
-    fn coarsest_px(&self, kind: usize) -> Option<f32> {
-        let (world, trees) = (self.world, self.trees);
-        let seen = SeenSurfaces::new(world, trees, &view_of(world, &self.asked));
-        let lights = self.auto_lights().filter(|l| l.desc.kind.index() == kind);
-        let spans = lights.filter_map(|l| seen.texel_px(l, map_px(world, l)));
-        spans.max_by(f32::total_cmp)
-    }
-
     fn visibility(&mut self) {
         let what = "image.visibility";
-        if has_lines(self.world) && self.asked.image.visibility != Visibility::Raster {
+        let asked = self.asked.image.visibility;
+        if has_lines(self.world) && asked != Visibility::Raster {
             self.decided.options.image.visibility = Visibility::Raster;
             let why = "points and lines are drawn at least a pixel wide, in trees they are as thin as they are";
             return self.choose(what, "raster", why.to_owned());
         }
-        if self.asked.image.visibility != Visibility::Auto {
+        if asked != Visibility::Auto {
             return;
         }
         self.decided.options.image.visibility = Visibility::Raster;
-        let (unit, world) = (self.unit, self.world);
+        let world = self.world;
         if !traces_rays(world, &self.decided.options)
-            && !draws_longer_than_trees(world, &self.asked, &unit)
+            && !draws_longer_than_trees(world, &self.asked, &self.unit)
         {
             return self.choose(what, "raster", NO_RAYS.to_owned());
         }
-        let pair = self.workload().visibility(&unit);
+        let pair = self.workload().visibility(&self.unit);
         if pair.cheaper() == "rays" {
             self.decided.options.image.visibility = Visibility::Rays;
         }
@@ -422,17 +393,12 @@ impl Decider<'_> {
             return;
         }
         let (world, settings) = (self.world, &self.asked.reflection);
-        let unit_m = self.asked.unit_m(world);
-        let reach_m = settings.ray_length_u * unit_m;
-        let view = View::new(&seen_by(world, &self.asked), self.asked.image.size, unit_m);
-        let cutoff = settings.reflects_below();
-        let estimate = ViewEstimate::new(world, self.trees, &view, cutoff, reach_m);
-        let mut radiance = estimate.radiance;
+        let reach_m = settings.ray_length_u * self.asked.unit_m(world);
+        let (view, cutoff) = (view_of(world, &self.asked), settings.reflects_below());
+        let mut radiance = ViewEstimate::new(world, self.trees, &view, cutoff, reach_m).radiance;
         radiance.sort_by(f32::total_cmp);
-        let bright = radiance
-            .get(radiance.len() * 9 / 10)
-            .copied()
-            .unwrap_or(0.0);
+        let bright = radiance.get(radiance.len() * 9 / 10);
+        let bright = bright.copied().unwrap_or(0.0);
         // Rounded to a tenth of a stop, so that different rounding errors give the same exposure.
         let stops = ((LIGHT_GRAY / bright).log2() * 10.0).round() / 10.0;
         let ev = if bright > 0.0 {
@@ -446,51 +412,32 @@ impl Decider<'_> {
     }
 }
 
-/// Instances that are traced at once, and the expected costs of the methods then; `is_split`: only the surfaces are
-/// marched for which that is cheaper.
-fn reflections(
-    workload: &Workload,
-    unit: &UnitCosts,
-    instances: usize,
-    is_split: bool,
-) -> (Vec<bool>, Pair) {
-    let traced = match is_split {
-        true => workload.cheaper_traced(unit, instances),
-        false => vec![false; instances],
-    };
-    let pair = workload.reflections(unit, |instance| traced[instance]);
-    (traced, pair)
+/// The lights of maps, a bit for each by its index.
+fn bits<'a>(maps: impl IntoIterator<Item = &'a MapWork>) -> u64 {
+    maps.into_iter().fold(0, |mask, map| mask | 1 << map.light)
 }
 
 /// Radiance after exposure of the 90th percentile of the view.
 const LIGHT_GRAY: f32 = 0.6;
 
-/// The camera whose view is used for decisions.
-fn seen_by(world: &World, options: &RenderOptions) -> CameraDesc {
-    let camera = options.camera.unwrap_or_else(|| world.main_camera());
-    let camera = world.cameras.get(camera);
-    camera.map(|c| c.value.clone()).unwrap_or_default()
-}
-
 const NO_RAYS: &str = "no other feature traces rays, so no BVH is built";
 
 /// The view of the options' camera.
 pub(super) fn view_of(world: &World, options: &RenderOptions) -> View {
-    View::new(
-        &seen_by(world, options),
-        options.image.size,
-        options.unit_m(world),
-    )
+    let camera = options.camera.unwrap_or_else(|| world.main_camera());
+    let camera = world.cameras.get(camera);
+    let camera = camera.map(|c| c.value.clone()).unwrap_or_default();
+    View::new(&camera, options.image.size, options.unit_m(world))
 }
 
 /// Sizes and counts of a world as the options' camera sees it.
 pub fn workload(world: &World, trees: &Trees, options: &RenderOptions) -> Workload {
-    let [width, height] = options.image.size;
+    let [width, height] = options.image.size.map(f64::from);
     Workload {
-        pixels: f64::from(width) * f64::from(height),
+        pixels: width * height,
         samples: f64::from(options.image.samples.count()),
         triangles_in_view: triangles_in_view(world, options),
-        maps: MapWork::of_world(world, options),
+        instances: world.instances.len(),
         view: ViewSample::new(world, trees, &view_of(world, options), options),
     }
 }

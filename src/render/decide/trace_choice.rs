@@ -17,48 +17,36 @@ pub fn with_trace(
     gpu: &Gpu,
     mut options: RenderOptions,
 ) -> Result<(RenderOptions, Option<Decision>), RenderError> {
-    let (trace, why) = settled_trace(gpu, options.reflection.trace)?;
+    if let Some(refused) = refused_trace(gpu, options.reflection.trace) {
+        return Err(RenderError::Scene(Box::new(refused)));
+    }
+    if options.reflection.trace != Trace::Auto {
+        return Ok((options, None));
+    }
+    let (trace, why) = match (gpu.has_ray_queries(), gpu.is_software()) {
+        (false, _) => (Trace::Software, "the adapter has no ray queries"),
+        (true, true) => (
+            Trace::Software,
+            "the adapter is the processor, which follows queries no faster",
+        ),
+        (true, false) => (
+            Trace::Query,
+            "the adapter is a graphics card with ray queries",
+        ),
+    };
     options.reflection.trace = trace;
-    Ok((options, why))
+    let decision = Decision {
+        what: "reflection.trace".to_owned(),
+        chosen: trace.name().to_owned(),
+        why: why.to_owned(),
+    };
+    Ok((options, Some(decision)))
 }
 
 /// Error that a device reports about the way in which a scene asks to follow rays, if it refuses that.
 pub fn refused_trace(gpu: &Gpu, asked: Trace) -> Option<Diagnostic> {
     let lacks = asked == Trace::Query && !gpu.has_ray_queries();
     lacks.then(|| without_queries(gpu))
-}
-
-/// Way to follow the rays, `query` or `software`, and why, if that was left to `auto`.
-fn settled_trace(gpu: &Gpu, asked: Trace) -> Result<(Trace, Option<Decision>), RenderError> {
-    let choice = |trace, chosen: &str, why: &str| {
-        let decision = Decision {
-            what: "reflection.trace".to_owned(),
-            chosen: chosen.to_owned(),
-            why: why.to_owned(),
-        };
-        Ok((trace, Some(decision)))
-    };
-    if let Some(refused) = refused_trace(gpu, asked) {
-        return Err(RenderError::Scene(Box::new(refused)));
-    }
-    match asked {
-        Trace::Software | Trace::Query => Ok((asked, None)),
-        Trace::Auto if !gpu.has_ray_queries() => choice(
-            Trace::Software,
-            "software",
-            "the adapter has no ray queries",
-        ),
-        Trace::Auto if gpu.is_software() => choice(
-            Trace::Software,
-            "software",
-            "the adapter is the processor, which follows queries no faster",
-        ),
-        Trace::Auto => choice(
-            Trace::Query,
-            "query",
-            "the adapter is a graphics card with ray queries",
-        ),
-    }
 }
 
 /// Whether the device follows rays, so that it needs acceleration structures of its own.
