@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 from gltf_mutant_decoders import Buffer
+from scipy.spatial.transform import Rotation
 
 # Joints: name, parent, offset from parent in meters; the figure faces +Z, stands on y = 0. Its arms
 # are spread at rest, so that hands do not pull the hips along.
@@ -138,60 +139,39 @@ def influences(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.where(steps > 0, owners[joints], 0), steps
 
 
-def about(axis: int, angle: float) -> np.ndarray:
-    """Quaternion (x, y, z, w) of a turn about an axis by an angle in radians."""
-    q = np.zeros(4)
-    q[axis], q[3] = np.sin(angle / 2), np.cos(angle / 2)
-    return q
+def about(axis: str, angle: float) -> Rotation:
+    """Turn about an axis by an angle in radians."""
+    return Rotation.from_euler(axis, angle)
 
 
-def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Product of two quaternions: the turn b, then the turn a."""
-    v = a[3] * b[:3] + b[3] * a[:3] + np.cross(a[:3], b[:3])
-    return np.append(v, a[3] * b[3] - a[:3] @ b[:3])
-
-
-def rotation(q: np.ndarray) -> np.ndarray:
-    """Matrix of a unit quaternion."""
-    x, y, z, w = q
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-
-
-def step_pose(phase: float) -> dict[str, np.ndarray]:
-    """Rotations of the joints in radians at a phase of the walk; the left foot is in front at 0."""
+def step_pose(phase: float) -> dict[str, Rotation]:
+    """Rotations of the joints at a phase of the walk; the left foot is in front at 0."""
     pose = {
-        "spine": about(1, 0.07 * np.cos(phase)),
-        "chest": about(1, -0.16 * np.cos(phase)),
-        "head": about(1, 0.08 * np.cos(phase)),
+        "spine": about("y", 0.07 * np.cos(phase)),
+        "chest": about("y", -0.16 * np.cos(phase)),
+        "head": about("y", 0.08 * np.cos(phase)),
     }
     for side, lead in (("l", phase), ("r", phase + np.pi)):
         swing = np.cos(lead)
         # The knee bends while its foot travels forward.
         lift = max(0.0, -np.sin(lead)) ** 1.5
-        pose[f"hip.{side}"] = about(0, -0.48 * swing - 0.25 * lift)
-        pose[f"knee.{side}"] = about(0, 0.10 + 0.85 * lift)
-        pose[f"ankle.{side}"] = about(0, 0.30 * swing - 0.15)
+        pose[f"hip.{side}"] = about("x", -0.48 * swing - 0.25 * lift)
+        pose[f"knee.{side}"] = about("x", 0.10 + 0.85 * lift)
+        pose[f"ankle.{side}"] = about("x", 0.30 * swing - 0.15)
         # The arms hang, and swing against the legs.
-        lower = about(2, (-0.72 if side == "l" else 0.72))
-        raised = lower * (-1, -1, -1, 1)
-        bend = about(0, -0.30 - 0.22 * max(0.0, -swing))
-        pose[f"shoulder.{side}"] = product(about(0, 0.42 * swing), lower)
-        pose[f"elbow.{side}"] = product(raised, product(bend, lower))
+        lower = about("z", (-0.72 if side == "l" else 0.72))
+        bend = about("x", -0.30 - 0.22 * max(0.0, -swing))
+        pose[f"shoulder.{side}"] = about("x", 0.42 * swing) * lower
+        pose[f"elbow.{side}"] = lower.inv() * bend * lower
     return pose
 
 
-def lowest(pose: dict[str, np.ndarray]) -> float:
+def lowest(pose: dict[str, Rotation]) -> float:
     """Height of the lower foot's lowest point, in meters relative to the hips."""
     frames: list[tuple[np.ndarray, np.ndarray]] = []
     for name, parent, offset in JOINTS:
         up, at = frames[parent] if parent >= 0 else (np.eye(3), np.zeros(3))
-        turn = rotation(pose[name]) if name in pose else np.eye(3)
+        turn = pose[name].as_matrix() if name in pose else np.eye(3)
         frames.append((up @ turn, at + up @ np.array(offset)))
     lows = []
     for joint, start, end, r0, r1 in BONES:
@@ -230,7 +210,7 @@ def animation(out: Writer) -> dict:
         samplers.append({"input": key, "output": output})
 
     for name in poses[0]:
-        turns = np.round(np.array([pose[name] for pose in poses]) * 32767.0)
+        turns = np.round(np.array([pose[name].as_quat() for pose in poses]) * 32767.0)
         output = out.add("VEC4", 5122, turns, normalized=True)
         channel(1 + INDEX[name], "rotation", output)
     # The lower foot is always on the floor.

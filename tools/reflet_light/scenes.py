@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -47,10 +48,39 @@ def thing(name: str, shape: str, material: str, place: str = "") -> str:
     )
 
 
+def sphere(radius: float, segments: int = 256) -> str:
+    return f'{{ kind = "sphere", radius = {radius}, segments = {segments} }}'
+
+
+def box(size: str) -> str:
+    return f'{{ kind = "box", size = {size} }}'
+
+
+def matte(color: str) -> str:
+    return f"base_color = {color}\nreflectivity = 0"
+
+
+def glow(color: str) -> str:
+    return f"{matte('[0, 0, 0]')}\nemission = {color}"
+
+
+def lamp(color: str) -> str:
+    return glow(color) + "\nlight = true"
+
+
+def walls(side: int, surface: Callable[[str], str], places: list[tuple[str, str, str]]) -> str:
+    """Squares by their place, turn and color."""
+    square = f'{{ kind = "plane", size = [{side}, {side}] }}'
+    return "".join(
+        thing(f"wall{i}", square, surface(color), f"translation = {at}\nrotation_deg = {turn}")
+        for i, (at, turn, color) in enumerate(places)
+    )
+
+
 BALL = '{ kind = "sphere", radius = 1 }'
 METAL = "base_color = [1.0, 0.78, 0.34]\nmetallic = 1\n"
 PLASTIC = "base_color = [0.5, 0.08, 0.06]\n"
-MATTE = "base_color = [0.7, 0.7, 0.7]\nreflectivity = 0"
+MATTE = matte("[0.7, 0.7, 0.7]")
 
 
 def ball(material: str) -> str:
@@ -70,30 +100,22 @@ def rough_balls() -> list[Scene]:
 
 def panels() -> str:
     """A box of glowing walls around a ball."""
-    square = '{ kind = "plane", size = [6, 6] }'
-    dark = "base_color = [0, 0, 0]\nreflectivity = 0\n"
-    walls = [
+    places = [
         ("[0, -2, 0]", "[0, 0, 0]", "[0.3, 0.3, 0.25]"),
         ("[0, 4, 0]", "[180, 0, 0]", "[0.6, 0.7, 0.9]"),
         ("[-3, 1, 0]", "[0, 0, -90]", "[0.9, 0.15, 0.1]"),
         ("[3, 1, 0]", "[0, 0, 90]", "[0.1, 0.6, 0.15]"),
         ("[0, 1, -3]", "[90, 0, 0]", "[0.5, 0.45, 0.1]"),
     ]
-    return DARK + "".join(
-        thing(
-            f"wall{i}", square, f"{dark}emission = {color}",
-            f"translation = {at}\nrotation_deg = {turn}",
-        )
-        for i, (at, turn, color) in enumerate(walls)
-    )  # fmt: skip
+    return DARK + walls(6, glow, places)
 
 
 FLOOR = HEAD + "[camera.main]\neye = [0, 3, 6]\ntarget = [0, 0.6, 0]\nfov_deg = 40\n" + DARK
 FLOOR += thing("floor", '{ kind = "plane", size = [40, 40] }', MATTE)
 FLOOR += thing(
     "block",
-    '{ kind = "box", size = [0.8, 1.2, 0.8] }',
-    "base_color = [0.2, 0.4, 0.7]\nreflectivity = 0",
+    box("[0.8, 1.2, 0.8]"),
+    matte("[0.2, 0.4, 0.7]"),
     "translation = [0.4, 0.6, 0]\nrotation_deg = [0, 30, 0]",
 )
 LIGHTS = {
@@ -135,18 +157,9 @@ def lights() -> list[Scene]:
 
 def surfaces_that_light() -> list[Scene]:
     """Scenes of a glowing ball and a glowing box, as surfaces that light."""
-    lamps = thing(
-        "lamp",
-        '{ kind = "sphere", radius = 0.5, segments = 160 }',
-        glow("[8, 7, 5]") + "\nlight = true",
-        "translation = [-1.6, 2.2, 0.8]",
-    )
-    lamps += thing(
-        "cube",
-        '{ kind = "box", size = [0.3, 0.3, 2] }',
-        glow("[2, 4, 9]") + "\nlight = true",
-        "translation = [1.9, 0.5, 0]",
-    )
+    bulb, cube = sphere(0.5, 160), box("[0.3, 0.3, 2]")
+    lamps = thing("lamp", bulb, lamp("[8, 7, 5]"), "translation = [-1.6, 2.2, 0.8]")
+    lamps += thing("cube", cube, lamp("[2, 4, 9]"), "translation = [1.9, 0.5, 0]")
     satin = "base_color = [0.9, 0.9, 0.9]\nmetallic = 1\nroughness = 0.3"
     metal = FLOOR.replace(MATTE, satin).split("[material.block]")[0] + lamps
     shows = "a ball and a box that glow"
@@ -159,8 +172,7 @@ def surfaces_that_light() -> list[Scene]:
 def room() -> str:
     """Scene of a closed room with colored walls, a block and a lamp below the ceiling."""
     head = HEAD + DARK + "[camera.main]\neye = [0, 1, 2.4]\ntarget = [0, 1, 0]\nfov_deg = 60\n"
-    square = '{ kind = "plane", size = [5, 5] }'
-    walls = [
+    places = [
         ("[0, 0, 0]", "[0, 0, 0]", "[0.7, 0.7, 0.7]"),
         ("[0, 2, 0]", "[180, 0, 0]", "[0.7, 0.7, 0.7]"),
         ("[-1.5, 1, 0]", "[0, 0, -90]", "[0.7, 0.12, 0.1]"),
@@ -168,34 +180,18 @@ def room() -> str:
         ("[0, 1, -1.5]", "[90, 0, 0]", "[0.7, 0.7, 0.7]"),
         ("[0, 1, 2.5]", "[-90, 0, 0]", "[0.5, 0.5, 0.5]"),
     ]
-    for i, (at, turn, color) in enumerate(walls):
-        matte = f"base_color = {color}\nreflectivity = 0"
-        head += thing(f"wall{i}", square, matte, f"translation = {at}\nrotation_deg = {turn}")
-    lamp = glow("[6, 6, 6]") + "\nlight = true"
-    return head + thing(
-        "lamp", '{ kind = "box", size = [0.7, 0.04, 0.7] }', lamp, "translation = [0, 1.9, 0]"
-    )
+    flat = box("[0.7, 0.04, 0.7]")
+    shining = thing("lamp", flat, lamp("[6, 6, 6]"), "translation = [0, 1.9, 0]")
+    return head + walls(5, matte, places) + shining
 
 
 def indirect() -> list[Scene]:
-    block = thing(
-        "block",
-        '{ kind = "box", size = [0.6, 1.1, 0.6] }',
-        MATTE,
-        "translation = [-0.5, 0.55, -0.6]\nrotation_deg = [0, 25, 0]",
-    )
-    metal = thing(
-        "metal",
-        '{ kind = "sphere", radius = 0.4, segments = 256 }',
-        METAL + "roughness = 0.2",
-        "translation = [0.55, 0.4, -0.5]",
-    )
-    glass = thing(
-        "glass",
-        '{ kind = "sphere", radius = 0.25, segments = 256 }',
-        "transmission = 1\nior = 1.5\nthickness_m = 1\nroughness = 0",
-        "translation = [-0.1, 0.25, 0.3]",
-    )
+    turned = "translation = [-0.5, 0.55, -0.6]\nrotation_deg = [0, 25, 0]"
+    block = thing("block", box("[0.6, 1.1, 0.6]"), MATTE, turned)
+    rough = METAL + "roughness = 0.2"
+    metal = thing("metal", sphere(0.4), rough, "translation = [0.55, 0.4, -0.5]")
+    clear = "transmission = 1\nior = 1.5\nthickness_m = 1\nroughness = 0"
+    glass = thing("glass", sphere(0.25), clear, "translation = [-0.1, 0.25, 0.3]")
     scenes = []
     for n in (1, 4):
         bounces = f"bounces = 12\ndiffuse_bounces = {n}"
@@ -210,15 +206,11 @@ def indirect() -> list[Scene]:
     ]
 
 
-def glow(color: str) -> str:
-    return f"base_color = [0, 0, 0]\nreflectivity = 0\nemission = {color}"
-
-
 def out_of_focus() -> Scene:
     """Scene of glowing balls before, in and behind the plane in focus."""
     text = HEAD + DARK + "[camera.main]\neye = [0, 0, 4]\ntarget = [0, 0, 0]\nfov_deg = 34\n"
     text += "aperture_f = 0.15\nfocus_m = 4\n"
-    small = '{ kind = "sphere", radius = 0.4, segments = 256 }'
+    small = sphere(0.4)
     for name, place, color in (
         ("near", "[-0.6, 0.1, 1.6]", "[0.9, 0.3, 0.1]"),
         ("sharp", "[0.1, -0.1, 0]", "[0.2, 0.8, 0.2]"),
@@ -232,7 +224,7 @@ def moving() -> Scene:
     """Scene of a mirror ball that crosses a room of glowing walls while the shutter is open."""
     moments = 64
     head = CLOSE_UP + panels()
-    small = '{ kind = "sphere", radius = 0.5, segments = 256 }'
+    small = sphere(0.5)
 
     def at(x: float) -> str:
         place = f'name = "metal"\ntranslation = [{x}, 0.4, 0]'
@@ -292,8 +284,8 @@ def fogs() -> list[Scene]:
     low = "density = 0.4, color = [0.9, 0.7, 0.5], height_m = 0.4, falloff_m = 0.6"
     twice = lit("point", gray).replace("bounces = 12", "bounces = 12\ndiffuse_bounces = 1")
     milk = "density = 0.25, color = [0.9, 0.8, 0.6], anisotropy = 0.3"
-    mirror = thing("mirror", '{ kind = "sphere", radius = 0.5, segments = 256 }',
-                   "metallic = 1\nroughness = 0", "translation = [-1, 0.5, 0.6]")  # fmt: skip
+    smooth = "metallic = 1\nroughness = 0"
+    mirror = thing("mirror", sphere(0.5), smooth, "translation = [-1, 0.5, 0.6]")
     sky = FLOOR.replace(DARK, GRADIENT) + mirror
     paths = [text.replace('"rt"', '"path"') for text in (lamps + mirror, sky)]
     return [
