@@ -8,7 +8,7 @@ from reflet_usd.limit_arguments import add_limits, limits_from
 from reflet_usd.standard_output import show
 
 from . import arguments
-from .types import count_of
+from .types import warning_count
 
 SHOWN_WARNINGS = 20
 
@@ -33,7 +33,7 @@ def run(args: argparse.Namespace) -> int:
         counts = ", ".join(f"{count} {name}" for name, count in sorted(hidden.items()))
         print(f"warning: and {counts}; all are in {args.output}.json", file=sys.stderr)
     show(
-        f"{args.stage} -> {args.output} ({count_of(len(result.warnings), 'warning')})",
+        f"{args.stage} -> {args.output} ({warning_count(len(result.warnings))})",
         done=f"{args.output} is written, but ",
     )
     return 0

@@ -108,8 +108,8 @@ def listed(names: list[str]) -> str:
     return f"{quoted(names)} {'is' if len(names) == 1 else 'are'}"
 
 
-def plain_value(value: Any, limit: int = _MAX_VALUES) -> Any:
-    """`value` as JSON data, or None where it is not plain or longer than `limit`."""
+def plain_value(value: Any) -> Any:
+    """`value` as JSON data, or None where it is not plain or too long."""
     if isinstance(value, (bool, int, str)):
         return value
     if isinstance(value, float):
@@ -126,8 +126,8 @@ def plain_value(value: Any, limit: int = _MAX_VALUES) -> Any:
         array = np.array(value)
     except (TypeError, ValueError):
         return None
-    if array.dtype.kind in "biuf" and array.size <= limit and np.isfinite(array).all():
+    if array.dtype.kind in "biuf" and array.size <= _MAX_VALUES and np.isfinite(array).all():
         return array.tolist()
-    if array.dtype.kind in "US" and array.size <= limit:
+    if array.dtype.kind in "US" and array.size <= _MAX_VALUES:
         return [str(entry) for entry in array.ravel()]
     return None

@@ -64,7 +64,6 @@ class GltfWriter:
         array: Array,
         target: int | None = None,
         bounds: bool = False,
-        normalized: bool = False,
     ) -> int:
         """Store an array (elements first) and return its accessor.
 
@@ -73,7 +72,7 @@ class GltfWriter:
         array = np.ascontiguousarray(array)
         data = array.tobytes()
         # Key times have bounds; an accessor that shares their bytes must not share their entry.
-        tag = f"accessor {array.dtype.char} {array.shape} {target} {normalized} {bounds}"
+        tag = f"accessor {array.dtype.char} {array.shape} {target} {bounds}"
         key = (tag, hashlib.sha256(data).digest())
         if key in self._known:
             return self._known[key]
@@ -83,8 +82,6 @@ class GltfWriter:
             "count": int(array.shape[0]),
             "type": _SHAPES[array.shape[1:]],
         }
-        if normalized:
-            entry["normalized"] = True
         if bounds:
             entry.update(_bounds(array))
         self._known[key] = self.add("accessors", entry)

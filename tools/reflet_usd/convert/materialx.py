@@ -62,9 +62,9 @@ class _Surface:
         self.reader.context.ledger.warn("material-texture-dropped", self.reader.material, message)
         return default
 
-    def weight(self, name: str, layer: str, default: float = 0.0) -> Source:
+    def weight(self, name: str, layer: str) -> Source:
         """Weight of a layer whose other inputs begin with `layer`."""
-        source = self.get(name, (default,))
+        source = self.get(name, (0.0,))
         if source == Constant((0.0,)):
             self.absent_layers.append(layer)
         return source

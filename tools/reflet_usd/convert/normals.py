@@ -75,7 +75,8 @@ def smooth_groups(corners: Array, counts: Array, point_count: int, sharp_edges: 
     ]
     joined = [np.concatenate([end[sides] for end in ends]) for sides in (first, second)]
     shape = (len(corners), len(corners))
-    labels = connected_components(coo_array((np.ones(len(joined[0])), joined), shape=shape))[1]
+    links = coo_array((np.ones(len(joined[0])), joined), shape=shape)
+    labels = connected_components(links, directed=False)[1]
     groups = np.where(at_crease[corners], point_count + labels, corners)
     return np.unique(groups, return_inverse=True)[1].reshape(-1)
 

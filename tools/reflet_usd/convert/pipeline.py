@@ -17,7 +17,7 @@ from .ledger import Ledger
 from .metadata import stage_metadata_extras
 from .stage import open_context
 from .traverse import Traversal
-from .types import ConvertError, ConvertOptions, ConvertResult, count_of
+from .types import ConvertError, ConvertOptions, ConvertResult, warning_count
 
 # Types of prims that only group others.
 _GROUPS = ("", "Scope", "Xform")
@@ -57,7 +57,7 @@ def convert_opened(context: Context, stage_path: Path, out: Path) -> ConvertResu
     if context.options.strict and result.warnings:
         first = result.warnings[0]
         message = (
-            f"{count_of(len(result.warnings), 'warning')} under --strict, the first one:"
+            f"{warning_count(len(result.warnings))} under --strict, the first one:"
             f" {first.prim}: {first.message} [{first.name}]"
         )
         raise ConvertError("strict", message, str(stage_path))

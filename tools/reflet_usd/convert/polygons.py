@@ -38,14 +38,14 @@ class Polygons:
         return Topology(len(self.points), len(self.counts), self.corner_points, faces)
 
 
-def read_points(context: Context, prim: Usd.Prim, name: str = "points") -> Array:
+def read_points(context: Context, prim: Usd.Prim) -> Array:
     """The (N, 3) points in meters; points that are not finite stay so.
 
     Where the stage begins without a value, the first later value counts.
     """
-    value = authored(prim, name, context.time, None)
-    if value is None and prim.HasAttribute(name):
-        value = first_value(prim.GetAttribute(name))
+    value = authored(prim, "points", context.time, None)
+    if value is None and prim.HasAttribute("points"):
+        value = first_value(prim.GetAttribute("points"))
     if value is None or len(value) == 0:
         return np.zeros((0, 3))
     return np.array(value, dtype=np.float64).reshape(-1, 3) * context.meters_per_unit

@@ -81,9 +81,9 @@ class ConvertResult:
         }
 
 
-def count_of(count: int, noun: str) -> str:
+def warning_count(count: int) -> str:
     """A count with its noun: `1 warning`, `2 warnings`."""
-    return f"{count} {noun}{'' if count == 1 else 's'}"
+    return f"{count} warning{'' if count == 1 else 's'}"
 
 
 class ConvertError(Exception):

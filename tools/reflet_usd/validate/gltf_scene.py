@@ -60,6 +60,11 @@ class OutputReader:
             scene.corners[key] = self._merge(parts)
         return scene
 
+    def drawn_meshes(self) -> list[tuple[int, str]]:
+        """Meshes of the scene, once for each key that draws them, and these keys."""
+        pairs = ((self.file.nodes[node].mesh, self.keys[node]) for node in self.poser.order)
+        return list(dict.fromkeys((mesh, key) for mesh, key in pairs if mesh is not None))
+
     def matrices(self, pose: Pose) -> dict[str, list[Array]]:
         """World matrices of the nodes that keep a prim path, by that path."""
         result: dict[str, list[Array]] = {}

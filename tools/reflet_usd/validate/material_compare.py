@@ -177,7 +177,7 @@ class _Comparison:
             source = self.inputs.get(name, _NOT_EVALUATED)
             if name in LAYERS and not self._has_layers():
                 continue
-            if name == "thickness" and _is_constant(self.inputs["transmission"], 0.0):
+            if name == "thickness" and _is_zero(self.inputs["transmission"]):
                 continue
             if name == "specularColor" and self._has_layers():
                 continue
@@ -189,7 +189,7 @@ class _Comparison:
                 continue  # compared elsewhere, since it depends on the geometry
             if name == "opacity" and (found.material.alphaMode or "OPAQUE") == "OPAQUE":
                 continue
-            if name == "clearcoatRoughness" and _is_constant(self.inputs["clearcoat"], 0.0):
+            if name == "clearcoatRoughness" and _is_zero(self.inputs["clearcoat"]):
                 continue
             if name == "occlusion" and source.constant is not None:
                 source = PreviewInput(np.array([1.0]), None)
@@ -214,7 +214,7 @@ class _Comparison:
             self.inputs = {**self.inputs, name: PreviewInput(value, None)}
 
     def _is_specular(self) -> bool:
-        return not _is_constant(self.inputs["useSpecularWorkflow"], 0.0)
+        return not _is_zero(self.inputs["useSpecularWorkflow"])
 
     def uv_uses(self, found: OutputMaterial) -> list[UvUse]:
         """UV set of each primvar; where several share one, the set of the first texture."""
@@ -422,5 +422,5 @@ def _is_opaque(opacity: PreviewInput) -> bool:
     return opacity.constant is not None and bool((opacity.constant >= 1.0).all())
 
 
-def _is_constant(source: PreviewInput, value: float) -> bool:
-    return source.constant is not None and bool(np.allclose(source.constant, value))
+def _is_zero(source: PreviewInput) -> bool:
+    return source.constant is not None and bool(np.allclose(source.constant, 0.0))

@@ -18,12 +18,7 @@ def compare_mesh_lights(
     checks: Checks, truth: TruthStage, output: OutputReader, rest: Scene
 ) -> None:
     """Check that materials of geometry lights send the stage's light, and no other ones do."""
-    seen: set[tuple[int, str]] = set()
-    for node in output.poser.order:
-        mesh, key = output.file.nodes[node].mesh, output.keys[node]
-        if mesh is None or (mesh, key) in seen:
-            continue
-        seen.add((mesh, key))
+    for mesh, key in output.drawn_meshes():
         # The key of an instancer stands for all that it draws.
         drawn = {key, *rest.made_of.get(key, ())}
         lights = [rest.mesh_lights[path] for path in sorted(drawn & rest.mesh_lights.keys())]

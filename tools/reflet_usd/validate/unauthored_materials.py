@@ -61,12 +61,7 @@ def compare_unauthored_materials(
 
     `colored` are the names of the materials that may read vertex colors.
     """
-    seen: set[tuple[int, str]] = set()
-    for node in output.poser.order:
-        mesh, key = output.file.nodes[node].mesh, output.keys[node]
-        if mesh is None or (mesh, key) in seen:
-            continue
-        seen.add((mesh, key))
+    for mesh, key in output.drawn_meshes():
         for primitive in output.file.meshes[mesh].primitives:
             _compare_primitive(checks, output, primitive, key, colored)
 

@@ -7,8 +7,6 @@ import numpy as np
 from pxr import Usd, UsdGeom, UsdLux
 from scipy.ndimage import map_coordinates
 
-from reflet_usd.stage_files import is_within
-
 from .checks import Checks
 from .gltf_scene import OutputReader
 from .images import decode, srgb_to_linear
@@ -77,8 +75,7 @@ def _dome(truth: TruthStage, prim: Usd.Prim, rest: Usd.TimeCode) -> Sky:
     asset = UsdLux.DomeLight(prim).GetTextureFileAttr().Get(rest)
     if not (asset and asset.path):
         return lambda around: np.broadcast_to(level, around.shape)
-    readable = asset.resolvedPath and is_within(asset.resolvedPath, truth.roots)
-    texels = load_texture(asset.resolvedPath, clip=False) if readable else None
+    texels = load_texture(asset.resolvedPath, truth.roots, clip=False)
     if texels is None:
         return lambda around: np.zeros(around.shape)
     values = texels.values[..., :3]

@@ -161,10 +161,8 @@ def preview_shader(material: Usd.Prim) -> UsdShade.Shader | None:
     return shader if shader and shader.GetIdAttr().Get() in _PREVIEW_SURFACES else None
 
 
-def read_input(
-    shader: UsdShade.Shader, name: str, roots: tuple[str, ...] | None = None
-) -> PreviewInput:
-    """Input `name` of a preview surface shader; files outside `roots`, if given, are lost."""
+def read_input(shader: UsdShade.Shader, name: str, roots: tuple[str, ...]) -> PreviewInput:
+    """Input `name` of a preview surface shader; files outside `roots` are lost."""
     fallback = np.array(DEFAULTS.get(name, (0.0,)))
     attribute = producer(shader.GetInput(name))
     if attribute is None:
@@ -200,7 +198,7 @@ def input_value(shader: UsdShade.Shader, name: str, fallback: Any) -> Any:
 
 
 def _texture(
-    shader: UsdShade.Shader, output: str, width: int, roots: tuple[str, ...] | None
+    shader: UsdShade.Shader, output: str, width: int, roots: tuple[str, ...]
 ) -> PreviewInput:
     prim = str(shader.GetPath())
     channels = {"r": [0], "g": [1], "b": [2], "a": [3], "rgb": [0, 1, 2]}.get(output, [0])
@@ -218,8 +216,8 @@ def _texture(
         texels, grid = _tiles(attribute, asset.path, roots)
         if texels is not None and grid is None:
             return PreviewInput(None, None, "its tiles have several sizes", fallback, prim)
-    elif roots is None or is_within(asset.resolvedPath, roots):
-        texels = load_texture(asset.resolvedPath)
+    else:
+        texels = load_texture(asset.resolvedPath, roots)
     if texels is None:
         reason = f"texture {asset.path} cannot be read"
         return PreviewInput(None, None, reason, fallback, prim)
@@ -253,7 +251,7 @@ def _texture(
 
 
 def _tiles(
-    attribute: Usd.Attribute, path: str, roots: tuple[str, ...] | None
+    attribute: Usd.Attribute, path: str, roots: tuple[str, ...]
 ) -> tuple[Texels | None, tuple[int, int] | None]:
     """One image of all UDIM tiles, NaN where there is none, and the numbers of columns and rows.
 
@@ -263,7 +261,7 @@ def _tiles(
     found = {}
     for place, name in UsdShade.UdimUtils.ResolveUdimTilePaths(path, layer):
         number = int(name) - 1001
-        tile = load_texture(place) if roots is None or is_within(place, roots) else None
+        tile = load_texture(place, roots)
         if tile is not None and number >= 0:
             found[number % 10, number // 10] = tile
     if not found:
@@ -323,6 +321,7 @@ def _transform2d(shader: UsdShade.Shader) -> Array:
     return scale @ turn @ move
 
 
-def load_texture(resolved: str, clip: bool = True) -> Texels | None:
-    """Decode a texture file, or one inside (nested) usdz packages: `a.usdz[b.usdz[c.png]]`."""
-    return decode(read_asset(resolved), clip) if is_plain_file(resolved) else None
+def load_texture(resolved: str, roots: tuple[str, ...], clip: bool = True) -> Texels | None:
+    """Decode a file within `roots`, or in a (nested) package: `a.usdz[b.usdz[c.png]]`."""
+    allowed = resolved and is_within(resolved, roots) and is_plain_file(resolved)
+    return decode(read_asset(resolved), clip) if allowed else None

@@ -54,7 +54,7 @@ def surface_inputs(shader: UsdShade.Shader) -> set[str]:
 
 
 def materialx_inputs(
-    material: Usd.Prim, roots: tuple[str, ...] | None, meters: float = 0.01
+    material: Usd.Prim, roots: tuple[str, ...], meters: float = 0.01
 ) -> dict[str, PreviewInput] | None:
     """Channels of a surface that the documentation says is approximated; None for others.
 

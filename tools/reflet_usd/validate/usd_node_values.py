@@ -6,8 +6,6 @@ from collections.abc import Callable
 import numpy as np
 from pxr import Sdf, Usd, UsdShade
 
-from reflet_usd.stage_files import is_within
-
 from .images import Texels, sample
 from .scene_data import Array
 from .usd_material import TIME, input_value, load_texture, producer
@@ -34,7 +32,7 @@ class UnknownError(Exception):
 class NodeValues:
     """Values of a material's nodes; every primvar has the coordinates `st`."""
 
-    def __init__(self, roots: tuple[str, ...] | None) -> None:
+    def __init__(self, roots: tuple[str, ...]) -> None:
         self.roots = roots
         self.primvars: set[str] = set()
         """Primvars that gave coordinates so far."""
@@ -50,9 +48,8 @@ class NodeValues:
 
     def _texels(self, path: str) -> Texels | None:
         if path != self._read[0]:
-            allowed = self.roots is None or is_within(path, self.roots)
             self._read = ("", None)
-            self._read = (path, load_texture(path) if allowed else None)
+            self._read = (path, load_texture(path, self.roots))
         return self._read[1]
 
     def value(
