@@ -12,11 +12,9 @@ from .checks import Checks
 from .extras_check import compare_extras, is_same
 from .gltf_pose import POINTERS
 from .gltf_scene import OutputReader
-from .primvar_extras_check import compare_primvar_extras
+from .primvar_extras_check import PLACELESS, compare_primvar_extras
 from .usd_environment import compare_environment
 from .usd_stage import TruthStage, may_move, stated_codes
-
-_PLACELESS = ("Material", "Shader", "NodeGraph", "GeomSubset", "SkelAnimation", "BlendShape")
 
 
 def compare_document(
@@ -73,7 +71,7 @@ def _compare_nodes(checks: Checks, stage: Usd.Stage, output: OutputReader) -> No
             continue
         if any(checks.excuse(path, (name,)) for name in LEFT_OUT):
             prims.PruneChildren()
-        elif prim.GetTypeName() not in _PLACELESS and prim.IsA(UsdGeom.Xformable):
+        elif prim.GetTypeName() not in PLACELESS and prim.IsA(UsdGeom.Xformable):
             text = "its node is not in the output"
             checks.add("carried", path, int(path not in named), text, excuses=())
         if prim.IsA(UsdGeom.PointInstancer):

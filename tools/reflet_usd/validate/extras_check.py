@@ -25,7 +25,7 @@ _OF_KINDS = {
 }
 _USER = "userProperties"
 _MAX_VALUES = 64
-NAMED = 8
+_NAMED = 8
 """Maximum number of names that a warning lists; of more it gives the count."""
 
 
@@ -52,19 +52,31 @@ def _compare_properties(
     kept = {**(extras.get("attributes") or {})}
     kept |= {f"{_USER}:{name}": value for name, value in (extras.get(_USER) or {}).items()}
     expected = _own_properties(prim, rest)
+    for name in [name for name, value in expected.items() if value is None]:
+        del expected[name]
+        kept.pop(name, None)
+    compare_kept(checks, path, expected, kept, "", EXTRAS)
+
+
+def compare_kept(
+    checks: Checks,
+    path: str,
+    expected: dict[str, Any],
+    kept: dict[str, Any],
+    what: str,
+    warnings: tuple[str, ...],
+) -> None:
+    """Compare values that the file keeps by name; one of `warnings` must name missing ones."""
     for name in sorted(kept.keys() - expected.keys()):
-        checks.add("extras", path, 1, f"'{name}' is only in the output")
-    missing = sorted(name for name in expected.keys() - kept.keys() if expected[name] is not None)
+        checks.add("extras", path, 1, f"{what}'{name}' is only in the output")
+    missing = sorted(expected.keys() - kept.keys())
     for name in missing:
-        named = name if len(missing) <= NAMED else ""
-        told = checks.excuse(path, EXTRAS, named=named)
-        excuses = (told,) if told else ()
-        checks.add("extras", path, 1, f"'{name}' is not in the output", excuses=excuses)
+        told = checks.excuse(path, warnings, named=name if len(missing) <= _NAMED else "")
+        text = f"{what}'{name}' is not in the output"
+        checks.add("extras", path, 1, text, excuses=(told,) if told else ())
     for name in sorted(expected.keys() & kept.keys()):
-        if expected[name] is None:
-            continue
         same = is_same(expected[name], kept[name])
-        text = f"'{name}' is {kept[name]}, expected {expected[name]}"
+        text = f"{what}'{name}' is {kept[name]}, expected {expected[name]}"
         checks.add("extras", path, int(not same), text)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from .faces import measure
 from .gltf_file import GltfFile
 from .gltf_pose import Pose, Poser, compose
-from .scene_data import Array, Camera, Corners, Indices, Light, Scene, transform_points
+from .scene_data import Array, Camera, Corners, Indices, Light, Scene, stacked, transform_points
 
 _MOST_ROUNDED = 0.06
 """Maximum relative difference of a line from the width it is drawn with: half a step of 64."""
@@ -128,8 +128,7 @@ class OutputReader:
         if loose:
             result.points = np.vstack([transform_points(p.local.points, p.place) for p in loose])
             many = [{**p.local.uvs, **p.local.customs, "COLOR_0": p.local.colors} for p in loose]
-            for name in sorted(set.intersection(*map(set, many))):
-                result.point_values[name] = np.vstack([values[name] for values in many])
+            result.point_values = stacked(many)
         if not solid:
             return result
         center = result.positions.mean(axis=0) if len(result.positions) else np.zeros(3)
@@ -149,12 +148,8 @@ class OutputReader:
     def _merge_attributes(self, result: Corners, solid: list[_Piece]) -> None:
         if all(part.local.normals is not None for part in solid):
             result.normals = np.vstack([part.world_normals() for part in solid])
-        shared = set.intersection(*(set(part.local.uvs) for part in solid))
-        for name in sorted(shared):
-            result.uvs[name] = np.vstack([part.local.uvs[name] for part in solid])
-        shared = set.intersection(*(set(part.local.customs) for part in solid))
-        for name in sorted(shared):
-            result.customs[name] = np.vstack([part.local.customs[name] for part in solid])
+        result.uvs = stacked([part.local.uvs for part in solid])
+        result.customs = stacked([part.local.customs for part in solid])
         result.colors = np.vstack([part.local.colors for part in solid])
         labels: list[Indices] = []
         sides = set()

@@ -6,11 +6,11 @@ from pxr import Sdf, Usd, UsdGeom
 
 from .allowed_deviations import LEFT_OUT, UV_SET
 from .checks import Checks
-from .extras_check import NAMED, is_same, plain
+from .extras_check import compare_kept, plain
 from .gltf_scene import OutputReader
 from .usd_primvars import HANDLED, carried
 
-_PLACELESS = ("Material", "Shader", "NodeGraph", "GeomSubset", "SkelAnimation", "BlendShape")
+PLACELESS = ("Material", "Shader", "NodeGraph", "GeomSubset", "SkelAnimation", "BlendShape")
 _SKELETAL = "skel:"
 
 
@@ -32,7 +32,7 @@ def compare_primvar_extras(
         if not prim or (prim.IsA(UsdGeom.Gprim) and mesh is None):
             continue
         expected = _of_gprim(prim, rest) if prim.IsA(UsdGeom.Gprim) else _own(prim, rest)
-        _compare(checks, path, expected, kept)
+        compare_kept(checks, path, expected, kept, "the primvar ", UV_SET)
         if mesh is not None:
             _compare_names(checks, prim, meshes[mesh])
     _compare_placeless(checks, stage, rest)
@@ -67,21 +67,6 @@ def _value(primvar: UsdGeom.Primvar, rest: Usd.TimeCode) -> Any:
     return plain(primvar.ComputeFlattened(rest)) if constant else None
 
 
-def _compare(checks: Checks, path: str, expected: dict[str, Any], kept: dict[str, Any]) -> None:
-    for name in sorted(kept.keys() - expected.keys()):
-        checks.add("extras", path, 1, f"the primvar '{name}' is only in the output")
-    missing = sorted(expected.keys() - kept.keys())
-    for name in missing:
-        named = name if len(missing) <= NAMED else ""
-        told = checks.excuse(path, UV_SET, named=named)
-        text = f"the primvar '{name}' is not in the output"
-        checks.add("extras", path, 1, text, excuses=(told,) if told else ())
-    for name in sorted(expected.keys() & kept.keys()):
-        same = is_same(expected[name], kept[name])
-        text = f"the primvar '{name}' is {kept[name]}, expected {expected[name]}"
-        checks.add("extras", path, int(not same), text)
-
-
 def _compare_names(checks: Checks, prim: Usd.Prim, mesh: dict[str, Any]) -> None:
     """Check that a mesh names the primvar of each attribute that is not simply named after it."""
     there = {name for primitive in mesh["primitives"] for name in primitive["attributes"]}
@@ -103,5 +88,5 @@ def _compare_placeless(checks: Checks, stage: Usd.Stage, rest: Usd.TimeCode) -> 
         left_out = any(checks.excuse(path, (name,)) for name in LEFT_OUT)
         if left_out or prim.IsA(UsdGeom.PointInstancer):
             prims.PruneChildren()
-        elif prim.GetTypeName() in _PLACELESS:
-            _compare(checks, path, _own(prim, rest), {})
+        elif prim.GetTypeName() in PLACELESS:
+            compare_kept(checks, path, _own(prim, rest), {}, "the primvar ", UV_SET)

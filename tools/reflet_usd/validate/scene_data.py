@@ -165,6 +165,12 @@ class Scene:
     """Prims that may draw something or nothing: all of their faces are degenerate."""
 
 
+def stacked(parts: list[dict[str, Array]]) -> dict[str, Array]:
+    """Rows of all parts, by the names that every part has."""
+    names = sorted(set.intersection(*map(set, parts)))
+    return {name: np.vstack([part[name] for part in parts]) for name in names}
+
+
 def transform_points(points: Array, matrix: Array) -> Array:
     """Row-vector transform of (n, 3) points by a (4, 4) matrix, divided by w as USD does."""
     moved = points @ matrix[:3, :3] + matrix[3, :3]

@@ -116,17 +116,8 @@ def split_instances(stage: Usd.Stage, path: object) -> None:
     """Turn the native instances around a prim into ordinary prims, in the edit target."""
     prim = stage.GetPrimAtPath(path)
     while prim and prim.IsInstanceProxy():
-        above = prim
-        while above and not above.IsInstance():
-            above = above.GetParent()
-        if not above or above.IsInstanceProxy():
-            outer = above.GetParent() if above else None
-            while outer and not (outer.IsInstance() and not outer.IsInstanceProxy()):
-                outer = outer.GetParent()
-            above = outer
-        if not above:
-            return
-        above.SetInstanceable(False)
+        above = map(stage.GetPrimAtPath, prim.GetPath().GetPrefixes())
+        next(each for each in above if each.IsInstance()).SetInstanceable(False)
         prim = stage.GetPrimAtPath(path)
 
 

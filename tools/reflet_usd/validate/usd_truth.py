@@ -7,7 +7,7 @@ import numpy as np
 from pxr import Usd, UsdGeom, UsdShade
 
 from .faces import measure
-from .scene_data import Array, Corners, Indices, Scene, transform_points
+from .scene_data import Array, Corners, Indices, Scene, stacked, transform_points
 from .usd_camera import read_camera
 from .usd_curves import DIAMETER, SHOWN, read_patch, read_points
 from .usd_gprim import read_grid, read_polyhedron, read_surface
@@ -130,8 +130,7 @@ class TruthReader:
             empty = Corners(np.zeros((0, 3)), np.zeros((0, 3)))
             cloud = scene.corners.setdefault(key, empty)
             cloud.points = np.vstack([points for points, _ in many])
-            for name in sorted(set.intersection(*(set(values) for _, values in many))):
-                cloud.point_values[name] = np.vstack([values[name] for _, values in many])
+            cloud.point_values |= stacked([values for _, values in many])
         self.instancers, self.skipped = walk.instancers, walk.skipped
         self.outermost = walk.outermost
         for path in walk.not_finite:
@@ -284,11 +283,8 @@ def _add_optional(result: Corners, mesh: LocalMesh, matrix: Array, sign: float) 
 
 
 def _merge_attributes(result: Corners, meshes: list[LocalMesh]) -> None:
-    shared = set.intersection(*(set(mesh.uvs) for mesh in meshes))
-    result.uvs = {name: np.vstack([mesh.uvs[name] for mesh in meshes]) for name in sorted(shared)}
-    shared = set.intersection(*(set(mesh.customs) for mesh in meshes))
-    for name in sorted(shared):
-        result.customs[name] = np.vstack([mesh.customs[name] for mesh in meshes])
+    result.uvs = stacked([mesh.uvs for mesh in meshes])
+    result.customs = stacked([mesh.customs for mesh in meshes])
     names = {name for mesh in meshes for name in mesh.undefined_colors}
     result.undefined_colors = tuple(sorted(names))
     colors = [mesh.colors for mesh in meshes if mesh.colors is not None]
