@@ -182,11 +182,6 @@ def transform_points(points: Array, matrix: Array) -> Array:
 
 def bounds_of(scenes: Mapping[str, Corners]) -> tuple[Array, Array] | None:
     """Lowest and highest corner over all prims; None where there is none."""
-    clouds = [part.positions for part in scenes.values()]
-    clouds += [part.points for part in scenes.values()]
-    clouds = [cloud for cloud in clouds if len(cloud)]
-    if not clouds:
-        return None
-    low = np.min([cloud.min(axis=0) for cloud in clouds], axis=0)
-    high = np.max([cloud.max(axis=0) for cloud in clouds], axis=0)
-    return low, high
+    clouds = [cloud for part in scenes.values() for cloud in (part.positions, part.points)]
+    points = np.vstack([np.zeros((0, 3)), *clouds])
+    return (points.min(axis=0), points.max(axis=0)) if len(points) else None

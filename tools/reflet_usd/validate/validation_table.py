@@ -1,5 +1,7 @@
 """Owns the printed form of a validation."""
 
+import collections
+
 from .validation import Validation
 
 _SHOWN = 3
@@ -25,7 +27,8 @@ def format_validation(validation: Validation) -> str:
             lines.append(f"    {finding.prim}: {finding.value:.3g} {finding.text}")
     if validation.roots:
         lines.append(f"the stage was read from {', '.join(validation.roots)} alone")
-    for name, count in sorted(_counts(validation).items()):
+    declared = collections.Counter(warning["name"] for warning in validation.warnings)
+    for name, count in sorted(declared.items()):
         lines.append(f"declared by the converter: {name} ×{count}")
     lines.append("passed" if validation.passed else "FAILED")
     return "\n".join(lines)
@@ -44,10 +47,3 @@ def _khronos_lines(validation: Validation) -> list[str]:
             f"    {message['code']} at {message.get('pointer', '?')}: {message['message']}"
         )
     return lines
-
-
-def _counts(validation: Validation) -> dict[str, int]:
-    counts: dict[str, int] = {}
-    for warning in validation.warnings:
-        counts[warning["name"]] = counts.get(warning["name"], 0) + 1
-    return counts
