@@ -28,7 +28,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import OpenEXR
-from measuring import ROOT, used
+from measuring import ROOT, settings, used
 from PIL import Image
 
 SIZE = "160x90"
@@ -204,7 +204,7 @@ def main() -> int:
     assets: list[str | Path] = ["--assets", args.assets] if args.assets else []
     try:
         programs = [program.resolve(strict=True) for program in (args.old, args.new)]
-        options = assets + [word for text in args.set for word in ("--set", text)]
+        options = [*assets, *settings(*args.set)]
         for scene in args.scene:
             tell_ratio(programs, scene, args.pairs, options)
         if args.pairs:

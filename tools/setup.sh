@@ -77,15 +77,8 @@ apt_install() {
 }
 
 has_vulkan_loader() {
-    local caches=(/sbin/ldconfig /usr/sbin/ldconfig ldconfig)
-    local ldconfig
-    for ldconfig in "${caches[@]}"; do
-        if has "$ldconfig"; then
-            "$ldconfig" -p 2>/dev/null | grep -q 'libvulkan\.so\.1' && return 0
-            return 1
-        fi
-    done
-    compgen -G '/usr/lib/*/libvulkan.so.1' >/dev/null
+    PATH="$PATH:/sbin:/usr/sbin" ldconfig -p 2>/dev/null | grep 'libvulkan\.so\.1' >/dev/null ||
+        compgen -G '/usr/lib/*/libvulkan.so.1' >/dev/null
 }
 
 # Paths of driver manifests whose names match $1, in the folders that the loader searches.
@@ -250,12 +243,10 @@ check_elsewhere() {
     heading "System"
     local missing=()
     has cc || ! wants build || missing+=("a C compiler (cc)")
-    case "$(uname -s)" in
-        Linux)
-            has_vulkan_loader || missing+=("the Vulkan loader (libvulkan.so.1)")
-            has_vulkan_adapter || missing+=("a Vulkan driver (without a GPU: Mesa's lavapipe)")
-            ;;
-    esac
+    if [ "$(uname -s)" = Linux ]; then
+        has_vulkan_loader || missing+=("the Vulkan loader (libvulkan.so.1)")
+        has_vulkan_adapter || missing+=("a Vulkan driver (without a GPU: Mesa's lavapipe)")
+    fi
     if [ "${#missing[@]}" -gt 0 ]; then
         printf 'setup: please install: %s\n' "${missing[@]}" >&2
         exit 1

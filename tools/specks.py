@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from measuring import add_program, program_of
+from measuring import add_program, program_of, settings
 from PIL import Image
 from scipy.ndimage import maximum_filter, median_filter, minimum_filter
 from sheet import sheet
@@ -114,9 +114,8 @@ def main() -> None:
     parser.add_argument("--set", action="append", default=[], help="as for reflet render")
     arguments = parser.parse_args()
     (arguments.out / "cells").mkdir(parents=True, exist_ok=True)
-    further = [word for text in arguments.set for word in ("--set", text)]
-    program = program_of(arguments.reflet)
-    pictures = Pictures(arguments.out, program, arguments.size, further)
+    further = settings(*arguments.set)
+    pictures = Pictures(arguments.out, program_of(arguments.reflet), arguments.size, further)
 
     counts: dict[str, list[Found]] = {}
     cells: list[tuple[str, Path]] = []

@@ -35,11 +35,18 @@ def _summary(rows: list[Row], peers: dict[str, dict[str, Score]], version: str) 
         else:
             ours[row.root.file] = failed_score(row.root, example)
     columns = {f"{_OURS} {version}": ours, **peers}
-    lines = ["| measure | " + " | ".join(columns) + " |", "|---" * (len(columns) + 1) + "|"]
-    for title, cells in summary_rows([row.root for row in rows], columns):
-        if any(not cell.endswith("/0") for cell in cells.values()):  # else no stage has it
-            lines.append(f"| {title} | " + " | ".join(cells[name] for name in columns) + " |")
-    return "\n".join(lines)
+    lines = [
+        [title, *(cells[name] for name in columns)]
+        for title, cells in summary_rows([row.root for row in rows], columns)
+        if any(not cell.endswith("/0") for cell in cells.values())  # else no stage has it
+    ]
+    return _table(["measure", *columns], lines)
+
+
+def _table(head: list[str], lines: list[list[str]]) -> str:
+    rule = "|---" * len(head) + "|"
+    first, *rest = (f"| {' | '.join(line)} |" for line in (head, *lines))
+    return "\n".join([first, rule, *rest])
 
 
 def _strict(rows: list[Row]) -> str:
@@ -52,36 +59,28 @@ def _strict(rows: list[Row]) -> str:
     worst = max((_deviation(row) for row in checked), default=0.0)
     refused = [row for row in rows if not row.converted and row.root.opens is not False]
     lines = [
-        "| every check of `validate` | stages |",
-        "|---|---|",
-        f"| converted | {len(done)} of {len(rows)} |",
-        f"| equal to the stage in every check, or the loss declared | {len(exact)} |",
-        f"| with a silent deviation | {len(silent)} |",
-        f"| that could not be checked | {len(done) - len(checked)} |",
-        f"| with declared losses (named warnings) | {len(lossy)} |",
-        f"| that open but were refused | {len(refused)} |",
-        f"| worst corner deviation, of the diagonal | {worst:.2g} |",
+        ["converted", f"{len(done)} of {len(rows)}"],
+        ["equal to the stage in every check, or the loss declared", f"{len(exact)}"],
+        ["with a silent deviation", f"{len(silent)}"],
+        ["that could not be checked", f"{len(done) - len(checked)}"],
+        ["with declared losses (named warnings)", f"{len(lossy)}"],
+        ["that open but were refused", f"{len(refused)}"],
+        ["worst corner deviation, of the diagonal", f"{worst:.2g}"],
     ]
-    return "\n".join(lines)
+    return _table(["every check of `validate`", "stages"], lines)
 
 
 def _losses(rows: list[Row]) -> str:
     counts: collections.Counter[str] = collections.Counter()
     for row in rows:
         counts.update({warning["name"] for warning in row.warnings})
-    lines = ["| declared loss | stages |", "|---|---|"]
     order = sorted(counts.items(), key=lambda item: (-item[1], item[0]))
-    return "\n".join(lines + [f"| `{name}` | {count} |" for name, count in order])
+    return _table(["declared loss", "stages"], [[f"`{name}`", f"{n}"] for name, n in order])
 
 
 def _files(rows: list[Row]) -> str:
-    lines = [
-        "| stage | converted | validator errors | worst corner | silent | warnings |",
-        "|---|---|---|---|---|---|",
-    ]
-    for row in rows:
-        lines.append("| " + " | ".join(_cells(row)) + " |")
-    return "\n".join(lines)
+    head = ["stage", "converted", "validator errors", "worst corner", "silent", "warnings"]
+    return _table(head, [_cells(row) for row in rows])
 
 
 def _cells(row: Row) -> list[str]:
