@@ -14,8 +14,8 @@ use glam::{Affine3A, Vec2, Vec3, Vec4};
 
 use reflet_base::{math::Bounds, memory::Budget};
 use reflet_scene::{
-    desc::{CameraDesc, Entry, LightDesc, ProbeDesc, ShownDesc},
-    diagnostic::Diagnostic,
+    desc::{CameraDesc, Entry, LightDesc, ProbeDesc, SceneDesc, ShownDesc},
+    diagnostic::{Diagnostic, Span},
 };
 
 pub mod animation;
@@ -355,6 +355,14 @@ pub struct Light {
 }
 
 impl World {
+    /// Place in the scene's text of the table that places an instance, else of its `[model.NAME]`.
+    pub fn place_of<'d>(&self, desc: &'d SceneDesc, instance: usize) -> Option<&'d Span> {
+        let written = self.written.get(instance).copied().flatten();
+        let written = written.and_then(|index| desc.instances.get(index));
+        let model = || desc.models.get(*self.placed_models.get(instance)?);
+        (written.map(|written| &written.at)).or_else(|| Some(&model()?.at))
+    }
+
     /// Index of the camera that is taken where none is chosen: `main`, else the first.
     pub fn main_camera(&self) -> usize {
         let mut cameras = self.cameras.iter();

@@ -8,7 +8,7 @@ use crate::{
     math::{in_f64, invertible},
     scene::{
         desc::{LightKind, ShadowMode},
-        diagnostic::{Diagnostic, Span},
+        diagnostic::Diagnostic,
         stages::Scene,
     },
     world::{Instance, Posed, World, bvh::capsule::Capsule},
@@ -42,18 +42,18 @@ pub fn lights(scene: &Scene, world: &World) -> Vec<Diagnostic> {
         if closed.is_exhausted() {
             break;
         }
-        if let Some(shape) = around.first() {
-            let shape = &world.instances[*shape];
+        if let Some(&shape) = around.first() {
             let message = format!(
                 "light \"{}\" is inside of \"{}\", which is closed, so nothing outside is lit",
-                entry.name, shape.name
+                entry.name, world.instances[shape].name
             );
             let help = "if the shape is the lamp's bulb or shade, write `casts_shadow = false` in its instance; else \
                         move one of them";
             found.push(related(
                 Diagnostic::new("light-inside", entry.at.clone(), message).help(help),
                 scene,
-                &shape.name,
+                world,
+                shape,
             ));
         }
     }
@@ -86,7 +86,8 @@ pub fn cameras(scene: &Scene, world: &World) -> Vec<Diagnostic> {
             found.push(related(
                 Diagnostic::new("camera-inside", entry.at.clone(), message).help(help),
                 scene,
-                name,
+                world,
+                shape,
             ));
             break;
         }
@@ -110,11 +111,11 @@ pub fn probes(scene: &Scene, world: &World) -> Vec<Diagnostic> {
         if closed.is_exhausted() {
             return found;
         }
-        let Some(shape) = around.first() else {
+        let Some(&shape) = around.first() else {
             continue;
         };
-        let name = &world.instances[*shape].name;
-        let (why, help) = match is_seen(*shape) {
+        let name = &world.instances[shape].name;
+        let (why, help) = match is_seen(shape) {
             true => (
                 "closed, with nothing else in it: all six faces of its map see its inside alone",
                 "move `position` out of it, or move the instance",
@@ -131,7 +132,8 @@ pub fn probes(scene: &Scene, world: &World) -> Vec<Diagnostic> {
         found.push(related(
             Diagnostic::new("probe-inside", entry.at.clone(), message).help(help),
             scene,
-            name,
+            world,
+            shape,
         ));
     }
     found
@@ -149,27 +151,15 @@ fn surface(kind: &LightKind, position: Vec3) -> Vec<Vec3> {
     both.collect()
 }
 
-/// Adds the place of an instance to a warning, if its name belongs to an instance or model of the text.
-pub fn related(warning: Diagnostic, scene: &Scene, instance: &str) -> Diagnostic {
-    match place_of(scene, instance) {
-        Some(at) => warning.related(at, format!("\"{instance}\" is here")),
+/// Adds the place of an instance to a warning, if the text has one.
+pub fn related(warning: Diagnostic, scene: &Scene, world: &World, instance: usize) -> Diagnostic {
+    match world.place_of(scene, instance) {
+        Some(at) => {
+            let name = &world.instances[instance].name;
+            warning.related(at.clone(), format!("\"{name}\" is here"))
+        }
         None => warning,
     }
-}
-
-/// Place of the instance or the model of the text that a name in the world belongs to.
-pub fn place_of(scene: &Scene, instance: &str) -> Option<Span> {
-    // Names of copies and of parts of files begin with the instance's name.
-    let is_own = |name: &str| {
-        let rest = instance.strip_prefix(name);
-        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['[', '/', '#']))
-    };
-    let named = scene.instances.iter().find(|i| {
-        let name = i.name.as_deref().unwrap_or(&i.model.value);
-        is_own(name)
-    });
-    let model = || scene.models.iter().find(|m| is_own(&m.name));
-    (named.map(|i| i.at.clone())).or_else(|| Some(model()?.at.clone()))
 }
 
 /// Tests whether points are inside of closed instances; remembers which meshes are closed.

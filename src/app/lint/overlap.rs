@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use super::inside::{place_of, related};
+use super::inside::related;
 use crate::{
     math::{Bounds, in_f64},
     render::decide::view_rays::ViewRays,
@@ -49,11 +49,16 @@ pub fn lint(scene: &Scene, rays: &ViewRays, hits: &[Option<(Ray, RayHit)>]) -> V
         let help = format!(
             "move one of them by 0.001 m or more, such as by its `translation`, or remove \"{b}\""
         );
-        let at = place_of(scene, b).unwrap_or_default();
+        let at = rays
+            .world
+            .place_of(scene, pair[1])
+            .cloned()
+            .unwrap_or_default();
         related(
             Diagnostic::new("same-place", at, message).help(help),
             scene,
-            a,
+            rays.world,
+            pair[0],
         )
     });
     found.collect()

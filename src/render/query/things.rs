@@ -117,12 +117,7 @@ impl Things {
 
     /// Place of the table of an instance, or of its model, in the text.
     pub fn place_of(&self, loaded: &LoadedScene, instance: usize) -> Option<String> {
-        let written = loaded.world.written[instance].and_then(|i| loaded.scene.instances.get(i));
-        let model = loaded
-            .scene
-            .models
-            .get(loaded.world.placed_models[instance]);
-        let at = written.map(|i| &i.at).or(model.map(|model| &model.at))?;
+        let at = loaded.world.place_of(&loaded.scene, instance)?;
         at.clone().shown().in_words()
     }
 

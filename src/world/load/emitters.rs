@@ -8,7 +8,7 @@ use super::error_at;
 use crate::{Mesh, World, emitters::MAX_EMITTERS};
 use reflet_scene::{
     desc::{ByName, SceneDesc},
-    diagnostic::{Diagnostic, Severity, Span},
+    diagnostic::{Diagnostic, Severity},
 };
 
 /// Refuses materials with `light = true` that emit nothing, by name; mesh lights of files that emit nothing are
@@ -101,22 +101,12 @@ fn check_triangles(world: &World, meshes: &[Mesh], desc: &SceneDesc, errors: &mu
                 "with \"{}\", more than {MAX_EMITTERS} triangles have a material with `light = true`",
                 instance.name
             );
-            let error = error_at("emitters-too-many", &place_of(world, desc, index), text);
+            let place = world.place_of(desc, index).unwrap_or(&desc.own);
+            let error = error_at("emitters-too-many", place, text);
             let help =
                 "set `light = true` for fewer or simpler meshes; reflections still show the others";
             errors.push(error.help(help));
             return;
         }
     }
-}
-
-/// Position in the scene text of an instance; else of its material, or of the scene.
-fn place_of(world: &World, desc: &SceneDesc, index: usize) -> Span {
-    let written = world.written.get(index).copied().flatten();
-    let material = &world.materials[world.instances[index].material].name;
-    let entry = || desc.materials.iter().find(|m| m.name == *material);
-    written
-        .map(|i| desc.instances[i].at.clone())
-        .or_else(|| Some(entry()?.at.clone()))
-        .unwrap_or_else(|| desc.own.clone())
 }
