@@ -82,7 +82,7 @@ fn location(span: &Span) -> Option<Value> {
 }
 
 /// Characters of a path that a URI reference does not encode (RFC 3986): unreserved ones, and the slash.
-const PLAIN: &AsciiSet = &NON_ALPHANUMERIC
+pub const PLAIN: &AsciiSet = &NON_ALPHANUMERIC
     .remove(b'-')
     .remove(b'.')
     .remove(b'_')

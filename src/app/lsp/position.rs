@@ -5,26 +5,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use percent_encoding::{AsciiSet, CONTROLS, percent_decode_str, utf8_percent_encode};
+use percent_encoding::{percent_decode_str, utf8_percent_encode};
 use serde_json::{Value, json};
 
-/// Characters of a path that are percent-encoded in a URI.
-const ESCAPED: &AsciiSet = &CONTROLS
-    .add(b' ')
-    .add(b'"')
-    .add(b'#')
-    .add(b'%')
-    .add(b'<')
-    .add(b'>')
-    .add(b'?')
-    .add(b'[')
-    .add(b'\\')
-    .add(b']')
-    .add(b'^')
-    .add(b'`')
-    .add(b'{')
-    .add(b'|')
-    .add(b'}');
+use crate::app::sarif::PLAIN;
 
 /// Byte offset of a position, at most at the end of its line.
 pub fn offset(text: &str, position: &Value) -> usize {
@@ -75,7 +59,7 @@ pub fn uri_of(path: &Path) -> String {
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let text = path.to_string_lossy().replace('\\', "/");
     let root = if text.starts_with('/') { "" } else { "/" };
-    format!("file://{root}{}", utf8_percent_encode(&text, ESCAPED))
+    format!("file://{root}{}", utf8_percent_encode(&text, PLAIN))
 }
 
 #[cfg(test)]
