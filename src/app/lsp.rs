@@ -7,6 +7,7 @@ mod call;
 mod colors;
 mod format;
 mod frames;
+mod model_files;
 mod names;
 mod outline;
 mod position;
@@ -16,6 +17,7 @@ mod script;
 mod script_map;
 mod script_text;
 mod structure;
+mod written;
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -27,6 +29,8 @@ use lsp_server::{Connection, ErrorCode, Message, Notification, Request, Response
 use serde_json::{Value, json};
 
 use self::{
+    model_files::ModelFiles,
+    names::border_of,
     outline::{Part, words},
     position::{offset, path_of, range, uri_of},
     references::same,
@@ -37,7 +41,7 @@ use crate::{
     scene::{
         dependencies::Dependencies,
         diagnostic::{Diagnostic, Severity, Source, Span},
-        parse::tables::is_project,
+        parse::tables::{Below, is_project},
         project::Project,
         reach::UnsavedTexts,
     },
@@ -75,15 +79,18 @@ fn serve(connection: &Connection) -> Result<(), String> {
         "codeActionProvider": { "codeActionKinds": ["quickfix"] },
         "colorProvider": true,
     });
-    connection
+    let client = connection
         .initialize(capabilities)
         .map_err(|error| error.to_string())?;
+    let items = &client["capabilities"]["textDocument"]["completion"]["completionItem"];
     let mut server = Server {
         connection,
         open: BTreeMap::new(),
         changed: BTreeMap::new(),
         published: Published::default(),
         read: BTreeMap::new(),
+        snippets: items["snippetSupport"] == true,
+        models: ModelFiles::default(),
     };
     for message in &connection.receiver {
         match message {
@@ -124,6 +131,9 @@ struct Server<'a> {
     published: Published,
     /// Files that the last check of each scene read or looked for, by the scene's URI.
     read: BTreeMap<String, Vec<PathBuf>>,
+    /// Whether the client takes snippets.
+    snippets: bool,
+    models: ModelFiles,
 }
 
 impl Server<'_> {
@@ -135,7 +145,8 @@ impl Server<'_> {
         let params = &request.params;
         let file = params["textDocument"]["uri"]
             .as_str()
-            .and_then(|uri| self.open.get(uri));
+            .and_then(|uri| self.open.get(uri))
+            .filter(|file| self.is_served(file));
         let at = file.map_or(0, |file| offset(&file.text, &params["position"]));
         let is_script = file.is_some_and(|file| is_script(&file.path));
         let scenes = || {
@@ -144,10 +155,14 @@ impl Server<'_> {
         };
         let result = match (request.method.as_str(), file) {
             ("textDocument/completion", Some(file)) if is_script => {
-                json!(script::complete(&file.text, at, &scenes()))
+                json!(script::complete(&file.text, at, &scenes(), self.snippets))
             }
-            ("textDocument/completion", Some(file)) => json!(answer::complete(file, at)),
-            ("textDocument/hover", Some(file)) if is_script => json!(script::hover(&file.text, at)),
+            ("textDocument/completion", Some(file)) => {
+                json!(answer::complete(file, at, self.snippets, &self.models))
+            }
+            ("textDocument/hover", Some(file)) if is_script => {
+                json!(script::hover(&file.text, at, &scenes()))
+            }
             ("textDocument/hover", Some(file)) => json!(answer::hover(file, at)),
             ("textDocument/definition", Some(file)) if is_script => {
                 json!(script::definition(&file.text, at, &scenes()))
@@ -191,6 +206,15 @@ impl Server<'_> {
             }
         };
         self.send(Message::Response(Response::new_ok(request.id, result)));
+    }
+
+    /// Whether a file is a text of Reflet: other TOML files get no answers.
+    fn is_served(&self, file: &Source) -> bool {
+        let reads = |files: &Vec<PathBuf>| files.iter().any(|known| same(known, &file.path));
+        is_script(&file.path)
+            || is_scene_text(file)
+            || border_of(&file.path).project.is_some()
+            || self.read.values().any(reads)
     }
 
     /// References of the name at a byte offset, its range for renaming, or the edits that rename it.
@@ -246,6 +270,7 @@ impl Server<'_> {
                 }
             }
             "textDocument/didSave" => {
+                self.models.clear();
                 // Other open scenes may read the saved file.
                 let all: Vec<_> = self.open.keys().cloned().collect();
                 all.iter()
@@ -318,9 +343,26 @@ fn is_script(path: &Path) -> bool {
 
 /// Whether the file is a scene of its own: an included file has no version.
 fn is_scene(file: &Source) -> bool {
-    let is_version =
-        |w: &outline::Word| w.part == Part::Key && w.table.is_empty() && w.text == "version";
-    !is_script(&file.path) && words(file).iter().any(is_version)
+    !is_script(&file.path) && top_keys(file).any(|key| key == "version")
+}
+
+/// First words of all keys and headers at the top of a text.
+fn top_keys(file: &Source) -> impl Iterator<Item = String> {
+    let is_key = |word: &outline::Word| matches!(word.part, Part::Key | Part::Header);
+    let words = words(file).into_iter();
+    let top = words.filter(move |word| word.table.is_empty() && is_key(word));
+    top.map(|word| word.text)
+}
+
+/// Whether a text begins with a version or names Reflet's schema or a table of scenes, or has none but keys of these.
+fn is_scene_text(file: &Source) -> bool {
+    let first = file.text.lines().next().unwrap_or_default();
+    let keys: Vec<String> = top_keys(file).collect();
+    let scene = Below::scene();
+    first.starts_with("#:schema") && first.contains("reflet")
+        || keys.first().is_some_and(|key| key == "version")
+        || keys.iter().any(|key| scene.below(key).is_some())
+        || keys.iter().all(|key| scene.key(key).is_some())
 }
 
 /// Messages about a scene or a project, with the texts of other open files; adds what it reads to `files`.

@@ -12,7 +12,7 @@ use std::{
 use serde_json::{Value, json};
 
 use super::*;
-use crate::common::assert_says;
+use crate::common::{assert_says, cases};
 
 /// A client connected to one language server.
 struct Client {
@@ -42,7 +42,10 @@ impl Client {
             folder,
             requests: 0,
         };
-        let result = client.ask("initialize", json!({ "capabilities": {} }));
+        // One client takes snippets, as most editors do.
+        let item = json!({ "snippetSupport": name == "completion" });
+        let completion = json!({ "textDocument": { "completion": { "completionItem": item } } });
+        let result = client.ask("initialize", json!({ "capabilities": completion }));
         assert_eq!(result["capabilities"]["hoverProvider"], true);
         client.tell("initialized", json!({}));
         client
@@ -144,15 +147,21 @@ impl Client {
         self.ask(&format!("textDocument/{method}"), params)
     }
 
-    /// Changes the scene to a text with a mark, and returns the completion labels proposed there.
-    fn proposed(&mut self, name: &str, text: &str) -> Vec<String> {
+    /// Changes a file to a text with a mark, and returns the completions proposed there.
+    fn items(&mut self, name: &str, text: &str) -> Vec<Value> {
         let uri = self.uri(name);
         let plain = text.replace('|', "");
         let change =
             json!({ "textDocument": { "uri": uri }, "contentChanges": [{ "text": plain }] });
         self.tell("textDocument/didChange", change);
         let items = self.ask_at("completion", name, text);
-        let items = items.as_array().expect("a list").iter();
+        items.as_array().cloned().unwrap_or_default()
+    }
+
+    /// Labels of these completions.
+    fn proposed(&mut self, name: &str, text: &str) -> Vec<String> {
+        let items = self.items(name, text);
+        let items = items.iter();
         items
             .map(|i| i["label"].as_str().expect("text").to_owned())
             .collect()
@@ -168,8 +177,7 @@ impl Client {
 
 const SCENE: &str = include_str!("lsp/scene.toml");
 const PARTS: &str = "[material.brass]\nmetallic = 1\n";
-const SCRIPT: &str =
-    "fn setup(ctx) { #{} }\nfn frame(ctx) { ctx.place(\"first\", [0, ctx.params.lift, 0]); }\n";
+const SCRIPT: &str = include_str!("lsp/move.rhai");
 
 fn show(name: &str) -> Client {
     let mut client = Client::start(name);
@@ -233,45 +241,19 @@ fn messages_follow_the_text() {
 #[test]
 fn keys_words_names_and_files_are_proposed() {
     let mut client = show("completion");
-    for (text, wanted) in [
-        ("[camera.main]\ne|\n", "eye"),
-        ("[mot|", "motion"),
-        ("[motion.instance.|]\n", "first"),
-        ("[reflection]\nmethod = |\n", "\"hybrid\""),
-        ("[model.x]\nshape = { kind = \"|\" }\n", "torus"),
-        ("[model.x]\nmaterial = \"|\"\n", "brass"),
-        ("[[instance]]\nmodel = |\n", "\"ball\""),
-        ("[[instance]]\nmodel = \"ball\"\ndynamic = |\n", "true"),
-        (
-            "[motion.camera.main]\neye = { follow = { instance = \"|\" } }\n",
-            "first",
-        ),
-        ("[motion.camera.main]\neye = { orbit = { per|\n", "period_s"),
-        ("[decal.mark]\nchanges = [\"|\"]\n", "normal"),
-        (
-            "[light.a]\nlight_group = \"key\"\n[light.b]\nlight_group = \"|\"\n",
-            "key",
-        ),
-        ("[variant.bare]\nremove = [\"|\"]\n", "instance.first"),
-    ] {
-        let all = client.proposed("scene.toml", &format!("{SCENE}{text}"));
-        assert!(all.iter().any(|label| label == wanted), "{text}: {all:?}");
-    }
-    let all = client.proposed("scene.toml", "version = 1\ninclude = \"|\"\n");
-    assert!(all.contains(&"parts.toml".to_owned()), "{all:?}");
-    let layer = "version = 1\nbase = \"parts.toml\"\nremove = [|]\n[material.own]\n";
-    assert_eq!(client.proposed("scene.toml", layer), ["\"material.brass\""]);
-    client.proposed("scene.toml", &format!("{SCENE}|"));
-    for (text, wanted) in [
-        ("fn frame(ctx) { ctx.pl|", "place"),
-        ("fn frame(ctx) { ctx.place(\"|", "first"),
-        ("fn frame(ctx) { ctx.params.|", "lift"),
-        ("fn frame(ctx) { ve|", "vec3"),
-        ("fn frame(ctx) { ctx.camera(\"main\", #{ |", "fov_deg"),
-        ("fn setup(ctx) { #{ instances: [#{ model: \"|", "ball"),
-    ] {
-        let all = client.proposed("move.rhai", text);
-        assert!(all.iter().any(|label| label == wanted), "{text}: {all:?}");
+    let names = include_str!("../queries/two.gltf");
+    fs::write(client.folder.join("two.gltf"), names).expect("written");
+    client.open("lone.toml", "");
+    for (case, wanted) in cases(include_str!("lsp/completions.txt")) {
+        let (name, text) = case.split_once(' ').expect("a text");
+        let before = if name == "scene.toml" { SCENE } else { "" };
+        let all = client.items(name, &format!("{before}{text}"));
+        let (wanted, inserted) = wanted.split_once(" >> ").unwrap_or((wanted, ""));
+        let label = wanted.trim_start_matches('!');
+        let found = all.iter().find(|item| item["label"] == label);
+        assert_eq!(found.is_some(), label == wanted, "{case}: {all:?}");
+        let text = found.map_or("", |item| item["insertText"].as_str().unwrap_or(label));
+        assert!(inserted.is_empty() || text == inserted, "{case}: {text}");
     }
     client.end();
 }
@@ -280,16 +262,21 @@ fn keys_words_names_and_files_are_proposed() {
 fn places_are_explained_and_names_lead_to_where_they_are_given() {
     let mut client = show("hover");
     let marked = |text: &str, mark: &str| text.replacen(&mark.replace('|', ""), mark, 1);
-    for (name, text, mark, wanted) in [
-        ("scene.toml", SCENE, "materi|al = ", "For shapes"),
-        ("scene.toml", SCENE, "\"sph|ere\"", "sphere"),
-        ("scene.toml", SCENE, "[enviro|nment]", "panorama"),
-        ("parts.toml", PARTS, "meta|llic", "Metalness"),
-        ("move.rhai", SCRIPT, "pla|ce", "Places an instance"),
-    ] {
+    for (case, wanted) in cases(include_str!("lsp/hovers.txt")) {
+        let (name, mark) = case.split_once(' ').expect("a place");
+        let texts = [
+            ("scene.toml", SCENE),
+            ("parts.toml", PARTS),
+            ("move.rhai", SCRIPT),
+        ];
+        let text = texts.iter().find(|text| text.0 == name).expect("a file").1;
         let hover = client.ask_at("hover", name, &marked(text, mark));
         let value = hover["contents"]["value"].as_str().unwrap_or_default();
-        assert!(value.contains(wanted), "{mark}: {hover}");
+        let value = value.replace(&client.folder.display().to_string(), "FOLDER");
+        assert!(
+            value.contains(&wanted.replace("\\n", "\n")),
+            "{case}: {hover}"
+        );
     }
     for (name, text, mark, file, line) in [
         ("scene.toml", SCENE, "\"bra|ss\"", "parts.toml", 0),

@@ -93,7 +93,7 @@ async function session() {
   await page.keyboard.type("\nfov");
   await open(["Control+Space"], page.locator(".suggest-widget:visible", { hasText: "fov_deg" }));
   await page.keyboard.press("Tab");
-  await page.keyboard.type(" = 40");
+  await page.keyboard.type("40"); // in place of the default, which is selected
   await save();
   await saved("scene.toml", (text) => /\nfov_deg = 40\n\[environment\]/.test(text));
   step("completed");

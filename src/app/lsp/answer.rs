@@ -10,10 +10,13 @@ use serde_json::{Value, json};
 use walkdir::{DirEntry, WalkDir};
 
 use super::{
+    model_files::ModelFiles,
     names::{Name, border_of, files_of_value, kinds_of_value, names, with_parts},
-    outline::{Part, Word, words, words_before},
+    outline::{Part, Word, beside, words, words_before},
     position::{range, uri_of},
-    scopes::{Scoped, is_named, with_scopes},
+    scopes::{Scoped, is_named, places, with_scopes},
+    script_text::is_word,
+    written,
 };
 use crate::{
     files::folder_of,
@@ -26,6 +29,7 @@ use crate::{
             entry_kinds::ENTRY_KINDS,
             tables::{Below, Manual, is_project, keys_of},
         },
+        toml_text::toml_text,
     },
 };
 
@@ -41,26 +45,88 @@ const FILE: u32 = 17;
 const FOLDER: u32 = 19;
 pub const REFERENCE: u32 = 18;
 
+/// How completed keys are written: with their sign and default value.
+#[derive(Clone, Copy, Debug)]
+pub struct KeyForm {
+    sign: &'static str,
+    /// Whether the client selects the value of a snippet, so that typing replaces it.
+    snippets: bool,
+}
+
+impl KeyForm {
+    /// The form at a byte offset of a text, where ` = ` or `: ` is the sign; none where the sign stands there already.
+    pub fn at(text: &str, offset: usize, sign: &'static str, snippets: bool) -> Self {
+        let rest = text[text.floor_char_boundary(offset)..].trim_start_matches(is_word);
+        let has_sign = rest.trim_start().starts_with(sign.trim());
+        Self {
+            sign: if has_sign { "" } else { sign },
+            snippets,
+        }
+    }
+
+    /// Completion of a key.
+    pub fn item(self, key: &KeyRecord, text: &str) -> Value {
+        let mut item = item(key.name, PROPERTY, text);
+        let is_plain = |form: &Form| matches!(form, Form::Value(..) | Form::Table(_));
+        if self.sign.is_empty() || !key.forms.iter().any(is_plain) {
+            return item; // tables with names are seldom written as values
+        }
+        let default = key.default.as_ref();
+        let default = default.map(|value| value.to_string().replace(',', ", "));
+        let is_text = |form: &Form| matches!(form, Form::Value(_, s) if s["type"] == "string");
+        let value = match (self.snippets, default) {
+            (false, default) => default.unwrap_or_default(),
+            (true, Some(default)) => {
+                let escaped = default.replace('\\', "\\\\").replace('$', "\\$");
+                format!("${{1:{}}}", escaped.replace('}', "\\}"))
+            }
+            (true, None) if key.forms.iter().all(is_text) => "\"$1\"".to_owned(),
+            (true, None) => "$1".to_owned(),
+        };
+        item["insertText"] = format!("{}{}{value}", key.name, self.sign).into();
+        item["insertTextFormat"] = if self.snippets { 2 } else { 1 }.into();
+        item
+    }
+}
+
 /// Completions at a byte offset.
-pub fn complete(file: &Arc<Source>, offset: usize) -> Vec<Value> {
+pub fn complete(
+    file: &Arc<Source>,
+    offset: usize,
+    snippets: bool,
+    models: &ModelFiles,
+) -> Vec<Value> {
     let before = &file.text[..file.text.floor_char_boundary(offset)];
     let (mut words, end) = words_before(file, offset);
     let word = match words.pop() {
         Some(word) if word.range.end == before.len() => word,
         _ => end,
     };
+    let quoted = before[word.range.start..].starts_with(['"', '\'']);
+    if let Some(names) = models.names_at(file, &word) {
+        let is_key = matches!(word.part, Part::Key | Part::Header);
+        let item = |name: &String| {
+            let mut item = item(name, REFERENCE, "");
+            let is_bare = is_key && name.chars().all(|c| is_word(c) && c.is_ascii() || c == '-');
+            if !quoted && !is_bare {
+                item["insertText"] = toml_text(name).into();
+            }
+            item
+        };
+        return names.iter().map(item).collect();
+    }
     match &word.part {
         Part::Header => headers(file, &word),
         Part::Key => match Manual::for_file(&file.path).table(&word.table) {
-            Some(section) => keys(section, kind_at(file, section, &word.table, offset)),
+            Some(section) => {
+                let form = KeyForm::at(&file.text, offset, " = ", snippets);
+                keys(section, kind_at(file, section, &word.table, offset), form)
+            }
             None => (params_at(file, &word).iter())
                 .map(|(name, _)| item(&name.name, PROPERTY, ""))
                 .collect(),
         },
-        Part::Value(key) => {
-            let quoted = before[word.range.start..].starts_with(['"', '\'']);
-            values(file, &word, key, quoted)
-        }
+        Part::Value(key) => values(file, &word, key, quoted),
         Part::Nothing => Vec::new(),
     }
 }
@@ -75,12 +141,12 @@ pub fn item(label: &str, kind: u32, text: &str) -> Value {
 }
 
 /// Keys of a table; of its kind alone, where that is known.
-pub fn keys(section: &'static SectionRecord, kind: Option<&str>) -> Vec<Value> {
+pub fn keys(section: &'static SectionRecord, kind: Option<&str>, form: KeyForm) -> Vec<Value> {
     let mut seen = BTreeSet::new();
     let is_own = |of: &Option<&str>| kind.is_none() || of.is_none() || *of == kind;
     let own = keys_of(section).filter(|(of, key)| is_own(of) && seen.insert(key.name));
     let mut all: Vec<_> = own
-        .map(|(word, key)| item(key.name, PROPERTY, &key_text(section, word, key)))
+        .map(|(word, key)| form.item(key, &key_text(section, word, key)))
         .collect();
     if let Some(first) = section.variants.first() {
         all.push(item(first.key, PROPERTY, &section_text(section)));
@@ -157,13 +223,7 @@ fn params_at(file: &Arc<Source>, word: &Word) -> Vec<(Name, Arc<Source>)> {
     if !(word.table.iter()).eq(["instance", "model", "params"]) {
         return Vec::new();
     }
-    // The scene of the same instance: between the same headers.
-    let header = |at: usize| file.text[..at].rfind("\n[[").map_or(0, |start| start + 1);
-    let own = header(word.range.start);
-    let is_scene = |known: &Word| {
-        known.part == Part::Value("scene".to_owned()) && header(known.range.start) == own
-    };
-    let Some(scene) = words(file).into_iter().find(is_scene) else {
+    let Some(scene) = beside(file, word, "scene") else {
         return Vec::new();
     };
     let parts = with_parts(file);
@@ -254,15 +314,29 @@ fn word_at(source: &Source, offset: usize) -> Option<Word> {
     words(source).into_iter().find(is_at)
 }
 
-/// Manual text about the word at a byte offset.
+/// Manual text about the word at a byte offset; for a name the table that defines it.
 pub fn hover(file: &Arc<Source>, offset: usize) -> Option<Value> {
     let word = word_at(file, offset)?;
+    let kinds = match &word.part {
+        Part::Value(key) => kinds_of_value(key),
+        _ => &[],
+    };
+    let table = written::table(&with_scopes(file), &word.text, |kind| kinds.contains(&kind));
+    let text = table.or_else(|| Some(meaning(file, &word)?.replace('\n', "\n\n")))?;
+    Some(json!({
+        "contents": { "kind": "markdown", "value": text },
+        "range": range(&file.text, &word.range),
+    }))
+}
+
+/// Text of the manual about a word.
+fn meaning(file: &Source, word: &Word) -> Option<String> {
     let manual = Manual::for_file(&file.path);
     let of_key = |table: &[String], name: &str| {
         let (section, variant, key) = manual.key(table, name)?;
         Some(key_text(section, variant, key))
     };
-    let text = match &word.part {
+    match &word.part {
         Part::Value(name) => {
             let chosen = manual.table(&word.table).and_then(|section| {
                 let known = section
@@ -271,24 +345,20 @@ pub fn hover(file: &Arc<Source>, offset: usize) -> Option<Value> {
                     .any(|v| v.key == name && v.word == word.text);
                 known.then(|| variant_text(section, &word.text))
             });
-            chosen.or_else(|| of_key(&word.table, name))?
+            chosen.or_else(|| of_key(&word.table, name))
         }
         Part::Key => of_key(&word.table, &word.text).or_else(|| {
             let section = manual.table(&word.table)?;
             let chooses = section.variants.iter().any(|v| v.key == word.text);
             chooses.then(|| section_text(section))
-        })?,
+        }),
         Part::Header => {
             let keys: Vec<_> = word.table.iter().chain([&word.text]).cloned().collect();
             let (Below::Table(section) | Below::Names(section)) = manual.below(&keys)?;
-            section_text(section)
+            Some(section_text(section))
         }
-        Part::Nothing => return None,
-    };
-    Some(json!({
-        "contents": { "kind": "markdown", "value": text.replace('\n', "\n\n") },
-        "range": range(&file.text, &word.range),
-    }))
+        Part::Nothing => None,
+    }
 }
 
 /// Locations of the definition of the name at a byte offset: a table, an instance, or a file.
@@ -327,25 +397,6 @@ pub fn definition(file: &Arc<Source>, offset: usize) -> Vec<Value> {
     places(&with_scopes(file), &word.text, |k| {
         kinds.iter().any(|kind| kind == k)
     })
-}
-
-/// Locations in these files that define the name, of a kind that `is_kind` accepts.
-pub fn places(files: &[Scoped], name: &str, is_kind: impl Fn(&str) -> bool) -> Vec<Value> {
-    let mut all = Vec::new();
-    for part in files {
-        let Some(name) = name.strip_prefix(part.prefix.as_str()) else {
-            continue;
-        };
-        let file = &part.source;
-        let given = names(file).into_iter();
-        let given = given.filter(|n| n.name == name && is_kind(&n.kind) && part.shows(&n.kind));
-        all.extend(
-            given.map(
-                |n| json!({ "uri": uri_of(&file.path), "range": range(&file.text, &n.range) }),
-            ),
-        );
-    }
-    all
 }
 
 /// Entries below a folder, by name, without hidden and unreadable entries: to `depth` folders below it, and through

@@ -72,6 +72,16 @@ pub fn words_before(source: &Source, offset: usize) -> (Vec<Word>, Word) {
     (walk.words, end)
 }
 
+/// Value of a key of the same `[[instance]]`: between the same headers.
+pub fn beside(file: &Source, word: &Word, key: &str) -> Option<Word> {
+    let header = |at: usize| file.text[..at].rfind("\n[[").map_or(0, |start| start + 1);
+    let own = header(word.range.start);
+    let is_it = |known: &Word| {
+        known.part == Part::Value(key.to_owned()) && header(known.range.start) == own
+    };
+    words(file).into_iter().find(is_it)
+}
+
 impl Walk {
     fn token(&mut self, kind: TokenKind, raw: &str, range: Range<usize>) {
         let in_array = self.inline.last().is_some_and(|i| !i.is_table);

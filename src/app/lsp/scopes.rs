@@ -6,9 +6,12 @@ use std::{
     sync::Arc,
 };
 
+use serde_json::{Value, json};
+
 use super::{
-    names::with_parts,
+    names::{Name, names, with_parts},
     outline::{Part, words},
+    position::{range, uri_of},
 };
 use crate::scene::diagnostic::Source;
 
@@ -121,6 +124,32 @@ pub fn placements(source: &Source) -> Vec<Placement> {
     }
     end(&mut name, &mut scene);
     all
+}
+
+/// Definitions of the name in these files, of a kind that `is_kind` accepts.
+pub fn definitions(
+    files: &[Scoped],
+    name: &str,
+    is_kind: impl Fn(&str) -> bool,
+) -> Vec<(Arc<Source>, Name)> {
+    let mut all = Vec::new();
+    for part in files {
+        let Some(name) = name.strip_prefix(part.prefix.as_str()) else {
+            continue;
+        };
+        let file = &part.source;
+        let given = names(file).into_iter();
+        let given = given.filter(|n| n.name == name && is_kind(&n.kind) && part.shows(&n.kind));
+        all.extend(given.map(|name| (Arc::clone(file), name)));
+    }
+    all
+}
+
+/// Locations of [`definitions`].
+pub fn places(files: &[Scoped], name: &str, is_kind: impl Fn(&str) -> bool) -> Vec<Value> {
+    let all = definitions(files, name, is_kind).into_iter();
+    let place = |(file, name): (Arc<Source>, Name)| json!({ "uri": uri_of(&file.path), "range": range(&file.text, &name.range) });
+    all.map(place).collect()
 }
 
 /// A name behind the groups of placed scenes: its own byte range in the name, the range of each group, and the file

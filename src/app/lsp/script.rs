@@ -5,12 +5,13 @@ use std::{collections::BTreeSet, fs, path::Path, sync::Arc};
 use serde_json::{Value, json};
 
 use super::{
-    answer::{PROPERTY, REFERENCE, places},
+    answer::{PROPERTY, REFERENCE},
     call::Call,
     names::{Name, names},
-    scopes::{Scoped, with_scopes},
+    scopes::{Scoped, places, with_scopes},
     script_map::{self, Inside},
     script_text::{in_quotes, is_word},
+    written,
 };
 use crate::scene::{diagnostic::Source, parse, script::api};
 
@@ -44,7 +45,7 @@ pub fn scenes_of(script: &Path, open: &[&Arc<Source>]) -> Vec<Scoped> {
 }
 
 /// Completions at a byte offset.
-pub fn complete(text: &str, offset: usize, scenes: &[Scoped]) -> Vec<Value> {
+pub fn complete(text: &str, offset: usize, scenes: &[Scoped], snippets: bool) -> Vec<Value> {
     let before = &text[..text.floor_char_boundary(offset)];
     let all = scenes.iter().flat_map(|part| {
         let own = names(&part.source).into_iter();
@@ -54,7 +55,7 @@ pub fn complete(text: &str, offset: usize, scenes: &[Scoped]) -> Vec<Value> {
         })
     });
     let quoted = in_quotes(before);
-    let inside = script_map::complete(text, before.len(), quoted);
+    let inside = script_map::complete(text, before.len(), quoted, snippets);
     match inside {
         Some(Inside::Items(items)) => return items,
         Some(Inside::Names([])) => return Vec::new(),
@@ -117,24 +118,35 @@ fn meaning(name: &str) -> Option<String> {
     (!texts.is_empty()).then(|| texts.join("\n\n"))
 }
 
-/// Manual text about the API name at a byte offset.
-pub fn hover(text: &str, offset: usize) -> Option<Value> {
-    let text = meaning(word_at(text, offset))?;
+/// Text about the name at a byte offset: the table of a name in quotes, a function of the script, or one of the API.
+pub fn hover(text: &str, offset: usize, scenes: &[Scoped]) -> Option<Value> {
+    let before = &text[..text.floor_char_boundary(offset)];
+    let (name, start) = (word_at(text, offset), before.trim_end_matches(is_word));
+    let text = match quoted_at(text, before) {
+        Some(quoted) => written::table(scenes, quoted, |kind| kind != "params")?,
+        None => (Some(name).filter(|_| !start.ends_with("ctx.")))
+            .and_then(|name| written::function(text, name))
+            .or_else(|| meaning(name))?,
+    };
     Some(json!({ "contents": { "kind": "markdown", "value": text } }))
 }
 
 /// Locations in the scenes that define the name at a byte offset: a quoted name, or a parameter.
 pub fn definition(text: &str, offset: usize, scenes: &[Scoped]) -> Vec<Value> {
     let before = &text[..text.floor_char_boundary(offset)];
-    if in_quotes(before) {
-        let start = before.rfind('"').map_or(0, |i| i + 1);
-        let name = text[start..].split(['"', '\n']).next().unwrap_or_default();
+    if let Some(name) = quoted_at(text, before) {
         return places(scenes, name, |kind| kind != "params");
     }
     match before.trim_end_matches(is_word).ends_with("ctx.params.") {
         true => places(scenes, word_at(text, offset), |kind| kind == "params"),
         false => Vec::new(),
     }
+}
+
+/// Text in quotes around the end of `before`.
+fn quoted_at<'t>(text: &'t str, before: &str) -> Option<&'t str> {
+    let start = before.rfind('"').filter(|_| in_quotes(before))? + 1;
+    text[start..].split(['"', '\n']).next()
 }
 
 fn word_at(text: &str, offset: usize) -> &str {

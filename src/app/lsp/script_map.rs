@@ -5,7 +5,7 @@ use std::{cell::Cell, ops::Range, path::Path};
 use serde_json::{Value, json};
 
 use super::{
-    answer::{PROPERTY, VALUE, item, keys},
+    answer::{KeyForm, PROPERTY, VALUE, item, keys},
     call::code,
     names::kinds_of_value,
     script_text::is_word,
@@ -66,7 +66,7 @@ pub enum Inside {
 
 /// Completions at a byte offset in a map whose goal is known: keys, or in quotes the words and names of the key's
 /// value.
-pub fn complete(text: &str, offset: usize, quoted: bool) -> Option<Inside> {
+pub fn complete(text: &str, offset: usize, quoted: bool, snippets: bool) -> Option<Inside> {
     if text.len() > MOST_BYTES {
         return None;
     }
@@ -84,7 +84,8 @@ pub fn complete(text: &str, offset: usize, quoted: bool) -> Option<Inside> {
         let map = open.last().filter(|open| open.kind == Kind::Map)?;
         let at_key = map.key.is_none();
         let goal = script.goal(map.at, DEPTH).filter(|_| at_key)?;
-        return Some(Inside::Items(script.keys(&goal, map.at)));
+        let form = KeyForm::at(text, offset, ": ", snippets);
+        return Some(Inside::Items(script.keys(&goal, map.at, form)));
     }
     let map = open.iter().rfind(|open| open.kind != Kind::List)?;
     let key = text[map.key.clone()?].to_owned();
@@ -203,7 +204,7 @@ impl Script<'_> {
     }
 
     /// Keys that a map of this goal may still get.
-    fn keys(&self, goal: &Goal, map: usize) -> Vec<Value> {
+    fn keys(&self, goal: &Goal, map: usize, form: KeyForm) -> Vec<Value> {
         let own = self.entries(map);
         let has = |item: &Value| own.iter().any(|(key, _)| item["label"] == *key);
         let mut all = match &goal.function {
@@ -222,7 +223,7 @@ impl Script<'_> {
                     let kind = own.iter().find(|(key, _)| Some(*key) == chosen);
                     let known = kind
                         .and_then(|(_, word)| section.variants.iter().find(|v| v.word == *word));
-                    keys(section, known.map(|variant| variant.word))
+                    keys(section, known.map(|variant| variant.word), form)
                 })
             }
         };
@@ -309,7 +310,7 @@ mod tests {
     fn labels(text: &str) -> Vec<String> {
         let (before, after) = text.split_once('|').expect("a mark");
         let quoted = super::super::script_text::in_quotes(before);
-        match complete(&format!("{before}{after}"), before.len(), quoted) {
+        match complete(&format!("{before}{after}"), before.len(), quoted, false) {
             Some(Inside::Items(all)) => {
                 let label = |item: &Value| item["label"].as_str().unwrap_or_default().to_owned();
                 all.iter().map(label).collect()

@@ -72,6 +72,12 @@ pub fn folds(file: &Source) -> Vec<Value> {
     all.into_iter().map(fold).collect()
 }
 
+/// Byte range of the table or function around a byte offset; the innermost one.
+pub fn section_at(file: &Source, offset: usize) -> Option<Range<usize>> {
+    let all = sections(file).into_iter().map(|section| section.whole);
+    all.rev().find(|whole| whole.contains(&offset))
+}
+
 fn sections(file: &Source) -> Vec<Section> {
     let starts = match is_script(&file.path) {
         true => functions(&file.text),
@@ -146,7 +152,8 @@ fn headers(file: &Source) -> Vec<(String, Range<usize>, u32)> {
     all
 }
 
-fn functions(text: &str) -> Vec<(String, Range<usize>, u32)> {
+/// Functions that a script defines: name, line and kind of symbol.
+pub fn functions(text: &str) -> Vec<(String, Range<usize>, u32)> {
     let tokens = tokens(text);
     let is_function = |pair: &&[Token]| pair[0].text == "fn" && pair[1].is_word();
     let named = tokens.windows(2).filter(is_function);

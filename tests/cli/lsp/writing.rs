@@ -42,24 +42,6 @@ fn calls_in_scripts_show_their_signatures() {
 }
 
 #[test]
-fn calls_in_scripts_take_names_of_their_kind() {
-    let mut client = scripted("kinds");
-    let proposed = |client: &mut Client, call: &str| {
-        client.proposed("move.rhai", &format!("fn frame(ctx) {{\n  {call}"))
-    };
-    assert_eq!(proposed(&mut client, "ctx.place(\"|"), ["first"]);
-    assert_eq!(proposed(&mut client, "ctx.light(\"|"), ["lamp"]);
-    assert_eq!(proposed(&mut client, "ctx.material(\"|"), ["ball", "brass"]);
-    assert_eq!(proposed(&mut client, "ctx.mesh(\"|"), ["ball"]);
-    // Where nothing is known of the text, all names are proposed.
-    assert_eq!(
-        proposed(&mut client, "let name = \"|"),
-        ["ball", "brass", "first", "lamp"]
-    );
-    client.end();
-}
-
-#[test]
 fn texts_are_formatted_and_keep_their_comments() {
     let mut client = Client::start("format");
     let text = "version=1 # of the language\n# The ball.\n[model.ball]\nshape={kind=\"sphere\",radius=1}\n\n\n\n\n[camera.main]\neye=[0,1,5]\n\
