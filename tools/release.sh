@@ -124,7 +124,6 @@ cp "$work/addon/addon.zip" "$tree/share/doc/reflet/reflet-blender-$version.zip"
 mkdir -p "$work/vscode"
 git archive HEAD:tools/vscode | tar -x -C "$work/vscode"
 find "$work/vscode" -exec touch -d "@$SOURCE_DATE_EPOCH" {} +
-cp LICENSE-MIT "$work/vscode/LICENSE"
 (cd "$work/vscode" && npm ci --silent && npm run --silent package)
 cp "$work/vscode/reflet.vsix" "$tree/share/doc/reflet/reflet-$version.vsix"
 

@@ -18,6 +18,39 @@ function program() {
   return vscode.workspace.getConfiguration("reflet").get("path", "reflet");
 }
 
+/** Whether a text is a scene: its first line names Reflet's schema, or it has a version and a table of scenes. */
+function isScene(text) {
+  const table =
+    /^\s*\[*(camera|decal|environment|group|image|instance|light|material|model|params|reflection|timeline)\b/m;
+  return /^#:schema\s.*reflet/i.test(text) || (/^version\s*=\s*1\s*(#|$)/m.test(text) && table.test(text));
+}
+
+/** Whether a document needs the server. */
+function needsServer(document) {
+  return (
+    document.languageId === "rhai" ||
+    path.basename(document.fileName) === "reflet.toml" ||
+    (document.languageId === "toml" && isScene(document.getText()))
+  );
+}
+
+/** Starts the server once it is needed: with a project in the folders of the window, a script or a scene. */
+async function startWhereNeeded(context) {
+  const { workspace } = vscode;
+  const projects = await workspace.findFiles("**/reflet.toml", "**/node_modules/**", 1);
+  if (projects.length > 0 || workspace.textDocuments.some(needsServer)) return startServer();
+  let isStarted = false;
+  const look = async (document) => {
+    if (isStarted || !needsServer(document)) return;
+    isStarted = true;
+    if (client === undefined) await startServer();
+  };
+  context.subscriptions.push(
+    workspace.onDidOpenTextDocument(look),
+    workspace.onDidChangeTextDocument((change) => look(change.document)),
+  );
+}
+
 async function startServer() {
   const server = { command: program(), args: ["lsp"] };
   client = new LanguageClient("reflet", "Reflet", server, {
@@ -121,6 +154,7 @@ function activate(context) {
     context.subscriptions.push(vscode.commands.registerCommand(name, run));
   command("reflet.picture", () => {
     const scene = activeScene();
+    if (scene && client === undefined) startServer();
     return scene && new PicturePane(scene);
   });
   command("reflet.preview", () => {
@@ -135,7 +169,7 @@ function activate(context) {
     await client?.stop();
     await startServer();
   });
-  return startServer();
+  return startWhereNeeded(context);
 }
 
 function deactivate() {
@@ -144,4 +178,4 @@ function deactivate() {
   return client?.stop();
 }
 
-module.exports = { activate, deactivate, page };
+module.exports = { activate, deactivate, isScene, page };

@@ -3,6 +3,7 @@
 "use strict";
 
 const assert = require("node:assert");
+const { spawnSync } = require("node:child_process");
 const fs = require("node:fs");
 const Module = require("node:module");
 const os = require("node:os");
@@ -10,7 +11,9 @@ const path = require("node:path");
 const { after, test } = require("node:test");
 
 const root = path.join(__dirname, "..");
-const reflet = process.env.REFLET ?? path.join(root, "../../target/debug/reflet");
+const built = ["debug", "release"].map((kind) => path.join(root, "../../target", kind, "reflet"));
+const reflet = process.env.REFLET ?? built.find((file) => fs.existsSync(file)) ?? "reflet";
+const skip = spawnSync(reflet, ["--version"]).error && "there is no program: set REFLET";
 
 /** What the extension has done to the stand-in. */
 const seen = { commands: {}, panels: [], messages: [] };
@@ -42,6 +45,10 @@ const vscode = {
       get: (name, value) =>
         ({ path: reflet, pictureArguments: ["--size", "16x9"] })[name] ?? value,
     }),
+    findFiles: async () => [],
+    textDocuments: [],
+    onDidOpenTextDocument: (run) => (seen.opened = run),
+    onDidChangeTextDocument: () => {},
   },
 };
 
@@ -74,6 +81,13 @@ async function until(holds) {
 
 test("it starts the language server and registers what the manifest names", async () => {
   await extension.activate({ subscriptions: [] });
+  const open = (fileName, text) =>
+    seen.opened({ languageId: "toml", fileName, getText: () => text });
+  await open("Cargo.toml", 'version = 1\n[package]\nname = "model"\n');
+  assert.strictEqual(seen.server, undefined);
+  const readme = fs.readFileSync(path.join(root, "../../README.md"), "utf8");
+  const [scene] = readme.match(/(?<=```toml\n)version = 1\n[^`]*/);
+  await open("my.toml", scene);
   assert.deepStrictEqual(seen.server, { command: reflet, args: ["lsp"] });
   const manifest = JSON.parse(fs.readFileSync(path.join(root, "package.json")));
   const named = manifest.contributes.commands.map((command) => command.command).sort();
@@ -83,7 +97,7 @@ test("it starts the language server and registers what the manifest names", asyn
   }
 });
 
-test("the pane shows the picture, the next one after a save, and mistakes", async () => {
+test("the pane shows the picture, the next one after a save, and mistakes", { skip }, async () => {
   const scene = path.join(folder, "a.toml");
   const text = `version = 1
 camera.main = { eye = [0, 1, 3], target = [0, 0, 0] }
