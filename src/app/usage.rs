@@ -58,7 +58,7 @@ fn advice(error: &clap::Error) -> Option<String> {
     };
     let name = typed.split(['=', ' ']).next().unwrap_or(typed);
     let is_written = [
-        ".png", ".exr", ".jpg", ".jpeg", ".mp4", ".webm", ".mov", ".gif",
+        ".png", ".exr", ".jpg", ".jpeg", ".webp", ".mp4", ".webm", ".mov", ".gif",
     ];
     let is_picture = is_written.iter().any(|ending| typed.ends_with(ending));
     find(known.arguments, name)

@@ -33,8 +33,8 @@ pub fn refused(error: &eframe::Error) -> WindowError {
     let text = error.to_string();
     let text = without_source(&text);
     WindowError::Display(format!(
-        "no window can be opened: {text}; check the display, or use `reflet render`, which needs \
-         none"
+        "no window can be opened: {text}; check the display, or use `reflet preview SCENE --serve`, \
+         which shows it in a browser"
     ))
 }
 
