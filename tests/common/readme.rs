@@ -6,8 +6,6 @@ use std::{fs, path::Path};
 pub struct Story {
     scene: String,
     motion: String,
-    /// Scene that is a variation of the first one, `my.toml`.
-    pub shot: String,
     /// Scene in which a rigged lamp, `lamp.toml`, is placed.
     pub rig: String,
     /// Lines of the scene that name the script and give its parameters.
@@ -40,7 +38,6 @@ impl Story {
         Self {
             scene: blocks(&readme, "```toml\n").swap_remove(0),
             motion: with("[motion.camera.main]"),
-            shot: with("base = \"my.toml\""),
             rig: with("scene = \"lamp.toml\""),
             script_lines,
             script_name,

@@ -273,17 +273,3 @@ fn variants_are_laid_over_the_scene() {
     let layered = over_base("[variant.v]\nbase = \"b.toml\"\n");
     layered.assert_says(&["v"], &["a variant cannot have `base`"]);
 }
-
-#[test]
-fn the_variation_of_the_guide_can_be_read() {
-    let story = crate::common::readme::Story::read();
-    let [scene, ..] = story.scenes();
-    let files = [
-        ("shot/my.toml", scene.as_str()),
-        ("shot/scene.toml", &story.shot),
-    ];
-    let folder = Folder::with(&files);
-    let scene = or_panic!(folder.read(&["dusk"], &[]));
-    assert_eq!((scene.instances.len(), scene.lights.len()), (4, 0));
-    assert!(scene.environment.zenith.z > 0.2, "{:?}", scene.environment);
-}
