@@ -216,175 +216,53 @@ impl Keys<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::stages::Scene;
 
-    fn key(at_s: f32, x: f32) -> KeyDesc {
-        KeyDesc {
-            at_s,
-            value: Vec3::new(x, 0.0, 0.0),
-            ease: Ease::None,
-            handle_in: None,
-            handle_out: None,
-            at: Default::default(),
-        }
-    }
-
-    fn x(desc: &TrackDesc, time_s: f64) -> f32 {
-        Track::new(desc, |_| None)
-            .value_at(time_s, Vec3::ZERO, None)
-            .x
-    }
-
-    fn with(keys: Vec<KeyDesc>, curve: CurveKind) -> TrackDesc {
-        TrackDesc {
-            keys,
-            curve,
-            ..TrackDesc::default()
-        }
-    }
-
-    const CURVES: [CurveKind; 5] = [
-        CurveKind::Step,
-        CurveKind::Linear,
-        CurveKind::CatmullRom,
-        CurveKind::Centripetal,
-        CurveKind::Bezier,
-    ];
+    /// Seconds over which a speed is measured.
+    const STEP_S: f64 = 1e-3;
 
     #[test]
-    fn every_curve_meets_its_keys_and_holds_the_ends() {
-        for curve in CURVES {
-            for loop_s in [None, Some(5.0)] {
-                let track = TrackDesc {
-                    loop_s,
-                    ..with(vec![key(1.0, 2.0), key(2.0, 5.0), key(4.0, -1.0)], curve)
-                };
-                for (time, value) in [(1.0, 2.0), (2.0, 5.0), (4.0, -1.0)] {
-                    let got = x(&track, time);
-                    assert!((got - value).abs() < 1e-5, "{curve:?} {time}: {got}");
-                }
-                if loop_s.is_none() {
-                    assert_eq!((x(&track, -9.0), x(&track, 99.0)), (2.0, -1.0));
-                } else {
-                    for time in [0.5, 1.7, 4.5] {
-                        let (a, b) = (x(&track, time), x(&track, time + 15.0));
-                        assert!((a - b).abs() < 1e-4, "{curve:?} {time}: {a} {b}");
+    fn tracks_have_their_values_and_speeds() {
+        for case in include_str!("track_cases.txt").lines() {
+            let Some((track, outcomes)) = case.split_once(" => ") else {
+                continue;
+            };
+            let numbers = |text: &str| -> Vec<f64> {
+                let words = text.split([' ', ',']);
+                words.map(|word| word.parse().expect(case)).collect()
+            };
+            let (track, base) = track.split_once(" @ ").unwrap_or((track, "0 0 0"));
+            let base = DVec3::from_slice(&numbers(base)).as_vec3();
+            let text = format!("version = 1\n[camera.a]\n[motion.camera.a]\neye = {{ {track} }}\n");
+            let read = Scene::from_text(&text, "a.toml".as_ref(), &[]);
+            let (scene, _) = read.unwrap_or_else(|mistakes| panic!("{case}: {mistakes:?}"));
+            let (_, desc) = &scene.motion.cameras[0].value.tracks[0];
+            let track = Track::new(desc, |_| None);
+            let at = |time_s: f64| track.value_at(time_s, base, None).as_dvec3();
+            for outcome in outcomes.split(' ') {
+                let sign = outcome.find([':', '~', '/']).expect(case);
+                let (time, rest) = (numbers(&outcome[..sign])[0], &outcome[sign + 1..]);
+                let speed = |from: f64| (at(from + STEP_S).x - at(from).x) / STEP_S;
+                let [before, after] = [time - STEP_S, time].map(speed);
+                let is_right = match (&outcome[sign..=sign], rest) {
+                    ("/", "+") => before > 0.0 && after > 0.0,
+                    ("/", rest) => {
+                        let expected = numbers(rest)[0];
+                        (before - expected).abs().max((after - expected).abs()) < 0.01
                     }
-                }
+                    ("~", rest) => at(time).distance(at(numbers(rest)[0])) < 1e-4,
+                    (_, rest) => {
+                        let expected = numbers(rest).into_iter();
+                        let found = at(time).to_array().into_iter();
+                        found.zip(expected).all(|(a, b)| (a - b).abs() < 1e-5)
+                    }
+                };
+                assert!(
+                    is_right,
+                    "{outcome}, found {}, {before}, {after}: {case}",
+                    at(time)
+                );
             }
         }
-    }
-
-    #[test]
-    fn smooth_loops_have_no_corner_where_they_close() {
-        for curve in [CurveKind::CatmullRom, CurveKind::Centripetal] {
-            let track = TrackDesc {
-                loop_s: Some(4.0),
-                ..with(
-                    vec![key(0.0, 0.0), key(1.0, 1.0), key(2.0, 0.5), key(3.0, -1.0)],
-                    curve,
-                )
-            };
-            let step = 1e-3;
-            let before = f64::from(x(&track, 4.0) - x(&track, 4.0 - step)) / step;
-            let after = f64::from(x(&track, 4.0 + step) - x(&track, 4.0)) / step;
-            // The centripetal tangent keeps its direction; its length follows the pieces.
-            assert!(before > 0.0 && after > 0.0, "{curve:?} {before} {after}");
-            if curve == CurveKind::CatmullRom {
-                assert!((before - after).abs() < 0.01, "{before} {after}");
-            }
-        }
-    }
-
-    #[test]
-    fn uneven_keys_make_no_jump_of_the_speed() {
-        let keys = || vec![key(0.0, 0.0), key(1.0, 1.0), key(5.0, 2.0), key(6.0, 3.0)];
-        for loop_s in [None, Some(9.0)] {
-            let track = TrackDesc {
-                loop_s,
-                ..with(keys(), CurveKind::CatmullRom)
-            };
-            let step = 1e-3;
-            for time in [1.0, 5.0] {
-                let before = f64::from(x(&track, time) - x(&track, time - step)) / step;
-                let after = f64::from(x(&track, time + step) - x(&track, time)) / step;
-                // The mean speed from key to key: 2 m in 5 s.
-                assert!((before - 0.4).abs() < 0.01, "{time}: {before}");
-                assert!((after - 0.4).abs() < 0.01, "{time}: {after}");
-            }
-        }
-    }
-
-    #[test]
-    fn constant_speed_ignores_the_times_between() {
-        let track = TrackDesc {
-            constant_speed: true,
-            ..with(
-                vec![key(0.0, 0.0), key(0.1, 1.0), key(10.0, 10.0)],
-                CurveKind::Linear,
-            )
-        };
-        for time in [0.0, 2.5, 5.0, 7.5, 10.0] {
-            assert!((f64::from(x(&track, time)) - time).abs() < 1e-5);
-        }
-    }
-
-    #[test]
-    fn easing_keeps_the_ends_and_bends_the_middle() {
-        for (ease, quarter) in [
-            (Ease::None, 0.25),
-            (Ease::In, 0.0625),
-            (Ease::Out, 0.4375),
-            (Ease::InOut, 0.15625),
-        ] {
-            let whole = TrackDesc {
-                ease,
-                ..with(vec![key(0.0, 0.0), key(1.0, 1.0)], CurveKind::Linear)
-            };
-            let mut one = whole.clone();
-            one.ease = Ease::None;
-            one.keys[0].ease = ease;
-            for track in [whole, one] {
-                assert_eq!((x(&track, 0.0), x(&track, 1.0)), (0.0, 1.0));
-                assert!((x(&track, 0.25) - quarter).abs() < 1e-6, "{ease:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn bezier_handles_bend_the_way() {
-        let mut track = with(vec![key(0.0, 0.0), key(1.0, 1.0)], CurveKind::Bezier);
-        assert!((x(&track, 0.3) - 0.3).abs() < 1e-6, "straight by default");
-        track.keys[0].handle_out = Some(Vec3::ZERO);
-        track.keys[1].handle_in = Some(Vec3::ZERO);
-        // 3u² − 2u³ at 0.25.
-        assert!((x(&track, 0.25) - 0.15625).abs() < 1e-6);
-    }
-
-    #[test]
-    fn helpers_add_to_the_base() {
-        let orbit = OrbitDesc {
-            center: Vec3::new(1.0, 0.0, 0.0),
-            axis: Vec3::Y,
-            period_s: 4.0,
-            phase: 0.0,
-        };
-        let track = TrackDesc {
-            orbit: Some(orbit),
-            ..TrackDesc::default()
-        };
-        let at = Track::new(&track, |_| None).value_at(1.0, Vec3::new(3.0, 5.0, 0.0), None);
-        // A quarter turn, counterclockwise seen from above: +X goes to −Z.
-        assert!(at.distance(Vec3::new(1.0, 5.0, -2.0)) < 1e-5, "{at}");
-        let track = TrackDesc {
-            rate: Some(Vec3::X),
-            oscillate: Some(crate::desc::OscillateDesc {
-                amplitude: Vec3::new(0.5, 0.0, 0.0),
-                period_s: 2.0,
-                phase: 0.25,
-            }),
-            ..TrackDesc::default()
-        };
-        let at = Track::new(&track, |_| None).value_at(2.0, Vec3::new(10.0, 0.0, 0.0), None);
-        assert!((at.x - 12.5).abs() < 1e-6, "{at}");
     }
 }
