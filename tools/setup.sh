@@ -214,7 +214,7 @@ missing_to_run() {
         missing+=(python3 python3-venv)
         echo "missing: python3-venv"
     fi
-    # Only .mp4, .mov, .mkv and .webm need ffmpeg, so a machine that only builds goes without.
+    # Only films other than .apng need ffmpeg, so a machine that only builds goes without.
     if [ "$only" = run ] && ! has ffmpeg; then
         missing+=(ffmpeg)
         echo "missing: ffmpeg"

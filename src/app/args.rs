@@ -224,8 +224,8 @@ pub struct RenderArgs {
     /// Scene file or model; without one, the built-in atrium
     pub scene: Option<PathBuf>,
     /// Picture to write, without it the project's: .png (tone-mapped) or .exr (linear radiance), with #### (at most 20)
-    /// where the number of a frame goes, or %04d, $F4, <frame> or {frame:04}; or a film: .apng, or .mp4, .mov, .mkv or
-    /// .webm through ffmpeg
+    /// where the number of a frame goes, or %04d, $F4, <frame> or {frame:04}; or a film: .apng, or .mp4, .mov, .mkv,
+    /// .webm, .gif or .webp through ffmpeg
     #[arg(short, long, value_name = "FILE", value_hint = clap::ValueHint::AnyPath)]
     #[allow(rustdoc::invalid_html_tags, reason = "the text is that of --help")]
     pub output: Option<Goal>,

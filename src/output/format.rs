@@ -27,33 +27,51 @@ pub enum PictureFormat {
 pub struct FilmFormat {
     /// File extension, without its dot.
     pub ending: &'static str,
-    /// ffmpeg's container and encoder; none for APNG, which is built in.
-    pub ffmpeg: Option<(&'static str, &'static str)>,
+    /// ffmpeg's container, encoder and options, between blanks; none for APNG, which is built in.
+    pub ffmpeg: Option<&'static [&'static str]>,
     /// Allowed frame rates.
     pub fps: RangeInclusive<f32>,
 }
 
+/// Display colors are sRGB; most players assume BT.709.
+const VIDEO: &str = "-crf 18 -pix_fmt yuv420p -colorspace bt709 -color_primaries bt709 -color_trc bt709 \
+    -vf scale=out_color_matrix=bt709:out_range=tv,setparams=color_primaries=bt709:color_trc=bt709";
+/// Index first, for playback while downloading.
+const INDEX_FIRST: &str = "-movflags +faststart";
+const MP4: &[&str] = &["-f mp4 -c:v libx264", INDEX_FIRST, VIDEO];
+const MOV: &[&str] = &["-f mov -c:v libx264", INDEX_FIRST, VIDEO];
+const MKV: &[&str] = &["-f matroska -c:v libx264", VIDEO];
+const WEBM: &[&str] = &["-f webm -c:v libvpx-vp9", VIDEO];
+/// A palette a frame: one of the whole film has fewer colors for each, and holds all frames in memory until the last.
+/// The ordered dither stays where nothing moves; it plays without end.
+const GIF: &str = "-f gif -c:v gif -loop 0 \
+    -vf split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1:dither=bayer:bayer_scale=4";
+/// The library converts colors itself, as the format's BT.601 wants.
+const WEBP: &str = "-f webp -c:v libwebp_anim -quality 90 -pix_fmt bgra -loop 0";
+
 /// All film formats.
-pub const FILMS: [FilmFormat; 5] = [
+pub const FILMS: [FilmFormat; 7] = [
     // Frame durations are fractions of 16-bit numbers.
-    film("apng", None, 1.0 / 65535.0, 65535.0),
-    film("mp4", Some(("mp4", "libx264")), 0.001, 1000.0),
-    film("mov", Some(("mov", "libx264")), 0.001, 1000.0),
-    film("mkv", Some(("matroska", "libx264")), 0.001, 1000.0),
+    film("apng", None, 1.0 / 65535.0..=65535.0),
+    film("mp4", Some(MP4), 0.001..=1000.0),
+    film("mov", Some(MOV), 0.001..=1000.0),
+    film("mkv", Some(MKV), 0.001..=1000.0),
     // Times are whole milliseconds; slower films play at 1000 frames a second.
-    film("webm", Some(("webm", "libvpx-vp9")), 1.0, 1000.0),
+    film("webm", Some(WEBM), 1.0..=1000.0),
+    // Times are 16-bit hundredths of a second. Browsers show a frame of less than 2 of them, or of 10 ms, for 100 ms.
+    film("gif", Some(&[GIF]), 0.002..=50.0),
+    film("webp", Some(&[WEBP]), 0.001..=90.0),
 ];
 
 const fn film(
     ending: &'static str,
-    ffmpeg: Option<(&'static str, &'static str)>,
-    least_fps: f32,
-    most_fps: f32,
+    ffmpeg: Option<&'static [&'static str]>,
+    fps: RangeInclusive<f32>,
 ) -> FilmFormat {
     FilmFormat {
         ending,
         ffmpeg,
-        fps: least_fps..=most_fps,
+        fps,
     }
 }
 
@@ -98,6 +116,11 @@ fn unknown(path: &Path) -> OutputError {
 }
 
 impl FilmFormat {
+    /// Whether width and height must be even, because colors have half the resolution.
+    pub fn has_even_sides(&self) -> bool {
+        self.ffmpeg.is_some_and(|options| options.contains(&VIDEO))
+    }
+
     /// Refuses a frame rate that the format cannot store.
     ///
     /// # Errors
@@ -128,6 +151,7 @@ mod tests {
                 assert!(why.contains("timeline.fps"), "{why}");
             }
             assert_eq!(film.check_rate(0.5).is_err(), film.ending == "webm");
+            assert_eq!(film.check_rate(60.0).is_err(), film.ending == "gif");
         }
     }
 }

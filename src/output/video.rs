@@ -71,9 +71,10 @@ impl Film {
         let temporary = Temporary::create(path).map_err(|e| usage(e.to_string()))?;
         let encoder = match format.ffmpeg {
             None => apng(&temporary, size, fps, frames).map_err(usage)?,
-            Some((container, codec)) => {
-                ffmpeg(&temporary, size, fps, container, codec).map_err(usage)?
+            Some(_) if format.has_even_sides() && size.iter().any(|side| side % 2 == 1) => {
+                return Err(usage(odd(size)));
             }
+            Some(options) => ffmpeg(&temporary, size, fps, options).map_err(usage)?,
         };
         Ok(Self {
             path: path.to_path_buf(),
@@ -260,23 +261,22 @@ fn delay(fps: f32) -> (u16, u16) {
     }
 }
 
+/// Message of a size that a format of half the resolution for colors cannot have.
+fn odd([width, height]: [u32; 2]) -> String {
+    let even = [width, height].map(|side| side.next_multiple_of(2));
+    format!(
+        "{width}x{height} is not even, which this format needs; choose --size {}x{}, or write .apng",
+        even[0], even[1]
+    )
+}
+
 fn ffmpeg(
     temporary: &Temporary,
     size: [u32; 2],
     fps: f32,
-    container: &str,
-    codec: &str,
+    options: &[&str],
 ) -> Result<Encoder, String> {
-    let [width, height] = size;
-    if width % 2 == 1 || height % 2 == 1 {
-        let even = [width, height].map(|side| side.next_multiple_of(2));
-        return Err(format!(
-            "{width}x{height} is not even, which this format needs; choose --size {}x{}, or write \
-             .apng",
-            even[0], even[1]
-        ));
-    }
-    let size = format!("{width}x{height}");
+    let size = format!("{}x{}", size[0], size[1]);
     let rate = fps.to_string();
     // On Linux ffmpeg gets the open file, whose name may have become a link meanwhile. It reads a relative path with a
     // colon as a protocol.
@@ -302,26 +302,14 @@ fn ffmpeg(
         .args([
             "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", &size, "-r", &rate, "-i", "pipe:0",
         ])
-        .args(["-an", "-c:v", codec, "-crf", "18", "-pix_fmt", "yuv420p"])
-        // Display colors are sRGB; most players assume BT.709.
-        .args([
-            "-vf",
-            "scale=out_color_matrix=bt709:out_range=tv,\
-             setparams=color_primaries=bt709:color_trc=bt709",
-        ])
-        .args(["-colorspace", "bt709", "-color_primaries", "bt709"])
-        .args(["-color_trc", "bt709"])
+        .arg("-an")
+        .args(options.iter().flat_map(|some| some.split_whitespace()))
         // The same bytes in every run: no random numbers in Matroska, no versions, and not as many threads as cores.
         .args(["-fflags", "+bitexact", "-flags:v", "+bitexact"])
         .args(["-threads", ENCODER_THREADS])
-        .args(["-f", container])
         .stdin(Stdio::piped())
         .stdout(output.map_err(|e| e.to_string())?)
         .stderr(Stdio::piped());
-    if matches!(container, "mp4" | "mov") {
-        // Index first, for playback while downloading.
-        command.args(["-movflags", "+faststart"]);
-    }
     #[cfg(unix)]
     {
         use std::os::unix::process::CommandExt as _;

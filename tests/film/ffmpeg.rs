@@ -32,25 +32,29 @@ fn films_have_every_frame_at_its_time() {
         return;
     }
     let folder = folder("ffmpeg");
-    for name in ["f.mp4", "f.webm", "f.mov", "f.mkv"] {
+    // ffmpeg could read text before a colon as a protocol.
+    fs::create_dir(folder.join("take:2")).expect("new");
+    let video: &[&str] = &["pix_fmt=yuv420p", "color_space=bt709"];
+    for (name, colors) in [
+        ("f.mp4", video),
+        ("take:2/f.webm", video),
+        ("take:2/f.mov", video),
+        ("f.mkv", video),
+        ("f.gif", &["pix_fmt=bgra"]),
+    ] {
         super::render(&folder, ["-o", name], 0);
         let shown = "stream=nb_read_frames,width,height,r_frame_rate,pix_fmt,color_space";
         let probe = Command::new("ffprobe")
             .current_dir(&folder)
             .args(["-v", "error", "-count_frames", "-of", "default=nk=0:nw=1"])
-            .args(["-show_entries", shown, name])
+            .args(["-show_entries", shown])
+            .arg(folder.join(name))
             .output()
             .expect("it starts");
         let facts = String::from_utf8_lossy(&probe.stdout).into_owned();
-        for fact in [
-            "width=24",
-            "height=16",
-            "pix_fmt=yuv420p",
-            "color_space=bt709",
-            "r_frame_rate=10/1",
-            "nb_read_frames=6",
-        ] {
-            assert!(facts.lines().any(|line| line == fact), "{name}: {facts}");
+        let all = ["width=24", "height=16", "nb_read_frames=6"];
+        for fact in all.iter().chain(&["r_frame_rate=10/1"]).chain(colors) {
+            assert!(facts.lines().any(|line| line == *fact), "{name}: {facts}");
         }
     }
     // Playback can start before the download ends.
@@ -62,31 +66,19 @@ fn films_have_every_frame_at_its_time() {
     assert!(!folder.join("odd.mp4").exists());
 }
 
-/// Output path with a colon: ffmpeg could read text before a colon as a protocol.
 #[test]
-fn a_folder_may_have_a_colon_in_its_name() {
-    if gpu_or_skip().is_none() || !is_there("ffmpeg") {
-        return;
-    }
-    let folder = folder("ffmpeg-colon");
-    fs::create_dir(folder.join("take:2")).expect("new");
-    for name in ["take:2/f.mp4", "take:2/f.webm"] {
-        super::render(&folder, ["-o", name], 0);
-        assert!(folder.join(name).is_file(), "{name}");
-    }
-}
-
-#[test]
-fn rates_that_a_format_cannot_have_are_refused_before_rendering() {
+fn films_that_cannot_be_written_are_refused_before_rendering() {
     or_skip!(gpu_or_skip());
     let folder = folder("rates");
     let before = names(&folder);
-    for (name, fps) in [("f.mp4", "1e-9"), ("f.webm", "0.5"), ("f.apng", "1e-9")] {
+    for (name, fps) in [("f.mp4", "1e-9"), ("f.webm", "0.5"), ("f.gif", "60")] {
         let rate = format!("timeline.fps={fps}");
         let text = super::render(&folder, ["-o", name, "--set", &rate], 2);
         assert!(text.contains("timeline.fps is "), "{name}: {text}");
         assert!(!text.contains("frame 0"), "{name}: {text}");
     }
+    let text = with_path(&folder, "/nowhere", "-o f.mp4", 2);
+    assert_says(&text, &["ffmpeg is not installed", "write .apng or frames"]);
     assert_eq!(names(&folder), before);
 }
 
@@ -260,16 +252,4 @@ fn a_signal_ends_a_film_whose_ffmpeg_has_stopped() {
         fs::remove_file(folder.join("started")).expect("it has started");
         assert_eq!(names(&folder), before, "{script}");
     }
-}
-
-#[test]
-fn missing_ffmpeg_error_has_help() {
-    or_skip!(gpu_or_skip());
-    let folder = folder("ffmpeg-none");
-    let before = names(&folder);
-    let text = with_path(&folder, "/nowhere", "-o f.mp4", 2);
-    for says in ["ffmpeg is not installed", "write .apng or frames"] {
-        assert!(text.contains(says), "{text}");
-    }
-    assert_eq!(names(&folder), before);
 }

@@ -93,7 +93,7 @@ fn frames_and_films_are_the_same_bytes() {
     check(&folder, &[&film[..], &["f.apng"]].concat(), 1);
     #[cfg(unix)]
     if super::ffmpeg::is_there("ffmpeg") {
-        for name in ["f.mp4", "f.mov", "f.mkv", "f.webm"] {
+        for name in ["f.mp4", "f.mov", "f.mkv", "f.webm", "f.gif", "f.webp"] {
             check(&folder, &[&film[..], &[name]].concat(), 1);
         }
     }
