@@ -21,13 +21,13 @@ fn a_sheet_has_the_pictures_that_render_writes() {
     let sheet = image::open(folder.join("all.png"))
         .expect("a PNG")
         .to_rgba8();
-    assert_eq!(sheet.dimensions(), (8 + 2 * 24, 8 + 2 * 33));
+    assert_eq!(sheet.dimensions(), (8 + 2 * 24, 8 + 2 * 40));
     let one = words("render scene.toml -o one.png --camera top --variant dark");
     exits(&folder, [&one[..], &settings].concat(), 0);
     let one = image::open(folder.join("one.png"))
         .expect("a PNG")
         .to_rgba8();
-    let cell = image::imageops::crop_imm(&sheet, 8 + 24, 8 + 33, 16, 9).to_image();
+    let cell = image::imageops::crop_imm(&sheet, 8 + 24, 8 + 40, 16, 9).to_image();
     assert!(
         cell.as_raw() == one.as_raw(),
         "the last picture is that of render"

@@ -1,6 +1,7 @@
 //! Letters with a thickness.
 
 use epaint_default_fonts::UBUNTU_LIGHT;
+use glam::DVec2;
 use harfrust::{Direction, Feature, ShapeOptions, ShaperData, Tag, UnicodeBuffer};
 use reflet_base::guard;
 use reflet_scene::{
@@ -41,6 +42,15 @@ struct GlyphPen {
 }
 
 impl GlyphPen {
+    fn new(face: &FontRef, lines: &Lines, segments: u32) -> Self {
+        let units = face.head().map_or(1, |head| head.units_per_em());
+        Self {
+            pen: Pen::new(segments),
+            origin: [0.0; 2],
+            scale: f64::from(lines.size) / f64::from(units.max(1)),
+        }
+    }
+
     fn point(&self, x: f32, y: f32) -> [f64; 2] {
         [
             self.origin[0] + self.scale * f64::from(x),
@@ -94,13 +104,16 @@ pub fn add(
     supplies: &Supplies,
 ) -> Result<Option<Fault>, Fault> {
     let ShapeDesc::Text {
+        text,
         font,
         size,
+        align,
+        line_height,
+        letter_spacing,
         depth,
         bevel,
         segments,
         at,
-        ..
     } = shape
     else {
         return Ok(None);
@@ -112,13 +125,15 @@ pub fn add(
         .unwrap_or_else(own);
     let in_font = |fault: Fault| fault.placed(font_at.0.clone());
     let face = open(bytes).map_err(in_font)?;
-    let units = face.head().map_or(0, |head| head.units_per_em());
-    let mut pen = GlyphPen {
-        pen: Pen::new(*segments),
-        origin: [0.0; 2],
-        scale: f64::from(*size) / f64::from(units.max(1)),
+    let lines = Lines {
+        text,
+        size: *size,
+        align: *align,
+        line_height: *line_height,
+        letter_spacing: *letter_spacing,
     };
-    let drawn = guard::catch(|| draw_lines(&mut pen, shape, &face)).unwrap_or_else(|| {
+    let mut pen = GlyphPen::new(&face, &lines, *segments);
+    let drawn = guard::catch(|| draw_lines(&mut pen, &lines, &face)).unwrap_or_else(|| {
         let message = "this font is damaged, so that its letters cannot be read";
         Err(Fault::new("wrong-font", message).help("use another `font`"))
     });
@@ -171,19 +186,45 @@ fn open(bytes: &[u8]) -> Result<FontRef<'_>, Fault> {
     Ok(face)
 }
 
+/// Edges of the closed outlines of a line in the font of shapes, from its start on the base line, in pixels, upwards.
+pub fn edges(text: &str, font_px: f32) -> Vec<[DVec2; 2]> {
+    let lines = Lines {
+        text,
+        size: font_px,
+        align: TextAlign::Left,
+        line_height: 1.0,
+        letter_spacing: 0.0,
+    };
+    let drawn = open(UBUNTU_LIGHT).and_then(|face| {
+        let mut pen = GlyphPen::new(&face, &lines, 32);
+        draw_lines(&mut pen, &lines, &face)?;
+        pen.pen.close();
+        Ok(pen.pen.loops)
+    });
+    let chords = drawn.into_iter().flatten().flatten();
+    chords.map(|chord| chord.ends).collect()
+}
+
+/// Lines of text.
+struct Lines<'a> {
+    text: &'a str,
+    /// Height of a line's letters, of the unit of the outlines.
+    size: f32,
+    align: TextAlign,
+    /// Distance of lines, and between letters more than the font's, of `size`.
+    line_height: f32,
+    letter_spacing: f32,
+}
+
 /// Draws all lines; returns the characters that the font lacks.
-fn draw_lines(pen: &mut GlyphPen, shape: &ShapeDesc, face: &FontRef) -> Result<String, Fault> {
-    let ShapeDesc::Text {
+fn draw_lines(pen: &mut GlyphPen, lines: &Lines, face: &FontRef) -> Result<String, Fault> {
+    let Lines {
         text,
         size,
         align,
         line_height,
         letter_spacing,
-        ..
-    } = shape
-    else {
-        return Ok(String::new());
-    };
+    } = lines;
     let data = ShaperData::new(face);
     let shaper = data.shaper(face).build();
     let glyphs = Glyphs {
