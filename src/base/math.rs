@@ -2,7 +2,9 @@
 
 pub mod spline;
 
-use glam::{Affine3A, DAffine3, DMat3, Mat3, Vec3};
+use std::ops::RangeInclusive;
+
+use glam::{Affine3A, DAffine3, DMat3, DVec3, Mat3, Vec3};
 
 /// Weights of linear red, green and blue in luminance, and of their code values in luma (ITU-R BT.709).
 pub const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
@@ -90,6 +92,43 @@ impl Bounds {
                 .map(|corner| transform.transform_point3(corner)),
         )
     }
+}
+
+/// Temperatures of [`black_body`], kelvin: below, sRGB has no color for the glow; above, it hardly changes.
+pub const BLACK_BODY_K: RangeInclusive<f64> = 1000.0..=40_000.0;
+
+/// Linear sRGB color of the glow of a black body, its largest component 1: Planck's law, seen by the standard observer
+/// of CIE 1931 in the fit of Wyman, Sloan and Shirley, JCGT 2(2), 2013, from 380 to 780 nm. Components that sRGB
+/// cannot have are 0.
+pub fn black_body(temperature_k: f64) -> Vec3 {
+    // Height, place, and widths below and above it, nm.
+    const X: [[f64; 4]; 3] = [
+        [1.056, 599.8, 37.9, 31.0],
+        [0.362, 442.0, 16.0, 26.7],
+        [-0.065, 501.1, 20.4, 26.2],
+    ];
+    const Y: [[f64; 4]; 2] = [[0.821, 568.8, 46.9, 40.5], [0.286, 530.9, 16.3, 31.1]];
+    const Z: [[f64; 4]; 2] = [[1.217, 437.0, 11.8, 36.0], [0.681, 459.0, 26.0, 13.8]];
+    /// Second radiation constant, nm K.
+    const C2: f64 = 1.438_776_877e7;
+    let seen = |lobes: &[[f64; 4]], nm: f64| -> f64 {
+        let lobe = |[height, at, below, above]: &[f64; 4]| {
+            let width = if nm < *at { below } else { above };
+            height * (-0.5 * ((nm - at) / width).powi(2)).exp()
+        };
+        lobes.iter().map(lobe).sum()
+    };
+    let mut xyz = DVec3::ZERO;
+    for nm in (380..=780).step_by(5).map(f64::from) {
+        let glow = nm.powi(-5) / (C2 / (nm * temperature_k)).exp_m1();
+        xyz += glow * DVec3::new(seen(&X, nm), seen(&Y, nm), seen(&Z, nm));
+    }
+    // IEC 61966-2-1.
+    let linear_from_xyz = DMat3::from_cols_array(&[
+        3.2406, -0.9689, 0.0557, -1.5372, 1.8758, -0.2040, -0.4986, 0.0415, 1.0570,
+    ]);
+    let linear = linear_from_xyz * xyz;
+    (linear / linear.max_element()).max(DVec3::ZERO).as_vec3()
 }
 
 /// Linear light of an sRGB component, both 0 to 1 (IEC 61966-2-1).

@@ -45,6 +45,21 @@ fn cameras_keep_the_order_of_the_file_and_their_defaults() {
     assert_eq!(scene.cameras[1].at.range, 53..56);
 }
 
+/// A color by its hue as in CSS; illuminant A of CIE, x = 0.44758 and y = 0.40745, in linear sRGB.
+#[test]
+fn texts_of_colors_are_the_colors_that_they_name() {
+    for (text, color) in [
+        ("#369", [0.0331, 0.1329, 0.3185]),
+        ("hsl(210, 50%, 40%)", [0.0331, 0.1329, 0.3185]),
+        ("hsv(-150 66.667 60)", [0.0331, 0.1329, 0.3185]),
+        ("2856 K", [1.0, 0.448, 0.126]),
+    ] {
+        let scene = read(&format!("material.m.base_color = \"{text}\""));
+        let found = scene.materials[0].value.base_color.expect("a color");
+        assert!(found.abs_diff_eq(color.into(), 0.008), "{text}: {found}");
+    }
+}
+
 #[test]
 fn every_material_key_arrives() {
     let scene = read(include_str!("text/every_material_key_arrives.toml"));

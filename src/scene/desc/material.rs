@@ -43,8 +43,9 @@ material! {
     /// - `pattern`: a procedural pattern of two colors, in place of `checker` and of a base color texture.
     /// - `extends`: name of a `[material.NAME]` that gives the values of keys left out here.
     pub struct MaterialDesc {
-        /// Linear base color, three numbers 0 to 1, or sRGB text such as `"#ff8800"`, as for all colors outside of
-        /// tracks. Default white.
+        /// Linear base color, three numbers 0 to 1, or a text, as for all colors outside of tracks: sRGB
+        /// `"#ff8800"`, `"hsl(32, 100%, 50%)"` or `"hsv(32, 100%, 100%)"`, or `"3000 K"`, the glow of a black body of 1000
+        /// to 40000 kelvin with 1 as its largest component. Default white.
         base_color: Vec3, Color in UNIT, "linear base color" varies BaseColor, apart rest Vec3::ONE;
         /// Image file (PNG, JPEG, WebP or KTX2) multiplied into the base color. Its colors are sRGB; its alpha is used
         /// by `alpha` and `alpha_cutoff`.

@@ -2,9 +2,9 @@
 //! be in their ranges.
 
 use glam::{DVec3, Vec3};
-use rhai::{Dynamic, EvalAltResult, Map};
+use rhai::{Dynamic, EvalAltResult, ImmutableString, Map};
 
-use super::value::{WrongKey, fail, fail_with, number, pair, vector};
+use super::value::{WrongKey, color, fail, fail_with, number, pair, vector};
 use crate::{
     desc::{MATERIAL, MaterialDesc},
     motion::Values,
@@ -87,7 +87,11 @@ fn lanes(value: &Dynamic, key: &str, form: Form, range: &Range) -> Result<Vec3> 
             (vec![x, y], DVec3::new(x, y, 0.0))
         }
         Form::Color | Form::Triple | Form::Vector => {
-            let v = vector(value, &format!("`{key}`"))?;
+            let text = value.read_lock::<ImmutableString>();
+            let v = match text.filter(|_| form == Form::Color) {
+                Some(text) => color(&text)?,
+                None => vector(value, &format!("`{key}`"))?,
+            };
             (v.to_array().to_vec(), v)
         }
     };

@@ -4,7 +4,11 @@ use glam::{DQuat, DVec3};
 use rhai::{Array, Dynamic, EvalAltResult, Position};
 
 use super::format_value::named;
-use crate::{desc::turned, table::color::linear_css};
+use crate::{
+    desc::turned,
+    suggest,
+    table::color::{advice, of_text},
+};
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
 
@@ -80,6 +84,15 @@ pub fn number(value: &Dynamic, what: &str) -> Result<f64> {
     }
 }
 
+/// Linear color of a text, as scene text has it.
+pub fn color(text: &str) -> Result<DVec3> {
+    let wrong = || format!("{} is no color", suggest::text(text));
+    of_text(text).map_or_else(
+        || fail_with(wrong(), advice(text)),
+        |color| Ok(color.as_dvec3()),
+    )
+}
+
 /// Vector from a vec3 or an array of three numbers; they must be finite. `what` names the value in messages.
 pub fn vector(value: &Dynamic, what: &str) -> Result<DVec3> {
     let v = if let Some(v) = value.read_lock::<DVec3>() {
@@ -104,12 +117,8 @@ pub fn vector(value: &Dynamic, what: &str) -> Result<DVec3> {
     }
 }
 
-/// Advice for a value where a vector is expected: the numbers of a color, or a list around numbers.
+/// Advice for a value where a vector is expected: a list around numbers.
 fn vector_instead(value: &Dynamic) -> Option<String> {
-    if let Ok(text) = value.clone().into_string() {
-        let [r, g, b] = linear_css(&text)?;
-        return Some(format!("in linear light, write [{r}, {g}, {b}]"));
-    }
     let x = value
         .as_int()
         .map_or_else(|_| value.as_float().ok(), |i| Some(i as f64));

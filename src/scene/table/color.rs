@@ -11,9 +11,12 @@ use super::{
 };
 use crate::syntax::{Content, Node};
 use crate::{diagnostic::Diagnostic, range::Range, suggest};
-use reflet_base::math::linear_from_srgb;
+use reflet_base::math::{BLACK_BODY_K, black_body, linear_from_srgb};
 
-/// A linear color, written as three linear numbers or as sRGB text `"#rrggbb"` or `"#rgb"`.
+/// Pattern of the texts of colors.
+const TEXT: &str = "^(#([0-9a-fA-F]{3}|[0-9a-fA-F]{6})|hs[lv]\\([-0-9.,% ]+\\)|[0-9.]+ *K)$";
+
+/// A linear color, written as three linear numbers or as a text, see [`of_text`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Color(pub Vec3);
 
@@ -27,7 +30,7 @@ impl Value for Color {
         format!("{count} colors, each {}", Self::expected())
     }
     fn schema(range: &Range) -> Json {
-        let text = json!({ "type": "string", "pattern": "^#([0-9a-fA-F]{3}|[0-9a-fA-F]{6})$" });
+        let text = json!({ "type": "string", "pattern": TEXT });
         json!({ "anyOf": [Vec3::schema(range), text] })
     }
     fn to_json(&self) -> Json {
@@ -36,7 +39,7 @@ impl Value for Color {
     fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
         match node.get_ref() {
             Content::String(text) => match of_text(text) {
-                Some(bytes) => Some(Self(linear(bytes))),
+                Some(color) => Some(Self(color)),
                 None => {
                     let key = named.key;
                     let shown = suggest::text(text);
@@ -83,18 +86,53 @@ impl Value for Color {
     }
 }
 
-/// The bytes of `#rrggbb` or `#rgb`.
-fn of_text(text: &str) -> Option<[u8; 3]> {
-    let digits = text.strip_prefix('#')?;
+/// Linear color of `#rrggbb`, `#rgb`, `hsl(H, S%, L%)`, `hsv(H, S%, V%)`, or `T K`, the glow of a black body.
+pub fn of_text(text: &str) -> Option<Vec3> {
+    if let Some(kelvin) = text.strip_suffix('K') {
+        let kelvin = kelvin.trim_end().parse().ok()?;
+        return BLACK_BODY_K.contains(&kelvin).then(|| black_body(kelvin));
+    }
+    let Some(digits) = text.strip_prefix('#') else {
+        return of_hue(text);
+    };
     let hex = digits.bytes().all(|b| b.is_ascii_hexdigit());
     let number = u32::from_str_radix(digits, 16).ok().filter(|_| hex)?;
     let nibble = |at: u32| (number >> at & 15) as u8 * 17;
     let byte = |at: u32| (number >> at) as u8;
     match digits.len() {
-        3 => Some([nibble(8), nibble(4), nibble(0)]),
-        6 => Some([byte(16), byte(8), byte(0)]),
+        3 => Some(linear([nibble(8), nibble(4), nibble(0)])),
+        6 => Some(linear([byte(16), byte(8), byte(0)])),
         _ => None,
     }
+}
+
+/// Linear color of a hue in degrees, a saturation, and a lightness or value, as CSS and color pickers have them in sRGB.
+fn of_hue(text: &str) -> Option<Vec3> {
+    let (form, rest) = text.split_once('(')?;
+    let parts = rest.strip_suffix(')')?.split([',', ' ']);
+    let parts = parts.filter(|part| !part.is_empty());
+    let number = |part: &str| part.trim_end_matches('%').parse::<f32>().ok();
+    let parts: Vec<f32> = parts.map(number).collect::<Option<_>>()?;
+    let [hue, saturation, light] = parts.try_into().ok()?;
+    let is_share = |percent| (0.0..=100.0).contains(&percent);
+    if !hue.is_finite() || !is_share(saturation) || !is_share(light) {
+        return None;
+    }
+    let [saturation, light] = [saturation / 100.0, light / 100.0];
+    // Largest component, and the distance of the smallest from it.
+    let (most, depth) = match form {
+        "hsv" => (light, light * saturation),
+        "hsl" => {
+            let half = saturation * light.min(1.0 - light);
+            (light + half, 2.0 * half)
+        }
+        _ => return None,
+    };
+    let component = |corner: f32| {
+        let turn = (corner + hue / 60.0).rem_euclid(6.0);
+        linear_from_srgb(most - depth * turn.min(4.0 - turn).clamp(0.0, 1.0))
+    };
+    Some(Vec3::new(component(5.0), component(3.0), component(1.0)))
 }
 
 /// Advice for the bytes of a color as one number.
@@ -112,24 +150,17 @@ pub fn in_css(text: &str) -> Option<CssColor> {
     (text.parse().ok()).or_else(|| digits.parse().ok())
 }
 
-/// Linear color of a text in CSS, rounded.
-pub fn linear_css(text: &str) -> Option<[f32; 3]> {
-    let color = in_css(text)?;
-    let rgb = linear([color.red, color.green, color.blue]);
-    Some(rgb.to_array().map(|c| (c * 1e3).round() / 1e3))
-}
-
-/// Colors of lamps by their names on the box: 2700 K, 4000 K, 6500 K and 10000 K, as in sRGB.
-const LIGHTS: [(&str, &str); 5] = [
-    ("warm", "#ffa757"),
-    ("neutral", "#ffcea6"),
-    ("daylight", "#fff9fd"),
-    ("cold", "#cadaff"),
-    ("cool", "#cadaff"),
+/// Temperatures of lamps by their names on the box, kelvin.
+const LIGHTS: [(&str, u32); 5] = [
+    ("warm", 2700),
+    ("neutral", 4000),
+    ("daylight", 6500),
+    ("cold", 10_000),
+    ("cool", 10_000),
 ];
 
 /// Advice for a text that is not a color.
-fn advice(text: &str) -> String {
+pub fn advice(text: &str) -> String {
     let is_image = [".png", ".jpg", ".jpeg", ".webp", ".ktx2"];
     if is_image.iter().any(|ending| text.ends_with(ending)) {
         return format!(
@@ -137,12 +168,13 @@ fn advice(text: &str) -> String {
             suggest::text(text)
         );
     }
-    if let Some((_, code)) = LIGHTS.iter().find(|(name, _)| *name == text) {
-        return format!("colors have no names; write \"{code}\"");
+    if let Some((_, kelvin)) = LIGHTS.iter().find(|(name, _)| *name == text) {
+        return format!("colors have no names; write \"{kelvin} K\"");
     }
     let is_name = text.chars().all(char::is_alphabetic) && text.parse::<CssColor>().is_ok();
     let Some(color) = in_css(text) else {
-        return "such as \"#ff8800\", in sRGB as the web writes it, or [1, 0.25, 0] in linear light"
+        return "such as \"#ff8800\", in sRGB as the web writes it, \"hsl(32, 100%, 50%)\", \"hsv(32, 100%, 100%)\", \
+            \"3000 K\" (1000 to 40000), or [1, 0.25, 0] in linear light"
             .into();
     };
     let (r, g, b) = (color.red, color.green, color.blue);

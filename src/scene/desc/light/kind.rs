@@ -28,7 +28,9 @@ declared! {
         Point = "point" {
             /// Position of the light, meters.
             position: Vec3,
-            /// Luminous intensity, candela, 0 or more. More is brighter.
+            /// Luminous intensity, candela, 0 or more. More is brighter. A lamp of L lumens has L / 12.57 as a point;
+            /// as a rectangle or a disk L / 3.14, and as a spot L / (6.28 (1 - cos `outer_deg`)) where `inner_deg` is
+            /// near. A bulb of 60 W, or 8 W with LEDs, gives about 800 lumens.
             intensity_cd: f32 [FROM_0],
             /// Radius of the glowing ball that the light is, meters, 0 or more; its intensity stays
             /// `intensity_cd`. More gives softer shadows and larger highlights; 0, or less than 1e-10, is a

@@ -3,7 +3,7 @@
 use glam::{DMat4, DQuat, DVec3};
 use rhai::{Dynamic, Engine, EvalAltResult};
 
-use super::super::value::{fail, number, rotation, scale, vector};
+use super::super::value::{color, fail, number, rotation, scale, vector};
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
 
@@ -20,6 +20,7 @@ pub fn register(e: &mut Engine) {
 
 fn vectors(e: &mut Engine) {
     e.register_fn("vec3", vec3);
+    e.register_fn("color", color);
     e.register_fn("vec3", |s: Dynamic| number(&s, "s").map(DVec3::splat));
     e.register_get_set("x", |v: &mut DVec3| v.x, |v: &mut DVec3, x: f64| v.x = x);
     e.register_get_set("y", |v: &mut DVec3| v.y, |v: &mut DVec3, y: f64| v.y = y);
