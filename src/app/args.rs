@@ -344,7 +344,7 @@ pub struct PreviewArgs {
 /// `check`
 #[derive(Clone, Debug, Args)]
 pub struct CheckArgs {
-    /// Scene files; - reads scene text from standard input
+    /// Scene files or models; of a folder all, and of the folders below; - reads scene text from standard input
     #[arg(required = true, value_name = "SCENE")]
     pub scenes: Vec<PathBuf>,
     /// Overrides of scene values

@@ -10,6 +10,7 @@ use std::{
 use super::{
     args::{CheckArgs, SceneArgs},
     error::AppError,
+    folder::files_of,
     lint::{KeptTrees, Lint},
     print_json, print_out,
     project::{check_output_of, misspelt_names},
@@ -17,6 +18,7 @@ use super::{
 };
 use crate::{
     runtime::{
+        catch_panic::catch_panic,
         kept_assets::KeptAssets,
         posing::{frames_of, pose_all},
         scene_text::{LoadedScene, SceneOptions, SceneText},
@@ -41,16 +43,30 @@ const MOST_LINES: usize = 100;
 /// Name of standard input in messages.
 const STDIN: &str = "<stdin>";
 
-/// Reports every problem of the scenes.
+/// Reports every problem of the scenes, and of all files of folders.
 ///
 /// # Errors
+/// [`AppError::Usage`] for a folder without files to check.
 /// [`AppError::Scene`] if a scene has errors; the messages are printed.
 pub fn check(args: &CheckArgs) -> Result<(), AppError> {
-    let mut failed = false;
-    let mut all = Vec::new();
+    let (mut all, mut paths) = (Vec::new(), Vec::new());
     for path in &args.scenes {
-        let checked = check_one(path, &args.from);
-        failed |= checked.is_err();
+        match path.is_dir() {
+            false => paths.push(path.clone()),
+            true => paths.extend(files_of(path, &mut |file, why| {
+                let why = why.to_string();
+                all.push(Diagnostic::in_file("unreadable-file", file, why));
+            })?),
+        }
+    }
+    if !args.json {
+        print_diagnostics(&all);
+    }
+    let count = paths.len() + all.len();
+    let mut right = 0;
+    for path in &paths {
+        let checked = catch_panic(path, || check_one(path, &args.from));
+        right += usize::from(checked.is_ok());
         let messages = match checked {
             Ok((messages, summary)) => {
                 if !args.json {
@@ -70,8 +86,10 @@ pub fn check(args: &CheckArgs) -> Result<(), AppError> {
     }
     if args.json {
         print_json(&sarif::log(&all))?;
+    } else if count > args.scenes.len() {
+        print_out(&format!("{right} of {count} files are right"))?;
     }
-    match failed {
+    match right < count {
         true => Err(AppError::Scene(Vec::new())), // already printed
         false => Ok(()),
     }

@@ -27,6 +27,7 @@ pub mod cli;
 pub mod compare;
 pub mod encoder;
 pub mod error;
+pub mod folder;
 pub mod info;
 pub mod job;
 pub mod lint;

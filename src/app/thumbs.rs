@@ -15,18 +15,18 @@ use std::{
 
 use clap::Args;
 use reflet_base::standard_error::{end_work, show_work};
-use walkdir::{DirEntry, WalkDir};
 
 use super::{
     args::{PictureArgs, RenderArgs, SizeArg, parse_time},
     cameras,
     error::AppError,
+    folder::files_of,
     render::overrides,
     render_session::RenderSession,
     shaders, shutdown,
 };
 use crate::{
-    files::{Goal, open_regular, read_at_most},
+    files::Goal,
     gpu::{Gpu, GpuError, ShaderLibrary, driver::open_gpu},
     output::{picture_file::PictureFile, writable::inputs},
     runtime::{
@@ -35,10 +35,7 @@ use crate::{
     },
     scene::{
         dependencies::Dependencies,
-        desc::is_bare,
         diagnostic::{Diagnostic, Severity, printable_lines},
-        parse::MOST_BYTES,
-        project,
     },
 };
 
@@ -187,10 +184,6 @@ fn late(args: &ThumbsArgs) -> AppError {
 
 /// The files of the folder in order of their paths; folders that cannot be read are reported.
 fn jobs(args: &ThumbsArgs, failed: &mut usize) -> Result<Vec<Job>, AppError> {
-    let is_visible = |entry: &DirEntry| {
-        entry.depth() == 0 || !entry.file_name().to_string_lossy().starts_with('.')
-    };
-    let walk = WalkDir::new(&args.folder).sort_by_file_name();
     if args.folder.is_file() {
         let file = args.folder.display();
         let text = format!(
@@ -198,63 +191,15 @@ fn jobs(args: &ThumbsArgs, failed: &mut usize) -> Result<Vec<Job>, AppError> {
         );
         return Err(AppError::Usage(text));
     }
-    let mut jobs = Vec::new();
-    for entry in walk.into_iter().filter_entry(is_visible) {
-        let entry = match entry {
-            Ok(entry) => entry,
-            Err(error) if error.depth() == 0 => {
-                let why = error
-                    .io_error()
-                    .map_or("it cannot be read".to_owned(), ToString::to_string);
-                return Err(AppError::Usage(format!("{}: {why}", args.folder.display())));
-            }
-            Err(error) => {
-                report(error.path().unwrap_or(&args.folder), &error, failed);
-                continue;
-            }
-        };
-        let file = entry.path();
-        if entry.path_is_symlink() && !file.exists() && is_bare(file) {
-            report(file, &"it is a link to a file that is not there", failed);
-        }
-        if !file.is_file() || !(is_bare(file) || is_scene(file)) {
-            continue;
-        }
-        let below = file.strip_prefix(&args.folder).unwrap_or(file);
+    let files = files_of(&args.folder, &mut |file, why| report(file, why, failed))?;
+    let job = |file: PathBuf| {
+        let below = file.strip_prefix(&args.folder).unwrap_or(&file);
         let mut picture = args.output.join(below).into_os_string();
         picture.push(".png");
-        jobs.push(Job {
-            file: file.to_owned(),
-            picture: args.output.renamed(picture.into()),
-        });
-    }
-    if jobs.is_empty() && *failed == 0 {
-        let folder = args.folder.display();
-        let text = format!("{folder} has no models, panoramas (.hdr, .exr) or scenes");
-        return Err(AppError::Usage(text));
-    }
-    Ok(jobs)
-}
-
-/// Whether a file is a scene's text: `version` stands before its first table.
-fn is_scene(file: &Path) -> bool {
-    let is_toml = file.extension().is_some_and(|ending| ending == "toml");
-    if !is_toml || file.file_name().is_some_and(|name| name == project::FILE) {
-        return false;
-    }
-    let bytes = open_regular(file, false).and_then(|file| read_at_most(&file, MOST_BYTES));
-    let text = bytes.map_or(String::new(), |bytes| {
-        String::from_utf8_lossy(&bytes).into_owned()
-    });
-    let mut lines = text.lines().map(str::trim_start);
-    lines
-        .by_ref()
-        .take_while(|line| !line.starts_with('['))
-        .any(|line| {
-            line.trim_start_matches('"')
-                .strip_prefix("version")
-                .is_some_and(|rest| rest.trim_start_matches('"').trim_start().starts_with('='))
-        })
+        let picture = args.output.renamed(picture.into());
+        Job { file, picture }
+    };
+    Ok(files.into_iter().map(job).collect())
 }
 
 /// Whether the picture of a job is newer than its file, and such pictures are kept.
