@@ -157,7 +157,7 @@ fn what_a_farm_cannot_use_is_refused() {
     for (arguments, code, says) in [
         ("--pictures f.png", 2, "a file for each frame"),
         ("--pictures f.mp4", 2, "a file for each frame"),
-        ("--pictures f.#.gif", 2, "must end in .png"),
+        ("--pictures f.#.avi", 2, "must end in .png"),
         ("--pictures f.#.png --frames 0-9", 2, "not in the timeline"),
         ("--pictures f.#.png --camera no", 2, "no such camera"),
         ("--pictures f.#.png --set params.lift={{x}}", 3, "--set:1"),
