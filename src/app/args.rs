@@ -72,7 +72,8 @@ pub struct PictureArgs {
     /// Overrides of scene values
     #[command(flatten)]
     pub from: SceneArgs,
-    /// Width and height in pixels, each 1 to 16384, or the name of a size of the project
+    /// Width and height in pixels, each 1 to 16384; a width alone, whose height is as in the scene's proportions; or the
+    /// name of a size of the project
     #[arg(long, value_name = "WxH", value_parser = parse_size_or_name)]
     pub size: Option<SizeArg>,
     /// Light in place of the scene's lights, their motion and environment: outdoor, studio, or a panorama (.hdr, .exr).

@@ -16,6 +16,7 @@ use crate::{
     },
     runtime::scene_text::{LoadedScene, SceneText},
     scene::{
+        dependencies::Dependencies,
         desc::At,
         diagnostic::Diagnostic,
         project::{Project, ProjectChoice},
@@ -47,10 +48,22 @@ impl SceneArgs {
         Ok(project.transpose().map_err(AppError::Scene)?.flatten())
     }
 
+    /// Width and height in the proportions of the scene's pictures.
+    ///
+    /// # Errors
+    /// Mistakes in the scene's text.
+    pub fn of_width(&self, width: u32, scene: Option<&Path>) -> Result<[u32; 2], AppError> {
+        let text = SceneText::read(scene, &self.options());
+        let opened = text.and_then(|text| text.open(&[], &Dependencies::default()));
+        let own = opened.map_err(AppError::Scene)?.scene.image.size;
+        Ok([width, (width * own[1] / own[0]).max(1)])
+    }
+
     /// Width and height that `--size` asks for.
     ///
     /// # Errors
-    /// [`AppError::Usage`] for a name that the scene's project has no size of, and the mistakes in its file.
+    /// [`AppError::Usage`] for a name that the scene's project has no size of, and the mistakes in its file; same errors
+    /// as [`Self::of_width`].
     pub fn size(
         &self,
         size: Option<&SizeArg>,
@@ -59,6 +72,7 @@ impl SceneArgs {
         let name = match size {
             None => return Ok(None),
             Some(SizeArg::Pixels(size)) => return Ok(Some(*size)),
+            Some(SizeArg::Width(width)) => return self.of_width(*width, scene).map(Some),
             Some(SizeArg::Named(name)) => name,
         };
         let refuse = |why: String| {
