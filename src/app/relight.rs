@@ -187,19 +187,3 @@ pub fn turntable(loaded: &LoadedScene, time: Duration) -> Result<[String; 3], Ap
         format!("timeline={{ fps = {fps}, start = {start}, end = {end} }}"),
     ])
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lights_are_words_or_panoramas() {
-        assert_eq!("studio".parse(), Ok(Light::Studio));
-        assert_eq!("a/b.HDR".parse(), Ok(Light::Panorama("a/b.HDR".into())));
-        assert!(
-            "sunset"
-                .parse::<Light>()
-                .is_err_and(|text| text.contains(".hdr"))
-        );
-    }
-}

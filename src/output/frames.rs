@@ -196,29 +196,6 @@ mod tests {
         assert_eq!(frames("all").len(), 21);
     }
 
-    #[test]
-    fn frame_list_errors_state_the_reason() {
-        for (text, says) in [
-            ("", "frames are missing; write all,"),
-            ("1,", "frames are missing"),
-            ("1-", "a number is missing in \"1-\""),
-            ("x", "\"x\" is not a frame number"),
-            ("-3", "\"-3\" is not a frame number"),
-            ("5-3", "ends before it begins"),
-            ("1-5:0", "must be 1 or more"),
-            ("1-5:-1", "must be 1 or more"),
-            ("5-21", "frame 21 is not in the timeline, which has 0 to 20"),
-            ("1,3,2-4", "frame 3 is listed twice"),
-            ("0-99999999999", "is too large for a frame number"),
-            ("0-3:999999999999", "the step \"999999999999\" is too large"),
-        ] {
-            match FrameList::parse("--frames", text, &TIMELINE) {
-                Err(OutputError::Usage(got)) => assert!(got.contains(says), "{text}: {got}"),
-                other => panic!("{text}: {other:?}"),
-            }
-        }
-    }
-
     /// The expanded list would take 48 GB.
     #[test]
     fn the_first_repeated_frame_ends_a_list() {

@@ -54,32 +54,6 @@ fn a_preview_without_a_display_says_what_to_do() {
 }
 
 #[test]
-fn scene_errors_exit_with_3_and_point_at_the_place() {
-    let folder = folder("scene");
-    let typo = SCENE.replace("eye = [0, 1, 3]", "eya = [0, 1, 3]");
-    fs::write(folder.join("typo.toml"), typo).expect("temporary scene");
-    let file = format!("{SCENE}[model.hall]\nfile = \"gone.glb\"\n");
-    fs::write(folder.join("file.toml"), file).expect("temporary scene");
-    for (arguments, says) in [
-        ("check typo.toml", "typo.toml:3:1"),
-        ("info typo.toml", "eye"),
-        ("render typo.toml -o a.png", "typo.toml:3:1"),
-        ("check missing.toml", "missing.toml"),
-        ("check .", "folder"),
-        ("check file.toml", "gone.glb"),
-        ("check scene.toml --set image.sise=3", "sise"),
-        (
-            "render scene.toml -o a.exr --set image.samples=-1",
-            "samples",
-        ),
-    ] {
-        let [_, error] = exits(&folder, arguments, 3);
-        assert!(error.contains(says), "{arguments:?} says {error}");
-    }
-    assert_eq!(names(&folder), ["file.toml", "scene.toml", "typo.toml"]);
-}
-
-#[test]
 fn check_and_info_need_no_gpu() {
     let folder = folder("no-gpu");
     // No adapter matches: a command that uses the GPU would fail.
@@ -99,19 +73,6 @@ fn check_and_info_need_no_gpu() {
     // The floor's diagonal with the ball on it: sqrt(4² + 4² + 1.2²) / 16.
     let unit_m = info["unit_m"].as_f64().expect("a number");
     assert!((unit_m - f64::sqrt(33.44) / 16.0).abs() < 1e-6, "{unit_m}");
-}
-
-#[test]
-fn without_a_matching_adapter_the_code_is_4_and_no_file_appears() {
-    let folder = folder("adapter");
-    let render = words("render scene.toml -o a.png --adapter");
-    let arguments = [&render[..], &["no such adapter"]].concat();
-    let [_, error] = exits(&folder, arguments, 4);
-    assert!(
-        error.contains("no such adapter") || error.contains("install"),
-        "{error}"
-    );
-    assert_eq!(names(&folder), ["scene.toml"]);
 }
 
 #[test]

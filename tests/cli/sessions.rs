@@ -14,16 +14,19 @@ fn session(folder: &Path, text: &str) {
         let (step, rest) = line.split_once(' ').unwrap_or((line, ""));
         let pair = || rest.split_once(' ').expect("two words");
         let read = |name: &str| fs::read(folder.join(name)).expect(line);
+        let mut below = || {
+            let indented = |line: &&str| line.starts_with("    ");
+            let lines = std::iter::from_fn(|| lines.next_if(indented));
+            lines
+                .map(|line| format!("{}\n", &line[4..]))
+                .collect::<String>()
+        };
         match step {
             "" | "#" => {}
             "file" => {
                 let path = folder.join(rest);
                 fs::create_dir_all(path.parent().expect("a folder")).expect(line);
-                let mut text = String::new();
-                while let Some(more) = lines.next_if(|line| line.starts_with("    ")) {
-                    text += &format!("{}\n", &more[4..]);
-                }
-                fs::write(path, text).expect(line);
+                fs::write(path, below()).expect(line);
             }
             #[cfg(unix)]
             "link" => {
@@ -58,7 +61,7 @@ macro_rules! sessions {
         $(#[test]
         fn $name() {
             let text = include_str!(concat!("sessions/", stringify!($name), ".txt"));
-            if text.contains("\nrun 0 render") {
+            if ["\nrun 0 render", "call render"].iter().any(|step| text.contains(step)) {
                 or_skip!(gpu_or_skip());
             }
             let folder = [folder(stringify!($name)) $(, show(stringify!($name), $project))?];
@@ -68,10 +71,17 @@ macro_rules! sessions {
 }
 
 sessions! {
+    info_counts_warnings_as_check_does_and_lights_of_materials,
+    a_log_of_check_has_rules_places_and_what_to_do,
+    pages_and_completions_have_the_options,
+    mistakes_in_a_scene_are_said_with_their_place_by_each_command,
     each_file_of_a_folder_has_a_picture_or_an_error,
     bare_models_have_light_and_turn_as_asked,
     render_takes_camera_variant_size_and_output_from_the_project(""),
     names_of_a_project_that_are_nearly_those_of_the_scene_are_warned_of(""),
     names_climb_inside_a_project_and_nowhere_else("scripts = \"scripts\"\n"),
     links_out_of_a_project_are_refused("assets = [\"lib\"]\n"),
+    no_output_of_a_project_follows_a_link(""),
+    outputs_of_a_project_are_pictures_with_numbers_in_their_names(""),
+    a_pack_of_a_project_names_it_and_is_marked_when_unpacked("scripts = \"scripts\"\n"),
 }
