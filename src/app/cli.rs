@@ -8,6 +8,7 @@ use super::{
     cache::CacheArgs,
     info::InfoArgs,
     job::JobCommand,
+    manual::ManualArgs,
     new::NewArgs,
     pack::{PackArgs, unpack::UnpackArgs},
     query::QueryArgs,
@@ -77,8 +78,8 @@ pub enum Command {
         #[arg(long, conflicts_with = "project")]
         query: bool,
     },
-    /// Print the manual of scene text, as Markdown
-    Manual,
+    /// Print the manual of scene text, or its part about a table, a key or a function of scripts, as Markdown
+    Manual(ManualArgs),
     /// Print the manual of scripts, as Markdown
     Scripting {
         /// Print a Rhai definition file instead, from which editors complete and explain names

@@ -337,6 +337,19 @@ impl Server<'_> {
     }
 }
 
+/// Words, names and files that the value of a key may be in a scene.
+pub fn values(file: &Arc<Source>, table: &[String], key: &str) -> Vec<String> {
+    let word = outline::Word {
+        table: table.to_vec(),
+        part: Part::Value(key.to_owned()),
+        text: String::new(),
+        range: 0..0,
+    };
+    let items = answer::values(file, &word, key, false);
+    let label = |item: &Value| item["label"].as_str().map(str::to_owned);
+    items.iter().filter_map(label).collect()
+}
+
 fn is_script(path: &Path) -> bool {
     path.extension().is_some_and(|end| end == "rhai")
 }

@@ -12,7 +12,6 @@ use crate::{
     render::query::answer,
     scene::{
         diagnostic::printable_lines,
-        manual::manual,
         schema::{project_schema, schema},
         script,
     },
@@ -32,6 +31,7 @@ pub mod info;
 pub mod job;
 pub mod lint;
 pub mod lsp;
+pub mod manual;
 pub mod new;
 pub mod pack;
 #[cfg(feature = "serve")]
@@ -98,7 +98,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
         Command::Schema { query: true, .. } => print_json(&answer::schema()),
         Command::Schema { project: true, .. } => print_json(&project_schema()),
         Command::Schema { .. } => print_json(&schema()),
-        Command::Manual => print_out(&manual()),
+        Command::Manual(args) => manual::manual(&args),
         Command::Scripting { definitions: true } => print_out(&script::api::definitions()),
         Command::Scripting { definitions: false } => print_out(&script::api::manual()),
         Command::Completions { shell } => print_out(&shell::completions(shell)),

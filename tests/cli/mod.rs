@@ -159,16 +159,6 @@ fn one_pixel_and_a_broken_shader_of_ones_own() {
 }
 
 #[test]
-fn the_schema_and_the_manual_are_printed() {
-    let folder = folder("manual");
-    let [schema, _] = exits(&folder, "schema", 0);
-    let schema: serde_json::Value = serde_json::from_str(&schema).expect("JSON");
-    assert!(schema["properties"]["reflection"].is_object());
-    let [manual, _] = exits(&folder, "manual", 0);
-    assert!(manual.contains("threshold_u"));
-}
-
-#[test]
 fn comparing_a_picture_with_itself_passes_and_a_crossed_threshold_exits_with_6() {
     let folder = folder("compare");
     for (name, value) in [("a.png", 10_u8), ("b.png", 240)] {

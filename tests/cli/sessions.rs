@@ -75,6 +75,7 @@ sessions! {
     a_log_of_check_has_rules_places_and_what_to_do,
     pages_and_completions_have_the_options,
     mistakes_in_a_scene_are_said_with_their_place_by_each_command,
+    the_manual_and_the_schema_are_printed_whole_and_by_key,
     each_file_of_a_folder_has_a_picture_or_an_error,
     bare_models_have_light_and_turn_as_asked,
     render_takes_camera_variant_size_and_output_from_the_project(""),

@@ -29,6 +29,7 @@ use crate::{
             entry_kinds::ENTRY_KINDS,
             tables::{Below, Manual, is_project, keys_of},
         },
+        reach::Reach,
         toml_text::toml_text,
     },
 };
@@ -248,7 +249,8 @@ fn names_of_kind(file: &Arc<Source>, kind: &str) -> BTreeSet<String> {
     all.flat_map(names).collect()
 }
 
-fn values(file: &Arc<Source>, word: &Word, name: &str, quoted: bool) -> Vec<Value> {
+/// Completions of the value of a key, in quotes unless it is `quoted` already.
+pub fn values(file: &Arc<Source>, word: &Word, name: &str, quoted: bool) -> Vec<Value> {
     let text = |text: &str| match quoted {
         true => text.to_owned(),
         false => format!("\"{text}\""),
@@ -289,9 +291,13 @@ fn values(file: &Arc<Source>, word: &Word, name: &str, quoted: bool) -> Vec<Valu
     let ends = files_of_value(&file.path, &word.table, name);
     if !ends.is_empty() {
         let mut found = BTreeSet::new();
+        let reach = Reach::new(folder_of(&file.path).to_owned(), &border_of(&file.path));
         for folder in folders(&file.path) {
+            let real = |path: &Path| path.canonicalize().unwrap_or_default();
+            let own = real(&folder);
             let files = entries_below(&folder, DEPTH, true)
                 .filter(|entry| !entry.file_type().is_dir() && has_extension(entry, ends))
+                .filter(|entry| reach.holds(&real(entry.path()), &own))
                 .filter_map(|entry| path_below(&entry, &folder));
             found.extend(files.take(MOST_FILES - found.len()));
         }
