@@ -9,6 +9,7 @@ use super::{
     info::InfoArgs,
     job::JobCommand,
     manual::ManualArgs,
+    mcp::McpArgs,
     new::NewArgs,
     pack::{PackArgs, unpack::UnpackArgs},
     query::QueryArgs,
@@ -69,6 +70,9 @@ pub enum Command {
     /// Run a language server for editors, which start it: diagnostics as in check, completion, hover and definitions
     /// for scene text and scripts (Language Server Protocol, on standard input and output); needs no GPU
     Lsp,
+    /// Run a server for agents, which start it: tools that check, ask, render and compare scenes of a folder (Model Context
+    /// Protocol, on standard input and output)
+    Mcp(McpArgs),
     /// Print the JSON Schema of scene text, for editors
     Schema {
         /// Print the schema of projects (reflet.toml) instead

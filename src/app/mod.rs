@@ -5,7 +5,7 @@ use std::{
     io::{self, Write as _},
 };
 
-use clap::Parser as _;
+use clap::{CommandFactory as _, Parser as _};
 
 use crate::{
     app::compare::{CompareArgs, compare},
@@ -32,6 +32,7 @@ pub mod job;
 pub mod lint;
 pub mod lsp;
 pub mod manual;
+pub mod mcp;
 pub mod new;
 pub mod pack;
 #[cfg(feature = "serve")]
@@ -87,6 +88,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
         Command::Query(args) => query::query(&args),
         Command::Cache(args) => cache::cache(args),
         Command::Lsp => lsp::lsp(),
+        Command::Mcp(args) => mcp::mcp(&args, &Cli::command()),
         Command::Job { command } => job::job(&command),
         Command::New(args) => new::new(&args),
         Command::Pack(args) => pack::pack(&args),

@@ -1,5 +1,7 @@
 //! Command line: exit codes, messages, and atomic output files.
 
+#[cfg(unix)]
+mod agent;
 mod cache;
 mod crop;
 mod denoise;

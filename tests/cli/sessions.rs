@@ -1,15 +1,21 @@
 //! Sessions: commands one after another in a folder, each with its exit code, its words and the files that it leaves.
 
+#[cfg(unix)]
+use super::agent::Agent;
 use super::{project::show, *};
 
 /// Steps of a session, a line each: `file NAME` with its text in the indented lines below, `link NAME TARGET`,
-/// `remove NAME`, `run CODE ARGUMENTS`; and of the run before: `says TEXT`, `lacks TEXT`, and `files FOLDER: NAMES`,
-/// `same A B` and `differ A B`, which compare bytes. `{here}` is the folder, `''` an empty argument.
+/// `remove NAME`, `run CODE ARGUMENTS`, `feed ARGUMENTS` with standard input in the lines below; `agent ARGUMENTS`, the
+/// client of `reflet mcp ARGUMENTS`, which has an answer by `call TOOL JSON` and an error by `fail TOOL JSON`; and of the
+/// run or call before: `says TEXT`, `lacks TEXT`, and `files FOLDER: NAMES`, `same A B` and `differ A B`, which compare
+/// bytes. `{here}` is the folder, `''` an empty argument.
 fn session(folder: &Path, text: &str) {
     let here = folder.canonicalize().expect("there");
     let text = text.replace("{here}", &here.display().to_string());
     let mut lines = text.lines().peekable();
     let mut said = String::new();
+    #[cfg(unix)]
+    let mut agent = None;
     while let Some(line) = lines.next() {
         let (step, rest) = line.split_once(' ').unwrap_or((line, ""));
         let pair = || rest.split_once(' ').expect("two words");
@@ -27,6 +33,21 @@ fn session(folder: &Path, text: &str) {
                 let path = folder.join(rest);
                 fs::create_dir_all(path.parent().expect("a folder")).expect(line);
                 fs::write(path, below()).expect(line);
+            }
+            "feed" => {
+                fs::write(folder.join("fed"), below()).expect(line);
+                let fed = fs::File::open(folder.join("fed")).expect(line);
+                said = ends(reflet(folder, rest).stdin(fed), 0).concat();
+            }
+            #[cfg(unix)]
+            "agent" => agent = Some(Agent::start(folder, rest)),
+            #[cfg(unix)]
+            "call" | "fail" => {
+                let (tool, arguments) = pair();
+                let agent = agent.as_ref().expect("a step `agent` before");
+                let (is_error, words) = agent.call(tool, arguments);
+                assert_eq!(is_error, step == "fail", "{line}: {words}");
+                said = words;
             }
             #[cfg(unix)]
             "link" => {
@@ -76,6 +97,9 @@ sessions! {
     pages_and_completions_have_the_options,
     mistakes_in_a_scene_are_said_with_their_place_by_each_command,
     the_manual_and_the_schema_are_printed_whole_and_by_key,
+    an_agent_makes_a_scene_and_checks_it,
+    an_agent_reads_a_project_alone_and_writes_new_pictures_alone,
+    an_agent_that_sends_garbage_or_goes_is_answered_as_far_as_it_asked,
     each_file_of_a_folder_has_a_picture_or_an_error,
     bare_models_have_light_and_turn_as_asked,
     render_takes_camera_variant_size_and_output_from_the_project(""),

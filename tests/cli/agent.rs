@@ -1,0 +1,83 @@
+//! An agent: a client of `reflet mcp` by the library of the protocol.
+
+use std::process::Child;
+
+use rmcp::{
+    RoleClient, ServiceExt as _,
+    model::{CallToolRequestParams, ContentBlock},
+    service::RunningService,
+};
+use tokio::{
+    net::unix::pipe::{Receiver, Sender},
+    runtime::{Builder, Runtime},
+};
+
+use super::*;
+
+/// A client with its server, which ends with it.
+pub struct Agent {
+    runtime: Runtime,
+    client: Option<RunningService<RoleClient, ()>>,
+    server: Child,
+}
+
+impl Agent {
+    pub fn start(folder: &Path, arguments: &str) -> Self {
+        let mut command = reflet(folder, format!("mcp {arguments}"));
+        let command = command.stdin(Stdio::piped()).stdout(Stdio::piped());
+        let mut server = command.spawn().expect("the program starts");
+        let pipes = (server.stdin.take(), server.stdout.take());
+        let runtime = Builder::new_current_thread().enable_all().build();
+        let runtime = runtime.expect("a runtime");
+        let client = runtime.block_on(async {
+            let input = Sender::from_owned_fd(pipes.0.expect("piped").into());
+            let output = Receiver::from_owned_fd(pipes.1.expect("piped").into());
+            let pipes = (output.expect("a pipe"), input.expect("a pipe"));
+            let client = ().serve(pipes).await.expect("it answers");
+            let tools = client.list_all_tools().await.expect("a list");
+            for tool in tools {
+                let arguments = tool.input_schema["properties"].as_object();
+                let mut arguments = arguments.expect("a table").values();
+                assert!(arguments.all(|arg| arg["description"].is_string()));
+                assert!(tool.description.is_some_and(|about| about.len() > 50));
+            }
+            client
+        });
+        let client = Some(client);
+        Self {
+            runtime,
+            client,
+            server,
+        }
+    }
+
+    /// Whether the answer to a call is an error, and its words, with the size of a picture.
+    pub fn call(&self, tool: &str, arguments: &str) -> (bool, String) {
+        let arguments = serde_json::from_str(arguments).expect(arguments);
+        let call = CallToolRequestParams::new(tool.to_owned()).with_arguments(arguments);
+        let client = self.client.as_ref().expect("it runs");
+        let answer = self.runtime.block_on(client.call_tool(call));
+        let answer = answer.expect("an answer");
+        let words = answer.content.iter().map(|block| match block {
+            ContentBlock::Text(text) => text.text.clone(),
+            ContentBlock::Image(image) => {
+                let png = data_encoding::BASE64.decode(image.data.as_bytes());
+                let picture = image::load_from_memory(&png.expect("base64"));
+                let picture = picture.expect("a picture");
+                format!("picture of {} x {}", picture.width(), picture.height())
+            }
+            block => panic!("{block:?}"),
+        });
+        let words = words.collect::<Vec<_>>().join("\n");
+        (answer.is_error == Some(true), words)
+    }
+}
+
+impl Drop for Agent {
+    fn drop(&mut self) {
+        let client = self.client.take().expect("it runs");
+        let _ = self.runtime.block_on(client.cancel());
+        let ended = self.server.wait().expect("it ends");
+        assert!(ended.success() || std::thread::panicking(), "{ended}");
+    }
+}
