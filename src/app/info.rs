@@ -286,6 +286,18 @@ fn corners(bounds: Bounds) -> Option<[[f32; 3]; 2]> {
     (!bounds.is_empty()).then(|| [bounds.min.to_array(), bounds.max.to_array()])
 }
 
+/// Number of names of a list that are told.
+const NAMES: usize = 12;
+
+/// The first of these names, and how many there are more.
+fn first(names: &[String]) -> String {
+    let told = names[..names.len().min(NAMES)].join(", ");
+    match names.len().saturating_sub(NAMES) {
+        0 => told,
+        more => format!("{told}, and {more} more, which --json lists"),
+    }
+}
+
 /// Names of everything that `[motion]` and the script animate.
 fn moves(desc: &SceneDesc) -> Vec<String> {
     fn names<T>(kind: &str, list: &[Entry<T>]) -> Vec<String> {
@@ -303,7 +315,7 @@ fn moves(desc: &SceneDesc) -> Vec<String> {
         names("materials of model", &motion.models),
     ];
     let script = desc.scripts().filter(|script| script.has_frame);
-    let script = script.map(|script| format!("what frame() of {} poses", script.name));
+    let script = script.map(|script| format!("poses of frame() of {}", script.name));
     tracks.concat().into_iter().chain(script).collect()
 }
 

@@ -17,10 +17,7 @@ fn check_poses_every_frame_and_info_lists_them() {
     let [out, err] = without_gpu(&folder, "info scene.toml", 0);
     for line in [
         "timeline    frames 0 to 5 at 10 fps\n",
-        "moves       camera \"main\"\n",
-        "moves       light \"lamp\"\n",
-        "moves       material \"mirror\"\n",
-        "moves       what frame() of s.rhai poses\n",
+        "moves       camera \"main\", light \"lamp\", material \"mirror\", poses of frame() of s.rhai\n",
         "param       lift = 0.5\n",
     ] {
         assert!(out.contains(line), "{line}: {out}{err}");

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use super::first;
+
 use crate::{
     app::error::AppError,
     render::{
@@ -11,9 +13,6 @@ use crate::{
     },
     runtime::scene_text::LoadedScene,
 };
-
-/// Number of names in the text output.
-const NAMES: usize = 12;
 
 /// Instances that reflection rays skip in a frame, and reasons for the others.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -97,13 +96,7 @@ pub fn lines(info: &SkippedInfo) -> Vec<(&'static str, String)> {
     let mut text =
         format!("{count} of {all} instances in reflections of frame {frame}, smaller than {px} px");
     if count > 0 {
-        let names: Vec<&str> = (info.instances.iter().take(NAMES))
-            .map(String::as_str)
-            .collect();
-        text += &format!(": {}", names.join(", "));
-    }
-    if count > NAMES {
-        text += &format!(", and {} more, which --json lists", count - NAMES);
+        text += &format!(": {}", first(&info.instances));
     }
     let mut lines = vec![("skipped", text)];
     if !info.kept.is_empty() {

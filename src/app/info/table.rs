@@ -2,15 +2,12 @@
 
 use std::fmt::Write as _;
 
-use super::{Info, skipped};
+use super::{Info, first, skipped};
 use crate::{
     output::stats::mebibytes,
     render::{decide::Decision, query::answer::Timeline},
     scene::desc::LightKind,
 };
-
-/// Number of names of a file that are told.
-const NAMES: usize = 12;
 
 /// Project of the scene, and the folders that its files may be in.
 fn files(info: &Info) -> Vec<(&'static str, String)> {
@@ -30,7 +27,7 @@ pub fn table(info: &Info) -> String {
     for (label, value) in files(info) {
         line(label, value);
     }
-    line("cameras", info.cameras.join(", "));
+    line("cameras", first(&info.cameras));
     line(
         "triangles",
         format!(
@@ -60,8 +57,8 @@ pub fn table(info: &Info) -> String {
     for cut in &info.choices.cuts {
         line("cut", format!("frame {}: {}", cut.frame, cut.camera));
     }
-    for what in &info.moves {
-        line("moves", what.clone());
+    if !info.moves.is_empty() {
+        line("moves", first(&info.moves));
     }
     for param in &info.params {
         line("param", param.clone());
@@ -143,18 +140,12 @@ fn choices(info: &Info) -> Vec<(&'static str, String)> {
             ("variants", &file.variants),
         ];
         for (label, names) in kinds.into_iter().filter(|(_, names)| !names.is_empty()) {
-            let mut text: Vec<&str> = names.iter().take(NAMES).map(String::as_str).collect();
-            let more = format!(
-                "and {} more, which --json lists",
-                names.len().saturating_sub(NAMES)
-            );
-            text.extend((names.len() > NAMES).then_some(more.as_str()));
             let shown = file.shown_variant.as_deref().unwrap_or("none of them");
             let shown = match label {
                 "variants" => format!("; shown: {shown}"),
                 _ => String::new(),
             };
-            let text = text.join(", ");
+            let text = first(names);
             lines.push((label, format!("{text} of model {}{shown}", file.name)));
         }
     }

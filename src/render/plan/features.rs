@@ -131,7 +131,7 @@ features! {
     shadow_rays {
         used: scene.is_general() || scene.lights().rays,
         constant: HAS_SHADOW_RAYS,
-        dropped: "shadow rays" => "no light casts its shadow by rays";
+        dropped: "shadow rays" => "no light outside of the light tree casts its shadow by rays";
     }
     /// Whether some light without a size casts its shadow by rays.
     hard_shadow_rays {
