@@ -55,6 +55,10 @@ pub struct Info {
     pub border: Vec<String>,
     /// Names of the cameras; the first is the default.
     pub cameras: Vec<String>,
+    /// Width and height of the picture, pixels.
+    pub size_px: [u32; 2],
+    /// Sub-frames of the picture; where an error bound decides, the largest number that it allows.
+    pub samples: u32,
     /// Unique meshes.
     pub meshes: usize,
     /// Triangles of the unique meshes, as stored.
@@ -216,6 +220,8 @@ pub fn gather(loaded: &LoadedScene, at: Option<u32>) -> Result<Info, AppError> {
         project: (loaded.project.as_ref()).map(|project| project.file.display().to_string()),
         border: Vec::new(),
         cameras: world.cameras.iter().map(|c| c.name.clone()).collect(),
+        size_px: loaded.scene.image.size,
+        samples: loaded.scene.image.samples.count(),
         meshes: world.meshes.len(),
         triangles_stored: (0..world.meshes.len()).map(num_triangles).sum(),
         triangles_placed: world.instances.iter().map(|i| num_triangles(i.mesh)).sum(),

@@ -41,7 +41,7 @@ impl Progress {
     /// Progress over this many frames.
     pub fn new(total: usize, form: Option<ProgressForm>) -> Self {
         let form = form.unwrap_or_else(usual_form);
-        let bar = bar(form, total as u64, "");
+        let bar = bar(form, total as u64, "{msg}{left}");
         Self {
             total,
             kept: 0,
@@ -152,7 +152,7 @@ impl PictureProgress {
             None => Duration::from_secs(60),
         };
         let form = form.unwrap_or_else(usual_form);
-        let bar = bar(form, samples.count().into(), " samples");
+        let bar = bar(form, samples.count().into(), " samples{msg}");
         bar.set_message(", compiling");
         bar.enable_steady_tick(Duration::from_millis(100));
         let began = Instant::now();
@@ -194,9 +194,11 @@ impl PictureProgress {
             (Some(error), Some(bound)) => format!(", error {error:.3} of {bound}"),
             _ => String::new(),
         };
+        let left = left_s.filter(|_| done < total);
+        let left = left.map_or(String::new(), |s| format!(", {} left", about(s)));
         if let ProgressForm::Bar = self.form {
             self.bar.set_length(total.into());
-            self.bar.set_message(found);
+            self.bar.set_message(format!("{found}{left}"));
             self.bar.set_position(done.into());
             return;
         }
@@ -210,13 +212,10 @@ impl PictureProgress {
             })),
             ProgressForm::Openjd => print_percent(f64::from(done) / f64::from(total)),
             _ if done == total => {}
-            _ => {
-                let left = left_s.map_or(String::new(), |s| format!(", {} left", about(s)));
-                reflet_base::error_line!(
-                    "sample {done} of {total}{found}, {} so far{left}",
-                    about(seconds)
-                );
-            }
+            _ => reflet_base::error_line!(
+                "sample {done} of {total}{found}, {} so far{left}",
+                about(seconds)
+            ),
         }
     }
 
@@ -262,11 +261,11 @@ fn about(seconds: f64) -> String {
     }
 }
 
-/// A bar over so many steps, on a terminal; `unit` is written after their number.
-fn bar(form: ProgressForm, total: u64, unit: &str) -> ProgressBar {
+/// A bar over so many steps, on a terminal; `end` is the end of its template, after the number of steps.
+fn bar(form: ProgressForm, total: u64, end: &str) -> ProgressBar {
     end_work();
     match form {
-        ProgressForm::Bar => ProgressBar::new(total).with_style(style(unit)),
+        ProgressForm::Bar => ProgressBar::new(total).with_style(style(end)),
         _ => ProgressBar::hidden(),
     }
 }
@@ -275,14 +274,14 @@ fn print_percent(share: f64) {
     print_line(format_args!("openjd_progress: {:.1}", 100.0 * share));
 }
 
-fn style(unit: &str) -> ProgressStyle {
+fn style(end: &str) -> ProgressStyle {
     let left = |state: &ProgressState, out: &mut dyn fmt::Write| {
         let left = state.eta();
         if !left.is_zero() {
             let _ = write!(out, ", {:#} left", HumanDuration(left));
         }
     };
-    ProgressStyle::with_template(&format!("{{bar:24}} {{pos}}/{{len}}{unit}{{msg}}{{left}}"))
+    ProgressStyle::with_template(&format!("{{bar:24}} {{pos}}/{{len}}{end}"))
         .expect("the template is right")
         .with_key("left", left)
         .progress_chars("█·")

@@ -28,6 +28,11 @@ pub fn table(info: &Info) -> String {
         line(label, value);
     }
     line("cameras", first(&info.cameras));
+    let ([width, height], samples) = (info.size_px, info.samples);
+    line(
+        "picture",
+        format!("{width} x {height} pixels, {samples} samples"),
+    );
     line(
         "triangles",
         format!(
