@@ -79,6 +79,7 @@ fn text_edits_over_a_model_read_only_what_is_new() {
             false,
         ),
         (SCENE.to_owned(), false),
+        (over("left", "base_color_texture = \"none\""), false),
         (
             format!("{SCENE}[[instance]]\nmodel = \"quads\"\ntranslation = [0, 1, 0]\n"),
             false,

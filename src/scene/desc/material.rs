@@ -38,7 +38,8 @@ material! {
     ///
     /// A number or color whose kind says "or a table" varies over the surface where a pattern is written in its place:
     /// `roughness = { pattern = "noise", from = 0.1, to = 0.6, size_m = 0.2 }`. A track, a script or an override that
-    /// sets it replaces the pattern. At most 6 in a material.
+    /// sets it replaces the pattern. At most 6 in a material. `"none"` in place of an image file leaves out the texture of a
+    /// model's file, or of the material that this one extends.
     ///
     /// - `pattern`: a procedural pattern of two colors, in place of `checker` and of a base color texture.
     /// - `extends`: name of a `[material.NAME]` that gives the values of keys left out here.

@@ -205,8 +205,11 @@ impl Loader<'_> {
         texture::other_than_srgb(&start)
     }
 
-    /// An image file that the scene text names.
+    /// An image file that the scene text names, or none in place of a file's.
     fn scene_image(&mut self, name: &At<String>, srgb: bool) -> Option<TextureRef> {
+        if name.value == "none" {
+            return None;
+        }
         if let Some((message, help)) = foreign_formats::image(Path::new(&name.value)) {
             self.report_once(error_at("file-format", &name.at, message).help(help));
             return None;
