@@ -102,7 +102,7 @@ fn drawn(preview: &mut Watched, channel: ViewChannel) -> Visualization {
 fn a_click_selects_an_instance_that_is_followed_through_saves_by_its_name() {
     let Some(mut preview) = preview() else { return };
     let picked = pick(&mut preview, MIDDLE).expect("the box");
-    assert_eq!((picked.label.as_str(), picked.triangles), ("box", 12));
+    assert_eq!((picked.label.as_str(), picked.triangles), ("box", Some(12)));
     assert_eq!(picked.bounds.max, Vec3::new(0.5, 1.0, 0.5));
     let outline = picked.outline.expect("is seen");
     assert_eq!(outline.size, [24, 16]);

@@ -208,8 +208,8 @@ pub struct Picked {
     pub material: usize,
     /// World-space bounds; empty while it is hidden.
     pub bounds: Bounds,
-    /// Triangle count of its mesh.
-    pub triangles: usize,
+    /// Triangle count of its mesh; `None` for an exact sphere or capsule.
+    pub triangles: Option<usize>,
     /// Outline of its visible part, at the picture's size; `None` where it is not visible.
     pub outline: Option<FrameTexture>,
 }

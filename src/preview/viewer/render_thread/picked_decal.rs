@@ -107,7 +107,7 @@ impl Worker {
             label: format!("decal {}", decal.name),
             material: decal.material,
             bounds,
-            triangles: 0,
+            triangles: Some(0),
             outline: None,
         };
         Ok(Some((picked, inside)))

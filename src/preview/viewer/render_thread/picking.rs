@@ -88,7 +88,8 @@ impl Worker {
         let instance = &world.instances[index];
         let label = key.label(count);
         let (material, bounds) = (instance.material, world.bounds_of(instance));
-        let triangles = world.meshes[instance.mesh].triangles.len();
+        let mesh = &world.meshes[instance.mesh];
+        let triangles = mesh.round.is_none().then_some(mesh.triangles.len());
         let inside: Vec<bool> = ids.iter().map(|ids| ids[0] as usize == index).collect();
         Ok(Some(Picked {
             label,

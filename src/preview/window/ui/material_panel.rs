@@ -115,12 +115,15 @@ fn instance(ui: &mut Ui, picked: &Picked) {
         ui.weak("instance");
         ui.strong(&picked.label);
     });
-    let triangles = picked.triangles;
+    let surface = match picked.triangles {
+        Some(triangles) => format!("{triangles} triangles"),
+        None => "exact".to_owned(),
+    };
     ui.weak(if picked.bounds.is_empty() {
-        format!("{triangles} triangles, hidden in this frame")
+        format!("{surface}, hidden in this frame")
     } else {
         let [x, y, z] = (picked.bounds.max - picked.bounds.min).to_array();
-        format!("{triangles} triangles, {x:.2} × {y:.2} × {z:.2} m")
+        format!("{surface}, {x:.2} × {y:.2} × {z:.2} m")
     });
 }
 

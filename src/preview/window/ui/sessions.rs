@@ -392,7 +392,7 @@ impl Stage {
                         min: Vec3::ZERO,
                         max: Vec3::new(1.0, 2.0, 0.5),
                     },
-                    triangles: 12,
+                    triangles: Some(12),
                     outline: None,
                 });
             }
