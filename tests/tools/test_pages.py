@@ -1,6 +1,8 @@
 """Scenes and scripts of the pages are right as they stand, each block upon the earlier blocks."""
 
+import os
 import re
+import shlex
 import shutil
 import subprocess
 from pathlib import Path
@@ -46,3 +48,49 @@ def test_blocks_of_a_page_are_right_as_they_stand(page: str, tmp_path: Path) -> 
         check = [BINARY, "check", "--no-project", tmp_path / name]
         done = subprocess.run(check, capture_output=True, text=True, check=False)
         assert done.returncode == 0, f"{text}\n{done.stderr}"
+
+
+def commands(page: Path) -> list[list[str]]:
+    """Commands of a page but for previews, with small pictures."""
+    found = re.findall(
+        r"^```sh\n(.*?)^```$", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL
+    )
+    lines = "".join(found).replace("\\\n", " ").splitlines()
+    lines = [re.sub(r"\s#\s.*", "", line) for line in lines if line.startswith("reflet ")]
+    words = [shlex.split(line) for line in lines]
+    small = {"--size": "64x36", "--samples": "2"}
+    for command in words:
+        for option, value in small.items():
+            if option in command and command[command.index(option) + 1][0].isdigit():
+                command[command.index(option) + 1] = value
+            elif command[1] in ("render", "sheet", "thumbs") and option not in command:
+                command += [option, value]
+    return [command[1:] for command in words if command[1] != "preview"]
+
+
+@pytest.mark.full("a minute of small pictures")
+@pytest.mark.program
+@pytest.mark.parametrize("page", ["README", "docs/guide", "docs/query", "docs/project"])
+def test_commands_of_a_page_run_one_after_another(page: str, tmp_path: Path) -> None:
+    """The commands of a page alone, in a folder with the files that they name."""
+    for folder in ("scenes", "scripts"):
+        (tmp_path / folder).symlink_to(ROOT / folder)
+    scene = blocks("guide")[0][1] + (TEXTS / "pages/recorded.toml").read_text(encoding="utf-8")
+    for name in ("my.toml", "a.toml", "b.toml"):
+        (tmp_path / name).write_text(scene, encoding="utf-8")
+    longer = scene.replace("end = 71", "end = 470")
+    (tmp_path / "my-film.toml").write_text(longer, encoding="utf-8")
+    shutil.copy(TEXTS / "pages/shot.toml", tmp_path)
+    for folder in ("models", "library"):
+        (tmp_path / folder).mkdir()
+    for name in ("chair.glb", "model.glb", "models/chair.glb"):
+        shutil.copy(TEXTS / "pages/fox.glb", tmp_path / name)
+    libraries = (ROOT / ".venv").glob("lib/python3*/site-packages/pyoidn/oidn/lib")
+    environment = {"REFLET_OIDN": str(next(libraries, ""))} | os.environ
+    new = [] if page == "docs/project" else [["new", "show"]]
+    for command in new + commands(ROOT / f"{page}.md"):
+        run = [BINARY, *command]
+        done = subprocess.run(
+            run, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, f"{shlex.join(command)}\n{done.stderr}"
