@@ -152,7 +152,8 @@ impl<'de> Visitor<'de> for FieldsVisitor {
 /// Writes fields as lines for people: a line for each key that has a value, and lists of numbers and names in one line.
 fn write_text(Fields(fields): &Fields, depth: usize, out: &mut String) {
     let indent = "  ".repeat(depth);
-    for (key, value) in fields {
+    let of_people = |(key, _): &&(String, Shown)| !key.contains("_from_"); // matrices
+    for (key, value) in fields.iter().filter(of_people) {
         let values = match value {
             Shown::List(list) if list.iter().any(|one| matches!(one, Shown::Fields(_))) => {
                 list.as_slice()

@@ -13,7 +13,7 @@ use pyo3::{
 };
 
 use crate::{
-    errors::{argument_error, diagnostics, exception, warn},
+    errors::{Failure, argument_error, diagnostics, exception, warn},
     frames::Frames,
     picture::Picture,
     render::Request,
@@ -24,7 +24,10 @@ use crate::{
 };
 use reflet_gpu::adapter;
 use reflet_output::{fingerprint, frames::FrameList};
-use reflet_render::runtime::Session as Runtime;
+use reflet_render::{
+    query::{Question, ask},
+    runtime::Session as Runtime,
+};
 use reflet_scene::desc::ParamValue;
 
 /// An open scene with its device, closed by `with`. Calls of several threads take turns.
@@ -203,6 +206,42 @@ impl Session {
         warn(py, &done?)
     }
 
+    /// Ask what a picture of a frame, or of the shown one, will show, without rendering it.
+    ///
+    /// The answer has the keys of `reflet query --json`: shares, boxes and distances of things,
+    /// lights, bounds, and of pixels `at=[(x, y)]` what they show. `of` are names of things that are
+    /// asked about in place of all, and `parts` lists copies and parts of files alone.
+    /// `view_from_world` and `clip_from_view` are the matrices of the camera, row by row. Vertices
+    /// that `mesh` gave are not seen.
+    ///
+    /// Raises `FrameError`, `UnknownNameError`, `ArgumentError` for pixels outside of the picture.
+    #[pyo3(signature = (frame=None, *, camera=None, at=None, of=None, parts=false))]
+    fn query<'py>(
+        &self,
+        py: Python<'py>,
+        frame: Option<Bound<'_, PyAny>>,
+        camera: Option<String>,
+        at: Option<Vec<[u32; 2]>>,
+        of: Option<Vec<String>>,
+        parts: bool,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let mut question = Question {
+            camera: camera.or_else(|| self.camera.clone()),
+            frame: frame.map(|frame| frame_number(&frame)).transpose()?,
+            at: at.unwrap_or_default(),
+            of: of.unwrap_or_default(),
+            parts,
+        };
+        let ask = move |session: &mut Runtime| {
+            let mut loaded = session.scene().clone();
+            question.frame.get_or_insert(loaded.frame);
+            let answer = serde_json::to_string(&ask(&mut loaded, &question)?);
+            answer.map_err(|error| Failure::Bug(error.to_string()))
+        };
+        let answer = self.slot.work(py, &AtomicBool::new(false), None, ask)?;
+        py.import("json")?.call_method1("loads", (answer,))
+    }
+
     /// Give other vertices to a mesh, in all of its instances and all frames from now on.
     ///
     /// `positions` has the shape (N, 3), meters in the space of the model, one row for each vertex
@@ -279,6 +318,15 @@ impl Session {
         self.read(py, |session| {
             let names = session.scene().camera_names().into_iter();
             names.map(str::to_owned).collect()
+        })
+    }
+
+    /// Names of the instances in the AOVs `ids` and `hit_ids`, by number; 4294967295 is none.
+    #[getter]
+    fn instances(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        self.read(py, |session| {
+            let all = session.scene().world.instances.iter();
+            all.map(|instance| instance.name.clone()).collect()
         })
     }
 

@@ -172,6 +172,22 @@ def test_the_sample_of_the_manual_runs_as_it_stands(
     assert len(list(Path("out").iterdir())) == 48
 
 
+def test_a_query_agrees_with_the_picture(reflet: ModuleType, scene: Path) -> None:
+    with reflet.open(scene) as session:
+        answer = session.query(2, at=[(24, 13)], of=["ball"])
+        picture = session.render(2, aovs=["ids"])
+        names = session.instances
+        with pytest.raises(reflet.ArgumentError):
+            session.query(at=[(48, 0)])
+    [surface] = answer["pixels"][0]["surfaces"]
+    assert names[picture["ids"][13, 24, 0]] == surface["thing"]
+    share = np.mean(picture["ids"][..., 0] == names.index("ball"))
+    assert share == pytest.approx(answer["things"][0]["share"], abs=0.01)
+    clip = np.array(answer["clip_from_view"]) @ answer["view_from_world"] @ [*surface["at_m"], 1]
+    place = (clip[:2] / clip[3] * [1, -1] + 1) / 2 * picture.size
+    assert place == pytest.approx([24.5, 13.5], abs=0.01)
+
+
 def test_a_scene_is_a_file_a_text_or_a_dict(reflet: ModuleType, scene: Path) -> None:
     import tomllib
 

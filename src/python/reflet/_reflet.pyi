@@ -170,6 +170,26 @@ class Session:
         unchanged.
         """
 
+    def query(
+        self,
+        frame: int | None = None,
+        *,
+        camera: str | None = None,
+        at: Sequence[tuple[int, int]] | None = None,
+        of: Sequence[str] | None = None,
+        parts: bool = False,
+    ) -> dict[str, Any]:
+        """Ask what a picture of a frame, or of the shown one, will show, without rendering it.
+
+        The answer has the keys of `reflet query --json`: shares, boxes and distances of things,
+        lights, bounds, and of pixels `at=[(x, y)]` what they show. `of` are names of things that are
+        asked about in place of all, and `parts` lists copies and parts of files alone.
+        `view_from_world` and `clip_from_view` are the matrices of the camera, row by row. Vertices
+        that `mesh` gave are not seen.
+
+        Raises `FrameError`, `UnknownNameError`, `ArgumentError` for pixels outside of the picture.
+        """
+
     def mesh(self, model: str, *, positions: ArrayLike, normals: ArrayLike | None = None) -> None:
         """Give other vertices to a mesh, in all of its instances and all frames from now on.
 
@@ -222,6 +242,10 @@ class Session:
     @property
     def cameras(self) -> list[str]:
         """Names of the cameras."""
+
+    @property
+    def instances(self) -> list[str]:
+        """Names of the instances in the AOVs `ids` and `hit_ids`, by number; 4294967295 is none."""
 
     @property
     def parameters(self) -> dict[str, bool | int | float | str | list[float]]:

@@ -18,6 +18,11 @@ pub struct Answer {
     pub frame: u32,
     /// Name of the camera.
     pub camera: String,
+    /// Rows of the matrix from the world to the camera: x to the right, y up, z against the view, m.
+    pub view_from_world: [[f32; 4]; 4],
+    /// Rows of the matrix from the camera to clip space, whose x and y over w are -1 to 1 in the picture, to the right and
+    /// up; z over w is 1 at the near plane and less behind it.
+    pub clip_from_view: [[f32; 4]; 4],
     /// Width and height of the picture, pixels.
     pub picture_px: [u32; 2],
     /// Columns and rows of the grid of rays through the picture, to which shares and boxes are exact.

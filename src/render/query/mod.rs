@@ -11,7 +11,7 @@ mod visible;
 
 use std::time::Duration;
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Mat4, Vec2};
 
 use self::{
     answer::{Answer, Choices, ModelContents, Named, Pixel, Surface, Thing},
@@ -95,6 +95,8 @@ pub fn ask(loaded: &mut LoadedScene, question: &Question) -> Result<Answer, Sess
         scene: loaded.name.clone(),
         frame,
         camera: world.cameras[camera].name.clone(),
+        view_from_world: rows(view.view_from_world()),
+        clip_from_view: rows(view.clip_from_view(Vec2::ZERO)),
         picture_px: size,
         rays: visible.grid,
         background: rounded(visible.background),
@@ -156,6 +158,10 @@ pub fn ask(loaded: &mut LoadedScene, question: &Question) -> Result<Answer, Sess
     }
     answer.cut_lists();
     Ok(answer)
+}
+
+fn rows(matrix: Mat4) -> [[f32; 4]; 4] {
+    matrix.transpose().to_cols_array_2d()
 }
 
 /// Cuts a list, and returns the number of the entries that are gone.

@@ -128,9 +128,19 @@ impl View {
         self.lens_shift * Vec2::new(0.5 * width, -0.5 * height)
     }
 
-    /// Transform from the world to clip space: reversed depth, infinite in perspective. A point at pixel + jitter is
-    /// moved to the pixel.
+    /// Transform from the world to clip space, see [`Self::clip_from_view`].
     pub fn clip_from_world(&self, jitter: Vec2) -> Mat4 {
+        self.clip_from_view(jitter) * self.view_from_world()
+    }
+
+    /// Transform from the world to view space: x to the right, y up, z against the view.
+    pub fn view_from_world(&self) -> Mat4 {
+        rh::view::look_to_mat4(self.eye, self.forward, self.up.normalize())
+    }
+
+    /// Transform from view space to clip space: reversed depth, infinite in perspective. A point at pixel + jitter is
+    /// moved to the pixel.
+    pub fn clip_from_view(&self, jitter: Vec2) -> Mat4 {
         let aspect = self.size[0] as f32 / self.size[1] as f32;
         let projection = match self.projection {
             Projection::Perspective { fov } => {
@@ -142,14 +152,13 @@ impl View {
                 Mat4::from_translation(Vec3::Z * (far_m / depth_m)) * Mat4::from_scale(scale)
             }
         };
-        let view = rh::view::look_to_mat4(self.eye, self.forward, self.up.normalize());
         let moved = (self.shift_px() + jitter) * Vec2::new(-2.0, 2.0);
         let shift = Vec3::new(
             moved.x / self.size[0] as f32,
             moved.y / self.size[1] as f32,
             0.0,
         );
-        Mat4::from_translation(shift) * projection * view
+        Mat4::from_translation(shift) * projection
     }
 
     /// The view from the point of the lens that sub-frame `index` of `count` uses, and the shift in pixels that
