@@ -255,7 +255,8 @@ fn sampled_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
             lamps.u = u.y;
             for (var i = frame.hard_lights; i < frame.light_count; i++) {
                 let l = light_sample(i, s.position, sample_square(index, next_pair()));
-                var r = returned_of_lamp(s, view, to, l, true);
+                var r = returned_of_lamp(s, view, to, l, is_reflected(i));
+                if (!is_reflected(i)) { r.specular = vec3f(0.0); }
                 r.shown = shown_share(i);
                 if (!HAS_SHADOW_RAYS || lights[i].shadow != SHADOW_RAY) {
                     out.diffuse += r.diffuse * r.shown;
@@ -315,6 +316,7 @@ fn seen_light(origin: vec3f, ray: Reflected, t_max: f32) -> SeenLight {
     var pdf = 0.0;
     var nearest = t_max;
     for (var i = hard_lights(); HAS_SIZED_LIGHTS && i < frame.light_count; i++) {
+        if (!is_reflected(i)) { continue; }
         let extent = lights[i].extent;
         let offset = lights[i].position - origin;
         var t = -1.0;

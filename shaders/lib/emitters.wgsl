@@ -176,17 +176,18 @@ fn returned_of_emitters(s: Surface, view: vec3f, to: Receiver, index: u32) -> Re
         let expected = expected_candidates(chosen.chances);
         let point = emitter_sample(chosen, expected, s.position, sample_square(index * candidates + k, where_on_it));
         if (HAS_TREE_LAMPS && chosen.instance == NONE) {
-            let is_sized = chosen.sides == 1u;
+            let is_met = chosen.sides == 1u;
             var lit_part = to;
             // No ray finds a point without a size, so that its highlight comes by light samples alone.
-            if (!is_sized) { lit_part = Receiver(to.albedo, false, shows_points(s), to.stand_in); }
-            var lit_by = returned_of_lamp(s, view, lit_part, point.light, is_sized);
+            if (!is_met) { lit_part = Receiver(to.albedo, false, shows_points(s) && chosen.sides == 0u, to.stand_in); }
+            var lit_by = returned_of_lamp(s, view, lit_part, point.light, is_met);
             lit_by.shown = point.shown;
             offer(&choice, lit_by, 1.0);
             continue;
         }
-        let is_met = !is_passed(instance_trace_flags(chosen.instance), UNREFLECTED);
-        var lit_by = returned_of_lamp(s, view, to, point.light, is_met);
+        let flags = instance_trace_flags(chosen.instance);
+        var lit_by = returned_of_lamp(s, view, to, point.light, !is_passed(flags, UNREFLECTED));
+        if (is_passed(flags, MATTE_LIGHT)) { lit_by.specular = vec3f(0.0); }
         lit_by.shown = point.shown;
         offer(&choice, lit_by, point.seen_share);
     }

@@ -22,6 +22,13 @@ fn shown_share(i: u32) -> f32 {
     return lights[i].shown;
 }
 
+// Whether reflections do not show some light.
+override HIDES_LIGHTS: bool = true;
+
+fn is_reflected(i: u32) -> bool {
+    return !HIDES_LIGHTS || lights[i].reflected != 0u;
+}
+
 // Whether light outside of the crop is left out.
 override CROPS: bool = false;
 

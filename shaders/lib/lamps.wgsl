@@ -23,7 +23,7 @@ struct Lamp {
 // Records of lamps are as long as records of placed lights: kind with LAMP_RECORD, range, node and extent; position,
 // direction, and half of the first edge or the cone falloff, each with a channel of the color.
 fn is_lamp_record(record: vec4u) -> bool {
-    return (record.x & ~(7u | DARK_LAMP)) == LAMP_RECORD;
+    return (record.x & ~(7u | DARK_LAMP | UNREFLECTED_LAMP)) == LAMP_RECORD;
 }
 
 // Share of a lamp's light that the picture shows.
@@ -118,7 +118,8 @@ fn met_lamp(origin: vec3f, ray: Reflected, t_max: f32) -> MetLamp {
             continue;
         }
         let found = link & ~LIGHT_LEAF;
-        if (!is_lamp_record(light_words(sampling.light_tree.lights + found * LIGHT_VECTORS))) { continue; }
+        let record = light_words(sampling.light_tree.lights + found * LIGHT_VECTORS);
+        if (!is_lamp_record(record) || (HIDES_LIGHTS && (record.x & UNREFLECTED_LAMP) != 0u)) { continue; }
         let lamp = tree_lamp(found);
         if (lamp.extent <= 0.0) { continue; }
         let offset = lamp.position - origin;

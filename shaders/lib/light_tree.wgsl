@@ -25,7 +25,8 @@ struct LightChoice {
     instance: u32, // NONE: a lamp
     triangle: u32, // or the number of the lamp's record
     chances: vec2f, // by importance, by power
-    sides: u32, // sides that emit light: 0 the front, 1 both of a closed mesh, 2 both; of a lamp: 1 if it has a size
+    sides: u32, // sides that emit light: 0 the front, 1 both of a closed mesh, 2 both; of a
+    // lamp: 1 if it has a size, 2 if reflections do not show it
 }
 
 fn sine_of(cosine: f32) -> f32 {
@@ -151,7 +152,7 @@ fn chosen_light(u: vec2f, by_power: bool, surface: LitPoint) -> LightChoice {
         let record = light_words(sampling.light_tree.lights + light * LIGHT_VECTORS);
         if (HAS_TREE_LAMPS && is_lamp_record(record)) {
             if (!by_power && at.chances.x <= 0.0) { return LightChoice(); }
-            return LightChoice(NONE, light, at.chances, u32(bitcast<f32>(record.w) > 0.0));
+            return LightChoice(NONE, light, at.chances, select(u32(bitcast<f32>(record.w) > 0.0), 2u, HIDES_LIGHTS && (record.x & UNREFLECTED_LAMP) != 0u));
         }
         instance = record.w >> 2u;
         at.link = record.x;

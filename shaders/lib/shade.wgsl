@@ -208,7 +208,7 @@ fn shade_layer(s: Surface, view: vec3f, reused: vec2u) -> Shade {
         }
         let lit = l.color * visible * shown_share(i);
         out.diffuse += (albedo + sheen(s, view, l.to_light)) * lit * (nl / PI);
-        if (has_specular) { out.specular += ggx(s, view, l.to_light) * lit; }
+        if (has_specular && is_reflected(i)) { out.specular += ggx(s, view, l.to_light) * lit; }
     }
     let sampled = sampled_light(s, view, albedo);
     out.diffuse += sampled.diffuse;

@@ -40,8 +40,8 @@ mod tests;
 mod tree;
 
 pub use gpu_layout::{
-    ALPHA_TESTED, CAPSULES, DOUBLE_SIDED, FLIPPED, MOVES, SHADOWLESS, TraceInstance, TraceTriangle,
-    UNREFLECTED, UNSEEN,
+    ALPHA_TESTED, CAPSULES, DOUBLE_SIDED, FLIPPED, MATTE_LIGHT, MOVES, SHADOWLESS, TraceInstance,
+    TraceTriangle, UNREFLECTED, UNSEEN,
 };
 pub use leaves::{MeshTree, leaf_corners};
 use leaves::{mesh_tree, static_tree, too_far};

@@ -61,6 +61,11 @@ impl World {
             .contains(&std::ptr::from_ref(light))
     }
 
+    /// Whether reflections do not show some light.
+    pub fn hides_lights(&self) -> bool {
+        self.all_lights().any(|light| !light.desc.in_reflections)
+    }
+
     /// All lights, with lamps, in the order of scene text and files.
     pub fn all_lights(&self) -> impl Iterator<Item = &Light> {
         let count = self.lights.len() + self.lamps.len();

@@ -105,21 +105,44 @@ fn no_light_falls_from_behind_the_smooth_normal() {
 }
 
 #[test]
-fn a_mirror_shows_no_light_without_a_size() {
+fn reflections_show_lights_with_a_size_unless_they_hide() {
     let Some(gpu) = gpu() else { return };
-    let lamp = "\n[light.lamp]\nkind = \"point\"\nposition = [0, 3, 0]\nintensity_cd = 10\nshadow = \"none\"\n";
-    let brightest = |keys: &str| {
-        let text =
-            format!("{FLOOR}{lamp}").replace("reflectivity = 0", &format!("metallic = 1\n{keys}"));
-        let picture = render(gpu, &text, &[], &[]);
-        (0..33)
-            .map(|x| color(&picture, x, 16)[1])
-            .fold(0.0, f32::max)
+    let [point, rect, surface, opposite] = include_str!("lamp/reflected.txt")
+        .split("---\n")
+        .collect::<Vec<_>>()
+        .try_into()
+        .expect("four parts");
+    let of = |floor: &str, lights: &str, method: &str| {
+        let text = FLOOR.replace("reflectivity = 0", floor) + lights;
+        let picture = render(gpu, &text, &[&format!("reflection.method={method}")], &[]);
+        let middle = (0..33).map(|x| color(&picture, x, 16)[1]);
+        (middle.fold(0.0, f32::max), mean(&picture)[1])
     };
-    let opposite =
-        "[[instance]]\nmodel = \"floor\"\ntranslation = [0, 5, 0]\nrotation_deg = [180, 0, 0]\n";
+    let [mirror, satin] = [0.0, 0.1].map(|r| format!("metallic = 1\nroughness = {r}"));
     for another in ["", opposite] {
-        assert_eq!(brightest(&format!("roughness = 0\n{another}")), 0.0);
+        assert_eq!(of(&mirror, &[point, another].concat(), "auto").0, 0.0);
     }
-    assert!(brightest("roughness = 0.1") > 1.0);
+    assert!(of(&satin, point, "auto").0 > 1.0);
+    // More lights than the array holds, all hidden.
+    let hide = |lights: &str| lights.replace("# hidden: ", "");
+    let point = hide(point)
+        .replace("= 10\n", "= 0.01\n")
+        .replace("none", "ray");
+    let numbered = |n| point.replace("light.lamp", &format!("light.p{n}"));
+    let many: String = (0..70).map(numbered).chain([rect.into()]).collect();
+    for (lights, method) in [
+        (rect, "hybrid"),
+        (rect, "path"),
+        (many.as_str(), "rt"),
+        (surface, "rt"),
+        (surface, "path"),
+    ] {
+        for floor in [&mirror, &satin] {
+            assert!(of(floor, lights, method).0 > 1.0, "{method} {lights}");
+            assert_eq!(of(floor, &hide(lights), method).0, 0.0, "{method} {lights}");
+        }
+        let [lit, found] = [lights, &hide(lights)].map(|l| of("reflectivity = 0", l, method).1);
+        assert!(lit > 0.01);
+        assert_close(found, lit, 0.02);
+    }
 }

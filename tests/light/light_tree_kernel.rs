@@ -228,15 +228,12 @@ fn deep_world() -> World {
     let lamp = |place: Vec3, intensity_cd: f32| Light {
         name: String::new(),
         desc: LightDesc {
-            kind: LightKind::Point {
+            shadow: ShadowMode::Ray,
+            ..LightDesc::new(LightKind::Point {
                 position: place,
                 intensity_cd,
                 radius_m: 0.0,
-            },
-            color: Vec3::ONE,
-            shadow: ShadowMode::Ray,
-            shadow_px: 1024,
-            light_group: <_>::default(),
+            })
         },
         range_m: None,
         moves: false,

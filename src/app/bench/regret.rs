@@ -263,15 +263,12 @@ mod tests {
         let mut lamp = crate::world::Light {
             name: "lamp".to_owned(),
             desc: crate::scene::desc::LightDesc {
-                kind: LightKind::Directional {
+                shadow: ShadowMode::Map,
+                ..crate::scene::desc::LightDesc::new(LightKind::Directional {
                     direction: glam::Vec3::NEG_Y,
                     intensity_lux: 1.0,
                     angle_deg: 0.0,
-                },
-                color: glam::Vec3::ONE,
-                shadow: ShadowMode::Map,
-                shadow_px: 64,
-                light_group: crate::scene::desc::LightGroup::default(),
+                })
             },
             range_m: None,
             moves: false,

@@ -151,7 +151,8 @@ fn reflector(
         );
         return Some(Diagnostic::new("short-reflection", at, message).help(help));
     }
-    let has_lamp = world.all_lights().any(|light| light.desc.kind.has_size());
+    let has_lamp =
+        (world.all_lights()).any(|light| light.desc.in_reflections && light.desc.kind.has_size());
     let is_lit = has_lamp || reach.highlight > BLACK;
     (world.environment.is_black() && !is_lit).then(|| {
         let message = format!("material \"{name}\" reflects nothing but the black environment");

@@ -142,6 +142,8 @@ gpu_struct! {
         half_v: [f32; 3],
         /// 1; 0 where the picture shows another light group.
         shown: f32,
+        /// 1; 0 where reflections do not show the light.
+        reflected: u32,
     }
 }
 

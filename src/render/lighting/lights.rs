@@ -213,6 +213,7 @@ pub(crate) fn gpu_light(light: &Light, shadow: ShadowMode) -> GpuLight {
     out.kind = kind.index() as u32;
     out.color = (light.desc.color * kind.intensity()).to_array();
     out.range_m = light.range_m.unwrap_or(0.0);
+    out.reflected = light.desc.in_reflections.into();
     out.shadow = match shadow {
         ShadowMode::None => SHADOW_NONE,
         ShadowMode::Default | ShadowMode::Map | ShadowMode::Auto => SHADOW_MAP,

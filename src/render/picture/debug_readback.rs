@@ -106,17 +106,15 @@ mod tests {
     use super::*;
     use crate::lighting::lights::{ShadowSizes, lights, map_near_m};
     use reflet_base::math::Bounds;
-    use reflet_scene::desc::{LightDesc, LightGroup, LightKind};
+    use reflet_scene::desc::{LightDesc, LightKind};
 
     fn light(kind: LightKind) -> Light {
         Light {
             name: "lamp".to_owned(),
             desc: LightDesc {
-                kind,
-                color: Vec3::ONE,
                 shadow: ShadowMode::Map,
                 shadow_px: 64,
-                light_group: LightGroup::default(),
+                ..LightDesc::new(kind)
             },
             range_m: None,
             moves: false,

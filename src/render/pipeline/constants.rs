@@ -107,7 +107,7 @@ pub fn wgsl() -> String {
             METAL_REACH, COAT_STEPS, CUTOFF_FADE, SHARP_ROUGHNESS,
         }
         crate::upload::draw_shape { SQUARE_CORNERS }
-        crate::upload::emitters { LAMP_RECORD, LIGHT_VECTORS, DARK_LAMP }
+        crate::upload::emitters { LAMP_RECORD, LIGHT_VECTORS, DARK_LAMP, UNREFLECTED_LAMP }
         crate::upload::panorama { MOST_CONES }
         crate::upload::structures {
             SEEN_BY_REFLECTIONS, SEEN_BY_CAMERA, SEEN_BY_LIGHTS, MOVING_SHIFT, STATIC_STRUCTURE,
@@ -116,7 +116,7 @@ pub fn wgsl() -> String {
         reflet_world { MAX_LIGHTS }
         reflet_world::bvh {
             NODE_VECTORS, TRIANGLE_VECTORS, STATIC_ROOT, TOP_ROOT, TOP_LEVEL, ALPHA_TESTED, CAPSULES,
-            DOUBLE_SIDED, FLIPPED, MOVES, UNSEEN, SHADOWLESS, UNREFLECTED, STACK_SIZE,
+            DOUBLE_SIDED, FLIPPED, MOVES, UNSEEN, SHADOWLESS, UNREFLECTED, MATTE_LIGHT, STACK_SIZE,
         }
         reflet_world::environment { CONE_LEVELS }
         reflet_world::light_tree {

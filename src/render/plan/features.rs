@@ -355,6 +355,11 @@ features! {
         used: scene.is_general() || scene.world.has_light_groups(),
         constant: HAS_LIGHT_GROUPS,
     }
+    /// Whether reflections do not show some light.
+    hidden_lights {
+        used: scene.is_general() || scene.world.hides_lights(),
+        constant: HIDES_LIGHTS,
+    }
     /// Whether there is fog between things.
     fog {
         used: scene.world.environment.fog().is_some(),

@@ -23,10 +23,13 @@ pub const NO_LIGHT_TREE: LightTree = LightTree {
 pub const LIGHT_VECTORS: usize = 4;
 
 /// First word of a lamp's record, whose lowest three bits are the kind; a placed light has a link there.
-pub const LAMP_RECORD: u32 = 0xffff_fff0;
+pub const LAMP_RECORD: u32 = 0xffff_ffe0;
 
 /// Bit of the first word of a lamp's record: the picture shows another light group.
 pub const DARK_LAMP: u32 = 8;
+
+/// Bit of the first word of a lamp's record: reflections do not show the lamp.
+pub const UNREFLECTED_LAMP: u32 = 16;
 
 /// The light trees on the GPU, in an array of vectors: for each instance the index of its placed light; placed lights,
 /// then lamps; nodes, of the upper tree first; for each triangle of each mesh its node.
@@ -217,7 +220,7 @@ pub(crate) fn lamp_record(lamp: &Light, node: u32) -> [[u32; 4]; LIGHT_VECTORS] 
     let extent = light.extent.max(half_v).to_bits();
     [
         [
-            LAMP_RECORD | light.kind,
+            LAMP_RECORD | light.kind | ((1 - light.reflected) * UNREFLECTED_LAMP),
             light.range_m.to_bits(),
             node,
             extent,

@@ -113,6 +113,7 @@ pub fn is_posed_from(uploaded: &World, world: &World) -> bool {
     has_same_uploads(uploaded, world)
         && uploaded.materials.len() == world.materials.len()
         && has_same_records(uploaded, world)
+        && uploaded.hides_lights() == world.hides_lights()
         && uploaded.deformed.keys().eq(world.deformed.keys())
         && placed(uploaded).eq(placed(world))
 }

@@ -47,7 +47,8 @@ declared! {
         pub visible: bool = true,
         /// Whether the instance blocks light and casts shadows. Default true.
         pub casts_shadow: bool = true,
-        /// Whether the instance is seen in reflections and through glass. Default true.
+        /// Whether the instance is seen in reflections and through glass. Where it is not, and its material has
+        /// `light = true`, it lights the matte part of surfaces and fog alone. Default true.
         pub in_reflections: bool = true,
     }
 }

@@ -68,6 +68,9 @@ declared! {
         /// materials and the environment of this name apart. Default "other".
         #[by(LightGroup::find)]
         pub light_group: LightGroup,
+        /// Whether mirrors, glossy surfaces and glass show the light: its image, and its highlights. `false` leaves it the
+        /// matte part of surfaces and fog, as for a lamp beside the picture that shall not stand in a shining floor. Default true.
+        pub in_reflections: bool = true,
         /// `kind = "point" | "spot" | "directional" | "rect" | "disk"`, with the keys of that kind. Lights with
         /// a size are seen in reflections, not by the camera itself.
         #[by(Keys::read_keys)]
@@ -78,6 +81,18 @@ declared! {
 impl LightDesc {
     /// Edge length of shadow maps of which a scene says none, pixels.
     pub const SHADOW_PX: u32 = 1024;
+
+    /// White light of a kind, with the defaults of the other keys.
+    pub fn new(kind: LightKind) -> Self {
+        Self {
+            kind,
+            color: Vec3::ONE,
+            shadow: ShadowMode::default(),
+            shadow_px: Self::SHADOW_PX,
+            light_group: LightGroup::default(),
+            in_reflections: true,
+        }
+    }
 
     fn settled(mut self, t: &mut Table) -> Self {
         self.settle();

@@ -27,6 +27,9 @@ pub const CAPSULES: u32 = 64;
 /// Flag of instances: they may move, so that probes do not see them. They are never part of the static tree.
 pub const MOVES: u32 = 128;
 
+/// Flag of instances: no reflection shows their light, which lights the matte part of surfaces alone.
+pub const MATTE_LIGHT: u32 = 256;
+
 /// A triangle, or in mesh trees a capsule, as traversal reads it, 48 bytes (3 × `vec4u`).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -96,7 +99,7 @@ pub(super) fn instance_flags(instance: &Instance, world: &World) -> u32 {
         | flag(instance.dynamic, MOVES)
         | flag(!shown.visible, UNSEEN)
         | flag(!shown.casts_shadow, SHADOWLESS)
-        | flag(!shown.in_reflections, UNREFLECTED)
+        | flag(!shown.in_reflections, UNREFLECTED | MATTE_LIGHT)
 }
 
 pub(super) fn trace_triangle(

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::{FORWARD, Notes, schema, uri::shorten};
 use crate::Light;
-use reflet_scene::desc::{LightDesc, LightGroup, LightKind, ShadowMode};
+use reflet_scene::desc::{LightDesc, LightKind};
 
 /// Share of the outer angle of a spot light at which the edge of its cone begins at the latest: a hard edge.
 const HARD_EDGE: f32 = 0.999;
@@ -60,11 +60,8 @@ pub fn read(light: &schema::Light, name: &str, notes: &mut Notes, place: &str) -
     Some(Light {
         name: name.to_owned(),
         desc: LightDesc {
-            kind,
             color: Vec3::from_array(color),
-            shadow: ShadowMode::default(),
-            shadow_px: LightDesc::SHADOW_PX,
-            light_group: LightGroup::default(),
+            ..LightDesc::new(kind)
         },
         range_m,
         moves: false,
