@@ -209,10 +209,10 @@ impl Session {
     /// Ask what a picture of a frame, or of the shown one, will show, without rendering it.
     ///
     /// The answer has the keys of `reflet query --json`: shares, boxes and distances of things,
-    /// lights, bounds, and of pixels `at=[(x, y)]` what they show. `of` are names of things that are
-    /// asked about in place of all, and `parts` lists copies and parts of files alone.
-    /// `view_from_world` and `clip_from_view` are the matrices of the camera, row by row. Vertices
-    /// that `mesh` gave are not seen.
+    /// lights, bounds, and the surfaces of the pixels `at=[(x, y)]`. `of` names the things to ask
+    /// about in place of all, and `parts` lists copies and parts of files alone. `view_from_world`
+    /// and `clip_from_view` are the matrices of the camera, row by row. Vertices that `mesh` gave
+    /// are not seen.
     ///
     /// Raises `FrameError`, `UnknownNameError`, `ArgumentError` for pixels outside of the picture.
     #[pyo3(signature = (frame=None, *, camera=None, at=None, of=None, parts=false))]
