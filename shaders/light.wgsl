@@ -14,6 +14,8 @@ override REUSES_LIGHT: bool = true;
 
 // Whether the camera sees the environment.
 override SHOW_ENVIRONMENT: bool = true;
+// Whether the background is transparent.
+override HIDES_BACKGROUND: bool = false;
 
 fn light_pixel(pixel: vec2u) {
     if (any(pixel >= vec2u(frame.size)) || is_left_out(pixel)) { return; }
@@ -27,6 +29,8 @@ fn light_pixel(pixel: vec2u) {
         unlit = select(0.0, coverage(s), s.unlit);
     } else if (SHOW_ENVIRONMENT) {
         lit.diffuse = environment(normalize(pixel_ray(vec2f(pixel) + 0.5)));
+    } else if (!HIDES_BACKGROUND) {
+        lit.diffuse = frame.background;
     }
     textureStore(radiance, pixel, stored(vec4f(lit.diffuse, unlit)));
     textureStore(specular, pixel, stored(vec4f(lit.specular, 1.0)));

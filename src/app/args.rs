@@ -17,7 +17,11 @@ use crate::{
     output::frames::{Shard, parse_shard},
     render::Crop,
     runtime::scene_text::SceneOptions,
-    scene::{declared::Words, desc::Method},
+    scene::{
+        declared::Words,
+        desc::Method,
+        syntax::{Content, value_text},
+    },
 };
 
 /// Source of the scene, and overrides of its values.
@@ -80,6 +84,10 @@ pub struct PictureArgs {
     /// A script that sets a light by its name fails
     #[arg(long, value_name = "LIGHT")]
     pub light: Option<Light>,
+    /// Color of the background that the camera sees in place of the environment, such as "#202020"; its light and
+    /// reflections stay
+    #[arg(long, value_name = "COLOR")]
+    pub background: Option<String>,
     /// Turn the camera once around the scene in this time, such as 4s, at 24 frames a second or as many as its timeline
     /// has
     #[arg(long, value_name = "TIME", value_parser = parse_time, conflicts_with = "camera")]
@@ -132,12 +140,20 @@ pub struct PictureWords<'a> {
 }
 
 impl PictureArgs {
-    /// The arguments with their light as overrides of a scene, before all others.
+    /// The arguments with light and background as overrides of a scene, before all others.
     ///
     /// # Errors
     /// Same errors as [`Light::overrides`].
     pub fn lit(&self, scene: Option<&Path>) -> Result<Self, AppError> {
         let mut lit = self.clone();
+        if let Some(color) = lit.background.take() {
+            let color = match color.starts_with('[') {
+                true => color,
+                false => value_text(&Content::String(color)),
+            };
+            let set = format!("environment.background={color}");
+            lit.from.set.insert(0, set);
+        }
         if let Some(light) = lit.light.take() {
             let (set, folder) = light.overrides(&lit.from.assets, scene)?;
             lit.from.set.splice(0..0, set);
@@ -163,6 +179,7 @@ impl PictureArgs {
             size,
             // Part of `from`, see `render::turned`.
             light: _,
+            background: _,
             turntable: _,
             crop,
             method,

@@ -58,16 +58,23 @@ fn blended_surfaces_cover_by_their_alpha_and_glass_wholly() {
 #[test]
 fn an_environment_that_is_not_shown_is_not_shown_through_what_is_blended() {
     let Some(gpu) = gpu() else { return };
-    for method in ["hybrid", "path"] {
+    for (method, shown, expected) in [
+        ("hybrid", "visible=false", [0.0; 3]),
+        ("path", "visible=false", [0.0; 3]),
+        ("hybrid", "background=[0.1, 0.2, 0.3]", [0.1, 0.2, 0.3]),
+        ("path", "background=[0.1, 0.2, 0.3]", [0.1, 0.2, 0.3]),
+    ] {
         let method = format!("reflection.method={method}");
+        let shown = format!("environment.{shown}");
         let set = [
-            "environment.visible=false",
+            &shown,
             "image.alpha=false",
             "material.white.alpha=0",
             &method,
         ];
         let picture = render(gpu, BALL, &set, &[]);
-        let is_black = |pixel: &[f32]| pixel[..3].iter().all(|v| *v < 1e-6);
-        assert!(picture.color.chunks_exact(4).all(is_black));
+        for pixel in 0..32 {
+            assert_color(&picture, pixel, pixel / 2, expected, 1e-3);
+        }
     }
 }

@@ -188,6 +188,7 @@ impl Frame {
             crop,
             eye_absorption: around.map_or([0.0; 3], |solid| solid.absorption().to_array()),
             eye_solids: around.is_some().into(),
+            background: environment.background.unwrap_or_default().to_array(),
         }
     }
 }

@@ -70,6 +70,8 @@ gpu_struct! {
         eye_absorption: [f32; 3],
         /// Number of transmissive solids that the eye is in, 0 or 1.
         eye_solids: u32,
+        /// Radiance that the camera sees in place of the environment.
+        background: [f32; 3],
     }
 }
 

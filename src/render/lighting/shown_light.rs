@@ -26,6 +26,7 @@ impl ShownLight {
     ) {
         if !self.shows(world.environment.desc.light_group) {
             (frame.zenith, frame.horizon, frame.ground) = ([0.0; 3], [0.0; 3], [0.0; 3]);
+            frame.background = [0.0; 3];
             sampling.scale = 0.0;
         }
         let lights = in_order(&world.lights).0;

@@ -314,7 +314,7 @@ features! {
     }
     /// Whether the camera sees the environment.
     shows_environment {
-        used: scene.world.environment.desc.visible && !scene.options.image.alpha,
+        used: scene.world.environment.desc.is_seen() && !scene.options.image.alpha,
         constant: SHOW_ENVIRONMENT,
     }
     /// Whether rays test the alpha of their hits.

@@ -82,6 +82,10 @@ declared! {
         /// Whether the camera sees the environment as its background; `false` shows black there. Its light and
         /// its reflections stay. Default true.
         pub visible: bool = true,
+        /// Linear radiance of the background that the camera sees in place of the environment, three numbers 0 to 1000, or
+        /// sRGB text such as `"#202020"`; 1 shows as white at exposure 0. The environment's light and reflections stay.
+        /// Default: none.
+        pub background: Option<Vec3>,
         /// Whether objects block the environment's light: with `"ray"` they cast soft shadows and darken
         /// corners. Default `"none"` with a color or gradient, else `"ray"`.
         pub shadow: EnvironmentShadow = EnvironmentShadow::Ray,
@@ -96,6 +100,11 @@ declared! {
 }
 
 impl EnvironmentDesc {
+    /// Whether the camera sees the environment.
+    pub fn is_seen(&self) -> bool {
+        self.visible && self.background.is_none()
+    }
+
     /// Name of the panorama file, as the scene writes it.
     pub fn file_name(&self) -> Option<&Path> {
         self.file.as_ref().map(|file| Path::new(&file.value))

@@ -3,6 +3,7 @@
 
 pub mod timeline;
 
+use crate::range::range;
 use std::sync::Arc;
 
 use glam::Vec3;
@@ -195,6 +196,9 @@ impl Section for EnvironmentDesc {
             rotation_deg: t.get("rotation_deg", ANY, default.rotation_deg),
             intensity: t.get("intensity", FROM_0, default.intensity),
             visible: t.get("visible", ANY, default.visible),
+            background: t
+                .find("background", range(0.0, 1000.0))
+                .map(|Color(color)| color),
             shadow: t.find("shadow", ANY).unwrap_or(match has_colors {
                 true => EnvironmentShadow::None,
                 false => EnvironmentShadow::Ray,
