@@ -68,10 +68,7 @@ fn behind_once(pixel: vec2u, first: Surface) -> vec4f {
         }
         if (h.instance == NONE) {
             if (HIDES_BACKGROUND && is_straight) { return vec4f(color, 1.0 - uncovered); }
-            if (!SHOW_ENVIRONMENT && is_straight) {
-                color += throughput * frame.background;
-                break;
-            }
+            if (!SHOW_ENVIRONMENT && is_straight) { return vec4f(color + throughput * frame.background, 1.0); }
         }
         if (end.is_seen) {
             color += found_light(throughput * end.radiance, step);
