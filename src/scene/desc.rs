@@ -65,7 +65,7 @@ pub use self::{
         MotionDesc, TimelineDesc,
     },
     near_far::NearFarDesc,
-    outline::{BevelDesc, FigureDesc, FillRule, OutlineDesc},
+    outline::{BevelDesc, FigureDesc, FileDesc, FillRule, OutlineDesc},
     pattern::{CheckerDesc, ColorPatternDesc, NumberPatternDesc, PatternDesc, PatternKind},
     placement::{PlacementDesc, turned},
     probe::{Lookup, ProbeDesc, ProbesDesc, SelectBy},
@@ -73,7 +73,7 @@ pub use self::{
     reflection::{Accept, Bounces, Marched, Method, ReflectionDesc, Trace},
     scatter::{AlongDesc, OverDesc},
     script::ScriptDesc,
-    shape::{FontDesc, LatheSource, NoiseDesc, PartDesc, ShapeDesc, SweepCurve, TextAlign},
+    shape::{LatheSource, NoiseDesc, PartDesc, ShapeDesc, SweepCurve, TextAlign},
     stage::{MODEL_ENDINGS, PANORAMA_ENDINGS, StageDesc, is_bare, is_panorama, is_stage},
     track::{
         CurveKind, Ease, FollowDesc, KeyDesc, NumberKeyDesc, NumberOscillateDesc, NumberTrackDesc,

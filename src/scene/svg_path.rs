@@ -148,36 +148,3 @@ fn numbers(segment: &PathSegment) -> [f64; 6] {
         PathSegment::ClosePath => [0.0; 6],
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_place_of_a_mistake_is_that_of_its_letter_or_number() {
-        for (text, byte) in [
-            ("M 0 0 L 1 x", 10),
-            ("M 0 0 L 1 0 K 3 3", 12),
-            ("L 1 0", 0),
-            ("M 0 0 L 1", 9),
-            ("M 0 0 L 1-2e12 0 Z", 9),
-            ("M 0 0 h 1 l 0.5 9e11 0 9e11 z", 23),
-        ] {
-            let fault = read(text).expect_err(text);
-            assert_eq!(fault.byte, byte, "{text}: {fault:?}");
-        }
-        for text in ["", "M 1 1", "M 0 0 L 1e300 0 Z", "M 0 0 L 1e999 0 Z"] {
-            assert!(read(text).is_err(), "{text}");
-        }
-    }
-
-    #[test]
-    fn arcs_and_relative_letters_are_curves_and_absolute() {
-        let path = read("m1,0a1 1 0 0 1-1 1z").expect("a quarter of a circle");
-        assert_eq!(path.len(), 3);
-        let PathSegment::CurveTo { x, y, .. } = path[1] else {
-            panic!("{path:?}");
-        };
-        assert!(x.abs() < 1e-9 && (y - 1.0).abs() < 1e-9, "{path:?}");
-    }
-}

@@ -22,6 +22,7 @@ mod rounded_box;
 mod runs;
 mod solid;
 mod supplies;
+mod svg;
 mod sweep;
 pub mod text;
 mod turn;
@@ -38,7 +39,7 @@ pub use self::{curve::Curve, fault::Fault, made::Made, supplies::MOST_WORK, supp
 
 /// Tessellates `shape` (sizes in meters, as its description says); a height field gives an empty mesh, see
 /// [`heightfield::mesh`]. `supplies` has the files that
-/// [`ShapeDesc::fonts`] names, and work that is spent.
+/// [`ShapeDesc::files`] names, and work that is spent.
 ///
 /// Triangles are counter-clockwise seen from outside; curved sides have smooth normals; texture
 /// coordinates run left to right and top to bottom as seen from outside, once around. Tangents

@@ -22,8 +22,7 @@ fn session(folder: &Path, text: &str) {
         let read = |name: &str| fs::read(folder.join(name)).expect(line);
         let mut below = || {
             let indented = |line: &&str| line.starts_with("    ");
-            let lines = std::iter::from_fn(|| lines.next_if(indented));
-            lines
+            std::iter::from_fn(|| lines.next_if(indented))
                 .map(|line| format!("{}\n", &line[4..]))
                 .collect::<String>()
         };
@@ -97,6 +96,7 @@ sessions! {
     pages_and_completions_have_the_options,
     mistakes_in_a_scene_are_said_with_their_place_by_each_command,
     the_manual_and_the_schema_are_printed_whole_and_by_key,
+    an_outline_of_a_file_is_found_told_and_packed,
     an_agent_makes_a_scene_and_checks_it,
     an_agent_reads_a_project_alone_and_writes_new_pictures_alone,
     an_agent_that_sends_garbage_or_goes_is_answered_as_far_as_it_asked,

@@ -178,7 +178,7 @@ fn things_that_a_placed_scene_names_are_its_own() {
     let texture = paint.base_color_texture.as_ref().expect("a texture");
     let names = [&decal.material, &only[0], &over.model, texture].map(|name| name.value.as_str());
     assert_eq!(names, ["car.paint", "car.bolt", "car.body", "car/a.png"]);
-    assert_eq!(shape.fonts()[0].file, "car/a.ttf");
+    assert_eq!(shape.files()[0].file, "car/a.ttf");
 }
 
 #[test]

@@ -19,9 +19,13 @@ const MOST_CORNERS: usize = 10_000;
 const LONGEST_PATH: usize = 1_000_000;
 
 declared! {
-    /// `outline = { … }`: a flat figure in XY, meters, with exactly one of `path`, `points`, `rect` and `radius`.
+    /// `outline = { … }`: a flat figure in XY, meters, with exactly one of `path`, `svg`, `points`, `rect` and
+    /// `radius`.
     /// Curves become chords; corners of more than 40° are edges.
     ///
+    /// - `svg`: an SVG file of at most 1 MB, searched beside the scene, then in each `--assets` folder: all that its shapes
+    ///   fill, each by its own rule. A unit is a pixel of the file's width and height (1/96 inch); y is turned upwards.
+    ///   Strokes, clips, masks and images are left out; text must be turned into paths.
     /// - `path`: an SVG path, such as `"M 0 0 H 4 V 2 A 2 2 0 0 1 0 2 Z"`: lines, arcs and Bézier curves; its parts are
     ///   closed. y points up; for drawings, in which it points down, write `flip_y = true`.
     /// - `points`: corners, each x and y, 3 to 10000; the last is joined to the first.
@@ -29,7 +33,7 @@ declared! {
     /// - `corner_radius`: radius of the corners of `rect`, 0 or more, at most half of the shorter side. Default 0.
     /// - `radius`: radius of a circle around the origin, above 0.
     #[derive(Clone, Debug, PartialEq)]
-    #[table("outline = { … }", check(Self::check_holes), instead(Self::instead))]
+    #[table("outline = { … }", files(svg: "svg"), check(Self::check_holes), instead(Self::instead))]
     pub struct OutlineDesc {
         /// Figure that it is.
         #[by(FigureDesc::read)]
@@ -53,9 +57,28 @@ declared! {
     }
 }
 
+/// A file that a shape is made of: a font, or an SVG file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FileDesc {
+    /// Its name.
+    pub file: String,
+    /// Place where it is written.
+    pub at: Written,
+}
+
+impl FileDesc {
+    /// Reads the name of a file.
+    pub(super) fn read(t: &mut Table, key: &'static str) -> Option<Self> {
+        let at = t.written(key);
+        t.find(key, ANY).map(|file| Self { file, at })
+    }
+}
+
 /// Figure of an outline.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FigureDesc {
+    /// Filled shapes of an SVG file.
+    Svg(FileDesc),
     /// Path in SVG's syntax.
     Path(String),
     /// Corners.
@@ -130,6 +153,10 @@ impl OutlineDesc {
 
     fn instead(key: &str, value: &Node) -> Option<String> {
         let text = value.get_ref().as_str();
+        if let Some(file) = text.filter(|text| text.to_lowercase().ends_with(".svg")) {
+            let file = suggest::text(file);
+            return Some(format!("write `{key} = {{ svg = {file} }}`"));
+        }
         if let Some(text) = text.filter(|text| text.trim_start().starts_with(['M', 'm'])) {
             return Some(format!(
                 "write `{key} = {{ path = {} }}`",
@@ -146,7 +173,12 @@ const CORNERS: &str = "write the corners one after another: `[[0, 0], [1, 0], [0
 
 impl FigureDesc {
     fn read(t: &mut Table) -> Option<Self> {
-        t.one_of(true, &[&["path"], &["points"], &["rect"], &["radius"]]);
+        t.one_of(
+            true,
+            &[&["path"], &["svg"], &["points"], &["rect"], &["radius"]],
+        );
+        t.one_of(false, &[&["svg"], &["flip_y", "fill_rule"]]);
+        let svg = FileDesc::read(t, "svg");
         let path = t.find::<String>("path", ANY);
         let points = t.find("points", ANY).map(|Points(points)| points);
         let rect = t.find::<[f32; 2]>("rect", ABOVE_0);
@@ -166,7 +198,8 @@ impl FigureDesc {
                 corner_radius,
             }
         });
-        let figure = path.map(Self::Path).or(points.map(Self::Points));
+        let figure = svg.map(Self::Svg).or(path.map(Self::Path));
+        let figure = figure.or(points.map(Self::Points));
         figure.or(rect).or(radius.map(Self::Circle))
     }
 }

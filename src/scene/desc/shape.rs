@@ -9,7 +9,8 @@ use glam::Vec3;
 
 pub(super) use self::check::{MOST_CURVE_POINTS, wrong_curve};
 use super::{
-    At, BevelDesc, OutlineDesc, PlacementDesc, Written, outline::SEGMENTS, placement::placed,
+    At, BevelDesc, FigureDesc, FileDesc, OutlineDesc, PlacementDesc, Written, outline::SEGMENTS,
+    placement::placed,
 };
 use crate::{
     range::{ABOVE_0, ANY, FROM_0, Range, UNIT, range},
@@ -168,8 +169,8 @@ declared! {
             text: String,
             /// A font file with outlines (`.ttf`, `.otf`, or the first of a `.ttc`), searched beside the scene, then in
             /// each `--assets` folder. Default: Ubuntu Light.
-            #[by(FontDesc::read)]
-            font: Option<FontDesc>,
+            #[by(|t| Some(FileDesc::read(t, "font")))]
+            font: Option<FileDesc>,
             /// Size of the font (its em), meters, above 0; capitals are some 0.7 of it high. Default 0.2.
             size: f32 [ABOVE_0] = 0.2,
             /// Thickness along Z, meters, above 0. Default 0.05.
@@ -305,15 +306,6 @@ declared! {
     }
 }
 
-/// A font file.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FontDesc {
-    /// Its name.
-    pub file: String,
-    /// Place where it is written.
-    pub at: Written,
-}
-
 declared! {
     /// Where x = 0 is in a line of text.
     #[words]
@@ -363,16 +355,23 @@ impl ShapeDesc {
         }
     }
 
-    /// Font files of the shape and of its parts.
-    pub fn fonts(&self) -> Vec<&FontDesc> {
-        if let Self::Displaced { shape, .. } = self {
-            return shape.fonts();
-        }
+    /// Font and SVG files of the shape and of its parts.
+    pub fn files(&self) -> Vec<&FileDesc> {
         let own = match self {
+            Self::Displaced { shape, .. } => return shape.files(),
             Self::Text { font, .. } => font.as_ref(),
+            Self::Extrude { outline, .. }
+            | Self::Sweep { outline, .. }
+            | Self::Lathe {
+                source: LatheSource::Outline(outline),
+                ..
+            } => match &outline.figure {
+                FigureDesc::Svg(file) => Some(file),
+                _ => None,
+            },
             _ => None,
         };
-        let parts = self.parts().iter().flat_map(|part| part.shape.fonts());
+        let parts = self.parts().iter().flat_map(|part| part.shape.files());
         own.into_iter().chain(parts).collect()
     }
 }

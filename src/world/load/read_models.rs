@@ -136,7 +136,6 @@ impl Loader<'_> {
         Ok(heightfield::mesh(&heights, *size))
     }
 
-    /// The font files of a shape, and the work that shapes may still take.
     /// Name of a font beside the scene, in another folder of its files, or in a folder `fonts` below, that has all
     /// letters of a text.
     fn font_with(&self, text: &str) -> Option<String> {
@@ -163,15 +162,16 @@ impl Loader<'_> {
         })
     }
 
+    /// The font and SVG files of a shape, and the work that shapes may still take.
     fn supplies(&mut self, shape: &ShapeDesc) -> Result<Supplies, Box<Diagnostic>> {
         let mut supplies = Supplies {
             work: self.shape_work.clone(),
             ..Supplies::default()
         };
-        for font in shape.fonts() {
+        for named in shape.files() {
             let file = At {
-                value: font.file.clone(),
-                at: font.at.0.clone(),
+                value: named.file.clone(),
+                at: named.at.0.clone(),
             };
             let path = self.find(&file)?;
             let bytes = self.sandbox.read(&path).map_err(|fault| {
@@ -179,7 +179,7 @@ impl Loader<'_> {
                 Box::new(error_at(fault.name, &file.at, text))
             })?;
             self.add_files(std::slice::from_ref(&path));
-            supplies.fonts.insert(file.value, bytes);
+            supplies.files.insert(file.value, bytes);
         }
         Ok(supplies)
     }
@@ -315,7 +315,7 @@ fn make_guarded(shape: &ShapeDesc, supplies: Supplies) -> Result<shape::Made, sh
                     "making this shape takes more than {} seconds",
                     MOST_TIME.as_secs()
                 );
-                let help = "use another `font`, lower `segments`, or combine fewer parts";
+                let help = "use another `font` or a simpler `svg`, lower `segments`, or combine fewer parts";
                 shape::Fault::new("shape-too-large", text).help(help)
             }
         })

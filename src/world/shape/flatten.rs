@@ -3,10 +3,10 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::DVec2;
-use kurbo::{CubicBez, ParamCurve, ParamCurveDeriv, Point, QuadBez};
+use kurbo::{CubicBez, ParamCurve, ParamCurveDeriv, PathEl, Point, QuadBez};
 
 use reflet_scene::{
-    desc::{FigureDesc, OutlineDesc},
+    desc::{FigureDesc, FillRule, OutlineDesc},
     svg_path::{self, PathSegment},
 };
 
@@ -40,13 +40,18 @@ impl Chord {
 /// A closed row of chords.
 pub type Loop = Vec<Chord>;
 
-/// The loops of an outline and of its holes, in meters, moved and mirrored as it says.
+/// Loops that are filled by a rule.
+pub type Filled = (FillRule, Vec<Loop>);
+
+/// The parts of an outline and the loops of its holes, in meters, moved and mirrored as it says; `drawn` are the parts of
+/// its SVG file.
 ///
 /// # Errors
 /// `wrong-outline` for one of too many chords.
-pub fn loops(desc: &OutlineDesc) -> Result<[Vec<Loop>; 2], Fault> {
+pub fn loops(desc: &OutlineDesc, drawn: Vec<Filled>) -> Result<(Vec<Filled>, Vec<Loop>), Fault> {
     let segments = desc.segments.max(3);
     let figure = match &desc.figure {
+        FigureDesc::Svg(_) => return Ok(placed(desc, drawn)),
         FigureDesc::Path(path) => of_path(path, segments)?,
         FigureDesc::Points(points) => vec![polygon(points)],
         FigureDesc::Rect {
@@ -55,28 +60,30 @@ pub fn loops(desc: &OutlineDesc) -> Result<[Vec<Loop>; 2], Fault> {
         } => vec![rectangle(size, f64::from(*corner_radius), segments)],
         FigureDesc::Circle(radius) => vec![circle(DVec2::ZERO, f64::from(*radius), segments)],
     };
-    let holes = desc.holes.iter().map(|hole| polygon(hole)).collect();
-    Ok(placed(desc, [figure, holes]))
+    Ok(placed(desc, vec![(desc.fill_rule, figure)]))
 }
 
-/// The loops scaled, mirrored and centered.
-fn placed(desc: &OutlineDesc, mut all: [Vec<Loop>; 2]) -> [Vec<Loop>; 2] {
+/// The parts, and the holes of the outline, scaled, mirrored and centered.
+fn placed(desc: &OutlineDesc, mut parts: Vec<Filled>) -> (Vec<Filled>, Vec<Loop>) {
+    let mut holes: Vec<Loop> = desc.holes.iter().map(|hole| polygon(hole)).collect();
     let up = if desc.flip_y { -1.0 } else { 1.0 };
     let mut middle = DVec2::ZERO;
     if desc.centered {
-        let points = || all[0].iter().flatten().map(|chord| chord.ends[0]);
+        let chords = || parts.iter().flat_map(|(_, loops)| loops).flatten();
+        let points = || chords().map(|chord| chord.ends[0]);
         let low = points().fold(DVec2::INFINITY, DVec2::min);
         let high = points().fold(DVec2::NEG_INFINITY, DVec2::max);
         middle = (low + high) / 2.0;
     }
     let scale = f64::from(desc.scale);
-    for chord in all.iter_mut().flatten().flatten() {
+    let figure = parts.iter_mut().flat_map(|(_, loops)| loops);
+    for chord in figure.chain(&mut holes).flatten() {
         chord.ends = chord
             .ends
             .map(|p| (p - middle) * scale * DVec2::new(1.0, up));
         chord.ways = chord.ways.map(|way| way * DVec2::new(1.0, up));
     }
-    all
+    (parts, holes)
 }
 
 fn polygon(points: &[[f32; 2]]) -> Loop {
@@ -140,14 +147,25 @@ fn arc(chords: &mut Loop, center: DVec2, radius: f64, [from, to]: [f64; 2], segm
 fn of_path(path: &str, segments: u32) -> Result<Vec<Loop>, Fault> {
     let read = svg_path::read(path).map_err(|fault| Fault::new("wrong-path", fault.message))?;
     let mut pen = Pen::new(segments);
-    read.iter().for_each(|segment| pen.draw(segment));
-    if pen.count > MOST_CHORDS {
-        let message = format!("the outline has more than {MOST_CHORDS} chords");
-        let help = "lower `segments`, or split it into several shapes";
-        return Err(Fault::new("wrong-outline", message).help(help));
+    for segment in read {
+        pen.draw(match segment {
+            PathSegment::MoveTo { x, y } => PathEl::MoveTo(Point::new(x, y)),
+            PathSegment::LineTo { x, y } => PathEl::LineTo(Point::new(x, y)),
+            PathSegment::CurveTo {
+                x1,
+                y1,
+                x2,
+                y2,
+                x,
+                y,
+            } => PathEl::CurveTo(Point::new(x1, y1), Point::new(x2, y2), Point::new(x, y)),
+            PathSegment::Quadratic { x1, y1, x, y } => {
+                PathEl::QuadTo(Point::new(x1, y1), Point::new(x, y))
+            }
+            PathSegment::ClosePath => PathEl::ClosePath,
+        });
     }
-    pen.close();
-    Ok(pen.loops)
+    pen.finish()
 }
 
 /// Draws curves as chords.
@@ -175,38 +193,21 @@ impl Pen {
         }
     }
 
-    /// Draws one segment, unless there are more chords than an outline may have.
-    pub fn draw(&mut self, segment: &PathSegment) {
-        match *segment {
+    /// Draws one piece of a path, unless there are more chords than an outline may have.
+    pub fn draw(&mut self, piece: PathEl) {
+        let from = Point::new(self.at.x, self.at.y);
+        match piece {
             _ if self.count > MOST_CHORDS => {}
-            PathSegment::MoveTo { x, y } => {
+            PathEl::MoveTo(p) => {
                 self.close();
-                self.start = DVec2::new(x, y);
+                self.start = DVec2::new(p.x, p.y);
                 self.at = self.start;
             }
-            PathSegment::LineTo { x, y } => self.line(DVec2::new(x, y)),
-            PathSegment::CurveTo {
-                x1,
-                y1,
-                x2,
-                y2,
-                x,
-                y,
-            } => {
-                let points = [self.point(), Point::new(x1, y1), Point::new(x2, y2)];
-                let curve = CubicBez::new(points[0], points[1], points[2], Point::new(x, y));
-                self.curve(&curve);
-            }
-            PathSegment::Quadratic { x1, y1, x, y } => {
-                let curve = QuadBez::new(self.point(), Point::new(x1, y1), Point::new(x, y));
-                self.curve(&curve);
-            }
-            PathSegment::ClosePath => self.close(),
+            PathEl::LineTo(p) => self.line(DVec2::new(p.x, p.y)),
+            PathEl::CurveTo(a, b, p) => self.curve(&CubicBez::new(from, a, b, p)),
+            PathEl::QuadTo(a, p) => self.curve(&QuadBez::new(from, a, p)),
+            PathEl::ClosePath => self.close(),
         }
-    }
-
-    fn point(&self) -> Point {
-        Point::new(self.at.x, self.at.y)
     }
 
     fn push(&mut self, chord: Chord) {
@@ -227,6 +228,20 @@ impl Pen {
         if !self.open.is_empty() {
             self.loops.push(std::mem::take(&mut self.open));
         }
+    }
+
+    /// The loops since the last call.
+    ///
+    /// # Errors
+    /// `wrong-outline` after more chords than an outline may have.
+    pub fn finish(&mut self) -> Result<Vec<Loop>, Fault> {
+        self.close();
+        if self.count > MOST_CHORDS {
+            let message = format!("the outline has more than {MOST_CHORDS} chords");
+            let help = "lower `segments`, or split it into several shapes";
+            return Err(Fault::new("wrong-outline", message).help(help));
+        }
+        Ok(std::mem::take(&mut self.loops))
     }
 
     /// Draws chords between which the curve turns by equal angles.

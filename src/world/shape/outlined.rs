@@ -2,7 +2,7 @@
 
 use boolmesh::prelude::OpType;
 use glam::DVec2;
-use reflet_scene::desc::{FillRule, LatheSource, ShapeDesc};
+use reflet_scene::desc::{LatheSource, ShapeDesc};
 
 use super::{
     Fault, Made, Supplies, boolean,
@@ -20,7 +20,7 @@ use super::{
 /// any other shape.
 ///
 /// # Errors
-/// `wrong-outline`, `wrong-bevel`, `wrong-curve`, `wrong-font`, `wrong-parts` and `shape-too-large`.
+/// `wrong-outline`, `wrong-bevel`, `wrong-curve`, `wrong-font`, `wrong-svg`, `wrong-parts` and `shape-too-large`.
 pub fn make(shape: &ShapeDesc, supplies: &Supplies) -> Result<Option<Made>, Fault> {
     let mut solid = Solid::default();
     let added = match shape.parts() {
@@ -104,7 +104,7 @@ fn turned(shape: &ShapeDesc, supplies: &Supplies) -> Result<Option<(Region, u32,
             angle_deg,
         } if *angle_deg < 360.0 => {
             let tube = circle(*radius, *tube_radius, (segments / 2).max(3));
-            let region = Region::of_loops([&[tube], &[]], FillRule::Nonzero, supplies)?;
+            let region = Region::of_loops(vec![tube], supplies)?;
             Some((region, *segments, *angle_deg))
         }
         ShapeDesc::Lathe {
@@ -180,5 +180,5 @@ fn joined_to_axis(points: &[[f32; 2]], supplies: &Supplies) -> Result<Region, Fa
     let around = chords
         .filter_map(|(a, b)| Chord::straight(*a, *b))
         .collect();
-    Region::of_loops([&[around], &[]], FillRule::Nonzero, supplies)
+    Region::of_loops(vec![around], supplies)
 }

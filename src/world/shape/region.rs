@@ -15,9 +15,10 @@ use super::{
     Fault,
     contour::{Column, Contour},
     crossings::{Grid, crossings},
-    flatten::{self, Loop},
+    flatten::{self, Filled, Loop},
     inset::inset,
     supplies::Supplies,
+    svg,
 };
 
 /// Cosine of the bend between two pieces, 40°, from which on their normals are not smoothed.
@@ -42,22 +43,25 @@ impl Region {
     /// # Errors
     /// `wrong-outline` for one that encloses nothing, of too many chords or crossings; `shapes-too-large`.
     pub fn enclosed(desc: &OutlineDesc, supplies: &Supplies) -> Result<Self, Fault> {
-        let [figure, holes] = flatten::loops(desc)?;
-        let found = Self::of_loops([&figure, &holes], desc.fill_rule, supplies)
-            .map_err(|fault| fault.placed(desc.at.0.clone()))?;
-        Ok(found)
+        let (parts, holes) = flatten::loops(desc, svg::parts(desc, supplies)?)?;
+        Self::of_parts(&parts, &holes, supplies).map_err(|fault| fault.placed(desc.at.0.clone()))
     }
 
-    /// The region inside loops and outside of `holes`.
+    /// The region inside loops.
+    ///
+    /// # Errors
+    /// The same as of [`Self::of_parts`].
+    pub fn of_loops(loops: Vec<Loop>, supplies: &Supplies) -> Result<Self, Fault> {
+        Self::of_parts(&[(FillRule::Nonzero, loops)], &[], supplies)
+    }
+
+    /// The region inside any of some parts and outside of `holes`.
     ///
     /// # Errors
     /// `wrong-outline` for loops that enclose nothing or cross too often; `shapes-too-large`.
-    pub fn of_loops(
-        [figure, holes]: [&[Loop]; 2],
-        rule: FillRule,
-        supplies: &Supplies,
-    ) -> Result<Self, Fault> {
-        let chords = || figure.iter().chain(holes).flatten();
+    pub fn of_parts(parts: &[Filled], holes: &[Loop], supplies: &Supplies) -> Result<Self, Fault> {
+        let figure = || parts.iter().flat_map(|(_, loops)| loops);
+        let chords = || figure().chain(holes).flatten();
         let extent = chords().fold(0.0_f64, |most, chord| {
             most.max(chord.ends[0].abs().max_element())
         });
@@ -90,22 +94,35 @@ impl Region {
             let of = |one: &Loop| one.iter().map(|chord| grid(chord.ends[0])).collect();
             loops.iter().map(of).collect()
         };
-        let [figure, holes] = [points(figure), points(holes)];
-        let crossings =
-            crossings(figure.iter().chain(&holes), MOST_CROSSINGS).ok_or_else(|| {
-                let message = format!(
-                    "the outline crosses itself more than {} times",
-                    grouped(MOST_CROSSINGS as u64)
-                );
-                Fault::new("wrong-outline", message)
-                    .help("draw it without crossings, or split it into several shapes")
-            })?;
+        let parts: Vec<_> = (parts.iter())
+            .map(|(rule, loops)| (*rule, points(loops)))
+            .collect();
+        let holes = points(holes);
+        let figure = || parts.iter().flat_map(|(_, loops)| loops);
+        let crossings = crossings(figure().chain(&holes), MOST_CROSSINGS).ok_or_else(|| {
+            let message = format!(
+                "the outline crosses itself more than {} times",
+                grouped(MOST_CROSSINGS as u64)
+            );
+            Fault::new("wrong-outline", message)
+                .help("draw it without crossings, or split it into several shapes")
+        })?;
         supplies.spend(ways.len() / 2 + crossings)?;
-        let rule = match rule {
-            FillRule::Nonzero => Rule::NonZero,
-            FillRule::Evenodd => Rule::EvenOdd,
+        let filled = |(rule, loops): &(FillRule, Vec<Vec<Grid>>)| {
+            let rule = match rule {
+                FillRule::Nonzero => Rule::NonZero,
+                FillRule::Evenodd => Rule::EvenOdd,
+            };
+            Overlay::from_subj(loops).overlay(OverlayRule::Subject, rule)
         };
-        let mut whole = Overlay::from_subj(&figure).overlay(OverlayRule::Subject, rule);
+        // Parts that are resolved turn one way, so that where they overlap none takes from another.
+        let mut whole = match parts.as_slice() {
+            [part] => filled(part),
+            parts => {
+                let resolved = parts.iter().flat_map(filled).flatten().collect();
+                filled(&(FillRule::Nonzero, resolved))
+            }
+        };
         for hole in holes {
             supplies.spend(whole.iter().flatten().map(Vec::len).sum())?;
             let mut cut = Overlay::from_subj_and_clip(&whole, &hole);

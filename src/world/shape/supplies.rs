@@ -1,4 +1,4 @@
-//! Supplies of shapes beside their descriptions: font files, and a budget of work for all shapes of a scene.
+//! Supplies of shapes beside their descriptions: font and SVG files, and a budget of work for all shapes of a scene.
 
 use std::collections::HashMap;
 
@@ -11,11 +11,11 @@ use super::Fault;
 /// memory.
 pub const MOST_WORK: u64 = 1 << 24;
 
-/// Font files, and the work that shapes may still take; clones share the work.
+/// Font and SVG files, and the work that shapes may still take; clones share the work.
 #[derive(Clone, Debug, Default)]
 pub struct Supplies {
-    /// Bytes of font files by their names in the scene.
-    pub fonts: HashMap<String, Vec<u8>>,
+    /// Bytes of the files by their names in the scene.
+    pub files: HashMap<String, Vec<u8>>,
     /// Work that is left; by default without a limit.
     pub work: Budget,
 }

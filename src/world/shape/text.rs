@@ -3,11 +3,9 @@
 use epaint_default_fonts::UBUNTU_LIGHT;
 use glam::DVec2;
 use harfrust::{Direction, Feature, ShapeOptions, ShaperData, Tag, UnicodeBuffer};
+use kurbo::{PathEl, Point};
 use reflet_base::guard;
-use reflet_scene::{
-    desc::{FillRule, ShapeDesc, TextAlign},
-    svg_path::PathSegment,
-};
+use reflet_scene::desc::{ShapeDesc, TextAlign};
 use skrifa::{
     FontRef, GlyphId, MetadataProvider as _,
     instance::{LocationRef, Size},
@@ -51,46 +49,34 @@ impl GlyphPen {
         }
     }
 
-    fn point(&self, x: f32, y: f32) -> [f64; 2] {
-        [
-            self.origin[0] + self.scale * f64::from(x),
-            self.origin[1] + self.scale * f64::from(y),
-        ]
+    fn point(&self, x: f32, y: f32) -> Point {
+        let [left, bottom] = self.origin;
+        let [x, y] = [x, y].map(|along| self.scale * f64::from(along));
+        Point::new(left + x, bottom + y)
     }
 }
 
 impl OutlinePen for GlyphPen {
     fn move_to(&mut self, x: f32, y: f32) {
-        let [x, y] = self.point(x, y);
-        self.pen.draw(&PathSegment::MoveTo { x, y });
+        self.pen.draw(PathEl::MoveTo(self.point(x, y)));
     }
 
     fn line_to(&mut self, x: f32, y: f32) {
-        let [x, y] = self.point(x, y);
-        self.pen.draw(&PathSegment::LineTo { x, y });
+        self.pen.draw(PathEl::LineTo(self.point(x, y)));
     }
 
     fn quad_to(&mut self, cx0: f32, cy0: f32, x: f32, y: f32) {
-        let ([x1, y1], [x, y]) = (self.point(cx0, cy0), self.point(x, y));
-        self.pen.draw(&PathSegment::Quadratic { x1, y1, x, y });
+        let curve = PathEl::QuadTo(self.point(cx0, cy0), self.point(x, y));
+        self.pen.draw(curve);
     }
 
     fn curve_to(&mut self, cx0: f32, cy0: f32, cx1: f32, cy1: f32, x: f32, y: f32) {
-        let ([x1, y1], [x2, y2], [x, y]) =
-            (self.point(cx0, cy0), self.point(cx1, cy1), self.point(x, y));
-        let curve = PathSegment::CurveTo {
-            x1,
-            y1,
-            x2,
-            y2,
-            x,
-            y,
-        };
-        self.pen.draw(&curve);
+        let [a, b, end] = [(cx0, cy0), (cx1, cy1), (x, y)].map(|(x, y)| self.point(x, y));
+        self.pen.draw(PathEl::CurveTo(a, b, end));
     }
 
     fn close(&mut self) {
-        self.pen.draw(&PathSegment::ClosePath);
+        self.pen.draw(PathEl::ClosePath);
     }
 }
 
@@ -119,7 +105,7 @@ pub fn add(
         return Ok(None);
     };
     let own = || (UBUNTU_LIGHT, at);
-    let read = |file: &String| supplies.fonts.get(file).map(Vec::as_slice);
+    let read = |file: &String| supplies.files.get(file).map(Vec::as_slice);
     let (bytes, font_at) = (font.as_ref())
         .and_then(|font| Some((read(&font.file)?, &font.at)))
         .unwrap_or_else(own);
@@ -146,8 +132,7 @@ pub fn add(
             Fault::new("wrong-font", message).help("use another `font`"),
         ));
     }
-    let region =
-        Region::of_loops([&pen.pen.loops, &[]], FillRule::Nonzero, supplies).map_err(here)?;
+    let region = Region::of_loops(pen.pen.loops, supplies).map_err(here)?;
     extrude::add(solid, &region, *depth, bevel).map_err(here)?;
     Ok((!missing.is_empty()).then(|| {
         let message = format!("the font has no letters for {missing:?}; boxes stand for them");
@@ -198,8 +183,7 @@ pub fn edges(text: &str, font_px: f32) -> Vec<[DVec2; 2]> {
     let drawn = open(UBUNTU_LIGHT).and_then(|face| {
         let mut pen = GlyphPen::new(&face, &lines, 32);
         draw_lines(&mut pen, &lines, &face)?;
-        pen.pen.close();
-        Ok(pen.pen.loops)
+        pen.pen.finish()
     });
     let chords = drawn.into_iter().flatten().flatten();
     chords.map(|chord| chord.ends).collect()

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{FontDesc, LatheSource, OutlineDesc, PartDesc, ShapeDesc};
+use super::{LatheSource, OutlineDesc, PartDesc, ShapeDesc};
 use crate::{
     range::{ANY, Range},
     suggest,
@@ -58,14 +58,6 @@ fn wrong_points(points: &[[f32; 2]]) -> Option<String> {
         Some("`points` must not all lie on the axis".to_owned())
     } else {
         None
-    }
-}
-
-impl FontDesc {
-    /// Reads `font`.
-    pub(super) fn read(t: &mut Table) -> Option<Option<Self>> {
-        let at = t.written("font");
-        Some(t.find("font", ANY).map(|file| Self { file, at }))
     }
 }
 

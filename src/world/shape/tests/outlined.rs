@@ -2,19 +2,6 @@
 
 use super::*;
 
-#[test]
-fn too_large_bevels_say_the_largest() {
-    let frame = read(
-        r#"{ kind = "extrude", depth = 1, bevel = 0.2, outline = { rect = [2, 1],
-           holes = [[[-0.75, -0.25], [0.75, -0.25], [0.75, 0.25], [-0.75, 0.25]]] } }"#,
-    );
-    let fault = make(&frame, &Supplies::default()).expect_err("sides of 0.25");
-    assert_eq!(fault.name, "wrong-bevel");
-    let largest = fault.message.rsplit(' ').next().expect("a number");
-    let largest: f64 = largest.parse().expect("a number");
-    assert!((0.124..=0.125).contains(&largest), "{}", fault.message);
-}
-
 /// Corners of a smaller radius than the bevel shrink to nothing on the way.
 #[test]
 fn bevels_go_on_where_sides_shrink_to_nothing() {
@@ -66,17 +53,4 @@ fn normals_of_curves_are_their_own_and_not_of_their_chords() {
         }
     }
     assert!(seen >= 8, "{seen}");
-}
-
-#[test]
-fn huge_shapes_are_refused_before_they_are_made() {
-    let points: Vec<_> = (0..10_000)
-        .map(|i| format!("[{i}, {}, 0]", i % 2))
-        .collect();
-    let shape = read(&format!(
-        r#"{{ kind = "sweep", outline = {{ radius = 1, segments = 1024 }}, points = [{}] }}"#,
-        points.join(", ")
-    ));
-    let fault = make(&shape, &Supplies::default()).expect_err("large");
-    assert_eq!(fault.name, "shape-too-large");
 }

@@ -95,7 +95,7 @@ fn fonts_that_are_none_are_refused_and_missing_letters_told() {
     let with = |bytes: &[u8]| {
         let shape = with_font("a");
         let fonts = Supplies {
-            fonts: HashMap::from([("a.ttf".to_owned(), bytes.to_vec())]),
+            files: HashMap::from([("a.ttf".to_owned(), bytes.to_vec())]),
             ..Supplies::default()
         };
         make(&shape, &fonts)

@@ -3,8 +3,9 @@
 use std::collections::HashMap;
 
 use glam::{Quat, Vec3};
+use kurbo::PathEl;
 use reflet_base::memory::Budget;
-use reflet_scene::{desc::ShapeDesc, svg_path::PathSegment};
+use reflet_scene::desc::ShapeDesc;
 
 use super::{boolean::part, read, text::with_font};
 use crate::shape::{
@@ -111,9 +112,9 @@ fn each_hole_costs_the_corners_before_it() {
 fn no_more_chords_are_drawn_than_an_outline_may_have() {
     let mut pen = Pen::new(4096);
     for _ in 0..1000 {
-        pen.draw(&PathSegment::MoveTo { x: 0.0, y: 0.0 });
+        pen.draw(PathEl::MoveTo((0.0, 0.0).into()));
         let (x1, y1, x, y) = (1.0, 1.0, 1.0, 0.0);
-        pen.draw(&PathSegment::Quadratic { x1, y1, x, y });
+        pen.draw(PathEl::QuadTo((x1, y1).into(), (x, y).into()));
     }
     assert!((MOST_CHORDS..MOST_CHORDS + 4096).contains(&pen.count));
 }
@@ -183,9 +184,9 @@ fn nested(depth: u16, width: u16) -> Vec<u8> {
 #[test]
 fn letters_of_letters_of_letters_are_refused() {
     let with = |bytes: Vec<u8>| {
-        let fonts = HashMap::from([("a.ttf".to_owned(), bytes)]);
+        let files = HashMap::from([("a.ttf".to_owned(), bytes)]);
         let work = Budget::default();
-        let made = make(&with_font("A"), &Supplies { fonts, work });
+        let made = make(&with_font("A"), &Supplies { files, work });
         made.expect_err("no outline").message
     };
     // 10²⁵ parts, and some that are drawn and empty.
