@@ -30,6 +30,10 @@ pub struct Cli {
 
 /// The commands.
 #[derive(Clone, Debug, Subcommand)]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "a process has one, and without a window its sizes are far apart"
+)]
 pub enum Command {
     /// Write a project into a new folder: reflet.toml, a scene that renders, materials and a studio of lights
     New(NewArgs),
