@@ -1,4 +1,4 @@
-//! Messages on standard error: errors of usage, notes about likely mistakes, and streams that take no message.
+//! Messages on standard error: errors of usage, and streams that take no message.
 
 use clap::Parser as _;
 use reflet::app::cli::Cli;
@@ -48,20 +48,6 @@ fn commands_of_the_documents_are_understood() {
         }
     }
     assert!(count > 50, "only {count} commands are found");
-}
-
-#[test]
-fn render_names_likely_mistakes_that_check_explains() {
-    or_skip!(gpu_or_skip());
-    let folder = folder("hint");
-    let lamp = "[light.bulb]\nkind = \"point\"\nposition = [0, 0.7, 0]\nintensity_cd = 3\n";
-    fs::write(folder.join("lamp.toml"), format!("{SCENE}{lamp}")).expect("written");
-    let size = ["-o", "a.png", "--size", "16x9"];
-    let [_, said] = exits(&folder, [&["render", "lamp.toml"][..], &size].concat(), 0);
-    let note = "note: likely mistakes (light-inside): `reflet check lamp.toml` explains them";
-    assert!(said.contains(note), "{said}");
-    let [_, said] = exits(&folder, [&["render", "scene.toml"][..], &size].concat(), 0);
-    assert_eq!(said, "wrote a.png\n");
 }
 
 #[cfg(target_os = "linux")]

@@ -95,6 +95,7 @@ sessions! {
     a_log_of_check_has_rules_places_and_what_to_do,
     pages_and_completions_have_the_options,
     mistakes_in_a_scene_are_said_with_their_place_by_each_command,
+    render_names_likely_mistakes_that_check_explains,
     the_manual_and_the_schema_are_printed_whole_and_by_key,
     an_outline_of_a_file_is_found_told_and_packed,
     an_agent_makes_a_scene_and_checks_it,
