@@ -38,7 +38,8 @@ pub fn manual(args: &ManualArgs) -> Result<(), AppError> {
         let file = parse::read(path).map_err(AppError::Scene)?;
         let file = Arc::new(Source::new(path, file));
         let table: Vec<_> = table.split('.').map(str::to_owned).collect();
-        let values = values(&file, &table, key);
+        let mut values = values(&file, &table, key);
+        values.extend(values.is_empty().then(|| "no names or files".to_owned()));
         text += &format!("\nIn {}: {}\n", path.display(), values.join(", "));
     }
     print_out(&text)
