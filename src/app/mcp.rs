@@ -21,10 +21,11 @@ use rmcp::{
 use serde_json::{Value, json};
 use tokio::{runtime::Builder, sync::Semaphore, task::spawn_blocking, time::timeout};
 
+pub use self::call::end_with_server;
 use self::tools::{Tool, tools};
 use super::{args::parse_time, error::AppError, shutdown};
 use crate::{
-    files::{Goal, write_whole},
+    files::{Goal, write_new},
     scene::{project::find, reach::lexical},
 };
 
@@ -57,7 +58,7 @@ pub fn mcp(args: &McpArgs, program: &Command) -> Result<(), AppError> {
         let found = folder.read_dir().and_then(|_| folder.canonicalize());
         found.map_err(|error| AppError::Usage(format!("{}: {error}", folder.display())))
     };
-    if let Some(write) = &args.write {
+    if let Some(write) = args.write.as_ref().filter(|write| !write.exists()) {
         let made = fs::create_dir_all(write);
         made.map_err(|error| AppError::unwritten(write, &error))?;
     }
@@ -74,7 +75,10 @@ pub fn mcp(args: &McpArgs, program: &Command) -> Result<(), AppError> {
     let served = runtime.block_on(async {
         let mut served = Box::pin(async {
             match server.serve(stdio()).await {
-                Err(ServerInitializeError::ConnectionClosed(_)) => Ok(()),
+                Err(ServerInitializeError::ConnectionClosed(_)) => {
+                    reflet_base::error_line!("the client of `mcp` left before it began a session");
+                    Ok(())
+                }
                 Err(error) => Err(AppError::Usage(format!("the client of `mcp`: {error}"))),
                 Ok(running) => {
                     let _ = running.waiting().await; // a panic was reported
@@ -131,13 +135,13 @@ impl ServerHandler for Server {
         _: RequestContext<RoleServer>,
     ) -> Result<model::ListToolsResult, ErrorData> {
         let tools = self.0.tools.iter().map(|tool| {
-            let (about, mut schema) = tool.described();
+            let mut schema = tool.schema();
             if self.0.writes(tool) {
                 let text = "Name of a new .png file in the folder of pictures, to write the picture there too";
                 schema["properties"][OUTPUT] = json!({ "type": "string", "description": text });
             }
             let hints = model::ToolAnnotations::new().read_only(!self.0.writes(tool));
-            model::Tool::new(tool.name.clone(), about, schema).with_annotations(hints)
+            model::Tool::new(tool.name.clone(), tool.about.clone(), schema).with_annotations(hints)
         });
         Ok(model::ListToolsResult::with_all_items(tools.collect()))
     }
@@ -185,10 +189,8 @@ impl Served {
         let (mut answer, picture) = call::make(tool, &words, &self.folder, until, is_stopped)?;
         if let (Some(goal), Some(picture)) = (output, picture) {
             let path = goal.display();
-            let made = goal
-                .make_folders()
-                .and_then(|_| write_whole(&goal, &picture));
-            made.map_err(|error| format!("{path}: {error}"))?;
+            let made = goal.make_folders().and_then(|_| write_new(&goal, &picture));
+            made.map_err(|error| format!("{path}: {error}; choose another name"))?;
             answer
                 .content
                 .push(ContentBlock::text(format!("wrote {path}")));
@@ -226,11 +228,13 @@ impl Served {
 /// Place of a new picture below a folder.
 fn goal(folder: &Path, name: &Value) -> Result<Goal, String> {
     let refuse = |why: &str| format!("`{OUTPUT}` {name}: {why}");
-    let path = name.as_str().filter(|name| name.ends_with(".png"));
+    let path = name
+        .as_str()
+        .filter(|name| name.ends_with(".png") && !name.contains(['#', '{']));
     let path = path.and_then(|name| lexical(folder, Path::new(name)));
     let path = path.filter(|path| path.starts_with(folder));
-    let path =
-        path.ok_or_else(|| refuse("write the name of a .png below the folder of pictures"))?;
+    let why = "write the name of a .png below the folder of pictures, without #### and {camera}";
+    let path = path.ok_or_else(|| refuse(why))?;
     match path.symlink_metadata() {
         Ok(_) => Err(refuse("there is such a file; choose another name")),
         Err(_) => Ok(Goal::within(folder, path)),

@@ -73,6 +73,7 @@ const NO_WINDOW: &str = "this build of Reflet has no window; build it without `-
 /// # Errors
 /// Error of the command.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError> {
+    mcp::end_with_server();
     let cli = Cli::try_parse_from(arguments).unwrap_or_else(|error| usage::exit(error));
     match cli.command {
         Command::Render(args) if args.watch => watch::follow(&args),

@@ -12,7 +12,7 @@ use std::{
     fs::{self, File, OpenOptions},
     io::{self, Read, Write as _},
     path::{Path, PathBuf},
-    sync::LazyLock,
+    sync::{LazyLock, Mutex, PoisonError},
     time::{Duration, SystemTime},
 };
 
@@ -38,6 +38,18 @@ const FRESH: Duration = Duration::from_secs(3);
 /// behind.
 pub fn write_whole(goal: &Goal, bytes: &[u8]) -> io::Result<()> {
     Temporary::create(goal)?.fill(bytes)?.persist()
+}
+
+/// Writes as [`write_whole`] does, where nothing is yet.
+///
+/// # Errors
+/// Same errors, and anything at the target, which stays.
+pub fn write_new(goal: &Goal, bytes: &[u8]) -> io::Result<()> {
+    static TURN: Mutex<()> = Mutex::new(()); // temporary files of this process for one target have one name
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let temporary = Temporary::create(goal)?.fill(bytes)?;
+    temporary.folder.create(&temporary.goal, false)?; // takes the name
+    temporary.persist()
 }
 
 /// Writes several files, none of which gets its name before all are complete and on the disk.

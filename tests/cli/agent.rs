@@ -1,10 +1,10 @@
 //! An agent: a client of `reflet mcp` by the library of the protocol.
 
-use std::process::Child;
+use std::{iter, process::Child};
 
 use rmcp::{
     RoleClient, ServiceExt as _,
-    model::{CallToolRequestParams, ContentBlock},
+    model::{CallToolRequestParams, CallToolResult, ContentBlock},
     service::RunningService,
 };
 use tokio::{
@@ -51,14 +51,23 @@ impl Agent {
         }
     }
 
-    /// Whether the answer to a call is an error, and its words, with the size of a picture.
-    pub fn call(&self, tool: &str, arguments: &str) -> (bool, String) {
+    /// Number of errors of as many calls at a time, and the words of the answers, with sizes of pictures.
+    pub fn call(&self, (tool, arguments): (&str, &str), count: usize) -> (usize, String) {
         let arguments = serde_json::from_str(arguments).expect(arguments);
         let call = CallToolRequestParams::new(tool.to_owned()).with_arguments(arguments);
-        let client = self.client.as_ref().expect("it runs");
-        let answer = self.runtime.block_on(client.call_tool(call));
-        let answer = answer.expect("an answer");
-        let words = answer.content.iter().map(|block| match block {
+        let calls: Vec<_> = iter::repeat_n(call, count)
+            .map(|call| {
+                let peer = self.client.as_ref().expect("it runs").peer().clone();
+                self.runtime
+                    .spawn(async move { peer.call_tool(call).await })
+            })
+            .collect();
+        let answers = calls.into_iter().map(|call| self.runtime.block_on(call));
+        let answers: Vec<_> = answers
+            .map(|a| a.expect("it ends").expect("an answer"))
+            .collect();
+        let blocks = answers.iter().flat_map(|answer| &answer.content);
+        let words = blocks.map(|block| match block {
             ContentBlock::Text(text) => text.text.clone(),
             ContentBlock::Image(image) => {
                 let png = data_encoding::BASE64.decode(image.data.as_bytes());
@@ -69,7 +78,8 @@ impl Agent {
             block => panic!("{block:?}"),
         });
         let words = words.collect::<Vec<_>>().join("\n");
-        (answer.is_error == Some(true), words)
+        let is_error = |answer: &&CallToolResult| answer.is_error == Some(true);
+        (answers.iter().filter(is_error).count(), words)
     }
 }
 

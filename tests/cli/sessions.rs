@@ -6,8 +6,8 @@ use super::{project::show, *};
 
 /// Steps of a session, a line each: `file NAME` with its text in the indented lines below, `link NAME TARGET`,
 /// `remove NAME`, `run CODE ARGUMENTS`, `feed ARGUMENTS` with standard input in the lines below; `agent ARGUMENTS`, the
-/// client of `reflet mcp ARGUMENTS`, which has an answer by `call TOOL JSON` and an error by `fail TOOL JSON`; and of the
-/// run or call before: `says TEXT`, `lacks TEXT`, and `files FOLDER: NAMES`, `same A B` and `differ A B`, which compare
+/// client of `reflet mcp ARGUMENTS`, which has an answer by `call TOOL JSON`, an error by `fail TOOL JSON`, one of each for
+/// two calls at a time by `race TOOL JSON`; and of the run or call before: `says TEXT`, `lacks TEXT`, and `files FOLDER: NAMES`, `same A B` and `differ A B`, which compare
 /// bytes. `{here}` is the folder, `''` an empty argument.
 fn session(folder: &Path, text: &str) {
     let here = folder.canonicalize().expect("there");
@@ -41,11 +41,11 @@ fn session(folder: &Path, text: &str) {
             #[cfg(unix)]
             "agent" => agent = Some(Agent::start(folder, rest)),
             #[cfg(unix)]
-            "call" | "fail" => {
-                let (tool, arguments) = pair();
+            "call" | "fail" | "race" => {
                 let agent = agent.as_ref().expect("a step `agent` before");
-                let (is_error, words) = agent.call(tool, arguments);
-                assert_eq!(is_error, step == "fail", "{line}: {words}");
+                let count = if step == "race" { 2 } else { 1 };
+                let (errors, words) = agent.call(pair(), count);
+                assert_eq!(errors, usize::from(step != "call"), "{line}: {words}");
                 said = words;
             }
             #[cfg(unix)]

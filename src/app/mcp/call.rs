@@ -5,7 +5,7 @@ use std::{
     fs::{self, File},
     io::{Cursor, Read as _},
     path::Path,
-    process::{Command, ExitStatus, Stdio},
+    process::{self, Command, ExitStatus, Stdio},
     thread,
     time::Instant,
 };
@@ -13,6 +13,8 @@ use std::{
 use data_encoding::BASE64;
 use image::{GenericImageView as _, ImageFormat, ImageReader};
 use rmcp::model::{CallToolResult, ContentBlock};
+#[cfg(unix)]
+use rustix::process::{Pid, Signal, kill_process_group};
 use tempfile::TempDir;
 
 use super::{TICK, tools::Tool};
@@ -25,6 +27,8 @@ const MOST_MESSAGES: u64 = 1 << 14;
 /// Maximum length of the file of a shown picture, bytes, and of its longer side, pixels.
 const MOST_FILE: usize = 1 << 19;
 const MOST_SIDE: u32 = 1024;
+/// Environment variable of a call: the number of the server's process.
+const SERVER: &str = "REFLET_MCP_SERVER";
 /// Name of the picture in the temporary folder.
 const PICTURE: &str = "picture.png";
 
@@ -48,7 +52,11 @@ pub fn make(
     let picture = tool.picture.as_ref();
     let picture =
         picture.map(|option| format!("{option}={}", files.path().join(PICTURE).display()));
-    let mut process = Command::new(env::current_exe().map_err(unusable)?)
+    let mut command = Command::new(env::current_exe().map_err(unusable)?);
+    #[cfg(unix)] // so that it ends with processes that it starts, such as the converter of USD
+    std::os::unix::process::CommandExt::process_group(&mut command, 0);
+    let mut process = command
+        .env(SERVER, process::id().to_string())
         .arg(&tool.name)
         .args(picture)
         .args(words)
@@ -73,9 +81,23 @@ pub fn make(
                 continue;
             }
         };
+        #[cfg(unix)]
+        let _ = kill_process_group(Pid::from_child(&process), Signal::KILL);
         let _ = process.kill(); // it may have ended
         let _ = process.wait();
         return Err(why);
+    }
+}
+
+/// Has this process end with its server, even if that is killed, where it is a call (on Linux).
+pub fn end_with_server() {
+    #[cfg(target_os = "linux")]
+    if let Ok(server) = env::var(SERVER) {
+        let _ = rustix::process::set_parent_process_death_signal(Some(Signal::KILL));
+        let parent = rustix::process::getppid().map(|parent| parent.to_string());
+        if parent != Some(server) {
+            process::exit(1); // the server ended before
+        }
     }
 }
 
@@ -89,9 +111,14 @@ fn read(tool: &Tool, files: &Path, status: ExitStatus) -> Result<Made, String> {
         .read_to_end(&mut messages);
     read.map_err(unreadable)?;
     let messages = String::from_utf8_lossy(&messages);
-    let own = files.to_string_lossy(); // a place that is gone when the client reads of it
-    let messages = messages.lines().filter(|line| !line.contains(&*own));
-    let messages = messages.collect::<Vec<_>>().join("\n");
+    // A place that is gone when the client reads of it, and advice on command lines.
+    let own = files.join("").to_string_lossy().into_owned();
+    let is_for_client = |line: &&str| {
+        let others = ["Usage: ", "For more information", &format!("wrote {own}")];
+        !line.is_empty() && !others.iter().any(|other| line.starts_with(other))
+    };
+    let messages: Vec<_> = messages.lines().filter(is_for_client).collect();
+    let messages = messages.join("\n").replace(&own, "");
     match status.code() {
         Some(code) if code == 0 || code == tool.fails => {}
         Some(_) => return Err(messages),
@@ -108,10 +135,15 @@ fn read(tool: &Tool, files: &Path, status: ExitStatus) -> Result<Made, String> {
         .map(|_| fs::read(files.join(PICTURE)).map_err(unreadable))
         .transpose()?;
     if let Some(file) = &picture {
-        let (shown, size) = shown(file).map_err(|error| format!("its picture: {error}"))?;
-        let shown = BASE64.encode(&shown);
-        answer.content.push(ContentBlock::image(shown, "image/png"));
-        answer.content.push(ContentBlock::text(size));
+        answer.content.extend(match shown(file) {
+            Ok((shown, size)) => vec![
+                ContentBlock::image(BASE64.encode(&shown), "image/png"),
+                ContentBlock::text(size),
+            ],
+            Err(error) => vec![ContentBlock::text(format!(
+                "the picture is not shown: {error}"
+            ))],
+        });
     }
     answer.content.push(ContentBlock::text(messages));
     let is_said =
@@ -129,7 +161,7 @@ fn shown(file: &[u8]) -> Result<(Vec<u8>, String), image::ImageError> {
     if side <= MOST_SIDE && file.len() <= MOST_FILE {
         return Ok((file.to_owned(), size));
     }
-    let whole = reader().decode()?;
+    let whole = reader().decode()?; // refuses more than 512 MiB
     side = side.min(MOST_SIDE);
     loop {
         let small = whole.thumbnail(side, side);

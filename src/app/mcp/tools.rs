@@ -3,7 +3,7 @@
 use std::{any::TypeId, collections::BTreeMap, path::PathBuf, slice};
 
 use clap::{Arg, ArgAction, Command};
-use rmcp::model::JsonObject;
+use rmcp::model::{JsonObject, object};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -13,10 +13,12 @@ use serde_json::{Value, json};
 pub struct Tool {
     /// Name of the command.
     pub name: String,
-    about: String,
+    /// Its description.
+    pub about: String,
     arguments: Vec<String>,
+    /// JSON Schemas of the arguments.
     #[serde(default)]
-    defaults: BTreeMap<String, String>,
+    schemas: BTreeMap<String, Value>,
     /// Words of every call.
     #[serde(default)]
     pub always: Vec<String>,
@@ -33,36 +35,33 @@ pub struct Tool {
 pub fn tools(program: &Command) -> Vec<Tool> {
     #[derive(Deserialize)]
     struct Table {
+        shared: BTreeMap<String, Value>,
         tool: Vec<Tool>,
     }
-    let table = toml::from_str::<Table>(include_str!("tools.toml"));
-    let mut tools = table.expect("tests read it").tool;
-    for tool in &mut tools {
+    let table = toml::from_str(include_str!("tools.toml"));
+    let Table { shared, mut tool } = table.expect("tests read it");
+    for tool in &mut tool {
+        for name in &tool.arguments {
+            let own = tool.schemas.entry(name.clone());
+            own.or_insert_with(|| shared[name].clone());
+        }
         let command = program.find_subcommand(&tool.name);
         tool.command = command.expect("tests find it").clone();
     }
-    tools
+    tool
 }
 
 impl Tool {
-    /// Description and JSON Schema of the arguments, made of the command's help.
-    pub fn described(&self) -> (String, JsonObject) {
-        let (mut properties, mut required) = (JsonObject::new(), Vec::new());
-        for arg in self.arguments() {
-            let name = arg.get_id().to_string();
-            required.extend(arg.is_required_set().then(|| name.clone()));
-            properties.insert(name, schema(arg));
-        }
-        let schema = [
-            ("type", json!("object")),
-            ("properties", json!(properties)),
-            ("required", json!(required)),
-            ("additionalProperties", json!(false)),
-        ];
-        let schema = schema.map(|(key, value)| (key.to_owned(), value));
-        let about = self.command.get_about().map(ToString::to_string);
-        let about = format!("{}. {}", about.unwrap_or_default(), self.about);
-        (about, schema.into_iter().collect())
+    /// JSON Schema of the arguments.
+    pub fn schema(&self) -> JsonObject {
+        let required = self.arguments().filter(|arg| arg.is_required_set());
+        let required: Vec<_> = required.map(|arg| arg.get_id().as_str()).collect();
+        object(json!({
+            "type": "object",
+            "properties": self.schemas,
+            "required": required,
+            "additionalProperties": false,
+        }))
     }
 
     /// Words of a command line for JSON arguments; `path` gives the word for a file that one names.
@@ -81,23 +80,32 @@ impl Tool {
         let (mut options, mut positions) = (self.always.clone(), vec!["--".to_owned()]);
         for arg in self.arguments() {
             let name = arg.get_id().as_str();
-            let default = json!(self.defaults.get(name));
-            let values = match (arg.get_action(), given.get(name).unwrap_or(&default)) {
+            let schema = &self.schemas[name];
+            let about = &schema["description"];
+            let is_switch = schema["type"] == "boolean";
+            let is_right =
+                |text: &String| schema["type"] != "integer" || text.parse::<u32>().is_ok();
+            let value = given.get(name).unwrap_or(&schema["default"]);
+            let values = match (arg.get_action(), value) {
                 (_, Value::Null | Value::Bool(false)) => &[],
-                (ArgAction::Append, Value::Array(list)) => list.as_slice(),
+                // A list of numbers is one pixel.
+                (ArgAction::Append, Value::Array(list)) if !list.iter().any(Value::is_number) => {
+                    list.as_slice()
+                }
                 (_, value) => slice::from_ref(value),
             };
             let option = format!("--{}", arg.get_long().unwrap_or_default());
             for value in values {
-                let text = match text_of(value) {
-                    Some(text) if !is_switch(arg) => text,
-                    None if is_switch(arg) && *value == true => {
+                let text = match text_of(value).filter(is_right) {
+                    Some(text) if !is_switch => text,
+                    None if is_switch && *value == true => {
                         options.push(option.clone());
                         continue;
                     }
-                    _ => return Err(format!("`{name}` cannot be {value}")),
+                    _ => return Err(format!("`{name}` cannot be {value}: {about}")),
                 };
-                let names_file = is_of::<PathBuf>(arg) || name == "light" && text.contains('.');
+                let is_path = arg.get_value_parser().type_id() == TypeId::of::<PathBuf>();
+                let names_file = is_path || name == "light" && text.contains('.');
                 let text = if names_file { path(&text)? } else { text };
                 match arg.is_positional() {
                     true => positions.push(text),
@@ -116,34 +124,6 @@ impl Tool {
             found.expect("tests find it")
         })
     }
-}
-
-/// JSON Schema of an argument.
-fn schema(arg: &Arg) -> Value {
-    let words = arg.get_possible_values();
-    let words: Vec<_> = words.iter().map(|word| word.get_name()).collect();
-    let mut schema = match () {
-        () if is_switch(arg) => json!({ "type": "boolean" }),
-        () if is_of::<u32>(arg) => json!({ "type": "integer" }),
-        () if is_of::<f32>(arg) => json!({ "type": "number" }),
-        () if !words.is_empty() => json!({ "type": "string", "enum": words }),
-        () => json!({ "type": "string" }),
-    };
-    if matches!(arg.get_action(), ArgAction::Append) {
-        schema = json!({ "type": "array", "items": schema });
-    }
-    let help = arg.get_help().map(ToString::to_string);
-    schema["description"] = json!(help);
-    schema
-}
-
-fn is_switch(arg: &Arg) -> bool {
-    matches!(arg.get_action(), ArgAction::SetTrue)
-}
-
-/// Whether the values of an argument are of a type.
-fn is_of<T: 'static>(arg: &Arg) -> bool {
-    arg.get_value_parser().type_id() == TypeId::of::<T>()
 }
 
 /// A value as a word: lists of numbers such as a pixel are joined by commas.
