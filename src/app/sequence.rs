@@ -320,6 +320,11 @@ fn target(
         let fps = desc.timeline.as_ref().map_or(24.0, |t| t.fps);
         let size = session.crop.map_or(desc.image.size, |crop| crop.size);
         let film = Film::new(args.output(), format, size, fps, frames.0.len())?;
+        if desc.image.alpha {
+            reflet_base::error_line!(
+                "warning: a film is opaque, so that `image.alpha` makes its background black; write frames (film.####.png)"
+            );
+        }
         return Ok(Target::Film(Box::new(Mutex::new(film))));
     }
     let template = Template::new(args.output())?;

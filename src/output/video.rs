@@ -11,7 +11,10 @@ use std::{
     time::Duration,
 };
 
-use super::{format::FilmFormat, writable::check_writable};
+use super::{
+    format::{FilmFormat, MOST_WEBP},
+    writable::check_writable,
+};
 use crate::error::OutputError;
 use reflet_base::files::{Goal, Inputs, Temporary};
 use reflet_render::picture::png_file::rgb;
@@ -73,6 +76,10 @@ impl Film {
             None => apng(&temporary, size, fps, frames).map_err(usage)?,
             Some(_) if format.has_even_sides() && size.iter().any(|side| side % 2 == 1) => {
                 return Err(usage(odd(size)));
+            }
+            Some(_) if format.ending == "webp" && size.iter().any(|side| *side > MOST_WEBP) => {
+                let why = format!("a WebP has at most {MOST_WEBP} pixels a side; write .apng");
+                return Err(usage(why));
             }
             Some(options) => ffmpeg(&temporary, size, fps, options).map_err(usage)?,
         };

@@ -6,8 +6,9 @@ use super::{project::show, *};
 
 /// Steps of a session, a line each: `file NAME` with its text in the indented lines below, `link NAME TARGET`,
 /// `remove NAME`, `run CODE ARGUMENTS`, `feed ARGUMENTS` with standard input in the lines below; `agent ARGUMENTS`, the
-/// client of `reflet mcp ARGUMENTS`, which has an answer by `call TOOL JSON`, an error by `fail TOOL JSON`, one of each for
-/// two calls at a time by `race TOOL JSON`; and of the run or call before: `says TEXT`, `lacks TEXT`, and `files FOLDER: NAMES`, `same A B` and `differ A B`, which compare
+/// client of `reflet mcp ARGUMENTS`, which has an answer by `call TOOL JSON`, an error by `fail TOOL JSON`, an answer and
+/// an error of two calls at a time by `race TOOL JSON`; and of the run or call before: `says TEXT`, `line TEXT`,
+/// `lacks TEXT`, `json KEY` at the top, and `files FOLDER: NAMES`, `same A B` and `differ A B`, which compare
 /// bytes. `{here}` is the folder, `''` an empty argument.
 fn session(folder: &Path, text: &str) {
     let here = folder.canonicalize().expect("there");
@@ -61,6 +62,11 @@ fn session(folder: &Path, text: &str) {
                 said = exits(folder, arguments, code.parse().expect(line)).concat();
             }
             "says" => assert!(said.contains(rest), "{line}: {said}"),
+            "json" => {
+                let all: serde_json::Value = serde_json::from_str(&said).expect(line);
+                assert!(all.get(rest).is_some(), "{line}: {said}");
+            }
+            "line" => assert!(said.lines().any(|own| own == rest), "{line}: {said}"),
             "lacks" => assert!(!said.contains(rest), "{line}: {said}"),
             "files" => {
                 let (below, all) = rest.split_once(": ").expect(line);
@@ -102,6 +108,7 @@ sessions! {
     an_agent_reads_a_project_alone_and_writes_new_pictures_alone,
     an_agent_that_sends_garbage_or_goes_is_answered_as_far_as_it_asked,
     each_file_of_a_folder_has_a_picture_or_an_error,
+    films_that_cannot_be_written_are_refused_before_rendering,
     bare_models_have_light_and_turn_as_asked,
     render_takes_camera_variant_size_and_output_from_the_project(""),
     names_of_a_project_that_are_nearly_those_of_the_scene_are_warned_of(""),
