@@ -1,6 +1,7 @@
 //! `check`: reads a scene, loads the files that it names and poses its frames.
 
 use std::{
+    collections::HashSet,
     io::{self, Read as _},
     path::Path,
     sync::Arc,
@@ -51,14 +52,24 @@ const STDIN: &str = "<stdin>";
 pub fn check(args: &CheckArgs) -> Result<(), AppError> {
     let (mut all, mut paths) = (Vec::new(), Vec::new());
     for path in &args.scenes {
-        match path.is_dir() {
-            false => paths.push(path.clone()),
-            true => paths.extend(files_of(path, &mut |file, why| {
+        let found = match path.is_dir() {
+            false => Ok(vec![path.clone()]),
+            true => files_of(path, &mut |file, why| {
                 let why = why.to_string();
                 all.push(Diagnostic::in_file("unreadable-file", file, why));
-            })?),
+            }),
+        };
+        match found {
+            Ok(found) => paths.extend(found),
+            Err(error) if args.scenes.len() == 1 => return Err(error),
+            Err(error) => {
+                let why = error.to_string();
+                all.push(Diagnostic::in_file("unreadable-file", path, why));
+            }
         }
     }
+    let mut seen = HashSet::new();
+    paths.retain(|path| seen.insert(path.canonicalize().unwrap_or_else(|_| path.clone())));
     if !args.json {
         print_diagnostics(&all);
     }
@@ -86,7 +97,7 @@ pub fn check(args: &CheckArgs) -> Result<(), AppError> {
     }
     if args.json {
         print_json(&sarif::log(&all))?;
-    } else if count > args.scenes.len() {
+    } else if args.scenes.iter().any(|path| path.is_dir()) {
         print_out(&format!("{right} of {count} files are right"))?;
     }
     match right < count {

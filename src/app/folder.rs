@@ -10,7 +10,14 @@ use walkdir::{DirEntry, WalkDir};
 use super::error::AppError;
 use crate::{
     files::{open_regular, read_at_most},
-    scene::{desc::is_bare, parse::MOST_BYTES, project},
+    scene::{
+        desc::is_bare,
+        diagnostic::Source,
+        parse::{
+            MOST_BYTES,
+            tables::{self, is_project},
+        },
+    },
 };
 
 /// Models, panoramas and scenes of a folder and the folders below, in order of their paths, without hidden files and
@@ -43,7 +50,7 @@ pub fn files_of(
             }
         };
         let file = entry.path();
-        if entry.path_is_symlink() && !file.exists() && is_bare(file) {
+        if entry.path_is_symlink() && !file.exists() && (is_bare(file) || is_toml(file)) {
             refuse(file, &"it is a link to a file that is not there");
             has_refused = true;
         }
@@ -59,23 +66,17 @@ pub fn files_of(
     Ok(files)
 }
 
-/// Whether a file is a scene's text: `version` stands before its first table.
+/// Whether a file is a scene's text, or none at all: empty, or not UTF-8.
 fn is_scene(file: &Path) -> bool {
-    let is_toml = file.extension().is_some_and(|ending| ending == "toml");
-    if !is_toml || file.file_name().is_some_and(|name| name == project::FILE) {
+    if !is_toml(file) || is_project(file) {
         return false;
     }
     let bytes = open_regular(file, false).and_then(|file| read_at_most(&file, MOST_BYTES));
-    let text = bytes.map_or(String::new(), |bytes| {
-        String::from_utf8_lossy(&bytes).into_owned()
-    });
-    let mut lines = text.lines().map(str::trim_start);
-    lines
-        .by_ref()
-        .take_while(|line| !line.starts_with('['))
-        .any(|line| {
-            line.trim_start_matches('"')
-                .strip_prefix("version")
-                .is_some_and(|rest| rest.trim_start_matches('"').trim_start().starts_with('='))
-        })
+    let text = bytes.map_or(String::new(), |b| String::from_utf8(b).unwrap_or_default());
+    text.trim().is_empty() || tables::is_scene(&Source::new(file, text))
+}
+
+fn is_toml(file: &Path) -> bool {
+    file.extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("toml"))
 }

@@ -31,7 +31,7 @@ use serde_json::{Value, json};
 use self::{
     model_files::ModelFiles,
     names::border_of,
-    outline::{Part, words},
+    outline::Part,
     position::{offset, path_of, range, uri_of},
     references::same,
 };
@@ -41,7 +41,7 @@ use crate::{
     scene::{
         dependencies::Dependencies,
         diagnostic::{Diagnostic, Severity, Source, Span},
-        parse::tables::{Below, is_project},
+        parse::tables::{is_project, is_scene, is_scene_text},
         project::Project,
         reach::UnsavedTexts,
     },
@@ -305,7 +305,9 @@ impl Server<'_> {
     fn check_changed(&mut self) {
         let unsaved = UnsavedTexts::new(self.open.values());
         for (uri, extent) in std::mem::take(&mut self.changed) {
-            let is_checked = |file: &&Arc<Source>| is_scene(file) || is_project(&file.path);
+            let is_checked = |file: &&Arc<Source>| {
+                !is_script(&file.path) && is_scene(file) || is_project(&file.path)
+            };
             let Some(file) = self.open.get(&uri).filter(is_checked) else {
                 continue;
             };
@@ -352,30 +354,6 @@ pub fn values(file: &Arc<Source>, table: &[String], key: &str) -> Vec<String> {
 
 fn is_script(path: &Path) -> bool {
     path.extension().is_some_and(|end| end == "rhai")
-}
-
-/// Whether the file is a scene of its own: an included file has no version.
-fn is_scene(file: &Source) -> bool {
-    !is_script(&file.path) && top_keys(file).any(|key| key == "version")
-}
-
-/// First words of all keys and headers at the top of a text.
-fn top_keys(file: &Source) -> impl Iterator<Item = String> {
-    let is_key = |word: &outline::Word| matches!(word.part, Part::Key | Part::Header);
-    let words = words(file).into_iter();
-    let top = words.filter(move |word| word.table.is_empty() && is_key(word));
-    top.map(|word| word.text)
-}
-
-/// Whether a text begins with a version or names Reflet's schema or a table of scenes, or has none but keys of these.
-fn is_scene_text(file: &Source) -> bool {
-    let first = file.text.lines().next().unwrap_or_default();
-    let keys: Vec<String> = top_keys(file).collect();
-    let scene = Below::scene();
-    first.starts_with("#:schema") && first.contains("reflet")
-        || keys.first().is_some_and(|key| key == "version")
-        || keys.iter().any(|key| scene.below(key).is_some())
-        || keys.iter().all(|key| scene.key(key).is_some())
 }
 
 /// Messages about a scene or a project, with the texts of other open files; adds what it reads to `files`.

@@ -5,11 +5,40 @@ use std::{ffi::OsStr, path::Path};
 
 use super::{recorded_keys, recorded_project_keys};
 use crate::desc::ProjectDesc;
+use crate::syntax::Content;
 use crate::table::{key_recorder::Form, key_recorder::KeyRecord, key_recorder::SectionRecord};
+use crate::{diagnostic::Source, suggest::nearest};
 
 /// Whether a file is a project, by its name.
 pub fn is_project(path: &Path) -> bool {
     path.file_name() == Some(OsStr::new(ProjectDesc::FILE))
+}
+
+/// Whether a TOML file is text of scenes, by the keys and tables at its top: all are a scene's, nearly or begun, or there
+/// are a table of scenes and a whole number as `version`; else its first line names Reflet's schema.
+pub fn is_scene_text(source: &Source) -> bool {
+    let known = || keys_of(&recorded_keys()[0]).map(|(_, key)| key.name);
+    let is_near =
+        |name: &str| known().any(|key| key.starts_with(name)) || nearest(name, known()).is_some();
+    let first = source.text.lines().next().unwrap_or_default();
+    let root = source.syntax().root();
+    let mut names = root.keys().map(|name| name.get_ref().as_str());
+    let version = root.get("version").map(|version| version.get_ref());
+    first.contains("#:schema") && first.contains("reflet")
+        || matches!(version, Some(Content::Integer(_)))
+            && names
+                .clone()
+                .any(|name| Below::scene().below(name).is_some())
+        || names.all(is_near)
+}
+
+/// Whether a text is a scene of its own, by its version, or a camera where that was forgotten: others are for `include`.
+pub fn is_scene(source: &Source) -> bool {
+    let root = source.syntax().root();
+    is_scene_text(source)
+        && ["version", "camera"]
+            .iter()
+            .any(|key| root.contains_key(*key))
 }
 
 /// The manual of one kind of text.

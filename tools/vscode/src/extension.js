@@ -18,11 +18,21 @@ function program() {
   return vscode.workspace.getConfiguration("reflet").get("path", "reflet");
 }
 
-/** Whether a text is a scene: its first line names Reflet's schema, or it has a version and a table of scenes. */
+/** Tables of scenes, where a text has one with or without a header. */
+const TABLE =
+  /^\s*\[*(box_faces|camera|decal|environment|group|image|instance|light|material|model|motion|near_far|params|probes?|reflection|timeline|variant)\b/;
+
+/**
+ * Whether a text is a scene, as the server judges it: its first line names Reflet's schema, or it has a table of scenes and
+ * a whole number as version, or without a version tables of scenes alone.
+ */
 function isScene(text) {
-  const table =
-    /^\s*\[*(camera|decal|environment|group|image|instance|light|material|model|params|reflection|timeline)\b/m;
-  return /^#:schema\s.*reflet/i.test(text) || (/^version\s*=\s*1\s*(#|$)/m.test(text) && table.test(text));
+  if (/^\uFEFF?#:schema\s.*reflet/i.test(text)) return true;
+  const lines = text.replace(/^\uFEFF/, "").split("\n");
+  const version = lines.map((line) => /^(["']?)version\1\s*=\s*(.*)/.exec(line)?.[2]).find(Boolean);
+  if (!lines.some((line) => TABLE.test(line))) return false;
+  if (version !== undefined) return /^\d+\s*(#|$)/.test(version);
+  return lines.every((line) => !/^\s*\[+\s*["'\w]/.test(line) || TABLE.test(line));
 }
 
 /** Whether a document needs the server. */
