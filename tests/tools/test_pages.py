@@ -11,6 +11,10 @@ import pytest
 from program import BINARY, ROOT
 from texts import TEXTS
 
+# Least numbers of blocks and commands: a changed pattern drops none unseen.
+BLOCKS = {"guide": 9, "scripting": 1, "shapes": 10}
+COMMANDS = {"README": 3, "docs/guide": 20, "docs/query": 5, "docs/project": 2}
+
 BLOCK = re.compile(r"^```(toml|rust|rhai)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
@@ -21,7 +25,7 @@ def blocks(name: str) -> list[tuple[str, str]]:
 
 
 @pytest.mark.program
-@pytest.mark.parametrize("page", ["guide", "scripting", "shapes"])
+@pytest.mark.parametrize("page", BLOCKS)
 def test_blocks_of_a_page_are_right_as_they_stand(page: str, tmp_path: Path) -> None:
     lamp = (ROOT / "scenes/show").glob("lamp.*")
     for file in [*(TEXTS / "pages").iterdir(), ROOT / "scenes/hills.png", *lamp]:
@@ -29,6 +33,7 @@ def test_blocks_of_a_page_are_right_as_they_stand(page: str, tmp_path: Path) -> 
     shutil.copy(ROOT / "scenes/hills.png", tmp_path / "poster.png")
     own = tmp_path / f"{page}.toml"
     scene = own.read_text(encoding="utf-8") if own.exists() else "version = 1\n"
+    assert len(blocks(page)) >= BLOCKS[page]
     for language, text in blocks(page):
         name = "my.toml"
         if language != "toml":
@@ -70,7 +75,7 @@ def commands(page: Path) -> list[list[str]]:
 
 @pytest.mark.full("a minute of small pictures")
 @pytest.mark.program
-@pytest.mark.parametrize("page", ["README", "docs/guide", "docs/query", "docs/project"])
+@pytest.mark.parametrize("page", COMMANDS)
 def test_commands_of_a_page_run_one_after_another(page: str, tmp_path: Path) -> None:
     """The commands of a page alone, in a folder with the files that they name."""
     for folder in ("scenes", "scripts"):
@@ -87,6 +92,7 @@ def test_commands_of_a_page_run_one_after_another(page: str, tmp_path: Path) -> 
         shutil.copy(TEXTS / "pages/fox.glb", tmp_path / name)
     libraries = (ROOT / ".venv").glob("lib/python3*/site-packages/pyoidn/oidn/lib")
     environment = {"REFLET_OIDN": str(next(libraries, ""))} | os.environ
+    assert len(commands(ROOT / f"{page}.md")) >= COMMANDS[page]
     new = [] if page == "docs/project" else [["new", "show"]]
     for command in new + commands(ROOT / f"{page}.md"):
         run = [BINARY, *command]

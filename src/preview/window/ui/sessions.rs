@@ -609,12 +609,8 @@ impl Session {
             "outside" => assert!(!is_inside(self)),
             // Within the margins of the window.
             "fits" => {
-                let most = self.size[0] - 8.0;
-                assert!(
-                    self.all(first)
-                        .iter()
-                        .all(|node| node.rect().right() <= most)
-                );
+                let (most, all) = (self.size[0] - 8.0, self.all(first));
+                assert!(!all.is_empty() && all.iter().all(|node| node.rect().right() <= most));
             }
             "beside" => {
                 let [a, b] = [first, second].map(|node| self.node(node).rect());
@@ -627,10 +623,15 @@ impl Session {
                 let rect = self.node(first).rect();
                 let found = match side {
                     "left" => rect.left(),
-                    _ => rect.top(),
+                    "top" => rect.top(),
+                    _ => panic!("no side {side}"),
                 };
-                let is_less = found < number.parse().expect(number);
-                assert_eq!(is_less, relation == "<", "{found}");
+                let number: f32 = number.parse().expect(number);
+                match relation {
+                    "<" => assert!(found < number, "{found}"),
+                    ">" => assert!(found > number, "{found}"),
+                    _ => panic!("no relation {relation}"),
+                }
             }
             "under" => {
                 let [lower, upper] = [first, second].map(|node| self.node(node).rect().top());
