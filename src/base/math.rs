@@ -94,7 +94,8 @@ impl Bounds {
     }
 }
 
-/// Temperatures of [`black_body`], kelvin: below, sRGB has no color for the glow; above, it hardly changes.
+/// Temperatures of [`black_body`], kelvin: below, hardly anything glows to the eye; above, the color hardly changes. Below
+/// about 1900 K the glow is redder than sRGB can show: its blue is cut to 0.
 pub const BLACK_BODY_K: RangeInclusive<f64> = 1000.0..=40_000.0;
 
 /// Linear sRGB color of the glow of a black body, its largest component 1: Planck's law, seen by the standard observer

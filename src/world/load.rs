@@ -274,6 +274,9 @@ impl<'a> Loader<'a> {
             () if name.value.contains(char::is_control) => {
                 "a `\\` in double quotes begins a special character: write `/` between folders"
             }
+            () if name.value.eq_ignore_ascii_case("none") => {
+                "write \"none\", in small letters, to leave out a texture"
+            }
             () if !name.value.contains('.') => {
                 "write the name of a file with its ending, such as \"a.ttf\" for a font: names of the system's fonts are none"
             }

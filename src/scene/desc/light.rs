@@ -53,7 +53,7 @@ declared! {
     pub struct LightDesc {
         /// Linear color, three numbers 0 or more, or a text as for all colors: sRGB `"#rrggbb"`, `"hsl(32, 100%, 50%)"` or
         /// `"hsv(32, 100%, 100%)"`, or `"3000 K"`, the glow of a black body of 1000 to 40000 kelvin with 1 as its largest
-        /// component. Default white.
+        /// component, and below 1900 without the negative blue that sRGB cannot show. Default white.
         pub color: Vec3 as Color [FROM_0] = Vec3::ONE,
         /// How the light's shadows are found: by a depth map or by rays. Default `"default"`.
         #[by(|t| Some(t.find("shadow", ANY).unwrap_or_default()))]

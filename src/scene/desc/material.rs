@@ -46,7 +46,8 @@ material! {
     pub struct MaterialDesc {
         /// Linear base color, three numbers 0 to 1, or a text, as for all colors outside of tracks: sRGB
         /// `"#ff8800"`, `"hsl(32, 100%, 50%)"` or `"hsv(32, 100%, 100%)"`, or `"3000 K"`, the glow of a black body of 1000
-        /// to 40000 kelvin with 1 as its largest component. Default white.
+        /// to 40000 kelvin with 1 as its largest component, and below 1900 without the negative blue that sRGB cannot
+        /// show. Default white.
         base_color: Vec3, Color in UNIT, "linear base color" varies BaseColor, apart rest Vec3::ONE;
         /// Image file (PNG, JPEG, WebP or KTX2) multiplied into the base color. Its colors are sRGB; its alpha is used
         /// by `alpha` and `alpha_cutoff`.

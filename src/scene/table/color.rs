@@ -13,8 +13,11 @@ use crate::syntax::{Content, Node};
 use crate::{diagnostic::Diagnostic, range::Range, suggest};
 use reflet_base::math::{BLACK_BODY_K, black_body, linear_from_srgb};
 
-/// Pattern of the texts of colors.
-const TEXT: &str = "^(#([0-9a-fA-F]{3}|[0-9a-fA-F]{6})|hs[lv]\\([-0-9.,% ]+\\)|[0-9.]+ *K)$";
+/// Pattern of the texts of colors, where N is a number.
+const TEXT: &str =
+    "^(#([0-9a-fA-F]{3}|[0-9a-fA-F]{6})|hs[lv]\\( *N(( *, *N%?){2}|( +N%?){2}) *\\)|N *K)$";
+/// Pattern of a number in them.
+const NUMBER: &str = "-?[0-9]*\\.?[0-9]+";
 
 /// A linear color, written as three linear numbers or as a text, see [`of_text`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +33,7 @@ impl Value for Color {
         format!("{count} colors, each {}", Self::expected())
     }
     fn schema(range: &Range) -> Json {
-        let text = json!({ "type": "string", "pattern": TEXT });
+        let text = json!({ "type": "string", "pattern": TEXT.replace('N', NUMBER) });
         json!({ "anyOf": [Vec3::schema(range), text] })
     }
     fn to_json(&self) -> Json {
@@ -43,7 +46,10 @@ impl Value for Color {
                 None => {
                     let key = named.key;
                     let shown = suggest::text(text);
-                    let message = format!("`{key}` must be {}, not {shown}", Self::expected());
+                    let message = format!(
+                        "`{key}` must be three numbers, \"#rrggbb\", \"hsl(H, S%, L%)\", \"hsv(H, S%, V%)\" or \"T K\", \
+                         not {shown}"
+                    );
                     report.error("wrong-color", &node.span(), message).help = Some(advice(text));
                     None
                 }
@@ -89,7 +95,7 @@ impl Value for Color {
 /// Linear color of `#rrggbb`, `#rgb`, `hsl(H, S%, L%)`, `hsv(H, S%, V%)`, or `T K`, the glow of a black body.
 pub fn of_text(text: &str) -> Option<Vec3> {
     if let Some(kelvin) = text.strip_suffix('K') {
-        let kelvin = kelvin.trim_end().parse().ok()?;
+        let kelvin = number(kelvin.trim_end_matches(' '))?;
         return BLACK_BODY_K.contains(&kelvin).then(|| black_body(kelvin));
     }
     let Some(digits) = text.strip_prefix('#') else {
@@ -109,11 +115,15 @@ pub fn of_text(text: &str) -> Option<Vec3> {
 /// Linear color of a hue in degrees, a saturation, and a lightness or value, as CSS and color pickers have them in sRGB.
 fn of_hue(text: &str) -> Option<Vec3> {
     let (form, rest) = text.split_once('(')?;
-    let parts = rest.strip_suffix(')')?.split([',', ' ']);
-    let parts = parts.filter(|part| !part.is_empty());
-    let number = |part: &str| part.trim_end_matches('%').parse::<f32>().ok();
-    let parts: Vec<f32> = parts.map(number).collect::<Option<_>>()?;
+    let rest = rest.strip_suffix(')')?.trim_matches(' ');
+    let parts: Vec<&str> = match rest.contains(',') {
+        true => rest.split(',').map(|part| part.trim_matches(' ')).collect(),
+        false => rest.split(' ').filter(|part| !part.is_empty()).collect(),
+    };
     let [hue, saturation, light] = parts.try_into().ok()?;
+    let hue = number(hue)? as f32;
+    let percent = |part: &str| number(part.strip_suffix('%').unwrap_or(part));
+    let [saturation, light] = [percent(saturation)? as f32, percent(light)? as f32];
     let is_share = |percent| (0.0..=100.0).contains(&percent);
     if !hue.is_finite() || !is_share(saturation) || !is_share(light) {
         return None;
@@ -133,6 +143,13 @@ fn of_hue(text: &str) -> Option<Vec3> {
         linear_from_srgb(most - depth * turn.min(4.0 - turn).clamp(0.0, 1.0))
     };
     Some(Vec3::new(component(5.0), component(3.0), component(1.0)))
+}
+
+/// A number of [`NUMBER`]: without `+`, exponent and bare point at the end.
+fn number(text: &str) -> Option<f64> {
+    let is_plain = text.bytes().all(|b| matches!(b, b'0'..=b'9' | b'.' | b'-'));
+    let number = text.parse().ok()?;
+    (is_plain && !text.ends_with('.')).then_some(number)
 }
 
 /// Advice for the bytes of a color as one number.
@@ -170,6 +187,16 @@ pub fn advice(text: &str) -> String {
     }
     if let Some((_, kelvin)) = LIGHTS.iter().find(|(name, _)| *name == text) {
         return format!("colors have no names; write \"{kelvin} K\"");
+    }
+    let kelvin = text.to_ascii_lowercase();
+    let kelvin = kelvin.strip_suffix('k').and_then(|k| k.trim().parse().ok());
+    if let Some(kelvin) = kelvin.filter(|k: &f64| !k.is_nan()) {
+        let near = kelvin.clamp(*BLACK_BODY_K.start(), *BLACK_BODY_K.end());
+        return format!("a black body has 1000 to 40000 K: write \"{near} K\"");
+    }
+    let value = text.replacen("hsb", "hsv", 1);
+    if value != text && of_text(&value).is_some() {
+        return format!("write {}", suggest::text(&value));
     }
     let is_name = text.chars().all(char::is_alphabetic) && text.parse::<CssColor>().is_ok();
     let Some(color) = in_css(text) else {
