@@ -64,7 +64,7 @@ impl Tool {
         }))
     }
 
-    /// Words of a command line for JSON arguments; `path` gives the word for a file that one names.
+    /// Command-line words of a call with these JSON arguments; `path` checks each file name among them, and gives its word.
     ///
     /// # Errors
     /// Message about an argument that the tool does not have, or of the wrong type, and errors of `path`.
