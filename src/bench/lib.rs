@@ -18,4 +18,5 @@ pub mod score;
 pub mod seams;
 pub mod stability;
 pub mod summary;
+pub mod system;
 pub mod systems;

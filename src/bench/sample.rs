@@ -80,7 +80,7 @@ sample! {
     width: u32,
     /// Height of the shown picture, pixels.
     height: u32,
-    /// Method: `ssr`, `probe`, `ssr+probe`, `near-far`, `hybrid` or `rt`.
+    /// Method, one of [`compared_methods`](curve::compared_methods).
     method: String,
     /// Sweep of the run: `nothing`, `own` for each method's own parameter, `rules` of acceptance, or one
     /// parameter for all.

@@ -1,27 +1,23 @@
 //! Curves of charts: one per method, and curves of their own for [`PARTS`] of the samples of some methods.
 
 use super::Sample;
+use crate::system::SYSTEMS;
 use reflet_scene::desc::Method;
 
 /// Name of the curve of `hybrid` with `accept = "threshold"`.
 pub const THRESHOLD_SERIES: &str = "hybrid (threshold)";
-/// Color of the curve of method `rt`.
-const RT: [u8; 3] = [0, 158, 115];
+/// Color of a quantity without a color of its own.
+const OTHER: [u8; 3] = [0, 158, 115];
 
-/// The curves in the order of charts, each with its sRGB color, from colors that stay apart for color-blind readers
-/// (Okabe and Ito 2008).
-const CURVES: [(&str, [u8; 3]); 14] = [
-    (Method::Ssr.name(), [0, 114, 178]),
-    ("ssr (2 layers)", [0, 0, 0]),
+/// Curves of methods that several systems use, and of parts of the samples of a method, each with its sRGB color, from
+/// colors that stay apart for color-blind readers (Okabe and Ito 2008), as the colors of systems are.
+const FURTHER: [(&str, [u8; 3]); 9] = [
     (Method::Probe.name(), [240, 228, 66]),
     (Method::SsrProbe.name(), [110, 110, 110]),
-    (Method::SsrBox.name(), [120, 140, 60]),
-    (Method::NearFar.name(), [90, 40, 140]),
+    ("ssr (2 layers)", [0, 0, 0]),
     (THRESHOLD_SERIES, [230, 159, 0]),
-    (Method::Hybrid.name(), [213, 94, 0]),
     ("hybrid (2 layers)", [150, 60, 60]),
     ("hybrid (undersampled)", [120, 120, 0]),
-    (Method::Rt.name(), RT),
     ("rt (undersampled)", [0, 90, 60]),
     ("hybrid (no light reuse)", [204, 121, 167]),
     ("rt (no light reuse)", [86, 180, 233]),
@@ -39,9 +35,15 @@ const PARTS: [(&str, IsIn); 4] = [
     ("no light reuse", |sample| sample.reuse_light == Some(false)),
 ];
 
+/// The curves in the order of charts, each with its sRGB color: a system that a method alone names has its method's.
+fn curves() -> impl Iterator<Item = (&'static str, [u8; 3])> {
+    let plain = SYSTEMS.iter().filter(|of| of.name == of.method.name());
+    plain.map(|of| (of.name, of.color)).chain(FURTHER)
+}
+
 /// Names of the curves, in the order of charts.
 pub fn series_names() -> impl Iterator<Item = &'static str> {
-    CURVES.iter().map(|(name, _)| *name)
+    curves().map(|(name, _)| name)
 }
 
 /// Names of the methods that benchmarks compare: `auto` chooses among them, and `path` is a reference.
@@ -61,8 +63,6 @@ pub fn series(sample: &Sample) -> &str {
 /// Color of a curve, or of a bound or an estimate drawn beside them, sRGB.
 pub fn color(name: &str) -> [u8; 3] {
     let beside = [("bound", [140, 140, 140]), ("estimated", [230, 159, 0])];
-    let mut known = CURVES.iter().chain(&beside);
-    known
-        .find(|(known, _)| *known == name)
-        .map_or(RT, |(_, color)| *color)
+    let found = curves().chain(beside).find(|(known, _)| *known == name);
+    found.map_or(OTHER, |(_, color)| color)
 }
