@@ -1,7 +1,7 @@
 //! Parameters of a bench: the settings that trade time for accuracy, and the variants made of their values.
 
 use reflet_scene::{
-    desc::{Accept, Bounces, BoxFacesDesc, Method, ReflectionDesc},
+    desc::{Accept, Bounces, Method, ReflectionDesc, reflection::BoxFacesDesc},
     range::{
         ABOVE_0, BOUNCES, EDGE_PX, LAYERS, NEAREST_PROBES, RATE, RAY_LENGTH_U, Range, SEPARATION_M,
         STEPS, THRESHOLD_U, UNIT, range,

@@ -10,7 +10,6 @@
 mod declare;
 
 mod animation;
-mod box_faces;
 mod camera;
 mod decal;
 mod environment;
@@ -22,14 +21,13 @@ mod light;
 mod light_group;
 mod material;
 mod motion;
-mod near_far;
 mod or_auto;
 mod outline;
 mod pattern;
 mod placement;
 mod probe;
 mod project;
-mod reflection;
+pub mod reflection;
 mod scatter;
 mod script;
 mod shape;
@@ -45,7 +43,6 @@ use crate::diagnostic::{Diagnostic, Span};
 
 pub use self::{
     animation::{AnimationDesc, Playback},
-    box_faces::BoxFacesDesc,
     camera::{CAMERA, CameraDesc, CameraMotionDesc},
     decal::{DecalChanges, DecalDesc},
     environment::{ENVIRONMENT, EnvironmentDesc, EnvironmentShadow, FogDesc},
@@ -64,13 +61,12 @@ pub use self::{
         CutDesc, DecalMotionDesc, FRAMES, GroupMotionDesc, InstanceMotionDesc, ModelMotionDesc,
         MotionDesc, TimelineDesc,
     },
-    near_far::NearFarDesc,
     outline::{BevelDesc, FigureDesc, FileDesc, FillRule, OutlineDesc},
     pattern::{CheckerDesc, ColorPatternDesc, NumberPatternDesc, PatternDesc, PatternKind},
     placement::{PlacementDesc, turned},
     probe::{Lookup, ProbeDesc, ProbesDesc, SelectBy},
     project::ProjectDesc,
-    reflection::{Accept, Bounces, Marched, Method, ReflectionDesc, Trace},
+    reflection::{Accept, Bounces, LATE_SETTINGS, Marched, Method, ReflectionDesc, Trace},
     scatter::{AlongDesc, OverDesc},
     script::ScriptDesc,
     shape::{LatheSource, NoiseDesc, PartDesc, ShapeDesc, SweepCurve, TextAlign},
@@ -228,21 +224,6 @@ impl ModelDesc {
         }
     }
 }
-
-/// Settings that are in range, but that a world or an adapter may refuse: table and key of each, and errors that are
-/// told at its place, or at the place of the first of several that is written.
-pub const LATE_SETTINGS: [([&str; 2], &[&str]); 7] = [
-    (["reflection", "method"], &[]),
-    (["reflection", "trace"], &["no-ray-queries"]),
-    (["probes", "face_px"], &["probe-maps-too-large"]),
-    (
-        ["probes", "spacing_m"],
-        &["too-many-probes", "probe-maps-too-large"],
-    ),
-    (["probes", "samples"], &[]),
-    (["box_faces", "face_px"], &["box-faces-too-large"]),
-    (["near_far", "face_px"], &[]),
-];
 
 /// Place of one of [`LATE_SETTINGS`].
 #[derive(Clone, Debug, PartialEq)]

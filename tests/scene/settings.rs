@@ -54,12 +54,12 @@ fn environment_reflection_and_image_arrive() {
             multiple_scattering: true,
             blur_px: 1.5,
             probes,
-            box_faces: BoxFacesDesc {
+            box_faces: reflection::BoxFacesDesc {
                 box_min: Some(Vec3::new(-1.0, -2.0, -3.0)),
                 box_max: Some(Vec3::new(1.0, 2.0, 3.0)),
                 face_px: 16384,
             },
-            near_far: NearFarDesc {
+            near_far: reflection::NearFarDesc {
                 half_size_m: Some(3.5),
                 face_px: 8,
             },

@@ -1,8 +1,12 @@
-//! The `[reflection]` table of scene text.
+//! The `[reflection]` table of scene text, and the tables of methods.
+
+mod box_faces;
+mod near_far;
 
 use glam::Vec3;
 
-use super::{BoxFacesDesc, NearFarDesc, ProbesDesc};
+pub use self::{box_faces::BoxFacesDesc, near_far::NearFarDesc};
+use super::ProbesDesc;
 use crate::{
     range::{
         ABOVE_0, BOUNCES, EDGE_PX, FROM_0, LAYERS, RATE, RAY_LENGTH_U, SEPARATION_M, STEPS,
@@ -252,6 +256,21 @@ declared! {
         pub near_far: NearFarDesc,
     }
 }
+
+/// Settings that are in range, but that a world or an adapter may refuse: table and key of each, and errors that are
+/// told at its place, or at the place of the first of several that is written.
+pub const LATE_SETTINGS: [([&str; 2], &[&str]); 7] = [
+    (["reflection", "method"], &[]),
+    (["reflection", "trace"], &["no-ray-queries"]),
+    (["probes", "face_px"], &["probe-maps-too-large"]),
+    (
+        ["probes", "spacing_m"],
+        &["too-many-probes", "probe-maps-too-large"],
+    ),
+    (["probes", "samples"], &[]),
+    (["box_faces", "face_px"], &["box-faces-too-large"]),
+    (["near_far", "face_px"], &[]),
+];
 
 /// Declares the settings that method `path` replaces, each with its value there.
 macro_rules! replaced_by_path {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use reflet_scene::{
-    desc::{BoxFacesDesc, Method, ReflectionDesc},
+    desc::{Method, ReflectionDesc, reflection::BoxFacesDesc},
     diagnostic::{Diagnostic, Span},
 };
 use reflet_world::{Material, World};

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use super::probe::check_box;
 use crate::{
+    desc::probe::check_box,
     range::{Range, range},
     table::Table,
 };
