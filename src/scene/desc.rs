@@ -53,9 +53,9 @@ pub use self::{
     light::{LIGHT, LightDesc, LightKind, LightMotionDesc, ShadowMode},
     light_group::LightGroup,
     material::{
-        MATERIAL, MATERIAL_FIELDS, MOST_PATTERNED, MaterialDesc, MaterialMotionDesc,
-        MaterialNumbers, NEEDING, Needing, PLAIN, PatternedDesc, PatternedKey, ReflectionMode,
-        reflectivity_of,
+        EMISSIVE_STRENGTH, LAYER_NUMBERS, MATERIAL, MATERIAL_FIELDS, MOST_PATTERNED, MaterialDesc,
+        MaterialMotionDesc, MaterialNumbers, NEEDING, Needing, PLAIN, PatternedDesc, PatternedKey,
+        ReflectionMode, reflectivity_of,
     },
     motion::{
         CutDesc, DecalMotionDesc, FRAMES, GroupMotionDesc, InstanceMotionDesc, ModelMotionDesc,

@@ -28,6 +28,9 @@ declared! {
     }
 }
 
+/// Factor on the emission, among [`LAYER_NUMBERS`].
+pub const EMISSIVE_STRENGTH: &str = "emissive_strength/emissiveStrength";
+
 /// Extensions of textures.
 const TEXTURES: &[&str] = &["png", "jpg", "jpeg", "webp", "ktx2"];
 
@@ -70,7 +73,7 @@ material! {
         /// Linear emitted color, three numbers 0 or more, multiplied by `emission_strength`. Default black.
         emission: Vec3, Color in FROM_0, "linear emitted color" varies Emission, apart rest Vec3::ZERO;
         /// Factor on `emission`, 0 or more. 1 shows as white at exposure 0. Default 1.
-        emission_strength: f32, Number in FROM_0, "factor on `emission`", apart rest 1.0;
+        emission_strength: f32, Number in FROM_0, "factor on `emission`" of EMISSIVE_STRENGTH, apart rest 1.0;
         /// Image file multiplied into the emission (sRGB).
         emission_texture: At<String> [ANY] in TEXTURES;
         /// Whether the surface's emission lights other surfaces, with shadows; else only reflections show it. For
@@ -101,7 +104,7 @@ material! {
         reflectivity: f32, Number in UNIT, "specular reflectance at normal incidence" varies Reflectivity => rest 0.04;
         /// Share of the light that is not reflected and passes through, tinted by the base color, 0 to 1: 1 is glass.
         /// It is followed by rays, with any `reflection`. Default 0, or the glTF value.
-        transmission: f32, Number in UNIT, "share of light that passes through" varies Transmission => off "0";
+        transmission: f32, Number in UNIT, "share of light that passes through" of "transmission/transmissionFactor" varies Transmission => off "0";
         /// Index of refraction, 1 to 4: 1.33 is water, 1.5 glass, 2.42 diamond. More bends light more if `thickness_m`
         /// is above 0, and gives more `reflectivity` if that is left out, with its exact reflectance at all angles. Default 1.5, or the glTF value.
         ior: f32;
@@ -111,46 +114,46 @@ material! {
         thickness_m under transmission: f32 [FROM_0];
         /// Color that white light has after `attenuation_distance_m` inside a solid, three numbers 0 to 1. Default
         /// white.
-        attenuation_color under transmission: Vec3, Color in UNIT, "color that white light gets inside a solid" => rest Vec3::ONE;
+        attenuation_color under transmission: Vec3, Color in UNIT, "color that white light gets inside a solid" of "volume/attenuationColor" => rest Vec3::ONE;
         /// Distance inside a solid after which white light has the `attenuation_color`, meters, above 0. Less absorbs
         /// more. Default: nothing is absorbed.
-        attenuation_distance_m under transmission: f32, Number in ABOVE_0, "distance after which white light has that color, meters" => such_as "1";
+        attenuation_distance_m under transmission: f32, Number in ABOVE_0, "distance after which white light has that color, meters" of "volume/attenuationDistance" => such_as "1";
         /// Strength of a clear coat (varnish) over the material, 0 to 1, of index of refraction 1.5. Default 0, or the
         /// glTF value.
-        clearcoat: f32, Number in UNIT, "strength of the clear coat" varies Clearcoat => off "0";
+        clearcoat: f32, Number in UNIT, "strength of the clear coat" of "clearcoat/clearcoatFactor" varies Clearcoat => off "0";
         /// Perceptual roughness of the clear coat, 0 to 1. Default 0.
-        clearcoat_roughness under clearcoat: f32, Number in UNIT, "perceptual roughness of the clear coat" varies ClearcoatRoughness => rest 0.0;
+        clearcoat_roughness under clearcoat: f32, Number in UNIT, "perceptual roughness of the clear coat" of "clearcoat/clearcoatRoughnessFactor" varies ClearcoatRoughness => rest 0.0;
         /// Strength of the specular reflection of the non-metallic part, 0 to 1: a factor on `reflectivity` and on the
         /// reflectance at grazing angles (`KHR_materials_specular`). Default 1, or the glTF value.
-        specular: f32, Number in UNIT, "strength of the non-metallic specular reflection" varies Specular => off "1";
+        specular: f32, Number in UNIT, "strength of the non-metallic specular reflection" of "specular/specularFactor" varies Specular => off "1";
         /// Color of the specular reflection of the non-metallic part at normal incidence, three numbers 0 or more: a
         /// factor on `reflectivity`; the product is at most 1. Default white, or the glTF value.
-        specular_color: Vec3, Color in FROM_0, "color of the non-metallic specular reflection" varies SpecularColor => off "[1, 1, 1]";
+        specular_color: Vec3, Color in FROM_0, "color of the non-metallic specular reflection" of "specular/specularColorFactor" varies SpecularColor => off "[1, 1, 1]";
         /// Color of a sheen over the material, the glow of cloth fibers towards grazing angles, three numbers 0 to 1
         /// (`KHR_materials_sheen`). Default black, no sheen, or the glTF value.
-        sheen_color: Vec3, Color in UNIT, "color of the sheen" varies SheenColor => off "[0, 0, 0]";
+        sheen_color: Vec3, Color in UNIT, "color of the sheen" of "sheen/sheenColorFactor" varies SheenColor => off "[0, 0, 0]";
         /// Perceptual roughness of the sheen, 0 to 1: 0.1 is a thin rim as of satin, 1 an even glow as of felt; less
         /// than 0.07 counts as 0.07. Default 0, or the glTF value.
-        sheen_roughness under sheen_color: f32, Number in UNIT, "perceptual roughness of the sheen" varies SheenRoughness => rest 0.0;
+        sheen_roughness under sheen_color: f32, Number in UNIT, "perceptual roughness of the sheen" of "sheen/sheenRoughnessFactor" varies SheenRoughness => rest 0.0;
         /// Strength of a thin film over the material, whose interference colors change with the angle as on soap
         /// bubbles and oil, 0 to 1 (`KHR_materials_iridescence`). Default 0, none, or the glTF value.
-        iridescence: f32, Number in UNIT, "strength of the thin film" varies Iridescence => off "0";
+        iridescence: f32, Number in UNIT, "strength of the thin film" of "iridescence/iridescenceFactor" varies Iridescence => off "0";
         /// Index of refraction of the thin film, 1 to 4: 1.33 is water. Default 1.3, or the glTF value.
-        iridescence_ior under iridescence: f32, Number in INDEX, "thin film's index of refraction" => rest 1.3;
+        iridescence_ior under iridescence: f32, Number in INDEX, "thin film's index of refraction" of "iridescence/iridescenceIor" => rest 1.3;
         /// Thickness of the thin film, nanometers, 0 or more: colors are strongest from 200 to 600. Default 400, or
         /// the largest of the glTF values.
-        iridescence_thickness_nm under iridescence: f32, Number in FROM_0, "thin film's thickness, nanometers" varies IridescenceThickness => rest 400.0;
+        iridescence_thickness_nm under iridescence: f32, Number in FROM_0, "thin film's thickness, nanometers" of "iridescence/iridescenceThicknessMaximum" varies IridescenceThickness => rest 400.0;
         /// Strength of the stretching of highlights and reflections along the grooves of brushed metal, 0 to 1: across
         /// the grooves they have the `roughness`, along them more, at 1 a roughness of 1 (`KHR_materials_anisotropy`).
         /// Default 0, or the glTF value.
-        anisotropy: f32, Number in UNIT, "stretching of highlights along the grooves" varies Anisotropy => off "0";
+        anisotropy: f32, Number in UNIT, "stretching of highlights along the grooves" of "anisotropy/anisotropyStrength" varies Anisotropy => off "0";
         /// Direction in which highlights are stretched, degrees counterclockwise from the right of an upright texture,
         /// along which u grows. Default 0, or the glTF value.
-        anisotropy_rotation_deg under anisotropy: f32, Number in ANY, "direction of the grooves, degrees" => rest 0.0;
+        anisotropy_rotation_deg under anisotropy: f32, Number in ANY, "direction of the grooves, degrees" of "anisotropy/anisotropyRotation" => rest 0.0;
         /// Dispersion of a solid, which bends blue light more than red, as 20 over the Abbe number, 0 to 40: 0.3 is
         /// crown glass, 0.36 diamond, 0.66 flint glass (`KHR_materials_dispersion`). Seen with 8 `samples` and more.
         /// Default 0, or the glTF value.
-        dispersion under transmission: f32, Number in DISPERSION, "dispersion" => off "0";
+        dispersion under transmission: f32, Number in DISPERSION, "dispersion" of "dispersion/dispersion" => off "0";
     }
 }
 

@@ -6,11 +6,11 @@ use glam::Vec3;
 use super::{
     Fault, Notes,
     ranges::Numbers,
-    schema::{EMISSIVE_STRENGTH, MaterialExtensions, layer_field},
+    schema::{MaterialExtensions, layer_field},
 };
 use crate::{LayerTexture, Material, normal_uv::NormalUv};
 use reflet_scene::{
-    desc::{MaterialDesc, MaterialNumbers, reflectivity_of},
+    desc::{EMISSIVE_STRENGTH, MaterialDesc, MaterialNumbers, reflectivity_of},
     number::{Field, Form},
     range::LIMIT,
 };

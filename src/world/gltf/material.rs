@@ -10,13 +10,13 @@ use super::{
     animation::moved_material_keys,
     label, layers,
     ranges::Numbers,
-    schema::{self, EMISSIVE_STRENGTH, Root},
+    schema::{self, Root},
     specular_glossiness,
     texture_ref::{Slot, Textures},
     uri::{self, Sandbox},
 };
 use crate::{FILE_TEXTURES, Material};
-use reflet_scene::desc::MaterialNumbers;
+use reflet_scene::desc::{EMISSIVE_STRENGTH, MaterialNumbers};
 
 /// Reads all materials into `model`, the default material last.
 pub fn read(

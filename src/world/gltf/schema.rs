@@ -11,9 +11,7 @@ mod material;
 mod texture_info;
 
 pub use image_light::{ImageLight, ImageLights, SceneExtensions};
-pub use layers::{
-    EMISSIVE_STRENGTH, LAYER_NUMBERS, MaterialExtensions, SpecularGlossiness, layer_field,
-};
+pub use layers::{MaterialExtensions, SpecularGlossiness, layer_field};
 pub use material::{Image, Material, Sampler, Texture};
 pub use texture_info::{TextureInfo, TextureTransform};
 

@@ -9,6 +9,7 @@
 ///   for a number without which a material lacks something that costs time, `off "VALUE"`, a value in scene text that
 ///   changes nothing, or `such_as "VALUE"`. After `=>` a loaded material has it in its [`MaterialNumbers`], after `apart`
 ///   it has it in another form.
+/// - `of NUMBER`: the number of an extension of glTF that it is, as in [`LAYER_NUMBERS`].
 /// - Without a range: a key that the reader of materials reads by itself.
 macro_rules! material {
     (
@@ -19,7 +20,7 @@ macro_rules! material {
                 $key:ident $(under $needed:ident)?: $type:ty
                 $([$plain_range:expr] $(in $files:expr)?)?
                 $(,
-                    $form:ident in $range:expr, $what:literal $(varies $varies:ident)?
+                    $form:ident in $range:expr, $what:literal $(of $gltf:tt)? $(varies $varies:ident)?
                     $(=> $at_rest:ident $value:expr)?
                     $(, apart $elsewhere:ident $other:expr)?
                 )?
@@ -61,6 +62,15 @@ macro_rules! material {
             of_checkers!("checker_a", "first color", Color, UNIT, |checker| checker.colors[0]),
             of_checkers!("checker_b", "second color", Color, UNIT, |checker| checker.colors[1]),
             of_checkers!("checker_size_m", "cell size", ", meters", Number, ABOVE_0, |checker| checker.size_m),
+        ];
+
+        /// Numbers of extensions of glTF: extension without `KHR_materials_` and key there, key of scene text; an empty
+        /// one has no counterpart.
+        pub const LAYER_NUMBERS: &[(&str, &str)] = &[
+            $($($(($gltf, stringify!($key)),)?)?)*
+            ("ior/ior", ""),
+            ("volume/thicknessFactor", ""),
+            ("iridescence/iridescenceThicknessMinimum", ""),
         ];
 
         /// Tracks of the values of [`MATERIAL`], in its order.

@@ -13,10 +13,13 @@ use crate::{
     animation::{Interpolation, Pointed, PointedValue, PointerTrack, Property, Sampler},
     gltf::{
         accessor,
-        schema::{self, EMISSIVE_STRENGTH, LAYER_NUMBERS, Root, layer_field},
+        schema::{self, Root, layer_field},
     },
 };
-use reflet_scene::number::Form;
+use reflet_scene::{
+    desc::{EMISSIVE_STRENGTH, LAYER_NUMBERS},
+    number::Form,
+};
 
 /// Animatable values of materials: JSON pointer, key of scene text, number of components.
 const CORE: [(&str, &str, usize); 7] = [
@@ -152,7 +155,7 @@ fn material_value(rest: &str) -> Option<(PointedValue, usize)> {
         return Some((PointedValue::Field(key), lanes));
     }
     if let Some(layer) = rest.strip_prefix(LAYER) {
-        let row = LAYER_NUMBERS.into_iter().find(|(path, _)| *path == layer);
+        let row = LAYER_NUMBERS.iter().find(|(path, _)| *path == layer);
         if let Some(field) = row.and_then(|(_, key)| layer_field(key)) {
             let lanes = if field.form == Form::Color { 3 } else { 1 };
             return Some((PointedValue::Field(field.key), lanes));

@@ -9,41 +9,12 @@ use std::fmt;
 use super::texture_info::TextureInfo;
 use crate::{CORE_SLOTS, FILE_TEXTURES, LAYER_SLOTS};
 use reflet_scene::{
-    desc::{MATERIAL, MaterialDesc},
+    desc::{LAYER_NUMBERS, MATERIAL, MaterialDesc},
     number::{Field, Form, find},
 };
 
 /// Begin of the names of extensions of materials.
 const KHR: &str = "KHR_materials_";
-
-/// Factor on the emission.
-pub const EMISSIVE_STRENGTH: &str = "emissive_strength/emissiveStrength";
-
-/// Numbers of layers: extension without [`KHR`] and key there, key of scene text; an empty one has no counterpart.
-pub const LAYER_NUMBERS: [(&str, &str); 19] = [
-    (EMISSIVE_STRENGTH, "emission_strength"),
-    ("ior/ior", ""),
-    ("specular/specularFactor", "specular"),
-    ("specular/specularColorFactor", "specular_color"),
-    ("sheen/sheenColorFactor", "sheen_color"),
-    ("sheen/sheenRoughnessFactor", "sheen_roughness"),
-    ("transmission/transmissionFactor", "transmission"),
-    ("volume/thicknessFactor", ""),
-    ("volume/attenuationColor", "attenuation_color"),
-    ("volume/attenuationDistance", "attenuation_distance_m"),
-    ("clearcoat/clearcoatFactor", "clearcoat"),
-    ("clearcoat/clearcoatRoughnessFactor", "clearcoat_roughness"),
-    ("iridescence/iridescenceFactor", "iridescence"),
-    ("iridescence/iridescenceIor", "iridescence_ior"),
-    ("iridescence/iridescenceThicknessMinimum", ""),
-    (
-        "iridescence/iridescenceThicknessMaximum",
-        "iridescence_thickness_nm",
-    ),
-    ("anisotropy/anisotropyStrength", "anisotropy"),
-    ("anisotropy/anisotropyRotation", "anisotropy_rotation_deg"),
-    ("dispersion/dispersion", "dispersion"),
-];
 
 /// Whether a number is of an extension.
 fn is_in(path: &str, extension: Option<&str>) -> bool {
