@@ -4,7 +4,7 @@
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use serde_json::{Value, json};
 
-use crate::scene::diagnostic::{Diagnostic, Severity, Span};
+use crate::scene::diagnostic::{Diagnostic, Span};
 
 /// A log of one run with these messages.
 pub fn log(messages: &[Diagnostic]) -> Value {
@@ -30,10 +30,6 @@ pub fn log(messages: &[Diagnostic]) -> Value {
 
 /// A result object (section 3.27 of the standard).
 fn result(message: &Diagnostic, rules: &[&str]) -> Value {
-    let level = match message.severity {
-        Severity::Error => "error",
-        Severity::Warning => "warning",
-    };
     let text = match &message.help {
         Some(help) => format!("{}; {help}", message.message),
         None => message.message.clone(),
@@ -41,7 +37,7 @@ fn result(message: &Diagnostic, rules: &[&str]) -> Value {
     let mut result = json!({
         "ruleId": message.name,
         "ruleIndex": rules.iter().position(|rule| *rule == message.name),
-        "level": level,
+        "level": message.severity.name(),
         "message": { "text": text },
     });
     if let Some(location) = location(&message.span) {

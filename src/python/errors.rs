@@ -5,7 +5,7 @@ use pyo3::{exceptions::PyOSError, prelude::*, types::PyDict};
 use reflet_gpu::GpuError;
 use reflet_output::OutputError;
 use reflet_render::{RenderError, runtime::SessionError};
-use reflet_scene::diagnostic::{Diagnostic, Severity, render_all};
+use reflet_scene::diagnostic::{Diagnostic, render_all};
 
 /// Why work on a scene has no result, on a thread without the interpreter's lock.
 #[derive(Clone, Debug)]
@@ -116,13 +116,7 @@ pub fn diagnostics<'py>(py: Python<'py>, all: &[Diagnostic]) -> PyResult<Vec<Bou
     let class = py.import("reflet.errors")?.getattr("Diagnostic")?;
     let message = |diagnostic: &Diagnostic| {
         let values = PyDict::new(py);
-        values.set_item(
-            "severity",
-            match diagnostic.severity {
-                Severity::Error => "error",
-                Severity::Warning => "warning",
-            },
-        )?;
+        values.set_item("severity", diagnostic.severity.name())?;
         values.set_item("name", diagnostic.name)?;
         values.set_item("message", diagnostic.message.as_str())?;
         values.set_item("help", diagnostic.help.as_deref())?;

@@ -79,13 +79,14 @@ pub struct Span {
     pub range: Range<usize>,
 }
 
-/// Severity of a message.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Severity {
-    /// A mistake because of which nothing is rendered.
-    Error,
-    /// The scene is rendered, but not all of it as written.
-    Warning,
+words! {
+    /// Severity of a message.
+    pub enum Severity {
+        /// A mistake because of which nothing is rendered.
+        Error = "error",
+        /// The scene is rendered, but not all of it as written.
+        Warning = "warning",
+    }
 }
 
 /// One message to the user.
@@ -283,13 +284,8 @@ impl Diagnostic {
     /// An error in a file that has no text positions (glTF, images).
     pub fn in_file(name: &'static str, file: &Path, message: impl Into<String>) -> Self {
         Self {
-            severity: Severity::Error,
-            name,
-            message: message.into(),
-            span: Span::default(),
             file: Some(file.to_owned()),
-            help: None,
-            related: None,
+            ..Self::new(name, Span::default(), message)
         }
     }
 }

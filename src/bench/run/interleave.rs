@@ -7,7 +7,6 @@ use crate::{
     sample::{Sample, detail_columns},
     score::Reference,
 };
-use reflet_scene::desc::ToneMap;
 
 use super::{
     Bench, BenchError, Observer, Outcome, REFERENCE_BOUNCES, ReadyRenderer, Subject, Task, Work,
@@ -234,12 +233,6 @@ impl Block<'_> {
         let (subject, host) = (self.subject, bench.host);
         let settings = &variant.reflection;
         let reference = bench.protocol.reference(&subject.reflection);
-        let tone_map = match subject.image.tone_map {
-            ToneMap::None => "none",
-            ToneMap::Neutral => "neutral",
-            ToneMap::Aces => "aces",
-            ToneMap::Agx => "agx",
-        };
         let mut sample = Sample {
             fingerprint: self.fingerprint(bench, variant),
             scene: subject.name.clone(),
@@ -272,7 +265,7 @@ impl Block<'_> {
             blur_px: settings.blur_px,
             samples: subject.image.samples.count(),
             exposure_ev: subject.image.exposure_ev.ev(), // 0 for `auto`
-            tone_map: tone_map.to_owned(),
+            tone_map: subject.image.tone_map.name().to_owned(),
             reference_bounces: REFERENCE_BOUNCES.most(),
             reference_ray_length_u: reference.ray_length_u,
             warm_up: bench.protocol.warm_up,

@@ -236,7 +236,7 @@ pub fn recorded_passes(
     let names = |of: &[Target], shared: &[SharedData]| {
         let of = of.iter().map(|t| t.name());
         let shared = shared.iter().filter(|data| is_shared(data));
-        of.chain(shared.map(|data| data.name(plan))).collect()
+        of.chain(shared.map(|data| data.name_in(plan))).collect()
     };
     let bytes = |of: &[Target]| {
         let of = of.iter();

@@ -138,9 +138,15 @@ pub fn wgsl() -> String {
 
 /// Numbers of the variants of enums.
 fn define_variants(out: &mut String) {
-    for (index, name) in LightKind::NAMES.iter().enumerate() {
-        define(out, &format!("LIGHT_{}", name.to_uppercase()), &index);
-    }
+    define_words(out, "LIGHT", LightKind::NAMES);
+    define_words(
+        out,
+        "REFLECTION",
+        ReflectionMode::ALL.map(ReflectionMode::name),
+    );
+    define_words(out, "TONE", ToneMap::ALL.map(ToneMap::name));
+    define_words(out, "LOOKUP", Lookup::ALL.map(Lookup::name));
+    define_words(out, "PATTERN", PatternKind::ALL.map(PatternKind::name));
     for texture in CoreTexture::ALL {
         define_numbered(out, texture, "_SLOT", texture as u32);
     }
@@ -149,31 +155,6 @@ fn define_variants(out: &mut String) {
     }
     for list in List::ALL {
         define_numbered(out, list, "_LIST", list as u32);
-    }
-    for (name, mode) in [
-        ("REFLECTION_NONE", ReflectionMode::None),
-        ("REFLECTION_AUTO", ReflectionMode::Auto),
-        ("REFLECTION_MIRROR", ReflectionMode::Mirror),
-    ] {
-        define(out, name, &(mode as u32));
-    }
-    for (name, curve) in [
-        ("TONE_NEUTRAL", ToneMap::Neutral),
-        ("TONE_ACES", ToneMap::Aces),
-        ("TONE_AGX", ToneMap::Agx),
-    ] {
-        define(out, name, &(curve as u32));
-    }
-    for (name, lookup) in [
-        ("LOOKUP_INFINITY", Lookup::Infinity),
-        ("LOOKUP_BOX", Lookup::Box),
-        ("LOOKUP_DISTANCE", Lookup::Distance),
-    ] {
-        define(out, name, &(lookup as u32));
-    }
-    for kind in PatternKind::ALL {
-        let name = format!("PATTERN_{}", kind.name().to_uppercase());
-        define(out, &name, &(kind as u32));
     }
     for value in PatternedKey::ALL {
         define_numbered(out, value, "_VARIES", value as u32);
@@ -195,6 +176,13 @@ pub fn patterned() -> String {
     out + "        default: {}\n    }\n    return s;\n}\n"
 }
 
+/// Defines the numbers of words, by the words in capitals: `box` of the `LOOKUP` words is `LOOKUP_BOX`.
+fn define_words<const N: usize>(out: &mut String, of: &str, words: [&str; N]) {
+    for (number, word) in words.iter().enumerate() {
+        define(out, &format!("{of}_{}", word.to_uppercase()), &number);
+    }
+}
+
 /// Defines the number of a variant, by its name in capitals: `SpecularColor` with `_SLOT` is `SPECULAR_COLOR_SLOT`.
 fn define_numbered(out: &mut String, variant: impl std::fmt::Debug, ending: &str, number: u32) {
     let mut name = String::new();
@@ -209,10 +197,7 @@ fn define_numbered(out: &mut String, variant: impl std::fmt::Debug, ending: &str
 
 /// Number of each cause, and masks of the causes that are traced, of screen hits and of reflecting pixels.
 fn define_causes(out: &mut String) {
-    for cause in Cause::ALL {
-        let name = format!("CAUSE_{}", cause.name().to_uppercase());
-        define(out, &name, &(cause as u32));
-    }
+    define_words(out, "CAUSE", Cause::ALL.map(Cause::name));
     define(out, "CAUSES", &Cause::ALL.len());
     let traced = |cause: Cause| cause.source(Method::Hybrid) == Source::Traced;
     define(out, "TRACED_CAUSES", &Cause::mask(traced));

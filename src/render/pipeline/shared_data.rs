@@ -1,40 +1,35 @@
 //! Data beside the targets that one pass of a frame leaves for another.
 
-use reflet_scene::desc::Method;
+use reflet_scene::{desc::Method, words};
 
 use crate::plan::Plan;
 
-/// Data that passes share through buffers and shadow maps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SharedData {
-    /// Depth seen from lights.
-    ShadowMaps,
-    /// Depth of surfaces that the camera culls but reflection rays meet, found by primary rays.
-    CulledDepth,
-    /// Lists of reflective pixels, screen hits, rays to trace and transmissive pixels.
-    PixelLists,
-    /// Lengths of the lists, and counts for the statistics.
-    Counters,
-    /// Workgroup counts of the passes over lists.
-    DispatchSizes,
-    /// The nearest depth of pixels and of ever larger cells of them.
-    DepthPyramid,
-    /// Maps of the frame's method.
-    MethodMaps,
+words! {
+    /// Data that passes share through buffers and shadow maps.
+    pub enum SharedData {
+        /// Depth seen from lights.
+        ShadowMaps = "shadow_maps",
+        /// Depth of surfaces that the camera culls but reflection rays meet, found by primary rays.
+        CulledDepth = "culled_depth",
+        /// Lists of reflective pixels, screen hits, rays to trace and transmissive pixels.
+        PixelLists = "pixel_lists",
+        /// Lengths of the lists, and counts for the statistics.
+        Counters = "counters",
+        /// Workgroup counts of the passes over lists.
+        DispatchSizes = "dispatch_sizes",
+        /// The nearest depth of pixels and of ever larger cells of them.
+        DepthPyramid = "depth_pyramid",
+        /// Maps of the frame's method.
+        MethodMaps = "method_maps",
+    }
 }
 
 impl SharedData {
     /// Name in the output of `info --frame`, in frames with this plan.
-    pub fn name(self, plan: &Plan) -> &'static str {
-        match self {
-            Self::ShadowMaps => "shadow_maps",
-            Self::CulledDepth => "culled_depth",
-            Self::PixelLists => "pixel_lists",
-            Self::Counters => "counters",
-            Self::DispatchSizes => "dispatch_sizes",
-            Self::DepthPyramid => "depth_pyramid",
-            Self::MethodMaps => plan.maps.and_then(Method::maps).unwrap_or("method_maps"),
-        }
+    pub fn name_in(self, plan: &Plan) -> &'static str {
+        let maps = plan.maps.and_then(Method::maps);
+        let maps = maps.filter(|_| self == Self::MethodMaps);
+        maps.unwrap_or(self.name())
     }
 
     /// Whether frames with this plan have the data, where a pass that writes it is recorded.

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::{Diagnostic, Severity, Span};
+use super::{Diagnostic, Span};
 
 impl Diagnostic {
     /// The message as a JSON object: `severity`, `name`, `message`, and if known `help`, `path`, `line`,
@@ -13,11 +13,7 @@ impl Diagnostic {
         if let Some(file) = &self.file {
             object.insert("path".into(), file.display().to_string().into());
         }
-        let severity = match self.severity {
-            Severity::Error => "error",
-            Severity::Warning => "warning",
-        };
-        object.insert("severity".into(), severity.into());
+        object.insert("severity".into(), self.severity.name().into());
         object.insert("name".into(), self.name.into());
         object.insert("message".into(), self.message.as_str().into());
         if let Some(help) = &self.help {
