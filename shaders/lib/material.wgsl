@@ -1,6 +1,7 @@
 // Parameters of a material, and the surface that has them. scene.wgsl imports this file and binds the materials.
 
 #import constants
+#import patterned_keys
 #import structs
 
 struct Surface {
@@ -63,30 +64,10 @@ override HAS_COAT_NORMALS: bool = true;
 
 // A surface with the parameters of a material, before textures.
 fn material_surface(m: u32) -> Surface {
-    var s: Surface;
-    s.base_color = material_base_color(m).xyz;
-    s.metallic = material_metallic(m);
-    s.roughness = material_roughness(m);
-    s.reflectivity = material_reflectivity(m);
+    var s = plain_surface(m);
     s.has_index = HAS_INDICES && (material_reflection(m) & OF_INDEX) != 0u;
-    s.emission = material_emission(m);
     s.occlusion = 1.0;
     s.reflection = material_reflection(m) & ~OF_INDEX;
     s.unlit = material_unlit(m) != 0u;
-    if (HAS_TINTS) {
-        s.specular = material_specular(m);
-        s.specular_color = material_specular_color(m);
-        s.iridescence = material_iridescence(m);
-        s.iridescence_thickness_nm = material_iridescence_thickness_nm(m);
-    }
-    if (HAS_LAYERS) {
-        s.transmission = material_transmission(m);
-        s.clearcoat = material_clearcoat(m);
-        s.clearcoat_roughness = material_clearcoat_roughness(m);
-    }
-    if (HAS_SHEEN) {
-        s.sheen_color = material_sheen_color(m);
-        s.sheen_roughness = material_sheen_roughness(m);
-    }
     return s;
 }

@@ -225,7 +225,6 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
     var n = normal_to_world(instance, n_object);
     n = select(ng, normalize(n), dot(n, n) > 1e-20);
 
-    if (HAS_ANISOTROPY) { s.anisotropy = material_anisotropy(m); }
     if (HAS_PATTERNED) {
         var at = patterned_point(instance, c.index, bary, footprint);
         if (is_round) {

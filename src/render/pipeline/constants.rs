@@ -161,19 +161,26 @@ fn define_variants(out: &mut String) {
     }
 }
 
-/// The function that sets the value of a surface which follows a pattern; alpha is not one of its values.
+/// Functions of the values of a surface that may follow patterns: one gives it a material's, one sets a single value.
+/// Both leave out alpha.
 pub fn patterned() -> String {
     let mut out = "fn with_value(s0: Surface, which: u32, value: vec3f) -> Surface {\n    var s = s0;\n    switch which {\n".to_owned();
+    let mut plain = "fn plain_surface(m: u32) -> Surface {\n    var s: Surface;\n".to_owned();
     for of in PatternedKey::ALL {
         let key = of.key();
         let is_color = find(&MATERIAL, key).is_some_and(|field| field.form == Form::Color);
-        let value = if is_color { "value" } else { "value.x" };
+        let (value, lanes) = if is_color {
+            ("value", ".xyz")
+        } else {
+            ("value.x", "")
+        };
         if of != PatternedKey::Alpha {
             // Writing to a string cannot fail.
             let _ = writeln!(out, "        case {}u: {{ s.{key} = {value}; }}", of as u32);
+            let _ = writeln!(plain, "    s.{key} = material_{key}(m){lanes};");
         }
     }
-    out + "        default: {}\n    }\n    return s;\n}\n"
+    out + "        default: {}\n    }\n    return s;\n}\n" + plain.as_str() + "    return s;\n}\n"
 }
 
 /// Defines the numbers of words, by the words in capitals: `box` of the `LOOKUP` words is `LOOKUP_BOX`.
