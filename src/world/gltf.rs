@@ -14,10 +14,7 @@ use glam::{Affine3A, Vec3};
 
 use super::{Light, ListedNames, Material, Mesh, deform::DeformingNodes, rig::Rig};
 use reflet_base::memory;
-use reflet_scene::{
-    desc::CameraDesc,
-    diagnostic::{Diagnostic, Severity},
-};
+use reflet_scene::{desc::CameraDesc, diagnostic::Diagnostic};
 
 mod accessor;
 mod animated;
@@ -263,11 +260,9 @@ impl Notes {
 
     /// The warnings, ordered by name.
     pub fn into_warnings(self, file: &Path) -> Vec<Diagnostic> {
-        let warning =
-            |((name, what), (count, place)): ((&'static str, &str), (u64, String))| Diagnostic {
-                severity: Severity::Warning,
-                ..Diagnostic::in_file(name, file, format!("{count} {what}; first: {place}"))
-            };
+        let warning = |((name, what), (count, place)): ((&'static str, &str), (u64, String))| {
+            Diagnostic::in_file(name, file, format!("{count} {what}; first: {place}")).warning()
+        };
         self.0.into_iter().map(warning).collect()
     }
 }
@@ -385,10 +380,8 @@ fn read_faults(path: &Path, sandbox: &Sandbox, options: &ReadOptions) -> Result<
     model.warnings.extend(notes.into_warnings(path));
     if model.placements.is_empty() && model.lights.is_empty() && model.cameras.is_empty() {
         let text = "the file shows nothing: no node places a mesh";
-        model.warnings.push(Diagnostic {
-            severity: Severity::Warning,
-            ..Diagnostic::in_file(MODEL_EMPTY, path, text)
-        });
+        let warning = Diagnostic::in_file(MODEL_EMPTY, path, text);
+        model.warnings.push(warning.warning());
     }
     Ok(model)
 }

@@ -15,7 +15,7 @@ use reflet_base::memory::Budget;
 use reflet_scene::{
     dependencies::Dependencies,
     desc::{At, ByName, SceneDesc},
-    diagnostic::{Diagnostic, MOST_SHOWN, Severity, Span},
+    diagnostic::{Diagnostic, MOST_SHOWN, Span},
     motion::{FileMaterial, file_materials},
 };
 
@@ -395,10 +395,7 @@ impl Loader<'_> {
                     texture.name, texture.width, texture.height
                 );
                 let warning = Diagnostic::in_file("texture-reduced", &request.file, text);
-                self.world.warnings.push(Diagnostic {
-                    severity: Severity::Warning,
-                    ..warning
-                });
+                self.world.warnings.push(warning.warning());
             }
         }
     }

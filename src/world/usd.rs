@@ -20,10 +20,7 @@ use reflet_base::{
     cache::{CACHE_ENV, folder},
     files::{Goal, hex, write_whole},
 };
-use reflet_scene::{
-    desc::StageDesc,
-    diagnostic::{Diagnostic, Severity, Span},
-};
+use reflet_scene::{desc::StageDesc, diagnostic::Diagnostic};
 
 mod advice;
 mod conversion_record;
@@ -255,15 +252,8 @@ fn summarize_name(stage: &Path, model: &str, group: &[&SidecarWarning]) -> Vec<D
 }
 
 fn warning(stage: &Path, message: String, help: Option<String>) -> Diagnostic {
-    Diagnostic {
-        severity: Severity::Warning,
-        name: "usd",
-        message,
-        span: Span::default(),
-        file: Some(stage.to_owned()),
-        help,
-        related: None,
-    }
+    let warning = Diagnostic::in_file("usd", stage, message).warning();
+    Diagnostic { help, ..warning }
 }
 
 fn hash_of<'a>(parts: impl IntoIterator<Item = &'a [u8]>) -> String {

@@ -2,7 +2,7 @@
 
 use super::TraceTriangle;
 use crate::{Instance, Mesh, World};
-use reflet_scene::diagnostic::{Diagnostic, Severity, Span};
+use reflet_scene::diagnostic::{Diagnostic, Span};
 
 /// Extra triangles that copies of one static mesh may take before it is stored once instead.
 const MAX_COPIED_TRIANGLES: usize = 1 << 18;
@@ -134,13 +134,5 @@ pub(super) fn too_large(what: &str, bytes: u64, limit: u64) -> Box<Diagnostic> {
 }
 
 pub(super) fn error(name: &'static str, message: &str, help: &str) -> Box<Diagnostic> {
-    Box::new(Diagnostic {
-        severity: Severity::Error,
-        name,
-        message: message.to_owned(),
-        span: Span::default(),
-        file: None,
-        help: Some(help.to_owned()),
-        related: None,
-    })
+    Box::new(Diagnostic::new(name, Span::default(), message).help(help))
 }

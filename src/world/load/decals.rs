@@ -12,7 +12,6 @@ use crate::{
 use reflet_base::math::invertible;
 use reflet_scene::{
     desc::{At, DecalDesc, Entry, MaterialDesc},
-    diagnostic::{Diagnostic, Severity},
     motion::{moving, transform},
 };
 
@@ -55,10 +54,8 @@ impl Loader<'_> {
             );
             let help = "its box projects along its -Z, from `translation` half of `size` each way: move it, or make \
                         it deeper";
-            self.world.warnings.push(Diagnostic {
-                severity: Severity::Warning,
-                ..error_at("unseen-decal", &entry.at, message).help(help)
-            });
+            let warning = error_at("unseen-decal", &entry.at, message).help(help);
+            self.world.warnings.push(warning.warning());
         }
         self.world.moving.decals_placed_at = desc.decals_placed_at();
         self.world.decals = decals;

@@ -8,7 +8,7 @@ use super::error_at;
 use crate::{Mesh, World, emitters::MAX_EMITTERS};
 use reflet_scene::{
     desc::{ByName, SceneDesc},
-    diagnostic::{Diagnostic, Severity},
+    diagnostic::Diagnostic,
 };
 
 /// Refuses materials with `light = true` that emit nothing, by name; mesh lights of files that emit nothing are
@@ -86,10 +86,8 @@ fn keep_mesh_lights_few(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) {
     for material in world.materials.iter_mut().filter(|m| m.is_mesh_light) {
         material.light = false;
     }
-    world.warnings.push(Diagnostic {
-        severity: Severity::Warning,
-        ..error_at("emitters-too-many", &desc.own, text)
-    });
+    let warning = error_at("emitters-too-many", &desc.own, text);
+    world.warnings.push(warning.warning());
 }
 
 fn check_triangles(world: &World, meshes: &[Mesh], desc: &SceneDesc, errors: &mut Vec<Diagnostic>) {

@@ -10,7 +10,7 @@ use crate::{
     texture::{self, TextureLimits, TextureRequest},
 };
 use reflet_base::memory::Budget;
-use reflet_scene::diagnostic::{Diagnostic, Severity};
+use reflet_scene::diagnostic::Diagnostic;
 
 /// Source of a panorama, as the scene text names it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -82,10 +82,8 @@ impl Loader<'_> {
             Ok((panorama, warnings)) => {
                 let shape = unlike_a_panorama(panorama.width, panorama.height);
                 for warning in shape.into_iter().chain(warnings) {
-                    self.world.warnings.push(Diagnostic {
-                        severity: Severity::Warning,
-                        ..warning.in_file(&path)
-                    });
+                    let warning = warning.in_file(&path);
+                    self.world.warnings.push(warning.warning());
                 }
                 self.add_files(&[path]);
                 Some(panorama)

@@ -22,7 +22,7 @@ use crate::{
 use reflet_base::math::invertible;
 use reflet_scene::{
     desc::{AnimationDesc, ByName, InstanceDesc, SceneDesc, ShownDesc},
-    diagnostic::{Diagnostic, Severity, Span},
+    diagnostic::Span,
     motion::{changing_overrides, moving},
 };
 
@@ -196,10 +196,8 @@ impl Loader<'_> {
             dropped.len(),
             dropped.len() + placed
         );
-        self.world.warnings.push(Diagnostic {
-            severity: Severity::Warning,
-            ..error_at("instance-singular", job.at, text)
-        });
+        let warning = error_at("instance-singular", job.at, text);
+        self.world.warnings.push(warning.warning());
     }
 
     fn place(

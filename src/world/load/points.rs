@@ -8,7 +8,7 @@ use super::{Loader, error_at};
 use crate::gltf::{Fault, uri::shorten};
 use reflet_scene::{
     desc::{At, turned},
-    diagnostic::{Diagnostic, Severity, Source, Span},
+    diagnostic::{Diagnostic, Source, Span},
     range::ANY,
 };
 
@@ -70,13 +70,8 @@ impl Loader<'_> {
             read(&text).map_err(|mistake| diagnostic(&path, &text, mistake, name))?;
         if let Some(first) = unused.first() {
             let message = format!("column {} is unknown and ignored", quoted(first));
-            let warning = Diagnostic {
-                severity: Severity::Warning,
-                ..diagnostic(&path, &text, Mistake(0, message, HELP), name)
-                    .as_ref()
-                    .clone()
-            };
-            self.world.warnings.push(warning);
+            let warning = *diagnostic(&path, &text, Mistake(0, message, HELP), name);
+            self.world.warnings.push(warning.warning());
         }
         Ok(points)
     }

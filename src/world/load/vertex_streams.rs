@@ -109,7 +109,7 @@ fn finish(mesh: &mut Mesh, need: &Needs) -> Vec<Diagnostic> {
     } else if mesh.uv1.is_empty() {
         mesh.uv1 = vec![Vec2::ZERO; mesh.positions.len()];
         let text = "a texture uses coordinates that the mesh lacks; 0 is used";
-        messages.push(message(Severity::Warning, "uv-missing", mesh, text));
+        messages.push(error("uv-missing", mesh, text).warning());
     }
     // Capsules have no tangents, as they have no faces with texture coordinates.
     match need
@@ -126,7 +126,7 @@ fn finish(mesh: &mut Mesh, need: &Needs) -> Vec<Diagnostic> {
             if need.tangents_differ {
                 let text = "its materials use normal maps with different coordinates; the tangents fit \
                             the first one";
-                messages.push(message(Severity::Warning, "tangents-shared", mesh, text));
+                messages.push(error("tangents-shared", mesh, text).warning());
             }
             // Panic boundary: a third-party library processes untrusted geometry.
             if let Some(deformation) = &mut mesh.deformation
@@ -142,7 +142,7 @@ fn finish(mesh: &mut Mesh, need: &Needs) -> Vec<Diagnostic> {
             }
             if has_panicked {
                 let text = "generating its tangents panicked; please report this";
-                messages.push(message(Severity::Error, "internal", mesh, text));
+                messages.push(error("internal", mesh, text));
             }
         }
         Some(_) => {}
@@ -154,17 +154,9 @@ fn short(mesh: &Mesh) -> Diagnostic {
     let text =
         "there is not enough memory for the vertex data that its materials need, such as tangents";
     let help = "simplify the model, or render where there is more memory";
-    message(Severity::Error, "memory-short", mesh, text).help(help)
+    error("memory-short", mesh, text).help(help)
 }
 
-fn message(severity: Severity, name: &'static str, mesh: &Mesh, text: &str) -> Diagnostic {
-    Diagnostic {
-        severity,
-        name,
-        message: format!("{}: {text}", mesh.name),
-        span: Span::default(),
-        file: None,
-        help: None,
-        related: None,
-    }
+fn error(name: &'static str, mesh: &Mesh, text: &str) -> Diagnostic {
+    Diagnostic::new(name, Span::default(), format!("{}: {text}", mesh.name))
 }
