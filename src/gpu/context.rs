@@ -195,6 +195,52 @@ impl Gpu {
         is_software(&self.adapter_info)
     }
 
+    /// A texture of two dimensions without mip levels: width, height and number of layers. Its errors are the scope's.
+    pub fn texture(
+        &self,
+        label: &str,
+        [width, height, layers]: [u32; 3],
+        format: wgpu::TextureFormat,
+        usage: wgpu::TextureUsages,
+    ) -> wgpu::Texture {
+        self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d {
+                width,
+                height,
+                depth_or_array_layers: layers,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage,
+            view_formats: &[],
+        })
+    }
+
+    /// Writes all of a texture of one layer, rows from the top.
+    pub fn write_texture(&self, texture: &wgpu::Texture, bytes: &[u8]) {
+        let size = texture.size();
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(bytes.len() as u32 / size.height),
+            rows_per_image: Some(size.height),
+        };
+        self.queue
+            .write_texture(texture.as_image_copy(), bytes, layout, size);
+    }
+
+    /// A buffer of this size in bytes. Its errors are the scope's.
+    pub fn buffer(&self, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size,
+            usage,
+            mapped_at_creation: false,
+        })
+    }
+
     /// The driver's store of compiled pipelines, for their descriptors.
     pub fn pipeline_cache(&self) -> Option<&wgpu::PipelineCache> {
         self.kept.as_ref().map(|kept| &kept.cache)

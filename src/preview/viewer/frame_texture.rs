@@ -22,19 +22,11 @@ pub struct FrameTexture {
 impl FrameTexture {
     fn new(gpu: &Gpu, size: [u32; 2]) -> Result<Self, GpuError> {
         static NUMBER: AtomicU64 = AtomicU64::new(1);
+        let usage = wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::COPY_DST
+            | wgpu::TextureUsages::COPY_SRC;
         let texture = gpu.scoped("the shown picture", || {
-            gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("shown"),
-                size: extent(size),
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: FORMAT,
-                usage: wgpu::TextureUsages::TEXTURE_BINDING
-                    | wgpu::TextureUsages::COPY_DST
-                    | wgpu::TextureUsages::COPY_SRC,
-                view_formats: &[],
-            })
+            gpu.texture("shown", [size[0], size[1], 1], FORMAT, usage)
         })?;
         Ok(Self {
             number: NUMBER.fetch_add(1, Ordering::Relaxed),
@@ -67,7 +59,7 @@ impl FrameTexture {
         encoder.copy_texture_to_texture(
             from.as_image_copy(),
             self.texture.as_image_copy(),
-            extent(self.size),
+            self.texture.size(),
         );
         gpu.submit(encoder).map(drop)
     }
@@ -82,23 +74,6 @@ impl FrameTexture {
 
     /// Writes RGBA bytes.
     pub fn write(&self, gpu: &Gpu, rgba: &[u8]) {
-        gpu.queue.write_texture(
-            self.texture.as_image_copy(),
-            rgba,
-            wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(4 * self.size[0]),
-                rows_per_image: None,
-            },
-            extent(self.size),
-        );
-    }
-}
-
-fn extent([width, height]: [u32; 2]) -> wgpu::Extent3d {
-    wgpu::Extent3d {
-        width,
-        height,
-        depth_or_array_layers: 1,
+        gpu.write_texture(&self.texture, rgba);
     }
 }

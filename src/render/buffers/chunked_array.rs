@@ -39,14 +39,7 @@ impl ChunkedArray {
         let mut first = 0;
         while first < whole {
             let size = (whole - first).min(buffer_bytes);
-            let make = || {
-                gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                    label: Some(name),
-                    size,
-                    usage: usage | wgpu::BufferUsages::COPY_DST,
-                    mapped_at_creation: false,
-                })
-            };
+            let make = || gpu.buffer(name, size, usage | wgpu::BufferUsages::COPY_DST);
             buffers.push(gpu.scoped(name, make)?);
             first += size;
         }

@@ -104,13 +104,13 @@ pub(crate) fn uniform(gpu: &Gpu, label: &str, content: &[u8]) -> wgpu::Buffer {
 }
 
 pub(crate) fn empty_uniform(gpu: &Gpu, label: &str, size: usize) -> wgpu::Buffer {
-    gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some(label),
-        // A struct's size in the shaders is a multiple of its alignment, which is 16 at most.
-        size: size.next_multiple_of(16) as u64,
-        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    })
+    // A struct's size in the shaders is a multiple of its alignment, which is 16 at most.
+    let size = size.next_multiple_of(16) as u64;
+    gpu.buffer(
+        label,
+        size,
+        wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+    )
 }
 
 /// Settings of the block of a frame.

@@ -47,28 +47,18 @@ impl TexelArray {
         let texel_bytes = texel_bytes::<T>();
         let [width, height] = size(count * size_of::<T>() / texel_bytes);
         gpu.check_texture_size(name, width, height)?;
-        let descriptor = wgpu::TextureDescriptor {
-            label: Some(name),
-            size: wgpu::Extent3d {
-                width,
-                height,
-                depth_or_array_layers: 1,
-            },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: match texel_bytes == size_of::<u32>() {
-                true => wgpu::TextureFormat::R32Uint,
-                false => wgpu::TextureFormat::Rgba32Uint,
-            },
-            usage: wgpu::TextureUsages::COPY_DST
-                | match gpu.reads_storage_texels {
-                    true => wgpu::TextureUsages::STORAGE_BINDING,
-                    false => wgpu::TextureUsages::TEXTURE_BINDING,
-                },
-            view_formats: &[],
+        let format = match texel_bytes == size_of::<u32>() {
+            true => wgpu::TextureFormat::R32Uint,
+            false => wgpu::TextureFormat::Rgba32Uint,
         };
-        let texture = gpu.scoped(name, || gpu.device.create_texture(&descriptor))?;
+        let read = match gpu.reads_storage_texels {
+            true => wgpu::TextureUsages::STORAGE_BINDING,
+            false => wgpu::TextureUsages::TEXTURE_BINDING,
+        };
+        let usage = wgpu::TextureUsages::COPY_DST | read;
+        let texture = gpu.scoped(name, || {
+            gpu.texture(name, [width, height, 1], format, usage)
+        })?;
         Ok(Self {
             view: texture.create_view(&wgpu::TextureViewDescriptor::default()),
             texture,

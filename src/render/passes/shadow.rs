@@ -65,12 +65,8 @@ impl FramePass for Shadow {
         let (gpu, maps) = (builder.gpu, builder.resources.maps);
         let layout = GroupLayout::new(gpu, PASS.name, &[&builder.shader(&PASS)?.info], 2)?;
         let count = (maps.cube_layers.len() + maps.map_layers.len()).max(1) as u64;
-        let slots = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("shadow params"),
-            size: SLOT_BYTES * count,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        let slots = gpu.buffer("shadow params", SLOT_BYTES * count, usage);
         let slot = |i| {
             let binding = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
                 buffer: &slots,

@@ -112,23 +112,12 @@ impl Counted {
         size: [u32; 2],
         make: impl FnOnce(&wgpu::TextureView) -> Result<ComputePass, GpuError>,
     ) -> Result<Self, GpuError> {
+        let usage = wgpu::TextureUsages::STORAGE_BINDING
+            | wgpu::TextureUsages::RENDER_ATTACHMENT
+            | wgpu::TextureUsages::COPY_SRC;
+        let ([width, height], format) = (size, wgpu::TextureFormat::Rgba32Uint);
         let counts = gpu.scoped("counts", || {
-            gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("counts"),
-                size: wgpu::Extent3d {
-                    width: size[0],
-                    height: size[1],
-                    depth_or_array_layers: 1,
-                },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: wgpu::TextureFormat::Rgba32Uint,
-                usage: wgpu::TextureUsages::STORAGE_BINDING
-                    | wgpu::TextureUsages::RENDER_ATTACHMENT
-                    | wgpu::TextureUsages::COPY_SRC,
-                view_formats: &[],
-            })
+            gpu.texture("counts", [width, height, 1], format, usage)
         })?;
         let view = counts.create_view(&wgpu::TextureViewDescriptor::default());
         Ok(Self {

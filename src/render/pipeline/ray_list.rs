@@ -118,14 +118,7 @@ impl RayList {
         let bytes = parts.bytes(size);
         gpu.check_storage_size("the pixel lists of a picture of this size", bytes)?;
         let storage = wgpu::BufferUsages::STORAGE;
-        let make = |label, size, usage| {
-            gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size,
-                usage,
-                mapped_at_creation: false,
-            })
-        };
+        let make = |label, size, usage| gpu.buffer(label, size, usage);
         gpu.scoped("lists", || Self {
             lists: make("lists", bytes, storage | wgpu::BufferUsages::COPY_SRC),
             counters: make(

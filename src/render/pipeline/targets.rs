@@ -191,20 +191,9 @@ impl Targets {
         let textures = gpu.scoped("intermediate textures", || {
             let make = |target: Target| {
                 let [width, height] = if needed(target) { size } else { [1, 1] };
-                let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-                    label: Some(target.name()),
-                    size: wgpu::Extent3d {
-                        width,
-                        height,
-                        depth_or_array_layers: layers(target),
-                    },
-                    mip_level_count: 1,
-                    sample_count: 1,
-                    dimension: wgpu::TextureDimension::D2,
-                    format: target.format(full),
-                    usage: target.usage(),
-                    view_formats: &[],
-                });
+                let size = [width, height, layers(target)];
+                let format = target.format(full);
+                let texture = gpu.texture(target.name(), size, format, target.usage());
                 let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
                 (target, (texture, view))
             };

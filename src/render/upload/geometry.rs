@@ -49,14 +49,8 @@ pub fn buffer<T: Pod>(
     let size = (data.len().max(1) * size_of::<T>()).max(16) as u64;
     let size = size.next_multiple_of(16);
     gpu.check_storage_size(name, size)?;
-    let buffer = gpu.scoped(name, || {
-        gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(name),
-            size,
-            usage: usage | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        })
-    })?;
+    let usage = usage | wgpu::BufferUsages::COPY_DST;
+    let buffer = gpu.scoped(name, || gpu.buffer(name, size, usage))?;
     write_in_pieces(gpu, &buffer, data)?;
     Ok(buffer)
 }

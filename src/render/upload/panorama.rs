@@ -27,7 +27,7 @@ impl GpuPanorama {
         let (width, height) = (panorama.width, panorama.height);
         gpu.check_texture_size("the panorama", width, height)?;
         let texels = texture(gpu, [width, height])?;
-        upload(gpu, &texels, bytemuck::cast_slice(&panorama.texels));
+        gpu.write_texture(&texels, bytemuck::cast_slice(&panorama.texels));
         let squares = squares(&panorama.density);
         let squares = TexelArray::new(gpu, "panorama_squares", squares.into_iter())?;
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
@@ -77,34 +77,9 @@ fn squares(density: &Density) -> Vec<[f32; 4]> {
 }
 
 fn texture(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<wgpu::Texture, GpuError> {
+    let format = wgpu::TextureFormat::Rgba16Float;
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
     gpu.scoped("panorama", || {
-        gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("panorama"),
-            size: wgpu::Extent3d {
-                width,
-                height,
-                depth_or_array_layers: 1,
-            },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba16Float,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[],
-        })
+        gpu.texture("panorama", [width, height, 1], format, usage)
     })
-}
-
-fn upload(gpu: &Gpu, texture: &wgpu::Texture, bytes: &[u8]) {
-    let size = texture.size();
-    gpu.queue.write_texture(
-        texture.as_image_copy(),
-        bytes,
-        wgpu::TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: Some(bytes.len() as u32 / size.height),
-            rows_per_image: Some(size.height),
-        },
-        size,
-    );
 }

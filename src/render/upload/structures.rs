@@ -299,14 +299,8 @@ impl Bottom {
         };
         let what = "the corners of an acceleration structure";
         gpu.check_buffer_size(what, bytes)?;
-        let buffer = gpu.scoped(what, || {
-            gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("corners"),
-                size: bytes,
-                usage: wgpu::BufferUsages::BLAS_INPUT | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            })
-        })?;
+        let usage = wgpu::BufferUsages::BLAS_INPUT | wgpu::BufferUsages::COPY_DST;
+        let buffer = gpu.scoped(what, || gpu.buffer("corners", bytes, usage))?;
         let data = self.input_bytes(world, trees);
         for (piece, first) in data
             .chunks(Gpu::PIECE_BYTES)
