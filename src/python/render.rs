@@ -72,11 +72,9 @@ impl Request {
         progress.begin(&gpu, self.sub_frames(session));
         gpu.interrupt_by(Some(Arc::clone(&progress.stop)));
         let begun = session.begin(PictureRequest {
-            color: true,
             aovs: &self.aovs,
             timed: self.timed,
-            estimates_error: false,
-            each_sample: None,
+            ..PictureRequest::COLOR
         });
         gpu.interrupt_by(None);
         let mut picture = begun?.take(&gpu)?;

@@ -149,15 +149,8 @@ fn set(session: &mut Session, samples: String, frame: u32) -> Result<(), AppErro
 }
 
 fn rendered(session: &mut Session) -> Result<Picture, AppError> {
-    let request = PictureRequest {
-        color: true,
-        aovs: &[],
-        timed: false,
-        estimates_error: false,
-        each_sample: None,
-    };
     let gpu = Arc::clone(session.gpu());
-    let pending = session.begin(request);
+    let pending = session.begin(PictureRequest::COLOR);
     let picture = pending.and_then(|pending| pending.take(&gpu));
     picture.map_err(|error| AppError::from_render(error, false))
 }

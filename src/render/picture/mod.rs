@@ -112,6 +112,17 @@ pub struct PictureRequest<'a> {
     pub each_sample: Option<EachSample<'a>>,
 }
 
+impl PictureRequest<'_> {
+    /// Linear radiance beside the display color, and nothing else.
+    pub const COLOR: Self = Self {
+        color: true,
+        aovs: &[],
+        timed: false,
+        estimates_error: false,
+        each_sample: None,
+    };
+}
+
 impl Picture {
     /// Computes the display color from linear radiance, which must have been requested, and alpha.
     pub fn set_display_from_color(&mut self) {
@@ -255,11 +266,9 @@ impl Renderer {
         aovs: &[Aov],
     ) -> Result<Picture, RenderError> {
         let request = PictureRequest {
-            color: true,
             aovs,
             timed: true,
-            estimates_error: false,
-            each_sample: None,
+            ..PictureRequest::COLOR
         };
         self.begin_picture(gpu, camera, request)?.take(gpu)
     }
@@ -296,11 +305,8 @@ impl Renderer {
         stats: FrameStats,
     ) -> Result<Picture, RenderError> {
         let request = PictureRequest {
-            color: true,
-            aovs: &[],
             timed: true,
-            estimates_error: false,
-            each_sample: None,
+            ..PictureRequest::COLOR
         };
         self.reading(gpu, camera, request, stats, None)?.take(gpu)
     }

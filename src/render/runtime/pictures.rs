@@ -103,11 +103,9 @@ impl Session {
     /// Same errors as [`crate::Renderer::render`].
     pub fn picture(&mut self, aovs: &[Aov]) -> Result<Picture, RenderError> {
         let request = PictureRequest {
-            color: true,
             aovs,
             timed: true,
-            estimates_error: false,
-            each_sample: None,
+            ..PictureRequest::COLOR
         };
         self.begin(request)?.take(&self.gpu)
     }
@@ -142,11 +140,8 @@ impl Session {
             (request.each_sample).map_or(Ok(()), |told| told(&SoFar { light, ..*so_far }))
         };
         let request = PictureRequest {
-            color: true,
-            aovs: &[],
-            timed: false,
-            estimates_error: false,
             each_sample: Some(&with_light),
+            ..PictureRequest::COLOR
         };
         self.renderer.show_light(&gpu, Some(group));
         let picture = self.begin_counted(request);
