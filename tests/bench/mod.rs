@@ -296,7 +296,7 @@ fn bad_input_is_refused_before_anything_is_measured() {
         (
             "--parameter speed",
             2,
-            "choose from threshold_u, edge_px, reuse_light, steps",
+            "threshold_u, edge_px, reuse_light, steps",
         ),
         (
             "--parameter steps --values 3",

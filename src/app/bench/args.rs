@@ -46,6 +46,12 @@ fn compared() -> impl TypedValueParser<Value = Method> {
         .map(|name| Method::from_name(&name).expect("one of the possible values"))
 }
 
+/// Parser of a parameter.
+fn varied() -> impl TypedValueParser<Value = Parameter> {
+    PossibleValuesParser::new(Parameter::ALL.map(Parameter::name))
+        .map(|name| Parameter::from_name(&name).expect("one of the possible values"))
+}
+
 /// `bench`
 #[derive(Clone, Debug, Args)]
 #[command(args_conflicts_with_subcommands = true)]
@@ -67,11 +73,9 @@ pub struct BenchArgs {
         default_value = "ssr,hybrid,rt"
     )]
     pub methods: Vec<Method>,
-    /// Parameter to vary: threshold_u, edge_px, reuse_light, steps, layers, separation_m,
-    /// rate, ray_length_u, bounces or scale;
-    /// without it each method's own (ssr: steps, hybrid: threshold_u and edge_px, rt: bounces, both also
-    /// reuse_light)
-    #[arg(long, value_name = "PARAMETER", value_parser = parse_parameter)]
+    /// Parameter to vary; without it each method's own (ssr: steps, hybrid: threshold_u and edge_px, rt: bounces, both
+    /// also reuse_light)
+    #[arg(long, value_name = "PARAMETER", value_parser = varied())]
     pub parameter: Option<Parameter>,
     /// Values of the parameter, such as 0.005,0.025,0.065
     #[arg(
@@ -255,8 +259,7 @@ pub struct StabilityArgs {
     /// Folder of the suite's scenes, NN-name.toml
     #[arg(long, value_name = "DIR", default_value = "scenes/fail")]
     pub suite: PathBuf,
-    /// Methods to score, of ssr, probe, ssr+probe, ssr+box, near-far, hybrid and rt; hybrid by both of its rules of
-    /// acceptance
+    /// Methods to score; hybrid by both of its rules of acceptance
     #[arg(
         long,
         value_name = "LIST",
@@ -293,16 +296,6 @@ pub struct StabilityArgs {
     /// Use the adapter whose name contains this; also REFLET_ADAPTER
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
-}
-
-fn parse_parameter(text: &str) -> Result<Parameter, String> {
-    Parameter::from_name(text).ok_or_else(|| {
-        let names = Parameter::ALL.map(Parameter::name);
-        format!(
-            "there is no such parameter; choose from {}",
-            names.join(", ")
-        )
-    })
 }
 
 #[cfg(test)]
