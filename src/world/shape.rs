@@ -60,16 +60,12 @@ pub fn make(shape: &ShapeDesc, supplies: &Supplies) -> Result<Made, Fault> {
 /// Mesh of a shape that is described by numbers alone, without bounds.
 fn simple(shape: &ShapeDesc) -> Mesh {
     let mut builder = Builder::default();
-    let name = match *shape {
+    match *shape {
         ShapeDesc::Plane { size } => {
             let (x, z) = (size[0] * 0.5, size[1] * 0.5);
             builder.quad(Vec3::ZERO, Vec3::X * x, Vec3::NEG_Z * z);
-            "plane"
         }
-        ShapeDesc::Box { size, .. } => {
-            builder.cuboid(size * 0.5);
-            "box"
-        }
+        ShapeDesc::Box { size, .. } => builder.cuboid(size * 0.5),
         ShapeDesc::Sphere { radius, segments } => {
             builder.mesh.round = segments.is_none().then_some(Round {
                 ends: [Vec3::ZERO; 2],
@@ -79,7 +75,6 @@ fn simple(shape: &ShapeDesc) -> Mesh {
             let rows = (segments / 2).max(2);
             let row = |row: u32| Row::new(row as f32 / rows as f32, 0.0);
             builder.round_ends(radius, &(0..=rows).map(row).collect::<Vec<_>>(), segments);
-            "sphere"
         }
         ShapeDesc::Cylinder {
             radius,
@@ -90,7 +85,6 @@ fn simple(shape: &ShapeDesc) -> Mesh {
             builder.cylinder_side(radius, height, segments);
             builder.cap(radius, height, segments, Vec3::Y);
             builder.cap(radius, 0.0, segments, Vec3::NEG_Y);
-            "cylinder"
         }
         ShapeDesc::Cone {
             radius,
@@ -100,29 +94,19 @@ fn simple(shape: &ShapeDesc) -> Mesh {
             let segments = segments.max(3);
             builder.cone_side(radius, height, segments);
             builder.cap(radius, 0.0, segments, Vec3::NEG_Y);
-            "cone"
         }
-        ShapeDesc::Disk { radius, segments } => {
-            builder.cap(radius, 0.0, segments.max(3), Vec3::Y);
-            "disk"
-        }
+        ShapeDesc::Disk { radius, segments } => builder.cap(radius, 0.0, segments.max(3), Vec3::Y),
         ShapeDesc::Torus {
             radius,
             tube_radius,
             segments,
             ..
-        } => {
-            builder.torus(radius, tube_radius, segments.max(3));
-            "torus"
-        }
+        } => builder.torus(radius, tube_radius, segments.max(3)),
         ShapeDesc::Lathe {
             source: LatheSource::Points(ref points),
             segments,
             ..
-        } => {
-            lathe::add(&mut builder.mesh, points, segments.max(3));
-            "lathe"
-        }
+        } => lathe::add(&mut builder.mesh, points, segments.max(3)),
         ShapeDesc::Capsule {
             radius,
             height,
@@ -135,18 +119,15 @@ fn simple(shape: &ShapeDesc) -> Mesh {
             let segments = segments.unwrap_or(64);
             let rows = capsule_rows(radius, height, segments);
             builder.round_ends(radius, &rows, segments);
-            "capsule"
         }
-        ShapeDesc::Mesh { .. } => {
-            builder.mesh = numbers::mesh(shape);
-            "mesh"
-        }
+        ShapeDesc::Mesh { .. } => builder.mesh = numbers::mesh(shape),
         // The loader makes the mesh of a height field, as it reads the image; `outlined` makes the others.
-        _ => "",
-    };
-    let mut mesh = builder.mesh;
-    mesh.name = name.to_owned();
-    mesh
+        _ => {}
+    }
+    Mesh {
+        name: shape.name().to_owned(),
+        ..builder.mesh
+    }
 }
 
 /// Direction from the axis at `column / segments` of a turn. Starts at +Z and turns towards +X, so
