@@ -19,6 +19,21 @@ pub struct Leaf {
     pub item: u32,
 }
 
+impl Leaf {
+    /// An item that fills the ball of its cluster.
+    pub fn ball(cluster: Cluster, item: u32) -> Self {
+        let (center, half) = (cluster.center, Vec3::splat(cluster.radius));
+        Self {
+            bounds: Bounds {
+                min: center - half,
+                max: center + half,
+            },
+            cluster,
+            item,
+        }
+    }
+}
+
 /// A light tree; its root is in no pair.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tree {

@@ -1,7 +1,7 @@
 //! Lamps as items of a light tree: their power and their bounds.
 
 use glam::Vec3;
-use reflet_base::math::{Bounds, LUMINANCE};
+use reflet_base::math::LUMINANCE;
 
 use super::{Cluster, Leaf, Sides};
 use crate::Light;
@@ -29,20 +29,13 @@ pub fn leaf(lamp: &Light, power: f32, item: u32) -> Leaf {
         None if kind.is_flat() => (1.0, Sides::Front),
         None => (-1.0, Sides::Front),
     };
-    let half = Vec3::splat(radius);
-    Leaf {
-        bounds: Bounds {
-            min: center - half,
-            max: center + half,
-        },
-        cluster: Cluster {
-            center,
-            radius,
-            axis: ahead,
-            cosine,
-            power,
-            sides,
-        },
-        item,
-    }
+    let cluster = Cluster {
+        center,
+        radius,
+        axis: ahead,
+        cosine,
+        power,
+        sides,
+    };
+    Leaf::ball(cluster, item)
 }

@@ -287,20 +287,13 @@ fn placed(light: &PlacedLight, root: Cluster, power: f32, item: u32) -> Leaf {
     let center = world_from_tree.transform_point3(root.center);
     let radius = root.radius * scale * (1.0 + EVEN);
     let axis = world_from_tree.transform_vector3(root.axis);
-    let half = Vec3::splat(radius);
-    Leaf {
-        bounds: Bounds {
-            min: center - half,
-            max: center + half,
-        },
-        cluster: Cluster {
-            center,
-            radius,
-            axis: axis.normalize_or(Vec3::Z),
-            cosine: root.cosine,
-            power,
-            sides: light.sides,
-        },
-        item,
-    }
+    let cluster = Cluster {
+        center,
+        radius,
+        axis: axis.normalize_or(Vec3::Z),
+        cosine: root.cosine,
+        power,
+        sides: light.sides,
+    };
+    Leaf::ball(cluster, item)
 }

@@ -1,26 +1,19 @@
 //! Tests of light trees and of their packing.
 
 use glam::Vec3;
-use reflet_base::math::Bounds;
 
 use super::{Cluster, LIGHT_LEAF, Leaf, NO_NODE, Node, Sides, Tree, build, build::MOST_LEVELS};
 
 fn leaf(center: Vec3, item: u32) -> Leaf {
-    Leaf {
-        bounds: Bounds {
-            min: center - 0.25,
-            max: center + 0.25,
-        },
-        cluster: Cluster {
-            center,
-            radius: 0.25,
-            axis: Vec3::new(1.0, (item % 7) as f32 - 3.0, 0.5).normalize(),
-            cosine: 1.0,
-            power: 1.0 + (item % 5) as f32,
-            sides: Sides::Front,
-        },
-        item,
-    }
+    let cluster = Cluster {
+        center,
+        radius: 0.25,
+        axis: Vec3::new(1.0, (item % 7) as f32 - 3.0, 0.5).normalize(),
+        cosine: 1.0,
+        power: 1.0 + (item % 5) as f32,
+        sides: Sides::Front,
+    };
+    Leaf::ball(cluster, item)
 }
 
 /// Levels of a tree, and how often it has each item, which the node above contains.
