@@ -142,11 +142,8 @@ impl FramePass for Capture {
     }
 
     fn record(&self, frame: &mut SubFrame<'_>) {
-        let Some(maps) = frame
-            .resources
-            .maps::<ProbeMaps>()
-            .filter(|_| frame.captures)
-        else {
+        let maps = frame.resources.maps::<ProbeMaps>();
+        let Some(maps) = maps.filter(|_| frame.captures) else {
             return;
         };
         let (gpu, key) = (frame.recorder.gpu, &maps.key);
