@@ -3,11 +3,7 @@
 use std::{io::Cursor, thread::Builder};
 
 use exr::{
-    meta::{
-        BlockDescription,
-        attribute::{ChannelDescription, Chromaticities, EnvironmentMap, SampleType, Text},
-        header::Header,
-    },
+    meta::attribute::{Chromaticities, EnvironmentMap},
     prelude::{
         AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, IntegerBounds,
         Layer, LayerAttributes, LineOrder, Vec2, WritableImage as _,
@@ -196,146 +192,30 @@ fn cube_maps_become_panoramas() {
     assert_eq!(error.name, "image-broken");
 }
 
-/// A file of scan lines as its bytes: its flags, compression, and channels, each with the pixels between its 16-bit
-/// samples, and its blocks, each behind its first line.
-fn file_of_blocks(
-    [deep, compression]: [u8; 2],
-    size: [usize; 2],
-    channels: &[(&str, u8)],
-    blocks: &[(u32, Vec<u8>)],
-) -> Vec<u8> {
-    let mut bytes = vec![0x76, 0x2f, 0x31, 1, 2, 8 * deep, 0, 0];
-    let mut attribute = |name: &str, kind: &str, value: &[u8]| {
-        let length = (value.len() as u32).to_le_bytes();
-        let parts = [
-            name.as_bytes(),
-            b"\0",
-            kind.as_bytes(),
-            b"\0",
-            &length,
-            value,
-        ];
-        bytes.extend(parts.concat());
-    };
-    let listed = channels.iter().flat_map(|(name, step)| {
-        let ends = [1, 0, 0, 0, 0, 0, 0, 0, *step, 0, 0, 0, *step, 0, 0, 0];
-        [name.as_bytes(), b"\0", &ends].concat()
-    });
-    attribute("channels", "chlist", &listed.chain([0]).collect::<Vec<_>>());
-    attribute("compression", "compression", &[compression]);
-    let last = size.map(|side| side as u32 - 1);
-    let window = [0, 0, last[0], last[1]].map(u32::to_le_bytes).concat();
-    attribute("dataWindow", "box2i", &window);
-    attribute("displayWindow", "box2i", &window);
-    attribute("lineOrder", "lineOrder", &[0]);
-    attribute("pixelAspectRatio", "float", &1_f32.to_le_bytes());
-    attribute("screenWindowCenter", "v2f", &[0; 8]);
-    attribute("screenWindowWidth", "float", &1_f32.to_le_bytes());
-    let kind: &[u8] = if deep == 1 {
-        b"deepscanline"
-    } else {
-        b"scanlineimage"
-    };
-    attribute("type", "string", kind);
-    attribute("version", "int", &[1, 0, 0, 0]);
-    bytes.push(0);
-    let mut start = bytes.len() + 8 * blocks.len();
-    for (_, block) in blocks {
-        bytes.extend((start as u64).to_le_bytes());
-        start += 4 + block.len();
-    }
-    let blocks = blocks
-        .iter()
-        .map(|(y, block)| [&y.to_le_bytes()[..], block].concat());
-    bytes.extend(blocks.flatten());
-    bytes
-}
-
-fn halves(samples: impl IntoIterator<Item = f32>) -> Vec<u8> {
-    let bits = samples
-        .into_iter()
-        .map(|v| half::f16::from_f32(v).to_le_bytes());
-    bits.flatten().collect()
-}
-
-/// A block of flat data: its length stands in front.
-fn flat(data: Vec<u8>) -> Vec<u8> {
-    [(data.len() as u32).to_le_bytes().to_vec(), data].concat()
-}
+/// Files of 48 × 32 pixels by each kind of compression, with luminance in each pixel, and the difference of red and of
+/// blue from it in each second one, as 16-bit numbers; and how near their colors are.
+const SPARSE: [(&[u8], f32); 5] = [
+    (include_bytes!("tests/none.exr"), 0.01),
+    (include_bytes!("tests/zip.exr"), 0.01),
+    (include_bytes!("tests/piz.exr"), 0.01),
+    // Lossy ones spread steps of luminance over their squares.
+    (include_bytes!("tests/b44.exr"), 0.1),
+    (include_bytes!("tests/dwaa.exr"), 0.1),
+];
 
 #[test]
 fn luminance_and_chroma_of_half_size_become_colors() {
-    const SIZE: [usize; 2] = [48, 32];
     // Red over luminance rises across, and blue over luminance down.
     let (ry, by) = (|x: usize| x as f32 / 64.0, |y: usize| y as f32 / 32.0 - 0.5);
-    let luminance = |x: usize, y: usize| 1.0 + ((x + y) % 2) as f32;
-    let every_second = || (0..SIZE[0]).step_by(2);
-    let line = |y: usize| match y % 2 {
-        0 => halves(
-            (every_second().map(|_| by(y)))
-                .chain(every_second().map(ry))
-                .chain((0..SIZE[0]).map(|x| luminance(x, y))),
-        ),
-        _ => halves((0..SIZE[0]).map(|x| luminance(x, y))),
-    };
-    let channels = [("BY", 2), ("RY", 2), ("Y", 1)];
-    let lines = (0..SIZE[1])
-        .map(|y| (y as u32, flat(line(y))))
-        .collect::<Vec<_>>();
-    let mut files = vec![(0.01, file_of_blocks([0, 0], SIZE, &channels, &lines))];
-    for (number, method) in [
-        (3, Compression::ZIP16),
-        (4, Compression::PIZ),
-        (6, Compression::B44),
-        (8, Compression::DWAA(None)),
-    ] {
-        let most = method.scan_lines_per_block().min(SIZE[1]);
-        let pack = |channels: &[(&str, usize)], bytes_per_pixel, width, data: Vec<u8>| {
-            let described = channels.iter().map(|(name, step)| ChannelDescription {
-                sampling: Vec2(*step, *step),
-                ..ChannelDescription::new(*name, SampleType::F16, false)
-            });
-            let place =
-                IntegerBounds::from_dimensions((width, data.len() / width / bytes_per_pixel));
-            let name = Text::new_or_panic("block");
-            let mut header = Header::new(name, place.size, described.collect());
-            (header.blocks, header.compression) = (BlockDescription::ScanLines, method);
-            header.channels.bytes_per_pixel = bytes_per_pixel;
-            (method.compress_image_section_to_le(&header, data, place)).unwrap()
-        };
-        let blocks = (0..SIZE[1]).step_by(most).map(|top| {
-            let lines = top..top + most;
-            let packed = if method == Compression::B44 {
-                // The library packs full channels alone, one behind the other.
-                let sparse = || lines.clone().step_by(2);
-                let blue = sparse().flat_map(|y| every_second().map(move |_| by(y)));
-                let red = sparse().flat_map(|_| every_second().map(ry));
-                let all = lines
-                    .clone()
-                    .flat_map(|y| (0..SIZE[0]).map(move |x| luminance(x, y)));
-                let half = |data| pack(&[("Y", 1)], 2, SIZE[0] / 2, data);
-                let whole = pack(&[("Y", 1)], 2, SIZE[0], halves(all));
-                [half(halves(blue)), half(halves(red)), whole].concat()
-            } else {
-                let channels = channels.map(|(name, step)| (name, step as usize));
-                pack(&channels, 3, SIZE[0], lines.flat_map(line).collect())
-            };
-            (top as u32, flat(packed))
-        });
-        let blocks = blocks.collect::<Vec<_>>();
-        // Lossy ones spread steps of luminance over their squares.
-        let bound = if number > 5 { 0.1 } else { 0.01 };
-        files.push((bound, file_of_blocks([0, number], SIZE, &channels, &blocks)));
-    }
-    for (at, (bound, bytes)) in files.iter().enumerate() {
+    for (at, (bytes, bound)) in SPARSE.iter().enumerate() {
         let (colors, warnings) = shown(bytes);
         assert_eq!(warnings, ["environment-shape"; 0], "{at}");
         // Near its ends the filter repeats the last sample.
         for (x, y) in (14..34).flat_map(|x| (14..18).map(move |y| (x, y))) {
-            let luminance = luminance(x, y);
+            let luminance = 1.0 + ((x + y) % 2) as f32;
             let (red, blue) = ((1.0 + ry(x)) * luminance, (1.0 + by(y)) * luminance);
             let green = (luminance - 0.2126 * red - 0.0722 * blue) / 0.7152;
-            for (found, expected) in colors[SIZE[0] * y + x].into_iter().zip([red, green, blue]) {
+            for (found, expected) in colors[48 * y + x].into_iter().zip([red, green, blue]) {
                 let wrong = (found - expected).abs();
                 assert!(
                     wrong < *bound,
@@ -344,26 +224,24 @@ fn luminance_and_chroma_of_half_size_become_colors() {
             }
         }
     }
-    let error = read_within(&file_of_blocks([0, 0], SIZE, &[("Y", 3)], &lines), 64).unwrap_err();
+    // Luminance of each third pixel.
+    let mut odd = SPARSE[0].0.to_vec();
+    let sampling = [2, 0, 0, 0].repeat(2);
+    let at = (odd.windows(8).rposition(|bytes| *bytes == sampling)).expect("of RY");
+    let behind = at + 8 + b"Y\0".len() + 8;
+    assert_eq!(odd[behind..behind + 8], [1, 0, 0, 0].repeat(2));
+    (odd[behind], odd[behind + 4]) = (3, 3);
+    let error = read_within(&odd, 64).unwrap_err();
     assert_eq!(error.name, "image-unsupported", "{}", error.message);
 }
 
-/// A file of three deep pixels with three samples together, the nearest last. `ends` are the numbers of samples up to
-/// and including each pixel.
+/// A file of three deep pixels with three samples of five channels together, the nearest last. `ends` are the numbers of
+/// samples up to and including each pixel.
 fn deep_file(ends: [u32; 3]) -> Vec<u8> {
-    let channels = ["A", "B", "G", "R", "Z"].map(|name| (name, 1));
-    let samples = [
-        [1.0, 0.5, 0.25],
-        [0.0, 0.0, 0.25],
-        [0.0, 0.5, 0.0],
-        [1.0, 0.0, 0.0],
-        [3.0, 2.0, 1.0],
-    ];
-    let samples = halves(samples.into_iter().flatten());
-    let ends = ends.map(u32::to_le_bytes).concat();
-    let sizes = [ends.len(), samples.len(), samples.len()].map(|n| (n as u64).to_le_bytes());
-    let block = [sizes.concat(), ends, samples].concat();
-    file_of_blocks([1, 0], [3, 1], &channels, &[(0, block)])
+    let mut bytes = include_bytes!("tests/deep.exr").to_vec();
+    let at = bytes.len() - 2 * 3 * 5 - 4 * 3;
+    bytes[at..at + 4 * 3].copy_from_slice(&ends.map(u32::to_le_bytes).concat());
+    bytes
 }
 
 #[test]
@@ -455,21 +333,8 @@ fn broken_files_never_panic() {
         Compression::DWAA(None),
     ]
     .map(|compression| file(compression, 1));
-    let line = |y: u8| {
-        (
-            u32::from(y),
-            flat(halves([0.5; 4]).repeat(2 - usize::from(y % 2))),
-        )
-    };
-    let sparse = [("BY", 2), ("RY", 2), ("Y", 1)];
-    let good = [
-        &flat_files[..],
-        &[
-            file_of_blocks([0, 0], [4, 4], &sparse, &[0, 1, 2, 3].map(line)),
-            deep_file([0, 3, 3]),
-        ],
-    ]
-    .concat();
+    let sparse = include_bytes!("tests/sparse.exr").to_vec();
+    let good = [&flat_files[..], &[sparse, deep_file([0, 3, 3])]].concat();
     let mut state = 7_u64;
     let mut random = |most: usize| {
         state = state
