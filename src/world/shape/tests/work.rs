@@ -119,79 +119,18 @@ fn no_more_chords_are_drawn_than_an_outline_may_have() {
     assert!((MOST_CHORDS..MOST_CHORDS + 4096).contains(&pen.count));
 }
 
-/// Table of a font with its tag.
-type Table = (&'static [u8; 4], Vec<u8>);
-
-/// A font of composite glyphs, each of which has the next one so often; the last is empty.
-fn nested(depth: u16, width: u16) -> Vec<u8> {
-    let words = |words: &[u16]| {
-        words
-            .iter()
-            .flat_map(|word| word.to_be_bytes())
-            .collect::<Vec<u8>>()
-    };
-    let part = |next: u16, more: u16| words(&[if more == 0 { 0x0002 } else { 0x0022 }, next, 0]);
-    let (mut glyf, mut loca) = (Vec::new(), vec![0u32]);
-    for glyph in 0..depth {
-        glyf.extend(words(&[0xffff, 0, 0, 0, 0]));
-        glyf.extend((0..width).rev().flat_map(|more| part(glyph + 1, more)));
-        loca.push(glyf.len() as u32);
-    }
-    loca.push(glyf.len() as u32);
-    let head = [
-        &words(&[1, 0, 0, 0, 0, 0, 0x5f0f, 0x3cf5, 0, 1000])[..],
-        &[0; 30],
-        &words(&[1, 0]),
-    ]
-    .concat();
-    let maxp = [&words(&[1, 0, depth + 1])[..], &[0; 26]].concat();
-    let hhea = [&words(&[1, 0])[..], &[0; 30], &words(&[1])].concat();
-    let hmtx = vec![0; 2 + 2 * usize::from(depth + 1)];
-    let group = [65u32, 65, 0].map(u32::to_be_bytes).concat();
-    let map = [
-        &words(&[0, 1, 3, 10, 0, 12, 12, 0, 0, 28, 0, 0, 0, 1])[..],
-        &group,
-    ]
-    .concat();
-    let loca: Vec<u8> = loca.into_iter().flat_map(u32::to_be_bytes).collect();
-    let tables: [Table; 7] = [
-        (b"cmap", map),
-        (b"glyf", glyf),
-        (b"head", head),
-        (b"hhea", hhea),
-        (b"hmtx", hmtx),
-        (b"loca", loca),
-        (b"maxp", maxp),
-    ];
-    let mut file = words(&[1, 0, tables.len() as u16, 0, 0, 0]);
-    let mut at = file.len() + 16 * tables.len();
-    for (tag, table) in &tables {
-        file.extend(*tag);
-        file.extend(
-            [0, at as u32, table.len() as u32]
-                .map(u32::to_be_bytes)
-                .concat(),
-        );
-        at += table.len().next_multiple_of(4);
-    }
-    for (_, mut table) in tables {
-        table.resize(table.len().next_multiple_of(4), 0);
-        file.extend(table);
-    }
-    file
-}
-
+/// Fonts of composite glyphs, each of which has the next one ten times, 25 deep, or five times, 3 deep; the last is empty.
 #[test]
 fn letters_of_letters_of_letters_are_refused() {
-    let with = |bytes: Vec<u8>| {
-        let files = HashMap::from([("a.ttf".to_owned(), bytes)]);
+    let with = |bytes: &[u8]| {
+        let files = HashMap::from([("a.ttf".to_owned(), bytes.to_vec())]);
         let work = Budget::default();
         let made = make(&with_font("A"), &Supplies { files, work });
         made.expect_err("no outline").message
     };
     // 10²⁵ parts, and some that are drawn and empty.
-    let said = with(nested(25, 10));
+    let said = with(include_bytes!("nested_25_10.ttf"));
     assert!(said.contains("more than 1000 others"), "{said}");
-    let said = with(nested(3, 5));
+    let said = with(include_bytes!("nested_3_5.ttf"));
     assert!(!said.contains("others"), "{said}");
 }
