@@ -8,43 +8,12 @@ use super::*;
 use crate::{load::tangent::generate, normal_uv::NormalUv};
 
 /// Shapes of every kind, as scene text has them.
-const SHAPES: &[&str] = &[
-    r#"{ kind = "plane" }"#,
-    r#"{ kind = "box", size = [1, 2, 3] }"#,
-    r#"{ kind = "box", bevel = 0.2 }"#,
-    r#"{ kind = "box", bevel = 0.2, bevel_segments = 1 }"#,
-    r#"{ kind = "sphere" }"#,
-    r#"{ kind = "sphere", segments = 3 }"#,
-    r#"{ kind = "cylinder" }"#,
-    r#"{ kind = "cone" }"#,
-    r#"{ kind = "disk" }"#,
-    r#"{ kind = "torus" }"#,
-    r#"{ kind = "torus", angle_deg = 100 }"#,
-    r#"{ kind = "capsule" }"#,
-    r#"{ kind = "capsule", radius = 0.5, height = 1 }"#,
-    r#"{ kind = "lathe", points = [[0, 0], [0.5, 0.2], [0.3, 1], [0, 1.2]] }"#,
-    r#"{ kind = "lathe", angle_deg = 200, points = [[0, 0], [0.5, 0.2], [0, 1.2]] }"#,
-    r#"{ kind = "lathe", outline = { path = "M 0 0 H 0.5 Q 0.7 0.5 0.2 1 H 0 Z" } }"#,
-    r#"{ kind = "extrude", outline = { radius = 0.5 } }"#,
-    r#"{ kind = "extrude", outline = { rect = [1, 2], corner_radius = 0.2 }, depth = 0.3, bevel = 0.1 }"#,
-    r#"{ kind = "extrude", outline = { points = [[0, 0], [2, 0], [0, 2]], holes = [[[0.2, 0.2], [0.6, 0.2], [0.2, 0.6]]] } }"#,
-    r#"{ kind = "sweep", points = [[0, 0, 0], [1, 0, 0], [1, 1, 0.5]] }"#,
-    r#"{ kind = "sweep", points = [[0, 0, 0], [0, 1, 0]], taper = 0, twist_deg = 90 }"#,
-    r#"{ kind = "sweep", points = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], closed = true, curve = "linear" }"#,
-    r#"{ kind = "text", text = "Ré8", bevel = 0.004 }"#,
-    r#"{ kind = "union", parts = [{ shape = { kind = "box" } }, { shape = { kind = "sphere", radius = 0.6 } }] }"#,
-    r#"{ kind = "difference", parts = [{ shape = { kind = "box" } }, { shape = { kind = "sphere", radius = 0.6 } }] }"#,
-    r#"{ kind = "intersection", parts = [{ shape = { kind = "cone" } }, { shape = { kind = "box" }, scale = [-1, 1, 1] }] }"#,
-    r#"{ kind = "displaced", shape = { kind = "sphere" }, subdivide = 1, height = 0.05 }"#,
-    r#"{ kind = "displaced", shape = { kind = "box" }, subdivide = 2, smooth = true }"#,
-    r#"{ kind = "mesh", positions = [0, 0, 0, 1, 0, 0, 0, 1, 0], indices = [0, 1, 2], uv = [0, 1, 1, 1, 0, 0] }"#,
-    r#"{ kind = "mesh", positions = [0, 0, 0, 1, 0, 0, 0, 1, 0], indices = [0, 1, 2] }"#,
-];
+const SHAPES: &str = include_str!("kinds.txt");
 
 #[test]
 fn every_kind_of_shape_is_checked() {
-    let of_shapes = |text: &&str| text.split('"').nth(1).expect("a kind").to_owned();
-    let checked: BTreeSet<_> = SHAPES.iter().map(of_shapes).collect();
+    let of_shapes = |text: &str| text.split('"').nth(1).expect("a kind").to_owned();
+    let checked: BTreeSet<_> = SHAPES.lines().map(of_shapes).collect();
     let sections = recorded_keys();
     let section = sections.iter().find(|s| s.type_name == "ShapeDesc");
     let variants = &section.expect("shapes").variants;
@@ -56,7 +25,7 @@ fn every_kind_of_shape_is_checked() {
 
 #[test]
 fn tangents_are_unit_in_the_surface_and_along_increasing_u() {
-    for text in SHAPES {
+    for text in SHAPES.lines() {
         check_tangents(text, mesh(&read(text)));
     }
     let heights = heightfield::Heights {
