@@ -68,27 +68,7 @@ mod tests {
 
     #[test]
     fn children_stand_below_their_parents() {
-        let text = "version = 1
-[camera.main]
-[group.arm]
-[model.ball]
-shape = { kind = \"sphere\" }
-[[instance]]
-model = \"ball\"
-[[instance]]
-name = \"hand\"
-model = \"ball\"
-parent = \"arm\"
-[material.paint]
-[decal.sign]
-material = \"paint\"
-parent = \"hand\"
-[light.lamp]
-kind = \"point\"
-parent = \"hand\"
-position = [0, 0, 0]
-intensity_cd = 1
-";
+        let text = include_str!("outline.toml");
         let read = Scene::from_text(text, Path::new("scene.toml"), &[]);
         let (scene, _) = read.unwrap_or_else(|e| panic!("{e:?}"));
         let rows = outline(&scene);
