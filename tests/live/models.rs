@@ -19,36 +19,7 @@ pub fn write_model(folder: &Folder) {
         let picture = image::RgbImage::from_pixel(4, 4, image::Rgb(color));
         picture.save(folder.path(name)).expect("written");
     }
-    let primitive = |material: u32| {
-        format!(
-            r#"{{"primitives": [{{"attributes": {{"POSITION": 0, "TEXCOORD_0": 1}}, "indices": 2, "material": {material}}}]}}"#
-        )
-    };
-    let material = |name: &str, texture: u32| {
-        format!(
-            r#"{{"name": "{name}", "pbrMetallicRoughness": {{"metallicFactor": 0, "baseColorTexture": {{"index": {texture}}}}}}}"#
-        )
-    };
-    let text = format!(
-        r#"{{"asset": {{"version": "2.0"}}, "scene": 0, "scenes": [{{"nodes": [0, 1]}}],
-        "nodes": [{{"mesh": 0, "translation": [-1.1, 0, 0]}}, {{"mesh": 1, "translation": [1.1, 0, 0]}}],
-        "meshes": [{}, {}], "materials": [{}, {}],
-        "images": [{{"uri": "left.png"}}, {{"uri": "right.png"}}],
-        "textures": [{{"source": 0}}, {{"source": 1}}],
-        "buffers": [{{"uri": "quads.bin", "byteLength": 92}}],
-        "bufferViews": [{{"buffer": 0, "byteOffset": 0, "byteLength": 48}},
-            {{"buffer": 0, "byteOffset": 48, "byteLength": 32}},
-            {{"buffer": 0, "byteOffset": 80, "byteLength": 12}}],
-        "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3",
-                "min": [-1, -1, 0], "max": [1, 1, 0]}},
-            {{"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC2"}},
-            {{"bufferView": 2, "componentType": 5123, "count": 6, "type": "SCALAR"}}]}}"#,
-        primitive(0),
-        primitive(1),
-        material("left", 0),
-        material("right", 1),
-    );
-    folder.write("quads.gltf", text);
+    folder.write("quads.gltf", include_str!("models/quads.gltf"));
 }
 
 #[test]
