@@ -14,12 +14,14 @@ fn offset_m(x: u32) -> f32 {
 #[test]
 fn the_edge_of_a_cone_is_the_squared_ramp_of_its_cosine() {
     let Some(gpu) = gpu() else { return };
+    let [inner, outer] = [10f32, 35.0].map(|angle| angle.to_radians().cos());
+    // 10 candela within the inner angle, and a third of them on average over the ramp.
+    let lumens = 10.0 * 2.0 * PI * (1.0 - inner + (inner - outer) / 3.0);
     let text = format!(
         "{FLOOR}\n[light.spot]\nkind = \"spot\"\nposition = [0, 2, 0]\ndirection = [0, -1, 0]\n\
-         inner_deg = 10\nouter_deg = 35\nintensity_cd = 10\nshadow = \"none\"\n"
+         inner_deg = 10\nouter_deg = 35\nflux_lm = {lumens}\nshadow = \"none\"\n"
     );
     let picture = render(gpu, &text, &[], &[]);
-    let [inner, outer] = [10f32, 35.0].map(|angle| angle.to_radians().cos());
     let mut partly = 0;
     for x in 0..33 {
         let d2 = offset_m(x).powi(2) + 4.0;
@@ -30,6 +32,10 @@ fn the_edge_of_a_cone_is_the_squared_ramp_of_its_cosine() {
         assert_color(&picture, x, 16, [expected; 3], 2e-3);
     }
     assert!(partly > 8, "{partly}");
+    // All of the flux arrives on the floor, whose radiance is 1/π of its illuminance.
+    let pixel_m2 = (offset_m(1) - offset_m(0)).powi(2);
+    let arrived = picture.color.chunks_exact(4).map(|c| c[0] * PI * pixel_m2);
+    assert_close(arrived.sum(), lumens, 0.01);
 }
 
 /// Range of KHR_lights_punctual: 1 minus the fourth power of the distance over the range.

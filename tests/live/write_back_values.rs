@@ -154,6 +154,11 @@ fn what_does_not_rest_is_said_and_not_written() {
         read(&path),
         text.replace("reflectivity = 0.5", "reflectivity = 0.25")
     );
+    // A light has the one number of its brightness that is written, as it is written.
+    let spot = live.inspect(SceneItem::Light(1)).expect("it is there");
+    let keys = ["intensity_cd", "flux_lm", "power_w"];
+    let bright = spot.numbers.into_iter().filter(|n| keys.contains(&n.key));
+    assert_eq!(bright.collect::<Vec<_>>(), [numbers("flux_lm", &[100.0])]);
 }
 
 #[test]

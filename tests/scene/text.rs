@@ -1,5 +1,7 @@
 //! Scene text: every feature is read into the description.
 
+use std::f32::consts::PI;
+
 use glam::{Mat4, Quat};
 use reflet::scene::desc::*;
 
@@ -270,6 +272,34 @@ fn lights_have_the_keys_of_their_kind() {
     });
     (sun.shadow, sun.shadow_px) = (ShadowMode::Ray, 16);
     assert_eq!(lights, [lamp, beam, sun]);
+}
+
+/// Solid angles: a sphere, Lambert's half sphere, a beam without and with a hard edge.
+#[test]
+fn lumens_and_watts_become_candela() {
+    for (keys, steradians) in [
+        ("kind = \"point\"", 4.0 * PI),
+        ("kind = \"rect\"\ntarget = [0, 0, 0]\nsize = [1, 2]", PI),
+        ("kind = \"disk\"\ntarget = [0, 0, 0]\nradius_m = 2", PI),
+        (
+            "kind = \"spot\"\ntarget = [0, 0, 0]\nouter_deg = 60",
+            PI / 3.0,
+        ),
+        (
+            "kind = \"spot\"\ntarget = [0, 0, 0]\nouter_deg = 60\ninner_deg = 60",
+            PI,
+        ),
+    ] {
+        for (key, each) in [("flux_lm", 1.0), ("power_w", 683.0)] {
+            let text = format!("[light.l]\nposition = [0, 3, 0]\n{keys}\n{key} = 8\n");
+            let found = read(&text).lights[0].value.kind.intensity();
+            let candela = 8.0 * each / steradians;
+            assert!(
+                (found / candela - 1.0).abs() < 2e-3,
+                "{text}: {found}, not {candela}"
+            );
+        }
+    }
 }
 
 #[test]

@@ -11,7 +11,7 @@ use super::{
     places::{self, places},
 };
 use reflet_scene::{
-    desc::{CAMERA, ENVIRONMENT, LIGHT, PlacementDesc, SceneDesc, turned},
+    desc::{BRIGHTNESS, CAMERA, ENVIRONMENT, LIGHT, LightDesc, PlacementDesc, SceneDesc, turned},
     diagnostic::Span,
     motion::{DECAL, DECAL_PLACES, DecalPose},
     number::{Field, Form},
@@ -66,7 +66,7 @@ fn numbers(desc: &SceneDesc, item: SceneItem) -> Result<Vec<Numbers>, String> {
         SceneItem::Instance(i) => &desc.instances[i].placement,
         SceneItem::Group(i) => &desc.groups[i].value.placement,
         SceneItem::Decal(i) => &desc.decals[i].value.placement,
-        SceneItem::Light(i) => return Ok(fields(&desc.lights[i].value, &LIGHT)),
+        SceneItem::Light(i) => return Ok(light(desc, item, &desc.lights[i].value)),
         SceneItem::Camera(i) => return Ok(fields(&desc.cameras[i].value, &CAMERA)),
         SceneItem::Environment => return Ok(environment(desc)),
     };
@@ -107,6 +107,26 @@ fn numbers(desc: &SceneDesc, item: SceneItem) -> Result<Vec<Numbers>, String> {
         all.extend(fields(&decal, &DECAL[DECAL_PLACES..]));
     }
     Ok(all)
+}
+
+/// Numbers of a light; its brightness is under the key that is written.
+fn light(desc: &SceneDesc, item: SceneItem, light: &LightDesc) -> Vec<Numbers> {
+    let place = item.subject(desc);
+    let place = place
+        .and_then(|item| places(desc, &[], &item, BRIGHTNESS[0]))
+        .ok();
+    let has = |key: &&str| place.as_ref().is_some_and(|place| place.has(key));
+    let written = BRIGHTNESS.into_iter().find(has).unwrap_or(BRIGHTNESS[0]);
+    let mut all = fields(light, &LIGHT);
+    all.retain(|n| n.key == written || !BRIGHTNESS.contains(&n.key));
+    // The number of the text: candela and back it would be rounded.
+    if let Some(n) = all.iter_mut().find(|n| n.key == written)
+        && let Some(text) = place.and_then(|place| place.numbers(written))
+        && (text.iter().zip(&n.values)).all(|(a, b)| (a - b).abs() < 1e-5 * a.abs())
+    {
+        n.values = text;
+    }
+    all
 }
 
 /// Numbers of the kind of environment that the scene has.

@@ -66,11 +66,11 @@ impl Layered<'_> {
         let desc = self.desc;
         let (name, _) = item.named(desc)?;
         let path: Vec<_> = std::iter::once(item.kind()).chain(name).collect();
-        let by_script = || {
+        let by_script = |key: &&str| {
             let (kind, index, field) = match item {
-                SceneItem::Instance(i) => (Kind::Node, i, TRANSFORM.iter().position(|k| *k == key)),
+                SceneItem::Instance(i) => (Kind::Node, i, TRANSFORM.iter().position(|k| k == key)),
                 SceneItem::Group(i) => {
-                    let field = TRANSFORM.iter().position(|k| *k == key);
+                    let field = TRANSFORM.iter().position(|k| k == key);
                     (Kind::Node, desc.instances.len() + i, field)
                 }
                 SceneItem::Decal(i) => (Kind::Decal, i, index_of(&DECAL, key)),
@@ -91,7 +91,7 @@ impl Layered<'_> {
             replaces(found.track).then(|| animated(&format!("{kind}.{name}"), found.at))
         };
         self.on_command_line(&path, key)
-            .or_else(by_script)
+            .or_else(|| alike(key).iter().chain([&key]).find_map(by_script))
             .or_else(by_track)
     }
 

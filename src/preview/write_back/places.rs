@@ -8,7 +8,7 @@ use super::{
     tree::{self, Locator, Step, below, keys},
 };
 use reflet_scene::{
-    desc::SceneDesc,
+    desc::{BRIGHTNESS, SceneDesc},
     diagnostic::{Source, Span},
     parse::{OVERRIDE, VARIANT},
     syntax::{Content, Entries, Node, SyntaxTree},
@@ -123,6 +123,7 @@ pub(super) fn alike(key: &str) -> &'static [&'static str] {
     match key {
         "rotation_deg" => &["rotation_deg", "rotation_quat"],
         "direction" | "target" => &["direction", "target"],
+        key if BRIGHTNESS.contains(&key) => &BRIGHTNESS,
         _ => &[],
     }
 }

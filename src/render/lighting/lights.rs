@@ -202,12 +202,7 @@ pub(crate) fn gpu_light(light: &Light, shadow: ShadowMode) -> GpuLight {
         _ if kind.is_flat() => 0.0,
         _ => kind.radius_m(),
     };
-    if let Some(cone_deg) = kind.cone_deg() {
-        let [inner, outer] = cone_deg.map(|deg| deg.to_radians().cos());
-        // KHR_lights_punctual: linear in the cosine between the two cones, then squared.
-        out.spot_scale = 1.0 / (inner - outer).max(1e-3);
-        out.spot_offset = -outer * out.spot_scale;
-    }
+    [out.spot_scale, out.spot_offset] = kind.cone_falloff().unwrap_or_default();
     let halves = kind.edges().unwrap_or_default().map(|edge| 0.5 * edge);
     [out.half_u, out.half_v] = halves.map(|half| half.to_array());
     out.kind = kind.index() as u32;

@@ -4,7 +4,7 @@ mod kind;
 
 use glam::Vec3;
 
-pub use self::kind::{LIGHT, LightKind};
+pub use self::kind::{BRIGHTNESS, LIGHT, LightKind};
 use super::{LightGroup, SceneDesc, Tracks, hierarchy::declare_parent, track::tracks};
 use crate::{
     range::{ANY, FROM_0, range},
@@ -137,7 +137,7 @@ impl LightDesc {
 declared! {
     /// `[motion.light.NAME]`: tracks that change a light; only for keys that the light's `kind` has.
     #[derive(Clone, Debug, Default, PartialEq)]
-    #[table("[motion.light.NAME]", before(|t| t.one_of(false, &[&["direction"], &["target"]])))]
+    #[table("[motion.light.NAME]", before(Self::alternatives))]
     pub struct LightMotionDesc {
         /// Tracks of the values of [`LIGHT`].
         ///
@@ -145,5 +145,12 @@ declared! {
         ///   brightness, degrees, 0 to `outer_deg`.
         #[by(|t| Some(tracks(t, &LIGHT)))]
         pub tracks: Tracks,
+    }
+}
+
+impl LightMotionDesc {
+    fn alternatives(t: &mut Table) {
+        t.one_of(false, &[&["direction"], &["target"]]);
+        t.one_of(false, &BRIGHTNESS.each_ref().map(std::slice::from_ref));
     }
 }

@@ -14,7 +14,7 @@ use super::{
     value::{fail, number, rotation, scale, vector},
 };
 use crate::{
-    desc::{CAMERA, Entry, LIGHT, MATERIAL, ParamValue, TimelineDesc},
+    desc::{BRIGHTNESS, CAMERA, Entry, LIGHT, MATERIAL, ParamValue, TimelineDesc},
     motion::{
         DECAL, FrameState, Kind, MeshPose, Names, ScriptNames, ScriptedFields, wrong_with_camera,
         wrong_with_light,
@@ -304,6 +304,10 @@ impl Context {
         let word = format!("a {} light", light.kind.name());
         let old = light;
         let values = values(&LIGHT, &keys, &word, |f| (f.get)(&old).is_some())?;
+        let mut bright = BRIGHTNESS.iter().filter(|key| keys.contains_key(**key));
+        if let Some((first, second)) = bright.next().zip(bright.next()) {
+            return fail(format!("`{second}` cannot be combined with `{first}`"));
+        }
         let fields = field_bits(&LIGHT, values.iter().map(|(field, _)| *field));
         for (field, value) in values {
             (field.put)(&mut light, value);

@@ -42,6 +42,8 @@ pub fn values<T>(
         let lanes = lanes(value, key, field.form, &field.range);
         found.push((field, lanes.map_err(WrongKey::in_key(key))?));
     }
+    // In the order of the table, in which later values may depend on earlier ones.
+    found.sort_by_key(|(field, _)| std::ptr::from_ref(*field));
     Ok(found)
 }
 

@@ -25,29 +25,7 @@ use crate::{
     stages::{Animator, Scene},
 };
 
-const SCENE: &str = "
-version = 1
-timeline = { fps = 24, end = 47 }
-params = { count = 31 }
-camera.main = {}
-material.brass = { metallic = 1 }
-decal.poster = { material = \"brass\", dynamic = true }
-model.ball = { shape = { kind = \"sphere\" }, material = \"brass\" }
-model.walker = { file = \"walker.glb\", animation = \"walk\", material.skin = {} }
-model.flag = { shape = { kind = \"mesh\", positions = [[0, 0, 0], [1, 0, 0], [0, 1, 0]], indices = [0, 1, 2], dynamic = true } }
-light.lamp = { kind = \"point\", position = [0, 3, 0], intensity_cd = 10 }
-[[instance]]
-name = \"ball\"
-model = \"ball\"
-translation = [0, 1, 0]
-dynamic = true
-material = {}
-[[instance]]
-name = \"walker\"
-model = \"walker\"
-joints = [\"knee\", \"hip\"]
-morphs = \"smile\"
-";
+const SCENE: &str = include_str!("tests/scene.toml");
 
 fn scene() -> SceneDesc {
     let read = Scene::from_text(SCENE, Path::new("scene.toml"), &[]);
@@ -135,6 +113,23 @@ fn calls_share_no_state() {
     let again = motion.pose(3).expect("it runs");
     assert_eq!(first, again);
     assert_eq!(again.instances[0].translation.y, 1.0 + 2.0 + 32.0);
+}
+
+/// A beam with a hard edge at 60° has a solid angle of π, whatever key comes first.
+#[test]
+fn the_flux_of_a_beam_is_that_of_its_new_angles() {
+    let set = "ctx.light(\"beam\", #{ flux_lm: 314.159265, inner_deg: 60, outer_deg: 60 });";
+    let lights = frame(&format!("fn frame(ctx) {{ {set} }}"))
+        .expect("it is set")
+        .lights;
+    let [_, beam] = &lights[..] else {
+        panic!("{lights:?}")
+    };
+    assert!(
+        (beam.kind.intensity() - 100.0).abs() < 0.2,
+        "{:?}",
+        beam.kind
+    );
 }
 
 /// Text before and behind a statement that is tried: the caught error has a message and a place, which are thrown.

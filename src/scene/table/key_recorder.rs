@@ -214,13 +214,13 @@ impl RecordedKeys {
         }
     }
 
-    /// Changes a key of the open table, or the first of its variants.
+    /// Changes a key of the last variant of the open table that has it, or else of the table itself.
     pub fn change(&mut self, name: &str, change: impl FnOnce(&mut KeyRecord)) {
         let index = self.open.last().map(|(index, _)| *index);
         if let Some(section) = index.and_then(|index| self.sections.get_mut(index)) {
             let variants = section.variants.iter_mut().flat_map(|v| &mut v.keys);
             let mut keys = section.keys.iter_mut().chain(variants);
-            keys.find(|key| key.name == name).map(change);
+            keys.rfind(|key| key.name == name).map(change);
         }
     }
 

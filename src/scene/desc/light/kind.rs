@@ -1,13 +1,13 @@
 //! Kinds of lights, and the table of the values of lights that may change over time.
 
-use std::f32::consts::PI;
+use std::f64::consts::PI;
 
 use glam::Vec3;
 
 use super::LightDesc;
 use crate::{
     number::{Field, Form, Lanes, plain},
-    range::{ABOVE_0, ANY, FROM_0, Range, range},
+    range::{ABOVE_0, ANY, FROM_0, LIMIT, Range, range},
     table::Table,
 };
 
@@ -19,6 +19,21 @@ const OUTER_DEG: Range = INNER_DEG.above();
 /// Smallest radius of a point or spot light with a size, meters.
 const LEAST_RADIUS_M: f32 = 1e-10;
 
+/// Least difference of the cosines between which the edge of a beam fades.
+const LEAST_FADE: f32 = 1e-3;
+
+/// Lumens of a watt of light at 555 nm (SI, luminous efficacy), by which exporters of glTF convert.
+const LUMENS_PER_WATT: f32 = 683.0;
+
+/// Keys that say how bright a light with a place is, of which it has one.
+pub const BRIGHTNESS: [&str; 3] = ["intensity_cd", "flux_lm", "power_w"];
+
+/// Solid angle over which a flat light would spread its flux with its intensity straight ahead, steradians (Lambert).
+const FLAT_SR: f64 = PI;
+
+/// [`FLAT_SR`] in words.
+const FLAT_WORDS: &str = "3.14";
+
 declared! {
     /// `kind` of a light, with the keys that only this kind has.
     #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,10 +43,10 @@ declared! {
         Point = "point" {
             /// Position of the light, meters.
             position: Vec3,
-            /// Luminous intensity, candela, 0 or more. More is brighter. A lamp of L lumens has L / 12.57 as a point;
-            /// as a rectangle or a disk L / 3.14, and as a spot L / (6.28 (1 - cos `outer_deg`)) where `inner_deg` is
-            /// near. A bulb of 60 W, or 8 W with LEDs, gives about 800 lumens.
-            intensity_cd: f32 [FROM_0],
+            /// Luminous intensity, candela, 0 or more. More is brighter. A light has exactly one of `intensity_cd`,
+            /// `flux_lm` and `power_w`.
+            #[by(|t| intensity(t, 4.0 * PI, "12.57"))]
+            intensity_cd: f32,
             /// Radius of the glowing ball that the light is, meters, 0 or more; its intensity stays
             /// `intensity_cd`. More gives softer shadows and larger highlights; 0, or less than 1e-10, is a
             /// point without a size. Default 0.
@@ -47,13 +62,14 @@ declared! {
             /// Point at the middle of the beam, meters, in place of `direction`; the beam keeps pointing there
             /// when the light moves.
             target: Option<Vec3>,
-            /// Luminous intensity in the middle of the beam, candela, 0 or more.
-            intensity_cd: f32 [FROM_0],
             /// Angle from the middle of the beam up to which it has full brightness, degrees, 0 to `outer_deg`.
             /// Default 0.
             inner_deg: f32 [INNER_DEG] = 0.0,
             /// Angle from the middle of the beam at which it ends, degrees, above 0 and below 90. Default 45.
             outer_deg: f32 [OUTER_DEG] = 45.0,
+            /// Luminous intensity in the middle of the beam, candela, 0 or more; it stays where the angles move.
+            #[by(|t| intensity(t, beam_sr(inner_deg?, outer_deg?), BEAM_WORDS))]
+            intensity_cd: f32,
             /// Radius of a glowing ball that shines inside the cone, meters, 0 or more: more gives softer
             /// shadows; 0, or less than 1e-10, is a point without a size. Default 0.
             radius_m: f32 [FROM_0] = 0.0,
@@ -87,7 +103,8 @@ declared! {
             /// Edge lengths of the rectangle, meters, above 0; the second edge is along `up`.
             size: [f32; 2] [ABOVE_0],
             /// Luminous intensity straight ahead, candela, 0 or more.
-            intensity_cd: f32 [FROM_0],
+            #[by(|t| intensity(t, FLAT_SR, FLAT_WORDS))]
+            intensity_cd: f32,
         },
         /// `"disk"`: a flat disk around `position` that shines to one side as a `"rect"` does.
         Disk = "disk" {
@@ -102,7 +119,8 @@ declared! {
             /// Radius of the disk, meters, above 0.
             radius_m: f32 [ABOVE_0],
             /// Luminous intensity straight ahead, candela, 0 or more.
-            intensity_cd: f32 [FROM_0],
+            #[by(|t| intensity(t, FLAT_SR, FLAT_WORDS))]
+            intensity_cd: f32,
         },
     }
 }
@@ -174,6 +192,41 @@ impl LightKind {
         ])
     }
 
+    /// Scale and offset of the share of its intensity that a beam has at an angle, `saturate(cos * scale + offset)`
+    /// squared: linear in the cosine between the two cones (KHR_lights_punctual). `None` for a light without a beam.
+    pub fn cone_falloff(&self) -> Option<[f32; 2]> {
+        let [inner, outer] = self.cone_deg()?.map(|deg| deg.to_radians().cos());
+        let scale = 1.0 / (inner - outer).max(LEAST_FADE);
+        Some([scale, -outer * scale])
+    }
+
+    /// Ratio of the light's flux to its intensity, steradians; `None` for a light without a place.
+    fn steradians(&self) -> Option<f64> {
+        Some(match *self {
+            Self::Directional { .. } => return None,
+            Self::Point { .. } => 4.0 * PI,
+            Self::Spot {
+                inner_deg,
+                outer_deg,
+                ..
+            } => beam_sr(inner_deg, outer_deg),
+            Self::Rect { .. } | Self::Disk { .. } => FLAT_SR,
+        })
+    }
+
+    /// Luminous flux of a white light, lumens; `None` for a light without a place.
+    fn flux_lm(&self) -> Option<f32> {
+        Some((f64::from(self.intensity()) * self.steradians()?) as f32)
+    }
+
+    fn set_flux_lm(&mut self, lumens: f32) {
+        let steradians = self.steradians();
+        let intensity_cd = field!(self, intensity_cd: Point | Spot | Rect | Disk);
+        if let Some((intensity_cd, steradians)) = intensity_cd.zip(steradians) {
+            *intensity_cd = (f64::from(lumens) / steradians).min(LIMIT) as f32;
+        }
+    }
+
     /// Multiplies the lengths of the light by a factor, and its intensity so that it lights as before.
     pub fn scale(&mut self, factor: f32) {
         if let Some(radius_m) = field!(self, radius_m: Point | Spot | Disk) {
@@ -222,9 +275,9 @@ impl LightKind {
         let apparent = match *self {
             Self::Rect { size, .. } => size[0] * size[1],
             Self::Directional { angle_deg, .. } => {
-                PI * (0.5 * angle_deg).to_radians().sin().powi(2)
+                PI as f32 * (0.5 * angle_deg).to_radians().sin().powi(2)
             }
-            _ => PI * self.radius_m() * self.radius_m(),
+            _ => PI as f32 * self.radius_m() * self.radius_m(),
         };
         if apparent > 0.0 {
             self.intensity() / apparent
@@ -289,6 +342,59 @@ impl LightKind {
     }
 }
 
+/// Solid angle of a beam, weighted by its share of the intensity (see [`LightKind::cone_falloff`]), steradians.
+fn beam_sr(inner_deg: f32, outer_deg: f32) -> f64 {
+    // 1 minus the cosine, exact for narrow beams too.
+    let beyond = |deg: f32| 2.0 * (0.5 * f64::from(deg).to_radians()).sin().powi(2);
+    let outer = beyond(outer_deg);
+    let fade = (outer - beyond(inner_deg)).max(LEAST_FADE.into());
+    // The integral of a squared ramp is a third of its length; one that is cut off ends below 1.
+    let shares = match fade <= outer {
+        true => outer - fade * 2.0 / 3.0,
+        false => outer.powi(3) / (3.0 * fade * fade),
+    };
+    2.0 * PI * shares
+}
+
+/// [`beam_sr`] in words.
+const BEAM_WORDS: &str = "2π (1 - (2 cos `inner_deg` + cos `outer_deg`) / 3)";
+
+/// Reads the intensity of a light, candela, from the key of [`BRIGHTNESS`] that is written. Its flux is larger by the solid
+/// angle `steradians`, which the manual shows as `words`.
+fn intensity(t: &mut Table, steradians: f64, words: &str) -> Option<f32> {
+    let [candela, lumens, watts] = BRIGHTNESS;
+    t.one_of(true, &BRIGHTNESS.each_ref().map(std::slice::from_ref));
+    let intensity_cd = t.find(candela, FROM_0);
+    let flux_lm = t.find(lumens, FROM_0);
+    let power_w: Option<f32> = t.find(watts, FROM_0);
+    t.explain(lumens, || {
+        format!(
+            "Luminous flux of a white light, lumens, 0 or more, in place of `{candela}`: divided by {words}, it is the \
+             candela. A bulb of 60 W, or 8 W with LEDs, gives about 800."
+        )
+    });
+    t.explain(watts, || {
+        format!(
+            "Radiant power, watts, 0 or more, in place of `{candela}`: {LUMENS_PER_WATT} lumens each, as exporters of glTF \
+             convert. It is not the power that a bulb takes, most of which becomes heat."
+        )
+    });
+    let flux_lm = flux_lm.or(power_w.map(|watts| watts * LUMENS_PER_WATT));
+    let from_flux = || Some(f64::from(flux_lm?) / steradians);
+    let intensity_cd = intensity_cd.or_else(|| Some(from_flux()? as f32))?;
+    if f64::from(intensity_cd) > LIMIT {
+        let key = if t.has(lumens) { lumens } else { watts };
+        let message = format!("`{key}` makes so narrow a beam brighter than {LIMIT:e} candela");
+        t.refuse(
+            "out-of-range",
+            key,
+            &message,
+            "write less, or a larger `outer_deg`",
+        );
+    }
+    Some(intensity_cd)
+}
+
 /// Reads `direction`, as it is written.
 fn direction(t: &mut Table) -> Option<Vec3> {
     let direction = t.need("direction", ANY)?;
@@ -335,7 +441,7 @@ macro_rules! of_lights {
 }
 
 /// Values of a light that tracks and scripts may change; afterwards call [`LightDesc::settle`].
-pub static LIGHT: [Field<LightDesc>; 8] = [
+pub static LIGHT: [Field<LightDesc>; 10] = [
     of_lights! { position: Vector ANY in Point | Spot | Rect | Disk, "position, meters" },
     Field {
         key: "direction",
@@ -373,4 +479,21 @@ pub static LIGHT: [Field<LightDesc>; 8] = [
     plain!(color, "linear color", Color, FROM_0),
     of_lights! { inner_deg: Number INNER_DEG in Spot, "" },
     of_lights! { outer_deg: Number OUTER_DEG in Spot, "angle from the middle at which a spot's beam ends, degrees" },
+    // After the angles, which say what candela a flux is.
+    Field {
+        key: BRIGHTNESS[1],
+        what: "luminous flux, in place of `intensity_cd`, lumens",
+        form: Form::Number,
+        range: FROM_0,
+        get: |light| light.kind.flux_lm().map(Lanes::lanes),
+        put: |light, lumens| light.kind.set_flux_lm(lumens.x),
+    },
+    Field {
+        key: BRIGHTNESS[2],
+        what: "radiant power, in place of `intensity_cd`, watts",
+        form: Form::Number,
+        range: FROM_0,
+        get: |light| Some((light.kind.flux_lm()? / LUMENS_PER_WATT).lanes()),
+        put: |light, watts| light.kind.set_flux_lm(watts.x * LUMENS_PER_WATT),
+    },
 ];
