@@ -6,6 +6,7 @@ use std::{
 };
 
 use ::exr::prelude::{FlatSamples, read_first_flat_layer_from_file};
+use tempfile::TempDir;
 
 use super::picture_file::PictureFile;
 use crate::error::OutputError;
@@ -21,17 +22,18 @@ fn goal(path: impl Into<PathBuf>) -> Goal {
     Goal::typed(path.into())
 }
 
+/// A new folder, the path of a file in it, and the file as an output.
+fn output(name: &str) -> (TempDir, PathBuf, PictureFile) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join(name);
+    let output = PictureFile::new(&goal(path.clone())).expect("writable");
+    (folder, path, output)
+}
+
 fn names(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).expect("readable");
-    let mut names: Vec<_> = entries
-        .map(|entry| {
-            entry
-                .expect("entry")
-                .file_name()
-                .into_string()
-                .expect("UTF-8")
-        })
-        .collect();
+    let entries = fs::read_dir(folder).expect("readable").flatten();
+    let names = entries.map(|entry| entry.file_name().into_string().expect("UTF-8"));
+    let mut names: Vec<_> = names.collect();
     names.sort();
     names
 }
@@ -69,31 +71,22 @@ fn refusal(path: &Path) -> String {
 
 #[test]
 fn a_png_and_its_planes_are_written_whole() {
-    let temporary = tempfile::tempdir().expect("a folder");
-    let folder = temporary.path();
-    let output = PictureFile::new(&goal(folder.join("out.png"))).expect("writable");
-    assert!(names(folder).is_empty(), "checking leaves nothing");
+    let (folder, path, output) = output("out.png");
+    assert!(names(folder.path()).is_empty(), "checking leaves nothing");
     output.write(&picture()).expect("written");
     output.write(&picture()).expect("written over");
-    assert_eq!(names(folder), ["out.cause.png", "out.png"]);
-    let read = image::open(folder.join("out.png"))
-        .expect("a PNG")
-        .into_rgb8();
+    assert_eq!(names(folder.path()), ["out.cause.png", "out.png"]);
+    let read = image::open(path).expect("a PNG").into_rgb8();
     assert_eq!(read.into_raw(), [10, 20, 30, 40, 50, 60]);
 }
 
 #[test]
 fn a_folder_where_a_plane_would_go_is_refused_before_rendering() {
-    let temporary = tempfile::tempdir().expect("a folder");
-    let folder = temporary.path();
-    fs::create_dir_all(folder.join("out.source.png")).expect("a folder in the way");
-    let output = PictureFile::new(&goal(folder.join("out.png"))).expect("writable");
-    assert!(
-        output
-            .check_files(&[Aov::Normal], &Inputs::default())
-            .is_ok()
-    );
-    match output.check_files(&[Aov::Normal, Aov::Source], &Inputs::default()) {
+    let (folder, _, output) = output("out.png");
+    fs::create_dir_all(folder.path().join("out.source.png")).expect("a folder in the way");
+    let check = |aovs: &[Aov]| output.check_files(aovs, &Inputs::default());
+    assert!(check(&[Aov::Normal]).is_ok());
+    match check(&[Aov::Normal, Aov::Source]) {
         Err(OutputError::Usage(text)) => {
             assert!(text.contains("out.source.png: it is a folder"), "{text}")
         }
@@ -103,13 +96,9 @@ fn a_folder_where_a_plane_would_go_is_refused_before_rendering() {
 
 #[test]
 fn an_exr_keeps_floats_and_codes() {
-    let temporary = tempfile::tempdir().expect("a folder");
-    let folder = temporary.path();
-    let path = folder.join("out.EXR");
-    PictureFile::new(&goal(path.clone()))
-        .and_then(|output| output.write(&picture()))
-        .expect("written");
-    assert_eq!(names(folder), ["out.EXR"]);
+    let (folder, path, output) = output("out.EXR");
+    output.write(&picture()).expect("written");
+    assert_eq!(names(folder.path()), ["out.EXR"]);
     let read = read_first_flat_layer_from_file(&path).expect("an EXR");
     let channels = &read.layer_data.channel_data.list;
     let found: Vec<_> = channels.iter().map(|c| c.name.to_string()).collect();
@@ -121,10 +110,7 @@ fn an_exr_keeps_floats_and_codes() {
 
 #[test]
 fn an_exr_that_was_cut_or_changed_is_not_done() {
-    let temporary = tempfile::tempdir().expect("a folder");
-    let folder = temporary.path();
-    let path = folder.join("out.exr");
-    let output = PictureFile::new(&goal(path.clone())).expect("writable");
+    let (_folder, path, output) = output("out.exr");
     let side = 64;
     let texels = (side * side) as usize;
     let picture = Picture {
@@ -175,11 +161,9 @@ fn refuses_invalid_paths_before_rendering() {
 
 #[test]
 fn failed_output_leaves_no_file() {
-    let temporary = tempfile::tempdir().expect("a folder");
-    let folder = temporary.path();
-    let output = PictureFile::new(&goal(folder.join("out.png"))).expect("writable");
+    let (folder, path, output) = output("out.png");
     // A folder blocks the second file's temporary name: that fails after the first file is complete.
-    let hidden = Temporary::create(&goal(folder.join("out.cause.png")));
+    let hidden = Temporary::create(&goal(path.with_file_name("out.cause.png")));
     let obstacle = hidden.expect("creatable").path().to_owned();
     fs::create_dir(&obstacle).expect("folder");
     let error = output.write(&picture()).expect_err("unwritable plane");
@@ -189,21 +173,19 @@ fn failed_output_leaves_no_file() {
         "{error:?}"
     );
     let obstacle = obstacle.file_name().expect("a name").to_string_lossy();
-    assert_eq!(names(folder), [obstacle]);
+    assert_eq!(names(folder.path()), [obstacle]);
 }
 
 #[test]
 fn a_transparent_background_is_in_the_file() {
-    let temporary = tempfile::tempdir().expect("a folder");
-    let folder = temporary.path();
-    let output = PictureFile::new(&goal(folder.join("out.png"))).expect("writable");
+    let (_folder, path, output) = output("out.png");
     let mut transparent = Picture {
         alpha: true,
         ..picture()
     };
     transparent.display[3] = 64;
     output.write(&transparent).expect("written");
-    let read = image::open(folder.join("out.png")).expect("a PNG");
+    let read = image::open(path).expect("a PNG");
     let image::DynamicImage::ImageRgba8(read) = read else {
         panic!("the PNG has no alpha");
     };
@@ -227,11 +209,8 @@ fn the_bytes_of_a_picture_are_the_same_every_time() {
         planes,
         ..picture()
     };
-    let temporary = tempfile::tempdir().expect("a folder");
-    let folder = temporary.path();
     for ending in ["png", "exr"] {
-        let path = folder.join(format!("out.{ending}"));
-        let output = PictureFile::new(&goal(path.clone())).expect("writable");
+        let (_folder, path, output) = output(&format!("out.{ending}"));
         let mut first = None;
         for run in 0..30 {
             output
