@@ -1,9 +1,6 @@
 //! Tests of watching with refused watches: system limits and unreadable folders.
 
-use std::sync::{
-    Arc, Mutex, PoisonError,
-    atomic::{AtomicU32, Ordering},
-};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use notify::{Config, ErrorKind, RecursiveMode, WatcherKind};
 
@@ -41,20 +38,19 @@ impl notify::Watcher for RefusingWatcher {
 
 /// A watcher over a temporary file, with a backend that refuses folders, or its first start.
 struct Case {
+    /// Ends before its folder is removed.
+    _watcher: Watcher,
+    _folder: tempfile::TempDir,
     path: PathBuf,
     refuses: Refuses,
     events: Receiver<WatchEvent>,
-    watcher: Option<Watcher>,
 }
 
 impl Case {
     fn new(refuses: Option<fn() -> ErrorKind>, refuses_start: u32) -> Self {
-        static NUMBER: AtomicU32 = AtomicU32::new(0);
-        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
-        let name = format!("reflet-refused-{}-{number}", std::process::id());
-        let folder = std::env::temp_dir().join(name);
-        fs::create_dir_all(&folder).expect("a folder");
-        let path = folder.join("a.toml");
+        let folder = tempfile::Builder::new().prefix("reflet-refused-").tempdir();
+        let folder = folder.expect("a folder");
+        let path = folder.path().join("a.toml");
         fs::write(&path, "first").expect("written");
         let refuses: Refuses = Arc::new(Mutex::new(refuses));
         let (shared, mut left) = (refuses.clone(), refuses_start);
@@ -87,10 +83,11 @@ impl Case {
         };
         watcher.watch(list, SystemTime::now() + Duration::from_secs(60));
         Self {
+            _watcher: watcher,
+            _folder: folder,
             path,
             refuses,
             events: received,
-            watcher: Some(watcher),
         }
     }
 
@@ -122,13 +119,6 @@ impl Case {
             WatchEvent::Failure(_) => false,
         };
         while !is_change(&self.next()) {}
-    }
-}
-
-impl Drop for Case {
-    fn drop(&mut self) {
-        self.watcher = None;
-        let _ = fs::remove_dir_all(self.path.parent().expect("a folder"));
     }
 }
 
