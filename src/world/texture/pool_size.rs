@@ -135,38 +135,24 @@ mod tests {
         sizes.iter().map(texture).collect()
     }
 
+    /// Lines of `pool_sizes.txt`: widths and heights of images, each perhaps so many times, then the sizes of the pools,
+    /// and the size that the last image is kept with.
     #[test]
     fn sizes_follow_the_images_within_the_budget() {
-        for (images, sizes, kept) in [
-            (vec![], [512, 1024, 2048], 0),
-            (vec![[100, 7], [2048, 3]], [512, 1024, 2048], 2048),
-            (vec![[4096, 4096]], [512, 1024, 4096], 4096),
-            (
-                vec![[8192, 8192], [2000, 2], [4096, 4096]],
-                [2048, 4096, 8192],
-                4096,
-            ),
-            // Two of 512 pixels cost less as 1024 than one of 2048 as 4096.
-            (
-                vec![
-                    [4096, 4096],
-                    [2048, 2048],
-                    [1024, 9],
-                    [512, 512],
-                    [512, 512],
-                ],
-                [1024, 2048, 4096],
-                1024,
-            ),
-            // Eleven of 8192 pixels are 3.7 GiB, of 4096 they are 0.9.
-            (vec![[8192, 8192]; 11], [512, 1024, 4096], 4096),
-            (vec![[4096, 4096]; 13], [512, 1024, 2048], 2048),
-            (vec![[512, 512]; 20_000], [512, 1024, 2048], 512),
-            // Strips are kept with up to 4 texels for each of theirs.
-            (vec![[8192, 512]], [512, 1024, 4096], 4096),
-            (vec![[16384, 1]], [512, 1024, 2048], 2048),
-            (vec![[20_000, 20_000]], [512, 1024, 8192], 8192),
-        ] {
+        let number = |text: &str| -> u32 { text.parse().expect(text) };
+        for case in include_str!("pool_sizes.txt")
+            .lines()
+            .filter(|l| !l.starts_with('#'))
+        {
+            let (images, expected) = case.split_once("=> ").expect(case);
+            let images = images.split_whitespace().flat_map(|image| {
+                let (size, times) = image.split_once('*').unwrap_or((image, "1"));
+                let (width, height) = size.split_once('x').expect(case);
+                vec![[width, height].map(number); number(times) as usize]
+            });
+            let images: Vec<_> = images.collect();
+            let expected: Vec<_> = expected.split(' ').map(number).collect();
+            let (sizes, kept) = (&expected[..3], expected[3]);
             let images = textures(&images);
             let pools = PoolSizes::for_textures(&images);
             assert_eq!(pools.px, sizes, "{images:?}");
