@@ -106,19 +106,23 @@ mod tests {
     use super::*;
     use crate::lighting::lights::{ShadowSizes, lights, map_near_m};
     use reflet_base::math::Bounds;
-    use reflet_scene::desc::{LightDesc, LightKind};
+    use reflet_scene::{
+        desc::{Entry, LightDesc},
+        stages::Scene,
+    };
 
-    fn light(kind: LightKind) -> Light {
-        Light {
-            name: "lamp".to_owned(),
-            desc: LightDesc {
-                shadow: ShadowMode::Map,
-                shadow_px: 64,
-                ..LightDesc::new(kind)
-            },
+    /// A point, a spot and a directional light, which have depth maps.
+    fn lamps() -> Vec<Light> {
+        let text = include_str!("debug_readback.toml");
+        let read = Scene::from_text(text, "lights.toml".as_ref(), &[]);
+        let lights = &read.expect("it is right").0.desc.lights;
+        let light = |light: &Entry<LightDesc>| Light {
+            name: light.name.clone(),
+            desc: light.value,
             range_m: None,
             moves: false,
-        }
+        };
+        lights.iter().map(light).collect()
     }
 
     /// Draws a point into the map and reads its depth back: the distance is the point's.
@@ -128,32 +132,9 @@ mod tests {
             min: Vec3::new(-2.0, 0.0, -3.0),
             max: Vec3::new(4.0, 5.0, 6.0),
         };
-        let eye = Vec3::new(0.5, 4.0, 1.0);
-        let down = Vec3::NEG_Y;
-        let kinds = [
-            LightKind::Point {
-                position: eye,
-                intensity_cd: 1.0,
-                radius_m: 0.0,
-            },
-            LightKind::Spot {
-                position: eye,
-                direction: down,
-                target: None,
-                intensity_cd: 1.0,
-                inner_deg: 20.0,
-                outer_deg: 40.0,
-                radius_m: 0.0,
-            },
-            LightKind::Directional {
-                direction: down,
-                intensity_lux: 1.0,
-                angle_deg: 0.0,
-            },
-        ];
         let point = Vec3::new(0.7, 1.25, 0.8);
-        for (kind, expected_m) in kinds.into_iter().zip([2.75, 2.75, 3.75]) {
-            let all = [light(kind)];
+        for (lamp, expected_m) in lamps().into_iter().zip([2.75, 2.75, 3.75]) {
+            let all = [lamp];
             let options = RenderOptions::default();
             let (_, views) = lights(
                 &all,
@@ -176,11 +157,7 @@ mod tests {
 
     #[test]
     fn only_lights_with_maps_have_faces() {
-        let mut lamp = light(LightKind::Directional {
-            direction: Vec3::X,
-            intensity_lux: 1.0,
-            angle_deg: 0.0,
-        });
+        let mut lamp = lamps().pop().expect("the last one");
         assert_eq!(shadow_faces(0, &lamp, &RenderOptions::default()), 1);
         lamp.desc.shadow = ShadowMode::Ray;
         assert_eq!(shadow_faces(0, &lamp, &RenderOptions::default()), 0);
