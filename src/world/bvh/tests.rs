@@ -1,7 +1,7 @@
 //! Tests of building: sizes, limits, degenerate input. `tests/trace_oracle` tests traversal against
 //! brute force.
 
-use glam::{Affine3A, DVec3, Quat, Vec3};
+use glam::{Affine3A, DVec3, Vec3};
 
 use super::*;
 use crate::{Material, Mesh, shape};
@@ -46,15 +46,26 @@ fn world(meshes: Vec<Mesh>, placements: &[(usize, Affine3A, bool)]) -> World {
     }
 }
 
-/// The hit of a ray from z = 5 towards the middle of the unit triangle moved by `x`.
-fn look_at(trees: &Trees, x: f64) -> Option<RayHit> {
-    let ray = Ray {
-        origin: DVec3::new(x + 0.25, 0.25, 5.0),
+/// So many placements of mesh 0, this far apart along X.
+fn row(count: usize, apart_m: f32, dynamic: bool) -> Vec<(usize, Affine3A, bool)> {
+    let at = |i: usize| Affine3A::from_translation(Vec3::X * apart_m * i as f32);
+    (0..count).map(|i| (0, at(i), dynamic)).collect()
+}
+
+/// A ray towards -Z from z = 5.
+fn down(x: f64, y: f64) -> Ray {
+    Ray {
+        origin: DVec3::new(x, y, 5.0),
         direction: DVec3::NEG_Z,
         t_min: 0.0,
         t_max: 1e30,
         passes: 0,
-    };
+    }
+}
+
+/// The hit of a ray from z = 5 towards the middle of the unit triangle moved by `x`.
+fn look_at(trees: &Trees, x: f64) -> Option<RayHit> {
+    let ray = down(x + 0.25, 0.25);
     assert_eq!(
         trees.nearest(&ray, |_, _, _| true).is_some(),
         trees.any(&ray, |_, _, _| true)
@@ -90,13 +101,8 @@ fn empty_worlds_have_buffers_and_no_hits() {
 fn any_number_of_instances_is_found() {
     for dynamic in [false, true] {
         for count in [1, 2, 3, 4, 9, 100, 1000] {
-            let placements: Vec<_> = (0..count)
-                .map(|i| {
-                    let place = Affine3A::from_translation(Vec3::X * (2 * i) as f32);
-                    (0, place, dynamic)
-                })
-                .collect();
-            let world = world(vec![triangle_mesh(&[unit_triangle()])], &placements);
+            let meshes = vec![triangle_mesh(&[unit_triangle()])];
+            let world = world(meshes, &row(count, 2.0, dynamic));
             let trees = Trees::build(&world, LIMIT).unwrap();
             assert_eq!(trees.top_instances.len(), if dynamic { count } else { 0 });
             for i in [0, count / 2, count - 1] {
@@ -116,38 +122,18 @@ fn a_ray_through_boxes_that_lie_over_one_another_ends() {
     );
     let trees = Trees::build(&world, LIMIT).unwrap();
     // Within every box, and beside every triangle.
-    let ray = Ray {
-        origin: DVec3::new(0.75, 0.75, 5.0),
-        direction: DVec3::NEG_Z,
-        t_min: 0.0,
-        t_max: 1e30,
-        passes: 0,
-    };
-    assert_eq!(trees.nearest_counted(&ray), (None, oracle::MOST_VISITS));
+    let counted = trees.nearest_counted(&down(0.75, 0.75));
+    assert_eq!(counted, (None, oracle::MOST_VISITS));
 }
 
 #[test]
 fn copies_are_stored_once_where_they_do_not_fit() {
-    let sphere = shape::make(
-        &ShapeDesc::Sphere {
-            radius: 1.0,
-            segments: Some(64),
-        },
-        &shape::Supplies::default(),
-    )
-    .expect("a sphere")
-    .mesh;
+    let (radius, segments) = (1.0, Some(64));
+    let sphere = ShapeDesc::Sphere { radius, segments };
+    let sphere = shape::make(&sphere, &shape::Supplies::default());
+    let sphere = sphere.expect("a sphere").mesh;
     let bytes = (sphere.triangles.len() * size_of::<TraceTriangle>()) as u64;
-    let placements: Vec<_> = (0..10)
-        .map(|i| {
-            (
-                0,
-                Affine3A::from_translation(Vec3::X * 3.0 * i as f32),
-                false,
-            )
-        })
-        .collect();
-    let world = world(vec![sphere], &placements);
+    let world = world(vec![sphere], &row(10, 3.0, false));
     let roomy = Trees::build(&world, LIMIT).unwrap();
     assert_eq!(roomy.top_instances.len(), 0);
     let tight = Trees::build(&world, bytes * 3).unwrap();
@@ -171,13 +157,11 @@ fn copies_are_stored_once_where_they_do_not_fit() {
 
 #[test]
 fn small_meshes_are_copied_up_to_a_million_triangles() {
-    let place = |i: usize| Affine3A::from_translation(Vec3::X * (2 * i) as f32);
     let mesh = || triangle_mesh(&[unit_triangle(); 64]);
     // 64 triangles more than a copy of each mesh but the first may take.
     let copies = (1 << 20) / 64 + 2;
     for (count, is_stored_once) in [(copies - 1, false), (copies, true)] {
-        let placements: Vec<_> = (0..count).map(|i| (0, place(i), false)).collect();
-        let world = world(vec![mesh()], &placements);
+        let world = world(vec![mesh()], &row(count, 2.0, false));
         let placement = Placement::within(&world, LIMIT, &[]).unwrap();
         assert_eq!(placement.top.len(), if is_stored_once { count } else { 0 });
         if !is_stored_once {
@@ -272,10 +256,8 @@ fn moved_instances_are_found_where_they_are() {
     let mut trees = Trees::build(&world, LIMIT).unwrap();
     let before = trees.nodes.clone();
     for (i, instance) in world.instances.iter_mut().enumerate() {
-        instance.world_from_object = Affine3A::from_rotation_translation(
-            Quat::IDENTITY,
-            Vec3::new(100.0 + 2.0 * i as f32, 0.0, 0.0),
-        );
+        let x = 100.0 + 2.0 * i as f32;
+        instance.world_from_object = Affine3A::from_translation(Vec3::X * x);
     }
     trees.update_top_level(&world).expect("shallow");
     assert_eq!(look_at(&trees, 0.0), None);
