@@ -1,31 +1,10 @@
 //! Volumes of combined shapes add up.
 
-use glam::Quat;
-use reflet_scene::desc::{PartDesc, PlacementDesc, Written};
-
 use super::*;
 
-pub fn part(shape: ShapeDesc, translation: Vec3, rotation: Quat, scale: Vec3) -> PartDesc {
-    let placement = PlacementDesc::Trs {
-        translation,
-        rotation,
-        scale,
-    };
-    let at = Written(Default::default());
-    PartDesc {
-        shape,
-        placement,
-        at,
-    }
-}
-
-fn moved(shape: ShapeDesc, translation: Vec3) -> PartDesc {
-    part(shape, translation, Quat::IDENTITY, Vec3::ONE)
-}
-
-fn volume(shape: &ShapeDesc) -> f64 {
-    let mesh = mesh(shape);
-    check_joined(&mesh, &format!("{shape:?}"));
+fn volume(shape: &str) -> f64 {
+    let mesh = mesh(&read(shape));
+    check_joined(&mesh, shape);
     area_and_volume(&mesh).1
 }
 
@@ -38,27 +17,23 @@ fn volumes_of_combined_shapes_add_up() {
         r#"{ kind = "cylinder", radius = 0.4, height = 1.2, segments = 24 }"#,
         r#"{ kind = "torus", radius = 0.5, tube_radius = 0.2, segments = 24 }"#,
         r#"{ kind = "cone", radius = 0.5, height = 1, segments = 24 }"#,
-    ]
-    .map(read);
+    ];
     let mut turn = 0.3_f32;
-    for a in &shapes {
-        for b in &shapes {
+    for a in shapes {
+        for b in shapes {
             turn += 1.7;
-            let rotation = Quat::from_euler(glam::EulerRot::XYZ, turn, 2.0 * turn, 0.5 * turn);
-            let offset = Vec3::new(0.1 * turn.sin(), 0.2, 0.1 * turn.cos());
-            let parts = || {
-                let second = part(b.clone(), offset, rotation, Vec3::new(1.0, 1.2, 0.9));
-                vec![moved(a.clone(), Vec3::ZERO), second]
-            };
-            let own = [
-                area_and_volume(&mesh(a)).1,
-                area_and_volume(&mesh(b)).1 * 1.08,
-            ];
-            let union = volume(&ShapeDesc::Union { parts: parts() });
-            let both = volume(&ShapeDesc::Intersection { parts: parts() });
-            let left = volume(&ShapeDesc::Difference { parts: parts() });
-            assert!((union + both - own[0] - own[1]).abs() < 1e-4, "{a:?} {b:?}");
-            assert!((left + both - own[0]).abs() < 1e-4, "{a:?} {b:?}");
+            let rotation = [turn, 2.0 * turn, 0.5 * turn].map(f32::to_degrees);
+            let offset = [0.1 * turn.sin(), 0.2, 0.1 * turn.cos()];
+            let second = format!(
+                "shape = {b}, translation = {offset:?}, rotation_deg = {rotation:?}, scale = [1, 1.2, 0.9]"
+            );
+            let [union, both, left] = ["union", "intersection", "difference"].map(|kind| {
+                let parts = format!("[{{ shape = {a} }}, {{ {second} }}]");
+                volume(&format!("{{ kind = \"{kind}\", parts = {parts} }}"))
+            });
+            let own = [volume(a), 1.08 * volume(b)];
+            assert!((union + both - own[0] - own[1]).abs() < 1e-4, "{a} {b}");
+            assert!((left + both - own[0]).abs() < 1e-4, "{a} {b}");
         }
     }
 }

@@ -2,12 +2,11 @@
 
 use std::collections::HashMap;
 
-use glam::{Quat, Vec3};
 use kurbo::PathEl;
 use reflet_base::memory::Budget;
 use reflet_scene::desc::ShapeDesc;
 
-use super::{boolean::part, read, text::with_font};
+use super::{read, text::with_font};
 use crate::shape::{
     MOST_WORK, Supplies,
     flatten::{MOST_CHORDS, Pen},
@@ -22,11 +21,9 @@ fn limited(work: u64) -> Supplies {
 }
 
 fn sphere(segments: u32) -> ShapeDesc {
-    let radius = 1.0;
-    ShapeDesc::Sphere {
-        radius,
-        segments: Some(segments),
-    }
+    read(&format!(
+        r#"{{ kind = "sphere", radius = 1, segments = {segments} }}"#
+    ))
 }
 
 #[test]
@@ -43,25 +40,25 @@ fn shapes_within_their_bounds_exceed_that_of_all() {
 
 #[test]
 fn combining_parts_costs_their_triangles_each_time() {
-    let part = |turn: f32| {
-        part(
-            sphere(16),
-            Vec3::ZERO,
-            Quat::from_rotation_y(turn),
-            Vec3::ONE,
-        )
+    let combined = |kind: &str, count: u32| {
+        let sphere = r#"shape = { kind = "sphere", radius = 1, segments = 16 }"#;
+        let part = |i: u32| {
+            format!(
+                "{{ {sphere}, rotation_deg = [0, {}, 0] }}",
+                57.3 * f64::from(i)
+            )
+        };
+        let parts = (0..count).map(part).collect::<Vec<_>>().join(", ");
+        read(&format!(r#"{{ kind = "{kind}", parts = [{parts}] }}"#))
     };
-    let parts: Vec<_> = (0..5).map(|i| part(i as f32)).collect();
-    let spent = |count: usize| {
+    let spent = |count: u32| {
         let supplies = limited(1 << 20);
-        let parts = parts[..count].to_vec();
-        make(&ShapeDesc::Union { parts }, &supplies).expect("a union");
+        make(&combined("union", count), &supplies).expect("a union");
         (1 << 20) - supplies.work.left()
     };
     let (few, many) = (spent(2), spent(5));
     assert!(many > 4 * few, "{few} {many}");
-    let parts = parts.clone();
-    let fault = make(&ShapeDesc::Intersection { parts }, &limited(many / 2));
+    let fault = make(&combined("intersection", 5), &limited(many / 2));
     assert_eq!(fault.expect_err("too much").name, "shapes-too-large");
 }
 
