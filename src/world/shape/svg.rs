@@ -1,4 +1,4 @@
-//! Filled shapes of SVG files (<https://www.w3.org/TR/SVG2/>), whose styles, transforms and references usvg resolves.
+//! Filled and stroked shapes of SVG files (<https://www.w3.org/TR/SVG2/>), whose styles, transforms and references usvg resolves.
 
 use std::{collections::HashMap, fmt::Display};
 
@@ -7,7 +7,7 @@ use reflet_scene::desc::{FigureDesc, FillRule, OutlineDesc};
 use usvg::{
     FillRule as Rule, Group, ImageHrefResolver, Node, Options, Tree,
     roxmltree::{Document, ParsingOptions},
-    tiny_skia_path::{PathSegment, Point},
+    tiny_skia_path::{PathSegment, PathStroker, Point},
 };
 
 use super::{
@@ -20,18 +20,20 @@ const MOST_BYTES: usize = 1_000_000;
 /// Largest number of elements and texts of a file, and of elements within each other.
 const MOST_NODES: u32 = 10_000;
 const MOST_DEPTH: usize = 100;
-/// Whatever fills nothing, or would be repeated along a path, is not made.
-const FILLS_ALONE: &str = "* { stroke: none !important; marker: none !important; clip-path: none !important; \
-                           mask: none !important; filter: none !important }";
+/// Whatever fills and strokes nothing, or would be repeated along a path, is not made.
+const PATHS_ALONE: &str = "* { marker: none !important; clip-path: none !important; mask: none !important; \
+                           filter: none !important }";
+/// Scale for which curves beside strokes are drawn: they are as near as a quarter of a pixel is at this size.
+const STROKE_SCALE: f32 = 64.0;
 
 fn wrong(what: impl Display, help: &str) -> Fault {
     Fault::new("wrong-svg", format!("this SVG file {what}")).help(help)
 }
 
-/// The filled shapes of an outline's file, in its pixels, y upwards; none of an outline without a file.
+/// The filled shapes of an outline's file and the outlines of its strokes, in its pixels, y upwards; none of an outline without a file.
 ///
 /// # Errors
-/// `wrong-svg` for bytes that are no such file, and one that is too large, has text or no filled shape; `wrong-outline`
+/// `wrong-svg` for bytes that are no such file, and one that is too large, has text or no shape; `wrong-outline`
 /// for one of too many chords.
 pub fn parts(desc: &OutlineDesc, supplies: &Supplies) -> Result<Vec<Filled>, Fault> {
     let FigureDesc::Svg(file) = &desc.figure else {
@@ -68,15 +70,15 @@ fn read(bytes: &[u8], segments: u32) -> Result<Vec<Filled>, Fault> {
             resolve_data: Box::new(|_, _, _| None),
             resolve_string: Box::new(|_, _| None),
         },
-        style_sheet: Some(FILLS_ALONE.to_owned()),
+        style_sheet: Some(PATHS_ALONE.to_owned()),
         ..Options::default()
     };
     let tree = Tree::from_xmltree(&document, &options).map_err(|error| broken(&error))?;
     let mut parts = Vec::new();
     add(&mut parts, &mut Pen::new(segments), tree.root())?;
     if parts.is_empty() {
-        let help = "turn its strokes into paths, in Inkscape by Path > Stroke to Path";
-        return Err(wrong("has no filled shape", help));
+        let help = "give a path of it a fill or a stroke";
+        return Err(wrong("has no filled or stroked shape", help));
     }
     Ok(parts)
 }
@@ -118,7 +120,7 @@ fn check(document: &Document) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Adds the filled shapes of a group, with its groups.
+/// Adds the filled and stroked shapes of a group, with its groups.
 fn add(parts: &mut Vec<Filled>, pen: &mut Pen, group: &Group) -> Result<(), Fault> {
     for node in group.children() {
         let path = match node {
@@ -129,24 +131,32 @@ fn add(parts: &mut Vec<Filled>, pen: &mut Pen, group: &Group) -> Result<(), Faul
             Node::Path(path) if path.is_visible() => path,
             _ => continue,
         };
-        let rule = match path.fill().map(usvg::Fill::rule) {
-            Some(Rule::NonZero) => FillRule::Nonzero,
-            Some(Rule::EvenOdd) => FillRule::Evenodd,
-            None => continue,
-        };
+        let filled = path.fill().map(|fill| match fill.rule() {
+            Rule::NonZero => (FillRule::Nonzero, path.data().clone()),
+            Rule::EvenOdd => (FillRule::Evenodd, path.data().clone()),
+        });
+        let scale = STROKE_SCALE * PathStroker::compute_resolution_scale(&path.abs_transform());
+        let stroked = path.stroke().and_then(|stroke| {
+            let stroke = stroke.to_tiny_skia();
+            let dashed = (stroke.dash.as_ref()).map(|dash| path.data().dash(dash, scale));
+            let line = dashed.unwrap_or_else(|| Some(path.data().clone()))?;
+            Some((FillRule::Nonzero, line.stroke(&stroke, scale)?))
+        });
         let upwards = path.abs_transform().post_scale(1.0, -1.0);
-        let moved = path.data().clone().transform(upwards);
         let at = |p: Point| (f64::from(p.x), f64::from(p.y)).into();
-        for segment in moved.iter().flat_map(|path| path.segments()) {
-            pen.draw(match segment {
-                PathSegment::MoveTo(p) => PathEl::MoveTo(at(p)),
-                PathSegment::LineTo(p) => PathEl::LineTo(at(p)),
-                PathSegment::QuadTo(a, p) => PathEl::QuadTo(at(a), at(p)),
-                PathSegment::CubicTo(a, b, p) => PathEl::CurveTo(at(a), at(b), at(p)),
-                PathSegment::Close => PathEl::ClosePath,
-            });
+        for (rule, outline) in filled.into_iter().chain(stroked) {
+            let moved = outline.transform(upwards);
+            for segment in moved.iter().flat_map(|path| path.segments()) {
+                pen.draw(match segment {
+                    PathSegment::MoveTo(p) => PathEl::MoveTo(at(p)),
+                    PathSegment::LineTo(p) => PathEl::LineTo(at(p)),
+                    PathSegment::QuadTo(a, p) => PathEl::QuadTo(at(a), at(p)),
+                    PathSegment::CubicTo(a, b, p) => PathEl::CurveTo(at(a), at(b), at(p)),
+                    PathSegment::Close => PathEl::ClosePath,
+                });
+            }
+            parts.push((rule, pen.finish()?));
         }
-        parts.push((rule, pen.finish()?));
     }
     Ok(())
 }
