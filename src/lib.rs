@@ -28,6 +28,7 @@
 //! | `src/gpu` | [`reflet_gpu`] | thin layer over wgpu: device, shaders, bindings by name, timings, readback; independent of scenes |
 //! | `src/world` | [`reflet_world`] | SceneDesc → CPU data: glTF, images, shapes, trees and the CPU oracle; no wgpu |
 //! | `src/scene` | [`reflet_scene`] | the scene format, its default values and its manual; [`scene::stages`] from text to a scene at a frame: [`scene::syntax`] is the tree of a text, parsed once for all who ask, [`scene::parse`] merges and reads trees and runs no program, [`scene::script`] is the sandbox, [`scene::motion`] evaluates animation tracks; loads no assets |
+//! | `src/text` | `reflet_text` | fonts, the places of letters in a line of text, and the outlines of letters; reads no files |
 //! | `src/base` | [`reflet_base`] | bounds and color over glam, atomic file writes, the memory budget, clocks, standard error |
 //!
 //! `docs/extending.md` says what each kind of addition touches, `docs/glossary.md` explains Reflet's own terms.

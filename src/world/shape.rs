@@ -1,7 +1,6 @@
 //! Shapes without files: their tessellation into meshes, in object space.
 
 mod boolean;
-mod charstring;
 mod contour;
 pub(crate) mod crossing;
 mod crossings;
@@ -19,7 +18,6 @@ mod numbers;
 mod outlined;
 mod region;
 mod rounded_box;
-mod runs;
 mod solid;
 mod supplies;
 mod svg;

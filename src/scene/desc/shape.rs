@@ -6,6 +6,7 @@ mod read;
 use std::sync::Arc;
 
 use glam::Vec3;
+use reflet_text::Lines;
 
 pub(super) use self::check::{MOST_CURVE_POINTS, wrong_curve};
 use super::{
@@ -189,6 +190,10 @@ declared! {
             /// Space that is added after each letter, as a factor on `size`, -1 to 100; with any, letters have no ligatures.
             /// Default 0.
             letter_spacing: f32 [range(-1.0, 100.0)] = 0.0,
+            /// Number of the only letter that is shown, 0 to 999, counted from left to right and line after line without
+            /// spaces; letters that the font draws as one count once. Its place in the text, which `text_letters` of
+            /// scripts tells, is then at the origin. Default: all letters.
+            letter: Option<u32> [range(0.0, 999.0)],
             /// Chords of a full turn of a curve, 3 to 1024: more is rounder. Default 64.
             segments: u32 [SEGMENTS] = 64,
             /// Place where the text is written.
@@ -353,6 +358,32 @@ impl ShapeDesc {
             } if *dynamic => Some(positions.len() / 3),
             _ => None,
         }
+    }
+
+    /// Lines of a text; `None` for any other shape.
+    pub fn lines(&self) -> Option<Lines<'_>> {
+        let Self::Text {
+            text,
+            size,
+            align,
+            line_height,
+            letter_spacing,
+            ..
+        } = self
+        else {
+            return None;
+        };
+        Some(Lines {
+            text,
+            size: *size,
+            line_height: *line_height,
+            letter_spacing: *letter_spacing,
+            align: match align {
+                TextAlign::Left => 0.0,
+                TextAlign::Center => 0.5,
+                TextAlign::Right => 1.0,
+            },
+        })
     }
 
     /// Font and SVG files of the shape and of its parts.

@@ -37,27 +37,34 @@ fn letters_are_closed_and_stand_on_their_line() {
     assert!((lines.min.y + 1.5).abs() < 1e-6, "{lines:?}");
 }
 
-/// The H of Ubuntu Light is three rectangles: its volume is theirs.
+/// Each letter at its place is a part of the whole text, and "fi" is one letter.
 #[test]
-fn a_letter_has_the_volume_of_its_strokes() {
-    let solid = mesh(&left("H"));
-    let xs: std::collections::BTreeSet<u32> =
-        solid.positions.iter().map(|p| p.x.to_bits()).collect();
-    let ys: std::collections::BTreeSet<u32> =
-        solid.positions.iter().map(|p| p.y.to_bits()).collect();
-    let [xs, ys] = [xs, ys].map(|all| -> Vec<f64> {
-        all.into_iter()
-            .map(|x| f64::from(f32::from_bits(x)))
-            .collect()
-    });
-    assert_eq!((xs.len(), ys.len()), (4, 4), "{xs:?} {ys:?}");
-    let strokes = (xs[1] - xs[0] + xs[3] - xs[2]) * (ys[3] - ys[0]);
-    let bar = (xs[2] - xs[1]) * (ys[2] - ys[1]);
-    let volume = area_and_volume(&solid).1;
-    assert!(
-        (volume / (0.25 * (strokes + bar)) - 1.0).abs() < 1e-4,
-        "{volume}"
-    );
+fn letters_at_their_places_are_the_text() {
+    let whole = text("AV fi\nT", "");
+    let lines = whole.lines().expect("a text");
+    let font = reflet_text::Font::open(reflet_text::Font::OWN).expect("a font");
+    let set = lines
+        .set_in(&font)
+        .into_iter()
+        .flat_map(|line| line.letters);
+    let letters: Vec<_> = set.filter(|letter| letter.is_visible()).collect();
+    let names: Vec<_> = letters.iter().map(|letter| letter.text.as_str()).collect();
+    assert_eq!(names, ["A", "V", "fi", "T"]);
+    let (mut bounds, mut volume) = (Bounds::EMPTY, 0.0);
+    for (i, letter) in letters.iter().enumerate() {
+        let own = mesh(&text("AV fi\nT", &format!("letter = {i}")));
+        let [x, y] = letter.place.map(|x| x as f32);
+        let moved = glam::Affine3A::from_translation(Vec3::new(x, y, 0.0));
+        bounds = bounds.union(own.bounds.transformed(&moved));
+        volume += area_and_volume(&own).1;
+    }
+    let whole = mesh(&whole);
+    assert!((volume / area_and_volume(&whole).1 - 1.0).abs() < 1e-5);
+    let off = (bounds.min - whole.bounds.min).abs() + (bounds.max - whole.bounds.max).abs();
+    assert!(off.max_element() < 1e-5, "{bounds:?} {:?}", whole.bounds);
+    let shape = text("AV fi\nT", "letter = 4");
+    let fault = make(&shape, &supplies(&shape)).expect_err("four letters");
+    assert_eq!(fault.name, "out-of-range", "{}", fault.message);
 }
 
 /// The font draws "fi" as one glyph, which has no place for a space.
@@ -81,16 +88,6 @@ fn bevelled_letters_are_closed() {
 }
 
 #[test]
-fn kerning_moves_letters_together() {
-    let width = |word: &str| {
-        let bounds = mesh(&left(word)).bounds;
-        bounds.max.x - bounds.min.x
-    };
-    let [apart, close] = [width("A") + width("V"), width("AV")];
-    assert!(close < apart, "{close} {apart}");
-}
-
-#[test]
 fn fonts_that_are_none_are_refused_and_missing_letters_told() {
     let with = |bytes: &[u8]| {
         let shape = with_font("a");
@@ -100,7 +97,7 @@ fn fonts_that_are_none_are_refused_and_missing_letters_told() {
         };
         make(&shape, &fonts)
     };
-    let own = epaint_default_fonts::UBUNTU_LIGHT;
+    let own = reflet_text::Font::OWN;
     assert!(with(own).is_ok());
     for bytes in [&b""[..], b"wOF2....", b"not a font", &own[..200]] {
         assert_eq!(with(bytes).expect_err("no font").name, "wrong-font");
@@ -134,23 +131,4 @@ fn fonts_that_are_none_are_refused_and_missing_letters_told() {
     }
     let blank = make(&blank, &Supplies::default()).expect_err("nothing");
     assert_eq!(blank.name, "wrong-font");
-}
-
-/// The sides of a letter are as long as its outline: faces and sides of two depths tell it.
-#[test]
-fn a_letter_has_the_area_of_its_faces_and_sides() {
-    let deep = |depth: f32| {
-        let mut letter = left("H");
-        if let ShapeDesc::Text { depth: own, .. } = &mut letter {
-            *own = depth;
-        }
-        area_and_volume(&mesh(&letter))
-    };
-    let ((thin, _), (thick, volume)) = (deep(0.25), deep(0.5));
-    let bounds = mesh(&left("H")).bounds;
-    // Three bars: around both strokes, and four times along the bar's gap.
-    let height = f64::from(bounds.max.y - bounds.min.y);
-    let round = (thick - thin) / 0.25;
-    assert!(round > 4.0 * height && round < 4.0 * height + 4.0 * f64::from(bounds.max.x));
-    assert!((thick - (2.0 * volume / 0.5 + 0.5 * round)).abs() < 1e-4 * thick);
 }

@@ -1,0 +1,11 @@
+//! Lines of text: fonts, the places of letters in a line, and the outlines of letters. Reads no files.
+
+mod charstring;
+mod font;
+mod lines;
+mod runs;
+
+pub use self::{
+    font::{Font, WrongFont},
+    lines::{Letter, Line, Lines},
+};
