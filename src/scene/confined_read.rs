@@ -1,4 +1,4 @@
-//! Text files that a scene names: read only from the scene's folder and the folders below it, and inside its project.
+//! Text files and fonts that a scene names: read only from the scene's folder and the folders below it, and inside its project.
 
 use std::{
     fs,
@@ -31,15 +31,15 @@ pub struct Kind {
 const IN_PROJECT: &str = "a project (`reflet.toml` in a folder above the scene, see `reflet new`) lets names begin with \
                           `../` inside of its folder";
 
-/// A file that was read.
+/// A file that was read, as text or as bytes.
 #[derive(Debug)]
-pub struct Found {
+pub struct Found<T = String> {
     /// Path as asked for: the folder joined with the name.
     pub path: PathBuf,
     /// Canonical path, with symbolic links resolved.
     pub real: PathBuf,
-    /// Text of the file.
-    pub text: String,
+    /// Content of the file.
+    pub text: T,
 }
 
 /// The reason why a file cannot be read.
@@ -97,6 +97,25 @@ pub fn read(
     kind: &Kind,
     dependencies: &Dependencies,
 ) -> Result<Found, Problem> {
+    let Found { path, real, text } = read_bytes(reach, file, kind, dependencies)?;
+    let text = String::from_utf8(text).map_err(|wrong| Problem {
+        message: format!("{} must be UTF-8 text, and this byte is not", kind.one),
+        help: "save the file as UTF-8 in your editor".into(),
+        ..Problem::inside(Span::not_utf8(&path, &wrong))
+    })?;
+    Ok(Found { path, real, text })
+}
+
+/// The same as [`read`], for a file of any bytes.
+///
+/// # Errors
+/// Same errors as [`read`].
+pub fn read_bytes(
+    reach: &Reach,
+    file: &str,
+    kind: &Kind,
+    dependencies: &Dependencies,
+) -> Result<Found<Vec<u8>>, Problem> {
     let mut first = None;
     for folder in reach.folders() {
         match read_in(reach, folder, file, kind, dependencies) {
@@ -141,7 +160,7 @@ fn read_in(
     file: &str,
     kind: &Kind,
     dependencies: &Dependencies,
-) -> Result<Found, Problem> {
+) -> Result<Found<Vec<u8>>, Problem> {
     let shown = suggest::text(file);
     let relative = Path::new(file);
     let path = folder.join(relative);
@@ -199,19 +218,14 @@ fn read_in(
         });
     }
     if let Some(text) = reach.unsaved().text(&real) {
-        let text = text.to_owned();
+        let text = text.as_bytes().to_vec();
         return Ok(Found { path, real, text });
     }
     let file = open_regular(&real, false);
     let bytes = file.and_then(|file| read_at_most(&file, kind.most_mib << 20));
-    let bytes = bytes.map_err(|e| {
+    let text = bytes.map_err(|e| {
         let message = format!("\"{}\" cannot be read: {e}", path.display());
         Problem::new(message, "")
-    })?;
-    let text = String::from_utf8(bytes).map_err(|wrong| Problem {
-        message: format!("{} must be UTF-8 text, and this byte is not", kind.one),
-        help: "save the file as UTF-8 in your editor".into(),
-        ..Problem::inside(Span::not_utf8(&path, &wrong))
     })?;
     Ok(Found { path, real, text })
 }

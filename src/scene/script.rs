@@ -1,6 +1,6 @@
 //! Scripts in Rhai, which add to a scene (`setup`) and move it (`frame`). A script is a pure function of
-//! the scene's parameters and the frame: it has no access to files or a clock, and no memory between
-//! calls.
+//! the scene's parameters, the files that it reads before the first frame, and the frame: it has no clock, and no
+//! memory between calls.
 
 pub mod api;
 mod bounded_functions;
@@ -250,6 +250,7 @@ impl Script {
         if !self.0.has_frame {
             return Ok((state, ScriptedFields::default()));
         }
+        self.0.sources.begin_poses();
         let frame = state.frame;
         let mut call = Call::new(params, timeline, frame);
         // While the shutter is open, this is the time of the sub-frame, not of the frame.

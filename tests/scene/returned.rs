@@ -1,5 +1,7 @@
 //! Errors in the result of `setup`: named by entry, and located in the script.
 
+use reflet::world::load;
+
 use crate::kit::*;
 
 const SCENE: &str = "script = \"walk.rhai\"\nversion = 1\nparams = { speed = 1.5 }\n\
@@ -165,4 +167,43 @@ fn setup_gives_the_environment() {
         "walk.rhai:2:8",
     ];
     assert_says(&text, &parts);
+}
+
+/// Texts that a script measures stand as the shapes themselves do: aligned by their width, and put together of letters.
+/// The letters of the font file have no width.
+#[test]
+fn scripts_measure_texts_as_shapes_have_them() {
+    let files = [
+        ("measure.rhai", &include_bytes!("returned/measure.rhai")[..]),
+        ("scene.toml", b"version = 1\nscript = \"measure.rhai\"\n"),
+        ("thin.ttf", include_bytes!("returned/thin.ttf")),
+    ];
+    let folder = Folder::new();
+    for (name, bytes) in files {
+        folder.write(name, bytes);
+    }
+    let scene = Scene::from_file(&folder.path("scene.toml"), &[]);
+    let (scene, _) = scene.unwrap_or_else(|errors| panic!("{}", errors[0]));
+    let world = load::load(&scene, &load::LoadOptions::default()).expect("valid");
+    let bounds = |of: &str| {
+        let named = world.instances.iter().filter(|i| i.name.starts_with(of));
+        let all = named.map(|i| {
+            world.meshes[i.mesh]
+                .bounds
+                .transformed(&i.world_from_object)
+        });
+        all.reduce(|a, b| a.union(b)).expect(of)
+    };
+    let want = bounds("right");
+    for of in ["moved", "letter"] {
+        let found = bounds(of);
+        let off = (found.min - want.min).abs() + (found.max - want.max).abs();
+        assert!(off.max_element() < 1e-4, "{of}: {found:?}, not {want:?}");
+    }
+    assert!(
+        scene
+            .text_files()
+            .iter()
+            .any(|file| file.ends_with("thin.ttf"))
+    );
 }

@@ -4,7 +4,7 @@
 use std::{
     fmt::Write as _,
     ops::{Range, RangeInclusive},
-    sync::LazyLock,
+    sync::{Arc, LazyLock},
 };
 
 use glam::{DMat4, DQuat, DVec3};
@@ -19,6 +19,7 @@ use crate::{
     script::{
         context::Context,
         format_value::{mat4, quat, vec3},
+        source_files::Sources,
         value::WrongKey,
     },
 };
@@ -30,6 +31,7 @@ mod floats;
 mod math;
 mod random;
 mod scene;
+mod text;
 
 /// One function, operator or property.
 #[derive(Deserialize)]
@@ -82,13 +84,14 @@ pub static API: LazyLock<Vec<Group>> = LazyLock::new(|| {
 
 const INTRODUCTION: &str = include_str!("api/introduction.md");
 
-/// Registers all types and functions with an engine.
-pub fn register(engine: &mut Engine) {
+/// Registers all types and functions with an engine; fonts are files beside these sources.
+pub fn register(engine: &mut Engine, sources: &Arc<Sources>) {
     register_types(engine);
     scene::register(engine);
     math::register(engine);
     floats::register(engine);
     random::register(engine);
+    text::register(engine, sources);
 }
 
 /// Signatures of all entries.

@@ -70,7 +70,7 @@ pub fn engine(sources: &Arc<Sources>) -> Engine {
     let caught = Caught::default();
     limited_parser::register(&mut engine, &caught);
     catch_values::register(&mut engine, &caught);
-    api::register(&mut engine);
+    api::register(&mut engine, sources);
     engine
 }
 

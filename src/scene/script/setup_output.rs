@@ -115,7 +115,8 @@ pub fn text(returned: &Dynamic) -> Result<String, Wrong> {
     Ok(out)
 }
 
-fn keys(out: &mut String, map: &Map) -> Result<(), Wrong> {
+/// Writes the keys of a table.
+pub fn keys(out: &mut String, map: &Map) -> Result<(), Wrong> {
     for (key, item) in map {
         let _ = write!(out, "{} = ", quoted(key));
         value(out, item, key, 0)?;

@@ -34,8 +34,10 @@ fn foreign_ending(file: &str) -> Option<&str> {
 /// Texts of a script and its imports.
 #[derive(Debug, Default)]
 pub struct Sources {
-    /// Folders in which files are searched, the scene's first; without one no file can be read.
+    /// Folders in which scripts are searched, the scene's first; without one no file can be read.
     reach: Reach,
+    /// Folders in which other files are searched, as for scene text.
+    files: Reach,
     /// Record of all files that were searched.
     dependencies: Dependencies,
     state: Mutex<State>,
@@ -51,8 +53,12 @@ struct State {
     modules: Vec<(PathBuf, Shared<rhai::Module>)>,
     /// Names of imports that were found, and the paths of their files.
     found: Vec<(String, PathBuf)>,
-    /// Whether all imports were read: frames read no files.
+    /// Fonts that were read, by their names.
+    fonts: Vec<(String, Arc<[u8]>)>,
+    /// Whether all imports were read.
     sealed: bool,
+    /// Whether frames are posed, which read no files.
+    poses: bool,
     /// First import that the running call was refused: message, file and position.
     refused: Option<(String, String, Position)>,
 }
@@ -63,6 +69,14 @@ const SCRIPTS: Kind = Kind {
     names: "file names of scripts start from the scene's folder or an asset folder and end in .rhai",
     inside: "scripts are read only from the scene's folder, asset folders, and the folders below",
     most_mib: FILE_BYTES >> 20,
+};
+
+/// Words for messages about fonts.
+const FONTS: Kind = Kind {
+    one: "a font",
+    names: "file names of fonts start from the scene's folder or an asset folder and end in .ttf, .otf or .ttc",
+    inside: "fonts are read only from the scene's folder, asset folders, and the folders below",
+    most_mib: 64,
 };
 
 impl Problem {
@@ -89,6 +103,7 @@ impl Sources {
     pub fn new(reach: &Reach, dependencies: &Dependencies) -> Self {
         Self {
             reach: reach.of_scripts(),
+            files: reach.clone(),
             dependencies: dependencies.clone(),
             ..Self::default()
         }
@@ -132,6 +147,25 @@ impl Sources {
         confined_read::read(&self.reach, file, &SCRIPTS, &self.dependencies)
     }
 
+    /// Bytes of a font, which is read once.
+    pub fn font(&self, file: &str) -> Result<Arc<[u8]>, Problem> {
+        let mut state = self.state();
+        if let Some((_, font)) = state.fonts.iter().find(|(name, _)| name == file) {
+            return Ok(Arc::clone(font));
+        }
+        if state.poses || self.files.folders().is_empty() {
+            let message = format!("font {} cannot be read here", suggest::text(file));
+            let help =
+                "`frame` reads no files: measure a text in this font in `setup`, or in a `const`";
+            return Err(Problem::new(message, help));
+        }
+        let found = confined_read::read_bytes(&self.files, file, &FONTS, &self.dependencies)?;
+        let font: Arc<[u8]> = found.text.into();
+        state.fonts.push((file.to_owned(), Arc::clone(&font)));
+        state.files.push(found.real);
+        Ok(font)
+    }
+
     /// Keeps a file that was read; gives its name in messages, and its text.
     fn keep(&self, found: Found) -> (String, String) {
         let Found { path, real, text } = found;
@@ -160,6 +194,11 @@ impl Sources {
     /// Forbids to read any more files.
     pub fn seal(&self) {
         self.state().sealed = true;
+    }
+
+    /// Forbids to read fonts.
+    pub fn begin_poses(&self) {
+        self.state().poses = true;
     }
 
     /// Name and text of each file, the script itself first.

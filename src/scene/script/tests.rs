@@ -1,8 +1,5 @@
 //! Tests of scripts: every example of the reference, purity and speed of calls, errors.
 
-mod mesh;
-mod rig;
-
 use std::{
     hash::{DefaultHasher, Hash as _},
     path::Path,
@@ -11,6 +8,7 @@ use std::{
     time::Duration,
 };
 
+use glam::Vec3;
 use rhai::{Dynamic, Map};
 
 use super::{
@@ -58,6 +56,7 @@ fn every_registered_name_is_in_the_reference() {
         include_str!("api/math.rs"),
         include_str!("api/random.rs"),
         include_str!("api/scene.rs"),
+        include_str!("api/text.rs"),
     ];
     let calls = sources
         .iter()
@@ -233,4 +232,33 @@ fn a_halted_call_ends_before_any_limit_and_so_does_what_begins_under_it() {
     }
     // Other calls are not halted.
     assert!(frame("fn frame(ctx) { }").is_ok());
+}
+
+#[test]
+fn joints_and_morphs_are_those_that_the_scene_lists() {
+    let script = "fn frame(ctx) {
+        ctx.joint(\"walker\", \"hip\", #{ turn: [0, 90, 0], translation: [1, 2, 3] });
+        ctx.joint(\"walker\", \"hip\", #{ scale: 2 });
+        ctx.morph(\"walker\", \"smile\", 0.25);
+    }";
+    let state = frame(script).expect("it runs");
+    let pose = state.joints[&(1, 1)];
+    assert_eq!(pose.translation, Some(Vec3::new(1.0, 2.0, 3.0)));
+    assert_eq!((pose.scale, pose.rotation), (Some(Vec3::splat(2.0)), None));
+    assert_eq!(state.morphs, [((1, 0), 0.25)].into());
+}
+
+#[test]
+fn the_last_vertices_of_a_frame_are_those_at_the_call() {
+    let script = "fn frame(ctx) {
+        let p = floats(9);
+        ctx.mesh(\"flag\", p);
+        p[1] = 2.5;
+        ctx.mesh(\"flag\", p, p);
+        p[1] = 7.0;
+    }";
+    let state = frame(script).expect("it runs");
+    let (_, pose) = state.meshes.first_key_value().expect("one mesh");
+    assert_eq!(pose.positions[..3], [0.0, 2.5, 0.0]);
+    assert_eq!(pose.normals.as_ref().map(|n| n.len()), Some(9));
 }
