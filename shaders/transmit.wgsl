@@ -13,12 +13,6 @@
 
 const FIRST_VERTEX: u32 = 64u; // offset of sample numbers: others than for reflections
 
-// Whether the background is transparent, where the camera sees it through surfaces of partial coverage.
-override HIDES_BACKGROUND: bool = false;
-
-// Whether straight rays of the camera show the environment; refracted and mirrored rays always do.
-override SHOW_ENVIRONMENT: bool = true;
-
 // Surface of a pixel, with the material's values that the G-buffer does not hold.
 fn completed(pixel: vec2u) -> Surface {
     var s = load_surface(pixel);
@@ -32,62 +26,15 @@ fn completed(pixel: vec2u) -> Surface {
 
 // Light from behind the surface of a pixel along one path; w: share that is covered by surfaces rather than the
 // background.
-fn behind_once(pixel: vec2u, first: Surface) -> vec4f {
-    var s = first;
+fn behind_once(pixel: vec2u, s: Surface) -> vec4f {
     forget_path();
     forget_scatterings();
     start_path(s.position, false);
     start_samples(pixel, FIRST_VERTEX);
-    var cone = pixel_cone(distance(s.position, frame.eye));
-    var ray = through(view_direction(s.position), s);
-    var throughput = ray.weight;
-    var color = vec3f(0.0);
-    let seen = view_direction(s.position);
-    var is_straight = s.transmission <= 0.0;
-    var uncovered = 1.0; // share that the surfaces behind the first leave uncovered
-    var origin = onward_origin(s, ray.direction);
-    for (var step = 0u; step < frame.bounces + crossings() + scatterings(); step++) {
-        if (max(throughput.x, max(throughput.y, throughput.z)) < frame.dimmest) { break; }
-        start_samples(pixel, FIRST_VERTEX + step + 1u);
-        let h = trace_nearest(origin, ray.direction, 0.0, FAR_M);
-        let end = seen_at_end(origin, ray, h.instance, h.t);
-        throughput *= medium_transmittance(end.distance_m);
-        if (HAS_FOG) {
-            let air = through_air(origin, ray, end.distance_m);
-            color += found_light(throughput * air.light, step);
-            throughput *= air.share;
-            uncovered *= air.share.x;
-            if (air.scatters) {
-                uncovered = 0.0;
-                cone = continued(cone, distance(origin, air.position));
-                ray = air.ray;
-                origin = air.position;
-                is_straight = false;
-                continue;
-            }
-        }
-        if (h.instance == NONE) {
-            if (HIDES_BACKGROUND && is_straight) { return vec4f(color, 1.0 - uncovered); }
-            if (!SHOW_ENVIRONMENT && is_straight) { return vec4f(color + throughput * frame.background, 1.0); }
-        }
-        if (end.is_seen) {
-            color += found_light(throughput * end.radiance, step);
-            break;
-        }
-        cone = continued(cone, h.t);
-        let direction = ray.direction;
-        s = surface_at(h.instance, h.triangle, h.bary, direction, cone.width_m);
-        s.emission *= met_emission(ray, h.instance, h.triangle, h.t, s);
-        let lit = shade(s, -direction, vec2u(0u));
-        color += found_light(throughput * met_light(ray, lit), step);
-        if (!continues(s)) { break; }
-        uncovered *= 1.0 - coverage(s);
-        ray = next_ray(ray, s);
-        throughput *= ray.weight;
-        is_straight = is_straight && s.transmission <= 0.0 && dot(ray.direction, seen) > 0.99999;
-        origin = onward_origin(s, ray.direction);
-    }
-    return vec4f(color, 1.0);
+    let ray = through(view_direction(s.position), s);
+    let start = Start(ray, onward_origin(s, ray.direction));
+    let cone = pixel_cone(distance(s.position, frame.eye));
+    return gathered_by_path(pixel, FIRST_VERTEX + 1u, 0u, start, cone, s.transmission <= 0.0);
 }
 
 // Number of paths: more in the first pictures, where glass turns or scatters light, so that one path that ends in the

@@ -7,6 +7,12 @@
 #import lobe
 #import sampling
 
+// Whether the background is transparent, where the camera sees it through surfaces of partial coverage.
+override HIDES_BACKGROUND: bool = false;
+
+// Whether straight rays of the camera show the environment; refracted and mirrored rays always do.
+override SHOW_ENVIRONMENT: bool = true;
+
 const FIRST_ENDING: u32 = 4u; // number of vertices before Russian roulette starts
 const MOST_LIKELY: f32 = 0.95; // maximum survival probability
 
@@ -94,14 +100,17 @@ struct Start {
     origin: vec3f,
 }
 
-// Light that a path gathers. `vertex` is the number of its first samples, `hits` the number of its earlier hits.
-fn followed(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: Cone) -> vec3f {
+// Light that a path gathers. `vertex` is the number of its first samples, `hits` the number of its earlier hits;
+// `is_seen`: whether the camera looks straight along its first ray. w: share that is covered by surfaces rather than the
+// background, for such a path.
+fn gathered_by_path(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: Cone, is_seen: bool) -> vec4f {
     var color = vec3f(0.0);
-    if (!HAS_INDIRECT) { return color; }
     var ray = start.ray;
     var origin = start.origin;
     var throughput = ray.weight;
     var cone = first;
+    var is_straight = is_seen;
+    var uncovered = 1.0; // share that the surfaces met so far leave uncovered
     for (var k = 0u; k < frame.bounces + crossings() + scatterings(); k++) {
         if (max(throughput.x, max(throughput.y, throughput.z)) < frame.dimmest) { break; }
         start_samples(pixel, vertex + k);
@@ -113,12 +122,19 @@ fn followed(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: Cone) -> 
             let air = through_air(origin, ray, end.distance_m);
             color += found_light(throughput * air.light, hits + k);
             throughput *= air.share;
+            uncovered *= air.share.x;
             if (air.scatters) {
+                uncovered = 0.0;
                 cone = continued(cone, distance(origin, air.position));
                 ray = air.ray;
                 origin = air.position;
+                is_straight = false;
                 continue;
             }
+        }
+        if (h.instance == NONE && is_straight) {
+            if (HIDES_BACKGROUND) { return vec4f(color, 1.0 - uncovered); }
+            if (!SHOW_ENVIRONMENT) { return vec4f(color + throughput * frame.background, 1.0); }
         }
         if (end.is_seen) {
             color += found_light(throughput * end.radiance, hits + k);
@@ -130,11 +146,19 @@ fn followed(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: Cone) -> 
         let lit = shade(s, -ray.direction, vec2u(0u));
         color += found_light(throughput * met_light(ray, lit), hits + k);
         if (!continues(s)) { break; }
+        uncovered *= 1.0 - coverage(s);
         ray = next_ray(ray, s);
         throughput *= ray.weight;
+        is_straight = is_straight && s.transmission <= 0.0 && dot(ray.direction, start.ray.direction) > 0.99999;
         origin = onward_origin(s, ray.direction);
     }
-    return color;
+    return vec4f(color, 1.0);
+}
+
+// Indirect light that a path gathers; as above.
+fn followed(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: Cone) -> vec3f {
+    if (!HAS_INDIRECT) { return vec3f(0.0); }
+    return gathered_by_path(pixel, vertex, hits, start, first, false).xyz;
 }
 
 // Start of the path by which a surface scatters indirect diffuse light along the ray before; without weight where it
