@@ -99,34 +99,20 @@ fn hard_lights() -> u32 {
     return frame.light_count;
 }
 
+// A light other than a directional one.
+fn placed_lamp(i: u32) -> Lamp {
+    let spot = vec2f(lights[i].spot_scale, lights[i].spot_offset);
+    return Lamp(lights[i].position, lights[i].kind, lights[i].direction, lights[i].extent, lights[i].color, lights[i].range_m,
+        lights[i].half_u, lights[i].half_v, spot);
+}
+
 fn light_sample(i: u32, position: vec3f, u: vec2f) -> LightSample {
-    var r: LightSample;
-    let extent = lights[i].extent;
-    switch lights[i].kind {
-        case LIGHT_DIRECTIONAL: {
-            // E = π L sin² of half the angle.
-            let least = cos(extent);
-            let z = 1.0 - u.x * (1.0 - least);
-            r.to_light = basis(-lights[i].direction) * vec3f(on_circle(sqrt(max(1.0 - z * z, 0.0)), u.y), z);
-            r.distance_m = BEYOND;
-            r.color = lights[i].color * (2.0 / (1.0 + least));
-            r.pdf = 1.0 / (2.0 * PI * (1.0 - least));
-        }
-        case LIGHT_RECT, LIGHT_DISK: {
-            let is_disk = lights[i].kind == LIGHT_DISK;
-            let half_u = lights[i].half_u;
-            let ahead = lights[i].direction;
-            let center = lights[i].position;
-            r = flat_point(center, position, ahead, half_u, lights[i].half_v, is_disk, lights[i].color, u);
-        }
-        default: {
-            let offset = lights[i].position - position;
-            let d = sqrt(dot(offset, offset));
-            r = ball_point(offset, extent, lights[i].color, u);
-            if (r.pdf > 0.0) { r.color *= reach(i, offset / d, d); }
-        }
-    }
-    return r;
+    if (lights[i].kind != LIGHT_DIRECTIONAL) { return lamp_point(placed_lamp(i), position, u); }
+    // E = π L sin² of half the angle.
+    let least = cos(lights[i].extent);
+    let z = 1.0 - u.x * (1.0 - least);
+    let to_light = basis(-lights[i].direction) * vec3f(on_circle(sqrt(max(1.0 - z * z, 0.0)), u.y), z);
+    return LightSample(to_light, BEYOND, lights[i].color * (2.0 / (1.0 + least)), 1.0 / (2.0 * PI * (1.0 - least)));
 }
 
 // Light that a surface, or fog at a point of a ray, reflects from one sampled point, if nothing blocks it.
@@ -317,40 +303,21 @@ fn seen_light(origin: vec3f, ray: Reflected, t_max: f32) -> SeenLight {
     var nearest = t_max;
     for (var i = hard_lights(); HAS_SIZED_LIGHTS && i < frame.light_count; i++) {
         if (!is_reflected(i)) { continue; }
-        let extent = lights[i].extent;
-        let offset = lights[i].position - origin;
-        var t = -1.0;
-        var radiance = lights[i].color / PI;
-        var light_pdf = 0.0;
+        var met: MetPoint;
         var sky = vec3f(0.0);
-        switch lights[i].kind {
-            case LIGHT_DIRECTIONAL: {
-                if (-dot(direction, lights[i].direction) >= cos(extent)) { t = BEYOND; }
-                radiance /= pow(sin(extent), 2.0);
-                light_pdf = 1.0 / (2.0 * PI * (1.0 - cos(extent)));
-                sky = environment(direction) * ray.sky_weight;
-            }
-            case LIGHT_RECT, LIGHT_DISK: {
-                let is_disk = lights[i].kind == LIGHT_DISK;
-                let half_u = lights[i].half_u;
-                let met = flat_met(offset, lights[i].direction, half_u, lights[i].half_v, is_disk, direction, passed_m);
-                t = met.t;
-                radiance = lights[i].color / flat_area_of(lights[i].half_u, lights[i].half_v, lights[i].kind == LIGHT_DISK);
-                light_pdf = met.pdf;
-            }
-            default: {
-                let met = ball_met(offset, extent, direction, passed_m);
-                t = met.t;
-                let d = length(offset);
-                radiance *= reach(i, offset / max(d, 1e-12), d) / (extent * extent);
-                light_pdf = met.pdf;
-            }
+        if (lights[i].kind == LIGHT_DIRECTIONAL) {
+            let extent = lights[i].extent;
+            met = MetPoint(BEYOND, 1.0 / (2.0 * PI * (1.0 - cos(extent))), lights[i].color / PI / pow(sin(extent), 2.0));
+            if (-dot(direction, lights[i].direction) < cos(extent)) { continue; }
+            sky = environment(direction) * ray.sky_weight;
+        } else {
+            met = lamp_met(placed_lamp(i), origin, direction);
         }
-        if (t > 0.0 && t < nearest) {
-            nearest = t;
-            pdf = light_pdf;
+        if (met.t > 0.0 && met.t < nearest) {
+            nearest = met.t;
+            pdf = met.pdf;
             behind = sky;
-            seen = SeenLight(true, radiance * shown_share(i), t);
+            seen = SeenLight(true, met.radiance * shown_share(i), met.t);
         }
     }
     if (HAS_SIZED_LAMPS) {

@@ -128,7 +128,7 @@ fn emitter_sample(chosen: LightChoice, candidates: f32, position: vec3f, u: vec2
     var r: LightSample;
     if (candidates <= 0.0) { return EmitterSample(r, 0.0, 0.0); }
     if (HAS_TREE_LAMPS && chosen.instance == NONE) {
-        r = lamp_point(chosen.triangle, position, u);
+        r = lamp_point(tree_lamp(chosen.triangle), position, u);
         r.pdf *= candidates;
         r.color /= candidates;
         return EmitterSample(r, 1.0, lamp_shown(chosen.triangle));

@@ -144,8 +144,7 @@ fn scattered_of_light(way: Way, i: u32, index: u32) -> Returned {
         let l = light_sample(i, position, sample_square(index, FOG_LIGHT_PAIR + i));
         return scattered_by(way, place, l, fog_share(position, l.to_light, l.distance_m));
     }
-    let l = incoming(i, position);
-    return scattered_by(way, place, LightSample(l.to_light, l.distance_m, l.color, 1.0), 1.0);
+    return scattered_by(way, place, incoming(i, position), 1.0);
 }
 
 // Light that the fog on a ray scatters into it, coming straight from lights, emitters and the surroundings. `index` is

@@ -56,7 +56,7 @@ fn ball_point(offset: vec3f, radius_m: f32, intensity: vec3f, u: vec2f) -> Light
 struct MetPoint {
     t: f32, // below 0: it does not
     pdf: f32, // density per solid angle of light samples, from where the ray was `passed_m` before
-    share: f32,
+    radiance: vec3f,
 }
 
 fn flat_met(
@@ -70,7 +70,7 @@ fn flat_met(
     let at = vec2f(dot(on, half_u) / u2, dot(on, half_v) / v2);
     let inside = select(max(abs(at.x), abs(at.y)), length(at), is_disk) <= 1.0;
     let pdf = (at_t + passed_m) * (at_t + passed_m) / max(facing * flat_area_of(half_u, half_v, is_disk), 1e-20);
-    return MetPoint(select(-1.0, at_t, facing > 0.0 && inside), pdf, 0.0);
+    return MetPoint(select(-1.0, at_t, facing > 0.0 && inside), pdf, vec3f(0.0));
 }
 
 fn ball_met(offset: vec3f, radius_m: f32, direction: vec3f, passed_m: f32) -> MetPoint {
@@ -81,5 +81,5 @@ fn ball_met(offset: vec3f, radius_m: f32, direction: vec3f, passed_m: f32) -> Me
     let sine2 = min(radius_m * radius_m / max(dot(whole, whole), 1e-20), 1.0);
     let pdf = (1.0 + sqrt(1.0 - sine2)) / (2.0 * PI * sine2);
     let is_met = rest > 0.0 && dot(offset, offset) > radius_m * radius_m;
-    return MetPoint(select(-1.0, along - sqrt(max(rest, 0.0)), is_met), pdf, 0.0);
+    return MetPoint(select(-1.0, along - sqrt(max(rest, 0.0)), is_met), pdf, vec3f(0.0));
 }

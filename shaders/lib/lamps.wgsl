@@ -56,8 +56,7 @@ fn lamp_reach(lamp: Lamp, to_light: vec3f, distance_m: f32) -> f32 {
 
 // A point of a lamp: its arriving radiance over its density per solid angle; of a lamp without a size the light itself,
 // with the density 1.
-fn lamp_point(item: u32, position: vec3f, u: vec2f) -> LightSample {
-    let lamp = tree_lamp(item);
+fn lamp_point(lamp: Lamp, position: vec3f, u: vec2f) -> LightSample {
     let offset = lamp.position - position;
     if (is_flat(lamp)) {
         let is_disk = lamp.kind == LIGHT_DISK;
@@ -69,6 +68,21 @@ fn lamp_point(item: u32, position: vec3f, u: vec2f) -> LightSample {
     if (lamp.extent > 0.0) { r = ball_point(offset, lamp.extent, lamp.color, u); }
     r.color *= lamp_reach(lamp, offset / d, d);
     return r;
+}
+
+// Point at which a ray meets a lamp with a size.
+fn lamp_met(lamp: Lamp, origin: vec3f, direction: vec3f) -> MetPoint {
+    let offset = lamp.position - origin;
+    if (is_flat(lamp)) {
+        let is_disk = lamp.kind == LIGHT_DISK;
+        var flat = flat_met(offset, lamp.direction, lamp.half_u, lamp.half_v, is_disk, direction, passed_m);
+        flat.radiance = lamp.color / flat_area_of(lamp.half_u, lamp.half_v, is_disk);
+        return flat;
+    }
+    var ball = ball_met(offset, lamp.extent, direction, passed_m);
+    let d = length(offset);
+    ball.radiance = lamp.color / PI * (lamp_reach(lamp, offset / max(d, 1e-12), d) / (lamp.extent * lamp.extent));
+    return ball;
 }
 
 // The first lamp with a size that a ray meets; `t` of `t_max`: none.
@@ -122,19 +136,9 @@ fn met_lamp(origin: vec3f, ray: Reflected, t_max: f32) -> MetLamp {
         if (!is_lamp_record(record) || (HIDES_LIGHTS && (record.x & UNREFLECTED_LAMP) != 0u)) { continue; }
         let lamp = tree_lamp(found);
         if (lamp.extent <= 0.0) { continue; }
-        let offset = lamp.position - origin;
-        var at: MetPoint;
-        if (is_flat(lamp)) {
-            let is_disk = lamp.kind == LIGHT_DISK;
-            at = flat_met(offset, lamp.direction, lamp.half_u, lamp.half_v, is_disk, ray.direction, passed_m);
-            at.share = 1.0 / flat_area_of(lamp.half_u, lamp.half_v, is_disk);
-        } else {
-            at = ball_met(offset, lamp.extent, ray.direction, passed_m);
-            let d = length(offset);
-            at.share = lamp_reach(lamp, offset / max(d, 1e-12), d) / (PI * lamp.extent * lamp.extent);
-        }
+        let at = lamp_met(lamp, origin, ray.direction);
         if (at.t > 0.0 && at.t < met.t) {
-            met = MetLamp(at.t, lamp.color * (at.share * lamp_shown(found)), at.pdf);
+            met = MetLamp(at.t, at.radiance * lamp_shown(found), at.pdf);
             item = found;
         }
     }

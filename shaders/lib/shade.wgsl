@@ -131,37 +131,12 @@ fn is_spread(s: Surface) -> bool {
     return is_reflector(s) && s.reflection != REFLECTION_MIRROR && roughness * roughness > SMOOTH_ALPHA;
 }
 
-// Irradiance per unit cosine and direction of a light, without shadow but through fog.
-struct Incoming {
-    to_light: vec3f,
-    distance_m: f32,
-    color: vec3f,
-}
-
-fn incoming(i: u32, position: vec3f) -> Incoming {
-    var r: Incoming;
-    if (lights[i].kind == LIGHT_DIRECTIONAL) {
-        r.to_light = -lights[i].direction;
-        r.distance_m = 1e30;
-        r.color = lights[i].color * fog_share(position, r.to_light, r.distance_m);
-        return r;
-    }
-    let offset = lights[i].position - position;
-    let d2 = max(dot(offset, offset), 1e-20);
-    r.distance_m = sqrt(d2);
-    r.to_light = offset / r.distance_m;
-    r.color = lights[i].color / d2;
-    r.color *= reach(i, r.to_light, r.distance_m) * fog_share(position, r.to_light, r.distance_m);
+// Irradiance per unit cosine and direction of a light without a size, without shadow but through fog.
+fn incoming(i: u32, position: vec3f) -> LightSample {
+    var r = LightSample(-lights[i].direction, 1e30, lights[i].color, 1.0);
+    if (lights[i].kind != LIGHT_DIRECTIONAL) { r = lamp_point(placed_lamp(i), position, vec2f(0.0)); }
+    r.color *= fog_share(position, r.to_light, r.distance_m);
     return r;
-}
-
-// Share of a light's intensity after its range falloff and its cone.
-fn reach(i: u32, to_light: vec3f, distance_m: f32) -> f32 {
-    var share = range_share(lights[i].range_m, distance_m);
-    if (lights[i].kind == LIGHT_SPOT) {
-        share *= cone_share(lights[i].direction, vec2f(lights[i].spot_scale, lights[i].spot_offset), to_light);
-    }
-    return share;
 }
 
 // Share of a lamp's intensity that its range leaves (KHR_lights_punctual, "Range Property"); a range of 0 is unlimited.
