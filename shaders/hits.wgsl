@@ -30,8 +30,7 @@ fn shade_pixel(pixel: vec2u) {
         s.emission *= met_emission(ray, found.y, found.z, distance_m, s);
         var reused = vec2u(0u);
         if (REUSES_LIGHT) { reused = reused_visibility(visible_lights, s); }
-        let lit = shade(s, -direction, reused);
-        color = met_light(ray, lit);
+        color = met_light(ray, s, reused);
         start = scattered_by_surface(ray, s);
     }
     if (HAS_FOG && air.scatters) {

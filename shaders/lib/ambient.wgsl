@@ -53,6 +53,7 @@ fn environment_specular(s: Surface, view: vec3f) -> vec3f {
 
 // Share of a surface's rays that follow the bright parts of the environment.
 fn environment_ray_share(s: Surface) -> f32 {
+    if (is_outer_side(s)) { return select(0.0, 1.0, HAS_PANORAMA && HAS_ENVIRONMENT_RAYS); }
     return 0.75 * environment_share(s.normal);
 }
 
@@ -108,8 +109,11 @@ fn returned_of_environment(s: Surface, view: vec3f, to: Receiver, index: u32) ->
     let by_specular = specular_ray_share(to.stand_in, has_diffuse);
     var u = sample_square(index, next_pair());
     var direction: vec3f;
+    var chosen_pdf = 0.0;
     if (u.x < by_environment) {
-        direction = environment_direction(vec2f(u.x / by_environment, u.y), s.normal);
+        let sampled = environment_direction(vec2f(u.x / by_environment, u.y), s.normal);
+        direction = sampled.xyz;
+        chosen_pdf = sampled.w;
     } else {
         u.x = (u.x - by_environment) / (1.0 - by_environment);
         if (u.x < by_specular) {
@@ -122,7 +126,8 @@ fn returned_of_environment(s: Surface, view: vec3f, to: Receiver, index: u32) ->
         }
     }
     if (!faces(s, direction)) { return Returned(); }
-    let pdf = environment_ray_pdf(s, view, direction, by_specular);
+    var pdf = chosen_pdf;
+    if (by_environment < 1.0) { pdf = environment_ray_pdf(s, view, direction, by_specular); }
     let light = LightSample(direction, BEYOND, environment(direction) * (s.occlusion / max(pdf, 1e-12)), pdf);
     var share = to.stand_in;
     if (is_shared) { share += (1.0 - share) * balance(pdf * f32(sampling.rays), lobe_density(s, view, direction)); }

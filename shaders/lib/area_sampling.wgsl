@@ -85,11 +85,12 @@ fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
     let out = mirrored(s, direction, facet);
     let seen = sampled.share;
     if (seen <= 0.0) { return Reflected(mirror, vec3f(0.0), 0.0, 1.0, 1.0, s.normal); }
-    let pdf = lobe_density(s, -direction, out);
-    let sky_weight = kept * balance(pdf, environment_rays_pdf(s, -direction, out));
     let facets = masked(s, -direction, nv);
     let bounded = seen * (bound * nv + facets) / (nv + facets);
     let weight = fresnel(s, dot(facet, -direction)) * compensation(s, -direction) * (bounded * base_share(s, -direction));
+    if (mirrors_inside(s)) { return Reflected(lifted(out, s), weight, 0.0, kept, kept, s.normal); }
+    let pdf = lobe_density(s, -direction, out);
+    let sky_weight = kept * balance(pdf, environment_rays_pdf(s, -direction, out));
     return Reflected(lifted(out, s), weight, pdf, sky_weight, kept, s.normal);
 }
 

@@ -129,24 +129,28 @@ fn environment_pdf(direction: vec3f, world_normal: vec3f) -> f32 {
 }
 
 // Samples a unit direction: descends the pyramid, choosing squares by their brightness (Clarberg et al. 2005), the
-// coarser ones also by where they are seen from a surface with this normal.
-fn environment_direction(u_in: vec2f, world_normal: vec3f) -> vec3f {
-    if (!HAS_PANORAMA) { return vec3f(0.0, 1.0, 0.0); }
+// coarser ones also by where they are seen from a surface with this normal. w: its density per solid angle.
+fn environment_direction(u_in: vec2f, world_normal: vec3f) -> vec4f {
+    if (!HAS_PANORAMA) { return vec4f(0.0, 1.0, 0.0, 0.0); }
+    var pdf = 1.0 / (4.0 * PI);
     let normal = into_panorama(world_normal);
     var u = u_in;
     var at = vec2u(0u);
     for (var level = 1u; level < sampling.density_levels; level++) {
         at *= 2u;
         let w = square_weights(at, 1u << level, normal);
-        let left = (w.x + w.z) / max(w.x + w.y + w.z + w.w, 1e-30);
+        let all = max(w.x + w.y + w.z + w.w, 1e-30);
+        let left = (w.x + w.z) / all;
         let goes_right = u.x >= left;
         let upper = select(w.x / max(w.x + w.z, 1e-30), w.y / max(w.y + w.w, 1e-30), goes_right);
         let goes_down = u.y >= upper;
-        at += vec2u(u32(goes_right), u32(goes_down));
+        let child = vec2u(u32(goes_right), u32(goes_down));
+        at += child;
+        pdf *= 4.0 * w[child.x + 2u * child.y] / all;
         u.x = select(u.x / max(left, 1e-30), (u.x - left) / max(1.0 - left, 1e-30), goes_right);
         u.y = select(u.y / max(upper, 1e-30), (u.y - upper) / max(1.0 - upper, 1e-30), goes_down);
         u = clamp(u, vec2f(0.0), vec2f(1.0 - 6e-8));
     }
     let edge = f32(1u << (sampling.density_levels - 1u));
-    return out_of_panorama(normalize(direction_of_square((vec2f(at) + u) / edge)));
+    return vec4f(out_of_panorama(normalize(direction_of_square((vec2f(at) + u) / edge))), pdf);
 }

@@ -37,7 +37,7 @@ fn scattered_of_sky(way: Way, index: u32) -> Returned {
     var direction: vec3f;
     if (v.x < by_light) {
         v.x /= by_light;
-        direction = environment_direction(v, select(forward, -forward, u.y < 0.5));
+        direction = environment_direction(v, select(forward, -forward, u.y < 0.5)).xyz;
     } else {
         v.x = (v.x - by_light) / (1.0 - by_light);
         direction = fog_direction(forward, v);

@@ -200,7 +200,8 @@ struct Air {
 
 fn through_air(origin: vec3f, ray: Reflected, distance_m: f32) -> Air {
     var air = Air(vec3f(0.0), vec3f(1.0), false, ray, origin);
-    if (!HAS_FOG || is_in_solid()) { return air; }
+    // No fog is within transmissive solids.
+    if (!HAS_FOG || (HAS_LAYERS && media.solids > 0u)) { return air; }
     let way = way_in_fog(origin, ray.direction, distance_m);
     air.light = scattered_on_way(way, sample_index(), sky_kept(ray)) * ray.kept;
     return passed(air, way);

@@ -143,8 +143,7 @@ fn gathered_by_path(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: C
         cone = continued(cone, h.t);
         var s = surface_at(h.instance, h.triangle, h.bary, ray.direction, cone.width_m);
         s.emission *= met_emission(ray, h.instance, h.triangle, h.t, s);
-        let lit = shade(s, -ray.direction, vec2u(0u));
-        color += found_light(throughput * met_light(ray, lit), hits + k);
+        color += found_light(throughput * met_light(ray, s, vec2u(0u)), hits + k);
         if (!continues(s)) { break; }
         uncovered *= 1.0 - coverage(s);
         ray = next_ray(ray, s);

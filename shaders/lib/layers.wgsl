@@ -13,6 +13,11 @@
 
 override HAS_TRANSMISSION: bool = true;
 override HAS_COATS: bool = true;
+override AIMS_THROUGH: bool = true; // whether light samples look for light beyond rough solids
+
+// How much oftener paths stay in a solid than the light says, where light samples find most of the light beyond: bright
+// light past further reflections is rare, and left most of the grain.
+const FAVOR_INSIDE: f32 = 2.0;
 
 // Most passages through surfaces and reflections inside solids along one path; many, as walls of glass guide light.
 const MAX_CROSSINGS: u32 = 60u;
@@ -22,6 +27,11 @@ const DARKEST_PANE: f32 = 1.0 / 255.0; // minimum share of light that a shadow r
 
 var<private> path_crossings: u32 = 0u; // number of surfaces crossed
 var<private> vertex: vec3f = vec3f(0.0); // position of the surface that the path left last
+// Whether the ray that arrives at a surface is the only one that finds the light beyond, so that light samples may share it.
+var<private> finds_alone: bool = false;
+// Whether rays aimed from within a solid share the light that the path's ray sees: no solid lets them through.
+var<private> path_is_aimed: bool = false;
+var<private> shadow_is_aimed: bool = false; // whether shadow rays are such rays
 // Transmissive solids that a ray is in, and the absorption coefficients of the innermost ones, per meter.
 struct Media {
     solids: u32,
@@ -36,13 +46,10 @@ var<private> media: Media = Media(); // of the path
 fn start_path(position: vec3f, is_inside: bool) {
     vertex = position;
     path_crossings = 0u;
+    finds_alone = false;
+    path_is_aimed = false;
     path_channel = 0u;
     media = Media(max(frame.eye_solids, u32(is_inside)), frame.eye_absorption, vec3f(0.0), vec3f(0.0));
-}
-
-// Whether the path is within a transmissive solid.
-fn is_in_solid() -> bool {
-    return HAS_LAYERS && media.solids > 0u;
 }
 
 // Media beyond a surface that a ray crosses; sheets within a solid leave it as it is.
@@ -66,6 +73,17 @@ fn medium_transmittance(distance_m: f32) -> vec3f {
 // Whether the surface is the inner side of glass, which mirrors part of the light back into it, or all.
 fn mirrors_inside(s: Surface) -> bool {
     return HAS_TRANSMISSION && s.is_inside && s.transmission > 0.0;
+}
+
+// Whether light is aimed at from the inner side of a rough solid, beside the rays that it refracts.
+fn is_aimed_through(s: Surface) -> bool {
+    return AIMS_THROUGH && finds_alone && mirrors_inside(s)
+        && s.roughness * s.roughness > SMOOTH_ALPHA && (path_channel > 0u || !is_dispersive(s)) && !has_sheen(s);
+}
+
+// Whether a surface that is lit is the outer side of one that is seen from within: of these no other light is asked for.
+fn is_outer_side(s: Surface) -> bool {
+    return AIMS_THROUGH && mirrors_inside(s);
 }
 
 fn is_transmissive(s: Surface) -> bool {
@@ -97,7 +115,7 @@ fn reflected_normal(s: Surface) -> vec3f {
 // Share of the light entering the surface that it scatters rather than transmits.
 fn reflected_share(s: Surface) -> f32 {
     if (!HAS_TRANSMISSION) { return 1.0; }
-    return 1.0 - s.transmission;
+    return select(1.0 - s.transmission, 0.0, mirrors_inside(s));
 }
 
 // Unpolarized Fresnel reflectance of a smooth dielectric interface; `index` is the relative index of refraction.
@@ -170,12 +188,17 @@ fn coat_transmittance(s: Surface, cosine: f32) -> f32 {
 fn shade(s: Surface, view: vec3f, reused: vec2u) -> Shade {
     if (!HAS_LAYERS) { return shade_layer(s, view, reused); }
     var out: Shade;
-    // From within a solid, light is seen only by the ray that continues, refracted or mirrored.
-    if (mirrors_inside(s)) { return out; }
-    let has_coat = HAS_COATS && s.clearcoat > 0.0;
+    // From within a solid, light is seen by the ray that continues, refracted or mirrored, and by light samples beyond.
+    let is_aimed = is_aimed_through(s);
+    if (mirrors_inside(s) && !is_aimed) { return out; }
+    let has_coat = HAS_COATS && s.clearcoat > 0.0 && !is_aimed;
+    let within = media;
+    if (is_aimed) { media = media_beyond(media, s); }
+    shadow_is_aimed = is_aimed;
     // One call in a loop keeps the inlined code small: light shading is long.
     for (var layer = 0u; layer <= u32(has_coat); layer++) {
         var part = below_coat(s);
+        if (is_aimed) { part = outer_side(dispersed(s)); }
         var share = 1.0;
         if (layer == 1u) {
             part = coat_of(s);
@@ -188,6 +211,8 @@ fn shade(s: Surface, view: vec3f, reused: vec2u) -> Shade {
         out.specular += lit.specular * share;
         out.visible |= lit.visible;
     }
+    media = within;
+    shadow_is_aimed = false;
     if (HAS_TRANSMISSION) {
         out.diffuse *= s.alpha;
         out.specular *= s.alpha;
@@ -207,20 +232,23 @@ fn emitted_share(material: u32, instance: u32, index: array<u32, 3>, bary: vec2f
 }
 
 // One of two rays, chosen by the light that each returns. A ray so unlikely that the sub-frames could not resolve it is
-// never chosen; its light is added to the ray that is kept.
-fn chosen(a: Reflected, b: Reflected, pair: u32) -> Reflected {
+// never chosen; its light is added to the ray that is kept. `favor`: factor on the odds of the second.
+fn chosen(a: Reflected, b: Reflected, pair: u32, favor: f32) -> Reflected {
     let weights = vec2f(luminance(a.weight), luminance(b.weight));
-    let both = weights.x + weights.y;
+    var odds = weights * vec2f(1.0, favor);
+    let both = odds.x + odds.y;
     if (both <= 0.0) { return a; }
     let least = select(0.5 / f32(sample_count()), 0.0, UNBIASED);
-    var share = weights.y / both;
+    var share = odds.y / both;
     if (share < least) { share = 0.0; }
     if (share > 1.0 - least) { share = 1.0; }
-    path_is_chance = path_is_chance || (share > 0.0 && share < 1.0);
+    let is_chance = share > 0.0 && share < 1.0;
+    path_is_chance = path_is_chance || is_chance;
+    if (!is_chance) { odds = weights; }
     let takes_b = share == 1.0 || sample_square(sample_index(), pair).x < share;
     var ray = a;
     if (takes_b) { ray = b; }
-    ray.weight *= both / select(weights.x, weights.y, takes_b);
+    ray.weight *= (odds.x + odds.y) / select(odds.x, odds.y, takes_b);
     return ray;
 }
 
@@ -235,7 +263,7 @@ fn reflected(direction: vec3f, s: Surface) -> Reflected {
         var found = lobe_ray(direction, part);
         if (layer == 1u) {
             found.weight *= s.clearcoat;
-            found = chosen(found, ray, COAT_PAIR);
+            found = chosen(found, ray, COAT_PAIR, 1.0);
         } else if (HAS_COATS && s.clearcoat > 0.0) {
             found.weight *= coat_transmittance(s, dot(coat_normal(s), -direction));
             if (!is_reflector(part)) { found.weight = vec3f(0.0); }
@@ -243,7 +271,7 @@ fn reflected(direction: vec3f, s: Surface) -> Reflected {
         ray = found;
     }
     if (HAS_TRANSMISSION) { ray.weight *= s.alpha; }
-    // From within a solid no light samples are taken, so reflection rays have full weight.
+    // From within a solid no light samples are taken of the side that the ray stays on, so it has full weight.
     if (mirrors_inside(s)) { ray = Reflected(ray.direction, ray.weight, 0.0, 1.0, 1.0, s.normal); }
     return ray;
 }
@@ -282,6 +310,7 @@ fn onward_albedo(s: Surface, view: vec3f) -> f32 {
 fn leave_vertex(position: vec3f) {
     vertex = position;
     passed_m = 0.0;
+    path_is_aimed = false;
 }
 
 // Share of a pixel that its surface covers, by its alpha.
@@ -297,13 +326,9 @@ fn cross_surface(s: Surface) {
 }
 
 // Whether light behind the surface is found only by refracted or rough transmission rays, not by straight shadow
-// rays.
-fn bends(s: Surface) -> bool {
-    return UNBIASED && s.transmission > 0.0 && (s.is_solid || s.roughness * s.roughness > SMOOTH_ALPHA);
-}
-
-fn is_refracted(s: Surface, before: vec3f, after: vec3f) -> bool {
-    return bends(s) && (s.alpha >= 1.0 || any(before != after));
+// rays, which `is_aimed` says of paths and shadow rays that share light beyond a rough solid.
+fn bends(s: Surface, is_aimed: bool) -> bool {
+    return (UNBIASED || is_aimed) && s.transmission > 0.0 && (s.is_solid || s.roughness * s.roughness > SMOOTH_ALPHA);
 }
 
 // Next ray of a path from a surface that it has hit.
@@ -317,21 +342,29 @@ fn onward(before: Reflected, met: Surface) -> Reflected {
     var through = transmitted(direction, s);
     // Light samples go straight through panes, so a light seen through one keeps the weight of the ray before it:
     // otherwise a rough surface would count a lamp behind glass twice, once as rare, bright specks.
-    if (is_refracted(s, direction, through.direction)) {
+    let is_aimed = is_aimed_through(s);
+    var is_shared = is_aimed;
+    if (is_aimed || (bends(s, path_is_aimed) && (s.alpha >= 1.0 || any(direction != through.direction)))) {
         through.weight *= before.kept;
     } else {
         through.pdf = before.pdf;
         through.sky_weight = before.sky_weight;
         through.kept = before.kept;
         through.normal = before.normal;
+        is_shared = path_is_aimed;
     }
-    var ray = chosen(through, back, ONWARD_PAIR);
+    var ray = chosen(through, back, ONWARD_PAIR, select(1.0, FAVOR_INSIDE, is_aimed));
     if (met.is_inside || dot(ray.direction, s.geometric_normal) < 0.0) { ray = in_one_channel(met, ray); }
+    path_is_aimed = is_shared && ray.pdf > 0.0 && dot(ray.direction, s.geometric_normal) < 0.0;
+    if (is_aimed && path_is_aimed) {
+        ray.sky_weight = balance(ray.pdf, environment_rays_pdf(outer_side(s), -direction, ray.direction));
+        ray.normal = -s.normal;
+    }
     let way_m = passed_m + distance(vertex, s.position);
     vertex = s.position;
     passed_m = 0.0;
     if (dot(ray.direction, s.geometric_normal) < 0.0) {
-        passed_m = way_m;
+        passed_m = select(way_m, 0.0, is_aimed && path_is_aimed);
         cross_surface(s);
     } else if (s.is_inside) {
         path_crossings++;
@@ -378,7 +411,7 @@ fn transmittance(origin: vec3f, direction: vec3f, distance_m: f32) -> vec3f {
         s.is_inside = false;
         let through = passing_share(s, cosine) * s.base_color
             * (s.transmission * (1.0 - s.metallic) * coat_transmittance(s, cosine) * base_share(s, -direction));
-        share *= mix(vec3f(1.0), select(through, vec3f(0.0), bends(s)), s.alpha);
+        share *= mix(vec3f(1.0), select(through, vec3f(0.0), bends(s, shadow_is_aimed)), s.alpha);
         if (max(share.x, max(share.y, share.z)) < select(DARKEST_PANE, 1e-12, UNBIASED)) { return vec3f(0.0); }
     }
     // More surfaces than a ray or the loops of a driver may pass: the way behind them counts as clear.

@@ -93,6 +93,7 @@ fn facet_pdf(s: Surface, view: vec3f, direction: vec3f) -> f32 {
 // highest of the lobe. The first alone makes extended lights grainy, as GGX has long tails; with the second alone,
 // rays in the tails meet lamps at full weight.
 fn lobe_density(s: Surface, view: vec3f, direction: vec3f) -> f32 {
+    if (is_outer_side(s)) { return refracting_facet(outer_side(s), view, direction).w; }
     let alphas = ggx_alphas(s);
     return sqrt(facet_pdf(s, view, direction) / (4.0 * PI * alphas.x * alphas.y));
 }

@@ -72,7 +72,7 @@ fn trace_pixel(pixel: vec2u) -> vec4u {
         if (SHADE) {
             var reused = vec2u(0u);
             if (REUSES_LIGHT) { reused = reused_visibility(visible_lights, s); }
-            color += found_light(throughput * met_light(ray, shade(s, -direction, reused)), bounce);
+            color += found_light(throughput * met_light(ray, s, reused), bounce);
         }
         if (!continues(s)) { break; }
         ray = next_ray(ray, s);

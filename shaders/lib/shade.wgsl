@@ -68,7 +68,7 @@ fn reflects_below(s: Surface) -> f32 {
 // Share of the light of one layer's reflection rays, lamps left out, that its pixel shows. Towards the cut-off the
 // replacement of reflections past it takes the rest, so that nothing jumps there.
 fn kept_share(layer: Surface) -> f32 {
-    if (layer.reflection == REFLECTION_MIRROR) { return 1.0; }
+    if (layer.reflection == REFLECTION_MIRROR || mirrors_inside(layer)) { return 1.0; }
     let limit = reflects_below(layer);
     return clamp((limit - layer.roughness) / (CUTOFF_FADE * limit), 1e-3, 1.0);
 }
@@ -105,6 +105,7 @@ fn ggx_alpha(s: Surface) -> f32 {
 
 // GGX with the height-correlated Smith term (Heitz 2014), times cos θ.
 fn ggx(s: Surface, view: vec3f, to_light: vec3f) -> vec3f {
+    if (is_outer_side(s)) { return refracted_lobe(s, view, to_light); }
     let h = normalize(view + to_light);
     let nl = saturate(dot(s.normal, to_light));
     let nv = max(dot(s.normal, view), 1e-3);
@@ -122,7 +123,8 @@ struct OnlyLobe {
 // Whether the surface shows lights without a size: a mirror shows a point only where it is exactly in line. Lobes are at
 // least as wide as SMOOTH_ALPHA.
 fn shows_points(s: Surface) -> bool {
-    return (s.metallic > 0.0 || s.reflectivity > 0.0) && s.reflection != REFLECTION_MIRROR && s.roughness > 0.0;
+    return (s.metallic > 0.0 || s.reflectivity > 0.0) && s.reflection != REFLECTION_MIRROR && s.roughness > 0.0
+        && !is_outer_side(s);
 }
 
 // Whether a surface's reflection is blurred, beyond rounding.
@@ -133,8 +135,10 @@ fn is_spread(s: Surface) -> bool {
 
 // Irradiance per unit cosine and direction of a light without a size, without shadow but through fog.
 fn incoming(i: u32, position: vec3f) -> LightSample {
-    var r = LightSample(-lights[i].direction, 1e30, lights[i].color, 1.0);
-    if (lights[i].kind != LIGHT_DIRECTIONAL) { r = lamp_point(placed_lamp(i), position, vec2f(0.0)); }
+    var lamp = placed_lamp(i);
+    lamp.extent = 0.0; // also of a radius whose square is too small for a number
+    var r = LightSample(-lamp.direction, 1e30, lamp.color, 1.0);
+    if (lamp.kind != LIGHT_DIRECTIONAL) { r = lamp_point(lamp, position, vec2f(0.0)); }
     r.color *= fog_share(position, r.to_light, r.distance_m);
     return r;
 }
@@ -165,7 +169,7 @@ fn shade_layer(s: Surface, view: vec3f, reused: vec2u) -> Shade {
     var out = environment_light(s, view, albedo);
     out.diffuse += s.emission;
     let has_specular = shows_points(s);
-    for (var i = 0u; i < hard_lights(); i++) {
+    for (var i = 0u; i < hard_lights() && !is_outer_side(s); i++) {
         let l = incoming(i, s.position);
         let nl = dot(s.normal, l.to_light);
         if (!faces(s, l.to_light) || max(l.color.x, max(l.color.y, l.color.z)) <= 0.0) {
@@ -212,8 +216,10 @@ fn found_light(light: vec3f, hit: u32) -> vec3f {
     return limited(light * path_share) / path_share;
 }
 
-// Light of a surface that a ray meets, as far as the surface before keeps it.
-fn met_light(ray: Reflected, lit: Shade) -> vec3f {
+// Light of a surface that a ray meets, as far as the surface before keeps it; `reused` as of `shade_layer`.
+fn met_light(ray: Reflected, s: Surface, reused: vec2u) -> vec3f {
+    finds_alone = ray.pdf == 0.0;
+    let lit = shade(s, -ray.direction, reused);
     return (lit.diffuse + lit.specular) * ray.kept;
 }
 

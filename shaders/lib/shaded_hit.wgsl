@@ -22,6 +22,5 @@ fn light_of_hit(pixel: vec2u, first: Surface, ray: Reflected, hit_surface: Surfa
     if (end.is_seen) { return end.radiance; }
     var reused = vec2u(0u);
     if (REUSES_LIGHT) { reused = reused_visibility(visible_lights, s); }
-    let lit = met_light(ray, shade(s, -ray.direction, reused));
-    return lit + followed(pixel, 2u, 1u, scattered_by_surface(ray, s), cone);
+    return met_light(ray, s, reused) + followed(pixel, 2u, 1u, scattered_by_surface(ray, s), cone);
 }

@@ -60,25 +60,61 @@ fn passing_facet(s: Surface, direction: vec3f) -> ChosenFacet {
     return chosen;
 }
 
+// The outer side of a surface that is met from within a solid, as light samples beyond it see it.
+fn outer_side(s: Surface) -> Surface {
+    var outer = s;
+    outer.normal = -s.normal;
+    outer.geometric_normal = -s.geometric_normal;
+    outer.lift_m = 0.0;
+    outer.occlusion = 1.0;
+    outer.emission = vec3f(0.0);
+    return outer;
+}
+
+// The facet of a solid's inner side that refracts a ray towards the view into `out` or back; w: density per solid angle
+// with which visible facets do so (Walter et al. 2007, eq. 16 and 17).
+fn refracting_facet(s: Surface, view: vec3f, out: vec3f) -> vec4f {
+    let across = s.ior * view + out;
+    let across2 = max(dot(across, across), 1e-12);
+    let facet = across * (sign(s.ior - 1.0) * inverseSqrt(across2));
+    let nv = max(dot(s.normal, view), 1e-3);
+    let cosines = vec3f(dot(facet, view), -dot(facet, out), dot(facet, s.normal));
+    if (any(cosines <= vec3f(0.0))) { return vec4f(s.normal, 0.0); }
+    let visible = facet_density(s, facet) * 2.0 * cosines.x / (nv + masked(s, view, nv));
+    return vec4f(facet, visible * cosines.y / across2);
+}
+
+// Share of the light of a ray that a facet passes on where the surface covers all.
+fn passed_weight(s: Surface, facet: vec3f, direction: vec3f) -> vec3f {
+    return passed_share(s, facet, direction) * s.base_color
+        * (s.transmission * (1.0 - s.metallic) * coat_transmittance(s, dot(coat_normal(s), -direction)) * base_share(s, -direction));
+}
+
+// Lobe of the light that the inner side of a rough solid lets out of it towards the view, times the cosine.
+fn refracted_lobe(outer: Surface, view: vec3f, to_light: vec3f) -> vec3f {
+    let s = outer_side(outer);
+    let facet = refracting_facet(s, view, to_light);
+    return passed_weight(s, facet.xyz, -view) * (facet.w * through_share(s, to_light));
+}
+
 // The ray transmitted through a surface: straight through thin ones, refracted into and out of solids; by one
 // microfacet where the surface is rough (Walter et al. 2007, with visible normals).
 fn transmitted(direction: vec3f, s: Surface) -> Reflected {
     let straight = Reflected(direction, vec3f(1.0 - s.alpha), 0.0, 1.0, 1.0, s.normal);
     if (s.transmission <= 0.0) { return straight; }
-    let is_rough = HAS_ROUGH_REFLECTIONS && s.roughness * s.roughness > SMOOTH_ALPHA;
     var facet = ChosenFacet(s.normal, 1.0, 0.0);
-    if (is_rough) { facet = passing_facet(s, direction); }
+    if (HAS_ROUGH_REFLECTIONS && s.roughness * s.roughness > SMOOTH_ALPHA) { facet = passing_facet(s, direction); }
     var out = passed_direction(s, facet.normal, direction);
-    var weight = vec3f(0.0);
+    var through = Reflected(direction, vec3f(0.0), 0.0, 1.0, 1.0, s.normal);
     if (through_share(s, out) > 0.0) {
-        weight = facet.share * passed_share(s, facet.normal, direction) * s.base_color
-            * (s.transmission * (1.0 - s.metallic) * s.alpha * coat_transmittance(s, dot(coat_normal(s), -direction))
-                * base_share(s, -direction));
-        out = normalize(out);
-    } else {
-        out = direction;
+        through.weight = facet.share * s.alpha * passed_weight(s, facet.normal, direction);
+        through.direction = normalize(out);
+        if (is_aimed_through(s)) {
+            // Rays that the surface has turned to its other side have no density.
+            let refracting = refracting_facet(s, -direction, through.direction);
+            if (distance(refracting.xyz, facet.normal) < 1e-3) { through.pdf = refracting.w; }
+        }
     }
-    let through = Reflected(out, weight, 0.0, 1.0, 1.0, s.normal);
     if (s.alpha >= 1.0) { return through; }
-    return chosen(through, straight, ALPHA_PAIR);
+    return chosen(through, straight, ALPHA_PAIR, 1.0);
 }

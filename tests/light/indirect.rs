@@ -148,13 +148,8 @@ fn light_behind_solid_glass_is_found_by_what_is_refracted() {
         "image.size=[32, 32]",
         "image.samples=64",
     ];
-    let open = mean(&render(gpu, &[floor.as_str(), lamp].concat(), &set, &[]))[0];
-    let behind = mean(&render(
-        gpu,
-        &[floor.as_str(), lamp, slab].concat(),
-        &set,
-        &[],
-    ))[0];
+    let of = |parts: &[&str]| mean(&render(gpu, &parts.concat(), &set, &[]))[0];
+    let (open, behind) = (of(&[&floor, lamp]), of(&[&floor, lamp, slab]));
     assert!(open > 0.1);
     assert_close(behind, open, 0.03);
 }

@@ -69,7 +69,7 @@ fn seen_from(probe: vec3f, towards: vec3f, seed: vec2u) -> Seen {
         s.emission *= met_emission(ray, h.instance, h.triangle, h.t, s);
         let is_pane = is_clear_pane(s);
         if (is_kept_apart && (bounce == 0u || !is_pane) && is_lamp(h.instance)) { s.emission = vec3f(0.0); }
-        color += found_light(throughput * met_light(ray, shade(s, -direction, vec2u(0u))), bounce);
+        color += found_light(throughput * met_light(ray, s, vec2u(0u)), bounce);
         if (!continues(s)) { break; }
         ray = next_ray(ray, s);
         throughput *= ray.weight;

@@ -9,10 +9,6 @@ pub const PASS: Pass = Pass {
     color: [182, 167, 38],
     reads_shared: &[ShadowMaps],
     writes_shared: &[Counters],
-    overrides: |options| {
-        let is_hidden = f64::from(u8::from(options.image.alpha));
-        vec![("HIDES_BACKGROUND", is_hidden)]
-    },
     checks: Checks::TrustedBuiltin,
     counted: true,
     ..Pass::DEFAULT

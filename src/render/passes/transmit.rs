@@ -12,13 +12,7 @@ pub const PASS: Pass = Pass {
     reads_shared: &[Counters, ShadowMaps, PixelLists, DispatchSizes],
     writes_shared: &[Counters],
     needed: |plan, _| plan.features.transmission,
-    overrides: |options| {
-        let flag = |on| f64::from(u8::from(on));
-        vec![
-            ("MARCH", flag(ssr::is_enabled(options))),
-            ("HIDES_BACKGROUND", flag(options.image.alpha)),
-        ]
-    },
+    overrides: |options| vec![("MARCH", f64::from(u8::from(ssr::is_enabled(options))))],
     checks: Checks::TrustedBuiltin,
     counted: true,
     ..Pass::DEFAULT

@@ -8,9 +8,11 @@ use super::{
     feature_table::{Dropped, FeatureRow, FileChoice, features},
     mapped_method, may_meet_culled,
     planned_scene::PlannedScene,
-    reflects, reflects_roughly, scatters, traces_rays,
-    uses::{has_coat_normals, passes_light, scatters_twice},
+    reflects, reflects_roughly, scatters, traces_rays, transmits_roughly,
+    uses::{has_coat_normals, passes_light},
 };
+use crate::settings::cutoff::has_specular;
+
 features! {
     /// Features of a frame.
     pub struct Features of scene: &PlannedScene<'_>;
@@ -240,6 +242,11 @@ features! {
         constant: HAS_TRANSMISSION,
         dropped: "transmission" => "no material lets light through";
     }
+    /// Whether light samples look beyond rough solids, for bright parts of the environment, lights and emitters.
+    aimed_transmission {
+        used: (panorama || sized_lights || emitters) && scene.has(|m| m.solid && transmits_roughly(m)),
+        constant: AIMS_THROUGH,
+    }
     /// Whether some surface has a clear coat.
     coats {
         used: scene.has(|m| m.clearcoat.is_some()),
@@ -289,7 +296,7 @@ features! {
     }
     /// Whether the specular lobe is compensated for multiple scattering between facets.
     multiple_scattering {
-        used: scene.options.reflection.multiple_scattering && scatters_twice(scene.world),
+        used: scene.options.reflection.multiple_scattering && scene.has(has_specular),
         constant: CONSERVES_ENERGY,
         dropped: "multiple scattering" => "no material has a specular lobe",
             if scene.options.reflection.multiple_scattering;
@@ -316,6 +323,11 @@ features! {
     shows_environment {
         used: scene.world.environment.desc.is_seen() && !scene.options.image.alpha,
         constant: SHOW_ENVIRONMENT,
+    }
+    /// Whether the background is transparent.
+    hidden_background {
+        used: scene.options.image.alpha,
+        constant: HIDES_BACKGROUND,
     }
     /// Whether rays test the alpha of their hits.
     tested {

@@ -10,7 +10,7 @@ mod uses;
 use std::collections::BTreeSet;
 
 use reflet_scene::desc::{Method, PatternedKey, ReflectionMode, Visibility};
-use reflet_world::{CORE_SLOTS, World, Wrap, bvh::Trees};
+use reflet_world::{CORE_SLOTS, Material, World, Wrap, bvh::Trees};
 
 use self::planned_scene::PlannedScene;
 pub use self::{
@@ -79,15 +79,20 @@ pub fn is_rough_reflector(world: &World, index: usize, cutoff: f32) -> bool {
         || material.anisotropy.is_some()
         || (is_spread(roughness) && is_base_below(material, cutoff))
         || (material.clearcoat.is_some() && is_spread(coat_roughness));
-    let scatters = material.transmission.is_some()
-        && (material.metallic_roughness_texture.is_some()
-            || material.anisotropy.is_some()
-            || is_spread(roughness));
     material.reflection == ReflectionMode::Auto
         && may_reflect(world, index, cutoff)
         && (spread || world.may_change(index) || world.decals.over(index).next().is_some())
         && is_spread(cutoff)
-        || scatters
+        || transmits_roughly(material)
+}
+
+/// Whether a material transmits light, by more than a single sharp ray.
+pub fn transmits_roughly(material: &Material) -> bool {
+    let [_, roughness] = material.extremes(PatternedKey::Roughness);
+    material.transmission.is_some()
+        && (material.metallic_roughness_texture.is_some()
+            || material.anisotropy.is_some()
+            || is_spread(roughness))
 }
 
 /// Whether [`is_rough_reflector`] holds for some material.

@@ -2,8 +2,6 @@
 
 use reflet_world::{Material, World};
 
-use crate::settings::cutoff::has_specular;
-
 /// Whether some used material has a feature.
 fn uses(world: &World, has: fn(&Material) -> bool) -> bool {
     (world.instances.iter()).any(|i| has(&world.materials[i.material]))
@@ -12,11 +10,6 @@ fn uses(world: &World, has: fn(&Material) -> bool) -> bool {
 /// Whether some material may transmit light.
 pub fn passes_light(world: &World) -> bool {
     uses(world, Material::passes_light)
-}
-
-/// Whether some material has a specular lobe, whose facets may scatter light more than once.
-pub fn scatters_twice(world: &World) -> bool {
-    uses(world, has_specular)
 }
 
 /// Whether some clear coat has, or may get, normals other than the layer below.
