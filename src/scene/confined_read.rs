@@ -1,4 +1,4 @@
-//! Text files and fonts that a scene names: read only from the scene's folder and the folders below it, and inside its project.
+//! Text files and fonts that a scene names: read only from its folder and the folders below it, and inside its project.
 
 use std::{
     fs,

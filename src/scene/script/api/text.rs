@@ -24,26 +24,19 @@ const OPERATIONS: u64 = 1000;
 pub fn register(engine: &mut Engine, sources: &Arc<Sources>) {
     let own = Arc::clone(sources);
     engine.register_fn("text_width", move |text: &str, look: Map| {
-        let lines = lines(&own, text, &look)?;
-        let widths = lines.iter().map(|line| line.width);
-        Ok::<_, Box<EvalAltResult>>(widths.fold(0.0, f64::max))
+        let widths = |lines: Vec<Line>| lines.into_iter().map(|line| line.width);
+        lines(&own, text, &look).map(|lines| widths(lines).fold(0.0, f64::max))
     });
     let own = Arc::clone(sources);
     engine.register_fn("text_letters", move |text: &str, look: Map| {
         let lines = lines(&own, text, &look)?;
         let letters = lines.into_iter().flat_map(|line| line.letters);
         let letters = letters.filter(Letter::is_visible).map(|letter| {
-            let Letter {
-                text, place, width, ..
-            } = letter;
-            let number = |key: &str, x: f64| (key.into(), Dynamic::from(x));
-            let [x, y] = place;
-            Dynamic::from(Map::from([
-                ("text".into(), text.into()),
-                number("x", x),
-                number("y", y),
-                number("width", width),
-            ]))
+            let [x, y] = letter.place;
+            let numbers = [("x", x), ("y", y), ("width", letter.width)];
+            let mut map = Map::from([("text".into(), letter.text.into())]);
+            map.extend(numbers.map(|(key, x)| (key.into(), Dynamic::from(x))));
+            Dynamic::from(map)
         });
         Ok::<_, Box<EvalAltResult>>(letters.collect::<Vec<_>>())
     });

@@ -62,6 +62,9 @@ fn letters_at_their_places_are_the_text() {
     assert!((volume / area_and_volume(&whole).1 - 1.0).abs() < 1e-5);
     let off = (bounds.min - whole.bounds.min).abs() + (bounds.max - whole.bounds.max).abs();
     assert!(off.max_element() < 1e-5, "{bounds:?} {:?}", whole.bounds);
+    // Aligned by its own width: H has as much space on its left as on its right.
+    let middle = mesh(&text("AH", "letter = 1")).bounds.center().x;
+    assert!(middle.abs() < 1e-5, "{middle}");
     let shape = text("AV fi\nT", "letter = 4");
     let fault = make(&shape, &supplies(&shape)).expect_err("four letters");
     assert_eq!(fault.name, "out-of-range", "{}", fault.message);
