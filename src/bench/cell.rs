@@ -7,6 +7,9 @@ pub(crate) trait Cell {
 
 /// Value that a cell is read as.
 pub(crate) trait FromCell: Sized {
+    /// Whether a table may lack the column: its cells are then empty.
+    const MAY_LACK: bool = false;
+
     fn parse(text: &str) -> Option<Self>;
 }
 
@@ -35,6 +38,8 @@ impl<T: Cell> Cell for Option<T> {
 }
 
 impl<T: FromCell> FromCell for Option<T> {
+    const MAY_LACK: bool = true;
+
     fn parse(text: &str) -> Option<Self> {
         if text.is_empty() {
             Some(None)

@@ -55,9 +55,9 @@ macro_rules! sample {
                 vec![$(self.$name.text()),*]
             }
 
-            fn read(cell: &dyn Fn(&'static str) -> Result<String, String>) -> Result<Self, String> {
+            fn read(table: &Table, row: &[String]) -> Result<Self, String> {
                 Ok(Self {
-                    $($name: read_cell(stringify!($name), &cell(stringify!($name))?)?,)*
+                    $($name: read_cell(stringify!($name), cell(table, row, stringify!($name)))?,)*
                     detail: Vec::new(),
                 })
             }
@@ -279,7 +279,11 @@ sample! {
     commit: String,
 }
 
-fn read_cell<T: FromCell>(column: &str, text: &str) -> Result<T, String> {
+/// Value of a cell; the text is `None` where the table lacks the column.
+fn read_cell<T: FromCell>(column: &str, text: Option<&str>) -> Result<T, String> {
+    let absent = || (T::MAY_LACK || check::NEWER.contains(&column)).then_some("");
+    let text = text.or_else(absent);
+    let text = text.ok_or_else(|| format!("there is no column {column}"))?;
     let cannot = || format!("column {column} cannot be \"{text}\"");
     let value = T::parse(text).ok_or_else(cannot)?;
     check::cell(column, text).map_err(|expected| format!("{}; expected {expected}", cannot()))?;
@@ -360,11 +364,12 @@ pub fn read_samples(text: &str) -> Result<(Vec<Sample>, usize), CsvError> {
     let read = |(index, row): (usize, &Vec<String>)| {
         let line = index + 2;
         let failed = |message: String| CsvError { line, message };
-        let mut sample = Sample::read(&|name| cell(&table, row, name)).map_err(failed)?;
+        let mut sample = Sample::read(&table, row).map_err(failed)?;
         for name in &details {
             // A pass that did not exist when the table was written took no time.
-            let text = cell(&table, row, name).unwrap_or_else(|_| "0".to_owned());
-            sample.detail.push(read_cell(name, &text).map_err(failed)?);
+            let text = cell(&table, row, name).unwrap_or("0");
+            let value = read_cell(name, Some(text)).map_err(failed)?;
+            sample.detail.push(value);
         }
         check::whole(&sample).map_err(failed)?;
         Ok(sample)
@@ -375,13 +380,10 @@ pub fn read_samples(text: &str) -> Result<(Vec<Sample>, usize), CsvError> {
     Ok((samples, table.whole_bytes))
 }
 
-fn cell(table: &Table, row: &[String], name: &str) -> Result<String, String> {
+/// Text of a cell; `None` where the table lacks the column.
+fn cell<'a>(table: &Table, row: &'a [String], name: &str) -> Option<&'a str> {
     let index = table.columns.iter().position(|column| column == name);
-    let absent = || check::NEWER.contains(&name).then(String::new);
-    index
-        .map(|i| row[i].clone())
-        .or_else(absent)
-        .ok_or_else(|| format!("there is no column {name}"))
+    index.map(|i| row[i].as_str())
 }
 
 /// Causes whose refusals can be compared with a ray, because there is a crossing.

@@ -66,44 +66,8 @@ fn range(column: &str) -> Option<(f64, f64, &'static str)> {
     })
 }
 
-/// Columns that older tables lack; their cells are then empty.
-pub const NEWER: [&str; 35] = [
-    "probe_percent",
-    "probe_bytes",
-    "capture_ms",
-    "structure_bytes",
-    "structures_ms",
-    "structures_update_ms",
-    "edge_flip",
-    "inner_flip",
-    "recall_1px_percent",
-    "recall_2px_percent",
-    "recall_4px_percent",
-    "seam_step",
-    "probe_seam_step",
-    "error_length_px",
-    "stripes",
-    "source_changes_px",
-    "met_changes_px",
-    "passes_cpu_ms",
-    "reflection_cpu_ms",
-    "accept",
-    "edge_px",
-    "reuse_light",
-    "layers",
-    "separation_m",
-    "rate",
-    "similarity",
-    "specks",
-    "mask_specks",
-    "content",
-    "turn",
-    "since_frame",
-    "temporal_difference",
-    "temporal_change",
-    "mask_temporal_difference",
-    "mask_temporal_change",
-];
+/// Columns of texts that older tables lack; their cells are then empty.
+pub const NEWER: [&str; 3] = ["accept", "content", "turn"];
 
 /// Checks that cells of a sample agree with each other.
 ///

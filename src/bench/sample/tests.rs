@@ -30,6 +30,31 @@ fn samples_survive_the_table() {
 }
 
 #[test]
+fn measurements_that_a_table_lacks_are_none() {
+    let sample = Sample {
+        method: "rt".to_owned(),
+        width: 1,
+        height: 1,
+        scale: 1.0,
+        flip: Some(0.5),
+        detail: vec![0.0; detail_columns().len()],
+        ..Sample::default()
+    };
+    let without = |name: &str| {
+        let names = FIXED.iter().zip(sample.fixed_cells());
+        let (names, cells): (Vec<&str>, Vec<String>) =
+            names.filter(|(own, _)| **own != name).unzip();
+        read_samples(&(csv::line(names) + csv::line(cells).as_str()))
+    };
+    let (read, _) = without("flip").expect("a table without scores");
+    assert_eq!(read[0].flip, None);
+    let (older, _) = without("accept").expect("an older table");
+    assert!(older[0] == sample && older[0].flip.is_some());
+    let error = without("steps").expect_err("settings are needed");
+    assert_eq!(error.to_string(), "line 2: there is no column steps");
+}
+
+#[test]
 fn faults_are_named_with_their_line() {
     let says = |text: &str| read_samples(text).expect_err("no samples").to_string();
     assert_eq!(says("a,b\n1,2\n"), "line 2: there is no column fingerprint");
