@@ -1,7 +1,7 @@
 //! Scores of a rendered picture against the reference: errors of the frame and inside the reflective
 //! pixels, and hits of the march against hits of the rays.
 
-use super::sample::REFUSALS;
+use super::sample::{ACCEPTS, REFUSALS};
 use reflet_base::math::LUMINANCE;
 use reflet_metric::{
     Maps, Scores,
@@ -153,12 +153,7 @@ impl Hits {
 
     /// Whether the march gave the answer at each pixel.
     fn is_marched(&self) -> Vec<bool> {
-        let of = |cause: &u32| {
-            matches!(
-                Cause::from_number(*cause),
-                Some(Cause::Hit | Cause::HitBehind | Cause::None)
-            )
-        };
+        let of = |cause: &u32| Cause::from_number(*cause).is_some_and(|c| ACCEPTS.contains(&c));
         self.cause.iter().map(of).collect()
     }
 
