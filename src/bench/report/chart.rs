@@ -30,6 +30,16 @@ pub enum Time {
     Reflection,
 }
 
+impl Time {
+    /// 5th and 95th percentile of a point's time.
+    fn spread(self, point: &Point) -> Option<[f64; 2]> {
+        match self {
+            Self::Frame => point.ms.p5_p95,
+            Self::Reflection => point.reflection_ms?.p5_p95,
+        }
+    }
+}
+
 /// Quantities on the axes of a chart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Axes {
@@ -106,11 +116,7 @@ pub fn draw(group: &Group, axes: Axes) -> Result<Option<String>, String> {
 
 /// Whether the chart has percentile bars.
 pub fn has_bars(group: &Group, time: Time) -> bool {
-    let spread = |p: &Point| match time {
-        Time::Frame => p.ms.p5_p95,
-        Time::Reflection => p.reflection_ms.and_then(|s| s.p5_p95),
-    };
-    group.points.iter().any(|p| spread(p).is_some())
+    group.points.iter().any(|p| time.spread(p).is_some())
 }
 
 /// Settings that were timed but could not be scored: they have an x coordinate, but no y.
@@ -147,10 +153,7 @@ fn dots(group: &Group, axes: Axes) -> Vec<Dot<'_>> {
     rows.map(|((point, spot), is_on_front)| Dot {
         point,
         spot,
-        spread: match axes.time {
-            Time::Frame => point.ms.p5_p95,
-            Time::Reflection => point.reflection_ms.and_then(|s| s.p5_p95),
-        },
+        spread: axes.time.spread(point),
         is_on_front,
     })
     .collect()
