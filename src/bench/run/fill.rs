@@ -90,18 +90,13 @@ pub(super) fn fill_counts(sample: &mut Sample, passes: &[PassCounts]) {
 pub(super) fn timed(mut sample: Sample, stats: &FrameStats, repetition: u32) -> Sample {
     sample.repetition = repetition;
     sample.frame_ms = Some(stats.frame_ms);
-    let is_reflection = |(name, _): &&(String, f64)| {
-        passes::named(name).is_some_and(|pass| pass.group.finds_reflections())
-    };
     if !stats.passes_ms.is_empty() {
-        let reflection = stats.passes_ms.iter().filter(is_reflection);
         sample.passes_ms = Some(stats.passes_total_ms());
-        sample.reflection_ms = Some(reflection.map(|(_, ms)| ms).sum());
+        sample.reflection_ms = Some(passes::reflection_ms(&stats.passes_ms));
     }
     if !stats.processor_ms.is_empty() {
-        let reflection = stats.processor_ms.iter().filter(is_reflection);
         sample.passes_cpu_ms = Some(stats.cost_ms());
-        sample.reflection_cpu_ms = Some(reflection.map(|(_, ms)| ms).sum());
+        sample.reflection_cpu_ms = Some(passes::reflection_ms(&stats.processor_ms));
     }
     sample.tree_ms = stats.tree_ms;
     sample.rays = u64::from(stats.rays);

@@ -184,6 +184,18 @@ pub fn named(name: &str) -> Option<&'static Pass> {
     ALL.iter().copied().find(|pass| pass.name == name)
 }
 
+/// Whether the pass of this name finds reflections.
+pub fn finds_reflections(name: &str) -> bool {
+    named(name).is_some_and(|pass| pass.group.finds_reflections())
+}
+
+/// Sum of the times of passes that find reflections.
+pub fn reflection_ms(passes_ms: &[(String, f64)]) -> f64 {
+    let found = passes_ms.iter().filter(|(name, _)| finds_reflections(name));
+    // A sum of nothing is -0.
+    found.map(|(_, ms)| ms).sum::<f64>() + 0.0
+}
+
 /// The passes of a group.
 pub fn of_group(group: PassGroup) -> impl Iterator<Item = &'static Pass> {
     ALL.iter().copied().filter(move |pass| pass.group == group)

@@ -268,13 +268,17 @@ impl FrameStats {
         self.passes_ms.iter().map(|(_, ms)| ms).sum()
     }
 
-    /// Cost of all passes, milliseconds: CPU time where it is known, else GPU or wall time.
-    pub fn cost_ms(&self) -> f64 {
-        let passes = match self.processor_ms.as_slice() {
+    /// Cost of each pass, milliseconds: CPU time where it is known, else GPU or wall time.
+    pub fn costs_ms(&self) -> &[(String, f64)] {
+        match self.processor_ms.as_slice() {
             [] => &self.passes_ms,
             passes => passes,
-        };
-        passes.iter().map(|(_, ms)| ms).sum()
+        }
+    }
+
+    /// Cost of all passes, milliseconds.
+    pub fn cost_ms(&self) -> f64 {
+        self.costs_ms().iter().map(|(_, ms)| ms).sum()
     }
 
     /// Whether the passes' sum and the time of the whole frame differ by more than 10 %; then neither should be

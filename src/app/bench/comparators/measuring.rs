@@ -209,7 +209,9 @@ fn start<'a>(
     renderer.recapture_maps();
     let stats = renderer.render(gpu, &subject.camera)?;
     let counted = renderer.counts(gpu, &subject.camera)?;
-    let found = counted.iter().filter(|pass| finds(pass.pass));
+    let found = counted
+        .iter()
+        .filter(|pass| passes::finds_reflections(pass.pass));
     let work = found.map(|pass| pass.counts);
     Ok(Running {
         system,
@@ -260,23 +262,12 @@ fn judge(
     Ok(())
 }
 
-/// Whether the pass of this name finds reflections.
-fn finds(name: &str) -> bool {
-    passes::named(name).is_some_and(|p| p.group.finds_reflections())
-}
-
 /// Times a system's passes in one picture.
 fn time(gpu: &Gpu, subject: &Subject, system: &mut Running<'_>) -> Result<(), RenderError> {
     let stats = (system.renderer).render(gpu, &subject.camera)?;
-    let passes = match stats.processor_ms.as_slice() {
-        [] => &stats.passes_ms,
-        passes => passes,
-    };
-    let found = passes.iter().filter(|(name, _)| finds(name));
-    // A sum of nothing is -0.
     system
         .times_ms
-        .push(found.map(|(_, ms)| ms).sum::<f64>() + 0.0);
+        .push(passes::reflection_ms(stats.costs_ms()));
     system.last = Some(stats);
     Ok(())
 }
