@@ -84,9 +84,9 @@ impl ShadowSizes {
 /// Faces of a cube map in their order, by the axis that each looks along.
 pub const CUBE_FACES: [&str; 6] = ["+X", "-X", "+Y", "-Y", "+Z", "-Z"];
 
-/// Whether a light of this kind has a cube map rather than a flat one.
+/// Whether a light of this kind has a cube map rather than a flat one: it shines from its position in all directions.
 pub fn has_cube_map(kind: &LightKind) -> bool {
-    matches!(kind, LightKind::Point { .. })
+    kind.position().is_some() && kind.direction().is_none()
 }
 
 /// Features of lights that shading passes must support.
@@ -158,10 +158,10 @@ pub fn lights(
         if shadow != ShadowMode::Map {
             continue;
         }
-        if let LightKind::Point { position, .. } = light.desc.kind {
+        if has_cube_map(&light.desc.kind) {
             out.layer = cubes;
             out.texel = 2.0 / sizes.cube_px as f32;
-            let faces = cube_faces(position, near_m);
+            let faces = cube_faces(light.desc.kind.position().unwrap_or_default(), near_m);
             out.clip_from_world = faces[0].to_cols_array_2d(); // of which shaders need the near plane
             views.extend(
                 faces
@@ -267,8 +267,9 @@ pub(crate) fn flat_view(kind: &LightKind, px: u32, bounds: &Bounds, near_m: f32)
 /// World size of a texel of a light's shadow map, `px` wide, at a point, m; `bounds` contain all casters.
 pub fn map_texel_m(kind: &LightKind, px: u32, bounds: &Bounds, point: Vec3) -> f32 {
     match *kind {
-        LightKind::Point { position, .. } => {
-            2.0 / px as f32 * (point - position).abs().max_element()
+        _ if has_cube_map(kind) => {
+            let offset = point - kind.position().unwrap_or_default();
+            2.0 / px as f32 * offset.abs().max_element()
         }
         LightKind::Spot {
             position,
