@@ -1,7 +1,5 @@
 //! Cause and source of a pixel's reflection.
 
-use serde::Serialize;
-
 use reflet_scene::{desc::Method, words};
 
 /// Bits of a texel of the target `cause` that hold the cause; the bits above hold the length of the ray that the march
@@ -40,8 +38,6 @@ macro_rules! colored {
 colored! {
     /// Outcome of the screen-space march at one pixel. In shaders it is the constant `CAUSE_` with its name in
     /// capitals.
-    #[derive(Serialize)]
-    #[serde(rename_all = "snake_case")]
     #[repr(u32)]
     pub enum Cause {
         /// The pixel shows no surface, or one that does not reflect.
@@ -85,8 +81,6 @@ colored! {
 colored! {
     /// Source of a pixel's reflection, with its name for people. Its color has screen hits blue and traced ones pink,
     /// as in the paper's Fig. 8.
-    #[derive(Serialize)]
-    #[serde(rename_all = "snake_case")]
     pub enum Source {
         /// Not a reflective pixel.
         NotReflective = "not_reflective": "not reflective", [24, 24, 24];
