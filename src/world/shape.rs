@@ -120,7 +120,15 @@ fn simple(shape: &ShapeDesc) -> Mesh {
         }
         ShapeDesc::Mesh { .. } => builder.mesh = numbers::mesh(shape),
         // The loader makes the mesh of a height field, as it reads the image; `outlined` makes the others.
-        _ => {}
+        ShapeDesc::Heightfield { .. }
+        | ShapeDesc::Lathe { .. }
+        | ShapeDesc::Extrude { .. }
+        | ShapeDesc::Sweep { .. }
+        | ShapeDesc::Text { .. }
+        | ShapeDesc::Union { .. }
+        | ShapeDesc::Difference { .. }
+        | ShapeDesc::Intersection { .. }
+        | ShapeDesc::Displaced { .. } => {}
     }
     Mesh {
         name: shape.name().to_owned(),
