@@ -13,6 +13,7 @@ use super::sample::Sample;
 use super::summary::{Group, Metric, groups};
 use chart::{Axes, BAR_REACH, Time, draw, has_bars};
 use line_chart::LineChart;
+use reflet_scene::declared::Words as _;
 
 /// A chart as a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -77,17 +78,12 @@ pub fn sections(samples: &[Sample]) -> Result<Vec<Section>, String> {
                     });
                 }
             }
-            for (what, chart) in [
-                ("parameter", LineChart::ErrorByParameter),
-                ("ms", LineChart::Milliseconds),
-                ("ssim", LineChart::Ssim),
-                ("flicker", LineChart::Flicker),
-            ] {
+            for (chart, word) in LineChart::ALL.into_iter().zip(LineChart::WORDS) {
                 if let Some(svg) = line_chart::draw(&group, chart)? {
                     charts.push(ChartFile {
-                        name: format!("line-chart-{}-{what}.svg", index + 1),
+                        name: format!("line-chart-{}-{}.svg", index + 1, word.name),
                         svg,
-                        caption: chart.caption().to_owned(),
+                        caption: word.summary.to_owned(),
                     });
                 }
             }

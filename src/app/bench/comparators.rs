@@ -26,6 +26,8 @@ use crate::{
     },
     gpu::{adapter, driver},
 };
+use reflet_scene::declared::Words as _;
+
 use measuring::{ENOUGH_PX, MOST_DOUBLINGS, measure};
 
 /// Number of systems in the chart over all scenes.
@@ -133,9 +135,9 @@ fn charts(scene: &SceneRows) -> Result<Vec<ChartFile>, AppError> {
     let svg = chart::of_scene(scene).map_err(AppError::Internal)?;
     let caption = "Time against error of each system; a ring marks the front";
     let mut charts = vec![file("", svg, caption)];
-    for (curves, ending) in Curves::ALL {
+    for (curves, word) in Curves::ALL.into_iter().zip(Curves::WORDS) {
         if let Some(svg) = frames::draw(scene, curves).map_err(AppError::Internal)? {
-            charts.push(file(ending, svg, curves.caption()));
+            charts.push(file(word.name, svg, word.summary));
         }
     }
     Ok(charts)

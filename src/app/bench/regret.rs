@@ -92,10 +92,7 @@ impl Alternative {
     }
 
     fn name(self) -> String {
-        let visibility = match self.visibility {
-            Visibility::Rays => "rays",
-            _ => "raster",
-        };
+        let visibility = self.visibility.name();
         let some = match self.marched {
             Marched::Cheaper => " of some surfaces",
             _ => "",

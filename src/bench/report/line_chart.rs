@@ -11,36 +11,23 @@ use super::{
     chart::{color, escape},
 };
 use crate::summary::{Group, Metric, Point, digits};
+use reflet_scene::words;
 
-/// Quantities on the axes of a line chart.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LineChart {
-    /// Wall time over the frames of an animation.
-    Milliseconds,
-    /// SSIM of the frame over the frames of an animation.
-    Ssim,
-    /// Flicker (difference of the frame's change from the reference's) over the frames of an animation.
-    Flicker,
-    /// FLIP over the one parameter that all points share.
-    ErrorByParameter,
-}
-
-impl LineChart {
-    /// Caption that explains how to read the chart.
-    pub const fn caption(self) -> &'static str {
-        match self {
-            Self::Milliseconds => "Wall time of each frame that was measured, a line per setting.",
-            Self::Ssim => {
-                "SSIM of each frame that was measured against rt, a line per setting: 1 is equal."
-            }
-            Self::Flicker => {
-                "Flicker: how far the change of each frame since the measured frame before is from that of rt, \
-                 mean over the reflective pixels, of 255 levels. 0 where a picture changes exactly as rt does."
-            }
-            Self::ErrorByParameter => {
-                "What the parameter does to the error. A method that it does nothing for is a level line."
-            }
-        }
+words! {
+    /// Quantities on the axes of a line chart, with the word in the name of its file and the caption that explains how to
+    /// read it.
+    pub enum LineChart {
+        /// FLIP over the one parameter that all points share.
+        ErrorByParameter = "parameter":
+            "What the parameter does to the error. A method that it does nothing for is a level line.",
+        /// Wall time over the frames of an animation.
+        Milliseconds = "ms": "Wall time of each frame that was measured, a line per setting.",
+        /// SSIM of the frame over the frames of an animation.
+        Ssim = "ssim": "SSIM of each frame that was measured against rt, a line per setting: 1 is equal.",
+        /// Flicker (difference of the frame's change from the reference's) over the frames of an animation.
+        Flicker = "flicker":
+            "Flicker: how far the change of each frame since the measured frame before is from that of rt, mean over the \
+             reflective pixels, of 255 levels. 0 where a picture changes exactly as rt does.",
     }
 }
 

@@ -14,6 +14,7 @@ use crate::{
     },
     summary::digits,
 };
+use reflet_scene::words;
 
 /// Size of a chart, pixels.
 const SIZE: (u32, u32) = (1000, 430);
@@ -31,29 +32,18 @@ pub struct FrameRow {
     pub errors: Option<SystemErrors>,
 }
 
-/// Quantity on the vertical axis of a chart, which is logarithmic.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Curves {
-    /// Time, including maps and structures that were made anew for the frame.
-    Time,
-    /// Mean FLIP.
-    Error,
+words! {
+    /// Quantity on the vertical axis of a chart, which is logarithmic, with the ending of its file's name and a sentence
+    /// about it.
+    pub enum Curves {
+        /// Time, including maps and structures that were made anew for the frame.
+        Time = "-ms": "Time of the passes that find reflections over the frames, with maps and structures made anew",
+        /// Mean FLIP.
+        Error = "-flip": "Mean FLIP over the frames",
+    }
 }
 
 impl Curves {
-    /// Both charts, with the endings of their file names.
-    pub const ALL: [(Self, &'static str); 2] = [(Self::Time, "-ms"), (Self::Error, "-flip")];
-
-    /// Sentence about the chart.
-    pub const fn caption(self) -> &'static str {
-        match self {
-            Self::Time => {
-                "Time of the passes that find reflections over the frames, with maps and structures made anew"
-            }
-            Self::Error => "Mean FLIP over the frames",
-        }
-    }
-
     const fn title(self) -> &'static str {
         match self {
             Self::Time => "milliseconds, with maps and structures made anew",

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use reflet_gpu::{Gpu, GpuError};
+use reflet_scene::words;
 
 /// Declares the targets. A row names a target, its name in the shaders and on the command line, its format, where
 /// `Radiance` stands for 16 or 32 bits, and where it is not only written by compute shaders: `drawn` targets are
@@ -18,24 +19,16 @@ macro_rules! targets {
     (@usage) => { wgpu::TextureUsages::STORAGE_BINDING };
     (@usage drawn) => { wgpu::TextureUsages::RENDER_ATTACHMENT };
     (@usage cleared) => { targets!(@usage).union(targets!(@usage drawn)) };
-    ($($(#[$doc:meta])* $target:ident = $name:ident: $format:ident $(, $usage:ident)?;)*) => {
-        /// An intermediate texture; its snake_case name is its name in the shaders and on the command line.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-        pub enum Target {
-            $($(#[$doc])* $target,)*
+    ($($(#[doc = $doc:literal])* $target:ident = $name:literal: $format:ident $(, $usage:ident)?;)*) => {
+        words! {
+            /// An intermediate texture; its word is its name in the shaders and on the command line.
+            #[derive(Hash)]
+            pub enum Target {
+                $($(#[doc = $doc])* $target = $name,)*
+            }
         }
 
         impl Target {
-            /// All targets.
-            pub const ALL: [Self; [$(stringify!($name)),*].len()] = [$(Self::$target),*];
-
-            /// Name of the target in the shaders.
-            pub const fn name(self) -> &'static str {
-                match self {
-                    $(Self::$target => stringify!($name),)*
-                }
-            }
-
             /// Pixel format; `full` stores radiance in 32 bits.
             pub const fn format(self, full: bool) -> F {
                 match self {
@@ -55,55 +48,55 @@ macro_rules! targets {
 
 targets! {
     /// Hardware depth of the visibility pass.
-    RasterDepth = raster_depth: Depth32Float, drawn;
+    RasterDepth = "raster_depth": Depth32Float, drawn;
     /// Instance and triangle that each pixel shows.
-    Ids = ids: Rg32Uint, cleared;
+    Ids = "ids": Rg32Uint, cleared;
     /// Meters along the view direction; [`FAR_M`] is sky.
-    ViewDepth = view_depth: R32Float;
+    ViewDepth = "view_depth": R32Float;
     /// Hardware depth of the second layer: surfaces behind the visible ones.
-    SecondDepth = second_depth: Depth32Float, drawn;
+    SecondDepth = "second_depth": Depth32Float, drawn;
     /// Instance and triangle of the second layer.
-    SecondIds = second_ids: Rg32Uint, drawn;
+    SecondIds = "second_ids": Rg32Uint, drawn;
     /// Packed normals, roughness, metallic, reflectivity, reflection mode.
-    Surface = surface: Rgba32Uint;
+    Surface = "surface": Rgba32Uint;
     /// Linear base color, occlusion and emitted radiance as 16-bit floats, and packed flags.
-    Colors = colors: Rgba32Uint;
+    Colors = "colors": Rgba32Uint;
     /// Details, in layers: the colors again, then specular color and strength, and sheen; then clear coat normals
     /// and tangents, where surfaces have them.
-    Details = details: Rgba32Uint;
+    Details = "details": Rgba32Uint;
     /// View-independent radiance.
-    Radiance = radiance: Radiance;
+    Radiance = "radiance": Radiance;
     /// View-dependent radiance of lights and environment.
-    Specular = specular: Radiance;
+    Specular = "specular": Radiance;
     /// Lights that reach the surface, two bits each.
-    VisibleLights = visible_lights: Rg32Uint;
+    VisibleLights = "visible_lights": Rg32Uint;
     /// Radiance along the mirror ray.
-    Reflection = reflection: Radiance;
+    Reflection = "reflection": Radiance;
     /// The reflection, blurred in one direction.
-    Blurred = blurred: Radiance;
+    Blurred = "blurred": Radiance;
     /// Radiance that is transmitted through the surface.
-    TransmittedLight = transmitted_light: Radiance, cleared;
+    TransmittedLight = "transmitted_light": Radiance, cleared;
     /// Indirect diffuse radiance of the surface.
-    IndirectLight = indirect_light: Radiance;
+    IndirectLight = "indirect_light": Radiance;
     /// Radiance that fog before the surface scatters, and the share of light that passes it.
-    FogLight = fog_light: Radiance;
+    FogLight = "fog_light": Radiance;
     /// Cause in the low byte; see [`super::cause::Cause`]. Bits above: length of the ray proven free.
-    Cause = cause: R32Uint;
+    Cause = "cause": R32Uint;
     /// Hit of the mirror ray: distance (bits of an f32), instance, triangle and barycentrics.
-    Hit = hit: Rgba32Uint;
+    Hit = "hit": Rgba32Uint;
     /// Hits of the rays that are traced first, where only some are.
-    LeadHit = lead_hit: Rgba32Uint, cleared;
+    LeadHit = "lead_hit": Rgba32Uint, cleared;
     /// Sum of the sub-frames, after even ones.
-    ColorEven = color_even: Rgba32Float;
+    ColorEven = "color_even": Rgba32Float;
     /// Sum of the sub-frames, after odd ones.
-    ColorOdd = color_odd: Rgba32Float;
+    ColorOdd = "color_odd": Rgba32Float;
     /// Sum over the sub-frames of the share of a pixel that surfaces cover.
-    CoverageSum = coverage_sum: R32Float;
+    CoverageSum = "coverage_sum": R32Float;
     /// Sum over the sub-frames of guides for a denoiser, in layers: red, green and blue of the surface's color, and its
     /// normal.
-    Guides = guides: R32Float;
+    Guides = "guides": R32Float;
     /// Tone-mapped display color.
-    Display = display: Rgba8Unorm;
+    Display = "display": Rgba8Unorm;
 }
 
 /// Number of guides of a pixel: three of its color, three of its normal.
@@ -117,8 +110,7 @@ use wgpu::TextureFormat as F;
 impl Target {
     /// The target of a name in the shaders; `written_NAME` is NAME too, in a shader that may read it as well.
     pub fn named(name: &str) -> Option<Self> {
-        let name = name.strip_prefix("written_").unwrap_or(name);
-        Self::ALL.into_iter().find(|target| target.name() == name)
+        Self::from_name(name.strip_prefix("written_").unwrap_or(name))
     }
 
     /// Bytes per pixel of a layer.
