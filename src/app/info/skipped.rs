@@ -100,7 +100,7 @@ pub fn lines(info: &SkippedInfo) -> Vec<(&'static str, String)> {
     }
     let mut lines = vec![("skipped", text)];
     if !info.kept.is_empty() {
-        let of = |kept: &KeptInfo| format!("{} {}", kept.count, kept.reason.why());
+        let of = |kept: &KeptInfo| format!("{} {}", kept.count, kept.reason.name());
         let kept: Vec<String> = info.kept.iter().map(of).collect();
         lines.push(("not skipped", kept.join(", ")));
     }

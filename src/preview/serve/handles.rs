@@ -38,13 +38,9 @@ impl Session {
     pub(super) fn tell_handles(&self) {
         let (size, selection) = (self.points(), &self.selection);
         let part = |at: Vec2| (at / size).to_array();
-        let kinds = Handle::ALL
-            .iter()
-            .filter(|(kind, _)| kind.numbers(&selection.numbers).is_some());
-        let kinds: Vec<_> = kinds.map(|(_, name)| name).collect();
-        let name = Handle::ALL
-            .iter()
-            .find(|(kind, _)| *kind == selection.handle);
+        let kinds = Handle::ALL.into_iter();
+        let kinds = kinds.filter(|kind| kind.numbers(&selection.numbers).is_some());
+        let kinds: Vec<_> = kinds.map(Handle::name).collect();
         let camera = self.shown_camera.as_ref();
         let edges = camera.filter(|_| !self.state.settings.wipe);
         let edges = edges.map_or(Vec::new(), |camera| selection.box_edges(camera, size));
@@ -54,7 +50,7 @@ impl Session {
             .and_then(|camera| selection.handles(camera, size))
             .map(|handles| json!({ "start": part(handles.start), "ends": handles.ends.map(part) }));
         let all = json!({ "handles": {
-            "kind": name.map(|(_, name)| name),
+            "kind": selection.handle.name(),
             "kinds": kinds,
             "drawn": drawn,
             "edges": edges,
@@ -65,8 +61,8 @@ impl Session {
 
     /// Chooses the kind of the handles by its name.
     pub(super) fn choose_handle(&mut self, name: &str) {
-        match Handle::ALL.iter().find(|(_, known)| *known == name) {
-            Some((handle, _)) => self.selection.handle = *handle,
+        match Handle::from_name(name) {
+            Some(handle) => self.selection.handle = handle,
             None => self.say("there are no such handles"),
         }
     }

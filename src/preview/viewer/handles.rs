@@ -5,7 +5,10 @@
 use glam::{Affine3A, BVec3, Vec2, Vec3, vec2};
 
 use crate::write_back::{Inspected, Numbers, POSITION_KEYS, SceneItem};
-use reflet_scene::desc::{CameraDesc, turned};
+use reflet_scene::{
+    desc::{CameraDesc, turned},
+    words,
+};
 
 /// Length of a handle, and size of its end, points.
 pub const LENGTH: f32 = 64.0;
@@ -16,26 +19,19 @@ const TURN: f64 = 0.5;
 /// Smallest scale factor that a drag can give.
 const SMALLEST: f64 = 1e-3;
 
-/// Kind of the handles over the picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Handle {
-    /// Handles that change the position.
-    #[default]
-    Move,
-    /// Handles that change the rotation.
-    Turn,
-    /// Handles that change the scale.
-    Scale,
+words! {
+    /// Kind of the handles over the picture, with its label.
+    pub enum Handle = Move {
+        /// Handles that change the position.
+        Move = "move",
+        /// Handles that change the rotation.
+        Turn = "turn",
+        /// Handles that change the scale.
+        Scale = "scale",
+    }
 }
 
 impl Handle {
-    /// All kinds, with their labels.
-    pub const ALL: [(Self, &str); 3] = [
-        (Self::Move, "move"),
-        (Self::Turn, "turn"),
-        (Self::Scale, "scale"),
-    ];
-
     /// Keys that these handles change; an item has at most one such key.
     fn keys(self) -> &'static [&'static str] {
         match self {

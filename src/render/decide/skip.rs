@@ -18,7 +18,10 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use reflet_base::math::Bounds;
-use reflet_scene::desc::{Method, PatternedKey, ReflectionDesc};
+use reflet_scene::{
+    desc::{Method, PatternedKey, ReflectionDesc},
+    words,
+};
 use reflet_world::{Curvature, Instance, Material, World};
 
 use crate::{
@@ -66,29 +69,19 @@ struct Placed {
     is_rough: bool,
 }
 
-/// Reason why rays do not skip an instance, though they skip others.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Kept {
-    /// Its image may be larger than `skip_px`.
-    Large,
-    /// It may move or change.
-    Moves,
-    /// It emits light.
-    Emits,
-    /// No reflection shows it anyway.
-    Unseen,
-}
-
-impl Kept {
-    /// The reason, as text for users.
-    pub const fn why(self) -> &'static str {
-        match self {
-            Self::Large => "could be larger",
-            Self::Moves => "may move or change",
-            Self::Emits => "emit light",
-            Self::Unseen => "are in no reflection anyway",
-        }
+words! {
+    /// Reason why rays do not skip an instance, though they skip others, with its text for users.
+    #[derive(PartialOrd, Ord, Serialize)]
+    #[serde(rename_all = "snake_case")]
+    pub enum Kept {
+        /// Its image may be larger than `skip_px`.
+        Large = "could be larger",
+        /// It may move or change.
+        Moves = "may move or change",
+        /// It emits light.
+        Emits = "emit light",
+        /// No reflection shows it anyway.
+        Unseen = "are in no reflection anyway",
     }
 }
 

@@ -66,8 +66,8 @@ pub fn panel(ui: &mut Ui, selection: &mut Selection, requests: &mut Vec<ViewRequ
             }
         }
         ui.horizontal(|ui| {
-            for (handle, name) in Handle::ALL {
-                ui.selectable_value(&mut selection.handle, handle, name);
+            for handle in Handle::ALL {
+                ui.selectable_value(&mut selection.handle, handle, handle.name());
             }
         });
         ui.horizontal(|ui| {
