@@ -87,27 +87,29 @@ fn nearest(clusters: &[Bvh2Node], reach: usize) -> Vec<u32> {
         Some(other) => clusters[i].aabb().union(other.aabb()).half_area(),
         None => f32::INFINITY,
     };
-    let indices = (0..clusters.len()).into_par_iter().with_min_len(TASK);
-    let ahead: Vec<[f32; REACH]> = (indices.clone())
-        .map(|i| {
-            array::from_fn(|k| {
-                if k < reach {
-                    area(i, i + k + 1)
-                } else {
-                    f32::INFINITY
-                }
+    let mut nearest = vec![0; clusters.len()];
+    let tasks = nearest.par_chunks_mut(TASK).enumerate();
+    tasks.for_each(|(task, nearest)| {
+        let (first, end) = (task * TASK, task * TASK + nearest.len());
+        let start = first.saturating_sub(reach);
+        let ahead = (start..end).map(|i| {
+            array::from_fn(|k| match k < reach {
+                true => area(i, i + k + 1),
+                false => f32::INFINITY,
             })
-        })
-        .collect();
-    let find = |i: usize| {
-        let before = (1..=reach.min(i))
-            .rev()
-            .map(|k| (ahead[i - k][k - 1], i - k));
-        let after = (1..=reach.min(clusters.len() - 1 - i)).map(|k| (ahead[i][k - 1], i + k));
-        let closer =
-            |best: (f32, usize), other: (f32, usize)| if other.0 <= best.0 { other } else { best };
-        let (_, found) = before.chain(after).fold((f32::INFINITY, i), closer);
-        found as u32
-    };
-    indices.map(find).collect()
+        });
+        let ahead: Vec<[f32; REACH]> = ahead.collect();
+        for (i, found) in (first..end).zip(nearest) {
+            let before = (1..=reach.min(i)).rev();
+            let before = before.map(|k| (ahead[i - k - start][k - 1], i - k));
+            let after = 1..=reach.min(clusters.len() - 1 - i);
+            let after = after.map(|k| (ahead[i - start][k - 1], i + k));
+            let closer = |best: (f32, usize), other: (f32, usize)| match other.0 <= best.0 {
+                true => other,
+                false => best,
+            };
+            *found = before.chain(after).fold((f32::INFINITY, i), closer).1 as u32;
+        }
+    });
+    nearest
 }

@@ -163,7 +163,7 @@ fn quantize(node: &mut CwBvhNode, around: &Aabb, children: &[Option<Aabb>; 8]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shape;
+    use crate::{bvh::cluster::cluster, shape};
     use reflet_scene::desc::ShapeDesc;
 
     fn sphere() -> Mesh {
@@ -178,16 +178,22 @@ mod tests {
         .mesh
     }
 
-    /// A refit to the boxes that a tree was built over changes nothing.
+    /// A refit to the boxes that a tree was built over changes nothing, nor one to boxes of a tree that was widened in
+    /// parts of at most 1 to 500 boxes; each has fewer nodes than boxes.
     #[test]
     fn the_rest_pose_is_the_tree_that_was_built() {
         let mesh = sphere();
         let boxes = boxes(&mesh, &mesh.positions);
-        let built = Tree::build(&boxes);
-        let mut refitted = built.nodes.clone();
-        refit(&mut refitted, &built.order, &boxes);
-        assert!(built.nodes.len() > 50);
-        assert_eq!(refitted, built.nodes);
+        let whole = Tree::build(&boxes);
+        let binary = cluster(&boxes, true);
+        let in_parts = |most| Tree::shallow(&binary, most).expect("shallow");
+        let parts = [1, 7, 20, 100, 500].map(in_parts);
+        for built in parts.into_iter().chain([whole]) {
+            let mut refitted = built.nodes.clone();
+            refit(&mut refitted, &built.order, &boxes);
+            assert_eq!(refitted, built.nodes);
+            assert!((51..boxes.len()).contains(&built.nodes.len()));
+        }
     }
 
     /// Every triangle lies in the quantized boxes of all nodes above it.
