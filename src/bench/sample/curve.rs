@@ -35,7 +35,8 @@ const PARTS: [(&str, IsIn); 4] = [
     ("no light reuse", |sample| sample.reuse_light == Some(false)),
 ];
 
-/// The curves in the order of charts, each with its sRGB color: a system that a method alone names has its method's.
+/// The curves in the order of charts, each with its sRGB color: a system whose name is its method's name is that
+/// method's curve.
 fn curves() -> impl Iterator<Item = (&'static str, [u8; 3])> {
     let plain = SYSTEMS.iter().filter(|of| of.name == of.method.name());
     plain.map(|of| (of.name, of.color)).chain(FURTHER)

@@ -192,8 +192,8 @@ fn cube_maps_become_panoramas() {
     assert_eq!(error.name, "image-broken");
 }
 
-/// Files of 48 × 32 pixels by each kind of compression, with luminance in each pixel, and the difference of red and of
-/// blue from it in each second one, as 16-bit numbers; and how near their colors are.
+/// Files of 48 × 32 pixels, whose blocks the crate `exr` packed by each kind of compression: luminance in each pixel, and
+/// the difference of red and of blue from it in each second one, as 16-bit numbers. Beside each, how near its colors are.
 const SPARSE: [(&[u8], f32); 5] = [
     (include_bytes!("tests/none.exr"), 0.01),
     (include_bytes!("tests/zip.exr"), 0.01),
