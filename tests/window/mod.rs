@@ -117,8 +117,9 @@ impl Session {
     }
 
     fn close(mut self) {
-        self.key("ctrl+q");
         until("the end", || {
+            // A window that is busy may lose keys.
+            self.key("ctrl+q");
             self.program.0.try_wait().expect("is waited for")
         });
         fs::remove_dir_all(&self.folder).expect("clean up");
