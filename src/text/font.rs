@@ -92,11 +92,10 @@ impl<'a> Font<'a> {
         f64::from(size) / self.units_per_em
     }
 
-    /// Whether it has a letter for each character of a text.
-    pub fn has_letters(&self, text: &str) -> bool {
-        let letters = self.face.charmap();
-        let mut visible = text.chars().filter(|letter| !letter.is_whitespace());
-        visible.all(|letter| letters.map(letter).is_some_and(|glyph| glyph.to_u32() > 0))
+    /// Whether a glyph has an outline; one that is damaged has.
+    pub(crate) fn has_outline(&self, glyph: u32) -> bool {
+        self.outline(glyph, 1.0, [0.0; 2])
+            .map_or(true, |outline| !outline.is_empty())
     }
 
     /// Outline of a glyph with its origin at a point, in a font of this size; y is up.

@@ -42,13 +42,20 @@ pub struct Letter {
 }
 
 impl Letter {
-    /// Whether it is more than space.
-    pub fn is_visible(&self) -> bool {
-        !self.text.trim().is_empty()
+    /// Whether it lacks a glyph, in whose place the font has a box.
+    pub fn is_missing(&self) -> bool {
+        self.glyphs.iter().any(|(glyph, _)| *glyph == 0)
     }
 }
 
 impl Lines<'_> {
+    /// The letters that can be seen, from left to right and line after line: spaces, and marks of direction or of
+    /// joining, have no outlines.
+    pub fn visible_letters(&self, font: &Font) -> impl Iterator<Item = Letter> {
+        let letters = self.set_in(font).into_iter().flat_map(|line| line.letters);
+        letters.filter(|letter| letter.glyphs.iter().any(|glyph| font.has_outline(glyph.0)))
+    }
+
     /// The lines in a font, the first on y = 0 and the others below.
     pub fn set_in(&self, font: &Font) -> Vec<Line> {
         let data = ShaperData::new(&font.face);

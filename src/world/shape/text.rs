@@ -3,7 +3,7 @@
 use glam::DVec2;
 use reflet_base::guard;
 use reflet_scene::desc::{FileDesc, ShapeDesc};
-use reflet_text::{Font, Letter, Lines, WrongFont};
+use reflet_text::{Font, Letter, Line, Lines, WrongFont};
 
 use super::{
     Fault, Supplies, extrude,
@@ -69,36 +69,45 @@ pub fn add(
 
 /// Whether a font has a letter for each character of a text.
 pub fn has_letters(bytes: &[u8], text: &str) -> bool {
-    let has_all = || Font::open(bytes).is_ok_and(|font| font.has_letters(text));
+    let lines = one_line(text, 1.0);
+    let is_complete = |line: &Line| !line.letters.iter().any(Letter::is_missing);
+    let has_all =
+        || Font::open(bytes).is_ok_and(|font| lines.set_in(&font).iter().all(is_complete));
     guard::catch(has_all).unwrap_or(false)
 }
 
 /// Edges of the closed outlines of a line in the font of shapes, from its start on the base line, in pixels, upwards.
 pub fn edges(text: &str, font_px: f32) -> Vec<[DVec2; 2]> {
-    let lines = Lines {
-        text,
-        size: font_px,
-        line_height: 1.0,
-        letter_spacing: 0.0,
-        align: 0.0,
-    };
     let mut pen = Pen::new(32);
+    let lines = one_line(text, font_px);
     let drawn = draw(&mut pen, &lines, Font::OWN, None).and_then(|_| pen.finish());
     let chords = drawn.into_iter().flatten().flatten();
     chords.map(|chord| chord.ends).collect()
 }
 
+/// A text that begins at the origin.
+fn one_line(text: &str, size: f32) -> Lines<'_> {
+    Lines {
+        text,
+        size,
+        line_height: 1.0,
+        letter_spacing: 0.0,
+        align: 0.0,
+    }
+}
+
 /// Draws all letters, or a single letter at the origin; returns the characters that the font lacks.
 fn draw(pen: &mut Pen, lines: &Lines, font: &[u8], only: Option<u32>) -> Result<String, Fault> {
     let font = Font::open(font)?;
-    let all = lines
-        .set_in(&font)
-        .into_iter()
-        .flat_map(|line| line.letters);
-    let mut letters: Vec<Letter> = all.collect();
+    let mut letters: Vec<Letter> = match only {
+        Some(_) => lines.visible_letters(&font).collect(),
+        None => {
+            let all = lines.set_in(&font).into_iter();
+            all.flat_map(|line| line.letters).collect()
+        }
+    };
     let mut origin = [0.0; 2];
     if let Some(number) = only {
-        letters.retain(Letter::is_visible);
         let count = letters.len();
         let Some(letter) = letters.into_iter().nth(number as usize) else {
             let message = format!("`letter` is {number}, and the text has {count} letters");
@@ -118,7 +127,7 @@ fn draw(pen: &mut Pen, lines: &Lines, font: &[u8], only: Option<u32>) -> Result<
                 return Err(Fault::new("shape-too-large", message).help("lower `segments`"));
             }
         }
-        if letter.glyphs.iter().any(|(glyph, _)| *glyph == 0) {
+        if letter.is_missing() {
             let letter = letter.text.chars().next();
             missing.extend(letter.filter(|letter| !missing.contains(*letter)));
         }

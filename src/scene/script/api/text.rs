@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use reflet_base::guard;
-use reflet_text::{Font, Letter, Line, WrongFont};
+use reflet_text::{Font, Lines, WrongFont};
 use rhai::{Dynamic, Engine, EvalAltResult, Map, Position};
 
 use super::super::{
@@ -24,14 +24,17 @@ const OPERATIONS: u64 = 1000;
 pub fn register(engine: &mut Engine, sources: &Arc<Sources>) {
     let own = Arc::clone(sources);
     engine.register_fn("text_width", move |text: &str, look: Map| {
-        let widths = |lines: Vec<Line>| lines.into_iter().map(|line| line.width);
-        lines(&own, text, &look).map(|lines| widths(lines).fold(0.0, f64::max))
+        in_font(&own, text, &look, |lines, font| {
+            let widths = lines.set_in(font).into_iter().map(|line| line.width);
+            widths.fold(0.0, f64::max)
+        })
     });
     let own = Arc::clone(sources);
     engine.register_fn("text_letters", move |text: &str, look: Map| {
-        let lines = lines(&own, text, &look)?;
-        let letters = lines.into_iter().flat_map(|line| line.letters);
-        let letters = letters.filter(Letter::is_visible).map(|letter| {
+        let letters = in_font(&own, text, &look, |lines, font| {
+            lines.visible_letters(font).collect::<Vec<_>>()
+        })?;
+        let letters = letters.into_iter().map(|letter| {
             let [x, y] = letter.place;
             let numbers = [("x", x), ("y", y), ("width", letter.width)];
             let mut map = Map::from([("text".into(), letter.text.into())]);
@@ -42,11 +45,16 @@ pub fn register(engine: &mut Engine, sources: &Arc<Sources>) {
     });
 }
 
-/// Lines of a text shape of these keys.
-fn lines(sources: &Sources, text: &str, look: &Map) -> Result<Vec<Line>> {
+/// Result of work with the lines of a text shape of these keys and with its font.
+fn in_font<T: Default>(
+    sources: &Sources,
+    text: &str,
+    look: &Map,
+    work: impl FnOnce(&Lines, &Font) -> T,
+) -> Result<T> {
     let shape = shape(text, look)?;
     let (Some(lines), ShapeDesc::Text { font, .. }) = (shape.lines(), &shape) else {
-        return Ok(Vec::new());
+        return Ok(T::default());
     };
     if let Some(why) = progress(OPERATIONS * text.len() as u64) {
         return Err(EvalAltResult::ErrorTerminated(why.into(), Position::NONE).into());
@@ -57,9 +65,9 @@ fn lines(sources: &Sources, text: &str, look: &Map) -> Result<Vec<Line>> {
         .transpose();
     let bytes = bytes.or_else(|problem| fail_with(problem.message, problem.help))?;
     let bytes = bytes.as_deref().unwrap_or(Font::OWN);
-    let set = || Ok::<_, WrongFont>(lines.set_in(&Font::open(bytes)?));
-    let set = guard::catch(set).unwrap_or_else(|| Err(WrongFont::damaged()));
-    set.or_else(|wrong| fail_with(wrong.message, wrong.help))
+    let done = || Ok(work(&lines, &Font::open(bytes)?));
+    let done = guard::catch(done).unwrap_or_else(|| Err(WrongFont::damaged()));
+    done.or_else(|wrong| fail_with(wrong.message, wrong.help))
 }
 
 /// The text shape of these keys, read as scene text is.

@@ -40,19 +40,16 @@ fn letters_are_closed_and_stand_on_their_line() {
 /// Each letter at its place is a part of the whole text, and "fi" is one letter.
 #[test]
 fn letters_at_their_places_are_the_text() {
-    let whole = text("AV fi\nT", "");
+    // Neither a soft hyphen nor a zero-width space is a letter.
+    let whole = text("AV\u{ad} fi\n\u{200b}T", "");
     let lines = whole.lines().expect("a text");
     let font = reflet_text::Font::open(reflet_text::Font::OWN).expect("a font");
-    let set = lines
-        .set_in(&font)
-        .into_iter()
-        .flat_map(|line| line.letters);
-    let letters: Vec<_> = set.filter(|letter| letter.is_visible()).collect();
+    let letters: Vec<_> = lines.visible_letters(&font).collect();
     let names: Vec<_> = letters.iter().map(|letter| letter.text.as_str()).collect();
     assert_eq!(names, ["A", "V", "fi", "T"]);
     let (mut bounds, mut volume) = (Bounds::EMPTY, 0.0);
     for (i, letter) in letters.iter().enumerate() {
-        let own = mesh(&text("AV fi\nT", &format!("letter = {i}")));
+        let own = mesh(&text("AV\u{ad} fi\n\u{200b}T", &format!("letter = {i}")));
         let [x, y] = letter.place.map(|x| x as f32);
         let moved = glam::Affine3A::from_translation(Vec3::new(x, y, 0.0));
         bounds = bounds.union(own.bounds.transformed(&moved));
