@@ -1,6 +1,8 @@
 //! Places of letters in lines of text.
 
-use harfrust::{Direction, Feature, ShapeOptions, ShaperData, Tag, UnicodeBuffer};
+use harfrust::{
+    Direction, Feature, GlyphInfo, GlyphPosition, ShapeOptions, ShaperData, Tag, UnicodeBuffer,
+};
 
 use super::{font::Font, runs::runs};
 
@@ -13,7 +15,7 @@ pub struct Lines<'a> {
     pub size: f32,
     /// Distance from line to line, as a factor on `size`.
     pub line_height: f32,
-    /// Space that is added between letters, as a factor on `size`.
+    /// Space that is added between letters, each with its marks, as a factor on `size`.
     pub letter_spacing: f32,
     /// Place of x = 0 in each line: 0 is its left end, 1 its right end.
     pub align: f64,
@@ -24,7 +26,8 @@ pub struct Lines<'a> {
 pub struct Line {
     /// Letters from left to right.
     pub letters: Vec<Letter>,
-    /// Distance from the begin of the first letter to the end of the last one.
+    /// Advance: distance from the begin of the first letter to the end of the last one, below 0 where a negative
+    /// `letter_spacing` sets the last one before the first.
     pub width: f64,
 }
 
@@ -79,44 +82,46 @@ impl Lines<'_> {
                     (run.range, shaped)
                 })
                 .collect();
-            let advance =
-                |place: &harfrust::GlyphPosition| f64::from(place.x_advance) * unit + spacing;
-            let places = shaped.iter().flat_map(|(_, run)| run.glyph_positions());
-            let width: f64 = places.map(advance).sum::<f64>() - spacing;
-            let mut x = -width * self.align;
-            let y = -(number as f64) * f64::from(self.line_height * self.size);
             let mut letters: Vec<Letter> = Vec::new();
             for (range, run) in &shaped {
-                let starts: Vec<_> = run
-                    .glyph_infos()
-                    .iter()
-                    .map(|i| i.cluster as usize)
-                    .collect();
-                for (i, place) in run.glyph_positions().iter().enumerate() {
-                    let [dx, dy] = [place.x_offset, place.y_offset].map(|o| f64::from(o) * unit);
-                    let glyph = (run.glyph_infos()[i].glyph_id, [x + dx, y + dy]);
-                    if i > 0
-                        && starts[i] == starts[i - 1]
-                        && let Some(letter) = letters.last_mut()
-                    {
-                        letter.glyphs.push(glyph);
-                        letter.width += advance(place);
-                    } else {
-                        let next = starts.iter().filter(|start| **start > starts[i]).min();
-                        let end = next.map_or(range.end, |next| range.start + next);
-                        let text = line.get(range.start + starts[i]..end).unwrap_or_default();
-                        letters.push(Letter {
-                            text: text.to_owned(),
-                            place: [x, y],
-                            width: advance(place) - spacing,
-                            glyphs: vec![glyph],
-                        });
-                    }
-                    x += advance(place);
+                let infos = run.glyph_infos();
+                let glyphs: Vec<_> = infos.iter().zip(run.glyph_positions()).collect();
+                for cluster in glyphs.chunk_by(|a, b| a.0.cluster == b.0.cluster) {
+                    let start = cluster[0].0.cluster;
+                    let later = infos.iter().map(|info| info.cluster);
+                    let next = later.filter(|next| *next > start).min();
+                    let end = next.map_or(range.end, |next| range.start + next as usize);
+                    let text = line.get(range.start + start as usize..end);
+                    let mut width = 0.0;
+                    let glyph = |(info, place): &(&GlyphInfo, &GlyphPosition)| {
+                        let [dx, dy, advance] = [place.x_offset, place.y_offset, place.x_advance]
+                            .map(|length| f64::from(length) * unit);
+                        let origin = [width + dx, dy];
+                        width += advance;
+                        (info.glyph_id, origin)
+                    };
+                    let glyphs = cluster.iter().map(glyph).collect();
+                    letters.push(Letter {
+                        text: text.unwrap_or_default().to_owned(),
+                        place: [0.0; 2],
+                        width,
+                        glyphs,
+                    });
                 }
             }
+            // Marks of direction or of joining take no space (CSS Text 3, §8.2).
+            let spaced = letters.iter().filter(|letter| letter.width != 0.0).count();
+            let width = letters.iter().map(|letter| letter.width).sum::<f64>()
+                + spacing * spaced.saturating_sub(1) as f64;
+            let mut x = -width * self.align;
+            let y = -(number as f64) * f64::from(self.line_height * self.size);
             for letter in &mut letters {
-                letter.place[0] += self.align * letter.width;
+                for (_, [glyph_x, glyph_y]) in &mut letter.glyphs {
+                    *glyph_x += x;
+                    *glyph_y += y;
+                }
+                letter.place = [x + self.align * letter.width, y];
+                x += letter.width + if letter.width == 0.0 { 0.0 } else { spacing };
             }
             Line { letters, width }
         };

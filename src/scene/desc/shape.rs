@@ -187,8 +187,8 @@ declared! {
             align: TextAlign = TextAlign::Center,
             /// Distance between lines, as a factor on `size`, 0 to 100. Default 1.2.
             line_height: f32 [range(0.0, 100.0)] = 1.2,
-            /// Space that is added after each letter, as a factor on `size`, -1 to 100; with any, letters have no ligatures.
-            /// Default 0.
+            /// Space that is added after each letter and its marks, as a factor on `size`, -1 to 100; with any, letters have
+            /// no ligatures. Default 0.
             letter_spacing: f32 [range(-1.0, 100.0)] = 0.0,
             /// Number of the only letter that is shown, 0 to 999, counted from left to right and line after line without
             /// spaces; letters that the font draws as one count once. Its place in the text, which `text_letters` of

@@ -70,11 +70,14 @@ fn letters_at_their_places_are_the_text() {
 /// The font draws "fi" as one glyph, which has no place for a space.
 #[test]
 fn letters_that_are_spaced_are_no_ligatures() {
-    let width = |spacing: f32| {
+    let width = |letters: &str, spacing: f32| {
         let spacing = format!(r#"align = "left", letter_spacing = {spacing}"#);
-        mesh(&text("fi", &spacing)).bounds.max.x
+        mesh(&text(letters, &spacing)).bounds.max.x
     };
-    assert!(width(2.0) > width(0.0) + 1.9, "{}", width(2.0));
+    let wide = width("fi", 2.0);
+    assert!(wide > width("fi", 0.0) + 1.9, "{wide}");
+    // A letter keeps its marks.
+    assert_eq!(width("x\u{302}", 2.0), width("x\u{302}", 0.0));
 }
 
 #[test]
