@@ -63,9 +63,10 @@ pub fn fail<T>(message: String) -> Result<T> {
     Err(message.into())
 }
 
-/// An error with a message and advice, at the place of the call.
+/// An error with a message and advice, empty for none, at the place of the call.
 pub fn fail_with<T>(message: String, help: impl Into<String>) -> Result<T> {
-    Err(WrongKey::new(message, Some(help.into())).into())
+    let help = Some(help.into()).filter(|help| !help.is_empty());
+    Err(WrongKey::new(message, help).into())
 }
 
 /// Number from an integer or a float; it must be finite. `what` names the value in messages.
