@@ -10,7 +10,7 @@ use super::super::{
     call_limits::progress, setup_output::keys, source_files::Sources, value::fail_with,
 };
 use crate::{
-    desc::ShapeDesc,
+    desc::{MOST_CHARACTERS, ShapeDesc, control_character},
     syntax::SyntaxTree,
     table::{Place, Table, report::Report},
 };
@@ -56,6 +56,7 @@ fn in_font<T: Default>(
     let (Some(lines), ShapeDesc::Text { font, .. }) = (shape.lines(), &shape) else {
         return Ok(T::default());
     };
+    let lines = Lines { text, ..lines };
     if let Some(why) = progress(OPERATIONS * text.len() as u64) {
         return Err(EvalAltResult::ErrorTerminated(why.into(), Position::NONE).into());
     }
@@ -70,9 +71,17 @@ fn in_font<T: Default>(
     done.or_else(|wrong| fail_with(wrong.message, wrong.help))
 }
 
-/// The text shape of these keys, read as scene text is.
+/// A text shape of these keys, read as scene text is, with letters in place of the text, which may be empty here.
 fn shape(text: &str, look: &Map) -> Result<ShapeDesc> {
-    let own = [("kind", "text"), ("text", text)];
+    let count = text.chars().count();
+    if count > MOST_CHARACTERS {
+        let message = format!("a text must be at most {MOST_CHARACTERS} characters, not {count}");
+        return fail_with(message, "measure its lines or its words one by one");
+    }
+    if let Some((_, message, help)) = control_character(text) {
+        return fail_with(message, help);
+    }
+    let own = [("kind", "text"), ("text", "letters")];
     let mut map = look.clone();
     map.extend(own.map(|(key, value)| (key.into(), value.into())));
     let mut written = String::new();
