@@ -17,8 +17,25 @@ use crate::{
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
 
+/// Operations that opening a font counts as.
+const OPEN: u64 = 5000;
 /// Operations that a byte of a text counts as.
-const OPERATIONS: u64 = 1000;
+const BYTE: u64 = 1000;
+/// Operations that a key counts as.
+const KEY: u64 = 3000;
+/// Operations that a wrong key counts as, which is compared with the names of all keys for advice.
+const MISTAKE: u64 = 10_000;
+/// Operations that a byte of scene text counts as, into which keys are written.
+const WRITTEN_BYTE: u64 = 10;
+/// Operations that the outline of a letter counts as.
+const OUTLINE: u64 = 100;
+
+/// Counts operations of the call.
+fn charge(operations: u64) -> Result<()> {
+    progress(operations).map_or(Ok(()), |why| {
+        Err(EvalAltResult::ErrorTerminated(why.into(), Position::NONE).into())
+    })
+}
 
 /// Registers the functions of texts, whose fonts are files beside the sources of a script.
 pub fn register(engine: &mut Engine, sources: &Arc<Sources>) {
@@ -32,7 +49,8 @@ pub fn register(engine: &mut Engine, sources: &Arc<Sources>) {
     let own = Arc::clone(sources);
     engine.register_fn("text_letters", move |text: &str, look: Map| {
         let letters = in_font(&own, text, &look, |lines, font| {
-            lines.visible_letters(font).collect::<Vec<_>>()
+            let letters = lines.visible_letters(font);
+            (letters.take_while(|_| progress(OUTLINE).is_none())).collect::<Vec<_>>()
         })?;
         let letters = letters.into_iter().map(|letter| {
             let [x, y] = letter.place;
@@ -52,14 +70,12 @@ fn in_font<T: Default>(
     look: &Map,
     work: impl FnOnce(&Lines, &Font) -> T,
 ) -> Result<T> {
+    charge(OPEN + BYTE * text.len() as u64 + KEY * look.len() as u64)?;
     let shape = shape(text, look)?;
     let (Some(lines), ShapeDesc::Text { font, .. }) = (shape.lines(), &shape) else {
         return Ok(T::default());
     };
     let lines = Lines { text, ..lines };
-    if let Some(why) = progress(OPERATIONS * text.len() as u64) {
-        return Err(EvalAltResult::ErrorTerminated(why.into(), Position::NONE).into());
-    }
     let bytes = font
         .as_ref()
         .map(|font| sources.font(&font.file))
@@ -88,6 +104,7 @@ fn shape(text: &str, look: &Map) -> Result<ShapeDesc> {
     if let Err(wrong) = keys(&mut written, &map) {
         return fail_with(wrong.message, wrong.help.unwrap_or_default());
     }
+    charge(WRITTEN_BYTE * written.len() as u64)?;
     let mut report = Report::default();
     let place = Place {
         whole: "a text",
@@ -96,7 +113,9 @@ fn shape(text: &str, look: &Map) -> Result<ShapeDesc> {
     let tree = SyntaxTree::parse(&written);
     let entries = tree.correct().map_err(|error| error.message.clone())?;
     let read = Table::read::<ShapeDesc>(&mut report, entries, place);
-    match (read, report.finish().0.pop()) {
+    let mut mistakes = report.finish().0;
+    charge(MISTAKE * mistakes.len() as u64)?;
+    match (read, mistakes.pop()) {
         (Some(shape), None) => Ok(shape),
         (_, Some(wrong)) => fail_with(wrong.message, wrong.help.unwrap_or_default()),
         (None, None) => fail_with("these are no keys of a text".to_owned(), ""),
