@@ -44,6 +44,19 @@ pub struct Letter {
     pub glyphs: Vec<(u32, [f64; 2])>,
 }
 
+/// The reason why a text has no letter of a number.
+#[derive(Clone, Debug)]
+pub struct PastLast {
+    /// Message.
+    pub message: String,
+}
+
+impl PastLast {
+    /// Advice.
+    pub const HELP: &str = "letters are counted from 0, without spaces, and letters that the font draws as one, such as \
+                            \"fi\", count once";
+}
+
 impl Letter {
     /// Whether it lacks a glyph, in whose place the font has a box.
     pub fn is_missing(&self) -> bool {
@@ -57,6 +70,22 @@ impl Lines<'_> {
     pub fn visible_letters(&self, font: &Font) -> impl Iterator<Item = Letter> {
         let letters = self.set_in(font).into_iter().flat_map(|line| line.letters);
         letters.filter(|letter| letter.glyphs.iter().any(|glyph| font.has_outline(glyph.0)))
+    }
+
+    /// A visible letter by its number, from 0.
+    ///
+    /// # Errors
+    /// A text with fewer letters.
+    pub fn letter(&self, font: &Font, number: u32) -> Result<Letter, PastLast> {
+        let letters: Vec<Letter> = self.visible_letters(font).collect();
+        let message = match letters.len().checked_sub(1) {
+            None => format!("`letter` is {number}, and the text has no letters"),
+            Some(last) => {
+                format!("`letter` is {number}, and the last letter has the number {last}")
+            }
+        };
+        let letter = letters.into_iter().nth(number as usize);
+        letter.ok_or(PastLast { message })
     }
 
     /// The lines in a font, the first on y = 0 and the others below.

@@ -192,9 +192,12 @@ declared! {
             /// no ligatures. Default 0.
             letter_spacing: f32 [range(-1.0, 100.0)] = 0.0,
             /// Number of the only letter that is shown, 0 to 999, counted from left to right and line after line without
-            /// spaces; letters that the font draws as one count once. Its place in the text, which `text_letters` of
-            /// scripts tells, is then at the origin. Default: all letters.
+            /// spaces and other characters that cannot be seen; letters that the font draws as one count once. Its place in
+            /// the text, which `text_letters` of scripts tells, is then at the origin. Default: all letters.
             letter: Option<u32> [range(0.0, 999.0)],
+            /// Place where the letter is written.
+            #[by(|t| Some(t.written("letter")))]
+            letter_at: Written,
             /// Chords of a full turn of a curve, 3 to 1024: more is rounder. Default 64.
             segments: u32 [SEGMENTS] = 64,
             /// Place where the text is written.

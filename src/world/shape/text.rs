@@ -3,7 +3,7 @@
 use glam::DVec2;
 use reflet_base::guard;
 use reflet_scene::desc::{FileDesc, ShapeDesc};
-use reflet_text::{Font, Letter, Line, Lines, WrongFont};
+use reflet_text::{Font, Letter, Line, Lines, PastLast, WrongFont};
 
 use super::{
     Fault, Supplies, extrude,
@@ -33,6 +33,7 @@ pub fn add(
         ShapeDesc::Text {
             font,
             letter,
+            letter_at,
             depth,
             bevel,
             segments,
@@ -49,6 +50,7 @@ pub fn add(
     let here = |fault: Fault| fault.placed(at.0.clone());
     let in_font = |fault: Fault| match fault.name {
         "wrong-font" => fault.placed(font_at.0.clone()),
+        "out-of-range" => fault.placed(letter_at.0.clone()),
         _ => here(fault),
     };
     let mut pen = Pen::new(*segments);
@@ -99,23 +101,17 @@ fn one_line(text: &str, size: f32) -> Lines<'_> {
 /// Draws all letters, or a single letter at the origin; returns the characters that the font lacks.
 fn draw(pen: &mut Pen, lines: &Lines, font: &[u8], only: Option<u32>) -> Result<String, Fault> {
     let font = Font::open(font)?;
-    let mut letters: Vec<Letter> = match only {
-        Some(_) => lines.visible_letters(&font).collect(),
+    let past = |wrong: PastLast| Fault::new("out-of-range", wrong.message).help(PastLast::HELP);
+    let only = only.map(|number| lines.letter(&font, number).map_err(past));
+    let only = only.transpose()?;
+    let origin = only.as_ref().map_or([0.0; 2], |letter| letter.place);
+    let letters: Vec<Letter> = match only {
+        Some(letter) => vec![letter],
         None => {
             let all = lines.set_in(&font).into_iter();
             all.flat_map(|line| line.letters).collect()
         }
     };
-    let mut origin = [0.0; 2];
-    if let Some(number) = only {
-        let count = letters.len();
-        let Some(letter) = letters.into_iter().nth(number as usize) else {
-            let message = format!("`letter` is {number}, and the text has {count} letters");
-            return Err(Fault::new("out-of-range", message).help("the first one is 0"));
-        };
-        origin = letter.place;
-        letters = vec![letter];
-    }
     let mut missing = String::new();
     for letter in &letters {
         for (glyph, [x, y]) in &letter.glyphs {

@@ -3,14 +3,18 @@
 use std::sync::Arc;
 
 use reflet_base::guard;
-use reflet_text::{Font, Lines, WrongFont};
-use rhai::{Dynamic, Engine, EvalAltResult, Map, Position};
+use reflet_text::{Font, Lines, PastLast, WrongFont};
+use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, Map, Position};
 
 use super::super::{
-    call_limits::progress, setup_output::keys, source_files::Sources, value::fail_with,
+    call_limits::progress,
+    setup_output::keys,
+    source_files::Sources,
+    value::{WrongKey, fail_with},
 };
 use crate::{
     desc::{MOST_CHARACTERS, ShapeDesc, control_character},
+    suggest,
     syntax::SyntaxTree,
     table::{Place, Table, report::Report},
 };
@@ -72,7 +76,7 @@ fn in_font<T: Default>(
 ) -> Result<T> {
     charge(OPEN + BYTE * text.len() as u64 + KEY * look.len() as u64)?;
     let shape = shape(text, look)?;
-    let (Some(lines), ShapeDesc::Text { font, .. }) = (shape.lines(), &shape) else {
+    let (Some(lines), ShapeDesc::Text { font, letter, .. }) = (shape.lines(), &shape) else {
         return Ok(T::default());
     };
     let lines = Lines { text, ..lines };
@@ -82,9 +86,19 @@ fn in_font<T: Default>(
         .transpose();
     let bytes = bytes.or_else(|problem| fail_with(problem.message, problem.help))?;
     let bytes = bytes.as_deref().unwrap_or(Font::OWN);
-    let done = || Ok(work(&lines, &Font::open(bytes)?));
+    let done = || {
+        let font = Font::open(bytes)?;
+        let letter = letter.map(|number| lines.letter(&font, number)).transpose();
+        Ok(letter.map(|_| work(&lines, &font)))
+    };
     let done = guard::catch(done).unwrap_or_else(|| Err(WrongFont::damaged()));
-    done.or_else(|wrong| fail_with(wrong.message, wrong.help))
+    match done {
+        Ok(Ok(done)) => Ok(done),
+        Ok(Err(wrong)) => {
+            fail_with(wrong.message, PastLast::HELP).map_err(WrongKey::in_key("letter"))
+        }
+        Err(wrong) => fail_with(wrong.message, wrong.help),
+    }
 }
 
 /// A text shape of these keys, read as scene text is, with letters in place of the text, which may be empty here.
@@ -97,9 +111,17 @@ fn shape(text: &str, look: &Map) -> Result<ShapeDesc> {
     if let Some((_, message, help)) = control_character(text) {
         return fail_with(message, help);
     }
-    let own = [("kind", "text"), ("text", "letters")];
     let mut map = look.clone();
-    map.extend(own.map(|(key, value)| (key.into(), value.into())));
+    for (key, value, own) in [("kind", "text", "text"), ("text", text, "letters")] {
+        if let Some(given) = map.insert(key.into(), own.into())
+            && !given
+                .read_lock::<ImmutableString>()
+                .is_some_and(|given| *given == value)
+        {
+            let message = format!("`{key}` must be {} here", suggest::text(value));
+            return fail_with(message, format!("leave `{key}` out")).map_err(WrongKey::in_key(key));
+        }
+    }
     let mut written = String::new();
     if let Err(wrong) = keys(&mut written, &map) {
         return fail_with(wrong.message, wrong.help.unwrap_or_default());

@@ -65,6 +65,8 @@ fn letters_at_their_places_are_the_text() {
     let shape = text("AV fi\nT", "letter = 4");
     let fault = make(&shape, &supplies(&shape)).expect_err("four letters");
     assert_eq!(fault.name, "out-of-range", "{}", fault.message);
+    let at = fault.at.expect("a place");
+    assert_eq!(at.source.expect("a text").text[at.range], *"4");
 }
 
 /// The font draws "fi" as one glyph, which has no place for a space.
