@@ -68,6 +68,11 @@ pub struct FileDesc {
 }
 
 impl FileDesc {
+    /// A message about the content of the file, with its name.
+    pub fn message(&self, about: &str) -> String {
+        format!("{}: {about}", suggest::text(&self.file))
+    }
+
     /// Reads the name of a file.
     pub(super) fn read(t: &mut Table, key: &'static str) -> Option<Self> {
         let at = t.written(key);

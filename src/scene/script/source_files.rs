@@ -74,7 +74,7 @@ const SCRIPTS: Kind = Kind {
 /// Words for messages about fonts.
 const FONTS: Kind = Kind {
     one: "a font",
-    names: "file names of fonts start from the scene's folder or an asset folder and end in .ttf, .otf or .ttc",
+    names: "file names of fonts start from the scene's folder, or a folder that --assets DIR adds, and end in .ttf, .otf or .ttc",
     inside: "fonts are read only from the scene's folder, asset folders, and the folders below",
     most_mib: 64,
 };

@@ -49,7 +49,11 @@ pub fn add(
     let font_at = font.as_ref().map_or(at, |font| &font.at);
     let here = |fault: Fault| fault.placed(at.0.clone());
     let in_font = |fault: Fault| match fault.name {
-        "wrong-font" => fault.placed(font_at.0.clone()),
+        "wrong-font" => {
+            let named = font.as_ref().map(|font| font.message(&fault.message));
+            let message = named.unwrap_or_else(|| fault.message.clone());
+            Fault { message, ..fault }.placed(font_at.0.clone())
+        }
         "out-of-range" => fault.placed(letter_at.0.clone()),
         _ => here(fault),
     };

@@ -97,7 +97,10 @@ fn in_font<T: Default>(
         Ok(Err(wrong)) => {
             fail_with(wrong.message, PastLast::HELP).map_err(WrongKey::in_key("letter"))
         }
-        Err(wrong) => fail_with(wrong.message, wrong.help),
+        Err(WrongFont { message, help }) => {
+            let named = font.as_ref().map(|font| font.message(&message));
+            fail_with(named.unwrap_or(message), help)
+        }
     }
 }
 

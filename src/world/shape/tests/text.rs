@@ -105,7 +105,9 @@ fn fonts_that_are_none_are_refused_and_missing_letters_told() {
     let own = reflet_text::Font::OWN;
     assert!(with(own).is_ok());
     for bytes in [&b""[..], b"wOF2....", b"not a font", &own[..200]] {
-        assert_eq!(with(bytes).expect_err("no font").name, "wrong-font");
+        let fault = with(bytes).expect_err("no font");
+        assert_eq!(fault.name, "wrong-font");
+        assert!(fault.message.contains("a.ttf"), "{}", fault.message);
     }
     // Eight subroutines, each of which calls the next sixty times, and the last one draws nothing.
     let calls = with(include_bytes!("calls.otf")).expect_err("it does not end");
