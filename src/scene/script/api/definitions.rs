@@ -70,7 +70,7 @@ fn definition(form: &str, gives: &str) -> Option<String> {
 fn type_of(parameter: &str) -> &'static str {
     match parameter {
         "ctx" => "ctx",
-        "name" | "model" => "String",
+        "name" | "model" | "text" => "String",
         "seed" | "id" | "frame" => "int",
         "v" | "vector" => "vec3",
         "q" => "quat",
