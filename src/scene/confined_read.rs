@@ -38,8 +38,8 @@ pub struct Found<T = String> {
     pub path: PathBuf,
     /// Canonical path, with symbolic links resolved.
     pub real: PathBuf,
-    /// Content of the file.
-    pub text: T,
+    /// Text or bytes of the file.
+    pub data: T,
 }
 
 /// The reason why a file cannot be read.
@@ -97,13 +97,13 @@ pub fn read(
     kind: &Kind,
     dependencies: &Dependencies,
 ) -> Result<Found, Problem> {
-    let Found { path, real, text } = read_bytes(reach, file, kind, dependencies)?;
-    let text = String::from_utf8(text).map_err(|wrong| Problem {
+    let Found { path, real, data } = read_bytes(reach, file, kind, dependencies)?;
+    let data = String::from_utf8(data).map_err(|wrong| Problem {
         message: format!("{} must be UTF-8 text, and this byte is not", kind.one),
         help: "save the file as UTF-8 in your editor".into(),
         ..Problem::inside(Span::not_utf8(&path, &wrong))
     })?;
-    Ok(Found { path, real, text })
+    Ok(Found { path, real, data })
 }
 
 /// The same as [`read`], for a file of any bytes.
@@ -218,14 +218,14 @@ fn read_in(
         });
     }
     if let Some(text) = reach.unsaved().text(&real) {
-        let text = text.as_bytes().to_vec();
-        return Ok(Found { path, real, text });
+        let data = text.as_bytes().to_vec();
+        return Ok(Found { path, real, data });
     }
     let file = open_regular(&real, false);
     let bytes = file.and_then(|file| read_at_most(&file, kind.most_mib << 20));
-    let text = bytes.map_err(|e| {
+    let data = bytes.map_err(|e| {
         let message = format!("\"{}\" cannot be read: {e}", path.display());
         Problem::new(message, "")
     })?;
-    Ok(Found { path, real, text })
+    Ok(Found { path, real, data })
 }

@@ -72,7 +72,7 @@ pub fn collect(
         }
         match confined_read::read(reach, &name.value, &SCENES, dependencies) {
             Ok(found) if known.insert(found.real.clone()) => {
-                let source = Arc::new(Source::new(found.path, found.text));
+                let source = Arc::new(Source::new(found.path, found.data));
                 if !report.admit(&source, &name.at) {
                     break;
                 }

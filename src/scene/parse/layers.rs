@@ -86,7 +86,7 @@ pub fn collect(
             report.note_lacking_names();
             break;
         }
-        let source = Arc::new(Source::new(found.path, found.text));
+        let source = Arc::new(Source::new(found.path, found.data));
         if !report.admit(&source, &name.at) {
             break;
         }

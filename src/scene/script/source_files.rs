@@ -160,7 +160,7 @@ impl Sources {
             return Err(Problem::new(message, help));
         }
         let found = confined_read::read_bytes(&self.files, file, &FONTS, &self.dependencies)?;
-        let font: Arc<[u8]> = found.text.into();
+        let font: Arc<[u8]> = found.data.into();
         state.fonts.push((file.to_owned(), Arc::clone(&font)));
         state.files.push(found.real);
         Ok(font)
@@ -168,11 +168,10 @@ impl Sources {
 
     /// Keeps a file that was read; gives its name in messages, and its text.
     fn keep(&self, found: Found) -> (String, String) {
-        let Found { path, real, text } = found;
-        let name = path.display().to_string();
-        let text = without_mark(&text).to_owned();
+        let name = found.path.display().to_string();
+        let text = without_mark(&found.data).to_owned();
         self.add(&name, &text);
-        self.state().files.push(real);
+        self.state().files.push(found.real);
         (name, text)
     }
 

@@ -232,7 +232,7 @@ fn read(
         .collect();
     own.extend(others.into_iter().cloned());
     let own = reach.with_folders(own);
-    let source = Arc::new(Source::new(found.path, found.text));
+    let source = Arc::new(Source::new(found.path, found.data));
     if !report.admit(&source, &at) {
         return None;
     }
