@@ -65,9 +65,7 @@ impl Problem {
             is_missing: false,
         }
     }
-}
 
-impl Problem {
     /// The problem as an error at its place in the file, else at `at`, where the file is named.
     pub fn at_name(self, name: &'static str, at: Span) -> Diagnostic {
         let error = match self.inside {
@@ -76,13 +74,6 @@ impl Problem {
             None => Diagnostic::new(name, at, self.message),
         };
         error.help(self.help)
-    }
-
-    fn inside(at: Span) -> Self {
-        Self {
-            inside: Some(at),
-            ..Self::new(String::new(), "")
-        }
     }
 }
 
@@ -99,9 +90,11 @@ pub fn read(
 ) -> Result<Found, Problem> {
     let Found { path, real, data } = read_bytes(reach, file, kind, dependencies)?;
     let data = String::from_utf8(data).map_err(|wrong| Problem {
-        message: format!("{} must be UTF-8 text, and this byte is not", kind.one),
-        help: "save the file as UTF-8 in your editor".into(),
-        ..Problem::inside(Span::not_utf8(&path, &wrong))
+        inside: Some(Span::not_utf8(&path, &wrong)),
+        ..Problem::new(
+            format!("{} must be UTF-8 text, and this byte is not", kind.one),
+            "save the file as UTF-8 in your editor",
+        )
     })?;
     Ok(Found { path, real, data })
 }

@@ -82,8 +82,8 @@ const FONTS: Kind = Kind {
 impl Problem {
     /// Error of the import at the position `at`.
     fn in_import(self, sources: &Sources, at: Position) -> Box<EvalAltResult> {
+        let text = format!("{}; {}", self.message, self.help);
         let Some(Span { source, range }) = self.inside else {
-            let text = format!("{}; {}", self.message, self.help);
             return EvalAltResult::ErrorRuntime(text.into(), at).into();
         };
         let source = source.expect("it is in a file");
@@ -91,7 +91,6 @@ impl Problem {
         sources.state().texts.push((name.clone(), source));
         let [line, column] =
             [place.line, place.column].map(|n| u16::try_from(n).unwrap_or(u16::MAX));
-        let text = format!("{}; {}", self.message, self.help);
         let wrong = EvalAltResult::ErrorRuntime(text.into(), Position::new(line, column));
         EvalAltResult::ErrorInModule(name, wrong.into(), at).into()
     }
