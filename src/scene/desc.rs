@@ -41,7 +41,6 @@ use std::{
 
 use crate::diagnostic::{Diagnostic, Span};
 
-pub(crate) use self::shape::{MOST_CHARACTERS, control_character};
 pub use self::{
     animation::{AnimationDesc, Playback},
     camera::{CAMERA, CameraDesc, CameraMotionDesc},

@@ -7,5 +7,5 @@ mod runs;
 
 pub use self::{
     font::{Font, WrongFont},
-    lines::{Letter, Line, Lines, PastLast},
+    lines::{Letter, Line, Lines},
 };

@@ -1,13 +1,14 @@
 //! Places of letters in lines of text.
 
-use harfrust::{
-    Direction, Feature, GlyphInfo, GlyphPosition, ShapeOptions, ShaperData, Tag, UnicodeBuffer,
+use harfrust::{Direction, Feature, ShapeOptions, ShaperData, Tag, UnicodeBuffer};
+
+use super::{
+    font::{Font, WrongFont},
+    runs::{Run, runs},
 };
 
-use super::{font::Font, runs::runs};
-
 /// Lines of text.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Lines<'a> {
     /// The text, whose lines end at `\n`.
     pub text: &'a str,
@@ -44,19 +45,6 @@ pub struct Letter {
     pub glyphs: Vec<(u32, [f64; 2])>,
 }
 
-/// The reason why a text has no letter of a number.
-#[derive(Clone, Debug)]
-pub struct PastLast {
-    /// Message.
-    pub message: String,
-}
-
-impl PastLast {
-    /// Advice.
-    pub const HELP: &str = "letters are counted from 0, without spaces, and letters that the font draws as one, such as \
-                            \"fi\", count once";
-}
-
 impl Letter {
     /// Whether it lacks a glyph, in whose place the font has a box.
     pub fn is_missing(&self) -> bool {
@@ -65,27 +53,31 @@ impl Letter {
 }
 
 impl Lines<'_> {
-    /// The letters that can be seen, from left to right and line after line: spaces, and marks of direction or of
-    /// joining, have no outlines.
+    /// All letters, from left to right and line after line.
+    pub fn letters(&self, font: &Font) -> impl Iterator<Item = Letter> {
+        self.set_in(font).into_iter().flat_map(|line| line.letters)
+    }
+
+    /// The letters that can be seen: spaces, and marks of direction or of joining, have no outlines.
     pub fn visible_letters(&self, font: &Font) -> impl Iterator<Item = Letter> {
-        let letters = self.set_in(font).into_iter().flat_map(|line| line.letters);
-        letters.filter(|letter| letter.glyphs.iter().any(|glyph| font.has_outline(glyph.0)))
+        let is_visible = move |letter: &Letter| letter.glyphs.iter().any(|g| font.has_outline(g.0));
+        self.letters(font).filter(is_visible)
     }
 
     /// A visible letter by its number, from 0.
     ///
     /// # Errors
     /// A text with fewer letters.
-    pub fn letter(&self, font: &Font, number: u32) -> Result<Letter, PastLast> {
+    pub fn letter(&self, font: &Font, number: u32) -> Result<Letter, WrongFont> {
         let letters: Vec<Letter> = self.visible_letters(font).collect();
-        let message = match letters.len().checked_sub(1) {
-            None => format!("`letter` is {number}, and the text has no letters"),
-            Some(last) => {
-                format!("`letter` is {number}, and the last letter has the number {last}")
-            }
+        let last = match letters.len().checked_sub(1) {
+            None => "the text has no letters".to_owned(),
+            Some(last) => format!("the last letter has the number {last}"),
         };
-        let letter = letters.into_iter().nth(number as usize);
-        letter.ok_or(PastLast { message })
+        letters.into_iter().nth(number as usize).ok_or(WrongFont {
+            message: format!("`letter` is {number}, and {last}"),
+            help: "letters are counted from 0, without spaces, and letters that the font draws as one, such as \"fi\", count once",
+        })
     }
 
     /// The lines in a font, the first on y = 0 and the others below.
@@ -98,21 +90,16 @@ impl Lines<'_> {
         let apart = [b"liga", b"clig"].map(|tag| Feature::new(Tag::new(tag), 0, ..));
         let features = if spacing == 0.0 { &[][..] } else { &apart };
         let set = |(number, line): (usize, &str)| {
-            let shaped: Vec<_> = (runs(line).into_iter())
-                .map(|run| {
-                    let mut buffer = UnicodeBuffer::new();
-                    buffer.push_str(&line[run.range.clone()]);
-                    buffer.guess_segment_properties();
-                    buffer.set_direction(match run.is_leftward {
-                        true => Direction::RightToLeft,
-                        false => Direction::LeftToRight,
-                    });
-                    let shaped = shaper.shape(buffer, ShapeOptions::new().features(features));
-                    (run.range, shaped)
-                })
-                .collect();
             let mut letters: Vec<Letter> = Vec::new();
-            for (range, run) in &shaped {
+            for Run { range, is_leftward } in runs(line) {
+                let mut buffer = UnicodeBuffer::new();
+                buffer.push_str(&line[range.clone()]);
+                buffer.guess_segment_properties();
+                buffer.set_direction(match is_leftward {
+                    true => Direction::RightToLeft,
+                    false => Direction::LeftToRight,
+                });
+                let run = shaper.shape(buffer, ShapeOptions::new().features(features));
                 let infos = run.glyph_infos();
                 let glyphs: Vec<_> = infos.iter().zip(run.glyph_positions()).collect();
                 for cluster in glyphs.chunk_by(|a, b| a.0.cluster == b.0.cluster) {
@@ -121,21 +108,19 @@ impl Lines<'_> {
                     let next = later.filter(|next| *next > start).min();
                     let end = next.map_or(range.end, |next| range.start + next as usize);
                     let text = line.get(range.start + start as usize..end);
-                    let mut width = 0.0;
-                    let glyph = |(info, place): &(&GlyphInfo, &GlyphPosition)| {
-                        let [dx, dy, advance] = [place.x_offset, place.y_offset, place.x_advance]
-                            .map(|length| f64::from(length) * unit);
-                        let origin = [width + dx, dy];
-                        width += advance;
-                        (info.glyph_id, origin)
-                    };
-                    let glyphs = cluster.iter().map(glyph).collect();
-                    letters.push(Letter {
+                    let mut letter = Letter {
                         text: text.unwrap_or_default().to_owned(),
                         place: [0.0; 2],
-                        width,
-                        glyphs,
-                    });
+                        width: 0.0,
+                        glyphs: Vec::new(),
+                    };
+                    for (info, place) in cluster {
+                        let [dx, dy] =
+                            [place.x_offset, place.y_offset].map(|o| f64::from(o) * unit);
+                        letter.glyphs.push((info.glyph_id, [letter.width + dx, dy]));
+                        letter.width += f64::from(place.x_advance) * unit;
+                    }
+                    letters.push(letter);
                 }
             }
             // Marks of direction or of joining take no space (CSS Text 3, §8.2).
@@ -145,9 +130,8 @@ impl Lines<'_> {
             let mut x = -width * self.align;
             let y = -(number as f64) * f64::from(self.line_height * self.size);
             for letter in &mut letters {
-                for (_, [glyph_x, glyph_y]) in &mut letter.glyphs {
-                    *glyph_x += x;
-                    *glyph_y += y;
+                for (_, place) in &mut letter.glyphs {
+                    *place = [place[0] + x, place[1] + y];
                 }
                 letter.place = [x + self.align * letter.width, y];
                 x += letter.width + if letter.width == 0.0 { 0.0 } else { spacing };

@@ -8,7 +8,6 @@ use std::sync::Arc;
 use glam::Vec3;
 use reflet_text::Lines;
 
-pub(crate) use self::check::{MOST_CHARACTERS, control_character};
 pub(super) use self::check::{MOST_CURVE_POINTS, wrong_curve};
 use super::{
     At, BevelDesc, FigureDesc, FileDesc, OutlineDesc, PlacementDesc, Written, outline::SEGMENTS,

@@ -3,7 +3,7 @@
 use glam::DVec2;
 use reflet_base::guard;
 use reflet_scene::desc::{FileDesc, ShapeDesc};
-use reflet_text::{Font, Letter, Line, Lines, PastLast, WrongFont};
+use reflet_text::{Font, Lines, WrongFont};
 
 use super::{
     Fault, Supplies, extrude,
@@ -51,7 +51,7 @@ pub fn add(
     let in_font = |fault: Fault| match fault.name {
         "wrong-font" => {
             let named = font.as_ref().map(|font| font.message(&fault.message));
-            let message = named.unwrap_or_else(|| fault.message.clone());
+            let message = named.unwrap_or(fault.message);
             Fault { message, ..fault }.placed(font_at.0.clone())
         }
         "out-of-range" => fault.placed(letter_at.0.clone()),
@@ -75,47 +75,35 @@ pub fn add(
 
 /// Whether a font has a letter for each character of a text.
 pub fn has_letters(bytes: &[u8], text: &str) -> bool {
-    let lines = one_line(text, 1.0);
-    let is_complete = |line: &Line| !line.letters.iter().any(Letter::is_missing);
-    let has_all =
-        || Font::open(bytes).is_ok_and(|font| lines.set_in(&font).iter().all(is_complete));
-    guard::catch(has_all).unwrap_or(false)
+    let lines = Lines {
+        text,
+        ..Lines::default()
+    };
+    let lacks = |font: &Font| lines.letters(font).any(|letter| letter.is_missing());
+    guard::catch(|| Font::open(bytes).is_ok_and(|font| !lacks(&font))).unwrap_or(false)
 }
 
 /// Edges of the closed outlines of a line in the font of shapes, from its start on the base line, in pixels, upwards.
 pub fn edges(text: &str, font_px: f32) -> Vec<[DVec2; 2]> {
     let mut pen = Pen::new(32);
-    let lines = one_line(text, font_px);
+    let lines = Lines {
+        text,
+        size: font_px,
+        ..Lines::default()
+    };
     let drawn = draw(&mut pen, &lines, Font::OWN, None).and_then(|_| pen.finish());
     let chords = drawn.into_iter().flatten().flatten();
     chords.map(|chord| chord.ends).collect()
 }
 
-/// A text that begins at the origin.
-fn one_line(text: &str, size: f32) -> Lines<'_> {
-    Lines {
-        text,
-        size,
-        line_height: 1.0,
-        letter_spacing: 0.0,
-        align: 0.0,
-    }
-}
-
 /// Draws all letters, or a single letter at the origin; returns the characters that the font lacks.
 fn draw(pen: &mut Pen, lines: &Lines, font: &[u8], only: Option<u32>) -> Result<String, Fault> {
     let font = Font::open(font)?;
-    let past = |wrong: PastLast| Fault::new("out-of-range", wrong.message).help(PastLast::HELP);
-    let only = only.map(|number| lines.letter(&font, number).map_err(past));
-    let only = only.transpose()?;
+    let past = |wrong: WrongFont| Fault::new("out-of-range", wrong.message).help(wrong.help);
+    let only = only.map(|number| lines.letter(&font, number)).transpose();
+    let only = only.map_err(past)?;
     let origin = only.as_ref().map_or([0.0; 2], |letter| letter.place);
-    let letters: Vec<Letter> = match only {
-        Some(letter) => vec![letter],
-        None => {
-            let all = lines.set_in(&font).into_iter();
-            all.flat_map(|line| line.letters).collect()
-        }
-    };
+    let letters = only.map_or_else(|| lines.letters(&font).collect(), |letter| vec![letter]);
     let mut missing = String::new();
     for letter in &letters {
         for (glyph, [x, y]) in &letter.glyphs {

@@ -6,7 +6,7 @@ use crate::table::Table;
 /// Largest number of points of a curve.
 pub const MOST_CURVE_POINTS: usize = 10_000;
 /// Largest number of characters of a text.
-pub const MOST_CHARACTERS: usize = 1000;
+const MOST_CHARACTERS: usize = 1000;
 /// Largest number of vertices, and of triangles, of a mesh.
 const MOST: usize = 2_000_000;
 
@@ -117,7 +117,7 @@ fn check_text(t: &mut Table, text: &str) {
             "out-of-range",
             "text",
             &message,
-            "split it into several models",
+            "split it into several texts",
         );
     } else if text.trim().is_empty() {
         t.refuse(
@@ -127,24 +127,18 @@ fn check_text(t: &mut Table, text: &str) {
             "write some, or remove the model",
         );
     }
-    if let Some((byte, message, help)) = control_character(text) {
+    let is_control = |c: char| c.is_control() && c != '\n' && c != '\r';
+    if let Some((byte, c)) = text.char_indices().find(|(_, c)| is_control(*c)) {
+        let message = format!(
+            "`text` has the control character U+{:04X}, which no letter stands for",
+            u32::from(c)
+        );
+        let help = match c {
+            '\t' => "write spaces in place of a tab",
+            _ => "remove it; `\\n` begins a new line",
+        };
         t.refuse_byte("control-character", "text", byte, (&message, help));
     }
-}
-
-/// Byte, message and advice of the first control character of a text, other than the end of a line.
-pub fn control_character(text: &str) -> Option<(usize, String, &'static str)> {
-    let is_control = |c: char| c.is_control() && c != '\n' && c != '\r';
-    let (byte, c) = text.char_indices().find(|(_, c)| is_control(*c))?;
-    let message = format!(
-        "`text` has the control character U+{:04X}, which no letter stands for",
-        u32::from(c)
-    );
-    let help = match c {
-        '\t' => "write spaces in place of a tab",
-        _ => "remove it; `\\n` begins a new line",
-    };
-    Some((byte, message, help))
 }
 
 fn check_mesh(

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use reflet_base::guard;
-use reflet_text::{Font, Lines, PastLast, WrongFont};
-use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, Map, Position};
+use reflet_text::{Font, Lines, WrongFont};
+use rhai::{Dynamic, Engine, EvalAltResult, Map, Position};
 
 use super::super::{
     call_limits::progress,
@@ -13,7 +13,7 @@ use super::super::{
     value::{WrongKey, fail_with},
 };
 use crate::{
-    desc::{MOST_CHARACTERS, ShapeDesc, control_character},
+    desc::{FileDesc, ShapeDesc},
     suggest,
     syntax::SyntaxTree,
     table::{Place, Table, report::Report},
@@ -23,7 +23,7 @@ type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
 
 /// Operations that opening a font counts as.
 const OPEN: u64 = 5000;
-/// Operations that a byte of a text counts as.
+/// Operations that a byte of a text, and the outline of a letter, count as.
 const BYTE: u64 = 1000;
 /// Operations that a key counts as.
 const KEY: u64 = 3000;
@@ -31,14 +31,11 @@ const KEY: u64 = 3000;
 const MISTAKE: u64 = 10_000;
 /// Operations that a byte of scene text counts as, into which keys are written.
 const WRITTEN_BYTE: u64 = 10;
-/// Operations that the outline of a letter counts as.
-const OUTLINE: u64 = 100;
 
 /// Counts operations of the call.
 fn charge(operations: u64) -> Result<()> {
-    progress(operations).map_or(Ok(()), |why| {
-        Err(EvalAltResult::ErrorTerminated(why.into(), Position::NONE).into())
-    })
+    let ended = |why: String| EvalAltResult::ErrorTerminated(why.into(), Position::NONE).into();
+    progress(operations).map_or(Ok(()), |why| Err(ended(why)))
 }
 
 /// Registers the functions of texts, whose fonts are files beside the sources of a script.
@@ -54,7 +51,7 @@ pub fn register(engine: &mut Engine, sources: &Arc<Sources>) {
     engine.register_fn("text_letters", move |text: &str, look: Map| {
         let letters = in_font(&own, text, &look, |lines, font| {
             let letters = lines.visible_letters(font);
-            (letters.take_while(|_| progress(OUTLINE).is_none())).collect::<Vec<_>>()
+            (letters.take_while(|_| progress(BYTE).is_none())).collect::<Vec<_>>()
         })?;
         let letters = letters.into_iter().map(|letter| {
             let [x, y] = letter.place;
@@ -80,50 +77,35 @@ fn in_font<T: Default>(
         return Ok(T::default());
     };
     let lines = Lines { text, ..lines };
-    let bytes = font
-        .as_ref()
-        .map(|font| sources.font(&font.file))
-        .transpose();
+    let read = |font: &FileDesc| sources.font(&font.file);
+    let bytes = font.as_ref().map(read).transpose();
     let bytes = bytes.or_else(|problem| fail_with(problem.message, problem.help))?;
     let bytes = bytes.as_deref().unwrap_or(Font::OWN);
     let done = || {
         let font = Font::open(bytes)?;
-        let letter = letter.map(|number| lines.letter(&font, number)).transpose();
-        Ok(letter.map(|_| work(&lines, &font)))
+        letter.map_or(Ok(()), |number| lines.letter(&font, number).map(drop))?;
+        Ok(work(&lines, &font))
     };
     let done = guard::catch(done).unwrap_or_else(|| Err(WrongFont::damaged()));
-    match done {
-        Ok(Ok(done)) => Ok(done),
-        Ok(Err(wrong)) => {
-            fail_with(wrong.message, PastLast::HELP).map_err(WrongKey::in_key("letter"))
-        }
-        Err(WrongFont { message, help }) => {
-            let named = font.as_ref().map(|font| font.message(&message));
-            fail_with(named.unwrap_or(message), help)
-        }
-    }
+    done.or_else(|WrongFont { message, help }| {
+        let named = font.as_ref().map(|font| font.message(&message));
+        fail_with(named.unwrap_or(message), help)
+    })
 }
 
-/// A text shape of these keys, read as scene text is, with letters in place of the text, which may be empty here.
+/// A text shape of these keys, read as scene text is, with a letter before spaces alone, which no shape has.
 fn shape(text: &str, look: &Map) -> Result<ShapeDesc> {
-    let count = text.chars().count();
-    if count > MOST_CHARACTERS {
-        let message = format!("a text must be at most {MOST_CHARACTERS} characters, not {count}");
-        return fail_with(message, "measure its lines or its words one by one");
-    }
-    if let Some((_, message, help)) = control_character(text) {
-        return fail_with(message, help);
-    }
     let mut map = look.clone();
-    for (key, value, own) in [("kind", "text", "text"), ("text", text, "letters")] {
-        if let Some(given) = map.insert(key.into(), own.into())
-            && !given
-                .read_lock::<ImmutableString>()
-                .is_some_and(|given| *given == value)
-        {
+    for (key, value) in [("kind", "text"), ("text", text)] {
+        let given = map.insert(key.into(), value.into());
+        if given.is_some_and(|given| given.into_string().as_deref() != Ok(value)) {
             let message = format!("`{key}` must be {} here", suggest::text(value));
             return fail_with(message, format!("leave `{key}` out")).map_err(WrongKey::in_key(key));
         }
+    }
+    if text.trim().is_empty() {
+        let spaces = text.trim_start_matches(' ');
+        map.insert("text".into(), format!("a{spaces}").into());
     }
     let mut written = String::new();
     if let Err(wrong) = keys(&mut written, &map) {
