@@ -25,8 +25,8 @@ declared! {
     ///
     /// - `svg`: an SVG file of at most 1 MB, searched beside the scene, then in each `--assets` folder: all that its shapes
     ///   fill, each by its own rule, and their strokes with joins, ends and dashes. A unit is a pixel of the file's width
-    ///   and height (1/96 inch); y is turned upwards. Markers, clips, masks and images are left out; text must be turned
-    ///   into paths.
+    ///   and height (1/96 inch); y is turned upwards. Markers, clips, masks, filters, images and `vector-effect` are
+    ///   left out, and a shape of `opacity` 0 is solid; text must be turned into paths.
     /// - `path`: an SVG path, such as `"M 0 0 H 4 V 2 A 2 2 0 0 1 0 2 Z"`: lines, arcs and Bézier curves; its parts are
     ///   closed. y points up; for drawings, in which it points down, write `flip_y = true`.
     /// - `points`: corners, each x and y, 3 to 10000; the last is joined to the first.

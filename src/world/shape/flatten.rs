@@ -230,6 +230,11 @@ impl Pen {
         }
     }
 
+    /// The chords of the loop that is begun, which are not part of it any more.
+    pub fn take_open(&mut self) -> Loop {
+        std::mem::take(&mut self.open)
+    }
+
     /// The loops since the last call.
     ///
     /// # Errors

@@ -2,17 +2,21 @@
 
 use std::{collections::HashMap, fmt::Display};
 
-use kurbo::PathEl;
-use reflet_scene::desc::{FigureDesc, FillRule, OutlineDesc};
+use kurbo::{ParamCurveArclen, PathEl};
+use reflet_base::digits::grouped;
+use reflet_scene::{
+    desc::{FigureDesc, FillRule, OutlineDesc},
+    suggest,
+};
 use usvg::{
-    FillRule as Rule, Group, ImageHrefResolver, Node, Options, Tree,
+    FillRule as Rule, Group, ImageHrefResolver, Node, Options, Path as Shape, Stroke, Tree,
     roxmltree::{Document, ParsingOptions},
-    tiny_skia_path::{PathSegment, PathStroker, Point},
+    tiny_skia_path::{Path, PathBuilder, PathSegment, Point},
 };
 
 use super::{
     Fault, Supplies,
-    flatten::{Filled, Pen},
+    flatten::{Filled, MOST_CHORDS, Pen},
 };
 
 /// Largest size of a file, bytes, and of the elements that it uses again.
@@ -20,11 +24,13 @@ const MOST_BYTES: usize = 1_000_000;
 /// Largest number of elements and texts of a file, and of elements within each other.
 const MOST_NODES: u32 = 10_000;
 const MOST_DEPTH: usize = 100;
-/// Whatever fills and strokes nothing, or would be repeated along a path, is not made.
+/// Style that takes away markers, which are repeated along a path, and clips, masks and filters, which are no shapes.
 const PATHS_ALONE: &str = "* { marker: none !important; clip-path: none !important; mask: none !important; \
                            filter: none !important }";
-/// Scale for which curves beside strokes are drawn: they are as near as a quarter of a pixel is at this size.
-const STROKE_SCALE: f32 = 64.0;
+/// Largest number of dashes of a stroke, as each has four sides or more.
+const MOST_DASHES: usize = MOST_CHORDS / 4;
+/// Distance that a stroke tells apart, relative to the largest coordinate: about what 32-bit floats do.
+const TOLERANCE: f64 = 1e-6;
 
 fn wrong(what: impl Display, help: &str) -> Fault {
     Fault::new("wrong-svg", format!("this SVG file {what}")).help(help)
@@ -33,8 +39,8 @@ fn wrong(what: impl Display, help: &str) -> Fault {
 /// The filled shapes of an outline's file and the outlines of its strokes, in its pixels, y upwards; none of an outline without a file.
 ///
 /// # Errors
-/// `wrong-svg` for bytes that are no such file, and one that is too large, has text or no shape; `wrong-outline`
-/// for one of too many chords.
+/// `wrong-svg` for bytes that are no such file, and one that is too large, has text, no shape or a stroke that cannot
+/// be made; `wrong-outline` for one of too many chords.
 pub fn parts(desc: &OutlineDesc, supplies: &Supplies) -> Result<Vec<Filled>, Fault> {
     let FigureDesc::Svg(file) = &desc.figure else {
         return Ok(Vec::new());
@@ -75,10 +81,11 @@ fn read(bytes: &[u8], segments: u32) -> Result<Vec<Filled>, Fault> {
     };
     let tree = Tree::from_xmltree(&document, &options).map_err(|error| broken(&error))?;
     let mut parts = Vec::new();
-    add(&mut parts, &mut Pen::new(segments), tree.root())?;
+    add(&mut parts, &mut Pen::new(segments), segments, tree.root())?;
     if parts.is_empty() {
-        let help = "give a path of it a fill or a stroke";
-        return Err(wrong("has no filled or stroked shape", help));
+        let help = "give a path a color as `fill`, or as `stroke` with a `stroke-width` above 0";
+        let what = "has no filled shape, and no stroke with a color, a width and a length";
+        return Err(wrong(what, help));
     }
     Ok(parts)
 }
@@ -121,11 +128,11 @@ fn check(document: &Document) -> Result<(), Fault> {
 }
 
 /// Adds the filled and stroked shapes of a group, with its groups.
-fn add(parts: &mut Vec<Filled>, pen: &mut Pen, group: &Group) -> Result<(), Fault> {
+fn add(parts: &mut Vec<Filled>, pen: &mut Pen, segments: u32, group: &Group) -> Result<(), Fault> {
     for node in group.children() {
         let path = match node {
             Node::Group(group) => {
-                add(parts, pen, group)?;
+                add(parts, pen, segments, group)?;
                 continue;
             }
             Node::Path(path) if path.is_visible() => path,
@@ -135,28 +142,93 @@ fn add(parts: &mut Vec<Filled>, pen: &mut Pen, group: &Group) -> Result<(), Faul
             Rule::NonZero => (FillRule::Nonzero, path.data().clone()),
             Rule::EvenOdd => (FillRule::Evenodd, path.data().clone()),
         });
-        let scale = STROKE_SCALE * PathStroker::compute_resolution_scale(&path.abs_transform());
-        let stroked = path.stroke().and_then(|stroke| {
-            let stroke = stroke.to_tiny_skia();
-            let dashed = (stroke.dash.as_ref()).map(|dash| path.data().dash(dash, scale));
-            let line = dashed.unwrap_or_else(|| Some(path.data().clone()))?;
-            Some((FillRule::Nonzero, line.stroke(&stroke, scale)?))
-        });
+        let stroked = match path.stroke() {
+            Some(stroke) => stroked(path, stroke, segments)?,
+            None => None,
+        };
+        let stroked = stroked.map(|outline| (FillRule::Nonzero, outline));
         let upwards = path.abs_transform().post_scale(1.0, -1.0);
-        let at = |p: Point| (f64::from(p.x), f64::from(p.y)).into();
         for (rule, outline) in filled.into_iter().chain(stroked) {
             let moved = outline.transform(upwards);
-            for segment in moved.iter().flat_map(|path| path.segments()) {
-                pen.draw(match segment {
-                    PathSegment::MoveTo(p) => PathEl::MoveTo(at(p)),
-                    PathSegment::LineTo(p) => PathEl::LineTo(at(p)),
-                    PathSegment::QuadTo(a, p) => PathEl::QuadTo(at(a), at(p)),
-                    PathSegment::CubicTo(a, b, p) => PathEl::CurveTo(at(a), at(b), at(p)),
-                    PathSegment::Close => PathEl::ClosePath,
-                });
-            }
+            let drawn = moved.iter().flat_map(pieces);
+            drawn.for_each(|piece| pen.draw(piece));
             parts.push((rule, pen.finish()?));
         }
     }
     Ok(())
+}
+
+/// Pieces of a path.
+fn pieces(path: &Path) -> impl Iterator<Item = PathEl> {
+    let at = |p: Point| (f64::from(p.x), f64::from(p.y)).into();
+    path.segments().map(move |segment| match segment {
+        PathSegment::MoveTo(p) => PathEl::MoveTo(at(p)),
+        PathSegment::LineTo(p) => PathEl::LineTo(at(p)),
+        PathSegment::QuadTo(a, p) => PathEl::QuadTo(at(a), at(p)),
+        PathSegment::CubicTo(a, b, p) => PathEl::CurveTo(at(a), at(b), at(p)),
+        PathSegment::Close => PathEl::ClosePath,
+    })
+}
+
+/// The path with `segments` chords for a whole turn of its curves: both edges of its stroke then have the same turns, and
+/// are as far apart as the stroke is wide.
+fn of_chords(path: &Path, segments: u32) -> Result<Option<Path>, Fault> {
+    let (mut pen, mut chords) = (Pen::new(segments), PathBuilder::new());
+    for piece in pieces(path) {
+        pen.draw(piece);
+        match piece {
+            PathEl::MoveTo(p) => chords.move_to(p.x as f32, p.y as f32),
+            PathEl::ClosePath => chords.close(),
+            PathEl::LineTo(p) => chords.line_to(p.x as f32, p.y as f32),
+            PathEl::QuadTo(..) | PathEl::CurveTo(..) => {
+                for [_, to] in pen.take_open().iter().map(|chord| chord.ends) {
+                    chords.line_to(to.x as f32, to.y as f32);
+                }
+            }
+        }
+    }
+    pen.finish()?;
+    Ok(chords.finish())
+}
+
+/// The outline of the stroke of a shape; `None` for a stroke that covers nothing, such as a dashed one that begins with a
+/// long gap.
+fn stroked(shape: &Shape, stroke: &Stroke, segments: u32) -> Result<Option<Path>, Fault> {
+    let refuse = |what: &str, help| {
+        let name = match shape.id() {
+            "" => String::new(),
+            id => format!(", in the shape {}", suggest::text(id)),
+        };
+        Err(wrong(format!("has a stroke {what}{name}"), help))
+    };
+    let brush = stroke.to_tiny_skia();
+    let Some(mut line) = of_chords(shape.data(), segments)? else {
+        return Ok(None);
+    };
+    let points = line.points().iter();
+    let reach = points.fold(brush.width, |most, p| most.max(p.x.abs()).max(p.y.abs()));
+    let tolerance = f64::from(reach) * TOLERANCE;
+    // A power of two, by which directions are multiplied without rounding.
+    let scale = (0.25 / tolerance).log2().ceil().clamp(-100.0, 100.0).exp2() as f32;
+    let lengths = kurbo::segments(pieces(&line)).map(|piece| piece.arclen(tolerance));
+    let length: f64 = lengths.sum();
+    if let Some((dash, pattern)) = brush.dash.as_ref().zip(stroke.dasharray()) {
+        let repeat: f64 = pattern.iter().map(|part| f64::from(*part)).sum();
+        if length / repeat * (pattern.len() / 2) as f64 > MOST_DASHES as f64 {
+            let what = format!("of more than {} dashes", grouped(MOST_DASHES as u64));
+            let help = "make the parts of its `stroke-dasharray` longer, or remove it";
+            return refuse(&what, help);
+        }
+        let Some(dashed) = line.dash(dash, scale) else {
+            return Ok(None);
+        };
+        line = dashed;
+    }
+    match line.stroke(&brush, scale) {
+        None if length > 0.0 && brush.dash.is_none() => refuse(
+            "that cannot be made",
+            "draw it smaller, and check its `stroke-width`",
+        ),
+        outline => Ok(outline),
+    }
 }
