@@ -300,12 +300,13 @@ pub fn read_guarded(
     })
 }
 
-/// Boundary: a panic of a library that makes shapes becomes an error about the shape, and so does work without end.
+/// Boundary: a panic of a library that makes shapes becomes an error about the shape, and so does work without end;
+/// both are placed at the shape's first file, where it has one.
 fn make_guarded(shape: &ShapeDesc, supplies: Supplies) -> Result<shape::Made, shape::Fault> {
     let own = shape.clone();
     let made = guard::within(MOST_TIME, move || shape::make(&own, &supplies));
     made.unwrap_or_else(|ended| {
-        Err(match ended {
+        let fault = match ended {
             Ended::Panicked => {
                 let text = "making this shape panicked; please report this";
                 shape::Fault::new("internal", text)
@@ -318,6 +319,8 @@ fn make_guarded(shape: &ShapeDesc, supplies: Supplies) -> Result<shape::Made, sh
                 let help = "use another `font` or a simpler `svg`, lower `segments`, or combine fewer parts";
                 shape::Fault::new("shape-too-large", text).help(help)
             }
-        })
+        };
+        let at = shape.files().first().map(|file| file.at.0.clone());
+        Err(shape::Fault { at, ..fault })
     })
 }
