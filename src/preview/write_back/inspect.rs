@@ -119,7 +119,7 @@ fn light(desc: &SceneDesc, item: SceneItem, light: &LightDesc) -> Vec<Numbers> {
     let written = BRIGHTNESS.into_iter().find(has).unwrap_or(BRIGHTNESS[0]);
     let mut all = fields(light, &LIGHT);
     all.retain(|n| n.key == written || !BRIGHTNESS.contains(&n.key));
-    // The number of the text: candela and back it would be rounded.
+    // Shown as it is written: the light keeps candela, and a flux that is computed from them again is rounded.
     if let Some(n) = all.iter_mut().find(|n| n.key == written)
         && let Some(text) = place.and_then(|place| place.numbers(written))
         && (text.iter().zip(&n.values)).all(|(a, b)| (a - b).abs() < 1e-5 * a.abs())

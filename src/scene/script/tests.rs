@@ -116,7 +116,7 @@ fn calls_share_no_state() {
 
 /// A beam with a hard edge at 60° has a solid angle of π, whatever key comes first.
 #[test]
-fn the_flux_of_a_beam_is_that_of_its_new_angles() {
+fn a_flux_fills_the_new_angles_of_its_beam() {
     let set = "ctx.light(\"beam\", #{ flux_lm: 314.159265, inner_deg: 60, outer_deg: 60 });";
     let lights = frame(&format!("fn frame(ctx) {{ {set} }}"))
         .expect("it is set")
