@@ -38,7 +38,7 @@ impl Table<'_> {
                     keys: groups.iter().map(|group| group[0]).collect(),
                     message: format!("{} needs {}", self.place.title(), keys.join(" or ")),
                     help: format!(
-                        "write one of them, as in {}",
+                        "write one of these keys, as in {}",
                         suggest::example_of(groups[0][0])
                     ),
                 });
