@@ -20,10 +20,12 @@ pub fn overlay(below: &mut Entries, above: Entries) {
 /// Lays the content at `place` over another layer's content there.
 pub fn overlay_at(place: Option<Below>, below: &mut Entries, above: Entries) {
     let rules = Rules::at_place(place, &[&above, below]);
+    // Before any is put: of keys of `above` that exclude each other none gives way, so that the reader refuses them.
+    if let Some(rules) = rules {
+        let keys = above.keys();
+        keys.for_each(|key| rules.make_room(below, key.get_ref()));
+    }
     for (key, node) in above {
-        if let Some(rules) = rules {
-            rules.make_room(below, key.get_ref());
-        }
         put(place, below, key, node);
     }
 }

@@ -35,6 +35,9 @@ fn a_key_replaces_those_that_its_reader_excludes() {
                     let mut kept = left(place, &format!("{kind}{below}"), &format!("{key} = 2"));
                     kept.retain(|left| !kind.starts_with(left.as_str()));
                     assert_eq!(kept, [key], "{kind}{below} under {key}");
+                    let both = left(place, &kind, &format!("{key} = 1\n{other} = 2"));
+                    let stays = |key: &str| both.iter().any(|left| left == key);
+                    assert!(stays(key) && stays(other), "{kind}{key} beside {other}");
                     tried += 1;
                 }
             }
