@@ -7,7 +7,10 @@ mod pages;
 use std::fmt::Write as _;
 
 pub use self::pages::{Page, pages};
-use super::parse::{Form, KeyRecord, SectionRecord, recorded_keys, recorded_project_keys};
+use super::{
+    parse::{Form, KeyRecord, SectionRecord, recorded_keys, recorded_project_keys},
+    table::key_recorder::Rule,
+};
 
 /// A scene that shows most keys.
 pub const EXAMPLE: &str = include_str!("manual/example.toml");
@@ -74,7 +77,7 @@ fn describe_section(out: &mut String, section: &SectionRecord, level: usize, lin
         let _ = write!(out, "\n{text}\n");
     }
     if !section.keys.is_empty() {
-        describe_keys(out, section, None, &section.keys, link);
+        describe_keys(out, section, None, (&section.keys, &section.rules), link);
     }
     for variant in &section.variants {
         let _ = write!(out, "\n{marks}# `{} = \"{}\"`\n", variant.key, variant.word);
@@ -83,7 +86,8 @@ fn describe_section(out: &mut String, section: &SectionRecord, level: usize, lin
         if !text.is_empty() {
             let _ = write!(out, "\n{text}\n");
         }
-        describe_keys(out, section, Some(variant.word), &variant.keys, link);
+        let kind = (&variant.keys[..], &variant.rules[..]);
+        describe_keys(out, section, Some(variant.word), kind, link);
     }
 }
 
@@ -99,7 +103,7 @@ fn describe_keys(
     out: &mut String,
     section: &SectionRecord,
     word: Option<&str>,
-    keys: &[KeyRecord],
+    (keys, rules): (&[KeyRecord], &[Rule]),
     link: Link,
 ) {
     out.push_str("\n| key | value | default | meaning |\n|---|---|---|---|\n");
@@ -107,7 +111,7 @@ fn describe_keys(
         let default = match &key.default {
             Some(value) => format!("`{}`", value.to_string().replace(',', ", ")),
             None if key.required => "required".into(),
-            None => String::new(),
+            None => one_of(rules, key.name),
         };
         let meaning = key_text(section, word, key).replace('\n', "<br>");
         let cells = [
@@ -119,6 +123,16 @@ fn describe_keys(
         let cells = cells.map(|cell| cell.replace('|', "\\|"));
         let _ = writeln!(out, "| {} |", cells.join(" | "));
     }
+}
+
+/// Words for a key of which, or of others, a table must have one; empty for any other key.
+fn one_of(rules: &[Rule], key: &str) -> String {
+    let names = |rule: &Rule| rule.groups.iter().map(|group| group[0]).collect::<Vec<_>>();
+    let required = (rules.iter()).filter(|rule| rule.required && rule.groups.len() > 1);
+    let keys = required.map(names).find(|keys| keys.contains(&key));
+    keys.map_or_else(String::new, |keys| {
+        format!("exactly one of `{}`", keys.join("`, `"))
+    })
 }
 
 /// Type and range of a key, in words.
