@@ -274,7 +274,7 @@ fn lights_have_the_keys_of_their_kind() {
     assert_eq!(lights, [lamp, beam, sun]);
 }
 
-/// Solid angles: a sphere, Lambert's half sphere, a beam without and with a hard edge.
+/// Solid angles: a sphere, Lambert's half sphere, a beam without and with a hard edge, and a narrow one.
 #[test]
 fn lumens_and_watts_become_candela() {
     for (keys, steradians) in [
@@ -289,10 +289,17 @@ fn lumens_and_watts_become_candela() {
             "kind = \"spot\"\ntarget = [0, 0, 0]\nouter_deg = 60\ninner_deg = 60",
             PI,
         ),
+        (
+            "kind = \"spot\"\ntarget = [0, 0, 0]\nouter_deg = 0.01",
+            3.189_95e-8,
+        ),
     ] {
         for (key, each) in [("flux_lm", 1.0), ("power_w", 683.0)] {
             let text = format!("[light.l]\nposition = [0, 3, 0]\n{keys}\n{key} = 8\n");
-            let found = read(&text).lights[0].value.kind.intensity();
+            let kind = read(&text).lights[0].value.kind;
+            let middle = kind.cone_falloff().map(|[scale, offset]| scale + offset);
+            assert!(middle.is_none_or(|share| share >= 1.0), "{text}");
+            let found = kind.intensity();
             let candela = 8.0 * each / steradians;
             assert!(
                 (found / candela - 1.0).abs() < 2e-3,
