@@ -50,7 +50,7 @@ pub use self::{
     image::{ErrorBound, Exposure, ImageDesc, Radiance, Samples, ToneMap, Visibility},
     include::Include,
     instance::{InstanceDesc, InstanceMaterialDesc, RepeatDesc},
-    light::{BRIGHTNESS, LIGHT, LightDesc, LightKind, LightMotionDesc, ShadowMode},
+    light::{BRIGHTNESS, LIGHT, LightDesc, LightKind, LightMotionDesc, MOST_CD, ShadowMode},
     light_group::LightGroup,
     material::{
         EMISSIVE_STRENGTH, LAYER_NUMBERS, MATERIAL, MATERIAL_FIELDS, MOST_PATTERNED, MaterialDesc,

@@ -30,6 +30,7 @@ pub use self::material::{
 };
 pub use self::mesh::MeshPose;
 pub use self::names::{Names, ScriptNames};
+use self::parts::TOO_BRIGHT;
 pub use self::parts::{Kind, ScriptedFields, wrong_with_camera, wrong_with_light};
 use self::placement::placed;
 pub use self::placement::transform;
@@ -373,8 +374,13 @@ impl<'a> Motion<'a> {
         let frame = state.frame;
         let mut errors = Vec::new();
         let mut refuse = |at: &Span, message: String| {
-            let help = "let the point that it looks at move too, or lead it around that point, as in \
-                        `eye = { orbit = { center = [0, 1, 0], period_s = 8 } }`";
+            let help = match message.ends_with(TOO_BRIGHT) {
+                true => "lower its flux or power, or widen its beam",
+                false => {
+                    "let the point that it looks at move too, or lead it around that point, as in \
+                     `eye = { orbit = { center = [0, 1, 0], period_s = 8 } }`"
+                }
+            };
             errors.push(Diagnostic::new("bad-pose", at.clone(), message).help(help));
         };
         for Moved { index, at, .. } in &self.cameras {

@@ -4,7 +4,7 @@ mod kind;
 
 use glam::Vec3;
 
-pub use self::kind::{BRIGHTNESS, LIGHT, LightKind};
+pub use self::kind::{BRIGHTNESS, LIGHT, LightKind, MOST_CD};
 use super::{LightGroup, SceneDesc, Tracks, hierarchy::declare_parent, track::tracks};
 use crate::{
     range::{ANY, FROM_0, range},

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use glam::Vec3;
 
-use crate::desc::{CameraDesc, LIGHT, LightDesc};
+use crate::desc::{CameraDesc, LIGHT, LightDesc, MOST_CD};
 
 /// Kind of a thing that a script has set: tracks leave such cameras and lights alone, and editors say why other
 /// values in the text would not be seen.
@@ -71,8 +71,14 @@ pub fn wrong_with_camera(camera: &CameraDesc) -> Option<&'static str> {
     (forward.cross(up).length() < 1e-6).then_some("has its view direction along `up`")
 }
 
+/// Reason of [`wrong_with_light`] about the brightness.
+pub const TOO_BRIGHT: &str = "is brighter than 1e12 candela";
+
 /// Reason why a light cannot shine, as the end of a sentence; `None` if it can.
 pub fn wrong_with_light(light: &LightDesc) -> Option<&'static str> {
+    if light.kind.intensity() > MOST_CD {
+        return Some(TOO_BRIGHT);
+    }
     let usable = |v: Option<Vec3>| v.is_none_or(Vec3::is_finite);
     let stands = LIGHT.iter().all(|field| usable((field.get)(light)));
     if !stands {

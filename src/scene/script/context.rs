@@ -11,7 +11,7 @@ use super::{
     floats::Floats,
     format_value::named,
     setters::{field_bits, material_values, refuse_lacking, set_bits, values},
-    value::{fail, number, rotation, scale, vector},
+    value::{WrongKey, fail, number, rotation, scale, vector},
 };
 use crate::{
     desc::{BRIGHTNESS, CAMERA, Entry, LIGHT, MATERIAL, ParamValue, TimelineDesc},
@@ -306,7 +306,12 @@ impl Context {
         let values = values(&LIGHT, &keys, &word, |f| (f.get)(&old).is_some())?;
         let mut bright = BRIGHTNESS.iter().filter(|key| keys.contains_key(**key));
         if let Some((first, second)) = bright.next().zip(bright.next()) {
-            return fail(format!("`{second}` cannot be combined with `{first}`"));
+            return Err(WrongKey {
+                key: (*second).to_owned(),
+                message: format!("`{second}` cannot be combined with `{first}`"),
+                help: Some(format!("remove `{second}` or `{first}`")),
+            }
+            .into());
         }
         let fields = field_bits(&LIGHT, values.iter().map(|(field, _)| *field));
         for (field, value) in values {

@@ -27,6 +27,9 @@ const LEAST_FADE_SHARE: f64 = 0.1;
 /// Lumens of a watt of light at 555 nm (SI, luminous efficacy), by which exporters of glTF convert.
 const LUMENS_PER_WATT: f32 = 683.0;
 
+/// Largest luminous intensity of a light, candela, whatever key says it.
+pub const MOST_CD: f32 = LIMIT as f32;
+
 /// Keys that say how bright a light with a place is, of which it has one.
 pub const BRIGHTNESS: [&str; 3] = ["intensity_cd", "flux_lm", "power_w"];
 
@@ -230,7 +233,7 @@ impl LightKind {
         let steradians = self.steradians();
         let intensity_cd = field!(self, intensity_cd: Point | Spot | Rect | Disk);
         if let Some((intensity_cd, steradians)) = intensity_cd.zip(steradians) {
-            *intensity_cd = (f64::from(lumens) / steradians).min(LIMIT) as f32;
+            *intensity_cd = (f64::from(lumens) / steradians) as f32;
         }
     }
 
@@ -376,30 +379,32 @@ fn intensity(t: &mut Table, steradians: f64, words: &str) -> Option<f32> {
     let intensity_cd = t.find(candela, FROM_0);
     let flux_lm = t.find(lumens, FROM_0);
     let power_w: Option<f32> = t.find(watts, FROM_0);
+    let (kept, wider) = match words {
+        BEAM_WORDS => (
+            " Where the angles move later, the candela stays, and the flux changes.",
+            ", or a larger `outer_deg`",
+        ),
+        _ => ("", ""),
+    };
     t.explain(lumens, || {
         format!(
             "Luminous flux of a white light, lumens, 0 or more, in place of `{candela}`: divided by {words}, it is the \
-             candela. A bulb of 60 W, or 8 W with LEDs, gives about 800."
+             candela, at most {MOST_CD:e}. A bulb of 60 W, or 8 W with LEDs, gives about 800.{kept}"
         )
     });
     t.explain(watts, || {
         format!(
             "Radiant power, watts, 0 or more, in place of `{candela}`: {LUMENS_PER_WATT} lumens each, as exporters of glTF \
-             convert. It is not the power that a bulb takes, most of which becomes heat."
+             convert. It is not the power that a bulb takes, most of which becomes heat.{kept}"
         )
     });
     let flux_lm = flux_lm.or(power_w.map(|watts| watts * LUMENS_PER_WATT));
     let from_flux = || Some(f64::from(flux_lm?) / steradians);
     let intensity_cd = intensity_cd.or_else(|| Some(from_flux()? as f32))?;
-    if f64::from(intensity_cd) > LIMIT {
+    if intensity_cd > MOST_CD {
         let key = if t.has(lumens) { lumens } else { watts };
-        let message = format!("`{key}` makes so narrow a beam brighter than {LIMIT:e} candela");
-        t.refuse(
-            "out-of-range",
-            key,
-            &message,
-            "write less, or a larger `outer_deg`",
-        );
+        let message = format!("`{key}` makes the light brighter than {MOST_CD:e} candela");
+        t.refuse("out-of-range", key, &message, &format!("write less{wider}"));
     }
     Some(intensity_cd)
 }
