@@ -77,7 +77,7 @@ fn describe_section(out: &mut String, section: &SectionRecord, level: usize, lin
         let _ = write!(out, "\n{text}\n");
     }
     if !section.keys.is_empty() {
-        describe_keys(out, section, None, (&section.keys, &section.rules), link);
+        describe_keys(out, section, None, &section.keys, &section.rules, link);
     }
     for variant in &section.variants {
         let _ = write!(out, "\n{marks}# `{} = \"{}\"`\n", variant.key, variant.word);
@@ -86,8 +86,8 @@ fn describe_section(out: &mut String, section: &SectionRecord, level: usize, lin
         if !text.is_empty() {
             let _ = write!(out, "\n{text}\n");
         }
-        let kind = (&variant.keys[..], &variant.rules[..]);
-        describe_keys(out, section, Some(variant.word), kind, link);
+        let (word, keys) = (Some(variant.word), &variant.keys);
+        describe_keys(out, section, word, keys, &variant.rules, link);
     }
 }
 
@@ -103,7 +103,8 @@ fn describe_keys(
     out: &mut String,
     section: &SectionRecord,
     word: Option<&str>,
-    (keys, rules): (&[KeyRecord], &[Rule]),
+    keys: &[KeyRecord],
+    rules: &[Rule],
     link: Link,
 ) {
     out.push_str("\n| key | value | default | meaning |\n|---|---|---|---|\n");
