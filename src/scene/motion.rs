@@ -30,8 +30,7 @@ pub use self::material::{
 };
 pub use self::mesh::MeshPose;
 pub use self::names::{Names, ScriptNames};
-use self::parts::TOO_BRIGHT;
-pub use self::parts::{Kind, ScriptedFields, wrong_with_camera, wrong_with_light};
+pub use self::parts::{Kind, ScriptedFields, Unusable, wrong_with_camera, wrong_with_light};
 use self::placement::placed;
 pub use self::placement::transform;
 use self::track::Track;
@@ -373,26 +372,20 @@ impl<'a> Motion<'a> {
     pub fn check(&self, state: &FrameState) -> Result<(), Vec<Diagnostic>> {
         let frame = state.frame;
         let mut errors = Vec::new();
-        let mut refuse = |at: &Span, message: String| {
-            let help = match message.ends_with(TOO_BRIGHT) {
-                true => "lower its flux or power, or widen its beam",
-                false => {
-                    "let the point that it looks at move too, or lead it around that point, as in \
-                     `eye = { orbit = { center = [0, 1, 0], period_s = 8 } }`"
-                }
-            };
-            errors.push(Diagnostic::new("bad-pose", at.clone(), message).help(help));
+        let mut refuse = |at: &Span, thing: &str, wrong: Unusable| {
+            let message = format!("in frame {frame}, {thing} {}", wrong.why);
+            errors.push(Diagnostic::new("bad-pose", at.clone(), message).help(wrong.help));
         };
         for Moved { index, at, .. } in &self.cameras {
             if let Some(wrong) = wrong_with_camera(&state.cameras[*index]) {
                 let name = &self.desc.cameras[*index].name;
-                refuse(at, format!("in frame {frame}, camera \"{name}\" {wrong}"));
+                refuse(at, &format!("camera \"{name}\""), wrong);
             }
         }
         for Moved { index, at, .. } in &self.lights {
             if let Some(wrong) = wrong_with_light(&state.lights[*index]) {
                 let name = &self.desc.lights[*index].name;
-                refuse(at, format!("in frame {frame}, light \"{name}\" {wrong}"));
+                refuse(at, &format!("light \"{name}\""), wrong);
             }
         }
         if errors.is_empty() {

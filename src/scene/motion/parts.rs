@@ -56,36 +56,58 @@ impl ScriptedFields {
     }
 }
 
-/// Reason why a camera can show nothing, as the end of a sentence; `None` if it can.
-pub fn wrong_with_camera(camera: &CameraDesc) -> Option<&'static str> {
+/// Reason why a camera or a light is useless.
+#[derive(Clone, Copy, Debug)]
+pub struct Unusable {
+    /// End of a sentence that begins with the camera or the light.
+    pub why: &'static str,
+    /// Advice.
+    pub help: &'static str,
+}
+
+impl Unusable {
+    /// A missing or wrong direction.
+    const fn by_direction(why: &'static str) -> Self {
+        let help = "let the point that it looks at move too, or lead it around that point, as in \
+                    `eye = { orbit = { center = [0, 1, 0], period_s = 8 } }`";
+        Self { why, help }
+    }
+}
+
+/// Reason why a camera can show nothing; `None` if it can.
+pub fn wrong_with_camera(camera: &CameraDesc) -> Option<Unusable> {
     let (forward, up) = (camera.target - camera.eye, camera.up);
+    let wrong = Unusable::by_direction;
     if !(camera.eye.is_finite() && camera.target.is_finite() && up.is_finite()) {
-        return Some("has a number that is not finite");
+        return Some(wrong("has a number that is not finite"));
     }
     let (Some(forward), Some(up)) = (
         forward.as_dvec3().try_normalize(),
         up.as_dvec3().try_normalize(),
     ) else {
-        return Some("has `eye` and `target` in the same place, or no `up`");
+        return Some(wrong(
+            "has `eye` and `target` in the same place, or no `up`",
+        ));
     };
-    (forward.cross(up).length() < 1e-6).then_some("has its view direction along `up`")
+    let is_along = forward.cross(up).length() < 1e-6;
+    is_along.then(|| wrong("has its view direction along `up`"))
 }
 
-/// Reason of [`wrong_with_light`] about the brightness.
-pub const TOO_BRIGHT: &str = "is brighter than 1e12 candela";
-
-/// Reason why a light cannot shine, as the end of a sentence; `None` if it can.
-pub fn wrong_with_light(light: &LightDesc) -> Option<&'static str> {
+/// Reason why a light cannot shine; `None` if it can.
+pub fn wrong_with_light(light: &LightDesc) -> Option<Unusable> {
     if light.kind.intensity() > MOST_CD {
-        return Some(TOO_BRIGHT);
+        return Some(Unusable {
+            why: "is brighter than 1e12 candela",
+            help: "lower its flux or power, or widen its beam",
+        });
     }
+    let wrong = Unusable::by_direction;
     let usable = |v: Option<Vec3>| v.is_none_or(Vec3::is_finite);
     let stands = LIGHT.iter().all(|field| usable((field.get)(light)));
     if !stands {
-        return Some("has a number that is not finite");
+        return Some(wrong("has a number that is not finite"));
     }
     let direction = light.kind.direction();
-    direction
-        .is_some_and(|d| d == Vec3::ZERO)
-        .then_some("has no direction")
+    let has_none = direction.is_some_and(|d| d == Vec3::ZERO);
+    has_none.then(|| wrong("has no direction"))
 }

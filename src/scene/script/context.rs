@@ -11,7 +11,7 @@ use super::{
     floats::Floats,
     format_value::named,
     setters::{field_bits, material_values, refuse_lacking, set_bits, values},
-    value::{WrongKey, fail, number, rotation, scale, vector},
+    value::{WrongKey, fail, fail_with, number, rotation, scale, vector},
 };
 use crate::{
     desc::{BRIGHTNESS, CAMERA, Entry, LIGHT, MATERIAL, ParamValue, TimelineDesc},
@@ -289,7 +289,8 @@ impl Context {
             (field.put)(&mut camera, value);
         }
         if let Some(wrong) = wrong_with_camera(&camera) {
-            return fail(format!("camera {} {wrong}", suggest::text(name)));
+            let message = format!("camera {} {}", suggest::text(name), wrong.why);
+            return fail_with(message, wrong.help);
         }
         scene.state.cameras[index] = camera;
         scene.touched.add(Kind::Camera, index, fields);
@@ -326,7 +327,8 @@ impl Context {
         }
         light.settle();
         if let Some(wrong) = wrong_with_light(&light) {
-            return fail(format!("light {} {wrong}", suggest::text(name)));
+            let message = format!("light {} {}", suggest::text(name), wrong.why);
+            return fail_with(message, wrong.help);
         }
         scene.state.lights[index] = light;
         scene.touched.add(Kind::Light, index, fields);
