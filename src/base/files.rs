@@ -1,6 +1,7 @@
 //! Writes files atomically, so that each is either complete or absent, and reads only regular files up to a maximum
 //! size.
 
+mod below;
 mod folder;
 mod goal;
 mod replace;
@@ -19,6 +20,7 @@ use std::{
 use sha2::{Digest as _, Sha256};
 use xxhash_rust::xxh3::{Xxh3Default, xxh3_64};
 
+pub use below::{entries_below, has_extension, path_below};
 use folder::Folder;
 pub use goal::{Goal, Inputs};
 pub use replace::replace_content;

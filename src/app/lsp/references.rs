@@ -5,7 +5,6 @@ use std::{collections::BTreeMap, ops::Range, path::Path, sync::Arc};
 use serde_json::{Value, json};
 
 use super::{
-    answer::{entries_below, has_extension},
     call::Call,
     is_script,
     names::{Name, border_of, kinds_of_value, names, uses, with_parts},
@@ -13,7 +12,7 @@ use super::{
     scopes::{Placement, is_named, placements, split},
 };
 use crate::{
-    files::{folder_of, open_regular, read_at_most},
+    files::{entries_below, folder_of, has_extension, open_regular, read_at_most},
     scene::{diagnostic::Source, parse, script::tokens::tokens, toml_text::toml_text},
 };
 
