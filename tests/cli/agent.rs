@@ -1,15 +1,16 @@
 //! An agent: a client of `reflet mcp` by the library of the protocol.
 
-use std::{iter, process::Child};
+use std::{process::Child, time::Duration};
 
 use rmcp::{
     RoleClient, ServiceExt as _,
     model::{CallToolRequestParams, CallToolResult, ContentBlock},
-    service::RunningService,
+    service::{RunningService, ServiceError},
 };
 use tokio::{
     net::unix::pipe::{Receiver, Sender},
     runtime::{Builder, Runtime},
+    task::JoinHandle,
 };
 
 use super::*;
@@ -19,6 +20,7 @@ pub struct Agent {
     runtime: Runtime,
     client: Option<RunningService<RoleClient, ()>>,
     server: Child,
+    is_killed: bool,
 }
 
 impl Agent {
@@ -48,20 +50,26 @@ impl Agent {
             runtime,
             client,
             server,
+            is_killed: false,
         }
+    }
+
+    /// Begins a call; its answer is read while another one is waited for.
+    fn begin(
+        &self,
+        tool: &str,
+        arguments: &str,
+    ) -> JoinHandle<Result<CallToolResult, ServiceError>> {
+        let arguments = serde_json::from_str(arguments).expect(arguments);
+        let call = CallToolRequestParams::new(tool.to_owned()).with_arguments(arguments);
+        let peer = self.client.as_ref().expect("it runs").peer().clone();
+        self.runtime
+            .spawn(async move { peer.call_tool(call).await })
     }
 
     /// Number of errors of as many calls at a time, and the words of the answers, with sizes of pictures.
     pub fn call(&self, (tool, arguments): (&str, &str), count: usize) -> (usize, String) {
-        let arguments = serde_json::from_str(arguments).expect(arguments);
-        let call = CallToolRequestParams::new(tool.to_owned()).with_arguments(arguments);
-        let calls: Vec<_> = iter::repeat_n(call, count)
-            .map(|call| {
-                let peer = self.client.as_ref().expect("it runs").peer().clone();
-                self.runtime
-                    .spawn(async move { peer.call_tool(call).await })
-            })
-            .collect();
+        let calls: Vec<_> = (0..count).map(|_| self.begin(tool, arguments)).collect();
         let answers = calls.into_iter().map(|call| self.runtime.block_on(call));
         let answers: Vec<_> = answers
             .map(|a| a.expect("it ends").expect("an answer"))
@@ -88,6 +96,53 @@ impl Drop for Agent {
         let client = self.client.take().expect("it runs");
         let _ = self.runtime.block_on(client.cancel());
         let ended = self.server.wait().expect("it ends");
-        assert!(ended.success() || std::thread::panicking(), "{ended}");
+        assert!(
+            ended.success() || self.is_killed || std::thread::panicking(),
+            "{ended}"
+        );
+    }
+}
+
+/// A call, which would render for an hour, ends with a server that is killed.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_call_ends_with_a_server_that_is_killed() {
+    or_skip!(gpu_or_skip());
+    let folder = folder("killed-server");
+    let mut agent = Agent::start(&folder, "");
+    let call = r#"{"scene": "scene.toml", "size": "2000x2000", "samples": 4096}"#;
+    let _call = agent.begin("render", call);
+    // State and parent of a process; none after it has ended.
+    let stat = |pid: u32| {
+        let stat = fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
+        let mut words = stat.rsplit_once(") ")?.1.split(' ');
+        Some((words.next()?.to_owned(), words.next()?.parse::<u32>().ok()?))
+    };
+    let all = || {
+        names(Path::new("/proc"))
+            .into_iter()
+            .filter_map(|name| name.parse().ok())
+    };
+    let server = agent.server.id();
+    let is_call = |pid: &u32| stat(*pid).is_some_and(|(_, parent)| parent == server);
+    let mut polls = 0;
+    // Messages of the client are sent meanwhile.
+    let mut poll = |runtime: &Runtime| {
+        polls += 1;
+        assert!(polls < 1200, "it takes a minute");
+        runtime.block_on(async { tokio::time::sleep(Duration::from_millis(50)).await });
+    };
+    let call = loop {
+        match all().find(is_call) {
+            Some(call) => break call,
+            None => poll(&agent.runtime),
+        }
+    };
+    agent.is_killed = true;
+    agent.server.kill().expect("it runs");
+    agent.server.wait().expect("it ends");
+    // A process that nobody waits for stays as a zombie.
+    while stat(call).is_some_and(|(state, _)| state != "Z") {
+        poll(&agent.runtime);
     }
 }
