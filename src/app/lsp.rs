@@ -155,7 +155,13 @@ impl Server<'_> {
         };
         let result = match (request.method.as_str(), file) {
             ("textDocument/completion", Some(file)) if is_script => {
-                json!(script::complete(&file.text, at, &scenes(), self.snippets))
+                json!(script::complete(
+                    &file.text,
+                    at,
+                    &scenes(),
+                    self.snippets,
+                    &self.models
+                ))
             }
             ("textDocument/completion", Some(file)) => {
                 json!(answer::complete(file, at, self.snippets, &self.models))

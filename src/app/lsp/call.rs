@@ -17,6 +17,8 @@ pub struct Call<'a> {
     pub of_context: bool,
     /// Index of the argument that the text ends in.
     pub argument: usize,
+    /// First argument, where it is a text in quotes.
+    pub first: Option<&'a str>,
 }
 
 impl<'a> Call<'a> {
@@ -50,10 +52,13 @@ impl<'a> Call<'a> {
         let start = callee.trim_end_matches(is_word).len();
         let name = &callee[start..];
         let of_context = callee[..start].trim_end().ends_with("ctx.");
+        let quoted = before[at + 1..].trim_start().strip_prefix('"');
+        let first = quoted.and_then(|quoted| Some(quoted.split_once('"')?.0));
         (!name.is_empty()).then_some(Self {
             name,
             of_context,
             argument,
+            first,
         })
     }
 

@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 use super::{
     answer::{PROPERTY, REFERENCE},
     call::Call,
+    model_files::ModelFiles,
     names::{Name, names},
     scopes::{Scoped, places, with_scopes},
     script_map::{self, Inside},
@@ -45,7 +46,13 @@ pub fn scenes_of(script: &Path, open: &[&Arc<Source>]) -> Vec<Scoped> {
 }
 
 /// Completions at a byte offset.
-pub fn complete(text: &str, offset: usize, scenes: &[Scoped], snippets: bool) -> Vec<Value> {
+pub fn complete(
+    text: &str,
+    offset: usize,
+    scenes: &[Scoped],
+    snippets: bool,
+    models: &ModelFiles,
+) -> Vec<Value> {
     let before = &text[..text.floor_char_boundary(offset)];
     let all = scenes.iter().flat_map(|part| {
         let own = names(&part.source).into_iter();
@@ -62,9 +69,16 @@ pub fn complete(text: &str, offset: usize, scenes: &[Scoped], snippets: bool) ->
         _ => {}
     }
     if quoted {
+        let call = Call::around_end_of(before);
+        if let Some(names) = (call.as_ref()).and_then(|call| models.names_in_call(call, scenes)) {
+            let names = names.iter();
+            return names
+                .map(|name| json!({ "label": name, "kind": REFERENCE }))
+                .collect();
+        }
         let kinds = match inside {
             Some(Inside::Names(kinds)) => kinds,
-            _ => Call::around_end_of(before).map_or(&[][..], |call| call.kinds_of_names()),
+            _ => call.map_or(&[][..], |call| call.kinds_of_names()),
         };
         let named: BTreeSet<_> = all
             .filter(|n| n.kind != "params")

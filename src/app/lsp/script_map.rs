@@ -22,6 +22,9 @@ const MOST_BYTES: usize = 1 << 17;
 const MOST_VALUES: usize = 60;
 const DEPTH: usize = 6;
 
+/// Functions that take the keys of a text shape.
+const TEXTS: [&str; 2] = ["text_width", "text_letters"];
+
 /// Bracket that is open at a place.
 #[derive(Debug)]
 struct Open {
@@ -42,10 +45,19 @@ enum Kind {
 /// Where the value at a place goes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct Goal {
-    /// Function of `ctx` that takes it; `None` for the result of `setup`.
+    /// Function that takes it; `None` for the result of `setup`.
     function: Option<String>,
-    /// Keys of the maps around it, from the outermost.
+    /// Keys of the maps around it, from the outermost; for the keys of a text shape as in the result of `setup`.
     path: Vec<String>,
+}
+
+impl Goal {
+    /// Whether it takes the keys of a text shape.
+    fn is_text(&self) -> bool {
+        self.function
+            .as_deref()
+            .is_some_and(|name| TEXTS.contains(&name))
+    }
 }
 
 struct Script<'a> {
@@ -153,6 +165,11 @@ impl Script<'_> {
                 let callee = self.text[..call.at].trim_end();
                 let owner = callee.trim_end_matches(is_word);
                 let name = &callee[owner.len()..];
+                if TEXTS.contains(&name) {
+                    let path = ["models", "", "shape"].map(str::to_owned).to_vec();
+                    let function = Some(name.to_owned());
+                    return Some(Goal { function, path });
+                }
                 let owner = owner.trim_end().strip_suffix('.')?.trim_end();
                 let variable = &owner[owner.trim_end_matches(is_word).len()..];
                 match (variable, name) {
@@ -209,25 +226,29 @@ impl Script<'_> {
         let has = |item: &Value| own.iter().any(|(key, _)| item["label"] == *key);
         let mut all = match &goal.function {
             Some(name) if goal.path.is_empty() => function_keys(name),
-            Some(_) => Vec::new(),
+            Some(_) if !goal.is_text() => Vec::new(),
             None if goal.path.is_empty() => {
                 let names = TABLES.iter().map(|table| table.0).chain(["environment"]);
                 names
                     .map(|name| json!({ "label": name, "kind": PROPERTY }))
                     .collect()
             }
-            None => {
+            _ => {
                 let section = Manual::for_file(Path::new("")).table(&table(&goal.path));
                 section.map_or_else(Vec::new, |section| {
                     let chosen = section.variants.first().map(|variant| variant.key);
                     let kind = own.iter().find(|(key, _)| Some(*key) == chosen);
-                    let known = kind
-                        .and_then(|(_, word)| section.variants.iter().find(|v| v.word == *word));
+                    let word = kind.map(|(_, word)| *word);
+                    let word = word.or_else(|| goal.is_text().then_some("text"));
+                    let known = section.variants.iter().find(|v| Some(v.word) == word);
                     keys(section, known.map(|variant| variant.word), form)
                 })
             }
         };
-        all.retain(|item| !has(item));
+        // The function has the text, and knows its kind.
+        let is_given =
+            |item: &Value| goal.is_text() && (item["label"] == "kind" || item["label"] == "text");
+        all.retain(|item| !has(item) && !is_given(item));
         all
     }
 
@@ -276,7 +297,7 @@ fn function_keys(name: &str) -> Vec<Value> {
 
 /// Words that the value of a key may be.
 fn words(goal: &Goal, key: &str) -> Vec<Value> {
-    if goal.function.is_some() || goal.path.is_empty() {
+    if goal.function.is_some() && !goal.is_text() || goal.path.is_empty() {
         return Vec::new();
     }
     let (manual, path) = (Manual::for_file(Path::new("")), table(&goal.path));
