@@ -11,6 +11,7 @@ mod confined_read;
 pub mod dependencies;
 pub mod desc;
 pub mod diagnostic;
+pub mod fonts;
 pub mod manual;
 pub mod motion;
 pub mod number;

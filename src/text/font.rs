@@ -15,7 +15,7 @@ use skrifa::{
     },
 };
 
-use super::charstring;
+use super::{charstring, names::FontNames};
 
 /// Most parts of a glyph that is put together of others; letters with marks have a few.
 const MOST_PARTS: usize = 1000;
@@ -57,11 +57,11 @@ impl Font<'_> {
 }
 
 impl<'a> Font<'a> {
-    /// Opens the bytes of a font file.
+    /// Opens the font of this name in the bytes of a font file, else the first of the file.
     ///
     /// # Errors
     /// Bytes that are no font with outlines.
-    pub fn open(bytes: &'a [u8]) -> Result<Self, WrongFont> {
+    pub fn open(bytes: &'a [u8], name: &str) -> Result<Self, WrongFont> {
         if bytes.starts_with(b"wOFF") || bytes.starts_with(b"wOF2") {
             return Err(WrongFont {
                 message: "this is a web font (WOFF), which is compressed".to_owned(),
@@ -72,7 +72,7 @@ impl<'a> Font<'a> {
             message,
             help: "name a TrueType or OpenType font (`.ttf`, `.otf`)",
         };
-        let face = FontRef::from_index(bytes, 0)
+        let face = FontRef::from_index(bytes, FontNames::number(bytes, name))
             .map_err(|error| wrong(format!("this is no font that can be read: {error}")))?;
         let units = face.head().map_or(0, |head| head.units_per_em());
         let outlines = face.outline_glyphs();

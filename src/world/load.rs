@@ -16,7 +16,9 @@ use reflet_scene::{
     dependencies::Dependencies,
     desc::{At, ByName, SceneDesc},
     diagnostic::{Diagnostic, MOST_SHOWN, Span},
+    fonts::Fonts,
     motion::{FileMaterial, file_materials},
+    reach::{Border, Reach},
 };
 
 mod asset_cache;
@@ -134,6 +136,7 @@ struct Loader<'a> {
     file_materials: HashMap<FileMaterial<'a>, usize>,
     /// Folders to search, as the user named them.
     folders: Vec<PathBuf>,
+    fonts: Fonts,
     world: World,
     errors: Vec<Diagnostic>,
     textures: material::TextureTable,
@@ -197,6 +200,11 @@ impl<'a> Loader<'a> {
             .cloned()
             .collect();
         let roots = folders.iter().chain(&options.project);
+        let border = Border {
+            project: options.project.clone(),
+            ..Border::from(options.assets.clone())
+        };
+        let reach = Reach::new(desc.folder.clone(), &border);
         let memory = (options.memory_bytes).map_or_else(Budget::of_machine, Budget::new);
         Self {
             desc,
@@ -211,6 +219,7 @@ impl<'a> Loader<'a> {
             file_materials: (file_materials(desc).into_iter().enumerate())
                 .map(|(index, material)| (material, index))
                 .collect(),
+            fonts: Fonts::new(&reach, &options.dependencies),
             folders,
             world: World {
                 memory,
@@ -277,9 +286,7 @@ impl<'a> Loader<'a> {
             () if name.value.eq_ignore_ascii_case("none") => {
                 "write \"none\", in small letters, to leave out a texture"
             }
-            () if !name.value.contains('.') => {
-                "write the name of a file with its ending, such as \"a.ttf\" for a font: names of the system's fonts are none"
-            }
+            () if !name.value.contains('.') => "write the name of a file with its ending",
             () if name.value.starts_with('~') => {
                 "`~` is not expanded: write the name of the file, and its folder with --assets DIR"
             }

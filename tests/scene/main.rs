@@ -13,6 +13,7 @@ mod decals;
 mod docs;
 mod excluded;
 mod extends;
+mod fonts;
 mod hierarchy;
 mod hostile;
 mod include;

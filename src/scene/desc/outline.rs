@@ -61,8 +61,10 @@ declared! {
 /// A file that a shape is made of: a font, or an SVG file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FileDesc {
-    /// Its name.
+    /// Its name; of a font also the name inside of its file.
     pub file: String,
+    /// Whether it is a font.
+    pub is_font: bool,
     /// Place where it is written.
     pub at: Written,
 }
@@ -76,7 +78,11 @@ impl FileDesc {
     /// Reads the name of a file.
     pub(super) fn read(t: &mut Table, key: &'static str) -> Option<Self> {
         let at = t.written(key);
-        t.find(key, ANY).map(|file| Self { file, at })
+        t.find(key, ANY).map(|file| Self {
+            file,
+            is_font: key == "font",
+            at,
+        })
     }
 }
 

@@ -168,8 +168,9 @@ declared! {
             /// The text, 1 to 1000 characters; `\n` begins a new line. Letters are joined and kerned as the font says;
             /// words of scripts from right to left stand in their order (UAX #9).
             text: String,
-            /// A font file with outlines (`.ttf`, `.otf`, or the first of a `.ttc`), searched beside the scene, then in
-            /// each `--assets` folder. Default: Ubuntu Light.
+            /// A font: a file with outlines (`.ttf`, `.otf`, or the first of a `.ttc`), searched beside the scene, then in
+            /// each `--assets` folder, or the name of a font, such as `"DejaVu Sans Bold"`, whose file is in these folders
+            /// or below them. Default: Ubuntu Light.
             #[by(|t| Some(FileDesc::read(t, "font")))]
             font: Option<FileDesc>,
             /// Size of the font (its em), meters, above 0; capitals are some 0.7 of it high. Default 0.2.

@@ -18,6 +18,7 @@ use crate::{
     confined_read::{self, Found, Kind, Problem},
     dependencies::Dependencies,
     diagnostic::{Source, Span},
+    fonts::Fonts,
     reach::Reach,
     suggest,
 };
@@ -36,8 +37,8 @@ fn foreign_ending(file: &str) -> Option<&str> {
 pub struct Sources {
     /// Folders in which scripts are searched, the scene's first; without one no file can be read.
     reach: Reach,
-    /// Folders in which other files are searched, as for scene text.
-    files: Reach,
+    /// Fonts in the folders of the scene.
+    fonts: Fonts,
     /// Record of all files that were searched.
     dependencies: Dependencies,
     state: Mutex<State>,
@@ -71,14 +72,6 @@ const SCRIPTS: Kind = Kind {
     most_mib: FILE_BYTES >> 20,
 };
 
-/// Words for messages about fonts.
-const FONTS: Kind = Kind {
-    one: "a font",
-    names: "file names of fonts start from the scene's folder, or a folder that --assets DIR adds, and end in .ttf, .otf or .ttc",
-    inside: "fonts are read only from the scene's folder, asset folders, and the folders below",
-    most_mib: 64,
-};
-
 impl Problem {
     /// Error of the import at the position `at`.
     fn in_import(self, sources: &Sources, at: Position) -> Box<EvalAltResult> {
@@ -102,7 +95,7 @@ impl Sources {
     pub fn new(reach: &Reach, dependencies: &Dependencies) -> Self {
         Self {
             reach: reach.of_scripts(),
-            files: reach.clone(),
+            fonts: Fonts::new(reach, dependencies),
             dependencies: dependencies.clone(),
             ..Self::default()
         }
@@ -152,13 +145,13 @@ impl Sources {
         if let Some((_, font)) = state.fonts.iter().find(|(name, _)| name == file) {
             return Ok(Arc::clone(font));
         }
-        if state.poses || self.files.folders().is_empty() {
+        if state.poses || self.fonts.is_nowhere() {
             let message = format!("font {} cannot be read here", suggest::text(file));
             let help =
                 "`frame` reads no files: measure a text in this font in `setup`, or in a `const`";
             return Err(Problem::new(message, help));
         }
-        let found = confined_read::read_bytes(&self.files, file, &FONTS, &self.dependencies)?;
+        let found = self.fonts.read(file)?;
         let font: Arc<[u8]> = found.data.into();
         state.fonts.push((file.to_owned(), Arc::clone(&font)));
         state.files.push(found.real);

@@ -1,7 +1,6 @@
 //! Reads the models of a scene, each file once.
 
 use std::{
-    fs,
     path::{Path, PathBuf},
     thread,
     time::Duration,
@@ -10,7 +9,7 @@ use std::{
 use super::{Loader, Source, error_at, foreign_formats, scripted::posed};
 use crate::{
     Mesh,
-    gltf::{self, Fault, Model, Sandbox},
+    gltf::{self, Fault, Model, Sandbox, stand_in},
     shape::{
         self, Supplies,
         heightfield::{self, Heights},
@@ -25,9 +24,6 @@ use reflet_scene::{
 
 /// Processor time that making a shape may take.
 const MOST_TIME: Duration = Duration::from_secs(30);
-/// Largest number of files of a folder that are looked at for a font, and of fonts that are read.
-const MOST_ENTRIES: usize = 10_000;
-const MOST_FONTS: usize = 50;
 
 /// Key of a file that is read once: its path, and the chosen parts of a USD stage.
 pub type Part = (PathBuf, usd::Choice);
@@ -102,7 +98,8 @@ impl Loader<'_> {
                     return None;
                 };
                 let is_meant = fault.name == "missing-letters";
-                let font = is_meant.then(|| self.font_with(text)).flatten()?;
+                let has_all = |bytes: &[u8]| shape::text::has_letters(bytes, text);
+                let font = is_meant.then(|| self.fonts.file_with(has_all)).flatten()?;
                 Some(format!("write `font = \"{font}\"`, which has them"))
             };
             let warnings: Vec<_> = (made.warnings.into_iter())
@@ -136,32 +133,6 @@ impl Loader<'_> {
         Ok(heightfield::mesh(&heights, *size))
     }
 
-    /// Name of a font beside the scene, in another folder of its files, or in a folder `fonts` below, that has all
-    /// letters of a text.
-    fn font_with(&self, text: &str) -> Option<String> {
-        let folders = self.folders.iter();
-        let folders = folders.flat_map(|folder| ["", "fonts"].map(|below| (folder, below)));
-        folders.into_iter().find_map(|(folder, below)| {
-            let entries = fs::read_dir(folder.join(below)).ok()?.flatten();
-            let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
-            let is_font = |name: &String| {
-                let name = name.to_lowercase();
-                [".ttf", ".otf"].iter().any(|ending| name.ends_with(ending))
-            };
-            let mut names: Vec<_> = names.take(MOST_ENTRIES).filter(is_font).collect();
-            names.sort();
-            names.into_iter().take(MOST_FONTS).find_map(|name| {
-                let name = match below {
-                    "" => name,
-                    below => format!("{below}/{name}"),
-                };
-                let path = self.sandbox.resolve(folder, &name).ok()?;
-                let bytes = self.sandbox.read(&path).ok()?;
-                shape::text::has_letters(&bytes, text).then_some(name)
-            })
-        })
-    }
-
     /// The font and SVG files of a shape, and the work that shapes may still take.
     fn supplies(&mut self, shape: &ShapeDesc) -> Result<Supplies, Box<Diagnostic>> {
         let mut supplies = Supplies {
@@ -173,15 +144,28 @@ impl Loader<'_> {
                 value: named.file.clone(),
                 at: named.at.0.clone(),
             };
-            let path = self.find(&file)?;
-            let bytes = self.sandbox.read(&path).map_err(|fault| {
-                let text = format!("\"{}\": {}", path.display(), fault.message);
-                Box::new(error_at(fault.name, &file.at, text))
-            })?;
+            let (path, bytes) = match named.is_font {
+                true => self.read_font(&file)?,
+                false => self.read_svg(&file)?,
+            };
             self.add_files(std::slice::from_ref(&path));
             supplies.files.insert(file.value, bytes);
         }
         Ok(supplies)
+    }
+
+    fn read_font(&self, name: &At<String>) -> Result<(PathBuf, Vec<u8>), Box<Diagnostic>> {
+        let found = self.fonts.read(&name.value);
+        let found = found.map_err(|problem| problem.at_name("font-file", name.at.clone()))?;
+        stand_in::refuse(&found.data).map_err(|fault| fault_of(&found.path, &fault, &name.at))?;
+        Ok((found.real, found.data))
+    }
+
+    fn read_svg(&self, name: &At<String>) -> Result<(PathBuf, Vec<u8>), Box<Diagnostic>> {
+        let path = self.find(name)?;
+        let bytes = self.sandbox.read(&path);
+        let bytes = bytes.map_err(|fault| fault_of(&path, &fault, &name.at))?;
+        Ok((path, bytes))
     }
 
     /// Index into [`Loader::loaded`]; `None` after an error, which is reported once.
@@ -298,6 +282,12 @@ pub fn read_guarded(
         let text = "the reader panicked on this file; please report this";
         Err(vec![Diagnostic::in_file("internal", path, text)])
     })
+}
+
+/// A fault inside of a file, at the place where the file is named.
+fn fault_of(path: &Path, fault: &Fault, at: &Span) -> Box<Diagnostic> {
+    let text = format!("\"{}\": {}", path.display(), fault.message);
+    Box::new(error_at(fault.name, at, text))
 }
 
 /// Boundary: a panic of a library that makes shapes becomes an error about the shape, and so does work without end;

@@ -46,6 +46,7 @@ pub fn add(
     };
     let read = |font: &FileDesc| supplies.files.get(&font.file).map(Vec::as_slice);
     let bytes = font.as_ref().and_then(read).unwrap_or(Font::OWN);
+    let name = font.as_ref().map_or("", |font| &font.file);
     let font_at = font.as_ref().map_or(at, |font| &font.at);
     let here = |fault: Fault| fault.placed(at.0.clone());
     let in_font = |fault: Fault| match fault.name {
@@ -58,7 +59,7 @@ pub fn add(
         _ => here(fault),
     };
     let mut pen = Pen::new(*segments);
-    let drawn = guard::catch(|| draw(&mut pen, &lines, bytes, *letter))
+    let drawn = guard::catch(|| draw(&mut pen, &lines, &Font::open(bytes, name)?, *letter))
         .unwrap_or_else(|| Err(WrongFont::damaged().into()));
     let missing = drawn.map_err(in_font)?;
     if pen.loops.is_empty() {
@@ -80,7 +81,7 @@ pub fn has_letters(bytes: &[u8], text: &str) -> bool {
         ..Lines::default()
     };
     let lacks = |font: &Font| lines.letters(font).any(|letter| letter.is_missing());
-    guard::catch(|| Font::open(bytes).is_ok_and(|font| !lacks(&font))).unwrap_or(false)
+    guard::catch(|| Font::open(bytes, "").is_ok_and(|font| !lacks(&font))).unwrap_or(false)
 }
 
 /// Edges of the closed outlines of a line in the font of shapes, from its start on the base line, in pixels, upwards.
@@ -91,19 +92,20 @@ pub fn edges(text: &str, font_px: f32) -> Vec<[DVec2; 2]> {
         size: font_px,
         ..Lines::default()
     };
-    let drawn = draw(&mut pen, &lines, Font::OWN, None).and_then(|_| pen.finish());
+    let font = Font::open(Font::OWN, "").map_err(Fault::from);
+    let drawn = font.and_then(|font| draw(&mut pen, &lines, &font, None));
+    let drawn = drawn.and_then(|_| pen.finish());
     let chords = drawn.into_iter().flatten().flatten();
     chords.map(|chord| chord.ends).collect()
 }
 
 /// Draws all letters, or a single letter at the origin; returns the characters that the font lacks.
-fn draw(pen: &mut Pen, lines: &Lines, font: &[u8], only: Option<u32>) -> Result<String, Fault> {
-    let font = Font::open(font)?;
+fn draw(pen: &mut Pen, lines: &Lines, font: &Font, only: Option<u32>) -> Result<String, Fault> {
     let past = |wrong: WrongFont| Fault::new("out-of-range", wrong.message).help(wrong.help);
-    let only = only.map(|number| lines.letter(&font, number)).transpose();
+    let only = only.map(|number| lines.letter(font, number)).transpose();
     let only = only.map_err(past)?;
     let origin = only.as_ref().map_or([0.0; 2], |letter| letter.place);
-    let letters = only.map_or_else(|| lines.letters(&font).collect(), |letter| vec![letter]);
+    let letters = only.map_or_else(|| lines.letters(font).collect(), |letter| vec![letter]);
     let mut missing = String::new();
     for letter in &letters {
         for (glyph, [x, y]) in &letter.glyphs {

@@ -81,8 +81,9 @@ fn in_font<T: Default>(
     let bytes = font.as_ref().map(read).transpose();
     let bytes = bytes.or_else(|problem| fail_with(problem.message, problem.help))?;
     let bytes = bytes.as_deref().unwrap_or(Font::OWN);
+    let name = font.as_ref().map_or("", |font| &font.file);
     let done = || {
-        let font = Font::open(bytes)?;
+        let font = Font::open(bytes, name)?;
         letter.map_or(Ok(()), |number| lines.letter(&font, number).map(drop))?;
         Ok(work(&lines, &font))
     };

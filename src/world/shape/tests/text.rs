@@ -43,7 +43,7 @@ fn letters_at_their_places_are_the_text() {
     // Neither a soft hyphen nor a zero-width space is a letter.
     let whole = text("AV\u{ad} fi\n\u{200b}T", "");
     let lines = whole.lines().expect("a text");
-    let font = reflet_text::Font::open(reflet_text::Font::OWN).expect("a font");
+    let font = reflet_text::Font::open(reflet_text::Font::OWN, "").expect("a font");
     let letters: Vec<_> = lines.visible_letters(&font).collect();
     let names: Vec<_> = letters.iter().map(|letter| letter.text.as_str()).collect();
     assert_eq!(names, ["A", "V", "fi", "T"]);

@@ -1,0 +1,147 @@
+//! Fonts that a scene names, by their file or by the name that they have inside of it.
+
+use std::{path::PathBuf, sync::OnceLock};
+
+use reflet_base::files::{entries_below, has_extension, open_regular, path_below};
+use reflet_text::FontNames;
+
+use super::{
+    confined_read::{self, Found, Kind, Problem},
+    dependencies::Dependencies,
+    reach::Reach,
+    suggest,
+};
+
+/// Extensions of files that fonts are looked for in, and of all files that name no font.
+const FONT_FILES: [&str; 3] = ["ttf", "otf", "ttc"];
+const OTHER_FILES: [&str; 5] = ["woff", "woff2", "pfb", "svg", "dfont"];
+/// Limits of the search: folders within each other, entries of each folder of the scene, and fonts whose letters are read.
+const DEPTH: usize = 8;
+const MOST_ENTRIES: usize = 10_000;
+const MOST_READ: usize = 50;
+
+/// Words and limits of font files.
+const FONTS: Kind = Kind {
+    one: "a font",
+    names: "file names of fonts start from the scene's folder, or a folder that --assets DIR adds, and end in .ttf, .otf or .ttc",
+    inside: "fonts are read only from the scene's folder, asset folders, and the folders below",
+    most_mib: 256,
+};
+
+/// Folder of the system's fonts.
+const SYSTEM: &str = match () {
+    () if cfg!(windows) => "C:\\Windows\\Fonts",
+    () if cfg!(target_os = "macos") => "/System/Library/Fonts",
+    () => "/usr/share/fonts",
+};
+
+/// Fonts that a scene can name.
+#[derive(Debug, Default)]
+pub struct Fonts {
+    reach: Reach,
+    dependencies: Dependencies,
+    /// Font files in the folders of the scene, which are looked for once.
+    files: OnceLock<Vec<FontFile>>,
+}
+
+/// A file of fonts.
+#[derive(Debug)]
+struct FontFile {
+    /// The scene's own folder, or a folder of assets.
+    folder: PathBuf,
+    /// Name from there.
+    name: String,
+    fonts: Vec<FontNames>,
+}
+
+impl Fonts {
+    /// Fonts in the folders of a scene and in the folders below; every file that is looked for is added to
+    /// `dependencies`.
+    pub fn new(reach: &Reach, dependencies: &Dependencies) -> Self {
+        Self {
+            reach: reach.clone(),
+            dependencies: dependencies.clone(),
+            files: OnceLock::new(),
+        }
+    }
+
+    /// Whether there are no folders to read from.
+    pub fn is_nowhere(&self) -> bool {
+        self.reach.folders().is_empty()
+    }
+
+    /// The font file of a name, or with a font of this name inside.
+    ///
+    /// # Errors
+    /// A name or a link that leads out of the folders; a font that is missing, a file that is too large.
+    pub fn read(&self, name: &str) -> Result<Found<Vec<u8>>, Problem> {
+        let names_a_file = name.contains(['/', '\\'])
+            || name.rsplit_once('.').is_some_and(|(_, end)| {
+                let mut all = FONT_FILES.iter().chain(&OTHER_FILES);
+                all.any(|known| end.eq_ignore_ascii_case(known))
+            });
+        if names_a_file {
+            return confined_read::read_bytes(&self.reach, name, &FONTS, &self.dependencies);
+        }
+        let fit = |file: &FontFile| file.fonts.iter().filter_map(|font| font.fit(name)).min();
+        let fitting = (self.files().iter()).filter_map(|file| Some((fit(file)?, file)));
+        match fitting.min_by_key(|(fit, _)| *fit) {
+            Some((_, file)) => self.read_file(file),
+            None => Err(self.missing(name)),
+        }
+    }
+
+    /// Name of the first font file in which a font has all that is wanted, such as the letters of a text.
+    pub fn file_with(&self, has_all: impl Fn(&[u8]) -> bool) -> Option<&str> {
+        let mut files = self.files().iter().take(MOST_READ);
+        let file = files.find(|file| self.read_file(file).is_ok_and(|found| has_all(&found.data)));
+        file.map(|file| file.name.as_str())
+    }
+
+    fn read_file(&self, file: &FontFile) -> Result<Found<Vec<u8>>, Problem> {
+        let reach = self.reach.with_folders(vec![file.folder.clone()]);
+        confined_read::read_bytes(&reach, &file.name, &FONTS, &self.dependencies)
+    }
+
+    fn files(&self) -> &[FontFile] {
+        self.files.get_or_init(|| {
+            let below = |folder: &PathBuf| {
+                let folder = match folder.as_os_str().is_empty() {
+                    true => PathBuf::from("."),
+                    false => folder.clone(),
+                };
+                let entries = entries_below(&folder, DEPTH, false).take(MOST_ENTRIES);
+                let fonts = entries.filter(|entry| {
+                    entry.file_type().is_file() && has_extension(entry, &FONT_FILES)
+                });
+                let files = fonts.filter_map(|entry| {
+                    Some(FontFile {
+                        name: path_below(&entry, &folder)?,
+                        folder: folder.clone(),
+                        fonts: FontNames::read(open_regular(entry.path(), false).ok()?),
+                    })
+                });
+                files.collect::<Vec<_>>()
+            };
+            self.reach.folders().iter().flat_map(below).collect()
+        })
+    }
+
+    fn missing(&self, name: &str) -> Problem {
+        let others = self.reach.folders().iter().skip(1);
+        let others: String = (others.map(|f| format!(", nor in \"{}\"", f.display()))).collect();
+        let name_of_font = suggest::text(name);
+        let message = format!("no font {name_of_font} is in or below the scene's folder{others}");
+        let fonts = self.files().iter().flat_map(|file| &file.fonts);
+        let known = fonts.flat_map(FontNames::full).take(suggest::MOST_NAMES);
+        let has_system = self.reach.folders().iter().any(|f| f.starts_with(SYSTEM));
+        let help = match suggest::nearest(name, known) {
+            Some(near) => format!("did you mean {}?", suggest::text(near)),
+            None if has_system => "put its file into a folder of the scene".to_owned(),
+            None => format!(
+                "put its file into a folder of the scene, or let the scene read the system's fonts by `--assets {SYSTEM}`"
+            ),
+        };
+        Problem::new(message, help)
+    }
+}
