@@ -13,14 +13,9 @@ use crate::{
         instrument::Instrument,
         pass::declared_overrides,
         prelude::*,
-        raster::{Kind, depth_of_part, reversed_depth},
+        raster::{Kind, Pipelines, RasterState, pipelines, record},
     },
-    upload::{
-        draw::{Draw, Indexed},
-        draw_calls::DrawCalls,
-        draw_shape::DrawShape,
-        scene::GpuScene,
-    },
+    upload::{draw::Draw, draw_calls::DrawCalls, draw_shape::DrawShape, scene::GpuScene},
 };
 use reflet_gpu::GroupLayout;
 
@@ -52,7 +47,7 @@ const SLOT_BYTES: u64 = 256;
 #[derive(Debug)]
 pub struct Shadow {
     /// A pipeline for each kind of draw calls in use.
-    pipelines: Vec<(Kind, Arc<wgpu::RenderPipeline>)>,
+    pipelines: Pipelines<Kind>,
     slots: wgpu::Buffer,
     groups: Vec<wgpu::BindGroup>,
     /// Hash of the content of each map; `None` where the map must be drawn.
@@ -76,19 +71,10 @@ impl FramePass for Shadow {
             layout.bind(gpu, &[("params", binding)])
         };
         let groups = (0..count).map(slot).collect::<Result<Vec<_>, _>>()?;
-        let mut kinds: Vec<Kind> = Vec::new();
-        for draw in &builder.resources.scene.draws {
-            let needed = Kind::for_class(&draw.class);
-            if !kinds.contains(&needed) {
-                kinds.push(needed);
-            }
-        }
-        let make = |kind: Kind| Ok((kind, pipeline(builder, &layout, kind)?));
+        let draws = builder.resources.scene.draws.iter();
+        let kinds = draws.map(|draw| Kind::for_class(&draw.class));
         Ok(Self {
-            pipelines: kinds
-                .into_iter()
-                .map(make)
-                .collect::<Result<_, GpuError>>()?,
+            pipelines: pipelines(kinds, |kind| pipeline(builder, &layout, kind))?,
             drawn: Mutex::new(vec![None; groups.len()]),
             groups,
             slots,
@@ -133,21 +119,15 @@ impl FramePass for Shadow {
                 continue;
             };
             let calls = self.draw_calls(scene, view, recorder.gpu.is_software(), most);
-            recorder.pass_in_parts(PASS.name, calls.num_parts(), |part, encoder, recording| {
-                let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                    label: Some(PASS.name),
-                    depth_stencil_attachment: Some(depth_of_part(target, part)),
-                    timestamp_writes: recording.render(PASS.name),
-                    ..Default::default()
-                });
-                pass.set_bind_group(0, &recording.shared.empty.1, &[]);
-                pass.set_bind_group(1, &recording.shared.groups[1], &[]);
-                pass.set_bind_group(2, group, &[]);
-                if let Some(indexed) = scene.indexed() {
-                    indexed.bind(&mut pass);
-                }
-                calls.record(part, &mut pass);
-            });
+            record(
+                recorder,
+                PASS.name,
+                scene,
+                &calls,
+                None,
+                target,
+                Some(group),
+            );
         }
     }
 
@@ -220,30 +200,15 @@ fn pipeline(
     if kind.shape != DrawShape::Triangles {
         constants.push(kind.shape.constant());
     }
-    let state = format!("{kind:?} {is_pulled}");
-    shader.render_pipeline(gpu, &state, &groups, &constants, |layout, module| {
-        gpu.device
-            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some(PASS.name),
-                layout: Some(layout),
-                vertex: wgpu::VertexState {
-                    module,
-                    entry_point: Some(vertex),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    buffers: if is_pulled { &[] } else { &Indexed::LAYOUTS },
-                },
-                // Front and back faces cast shadows, as both block shadow rays.
-                primitive: wgpu::PrimitiveState::default(),
-                depth_stencil: Some(reversed_depth(FORMAT)),
-                multisample: wgpu::MultisampleState::default(),
-                fragment: fragment.map(|entry| wgpu::FragmentState {
-                    module,
-                    entry_point: Some(entry),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    targets: &[],
-                }),
-                multiview_mask: None,
-                cache: gpu.pipeline_cache(),
-            })
-    })
+    let state = RasterState {
+        vertex,
+        fragment,
+        is_indexed: !is_pulled,
+        // Front and back faces cast shadows, as both block shadow rays.
+        primitive: wgpu::PrimitiveState::default(),
+        ids: None,
+        depth: FORMAT,
+    };
+    let key = format!("{kind:?} {is_pulled}");
+    state.pipeline(gpu, shader, PASS.name, &key, &groups, &constants)
 }

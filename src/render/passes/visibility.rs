@@ -7,11 +7,11 @@ use crate::{
     pipeline::{
         pass::declared_overrides,
         prelude::*,
-        raster::{depth_of_part, ids_of_part, reversed_depth},
+        raster::{self, Pipelines, RasterState, record},
     },
     plan::has_primary_rays,
     upload::{
-        draw::{Draw, DrawClass, Indexed},
+        draw::{Draw, DrawClass},
         draw_calls::DrawCalls,
         draw_shape::DrawShape,
     },
@@ -33,11 +33,11 @@ pub const PASS: Pass = Pass {
 pub struct Visibility {
     /// Whether opaque triangles are drawn with indices.
     is_indexed: bool,
-    pipelines: Vec<(DrawClass, Arc<wgpu::RenderPipeline>)>,
+    pipelines: Pipelines<DrawClass>,
     /// Pipelines for culled back faces, where the march needs their depth.
-    culled: Vec<(DrawClass, Arc<wgpu::RenderPipeline>)>,
+    culled: Pipelines<DrawClass>,
     /// Pipelines for instances that only reflections show, or show more of, where the march needs their depth.
-    unseen: Vec<(DrawClass, Arc<wgpu::RenderPipeline>)>,
+    unseen: Pipelines<DrawClass>,
 }
 
 impl FramePass for Visibility {
@@ -62,22 +62,8 @@ impl FramePass for Visibility {
             return;
         };
         let calls = self.draw_calls(frame);
-        let num_parts = calls.num_parts();
-        (frame.recorder).pass_in_parts(PASS.name, num_parts, |part, encoder, recording| {
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some(PASS.name),
-                color_attachments: &[Some(ids_of_part(ids, part))],
-                depth_stencil_attachment: Some(depth_of_part(depth, part)),
-                timestamp_writes: recording.render(PASS.name),
-                ..Default::default()
-            });
-            pass.set_bind_group(0, &recording.shared.groups[0], &[]);
-            pass.set_bind_group(1, &recording.shared.groups[1], &[]);
-            if let Some(indexed) = scene.indexed() {
-                indexed.bind(&mut pass);
-            }
-            calls.record(part, &mut pass);
-        });
+        let recorder = &mut frame.recorder;
+        record(recorder, PASS.name, scene, &calls, Some(ids), depth, None);
     }
 }
 
@@ -144,24 +130,15 @@ fn pipelines<'a>(
     builder: &PassBuilder<'_>,
     draws: impl IntoIterator<Item = &'a Draw>,
     faces: Faces,
-) -> Result<Vec<(DrawClass, Arc<wgpu::RenderPipeline>)>, GpuError> {
-    let mut pipelines: Vec<(DrawClass, Arc<wgpu::RenderPipeline>)> = Vec::new();
-    for draw in draws {
-        let mut needed = vec![draw.class];
-        if draw.dynamic {
-            let mirrored = !draw.class.mirrored;
-            needed.push(DrawClass {
-                mirrored,
-                ..draw.class
-            });
-        }
-        for class in needed {
-            if pipelines.iter().all(|(known, _)| *known != class) {
-                pipelines.push((class, pipeline(builder, class, faces)?));
-            }
-        }
-    }
-    Ok(pipelines)
+) -> Result<Pipelines<DrawClass>, GpuError> {
+    let classes = draws.into_iter().flat_map(|draw| {
+        let mirrored = draw.dynamic.then_some(DrawClass {
+            mirrored: !draw.class.mirrored,
+            ..draw.class
+        });
+        [draw.class].into_iter().chain(mirrored)
+    });
+    raster::pipelines(classes, |class| pipeline(builder, class, faces))
 }
 
 fn pipeline(
@@ -191,48 +168,28 @@ fn pipeline(
         },
         ..Target::Ids.format(false).into()
     };
-    let state = format!("{class:?} {faces:?}");
-    let (vertex, fragment, buffers) = match class.shape {
-        DrawShape::Triangles if is_indexed(shader) && class.is_indexed() => (
-            VERTEX_INDEXED,
-            "fragment_indexed",
-            Indexed::LAYOUTS.as_slice(),
-        ),
-        DrawShape::Triangles => ("vertex", "fragment", [].as_slice()),
-        DrawShape::Spheres | DrawShape::Capsules => {
-            ("vertex_capsule", "fragment_capsule", [].as_slice())
-        }
+    let is_indexed = is_indexed(shader) && class.is_indexed();
+    let (vertex, fragment) = match class.shape {
+        DrawShape::Triangles if is_indexed => (VERTEX_INDEXED, "fragment_indexed"),
+        DrawShape::Triangles => ("vertex", "fragment"),
+        DrawShape::Spheres | DrawShape::Capsules => ("vertex_capsule", "fragment_capsule"),
     };
-    shader.render_pipeline(gpu, &state, &groups, &constants, |layout, module| {
-        gpu.device
-            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some(PASS.name),
-                layout: Some(layout),
-                vertex: wgpu::VertexState {
-                    module,
-                    entry_point: Some(vertex),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    buffers,
-                },
-                primitive: wgpu::PrimitiveState {
-                    front_face: if class.mirrored {
-                        wgpu::FrontFace::Cw
-                    } else {
-                        wgpu::FrontFace::Ccw
-                    },
-                    cull_mode,
-                    ..Default::default()
-                },
-                depth_stencil: Some(reversed_depth(Target::RasterDepth.format(false))),
-                multisample: wgpu::MultisampleState::default(),
-                fragment: Some(wgpu::FragmentState {
-                    module,
-                    entry_point: Some(fragment),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    targets: &[Some(ids)],
-                }),
-                multiview_mask: None,
-                cache: gpu.pipeline_cache(),
-            })
-    })
+    let front_face = match class.mirrored {
+        true => wgpu::FrontFace::Cw,
+        false => wgpu::FrontFace::Ccw,
+    };
+    let state = RasterState {
+        vertex,
+        fragment: Some(fragment),
+        is_indexed,
+        primitive: wgpu::PrimitiveState {
+            front_face,
+            cull_mode,
+            ..Default::default()
+        },
+        ids: Some(ids),
+        depth: Target::RasterDepth.format(false),
+    };
+    let key = format!("{class:?} {faces:?}");
+    state.pipeline(gpu, shader, PASS.name, &key, &groups, &constants)
 }

@@ -1,6 +1,15 @@
-//! Attachments, depth test and kinds of draw calls of passes that rasterize.
+//! Pipelines, attachments and kinds of draw calls of passes that rasterize.
 
-use crate::upload::{draw::DrawClass, draw_shape::DrawShape};
+use std::sync::Arc;
+
+use super::recorder::Recorder;
+use crate::upload::{
+    draw::{DrawClass, Indexed},
+    draw_calls::DrawCalls,
+    draw_shape::DrawShape,
+    scene::GpuScene,
+};
+use reflet_gpu::{Gpu, GpuError, GroupLayout, Shader};
 
 /// Properties of a draw call that need a pipeline of their own: both faces of all shapes are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,50 +35,146 @@ impl Kind {
     }
 }
 
-/// Color attachment of the ids, cleared to "sky" in the first part of a pass.
-pub fn ids_of_part(view: &wgpu::TextureView, part: usize) -> wgpu::RenderPassColorAttachment<'_> {
-    wgpu::RenderPassColorAttachment {
-        view,
-        depth_slice: None,
-        resolve_target: None,
-        ops: wgpu::Operations {
-            load: load_of_part(NO_IDS, part),
-            store: wgpu::StoreOp::Store,
-        },
+/// A pipeline of each kind among some draws.
+pub type Pipelines<K> = Vec<(K, Arc<wgpu::RenderPipeline>)>;
+
+/// Makes a pipeline for each of these kinds.
+///
+/// # Errors
+/// The first error of `make`.
+pub fn pipelines<K: Copy + PartialEq>(
+    kinds: impl IntoIterator<Item = K>,
+    make: impl Fn(K) -> Result<Arc<wgpu::RenderPipeline>, GpuError>,
+) -> Result<Pipelines<K>, GpuError> {
+    let mut made: Pipelines<K> = Vec::new();
+    for kind in kinds {
+        if made.iter().all(|(known, _)| *known != kind) {
+            made.push((kind, make(kind)?));
+        }
+    }
+    Ok(made)
+}
+
+/// State of a raster pipeline, beside its groups and constants.
+pub struct RasterState<'a> {
+    /// Entry point of the vertex shader.
+    pub vertex: &'a str,
+    /// Entry point of the fragment shader; `None` where only depth is drawn.
+    pub fragment: Option<&'a str>,
+    /// Whether vertices are drawn by indices, from vertex buffers.
+    pub is_indexed: bool,
+    /// Faces that are drawn.
+    pub primitive: wgpu::PrimitiveState,
+    /// Target of the ids, where they are drawn.
+    pub ids: Option<wgpu::ColorTargetState>,
+    /// Format of the depth texture, in which the nearer (larger) value wins.
+    pub depth: wgpu::TextureFormat,
+}
+
+impl RasterState<'_> {
+    /// Makes the pipeline of a pass, whose name is `label`; `key` names this state among the pipelines of its shader.
+    ///
+    /// # Errors
+    /// Errors of the shader and the device.
+    pub fn pipeline(
+        self,
+        gpu: &Gpu,
+        shader: &Shader,
+        label: &str,
+        key: &str,
+        groups: &[&GroupLayout],
+        constants: &[(&str, f64)],
+    ) -> Result<Arc<wgpu::RenderPipeline>, GpuError> {
+        let targets = self.ids.map(Some);
+        shader.render_pipeline(gpu, key, groups, constants, |layout, module| {
+            gpu.device
+                .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                    label: Some(label),
+                    layout: Some(layout),
+                    vertex: wgpu::VertexState {
+                        module,
+                        entry_point: Some(self.vertex),
+                        compilation_options: wgpu::PipelineCompilationOptions::default(),
+                        buffers: if self.is_indexed {
+                            &Indexed::LAYOUTS
+                        } else {
+                            &[]
+                        },
+                    },
+                    primitive: self.primitive,
+                    depth_stencil: Some(wgpu::DepthStencilState {
+                        format: self.depth,
+                        depth_write_enabled: Some(true),
+                        depth_compare: Some(wgpu::CompareFunction::Greater),
+                        stencil: wgpu::StencilState::default(),
+                        bias: wgpu::DepthBiasState::default(),
+                    }),
+                    multisample: wgpu::MultisampleState::default(),
+                    fragment: self.fragment.map(|entry| wgpu::FragmentState {
+                        module,
+                        entry_point: Some(entry),
+                        compilation_options: wgpu::PipelineCompilationOptions::default(),
+                        targets: targets.as_slice(),
+                    }),
+                    multiview_mask: None,
+                    cache: gpu.pipeline_cache(),
+                })
+        })
     }
 }
 
-/// A reversed depth attachment, cleared to infinitely far in the first part of a pass.
-pub fn depth_of_part(
-    view: &wgpu::TextureView,
-    part: usize,
-) -> wgpu::RenderPassDepthStencilAttachment<'_> {
-    wgpu::RenderPassDepthStencilAttachment {
-        view,
-        depth_ops: Some(wgpu::Operations {
-            load: load_of_part(0.0, part),
-            store: wgpu::StoreOp::Store,
-        }),
-        stencil_ops: None,
-    }
+/// Records draw calls into `depth`, which is cleared to infinitely far, and into `ids`, which are cleared to "sky". A
+/// pass without ids has no uniforms of the frame; `own` is its third group.
+pub fn record(
+    recorder: &mut Recorder<'_>,
+    name: &str,
+    scene: &GpuScene,
+    calls: &DrawCalls<'_>,
+    ids: Option<&wgpu::TextureView>,
+    depth: &wgpu::TextureView,
+    own: Option<&wgpu::BindGroup>,
+) {
+    recorder.pass_in_parts(name, calls.num_parts(), |part, encoder, recording| {
+        let ids = ids.map(|view| {
+            Some(wgpu::RenderPassColorAttachment {
+                view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: operations(NO_IDS, part),
+            })
+        });
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(name),
+            color_attachments: ids.as_slice(),
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: depth,
+                depth_ops: Some(operations(0.0, part)),
+                stencil_ops: None,
+            }),
+            timestamp_writes: recording.render(name),
+            ..Default::default()
+        });
+        let shared = recording.shared;
+        pass.set_bind_group(0, shared.group_for(ids.is_some(), 0), &[]);
+        pass.set_bind_group(1, &shared.groups[1], &[]);
+        if let Some(own) = own {
+            pass.set_bind_group(2, own, &[]);
+        }
+        if let Some(indexed) = scene.indexed() {
+            indexed.bind(&mut pass);
+        }
+        calls.record(part, &mut pass);
+    });
 }
 
 /// Clears before the first part of a pass; later parts add to it.
-fn load_of_part<T: Default>(cleared: T, part: usize) -> wgpu::LoadOp<T> {
-    match part {
-        0 => wgpu::LoadOp::Clear(cleared),
-        _ => wgpu::LoadOp::Load,
-    }
-}
-
-/// Depth test with reversed depth: the nearer (larger) value wins.
-pub fn reversed_depth(format: wgpu::TextureFormat) -> wgpu::DepthStencilState {
-    wgpu::DepthStencilState {
-        format,
-        depth_write_enabled: Some(true),
-        depth_compare: Some(wgpu::CompareFunction::Greater),
-        stencil: wgpu::StencilState::default(),
-        bias: wgpu::DepthBiasState::default(),
+fn operations<T: Default>(cleared: T, part: usize) -> wgpu::Operations<T> {
+    wgpu::Operations {
+        load: match part {
+            0 => wgpu::LoadOp::Clear(cleared),
+            _ => wgpu::LoadOp::Load,
+        },
+        store: wgpu::StoreOp::Store,
     }
 }
 

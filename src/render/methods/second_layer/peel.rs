@@ -8,13 +8,9 @@ use crate::{
     pipeline::{
         pass::declared_overrides,
         prelude::*,
-        raster::{Kind, depth_of_part, ids_of_part, reversed_depth},
+        raster::{Kind, Pipelines, RasterState, pipelines, record},
     },
-    upload::{
-        draw::{Draw, Indexed},
-        draw_calls::DrawCalls,
-        draw_shape::DrawShape,
-    },
+    upload::{draw::Draw, draw_calls::DrawCalls, draw_shape::DrawShape},
 };
 use reflet_gpu::GroupLayout;
 
@@ -41,7 +37,7 @@ gpu_struct! {
 /// The peel pass on the device: a pipeline for each kind of draw calls in use.
 #[derive(Debug)]
 pub struct Peel {
-    pipelines: Vec<(Kind, Arc<wgpu::RenderPipeline>)>,
+    pipelines: Pipelines<Kind>,
     params: wgpu::Buffer,
     group: wgpu::BindGroup,
 }
@@ -59,17 +55,10 @@ impl FramePass for Peel {
                 Some(wgpu::BindingResource::TextureView(view))
             }
         })?;
-        let mut kinds: Vec<Kind> = Vec::new();
-        for draw in resources.scene.draws.iter().filter(|draw| is_met(draw)) {
-            let needed = Kind::for_class(&draw.class);
-            if !kinds.contains(&needed) {
-                kinds.push(needed);
-            }
-        }
-        let make = |kind: Kind| Ok((kind, pipeline(builder, &layout, kind)?));
-        let pipelines = kinds.into_iter().map(make);
+        let met = resources.scene.draws.iter().filter(|draw| is_met(draw));
+        let kinds = met.map(|draw| Kind::for_class(&draw.class));
         Ok(Self {
-            pipelines: pipelines.collect::<Result<_, GpuError>>()?,
+            pipelines: pipelines(kinds, |kind| pipeline(builder, &layout, kind))?,
             params,
             group,
         })
@@ -87,23 +76,8 @@ impl FramePass for Peel {
         let queue = &frame.recorder.gpu.queue;
         queue.write_buffer(&self.params, 0, bytemuck::bytes_of(&params));
         let calls = self.draw_calls(frame);
-        let num_parts = calls.num_parts();
-        (frame.recorder).pass_in_parts(PASS.name, num_parts, |part, encoder, recording| {
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some(PASS.name),
-                color_attachments: &[Some(ids_of_part(ids, part))],
-                depth_stencil_attachment: Some(depth_of_part(depth, part)),
-                timestamp_writes: recording.render(PASS.name),
-                ..Default::default()
-            });
-            pass.set_bind_group(0, &recording.shared.groups[0], &[]);
-            pass.set_bind_group(1, &recording.shared.groups[1], &[]);
-            pass.set_bind_group(2, &self.group, &[]);
-            if let Some(indexed) = scene.indexed() {
-                indexed.bind(&mut pass);
-            }
-            calls.record(part, &mut pass);
-        });
+        let (recorder, own) = (&mut frame.recorder, Some(&self.group));
+        record(recorder, PASS.name, scene, &calls, Some(ids), depth, own);
     }
 }
 
@@ -153,30 +127,15 @@ fn pipeline(
     if kind.shape != DrawShape::Triangles {
         constants.push(kind.shape.constant());
     }
-    let state = format!("{kind:?} {is_indexed}");
-    shader.render_pipeline(gpu, &state, &groups, &constants, |layout, module| {
-        gpu.device
-            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some(PASS.name),
-                layout: Some(layout),
-                vertex: wgpu::VertexState {
-                    module,
-                    entry_point: Some(vertex),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    buffers: if is_indexed { &Indexed::LAYOUTS } else { &[] },
-                },
-                // Rays meet front and back faces as the camera sees them.
-                primitive: wgpu::PrimitiveState::default(),
-                depth_stencil: Some(reversed_depth(Target::SecondDepth.format(false))),
-                multisample: wgpu::MultisampleState::default(),
-                fragment: Some(wgpu::FragmentState {
-                    module,
-                    entry_point: Some(fragment),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    targets: &[Some(Target::SecondIds.format(false).into())],
-                }),
-                multiview_mask: None,
-                cache: gpu.pipeline_cache(),
-            })
-    })
+    let state = RasterState {
+        vertex,
+        fragment: Some(fragment),
+        is_indexed,
+        // Rays meet front and back faces as the camera sees them.
+        primitive: wgpu::PrimitiveState::default(),
+        ids: Some(Target::SecondIds.format(false).into()),
+        depth: Target::SecondDepth.format(false),
+    };
+    let key = format!("{kind:?} {is_indexed}");
+    state.pipeline(gpu, shader, PASS.name, &key, &groups, &constants)
 }
