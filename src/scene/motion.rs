@@ -212,63 +212,53 @@ impl<'a> Motion<'a> {
         let motion = &desc.motion;
         let placing =
             |m: &'a InstanceMotionDesc| [&m.translation, &m.rotation_deg, &m.scale].map(track);
-        let instance = |e: &'a Entry<InstanceMotionDesc>| {
-            Some((*names.instances.get(&e.name)?, placing(&e.value)))
+        let moved = |index: Option<&usize>, at, tracks: &'a Tracks| {
+            let track = |(field, t): &'a (usize, TrackDesc)| (*field, Track::new(t, find));
+            Some(Moved {
+                index: *index?,
+                at,
+                tracks: tracks.iter().map(track).collect(),
+            })
         };
-        let shown = |e: &'a Entry<InstanceMotionDesc>| {
-            let track = Track::new(e.value.shown.as_ref()?, find);
-            Some((*names.instances.get(&e.name)?, track))
-        };
-        let moved = |index, at, tracks: &'a Tracks| Moved {
-            index,
-            at,
-            tracks: tracks
-                .iter()
-                .map(|(field, t)| (*field, Track::new(t, find)))
-                .collect(),
-        };
-        let cameras = motion.cameras.iter().filter_map(|e| {
-            let index = *names.cameras.get(&e.name)?;
-            Some(moved(index, &e.at, &e.value.tracks))
-        });
-        let lights = motion.lights.iter().filter_map(|e| {
-            let index = *names.lights.get(&e.name)?;
-            Some(moved(index, &e.at, &e.value.tracks))
-        });
-        let decals = motion.decals.iter().filter_map(|e| {
-            let index = *names.decals.get(&e.name)?;
-            let (place, moved) = (&e.value.place, moved(index, &e.at, &e.value.tracks));
-            Some((moved, placing(place), track(&place.shown)))
-        });
-        let materials = motion.materials.iter().filter_map(|e| {
-            let index = *names.materials.get(&e.name)?;
-            Some(moved(index, &e.at, &e.value.tracks))
-        });
+        let nodes = || motion.instances.iter().chain(&motion.groups);
+        let node = |name| names.instances.get(name).copied();
         let of_files = motion.models.iter().flat_map(|model| {
             let materials = model.value.materials.iter();
             materials.map(|e| ((model.name.clone(), e.name.clone()), e))
         });
-        let of_files = of_files.filter_map(|(key, e)| {
-            let index = *names.file_materials.get(&key)?;
-            Some(moved(index, &e.at, &e.value.tracks))
-        });
-        let overrides = motion.instances.iter().filter_map(|e| {
-            let index = *names.instances.get(&e.name)?;
-            Some(moved(index, &e.at, &e.value.material.as_ref()?.tracks))
-        });
         Self {
-            overrides: overrides.collect(),
-            instances: (motion.instances.iter().chain(&motion.groups))
-                .filter_map(instance)
+            overrides: (motion.instances.iter())
+                .filter_map(|e| {
+                    let tracks = &e.value.material.as_ref()?.tracks;
+                    moved(names.instances.get(&e.name), &e.at, tracks)
+                })
                 .collect(),
-            shown: (motion.instances.iter().chain(&motion.groups))
-                .filter_map(shown)
+            instances: nodes()
+                .filter_map(|e| Some((node(&e.name)?, placing(&e.value))))
                 .collect(),
-            cameras: cameras.collect(),
-            lights: lights.collect(),
-            decals: decals.collect(),
-            materials: materials.collect(),
-            file_materials: of_files.collect(),
+            shown: nodes()
+                .filter_map(|e| Some((node(&e.name)?, track(&e.value.shown)?)))
+                .collect(),
+            cameras: (motion.cameras.iter())
+                .filter_map(|e| moved(names.cameras.get(&e.name), &e.at, &e.value.tracks))
+                .collect(),
+            lights: (motion.lights.iter())
+                .filter_map(|e| moved(names.lights.get(&e.name), &e.at, &e.value.tracks))
+                .collect(),
+            decals: (motion.decals.iter())
+                .filter_map(|Entry { name, at, value }| {
+                    let moved = moved(names.decals.get(name), at, &value.tracks)?;
+                    Some((moved, placing(&value.place), track(&value.place.shown)))
+                })
+                .collect(),
+            materials: (motion.materials.iter())
+                .filter_map(|e| moved(names.materials.get(&e.name), &e.at, &e.value.tracks))
+                .collect(),
+            file_materials: of_files
+                .filter_map(|(key, e)| {
+                    moved(names.file_materials.get(&key), &e.at, &e.value.tracks)
+                })
+                .collect(),
             rest,
             names: Arc::new(names),
             placements: desc.placements().collect(),
