@@ -15,7 +15,6 @@ mod decal;
 mod environment;
 mod hierarchy;
 mod image;
-mod include;
 mod instance;
 mod light;
 mod light_group;
@@ -29,7 +28,6 @@ mod probe;
 mod project;
 pub mod reflection;
 mod scatter;
-mod script;
 mod shape;
 mod stage;
 mod track;
@@ -37,9 +35,10 @@ mod track;
 use std::{
     collections::{HashMap, HashSet},
     path::PathBuf,
+    sync::Arc,
 };
 
-use crate::diagnostic::{Diagnostic, Span};
+use crate::diagnostic::{Diagnostic, Source, Span};
 
 pub use self::{
     animation::{AnimationDesc, Playback},
@@ -48,7 +47,6 @@ pub use self::{
     environment::{ENVIRONMENT, EnvironmentDesc, EnvironmentShadow, FogDesc},
     hierarchy::{GroupDesc, Parents, PlacedSceneDesc, ShownDesc},
     image::{ErrorBound, Exposure, ImageDesc, Radiance, Samples, ToneMap, Visibility},
-    include::Include,
     instance::{InstanceDesc, InstanceMaterialDesc, RepeatDesc},
     light::{BRIGHTNESS, LIGHT, LightDesc, LightKind, LightMotionDesc, MOST_CD, ShadowMode},
     light_group::LightGroup,
@@ -68,7 +66,6 @@ pub use self::{
     project::ProjectDesc,
     reflection::{Accept, Bounces, LATE_SETTINGS, Marched, Method, ReflectionDesc, Trace},
     scatter::{AlongDesc, OverDesc},
-    script::ScriptDesc,
     shape::{LatheSource, NoiseDesc, PartDesc, ShapeDesc, SweepCurve, TextAlign},
     stage::{MODEL_ENDINGS, PANORAMA_ENDINGS, StageDesc, is_bare, is_panorama, is_stage},
     track::{
@@ -234,7 +231,50 @@ pub struct LateSetting {
     pub at: Written,
 }
 
+/// `script = "….rhai"`, after its `setup` was run.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ScriptDesc {
+    /// Name of the file in messages: the scene's folder and the name in the scene.
+    pub name: String,
+    /// Whether the script has `fn frame(ctx)`, so that frames may differ.
+    pub has_frame: bool,
+    /// Name and text of the script and of each file that it imports, the script first.
+    pub texts: Vec<(String, String)>,
+    /// Paths of these files, with symbolic links resolved, for fingerprints and watching.
+    pub files: Vec<PathBuf>,
+    /// Lines that `setup` printed.
+    pub setup_log: Vec<String>,
+}
+
+/// A file of scene text that another file includes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Include {
+    /// Name of the file relative to the scene's folder, as `include` writes it.
+    pub name: String,
+    /// Path of the file, with symbolic links resolved.
+    pub path: PathBuf,
+    /// Text of the file, with its syntax tree.
+    pub source: Arc<Source>,
+}
+
 impl SceneDesc {
+    /// Scripts of the scene itself and of placed scenes.
+    pub fn scripts(&self) -> impl Iterator<Item = &ScriptDesc> {
+        self.script.iter().chain(&self.placed_scripts)
+    }
+
+    /// Whether any script has `fn frame(ctx)`, which poses frames.
+    pub fn has_frame_script(&self) -> bool {
+        self.scripts().any(|script| script.has_frame)
+    }
+
+    /// Paths of the scripts, their imports and the included scene text, with symbolic links resolved.
+    pub fn text_files(&self) -> Vec<PathBuf> {
+        let of_script = self.scripts().flat_map(|s| &s.files).cloned();
+        let included = self.includes.iter().map(|file| file.path.clone());
+        of_script.chain(included).collect()
+    }
+
     /// Place of the first of these settings that is written.
     pub fn written(&self, keys: &[[&str; 2]]) -> Option<Span> {
         let place = |key: &[&str; 2]| self.late.iter().find(|setting| setting.key == *key);

@@ -7,14 +7,12 @@ mod bounded_functions;
 mod bounds;
 mod call_limits;
 mod catch_values;
-mod compile;
 mod context;
 mod ended;
 mod engine;
 mod error;
 pub(crate) mod floats;
 mod format_value;
-mod key_locations;
 mod limit_location;
 mod limited_parser;
 mod limits;
@@ -33,8 +31,7 @@ use std::{fmt, sync::Arc};
 use rhai::{AST, CallFnOptions, Dynamic, Engine, EvalAltResult, Scope};
 
 use self::{
-    call_limits::{run_alone, run_limited},
-    compile::compile,
+    call_limits::{compile, run_alone, run_limited},
     context::{Call, Context},
     ended::{StoppedCall, is_limit},
     error::Known,

@@ -1,6 +1,5 @@
 //! Syntax errors of a text as messages, and the parts of the text that they make doubtful.
 
-mod foreign;
 mod numbers;
 mod plain_words;
 mod unclosed;
@@ -66,7 +65,7 @@ fn errors(source: &Arc<Source>, base: usize, report: &mut Report) -> Vec<Shadow>
         line,
     };
     let mut shadows: Vec<Shadow> = Vec::new();
-    if let Some((at, language, help)) = foreign::language(text).filter(|_| !errors.is_empty()) {
+    if let Some((at, language, help)) = foreign_language(text).filter(|_| !errors.is_empty()) {
         let message = format!(
             "this is {language}, and scenes are written in TOML, beginning with `version = 1`"
         );
@@ -291,6 +290,38 @@ fn words(message: impl Into<String>, help: impl Into<String>) -> Option<Words> {
 /// Whether a text is a number without letters.
 fn is_number(text: &str) -> bool {
     !text.is_empty() && text.parse::<f64>().is_ok() && !text.contains(char::is_alphabetic)
+}
+
+/// Place of the first line that says something, the language of a text that is not TOML, and advice.
+fn foreign_language(text: &str) -> Option<(Range<usize>, &'static str, &'static str)> {
+    let is_remark = |line: &str| {
+        let line = line.trim();
+        let is_hash = line.starts_with("# ") || line == "#";
+        line.is_empty() || is_hash || line.starts_with("//")
+    };
+    let mut lines = text.lines().filter(|line| !is_remark(line));
+    let (first, next) = (lines.next()?, lines.next().unwrap_or_default().trim());
+    let start = first.as_ptr() as usize - text.as_ptr() as usize;
+    let indent = first.len() - first.trim_start().len();
+    let at = start + indent..start + first.trim_end().len();
+    let first = first.trim();
+    let mut begin = format!("{first}\n{next}");
+    for spaced in [" {", "{ ", "{\n"] {
+        begin = begin.replace(spaced, "{");
+    }
+    if is_entry(first) && (next.is_empty() || is_entry(next) || next.starts_with("- ")) {
+        "---\n".clone_into(&mut begin);
+    }
+    let (name, help) = suggest::language(&begin)?;
+    Some((at, name, help))
+}
+
+/// Whether a line is an entry of YAML, such as `roughness: 0.5`.
+fn is_entry(line: &str) -> bool {
+    line.split_once(':').is_some_and(|(key, rest)| {
+        let is_key = key.chars().all(|c| c.is_alphanumeric() || "_-".contains(c));
+        is_key && !key.is_empty() && (rest.is_empty() || rest.starts_with(' '))
+    })
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use rhai::{EvalAltResult, Position};
+use rhai::{AST, Engine, EvalAltResult, LexError, ParseError, ParseErrorType, Position};
 
 use super::{
     bounds::{Bounds, Halt, halt, of_next_call, take},
@@ -190,6 +190,20 @@ pub fn progress(operations: u64) -> Option<String> {
 /// Limit that the call on this thread has met, as a message.
 pub fn met() -> Option<String> {
     with_used(|used| used.why.clone())?
+}
+
+/// Compiles a text. If a limit was met, the error says so: Rhai may say that it expected something else there.
+///
+/// # Errors
+/// A mistake of the text, or the limit that was met.
+pub fn compile(engine: &Engine, text: &str) -> Result<AST, ParseError> {
+    engine.compile(text).map_err(|wrong| match met() {
+        Some(why) => {
+            let limit = ParseErrorType::BadInput(LexError::Runtime(why));
+            ParseError(limit.into(), wrong.position())
+        }
+        None => wrong,
+    })
 }
 
 /// Keeps a line that the call on this thread prints, as far as its limits allow; what could control a terminal is

@@ -5,6 +5,8 @@ mod missing;
 mod syntax;
 mod unclosed;
 
+use std::sync::Arc;
+
 use rhai::{EvalAltResult as Wrong, Position};
 
 use self::missing::{missing_function, missing_key, missing_property};
@@ -12,10 +14,10 @@ pub use self::syntax::syntax;
 use super::{
     ended::{LimitHit, Place, StoppedCall},
     format_value::thrown,
-    key_locations::key_of_call,
     limits::{ARRAY, CALLS, MAP, MODULES, NESTED, TEXT, VARIABLES},
     nested_values::is_deeper,
     source_files::Sources,
+    tokens::tokens,
     value::WrongKey,
 };
 use crate::{
@@ -146,6 +148,36 @@ pub fn portable(mut wrong: Box<Wrong>) -> Box<Wrong> {
             _ => return wrong,
         }
     }
+}
+
+/// Place of a key in a map that is an argument of a call; `call` is the span of the name that is called.
+fn key_of_call(call: &Span, key: &str) -> Option<Span> {
+    let source = call.source.as_ref()?;
+    let start = call.range.end;
+    let tokens = tokens(source.text.get(start..)?);
+    let mut open = Vec::new();
+    for (token, next) in tokens.iter().zip(tokens.iter().skip(1)) {
+        match token.text {
+            "(" | "[" | "{" | "#{" => open.push(token.text),
+            ")" | "]" | "}" => {
+                open.pop();
+                if open.is_empty() {
+                    return None;
+                }
+            }
+            text if open == ["(", "#{"] && next.text == ":" => {
+                let inner = text.trim_matches(['"', '`', '\'']);
+                if inner == key {
+                    return Some(Span {
+                        source: Some(Arc::clone(source)),
+                        range: start + token.at.start..start + token.at.end,
+                    });
+                }
+            }
+            _ => {}
+        }
+    }
+    None
 }
 
 /// Adds the call stack to a message: the last call as a second place, all of them as text.

@@ -9,7 +9,7 @@ use std::{
 use rhai::{Dynamic, EvalAltResult, ImmutableString, Position, Scope, Shared};
 
 use super::{
-    compile::compile,
+    call_limits::compile,
     limits::{FILE_BYTES, NESTED},
     nested_values::is_deeper,
     tokens::{Token, tokens},
