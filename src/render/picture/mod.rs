@@ -3,12 +3,13 @@
 pub mod aov;
 pub mod aov_view;
 pub mod debug_readback;
-pub(crate) mod light_group;
 pub mod measure;
 pub mod png_file;
 pub(crate) mod read_targets;
 pub mod so_far;
 pub mod tone_map;
+
+use std::sync::Arc;
 
 use reflet_gpu::Gpu;
 use reflet_scene::desc::{CameraDesc, ImageDesc, LightGroup};
@@ -17,6 +18,7 @@ use reflet_scene::desc::{CameraDesc, ImageDesc, LightGroup};
 use super::settings::options::RenderOptions;
 use super::{
     error::RenderError,
+    lighting::shown_light::ShownLight,
     picture::{
         aov::{Aov, Plane, PlaneData},
         so_far::{EachSample, SoFar},
@@ -255,6 +257,18 @@ fn mean(values: &TargetValues, target: Target, samples: u32, alpha: bool) -> (Ve
 }
 
 impl Renderer {
+    /// Has pictures show the light of one group alone, or with `None` all light, from the next one on. All else stays,
+    /// also what random choices are made by, so that the pictures of all groups add up to the whole one.
+    pub fn show_light(&mut self, gpu: &Gpu, group: Option<LightGroup>) {
+        let shown = ShownLight(group);
+        if self.scene.shown_light == shown {
+            return;
+        }
+        Arc::make_mut(&mut self.scene).show_light(gpu, &self.world, &self.trees, shown);
+        // Maps of probes hold the light of other groups.
+        self.recapture_maps();
+    }
+
     /// Renders one picture, times its passes and reads everything back.
     ///
     /// # Errors

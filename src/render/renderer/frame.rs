@@ -7,10 +7,7 @@ use reflet_gpu::{Gpu, GpuError, readback};
 use reflet_scene::desc::{CameraDesc, Method};
 use reflet_world::{World, solid_around};
 
-use super::{
-    capture_times::without_capture,
-    stats::{FrameStats, Shares},
-};
+use super::stats::{FrameStats, Shares};
 use crate::{
     buffers::frame_uniforms::FrameSettings,
     decide::edge_on::has_edge_on_surfaces,
@@ -21,8 +18,10 @@ use crate::{
     },
     lighting::lights::{LightBlock, ShadowView, lights, map_near_m},
     maps::method_maps::{CaptureInputs, MapStats},
+    passes::named,
     pipeline::{
         instrument::Instrument,
+        pass::PassGroup,
         recorder::{PassTimes, Recorder, Timing},
         sub_frame::SubFrame,
     },
@@ -357,4 +356,35 @@ impl Renderer {
             update_ms,
         })
     }
+}
+
+/// Times of the capture of probes, milliseconds.
+#[derive(Clone, Copy, Debug, Default)]
+struct CaptureTimes {
+    /// GPU time, or wall time of passes that were waited for.
+    passes_ms: f64,
+    /// CPU time where it is known, else the same.
+    cost_ms: f64,
+}
+
+/// Splits the times of a frame into its own and the times of its capture.
+fn without_capture(times: PassTimes) -> (PassTimes, CaptureTimes) {
+    let is_capture = |name: &str| named(name).is_some_and(|p| p.group == PassGroup::Capture);
+    let split = |times: Vec<(String, f64)>| {
+        let (capture, frame): (Vec<_>, Vec<_>) =
+            times.into_iter().partition(|(name, _)| is_capture(name));
+        (frame, capture.iter().map(|(_, ms)| ms).sum::<f64>())
+    };
+    let has_processor = !times.processor_ms.is_empty();
+    let (passes_ms, passes) = split(times.passes_ms);
+    let (processor_ms, processor) = split(times.processor_ms);
+    let captured = CaptureTimes {
+        passes_ms: passes,
+        cost_ms: if has_processor { processor } else { passes },
+    };
+    let frame = PassTimes {
+        passes_ms,
+        processor_ms,
+    };
+    (frame, captured)
 }

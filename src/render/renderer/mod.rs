@@ -1,7 +1,6 @@
 //! A scene prepared for rendering: its uploads, BVHs, pipelines and bind groups.
 
 pub(crate) mod bindings;
-pub(crate) mod capture_times;
 pub(crate) mod download;
 pub(crate) mod error_estimate;
 pub mod frame;
