@@ -1,6 +1,9 @@
 //! OBJ, STL and PLY models as GLB, which the reader of glTF then checks, repairs and shows like any other.
 
-use std::path::{Path, PathBuf};
+use std::{
+    io::Cursor,
+    path::{Path, PathBuf},
+};
 
 use serde_json::{Value, json};
 
@@ -10,7 +13,6 @@ use reflet_base::memory::Budget;
 mod mtl;
 mod obj;
 mod ply;
-mod stl;
 
 /// Memory that reading a model takes at most, in its own bytes.
 const WORKING_BYTES: u64 = 12;
@@ -46,7 +48,7 @@ pub fn as_glb(
     let ending = path.extension().and_then(|e| e.to_str());
     let read = match ending.unwrap_or_default().to_ascii_lowercase().as_str() {
         "obj" => obj::read,
-        "stl" => stl::read,
+        "stl" => read_stl,
         "ply" => ply::read,
         _ => return Ok(bytes),
     };
@@ -195,4 +197,24 @@ impl Glb {
         glb.append(&mut self.bin);
         glb
     }
+}
+
+/// STL: triangles without shared vertices, in text or binary, by `stl_io`.
+fn read_stl(source: &Source<'_>, _: Found<'_>) -> Result<Glb, Fault> {
+    let mut bytes = Cursor::new(source.bytes);
+    let triangles = stl_io::create_stl_reader(&mut bytes);
+    let triangles = triangles.map_err(|e| broken(format!("the header cannot be read: {e}")))?;
+    let mut glb = Glb::new();
+    let mut part = Part {
+        name: "solid".to_owned(),
+        material: Some(glb.matte()),
+        ..Part::default()
+    };
+    for (number, triangle) in triangles.enumerate() {
+        let triangle = triangle.map_err(|e| broken(format!("triangle {number}: {e}")))?;
+        part.positions.extend(triangle.vertices.map(|v| v.0));
+    }
+    part.triangles = Some((0..part.positions.len() as u32).collect());
+    glb.add(&part);
+    Ok(glb)
 }
