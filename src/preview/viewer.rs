@@ -17,7 +17,6 @@ pub mod render_thread;
 pub mod scene_summary;
 pub mod selection;
 pub mod timeline;
-mod tracks;
 pub mod view_channel;
 pub mod view_settings;
 pub mod view_state;

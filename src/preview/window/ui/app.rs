@@ -12,10 +12,14 @@ use super::{
     timeline, timeline_keys,
     window::Window,
 };
-use crate::viewer::{
-    keys::{self, KeyAction},
-    protocol::{FrameAction, Screenshot, ScreenshotGoal, Task},
-    timeline::Timeline,
+use crate::{
+    viewer::{
+        keys::{self, KeyAction},
+        protocol::{FrameAction, Screenshot, ScreenshotGoal, Task},
+        recording::RECORDING,
+        timeline::Timeline,
+    },
+    write_back::KeyTrack,
 };
 
 /// Sidebar width: fraction of the window, limits in points, and the narrowest window with a
@@ -156,6 +160,26 @@ impl Window {
     fn script_s(&self) -> Option<f64> {
         let ran_s = self.script.map(|since| since.elapsed().as_secs_f64());
         ran_s.filter(|ran_s| *ran_s >= LONG_S)
+    }
+
+    /// Starts to record a flight, or ends it.
+    fn toggle_recording(&mut self, ui: &Ui) {
+        let ended = self.state.toggle_recording(ui.input(|i| i.time));
+        ended.into_iter().for_each(|task| self.send(task));
+        if self.state.recording.is_some() {
+            self.message.set(RECORDING);
+        }
+    }
+
+    /// Records the camera at the current frame.
+    fn record(&mut self) {
+        let ended = self.state.record();
+        ended.into_iter().for_each(|task| self.send(task));
+    }
+
+    /// Tracks with keys of the selected item, else of the camera that was shown last.
+    fn tracks_of_selection(&self) -> Vec<KeyTrack> {
+        self.state.tracks_of(self.selection.item())
     }
 }
 

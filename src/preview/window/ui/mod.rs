@@ -16,7 +16,6 @@ pub(super) mod opener;
 mod panels;
 mod parameter_panel;
 mod place_panel;
-mod recording;
 #[cfg(test)]
 mod sessions;
 pub(super) mod shell;
