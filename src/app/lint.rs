@@ -9,7 +9,6 @@ mod probe;
 mod shadow;
 mod silent;
 mod size;
-mod unused;
 mod view;
 
 use crate::{
@@ -20,7 +19,7 @@ use crate::{
     },
     scene::{
         diagnostic::{Diagnostic, Span},
-        script::lint::lint_scripts,
+        script::lint::{Params, lint_scripts, used_params},
         stages::Scene,
     },
     world::{Light, World, bvh::Trees},
@@ -63,7 +62,7 @@ pub struct Lint<'a> {
 impl<'a> Lint<'a> {
     /// Starts with the warnings about texts: unused parameters, and scripts.
     pub fn new(scene: &'a Scene, trees: &'a mut KeptTrees) -> Self {
-        let mut found = unused::params(scene);
+        let mut found = unused_params(scene);
         if let Some(script) = &scene.script {
             found.extend(lint_scripts(&script.texts, &scene.params));
         }
@@ -179,4 +178,30 @@ fn is_lit(world: &World) -> bool {
     !world.environment.is_black()
         || world.all_lights().any(shines)
         || world.instances.iter().any(emits)
+}
+
+/// Warnings about parameters that the script does not read.
+fn unused_params(scene: &Scene) -> Vec<Diagnostic> {
+    let texts = scene.script.iter().flat_map(|s| &s.texts);
+    let Params::Named(used) = used_params(texts.map(|(_, text)| text.as_str())) else {
+        return Vec::new();
+    };
+    let unused = scene
+        .params
+        .iter()
+        .filter(|p| !used.contains(p.name.as_str()));
+    let warn = |name: &str, at: &Span| {
+        let (message, help) = match &scene.script {
+            None => (
+                format!("nothing reads the parameter \"{name}\": the scene has no script"),
+                "write `script = \"….rhai\"`, or remove the parameter".to_owned(),
+            ),
+            Some(script) => (
+                format!("nothing reads the parameter \"{name}\""),
+                format!("write `ctx.params.{name}` in {}, or remove it", script.name),
+            ),
+        };
+        Diagnostic::new("unused-param", at.clone(), message).help(help)
+    };
+    unused.map(|p| warn(&p.name, &p.at)).collect()
 }

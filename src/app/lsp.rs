@@ -15,9 +15,7 @@ mod references;
 mod scopes;
 mod script;
 mod script_map;
-mod script_text;
 mod structure;
-mod written;
 
 use std::{
     collections::{BTreeMap, BTreeSet},

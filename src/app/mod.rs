@@ -35,9 +35,7 @@ pub mod manual;
 pub mod mcp;
 pub mod new;
 pub mod pack;
-#[cfg(feature = "serve")]
-pub mod page;
-#[cfg(feature = "window")]
+#[cfg(any(feature = "window", feature = "serve"))]
 pub mod preview;
 pub mod progress;
 pub mod project;
@@ -57,8 +55,6 @@ pub mod stats;
 pub mod still;
 pub mod thumbs;
 pub mod usage;
-#[cfg(any(feature = "window", feature = "serve"))]
-pub mod viewed_scene;
 pub mod watch;
 
 use cli::{Cli, Command};
@@ -79,7 +75,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
         Command::Render(args) if args.watch => watch::follow(&args),
         Command::Render(args) => render::render(&args),
         #[cfg(feature = "serve")]
-        Command::Preview(args) if args.serve.is_some() => page::page(&args),
+        Command::Preview(args) if args.serve.is_some() => preview::page(&args),
         #[cfg(feature = "window")]
         Command::Preview(args) => preview::preview(&args),
         #[cfg(not(feature = "window"))]

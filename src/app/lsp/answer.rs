@@ -9,13 +9,13 @@ use std::{
 use serde_json::{Value, json};
 
 use super::{
+    call::is_word,
     model_files::ModelFiles,
     names::{Name, border_of, files_of_value, kinds_of_value, names, with_parts},
     outline::{Part, Word, beside, words, words_before},
     position::{range, uri_of},
     scopes::{Scoped, is_named, places, with_scopes},
-    script_text::is_word,
-    written,
+    structure,
 };
 use crate::{
     files::{entries_below, folder_of, has_extension, path_below},
@@ -326,7 +326,7 @@ pub fn hover(file: &Arc<Source>, offset: usize) -> Option<Value> {
         Part::Value(key) => kinds_of_value(key),
         _ => &[],
     };
-    let table = written::table(&with_scopes(file), &word.text, |kind| kinds.contains(&kind));
+    let table = structure::table(&with_scopes(file), &word.text, |kind| kinds.contains(&kind));
     let text = table.or_else(|| Some(meaning(file, &word)?.replace('\n', "\n\n")))?;
     Some(json!({
         "contents": { "kind": "markdown", "value": text },

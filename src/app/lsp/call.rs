@@ -2,7 +2,6 @@
 
 use serde_json::{Value, json};
 
-use super::script_text::is_word;
 use crate::scene::script::api;
 
 /// Longest text in which a call that surrounds its end is searched, bytes.
@@ -145,6 +144,29 @@ pub fn code(text: &str) -> Vec<(usize, char)> {
         before = if before == '\\' && c == '\\' { ' ' } else { c };
     }
     code
+}
+
+/// Whether a character may be part of a name.
+pub fn is_word(c: char) -> bool {
+    c.is_alphanumeric() || c == '_'
+}
+
+/// Whether a text ends inside of double quotes; multi-line strings in backticks are not recognized.
+pub fn in_quotes(before: &str) -> bool {
+    let line = before.rsplit('\n').next().unwrap_or_default();
+    let (mut open, mut escaped) = (false, false);
+    for c in line.chars() {
+        match c {
+            '"' if !escaped => open = !open,
+            '\\' if open && !escaped => {
+                escaped = true;
+                continue;
+            }
+            _ => {}
+        }
+        escaped = false;
+    }
+    open
 }
 
 #[cfg(test)]

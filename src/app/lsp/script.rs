@@ -6,13 +6,12 @@ use serde_json::{Value, json};
 
 use super::{
     answer::{PROPERTY, REFERENCE},
-    call::Call,
+    call::{Call, in_quotes, is_word},
     model_files::ModelFiles,
     names::{Name, names},
     scopes::{Scoped, places, with_scopes},
     script_map::{self, Inside},
-    script_text::{in_quotes, is_word},
-    written,
+    structure,
 };
 use crate::scene::{diagnostic::Source, parse, script::api};
 
@@ -137,9 +136,9 @@ pub fn hover(text: &str, offset: usize, scenes: &[Scoped]) -> Option<Value> {
     let before = &text[..text.floor_char_boundary(offset)];
     let (name, start) = (word_at(text, offset), before.trim_end_matches(is_word));
     let text = match quoted_at(text, before) {
-        Some(quoted) => written::table(scenes, quoted, |kind| kind != "params")?,
+        Some(quoted) => structure::table(scenes, quoted, |kind| kind != "params")?,
         None => (Some(name).filter(|_| !start.ends_with("ctx.")))
-            .and_then(|name| written::function(text, name))
+            .and_then(|name| structure::function(text, name))
             .or_else(|| meaning(name))?,
     };
     Some(json!({ "contents": { "kind": "markdown", "value": text } }))

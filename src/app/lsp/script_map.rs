@@ -6,9 +6,8 @@ use serde_json::{Value, json};
 
 use super::{
     answer::{KeyForm, PROPERTY, VALUE, item, keys},
-    call::code,
+    call::{code, is_word},
     names::kinds_of_value,
-    script_text::is_word,
 };
 use crate::scene::{
     diagnostic::TABLES,
@@ -330,7 +329,7 @@ mod tests {
     /// Labels at `|`.
     fn labels(text: &str) -> Vec<String> {
         let (before, after) = text.split_once('|').expect("a mark");
-        let quoted = super::super::script_text::in_quotes(before);
+        let quoted = super::super::call::in_quotes(before);
         match complete(&format!("{before}{after}"), before.len(), quoted, false) {
             Some(Inside::Items(all)) => {
                 let label = |item: &Value| item["label"].as_str().unwrap_or_default().to_owned();

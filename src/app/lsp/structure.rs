@@ -1,4 +1,4 @@
-//! Structure of a text: its tables or functions as symbols, and its foldable ranges.
+//! Structure of a text: its tables or functions as symbols and as hover shows them, and its foldable ranges.
 
 use std::ops::Range;
 
@@ -9,6 +9,7 @@ use super::{
     names::names,
     outline::{Part, words},
     position::range,
+    scopes::{Scoped, definitions},
 };
 use crate::scene::{
     diagnostic::Source,
@@ -73,7 +74,7 @@ pub fn folds(file: &Source) -> Vec<Value> {
 }
 
 /// Byte range of the table or function around a byte offset; the innermost one.
-pub fn section_at(file: &Source, offset: usize) -> Option<Range<usize>> {
+fn section_at(file: &Source, offset: usize) -> Option<Range<usize>> {
     let all = sections(file).into_iter().map(|section| section.whole);
     all.rev().find(|whole| whole.contains(&offset))
 }
@@ -153,7 +154,7 @@ fn headers(file: &Source) -> Vec<(String, Range<usize>, u32)> {
 }
 
 /// Functions that a script defines: name, line and kind of symbol.
-pub fn functions(text: &str) -> Vec<(String, Range<usize>, u32)> {
+fn functions(text: &str) -> Vec<(String, Range<usize>, u32)> {
     let tokens = tokens(text);
     let is_function = |pair: &&[Token]| pair[0].text == "fn" && pair[1].is_word();
     let named = tokens.windows(2).filter(is_function);
@@ -164,4 +165,34 @@ pub fn functions(text: &str) -> Vec<(String, Range<usize>, u32)> {
         (pair[1].text.to_owned(), line, FUNCTION)
     };
     named.map(function).collect()
+}
+
+/// Largest number of lines that are shown of a table.
+const MOST_LINES: usize = 30;
+
+/// The table that defines a name, with its place, as Markdown.
+pub fn table(files: &[Scoped], name: &str, is_kind: impl Fn(&str) -> bool) -> Option<String> {
+    let (source, name) = definitions(files, name, is_kind).into_iter().next()?;
+    let at = section_at(&source, name.range.start)?;
+    let line = source.text[..at.start].matches('\n').count() + 1;
+    let mut shown: Vec<_> = source.text[at].lines().take(MOST_LINES + 1).collect();
+    if let Some(last) = shown.get_mut(MOST_LINES) {
+        *last = "# …";
+    }
+    let (shown, file) = (shown.join("\n"), source.path.display());
+    Some(format!("```toml\n{shown}\n```\n`{file}:{line}`"))
+}
+
+/// Signature of a function that a script defines, and the comment before it, as Markdown.
+pub fn function(script: &str, name: &str) -> Option<String> {
+    let all = functions(script).into_iter();
+    let (_, line, _) = all.into_iter().find(|(known, ..)| known == name)?;
+    let signature = script[line.clone()].split('{').next()?.trim();
+    let above = script[..line.start].lines().rev();
+    let mut comment: Vec<_> = above
+        .map_while(|line| line.trim_start().strip_prefix("//"))
+        .map(|line| line.trim_start_matches('/').trim())
+        .collect();
+    comment.reverse();
+    Some(format!("```rhai\n{signature}\n```\n{}", comment.join("\n")))
 }
