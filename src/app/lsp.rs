@@ -153,13 +153,7 @@ impl Server<'_> {
         };
         let result = match (request.method.as_str(), file) {
             ("textDocument/completion", Some(file)) if is_script => {
-                json!(script::complete(
-                    &file.text,
-                    at,
-                    &scenes(),
-                    self.snippets,
-                    &self.models
-                ))
+                json!(script::complete(&file.text, at, &scenes(), self.snippets))
             }
             ("textDocument/completion", Some(file)) => {
                 json!(answer::complete(file, at, self.snippets, &self.models))

@@ -3,9 +3,8 @@
 use std::{cell::RefCell, collections::BTreeMap, path::PathBuf, sync::Arc};
 
 use super::{
-    call::Call,
     outline::{Part, Word, beside, words},
-    scopes::{Scoped, with_scopes},
+    scopes::with_scopes,
 };
 use crate::{
     app::args::SceneArgs,
@@ -55,48 +54,16 @@ impl ModelFiles {
         };
         let model = model.map(str::to_owned);
         let model = model.or_else(|| Some(beside(file, word, "model")?.text))?;
-        self.names_of(&model, &with_scopes(file), list)
-    }
-
-    /// Names of the file of a model that the argument of a call in a script of these scenes may be.
-    pub fn names_in_call(&self, call: &Call, scenes: &[Scoped]) -> Option<Vec<String>> {
-        let first = call.first.filter(|_| call.of_context)?;
-        let is_own = |word: &Word, name: &str| {
-            let is_name = word.part == Part::Value("name".to_owned());
-            is_name && word.table == ["instance"] && word.text == name
-        };
-        let of_instance = || {
-            scenes.iter().find_map(|part| {
-                let name = first.strip_prefix(part.prefix.as_str())?;
-                let mut own = words(&part.source).into_iter();
-                let word = own.find(|word| is_own(word, name))?;
-                Some(beside(&part.source, &word, "model")?.text)
-            })
-        };
-        match (call.name, call.argument) {
-            ("joint", 1) => self.names_of(&of_instance()?, scenes, |file| &file.nodes),
-            ("material", 1) => self.names_of(first, scenes, |file| &file.materials),
-            _ => None,
-        }
-    }
-
-    fn names_of(
-        &self,
-        model: &str,
-        parts: &[Scoped],
-        list: fn(&Contents) -> &[String],
-    ) -> Option<Vec<String>> {
-        let is_file = |word: &Word| {
-            let is_file = word.part == Part::Value("file".to_owned());
-            is_file && word.table == ["model", model]
-        };
-        let (source, name) = parts.iter().find_map(|part| {
+        let path = ["model".to_owned(), model];
+        let is_file =
+            |word: &Word| word.part == Part::Value("file".to_owned()) && word.table == path;
+        let (source, name) = with_scopes(file).into_iter().find_map(|part| {
             let found = words(&part.source).into_iter().find(is_file)?;
-            Some((&part.source, found.text))
+            Some((part.source, found.text))
         })?;
         let mut known = self.0.borrow_mut();
         let entry = known.entry((source.path.clone(), name.clone()));
-        let contents = entry.or_insert_with(|| read(source, &name).unwrap_or_default());
+        let contents = entry.or_insert_with(|| read(&source, &name).unwrap_or_default());
         Some(list(contents).to_vec())
     }
 }

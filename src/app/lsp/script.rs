@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 use super::{
     answer::{PROPERTY, REFERENCE},
     call::{Call, in_quotes, is_word},
-    model_files::ModelFiles,
     names::{Name, names},
+    outline::{Part, Word, beside, words},
     scopes::{Scoped, places, with_scopes},
     script_map::{self, Inside},
     structure,
@@ -45,13 +45,7 @@ pub fn scenes_of(script: &Path, open: &[&Arc<Source>]) -> Vec<Scoped> {
 }
 
 /// Completions at a byte offset.
-pub fn complete(
-    text: &str,
-    offset: usize,
-    scenes: &[Scoped],
-    snippets: bool,
-    models: &ModelFiles,
-) -> Vec<Value> {
+pub fn complete(text: &str, offset: usize, scenes: &[Scoped], snippets: bool) -> Vec<Value> {
     let before = &text[..text.floor_char_boundary(offset)];
     let all = scenes.iter().flat_map(|part| {
         let own = names(&part.source).into_iter();
@@ -69,11 +63,9 @@ pub fn complete(
     }
     if quoted {
         let call = Call::around_end_of(before);
-        if let Some(names) = (call.as_ref()).and_then(|call| models.names_in_call(call, scenes)) {
-            let names = names.iter();
-            return names
-                .map(|name| json!({ "label": name, "kind": REFERENCE }))
-                .collect();
+        if let Some(names) = (call.as_ref()).and_then(|call| names_of_part(call, scenes)) {
+            let item = |name| json!({ "label": name, "kind": REFERENCE });
+            return names.iter().map(item).collect();
         }
         let kinds = match inside {
             Some(Inside::Names(kinds)) => kinds,
@@ -111,6 +103,40 @@ pub fn complete(
         .into_iter()
         .map(|name| item(name, FUNCTION))
         .collect()
+}
+
+/// Names that the second argument of a call may be, which names a part of the first: joints of an instance that scripts
+/// pose, and materials with a table in a model; `None` for other arguments.
+fn names_of_part(call: &Call, scenes: &[Scoped]) -> Option<BTreeSet<String>> {
+    if !call.of_context || call.argument != 1 {
+        return None;
+    }
+    let listed = |word: &Word, key: &str| word.part == Part::Value(key.to_owned());
+    let of_file = |part: &Scoped| {
+        let first = call.first?.strip_prefix(part.prefix.as_str())?;
+        let all = words(&part.source);
+        let named = all
+            .iter()
+            .find(|word| listed(word, "name") && word.table == ["instance"] && word.text == first);
+        let is_wanted = |word: &&Word| match call.name {
+            "joint" => {
+                let of = named.and_then(|_| beside(&part.source, word, "name"));
+                listed(word, "joints") && of.as_ref() == named
+            }
+            _ => word.part == Part::Header && word.table == ["model", first, "material"],
+        };
+        Some(
+            all.iter()
+                .filter(is_wanted)
+                .map(|word| word.text.clone())
+                .collect::<Vec<_>>(),
+        )
+    };
+    match call.name {
+        "joint" | "material" => Some(scenes.iter().filter_map(of_file).flatten().collect()),
+        "morph" => Some(BTreeSet::new()), // names are in files alone
+        _ => None,
+    }
 }
 
 fn item(name: &str, kind: u32) -> Value {
