@@ -18,7 +18,11 @@ mod set;
 mod syntax_errors;
 pub mod tables;
 
-use std::{path::Path, sync::LazyLock};
+use std::{
+    io::{Read as _, Seek as _},
+    path::Path,
+    sync::LazyLock,
+};
 
 pub use self::document::{Document, Texts};
 pub use self::placed::{PlacedGroup, RanScript, Run, ScriptInput};
@@ -105,7 +109,21 @@ pub fn read(path: &Path) -> Result<String, Vec<Diagnostic>> {
         });
         return Err(error);
     }
-    let file = open_regular(path, false).map_err(unreadable)?;
+    let mut file = open_regular(path, false).map_err(unreadable)?;
+    let mut begin = Vec::new();
+    (&file)
+        .take(4)
+        .read_to_end(&mut begin)
+        .map_err(unreadable)?;
+    file.rewind().map_err(unreadable)?;
+    if begin == b"PK\x03\x04" {
+        let mut error = refuse("file-format", "this is a ZIP file, not a scene".into());
+        let name = path.display();
+        error[0].help = Some(format!(
+            "`reflet unpack {name} -o FOLDER` unpacks a pack, and says how to render it"
+        ));
+        return Err(error);
+    }
     let bytes = read_at_most(&file, MOST_BYTES).map_err(|error| {
         if error.kind() != std::io::ErrorKind::FileTooLarge {
             return unreadable(error);

@@ -111,15 +111,7 @@ impl SceneText {
         }
         let is_project = path.file_name().is_some_and(|name| name == project::FILE);
         let project = is_project.then(|| ("this is a project's file".into(), "name a scene of it"));
-        let is_pack = path
-            .extension()
-            .is_some_and(|end| end.eq_ignore_ascii_case("zip"));
-        let pack = is_pack.then(|| {
-            let help = "`reflet unpack FILE -o FOLDER` unpacks a pack, and says how to render it";
-            ("this is a ZIP file, not a scene".into(), help)
-        });
-        let other = project.or(pack).or_else(|| foreign_formats::model(path));
-        if let Some((message, help)) = other {
+        if let Some((message, help)) = project.or_else(|| foreign_formats::model(path)) {
             let error = Diagnostic::in_file("file-format", path, message);
             return Err(vec![error.help(help)]);
         }
