@@ -48,6 +48,7 @@ fn advice(error: &clap::Error) -> Option<String> {
     let Some(ContextValue::String(typed)) = error.get(ContextKind::InvalidArg) else {
         let lacking = error.get(ContextKind::InvalidArg)?.to_string();
         let help = match () {
+            () if lacking.contains("--output <DIR>") => "write `-o pictures`, the folder to make",
             () if lacking.contains("--output") => "write `-o sheet.png`, the file to make",
             () if lacking.contains("<NAME>") => {
                 "write the name of a folder to make: `reflet new film`"
