@@ -1,6 +1,9 @@
 //! An agent: a client of `reflet mcp` by the library of the protocol.
 
-use std::{process::Child, time::Duration};
+use std::{
+    process::{Child, Command},
+    time::Duration,
+};
 
 use rmcp::{
     RoleClient, ServiceExt as _,
@@ -108,41 +111,24 @@ impl Drop for Agent {
 #[test]
 fn a_call_ends_with_a_server_that_is_killed() {
     or_skip!(gpu_or_skip());
-    let folder = folder("killed-server");
-    let mut agent = Agent::start(&folder, "");
+    let mut agent = Agent::start(&folder("killed-server"), "");
     let call = r#"{"scene": "scene.toml", "size": "2000x2000", "samples": 4096}"#;
     let _call = agent.begin("render", call);
-    // State and parent of a process; none after it has ended.
-    let stat = |pid: u32| {
-        let stat = fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
-        let mut words = stat.rsplit_once(") ")?.1.split(' ');
-        Some((words.next()?.to_owned(), words.next()?.parse::<u32>().ok()?))
+    let until = |is: &dyn Fn(&str) -> bool, option: &str, pid: u32| {
+        let words = format!("-o pid=,stat= {option} {pid}");
+        let ps = || Command::new("ps").args(words.split(' ')).output();
+        let said = || String::from_utf8(ps().expect("it runs").stdout).expect("text");
+        let wait = || tokio::time::sleep(Duration::from_millis(50)); // while the client sends
+        let mut polls =
+            (0..1200).map(|_| (agent.runtime.block_on(async { wait().await }), said()).1);
+        polls.find(|said| is(said)).expect("within a minute")
     };
-    let all = || {
-        names(Path::new("/proc"))
-            .into_iter()
-            .filter_map(|name| name.parse().ok())
-    };
-    let server = agent.server.id();
-    let is_call = |pid: &u32| stat(*pid).is_some_and(|(_, parent)| parent == server);
-    let mut polls = 0;
-    // Messages of the client are sent meanwhile.
-    let mut poll = |runtime: &Runtime| {
-        polls += 1;
-        assert!(polls < 1200, "it takes a minute");
-        runtime.block_on(async { tokio::time::sleep(Duration::from_millis(50)).await });
-    };
-    let call = loop {
-        match all().find(is_call) {
-            Some(call) => break call,
-            None => poll(&agent.runtime),
-        }
-    };
-    agent.is_killed = true;
+    let call = until(&|said| !said.is_empty(), "--ppid", agent.server.id());
+    let call = call.split_whitespace().next().expect("a number").parse();
     agent.server.kill().expect("it runs");
+    agent.is_killed = true;
     agent.server.wait().expect("it ends");
-    // A process that nobody waits for stays as a zombie.
-    while stat(call).is_some_and(|(state, _)| state != "Z") {
-        poll(&agent.runtime);
-    }
+    // An orphan that nobody waits for stays as a zombie.
+    let has_ended = |said: &str| said.is_empty() || said.contains(" Z");
+    until(&has_ended, "-p", call.expect("a number"));
 }
