@@ -66,6 +66,14 @@ impl Problem {
         }
     }
 
+    /// The problem with other advice, where the file does not exist and there is any.
+    pub fn or_near(mut self, near: impl FnOnce() -> Option<String>) -> Self {
+        if let Some(help) = near().filter(|_| self.is_missing) {
+            self.help = help;
+        }
+        self
+    }
+
     /// The problem as an error at its place in the file, else at `at`, where the file is named.
     pub fn at_name(self, name: &'static str, at: Span) -> Diagnostic {
         let error = match self.inside {
@@ -165,6 +173,9 @@ fn read_in(
         _ if file.contains('*') => {
             "patterns of names are not expanded: write each name, as in `[\"a.toml\", \"b.toml\"]`"
         }
+        _ if file.starts_with('~') => {
+            "`~` is not expanded: write the name of the file, and its folder with --assets DIR"
+        }
         _ => kind.names,
     };
     let missing = |what: &str| Problem::new(format!("\"{}\" {what}", path.display()), names);
@@ -194,7 +205,7 @@ fn read_in(
     let real = fs::canonicalize(&path).map_err(|e| match e.kind() {
         ErrorKind::NotFound => Problem {
             is_missing: true,
-            help: match similar(folder, relative) {
+            help: match similar(&Path::new(".").join(folder), relative) {
                 Some(name) => format!("it is there as \"{}\"", name.display()),
                 None => names.to_owned(),
             },

@@ -12,12 +12,15 @@ use super::{
     suggest,
 };
 
-/// Extensions of files that fonts are looked for in, and of all files that name no font.
+/// Extensions of font files.
 const FONT_FILES: [&str; 3] = ["ttf", "otf", "ttc"];
-const OTHER_FILES: [&str; 5] = ["woff", "woff2", "pfb", "svg", "dfont"];
-/// Limits of the search: folders within each other, entries of each folder of the scene, and fonts whose letters are read.
+/// Extensions of other files that may be named in place of a font file, which are no part of the name of a font.
+const OTHER_FILES: [&str; 4] = ["woff", "woff2", "pfb", "dfont"];
+/// Limits of the search: folders within each other, entries below each folder of the scene, bytes of names, and fonts whose
+/// letters are read.
 const DEPTH: usize = 8;
 const MOST_ENTRIES: usize = 10_000;
+const MOST_NAMES: u64 = 1 << 26;
 const MOST_READ: usize = 50;
 
 /// Words and limits of font files.
@@ -25,7 +28,7 @@ const FONTS: Kind = Kind {
     one: "a font",
     names: "file names of fonts start from the scene's folder, or a folder that --assets DIR adds, and end in .ttf, .otf or .ttc",
     inside: "fonts are read only from the scene's folder, asset folders, and the folders below",
-    most_mib: 256,
+    most_mib: 64,
 };
 
 /// Folder of the system's fonts.
@@ -55,8 +58,8 @@ struct FontFile {
 }
 
 impl Fonts {
-    /// Fonts in the folders of a scene and in the folders below; every file that is looked for is added to
-    /// `dependencies`.
+    /// Fonts in the folders of a scene and in the folders below. Files that are read by their name, and folders in which
+    /// no font has a name, are added to `dependencies`.
     pub fn new(reach: &Reach, dependencies: &Dependencies) -> Self {
         Self {
             reach: reach.clone(),
@@ -80,14 +83,15 @@ impl Fonts {
                 let mut all = FONT_FILES.iter().chain(&OTHER_FILES);
                 all.any(|known| end.eq_ignore_ascii_case(known))
             });
+        let by_file = || confined_read::read_bytes(&self.reach, name, &FONTS, &self.dependencies);
         if names_a_file {
-            return confined_read::read_bytes(&self.reach, name, &FONTS, &self.dependencies);
+            return by_file().map_err(|problem| problem.or_near(|| self.near(name)));
         }
         let fit = |file: &FontFile| file.fonts.iter().filter_map(|font| font.fit(name)).min();
         let fitting = (self.files().iter()).filter_map(|file| Some((fit(file)?, file)));
         match fitting.min_by_key(|(fit, _)| *fit) {
             Some((_, file)) => self.read_file(file),
-            None => Err(self.missing(name)),
+            None => by_file().map_err(|_| self.missing(name)),
         }
     }
 
@@ -105,6 +109,7 @@ impl Fonts {
 
     fn files(&self) -> &[FontFile] {
         self.files.get_or_init(|| {
+            let mut left = MOST_NAMES;
             let below = |folder: &PathBuf| {
                 let folder = match folder.as_os_str().is_empty() {
                     true => PathBuf::from("."),
@@ -115,10 +120,20 @@ impl Fonts {
                     entry.file_type().is_file() && has_extension(entry, &FONT_FILES)
                 });
                 let files = fonts.filter_map(|entry| {
+                    let mut names = || {
+                        let file = open_regular(entry.path(), false).ok()?;
+                        Some(FontNames::read(file, &mut left))
+                    };
+                    let mut fonts = names()?;
+                    if fonts.iter().all(|names| *names == FontNames::default()) {
+                        // It may still be written.
+                        self.dependencies.add(entry.path().to_owned());
+                        fonts = names()?;
+                    }
                     Some(FontFile {
                         name: path_below(&entry, &folder)?,
                         folder: folder.clone(),
-                        fonts: FontNames::read(open_regular(entry.path(), false).ok()?),
+                        fonts,
                     })
                 });
                 files.collect::<Vec<_>>()
@@ -132,16 +147,30 @@ impl Fonts {
         let others: String = (others.map(|f| format!(", nor in \"{}\"", f.display()))).collect();
         let name_of_font = suggest::text(name);
         let message = format!("no font {name_of_font} is in or below the scene's folder{others}");
-        let fonts = self.files().iter().flat_map(|file| &file.fonts);
-        let known = fonts.flat_map(FontNames::full).take(suggest::MOST_NAMES);
         let has_system = self.reach.folders().iter().any(|f| f.starts_with(SYSTEM));
-        let help = match suggest::nearest(name, known) {
-            Some(near) => format!("did you mean {}?", suggest::text(near)),
-            None if has_system => "put its file into a folder of the scene".to_owned(),
-            None => format!(
-                "put its file into a folder of the scene, or let the scene read the system's fonts by `--assets {SYSTEM}`"
+        let help = self.near(name).unwrap_or_else(|| match has_system {
+            true => "put its file into a folder of the scene".to_owned(),
+            false => format!(
+                "put its file into a folder of the scene, or let the scene read the system's fonts: `--assets {SYSTEM}`, \
+                 or REFLET_ASSETS={SYSTEM}"
             ),
-        };
+        });
+        // The font may be put there.
+        for folder in self.reach.folders() {
+            self.dependencies.add(PathBuf::from(".").join(folder));
+            self.dependencies.add(folder.join("fonts"));
+        }
         Problem::new(message, help)
+    }
+
+    /// Advice to write the name of a font or of its file that is spelled alike.
+    fn near(&self, name: &str) -> Option<String> {
+        let files = self.files().iter();
+        let names = files.flat_map(|file| {
+            let fonts = file.fonts.iter().flat_map(FontNames::full);
+            fonts.chain([file.name.as_str()])
+        });
+        let near = suggest::nearest(name, names.take(suggest::MOST_NAMES))?;
+        Some(format!("did you mean {}?", suggest::text(near)))
     }
 }

@@ -3,67 +3,102 @@
 use std::io::{Cursor, Read, Seek, SeekFrom};
 
 use skrifa::{
-    FontRef,
-    raw::{FontData, FontRead as _, tables::name::Name, types::NameId},
+    Tag,
+    raw::{
+        FontData, FontRead as _, TTCHeader, TableDirectory,
+        tables::name::{Name, NameRecord},
+        types::NameId,
+    },
 };
 
-/// Beginning of a file that lists its fonts and their tables, bytes.
-const LISTED: u64 = 1 << 16;
-/// Longest table of names that is read, bytes.
-const MOST_NAMES: u64 = 1 << 20;
+/// Most fonts of a file, longest list of tables of a font, longest table of names, and longest name, bytes.
+const MOST_FONTS: u64 = 512;
+const MOST_TABLES: u64 = 1 << 12;
+const MOST_NAMES: u64 = 1 << 17;
+const MOST_NAME: u16 = 512;
 
-/// Names of a font in a file, in all languages (OpenType 1.9.1, table `name`).
+/// Families and styles, as systems of four styles and as all others list them.
+const FAMILIES: [[NameId; 2]; 2] = [
+    [
+        NameId::TYPOGRAPHIC_FAMILY_NAME,
+        NameId::TYPOGRAPHIC_SUBFAMILY_NAME,
+    ],
+    [NameId::FAMILY_NAME, NameId::SUBFAMILY_NAME],
+];
+/// Names of a single font.
+const OWN: [NameId; 2] = [NameId::FULL_NAME, NameId::POSTSCRIPT_NAME];
+
+/// Names of a font in a file, in all languages (OpenType 1.9.1, table `name`): its own, its families and styles.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FontNames(Vec<(NameId, String)>);
 
 impl FontNames {
-    /// Names of all fonts of a file, in its order; a font without readable names has none.
-    pub fn read(mut file: impl Read + Seek) -> Vec<Self> {
-        let mut listed = Vec::new();
-        let start = file.by_ref().take(LISTED).read_to_end(&mut listed);
-        let fonts = FontRef::fonts(&listed).take_while(|_| start.is_ok());
-        (fonts.map(|font| Self::of_font(&font.ok()?, &mut file)))
-            .map(Option::unwrap_or_default)
-            .collect()
+    /// Names of all fonts of a file, in its order; a font without readable names has none. Bytes that are read and decoded
+    /// are taken from `left`; fonts for which less is left have no names.
+    pub fn read(mut file: impl Read + Seek, left: &mut u64) -> Vec<Self> {
+        let mut begin = Vec::new();
+        let most = TTCHeader::MIN_SIZE as u64 + 4 * MOST_FONTS;
+        let is_read = file.by_ref().take(most).read_to_end(&mut begin).is_ok();
+        let places = match TTCHeader::read(FontData::new(&begin)) {
+            Ok(header) if is_read && header.ttc_tag() == Tag::new(b"ttcf") => {
+                let places = header.table_directory_offsets().iter();
+                places.map(|place| place.get()).collect()
+            }
+            _ => vec![0],
+        };
+        let names = places
+            .into_iter()
+            .map(|place| Self::at(place, &mut file, left));
+        names.map(Option::unwrap_or_default).collect()
     }
 
-    fn of_font(font: &FontRef, file: &mut (impl Read + Seek)) -> Option<Self> {
-        let mut tables = font.table_directory().table_records().iter();
-        let table = tables.find(|table| table.tag() == "name")?;
-        let most = MOST_NAMES.min(table.length().into());
-        let mut bytes = Vec::new();
-        file.seek(SeekFrom::Start(table.offset().into())).ok()?;
-        file.take(most).read_to_end(&mut bytes).ok()?;
-        let table = Name::read(FontData::new(&bytes)).ok()?;
-        let names = table.name_record().iter().filter_map(|record| {
-            let name = record.string(table.string_data()).ok()?;
-            Some((record.name_id(), name.chars().collect()))
-        });
-        Some(Self(names.collect()))
+    /// Names of the font whose list of tables is at a place of a file.
+    fn at(place: u32, file: &mut (impl Read + Seek), left: &mut u64) -> Option<Self> {
+        let mut part = |place: u32, most: u64, left: &mut u64| {
+            let mut bytes = Vec::new();
+            file.seek(SeekFrom::Start(place.into())).ok()?;
+            file.by_ref().take(most).read_to_end(&mut bytes).ok()?;
+            *left = left.checked_sub(bytes.len() as u64)?;
+            Some(bytes)
+        };
+        let tables = part(place, MOST_TABLES, left)?;
+        let tables = TableDirectory::read(FontData::new(&tables)).ok()?;
+        let table = (tables.table_records().iter()).find(|table| table.tag() == "name")?;
+        let names = part(table.offset(), MOST_NAMES.min(table.length().into()), left)?;
+        let names = Name::read(FontData::new(&names)).ok()?;
+        let is_wanted = |record: &&NameRecord| {
+            let mut ids = FAMILIES.as_flattened().iter().chain(&OWN);
+            record.length() <= MOST_NAME && ids.any(|id| *id == record.name_id())
+        };
+        let kept = names
+            .name_record()
+            .iter()
+            .filter(is_wanted)
+            .map_while(|record| {
+                *left = left.checked_sub(record.length().into())?;
+                let name = record.string(names.string_data()).ok()?;
+                Some((record.name_id(), name.chars().collect()))
+            });
+        Some(Self(kept.collect()))
     }
 
     /// How well a name fits, less is better: 0 is the font's own full or PostScript name, 1 the name of its family where
-    /// it is the plain font of it, 2 another font of the family; `None` where it does not fit.
+    /// it is the plain style of it, 2 another style of the family; `None` where it does not fit.
     pub fn fit(&self, name: &str) -> Option<u8> {
         const PLAIN: [&str; 4] = ["regular", "book", "normal", "roman"];
         let name = name.to_lowercase();
-        let has = |ids: &[NameId], is_right: &dyn Fn(&str) -> bool| {
+        let has = |ids: &[NameId], names: &[&str]| {
             let mut own = self.0.iter().filter(|(id, _)| ids.contains(id));
-            own.any(|(_, own)| is_right(&own.to_lowercase()))
+            own.any(|(_, own)| names.contains(&own.to_lowercase().as_str()))
         };
-        let families = [NameId::FAMILY_NAME, NameId::TYPOGRAPHIC_FAMILY_NAME];
-        let styles = [NameId::SUBFAMILY_NAME, NameId::TYPOGRAPHIC_SUBFAMILY_NAME];
-        match () {
-            () if has(&[NameId::FULL_NAME, NameId::POSTSCRIPT_NAME], &|own| {
-                own == name
-            }) =>
-            {
-                Some(0)
-            }
-            () if !has(&families, &|own| own == name) => None,
-            () if has(&styles, &|own| PLAIN.contains(&own)) => Some(1),
-            () => Some(2),
+        if has(&OWN, &[&name]) {
+            return Some(0);
         }
+        let fitting = FAMILIES
+            .iter()
+            .filter(|[family, _]| has(&[*family], &[&name]));
+        let fits = fitting.map(|[_, style]| if has(&[*style], &PLAIN) { 1 } else { 2 });
+        fits.min()
     }
 
     /// Full names, such as "DejaVu Sans Bold".
@@ -77,7 +112,7 @@ impl FontNames {
         if !bytes.starts_with(b"ttcf") {
             return 0; // a single font
         }
-        let fonts = (0..).zip(Self::read(Cursor::new(bytes)));
+        let fonts = (0..).zip(Self::read(Cursor::new(bytes), &mut (1 << 26)));
         let fits = fonts.filter_map(|(number, names)| Some((names.fit(name)?, number)));
         fits.min().map_or(0, |(_, number)| number)
     }

@@ -4,7 +4,8 @@
 use super::agent::Agent;
 use super::{project::show, *};
 
-/// Steps of a session, a line each: `file NAME` with its text in the indented lines below, `link NAME TARGET`,
+/// Steps of a session, a line each: `file NAME` with its text in the indented lines below, `copy NAME FILE` with a file of
+/// `tests`, `link NAME TARGET`,
 /// `remove NAME`, `run CODE ARGUMENTS`, `feed ARGUMENTS` with standard input in the lines below; `agent ARGUMENTS`, the
 /// client of `reflet mcp ARGUMENTS`, which has an answer by `call TOOL JSON`, an error by `fail TOOL JSON`, an answer and
 /// an error of two calls at a time by `race TOOL JSON`; and of the run or call before: `says TEXT`, `line TEXT`,
@@ -53,6 +54,13 @@ fn session(folder: &Path, text: &str) {
             "link" => {
                 let (name, target) = pair();
                 std::os::unix::fs::symlink(target, folder.join(name)).expect(line);
+            }
+            "copy" => {
+                let (name, of) = pair();
+                let path = folder.join(name);
+                fs::create_dir_all(path.parent().expect("a folder")).expect(line);
+                let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests");
+                fs::copy(tests.join(of), path).expect(line);
             }
             "remove" => fs::remove_file(folder.join(rest)).expect(line),
             "run" => {
@@ -104,6 +112,7 @@ sessions! {
     render_names_likely_mistakes_that_check_explains,
     the_manual_and_the_schema_are_printed_whole_and_by_key,
     an_outline_of_a_file_is_found_told_and_packed,
+    fonts_are_found_by_the_names_inside_of_their_files,
     an_agent_makes_a_scene_and_checks_it,
     an_agent_reads_a_project_alone_and_writes_new_pictures_alone,
     an_agent_that_sends_garbage_or_goes_is_answered_as_far_as_it_asked,

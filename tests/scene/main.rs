@@ -13,7 +13,6 @@ mod decals;
 mod docs;
 mod excluded;
 mod extends;
-mod fonts;
 mod hierarchy;
 mod hostile;
 mod include;
