@@ -1,6 +1,6 @@
 //! Choice of the adapter: by name, then by the kind that is probably fastest; and its abilities.
 
-use std::{cmp::Reverse, env, mem, path::PathBuf};
+use std::{cmp::Reverse, env, ffi::OsStr, mem, path::PathBuf};
 
 use libloading::Library;
 
@@ -147,26 +147,42 @@ pub(super) fn find(filter: Option<&str>) -> Result<(wgpu::Instance, Vec<wgpu::Ad
     Ok((instance, choose(found, filter)?))
 }
 
-/// Loads the Vulkan loader that stands beside a driver which came along, where the system has no Vulkan loader.
+/// Software driver that came along with the program, if it did and the user names no other.
+fn brought_driver() -> Option<PathBuf> {
+    let driver = env::var_os(ADDED_DRIVERS_ENV).map(PathBuf::from)?;
+    driver.ends_with(BROUGHT_DRIVER).then_some(driver)
+}
+
+/// Loads a library by a path, or by a name that the system looks for.
 #[expect(
     unsafe_code,
     reason = "a library is loaded, as wgpu loads the system's"
 )]
+fn load(library: impl AsRef<OsStr>) -> Result<Library, libloading::Error> {
+    // SAFETY: code that runs while a library is loaded is the Vulkan loader's or a driver's own, from the system or a
+    // release.
+    unsafe { Library::new(library) }
+}
+
+/// Loads the Vulkan loader that stands beside a driver which came along, where the system has no Vulkan loader.
 fn load_brought_vulkan() {
     const VULKAN: &str = "libvulkan.so.1";
-    let driver = env::var_os(ADDED_DRIVERS_ENV).map(PathBuf::from);
-    let Some(driver) = driver.filter(|driver| driver.ends_with(BROUGHT_DRIVER)) else {
-        return;
-    };
-    // SAFETY: code that runs while a library is loaded is the Vulkan loader's own, from the system or a release.
-    unsafe {
-        if Library::new(VULKAN).is_err()
-            && let Ok(library) = Library::new(driver.with_file_name(VULKAN))
-        {
-            // It stays loaded: whoever asks for this name then gets it.
-            mem::forget(library);
-        }
+    if let Some(driver) = brought_driver()
+        && load(VULKAN).is_err()
+        && let Ok(library) = load(driver.with_file_name(VULKAN))
+    {
+        // It stays loaded: whoever asks for this name then gets it.
+        mem::forget(library);
     }
+}
+
+/// Why a driver that came along gives no adapter.
+fn fault_of(driver: PathBuf) -> String {
+    let fault = load(driver.with_file_name("libvulkan_lvp.so")).err();
+    let reason = fault.map_or("gives no adapter".into(), |f| {
+        format!("cannot be loaded: {f}")
+    });
+    format!("; the driver beside Reflet, {}, {reason}", driver.display())
 }
 
 /// The adapters to try, best first: named by `filter`, else by [`ADAPTER_ENV`], else all.
@@ -182,7 +198,8 @@ fn choose(
         .or_else(|| env::var(ADAPTER_ENV).ok())
         .filter(|name| !name.trim().is_empty());
     if adapters.is_empty() {
-        return Err(GpuError::NoAdapter(install_advice().to_owned()));
+        let fault = brought_driver().map_or(String::new(), fault_of);
+        return Err(GpuError::NoAdapter(install_advice().to_owned() + &fault));
     }
     if let Some(filter) = filter.as_deref() {
         let names: Vec<String> = adapters.iter().map(|a| a.get_info().name).collect();
@@ -225,10 +242,8 @@ fn install_advice() -> &'static str {
          (Debian/Ubuntu: apt-get install libvulkan1 mesa-vulkan-drivers; \
          the latter also renders without a GPU), or without root unpack reflet-software beside Reflet \
          (docs/install.md)"
-    } else if cfg!(windows) {
-        "no graphics adapter found: install a graphics driver with DirectX 12 or Vulkan"
     } else {
-        "no graphics adapter found: a Metal or Vulkan driver is needed"
+        "no graphics adapter found: a driver with Vulkan, DirectX 12 or Metal is needed"
     }
 }
 
@@ -240,6 +255,14 @@ mod tests {
     fn missing_adapter_error_names_what_to_install() {
         let error = choose(Vec::new(), Some("anything")).expect_err("nothing to choose from");
         assert!(matches!(&error, GpuError::NoAdapter(text) if text.contains("driver")));
+    }
+
+    #[test]
+    fn a_broken_driver_is_named_with_its_fault() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        std::fs::write(folder.path().join("libvulkan_lvp.so"), "no library").expect("written");
+        let said = fault_of(folder.path().join("lvp_icd.json"));
+        assert!(said.contains("lvp_icd.json, cannot be loaded: "), "{said}");
     }
 
     fn adapter(kind: wgpu::DeviceType, name: &str, driver: &str) -> wgpu::AdapterInfo {
