@@ -19,6 +19,13 @@ mod scripted;
 pub use self::deformer::{DeformedBy, Deformer};
 pub use self::scripted::{ScriptedVertices, smooth_normals, vectors};
 
+/// Reorders a list that is parallel to vertices, or empty: its value `i` is the former value `order[i]`.
+pub(crate) fn pick<T: Copy>(values: &mut Vec<T>, order: &[u32]) {
+    if !values.is_empty() {
+        *values = order.iter().map(|&i| values[i as usize]).collect();
+    }
+}
+
 /// Morph targets and joint weights, or a script, that move the vertices of a mesh; per-vertex lists are parallel to
 /// its positions, or empty.
 #[derive(Clone, Debug, Default)]
@@ -309,11 +316,6 @@ impl Deformation {
 
     /// Reorders all per-vertex lists: vertex `i` of the result is the former vertex `order[i]`.
     pub fn gather(&mut self, order: &[u32]) {
-        fn pick<T: Copy>(values: &mut Vec<T>, order: &[u32]) {
-            if !values.is_empty() {
-                *values = order.iter().map(|&i| values[i as usize]).collect();
-            }
-        }
         pick(&mut self.bind.positions, order);
         pick(&mut self.bind.normals, order);
         pick(&mut self.bind.tangents, order);

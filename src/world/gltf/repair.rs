@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use super::Notes;
-use crate::Mesh;
+use crate::{Mesh, deform::pick};
 
 /// Repairs a mesh in place. A deformed mesh keeps triangles without area, which may have some in another pose.
 pub fn run(mesh: &mut Mesh, notes: &mut Notes) {
@@ -70,11 +70,6 @@ fn keep_used_vertices(mesh: &mut Mesh) {
 
 /// Vertex `i` of the result is vertex `order[i]` of `mesh`; triangles are left alone.
 pub fn gather_vertices(mesh: &mut Mesh, order: &[u32]) {
-    fn pick<T: Copy>(values: &mut Vec<T>, order: &[u32]) {
-        if !values.is_empty() {
-            *values = order.iter().map(|&i| values[i as usize]).collect();
-        }
-    }
     pick(&mut mesh.positions, order);
     pick(&mut mesh.normals, order);
     pick(&mut mesh.tangents, order);
