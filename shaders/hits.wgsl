@@ -47,14 +47,10 @@ fn shade_pixel(pixel: vec2u) {
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
 }
 
-fn is_listed(index: u32) -> bool {
-    return index < atomicLoad(&counters[HIT_COUNTER]);
-}
-
 @compute @workgroup_size(RAYS_PER_GROUP)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
     let index = (group.y * groups.x + group.x) * RAYS_PER_GROUP + lane;
-    if (!is_listed(index)) { return; }
+    if (index >= atomicLoad(&counters[HIT_COUNTER])) { return; }
     let pixel = unpack_pixel(lists[hit_slot(index)]);
     shade_pixel(pixel);
     if (COUNT) { textureStore(counts, pixel, vec4u(0u, traversals, visited_nodes, tested_triangles)); }

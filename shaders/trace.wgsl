@@ -4,11 +4,6 @@
 #import lists
 #import mirror_path
 
-// Whether the list has this ray; invocations past its end fill the last workgroup.
-fn is_listed(ray: u32) -> bool {
-    return ray < atomicLoad(&counters[select(RAY_COUNTER, REST_COUNTER, UNDERSAMPLED)]);
-}
-
 fn pixel_of(ray: u32) -> vec2u {
     return unpack_pixel(lists[ray_slot(ray)]);
 }
@@ -16,7 +11,8 @@ fn pixel_of(ray: u32) -> vec2u {
 @compute @workgroup_size(RAYS_PER_GROUP)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
     let ray = (group.y * groups.x + group.x) * RAYS_PER_GROUP + lane;
-    if (!is_listed(ray)) { return; }
+    // Invocations past the list's end fill the last workgroup.
+    if (ray >= atomicLoad(&counters[select(RAY_COUNTER, REST_COUNTER, UNDERSAMPLED)])) { return; }
     _ = trace_pixel(pixel_of(ray));
     keep_cause(pixel_of(ray), first_cause);
     if (COUNT) { textureStore(counts, pixel_of(ray), vec4u(map_steps, traversals, visited_nodes, tested_triangles)); }

@@ -23,11 +23,6 @@ fn next_channel() -> u32 {
     return 1u + (first + sample_index()) % 3u;
 }
 
-// Number of sub-frames divided by the number of sub-frames with this one's channel.
-fn channel_weight() -> f32 {
-    return f32(sampling.samples) / f32((sampling.samples + 2u - sample_index() % 3u) / 3u);
-}
-
 fn normal_reflectance(index: f32) -> f32 {
     let root = (index - 1.0) / (index + 1.0);
     return root * root;
@@ -49,7 +44,9 @@ fn in_one_channel(s: Surface, ray: Reflected) -> Reflected {
     if (is_dispersive(s) && path_channel == 0u) {
         path_channel = next_channel();
         path_is_chance = true;
-        out.weight *= select(vec3f(0.0), vec3f(channel_weight()), vec3u(path_channel) == vec3u(1u, 2u, 3u));
+        // Number of sub-frames divided by the number of sub-frames with this one's channel.
+        let weight = f32(sampling.samples) / f32((sampling.samples + 2u - sample_index() % 3u) / 3u);
+        out.weight *= select(vec3f(0.0), vec3f(weight), vec3u(path_channel) == vec3u(1u, 2u, 3u));
     }
     return out;
 }

@@ -51,18 +51,14 @@ fn sorted_leader(group: u32, lane: u32) -> u32 {
     return leaders[lane];
 }
 
-// Traces the ray of a leader, and keeps its first hit for its followers. The number of textures that a stage may write
-// leaves none for the cause of these pixels: `spread` writes it.
-fn lead(pixel: vec2u) {
-    let found = trace_pixel(pixel);
-    textureStore(lead_hit, pixel, vec4u(found.xyz, first_cause));
-}
-
 @compute @workgroup_size(RAYS_PER_GROUP)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
     let leader = sorted_leader(group.y * groups.x + group.x, lane);
     if (leader == NONE) { return; }
     let pixel = unpack_pixel(leader);
-    lead(pixel);
+    let found = trace_pixel(pixel);
+    // Kept for the followers. The number of textures that a stage may write leaves none for the cause of these pixels:
+    // `spread` writes it.
+    textureStore(lead_hit, pixel, vec4u(found.xyz, first_cause));
     if (COUNT) { textureStore(counts, pixel, vec4u(map_steps, traversals, visited_nodes, tested_triangles)); }
 }

@@ -1,0 +1,17 @@
+// A vertex of a triangle that the shader pulls from the mesh's buffers.
+
+#import surface
+
+struct Varying {
+    @builtin(position) @invariant clip: vec4f,
+    @location(0) @interpolate(flat) ids: vec2u,
+    @location(1) bary: vec2f,
+}
+
+fn pulled_vertex(vertex: u32, instance: u32, clip_from_world: mat4x4f) -> Varying {
+    let corner = vertex % 3u;
+    let index = mesh_word(instance_index_base(instance) + vertex);
+    let p = to_world(instance, vertex_position(instance_vertex_base(instance) + index));
+    let bary = vec2f(f32(corner == 1u), f32(corner == 2u));
+    return Varying(clip_from_world * vec4f(p, 1.0), vec2u(instance, vertex / 3u), bary);
+}
