@@ -24,37 +24,43 @@ fn completed(pixel: vec2u) -> Surface {
     return s;
 }
 
-// Light from behind the surface of a pixel along one path; w: share that is covered by surfaces rather than the
-// background.
-fn behind_once(pixel: vec2u, s: Surface) -> vec4f {
+// Light from behind the surface of a pixel along one path, which goes this way from the inner side behind it; w: share
+// that is covered by surfaces rather than the background.
+fn behind_once(pixel: vec2u, s: Surface, way: u32) -> vec4f {
     forget_path();
     forget_scatterings();
+    first_way = way;
     start_path(s.position, false);
     start_samples(pixel, FIRST_VERTEX);
     let ray = through(view_direction(s.position), s);
     let start = Start(ray, onward_origin(s, ray.direction));
     let cone = pixel_cone(distance(s.position, frame.eye));
-    return gathered_by_path(pixel, FIRST_VERTEX + 1u, 0u, start, cone, s.transmission <= 0.0);
-}
-
-// Number of paths: more in the first pictures, where glass turns or scatters light, so that one path that ends in the
-// dark leaves no black speck.
-fn number_of_paths(s: Surface) -> u32 {
-    let is_rough = HAS_ROUGH_REFLECTIONS && s.roughness * s.roughness > SMOOTH_ALPHA;
-    if (s.transmission <= 0.0 || !(s.is_solid || is_rough)) { return 1u; }
-    return paths_behind();
+    let found = gathered_by_path(pixel, FIRST_VERTEX + 1u, 0u, start, cone, s.transmission <= 0.0);
+    if (!AIMS_THROUGH || way != BACK) { return found; }
+    // Paths out find all light of rays that meet no inner side.
+    return select(found, vec4f(0.0), vec4<bool>(vec3<bool>(first_way == BACK), true));
 }
 
 fn behind(pixel: vec2u) -> vec4f {
     let s = completed(pixel);
     if (!is_transmissive(s)) { return vec4f(0.0, 0.0, 0.0, 1.0); }
-    let paths = number_of_paths(s);
+    // More paths in the first pictures, where glass turns or scatters light, so that one path that ends in the dark
+    // leaves no black speck.
+    let is_rough = HAS_ROUGH_REFLECTIONS && s.roughness * s.roughness > SMOOTH_ALPHA;
+    let paths = select(1u, paths_behind(), s.transmission > 0.0 && (s.is_solid || is_rough));
+    // Behind the outer side of a rough solid, paths out of its inner side, and an even number of paths back from there,
+    // which have most of the grain.
+    let splits = AIMS_THROUGH && is_rough && s.is_solid && !s.is_inside && s.transmission > 0.0 && !has_sheen(s);
+    let back = select(0u, (paths + 1u) / 2u * 2u, splits);
     var sum = vec4f(0.0);
-    for (var k = 0u; k < paths; k++) {
-        take_path(k, paths);
-        sum += behind_once(pixel, s);
+    for (var k = 0u; k < paths + back; k++) {
+        let is_back = k >= paths;
+        let index = select(k, k - paths, is_back);
+        far_weight = select(1.0, 2.0 * f32(1u - index % 2u), is_back);
+        take_path(index, select(paths, back, is_back));
+        sum += behind_once(pixel, s, select(select(ANY_WAY, OUT, splits), BACK, is_back)) / f32(paths_each);
     }
-    return sum / f32(paths);
+    return sum;
 }
 
 @compute @workgroup_size(RAYS_PER_GROUP)

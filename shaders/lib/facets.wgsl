@@ -7,10 +7,18 @@
 // Facets that are sampled in pictures of few sub-frames where many facets turn light to the wrong side of the surface,
 // so that a single one would often leave a pixel black: one is chosen by the share of its light that leaves the
 // surface, and takes the mean of these shares (resampled importance sampling, Talbot et al. 2005; unbiased). In more
-// sub-frames single facets are spread evenly, which leaves less grain.
+// sub-frames single facets are spread evenly, which leaves less grain. Paths that are to stay in a solid choose by the
+// light that a facet mirrors.
 const FACET_TRIES: u32 = 8u;
 const FEW_SAMPLES: u32 = 32u; // most sub-frames of such a picture
 const FACET_PAIR: u32 = 0x40000u; // first of their pairs of dimensions, after pair 0 of the first one
+
+// Ways of a path at the first inner side of a rough solid: a pixel follows both (`AIMS_THROUGH`).
+const ANY_WAY: u32 = 0u; // by odds
+const OUT: u32 = 1u; // refracted
+const BACK: u32 = 2u; // mirrored
+
+var<private> first_way: u32 = ANY_WAY; // until the path has taken it
 
 // A sampled microfacet normal that is visible from the direction of this ray, within a bound (see `visible_normal`):
 // one for each vertex of a path and each try.
@@ -65,16 +73,21 @@ fn offer_facet(chosen: ptr<function, ChosenFacet>, facet: vec3f, share: f32) {
 // The facet of a reflection, and the share of its light that leaves the surface; see FACET_TRIES.
 fn mirroring_facet(s: Surface, direction: vec3f, bound: f32) -> ChosenFacet {
     let first = visible_facet(s, direction, bound, 0u);
+    // The few facets that mirror all light back into a solid hold much of it.
+    let is_by_light = AIMS_THROUGH && first_way == BACK;
     // Round lobes have a tight bound.
-    if (!HAS_ANISOTROPY || s.anisotropy <= 0.0 || sampling.samples > FEW_SAMPLES) {
+    if (!is_by_light && (!HAS_ANISOTROPY || s.anisotropy <= 0.0 || sampling.samples > FEW_SAMPLES)) {
         return ChosenFacet(first, seen_facets(s, -direction, mirrored(s, direction, first)), 0.0);
     }
     var chosen = choice_of_facets();
     for (var i = 0u; i < FACET_TRIES; i++) {
         let facet = visible_facet(s, direction, bound, i);
-        offer_facet(&chosen, facet, seen_facets(s, -direction, mirrored(s, direction, facet)));
+        var share = seen_facets(s, -direction, mirrored(s, direction, facet));
+        if (is_by_light) { share *= luminance(fresnel(s, dot(facet, -direction))); }
+        offer_facet(&chosen, facet, share);
     }
     chosen.share /= f32(FACET_TRIES);
+    if (is_by_light) { chosen.share /= max(luminance(fresnel(s, dot(chosen.normal, -direction))), 1e-6); }
     return chosen;
 }
 

@@ -144,6 +144,10 @@ fn gathered_by_path(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: C
         var s = surface_at(h.instance, h.triangle, h.bary, ray.direction, cone.width_m);
         s.emission *= met_emission(ray, h.instance, h.triangle, h.t, s);
         color += found_light(throughput * met_light(ray, s, vec2u(0u)), hits + k);
+        if (AIMS_THROUGH && first_way != ANY_WAY && !is_aimed_through(s)) {
+            if (first_way == BACK) { break; }
+            first_way = ANY_WAY;
+        }
         if (!continues(s)) { break; }
         uncovered *= 1.0 - coverage(s);
         ray = next_ray(ray, s);

@@ -19,6 +19,10 @@ override AIMS_THROUGH: bool = true; // whether light samples look for light beyo
 // light past further reflections is rare, and left most of the grain.
 const FAVOR_INSIDE: f32 = 2.0;
 
+// Number of surfaces crossed, from which on half of the paths that are to stay in a solid stand for all: as their lanes
+// wait for the longest one, the light of many reflections costs most of the time.
+const FAR_CROSSINGS: u32 = 4u;
+
 // Most passages through surfaces and reflections inside solids along one path; many, as walls of glass guide light.
 const MAX_CROSSINGS: u32 = 60u;
 // Maximum number of transmissive and cut-out surfaces between a light and a point; MAX_VISITS limits their work.
@@ -26,6 +30,7 @@ const MAX_PANES: u32 = 4096u;
 const DARKEST_PANE: f32 = 1.0 / 255.0; // minimum share of light that a shadow ray follows further
 
 var<private> path_crossings: u32 = 0u; // number of surfaces crossed
+var<private> far_weight: f32 = 1.0; // of the light past FAR_CROSSINGS
 var<private> vertex: vec3f = vec3f(0.0); // position of the surface that the path left last
 // Whether the ray that arrives at a surface is the only one that finds the light beyond, so that light samples may share it.
 var<private> finds_alone: bool = false;
@@ -190,7 +195,7 @@ fn shade(s: Surface, view: vec3f, reused: vec2u) -> Shade {
     var out: Shade;
     // From within a solid, light is seen by the ray that continues, refracted or mirrored, and by light samples beyond.
     let is_aimed = is_aimed_through(s);
-    if (mirrors_inside(s) && !is_aimed) { return out; }
+    if (mirrors_inside(s) && (!is_aimed || first_way == BACK)) { return out; }
     let has_coat = HAS_COATS && s.clearcoat > 0.0 && !is_aimed;
     let within = media;
     if (is_aimed) { media = media_beyond(media, s); }
@@ -238,7 +243,7 @@ fn chosen(a: Reflected, b: Reflected, pair: u32, favor: f32) -> Reflected {
     var odds = weights * vec2f(1.0, favor);
     let both = odds.x + odds.y;
     if (both <= 0.0) { return a; }
-    let least = select(0.5 / f32(sample_count()), 0.0, UNBIASED);
+    let least = select(0.5 / f32(sampling.samples * paths_each), 0.0, UNBIASED);
     var share = odds.y / both;
     if (share < least) { share = 0.0; }
     if (share > 1.0 - least) { share = 1.0; }
@@ -353,6 +358,10 @@ fn onward(before: Reflected, met: Surface) -> Reflected {
         through.normal = before.normal;
         is_shared = path_is_aimed;
     }
+    if (AIMS_THROUGH && first_way != ANY_WAY) {
+        if (first_way == OUT) { back.weight = vec3f(0.0); } else { through.weight = vec3f(0.0); }
+        first_way = ANY_WAY;
+    }
     var ray = chosen(through, back, ONWARD_PAIR, select(1.0, FAVOR_INSIDE, is_aimed));
     if (met.is_inside || dot(ray.direction, s.geometric_normal) < 0.0) { ray = in_one_channel(met, ray); }
     path_is_aimed = is_shared && ray.pdf > 0.0 && dot(ray.direction, s.geometric_normal) < 0.0;
@@ -368,6 +377,10 @@ fn onward(before: Reflected, met: Surface) -> Reflected {
         cross_surface(s);
     } else if (s.is_inside) {
         path_crossings++;
+    }
+    if (AIMS_THROUGH && path_crossings >= FAR_CROSSINGS) {
+        ray.weight *= far_weight;
+        far_weight = 1.0;
     }
     if (path_crossings > MAX_CROSSINGS && !UNBIASED) { return Reflected(ray.direction, vec3f(0.0), 0.0, 0.0, 1.0, s.normal); }
     return ray;

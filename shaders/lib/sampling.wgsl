@@ -44,11 +44,6 @@ fn take_sample(index: u32) {
     added_sample = index;
 }
 
-// Number of samples of the picture, counted with the paths of each.
-fn sample_count() -> u32 {
-    return sampling.samples * paths_each;
-}
-
 // Number of paths behind a surface for which one is not enough: as many as rays towards lights where `light_rays` is
 // left out, four in a picture of one sub-frame and one from seven on.
 fn paths_behind() -> u32 {
