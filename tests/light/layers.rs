@@ -22,6 +22,7 @@ fn wall_and(thing: &str) -> String {
 }
 
 const PANE: &str = "{ kind = \"plane\", size = [2, 2] }";
+const BALL: &str = "{ kind = \"sphere\", radius = 1 }";
 
 fn fresnel_at_normal(ior: f32) -> f32 {
     ((ior - 1.0) / (ior + 1.0)).powi(2)
@@ -91,21 +92,22 @@ fn a_slab_absorbs_along_the_way_and_reflects_inside() {
 #[test]
 fn glass_in_a_white_world_cannot_be_seen() {
     let Some(gpu) = gpu() else { return };
-    for (shape, material) in [
-        ("{ kind = \"sphere\", radius = 1 }", "thickness_m = 1"),
-        (
-            "{ kind = \"sphere\", radius = 1 }",
-            "thickness_m = 1\nior = 2.4",
-        ),
-        ("{ kind = \"sphere\", radius = 1 }", "thickness_m = 0"),
-        (PANE, "roughness = 0\nclearcoat = 0.5"),
+    for (shape, roughness, material) in [
+        (BALL, 0.0, "thickness_m = 1"),
+        (BALL, 0.0, "thickness_m = 1\nior = 2.4"),
+        // Both ways at its inner side together have all light: the wall is a lamp.
+        (BALL, 0.4, "thickness_m = 1"),
+        (BALL, 0.0, "thickness_m = 0"),
+        (PANE, 0.0, "clearcoat = 0.5"),
     ] {
-        let glass = format!("transmission = 1\n{material}").replace("roughness = 0\n", "");
-        let text = wall_and(&thing(shape, &glass));
+        let glass = thing(shape, &format!("transmission = 1\n{material}"));
+        let text = wall_and(&glass.replace("roughness = 0", &format!("roughness = {roughness}")));
         for samples in [1, 16] {
             let set = [
                 "environment.color=[1, 1, 1]",
                 "material.wall.emission=[1, 1, 1]",
+                "material.wall.light=true",
+                "reflection.roughness_cutoff=1",
                 "camera.main.fov_deg=20",
                 "image.size=[40, 40]",
                 "reflection.bounces=8",
@@ -144,10 +146,7 @@ fn rough_glass_shows_lamps_as_bright_by_any_number_of_rays() {
     let Some(gpu) = gpu() else { return };
     let panel = "[light.panel]\nkind = \"rect\"\nposition = [0, 0, -3]\ndirection = [0, 0, 1]\n\
                  size = [0.5, 0.5]\nintensity_cd = 36\n";
-    let ball = thing(
-        "{ kind = \"sphere\", radius = 1 }",
-        "transmission = 1\nthickness_m = 1",
-    );
+    let ball = thing(BALL, "transmission = 1\nthickness_m = 1");
     let ball = ball.replace("roughness = 0\n", "roughness = 0.5\n");
     let text = wall_and(&format!("{panel}{ball}"));
     let [few, many] = [1, 16].map(|rays| {
