@@ -289,13 +289,6 @@ impl<'r> Table<'r> {
         self.plain(key, range).unwrap_or(default)
     }
 
-    /// Notes the default of the key that was asked for last, which the caller fills in.
-    pub fn note_default(&mut self, default: serde_json::Value) {
-        if let Some(notes) = &mut self.notes {
-            notes.set_default(default);
-        }
-    }
-
     /// The value of a key that must be there.
     pub fn need<V: Value>(&mut self, key: &'static str, range: Range) -> Option<V> {
         self.note(key, || KeyRecord::value::<V>(key, range).required());

@@ -200,13 +200,6 @@ impl RecordedKeys {
         }
     }
 
-    /// Sets the default of the key that was added last.
-    pub fn set_default(&mut self, default: Json) {
-        if let Some(key) = self.open_part().and_then(|(keys, ..)| keys.last_mut()) {
-            key.default = Some(default);
-        }
-    }
-
     /// Adds a rule to the open table or variant.
     pub fn rule(&mut self, rule: Rule) {
         if let Some((_, rules, _)) = self.open_part() {

@@ -151,11 +151,7 @@ macro_rules! material {
                         self.$key = t.find(stringify!($key), $plain_range);
                         $(t.files(stringify!($key), $files);)?
                     )?
-                    $(
-                        self.$key = at_rest!(read t patterned $key $form $range $(, $varies)?);
-                        $(at_rest!(default t $at_rest $value);)?
-                        $(at_rest!(default t $elsewhere $other);)?
-                    )?
+                    $(self.$key = at_rest!(read t patterned $key $form $range $(, $varies)?);)?
                 )*
             }
 
@@ -182,9 +178,6 @@ macro_rules! at_rest {
     (loaded $kind:ident $value:expr) => { None };
     (needs $key:ident rest $value:expr) => { "" };
     (needs $key:ident $kind:ident $value:expr) => { concat!(stringify!($key), " = ", $value) };
-    (default $t:ident rest $value:expr) => { $t.note_default(crate::table::value::Value::to_json(&$value)) };
-    (default $t:ident off $value:expr) => { $t.note_default(serde_json::from_str($value).expect("JSON")) };
-    (default $t:ident $kind:ident $value:expr) => {};
     (off off $value:expr) => { $value };
     (off $kind:ident $value:expr) => { "" };
     (it $kind:ident $it:expr) => { $it };
