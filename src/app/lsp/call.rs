@@ -52,7 +52,10 @@ impl<'a> Call<'a> {
         let name = &callee[start..];
         let of_context = callee[..start].trim_end().ends_with("ctx.");
         let quoted = before[at + 1..].trim_start().strip_prefix('"');
-        let first = quoted.and_then(|quoted| Some(quoted.split_once('"')?.0));
+        let first = quoted.and_then(|quoted| quoted.split_once('"'));
+        let is_alone = |rest: &str| rest.trim_start().starts_with(',');
+        let first = first.filter(|(text, rest)| !text.contains('\\') && is_alone(rest));
+        let first = first.map(|(text, _)| text);
         (!name.is_empty()).then_some(Self {
             name,
             of_context,
