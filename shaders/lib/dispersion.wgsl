@@ -16,11 +16,16 @@ fn is_dispersive(s: Surface) -> bool {
         && sampling.samples >= LEAST_SAMPLES;
 }
 
+// Sub-frame of the path, or its sample of a map, all of whose paths have one channel.
+fn channel_index() -> u32 {
+    return sample_index() / paths_each;
+}
+
 // Channel of the path, 1 to 3: sub-frames take the channels in turn, and each pixel starts with another one.
 fn next_channel() -> u32 {
     if (path_channel > 0u) { return path_channel; }
     let first = u32(sample_square(0u, CHANNEL_PAIR).x * 3.0);
-    return 1u + (first + sample_index()) % 3u;
+    return 1u + (first + channel_index()) % 3u;
 }
 
 fn normal_reflectance(index: f32) -> f32 {
@@ -45,7 +50,7 @@ fn in_one_channel(s: Surface, ray: Reflected) -> Reflected {
         path_channel = next_channel();
         path_is_chance = true;
         // Number of sub-frames divided by the number of sub-frames with this one's channel.
-        let weight = f32(sampling.samples) / f32((sampling.samples + 2u - sample_index() % 3u) / 3u);
+        let weight = f32(sampling.samples) / f32((sampling.samples + 2u - channel_index() % 3u) / 3u);
         out.weight *= select(vec3f(0.0), vec3f(weight), vec3u(path_channel) == vec3u(1u, 2u, 3u));
     }
     return out;

@@ -7,8 +7,8 @@
 // Facets that are sampled in pictures of few sub-frames where many facets turn light to the wrong side of the surface,
 // so that a single one would often leave a pixel black: one is chosen by the share of its light that leaves the
 // surface, and takes the mean of these shares (resampled importance sampling, Talbot et al. 2005; unbiased). In more
-// sub-frames single facets are spread evenly, which leaves less grain. Paths that are to stay in a solid choose by the
-// light that a facet mirrors.
+// sub-frames single facets are spread evenly, which leaves less grain. At the first inner side, paths that are to
+// stay in a solid choose by the light that a facet mirrors.
 const FACET_TRIES: u32 = 8u;
 const FEW_SAMPLES: u32 = 32u; // most sub-frames of such a picture
 const FACET_PAIR: u32 = 0x40000u; // first of their pairs of dimensions, after pair 0 of the first one

@@ -19,8 +19,8 @@ override AIMS_THROUGH: bool = true; // whether light samples look for light beyo
 // light past further reflections is rare, and left most of the grain.
 const FAVOR_INSIDE: f32 = 2.0;
 
-// Number of surfaces crossed, from which on half of the paths that are to stay in a solid stand for all: as their lanes
-// wait for the longest one, the light of many reflections costs most of the time.
+// Number of surfaces that a path has crossed or been mirrored by inside of solids, from which on only every second path that
+// is to stay in a solid goes on, with twice the weight: pixels that are traced together wait for the longest path.
 const FAR_CROSSINGS: u32 = 4u;
 
 // Most passages through surfaces and reflections inside solids along one path; many, as walls of glass guide light.
@@ -30,7 +30,7 @@ const MAX_PANES: u32 = 4096u;
 const DARKEST_PANE: f32 = 1.0 / 255.0; // minimum share of light that a shadow ray follows further
 
 var<private> path_crossings: u32 = 0u; // number of surfaces crossed
-var<private> far_weight: f32 = 1.0; // of the light past FAR_CROSSINGS
+var<private> far_weight: f32 = 1.0; // weight of the path from FAR_CROSSINGS on
 var<private> vertex: vec3f = vec3f(0.0); // position of the surface that the path left last
 // Whether the ray that arrives at a surface is the only one that finds the light beyond, so that light samples may share it.
 var<private> finds_alone: bool = false;

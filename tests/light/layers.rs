@@ -97,12 +97,13 @@ fn glass_in_a_white_world_cannot_be_seen() {
         (BALL, 0.0, "thickness_m = 1\nior = 2.4"),
         // Both ways at its inner side together have all light: the wall is a lamp.
         (BALL, 0.4, "thickness_m = 1"),
+        (BALL, 0.4, "thickness_m = 1\ndispersion = 1"),
         (BALL, 0.0, "thickness_m = 0"),
         (PANE, 0.0, "clearcoat = 0.5"),
     ] {
         let glass = thing(shape, &format!("transmission = 1\n{material}"));
         let text = wall_and(&glass.replace("roughness = 0", &format!("roughness = {roughness}")));
-        for samples in [1, 16] {
+        for samples in [1, 33] {
             let set = [
                 "environment.color=[1, 1, 1]",
                 "material.wall.emission=[1, 1, 1]",
