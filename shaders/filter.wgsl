@@ -32,9 +32,7 @@ fn mean_hit_m(pixel: vec2i, farthest_m: f32) -> f32 {
 
 fn filtered(pixel: vec2u, center: vec3f) -> vec3f {
     let s = load_surface(pixel);
-    // Light through a rough solid has more grain than its reflection, and is not smoothed.
-    let is_finer = AIMS_THROUGH && s.transmission > 0.5 && sampling.samples > FEW_SAMPLES;
-    if (is_finer || !is_spread(s)) { return center; }
+    if (!is_spread(s)) { return center; }
     let roughness = reflected_roughness(s);
     let alpha = roughness * roughness;
     let footprint_m = pixel_width(distance(s.position, frame.eye));
