@@ -74,6 +74,14 @@ impl Problem {
         self
     }
 
+    /// The problem, or another one where the file does not exist.
+    pub fn or_missing(self, missing: impl FnOnce() -> Self) -> Self {
+        match self.is_missing {
+            true => missing(),
+            false => self,
+        }
+    }
+
     /// The problem as an error at its place in the file, else at `at`, where the file is named.
     pub fn at_name(self, name: &'static str, at: Span) -> Diagnostic {
         let error = match self.inside {

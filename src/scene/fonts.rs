@@ -2,7 +2,10 @@
 
 use std::{path::PathBuf, sync::OnceLock};
 
-use reflet_base::files::{entries_below, has_extension, open_regular, path_below};
+use reflet_base::{
+    files::{entries_below, has_extension, open_regular, path_below},
+    guard,
+};
 use reflet_text::FontNames;
 
 use super::{
@@ -58,8 +61,8 @@ struct FontFile {
 }
 
 impl Fonts {
-    /// Fonts in the folders of a scene and in the folders below. Files that are read by their name, and folders in which
-    /// no font has a name, are added to `dependencies`.
+    /// Fonts in the folders of a scene and in the folders below. Font files that are read or have no names are added to
+    /// `dependencies`, and where a font is missing the folders of the scene with their folders `fonts`.
     pub fn new(reach: &Reach, dependencies: &Dependencies) -> Self {
         Self {
             reach: reach.clone(),
@@ -91,7 +94,7 @@ impl Fonts {
         let fitting = (self.files().iter()).filter_map(|file| Some((fit(file)?, file)));
         match fitting.min_by_key(|(fit, _)| *fit) {
             Some((_, file)) => self.read_file(file),
-            None => by_file().map_err(|_| self.missing(name)),
+            None => by_file().map_err(|problem| problem.or_missing(|| self.missing(name))),
         }
     }
 
@@ -109,12 +112,12 @@ impl Fonts {
 
     fn files(&self) -> &[FontFile] {
         self.files.get_or_init(|| {
-            let mut left = MOST_NAMES;
             let below = |folder: &PathBuf| {
                 let folder = match folder.as_os_str().is_empty() {
                     true => PathBuf::from("."),
                     false => folder.clone(),
                 };
+                let mut left = MOST_NAMES;
                 let entries = entries_below(&folder, DEPTH, false).take(MOST_ENTRIES);
                 let fonts = entries.filter(|entry| {
                     entry.file_type().is_file() && has_extension(entry, &FONT_FILES)
@@ -122,7 +125,7 @@ impl Fonts {
                 let files = fonts.filter_map(|entry| {
                     let mut names = || {
                         let file = open_regular(entry.path(), false).ok()?;
-                        Some(FontNames::read(file, &mut left))
+                        guard::catch(|| FontNames::read(file, &mut left))
                     };
                     let mut fonts = names()?;
                     if fonts.iter().all(|names| *names == FontNames::default()) {
@@ -146,7 +149,8 @@ impl Fonts {
         let others = self.reach.folders().iter().skip(1);
         let others: String = (others.map(|f| format!(", nor in \"{}\"", f.display()))).collect();
         let name_of_font = suggest::text(name);
-        let message = format!("no font {name_of_font} is in or below the scene's folder{others}");
+        let message =
+            format!("no font {name_of_font} was found in or below the scene's folder{others}");
         let has_system = self.reach.folders().iter().any(|f| f.starts_with(SYSTEM));
         let help = self.near(name).unwrap_or_else(|| match has_system {
             true => "put its file into a folder of the scene".to_owned(),

@@ -31,7 +31,10 @@ pub use crate::table::key_recorder::{
     Form, KeyRecord, RecordedKeys, Rule, SectionRecord, VariantRecord,
 };
 use crate::table::{Section, Table};
-use reflet_base::files::{open_regular, read_at_most};
+use reflet_base::{
+    files::{open_regular, read_at_most},
+    shell::shell_word,
+};
 
 use super::{
     desc::{ProjectDesc, SceneDesc},
@@ -118,7 +121,7 @@ pub fn read(path: &Path) -> Result<String, Vec<Diagnostic>> {
     file.rewind().map_err(unreadable)?;
     if begin == b"PK\x03\x04" {
         let mut error = refuse("file-format", "this is a ZIP file, not a scene".into());
-        let name = path.display();
+        let name = shell_word(&path.to_string_lossy());
         error[0].help = Some(format!(
             "`reflet unpack {name} -o FOLDER` unpacks a pack, and says how to render it"
         ));

@@ -17,7 +17,7 @@ const MOST_TABLES: u64 = 1 << 12;
 const MOST_NAMES: u64 = 1 << 17;
 const MOST_NAME: u16 = 512;
 
-/// Families and styles, as systems of four styles and as all others list them.
+/// Families and styles: of any number of styles, then of four, which older systems list.
 const FAMILIES: [[NameId; 2]; 2] = [
     [
         NameId::TYPOGRAPHIC_FAMILY_NAME,
@@ -28,7 +28,8 @@ const FAMILIES: [[NameId; 2]; 2] = [
 /// Names of a single font.
 const OWN: [NameId; 2] = [NameId::FULL_NAME, NameId::POSTSCRIPT_NAME];
 
-/// Names of a font in a file, in all languages (OpenType 1.9.1, table `name`): its own, its families and styles.
+/// Names of a font in a file, in all languages, in Unicode or Mac Roman (OpenType 1.9.1, table `name`): its own, its families
+/// and styles.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FontNames(Vec<(NameId, String)>);
 
@@ -70,16 +71,14 @@ impl FontNames {
             let mut ids = FAMILIES.as_flattened().iter().chain(&OWN);
             record.length() <= MOST_NAME && ids.any(|id| *id == record.name_id())
         };
-        let kept = names
-            .name_record()
-            .iter()
-            .filter(is_wanted)
-            .map_while(|record| {
-                *left = left.checked_sub(record.length().into())?;
-                let name = record.string(names.string_data()).ok()?;
-                Some((record.name_id(), name.chars().collect()))
-            });
-        Some(Self(kept.collect()))
+        let mut kept = Vec::new();
+        for record in names.name_record().iter().filter(is_wanted) {
+            *left = left.checked_sub(record.length().into())?;
+            if let Ok(name) = record.string(names.string_data()) {
+                kept.push((record.name_id(), name.chars().collect()));
+            }
+        }
+        Some(Self(kept))
     }
 
     /// How well a name fits, less is better: 0 is the font's own full or PostScript name, 1 the name of its family where
