@@ -1,9 +1,6 @@
 //! An agent: a client of `reflet mcp` by the library of the protocol.
 
-use std::{
-    process::{Child, Command},
-    time::Duration,
-};
+use std::{process::Child, time::Duration};
 
 use rmcp::{
     RoleClient, ServiceExt as _,
@@ -114,21 +111,30 @@ fn a_call_ends_with_a_server_that_is_killed() {
     let mut agent = Agent::start(&folder("killed-server"), "");
     let call = r#"{"scene": "scene.toml", "size": "2000x2000", "samples": 4096}"#;
     let _call = agent.begin("render", call);
-    let until = |is: &dyn Fn(&str) -> bool, option: &str, pid: u32| {
-        let words = format!("-o pid=,stat= {option} {pid}");
-        let ps = || Command::new("ps").args(words.split(' ')).output();
-        let said = || String::from_utf8(ps().expect("it runs").stdout).expect("text");
-        let wait = || tokio::time::sleep(Duration::from_millis(50)); // while the client sends
-        let mut polls =
-            (0..1200).map(|_| (agent.runtime.block_on(async { wait().await }), said()).1);
-        polls.find(|said| is(said)).expect("within a minute")
+    // State and parent of a process; none of one that has ended.
+    let stat = |pid: u32| {
+        let stat = fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
+        let mut words = stat.rsplit_once(") ")?.1.split(' ');
+        Some((words.next()? == "Z", words.next()?.parse::<u32>().ok()?))
     };
-    let call = until(&|said| !said.is_empty(), "--ppid", agent.server.id());
-    let call = call.split_whitespace().next().expect("a number").parse();
+    let poll = |agent: &Agent| {
+        let wait = async { tokio::time::sleep(Duration::from_millis(50)).await };
+        agent.runtime.block_on(wait); // the client sends meanwhile
+    };
+    let is_call = |pid: &u32| stat(*pid).is_some_and(|(_, parent)| parent == agent.server.id());
+    let call = (0..1200).find_map(|_| {
+        poll(&agent);
+        let all = names(Path::new("/proc")).into_iter();
+        all.filter_map(|name| name.parse().ok()).find(is_call)
+    });
+    let call = call.expect("it begins within a minute");
     agent.server.kill().expect("it runs");
     agent.is_killed = true;
     agent.server.wait().expect("it ends");
     // An orphan that nobody waits for stays as a zombie.
-    let has_ended = |said: &str| said.is_empty() || said.contains(" Z");
-    until(&has_ended, "-p", call.expect("a number"));
+    let ended = (0..1200).any(|_| {
+        poll(&agent);
+        stat(call).is_none_or(|(is_zombie, _)| is_zombie)
+    });
+    assert!(ended, "within a minute");
 }

@@ -5,8 +5,7 @@ use super::agent::Agent;
 use super::{project::show, *};
 
 /// Steps of a session, a line each: `file NAME` with its text in the indented lines below, `copy NAME FILE` with a file of
-/// `tests`, `link NAME TARGET`,
-/// `remove NAME`, `run CODE ARGUMENTS`, `feed ARGUMENTS` with standard input in the lines below; `agent ARGUMENTS`, the
+/// `tests`, `link NAME TARGET`, `remove NAME`, `run CODE ARGUMENTS`, `feed ARGUMENTS` with standard input in the lines below; `agent ARGUMENTS`, the
 /// client of `reflet mcp ARGUMENTS`, which has an answer by `call TOOL JSON`, an error by `fail TOOL JSON`, an answer and
 /// an error of two calls at a time by `race TOOL JSON`; and of the run or call before: `says TEXT`, `line TEXT`,
 /// `lacks TEXT`, `json KEY` at the top, and `files FOLDER: NAMES`, `same A B` and `differ A B`, which compare
