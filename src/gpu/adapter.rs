@@ -243,7 +243,7 @@ fn install_advice() -> &'static str {
          the latter also renders without a GPU), or without root unpack reflet-software beside Reflet \
          (docs/install.md)"
     } else {
-        "no graphics adapter found: a driver with Vulkan, DirectX 12 or Metal is needed"
+        "no graphics adapter found: install a driver with Vulkan, DirectX 12 or Metal"
     }
 }
 
