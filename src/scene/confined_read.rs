@@ -66,18 +66,10 @@ impl Problem {
         }
     }
 
-    /// The problem with other advice, where the file does not exist and there is any.
-    pub fn or_near(mut self, near: impl FnOnce() -> Option<String>) -> Self {
-        if let Some(help) = near().filter(|_| self.is_missing) {
-            self.help = help;
-        }
-        self
-    }
-
-    /// The problem, or another one where the file does not exist.
-    pub fn or_missing(self, missing: impl FnOnce() -> Self) -> Self {
+    /// The problem, or where the file does not exist another one that is made of it.
+    pub fn or_missing(self, missing: impl FnOnce(Self) -> Self) -> Self {
         match self.is_missing {
-            true => missing(),
+            true => missing(self),
             false => self,
         }
     }

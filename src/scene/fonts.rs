@@ -88,13 +88,17 @@ impl Fonts {
             });
         let by_file = || confined_read::read_bytes(&self.reach, name, &FONTS, &self.dependencies);
         if names_a_file {
-            return by_file().map_err(|problem| problem.or_near(|| self.near(name)));
+            let near = |mut problem: Problem| {
+                problem.help = self.near(name).unwrap_or(problem.help);
+                problem
+            };
+            return by_file().map_err(|problem| problem.or_missing(near));
         }
         let fit = |file: &FontFile| file.fonts.iter().filter_map(|font| font.fit(name)).min();
         let fitting = (self.files().iter()).filter_map(|file| Some((fit(file)?, file)));
         match fitting.min_by_key(|(fit, _)| *fit) {
             Some((_, file)) => self.read_file(file),
-            None => by_file().map_err(|problem| problem.or_missing(|| self.missing(name))),
+            None => by_file().map_err(|problem| problem.or_missing(|_| self.missing(name))),
         }
     }
 
