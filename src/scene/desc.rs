@@ -39,6 +39,7 @@ use std::{
 };
 
 use crate::diagnostic::{Diagnostic, Source, Span};
+use reflet_base::unique_names::UniqueNames;
 
 pub use self::{
     animation::{AnimationDesc, Playback},
@@ -266,6 +267,19 @@ impl SceneDesc {
     /// Whether any script has `fn frame(ctx)`, which poses frames.
     pub fn has_frame_script(&self) -> bool {
         self.scripts().any(|script| script.has_frame)
+    }
+
+    /// Names by which answers and lists tell the instances apart, each unique: their own, else the model's with a number.
+    pub fn instance_names(&self) -> Vec<String> {
+        let mut taken = UniqueNames::default();
+        for name in self.instances.iter().filter_map(|i| i.name.as_deref()) {
+            taken.take(name);
+        }
+        let name_of = |i: &InstanceDesc| match &i.name {
+            Some(name) => name.clone(),
+            None => taken.take(&i.model.value),
+        };
+        self.instances.iter().map(name_of).collect()
     }
 
     /// Paths of the scripts, their imports and the included scene text, with symbolic links resolved.

@@ -36,16 +36,19 @@ impl Things {
         };
         let mut known = HashMap::new();
         let mut found = vec![false; question.of.len()];
+        let names = scene.instance_names();
         for (index, instance) in world.instances.iter().enumerate() {
-            let written = world.written[index].and_then(|i| scene.instances.get(i));
+            let written = world.written[index];
             let model = scene.models.get(world.placed_models[index]);
             let model = model.map_or("", |model| model.name.as_str());
-            let own = written.map_or(model, |i| i.name.as_deref().unwrap_or(&i.model.value));
+            let own = written.map_or(model, |i| names[i].as_str());
+            let is_named = written.is_some_and(|i| scene.instances[i].name.is_some());
             let part = instance.name.as_str();
             let is_asked = |name: &str| {
                 let is_group = || scene.groups.iter().any(|group| group.name == name);
                 let is_part = name.len() > own.len() && is_below(part, name, &['/', '[', '#']);
-                own == name || part == name || is_part || is_below(own, name, &['.']) && is_group()
+                let is_own = own == name || model == name && !is_named;
+                is_own || part == name || is_part || is_below(own, name, &['.']) && is_group()
             };
             let asked = question.of.iter().zip(&mut found);
             let asked = asked.filter(|(name, _)| is_asked(name));
@@ -60,11 +63,8 @@ impl Things {
                 Some(name) if name.len() > own.len() => name,
                 _ => own,
             };
-            // Two instances of one model without names are two things.
-            let key = (
-                name.to_owned(),
-                (name == own).then_some(world.written[index]),
-            );
+            // A model that no instance places may have an instance's name.
+            let key = (name.to_owned(), (name == own).then_some(written));
             let thing = *known.entry(key).or_insert_with(|| {
                 things.all.push((name.to_owned(), Vec::new()));
                 things

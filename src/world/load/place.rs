@@ -41,6 +41,8 @@ pub struct Job<'a> {
     /// Index of the `[[instance]]`; `None` for a model that no instance names.
     pub index: Option<usize>,
     pub instance: Option<&'a InstanceDesc>,
+    /// Name of what is placed, without a copy's place in a grid.
+    name: String,
     at: &'a Span,
     /// Whether the instance may move.
     dynamic: bool,
@@ -53,15 +55,15 @@ fn jobs<'a>(desc: &'a SceneDesc, models: &ByName) -> Vec<Job<'a>> {
     let mut named = vec![false; desc.models.len()];
     let mut jobs = Vec::new();
     let (dynamic, changes) = (moving(desc), changing_overrides(desc));
-    for (index, instance) in desc.instances.iter().enumerate() {
-        let name = &instance.model.value;
+    for (index, (instance, name)) in desc.instances.iter().zip(desc.instance_names()).enumerate() {
         // Unknown models were reported before.
-        if let Some(model) = models.index(name) {
+        if let Some(model) = models.index(&instance.model.value) {
             named[model] = true;
             jobs.push(Job {
                 model,
                 index: Some(index),
                 instance: Some(instance),
+                name,
                 at: &instance.at,
                 dynamic: dynamic[index],
                 over_change: changes[index].then_some(index),
@@ -77,6 +79,7 @@ fn jobs<'a>(desc: &'a SceneDesc, models: &ByName) -> Vec<Job<'a>> {
         model,
         index: None,
         instance: None,
+        name: entry.name.clone(),
         at: &entry.at,
         dynamic: false,
         over_change: None,
@@ -209,10 +212,9 @@ impl Loader<'_> {
         dropped: &mut Vec<String>,
     ) {
         let model = &self.desc.models[job.model];
-        let base_name = (job.instance.and_then(|i| i.name.as_ref())).unwrap_or(&model.name);
         let player = self.add_player(job, source);
         for (number, copy) in copies(job.instance, at).enumerate() {
-            let name = format!("{base_name}{}", copy.suffix);
+            let name = format!("{}{}", job.name, copy.suffix);
             let instance = ModelInstance {
                 desc: job.index,
                 dynamic: job.dynamic,
