@@ -20,15 +20,17 @@ use super::{
 use crate::{
     files::{entries_below, folder_of, has_extension, path_below},
     scene::{
-        desc::{DecalChanges, LightGroup},
+        desc::{DecalChanges, LightGroup, MATERIAL, PLAIN},
         diagnostic::Source,
         manual::{key_text, section_text, variant_text},
+        number::find,
         parse::{
             Form, KeyRecord, SectionRecord,
             entry_kinds::ENTRY_KINDS,
             tables::{Below, Manual, is_project, keys_of},
         },
         reach::Reach,
+        table::value::Value as _,
         toml_text::toml_text,
     },
 };
@@ -64,14 +66,13 @@ impl KeyForm {
         }
     }
 
-    /// Completion of a key.
-    pub fn item(self, key: &KeyRecord, text: &str) -> Value {
+    /// Completion of a key with the value that it has where it is left out.
+    pub fn item(self, key: &KeyRecord, default: Option<&Value>, text: &str) -> Value {
         let mut item = item(key.name, PROPERTY, text);
         let is_plain = |form: &Form| matches!(form, Form::Value(..) | Form::Table(_));
         if self.sign.is_empty() || !key.forms.iter().any(is_plain) {
             return item; // tables with names are seldom written as values
         }
-        let default = key.default.as_ref();
         let default = default.map(|value| value.to_string().replace(',', ", "));
         let is_text = |form: &Form| matches!(form, Form::Value(_, s) if s["type"] == "string");
         let value = match (self.snippets, default) {
@@ -120,7 +121,8 @@ pub fn complete(
         Part::Key => match Manual::for_file(&file.path).table(&word.table) {
             Some(section) => {
                 let form = KeyForm::at(&file.text, offset, " = ", snippets);
-                keys(section, kind_at(file, section, &word.table, offset), form)
+                let plain = |key: &str| plain_value(file, &word.table, key);
+                keys(section, kind_at(file, section, &word.table, offset), form, plain)
             }
             None => (params_at(file, &word).iter())
                 .map(|(name, _)| item(&name.name, PROPERTY, ""))
@@ -140,13 +142,37 @@ pub fn item(label: &str, kind: u32, text: &str) -> Value {
     })
 }
 
-/// Keys of a table; of its kind alone, where that is known.
-pub fn keys(section: &'static SectionRecord, kind: Option<&str>, form: KeyForm) -> Vec<Value> {
+/// Value of a plain surface that a key of a `[material.NAME]` has where it is left out, unless another key gives another.
+fn plain_value(file: &Source, table: &[String], key: &str) -> Option<Value> {
+    let has = |name: &str| {
+        let is_written = |w: &Word| w.part == Part::Key && w.table == table && w.text == name;
+        words(file).iter().any(is_written)
+    };
+    let is_own = matches!(table, [kind, _] if kind == "material") && !has("extends");
+    let is_other = || key == "reflectivity" && has("ior");
+    let field = find(&MATERIAL, key).filter(|_| is_own && !is_other())?;
+    let lanes = (field.get)(&PLAIN)?.to_array().map(|lane| lane.to_json());
+    match field.form.lanes() {
+        1 => lanes.into_iter().next(),
+        count => Some(lanes[..count].into()),
+    }
+}
+
+/// Keys of a table; of its kind alone, where that is known; `default` is the value of a key without a default of its own.
+pub fn keys(
+    section: &'static SectionRecord,
+    kind: Option<&str>,
+    form: KeyForm,
+    default: impl Fn(&str) -> Option<Value>,
+) -> Vec<Value> {
     let mut seen = BTreeSet::new();
     let is_own = |of: &Option<&str>| kind.is_none() || of.is_none() || *of == kind;
     let own = keys_of(section).filter(|(of, key)| is_own(of) && seen.insert(key.name));
     let mut all: Vec<_> = own
-        .map(|(word, key)| form.item(key, &key_text(section, word, key)))
+        .map(|(word, key)| {
+            let value = key.default.clone().or_else(|| default(key.name));
+            form.item(key, value.as_ref(), &key_text(section, word, key))
+        })
         .collect();
     if let Some(first) = section.variants.first() {
         all.push(item(first.key, PROPERTY, &section_text(section)));
