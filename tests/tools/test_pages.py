@@ -13,7 +13,7 @@ from texts import TEXTS
 
 # Least numbers of blocks and commands: a changed pattern drops none unseen.
 BLOCKS = {"guide": 9, "scripting": 1, "shapes": 10}
-COMMANDS = {"README": 3, "docs/guide": 20, "docs/query": 5, "docs/project": 2}
+COMMANDS = {"README": 6, "docs/guide": 22, "docs/query": 5, "docs/project": 2}
 
 BLOCK = re.compile(r"^```(toml|rust|rhai)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
@@ -55,48 +55,68 @@ def test_blocks_of_a_page_are_right_as_they_stand(page: str, tmp_path: Path) -> 
         assert done.returncode == 0, f"{text}\n{done.stderr}"
 
 
-def commands(page: Path) -> list[list[str]]:
-    """Commands of a page but for previews, with small pictures."""
+def small(line: str) -> str:
+    """A command of a page with a small picture."""
+    words = shlex.split(re.sub(r"\s#\s.*", "", line))
+    for option, value in {"--size": "64x36", "--samples": "2"}.items():
+        if option in words and words[words.index(option) + 1][0].isdigit():
+            words[words.index(option) + 1] = value
+        elif words[1] in ("render", "sheet", "thumbs") and option not in words:
+            words += [option, value]
+    return shlex.join(words)
+
+
+def commands(page: Path) -> list[str]:
+    """Lines of the shell blocks of a page, but for previews, which wait for a person."""
     found = re.findall(
         r"^```sh\n(.*?)^```$", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL
     )
     lines = "".join(found).replace("\\\n", " ").splitlines()
-    lines = [re.sub(r"\s#\s.*", "", line) for line in lines if line.startswith("reflet ")]
-    words = [shlex.split(line) for line in lines]
-    small = {"--size": "64x36", "--samples": "2"}
-    for command in words:
-        for option, value in small.items():
-            if option in command and command[command.index(option) + 1][0].isdigit():
-                command[command.index(option) + 1] = value
-            elif command[1] in ("render", "sheet", "thumbs") and option not in command:
-                command += [option, value]
-    return [command[1:] for command in words if command[1] != "preview"]
+    lines = [line for line in lines if not line.startswith("reflet preview")]
+    return [small(line) if line.startswith("reflet ") else line for line in lines]
 
 
-@pytest.mark.full("a minute of small pictures")
+# Programs of the pages that are not here: the installation is not optimized and goes into a
+# folder, and each task of an array runs as a cluster would run it.
+PROGRAMS = {
+    "cargo": f'cd {ROOT} && PATH="${{PATH#*:}}" && exec cargo "$@" --debug --root "$HERE/cargo"',
+    "openjd": 'python3 -m venv jobs && jobs/bin/pip -q install openjd-cli && jobs/bin/openjd "$@"',
+    "sbatch": 'for SLURM_ARRAY_TASK_ID in $(seq $(sed -nE "s/.*--array=([0-9]+)-([0-9]+).*'
+    '/\\1 \\2/p" "$1")); do export SLURM_ARRAY_TASK_ID; bash "$1"; done',
+}
+
+
+@pytest.mark.full("a minute of small pictures, an installation")
 @pytest.mark.program
 @pytest.mark.parametrize("page", COMMANDS)
 def test_commands_of_a_page_run_one_after_another(page: str, tmp_path: Path) -> None:
-    """The commands of a page alone, in a folder with the files that they name."""
+    """The shell blocks of a page as one script, in a folder with the files that they name."""
     for folder in ("scenes", "scripts"):
         (tmp_path / folder).symlink_to(ROOT / folder)
     scene = blocks("guide")[0][1] + (TEXTS / "pages/recorded.toml").read_text(encoding="utf-8")
+    scene = scene.replace("version = 1\n", "version = 1\nimage.size = [64, 36]\n", 1)
     for name in ("my.toml", "a.toml", "b.toml"):
         (tmp_path / name).write_text(scene, encoding="utf-8")
     longer = scene.replace("end = 71", "end = 470")
     (tmp_path / "my-film.toml").write_text(longer, encoding="utf-8")
     shutil.copy(TEXTS / "pages/shot.toml", tmp_path)
-    for folder in ("models", "library"):
+    for folder in ("models", "library", "bin"):
         (tmp_path / folder).mkdir()
     for name in ("chair.glb", "model.glb", "models/chair.glb"):
         shutil.copy(TEXTS / "pages/fox.glb", tmp_path / name)
+    (tmp_path / "bin/reflet").symlink_to(BINARY)
+    for name, text in PROGRAMS.items():
+        (tmp_path / "bin" / name).write_text(f"#!/bin/bash\nset -e\n{text}\n", encoding="utf-8")
+        (tmp_path / "bin" / name).chmod(0o755)
     libraries = (ROOT / ".venv").glob("lib/python3*/site-packages/pyoidn/oidn/lib")
     environment = {"REFLET_OIDN": str(next(libraries, ""))} | os.environ
-    assert len(commands(ROOT / f"{page}.md")) >= COMMANDS[page]
-    new = [] if page == "docs/project" else [["new", "show"]]
-    for command in new + commands(ROOT / f"{page}.md"):
-        run = [BINARY, *command]
-        done = subprocess.run(
-            run, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
-        )
-        assert done.returncode == 0, f"{shlex.join(command)}\n{done.stderr}"
+    environment |= {"PATH": f"{tmp_path / 'bin'}:{os.environ['PATH']}", "HERE": str(tmp_path)}
+    lines = commands(ROOT / f"{page}.md")
+    assert len(lines) >= COMMANDS[page]
+    new = [] if page == "docs/project" else ["reflet new show"]
+    (tmp_path / "page.sh").write_text("\n".join(["set -eux", *new, *lines]), encoding="utf-8")
+    run = ["bash", "page.sh"]
+    done = subprocess.run(
+        run, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
