@@ -1,11 +1,21 @@
 //! Sessions: commands one after another in a folder, each with its exit code, its words and the files that it leaves.
 
 #[cfg(unix)]
+use std::{
+    io::{BufRead as _, BufReader},
+    os::unix::process::ExitStatusExt as _,
+    process::Command,
+};
+
+#[cfg(unix)]
 use super::agent::Agent;
 use super::{project::show, *};
+#[cfg(unix)]
+use crate::common::program::signal;
 
 /// Steps of a session, a line each: `file NAME` with its text in the indented lines below, `copy NAME FILE` with a file of
-/// `tests`, `link NAME TARGET`, `remove NAME`, `run CODE ARGUMENTS`, `feed ARGUMENTS` with standard input in the lines below; `agent ARGUMENTS`, the
+/// `tests`, `link NAME TARGET`, `remove NAME`, `run CODE ARGUMENTS`, `stop CODE ARGUMENTS`, which ends it by a signal after
+/// its first line, `feed ARGUMENTS` with standard input in the lines below; `agent ARGUMENTS`, the
 /// client of `reflet mcp ARGUMENTS`, which has an answer by `call TOOL JSON`, an error by `fail TOOL JSON`, an answer and
 /// an error of two calls at a time by `race TOOL JSON`; and of the run or call before: `says TEXT`, `line TEXT`,
 /// `lacks TEXT`, `json KEY` at the top, and `files FOLDER: NAMES`, `same A B` and `differ A B`, which compare
@@ -68,6 +78,11 @@ fn session(folder: &Path, text: &str) {
                 let arguments: Vec<&str> = arguments.collect();
                 said = exits(folder, arguments, code.parse().expect(line)).concat();
             }
+            #[cfg(unix)]
+            "stop" => {
+                let (code, arguments) = pair();
+                said = stopped(reflet(folder, arguments), code.parse().expect(line));
+            }
             "says" => assert!(said.contains(rest), "{line}: {said}"),
             "json" => {
                 let all: serde_json::Value = serde_json::from_str(&said).expect(line);
@@ -86,6 +101,23 @@ fn session(folder: &Path, text: &str) {
             _ => panic!("{line}: no such step"),
         }
     }
+}
+
+/// Ends a program by SIGTERM after its first line of standard output; returns standard error.
+#[cfg(unix)]
+fn stopped(mut command: Command, code: i32) -> String {
+    let command = command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().expect("the program starts");
+    let mut out = BufReader::new(child.stdout.take().expect("piped"));
+    let read = out.read_line(&mut String::new()).expect("readable");
+    assert!(read > 0, "it has ended");
+    signal(&child, "-TERM");
+    let output = child.wait_with_output().expect("it ends");
+    let status = output.status;
+    let ended = status.code().or(status.signal().map(|signal| -signal));
+    let [_, said] = texts(&output);
+    assert_eq!(ended, Some(code), "{said}");
+    said
 }
 
 /// Declares tests of the sessions of this folder, in a folder with a scene, or in the project of these settings.
@@ -117,6 +149,9 @@ sessions! {
     an_agent_that_sends_garbage_or_goes_is_answered_as_far_as_it_asked,
     each_file_of_a_folder_has_a_picture_or_an_error,
     films_that_cannot_be_written_are_refused_before_rendering,
+    a_picture_says_how_far_it_is_and_keeps_its_samples_if_asked,
+    a_scene_is_asked_before_it_is_rendered,
+    letters_and_lamps_of_a_film_are_written_as_the_pages_say,
     bare_models_have_light_and_turn_as_asked,
     render_takes_camera_variant_size_and_output_from_the_project(""),
     names_of_a_project_that_are_nearly_those_of_the_scene_are_warned_of(""),

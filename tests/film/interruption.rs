@@ -211,45 +211,6 @@ fn a_signal_ends_a_film_between_frames() {
     assert!((1..2000).contains(&told), "{told} frames");
 }
 
-/// A picture of 4,096 samples that is ended after its first ones.
-#[test]
-fn a_signal_ends_a_picture_with_its_samples_so_far_if_asked() {
-    or_skip!(gpu_or_skip());
-    let folder = folder("partial");
-    for (options, code) in [("", -15), ("--keep-partial --aov depth", 143)] {
-        let arguments = format!("-o p.png --samples 4096 --progress json {options}");
-        let mut command = rendering(&folder, arguments.as_str());
-        let command = command.stdout(Stdio::piped()).stderr(Stdio::piped());
-        let mut child = command.spawn().expect("the program starts");
-        let mut told = String::new();
-        let mut out = BufReader::new(child.stdout.take().expect("piped"));
-        out.read_line(&mut told).expect("readable");
-        let told: serde_json::Value = serde_json::from_str(&told).expect("a JSON object a line");
-        assert_eq!(told["samples"], 4096, "{told}");
-        signal(&child, "-TERM");
-        let (ended, text) = end(child);
-        assert_eq!(ended, code, "{text}");
-        assert_eq!(names(&folder).contains(&"p.png".to_owned()), code == 143);
-        assert!(
-            code != 143 || text.contains("of 4096 samples, without AOVs"),
-            "{text}"
-        );
-    }
-    assert_eq!(hidden(&folder), [] as [String; 0]);
-    let picture = image::open(folder.join("p.png"))
-        .expect("a picture")
-        .to_rgb8();
-    render(&folder, "-o q.png --samples 64 --write-every 0.1s", 0);
-    let whole = image::open(folder.join("q.png"))
-        .expect("a picture")
-        .to_rgb8();
-    let pairs = picture.iter().zip(whole.iter());
-    let apart: u32 = pairs.map(|(a, b)| u32::from(a.abs_diff(*b))).sum();
-    assert!(apart < 12 * picture.len() as u32, "levels apart: {apart}");
-    let no_film = render(&folder, "-o f.#.png --keep-partial", 2);
-    assert!(no_film.contains("for one picture"), "{no_film}");
-}
-
 /// Temporary files of films and frames, with and without --resume. Files of running processes stay, and files of other
 /// machines for a day.
 #[cfg(target_os = "linux")]

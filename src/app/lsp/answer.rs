@@ -122,7 +122,12 @@ pub fn complete(
             Some(section) => {
                 let form = KeyForm::at(&file.text, offset, " = ", snippets);
                 let plain = |key: &str| plain_value(file, &word.table, key);
-                keys(section, kind_at(file, section, &word.table, offset), form, plain)
+                keys(
+                    section,
+                    kind_at(file, section, &word.table, offset),
+                    form,
+                    plain,
+                )
             }
             None => (params_at(file, &word).iter())
                 .map(|(name, _)| item(&name.name, PROPERTY, ""))
