@@ -148,6 +148,7 @@ sessions! {
     an_agent_reads_a_project_alone_and_writes_new_pictures_alone,
     an_agent_that_sends_garbage_or_goes_is_answered_as_far_as_it_asked,
     each_file_of_a_folder_has_a_picture_or_an_error,
+    frames_that_fail_are_listed_and_others_are_written,
     films_that_cannot_be_written_are_refused_before_rendering,
     a_picture_says_how_far_it_is_and_keeps_its_samples_if_asked,
     a_scene_is_asked_before_it_is_rendered,

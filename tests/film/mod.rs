@@ -159,29 +159,6 @@ fn resuming_keeps_what_is_the_same_and_renders_the_rest() {
     assert_eq!(render(&folder, exr, 0).matches(": kept f.").count(), 2);
 }
 
-#[test]
-fn failing_frames_are_listed_and_others_are_written() {
-    or_skip!(gpu_or_skip());
-    let folder = folder("failing");
-    let script = "fn frame(ctx) {\n  if ctx.frame == 2 { throw \"no such day\" }\n}";
-    fs::write(folder.join("s.rhai"), script).expect("writable");
-    let text = render(&folder, "-o f.#.png --frames 1-3", 5);
-    assert!(text.contains("s.rhai:2:"), "{text}");
-    assert!(text.contains("1 frame failed:\n  2: no such day"), "{text}");
-    let names: Vec<_> = pictures(&folder).into_keys().collect();
-    assert_eq!(names, ["f.1.png", "f.3.png"]);
-    // A film must have all its frames.
-    let text = render(&folder, "-o f.apng --frames 1-5", 5);
-    for says in [
-        "1 frame failed:\n  2: no such day",
-        "there is no film f.apng; 3 frames were not tried: 3-5",
-    ] {
-        assert!(text.contains(says), "{text}");
-    }
-    let left = fs::read_dir(&folder).expect("readable").count();
-    assert_eq!(left, 5, "nothing half written stays"); // 2 frames and 3 texts
-}
-
 fn pixels(file: &Path) -> Vec<u8> {
     let file = fs::File::open(file).expect("it is there");
     let mut reader = png::Decoder::new(std::io::BufReader::new(file))
