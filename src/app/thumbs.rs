@@ -1,13 +1,13 @@
 //! `thumbs`: a small picture of every model, panorama and scene of a folder, by one process with one device.
 
 use std::{
-    collections::VecDeque,
+    collections::BTreeMap,
     fmt::Display,
     fs,
     path::{Path, PathBuf},
     sync::{
-        Arc,
-        mpsc::{Receiver, channel},
+        Arc, Mutex, MutexGuard, PoisonError,
+        mpsc::{Sender, channel},
     },
     thread,
     time::{Duration, Instant},
@@ -43,8 +43,8 @@ use crate::{
 const SIDE_PX: u32 = 256;
 /// Sub-frames of the pictures without `--samples`.
 const SAMPLES: u32 = 8;
-/// Maximum number of files that are read at a time.
-const MOST_READERS: usize = 4;
+/// Maximum number of pictures that are made at a time.
+const MOST_AT_ONCE: usize = 4;
 
 /// Arguments of `thumbs`.
 #[derive(Clone, Debug, Args)]
@@ -71,13 +71,6 @@ struct Job {
     picture: Goal,
 }
 
-/// A job whose file a thread reads.
-struct Reading {
-    job: Job,
-    began: Instant,
-    loaded: Receiver<Result<LoadedScene, AppError>>,
-}
-
 /// Renders a picture of each file.
 ///
 /// # Errors
@@ -100,40 +93,68 @@ pub fn thumbs(args: &ThumbsArgs) -> Result<(), AppError> {
     let kept = all - failed - jobs.len();
     fs::create_dir_all(&*args.output).map_err(|error| AppError::unwritten(&args.output, &error))?;
     shutdown::listen();
-    let mut gpu = open(&picture)?;
-    let readers = thread::available_parallelism().map_or(1, |n| n.get().min(MOST_READERS));
-    let mut jobs = jobs.into_iter().map(|job| read(job, &picture));
-    let mut reading = VecDeque::from_iter(jobs.by_ref().take(readers));
-    let mut made = 0;
-    while let Some(Reading { job, began, loaded }) = reading.pop_front() {
-        let number = kept + failed + made + 1;
-        show_work(format_args!("{number} of {all}: {}", job.file.display()));
-        let left = args.timeout.saturating_sub(began.elapsed());
-        // A thread that reads for too long is left alone.
-        let loaded = loaded
-            .recv_timeout(left)
-            .unwrap_or_else(|_| Err(late(args)));
-        reading.extend(jobs.next());
-        let shown = loaded.and_then(|loaded| render(&gpu, args, &picture, loaded, &job, &library));
-        end_work();
-        if shutdown::is_requested() {
-            let text = format!("stopped after {made} pictures; --resume goes on with the others");
-            return Err(AppError::Interrupted(text));
+    let gpu = Mutex::new(open(&picture)?);
+    let files: Vec<_> = jobs.iter().map(|job| job.file.clone()).collect();
+    let jobs = Mutex::new(jobs.into_iter().enumerate());
+    let at_once = thread::available_parallelism().map_or(1, |n| n.get().min(MOST_AT_ONCE));
+    let work = |results: Sender<(usize, Result<(), AppError>)>| {
+        let next = || lock(&jobs).next().filter(|_| !shutdown::is_requested());
+        while let Some((index, job)) = next() {
+            let gpu = lock(&gpu).clone();
+            let shown = read(&job, &picture, args.timeout)
+                .and_then(|loaded| render(&gpu, args, &picture, loaded, &job, &library));
+            if results.send((index, shown)).is_err() {
+                return; // no more pictures are wanted
+            }
         }
-        match shown {
-            Ok(()) => made += 1,
-            Err(error @ AppError::Disk(_)) => return Err(error),
-            Err(error) => {
-                report(&job.file, &reason(&error), &mut failed);
-                if matches!(
-                    error,
-                    AppError::Gpu(GpuError::Lost(_) | GpuError::OutOfMemory(_))
-                ) {
-                    gpu = open(&picture)?;
+    };
+    let mut made = 0;
+    thread::scope(|scope| {
+        let (sender, results) = channel();
+        for _ in 0..at_once {
+            let sender = sender.clone();
+            scope.spawn(|| work(sender));
+        }
+        drop(sender);
+        // Files are told in their order.
+        let mut waiting = BTreeMap::new();
+        for (index, file) in files.iter().enumerate() {
+            show_work(format_args!(
+                "{} of {all}: {}",
+                kept + failed + made + 1,
+                file.display()
+            ));
+            let shown = loop {
+                match waiting.remove(&index) {
+                    Some(shown) => break shown,
+                    None => match results.recv() {
+                        Ok((other, shown)) => waiting.insert(other, shown),
+                        Err(_) => break Err(GpuError::Interrupted.into()),
+                    },
+                };
+            };
+            end_work();
+            if shutdown::is_requested() {
+                let text =
+                    format!("stopped after {made} pictures; --resume goes on with the others");
+                return Err(AppError::Interrupted(text));
+            }
+            match shown {
+                Ok(()) => made += 1,
+                Err(error @ AppError::Disk(_)) => return Err(error),
+                Err(error) => {
+                    report(file, &reason(&error), &mut failed);
+                    if matches!(
+                        error,
+                        AppError::Gpu(GpuError::Lost(_) | GpuError::OutOfMemory(_))
+                    ) {
+                        *lock(&gpu) = open(&picture)?;
+                    }
                 }
             }
         }
-    }
+        Ok(())
+    })?;
     reflet_base::error_line!("wrote {made} of {all} pictures, kept {kept}");
     match failed {
         0 => Ok(()),
@@ -177,8 +198,8 @@ fn reason(error: &AppError) -> String {
     format!("{}{place}{help}", first.message)
 }
 
-fn late(args: &ThumbsArgs) -> AppError {
-    let seconds = args.timeout.as_secs_f64();
+fn late(timeout: Duration) -> AppError {
+    let seconds = timeout.as_secs_f64();
     AppError::Usage(format!("it takes longer than {seconds} s (--timeout)"))
 }
 
@@ -208,8 +229,9 @@ fn is_kept(args: &ThumbsArgs, job: &Job) -> bool {
     args.resume && time(&job.picture).is_some_and(|picture| Some(picture) > time(&job.file))
 }
 
-/// Starts a thread that reads the file of a job, without a word about its warnings.
-fn read(job: Job, picture: &PictureArgs) -> Reading {
+/// Reads the file of a job, without a word about its warnings; a thread that reads for longer than the timeout is left
+/// alone.
+fn read(job: &Job, picture: &PictureArgs, timeout: Duration) -> Result<LoadedScene, AppError> {
     let (sender, loaded) = channel();
     let (file, picture) = (job.file.clone(), picture.clone());
     thread::spawn(move || {
@@ -224,11 +246,11 @@ fn read(job: Job, picture: &PictureArgs) -> Reading {
         });
         let _ = sender.send(loaded); // nobody waits for it any more
     });
-    Reading {
-        job,
-        began: Instant::now(),
-        loaded,
-    }
+    (loaded.recv_timeout(timeout)).unwrap_or_else(|_| Err(late(timeout)))
+}
+
+fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Renders and writes the picture of a scene, unless rendering takes longer than the timeout.
@@ -258,7 +280,13 @@ fn render(
             false => Ok(()),
         }),
     );
-    let shown = shown.map_err(|error| if is_late() { late(thumbs) } else { error })?;
+    let shown = shown.map_err(|error| {
+        if is_late() {
+            late(thumbs.timeout)
+        } else {
+            error
+        }
+    })?;
     let unwritten = |error| AppError::unwritten(&job.picture, &error);
     job.picture.make_folders().map_err(unwritten)?;
     let output = PictureFile::new(&job.picture)?;
