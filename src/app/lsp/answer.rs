@@ -20,17 +20,15 @@ use super::{
 use crate::{
     files::{entries_below, folder_of, has_extension, path_below},
     scene::{
-        desc::{DecalChanges, LightGroup, MATERIAL, PLAIN},
+        desc::{DecalChanges, LightGroup},
         diagnostic::Source,
         manual::{key_text, section_text, variant_text},
-        number::find,
         parse::{
             Form, KeyRecord, SectionRecord,
             entry_kinds::ENTRY_KINDS,
             tables::{Below, Manual, is_project, keys_of},
         },
         reach::Reach,
-        table::value::Value as _,
         toml_text::toml_text,
     },
 };
@@ -121,13 +119,8 @@ pub fn complete(
         Part::Key => match Manual::for_file(&file.path).table(&word.table) {
             Some(section) => {
                 let form = KeyForm::at(&file.text, offset, " = ", snippets);
-                let plain = |key: &str| plain_value(file, &word.table, key);
-                keys(
-                    section,
-                    kind_at(file, section, &word.table, offset),
-                    form,
-                    plain,
-                )
+                let kind = kind_at(file, section, &word.table, offset);
+                keys(section, kind, form, &plain_keys(file, &word.table))
             }
             None => (params_at(file, &word).iter())
                 .map(|(name, _)| item(&name.name, PROPERTY, ""))
@@ -147,36 +140,57 @@ pub fn item(label: &str, kind: u32, text: &str) -> Value {
     })
 }
 
-/// Value of a plain surface that a key of a `[material.NAME]` has where it is left out, unless another key gives another.
-fn plain_value(file: &Source, table: &[String], key: &str) -> Option<Value> {
-    let has = |name: &str| {
-        let is_written = |w: &Word| w.part == Part::Key && w.table == table && w.text == name;
-        words(file).iter().any(is_written)
+/// Whether a key of this table has the default that its text states, unless a file, a base, or another key of the table
+/// gives it another value: in `[material.NAME]` alone.
+fn plain_keys(file: &Source, table: &[String]) -> impl Fn(&str) -> bool {
+    let written = words(file);
+    let has = |table: &[String], names: &[&str]| {
+        let is_key = |w: &&Word| w.part == Part::Key && w.table == table;
+        written
+            .iter()
+            .filter(is_key)
+            .any(|w| names.contains(&w.text.as_str()))
     };
-    let is_own = matches!(table, [kind, _] if kind == "material") && !has("extends");
-    let is_other = || key == "reflectivity" && has("ior");
-    let field = find(&MATERIAL, key).filter(|_| is_own && !is_other())?;
-    let lanes = (field.get)(&PLAIN)?.to_array().map(|lane| lane.to_json());
-    match field.form.lanes() {
-        1 => lanes.into_iter().next(),
-        count => Some(lanes[..count].into()),
-    }
+    let is_own = matches!(table, [kind, _] if kind == "material")
+        && !has(table, &["extends"])
+        && !has(&[], &["base", "include"]);
+    let has_index = has(table, &["ior"]);
+    move |key| is_own && !(has_index && key == "reflectivity")
 }
 
-/// Keys of a table; of its kind alone, where that is known; `default` is the value of a key without a default of its own.
+/// The value behind the word "Default" of a manual's text, if a sentence or a part of it ends there.
+fn stated_default(text: &str) -> Option<Value> {
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let (_, stated) = text.rsplit_once("Default ")?;
+    let stated = stated.trim_start_matches('`').trim_end_matches('.');
+    for (word, color) in [("white", json!([1, 1, 1])), ("black", json!([0, 0, 0]))] {
+        if stated.starts_with(word) {
+            return Some(color);
+        }
+    }
+    let stated = stated.split(". ").next().unwrap_or(stated);
+    let mut values = serde_json::Deserializer::from_str(stated).into_iter();
+    let value = values.next()?.ok()?;
+    let rest = &stated[values.byte_offset()..];
+    (rest.is_empty() || rest.starts_with([',', '`'])).then_some(value)
+}
+
+/// Keys of a table; of its kind alone, where that is known. Keys without a recorded default have the default that their
+/// text states, where `is_plain`.
 pub fn keys(
     section: &'static SectionRecord,
     kind: Option<&str>,
     form: KeyForm,
-    default: impl Fn(&str) -> Option<Value>,
+    is_plain: &dyn Fn(&str) -> bool,
 ) -> Vec<Value> {
     let mut seen = BTreeSet::new();
     let is_own = |of: &Option<&str>| kind.is_none() || of.is_none() || *of == kind;
     let own = keys_of(section).filter(|(of, key)| is_own(of) && seen.insert(key.name));
     let mut all: Vec<_> = own
         .map(|(word, key)| {
-            let value = key.default.clone().or_else(|| default(key.name));
-            form.item(key, value.as_ref(), &key_text(section, word, key))
+            let text = key_text(section, word, key);
+            let stated = || stated_default(&text).filter(|_| is_plain(key.name));
+            form.item(key, key.default.clone().or_else(stated).as_ref(), &text)
         })
         .collect();
     if let Some(first) = section.variants.first() {

@@ -240,7 +240,7 @@ impl Script<'_> {
                     let word = kind.map(|(_, word)| *word);
                     let word = word.or_else(|| goal.is_text().then_some("text"));
                     let known = section.variants.iter().find(|v| Some(v.word) == word);
-                    keys(section, known.map(|variant| variant.word), form, |_| None)
+                    keys(section, known.map(|variant| variant.word), form, &|_| false)
                 })
             }
         };
