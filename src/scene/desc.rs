@@ -269,10 +269,17 @@ impl SceneDesc {
         self.scripts().any(|script| script.has_frame)
     }
 
-    /// Names by which answers and lists tell the instances apart, each unique: their own, else the model's with a number.
+    /// Names by which answers and lists tell the instances apart from each other and from models that no instance
+    /// places: their own, else the model's with a number from the second on.
     pub fn instance_names(&self) -> Vec<String> {
         let mut taken = UniqueNames::default();
-        for name in self.instances.iter().filter_map(|i| i.name.as_deref()) {
+        let placed: HashSet<_> = (self.instances.iter())
+            .map(|i| i.model.value.as_str())
+            .collect();
+        let alone = (self.models.iter())
+            .map(|m| m.name.as_str())
+            .filter(|name| !placed.contains(name));
+        for name in (self.instances.iter().filter_map(|i| i.name.as_deref())).chain(alone) {
             taken.take(name);
         }
         let name_of = |i: &InstanceDesc| match &i.name {

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use super::ignored::written;
 use crate::{
     scene::{
-        desc::{LightKind, ModelSource, ShapeDesc},
+        desc::{LightKind, ModelDesc, ModelSource, ShapeDesc},
         diagnostic::{Diagnostic, Span},
         stages::Scene,
         syntax::{Content, Entries, Node},
@@ -99,20 +99,17 @@ fn clear(scene: &Scene) -> impl Iterator<Item = Diagnostic> {
 
 /// Solids that light passes through, of shapes with an open rim, at which no light enters or leaves.
 fn open_solids(scene: &Scene, world: &World) -> Vec<Diagnostic> {
-    let turned = scene
-        .models
-        .iter()
-        .filter(|model| match &model.value.source {
-            ModelSource::Shape(shape) => {
-                matches!(shape, ShapeDesc::Lathe { .. } | ShapeDesc::Sweep { .. })
-            }
-            ModelSource::File(_) => false,
-        });
-    let found = turned.filter_map(|model| {
-        // A model that no instance names is placed by its own name.
-        let of_model = scene.instances.iter().find(|i| i.model.value == model.name);
-        let name = of_model.and_then(|i| i.name.as_deref()).unwrap_or(&model.name);
-        let instance = world.instances.iter().find(|i| i.name == name)?;
+    let is_turned = |model: &ModelDesc| match &model.source {
+        ModelSource::Shape(shape) => {
+            matches!(shape, ShapeDesc::Lathe { .. } | ShapeDesc::Sweep { .. })
+        }
+        ModelSource::File(_) => false,
+    };
+    let turned = (scene.models.iter().enumerate()).filter(|(_, model)| is_turned(&model.value));
+    let found = turned.filter_map(|(index, model)| {
+        let placed = world.placed_models.iter().position(|placed| *placed == index);
+        let instance = &world.instances[placed?];
+        let name = &instance.name;
         let material = &world.materials[instance.material];
         let is_open = !world.meshes[instance.mesh].is_closed_outward();
         (is_open && material.solid).then(|| {

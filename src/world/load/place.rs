@@ -41,7 +41,7 @@ pub struct Job<'a> {
     /// Index of the `[[instance]]`; `None` for a model that no instance names.
     pub index: Option<usize>,
     pub instance: Option<&'a InstanceDesc>,
-    /// Name of what is placed, without a copy's place in a grid.
+    /// Name of the placed instance or model, without the place of a copy in its grid.
     name: String,
     at: &'a Span,
     /// Whether the instance may move.

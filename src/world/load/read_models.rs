@@ -16,7 +16,10 @@ use crate::{
     },
     usd,
 };
-use reflet_base::guard::{self, Ended};
+use reflet_base::{
+    guard::{self, Ended},
+    unique_names::unique_names,
+};
 use reflet_scene::{
     desc::{At, Entry, ModelDesc, ModelSource, ShapeDesc, is_stage},
     diagnostic::{Diagnostic, Span},
@@ -191,7 +194,11 @@ impl Loader<'_> {
             ready.map_or_else(|| read_guarded(path, &self.sandbox, &options), Ok)
         };
         match read {
-            Ok(model) => {
+            Ok(mut model) => {
+                let names = model.placements.iter().map(|part| part.value.name.as_str());
+                for (part, name) in unique_names(names).into_iter().enumerate() {
+                    model.placements[part].value.name = name;
+                }
                 for warning in &model.warnings {
                     if !self.world.warnings.contains(warning) {
                         self.world.warnings.push(warning.clone());
