@@ -1,7 +1,6 @@
 //! `thumbs`: a small picture of every model, panorama and scene of a folder, by one process with one device.
 
 use std::{
-    collections::BTreeMap,
     fmt::Display,
     fs,
     path::{Path, PathBuf},
@@ -94,17 +93,19 @@ pub fn thumbs(args: &ThumbsArgs) -> Result<(), AppError> {
     fs::create_dir_all(&*args.output).map_err(|error| AppError::unwritten(&args.output, &error))?;
     shutdown::listen();
     let gpu = Mutex::new(open(&picture)?);
-    let files: Vec<_> = jobs.iter().map(|job| job.file.clone()).collect();
-    let jobs = Mutex::new(jobs.into_iter().enumerate());
+    let jobs = Mutex::new(jobs.into_iter());
     let at_once = thread::available_parallelism().map_or(1, |n| n.get().min(MOST_AT_ONCE));
-    let work = |results: Sender<(usize, Result<(), AppError>)>| {
+    let show = |job: &Job, gpu: &Arc<Gpu>| {
+        let loaded = read(job, &picture, args.timeout)?;
+        render(gpu, args, &picture, loaded, job, &library)
+    };
+    let work = |results: Sender<(Job, Arc<Gpu>, Result<(), AppError>)>| {
         let next = || lock(&jobs).next().filter(|_| !shutdown::is_requested());
-        while let Some((index, job)) = next() {
+        while let Some(job) = next() {
             let gpu = lock(&gpu).clone();
-            let shown = read(&job, &picture, args.timeout)
-                .and_then(|loaded| render(&gpu, args, &picture, loaded, &job, &library));
-            if results.send((index, shown)).is_err() {
-                return; // no more pictures are wanted
+            let shown = show(&job, &gpu);
+            if results.send((job, gpu, shown)).is_err() {
+                return; // the command has failed
             }
         }
     };
@@ -116,45 +117,33 @@ pub fn thumbs(args: &ThumbsArgs) -> Result<(), AppError> {
             scope.spawn(|| work(sender));
         }
         drop(sender);
-        // Files are told in their order.
-        let mut waiting = BTreeMap::new();
-        for (index, file) in files.iter().enumerate() {
-            show_work(format_args!(
-                "{} of {all}: {}",
-                kept + failed + made + 1,
-                file.display()
-            ));
-            let shown = loop {
-                match waiting.remove(&index) {
-                    Some(shown) => break shown,
-                    None => match results.recv() {
-                        Ok((other, shown)) => waiting.insert(other, shown),
-                        Err(_) => break Err(GpuError::Interrupted.into()),
-                    },
-                };
-            };
-            end_work();
-            if shutdown::is_requested() {
-                let text =
-                    format!("stopped after {made} pictures; --resume goes on with the others");
-                return Err(AppError::Interrupted(text));
+        for (job, used, mut shown) in results {
+            let number = kept + failed + made + 1;
+            show_work(format_args!("{number} of {all}: {}", job.file.display()));
+            if let Err(AppError::Gpu(GpuError::Lost(_) | GpuError::OutOfMemory(_))) = shown {
+                // Another file may have used up the device: this file is tried on a new device.
+                let mut gpu = lock(&gpu);
+                if Arc::ptr_eq(&gpu, &used) {
+                    *gpu = open(&picture)?;
+                }
+                let new = gpu.clone();
+                drop(gpu);
+                shown = show(&job, &new);
             }
+            end_work();
             match shown {
                 Ok(()) => made += 1,
                 Err(error @ AppError::Disk(_)) => return Err(error),
-                Err(error) => {
-                    report(file, &reason(&error), &mut failed);
-                    if matches!(
-                        error,
-                        AppError::Gpu(GpuError::Lost(_) | GpuError::OutOfMemory(_))
-                    ) {
-                        *lock(&gpu) = open(&picture)?;
-                    }
-                }
+                Err(_) if shutdown::is_requested() => {}
+                Err(error) => report(&job.file, &reason(&error), &mut failed),
             }
         }
         Ok(())
     })?;
+    if shutdown::is_requested() {
+        let text = format!("stopped after {made} pictures; --resume goes on with the others");
+        return Err(AppError::Interrupted(text));
+    }
     reflet_base::error_line!("wrote {made} of {all} pictures, kept {kept}");
     match failed {
         0 => Ok(()),
@@ -280,13 +269,14 @@ fn render(
             false => Ok(()),
         }),
     );
-    let shown = shown.map_err(|error| {
+    let late = |error| {
         if is_late() {
             late(thumbs.timeout)
         } else {
             error
         }
-    })?;
+    };
+    let shown = shown.map_err(late)?;
     let unwritten = |error| AppError::unwritten(&job.picture, &error);
     job.picture.make_folders().map_err(unwritten)?;
     let output = PictureFile::new(&job.picture)?;
