@@ -14,8 +14,8 @@ use super::{project::show, *};
 use crate::common::program::signal;
 
 /// Steps of a session, a line each: `file NAME` with its text in the indented lines below, `copy NAME FILE` with a file of
-/// `tests`, `link NAME TARGET`, `remove NAME`, `run CODE ARGUMENTS`, `stop CODE ARGUMENTS`, which ends it by a signal after
-/// its first line, `feed ARGUMENTS` with standard input in the lines below; `agent ARGUMENTS`, the
+/// `tests`, `link NAME TARGET`, `remove NAME`, `run CODE ARGUMENTS`, `stop CODE ARGUMENTS`, which sends SIGTERM to the
+/// program after its first line, `feed ARGUMENTS` with standard input in the lines below; `agent ARGUMENTS`, the
 /// client of `reflet mcp ARGUMENTS`, which has an answer by `call TOOL JSON`, an error by `fail TOOL JSON`, an answer and
 /// an error of two calls at a time by `race TOOL JSON`; and of the run or call before: `says TEXT`, `line TEXT`,
 /// `lacks TEXT`, `json KEY` at the top, and `files FOLDER: NAMES`, `same A B` and `differ A B`, which compare
@@ -126,7 +126,7 @@ macro_rules! sessions {
         $(#[test]
         fn $name() {
             let text = include_str!(concat!("sessions/", stringify!($name), ".txt"));
-            if ["\nrun 0 render", "call render"].iter().any(|step| text.contains(step)) {
+            if ["\nrun 0 render", "\nrun 5 render", "call render"].iter().any(|s| text.contains(s)) {
                 or_skip!(gpu_or_skip());
             }
             let folder = [folder(stringify!($name)) $(, show(stringify!($name), $project))?];
