@@ -13,7 +13,7 @@ from texts import TEXTS
 
 # Least numbers of blocks and commands: a changed pattern drops none unseen.
 BLOCKS = {"guide": 9, "scripting": 1, "shapes": 10}
-COMMANDS = {"README": 6, "docs/guide": 22, "docs/query": 5, "docs/project": 2}
+COMMANDS = {"README": 7, "docs/guide": 22, "docs/query": 5, "docs/project": 2}
 
 BLOCK = re.compile(r"^```(toml|rust|rhai)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
@@ -67,26 +67,31 @@ def small(line: str) -> str:
 
 
 def commands(page: Path) -> list[str]:
-    """Lines of the shell blocks of a page, but for previews, which wait for a person."""
+    """Lines of the shell blocks of a page, and its commands above pictures, but for previews, which
+    wait for a person: tests/window and test_page.py use them."""
     found = re.findall(
-        r"^```sh\n(.*?)^```$", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL
+        r"^(?:```sh\n(.*?)^```|\| `(reflet [^`]+)`[^\n]*)$",
+        page.read_text(encoding="utf-8"),
+        re.MULTILINE | re.DOTALL,
     )
-    lines = "".join(found).replace("\\\n", " ").splitlines()
-    lines = [line for line in lines if not line.startswith("reflet preview")]
+    lines = "\n".join(map("".join, found)).replace("\\\n", " ").splitlines()
+    is_command = re.compile(r"(?!\s*#|reflet preview)\s*\S").match
+    lines = [line for line in lines if is_command(line)]
     return [small(line) if line.startswith("reflet ") else line for line in lines]
 
 
-# Programs of the pages that are not here: the installation is not optimized and goes into a
-# folder, and each task of an array runs as a cluster would run it.
+# Substitutes for programs of the pages: an installation that is not optimized and goes into a
+# folder, openjd from PyPI, and each task of an array as a cluster would run it.
 PROGRAMS = {
-    "cargo": f'cd {ROOT} && PATH="${{PATH#*:}}" && exec cargo "$@" --debug --root "$HERE/cargo"',
+    "cargo": f'cd {ROOT} && export CARGO_TARGET_DIR={ROOT}/target/pages PATH="${{PATH#*:}}" && '
+    'exec cargo "$@" --debug --root "$HERE/cargo"',
     "openjd": 'python3 -m venv jobs && jobs/bin/pip -q install openjd-cli && jobs/bin/openjd "$@"',
     "sbatch": 'for SLURM_ARRAY_TASK_ID in $(seq $(sed -nE "s/.*--array=([0-9]+)-([0-9]+).*'
     '/\\1 \\2/p" "$1")); do export SLURM_ARRAY_TASK_ID; bash "$1"; done',
 }
 
 
-@pytest.mark.full("a minute of small pictures, an installation")
+@pytest.mark.full("a minute of small pictures, an installation, 170 MB from PyPI")
 @pytest.mark.program
 @pytest.mark.parametrize("page", COMMANDS)
 def test_commands_of_a_page_run_one_after_another(page: str, tmp_path: Path) -> None:
