@@ -103,7 +103,7 @@ fn glass_in_a_white_world_cannot_be_seen() {
     ] {
         let glass = thing(shape, &format!("transmission = 1\n{material}"));
         let text = wall_and(&glass.replace("roughness = 0", &format!("roughness = {roughness}")));
-        // A mirror's way is the same with more samples.
+        // Only rough glass chooses otherwise where there are more samples (`FEW_SAMPLES` in facets.wgsl).
         for (samples, side) in [(1, 40), (33, 16)]
             .into_iter()
             .take(1 + usize::from(roughness > 0.0))
