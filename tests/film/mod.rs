@@ -160,13 +160,7 @@ fn resuming_keeps_what_is_the_same_and_renders_the_rest() {
 }
 
 fn pixels(file: &Path) -> Vec<u8> {
-    let file = fs::File::open(file).expect("it is there");
-    let mut reader = png::Decoder::new(std::io::BufReader::new(file))
-        .read_info()
-        .expect("a PNG");
-    let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
-    reader.next_frame(&mut pixels).expect("a frame");
-    pixels
+    image::open(file).expect("a PNG").into_bytes()
 }
 
 /// Plan of a film: covers all frames, not only the values at load.
