@@ -3,8 +3,8 @@
 Mitsuba is no part of the project's environment: `python3 -m venv DIR && DIR/bin/pip install
 mitsuba numpy pillow OpenEXR`, then run tools/tell.py by DIR/bin/python to measure. It needs LLVM 17
 or newer as a shared library (`DRJIT_LIBLLVM_PATH` says where, if it is not found). Pictures are
-96 x 64, in linear light. The text around the tables is written by hand: check it against new
-numbers.
+96 x 64, in linear light. Times are of the driver of each OUT; one of `--only speed` has times
+alone. The text around the tables is written by hand: check it against new numbers.
 """
 
 import pathlib
@@ -21,7 +21,7 @@ from reflet_usd.exr_pixels import read_exr
 from sheet import sheet, shown
 from tables import Row, Rows, read_rows, table, write_rows
 
-from documents.document import DATA, IMAGES, Document, Run, in_places
+from documents.document import DATA, IMAGES, Document, Run, driver_of, in_places
 
 SIZE = (96, 64)
 THEIR_SAMPLES = 4096
@@ -144,7 +144,7 @@ def tables() -> dict[str, str]:
     return {
         "scenes": scenes_table(rows),
         "convergence": convergence_table(rows),
-        "speed": table(speed.HEAD, speed.lines(read_rows(DATA / "light-speed.csv"))),
+        "speed": table(*speed.table_rows(read_rows(DATA / "light-speed.csv"), driver_of)),
     }
 
 
@@ -165,10 +165,14 @@ SHEETS = {
 
 def store(outs: list[pathlib.Path]) -> None:
     out = outs[0]
-    if not read_rows(out / "light.csv"):
+    speeds = [row for each in outs for row in read_rows(each / "speed.csv")]
+    if speeds:
+        write_rows(DATA / "light-speed.csv", speeds)
+    elif not read_rows(out / "light.csv"):
         sys.exit(f"{out} holds no measurements; run with --measure first")
+    if not read_rows(out / "light.csv"):
+        return
     shutil.copyfile(out / "light.csv", DATA / "light.csv")
-    shutil.copyfile(out / "speed.csv", DATA / "light-speed.csv")
     samples = {scene.name: scene.samples for scene in all_scenes()}
     for sheet_name, names in SHEETS.items():
         # Reflet's pictures above Mitsuba's, one column for each scene.
