@@ -1,7 +1,7 @@
 //! The inspected item, whose numbers the window shows: selected by a click or in the outline, written
 //! back, and found again after reloads.
 
-use super::{instance_key::InstanceKey, worker::Worker};
+use super::worker::Worker;
 use crate::{
     live::Live,
     viewer::protocol::Report,
@@ -16,7 +16,7 @@ impl Worker {
             SceneItem::Instance(index) => world.written.iter().position(|w| *w == Some(index)),
             _ => None,
         };
-        self.selected = index.and_then(|index| InstanceKey::from_index(world, index));
+        self.selected = index.and_then(|index| self.instance_name(index));
         self.show_item(Some(item));
     }
 
@@ -71,9 +71,7 @@ impl Worker {
 
     /// Writes a number of a material into the text, as the selected instance has it.
     pub(super) fn write_material(&mut self, material: usize, numbers: &Numbers) {
-        let world = self.live.world();
-        let shown = self.selected.as_ref().and_then(|key| key.find(world));
-        let shown = shown.map(|(index, _)| index);
+        let shown = self.selected_instance();
         let done = self.live.write_material(material, shown, numbers);
         self.send(Report::Message(match done {
             Ok(table) => format!("{} is written into {table}", numbers.key),

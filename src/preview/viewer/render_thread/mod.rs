@@ -4,7 +4,6 @@ mod dynamic_resolution;
 mod event_loop;
 mod frame_requests;
 mod inspecting;
-mod instance_key;
 mod picked_decal;
 mod picking;
 mod pixel;

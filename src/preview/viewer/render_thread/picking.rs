@@ -1,7 +1,7 @@
 //! Picking: finds the clicked instance in the ids, and draws the outline of the selected
 //! one.
 
-use super::{instance_key::InstanceKey, worker::Worker};
+use super::worker::Worker;
 use crate::{
     viewer::{
         frame_texture::FrameTexture,
@@ -40,7 +40,7 @@ impl Worker {
         let item = self.clicked(view, at, (instance, index as usize))?;
         self.selected = match item {
             Some(SceneItem::Decal(_)) => None,
-            _ => InstanceKey::from_index(self.live.world(), instance),
+            _ => self.instance_name(instance),
         };
         self.show_item(item);
         let picked = self.picked_among(&ids)?;
@@ -64,6 +64,18 @@ impl Worker {
         self.picked_among(&ids)
     }
 
+    /// Name of the instance of this index; none of the sky.
+    pub(super) fn instance_name(&self, index: usize) -> Option<String> {
+        Some(self.live.world().instances.get(index)?.name.clone())
+    }
+
+    /// Index of the selected instance, if the scene still has its name.
+    pub(super) fn selected_instance(&self) -> Option<usize> {
+        let name = self.selected.as_ref()?;
+        let mut instances = self.live.world().instances.iter();
+        instances.position(|instance| instance.name == *name)
+    }
+
     fn selected_decal(&self) -> Option<usize> {
         match self.item {
             Some((SceneItem::Decal(index), _)) => Some(index),
@@ -80,13 +92,12 @@ impl Worker {
             return Ok(Some(Picked { outline, ..picked }));
         }
         let world = self.live.world();
-        let found = (self.selected.as_ref()).and_then(|key| Some((key, key.find(world)?)));
-        let Some((key, (index, count))) = found else {
+        let Some(index) = self.selected_instance() else {
             self.selected = None;
             return Ok(None);
         };
         let instance = &world.instances[index];
-        let label = key.label(count);
+        let label = instance.name.clone();
         let (material, bounds) = (instance.material, world.bounds_of(instance));
         let mesh = &world.meshes[instance.mesh];
         let triangles = mesh.round.is_none().then_some(mesh.triangles.len());

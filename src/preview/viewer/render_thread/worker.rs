@@ -8,7 +8,6 @@ use std::{
 
 use super::{
     dynamic_resolution::{FrameCost, RestBudget},
-    instance_key::InstanceKey,
     pixels::Pixels,
     reload_jobs::ReloadJobs,
 };
@@ -40,8 +39,8 @@ pub(super) struct Worker {
     pub(super) view: Option<View>,
     pub(super) textures: Vec<FrameTexture>,
     pub(super) error_map: Option<(FrameTexture, Pixels)>,
-    /// The selected instance.
-    pub(super) selected: Option<InstanceKey>,
+    /// Name of the selected instance, by which it is found in a reloaded scene.
+    pub(super) selected: Option<String>,
     pub(super) outline: Option<FrameTexture>,
     /// Place of the last click in the picture, 0 to 1.
     pub(super) clicked_at: Option<[f32; 2]>,
