@@ -63,6 +63,9 @@ pub const NONE: u32 = u32::MAX;
 
 /// Number of entries of the traversal stack in `shaders/lib/bvh.wgsl`; trees that need more are refused.
 pub const STACK_SIZE: u32 = 24;
+/// Number of its entries that the top level may need where it has many instances, and the tree of a mesh, which is
+/// entered from there. The static tree is traversed before both and may need all.
+const HALF_STACK: u32 = STACK_SIZE / 2;
 
 /// Number of 32-bit words of a node.
 const NODE_WORDS: usize = size_of::<CwBvhNode>() / 4;
@@ -136,9 +139,11 @@ impl Trees {
         let static_triangles = triangles.len();
         let (deformed, rigid): (Vec<usize>, Vec<usize>) =
             (placement.meshes.iter()).partition(|mesh| world.deformed.contains_key(mesh));
+        // A top level is no deeper than it has instances.
+        let mesh_stack = STACK_SIZE - HALF_STACK.min(placement.top.len() as u32);
         let mesh_trees: Vec<_> = rigid
             .par_iter()
-            .map(|mesh| mesh_tree(&world.meshes[*mesh]))
+            .map(|mesh| mesh_tree(&world.meshes[*mesh], mesh_stack))
             .collect::<Result<_, _>>()?;
 
         let placed = PlacedInstances::new(world, &placement.top);

@@ -7,7 +7,7 @@ use obvhs::aabb::Aabb;
 use rayon::prelude::*;
 
 use super::{
-    FLIPPED, NONE, TraceTriangle,
+    FLIPPED, NONE, STACK_SIZE, TraceTriangle,
     gpu_layout::{instance_flags, trace_capsule, trace_triangle},
     placement::error,
     tree::Tree,
@@ -79,7 +79,11 @@ fn is_far(tree_box: &Aabb) -> bool {
     !reach::is_within_reach(&Bounds { min, max })
 }
 
-pub(super) fn mesh_tree(mesh: &Mesh) -> Result<(Tree, Vec<TraceTriangle>), Box<Diagnostic>> {
+/// The tree of a mesh whose traversal needs no more than `stack` entries, and its triangles in leaf order.
+pub(super) fn mesh_tree(
+    mesh: &Mesh,
+    stack: u32,
+) -> Result<(Tree, Vec<TraceTriangle>), Box<Diagnostic>> {
     let corners = |t: u32| mesh.at_rest().corners(mesh.triangles[t as usize]);
     let radius = mesh.capsule_radius_m;
     let ids: Vec<u32> = (0..mesh.triangles.len() as u32)
@@ -93,7 +97,7 @@ pub(super) fn mesh_tree(mesh: &Mesh) -> Result<(Tree, Vec<TraceTriangle>), Box<D
     if boxes.iter().any(is_far) {
         return Err(too_far(&format!("mesh \"{}\"", mesh.name)));
     }
-    let tree = Tree::build(&boxes);
+    let tree = Tree::within(&boxes, stack);
     let triangles = tree
         .order
         .iter()
@@ -125,7 +129,7 @@ pub(super) fn static_tree(
         let name = &world.instances[ids[bad].0 as usize].name;
         return Err(too_far(&format!("instance \"{name}\"")));
     }
-    let tree = Tree::build(&boxes);
+    let tree = Tree::within(&boxes, STACK_SIZE);
     drop(boxes);
     let flags: Vec<u32> = world
         .instances

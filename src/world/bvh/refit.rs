@@ -7,7 +7,7 @@ use glam::{Vec3, Vec3A};
 use obvhs::{aabb::Aabb, cwbvh::node::CwBvhNode};
 
 use super::{
-    NONE, STACK_SIZE, TraceTriangle,
+    HALF_STACK, NONE, TraceTriangle,
     gpu_layout::trace_triangle,
     leaves::bounding_box,
     tree::{self, Tree},
@@ -17,8 +17,6 @@ use crate::Mesh;
 /// Ratio above which a refitted tree is rebuilt: its SAH cost to the cost of the tree at rest, each relative to its
 /// root's area.
 const POOREST: f32 = 1.5;
-/// Largest stack depth of a rebuilt tree; the rest is left to the top level.
-const LARGEST_STACK: u32 = STACK_SIZE / 2;
 
 /// Tree of a mesh at rest, and the ranges of its poses in the buffers of all trees.
 #[derive(Clone, Debug)]
@@ -69,7 +67,7 @@ impl DeformingTree {
             let rebuilt = Tree::build(&boxes);
             let need = rebuilt.stack_need;
             let fits = rebuilt.nodes.len() <= self.nodes.len();
-            if fits && need <= LARGEST_STACK.max(self.rest.stack_need) {
+            if fits && need <= HALF_STACK.max(self.rest.stack_need) {
                 posed = rebuilt;
             }
         }
@@ -186,7 +184,7 @@ mod tests {
         let boxes = boxes(&mesh, &mesh.positions);
         let whole = Tree::build(&boxes);
         let binary = cluster(&boxes, true);
-        let in_parts = |most| Tree::shallow(&binary, most).expect("shallow");
+        let in_parts = |most| Tree::shallow(&binary, most, HALF_STACK).expect("shallow");
         let parts = [1, 7, 20, 100, 500].map(in_parts);
         for built in parts.into_iter().chain([whole]) {
             let mut refitted = built.nodes.clone();

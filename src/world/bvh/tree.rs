@@ -8,7 +8,7 @@ use obvhs::{
 };
 use rayon::prelude::*;
 
-use super::{STACK_SIZE, cluster::cluster};
+use super::{HALF_STACK, cluster::cluster};
 
 /// Boxes of a leaf at most.
 const MOST_IN_LEAF: u32 = 3;
@@ -39,9 +39,14 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// Builds a tree over finite `boxes`. One that takes more than half of the traversal's stack is built anew,
-    /// balanced.
+    /// Builds a tree for half of the traversal's stack.
     pub fn build(boxes: &[Aabb]) -> Self {
+        Self::within(boxes, HALF_STACK)
+    }
+
+    /// Builds a tree over finite `boxes` whose traversal needs no more than `stack` entries. If the tree of the surface
+    /// area heuristic needs more, a balanced tree replaces it, of which rays visit some four times as many nodes.
+    pub fn within(boxes: &[Aabb], stack: u32) -> Self {
         if boxes.is_empty() {
             return Self {
                 nodes: vec![CwBvhNode::default()],
@@ -52,7 +57,7 @@ impl Tree {
         let mut optimized = cluster(boxes, true);
         // The default size of its stack: one on which an overfull branch is forgotten, where a larger one panics.
         ReinsertionOptimizer::default().run(&mut optimized, REINSERTED_SHARE, None);
-        Self::shallow(&optimized, MOST_IN_PART).unwrap_or_else(|| {
+        Self::shallow(&optimized, MOST_IN_PART, stack).unwrap_or_else(|| {
             let balanced = cluster(boxes, false);
             // Nodes of one size, so that as many as possible are children of one.
             let mut even = balanced.clone();
@@ -63,11 +68,11 @@ impl Tree {
     }
 
     /// The wide tree of a binary tree, which is widened in parts if it has more than `most_in_part` boxes; `None` if the
-    /// binary or the wide tree is too deep.
-    pub fn shallow(tree: &Bvh2, most_in_part: u32) -> Option<Self> {
+    /// binary tree is too deep, or the wide one for a `stack` of so many entries.
+    pub fn shallow(tree: &Bvh2, most_in_part: u32, stack: u32) -> Option<Self> {
         let mut counts = vec![0; tree.nodes.len()];
         count_boxes(tree, 0, MOST_LEVELS, &mut counts)?;
-        let is_shallow = |wide: &Self| wide.stack_need <= STACK_SIZE / 2;
+        let is_shallow = |wide: &Self| wide.stack_need <= stack;
         let in_parts = (counts[0] > most_in_part).then(|| {
             // Smaller parts would be nodes of their own where they are better spread among other children.
             let sizes = most_in_part / LEAST_OF_PART..=most_in_part;
@@ -257,7 +262,7 @@ mod tests {
             let holds_all = |tree: Tree| {
                 let mut order = tree.order;
                 order.sort_unstable();
-                tree.stack_need <= STACK_SIZE / 2 && order.into_iter().eq(0..30_000)
+                tree.stack_need <= HALF_STACK && order.into_iter().eq(0..30_000)
             };
             assert!(holds_all(Tree::build(&boxes)), "{name}");
             for patient in [false, true] {
@@ -266,8 +271,11 @@ mod tests {
                 let levels = if patient { 200 } else { 15 };
                 let count = count_boxes(&binary, 0, levels, &mut counts);
                 assert_eq!(count, Some(30_000), "{name}");
-                let in_parts = Tree::shallow(&binary, 1000);
-                assert!(in_parts.is_none_or(holds_all), "{name}");
+                let within = |stack| Tree::shallow(&binary, 1000, stack);
+                assert!(within(HALF_STACK).is_none_or(holds_all), "{name}");
+                let need = within(HALF_STACK).map_or(1, |tree| tree.stack_need);
+                let smaller = within(need - 1);
+                assert!(smaller.is_none_or(|tree| tree.stack_need < need), "{name}");
             }
         }
     }
@@ -290,6 +298,6 @@ mod tests {
             }
         }
         tree.children_are_ordered_after_parents = true;
-        assert!(Tree::shallow(&tree, 1).is_none());
+        assert!(Tree::shallow(&tree, 1, HALF_STACK).is_none());
     }
 }
