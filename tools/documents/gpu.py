@@ -1,142 +1,110 @@
-"""Bytes of the frames of docs/views.md, and times that rates of GPUs make of their counts.
+"""hybrid beside rt on a GPU, in the views of docs/views.md at several sizes (docs/gpu.md).
 
-Counts are from docs/data/views.csv, bytes from `reflet info --frame`, costs from docs/costs.md
-(docs/gpu.md).
+Times are the least of all frames, since a GPU that waits lowers its clock; ratios are medians of
+pairs of frames, of both methods in turns.
 """
 
-import json
 import pathlib
-import re
-import shutil
-import subprocess
-from typing import Any
+import statistics
 
-from measuring import ROOT, settings
-from tables import Rows, count, read_rows, table, write_rows
+from measuring import ROOT
+from tables import Row, Rows, by, count, read_rows, table, write_rows
 
 from documents import views
-from documents.document import DATA, DOCS, Document, Run, accepted_px, in_places
+from documents.document import DATA, Document, Run, folder_of, in_places, samples
 
-PIXELS = 1280 * 720
-SIZES = {"1280 × 720": 1, "1920 × 1080": 2.25, "3840 × 2160": 9}
-# Passes whose work is for the pixels of a list, and which list.
-LISTED = {"ssr": "listed", "hits": "accepted", "trace": "refused"}
-NODE_BYTES, TRIANGLE_BYTES, STEP_BYTES = 80, 48, 4
-# Memory bandwidth by the makers' data sheets, GB/s.
-CARDS = {"GTX 780 Ti": 336, "RTX 4090": 1008, "H100 SXM": 3350}
+SIZES = ("1280 × 720", "1920 × 1080", "3840 × 2160")
+PASSES = ("primary", "visibility", "ssr", "hits", "trace")
+COLUMNS = [
+    *["view", "size", "method", "edge_px", "reflection_ms", "ratio"],
+    *(f"pass_{name}_ms" for name in PASSES),
+    *["trace_traversals", "trace_visited_nodes", "march_steps", "mask_flip", "adapter", "driver"],
+]
+
+
+def part(view: str, size: str) -> str:
+    return f"{view} {size.replace(' × ', 'x')}"
 
 
 def measure(run: Run) -> None:
-    """Writes the bytes a pixel of the passes of each view by each method, as of GPUs."""
+    """Times both methods in each view at each size, after frames in which the clock may rise."""
     lamps = run.out / "eight-lamps.toml"
     lamps.write_text(views.eight_lamps())
-    rows: list[dict[str, Any]] = []
-    for view, (name, *changes) in views.VIEWS.items():
-        scene = lamps if name == lamps.name else ROOT / name
-        for method in ("hybrid", "rt"):
-            command = [run.program, "info", scene, "--frame", "--json", *changes, *run.models()]
-            command += ["--assets", ROOT / "scenes", *settings(f'reflection.method="{method}"')]
-            text = subprocess.run(command, check=True, capture_output=True, text=True).stdout
-            for each in json.loads(text)[0]["passes"]:
-                both = each["read_bytes_per_pixel"] + each["written_bytes_per_pixel"]
-                of = {"view": view, "method": method, "pass": each["pass"]}
-                rows.append(of | {"bytes_per_pixel": both})
-    write_rows(run.out / "gpu.csv", rows)
+    values = ["--parameter", "edge_px", "--values", f"{views.STRICTEST},{views.DEFAULT}"]
+    values += ["--methods", "hybrid,rt", "--frames", "20", "--warm-up", "20", "--counters"]
+    for size in SIZES:
+        for view, (name, *changes) in views.VIEWS.items():
+            if run.wants(part(view, size)):
+                scene = lamps if name == lamps.name else ROOT / name
+                options = [*changes, *run.models(), "--assets", ROOT / "scenes"]
+                options += ["--sizes", size.replace(" × ", "x"), "--resume"]
+                run.bench(part(view, size), scene, *options, *values)
 
 
-def gpu_costs() -> dict[str, float]:
-    """Costs of GPUs in nanoseconds: the last column of the table of costs."""
-    text = (DOCS / "costs.md").read_text()
-    rows = re.findall(r"^\| `(\w+)` \|.*\| ([0-9.,]+) \|$", text, re.MULTILINE)
-    return {name: float(value.replace(",", "")) for name, value in rows}
+def settings_of(rows: Rows) -> Rows:
+    """One row for each method and value, from the rows of its frames."""
+    rows = [row for row in rows if row["status"] == "ok"]
+    rt = {r["repetition"]: float(r["reflection_ms"]) for r in rows if r["method"] == "rt"}
 
+    def of(frames: Rows) -> Row:
+        ratios = [float(row["reflection_ms"]) / rt[row["repetition"]] for row in frames]
+        timed = [column for column in COLUMNS if column.endswith("_ms")]
+        least = {name: f"{min(float(row[name] or 0) for row in frames):.4f}" for name in timed}
+        return frames[0] | least | {"ratio": f"{statistics.median(ratios):.3f}"}
 
-class View:
-    """Counts of a view at 1280 × 720."""
-
-    def __init__(self, rows: Rows, passes: Rows, name: str) -> None:
-        self.passes = [row for row in passes if row["view"] == name]
-        self.hybrid = views.of(rows, name, "hybrid", views.DEFAULT)[0]
-        self.rt = views.of(rows, name, "rt")[0]
-        listed, accepted = float(self.rt["reflective_px"]), accepted_px(self.hybrid)
-        self.pixels = {"listed": listed, "accepted": accepted, "refused": listed - accepted}
-
-    def traced(self, method: str) -> tuple[float, float, float]:
-        """Traversals, nodes and triangles of reflections, as counted."""
-        row = self.hybrid if method == "hybrid" else self.rt
-        columns = ("traversals", "visited_nodes", "tested_triangles")
-        return tuple(float(row[c]) for c in columns)  # type: ignore[return-value]
-
-    def megabytes(self, method: str) -> tuple[float, float]:
-        """Bytes of intermediate textures, and of other data of reflections, in millions."""
-        pixels = self.pixels | ({} if method == "hybrid" else {"refused": self.pixels["listed"]})
-        textures = 0.0
-        for each in (row for row in self.passes if row["method"] == method):
-            area = pixels.get(LISTED.get(each["pass"], ""), PIXELS)
-            textures += float(each["bytes_per_pixel"]) * area
-        _, nodes, triangles = self.traced(method)
-        beside = nodes * NODE_BYTES + triangles * TRIANGLE_BYTES
-        if method == "hybrid":
-            beside += float(self.hybrid["march_steps"]) * STEP_BYTES
-        return textures / 1e6, beside / 1e6
-
-    def reflection_ms(self, method: str, scale: float, ns: dict[str, float]) -> float:
-        """Time of the reflections by the costs of GPUs, with counts in proportion to the pixels."""
-        rays, nodes, _ = self.traced(method)
-        trace = rays * ns["mirror_ray"] + nodes * ns["mirror_node"]
-        if method == "rt":
-            return (trace * scale + ns["pass"]) / 1e6
-        march = PIXELS * ns["pyramid_pixel"] + self.pixels["listed"] * ns["march_ray"]
-        march += float(self.hybrid["march_steps"]) * ns["march_node"]
-        march += self.pixels["accepted"] * ns["hit"]
-        return ((1.3 * trace + march) * scale + 5 * ns["pass"]) / 1e6
+    kinds = by(rows, "method").values()
+    return [of(frames) for kind in kinds for frames in by(kind, "edge_px").values()]
 
 
 def tables() -> dict[str, str]:
-    rows, passes = (read_rows(DATA / f"{name}.csv") for name in ("views", "gpu"))
-    each = {name: View(rows, passes, name) for name in views.VIEWS}
-    ns = gpu_costs()
+    rows = read_rows(DATA / "gpu.csv")
 
-    def counts(name: str) -> list[str]:
-        view = each[name]
-        listed = view.pixels["listed"]
-        rays, nodes, triangles = view.traced("rt")
-        own = view.traced("hybrid")
-        steps = float(view.hybrid["march_steps"]) / listed
-        shares = [f"{own[1] / nodes:.2f}", f"{own[2] / triangles:.2f}"]
-        per_ray = [f"{nodes / rays:.1f}", f"{triangles / rays:.1f}"]
-        return [name, count(listed), f"{steps:.1f}", *per_ray, *shares]
+    def found(view: str, size: str, method: str, edge_px: float = views.DEFAULT) -> Row | None:
+        of = views.of([row for row in rows if row["size"] == size], view, method, edge_px)
+        return of[0] if of else None
 
-    def data(name: str) -> list[str]:
-        cells = [name]
-        for method in ("rt", "hybrid"):
-            textures, beside = each[name].megabytes(method)
-            cells += [f"{textures:.0f}", f"{beside:.0f}"]
-            cells += [f"{(textures + beside) / rate:.2f}" for rate in CARDS.values()]
+    def times(view: str) -> list[str]:
+        cells = [view]
+        for size in SIZES:
+            rt = found(view, size, "rt")
+            own = [found(view, size, "hybrid", e) for e in (views.DEFAULT, views.STRICTEST)]
+            cells.append(f"{float(rt['reflection_ms']):.2f}" if rt else "–")
+            cells += [f"{float(row['ratio']):.2f}" if row else "–" for row in own]
         return cells
 
-    def times(name: str) -> list[str]:
-        cells = [name]
-        for scale in SIZES.values():
-            rt, hybrid = (each[name].reflection_ms(m, scale, ns) for m in ("rt", "hybrid"))
-            cells += [f"{rt:.2f}", f"{hybrid / rt:.2f}"]
-        return cells
+    def passes(view: str) -> list[str]:
+        rt, own = (found(view, SIZES[1], method) for method in ("rt", "hybrid"))
+        assert rt and own
+        rays, nodes = (float(rt[f"trace_{name}"]) for name in ("traversals", "visited_nodes"))
+        ms = [float(row[f"pass_{name}_ms"]) for row, name in (
+            (rt, "trace"), (own, "trace"), (own, "ssr"), (own, "hits"), (rt, "primary"),
+        )]  # fmt: skip
+        traced = [count(rays), f"{nodes / rays:.1f}", count(float(own["trace_traversals"]))]
+        return [view, *traced, *(f"{each:.2f}" for each in ms)]
 
-    per_method = ["textures, MB", "beside, MB", *CARDS]
+    measured = [view for view in views.VIEWS if found(view, SIZES[1], "rt")]
     heads = {
-        "counts": [
-            "view", "listed pixels", "steps a pixel", "nodes a ray", "triangles a ray",
-            "`hybrid` ÷ `rt`: nodes", "triangles",
+        "times": ["view", *(
+            cell for s in SIZES for cell in (f"{s}: `rt`, ms", "`hybrid` ÷ `rt`", "`edge_px` 0")
+        )],
+        "passes": [
+            "view", "rays of `rt`", "nodes a ray", "rays of `hybrid`", "`rt`: trace, ms",
+            "`hybrid`: trace", "march", "hits", "primary rays",
         ],
-        "data": ["view", *(f"`{m}`: {head}" for m in ("rt", "hybrid") for head in per_method)],
-        "times": ["view", *(h for size in SIZES for h in (f"{size}: `rt`, ms", "`hybrid` ÷ `rt`"))],
     }  # fmt: skip
-    lines = {"counts": counts, "data": data, "times": times}
-    return {name: table(head, map(lines[name], each)) for name, head in heads.items()}
+    lines = {"times": times, "passes": passes}
+    return {name: table(head, map(lines[name], measured)) for name, head in heads.items()}
 
 
 def store(outs: list[pathlib.Path]) -> None:
-    shutil.copyfile(outs[0] / "gpu.csv", DATA / "gpu.csv")
+    rows: Rows = []
+    for out in outs:
+        for size in SIZES:
+            for view in views.VIEWS:
+                if (out / folder_of(part(view, size))).exists():
+                    measured = settings_of(samples(out, part(view, size)))
+                    rows += [row | {"view": view, "size": size} for row in measured]
+    write_rows(DATA / "gpu.csv", [{column: row[column] for column in COLUMNS} for row in rows])
 
 
 DOCUMENT = Document("gpu.md", in_places(tables), store, measure)

@@ -72,27 +72,26 @@ impl UnitCosts {
         tree_triangle: 970.0,
         tree_instance: 2_000.0,
     };
-    /// Default costs, for every GPU. Their source is an experiment on one data-center GPU (NVIDIA H200), whose
-    /// rasterizer is weak relative to its compute units: a scene of 1.8 million triangles, traversal in WGSL without
-    /// shading, 2,240 million primary and 1,650 million mirror rays a second at 1280 × 720, 2.6 million triangles
-    /// rasterized in 5.6 ms, and a linear march of 64 steps. No scene has been rendered on a GPU yet.
+    /// Costs of GPUs: single passes of eight views on one data-center GPU (NVIDIA H100), whose rasterizer is weak
+    /// relative to its compute units. There a pass of few rays takes as long as its longest ones, so that a node costs
+    /// .05 to .19 ns. Costs of maps are from an experiment with 2.6 million triangles on an NVIDIA H200.
     pub const GPU: Self = Self {
         raster_triangle: 2.2,
         raster_pixel: 0.5,
         map_triangle: 2.2,
         map_pixel: 0.05,
         map_capsule: 0.1,
-        filter: 0.05,
-        primary_ray: 0.1,
-        primary_node: 0.017,
-        shadow_ray: 0.1,
-        shadow_node: 0.02,
-        mirror_ray: 0.2,
-        mirror_node: 0.025,
-        march_ray: 0.15,
-        march_node: 0.005,
-        pyramid_pixel: 0.02,
-        hit: 0.1,
+        filter: 0.02,
+        primary_ray: 0.03,
+        primary_node: 0.024,
+        shadow_ray: 0.01,
+        shadow_node: 0.022,
+        mirror_ray: 0.1,
+        mirror_node: 0.08,
+        march_ray: 0.35,
+        march_node: 0.008,
+        pyramid_pixel: 0.005,
+        hit: 0.2,
         pass: 10_000.0,
         tree_triangle: Self::PROCESSOR.tree_triangle,
         tree_instance: Self::PROCESSOR.tree_instance,
@@ -105,7 +104,8 @@ impl UnitCosts {
     /// each ray visits. These costs never decide; they are shown where they would choose another method.
     pub const CARD: Self = Self {
         march_ray: 0.03,
-        march_node: 0.004,
+        march_node: 0.012,
+        hit: 0.1,
         pyramid_pixel: 0.0,
         pass: 0.0,
         ..Self::GPU
