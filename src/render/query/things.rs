@@ -1,6 +1,6 @@
 //! Things of a scene: instances of its text, with their copies and the parts of their files.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::{Question, answer::Thing, bounds_of, corners, numbers};
 use crate::runtime::{SessionError, scene_text::LoadedScene};
@@ -27,7 +27,7 @@ impl Things {
     ///
     /// # Errors
     /// [`SessionError::UnknownName`] for a name of the question without a thing.
-    pub fn new(loaded: &LoadedScene, question: &Question) -> Result<Self, SessionError> {
+    pub fn new<'q>(loaded: &'q LoadedScene, question: &'q Question) -> Result<Self, SessionError> {
         let (scene, world) = (&loaded.scene, &loaded.world);
         let mut things = Self {
             all: Vec::new(),
@@ -37,6 +37,8 @@ impl Things {
         let mut known = HashMap::new();
         let mut found = vec![false; question.of.len()];
         let names = scene.instance_names();
+        let given = scene.instances.iter().filter_map(|i| i.name.as_deref());
+        let given: HashSet<&str> = given.collect();
         for (index, instance) in world.instances.iter().enumerate() {
             let written = world.written[index];
             let model = scene.models.get(world.placed_models[index]);
@@ -44,24 +46,32 @@ impl Things {
             let own = written.map_or(model, |i| names[i].as_str());
             let is_named = written.is_some_and(|i| scene.instances[i].name.is_some());
             let part = instance.name.as_str();
-            let is_asked = |name: &str| {
+            // Name of the thing that a question is about, if this instance belongs to it.
+            let asked_as = |name: &'q str| {
                 let is_group = || scene.groups.iter().any(|group| group.name == name);
+                let is_of_model = || model == name || name.strip_suffix("#1") == Some(own);
+                let is_own = match given.contains(name) {
+                    true => own == name,
+                    false => own == name || !is_named && is_of_model(),
+                };
                 let is_part = name.len() > own.len() && is_below(part, name, &['/', '[', '#']);
-                let is_own = own == name || model == name && !is_named;
-                is_own || part == name || is_part || is_below(own, name, &['.']) && is_group()
+                match is_own || is_below(own, name, &['.']) && is_group() {
+                    true => Some(own),
+                    false => (is_part && !given.contains(name)).then_some(name),
+                }
             };
             let asked = question.of.iter().zip(&mut found);
-            let asked = asked.filter(|(name, _)| is_asked(name));
-            let asked = asked.map(|(name, found)| {
+            let asked = asked.filter_map(|(name, found)| {
+                let thing = asked_as(name)?;
                 *found = true;
-                name.as_str()
+                Some(thing)
             });
             // A part is asked about apart from its thing.
             let asked = asked.max_by_key(|name| name.len());
-            let name = match asked {
-                _ if question.parts => part,
-                Some(name) if name.len() > own.len() => name,
-                _ => own,
+            let name = if question.parts {
+                part
+            } else {
+                asked.unwrap_or(own)
             };
             // A model that no instance places may have an instance's name.
             let key = (name.to_owned(), (name == own).then_some(written));

@@ -19,7 +19,7 @@ use crate::{
     reach::{TOO_FAR, TOO_FAR_HELP, is_within_reach, too_far},
     rig::Player,
 };
-use reflet_base::math::invertible;
+use reflet_base::{math::invertible, unique_names::UniqueNames};
 use reflet_scene::{
     desc::{AnimationDesc, ByName, InstanceDesc, SceneDesc, ShownDesc},
     diagnostic::Span,
@@ -104,7 +104,14 @@ impl Loader<'_> {
         let rest = self.desc.rest();
         let mut extras = Extras::new(self.desc, &rest);
         self.world.moving.placed_at = placed_at(self.desc);
-        for job in &jobs(self.desc, &self.models) {
+        let jobs = jobs(self.desc, &self.models);
+        // An instance whose own name is like the name of a part or a copy may have the name of one.
+        let has_such = jobs.iter().any(|job| job.name.contains(['/', '[']));
+        let mut taken = UniqueNames::default();
+        if has_such {
+            jobs.iter().for_each(|job| _ = taken.take(&job.name));
+        }
+        for job in &jobs {
             let before = self.world.instances.len();
             let mut dropped = Vec::new();
             let placement = self.at_rest(job, &rest, sources);
@@ -115,6 +122,11 @@ impl Loader<'_> {
                 &mut extras,
                 &mut dropped,
             );
+            if has_such {
+                let new = self.world.instances[before..].iter_mut();
+                new.filter(|instance| instance.name != job.name)
+                    .for_each(|part| part.name = taken.take(&part.name));
+            }
             let placed = self.world.instances.len();
             self.world.written.resize(placed, job.index);
             self.world.placed_models.resize(placed, job.model);
