@@ -287,9 +287,9 @@ pub struct RenderArgs {
 
 impl RenderArgs {
     /// Arguments for pictures of a scene that another command writes.
-    pub fn for_pictures(scene: &Path, picture: &PictureArgs) -> Self {
+    pub fn for_pictures(scene: Option<&Path>, picture: &PictureArgs) -> Self {
         Self {
-            scene: Some(scene.to_owned()),
+            scene: scene.map(Path::to_owned),
             output: None,
             frames: None,
             resume: false,

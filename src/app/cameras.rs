@@ -98,6 +98,15 @@ pub fn choose(loaded: &LoadedScene, asked: Option<&str>) -> Result<Vec<usize>, A
     Ok(vec![choose_camera(loaded, asked)?])
 }
 
+/// Index of the first camera of `--camera`; `None` without it.
+///
+/// # Errors
+/// Same errors as [`choose`].
+pub fn first(loaded: &LoadedScene, asked: Option<&str>) -> Result<Option<usize>, AppError> {
+    let chosen = asked.map(|name| choose(loaded, Some(name))).transpose()?;
+    Ok(chosen.and_then(|all| all.first().copied()))
+}
+
 /// Indices of the scene's own cameras, without cameras of placed scenes; all cameras where it has none of its own.
 fn own(loaded: &LoadedScene) -> Vec<usize> {
     let groups: HashSet<&str> = loaded

@@ -3,20 +3,30 @@
 pub mod frame;
 mod skipped;
 mod table;
+mod time;
 
 use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
+    time::Instant,
 };
 
 use clap::Args;
 use frame::planned_frames;
 use serde::Serialize;
 use skipped::{SkippedInfo, skipped};
+use time::PictureTime;
 
-use super::{check, error::AppError, lint::Lint, print_json, print_out, scene::load_scene};
+use super::{
+    cameras, check,
+    error::AppError,
+    lint::Lint,
+    print_json, print_out,
+    render::{choose_aovs, overrides, turned},
+    scene::load_scene,
+};
 use crate::{
-    app::args::SceneArgs,
+    app::args::{PictureArgs, RenderArgs},
     files::folder_of,
     gpu::adapter::AdapterSummary,
     math::Bounds,
@@ -59,6 +69,9 @@ pub struct Info {
     pub size_px: [u32; 2],
     /// Sub-frames of the picture; where an error bound decides, the largest number that it allows.
     pub samples: u32,
+    /// Time and memory of the picture on this machine, with `--time`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time: Option<PictureTime>,
     /// Unique meshes.
     pub meshes: usize,
     /// Triangles of the unique meshes, as stored.
@@ -143,7 +156,13 @@ pub struct Info {
 /// # Errors
 /// [`AppError::Scene`] when it cannot be loaded, or when this machine's device cannot hold it.
 pub fn info(args: &InfoArgs) -> Result<(), AppError> {
-    let mut loaded = load_scene(args.scene.as_deref(), &args.from, &[])?;
+    let started = Instant::now();
+    let scene = args.scene.as_deref();
+    let picture = turned(&args.picture, scene)?;
+    let mut loaded = load_scene(scene, &picture.from, &overrides(&picture, scene)?)?;
+    let load = started.elapsed();
+    let camera = cameras::first(&loaded, picture.camera.as_deref())?;
+    let aovs = choose_aovs(&picture.aov, &loaded.world)?;
     if let Some(refused) = Lint::refused_here(&loaded.scene, &loaded.world) {
         return Err(AppError::Scene(vec![refused]));
     }
@@ -163,9 +182,15 @@ pub fn info(args: &InfoArgs) -> Result<(), AppError> {
     print_diagnostics(&found);
     info.warnings += found.len();
     info.border = border(&loaded, args);
-    if let Ok(adapter) = AdapterSummary::first() {
+    if let Ok(adapter) = AdapterSummary::first(picture.adapter.as_deref()) {
         info.adapter = Some(adapter.name);
         (info.adapter_has, info.adapter_lacks) = (adapter.has, adapter.lacks);
+    }
+    if args.time {
+        let frame = args.at.unwrap_or_else(|| loaded.scene.first_frame());
+        let args = RenderArgs::for_pictures(scene, &picture);
+        let time = PictureTime::measure(&args, loaded, camera, aovs, frame, load)?;
+        info.time = Some(time);
     }
     if args.json {
         print_json(&info)
@@ -185,7 +210,10 @@ fn border(loaded: &LoadedScene, args: &InfoArgs) -> Vec<String> {
         None => folder_of(scene).to_owned(),
     };
     let mut all: Vec<PathBuf> = Vec::new();
-    for folder in [own].into_iter().chain(asset_folders(&args.from.assets)) {
+    for folder in [own]
+        .into_iter()
+        .chain(asset_folders(&args.picture.from.assets))
+    {
         let folder = whole(&folder).unwrap_or(folder);
         if !all.iter().any(|other| folder.starts_with(other)) {
             all.push(folder);
@@ -222,6 +250,7 @@ pub fn gather(loaded: &LoadedScene, at: Option<u32>) -> Result<Info, AppError> {
         cameras: world.cameras.iter().map(|c| c.name.clone()).collect(),
         size_px: loaded.scene.image.size,
         samples: loaded.scene.image.samples.count(),
+        time: None,
         meshes: world.meshes.len(),
         triangles_stored: (0..world.meshes.len()).map(num_triangles).sum(),
         triangles_placed: world.instances.iter().map(|i| num_triangles(i.mesh)).sum(),
@@ -340,10 +369,13 @@ fn geometry_bytes(world: &World) -> u64 {
 pub struct InfoArgs {
     /// Scene file; without one, the built-in atrium
     pub scene: Option<PathBuf>,
-    /// Overrides of scene values
+    /// Settings of the picture, as of `render`
     #[command(flatten)]
-    pub from: SceneArgs,
-    /// Frame of the timeline for which the instances are listed that reflections skip; default: the first
+    pub picture: PictureArgs,
+    /// Render the first samples of the picture, and print the time and memory that all of them take on this machine
+    #[arg(long, conflicts_with = "frame")]
+    pub time: bool,
+    /// Frame of the timeline for which the instances are listed that reflections skip, and of --time; default: the first
     #[arg(long, value_name = "FRAME")]
     pub at: Option<u32>,
     /// Print the passes of the frame instead, in their order, with the textures that each reads and writes

@@ -124,6 +124,43 @@ impl Progress {
     }
 }
 
+/// Times of the samples of a picture, from which its end is expected.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Pace {
+    /// Seconds and number of submitted samples when the first one, which compiles pipelines, was finished: the adapter
+    /// works at one while the next is recorded.
+    first: (f64, u32),
+    /// Seconds and number of submitted samples.
+    last: (f64, u32),
+}
+
+impl Pace {
+    /// Times with a submitted sample.
+    pub fn with(self, seconds: f64, done: u32) -> Self {
+        let last = (seconds, done);
+        let first = if done <= 2 { last } else { self.first };
+        Self { first, last }
+    }
+
+    /// Time over which samples after the first were finished, seconds.
+    pub fn timed_s(self) -> f64 {
+        self.last.0 - self.first.0
+    }
+
+    /// Time of a sample after the first, seconds.
+    pub fn sample_s(self) -> Option<f64> {
+        let finished = self.last.1 - self.first.1;
+        (finished > 0).then(|| self.timed_s() / f64::from(finished))
+    }
+
+    /// Expected time at which so many samples are finished, seconds.
+    pub fn end_s(self, samples: u32) -> Option<f64> {
+        let left = samples - self.last.1 + 1;
+        self.sample_s()
+            .map(|each_s| self.last.0 + f64::from(left) * each_s)
+    }
+}
+
 /// Progress of one picture.
 #[derive(Debug)]
 pub struct PictureProgress {
@@ -135,17 +172,15 @@ pub struct PictureProgress {
     /// Bound of the error, where it decides the number of samples.
     bound: Option<f32>,
     began: Instant,
-    /// Seconds and number of submitted samples when the first one, which compiles pipelines, was finished: the adapter
-    /// works at one while the next is recorded.
-    first: Cell<(f64, u32)>,
+    pace: Cell<Pace>,
     told: Cell<Instant>,
     lights: Cell<u32>,
     bar: ProgressBar,
 }
 
 impl PictureProgress {
-    /// Progress of a picture that begins now, with pictures of so many light groups.
-    pub fn new(form: Option<ProgressForm>, lights: u32, samples: Samples) -> Self {
+    /// Progress of so many pictures, the first of which begins now.
+    pub fn new(form: Option<ProgressForm>, pictures: u32, samples: Samples) -> Self {
         let every = match form {
             Some(ProgressForm::Json | ProgressForm::Openjd) => Duration::from_millis(100),
             Some(_) => Duration::from_secs(10),
@@ -159,13 +194,13 @@ impl PictureProgress {
         Self {
             form,
             every,
-            pictures: lights + 1,
+            pictures,
             bound: match samples {
                 Samples::UntilError(bound) => Some(bound.error),
                 Samples::Count(_) | Samples::Unwritten => None,
             },
             began,
-            first: Cell::default(),
+            pace: Cell::default(),
             told: Cell::new(began),
             lights: Cell::new(0),
             bar,
@@ -180,14 +215,11 @@ impl PictureProgress {
         }
         let done = so_far.done + self.lights.get() * so_far.samples;
         let total = so_far.samples * self.pictures;
-        if done <= 2 {
-            self.first.set((seconds, done));
-        }
-        let (before_s, before) = self.first.get();
-        let each_s = (seconds - before_s) / f64::from(done - before).max(1.0);
-        let left_s = (done > before).then(|| each_s * f64::from(total - done));
-        if done == 3 {
-            self.announce(so_far, seconds + left_s.unwrap_or(0.0));
+        self.pace.set(self.pace.get().with(seconds, done));
+        let end_s = self.pace.get().end_s(total);
+        let left_s = end_s.map(|end_s| end_s - seconds);
+        if let (3, Some(end_s)) = (done, end_s) {
+            self.announce(so_far, end_s);
         }
         let error = so_far.error.map(|estimate| estimate.error);
         let found = match (error, self.bound) {
@@ -254,7 +286,7 @@ impl PictureProgress {
 }
 
 /// A time as people say it.
-fn about(seconds: f64) -> String {
+pub fn about(seconds: f64) -> String {
     match seconds < 100.0 {
         true => format!("{} s", seconds.ceil()),
         false => format!("{} min", (seconds / 60.0).round()),
@@ -291,4 +323,23 @@ fn print_line(line: impl std::fmt::Display) {
     let mut out = stdout().lock();
     // A closed pipe does not stop rendering.
     let _ = writeln!(out, "{line}").and_then(|()| out.flush());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The first sample takes 10 s, as it compiles, and each other 2 s; each is finished when the next is submitted.
+    #[test]
+    fn the_end_is_expected_by_the_samples_after_the_first() {
+        let mut pace = Pace::default();
+        let mut ends = Vec::new();
+        for (seconds, done) in [(0.0, 1), (10.0, 2), (12.0, 3), (14.0, 4)] {
+            pace = pace.with(seconds, done);
+            ends.push([4, 64].map(|samples| pace.end_s(samples)));
+        }
+        let end = [Some(16.0), Some(136.0)];
+        assert_eq!(ends, [[None; 2], [None; 2], end, end]);
+        assert_eq!((pace.sample_s(), pace.timed_s()), (Some(2.0), 4.0));
+    }
 }

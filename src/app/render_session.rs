@@ -112,6 +112,12 @@ impl RenderSession {
         })
     }
 
+    /// Number of pictures to render: its own, and one for the AOV of each light group.
+    pub fn pictures(&self) -> u32 {
+        let lights = self.aovs.iter().filter(|aov| matches!(aov, Aov::Light(_)));
+        1 + lights.count() as u32
+    }
+
     /// Warning about the posed scene where it is the first and its picture shows nothing.
     pub fn warn_of_empty(&mut self) -> Vec<Diagnostic> {
         if std::mem::replace(&mut self.is_checked, true) {

@@ -133,7 +133,7 @@ fn render_all(
     let mut index = 0;
     for take in takes {
         for &camera in &take.cameras {
-            let render = RenderArgs::for_pictures(&args.scene, &args.picture);
+            let render = RenderArgs::for_pictures(Some(&args.scene), &args.picture);
             let name = take.loaded.world.cameras[camera].name.clone();
             let loaded = take.loaded.clone();
             let mut session =

@@ -13,7 +13,7 @@ use crate::{
     files::sweep,
     gpu::GpuError,
     output::{picture_file::PictureFile, stats::ReportContext},
-    render::{Crop, Picture, RenderError, SoFar, picture::aov::Aov},
+    render::{Crop, Picture, RenderError, SoFar},
     scene::diagnostic::print_diagnostics,
 };
 
@@ -38,12 +38,8 @@ pub fn render(
         reflet_base::error_line!("{line}");
     }
     print_diagnostics(&session.warn_of_empty());
-    let lights = session
-        .aovs
-        .iter()
-        .filter(|aov| matches!(aov, Aov::Light(_)));
     let samples = session.scene.scene().scene.image.samples;
-    let progress = PictureProgress::new(args.progress, lights.count() as u32, samples);
+    let progress = PictureProgress::new(args.progress, session.pictures(), samples);
     let partial = Partial::new(args, &session, output, &progress);
     let pending = session.begin(output.has_color(), Some(&|so_far| partial.sample(so_far)));
     let picture = pending.and_then(|pending| pending.take(session.scene.gpu()));

@@ -252,12 +252,8 @@ fn render(
     library: &ShaderLibrary,
 ) -> Result<(), AppError> {
     let began = Instant::now();
-    let camera = picture
-        .camera
-        .as_deref()
-        .map(|name| cameras::choose(&loaded, Some(name)));
-    let camera = camera.transpose()?.and_then(|all| all.first().copied());
-    let args = RenderArgs::for_pictures(&job.file, picture);
+    let camera = cameras::first(&loaded, picture.camera.as_deref())?;
+    let args = RenderArgs::for_pictures(Some(&job.file), picture);
     let inputs = inputs([job.file.as_path()], &loaded);
     let mut session = RenderSession::with_gpu(gpu, &args, loaded, camera, Vec::new(), library)?;
     let first = session.scene.scene().scene.first_frame();

@@ -56,12 +56,12 @@ pub struct AdapterSummary {
 }
 
 impl AdapterSummary {
-    /// The adapter that is tried first.
+    /// The adapter that is tried first, of a name.
     ///
     /// # Errors
-    /// [`GpuError::NoAdapter`] if there is none, or none that [`ADAPTER_ENV`] names.
-    pub fn first() -> Result<Self, GpuError> {
-        let (_, adapters) = find(None)?;
+    /// [`GpuError::NoAdapter`] if there is none, or none that the name or [`ADAPTER_ENV`] names.
+    pub fn first(named: Option<&str>) -> Result<Self, GpuError> {
+        let (_, adapters) = find(named)?;
         Ok(Self::from_adapter(&adapters[0]))
     }
 

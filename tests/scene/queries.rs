@@ -54,7 +54,7 @@ fn questions_have_their_known_answers() {
             let line = format!("reflet {command} tests/queries/{scene}.toml {options}");
             let answer = match Cli::parse_from(line.split_whitespace()).command {
                 Command::Query(args) => answer(&args).map(|answer| to_value(&answer)),
-                Command::Info(args) => load_scene(args.scene.as_deref(), &args.from, &[])
+                Command::Info(args) => load_scene(args.scene.as_deref(), &args.picture.from, &[])
                     .and_then(|loaded| Ok(to_value(&planned_frames(&loaded)?))),
                 _ => panic!("{line} is no question"),
             };

@@ -33,6 +33,9 @@ pub fn table(info: &Info) -> String {
         "picture",
         format!("{width} x {height} pixels, {samples} samples"),
     );
+    if let Some(time) = info.time {
+        line("time", time.words());
+    }
     line(
         "triangles",
         format!(
