@@ -13,7 +13,7 @@ from texts import TEXTS
 
 # Least numbers of blocks and commands: a changed pattern drops none unseen.
 BLOCKS = {"guide": 9, "scripting": 1, "shapes": 10}
-COMMANDS = {"README": 7, "docs/guide": 22, "docs/query": 5, "docs/project": 2}
+COMMANDS = {"README": 7, "docs/guide": 22, "docs/query": 5, "docs/project": 2, "docs/python": 2}
 
 BLOCK = re.compile(r"^```(toml|rust|rhai)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
@@ -80,18 +80,21 @@ def commands(page: Path) -> list[str]:
     return [small(line) if line.startswith("reflet ") else line for line in lines]
 
 
-# Substitutes for programs of the pages: an installation that is not optimized and goes into a
-# folder, openjd from PyPI, and each task of an array as a cluster would run it.
+# Substitutes for programs of the pages: installations that are not optimized and go into folders,
+# openjd from PyPI, and each task of an array as a cluster would run it.
 PROGRAMS = {
     "cargo": f'cd {ROOT} && export CARGO_TARGET_DIR={ROOT}/target/pages PATH="${{PATH#*:}}" && '
     'exec cargo "$@" --debug --root "$HERE/cargo"',
+    "pip": f"ln -sfn {ROOT}/src src && cp -rn {ROOT}/tools . && python3 -m venv own && "
+    f'export CARGO_TARGET_DIR={ROOT}/target/wheel MATURIN_PEP517_ARGS="--profile dev" '
+    'PATH="${PATH#*:}" && own/bin/pip -q "$@" && own/bin/python -c "import reflet; reflet.open()"',
     "openjd": 'python3 -m venv jobs && jobs/bin/pip -q install openjd-cli && jobs/bin/openjd "$@"',
     "sbatch": 'for SLURM_ARRAY_TASK_ID in $(seq $(sed -nE "s/.*--array=([0-9]+)-([0-9]+).*'
     '/\\1 \\2/p" "$1")); do export SLURM_ARRAY_TASK_ID; bash "$1"; done',
 }
 
 
-@pytest.mark.full("a minute of small pictures, an installation, 170 MB from PyPI")
+@pytest.mark.full("a minute of small pictures, installations, 500 MB from PyPI")
 @pytest.mark.program
 @pytest.mark.parametrize("page", COMMANDS)
 def test_commands_of_a_page_run_one_after_another(page: str, tmp_path: Path) -> None:
@@ -118,7 +121,7 @@ def test_commands_of_a_page_run_one_after_another(page: str, tmp_path: Path) -> 
     environment |= {"PATH": f"{tmp_path / 'bin'}:{os.environ['PATH']}", "HERE": str(tmp_path)}
     lines = commands(ROOT / f"{page}.md")
     assert len(lines) >= COMMANDS[page]
-    new = [] if page == "docs/project" else ["reflet new show"]
+    new = [] if page in ("docs/project", "docs/python") else ["reflet new show"]
     (tmp_path / "page.sh").write_text("\n".join(["set -eux", *new, *lines]), encoding="utf-8")
     run = ["bash", "page.sh"]
     done = subprocess.run(
