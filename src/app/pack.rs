@@ -395,9 +395,6 @@ fn write_zip(
     Ok(manifest)
 }
 
-#[cfg(test)]
-mod tests;
-
 /// Writes and seeks until an error, which it keeps, and then writes nothing more: the library would print words of its
 /// own when it is dropped.
 struct UntilError<'a> {

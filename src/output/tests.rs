@@ -10,10 +10,10 @@ use tempfile::TempDir;
 
 use super::picture_file::PictureFile;
 use crate::error::OutputError;
-use reflet_base::files::{Goal, Inputs, Temporary};
+use reflet_base::files::{Goal, Temporary};
 use reflet_render::{
     Picture, Plane, PlaneData,
-    picture::{aov::Aov, tone_map::Tone},
+    picture::tone_map::Tone,
     renderer::stats::{FrameStats, Shares},
 };
 use reflet_scene::desc::Method;
@@ -62,13 +62,6 @@ fn picture() -> Picture {
     }
 }
 
-fn refusal(path: &Path) -> String {
-    match PictureFile::new(&goal(path)) {
-        Err(OutputError::Usage(text)) => text,
-        other => panic!("{}: {other:?}", path.display()),
-    }
-}
-
 #[test]
 fn a_png_and_its_planes_are_written_whole() {
     let (folder, path, output) = output("out.png");
@@ -78,20 +71,6 @@ fn a_png_and_its_planes_are_written_whole() {
     assert_eq!(names(folder.path()), ["out.cause.png", "out.png"]);
     let read = image::open(path).expect("a PNG").into_rgb8();
     assert_eq!(read.into_raw(), [10, 20, 30, 40, 50, 60]);
-}
-
-#[test]
-fn a_folder_where_a_plane_would_go_is_refused_before_rendering() {
-    let (folder, _, output) = output("out.png");
-    fs::create_dir_all(folder.path().join("out.source.png")).expect("a folder in the way");
-    let check = |aovs: &[Aov]| output.check_files(aovs, &Inputs::default());
-    assert!(check(&[Aov::Normal]).is_ok());
-    match check(&[Aov::Normal, Aov::Source]) {
-        Err(OutputError::Usage(text)) => {
-            assert!(text.contains("out.source.png: it is a folder"), "{text}")
-        }
-        other => panic!("{other:?}"),
-    }
 }
 
 #[test]
@@ -137,26 +116,6 @@ fn an_exr_that_was_cut_or_changed_is_not_done() {
         .iter_mut()
         .for_each(|b| *b ^= 0x55);
     assert!(!is_done(&changed), "changed");
-}
-
-#[test]
-fn refuses_invalid_paths_before_rendering() {
-    let temporary = tempfile::tempdir().expect("a folder");
-    let folder = temporary.path();
-    let long = format!("{}.png", "a".repeat(252));
-    assert!(refusal(&folder.join(long)).contains("too long"));
-    let longest = folder.join(format!("{}.png", "a".repeat(251)));
-    let mut bare = picture();
-    bare.planes.clear();
-    PictureFile::new(&goal(longest.clone()))
-        .and_then(|output| output.write(&bare))
-        .expect("the longest name that there is");
-    assert!(refusal(&folder.join("out.jpg")).contains("must end in .png or .exr"));
-    assert!(refusal(&folder.join("out.apng")).contains("not in .apng, which is a film"));
-    assert!(refusal(&folder.join("out")).contains("must end in .png or .exr"));
-    assert!(refusal(&folder.join("missing/out.png")).contains("create it first"));
-    fs::create_dir(folder.join("dir.png")).expect("folder");
-    assert!(refusal(&folder.join("dir.png")).contains("is a folder"));
 }
 
 #[test]

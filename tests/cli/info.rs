@@ -52,17 +52,3 @@ fn info_names_the_adapter_and_what_it_has_and_lacks() {
         .contains(wgpu::Features::EXPERIMENTAL_RAY_QUERY);
     assert_eq!([has, lacks], [has_rays, !has_rays]);
 }
-
-/// The text has a line for each pass, whose names and textures `tests/queries/frame.txt` knows.
-#[test]
-fn info_prints_the_passes_of_a_frame() {
-    let folder = folder("info-frame");
-    let scene = include_str!("../queries/frame.toml");
-    fs::write(folder.join("box.toml"), scene).expect("temporary scene");
-    let [text, _] = exits(&folder, "info box.toml --frame", 0);
-    let head = "frame on all adapters, method hybrid\n";
-    assert!(
-        text.starts_with(head) && text.lines().count() == 7,
-        "{text}"
-    );
-}

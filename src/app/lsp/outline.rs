@@ -206,22 +206,6 @@ mod tests {
         }
     }
 
-    #[test]
-    fn no_text_is_too_broken() {
-        for text in [
-            "]]}}",
-            "[[[",
-            "= = {",
-            "\"\"\"",
-            "a = '",
-            "{,{,[,",
-            "[a.\n=b",
-            "\u{feff}[x]",
-        ] {
-            words(&Source::new("a.toml", text));
-        }
-    }
-
     /// The text behind the cursor does not change what is completed there.
     #[test]
     fn a_cursor_sees_the_text_before_it_alone() {
