@@ -1,6 +1,5 @@
 //! Messages to the user: the place in a file, the mistake, the expectation, and the cure.
 
-mod json;
 mod render;
 mod setup_locations;
 

@@ -190,7 +190,6 @@ mod tests {
                 .render(false)
                 .contains(" --> a.toml:2:1\n")
         );
-        assert_eq!(diagnostic(text, 3..9).to_json()["end_column"], 7);
     }
 
     #[test]
@@ -226,8 +225,7 @@ mod tests {
         let message = Diagnostic::new("kind-of", span.clone(), "it is wrong");
         let want = "error[kind-of]: it is wrong\n--> a.glb";
         assert_eq!(message.render(false), want);
-        assert_eq!(message.to_json()["path"], "a.glb");
-        assert_eq!(message.to_json().get("line"), None);
+        assert_eq!(message.span.in_words().as_deref(), Some("a.glb"));
         let broken = Diagnostic::in_file("kind-of", "a.glb".as_ref(), "it is wrong");
         assert_eq!(broken.related(span, "named here").render(false), want);
     }
