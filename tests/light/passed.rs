@@ -17,27 +17,27 @@ fn lit(pane: &str, light: &str, set: &[&str]) -> Option<[f32; 3]> {
 
 #[test]
 fn shadows_have_what_a_straight_ray_through_a_surface_passes() {
-    for (light, kind) in cases(LIGHTS) {
+    // Methods take turns, from another one on below each kind of light. A cube map differs from a map by its look-up
+    // alone, for which a third of the panes is enough: blended, partly transmitting, opaque and doubled panes.
+    for (first, (light, kind)) in cases(LIGHTS).into_iter().enumerate() {
         let open = or_skip!(lit(
             "alpha = 1",
             light,
             &["instance.pane.casts_shadow=false"]
         ));
-        for (pane, passed) in cases(PANES) {
-            for method in ["rt", "path"]
-                .into_iter()
-                .take(1 + usize::from(kind != "cube map"))
-            {
-                let method = format!("reflection.method={method}");
-                let found = lit(pane, light, &[&method]).unwrap_or_default();
-                for (k, share) in passed.split(' ').enumerate() {
-                    let share: f32 = share.parse().expect("a number");
-                    let error = (found[k] / open[k] - share).abs();
-                    assert!(
-                        error < 4e-3,
-                        "{kind}, {method}, {pane}: {found:?} of {open:?}"
-                    );
-                }
+        let is_cube = kind == "cube map";
+        let turns = (first..).zip(cases(PANES));
+        for (turn, (pane, passed)) in turns.filter(|(turn, _)| !is_cube || turn % 3 == 0) {
+            let method = ["rt", "path"][usize::from(!is_cube) * turn % 2];
+            let set = format!("reflection.method={method}");
+            let found = lit(pane, light, &[&set]).unwrap_or_default();
+            for (k, share) in passed.split(' ').enumerate() {
+                let share: f32 = share.parse().expect("a number");
+                let error = (found[k] / open[k] - share).abs();
+                assert!(
+                    error < 4e-3,
+                    "{kind}, {method}, {pane}: {found:?} of {open:?}"
+                );
             }
         }
     }
