@@ -118,17 +118,19 @@ fn reflections_show_lights_with_a_size_unless_they_hide() {
         .collect::<Vec<_>>()
         .try_into()
         .expect("four parts");
-    let of = |floor: &str, lights: &str, method: &str| {
+    let brightest = |picture: &Picture, from: u32, to: u32| {
+        let row = (from..to).map(|x| color(picture, x, 16)[1]);
+        row.fold(0.0, f32::max)
+    };
+    let of = |floor: &str, lights: &str| {
         let text = FLOOR.replace("reflectivity = 0", floor) + lights;
-        let picture = render(gpu, &text, &[&format!("reflection.method={method}")], &[]);
-        let middle = (0..33).map(|x| color(&picture, x, 16)[1]);
-        (middle.fold(0.0, f32::max), mean(&picture)[1])
+        brightest(&render(gpu, &text, &["reflection.method=auto"], &[]), 0, 33)
     };
     let [mirror, satin] = [0.0, 0.1].map(|r| format!("metallic = 1\nroughness = {r}"));
     for another in ["", opposite] {
-        assert_eq!(of(&mirror, &[point, another].concat(), "auto").0, 0.0);
+        assert_eq!(of(&mirror, &[point, another].concat()), 0.0);
     }
-    assert!(of(&satin, point, "auto").0 > 1.0);
+    assert!(of(&satin, point) > 1.0);
     // More lights than the array holds, all hidden.
     let hide = |lights: &str| lights.replace("# hidden: ", "");
     let point = hide(point)
@@ -136,6 +138,13 @@ fn reflections_show_lights_with_a_size_unless_they_hide() {
         .replace("none", "ray");
     let numbered = |n| point.replace("light.lamp", &format!("light.p{n}"));
     let many: String = (0..70).map(numbered).chain([rect.into()]).collect();
+    // Both beside each other below the lights, and the matte floor on their left.
+    let strips = [("mirror", &mirror, -0.3), ("satin", &satin, 0.3)].map(|(name, keys, x)| {
+        format!(
+            "[material.{name}]\n{keys}\n[model.{name}]\nshape = {{ kind = \"plane\", size = [0.6, 8] }}\n\
+             material = \"{name}\"\n[[instance]]\nmodel = \"{name}\"\ntranslation = [{x}, 0.01, 0]\n"
+        )
+    });
     for (lights, method) in [
         (rect, "hybrid"),
         (rect, "path"),
@@ -143,12 +152,16 @@ fn reflections_show_lights_with_a_size_unless_they_hide() {
         (surface, "rt"),
         (surface, "path"),
     ] {
-        for floor in [&mirror, &satin] {
-            assert!(of(floor, lights, method).0 > 1.0, "{method} {lights}");
-            assert_eq!(of(floor, &hide(lights), method).0, 0.0, "{method} {lights}");
-        }
-        let [lit, found] = [lights, &hide(lights)].map(|l| of("reflectivity = 0", l, method).1);
-        assert!(lit > 0.01);
-        assert_close(found, lit, 0.02);
+        let [shown, hidden] = [lights, &hide(lights)].map(|lights| {
+            let text = [FLOOR, &strips.concat(), lights].concat();
+            let picture = render(gpu, &text, &[&format!("reflection.method={method}")], &[]);
+            let matte = (0..33 * 8).map(|i| color(&picture, i / 33, i % 33)[1]);
+            let strips = [11, 17].map(|x| brightest(&picture, x, x + 5));
+            (strips, matte.sum::<f32>() / (33.0 * 8.0))
+        });
+        let is_lit = shown.0[0] > 1.0 && shown.0[1] > 1.0 && shown.1 > 0.01;
+        assert!(is_lit, "{method} {lights}: {shown:?}");
+        assert_eq!(hidden.0, [0.0; 2], "{method} {lights}");
+        assert_close(hidden.1, shown.1, 0.02);
     }
 }
