@@ -1,13 +1,10 @@
 //! Every shader assembles and validates without a GPU, and stays inside the limits that every
 //! adapter has.
 
-use std::{
-    collections::{BTreeMap, BTreeSet},
-    sync::LazyLock,
-};
+use std::{collections::BTreeSet, sync::LazyLock};
 
 use reflet::gpu::{
-    ShaderError, ShaderLibrary, ShaderModuleInfo, ShaderSource, UsedTextures,
+    ShaderError, ShaderLibrary, ShaderModuleInfo, UsedTextures,
     bind::{merged_bindings, over_limits},
     check, check_part, parse,
     reflect::capabilities,
@@ -29,14 +26,7 @@ use reflet::render::{
 mod parts;
 mod tint;
 
-use tint::sources;
-
-/// Shader libraries of all variants.
-fn libraries() -> Vec<ShaderLibrary> {
-    let embedded = ShaderLibrary::embedded();
-    let library = |v: ShaderVariant| or_panic!(v.library(&embedded, &passes::ALL));
-    ShaderVariant::all().into_iter().map(library).collect()
-}
+use tint::{Source, sources};
 
 /// Variant with these features and the features that follow from them.
 fn variant(features: Features) -> ShaderVariant {
@@ -46,8 +36,7 @@ fn variant(features: Features) -> ShaderVariant {
     }
 }
 
-/// Names and texts of every shader of every variant.
-static SOURCES: LazyLock<Vec<(String, Result<ShaderSource, ShaderError>)>> = LazyLock::new(sources);
+static SOURCES: LazyLock<Vec<Source>> = LazyLock::new(sources);
 
 /// The optional features that `Gpu` asks for; a shader that needs one has a twin that does not.
 const OPTIONAL: wgpu::Features =
@@ -69,50 +58,33 @@ fn good<T>(checked: impl Iterator<Item = Result<T, ShaderError>>) -> Vec<T> {
 
 /// Every text of every variant, validated as a whole.
 static SHIPPED: LazyLock<Vec<ShaderModuleInfo>> = LazyLock::new(|| {
-    let checked = SOURCES.iter().map(|(_, source)| {
+    let checked = SOURCES.iter().map(|(_, source, _)| {
         let source = source.as_ref().map_err(Clone::clone)?;
         check(source, capabilities(OPTIONAL))
     });
     good(checked)
 });
 
-/// Values of boolean overrides, by name.
-type Flags<'a> = Vec<(&'a str, bool)>;
-
 /// The part of every text that every set of features leaves, validated, as a pipeline gets it.
 static PARTS: LazyLock<Vec<ShaderModuleInfo>> = LazyLock::new(|| {
-    let mut sets: BTreeMap<(String, &str), BTreeSet<Flags<'_>>> = BTreeMap::new();
-    for variant in ShaderVariant::all() {
-        let library = or_panic!(variant.library(&ShaderLibrary::embedded(), &passes::ALL));
-        for name in library.names() {
-            let text = or_panic!(library.source(name)).text;
-            let mut known = SOURCES.iter().zip(SHIPPED.iter());
-            let known =
-                known.find(|((n, s), _)| n == name && s.as_ref().is_ok_and(|s| s.text == text));
-            let ((_, source), info) = known.expect("all texts are listed");
-            let is_declared = |key: &str| info.overrides.iter().any(|o| o.name == key);
-            let flags = variant
-                .features
-                .constants()
-                .filter(|(key, _)| is_declared(key));
-            let flags = flags.map(|(key, value)| (key, value != 0.0)).collect();
-            let text = &*source.as_ref().expect("it assembles").text;
-            sets.entry((name.to_owned(), text))
-                .or_default()
-                .insert(flags);
-        }
-    }
-    let checked = SOURCES.iter().flat_map(|(name, source)| {
+    let checked = SOURCES.iter().zip(&*SHIPPED);
+    let checked = checked.flat_map(|((_, source, variants), info)| {
         let source = source.as_ref().expect("it assembles");
         let module = or_panic!(parse(source));
-        let sets = &sets[&(name.clone(), &*source.text)];
-        let part = move |flags: &Flags<'_>| {
-            let given: Vec<_> = (flags.iter())
-                .map(|(key, is_on)| (*key, f64::from(u8::from(*is_on))))
-                .collect();
+        let is_declared = |key: &str| info.overrides.iter().any(|o| o.name == key);
+        let of = |features: &Features| -> Vec<(&str, bool)> {
+            let flags = (features.constants()).filter(|(key, _)| is_declared(key));
+            flags.map(|(key, value)| (key, value != 0.0)).collect()
+        };
+        let sets: BTreeSet<_> = variants.iter().map(of).collect();
+        let part = |flags: Vec<(&str, bool)>| {
+            let given = flags
+                .iter()
+                .map(|(key, is_on)| (*key, f64::from(u8::from(*is_on))));
+            let given: Vec<_> = given.collect();
             check_part(source, &module, capabilities(OPTIONAL), &given)
         };
-        sets.iter().map(part).collect::<Vec<_>>()
+        sets.into_iter().map(part).collect::<Vec<_>>()
     });
     good(checked)
 });
@@ -132,7 +104,7 @@ fn every_shader_validates_and_has_an_entry_point() {
 fn every_library_is_imported_somewhere() {
     let sources = SOURCES
         .iter()
-        .filter_map(|(_, source)| source.as_ref().ok());
+        .filter_map(|(_, source, _)| source.as_ref().ok());
     let all: String = sources.map(|source| &*source.text).collect();
     let library =
         or_panic!(ShaderVariant::all()[0].library(&ShaderLibrary::embedded(), &passes::ALL));
@@ -252,8 +224,8 @@ fn shared_structs_have_the_same_layout_in_the_shaders() {
 
 /// Targets that the shader of a pass uses in some frame.
 fn targets(pass: &Pass) -> PassTargets {
-    let texts = SOURCES.iter().filter(|(name, _)| name == pass.name);
-    let used = texts.map(|(_, source)| {
+    let texts = SOURCES.iter().filter(|(name, ..)| name == pass.name);
+    let used = texts.map(|(_, source, _)| {
         let module = or_panic!(source.as_ref().map_err(Clone::clone).and_then(parse));
         PassTargets::new(pass, &UsedTextures::new(&module, &module))
     });

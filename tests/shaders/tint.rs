@@ -1,23 +1,36 @@
 //! Shaders in a second compiler of WGSL.
 
-use std::{collections::HashSet, fs, path::Path, process::Command};
+use std::{collections::HashMap, fs, path::Path, process::Command};
 
-use reflet::gpu::{ShaderError, ShaderSource};
+use reflet::{
+    gpu::{ShaderError, ShaderLibrary, ShaderSource},
+    render::{passes, pipeline::shader_variant::ShaderVariant, plan::Features},
+};
 
-use super::libraries;
 use crate::common::folder::kept_folder;
 
-/// Names and texts of every shader of every variant; shared shaders appear once.
-pub fn sources() -> Vec<(String, Result<ShaderSource, ShaderError>)> {
-    let libraries = libraries();
-    let all = libraries.iter().flat_map(|library| {
-        let names = library.names();
-        names.map(move |name| (name.to_owned(), library.source(name)))
-    });
-    let mut seen = HashSet::new();
-    let mut is_new = |name: &String, text: &str| seen.insert((name.clone(), text.to_owned()));
-    all.filter(|(name, s)| s.as_ref().map_or(true, |s| is_new(name, &s.text)))
-        .collect()
+/// Name and text of a shader, and the features of the variants that have it.
+pub type Source = (String, Result<ShaderSource, ShaderError>, Vec<Features>);
+
+/// Every shader of every variant; shared ones appear once.
+pub fn sources() -> Vec<Source> {
+    let embedded = ShaderLibrary::embedded();
+    let mut all: Vec<Source> = Vec::new();
+    let mut places = HashMap::new();
+    for variant in ShaderVariant::all() {
+        let library = or_panic!(variant.library(&embedded, &passes::ALL));
+        for name in library.names() {
+            let source = library.source(name);
+            let text = source.as_ref().map(|source| source.text.clone());
+            let text = text.map_err(ToString::to_string);
+            let place = *places.entry((name.to_owned(), text)).or_insert(all.len());
+            if place == all.len() {
+                all.push((name.to_owned(), source, Vec::new()));
+            }
+            all[place].2.push(variant.features);
+        }
+    }
+    all
 }
 
 /// Tint, the compiler of WGSL in Chromium, reads every shader that naga reads.
@@ -34,11 +47,11 @@ fn a_second_compiler_accepts_every_shader() {
     let folder = kept_folder("tint", &[]);
     let mut sources = sources();
     // Ray queries are an extension of wgpu, which Chromium does not have.
-    sources.retain(|(_, source)| {
+    sources.retain(|(_, source, _)| {
         let source = source.as_ref().expect("it assembles");
         !source.text.contains("enable wgpu_ray_query;")
     });
-    for (index, (name, source)) in sources.iter().enumerate() {
+    for (index, (name, source, _)) in sources.iter().enumerate() {
         let text = &source.as_ref().expect("it assembles").text;
         let file = format!("{index:04}-{}.wgsl", name.replace('/', "-"));
         fs::write(folder.join(file), text.as_bytes()).expect("writable");
