@@ -5,7 +5,7 @@
 use std::{
     fs,
     io::{BufRead as _, BufReader},
-    path::{Path, PathBuf},
+    path::PathBuf,
     process::{Child, Command, Stdio},
     sync::{Mutex, PoisonError},
     thread,
@@ -192,9 +192,7 @@ fn brightness(picture: &[u8]) -> f64 {
 
 #[test]
 fn preview_opens_follows_an_edit_survives_an_error_and_closes() {
-    let cornell = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell.toml");
-    let text = fs::read_to_string(cornell).expect("readable");
-    let session = or_skip!(Session::open("window", SMALL, &[("scene.toml", &text)]));
+    let session = or_skip!(Session::open("window", SMALL, &[("scene.toml", BALL)]));
     let first = session.steady();
     assert!(brightness(&first) > 10.0, "something is seen");
     session.key("b");
@@ -207,7 +205,7 @@ fn preview_opens_follows_an_edit_survives_an_error_and_closes() {
     });
     session.write(
         "scene.toml",
-        &text.replace("intensity_cd = ", "intensity_cd = 10"),
+        &BALL.replace("segments = 12", "segments = 12, radius = 2"),
     );
     let second = until("the edit in the picture", || {
         let next = session.screenshot();
@@ -229,6 +227,9 @@ fn preview_opens_follows_an_edit_survives_an_error_and_closes() {
     });
     session.close();
 }
+
+/// A white ball. A software driver shades each pixel of a window again for each change.
+const BALL: &str = include_str!("ball.toml");
 
 /// A ball that moves.
 const SCENE: &str = include_str!("scene.toml");
@@ -281,8 +282,7 @@ fn preview_plays_pauses_and_follows_a_script_edit() {
 #[test]
 #[ignore = "long: opens a window; tests without one write places back daily"]
 fn preview_moves_an_instance_in_the_scene_text() {
-    let text = include_str!("preview_moves_an_instance_in_the_scene_text.toml");
-    let session = or_skip!(Session::open("moves", "640x420", &[("scene.toml", text)]));
+    let session = or_skip!(Session::open("moves", "640x420", &[("scene.toml", BALL)]));
     let first = session.steady();
     let read = || fs::read_to_string(session.folder.join("scene.toml")).expect("it is there");
     until("a line of the file", || {
@@ -293,24 +293,24 @@ fn preview_moves_an_instance_in_the_scene_text() {
         thread::sleep(Duration::from_millis(400));
         session.key("alt+Right");
         thread::sleep(Duration::from_millis(400));
-        (read() != text).then_some(())
+        (read() != BALL).then_some(())
     });
     let after = read();
-    let pairs = text.lines().zip(after.lines());
+    let pairs = BALL.lines().zip(after.lines());
     let changed: Vec<_> = pairs.filter(|(a, b)| a != b).map(|(_, b)| b).collect();
     assert_eq!(changed.len(), 1, "{after}");
     assert!(
         changed[0].ends_with(", 0, 0.00] # in the middle"),
         "{after}"
     );
-    assert_eq!(text.lines().count(), after.lines().count());
+    assert_eq!(BALL.lines().count(), after.lines().count());
     until("the ball beside", || {
         (session.screenshot() != first).then_some(())
     });
     until("the file as it was", || {
         session.key("ctrl+z");
         thread::sleep(Duration::from_millis(400));
-        (read() == text).then_some(())
+        (read() == BALL).then_some(())
     });
     session.close();
 }
