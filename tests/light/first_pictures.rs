@@ -71,7 +71,7 @@ fn error_falls_with_the_number_of_samples() {
     let metal = ["material.floor.metallic=1", "material.floor.roughness=0.4"];
     let plain = ["reflection.filter=false"];
     for set in [&[][..], &metal] {
-        let converged = room(gpu, 512, set);
+        let converged = room(gpu, 256, set);
         let counts = [1, 2, 4, 8, 12, 15, 16, 24, 32, 40];
         let errors = counts.map(|samples| error(&room(gpu, samples, set), &converged));
         let falls = errors.windows(2).all(|pair| pair[1] < 1.05 * pair[0]);

@@ -191,7 +191,7 @@ fn exact_shapes_look_like_fine_meshes() {
         };
         let exact = or_skip!(of("", "raster"));
         let traced = or_skip!(of("", "rays"));
-        let mesh = or_skip!(of(", segments=512", "raster"));
+        let mesh = or_skip!(of(", segments=256", "raster"));
         let things = integers(&exact, Aov::Ids).chunks(2);
         let share = things.filter(|id| is_capsule(id[0])).count() as f64
             / f64::from(exact.size[0] * exact.size[1]);

@@ -307,7 +307,7 @@ fn maps_give_way_to_rays_where_they_do_not_pay() {
              material = \"matte\"\n[[instance]]\nmodel = \"ball\"\nrepeat = {{ count = {count}, step = [2, 2, 2] }}\n"
         )
     };
-    let (few, many) = (ball("[2, 1, 1]"), ball("[100, 9, 100]"));
+    let (few, many) = (ball("[2, 1, 1]"), ball("[70, 9, 70]"));
     // Ten of twelve maps have room; the first four lamps shine on the back of the balls alone.
     let twelve = |shadow: &str| -> String {
         let lamps = (0..12).map(|n| lamp(n, if n < 4 { 1e4 } else { 3.0 }, shadow));
