@@ -155,7 +155,7 @@ impl Pace {
 
     /// Expected time at which so many samples are finished, seconds.
     pub fn end_s(self, samples: u32) -> Option<f64> {
-        let left = samples - self.last.1 + 1;
+        let left = (samples + 1).saturating_sub(self.last.1);
         self.sample_s()
             .map(|each_s| self.last.0 + f64::from(left) * each_s)
     }
