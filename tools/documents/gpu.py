@@ -14,6 +14,8 @@ from documents import views
 from documents.document import DATA, Document, Run, folder_of, in_places, samples
 
 SIZES = ("1280 × 720", "1920 × 1080", "3840 × 2160")
+# Cards and sizes of the table of times; the table of passes is of the last.
+CASES = (("H100", SIZES[0]), ("H100", SIZES[1]), ("H200", SIZES[1]))
 PASSES = ("primary", "visibility", "ssr", "hits", "trace")
 COLUMNS = [
     *["view", "size", "method", "edge_px", "reflection_ms", "ratio"],
@@ -59,21 +61,25 @@ def settings_of(rows: Rows) -> Rows:
 def tables() -> dict[str, str]:
     rows = read_rows(DATA / "gpu.csv")
 
-    def found(view: str, size: str, method: str, edge_px: float = views.DEFAULT) -> Row | None:
-        of = views.of([row for row in rows if row["size"] == size], view, method, edge_px)
+    def found(
+        view: str, case: tuple[str, str], method: str, edge_px: float = views.DEFAULT
+    ) -> Row | None:
+        card, size = case
+        of_case = [row for row in rows if row["size"] == size and card in row["adapter"]]
+        of = views.of(of_case, view, method, edge_px)
         return of[0] if of else None
 
     def times(view: str) -> list[str]:
         cells = [view]
-        for size in SIZES:
-            rt = found(view, size, "rt")
-            own = [found(view, size, "hybrid", e) for e in (views.DEFAULT, views.STRICTEST)]
+        for case in CASES:
+            rt = found(view, case, "rt")
+            own = [found(view, case, "hybrid", e) for e in (views.DEFAULT, views.STRICTEST)]
             cells.append(f"{float(rt['reflection_ms']):.2f}" if rt else "–")
             cells += [f"{float(row['ratio']):.2f}" if row else "–" for row in own]
         return cells
 
     def passes(view: str) -> list[str]:
-        rt, own = (found(view, SIZES[1], method) for method in ("rt", "hybrid"))
+        rt, own = (found(view, CASES[-1], method) for method in ("rt", "hybrid"))
         assert rt and own
         rays, nodes = (float(rt[f"trace_{name}"]) for name in ("traversals", "visited_nodes"))
         ms = [float(row[f"pass_{name}_ms"]) for row, name in (
@@ -82,10 +88,10 @@ def tables() -> dict[str, str]:
         traced = [count(rays), f"{nodes / rays:.1f}", count(float(own["trace_traversals"]))]
         return [view, *traced, *(f"{each:.2f}" for each in ms)]
 
-    measured = [view for view in views.VIEWS if found(view, SIZES[1], "rt")]
     heads = {
         "times": ["view", *(
-            cell for s in SIZES for cell in (f"{s}: `rt`, ms", "`hybrid` ÷ `rt`", "`edge_px` 0")
+            cell for case in CASES
+            for cell in (f"{', '.join(case)}: `rt`, ms", "`hybrid` ÷ `rt`", "`edge_px` 0")
         )],
         "passes": [
             "view", "rays of `rt`", "nodes a ray", "rays of `hybrid`", "`rt`: trace, ms",
@@ -93,7 +99,7 @@ def tables() -> dict[str, str]:
         ],
     }  # fmt: skip
     lines = {"times": times, "passes": passes}
-    return {name: table(head, map(lines[name], measured)) for name, head in heads.items()}
+    return {name: table(head, map(lines[name], views.VIEWS)) for name, head in heads.items()}
 
 
 def store(outs: list[pathlib.Path]) -> None:
