@@ -13,8 +13,13 @@ const browser = await chromium.launch({
   args: ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
     "--disable-component-update", "--disable-sync"],
 });
-const page = await browser.newPage({ viewport: { width: 900, height: 700 } });
-page.setDefaultTimeout(PATIENCE_MS);
+// A page that waits as long as a busy machine needs.
+const viewer_page = async (width) => {
+  const viewer = await browser.newPage({ viewport: { width, height: 700 } });
+  viewer.setDefaultTimeout(PATIENCE_MS);
+  return viewer;
+};
+const page = await viewer_page(900);
 const errors = [];
 const requests = [];
 page.on("pageerror", (error) => errors.push(String(error)));
@@ -145,7 +150,7 @@ const at_rest = (viewer, is_so) => viewer.waitForFunction(
 const seen = await page.evaluate(() => document.querySelectorAll("#handles line").length);
 if (seen !== 15) throw new Error(`${seen} lines: 12 edges of the box and 3 handles are wanted`);
 // A viewer who leaves in a drag takes it back, and nothing is written.
-const leaver = await browser.newPage({ viewport: { width: 900, height: 700 } });
+const leaver = await viewer_page(900);
 await leaver.goto(address);
 await leaver.waitForFunction(() => document.querySelectorAll("#handles line").length === 15);
 shown = await still();
@@ -187,7 +192,7 @@ await saved("translation = [-1.2, 0, 0.5]");
 step("dragged");
 
 // Two viewers take a handle at once: the second has it, and the drag of the first moves neither it nor the camera.
-const rival = await browser.newPage({ viewport: { width: 900, height: 700 } });
+const rival = await viewer_page(900);
 await rival.goto(address);
 await rival.waitForFunction(() => handles && handles.drawn);
 await page.locator("#move").click();
@@ -254,7 +259,7 @@ if (download.suggestedFilename() !== "scene.png" || size.join() !== "96,54") {
 step("downloaded");
 
 // A second viewer shares the view: its wipe is seen by both, and a narrow page shows all of its parts.
-const second = await browser.newPage({ viewport: { width: 640, height: 700 } });
+const second = await viewer_page(640);
 await second.goto(address);
 await second.locator("#wipe").click();
 for (const viewer of [page, second]) {
