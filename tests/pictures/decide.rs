@@ -85,23 +85,6 @@ fn the_cpu_counts_the_mirror_rays_that_the_gpu_traces() {
 }
 
 #[test]
-fn costs_of_other_adapters_are_shown_where_they_choose_otherwise() {
-    let text = ROOM.replace("method = \"rt\"", "method = \"auto\"");
-    let method = |software: bool| {
-        let decisions = decided(&text, &[], software).decisions;
-        let method = decisions.iter().find(|d| d.what == "reflection.method");
-        method.expect("decided").clone()
-    };
-    let on_gpus = method(false);
-    assert_eq!(on_gpus.chosen, "rt");
-    assert!(
-        on_gpus.why.contains("of 2013, hybrid takes 0."),
-        "{on_gpus:?}"
-    );
-    assert!(!method(true).why.contains("2013"));
-}
-
-#[test]
 fn what_is_written_is_kept_and_nothing_stays_auto() {
     for method in ["ssr", "rt", "hybrid", "auto"] {
         for visibility in ["raster", "rays", "auto"] {

@@ -41,12 +41,6 @@ impl Pair {
     pub fn ms(&self) -> [f64; 2] {
         self.0.map(|(_, ms)| ms)
     }
-
-    /// Time of the first way, divided by the time of the second.
-    pub fn ratio(&self) -> f64 {
-        let [first, second] = self.0;
-        first.1 / second.1
-    }
 }
 
 impl fmt::Display for Pair {

@@ -131,7 +131,6 @@ pub fn decide(world: &World, trees: &Trees, options: &RenderOptions, software: b
         trees,
         asked: options,
         unit: unit_costs(&options, software),
-        is_default_gpu: options.costs.is_none() && !software,
         decided: Decided {
             options,
             decisions: Vec::new(),
@@ -161,8 +160,6 @@ struct Decider<'a> {
     trees: &'a Trees,
     asked: RenderOptions,
     unit: UnitCosts,
-    /// Whether the default costs of GPUs decide, beside which a graphics card's are told where they choose otherwise.
-    is_default_gpu: bool,
     decided: Decided,
 }
 
@@ -214,18 +211,11 @@ impl Decider<'_> {
         let (traced, pair) = workload.reflections(&self.unit, is_split);
         let (view, sampled) = (&workload.view, workload.view.all_mirror());
         let percent = |part: u32, of: u32| 100.0 * f64::from(part) / f64::from(of.max(1));
-        let mut why = format!(
+        let why = format!(
             "{pair}; {:.0} % of the pixels reflect, of which the picture shows {:.0} %",
             percent(sampled.rays, view.rays),
             percent(sampled.shown, sampled.rays),
         );
-        let card = workload.reflections(&UnitCosts::CARD, is_split).1;
-        if self.is_default_gpu && card.cheaper() != pair.cheaper() {
-            why += &format!(
-                "; a data-center chip's costs decide; by a graphics card's of 2013, hybrid takes {:.2} of the time of rt",
-                card.ratio()
-            );
-        }
         let marched = view.mirror.iter().filter(|(i, _)| !traced[**i]);
         let part = format!(
             "{} of {} surfaces",

@@ -73,8 +73,9 @@ impl UnitCosts {
         tree_instance: 2_000.0,
     };
     /// Costs of GPUs: single passes of eight views on one data-center GPU (NVIDIA H100), whose rasterizer is weak
-    /// relative to its compute units. There a pass of few rays takes as long as its longest ones, so that a node costs
-    /// .05 to .19 ns. Costs of maps are from an experiment with 2.6 million triangles on an NVIDIA H200.
+    /// relative to its compute units. There a pass of few rays takes as long as its longest ones, so that a node of a
+    /// mirror ray costs .05 to .19 ns. Costs of triangles, of maps and of a pass are from an experiment with 2.6 million
+    /// triangles on an NVIDIA H200.
     pub const GPU: Self = Self {
         raster_triangle: 2.2,
         raster_pixel: 0.5,
@@ -96,21 +97,6 @@ impl UnitCosts {
         tree_triangle: Self::PROCESSOR.tree_triangle,
         tree_instance: Self::PROCESSOR.tree_instance,
     };
-    /// Ratios of a graphics card of 2013 (GeForce GTX 780 Ti), from the three frame times of Macedo and Rodrigues
-    /// (2018): SSR takes 6.1 ms, hybrid 16.9 ms, ray tracing 21.2 ms at 1280 × 720. A frame without march and
-    /// reflections takes 6.1 ms at most, so tracing all rays takes 15.1 to 21.2 ms; if the hybrid traces 0.6 to 0.71 of
-    /// that, the march with all of its passes takes 0 to 0.16 of the time of tracing. Here it takes 0.16 of it for rays
-    /// that visit 30 nodes, and the costs of a ray are taken from [`Self::GPU`], since the paper does not tell how much
-    /// each ray visits. These costs never decide; they are shown where they would choose another method.
-    pub const CARD: Self = Self {
-        march_ray: 0.03,
-        march_node: 0.012,
-        hit: 0.1,
-        pyramid_pixel: 0.0,
-        pass: 0.0,
-        ..Self::GPU
-    };
-
     /// Costs of a kind of adapter.
     pub fn of_kind(software: bool) -> Self {
         if software { Self::PROCESSOR } else { Self::GPU }
