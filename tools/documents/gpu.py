@@ -16,7 +16,7 @@ from documents.document import DATA, Document, Run, folder_of, in_places, sample
 SIZES = ("1280 × 720", "1920 × 1080", "3840 × 2160")
 # Cards and sizes of the table of times; the table of passes is of the last.
 CASES = (("H100", SIZES[0]), ("H100", SIZES[1]), ("H200", SIZES[1]))
-PASSES = ("primary", "visibility", "ssr", "hits", "trace")
+PASSES = ("primary", "ssr", "hits", "trace")
 COLUMNS = [
     *["view", "size", "method", "edge_px", "reflection_ms", "ratio"],
     *(f"pass_{name}_ms" for name in PASSES),

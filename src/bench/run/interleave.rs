@@ -16,7 +16,8 @@ use super::{
     judge::Judged,
 };
 
-/// Time of work after which the clock of a GPU is at its highest: it falls while the processor scores pictures.
+/// Time of work in which the clock of a GPU rises, before timed frames: it falls while the processor scores pictures, and
+/// stays low where frames are so short that the GPU mostly waits.
 const CLOCK_RISES: Duration = Duration::from_millis(500);
 
 /// Variants with one rendered size, which share one renderer per method and rule of acceptance.
