@@ -188,7 +188,8 @@ pub fn info(args: &InfoArgs) -> Result<(), AppError> {
     }
     if args.time {
         let frame = args.at.unwrap_or_else(|| loaded.scene.first_frame());
-        let args = RenderArgs::for_pictures(scene, &picture);
+        let mut args = RenderArgs::for_pictures(scene, &picture);
+        args.picture.denoise = false; // it takes its time once, after all samples
         let time = PictureTime::measure(&args, loaded, camera, aovs, frame, load)?;
         info.time = Some(time);
     }
@@ -372,7 +373,8 @@ pub struct InfoArgs {
     /// Settings of the picture, as of `render`
     #[command(flatten)]
     pub picture: PictureArgs,
-    /// Render the first samples of the picture, and print the time and memory that all of them take on this machine
+    /// Render the first samples of the picture by its first camera, and print the time and memory that all of them take
+    /// on this machine, without --denoise
     #[arg(long, conflicts_with = "frame")]
     pub time: bool,
     /// Frame of the timeline for which the instances are listed that reflections skip, and of --time; default: the first

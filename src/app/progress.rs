@@ -149,7 +149,7 @@ impl Pace {
 
     /// Time of a sample after the first, seconds.
     pub fn sample_s(self) -> Option<f64> {
-        let finished = self.last.1 - self.first.1;
+        let finished = self.last.1.saturating_sub(self.first.1);
         (finished > 0).then(|| self.timed_s() / f64::from(finished))
     }
 

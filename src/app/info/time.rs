@@ -29,6 +29,8 @@ const TIMED_S: f64 = 1.0;
 pub struct PictureTime {
     /// Time of the picture with all its samples, with reading the scene, seconds.
     pub picture_s: f64,
+    /// Whether it is expected by the first samples; false where all were rendered.
+    pub is_expected: bool,
     /// Time of each sample but the first, seconds; `None` where the picture has too few.
     pub sample_s: Option<f64>,
     /// Memory of the adapter, bytes.
@@ -74,6 +76,7 @@ impl PictureTime {
         };
         Ok(Self {
             picture_s,
+            is_expected: end_s.is_some(),
             sample_s: pace.get().sample_s(),
             adapter_bytes: bytes.get(),
         })
@@ -81,7 +84,8 @@ impl PictureTime {
 
     /// The time in words.
     pub fn words(&self) -> String {
-        let each = self.sample_s.map_or(String::new(), |each_s| {
+        let each_s = self.sample_s.filter(|_| self.is_expected);
+        let each = each_s.map_or(String::new(), |each_s| {
             format!(" by its first samples, {each_s:.3} s each after the first")
         });
         let memory = mebibytes(self.adapter_bytes);
