@@ -39,21 +39,25 @@ impl Things {
         let names = scene.instance_names();
         let given = scene.instances.iter().filter_map(|i| i.name.as_deref());
         let given: HashSet<&str> = given.collect();
+        let model_of = |index: usize| {
+            let model = scene.models.get(world.placed_models[index]);
+            model.map_or("", |model| model.name.as_str())
+        };
+        let own_name =
+            |index: usize| world.written[index].map_or(model_of(index), |i| names[i].as_str());
+        let things_own: HashSet<&str> = (0..world.instances.len()).map(own_name).collect();
         for (index, instance) in world.instances.iter().enumerate() {
             let written = world.written[index];
-            let model = scene.models.get(world.placed_models[index]);
-            let model = model.map_or("", |model| model.name.as_str());
-            let own = written.map_or(model, |i| names[i].as_str());
+            let model = model_of(index);
+            let own = own_name(index);
             let is_named = written.is_some_and(|i| scene.instances[i].name.is_some());
             let part = instance.name.as_str();
             // Name of the thing that a question is about, if this instance belongs to it.
             let asked_as = |name: &'q str| {
                 let is_group = || scene.groups.iter().any(|group| group.name == name);
-                let is_of_model = || model == name || name.strip_suffix("#1") == Some(own);
-                let is_own = match given.contains(name) {
-                    true => own == name,
-                    false => own == name || !is_named && is_of_model(),
-                };
+                let is_own = own == name
+                    || !is_named && model == name && !given.contains(name)
+                    || !things_own.contains(name) && name.strip_suffix("#1") == Some(own);
                 let is_part = name.len() > own.len() && is_below(part, name, &['/', '[', '#']);
                 match is_own || is_below(own, name, &['.']) && is_group() {
                     true => Some(own),
