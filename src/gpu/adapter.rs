@@ -56,7 +56,7 @@ pub struct AdapterSummary {
 }
 
 impl AdapterSummary {
-    /// The adapter that is tried first, of a name.
+    /// The adapter that is tried first, among adapters of this name if one is given.
     ///
     /// # Errors
     /// [`GpuError::NoAdapter`] if there is none, or none that the name or [`ADAPTER_ENV`] names.

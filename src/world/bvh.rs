@@ -63,8 +63,8 @@ pub const NONE: u32 = u32::MAX;
 
 /// Number of entries of the traversal stack in `shaders/lib/bvh.wgsl`; trees that need more are refused.
 pub const STACK_SIZE: u32 = 24;
-/// Number of its entries that the top level may need where it has many instances, and the tree of a mesh, which is
-/// entered from there. The static tree is traversed before both and may need all.
+/// Half of its entries: for the top level where it has many instances, and for the tree of a mesh, which is entered from
+/// there. The static tree is traversed before both and may need all.
 const HALF_STACK: u32 = STACK_SIZE / 2;
 
 /// Number of 32-bit words of a node.

@@ -17,8 +17,8 @@ fn lit(pane: &str, light: &str, set: &[&str]) -> Option<[f32; 3]> {
 
 #[test]
 fn shadows_have_what_a_straight_ray_through_a_surface_passes() {
-    // Methods take turns, from another one on below each kind of light. A cube map differs from a map by its look-up
-    // alone, for which a third of the panes is enough: blended, partly transmitting, opaque and doubled panes.
+    // Each pane is below a map by one method and below a lamp with a size by the other. A cube map differs from a map by
+    // its look-up alone, for which a third of the panes is enough: blended, partly transmitting, opaque and doubled panes.
     for (first, (light, kind)) in cases(LIGHTS).into_iter().enumerate() {
         let open = or_skip!(lit(
             "alpha = 1",
@@ -26,9 +26,9 @@ fn shadows_have_what_a_straight_ray_through_a_surface_passes() {
             &["instance.pane.casts_shadow=false"]
         ));
         let is_cube = kind == "cube map";
-        let turns = (first..).zip(cases(PANES));
-        for (turn, (pane, passed)) in turns.filter(|(turn, _)| !is_cube || turn % 3 == 0) {
-            let method = ["rt", "path"][usize::from(!is_cube) * turn % 2];
+        let panes = cases(PANES).into_iter().enumerate();
+        for (i, (pane, passed)) in panes.filter(|(i, _)| !is_cube || i % 3 == 1) {
+            let method = ["rt", "path"][usize::from(!is_cube) * (first + i) % 2];
             let set = format!("reflection.method={method}");
             let found = lit(pane, light, &[&set]).unwrap_or_default();
             for (k, share) in passed.split(' ').enumerate() {

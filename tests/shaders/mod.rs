@@ -36,6 +36,7 @@ fn variant(features: Features) -> ShaderVariant {
     }
 }
 
+/// Every shader of every variant.
 static SOURCES: LazyLock<Vec<Source>> = LazyLock::new(sources);
 
 /// The optional features that `Gpu` asks for; a shader that needs one has a twin that does not.

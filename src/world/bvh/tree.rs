@@ -39,7 +39,7 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// Builds a tree for half of the traversal's stack.
+    /// Builds a tree whose traversal needs no more than half of the stack.
     pub fn build(boxes: &[Aabb]) -> Self {
         Self::within(boxes, HALF_STACK)
     }
