@@ -369,7 +369,7 @@ fn of_file(diagnostic: Diagnostic) -> AppError {
 /// Prints the chosen settings of each section.
 ///
 /// # Errors
-/// [`AppError::Threshold`] where no settings of a scene keep the bound, after the others are printed.
+/// [`AppError::THRESHOLD`] where no settings of a scene keep the bound, after the others are printed.
 fn print_choice(sections: &[Section], bound: &Bound) -> Result<(), AppError> {
     let mut blocks = Vec::new();
     let mut refused = false;
@@ -388,7 +388,7 @@ fn print_choice(sections: &[Section], bound: &Bound) -> Result<(), AppError> {
         print_out(&blocks.join("\n"))?;
     }
     if refused {
-        Err(AppError::Threshold)
+        Err(AppError::THRESHOLD)
     } else {
         Ok(())
     }

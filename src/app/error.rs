@@ -32,9 +32,9 @@ pub enum AppError {
     /// A picture to compare or a table of samples cannot be read or written: exit code 2.
     #[error("{}", first_message(.0))]
     Picture(Vec<Diagnostic>),
-    /// A comparison crossed a threshold, as reported on standard output: exit code 6.
-    #[error("a threshold was crossed")]
-    Threshold,
+    /// Reported before, with this exit code.
+    #[error("reported before")]
+    Told(u8),
     /// Interrupted by Ctrl-C or SIGTERM; finished files stay, as the text says: exit code 130 or
     /// 143.
     #[error("{0}")]
@@ -80,6 +80,9 @@ pub enum AppError {
 }
 
 impl AppError {
+    /// A comparison crossed a threshold, as reported on standard output: exit code 6.
+    pub const THRESHOLD: Self = Self::Told(6);
+
     /// 1 internal, 2 usage, 3 scene, 4 no usable GPU, 5 some frames failed, 6 threshold crossed, 130
     /// or 143 interrupted.
     pub fn exit_code(&self) -> u8 {
@@ -90,7 +93,7 @@ impl AppError {
             | Self::NoFilm { .. }
             | Self::NoPicture { .. }
             | Self::Unwritten { .. } => 5,
-            Self::Threshold => 6,
+            Self::Told(code) => *code,
             Self::Interrupted(_) => super::shutdown::exit_code(),
             Self::Gpu(GpuError::NoAdapter(_) | GpuError::OutOfMemory(_) | GpuError::Lost(_)) => 4,
             // The scene or its picture is too large.
@@ -134,7 +137,7 @@ impl AppError {
                 };
                 say!("there is no film {}{rest}", path.display());
             }
-            Self::Threshold => {}
+            Self::Told(_) => {}
         }
     }
 

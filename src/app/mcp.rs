@@ -21,7 +21,6 @@ use rmcp::{
 use serde_json::{Value, json};
 use tokio::{runtime::Builder, sync::Semaphore, task::spawn_blocking, time::timeout};
 
-pub use self::call::end_with_server;
 use self::tools::{Tool, tools};
 use super::{args::parse_time, error::AppError, shutdown};
 use crate::{

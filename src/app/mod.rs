@@ -34,6 +34,7 @@ pub mod lsp;
 pub mod manual;
 pub mod mcp;
 pub mod new;
+pub mod own_process;
 pub mod pack;
 #[cfg(any(feature = "window", feature = "serve"))]
 pub mod preview;
@@ -69,7 +70,7 @@ const NO_WINDOW: &str = "this build of Reflet has no window; build it without `-
 /// # Errors
 /// Error of the command.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError> {
-    mcp::end_with_server();
+    own_process::end_with_parent();
     let cli = Cli::try_parse_from(arguments).unwrap_or_else(|error| usage::exit(error));
     match cli.command {
         Command::Render(args) if args.watch => watch::follow(&args),
@@ -115,7 +116,7 @@ fn run_compare(args: &CompareArgs) -> Result<(), AppError> {
     if comparison.passed() {
         Ok(())
     } else {
-        Err(AppError::Threshold)
+        Err(AppError::THRESHOLD)
     }
 }
 

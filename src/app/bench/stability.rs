@@ -53,7 +53,7 @@ struct Plan<'a> {
 ///
 /// # Errors
 /// Modes and files that do not exist, scenes that do not load, errors of the renderer, and
-/// [`AppError::Threshold`] where a score is worse than the ratchet allows.
+/// [`AppError::THRESHOLD`] where a score is worse than the ratchet allows.
 pub fn stability(args: &StabilityArgs) -> Result<(), AppError> {
     let methods = methods(&args.methods);
     let ratchet = open_ratchet(args)?;
@@ -295,7 +295,7 @@ fn hold(
             path.display()
         ))
     } else {
-        Err(AppError::Threshold)
+        Err(AppError::THRESHOLD)
     }
 }
 

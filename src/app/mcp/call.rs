@@ -1,11 +1,10 @@
 //! One call of a command: a process with a time, whose words and picture are read from a temporary folder.
 
 use std::{
-    env,
     fs::{self, File},
     io::{Cursor, Read as _},
     path::Path,
-    process::{self, Command, ExitStatus, Stdio},
+    process::{ExitStatus, Stdio},
     thread,
     time::Instant,
 };
@@ -17,7 +16,7 @@ use rmcp::model::{CallToolResult, ContentBlock};
 use rustix::process::{Pid, Signal, kill_process_group};
 use tempfile::TempDir;
 
-use super::{TICK, tools::Tool};
+use super::{super::own_process::own_process, TICK, tools::Tool};
 use crate::files::read_at_most;
 
 /// Maximum length of the text of an answer, bytes.
@@ -27,8 +26,6 @@ const MOST_MESSAGES: u64 = 1 << 14;
 /// Maximum length of the file of a shown picture, bytes, and of its longer side, pixels.
 const MOST_FILE: usize = 1 << 19;
 const MOST_SIDE: u32 = 1024;
-/// Environment variable of a call: the number of the server's process.
-const SERVER: &str = "REFLET_MCP_SERVER";
 /// Name of the picture in the temporary folder.
 const PICTURE: &str = "picture.png";
 
@@ -52,11 +49,10 @@ pub fn make(
     let picture = tool.picture.as_ref();
     let picture =
         picture.map(|option| format!("{option}={}", files.path().join(PICTURE).display()));
-    let mut command = Command::new(env::current_exe().map_err(unusable)?);
+    let mut command = own_process().map_err(unusable)?;
     #[cfg(unix)] // so that it ends with processes that it starts, such as the converter of USD
     std::os::unix::process::CommandExt::process_group(&mut command, 0);
     let mut process = command
-        .env(SERVER, process::id().to_string())
         .arg(&tool.name)
         .args(picture)
         .args(words)
@@ -86,18 +82,6 @@ pub fn make(
         let _ = process.kill(); // it may have ended
         let _ = process.wait();
         return Err(why);
-    }
-}
-
-/// Has this process end with its server, even if that is killed, where it is a call (on Linux).
-pub fn end_with_server() {
-    #[cfg(target_os = "linux")]
-    if let Ok(server) = env::var(SERVER) {
-        let _ = rustix::process::set_parent_process_death_signal(Some(Signal::KILL));
-        let parent = rustix::process::getppid().map(|parent| parent.to_string());
-        if parent != Some(server) {
-            process::exit(1); // the server ended before
-        }
     }
 }
 
