@@ -62,6 +62,14 @@ fn advice(error: &clap::Error) -> Option<String> {
         ".png", ".exr", ".jpg", ".jpeg", ".webp", ".mp4", ".webm", ".mov", ".gif",
     ];
     let is_picture = is_written.iter().any(|ending| typed.ends_with(ending));
+    let usage = error.get(ContextKind::Usage).map(ToString::to_string);
+    let is_of_folders = usage.is_some_and(|usage| usage.contains("--output <DIR>"));
+    let is_folder = is_of_folders && !typed.starts_with('-');
+    let goal = match (is_picture, is_folder) {
+        (true, _) => Some("file"),
+        (_, true) => Some("folder"),
+        _ => None,
+    };
     find(known.arguments, name)
-        .or_else(|| is_picture.then(|| format!("write `-o {typed}` for the file to make")))
+        .or_else(|| Some(format!("write `-o {typed}` for the {} to make", goal?)))
 }
