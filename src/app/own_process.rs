@@ -13,7 +13,11 @@ const PARENT: &str = "REFLET_PARENT";
 /// # Errors
 /// The file of the program is not known.
 pub fn own_process() -> io::Result<Command> {
-    let mut command = Command::new(env::current_exe()?);
+    // By this name a program still runs whose file was replaced meanwhile.
+    let mut command = match cfg!(target_os = "linux") {
+        true => Command::new("/proc/self/exe"),
+        false => Command::new(env::current_exe()?),
+    };
     command.env(PARENT, process::id().to_string());
     Ok(command)
 }
