@@ -67,8 +67,7 @@ fn resolve(pixel: vec2u) -> Resolved {
     textureStore(surface, pixel, pack_surface(s));
     textureStore(colors, pixel, pack_colors(s));
     let rough = select(UNREFLECTIVE, ROUGH, s.reflection != REFLECTION_NONE);
-    let is_traced = !MARCH || (instance_flags(hit.x) & FLAG_TRACED) != 0u;
-    let reflective = select(MARCHED, TRACED, is_traced);
+    let reflective = select(TRACED, MARCHED, MARCH);
     return Resolved(select(rough, reflective, is_reflector(rounded_surface(s))), is_transmissive(s));
 }
 

@@ -5,7 +5,7 @@
 #import depth_pyramid
 #import frame
 
-// Whether there are reflective pixels, and whether rays of surfaces without FLAG_TRACED are marched.
+// Whether there are reflective pixels, and whether their rays are marched.
 override HAS_REFLECTIONS: bool = true;
 override MARCH: bool = true;
 

@@ -38,10 +38,8 @@ impl System {
     /// Changes the settings of a scene to the system's: every setting that is part of a system's name is set here, so
     /// that a scene's own settings cannot make its row of a table untrue.
     pub fn set(&self, settings: &mut ReflectionDesc) {
-        let standard = ReflectionDesc::default();
         *settings = ReflectionDesc {
             method: self.method,
-            marched: standard.marched,
             trace: Trace::Software,
             accept: Accept::Verified,
             layers: 1,
@@ -101,7 +99,6 @@ pub const SYSTEMS: &[System] = systems! {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use reflet_scene::desc::Marched;
 
     #[test]
     fn systems_have_names_and_settings_of_their_own() {
@@ -122,7 +119,6 @@ mod tests {
         let standard = ReflectionDesc::default();
         let of_scene = ReflectionDesc {
             method: Method::Path,
-            marched: Marched::All,
             trace: Trace::Query,
             accept: Accept::Threshold,
             layers: 2,

@@ -65,7 +65,7 @@ pub use self::{
     placement::{PlacementDesc, turned},
     probe::{Lookup, ProbeDesc, ProbesDesc, SelectBy},
     project::ProjectDesc,
-    reflection::{Accept, Bounces, LATE_SETTINGS, Marched, Method, ReflectionDesc, Trace},
+    reflection::{Accept, Bounces, LATE_SETTINGS, Method, ReflectionDesc, Trace},
     scatter::{AlongDesc, OverDesc},
     shape::{LatheSource, NoiseDesc, PartDesc, ShapeDesc, SweepCurve, TextAlign},
     stage::{MODEL_ENDINGS, PANORAMA_ENDINGS, StageDesc, is_bare, is_panorama, is_stage},

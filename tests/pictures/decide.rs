@@ -80,7 +80,7 @@ fn the_cpu_counts_the_mirror_rays_that_the_gpu_traces() {
     let counts = counts.expect("counted");
     let on_gpu = counts.iter().find(|pass| pass.pass == "trace");
     let on_gpu = on_gpu.expect("mirror rays").counts.traversals as f64;
-    let ratio = work.weight() * f64::from(work.view.all_mirror().rays) / on_gpu;
+    let ratio = work.weight() * f64::from(work.view.mirror.rays) / on_gpu;
     assert!((0.8..1.25).contains(&ratio), "{ratio}");
 }
 

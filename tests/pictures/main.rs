@@ -36,7 +36,6 @@ mod far;
 mod foreign_worlds;
 mod kit;
 mod light_reuse;
-mod marched;
 mod material;
 mod mesh;
 mod moving;

@@ -31,7 +31,6 @@ fn environment_reflection_and_image_arrive() {
         scene.reflection,
         ReflectionDesc {
             method: Method::Ssr,
-            marched: Marched::All,
             trace: Trace::Query,
             ray_length_u: 2.0,
             accept: Accept::Threshold,

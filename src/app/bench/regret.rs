@@ -12,9 +12,9 @@ use crate::{
     bench::{run::Observer as _, summary::digits},
     gpu::{Gpu, ShaderLibrary, driver::open_gpu},
     metric::percentile,
-    render::{RenderOptions, decide::Decision},
+    render::RenderOptions,
     runtime::{ViewOverrides, renderer_stage::RendererStage, scene_text::LoadedScene},
-    scene::desc::{LightKind, Marched, Method, ShadowMode, Visibility},
+    scene::desc::{LightKind, Method, ShadowMode, Visibility},
     world::{Light, World},
 };
 
@@ -27,44 +27,31 @@ const SIZES: [[u32; 2]; 3] = [[640, 360], [1280, 720], [1920, 1080]];
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Alternative {
     method: Method,
-    /// Surfaces that method `hybrid` marches.
-    marched: Marched,
     visibility: Visibility,
     /// Kinds of lights with `shadow = "auto"` whose shadows are found by rays, a bit each.
     rays: usize,
 }
 
 impl Alternative {
-    /// Alternative that was chosen for these options, where only some surfaces are marched or all of them.
-    fn for_options(world: &World, options: &RenderOptions, marches_some: bool) -> Self {
+    /// Alternative that was chosen for these options.
+    fn for_options(world: &World, options: &RenderOptions) -> Self {
         let maps = auto_kinds(options.undecided_lights(world).map(|(_, light)| light));
         Self {
             method: options.reflection.method,
-            marched: match marches_some {
-                true => Marched::Cheaper,
-                false => Marched::All,
-            },
             visibility: options.image.visibility,
             rays: auto_kinds(&world.lights) & !maps,
         }
     }
 
-    /// All alternatives of a world: kinds of lights without `auto` have one shadow mode. Where the cost model would
-    /// march some surfaces only, that is one more.
-    fn all(world: &World, marches_some: bool) -> Vec<Self> {
+    /// All alternatives of a world: kinds of lights without `auto` have one shadow mode.
+    fn all(world: &World) -> Vec<Self> {
         let kinds = auto_kinds(&world.lights);
-        let ways = [
-            (Method::Hybrid, Marched::All),
-            (Method::Rt, Marched::All),
-            (Method::Hybrid, Marched::Cheaper),
-        ];
         let mut all = Vec::new();
         for rays in (0..=kinds).filter(|rays| rays & !kinds == 0) {
-            for (method, marched) in ways.into_iter().take(2 + usize::from(marches_some)) {
+            for method in [Method::Hybrid, Method::Rt] {
                 all.extend(
                     [Visibility::Raster, Visibility::Rays].map(|visibility| Self {
                         method,
-                        marched,
                         visibility,
                         rays,
                     }),
@@ -86,18 +73,13 @@ impl Alternative {
             }
         }
         options.reflection.method = self.method;
-        options.reflection.marched = self.marched;
         options.image.visibility = self.visibility;
         (world, options)
     }
 
     fn name(self) -> String {
         let visibility = self.visibility.name();
-        let some = match self.marched {
-            Marched::Cheaper => " of some surfaces",
-            _ => "",
-        };
-        let mut name = format!("{}{some}, {visibility}", self.method.name());
+        let mut name = format!("{}, {visibility}", self.method.name());
         for (kind, word) in LightKind::NAMES.iter().enumerate() {
             if self.has_rays(kind) {
                 let _ = write!(name, ", {word} shadows by rays"); // writing to a string cannot fail
@@ -186,12 +168,10 @@ fn measure(
     };
     let renderer = build(&world, &options)?;
     let decided = *renderer.options();
-    let is_split = |d: &Decision| d.what == "reflection.marched";
-    let marches_some = renderer.decisions().iter().any(is_split);
     drop(renderer);
     let mut timed = Vec::new();
     progress.note(&format!("{}, {} x {}", loaded.name, size[0], size[1]));
-    for way in Alternative::all(&world, marches_some) {
+    for way in Alternative::all(&world) {
         let (world, options) = way.applied(&world, &decided);
         let renderer = build(&world, &options)?;
         timed.push((way, world, renderer, Vec::new()));
@@ -216,7 +196,7 @@ fn measure(
     let best = medians.iter().min_by(|a, b| a.1.total_cmp(&b.1));
     let chosen = medians
         .iter()
-        .find(|(way, _)| *way == Alternative::for_options(&world, &decided, marches_some));
+        .find(|(way, _)| *way == Alternative::for_options(&world, &decided));
     Ok(best.zip(chosen).map(|(best, chosen)| Row {
         scene: loaded.name.clone(),
         size,
@@ -255,8 +235,7 @@ mod tests {
     #[test]
     fn only_what_is_auto_is_a_choice() {
         let mut world = World::default();
-        assert_eq!(Alternative::all(&world, false).len(), 4);
-        assert_eq!(Alternative::all(&world, true).len(), 6);
+        assert_eq!(Alternative::all(&world).len(), 4);
         let mut lamp = crate::world::Light {
             name: "lamp".to_owned(),
             desc: crate::scene::desc::LightDesc {
@@ -271,10 +250,10 @@ mod tests {
             moves: false,
         };
         world.lights.push(lamp.clone());
-        assert_eq!(Alternative::all(&world, false).len(), 4);
+        assert_eq!(Alternative::all(&world).len(), 4);
         lamp.desc.shadow = ShadowMode::Auto;
         world.lights.push(lamp);
-        let all = Alternative::all(&world, false);
+        let all = Alternative::all(&world);
         assert_eq!(all.len(), 8);
         let (applied, _) = all[7].applied(&world, &RenderOptions::default());
         assert_eq!(applied.lights[0].desc.shadow, ShadowMode::Map);

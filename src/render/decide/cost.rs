@@ -86,7 +86,7 @@ impl Workload {
         maps: impl IntoIterator<Item = &'a MapWork>,
     ) -> Pair {
         let view = &self.view;
-        let lit = 1.0 + f64::from(view.all_mirror().rays) / f64::from(view.surfaces.max(1));
+        let lit = 1.0 + f64::from(view.mirror.rays) / f64::from(view.surfaces.max(1));
         let of_pixels = self.weight() * lit;
         let (mut by_rays, mut by_maps) = (0.0, 0.0);
         for map in maps {
@@ -98,35 +98,16 @@ impl Workload {
         Pair([("ray", MS * by_rays), ("map", MS * by_maps)])
     }
 
-    /// Whether `hybrid` traces the rays of an instance at once, by index, and the expected costs of the mirror rays of
-    /// pixels by `hybrid` and `rt`; `is_split`: it marches only surfaces for which that is cheaper. Instances of which few
-    /// rays were sampled are taken together; without any they count as all instances. Rays onward from the hits and
-    /// towards lights are left out: they are the same for both methods.
-    pub fn reflections(&self, unit: &UnitCosts, is_split: bool) -> (Vec<bool>, Pair) {
+    /// Expected costs of the mirror rays of pixels by `hybrid` and `rt`. Rays onward from the hits and towards lights are
+    /// left out: they are the same for both methods.
+    pub fn reflections(&self, unit: &UnitCosts) -> Pair {
         let mirror = &self.view.mirror;
-        let is_traced = |rays: &MirrorRays| is_split && rays.traced(unit) <= rays.marched(unit);
-        let few = mirror.values().filter(|m| m.rays < LEAST_RAYS);
-        let few = few.copied().reduce(MirrorRays::plus);
-        let others = is_traced(&few.unwrap_or_else(|| self.view.all_mirror()));
-        let of = |instance: usize| {
-            let own = mirror.get(&instance).filter(|m| m.rays >= LEAST_RAYS);
-            own.map_or(others, is_traced)
-        };
-        let traced: Vec<bool> = (0..self.instances).map(of).collect();
-        let of_hybrid = |(instance, rays): (&usize, &MirrorRays)| match traced[*instance] {
-            true => rays.traced(unit),
-            false => rays.marched(unit),
-        };
-        let hybrid: f64 = mirror.iter().map(of_hybrid).sum();
-        let rt: f64 = mirror.values().map(|rays| rays.traced(unit)).sum();
         let fixed = self.samples * (self.pixels * unit.pyramid_pixel + 4.0 * unit.pass);
-        let (hybrid, rt) = (self.weight() * hybrid + fixed, self.weight() * rt);
-        (traced, Pair([("hybrid", MS * hybrid), ("rt", MS * rt)]))
+        let hybrid = self.weight() * mirror.marched(unit) + fixed;
+        let rt = self.weight() * mirror.traced(unit);
+        Pair([("hybrid", MS * hybrid), ("rt", MS * rt)])
     }
 }
-
-/// Minimum number of sampled mirror rays of an instance to decide for it alone.
-const LEAST_RAYS: u32 = 8;
 
 impl MirrorRays {
     /// Expected time to trace them all, nanoseconds.

@@ -56,8 +56,6 @@ pub struct Decided {
     pub options: RenderOptions,
     /// One entry for each choice.
     pub decisions: Vec<Decision>,
-    /// Whether the reflections of an instance are traced at once rather than marched, by index; empty: all are marched.
-    pub traced: Vec<bool>,
 }
 
 /// Whether frames trace rays, or [`decide`] needs them, on an adapter that is `software` or a GPU.
@@ -134,7 +132,6 @@ pub fn decide(world: &World, trees: &Trees, options: &RenderOptions, software: b
         decided: Decided {
             options,
             decisions: Vec::new(),
-            traced: Vec::new(),
         },
     };
     decider.method();
@@ -193,8 +190,7 @@ impl Decider<'_> {
 
     fn method(&mut self) {
         let settings = &self.asked.reflection;
-        let is_split = settings.marches_cheaper_only();
-        if settings.method != Method::Auto && !is_split {
+        if settings.method != Method::Auto {
             return;
         }
         self.decided.options.reflection.method = Method::Rt;
@@ -208,33 +204,17 @@ impl Decider<'_> {
             return self.choose("reflection.method", Method::Rt.name(), why.to_owned());
         }
         let workload = self.workload();
-        let (traced, pair) = workload.reflections(&self.unit, is_split);
-        let (view, sampled) = (&workload.view, workload.view.all_mirror());
+        let pair = workload.reflections(&self.unit);
+        let (view, sampled) = (&workload.view, &workload.view.mirror);
         let percent = |part: u32, of: u32| 100.0 * f64::from(part) / f64::from(of.max(1));
         let why = format!(
             "{pair}; {:.0} % of the pixels reflect, of which the picture shows {:.0} %",
             percent(sampled.rays, view.rays),
             percent(sampled.shown, sampled.rays),
         );
-        let marched = view.mirror.iter().filter(|(i, _)| !traced[**i]);
-        let part = format!(
-            "{} of {} surfaces",
-            marched.clone().count(),
-            view.mirror.len()
-        );
-        let marched_rays = marched.map(|(_, rays)| rays.rays).sum();
-        let share = format!(
-            "they have {:.0} % of the reflective pixels; rays of the others take less time to trace",
-            percent(marched_rays, sampled.rays)
-        );
-        let marches_some = marched_rays < sampled.rays;
         self.choose("reflection.method", pair.cheaper(), why);
         if pair.cheaper() == Method::Hybrid.name() {
             self.decided.options.reflection.method = Method::Hybrid;
-            self.decided.traced = traced;
-            if marches_some {
-                self.choose("reflection.marched", &part, share);
-            }
         }
     }
 

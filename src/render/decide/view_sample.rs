@@ -35,8 +35,7 @@ pub struct MirrorRays {
 }
 
 impl MirrorRays {
-    /// Sums of the counts of both.
-    pub fn plus(self, other: Self) -> Self {
+    fn plus(self, other: Self) -> Self {
         Self {
             rays: self.rays + other.rays,
             visits: self.visits + other.visits,
@@ -55,8 +54,8 @@ pub struct ViewSample {
     pub visits: u32,
     /// Number of primary rays that hit a surface.
     pub surfaces: u32,
-    /// Mirror rays by the instance that they start from.
-    pub mirror: BTreeMap<usize, MirrorRays>,
+    /// Mirror rays.
+    pub mirror: MirrorRays,
     /// Number of shadow rays to each undecided light, by its index, and number of nodes that they visit.
     pub shadows: BTreeMap<usize, (u32, u32)>,
 }
@@ -73,17 +72,7 @@ impl ViewSample {
         samples.reduce(Self::default, Self::plus)
     }
 
-    /// Mirror rays of all instances.
-    pub fn all_mirror(&self) -> MirrorRays {
-        let counts = self.mirror.values().copied();
-        counts.fold(MirrorRays::default(), MirrorRays::plus)
-    }
-
     fn plus(mut self, other: Self) -> Self {
-        for (instance, counts) in other.mirror {
-            let sum = self.mirror.entry(instance).or_default();
-            *sum = sum.plus(counts);
-        }
         for (light, (rays, visits)) in other.shadows {
             let sum = self.shadows.entry(light).or_default();
             *sum = (sum.0 + rays, sum.1 + visits);
@@ -92,7 +81,7 @@ impl ViewSample {
             rays: self.rays + other.rays,
             visits: self.visits + other.visits,
             surfaces: self.surfaces + other.surfaces,
-            mirror: self.mirror,
+            mirror: self.mirror.plus(other.mirror),
             shadows: self.shadows,
         }
     }
@@ -124,13 +113,12 @@ impl Sampler<'_> {
         let ray = mirror_ray(&point, direction);
         let (met, visits) = self.rays.trees.nearest_counted(&ray);
         let shown = met.is_some_and(|met| self.is_shown(&ray, &met));
-        let counts = MirrorRays {
+        sum.mirror = MirrorRays {
             rays: 1,
             visits,
             shown: u32::from(shown),
             refused_visits: if shown { 0 } else { visits },
         };
-        sum.mirror.insert(point.instance, counts);
         sum
     }
 

@@ -181,8 +181,6 @@ pub const FLAG_COLORS: u32 = 1;
 pub const FLAG_MIRRORED: u32 = 2;
 /// Bit of [`GpuInstance::flags`]: the surface is sampled as a light.
 pub const FLAG_EMITTER: u32 = 4;
-/// Bit of [`GpuInstance::flags`]: its reflections are traced at once, never marched.
-pub const FLAG_TRACED: u32 = 8;
 /// Bit of [`GpuInstance::flags`]: the surface's emission belongs to another light group than the shown one.
 pub const FLAG_DARK: u32 = 32;
 /// Bit of [`GpuInstance::flags`]: the mesh is of capsules, and its vertices have normals.

@@ -128,7 +128,6 @@ impl Renderer {
 
     fn pose(&mut self, gpu: &Gpu, pose: Pose) {
         let scene = Arc::make_mut(&mut self.scene);
-        scene.set_traced(gpu, &self.world, &self.trees, pose.traced);
         match pose.top {
             Some(top) => self.set_poses(gpu, top),
             None => scene.update_emitters(gpu, &self.world),

@@ -68,8 +68,6 @@ pub(super) struct Made {
 
 /// Values to upload once a renderer is made; no upload fails.
 pub(super) struct Pose {
-    /// Whether the reflections of an instance are traced at once, by index.
-    pub(super) traced: Vec<bool>,
     /// Top level of the shown pose, as [`top_level`] makes it; `None` where the device has that pose.
     pub(super) top: Option<Option<TopLevel>>,
 }
@@ -117,7 +115,6 @@ impl Made {
             rebuilt.materials || rebuilt.poses || PoseKey::from_world(&shown) != tree_pose;
         let top = is_posed.then(|| top_level(&trees, &tree_pose, &shown));
         let pose = Pose {
-            traced: decided.traced,
             top: top.transpose()?,
         };
         let (uniforms, timer) = match old {

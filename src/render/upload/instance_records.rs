@@ -23,7 +23,7 @@ use crate::{
         gpu_struct::Shared as _,
         types::{
             FLAG_AT_LEAST_A_PIXEL, FLAG_CAPSULE_NORMALS, FLAG_COLORS, FLAG_DARK, FLAG_EMITTER,
-            FLAG_MIRRORED, FLAG_TRACED, GpuInstance, flag,
+            FLAG_MIRRORED, GpuInstance, flag,
         },
     },
     lighting::shown_light::ShownLight,
@@ -34,8 +34,6 @@ use crate::{
 pub struct RecordInputs<'a> {
     /// Ranges of the meshes.
     pub mesh_ranges: &'a [MeshRange],
-    /// Whether the reflections of an instance are traced at once, by index; those past the end are marched.
-    pub traced: &'a [bool],
     /// Whether reflection rays skip an instance, by index; those past the end are not skipped.
     pub skipped: &'a [bool],
     /// Light that pictures show.
@@ -78,8 +76,7 @@ pub fn trace_flags(traced: &TraceInstance, skipped: &[bool], index: usize) -> u3
     traced.trace_flags | if is_skipped { UNREFLECTED } else { 0 }
 }
 
-/// Records of a range of the instances of a world in its pose, with the ranges of its meshes and the instances whose
-/// reflections are traced at once.
+/// Records of a range of the instances of a world in its pose, with the ranges of its meshes.
 pub fn instance_records(
     world: &World,
     trees: &Trees,
@@ -100,7 +97,6 @@ pub fn instance_records(
         }
     }
     let record = move |(index, (instance, traced)): (usize, (&Instance, &TraceInstance))| {
-        let is_traced = inputs.traced.get(index).copied().unwrap_or(false);
         let range = inputs.mesh_ranges[instance.mesh];
         let mesh = &world.meshes[instance.mesh];
         let radius = mesh.capsule_radius_m;
@@ -123,7 +119,6 @@ pub fn instance_records(
                 | flag(range.has_colors, FLAG_COLORS)
                 | flag(is_sampled, FLAG_EMITTER)
                 | flag(!inputs.shown_light.shows(light_group), FLAG_DARK)
-                | flag(is_traced, FLAG_TRACED)
                 | flag(has_capsule_normals, FLAG_CAPSULE_NORMALS)
                 | flag(mesh.at_least_a_pixel, FLAG_AT_LEAST_A_PIXEL)
                 | u32::from(world.decals.set_of(index)) << DECAL_SET_SHIFT,

@@ -65,8 +65,6 @@ pub struct GpuScene {
     /// Number of shader bindings of the geometry's arrays.
     pub chunks: Chunks,
     mesh_ranges: Vec<MeshRange>,
-    /// Whether the reflections of an instance are traced at once, by index; those past the end are marched.
-    traced: Vec<bool>,
     /// Whether reflection rays skip an instance, by index; those past the end are not skipped.
     skipped: Vec<bool>,
     /// Light that pictures show.
@@ -86,7 +84,6 @@ impl GpuScene {
         let structures = (queried.then(|| Structures::new(gpu, world, trees, &[]))).transpose()?;
         let inputs = RecordInputs {
             mesh_ranges: &mesh_ranges,
-            traced: &[],
             skipped: &[],
             shown_light: ShownLight::default(),
             queried,
@@ -108,7 +105,6 @@ impl GpuScene {
             emitters: GpuEmitters::new(gpu, world, ShownLight::default())?,
             decals: GpuDecals::new(gpu, world),
             instances,
-            traced: Vec::new(),
             skipped: Vec::new(),
             shown_light: ShownLight::default(),
             vertices,
@@ -227,7 +223,6 @@ impl GpuScene {
     fn record_inputs(&self) -> RecordInputs<'_> {
         RecordInputs {
             mesh_ranges: &self.mesh_ranges,
-            traced: &self.traced,
             skipped: &self.skipped,
             shown_light: self.shown_light,
             queried: self.structures.is_some(),
@@ -238,15 +233,6 @@ impl GpuScene {
         let (first, inputs) = (range.start, self.record_inputs());
         let records: Vec<_> = instance_records(world, trees, inputs, range).collect();
         self.instances.write(gpu, first, &records);
-    }
-
-    /// Sets for each instance whether its reflections are traced at once rather than marched, by index; those past the
-    /// end are marched.
-    pub fn set_traced(&mut self, gpu: &Gpu, world: &World, trees: &Trees, traced: Vec<bool>) {
-        if self.traced != traced {
-            self.traced = traced;
-            self.write_instances(gpu, world, trees, 0..world.instances.len());
-        }
     }
 
     /// Has surfaces and lamps of other light groups than the shown one give no light.

@@ -92,19 +92,6 @@ declared! {
         Threshold = "threshold",
     }
 
-    /// Surfaces whose reflections are marched in screen space.
-    #[words]
-    pub enum Marched = Auto {
-        /// `"cheaper"` where `method` is `"auto"`, else `"all"`.
-        Auto = "auto",
-        /// every surface that reflects.
-        All = "all",
-        /// the surfaces, one instance each, whose rays take less time to march than to trace; the others are
-        /// traced at once, and with no such surface the method is `rt`. A cost model for the kind of graphics adapter
-        /// decides by sampled rays of the first frame, so that pictures may differ slightly between kinds.
-        Cheaper = "cheaper",
-    }
-
     /// Way to follow rays through the scene: for reflections, shadows, transmission, diffuse light and primary
     /// visibility.
     #[words]
@@ -153,9 +140,6 @@ declared! {
         /// the size of the picture, as the camera shows it that is chosen with `--camera` or in the preview, else the
         /// camera of the first frame. It then holds for all frames.
         pub method: Method = Method::Auto,
-        /// Surfaces that methods `hybrid` and `auto` march in screen space before tracing what is left. Default
-        /// `"auto"`.
-        pub marched: Marched = Marched::Auto,
         /// Way to follow rays through the scene, of reflections and all others. Hits are the same, but for surfaces
         /// closer to each other than rounding. Ray queries are experimental in wgpu, and are only asked of an adapter
         /// where this is `"query"` or `"auto"`; `reflet info` says whether it has them. Default `"software"`.
@@ -364,15 +348,6 @@ impl ReflectionDesc {
     /// Whether the adapter is asked for ray queries.
     pub fn may_query(&self) -> bool {
         self.trace != Trace::Software
-    }
-
-    /// Whether only the surfaces are marched for which that takes less time.
-    pub fn marches_cheaper_only(&self) -> bool {
-        match self.method {
-            Method::Auto => self.marched != Marched::All,
-            Method::Hybrid => self.marched == Marched::Cheaper,
-            _ => false,
-        }
     }
 
     /// Whether the march accepts only hits that it can verify.
