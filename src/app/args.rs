@@ -261,7 +261,7 @@ pub struct RenderArgs {
     /// a line a minute
     #[arg(long, value_name = "FORM")]
     pub progress: Option<ProgressForm>,
-    /// Ctrl-C and SIGTERM end a picture after the current sample and write the mean of its samples so far, without AOVs
+    /// Ctrl-C and SIGTERM end a picture after the samples that have begun and write the mean of its samples so far, without AOVs
     /// and not denoised; without this option nothing is written
     #[arg(long)]
     pub keep_partial: bool,

@@ -1,10 +1,14 @@
 //! Progress of a sequence, by its frames, and of a picture, by its samples: a bar on a terminal, lines elsewhere.
 
 use std::{
-    cell::Cell,
     fmt,
     io::{IsTerminal as _, Write as _, stderr, stdout},
     path::Path,
+    sync::{
+        Arc, Mutex, MutexGuard, PoisonError,
+        mpsc::{RecvTimeoutError, Sender, channel},
+    },
+    thread,
     time::{Duration, Instant},
 };
 
@@ -12,11 +16,19 @@ use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 use reflet_base::standard_error::end_work;
 use serde_json::json;
 
-use super::args::ProgressForm;
+use super::{
+    args::{ProgressForm, RenderArgs},
+    shutdown,
+};
 use crate::{
     render::SoFar,
     scene::{desc::Samples, diagnostic::printable_lines},
 };
+
+/// Time from which a picture takes long, and between two words about the same sample.
+const LONG: Duration = Duration::from_secs(10);
+/// Time between two looks at a picture.
+const TICK: Duration = Duration::from_millis(100);
 
 /// Form of progress where none is asked for.
 fn usual_form() -> ProgressForm {
@@ -161,127 +173,250 @@ impl Pace {
     }
 }
 
-/// Progress of one picture.
+/// Progress of one picture, from the reading of its scene on. Words come at intervals, also while one sample takes long.
 #[derive(Debug)]
 pub struct PictureProgress {
+    shared: Arc<Shared>,
+    /// Ends the thread of the intervals.
+    _stop: Sender<()>,
+}
+
+#[derive(Debug)]
+struct Shared {
     form: ProgressForm,
     /// Time between two lines.
     every: Duration,
+    began: Instant,
+    state: Mutex<State>,
+}
+
+/// State of a picture.
+#[derive(Debug)]
+struct State {
+    told: Instant,
+    /// Drawn on a terminal only, once the scene is read.
+    bar: ProgressBar,
     /// Number of pictures to render: its own, and for AOVs of lights one for each group.
     pictures: u32,
     /// Bound of the error, where it decides the number of samples.
     bound: Option<f32>,
-    began: Instant,
-    pace: Cell<Pace>,
-    told: Cell<Instant>,
-    lights: Cell<u32>,
-    bar: ProgressBar,
+    /// Seconds before the first sample.
+    begun_s: f64,
+    lights: u32,
+    pace: Pace,
+    /// Number of finished samples, and of all; none before the scene is read.
+    samples: Option<[u32; 2]>,
+    error: Option<f32>,
+    /// Size, samples, method and memory of the picture, until they are said.
+    about: Option<String>,
+    /// Whether a signal ends the picture after its sample, and nothing was said of it.
+    may_stop: bool,
+    is_ended: bool,
+}
+
+impl State {
+    fn new(began: Instant, may_stop: bool) -> Self {
+        Self {
+            told: began,
+            bar: ProgressBar::hidden(),
+            pictures: 1,
+            bound: None,
+            begun_s: 0.0,
+            lights: 0,
+            pace: Pace::default(),
+            samples: None,
+            error: None,
+            about: None,
+            may_stop,
+            is_ended: false,
+        }
+    }
 }
 
 impl PictureProgress {
-    /// Progress of so many pictures, the first of which begins now.
-    pub fn new(form: Option<ProgressForm>, pictures: u32, samples: Samples) -> Self {
+    /// Progress of a picture whose scene is read from now on.
+    pub fn new(args: &RenderArgs) -> Self {
+        let form = args.progress;
         let every = match form {
             Some(ProgressForm::Json | ProgressForm::Openjd) => Duration::from_millis(100),
-            Some(_) => Duration::from_secs(10),
+            Some(_) => LONG,
             None => Duration::from_secs(60),
         };
-        let form = form.unwrap_or_else(usual_form);
-        let bar = bar(form, samples.count().into(), " samples{msg}");
-        bar.set_message(", compiling");
-        bar.enable_steady_tick(Duration::from_millis(100));
         let began = Instant::now();
-        Self {
-            form,
+        let shared = Arc::new(Shared {
+            form: form.unwrap_or_else(usual_form),
             every,
-            pictures,
-            bound: match samples {
-                Samples::UntilError(bound) => Some(bound.error),
-                Samples::Count(_) | Samples::Unwritten => None,
-            },
             began,
-            pace: Cell::default(),
-            told: Cell::new(began),
-            lights: Cell::new(0),
-            bar,
+            state: Mutex::new(State::new(began, args.keep_partial)),
+        });
+        let (stop, stopped) = channel();
+        let ticking = shared.clone();
+        thread::spawn(move || {
+            while let Err(RecvTimeoutError::Timeout) = stopped.recv_timeout(TICK) {
+                ticking.tick(&mut ticking.state());
+            }
+        });
+        Self {
+            shared,
+            _stop: stop,
         }
     }
 
-    /// Reports a sample.
-    pub fn sample(&self, so_far: &SoFar<'_>) {
-        let seconds = self.began.elapsed().as_secs_f64();
-        if so_far.done == 1 && so_far.light.is_some() {
-            self.lights.set(self.lights.get() + 1);
-        }
-        let done = so_far.done + self.lights.get() * so_far.samples;
-        let total = so_far.samples * self.pictures;
-        self.pace.set(self.pace.get().with(seconds, done));
-        let end_s = self.pace.get().end_s(total);
-        let left_s = end_s.map(|end_s| end_s - seconds);
-        if let (3, Some(end_s)) = (done, end_s) {
-            self.announce(so_far, end_s);
-        }
-        let error = so_far.error.map(|estimate| estimate.error);
-        let found = match (error, self.bound) {
-            (Some(error), Some(bound)) => format!(", error {error:.3} of {bound}"),
-            _ => String::new(),
+    /// Reports that so many pictures are rendered from now on.
+    pub fn begin(&self, pictures: u32, samples: Samples) {
+        let mut state = self.shared.state();
+        state.pictures = pictures;
+        state.bound = match samples {
+            Samples::UntilError(bound) => Some(bound.error),
+            Samples::Count(_) | Samples::Unwritten => None,
         };
-        let left = left_s.filter(|_| done < total);
-        let left = left.map_or(String::new(), |s| format!(", {} left", about(s)));
-        if let ProgressForm::Bar = self.form {
-            self.bar.set_length(total.into());
-            self.bar.set_message(format!("{found}{left}"));
-            self.bar.set_position(done.into());
-            return;
-        }
-        if self.told.get().elapsed() < self.every && done < total {
-            return;
-        }
-        self.told.set(Instant::now());
-        match self.form {
-            ProgressForm::Json => print_line(json!({
-                "sample": done, "samples": total, "seconds": seconds, "left_s": left_s, "error": error,
-            })),
-            ProgressForm::Openjd => print_percent(f64::from(done) / f64::from(total)),
-            _ if done == total => {}
-            _ => reflet_base::error_line!(
-                "sample {done} of {total}{found}, {} so far{left}",
-                about(seconds)
-            ),
+        state.samples = Some([0, samples.count() * pictures]);
+        state.bar = bar(self.shared.form, samples.count().into(), " samples{msg}");
+        state.bar.set_message(", compiling");
+        state.bar.enable_steady_tick(TICK);
+        state.begun_s = self.shared.began.elapsed().as_secs_f64();
+        if let ProgressForm::Json | ProgressForm::Openjd = self.shared.form {
+            self.shared.tell(&mut state);
         }
     }
 
-    /// Says what a long picture takes.
-    fn announce(&self, so_far: &SoFar<'_>, seconds: f64) {
-        let is_text = matches!(self.form, ProgressForm::Bar | ProgressForm::Lines);
-        if is_text && seconds > self.every.as_secs_f64().min(10.0) {
+    /// Reports a sample that is submitted, with which the sample before it is finished.
+    pub fn sample(&self, so_far: &SoFar<'_>) {
+        let mut state = self.shared.state();
+        if so_far.done == 1 && so_far.light.is_some() {
+            state.lights += 1;
+        }
+        if state.samples.is_none_or(|[done, _]| done == 0) && so_far.done == 1 {
             let (samples, [width, height]) = (so_far.samples, so_far.size());
             let (method, mib) = (so_far.method().name(), so_far.bytes() >> 20);
-            let at_first = match self.bound {
-                Some(_) => " at first",
-                None => "",
-            };
-            self.bar.suspend(|| {
-                reflet_base::error_line!(
-                    "{width} x {height} pixels, {samples} samples{at_first} by {method}, {mib} MiB: {}",
-                    about(seconds)
-                );
-            });
+            let at_first = state.bound.map_or("", |_| " at first");
+            state.about = Some(format!(
+                "{width} x {height} pixels, {samples} samples{at_first} by {method}, {mib} MiB"
+            ));
+        }
+        let submitted = so_far.done + state.lights * so_far.samples;
+        let total = so_far.samples * state.pictures;
+        let seconds = self.seconds();
+        state.pace = state.pace.with(seconds, submitted);
+        state.samples = Some([submitted - 1, total]);
+        state.error = so_far.error.map(|estimate| estimate.error);
+        state.bar.set_length(total.into());
+        state.bar.set_position((submitted - 1).into());
+        self.shared.tick(&mut state);
+        if state.told.elapsed() >= self.shared.every {
+            self.shared.tell(&mut state);
         }
     }
 
     /// Reports the written picture to programs, and ends the bar.
     pub fn wrote(&self, frame: u32, path: &Path) {
         self.end();
-        if let ProgressForm::Json | ProgressForm::Openjd = self.form {
-            let mut written = Progress::new(1, Some(self.form));
-            written.done(frame, "wrote", path, self.began.elapsed().as_secs_f64());
+        let mut state = self.shared.state();
+        if let (ProgressForm::Json, Some([done, total])) = (self.shared.form, &mut state.samples) {
+            *done = *total;
+            self.shared.tell(&mut state);
+        }
+        if let form @ (ProgressForm::Json | ProgressForm::Openjd) = self.shared.form {
+            let mut written = Progress::new(1, Some(form));
+            written.done(frame, "wrote", path, self.seconds());
         }
     }
 
-    /// Erases the bar.
+    /// Time since the scene was about to be read, seconds.
+    pub fn seconds(&self) -> f64 {
+        self.shared.began.elapsed().as_secs_f64()
+    }
+
+    /// Ends the words, and erases the bar.
     pub fn end(&self) {
-        self.bar.finish_and_clear();
+        let mut state = self.shared.state();
+        state.is_ended = true;
+        state.bar.finish_and_clear();
+    }
+}
+
+impl Shared {
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Brings the bar up to date, and says what is due.
+    fn tick(&self, state: &mut State) {
+        let [found, left] = self.found_and_left(state);
+        if state.is_ended {
+            return;
+        }
+        if state.pace.last.1 > 1 {
+            state.bar.set_message(format!("{found}{left}"));
+        }
+        let expected_s = state.samples.and_then(|[_, total]| state.pace.end_s(total));
+        let is_text = matches!(self.form, ProgressForm::Bar | ProgressForm::Lines);
+        let is_long =
+            self.began.elapsed() > LONG || expected_s.is_some_and(|s| s > LONG.as_secs_f64());
+        if is_text && let Some(about) = state.about.take_if(|_| is_long) {
+            state
+                .bar
+                .suspend(|| reflet_base::error_line!("{about}{left}"));
+        }
+        if shutdown::is_requested() && std::mem::take(&mut state.may_stop) {
+            let text = "stopping; samples that have begun are finished first";
+            state.bar.suspend(|| reflet_base::error_line!("{text}"));
+        }
+        if state.told.elapsed() >= self.every.max(LONG) {
+            self.tell(state);
+        }
+    }
+
+    /// Error beside its bound, and time that is left, in words.
+    fn found_and_left(&self, state: &State) -> [String; 2] {
+        let found = match (state.error, state.bound) {
+            (Some(error), Some(bound)) => format!(", error {error:.3} of {bound}"),
+            _ => String::new(),
+        };
+        let left = match (self.left_s(state), state.samples, state.pace.first) {
+            (Some(left_s), ..) => format!(", {} left", about(left_s)),
+            // The first sample takes longer than others, as it compiles.
+            (None, Some([1, total]), (first_s, 2)) => {
+                let end_s = first_s + f64::from(total - 1) * (first_s - state.begun_s);
+                let left_s = end_s - self.began.elapsed().as_secs_f64();
+                format!(", at most {} left", about(left_s.max(0.0)))
+            }
+            _ => String::new(),
+        };
+        [found, left]
+    }
+
+    fn left_s(&self, state: &State) -> Option<f64> {
+        let [done, total] = state.samples?;
+        let end_s = state.pace.end_s(total).filter(|_| done < total)?;
+        Some((end_s - self.began.elapsed().as_secs_f64()).max(0.0))
+    }
+
+    /// Says how far the picture is, unless a bar does.
+    fn tell(&self, state: &mut State) {
+        state.told = Instant::now();
+        let [done, total] = state.samples.unwrap_or_default();
+        match self.form {
+            ProgressForm::Bar => {}
+            ProgressForm::Json => print_line(json!({
+                "sample": done, "samples": total, "seconds": self.began.elapsed().as_secs_f64(),
+                "left_s": self.left_s(state), "error": state.error, "bound": state.bound,
+            })),
+            ProgressForm::Openjd => print_percent(f64::from(done) / f64::from(total.max(1))),
+            ProgressForm::Lines => reflet_base::error_line!("{}", self.words(state)),
+        }
+    }
+
+    /// How far the picture is, in a line.
+    fn words(&self, state: &State) -> String {
+        let [found, left] = self.found_and_left(state);
+        let what = match state.samples {
+            None => "reading".to_owned(),
+            Some([0, total]) => format!("first sample of {total}, which compiles shaders"),
+            Some([done, total]) => format!("sample {done} of {total}{found}"),
+        };
+        let so_far = about(self.began.elapsed().as_secs_f64());
+        format!("{what}, {so_far} so far{left}")
     }
 }
 
@@ -341,5 +476,36 @@ mod tests {
         let end = [Some(16.0), Some(136.0)];
         assert_eq!(ends, [[None; 2], [None; 2], end, end]);
         assert_eq!((pace.sample_s(), pace.timed_s()), (Some(2.0), 4.0));
+    }
+
+    #[test]
+    fn words_tell_each_stage_of_a_picture() {
+        let now = Instant::now();
+        let shared = Shared {
+            form: ProgressForm::Lines,
+            every: LONG,
+            began: now.checked_sub(Duration::from_mins(5)).unwrap_or(now),
+            state: Mutex::new(State::new(now, false)),
+        };
+        let mut state = shared.state();
+        let mut all = vec![shared.words(&state)];
+        state.samples = Some([0, 16]);
+        all.push(shared.words(&state));
+        state.begun_s = 100.0;
+        for (seconds, submitted) in [(100.0, 1), (280.0, 2), (299.0, 3)] {
+            state.pace = state.pace.with(seconds, submitted);
+            state.samples = Some([submitted - 1, 16]);
+        }
+        all.push(shared.words(&state));
+        (state.pace.last, state.bound, state.error) = (state.pace.first, Some(0.05), Some(0.2));
+        state.samples = Some([1, 16]);
+        all.push(shared.words(&state));
+        let expected = [
+            "reading, 5 min so far",
+            "first sample of 16, which compiles shaders, 5 min so far",
+            "sample 2 of 16, 5 min so far, 4 min left",
+            "sample 1 of 16, error 0.200 of 0.05, 5 min so far, at most 45 min left",
+        ];
+        assert_eq!(all, expected);
     }
 }

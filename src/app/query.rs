@@ -9,7 +9,12 @@ use serde::{
 };
 use serde_json::Value;
 
-use super::{args::SceneArgs, error::AppError, print_json, print_out, scene::load_scene};
+use super::{
+    args::{SceneArgs, SizeArg, parse_size_or_name},
+    error::AppError,
+    print_json, print_out,
+    scene::load_scene,
+};
 use crate::render::{
     query::{Question, answer::Answer, ask},
     runtime::scene_text::LoadedScene,
@@ -26,15 +31,18 @@ pub struct QueryArgs {
     /// Camera to look through; without it, the camera of the frame's cut, else the project's, `main` or the first
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
+    /// Width and height of the picture whose pixels --at names, or the name of a size of the project; default: the scene's
+    #[arg(long, value_name = "WxH", value_parser = parse_size_or_name)]
+    pub size: Option<SizeArg>,
     /// Frame of the timeline; default: the first
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub frame: Option<u32>,
     /// Time in seconds, in place of the frame: the frame that is nearest to it
     #[arg(long, value_name = "SECONDS", conflicts_with = "frame", value_parser = parse_time)]
     pub time: Option<f32>,
     /// Column and row of a pixel, from the upper left corner, whose surfaces are listed with their places in the text;
     /// repeatable
-    #[arg(long, value_name = "X,Y", value_parser = parse_pixel)]
+    #[arg(long, value_name = "X,Y", value_parser = parse_pixel, allow_hyphen_values = true)]
     pub at: Vec<[u32; 2]>,
     /// Instance, model without an instance, group of a placed scene, or a copy or part of one: only these things are
     /// listed, with the lights that light them; repeatable
@@ -73,7 +81,10 @@ pub fn query(args: &QueryArgs) -> Result<(), AppError> {
 /// # Errors
 /// Same errors as [`query`].
 pub fn answer(args: &QueryArgs) -> Result<Answer, AppError> {
-    let mut loaded = load_scene(args.scene.as_deref(), &args.from, &[])?;
+    let size = args.from.size(args.size.as_ref(), args.scene.as_deref())?;
+    let size = size.map(|[width, height]| format!("image.size=[{width}, {height}]"));
+    let more: Vec<_> = size.into_iter().collect();
+    let mut loaded = load_scene(args.scene.as_deref(), &args.from, &more)?;
     let at_time = args.time.map(|time_s| frame_at(&loaded, time_s));
     let question = Question {
         camera: args.camera.clone(),

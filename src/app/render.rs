@@ -7,6 +7,7 @@ use super::{
     cameras,
     error::AppError,
     lint::Lint,
+    progress::PictureProgress,
     project::{make_folder, with_output},
     relight::{TURNTABLE, turntable},
     render_session::RenderSession,
@@ -47,6 +48,7 @@ pub fn render_once(args: &RenderArgs, files: &Dependencies) -> Result<(), AppErr
     check_aovs(&args.picture.aov)?;
     let library = shaders::library(args.picture.shaders.as_deref())?;
     let load_started = Instant::now();
+    let mut reading = Some(PictureProgress::new(args));
     let loaded = load_followed(
         args.scene.as_deref(),
         &args.picture.from,
@@ -70,13 +72,16 @@ pub fn render_once(args: &RenderArgs, files: &Dependencies) -> Result<(), AppErr
             sequence::check_output(&args, &frames, &aovs, &inputs)?;
             let session = RenderSession::new(&args, loaded, camera, aovs, &library)?;
             note_old_driver(&session, frames.0.len());
+            reading = None; // frames are reported
             sequence::render(&args, session, &frames, load_ms, started)
         } else {
             let output = PictureFile::new(args.output())?;
             output.check_files(&aovs, &inputs)?;
             let session = RenderSession::new(&args, loaded, camera, aovs, &library)?;
             note_old_driver(&session, 1);
-            still::render(&args, session, &output, load_ms, started)
+            let progress = reading.take();
+            let progress = progress.unwrap_or_else(|| PictureProgress::new(&args));
+            still::render(&args, session, &output, &progress, load_ms)
         };
         match rendered {
             Err(error @ AppError::Frames(_)) => {

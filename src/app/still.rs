@@ -17,7 +17,7 @@ use crate::{
     scene::diagnostic::print_diagnostics,
 };
 
-/// Renders one picture; `load_ms` and the start of the command are for its statistics.
+/// Renders one picture, whose progress began with the reading of its scene, which took `load_ms`.
 ///
 /// # Errors
 /// Errors of the scene at its first frame, of rendering and of writing; [`AppError::Interrupted`] by a signal.
@@ -25,8 +25,8 @@ pub fn render(
     args: &RenderArgs,
     mut session: RenderSession,
     output: &PictureFile,
+    progress: &PictureProgress,
     load_ms: f64,
-    started: Instant,
 ) -> Result<(), AppError> {
     let planes: Vec<_> = session.aovs.iter().map(|aov| aov.plane_name()).collect();
     sweep(&output.files(&planes));
@@ -39,8 +39,8 @@ pub fn render(
     }
     print_diagnostics(&session.warn_of_empty());
     let samples = session.scene.scene().scene.image.samples;
-    let progress = PictureProgress::new(args.progress, session.pictures(), samples);
-    let partial = Partial::new(args, &session, output, &progress);
+    let partial = Partial::new(args, &session, output, progress);
+    progress.begin(session.pictures(), samples);
     let pending = session.begin(output.has_color(), Some(&|so_far| partial.sample(so_far)));
     let picture = pending.and_then(|pending| pending.take(session.scene.gpu()));
     progress.end();
@@ -65,7 +65,7 @@ pub fn render(
     }
     let context = ReportContext {
         load_ms,
-        first_picture_ms: started.elapsed().as_secs_f64() * 1e3,
+        first_picture_ms: progress.seconds() * 1e3,
     };
 
     let timeline = session.scene.scene().scene.timeline.as_ref();

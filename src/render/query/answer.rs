@@ -61,7 +61,7 @@ pub struct Thing {
     pub place: Option<String>,
     /// Name of the `[model.NAME]`.
     pub model: String,
-    /// Names of its materials.
+    /// Names of its materials; `, changed` follows where the instance has a table of its own for it.
     pub materials: Vec<String>,
     /// Number of its parts and copies.
     pub parts: usize,
@@ -183,7 +183,7 @@ pub struct Surface {
     pub part: String,
     /// Index of the triangle or capsule in the part.
     pub triangle: u32,
-    /// Name of the material.
+    /// Name of the material; `, changed` follows where the instance has a table of its own for it.
     pub material: String,
     /// Place of the table in the text that has, or changes, the material; none for a material of a file that the text does
     /// not change.

@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::{Question, answer::Thing, bounds_of, corners, numbers};
+use super::{Question, answer::Thing, bounds_of, corners, material_name, numbers};
 use crate::runtime::{SessionError, scene_text::LoadedScene};
 use reflet_base::math::Bounds;
 
@@ -140,12 +140,11 @@ impl Things {
         let world = &loaded.world;
         let (name, instances) = &self.all[thing];
         let parts = instances.iter().map(|i| &world.instances[*i]);
-        let mut materials: Vec<_> = parts.clone().map(|i| i.material).collect();
-        materials.sort_unstable();
-        materials.dedup();
-        let mut materials: Vec<_> = (materials.iter())
-            .map(|m| world.materials[*m].name.clone())
-            .collect();
+        let mut materials: Vec<_> = instances.clone();
+        materials.sort_by_key(|i| world.instances[*i].material);
+        materials.dedup_by_key(|i| world.instances[*i].material);
+        let materials = materials.into_iter().map(|i| material_name(loaded, i));
+        let mut materials: Vec<_> = materials.collect();
         materials.dedup();
         let bounds = bounds_of(world, instances);
         let over_motion = instances
