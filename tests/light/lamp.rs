@@ -118,50 +118,40 @@ fn reflections_show_lights_with_a_size_unless_they_hide() {
         .collect::<Vec<_>>()
         .try_into()
         .expect("four parts");
-    let brightest = |picture: &Picture, from: u32, to: u32| {
-        let row = (from..to).map(|x| color(picture, x, 16)[1]);
-        row.fold(0.0, f32::max)
+    // Columns and rows of a picture.
+    let brightest = |picture: &Picture, x: u32, y: u32| {
+        let part = (0..5 * 16).map(|i| color(picture, x + i % 5, y + i / 5)[1]);
+        part.fold(0.0, f32::max)
     };
-    let of = |floor: &str, lights: &str| {
-        let text = FLOOR.replace("reflectivity = 0", floor) + lights;
-        brightest(&render(gpu, &text, &["reflection.method=auto"], &[]), 0, 33)
+    // A mirror and rough metal beside each other below the lights, and the matte floor on their left.
+    let strips = include_str!("lamp/strips.toml");
+    let of = |floor: &str, lights: &str, method: &str| {
+        let floor = FLOOR.replace("reflectivity = 0", floor);
+        let text = [&floor, strips, lights].concat();
+        let picture = render(gpu, &text, &[&format!("reflection.method={method}")], &[]);
+        let matte = (0..33 * 8).map(|i| color(&picture, i / 33, i % 33)[1]);
+        let strips = [11, 17].map(|x| [0, 17].map(|y| brightest(&picture, x, y)));
+        (strips, matte.sum::<f32>() / (33.0 * 8.0))
     };
-    let [mirror, satin] = [0.0, 0.1].map(|r| format!("metallic = 1\nroughness = {r}"));
     for another in ["", opposite] {
-        assert_eq!(of(&mirror, &[point, another].concat()), 0.0);
+        let mirrors = "metallic = 1\nroughness = 0";
+        let ([mirror, satin], _) = of(mirrors, &[point, another].concat(), "auto");
+        assert!(mirror == [0.0; 2] && satin[0] > 1.0, "{mirror:?} {satin:?}");
     }
-    assert!(of(&satin, point) > 1.0);
     // More lights than the array holds, all hidden.
     let hide = |lights: &str| lights.replace("# hidden: ", "");
     let point = hide(point)
         .replace("= 10\n", "= 0.01\n")
         .replace("none", "ray");
     let numbered = |n| point.replace("light.lamp", &format!("light.p{n}"));
-    let many: String = (0..70).map(numbered).chain([rect.into()]).collect();
-    // Both beside each other below the lights, and the matte floor on their left.
-    let strips = [("mirror", &mirror, -0.3), ("satin", &satin, 0.3)].map(|(name, keys, x)| {
-        format!(
-            "[material.{name}]\n{keys}\n[model.{name}]\nshape = {{ kind = \"plane\", size = [0.6, 8] }}\n\
-             material = \"{name}\"\n[[instance]]\nmodel = \"{name}\"\ntranslation = [{x}, 0.01, 0]\n"
-        )
-    });
-    for (lights, method) in [
-        (rect, "hybrid"),
-        (rect, "path"),
-        (many.as_str(), "rt"),
-        (surface, "rt"),
-        (surface, "path"),
-    ] {
-        let [shown, hidden] = [lights, &hide(lights)].map(|lights| {
-            let text = [FLOOR, &strips.concat(), lights].concat();
-            let picture = render(gpu, &text, &[&format!("reflection.method={method}")], &[]);
-            let matte = (0..33 * 8).map(|i| color(&picture, i / 33, i % 33)[1]);
-            let strips = [11, 17].map(|x| brightest(&picture, x, x + 5));
-            (strips, matte.sum::<f32>() / (33.0 * 8.0))
-        });
-        let is_lit = shown.0[0] > 1.0 && shown.0[1] > 1.0 && shown.1 > 0.01;
+    let two = [rect, surface].concat();
+    let many: String = (0..70).map(numbered).chain([two.clone()]).collect();
+    for (lights, method) in [(&two, "hybrid"), (&two, "path"), (&many, "rt")] {
+        let [shown, hidden] =
+            [lights, &hide(lights)].map(|lights| of("reflectivity = 0", lights, method));
+        let is_lit = shown.0.as_flattened().iter().all(|&b| b > 1.0) && shown.1 > 0.01;
         assert!(is_lit, "{method} {lights}: {shown:?}");
-        assert_eq!(hidden.0, [0.0; 2], "{method} {lights}");
+        assert_eq!(hidden.0, [[0.0; 2]; 2], "{method} {lights}");
         assert_close(hidden.1, shown.1, 0.02);
     }
 }
