@@ -16,7 +16,7 @@ use std::{
 const MOST: Duration = Duration::from_secs(90);
 
 /// Size of a window whose buttons no test clicks: a software driver draws all of it at each change.
-const SMALL: &str = "480x320";
+const SMALL: &str = "320x200";
 
 /// A process that ends with the test.
 struct Running(Child);
@@ -218,7 +218,7 @@ fn preview_opens_follows_an_edit_survives_an_error_and_closes() {
         "a mistake keeps the last good picture"
     );
 
-    for [width, height] in [["1", "1"], ["500", "400"]] {
+    for [width, height] in [["1", "1"], ["300", "240"]] {
         session.xdotool(&["windowsize", &session.window, width, height]);
         thread::sleep(Duration::from_millis(300));
     }
