@@ -62,37 +62,35 @@ fn edges_are_traced_and_only_similar_pixels_share() {
 #[test]
 fn rays_that_are_traced_first_keep_how_they_ended_in_maps() {
     let Some(gpu) = gpu() else { return };
-    for (method, found) in [(Method::NearFar, Cause::Far), (Method::SsrBox, Cause::Box)] {
-        let shown = |rate: u32| {
+    for (method, found, rate, is_first) in [
+        (
+            Method::NearFar,
+            Cause::Far,
+            2,
+            (|x, y| x % 2 == y % 2) as fn(usize, usize) -> bool,
+        ),
+        (Method::SsrBox, Cause::Box, 4, |x, y| {
+            x % 2 == 0 && y % 2 == 0
+        }),
+    ] {
+        let [some, all] = [rate, 1].map(|rate| {
             let method = format!("reflection.method=\"{}\"", method.name());
             let rate = format!("reflection.rate={rate}");
             let set = [&method, &rate, "near_far.half_size_m=1", BALL];
             render(gpu, SCENE, &set, &[Aov::Cause])
-        };
-        let all = shown(1);
-        for (rate, is_first) in [
-            (2, (|x, y| x % 2 == y % 2) as fn(usize, usize) -> bool),
-            (4, |x, y| x % 2 == 0 && y % 2 == 0),
-        ] {
-            let some = shown(rate);
-            let causes = integers(&some, Aov::Cause);
-            let pairs = causes.iter().zip(integers(&all, Aov::Cause)).enumerate();
-            let of_first = pairs.filter(|(i, _)| is_first(i % 96, i / 96));
-            let mut in_maps = 0;
-            for (index, (cause, expected)) in of_first {
-                assert_eq!(cause, expected, "{method:?}, rate {rate}, pixel {index}");
-                in_maps += usize::from(*cause == found as u32);
-            }
-            assert!(in_maps > 60, "{method:?}, rate {rate}: {in_maps}");
-            for share in &some.stats.shares.causes {
-                let is_it = |cause: &&u32| Cause::ALL[**cause as usize].name() == share.name;
-                let shown = causes.iter().filter(is_it).count();
-                assert_eq!(
-                    shown as u64, share.pixels,
-                    "{method:?}, rate {rate}: {}",
-                    share.name
-                );
-            }
+        });
+        let causes = integers(&some, Aov::Cause);
+        let pairs = causes.iter().zip(integers(&all, Aov::Cause)).enumerate();
+        let mut in_maps = 0;
+        for (index, (cause, expected)) in pairs.filter(|(i, _)| is_first(i % 96, i / 96)) {
+            assert_eq!(cause, expected, "{method:?}, pixel {index}");
+            in_maps += usize::from(*cause == found as u32);
+        }
+        assert!(in_maps > 60, "{method:?}: {in_maps}");
+        for share in &some.stats.shares.causes {
+            let is_it = |cause: &&u32| Cause::ALL[**cause as usize].name() == share.name;
+            let shown = causes.iter().filter(is_it).count();
+            assert_eq!(shown as u64, share.pixels, "{method:?}: {}", share.name);
         }
     }
 }
