@@ -42,7 +42,7 @@ fn scene(lobes: &[Lobe], light: f32) -> String {
         2 * rows,
         columns * CELL,
         rows * CELL,
-        if is_update() { 128 } else { 64 },
+        if is_update() { 128 } else { 33 },
     );
     for (row, (material, _)) in lobes.iter().enumerate() {
         let is_slab = material.starts_with("SLAB\n");
