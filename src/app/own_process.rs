@@ -18,6 +18,8 @@ pub fn own_process() -> io::Result<Command> {
         true => Command::new("/proc/self/exe"),
         false => Command::new(env::current_exe()?),
     };
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::arg0(&mut command, "reflet");
     command.env(PARENT, process::id().to_string());
     Ok(command)
 }

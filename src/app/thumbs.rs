@@ -22,14 +22,17 @@ use super::{
     folder::files_of,
     shaders, shutdown,
 };
-use crate::{files::Goal, scene::diagnostic::printable_lines};
+use crate::{
+    files::{Goal, sweep},
+    scene::diagnostic::printable_lines,
+};
 
 /// Width and height of the pictures without `--size`.
 const SIDE_PX: u32 = 256;
 /// Sub-frames of the pictures without `--samples`.
 const SAMPLES: u32 = 8;
-/// Maximum number of files of a process, whose paths are arguments.
-const MOST_FILES: usize = 256;
+/// Maximum length of the paths of a process, which are its arguments, bytes: Windows takes 32 KiB of them.
+const MOST_BYTES: usize = 24_000;
 
 /// Arguments of `thumbs`.
 #[derive(Clone, Debug, Args)]
@@ -84,7 +87,13 @@ pub fn thumbs(args: &ThumbsArgs) -> Result<(), AppError> {
     // Files whose process did not end well while it showed others too: which of them is the reason, is not known.
     let mut doubtful = Vec::new();
     while !shutdown::is_requested() {
-        let count = waiting.len().min(MOST_FILES);
+        let mut bytes = 0;
+        let fits = |file: &&PathBuf| {
+            bytes += file.as_os_str().len() + "--file= ".len();
+            bytes <= MOST_BYTES
+        };
+        let count = waiting.iter().take_while(fits).count();
+        let count = count.max(waiting.len().min(1));
         let batch: Vec<PathBuf> = match count {
             0 => doubtful.pop().into_iter().collect(),
             _ => waiting.drain(..count).collect(),
@@ -99,10 +108,13 @@ pub fn thumbs(args: &ThumbsArgs) -> Result<(), AppError> {
             }
             Event::Made => made += 1,
             Event::Failed(why) => report(file, &why, &mut failed),
-            Event::Ended => {}
+            Event::DiskFull(_) => {} // an error of the process
         });
         end_work();
         let shown = shown?;
+        let pictures = shown.unfinished.iter();
+        let pictures = pictures.map(|file| picture_of(&args, file));
+        sweep(&pictures.collect::<Vec<_>>());
         if shutdown::is_requested() {
             break;
         }

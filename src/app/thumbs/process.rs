@@ -2,7 +2,9 @@
 
 use std::{
     env,
-    io::{BufRead as _, BufReader},
+    ffi::OsString,
+    fmt::Display,
+    io::{self, BufRead as _, BufReader},
     path::{Path, PathBuf},
     process::{Child, Stdio},
     sync::mpsc::{RecvTimeoutError, channel},
@@ -19,6 +21,8 @@ use crate::app::{AppError, shutdown};
 
 /// Time after the timeout, or after a shutdown request, in which a process gives up its files by itself.
 const GRACE: Duration = Duration::from_secs(2);
+/// Time in which a process begins its first file, where the timeout is shorter: it opens the adapter.
+const LONGEST_START: Duration = Duration::from_secs(60);
 /// Time between two looks for a shutdown request, and for files whose time is over.
 const TICK: Duration = Duration::from_millis(100);
 
@@ -31,11 +35,12 @@ pub enum Event {
     Made,
     /// It has no picture, for this reason.
     Failed(String),
-    /// It has no picture, and nor will others, for a reason that the process says when it ends.
-    Ended,
+    /// It has no picture, and others will have none: the disk is full, as this message says.
+    DiskFull(String),
 }
 
 /// How a process ended.
+#[derive(Default)]
 pub struct End {
     /// Files that it had begun.
     pub unfinished: Vec<PathBuf>,
@@ -53,52 +58,77 @@ enum State {
     Ended,
 }
 
-/// Shows files by a process, which is killed when a file takes longer than the timeout.
+/// Shows files by a process, which is killed when a file, its start or its end takes longer than the timeout.
 ///
 /// # Errors
-/// The process cannot be started, or has told why it cannot go on with any file.
+/// The process cannot be started, has told why it cannot go on with any file, or ended before it began any; a full disk.
 pub fn show(
     files: &[PathBuf],
     timeout: Duration,
     on_event: &mut dyn FnMut(&Path, Event),
 ) -> Result<End, AppError> {
-    let unusable = |error| AppError::Internal(format!("a process of reflet: {error}"));
-    let mut process = start(files).map_err(unusable)?;
-    let (sender, events) = channel();
+    let unusable = |why: &dyn Display| AppError::Internal(format!("a process of reflet: {why}"));
+    let mut process = start(files).map_err(|error| unusable(&error))?;
+    let (sender, events) = channel::<(usize, Event)>();
     let said = process.stdout.take().map(BufReader::new);
     thread::spawn(move || {
         let lines = said.into_iter().flat_map(BufReader::lines);
-        let events = lines.map_while(|line| serde_json::from_str(&line.ok()?).ok());
-        let _: Result<(), _> = events.into_iter().try_for_each(|event| sender.send(event));
+        // Others may write to standard output too, such as layers of a driver.
+        let events = lines.map_while(Result::ok);
+        let mut events = events.filter_map(|line| serde_json::from_str(&line).ok());
+        let _ = events.try_for_each(|event| sender.send(event));
     });
     let mut states = vec![State::Untried; files.len()];
+    let mut full = None;
     let mut why = String::new();
     let mut kill_at = None;
-    loop {
-        let (index, event): (usize, Event) = match events.recv_timeout(TICK) {
-            Ok(event) => event,
-            Err(RecvTimeoutError::Disconnected) => break,
-            Err(RecvTimeoutError::Timeout) => {
-                let is_over = |state: &State| matches!(state, State::Begun(began) if began.elapsed() > timeout + GRACE);
-                if shutdown::is_requested() && kill_at.is_none() {
-                    kill_at = Some(Instant::now() + GRACE);
-                    #[cfg(unix)]
-                    let _ = kill_process(Pid::from_child(&process), Signal::TERM);
+    let mut idle_since = Instant::now();
+    let time = timeout.saturating_add(GRACE);
+    let status = loop {
+        match events.recv_timeout(TICK) {
+            Ok((index, event)) if index < files.len() => {
+                states[index] = match event {
+                    Event::Begun => State::Begun(Instant::now()),
+                    _ => State::Ended,
+                };
+                idle_since = Instant::now();
+                match event {
+                    Event::DiskFull(text) => full = Some(text),
+                    event => on_event(&files[index], event),
                 }
-                if states.iter().any(is_over) || kill_at.is_some_and(|at| Instant::now() > at) {
-                    why = late(timeout);
-                    let _ = process.kill(); // it may have ended
-                }
-                continue;
             }
-        };
-        states[index] = match event {
-            Event::Begun => State::Begun(Instant::now()),
-            Event::Made | Event::Failed(_) | Event::Ended => State::Ended,
-        };
-        on_event(&files[index], event);
+            Ok(_) | Err(RecvTimeoutError::Timeout) => {}
+            // It has closed its standard output.
+            Err(RecvTimeoutError::Disconnected) => {
+                if let Some(status) = process.try_wait().map_err(|error| unusable(&error))? {
+                    break status;
+                }
+                thread::sleep(TICK);
+            }
+        }
+        if shutdown::is_requested() && kill_at.is_none() {
+            kill_at = Some(Instant::now() + GRACE);
+            #[cfg(unix)]
+            let _ = kill_process(Pid::from_child(&process), Signal::TERM);
+        }
+        let begun = states.iter().filter_map(|state| match state {
+            State::Begun(began) => Some(*began),
+            _ => None,
+        });
+        let oldest = begun.min();
+        let is_late = oldest.unwrap_or(idle_since).elapsed()
+            > time.max(match oldest {
+                Some(_) => GRACE,
+                None => LONGEST_START,
+            });
+        if is_late || kill_at.is_some_and(|at| Instant::now() > at) {
+            why = late(timeout);
+            let _ = process.kill(); // it may have ended
+        }
+    };
+    if let Some(text) = full {
+        return Err(AppError::Disk(text));
     }
-    let status = process.wait().map_err(unusable)?;
     if why.is_empty() {
         why = format!("the process that showed it ended: {status}");
     }
@@ -107,26 +137,30 @@ pub fn show(
             .iter()
             .zip(&states)
             .filter(|(_, state)| is_such(state));
-        such.map(|(file, _)| file.clone()).collect()
+        such.map(|(file, _)| file.clone()).collect::<Vec<_>>()
     };
     let end = End {
         unfinished: with(|state| matches!(state, State::Begun(_))),
         untried: with(|state| matches!(state, State::Untried)),
         why,
     };
-    match status.code() {
-        Some(code @ 1..) if end.unfinished.is_empty() => Err(AppError::Told(code as u8)),
-        _ => Ok(end),
+    let has_shown = end.untried.len() < files.len();
+    match status.code().map(u8::try_from) {
+        _ if shutdown::is_requested() || has_shown => Ok(end),
+        Some(Ok(code @ 1..)) => Err(AppError::Told(code)),
+        _ => Err(unusable(&status)),
     }
 }
 
 /// A process with the arguments of this process, for these files.
-fn start(files: &[PathBuf]) -> std::io::Result<Child> {
+fn start(files: &[PathBuf]) -> io::Result<Child> {
     let mut words = env::args_os().skip(1);
     let mut command = own_process()?;
     command.args(words.next());
     for file in files {
-        command.arg("--file").arg(file);
+        let mut word = OsString::from("--file=");
+        word.push(file);
+        command.arg(word);
     }
     command
         .args(words)

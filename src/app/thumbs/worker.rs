@@ -36,7 +36,7 @@ const MOST_AT_ONCE: usize = 4;
 /// others may have used up, ends the process without a word about it.
 ///
 /// # Errors
-/// No usable adapter, a full disk.
+/// No usable adapter, a closed standard output.
 pub fn work(args: &ThumbsArgs, library: &ShaderLibrary) -> Result<(), AppError> {
     let gpu = Arc::new(open_gpu(args.picture.adapter.as_deref(), false)?);
     let files = Mutex::new(args.files.iter().enumerate());
@@ -51,10 +51,9 @@ pub fn work(args: &ThumbsArgs, library: &ShaderLibrary) -> Result<(), AppError> 
             say(index, &Event::Begun)?;
             match show(&gpu, args, file, library) {
                 Ok(()) => say(index, &Event::Made)?,
-                Err(error @ AppError::Disk(_)) => {
+                Err(AppError::Disk(text)) => {
                     is_over.store(true, Ordering::Relaxed);
-                    say(index, &Event::Ended)?;
-                    return Err(error);
+                    say(index, &Event::DiskFull(text))?;
                 }
                 Err(AppError::Gpu(GpuError::Lost(_) | GpuError::OutOfMemory(_)))
                     if args.files.len() > 1 =>
