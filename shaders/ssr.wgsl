@@ -306,8 +306,7 @@ fn reflect_listed(index: u32, lane: u32) -> vec2u {
     workgroupBarrier();
     if (lane == 0u) {
         first_hit = atomicAdd(&counters[HIT_COUNTER], atomicLoad(&group_hits));
-        let unmarched = atomicLoad(&counters[CAUSE_UNMARCHED]);
-        first_refused = atomicAdd(&counters[RAY_COUNTER], atomicLoad(&group_rays)) - unmarched;
+        first_refused = atomicAdd(&counters[RAY_COUNTER], atomicLoad(&group_rays));
         add_behind();
     }
     if (lane < CAUSES) {

@@ -19,15 +19,13 @@ override RASTERIZED: bool = true; // false: primary rays found ids and the depth
 
 const CULLED_SLACK: f32 = 1e-4;
 
-// Kinds of pixels; a pixel is of one of the first four, and perhaps transmissive.
+// Kinds of pixels; a pixel is of one of the first three, and perhaps transmissive.
 const UNREFLECTIVE: u32 = 0u;
 const ROUGH: u32 = 1u;
-const MARCHED: u32 = 2u;
-const TRACED: u32 = 3u;
-const TRANSMISSIVE: u32 = 4u;
-var<workgroup> tile_counts: array<atomic<u32>, 5>;
-var<workgroup> marched_start: u32;
-var<workgroup> traced_start: u32;
+const REFLECTIVE: u32 = 2u;
+const TRANSMISSIVE: u32 = 3u;
+var<workgroup> tile_counts: array<atomic<u32>, 4>;
+var<workgroup> reflective_start: u32;
 var<workgroup> transmissive_start: u32;
 
 // Writes the depth of the surface that the pixel shows, and for the march the depth of the nearest surface that its
@@ -67,8 +65,7 @@ fn resolve(pixel: vec2u) -> Resolved {
     textureStore(surface, pixel, pack_surface(s));
     textureStore(colors, pixel, pack_colors(s));
     let rough = select(UNREFLECTIVE, ROUGH, s.reflection != REFLECTION_NONE);
-    let reflective = select(TRACED, MARCHED, MARCH);
-    return Resolved(select(rough, reflective, is_reflector(rounded_surface(s))), is_transmissive(s));
+    return Resolved(select(rough, REFLECTIVE, is_reflector(rounded_surface(s))), is_transmissive(s));
 }
 
 @compute @workgroup_size(GROUP_PX, GROUP_PX)
@@ -84,7 +81,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
     var place = 0u;
     var transmissive_place = 0u;
     if (HAS_REFLECTIONS && is_shown) {
-        let causes = array<u32, 4>(CAUSE_NOT_REFLECTIVE, CAUSE_ROUGH, CAUSE_UNMARCHED, CAUSE_UNMARCHED);
+        let causes = array<u32, 3>(CAUSE_NOT_REFLECTIVE, CAUSE_ROUGH, CAUSE_UNMARCHED);
         textureStore(cause, pixel, vec4u(causes[kind], 0u, 0u, 0u));
         place = atomicAdd(&tile_counts[kind], 1u);
     }
@@ -97,16 +94,18 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
         }
         atomicAdd(&counters[CAUSE_NOT_REFLECTIVE], atomicLoad(&tile_counts[UNREFLECTIVE]));
         atomicAdd(&counters[CAUSE_ROUGH], atomicLoad(&tile_counts[ROUGH]));
-        marched_start = atomicAdd(&counters[REFLECTOR_COUNTER], atomicLoad(&tile_counts[MARCHED]));
-        let traced = atomicLoad(&tile_counts[TRACED]);
-        traced_start = atomicAdd(&counters[CAUSE_UNMARCHED], traced);
-        atomicAdd(&counters[RAY_COUNTER], traced);
+        let reflective = atomicLoad(&tile_counts[REFLECTIVE]);
+        if (MARCH) {
+            reflective_start = atomicAdd(&counters[REFLECTOR_COUNTER], reflective);
+        } else {
+            reflective_start = atomicAdd(&counters[CAUSE_UNMARCHED], reflective);
+            atomicAdd(&counters[RAY_COUNTER], reflective);
+        }
     }
     workgroupBarrier();
     if (HAS_TRANSMISSION && found.is_transmissive) {
         lists[transmissive_start + transmissive_place] = pack_pixel(pixel);
     }
     if (!HAS_REFLECTIONS) { return; }
-    if (kind == MARCHED) { lists[reflector_slot(marched_start + place)] = pack_pixel(pixel); }
-    if (kind == TRACED) { lists[unmarched_slot(traced_start + place)] = pack_pixel(pixel); }
+    if (kind == REFLECTIVE) { lists[reflector_slot(reflective_start + place)] = pack_pixel(pixel); }
 }

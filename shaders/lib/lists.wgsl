@@ -1,6 +1,6 @@
-// Lists of a frame, in one buffer because a stage may bind few: pixels to march with pixels to trace at once from the
-// other end, then rays that the march refused with screen hits from the other end, then the depth pyramid. Transmissive
-// pixels use a list that is free before the march. Pixels are x | y << 16.
+// Lists of a frame, in one buffer because a stage may bind few: reflective pixels, to march or to trace, then rays that the
+// march refused with screen hits from the other end, then the depth pyramid. Transmissive pixels use a list that is free
+// before the march. Pixels are x | y << 16.
 
 #import depth_pyramid
 #import frame
@@ -16,20 +16,14 @@ fn reflector_slot(index: u32) -> u32 {
     return index;
 }
 
-// Slot of a pixel that is traced without being marched.
-fn unmarched_slot(index: u32) -> u32 {
-    return picture_px() - 1u - index;
-}
-
 fn refused_slot(index: u32) -> u32 {
     return picture_px() + index;
 }
 
-// Slot of a traced ray: unmarched pixels come first, then refused ones.
+// Slot of a traced ray. Where rays are not marched, a reflective pixel's; passes that trace are the same for both.
 fn ray_slot(index: u32) -> u32 {
-    let unmarched = atomicLoad(&counters[CAUSE_UNMARCHED]);
-    if (index < unmarched) { return unmarched_slot(index); }
-    return refused_slot(index - unmarched);
+    let is_unmarched = atomicLoad(&counters[CAUSE_UNMARCHED]) > 0u;
+    return select(refused_slot(index), reflector_slot(index), is_unmarched);
 }
 
 // Rays and hits together are at most as many as pixels, so that the two lists never overlap.

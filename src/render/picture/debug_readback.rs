@@ -95,7 +95,7 @@ impl Renderer {
         let lists: Vec<u32> = read_buffer(gpu, &self.bindings.ray_list.lists)?;
         let [width, height] = self.options.image.size;
         let (before, refused) = lists.split_at((width * height) as usize);
-        let rays = (before.iter().rev().take(unmarched)).chain(refused);
+        let rays = before.iter().take(unmarched).chain(refused);
         let place = |ray: &u32| [ray & 0xFFFF, ray >> 16];
         Ok(Some(rays.take(count).map(place).collect()))
     }
