@@ -128,6 +128,21 @@ fn rays_win_where_triangles_are_many_and_pixels_few() {
     assert_eq!(rays[1] & 1, 0, "{:?}", large.decisions);
 }
 
+/// Two thousand boxes: few triangles, but as many vertices again, and each is drawn apart.
+#[test]
+fn vertices_and_instances_count_beside_triangles() {
+    let boxes = "version = 1\ncamera.main = { eye = [0, 0, 60], target = [0, 0, 0] }\n\
+        material.matte = { reflection = \"none\" }\n\
+        model.box = { shape = { kind = \"box\" }, material = \"matte\" }\n\
+        [[instance]]\nmodel = \"box\"\nrepeat = { count = [50, 40, 1], step = [1, 1, 0] }";
+    for (count, expected) in [("50", Visibility::Rays), ("5", Visibility::Raster)] {
+        let text = boxes.replace("50", count);
+        let found = decided(&text, &["image.size=[32, 18]"], true);
+        let visibility = found.options.image.visibility;
+        assert_eq!(visibility, expected, "{:?}", found.decisions);
+    }
+}
+
 /// Shadow map of a sun over 60 m of floor; a pixel of the larger picture is a few millimeters wide there.
 #[test]
 fn rays_find_shadows_where_a_map_would_be_too_coarse() {

@@ -14,10 +14,8 @@ pub struct Workload {
     pub pixels: f64,
     /// Number of sub-frames.
     pub samples: f64,
-    /// Number of triangles that the camera draws.
+    /// Work of drawing what the camera sees, in triangles of a fine mesh.
     pub triangles_in_view: f64,
-    /// Number of instances of the scene.
-    pub instances: usize,
     /// Counts of the view.
     pub view: ViewSample,
 }

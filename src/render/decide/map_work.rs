@@ -27,12 +27,14 @@ pub(super) const DEAR: f64 = 2.0;
 /// number of samples have the same shadows.
 pub(super) const REFERENCE_PX: [u32; 2] = [1280, 720];
 
-/// Number of triangles of a fine mesh, with about half as many vertices, that take as long to draw as the quadrilateral
-/// around a capsule; as a triangle without its vertices, a vertex, and an instance without both: a hundred thousand
-/// squares, boxes and spheres on llvmpipe take .9, 4.2 and 27 µs each.
+/// Work of drawing the quadrilateral around a capsule, in triangles of a fine mesh, which has about half as many vertices.
 const CAPSULE_TRIANGLES: f64 = 4.0;
+/// Work of drawing a triangle without its vertices, in such triangles: on llvmpipe each of a hundred thousand squares, boxes
+/// and spheres takes .9, 4.2 and 27 µs.
 const TRIANGLE_ALONE: f64 = 0.73;
+/// Work of drawing a vertex, by the same times.
 const VERTEX_TRIANGLES: f64 = 0.54;
+/// Work of drawing an instance beside its triangles and vertices, by the same times.
 const INSTANCE_TRIANGLES: f64 = 1.8;
 
 /// Work of drawing the shadow map of a light.
@@ -44,7 +46,7 @@ pub struct MapWork {
     pub kind: usize,
     /// Texels of all its faces.
     texels: f64,
-    /// Triangles that are drawn, over all faces.
+    /// Work of drawing the things that cast shadows, over all faces, in triangles of a fine mesh.
     triangles: f64,
     /// Texels that spheres and capsules cover, each by itself.
     capsule_texels: f64,
@@ -98,7 +100,7 @@ impl MapWork {
     }
 }
 
-/// Number of triangles of a fine mesh that an instance of this mesh takes as long to draw as.
+/// Work of drawing an instance of a mesh, in triangles of a fine mesh.
 pub(super) fn drawn_triangles(mesh: &Mesh) -> f64 {
     let triangles = mesh.triangles.len() as f64;
     let vertices = mesh.positions.len() as f64;

@@ -109,7 +109,7 @@ fn has_lines(world: &World) -> bool {
     world.meshes.iter().any(|mesh| mesh.at_least_a_pixel)
 }
 
-/// Number of triangles of the instances that the options' camera sees.
+/// Work of drawing the instances that the options' camera sees, in triangles of a fine mesh.
 fn triangles_in_view(world: &World, options: &RenderOptions) -> f64 {
     let clip_from_world = view_of(world, options).clip_from_world(glam::Vec2::ZERO);
     let seen = world.instances.iter();
@@ -407,7 +407,6 @@ pub fn workload(world: &World, trees: &Trees, options: &RenderOptions) -> Worklo
         pixels: width * height,
         samples: f64::from(options.image.samples.count()),
         triangles_in_view: triangles_in_view(world, options),
-        instances: world.instances.len(),
         view: ViewSample::new(world, trees, &view_of(world, options), options),
     }
 }
