@@ -208,9 +208,11 @@ struct State {
     samples: Option<[u32; 2]>,
     error: Option<f32>,
     /// Size, samples, method and memory of the picture, until they are said.
-    about: Option<String>,
-    /// Whether a signal ends the picture after its sample, and nothing was said of it.
+    size: Option<String>,
+    /// Whether it is still to be said that a signal ends the picture.
     may_stop: bool,
+    /// Whether no sample was finished.
+    is_compiling: bool,
     is_ended: bool,
 }
 
@@ -226,8 +228,9 @@ impl State {
             pace: Pace::default(),
             samples: None,
             error: None,
-            about: None,
+            size: None,
             may_stop,
+            is_compiling: true,
             is_ended: false,
         }
     }
@@ -274,7 +277,6 @@ impl PictureProgress {
         state.bar = bar(self.shared.form, samples.count().into(), " samples{msg}");
         state.bar.set_message(", compiling");
         state.bar.enable_steady_tick(TICK);
-        state.begun_s = self.shared.began.elapsed().as_secs_f64();
         if let ProgressForm::Json | ProgressForm::Openjd = self.shared.form {
             self.shared.tell(&mut state);
         }
@@ -283,20 +285,23 @@ impl PictureProgress {
     /// Reports a sample that is submitted, with which the sample before it is finished.
     pub fn sample(&self, so_far: &SoFar<'_>) {
         let mut state = self.shared.state();
-        if so_far.done == 1 && so_far.light.is_some() {
-            state.lights += 1;
+        let seconds = self.shared.began.elapsed().as_secs_f64();
+        match (so_far.done, so_far.light) {
+            (1, Some(_)) => state.lights += 1,
+            (1, None) => state.begun_s = seconds, // another try of an error bound, or the first
+            _ => {}
         }
-        if state.samples.is_none_or(|[done, _]| done == 0) && so_far.done == 1 {
+        state.is_compiling &= so_far.done == 1;
+        if state.pace.last.1 == 0 {
             let (samples, [width, height]) = (so_far.samples, so_far.size());
             let (method, mib) = (so_far.method().name(), so_far.bytes() >> 20);
             let at_first = state.bound.map_or("", |_| " at first");
-            state.about = Some(format!(
+            state.size = Some(format!(
                 "{width} x {height} pixels, {samples} samples{at_first} by {method}, {mib} MiB"
             ));
         }
         let submitted = so_far.done + state.lights * so_far.samples;
         let total = so_far.samples * state.pictures;
-        let seconds = self.seconds();
         state.pace = state.pace.with(seconds, submitted);
         state.samples = Some([submitted - 1, total]);
         state.error = so_far.error.map(|estimate| estimate.error);
@@ -318,13 +323,13 @@ impl PictureProgress {
         }
         if let form @ (ProgressForm::Json | ProgressForm::Openjd) = self.shared.form {
             let mut written = Progress::new(1, Some(form));
-            written.done(frame, "wrote", path, self.seconds());
+            written.done(
+                frame,
+                "wrote",
+                path,
+                self.shared.began.elapsed().as_secs_f64(),
+            );
         }
-    }
-
-    /// Time since the scene was about to be read, seconds.
-    pub fn seconds(&self) -> f64 {
-        self.shared.began.elapsed().as_secs_f64()
     }
 
     /// Ends the words, and erases the bar.
@@ -342,10 +347,10 @@ impl Shared {
 
     /// Brings the bar up to date, and says what is due.
     fn tick(&self, state: &mut State) {
-        let [found, left] = self.found_and_left(state);
         if state.is_ended {
             return;
         }
+        let [found, left] = self.found_and_left(state);
         if state.pace.last.1 > 1 {
             state.bar.set_message(format!("{found}{left}"));
         }
@@ -353,10 +358,10 @@ impl Shared {
         let is_text = matches!(self.form, ProgressForm::Bar | ProgressForm::Lines);
         let is_long =
             self.began.elapsed() > LONG || expected_s.is_some_and(|s| s > LONG.as_secs_f64());
-        if is_text && let Some(about) = state.about.take_if(|_| is_long) {
+        if is_text && let Some(size) = state.size.take_if(|_| is_long) {
             state
                 .bar
-                .suspend(|| reflet_base::error_line!("{about}{left}"));
+                .suspend(|| reflet_base::error_line!("{size}{left}"));
         }
         if shutdown::is_requested() && std::mem::take(&mut state.may_stop) {
             let text = "stopping; samples that have begun are finished first";
@@ -398,11 +403,12 @@ impl Shared {
         let [done, total] = state.samples.unwrap_or_default();
         match self.form {
             ProgressForm::Bar => {}
+            ProgressForm::Json | ProgressForm::Openjd if total == 0 => {} // it is read
             ProgressForm::Json => print_line(json!({
                 "sample": done, "samples": total, "seconds": self.began.elapsed().as_secs_f64(),
                 "left_s": self.left_s(state), "error": state.error, "bound": state.bound,
             })),
-            ProgressForm::Openjd => print_percent(f64::from(done) / f64::from(total.max(1))),
+            ProgressForm::Openjd => print_percent(f64::from(done) / f64::from(total)),
             ProgressForm::Lines => reflet_base::error_line!("{}", self.words(state)),
         }
     }
@@ -411,8 +417,10 @@ impl Shared {
     fn words(&self, state: &State) -> String {
         let [found, left] = self.found_and_left(state);
         let what = match state.samples {
-            None => "reading".to_owned(),
-            Some([0, total]) => format!("first sample of {total}, which compiles shaders"),
+            None => "preparing the scene".to_owned(),
+            Some([0, total]) if state.is_compiling => {
+                format!("first sample of {total}, which compiles shaders")
+            }
             Some([done, total]) => format!("sample {done} of {total}{found}"),
         };
         let so_far = about(self.began.elapsed().as_secs_f64());
@@ -501,7 +509,7 @@ mod tests {
         state.samples = Some([1, 16]);
         all.push(shared.words(&state));
         let expected = [
-            "reading, 5 min so far",
+            "preparing the scene, 5 min so far",
             "first sample of 16, which compiles shaders, 5 min so far",
             "sample 2 of 16, 5 min so far, 4 min left",
             "sample 1 of 16, error 0.200 of 0.05, 5 min so far, at most 45 min left",

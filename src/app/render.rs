@@ -81,7 +81,7 @@ pub fn render_once(args: &RenderArgs, files: &Dependencies) -> Result<(), AppErr
             note_old_driver(&session, 1);
             let progress = reading.take();
             let progress = progress.unwrap_or_else(|| PictureProgress::new(&args));
-            still::render(&args, session, &output, &progress, load_ms)
+            still::render(&args, session, &output, &progress, load_ms, started)
         };
         match rendered {
             Err(error @ AppError::Frames(_)) => {

@@ -17,7 +17,7 @@ use crate::{
     scene::diagnostic::print_diagnostics,
 };
 
-/// Renders one picture, whose progress began with the reading of its scene, which took `load_ms`.
+/// Renders one picture, whose progress has begun; `load_ms` and the start of the command are for its statistics.
 ///
 /// # Errors
 /// Errors of the scene at its first frame, of rendering and of writing; [`AppError::Interrupted`] by a signal.
@@ -27,6 +27,7 @@ pub fn render(
     output: &PictureFile,
     progress: &PictureProgress,
     load_ms: f64,
+    started: Instant,
 ) -> Result<(), AppError> {
     let planes: Vec<_> = session.aovs.iter().map(|aov| aov.plane_name()).collect();
     sweep(&output.files(&planes));
@@ -65,7 +66,7 @@ pub fn render(
     }
     let context = ReportContext {
         load_ms,
-        first_picture_ms: progress.seconds() * 1e3,
+        first_picture_ms: started.elapsed().as_secs_f64() * 1e3,
     };
 
     let timeline = session.scene.scene().scene.timeline.as_ref();
