@@ -35,7 +35,7 @@ pub struct QueryArgs {
     #[arg(long, value_name = "WxH", value_parser = parse_size_or_name)]
     pub size: Option<SizeArg>,
     /// Frame of the timeline; default: the first
-    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub frame: Option<u32>,
     /// Time in seconds, in place of the frame: the frame that is nearest to it
     #[arg(long, value_name = "SECONDS", conflicts_with = "frame", value_parser = parse_time)]

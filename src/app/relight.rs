@@ -107,7 +107,10 @@ fn reached(
     assets: &[PathBuf],
     scene: Option<&Path>,
 ) -> Result<(PathBuf, PathBuf), AppError> {
-    let refuse = |error| AppError::Usage(format!("--light {}: {error}", path.display()));
+    let refuse = |error| {
+        let help = "write outdoor, studio, or the path of a panorama from the current folder";
+        AppError::Usage(format!("--light {}: {error}; {help}", path.display()))
+    };
     let whole = path.canonicalize().map_err(refuse)?;
     let own = folder_of(scene.unwrap_or(Path::new(""))).to_owned();
     let folders = || assets.iter().chain([&own]);

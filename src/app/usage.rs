@@ -58,18 +58,21 @@ fn advice(error: &clap::Error) -> Option<String> {
         return Some(help.to_owned());
     };
     let name = typed.split(['=', ' ']).next().unwrap_or(typed);
-    let is_written = [
-        ".png", ".exr", ".jpg", ".jpeg", ".webp", ".mp4", ".webm", ".mov", ".gif",
-    ];
-    let is_picture = is_written.iter().any(|ending| typed.ends_with(ending));
     let usage = error.get(ContextKind::Usage).map(ToString::to_string);
-    let is_of_folders = usage.is_some_and(|usage| usage.contains("--output <DIR>"));
-    let is_folder = is_of_folders && !typed.starts_with('-');
-    let goal = match (is_picture, is_folder) {
-        (true, _) => Some("file"),
-        (_, true) => Some("folder"),
-        _ => None,
-    };
-    find(known.arguments, name)
-        .or_else(|| Some(format!("write `-o {typed}` for the {} to make", goal?)))
+    let usage = usage.unwrap_or_default();
+    let goal = [("<FILE>", "file"), ("<DIR>", "folder")];
+    find(known.arguments, name).or_else(|| {
+        if typed.starts_with('-') {
+            return None;
+        }
+        if usage.contains("reflet query") {
+            let option = if typed.contains(',') { "at" } else { "of" };
+            return Some(format!("write `--{option} {typed}` to ask about that"));
+        }
+        let is_asked = |kind| {
+            usage.contains(&format!("--output {kind}")) || usage.contains("render [OPTIONS]")
+        };
+        let goal = goal.iter().find(|(kind, _)| is_asked(kind));
+        Some(format!("write `-o {typed}` for the {} to make", goal?.1))
+    })
 }

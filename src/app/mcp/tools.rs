@@ -75,7 +75,13 @@ impl Tool {
     ) -> Result<Vec<String>, String> {
         if let Some(name) = given.keys().find(|name| !self.arguments.contains(name)) {
             let (own, names) = (&self.name, self.arguments.join(", "));
-            return Err(format!("`{own}` has no argument `{name}`; it has {names}"));
+            let help = match name.as_str() {
+                "output" => "; pictures are kept by a server that is started with `--write DIR`",
+                _ => "",
+            };
+            return Err(format!(
+                "`{own}` has no argument `{name}`; it has {names}{help}"
+            ));
         }
         let (mut options, mut positions) = (self.always.clone(), vec!["--".to_owned()]);
         for arg in self.arguments() {

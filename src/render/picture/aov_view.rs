@@ -18,7 +18,7 @@ pub fn view(plane: &Plane) -> Vec<u8> {
                 "source" => Source::ALL
                     .get(code as usize)
                     .map_or([255; 3], |source| source.color()),
-                _ => hashed(codes),
+                _ => hashed(code),
             }
         })),
         PlaneData::F32(values) => match plane.channels {
@@ -50,15 +50,13 @@ fn opaque(colors: impl Iterator<Item = [u8; 3]>) -> Vec<u8> {
     colors.flat_map(|[r, g, b]| [r, g, b, 255]).collect()
 }
 
-/// Stable color of an id, never near black; black for none. Fibonacci hashing (2^32 divided by the
-/// golden ratio) separates neighbors.
-fn hashed(ids: &[u32]) -> [u8; 3] {
-    if ids[0] == u32::MAX {
+/// Stable color of an instance, never near black; black for none. Fibonacci hashing (2^32 divided by the golden ratio)
+/// separates neighbors.
+fn hashed(instance: u32) -> [u8; 3] {
+    if instance == u32::MAX {
         return [0; 3];
     }
-    let bits = ids.iter().fold(1_u32, |bits, id| {
-        bits.wrapping_add(*id).wrapping_mul(0x9E37_79B9)
-    });
+    let bits = instance.wrapping_add(1).wrapping_mul(0x9E37_79B9);
     [24, 16, 8].map(|shift| 64 + (bits >> shift & 0xFF) as u8 / 4 * 3)
 }
 
@@ -119,10 +117,10 @@ mod tests {
         assert!(blue[2] > 200 && blue[0] < 100);
         assert!(pink[0] > 200 && pink[1] < 150);
         assert_eq!(unknown, [255; 3]);
-        let data = PlaneData::U32(vec![0, 0, 0, 1, u32::MAX, u32::MAX]);
+        let data = PlaneData::U32(vec![0, 0, 0, 1, 1, 0, u32::MAX, u32::MAX]);
         let ids = pixels(&plane("ids", &["instance", "triangle"], data));
         assert!(
-            ids[0] != ids[1] && ids[0][0] >= 64 && ids[2] == [0; 3],
+            ids[0] == ids[1] && ids[1] != ids[2] && ids[0][0] >= 64 && ids[3] == [0; 3],
             "{ids:?}"
         );
     }

@@ -61,8 +61,10 @@ pub struct Thing {
     pub place: Option<String>,
     /// Name of the `[model.NAME]`.
     pub model: String,
-    /// Names of its materials; `, changed` follows where the instance has a table of its own for it.
+    /// Names of its materials.
     pub materials: Vec<String>,
+    /// Whether its instance changes them by a table of its own.
+    pub changes_material: bool,
     /// Number of its parts and copies.
     pub parts: usize,
     /// Number of its triangles and capsules.
@@ -183,8 +185,10 @@ pub struct Surface {
     pub part: String,
     /// Index of the triangle or capsule in the part.
     pub triangle: u32,
-    /// Name of the material; `, changed` follows where the instance has a table of its own for it.
+    /// Name of the material.
     pub material: String,
+    /// Whether the instance changes it by a table of its own.
+    pub changes_material: bool,
     /// Place of the table in the text that has, or changes, the material; none for a material of a file that the text does
     /// not change.
     pub material_place: Option<String>,

@@ -248,7 +248,8 @@ fn surface(
     let overrides: &[_] = model.map_or(&[], |model| &model.value.overrides);
     let of_file = overrides.iter().find(|entry| entry.name == material.name);
     let place = things.place_of(loaded, point.instance);
-    let material_place = match changes_material(loaded, point.instance) {
+    let changes_material = changes_material(loaded, point.instance);
+    let material_place = match changes_material {
         true => place.clone(),
         false => (of_file.and_then(|entry| entry.at.in_words()))
             .or_else(|| place_in::<MaterialDesc>(&scene.materials, &material.name)),
@@ -260,7 +261,8 @@ fn surface(
         place,
         part: instance.name.clone(),
         triangle: hit.triangle,
-        material: material_name(loaded, point.instance),
+        material: material.name.clone(),
+        changes_material,
         material_place,
         decals: decals.map(|i| world.decals.list[i].name.clone()).collect(),
         distance_m: rounded(hit.t * direction.length()),
@@ -274,16 +276,6 @@ fn changes_material(loaded: &LoadedScene, instance: usize) -> bool {
     let written = loaded.world.written[instance].and_then(|i| loaded.scene.instances.get(i));
     let material = written.and_then(|written| written.material.as_ref());
     matches!(material, Some(InstanceMaterialDesc::Override(_)))
-}
-
-/// Name of the material of an instance, and whether the instance changes it.
-fn material_name(loaded: &LoadedScene, instance: usize) -> String {
-    let world = &loaded.world;
-    let name = &world.materials[world.instances[instance].material].name;
-    match changes_material(loaded, instance) {
-        true => format!("{name}, changed"),
-        false => name.clone(),
-    }
 }
 
 /// Place of a named table in the text.

@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::{Question, answer::Thing, bounds_of, corners, material_name, numbers};
+use super::{Question, answer::Thing, bounds_of, changes_material, corners, numbers};
 use crate::runtime::{SessionError, scene_text::LoadedScene};
 use reflet_base::math::Bounds;
 
@@ -140,11 +140,12 @@ impl Things {
         let world = &loaded.world;
         let (name, instances) = &self.all[thing];
         let parts = instances.iter().map(|i| &world.instances[*i]);
-        let mut materials: Vec<_> = instances.clone();
-        materials.sort_by_key(|i| world.instances[*i].material);
-        materials.dedup_by_key(|i| world.instances[*i].material);
-        let materials = materials.into_iter().map(|i| material_name(loaded, i));
-        let mut materials: Vec<_> = materials.collect();
+        let mut materials: Vec<_> = parts.clone().map(|i| i.material).collect();
+        materials.sort_unstable();
+        materials.dedup();
+        let mut materials: Vec<_> = (materials.iter())
+            .map(|m| world.materials[*m].name.clone())
+            .collect();
         materials.dedup();
         let bounds = bounds_of(world, instances);
         let over_motion = instances
@@ -159,6 +160,7 @@ impl Things {
             place: self.place_of(loaded, instances[0]),
             model: model.map_or_else(String::new, |model| model.name.clone()),
             materials,
+            changes_material: changes_material(loaded, instances[0]),
             parts: instances.len(),
             triangles: parts.map(|i| world.meshes[i.mesh].triangles.len()).sum(),
             bounds_m: corners(bounds),

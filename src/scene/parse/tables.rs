@@ -14,8 +14,8 @@ pub fn is_project(path: &Path) -> bool {
     path.file_name() == Some(OsStr::new(ProjectDesc::FILE))
 }
 
-/// Whether a TOML file is text of scenes, by the keys and tables at its top: all are a scene's, nearly or begun, or there
-/// are a table of scenes and a whole number as `version`; else its first line names Reflet's schema.
+/// Whether a TOML file is text of scenes: its first line names Reflet's schema and no other, or, where it names none, the keys
+/// and tables at its top are all a scene's, nearly or begun, or there are a table of scenes and a whole number as `version`.
 pub fn is_scene_text(source: &Source) -> bool {
     let known = || keys_of(&recorded_keys()[0]).map(|(_, key)| key.name);
     let is_near =
@@ -24,11 +24,13 @@ pub fn is_scene_text(source: &Source) -> bool {
     let root = source.syntax().root();
     let mut names = root.keys().map(|name| name.get_ref().as_str());
     let version = root.get("version").map(|version| version.get_ref());
-    first.contains("#:schema") && first.contains("reflet")
-        || matches!(version, Some(Content::Integer(_)))
-            && names
-                .clone()
-                .any(|name| Below::scene().below(name).is_some())
+    if first.contains("#:schema") {
+        return first.contains("reflet");
+    }
+    matches!(version, Some(Content::Integer(_)))
+        && names
+            .clone()
+            .any(|name| Below::scene().below(name).is_some())
         || names.all(is_near)
 }
 
