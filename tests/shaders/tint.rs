@@ -7,6 +7,8 @@ use reflet::{
     render::{passes, pipeline::shader_variant::ShaderVariant, plan::Features},
 };
 
+use xxhash_rust::xxh3::xxh3_128;
+
 use crate::common::folder::kept_folder;
 
 /// Name and text of a shader, and the features of the variants that have it.
@@ -23,6 +25,8 @@ pub fn sources() -> Vec<Source> {
             let source = library.source(name);
             let text = source.as_ref().map(|source| source.text.clone());
             let text = text.map_err(ToString::to_string);
+            // Texts are long, and the hash of a map is slow without optimization.
+            let text = text.map(|text| xxh3_128(text.as_bytes()));
             let place = *places.entry((name.to_owned(), text)).or_insert(all.len());
             if place == all.len() {
                 all.push((name.to_owned(), source, Vec::new()));

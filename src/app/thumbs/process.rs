@@ -112,15 +112,13 @@ pub fn show(
             let _ = kill_process(Pid::from_child(&process), Signal::TERM);
         }
         let begun = states.iter().filter_map(|state| match state {
-            State::Begun(began) => Some(*began),
+            State::Begun(began) => Some(began.elapsed()),
             _ => None,
         });
-        let oldest = begun.min();
-        let is_late = oldest.unwrap_or(idle_since).elapsed()
-            > time.max(match oldest {
-                Some(_) => GRACE,
-                None => LONGEST_START,
-            });
+        let is_late = match begun.max() {
+            Some(longest) => longest > time,
+            None => idle_since.elapsed() > time.max(LONGEST_START),
+        };
         if is_late || kill_at.is_some_and(|at| Instant::now() > at) {
             why = late(timeout);
             let _ = process.kill(); // it may have ended
@@ -133,10 +131,8 @@ pub fn show(
         why = format!("the process that showed it ended: {status}");
     }
     let with = |is_such: fn(&State) -> bool| {
-        let such = files
-            .iter()
-            .zip(&states)
-            .filter(|(_, state)| is_such(state));
+        let all = files.iter().zip(&states);
+        let such = all.filter(|(_, state)| is_such(state));
         such.map(|(file, _)| file.clone()).collect::<Vec<_>>()
     };
     let end = End {
@@ -148,7 +144,7 @@ pub fn show(
     match status.code().map(u8::try_from) {
         _ if shutdown::is_requested() || has_shown => Ok(end),
         Some(Ok(code @ 1..)) => Err(AppError::Told(code)),
-        _ => Err(unusable(&status)),
+        _ => Err(unusable(&end.why)),
     }
 }
 
