@@ -13,7 +13,7 @@ from texts import TEXTS
 
 # Least numbers of blocks and commands: a changed pattern drops none unseen.
 BLOCKS = {"guide": 9, "scripting": 1, "shapes": 10}
-COMMANDS = {"README": 7, "docs/guide": 22, "docs/query": 5, "docs/project": 2, "docs/python": 2}
+COMMANDS = {"README": 9, "docs/guide": 26, "docs/query": 5, "docs/project": 3, "docs/python": 2}
 
 BLOCK = re.compile(r"^```(toml|rust|rhai)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
@@ -67,17 +67,18 @@ def small(line: str) -> str:
 
 
 def commands(page: Path) -> list[str]:
-    """Lines of the shell blocks of a page, and its commands above pictures, but for previews, which
-    wait for a person: tests/window and test_page.py use them."""
+    """Lines of the shell blocks of a page, and its commands above pictures. Previews end after a
+    while; tests/window and test_page.py use them."""
     found = re.findall(
         r"^(?:```sh\n(.*?)^```|\| `(reflet [^`]+)`[^\n]*)$",
         page.read_text(encoding="utf-8"),
         re.MULTILINE | re.DOTALL,
     )
     lines = "\n".join(map("".join, found)).replace("\\\n", " ").splitlines()
-    is_command = re.compile(r"(?!\s*#|reflet preview)\s*\S").match
-    lines = [line for line in lines if is_command(line)]
-    return [small(line) if line.startswith("reflet ") else line for line in lines]
+    lines = [line for line in lines if re.match(r"(?!\s*#)\s*\S", line)]
+    lines = [small(line) if line.startswith("reflet ") else line for line in lines]
+    shown = 'xvfb-run -a timeout 10 {} || [ "$?" = 124 ]'
+    return [shown.format(line) if "reflet preview" in line else line for line in lines]
 
 
 # Substitutes for programs of the pages: installations that are not optimized and go into folders,
