@@ -104,25 +104,24 @@ reflet-preview reflet-bench|reflet-output|clap|plotters
 reflet-python reflet-bench|reflet-preview|egui|winit|clap|plotters
 CRATES
 
-heading "Command line without preview"
-# As tools/demo.sh builds it, but the preview's crate keeps its features, so that hardly another is compiled anew.
-linted test --locked --workspace --no-run --lib --no-default-features \
-    --features reflet-preview/window,reflet-preview/serve
-
-heading "Tests"
-# The tests of Python that run the program, or those of Rust that these arguments choose.
+heading "Tests, beside the command line without preview"
+# The command line without preview, the tests of Python that run the program, or tests of Rust chosen by arguments.
 run_part() {
-    if [ "$1" = python ]; then
+    if [ "$1" = without-preview ]; then
+        # As tools/demo.sh builds it, but the preview's crate keeps its features, so that hardly another is compiled anew.
+        linted test --locked --workspace --no-run --lib --no-default-features \
+            --features reflet-preview/window,reflet-preview/serve
+    elif [ "$1" = python ]; then
         shift
         [ ! -f tools/pyproject.toml ] || "$@" -m program tests/tools
     else
         linted test --locked --workspace --no-fail-fast "$@"
     fi
 }
-# Runs a part of the tests; shows what it says, and its seconds, when it ends.
+# Runs such a part; shows what it says, and its seconds, when it ends.
 run_tests() {
     local said status=0
-    said="$(SECONDS=0 && run_part "$@" 2>&1 && printf -- '-- tests %s: %d s' "$*" "$SECONDS")" || status="$?"
+    said="$(SECONDS=0 && run_part "$@" 2>&1 && printf -- '-- %s: %d s' "$*" "$SECONDS")" || status="$?"
     printf '%s\n' "$said"
     return "$status"
 }
@@ -134,6 +133,7 @@ xargs -L 1 -P 3 bash -c 'run_tests "$@"' _ <<END
 --test p* -- light::
 --test p* -- --skip light::
 --test c*
+without-preview
 --lib --test [!cp]*
 python ${pytest[*]}
 END
