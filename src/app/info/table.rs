@@ -153,8 +153,8 @@ fn choices(info: &Info) -> Vec<(&'static str, String)> {
                 "variants" => format!("; shown: {shown}"),
                 _ => String::new(),
             };
-            let text = first(names);
-            lines.push((label, format!("{text} of model {}{shown}", file.name)));
+            let (model, names) = (&file.name, first(names));
+            lines.push(("model", format!("{model}: {label} {names}{shown}")));
         }
     }
     let own = info.choices.scene_variants.join(", ");
