@@ -126,15 +126,16 @@ pub fn capabilities(features: wgpu::Features) -> Capabilities {
     capabilities
 }
 
-/// Parses and validates a shader and lists what it declares. Needs no GPU.
+/// Validates a parsed shader and lists what it declares. Needs no GPU.
 ///
 /// # Errors
-/// The first naga error, at the line in the shader's source file.
+/// The first validation error, at the line in the shader's source file.
 pub fn check(
     source: &ShaderSource,
+    module: &Module,
     capabilities: Capabilities,
 ) -> Result<ShaderModuleInfo, ShaderError> {
-    declared(source, &parse(source)?, capabilities).map(|(declared, _)| declared)
+    declared(source, module, capabilities).map(|(declared, _)| declared)
 }
 
 /// Validates the code of a parsed shader that is left under some values of its boolean overrides, and lists the
@@ -148,7 +149,7 @@ pub fn check_part(
     capabilities: Capabilities,
     constants: &[(&str, f64)],
 ) -> Result<ShaderModuleInfo, ShaderError> {
-    declared(source, &pruned(module, constants), capabilities).map(|(declared, _)| declared)
+    check(source, &pruned(module, constants), capabilities)
 }
 
 /// Parses a shader.

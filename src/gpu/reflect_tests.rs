@@ -34,8 +34,10 @@ fn reflected(text: &str) -> Result<ShaderModuleInfo, ShaderError> {
             "// types\nstruct Frame {\n    size: vec2u,\n    tint: vec4f,\n    time_s: f32,\n}\n",
         ),
     ]);
+    let source = library.source("pass")?;
     check(
-        &library.source("pass")?,
+        &source,
+        &parse(&source)?,
         capabilities(wgpu::Features::empty()),
     )
 }
@@ -121,7 +123,7 @@ fn errors_point_at_the_edited_line_through_imports() {
         ),
     ]);
     let source = library.source("pass").expect("assembles");
-    let error = check(&source, capabilities(wgpu::Features::empty())).expect_err("f32 is no u32");
+    let error = parse(&source).expect_err("f32 is no u32");
     let at = error.location.as_ref().expect("placed");
     assert_eq!((&*at.file, at.line), ("shaders/lib/bvh.wgsl", 3), "{error}");
 }

@@ -98,15 +98,17 @@ pub struct ShaderSource {
     pub embedded: bool,
     /// Source file and line number of every line of `text`.
     lines: Arc<[(Arc<str>, u32)]>,
+    /// Byte offsets of the ends of all lines of `text`.
+    newlines: Arc<[usize]>,
 }
 
 impl ShaderSource {
     /// Source location of a byte range of [`ShaderSource::text`].
     pub fn locate(&self, range: std::ops::Range<usize>) -> Option<Location> {
-        let before = self.text.get(..range.start)?;
-        let index = before.matches('\n').count();
-        let start = before.rfind('\n').map_or(0, |newline| newline + 1);
-        let text = self.text[start..].lines().next().unwrap_or("");
+        let newlines = &self.newlines;
+        let index = newlines.partition_point(|newline| *newline < range.start);
+        let start = index.checked_sub(1).map_or(0, |last| newlines[last] + 1);
+        let text = self.text.get(start..)?.lines().next().unwrap_or("");
         let (file, line) = self.lines.get(index)?.clone();
         let column = range.start - start;
         let rest = text.len().saturating_sub(column).max(1);
@@ -282,7 +284,9 @@ impl ShaderLibrary {
             done: Vec::new(),
         };
         assembly.include(path)?;
+        let newlines = assembly.text.match_indices('\n').map(|(at, _)| at);
         Ok(ShaderSource {
+            newlines: newlines.collect(),
             name: name.to_owned(),
             file,
             text: assembly.text.into(),

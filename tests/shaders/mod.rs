@@ -43,9 +43,47 @@ static SOURCES: LazyLock<Vec<Source>> = LazyLock::new(sources);
 const OPTIONAL: wgpu::Features =
     wgpu::Features::PRIMITIVE_INDEX.union(wgpu::Features::EXPERIMENTAL_RAY_QUERY);
 
-/// Results of checks, or all their errors.
-fn good<T>(checked: impl Iterator<Item = Result<T, ShaderError>>) -> Vec<T> {
-    let (good, bad): (Vec<_>, Vec<_>) = checked.partition(Result::is_ok);
+/// A shader of some variants.
+struct Shader {
+    /// Declarations of the whole text.
+    info: ShaderModuleInfo,
+    /// Textures of the whole text.
+    used: UsedTextures,
+    /// Declarations of the part that each set of features leaves, as a pipeline gets it.
+    parts: Vec<ShaderModuleInfo>,
+}
+
+impl Shader {
+    /// Parses a text, and validates it as a whole and the part of it that each set of features leaves.
+    fn checked((_, source, variants): &Source) -> Result<Self, ShaderError> {
+        let source = source.as_ref().map_err(Clone::clone)?;
+        let module = parse(source)?;
+        let info = check(source, &module, capabilities(OPTIONAL))?;
+        let is_declared = |key: &str| info.overrides.iter().any(|o| o.name == key);
+        let of = |features: &Features| -> Vec<(&str, bool)> {
+            let flags = (features.constants()).filter(|(key, _)| is_declared(key));
+            flags.map(|(key, value)| (key, value != 0.0)).collect()
+        };
+        let sets: BTreeSet<_> = variants.iter().map(of).collect();
+        let part = |flags: Vec<(&str, bool)>| {
+            let given = flags.into_iter();
+            let given: Vec<_> = given
+                .map(|(key, on)| (key, f64::from(u8::from(on))))
+                .collect();
+            check_part(source, &module, capabilities(OPTIONAL), &given)
+        };
+        Ok(Self {
+            used: UsedTextures::new(&module, &module),
+            parts: sets.into_iter().map(part).collect::<Result<_, _>>()?,
+            info,
+        })
+    }
+}
+
+/// Every text of every variant.
+static SHIPPED: LazyLock<Vec<Shader>> = LazyLock::new(|| {
+    let (good, bad): (Vec<_>, Vec<_>) =
+        SOURCES.iter().map(Shader::checked).partition(Result::is_ok);
     let errors: BTreeSet<String> = (bad.into_iter().filter_map(Result::err))
         .map(|error| error.to_string())
         .collect();
@@ -55,44 +93,16 @@ fn good<T>(checked: impl Iterator<Item = Result<T, ShaderError>>) -> Vec<T> {
         Vec::from_iter(errors).join("\n\n")
     );
     good.into_iter().flatten().collect()
+});
+
+/// Declarations of every text of every variant.
+fn shipped() -> impl Iterator<Item = &'static ShaderModuleInfo> {
+    SHIPPED.iter().map(|shader| &shader.info)
 }
-
-/// Every text of every variant, validated as a whole.
-static SHIPPED: LazyLock<Vec<ShaderModuleInfo>> = LazyLock::new(|| {
-    let checked = SOURCES.iter().map(|(_, source, _)| {
-        let source = source.as_ref().map_err(Clone::clone)?;
-        check(source, capabilities(OPTIONAL))
-    });
-    good(checked)
-});
-
-/// The part of every text that every set of features leaves, validated, as a pipeline gets it.
-static PARTS: LazyLock<Vec<ShaderModuleInfo>> = LazyLock::new(|| {
-    let checked = SOURCES.iter().zip(&*SHIPPED);
-    let checked = checked.flat_map(|((_, source, variants), info)| {
-        let source = source.as_ref().expect("it assembles");
-        let module = or_panic!(parse(source));
-        let is_declared = |key: &str| info.overrides.iter().any(|o| o.name == key);
-        let of = |features: &Features| -> Vec<(&str, bool)> {
-            let flags = (features.constants()).filter(|(key, _)| is_declared(key));
-            flags.map(|(key, value)| (key, value != 0.0)).collect()
-        };
-        let sets: BTreeSet<_> = variants.iter().map(of).collect();
-        let part = |flags: Vec<(&str, bool)>| {
-            let given = flags
-                .iter()
-                .map(|(key, is_on)| (*key, f64::from(u8::from(*is_on))));
-            let given: Vec<_> = given.collect();
-            check_part(source, &module, capabilities(OPTIONAL), &given)
-        };
-        sets.into_iter().map(part).collect::<Vec<_>>()
-    });
-    good(checked)
-});
 
 #[test]
 fn every_shader_validates_and_has_an_entry_point() {
-    for info in SHIPPED.iter() {
+    for info in shipped() {
         assert!(
             !info.entry_points.is_empty(),
             "{} starts nowhere",
@@ -123,7 +133,7 @@ fn every_library_is_imported_somewhere() {
 #[test]
 fn every_shader_stays_inside_the_default_limits() {
     let mut wrong = BTreeSet::new();
-    for info in PARTS.iter() {
+    for info in SHIPPED.iter().flat_map(|shader| &shader.parts) {
         let mut limits = wgpu::Limits::default();
         // Only devices with higher limits get BVHs, meshes, instances and materials as textures: software adapters, and
         // these and light trees as storage textures where enough can be bound.
@@ -211,11 +221,11 @@ fn shared_structs_have_the_same_layout_in_the_shaders() {
         true
     };
     for spec in shader_variant::SHARED {
-        let found = SHIPPED.iter().filter(|shader| compare(spec, shader));
+        let found = shipped().filter(|shader| compare(spec, shader));
         assert!(found.count() > 0, "no shader uses {}", spec.name);
     }
     for pass in passes::ALL.iter() {
-        let shader = SHIPPED.iter().find(|s| s.name == pass.name);
+        let shader = shipped().find(|s| s.name == pass.name);
         let shader = shader.unwrap_or_else(|| panic!("pass {} has no shader", pass.name));
         let has = |spec| compare(spec, shader);
         let is_same = pass.params.iter().chain(pass.structs).all(has);
@@ -225,11 +235,10 @@ fn shared_structs_have_the_same_layout_in_the_shaders() {
 
 /// Targets that the shader of a pass uses in some frame.
 fn targets(pass: &Pass) -> PassTargets {
-    let texts = SOURCES.iter().filter(|(name, ..)| name == pass.name);
-    let used = texts.map(|(_, source, _)| {
-        let module = or_panic!(source.as_ref().map_err(Clone::clone).and_then(parse));
-        PassTargets::new(pass, &UsedTextures::new(&module, &module))
-    });
+    let texts = SHIPPED
+        .iter()
+        .filter(|shader| shader.info.name == pass.name);
+    let used = texts.map(|shader| PassTargets::new(pass, &shader.used));
     used.fold(PassTargets::default(), |mut all, used| {
         all.reads.extend(used.reads);
         all.writes.extend(used.writes);
@@ -283,7 +292,7 @@ fn compute_passes_declare_the_shared_data_that_their_shaders_bind() {
         .iter()
         .filter(|pass| !draws.contains(&pass.name));
     for pass in computes {
-        let shaders = SHIPPED.iter().filter(|shader| shader.name == pass.name);
+        let shaders = shipped().filter(|shader| shader.name == pass.name);
         let bound = shaders.flat_map(|shader| shader.bindings.iter().map(|b| b.name.as_str()));
         let bound: BTreeSet<_> = bound.filter(|name| known.contains(name)).collect();
         let shared = pass.reads_shared.iter().chain(pass.writes_shared);
@@ -323,8 +332,7 @@ fn overrides_are_those_of_features_and_passes() {
         .chain(OTHER_OVERRIDES)
         .map(str::to_owned)
         .collect();
-    let declared: BTreeSet<String> = SHIPPED
-        .iter()
+    let declared: BTreeSet<String> = shipped()
         .flat_map(|shader| shader.overrides.iter().map(|o| o.name.clone()))
         .collect();
     assert_eq!(given, declared);
