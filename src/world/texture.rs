@@ -28,6 +28,7 @@ mod jpeg;
 mod ktx2;
 mod png_color;
 pub mod pool_size;
+pub mod resample;
 mod specular_glossiness;
 mod webp;
 

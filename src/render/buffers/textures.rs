@@ -7,55 +7,18 @@ use rayon::prelude::*;
 
 use reflet_gpu::{Gpu, GpuError};
 use reflet_world::{
-    CORE_SLOTS, CoreTexture, LayerTexture, Material, Texture, TextureRef, World, Wrap,
-    texture::pool_size::{NUM_POOLS, PoolSizes, bytes_of_layer},
+    Material, Texture, TextureRef, World,
+    texture::{
+        pool_size::{NUM_POOLS, PoolSizes, bytes_of_layer},
+        resample::{Sampling, mip_chain},
+    },
 };
-
-mod resample;
 
 /// Texels of the images that are resampled at once.
 const BATCH_TEXELS: usize = 4 * 2048 * 2048;
 
 /// Number of bits of a mask of pools: bit 2k for pool k linear, bit 2k + 1 for pool k as sRGB.
 pub const POOL_BITS: u32 = 2 * NUM_POOLS as u32;
-
-/// Sampler settings that resampling to the pool's size depends on.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-struct Sampling {
-    /// Whether magnification takes the nearest texel: texels must stay sharp.
-    nearest: bool,
-    wrap: [Wrap; 2],
-    /// Whether texels are normals, whose mips keep how far they spread.
-    normals: bool,
-}
-
-impl Sampling {
-    /// Settings for a use of `texture`, as the `slot` of a material, in a pool of size `px`; uses with equal resampled
-    /// images have equal settings.
-    fn for_texture(slot: usize, used: &TextureRef, texture: &Texture, px: u32) -> Self {
-        // Beyond a mirrored border the nearest texel is the last one, like beyond a clamped border.
-        let wrap = |wrap| match wrap {
-            Wrap::Mirror => Wrap::Clamp,
-            wrap => wrap,
-        };
-        let as_it_is = Self {
-            normals: slot == CoreTexture::Normal as usize
-                || slot == CORE_SLOTS + LayerTexture::ClearcoatNormal as usize,
-            ..Self::default()
-        };
-        match ([texture.width, texture.height] == [px, px], used.nearest) {
-            (true, _) => as_it_is,
-            (false, true) => Self {
-                nearest: true,
-                ..as_it_is
-            },
-            (false, false) => Self {
-                wrap: used.wrap.map(wrap),
-                ..as_it_is
-            },
-        }
-    }
-}
 
 /// Pool and layer of a resampled image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,7 +63,7 @@ impl Pools {
             for batch in members.chunks((BATCH_TEXELS / (px * px) as usize).clamp(1, 4)) {
                 let chains: Vec<Vec<Vec<u8>>> = batch
                     .par_iter()
-                    .map(|(i, sampling, _)| resample::mip_chain(&world.textures[*i], px, *sampling))
+                    .map(|(i, sampling, _)| mip_chain(&world.textures[*i], px, *sampling))
                     .collect();
                 for ((_, _, slot), chain) in batch.iter().zip(&chains) {
                     upload(gpu, &array, slot.layer, px, chain);

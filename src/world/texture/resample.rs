@@ -1,11 +1,49 @@
 //! Resampling of images to the size of their pool, and their mips.
 
 use glam::Vec3;
+use reflet_base::math::{linear_from_srgb, srgb_from_linear};
 
-use super::Sampling;
-use reflet_world::{Texture, Wrap};
+use crate::{CORE_SLOTS, CoreTexture, LayerTexture, Texture, TextureRef, Wrap};
 
-/// The image at `px` × `px`, and each halving of it; as a normal map with [`spread`](spread_code) in place of alpha.
+/// Sampler settings that resampling to the pool's size depends on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Sampling {
+    /// Whether magnification takes the nearest texel: texels must stay sharp.
+    nearest: bool,
+    wrap: [Wrap; 2],
+    /// Whether texels are normals, whose mips keep how far they spread.
+    normals: bool,
+}
+
+impl Sampling {
+    /// Settings for a use of `texture`, as the `slot` of a material, in a pool of size `px`; uses with equal resampled
+    /// images have equal settings.
+    pub fn for_texture(slot: usize, used: &TextureRef, texture: &Texture, px: u32) -> Self {
+        // Beyond a mirrored border the nearest texel is the last one, like beyond a clamped border.
+        let wrap = |wrap| match wrap {
+            Wrap::Mirror => Wrap::Clamp,
+            wrap => wrap,
+        };
+        let as_it_is = Self {
+            normals: slot == CoreTexture::Normal as usize
+                || slot == CORE_SLOTS + LayerTexture::ClearcoatNormal as usize,
+            ..Self::default()
+        };
+        match ([texture.width, texture.height] == [px, px], used.nearest) {
+            (true, _) => as_it_is,
+            (false, true) => Self {
+                nearest: true,
+                ..as_it_is
+            },
+            (false, false) => Self {
+                wrap: used.wrap.map(wrap),
+                ..as_it_is
+            },
+        }
+    }
+}
+
+/// The image at `px` × `px`, and each halving of it; RGBA of 8 bits. Mips of normals hold in place of alpha how far the normals below a texel spread.
 pub fn mip_chain(texture: &Texture, px: u32, sampling: Sampling) -> Vec<Vec<u8>> {
     let mut base = if (texture.width, texture.height) == (px, px) {
         texture.rgba.clone()
@@ -205,12 +243,10 @@ impl SrgbTables {
         static TABLES: std::sync::OnceLock<SrgbTables> = std::sync::OnceLock::new();
         TABLES.get_or_init(|| {
             let light = std::array::from_fn(|i| {
-                (reflet_base::math::linear_from_srgb(i as f32 / 255.0) * 65535.0).round() as u16
+                (linear_from_srgb(i as f32 / 255.0) * 65535.0).round() as u16
             });
             let code = (0..=4095u32)
-                .map(|i| {
-                    (reflet_base::math::srgb_from_linear(i as f32 / 4095.0) * 255.0).round() as u8
-                })
+                .map(|i| (srgb_from_linear(i as f32 / 4095.0) * 255.0).round() as u8)
                 .collect();
             Self {
                 light,
