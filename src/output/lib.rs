@@ -1,7 +1,7 @@
 //! Files of pictures: PNG and EXR with AOVs, APNG and other films, written whole or not at all; and the rules for them,
 //! which the command line and the module of Python share.
 //!
-//! This crate owns the formats ([`format`]), names and lists of frames ([`frame_name`], [`frames`]), fingerprints by
+//! This crate owns the formats ([`mod@format`]), names and lists of frames ([`frame_name`], [`frames`]), fingerprints by
 //! which a run knows its files ([`fingerprint`]), the denoiser, a C library that is loaded at run time ([`denoise`]),
 //! and the statistics of a picture ([`stats`]).
 

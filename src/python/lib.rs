@@ -2,8 +2,8 @@
 //! what Python says better: the exceptions, and the types in `_reflet.pyi`, which document the interface.
 //!
 //! Work on a scene runs on a thread of its own, without the interpreter's lock, while the calling thread looks for
-//! Ctrl-C and tells the progress ([`work`]). A session is lent to one call at a time ([`slot`]). Pixels belong to NumPy
-//! from the moment that a picture is finished, and are not copied ([`picture`]). No code here is `unsafe`.
+//! Ctrl-C and tells the progress (`work`). A session is lent to one call at a time (`slot`). Pixels belong to NumPy
+//! from the moment that a picture is finished, and are not copied (`picture`). No code here is `unsafe`.
 
 mod comparison;
 mod errors;

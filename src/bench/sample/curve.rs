@@ -1,4 +1,4 @@
-//! Curves of charts: one per method, and curves of their own for [`PARTS`] of the samples of some methods.
+//! Curves of charts: one per method, and curves of their own for `PARTS` of the samples of some methods.
 
 use super::Sample;
 use crate::system::SYSTEMS;

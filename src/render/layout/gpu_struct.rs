@@ -53,7 +53,7 @@ pub trait Shared: Copy {
     fn wgsl() -> String;
 }
 
-/// A shared struct, which [`gpu_struct`] declares.
+/// A shared struct, which `gpu_struct!` declares.
 pub trait SharedStruct: Shared + 'static {
     /// Its layout.
     const SPEC: &'static StructSpec;

@@ -223,7 +223,7 @@ gpu_struct! {
     }
 }
 
-/// Bit of [`GpuMaterial::reflection`]: the reflectivity is of an index of refraction.
+/// Bit of `GpuMaterial::reflection`: the reflectivity is of an index of refraction.
 pub const OF_INDEX: u32 = 1 << 2;
 /// Mask of [`GpuTextureUse::bits`]: index of the pool.
 pub const TEXTURE_POOL_MASK: u32 = 3;

@@ -1,5 +1,5 @@
 //! Methods of reflections beside plain rays and the plain march, and ways to follow fewer rays: a folder each, and one
-//! row in [`METHODS`].
+//! row in `METHODS`.
 
 pub mod box_faces;
 mod face_maps;

@@ -263,7 +263,7 @@ impl Oracle {
 pub(super) const MOST_VISITS: u32 = 4096;
 
 /// Traversal of the packed trees on the CPU, for scenes too large for brute force. A ray that has visited
-/// [`MOST_VISITS`] nodes ends with the nearest of the hits so far.
+/// `MOST_VISITS` nodes ends with the nearest of the hits so far.
 impl Trees {
     /// The nearest hit, as [`Oracle::nearest`].
     pub fn nearest(

@@ -17,7 +17,7 @@ use reflet_scene::motion::FrameState;
 /// A mesh of the world that an animation or a script deforms.
 #[derive(Clone, Debug)]
 pub struct Deformer {
-    /// Index into [`World::meshes`](super::World::meshes).
+    /// Index into [`World::meshes`](crate::World::meshes).
     pub mesh: usize,
     /// Source of its deformation.
     pub by: DeformedBy,

@@ -22,7 +22,7 @@ impl From<WrongFont> for Fault {
 ///
 /// # Errors
 /// `wrong-font` for bytes that are no font with outlines; `out-of-range` for a letter that the text lacks; the errors of
-/// [`extrude::add`].
+/// `extrude::add`.
 pub fn add(
     solid: &mut Solid,
     shape: &ShapeDesc,
