@@ -138,7 +138,6 @@ fn bilinear_resized(
         false => &tables.shares,
     };
     let mut out = Vec::with_capacity(to[0] as usize * to[1] as usize * 4);
-    // Plain loops, as tests run this without optimization.
     for (ys, fy) in &down {
         for (xs, fx) in &across {
             let corner =
