@@ -240,7 +240,7 @@ const SCRIPT: &str = r#"fn frame(ctx) { ctx.place("ball", [2 * sin(ctx.t), 0, 0]
 #[ignore = "long: opens a window; tests without one play and edit scripts daily"]
 fn preview_plays_pauses_and_follows_a_script_edit() {
     let files = [("scene.toml", SCENE), ("move.rhai", SCRIPT)];
-    let session = or_skip!(Session::open("play", SMALL, &files));
+    let session = or_skip!(Session::open("play", "480x360", &files));
     let first = session.steady();
     session.key("End");
     let last = until("the last frame", || {
