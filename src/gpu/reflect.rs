@@ -126,7 +126,7 @@ pub fn capabilities(features: wgpu::Features) -> Capabilities {
     capabilities
 }
 
-/// Validates a parsed shader and lists what it declares. Needs no GPU.
+/// Validates a parsed shader, and lists its bindings, entry points, overrides, functions and structs. Needs no GPU.
 ///
 /// # Errors
 /// The first validation error, at the line in the shader's source file.
