@@ -15,9 +15,6 @@ use std::{
 /// Timeout; large, because software drivers on busy machines are slow.
 const MOST: Duration = Duration::from_secs(90);
 
-/// Size of a window whose buttons no test clicks: a software driver draws all of it at each change.
-const SMALL: &str = "320x200";
-
 /// A process that ends with the test.
 struct Running(Child);
 
@@ -192,7 +189,9 @@ fn brightness(picture: &[u8]) -> f64 {
 
 #[test]
 fn preview_opens_follows_an_edit_survives_an_error_and_closes() {
-    let session = or_skip!(Session::open("window", SMALL, &[("scene.toml", BALL)]));
+    // Small, as a software driver draws all of the window at each change.
+    let files = [("scene.toml", BALL)];
+    let session = or_skip!(Session::open("window", "320x200", &files));
     let first = session.steady();
     assert!(brightness(&first) > 10.0, "something is seen");
     session.key("b");
