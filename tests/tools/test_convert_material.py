@@ -52,6 +52,34 @@ def test_specular_workflow_keeps_the_reflectance(tmp_path: Path) -> None:
     assert found["pbrMetallicRoughness"]["metallicFactor"] == 0.0
 
 
+@pytest.mark.parametrize(
+    ("more", "coat"),
+    [
+        ("", 1.0),
+        ("float inputs:ior = 1.3", 0.425),
+        ("float inputs:ior = 2", None),
+        ("float inputs:ior = -1", None),
+        ("float inputs:metallic = 1", None),
+    ],
+)
+def test_rough_glass_is_clear_below_its_highlight(
+    tmp_path: Path, more: str, coat: float | None
+) -> None:
+    rough = "float inputs:opacity = 0\nfloat inputs:roughness = 0.3\n"
+    found = material(shaded(tmp_path, rough + more))
+    assert found["extensions"]["KHR_materials_transmission"] == {"transmissionFactor": 1.0}
+    layer = found["extensions"].get("KHR_materials_clearcoat")
+    roughness = found["pbrMetallicRoughness"]["roughnessFactor"]
+    if coat is None:
+        assert (layer, roughness) == (None, pytest.approx(0.3))
+        return
+    # A coat reflects 4 % head on.
+    assert layer["clearcoatFactor"] == pytest.approx(coat, abs=1e-3)
+    assert layer["clearcoatRoughnessFactor"] == pytest.approx(0.3)
+    assert found["extensions"]["KHR_materials_specular"]["specularFactor"] == 0.0
+    assert roughness == 0.0
+
+
 def test_second_uv_set_gets_its_own_slot(tmp_path: Path) -> None:
     save(tmp_path, "t.png", noise("RGB"))
     save(tmp_path, "u.png", noise("RGB", seed=9))

@@ -1,5 +1,6 @@
 """Bound materials to plans, and plans to glTF materials for the prims that use them."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -13,7 +14,7 @@ from .gltf_writer import GltfWriter
 from .materialx import MATERIALX_SURFACES, approximate
 from .mesh_light import Glow, shine
 from .network import NetworkReader, shader_id
-from .preview_surface import PREVIEW_INPUTS
+from .preview_surface import DIELECTRIC_F0, PREVIEW_INPUTS
 from .sources import Constant, PrimvarRead, Source, TextureRead
 from .surface_layers import LayeredMaterial
 
@@ -185,7 +186,33 @@ def _as_glass(inputs: dict[str, Source]) -> dict[str, Source]:
     if threshold != Constant((0.0,)) or "transmission" in inputs:
         return {}
     white, clear = Constant((1.0, 1.0, 1.0)), Constant((1.0 - max(opacity.value[0], 0.0),))
-    return {"diffuseColor": white, "opacity": Constant((1.0,)), "transmission": clear}
+    glass = {"diffuseColor": white, "opacity": Constant((1.0,)), "transmission": clear}
+    return glass | _rough_outside(inputs)
+
+
+def _rough_outside(inputs: dict[str, Source]) -> dict[str, Source]:
+    """Inputs by which rough glass is clear, as glTF's transmission has the roughness of its mirror.
+
+    A coat reflects in place of the surface below, which is smooth. Its index is 1.5, so that it
+    stands for no metal, no tint and no higher index.
+    """
+
+    def number(name: str) -> float:
+        source = inputs.get(name, Constant(PREVIEW_INPUTS[name]))
+        return source.value[0] if isinstance(source, Constant) else math.nan
+
+    plain = number("metallic") == number("useSpecularWorkflow") == number("clearcoat") == 0.0
+    ior, roughness = (
+        max(number("ior"), 1.0),
+        inputs.get("roughness", Constant(PREVIEW_INPUTS["roughness"])),
+    )
+    strength = ((ior - 1.0) / (ior + 1.0)) ** 2 / DIELECTRIC_F0
+    if not plain or not 0.0 < strength < 1.1 or roughness == Constant((0.0,)):
+        return {}
+    none = Constant((0.0,))
+    rough = {"clearcoat": Constant((min(strength, 1.0),)), "clearcoatRoughness": roughness}
+    normal = {"coatNormal": inputs["normal"]} if "normal" in inputs else {}
+    return {"roughness": none, "specular": none} | rough | normal
 
 
 def painter_of(

@@ -33,7 +33,7 @@ PREVIEW_INPUTS: dict[str, tuple[float, ...]] = {
 # Inputs that are one number in glTF, for the whole material.
 _WITHOUT_TEXTURE = ("useSpecularWorkflow", "opacityMode", "opacityThreshold", "ior")
 # glTF's dielectric reflects ((ior − 1) / (ior + 1))² head on, 0.04 at ior 1.5.
-_DIELECTRIC_F0 = 0.04
+DIELECTRIC_F0 = 0.04
 
 _AFFINE = ("scale", "bias")
 
@@ -264,7 +264,7 @@ class PreviewMaterial:
             else:
                 color = list(self._unit("specularColor"))
                 extensions["KHR_materials_specular"] = {}
-            factor = [part / _DIELECTRIC_F0 for part in color]
+            factor = [part / DIELECTRIC_F0 for part in color]
             extensions["KHR_materials_specular"]["specularColorFactor"] = factor
         else:
             ior = self._numbers("ior")[0]

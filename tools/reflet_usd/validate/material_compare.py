@@ -44,6 +44,8 @@ LAYERS = (
 """Channels beyond UsdPreviewSurface's."""
 _CLEAR = "clear"
 """Transmission of a UsdPreviewSurface of next to no opacity."""
+_CLEAR_PARTS = ("KHR_materials_transmission", "specularFactor", "clearcoatNormalTexture")
+"""Parts of such a material that no other UsdPreviewSurface has."""
 _NOT_EVALUATED = PreviewInput(None, None, "not given")
 _ENCODED = ("diffuseColor", "emissiveColor", "specularColor")
 _NEUTRAL = {"displacement": (0.0,), "normal": (0.0, 0.0, 1.0), "occlusion": (1.0,)}
@@ -135,7 +137,27 @@ def _seen_through(read: dict[str, PreviewInput], material: Usd.Prim) -> dict[str
         "diffuseColor": PreviewInput(np.ones(3), None),
         "opacity": PreviewInput(np.ones(1), None),
     }
-    return {**read, **one, _CLEAR: clear}
+    return {**read, **one, **_coated(read), _CLEAR: clear}
+
+
+def _coated(read: dict[str, PreviewInput]) -> dict[str, PreviewInput]:
+    """Roughness of clear glass of an index near 1.5, as the coat that reflects in its place."""
+    own = {"specular": PreviewInput(np.ones(1), None)}
+    if not all(_is_zero(read[name]) for name in ("metallic", "useSpecularWorkflow", "clearcoat")):
+        return own
+    ior = read["ior"].constant
+    if ior is None or _is_zero(read["roughness"]):
+        return own
+    index = max(float(ior[0]), 1.0)
+    head_on = ((index - 1.0) / (index + 1.0)) ** 2
+    if not 0.0 < head_on < 0.044:
+        return own
+    return {
+        "roughness": PreviewInput(np.zeros(1), None),
+        "specular": PreviewInput(np.zeros(1), None),
+        "clearcoat": PreviewInput(np.array([min(head_on / 0.04, 1.0)]), None),
+        "clearcoatRoughness": read["roughness"],
+    }
 
 
 def _compare_plain(checks: Checks, path: str, found: OutputMaterial) -> None:
@@ -196,6 +218,7 @@ class _Comparison:
             self._channel(name, source, found)
         if _CLEAR in self.inputs:
             self._channel("transmission", self.inputs[_CLEAR], found)
+            self._channel("specular", self.inputs["specular"], found)
         self._normal(found)
         self._losses()
         self._empty_slots(found)
@@ -241,7 +264,7 @@ class _Comparison:
                 text = f"{names[0]} has a texture only in the output"
                 self.checks.add("materials", self.path, math.inf, text)
         for text in unexpected_extensions(found.material, self._has_layers()):
-            if _CLEAR in self.inputs and "KHR_materials_transmission" in text:
+            if _CLEAR in self.inputs and any(part in text for part in _CLEAR_PARTS):
                 continue
             self.checks.add("materials", self.path, math.inf, text)
 
