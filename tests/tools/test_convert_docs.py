@@ -56,6 +56,7 @@ def test_the_manual_lists_every_excuse_and_no_other() -> None:
     *rows, losses = rows_of("deviation")
     found = {
         *allowed_deviations.PLACED,
+        *allowed_deviations.DISPLACED,
         *allowed_deviations.UV_SET,
         *allowed_deviations.UV_CONSTANT,
         *allowed_deviations.UNORDERED_COLORS,

@@ -1,11 +1,12 @@
 """Owns the tests of material values and of the shading networks that drive them."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from material_stages import material, noise, save, shaded, stage, texture
-from read_converted import convert_text
+from read_converted import Converted, convert_text
 from test_validate_strict import rewrite
 from texts import text_of
 
@@ -78,6 +79,45 @@ def test_rough_glass_is_clear_below_its_highlight(
     assert layer["clearcoatRoughnessFactor"] == pytest.approx(0.3)
     assert found["extensions"]["KHR_materials_specular"]["specularFactor"] == 0.0
     assert roughness == 0.0
+
+
+def displaced(tmp_path: Path, displacement: str, **options: Any) -> Converted:
+    """A square at twice its size, with the corners at the texels of an image of 2 x 2."""
+    save(tmp_path, "d.png", np.array([[10, 20], [40, 80]], dtype=np.uint8))
+    body = "float4 inputs:scale = (2, 1, 1, 1)\nfloat4 inputs:bias = (-0.1, 0, 0, 0)"
+    scaled = 'double3 xformOp:scale = (2, 2, 2)\nuniform token[] xformOpOrder = ["xformOp:scale"]'
+    text = stage(f"float inputs:displacement{displacement}", texture("T", "d.png", body), scaled)
+    centers = "[(.25, .25), (.75, .25), (.75, .75), (.25, .75)]"
+    text = text.replace("[(0,0), (1,0), (1,1), (0,1)]", centers)
+    return convert_text(tmp_path, text, **options)
+
+
+@pytest.mark.parametrize("source", [" = 0.3", ".connect = </Mat/T.outputs:r>"])
+def test_meshes_are_displaced_by_units_of_the_stage(tmp_path: Path, source: str) -> None:
+    done = displaced(tmp_path, source)
+    found = np.unique(done.attribute(0, 0, "POSITION"), axis=0)
+    unit = found[:, 0].max()
+    texels = np.array([[40, 10], [80, 20]]).reshape(-1) / 255 * 2 - 0.1  # by x, then by y
+    expected = texels if "connect" in source else np.full(4, 0.3)
+    assert found[:, 2] / unit == pytest.approx(expected / 2, abs=1e-6)
+    assert done.warnings("/M") == {"displacement-sampled"}
+    assert not done.warnings("/Mat")
+
+
+def test_displacement_moves_the_points_of_the_refined_mesh(tmp_path: Path) -> None:
+    text = stage("float inputs:displacement = 0.3").replace('"none"', '"catmullClark"')
+    done = convert_text(tmp_path, text, subdiv_level=2)
+    found = np.unique(done.attribute(0, 0, "POSITION"), axis=0)
+    assert len(found) == 25
+    assert found[:, 2] == pytest.approx(0.3 * found[:, 0].max())
+
+
+def test_displacement_that_nothing_connects_is_named(tmp_path: Path) -> None:
+    text = stage("float inputs:displacement = 0.3")
+    line = "token outputs:displacement.connect = </Mat/S.outputs:displacement>\n"
+    done = convert_text(tmp_path, text.replace(line, ""))
+    assert np.all(done.attribute(0, 0, "POSITION")[:, 2] == 0.0)
+    assert done.warnings("/Mat") == {"displacement-dropped"}
 
 
 def test_second_uv_set_gets_its_own_slot(tmp_path: Path) -> None:

@@ -43,6 +43,9 @@ INSTANCER = text_of("validate_tamper/instancer.usda").replace("FACE", FACE)
 LENS = 'def Camera "C"\n{\nfloat fStop = 2.8\nfloat focusDistance = 5\n}\n'
 BAD_CLIP = 'def Camera "C"\n{\nfloat2 clippingRange = (5, 1)\n}\n'
 GLASS = "color3f inputs:diffuseColor = (0.5, 0.2, 0.1)\nfloat inputs:opacity = 0.5\n"
+BUMPS = material_stage(
+    "float inputs:displacement.connect = </Mat/T.outputs:r>", texture("T", "t.png")
+)
 BRIGHT = "color3f inputs:diffuseColor = (2, 0.2, 0.1)\n"
 CUBE = text_of("validate_tamper/cube.usda")
 OTHER = text_of("validate_tamper/other.usda")
@@ -90,6 +93,13 @@ CASES: list[Case] = [
         material_stage(BRIGHT),
         "material-value-clamped",
         look(baseColorFactor=[0.5, 0.2, 0.1, 1.0]),
+    ),
+    ("a displacement", BUMPS, "displacement-sampled", grow),
+    (
+        "a displaced set",
+        BUMPS,
+        "displacement-sampled",
+        change("TEXCOORD_0", lambda v: v + 0.3),
     ),
     ("a lost texture", GONE, "texture-missing", look(baseColorFactor=[1.0, 1.0, 1.0, 1.0])),
     ("a missing set", NO_UVS, "uv-missing", change("TEXCOORD_1", lambda v: v + 0.3)),

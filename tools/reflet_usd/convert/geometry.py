@@ -1,5 +1,6 @@
 """Gprims to glTF meshes: surface, primvars, subsets and materials joined, instances shared."""
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
@@ -9,6 +10,7 @@ from pxr import Usd, UsdGeom
 from .attributes import DisplayColor, GprimPrimvars, Streams, inherited_primvars, primvar_signature
 from .channel_packing import texture_transform, wraps_to_black
 from .context import Context, authored, source_path, type_name
+from .displacement import displace, is_displacing
 from .extras import is_custom
 from .gltf_writer import GltfWriter
 from .gprim import GPRIM_TYPES, cube_polygons, tessellate
@@ -19,6 +21,7 @@ from .nurbs import patch_polygons, patch_topology
 from .polygons import Polygons, read_polygons, tet_polygons
 from .primitive import PrimitiveParts, build_primitive
 from .primvars import Topology
+from .refine import REFINABLE
 from .scene import Array, Node
 from .sources import Constant, PrimvarRead, TextureRead
 from .subsets import FaceGroup, face_groups
@@ -74,15 +77,22 @@ class GeometryBuilder:
             return self._build(prim, groups, primvars, deformation)
         bound = tuple("" if g.material is None else source_path(g.material) for g in groups)
         glow, when = self.lights.glow(prim), self.context.time.GetValue()
-        key = (source_path(prim), bound, primvar_signature(primvars), glow, when)
+        plans = [self.materials.plan(group.material) for group in groups]
+        moves = any(is_displacing(plan.inputs.get("displacement")) for plan in plans)
+        scale = self._scale(prim) if moves else 1.0
+        key = (source_path(prim), bound, primvar_signature(primvars), glow, when, scale)
         if key not in self._meshes:
             self._meshes[key] = (prim, self._build(prim, groups, primvars, None))
             return self._meshes[key][1]
         first, built = self._meshes[key]
         self.context.ledger.repeat(first, prim)
-        for group in groups:
-            self.materials.plan(group.material)
         return built
+
+    def _scale(self, prim: Usd.Prim) -> float:
+        """How many units of the stage a unit of the prim is long, in the mean of its axes."""
+        world = UsdGeom.Imageable(prim).ComputeLocalToWorldTransform(self.context.time)
+        volume = abs(float(np.linalg.det(np.array(world)[:3, :3])))
+        return float(f"{volume ** (1.0 / 3.0):.6g}") if 0.0 < volume < math.inf else 1.0
 
     def _build(
         self,
@@ -101,17 +111,13 @@ class GeometryBuilder:
         surface.uvs, surface.custom = streams.uvs, streams.custom
         if deformation is not None:
             deformation.prepare(surface, polygons)
+        parts_of = [(group, _triangles(surface, topology, group)) for group in groups]
+        parts_of = [(group, chosen) for group, chosen in parts_of if len(chosen)]
+        if deformation is None and polygons is not None:
+            self._displace(prim, surface, polygons, parts_of)
         entries = []
         painters: list[Painter | None] = []
-        for group in groups:
-            chosen = surface.triangles
-            if group.faces is not None:
-                authored_faces = (topology.authored or topology).face_count
-                member = np.zeros(authored_faces, dtype=bool)
-                member[group.faces] = True
-                chosen = surface.triangles[member[surface.triangle_faces]]
-            if len(chosen) == 0:
-                continue
+        for group, chosen in parts_of:
             parts, painter = self._primitive(surface, chosen, group, primvars, topology)
             painters.append(painter)
             if deformation is not None:
@@ -177,6 +183,31 @@ class GeometryBuilder:
         level = 0 if deformed else self.context.options.subdiv_level
         return mesh_surface(self.context, prim, read_polygons(self.context, prim), level)
 
+    def _displace(
+        self,
+        prim: Usd.Prim,
+        surface: Surface,
+        polygons: Polygons,
+        groups: list[tuple[FaceGroup, Array]],
+    ) -> None:
+        """Move the points as the materials say, in units of the stage, as usdview shows it."""
+        plans = [self.materials.plan(group.material) for group, _ in groups]
+        parts = [
+            (plan.inputs.get("displacement"), chosen)
+            for plan, (_, chosen) in zip(plans, groups, strict=True)
+        ]
+        if not any(is_displacing(source) for source, _ in parts):
+            return
+        diagonal = float(np.linalg.norm(np.ptp(surface.points, axis=0)))
+        unit = self.context.meters_per_unit / self._scale(prim)
+        longest = displace(self.materials.packer, surface, polygons, parts, unit)
+        surface.is_displaced = True
+        message = f"it is displaced at {len(surface.points)} points alone"
+        if polygons.scheme in REFINABLE:
+            message += f"; refine with --subdiv {self.context.options.subdiv_level + 2}"
+        share = longest / diagonal if diagonal > 0.0 else 1.0
+        self.context.ledger.warn("displacement-sampled", prim, message, share)
+
     def _primitive(
         self,
         surface: Surface,
@@ -198,6 +229,8 @@ class GeometryBuilder:
         self._warn_black_wraps(surface, triangles, plan)
         slots = {name: slot for slot, name in enumerate(order)}
         overrides = self._constants(plan, primvars)
+        if surface.is_displaced:
+            overrides["displacement"] = Constant((0.0,))
 
         def paint(shown: DisplayColor) -> int:
             return self.materials.instantiate(
@@ -251,6 +284,15 @@ class GeometryBuilder:
         others = [name for name in surface.uvs if name not in plan.uv_sets]
         others.sort(key=lambda name: (name != "st", name))
         return [*plan.uv_sets, *others], constants
+
+
+def _triangles(surface: Surface, topology: Topology, group: FaceGroup) -> Array:
+    """(n, 3) corners of the triangles of a group."""
+    if group.faces is None:
+        return surface.triangles
+    member = np.zeros((topology.authored or topology).face_count, dtype=bool)
+    member[group.faces] = True
+    return surface.triangles[member[surface.triangle_faces]]
 
 
 _OTHER_SURFACES = ("NurbsPatch", "TetMesh")

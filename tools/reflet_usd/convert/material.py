@@ -55,7 +55,7 @@ class MaterialLibrary:
     def __init__(self, context: Context, writer: GltfWriter) -> None:
         self.context = context
         self.writer = writer
-        self._packer = Packer(context, writer)
+        self.packer = Packer(context, writer)
         self._plans: dict[str, MaterialPlan] = {}
         self._written: dict[tuple[Any, ...], int] = {}
         self.painters: dict[int, list[Painter | None]] = {}
@@ -135,6 +135,10 @@ class MaterialLibrary:
             inputs |= _as_glass(inputs)
         reader.visit(shader)
         self._warn_displacement(material)
+        if not material.ComputeDisplacementSource()[0] and "displacement" in inputs:
+            del inputs["displacement"]
+            message = "outputs:displacement is not connected, so that the input moves nothing"
+            self.context.ledger.warn("displacement-dropped", prim, message)
         plan = self._planned(prim, inputs)
         plan.nodes = reader.nodes
         return plan
@@ -148,7 +152,7 @@ class MaterialLibrary:
                 plan.color_fallback = _three(source.fallback or plan.color_fallback)
             elif isinstance(source, PrimvarRead) and name == "opacity":
                 plan.opacity_primvar = source.primvar
-            elif isinstance(source, TextureRead) and self._packer.usable(source):
+            elif isinstance(source, TextureRead) and self.packer.usable(source):
                 plan.uv_sets.setdefault(source.uv.primvar, source.uv.fallback)
             plan.inputs[name] = source
         return plan
@@ -168,7 +172,7 @@ class MaterialLibrary:
         has_colors: bool,
     ) -> dict[str, Any]:
         if plan.is_preview:
-            preview = LayeredMaterial(self.context, self.writer, self._packer, plan.prim)
+            preview = LayeredMaterial(self.context, self.writer, self.packer, plan.prim)
             entry = preview.write(inputs, slots, display, has_colors)
         else:
             entry = _display_material(display, has_colors)

@@ -69,7 +69,7 @@ class PreviewMaterial:
         self._specular(entry)
         self._clearcoat(entry)
         if self._numbers("displacement")[0] != 0.0 or self._texture("displacement"):
-            self._warn("displacement-dropped", "glTF has no displacement")
+            self._warn("displacement-dropped", "displaced are meshes that nothing deforms")
         return entry
 
     def _warn(self, name: str, message: str) -> None:

@@ -13,6 +13,8 @@ from .subdiv import INFINITE, Cage, Step, edge_keys, refine_steps
 from .surface import unique_rows
 
 MAX_REFINED_FACES = 20_000_000
+REFINABLE = ("catmullClark", "loop")
+"""Schemes of subdivision that round a cage."""
 # Creases of this sharpness stay sharp at any level (UsdGeomMesh: SHARPNESS_INFINITE).
 _SHARP = 10.0
 
@@ -90,7 +92,7 @@ def refine_polygons(
     context: Context, prim: Usd.Prim, polygons: Polygons, level: int
 ) -> tuple[Polygons, Refiner | None]:
     """The mesh after `level` steps; the mesh itself, with a warning, where that is not possible."""
-    if polygons.scheme not in ("catmullClark", "loop"):
+    if polygons.scheme not in REFINABLE:
         return polygons, None
     reason = _why_not(context, prim, polygons, level)
     if reason:

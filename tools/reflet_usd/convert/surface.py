@@ -40,6 +40,8 @@ class Surface:
     """Linear RGB or RGBA in 0…1."""
     custom: dict[str, Stream] = field(default_factory=dict)
     """Further float primvars, by glTF attribute name."""
+    is_displaced: bool = False
+    """Whether materials have moved the points along their normals."""
 
 
 @dataclass

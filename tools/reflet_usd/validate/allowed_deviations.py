@@ -8,6 +8,8 @@ SUBTREE = ("animation-resampled", "prim-damaged")
 """Warnings that apply to their prim and all below it; others apply to their prim alone."""
 PLACED = ("animation-resampled",)
 """Warnings that allow places alone to deviate, by a stated length."""
+DISPLACED = ("displacement-sampled",)
+"""Warning by which the corners of a mesh deviate by a stated length, and its shape with them."""
 ABSENT = ("prim-damaged",)
 """Warnings by which a prim of any type may be missing from the file."""
 MESH_LIGHT = ("mesh-light-dropped", "Volume-dropped")

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
-from .allowed_deviations import ABSENT, PLACED, SUBTREE
+from .allowed_deviations import ABSENT, DISPLACED, PLACED, SUBTREE
 
 _MAX_FINDINGS = 50
 
@@ -22,10 +22,11 @@ class Bar:
     """Patterns of the names of warnings that declare this kind of loss for a prim."""
 
 
+MOVED = (*PLACED, *DISPLACED)
 BARS: dict[str, Bar] = {
     "carried": Bar("prims carried or warned about", 0, "missing", ABSENT),
     "unexpected": Bar("prims the stage does not draw", 0, "extra"),
-    "positions": Bar("world corners, both ways", 1e-5, "of the diagonal", PLACED),
+    "positions": Bar("world corners, both ways", 1e-5, "of the diagonal", MOVED),
     "bounds": Bar("bounding box", 1e-5, "of the diagonal"),
     "triangles": Bar("triangle count", 0, "difference"),
     "area": Bar("surface area", 1e-5, "relative", PLACED),
@@ -35,7 +36,7 @@ BARS: dict[str, Bar] = {
     "uvs": Bar("texture coordinates", 1e-5, "absolute"),
     "colors": Bar("display colors", 1e-4, "absolute"),
     "sides": Bar("double-sided flag", 0, "difference"),
-    "bindings": Bar("corners of each material", 1e-5, "of the diagonal", PLACED),
+    "bindings": Bar("corners of each material", 1e-5, "of the diagonal", MOVED),
     "materials": Bar("material values at sample points", 1 / 255, "absolute"),
     "matrices": Bar("world matrices", 1e-5, "relative", PLACED),
     "joints": Bar("world matrices of joints", 1e-5, "relative", PLACED),
@@ -50,6 +51,8 @@ BARS: dict[str, Bar] = {
 """Compared properties, and warnings that allow them to differ."""
 
 
+_SHAPE = ("area", "winding", "normals")
+"""Checks of a mesh that compare no corners of a displaced one."""
 _ADD_UP = 4.0
 """Three entries of a matrix and its translation add up in a corner."""
 
@@ -128,7 +131,7 @@ class Checks:
         self._warnings: dict[str, list[_Told]] = {}
         for warning in warnings:
             reach = warning.get("deviation")
-            if warning["name"] in PLACED:
+            if warning["name"] in MOVED:
                 reach = _ADD_UP * float(reach or 0.0)
             entry = _Told(
                 warning["name"], warning.get("message", ""), math.inf if reach is None else reach
@@ -169,6 +172,8 @@ class Checks:
             names = check.bar.excuses if excuses is None else excuses
             share = math.radians(value) if check.bar.unit == "degrees" else value
             declared = self.excuse(prim, names, share)
+            if declared is None and name in _SHAPE:
+                declared = self.excuse(prim, DISPLACED)
             check.declared += declared is not None
             check.silent += declared is None
             if len(check.findings) < _MAX_FINDINGS:
@@ -194,6 +199,10 @@ class Checks:
                     if told.name in SUBTREE and told.fits(names, value, named):
                         return told.name
         return None
+
+    def says(self, name: str) -> bool:
+        """Whether any prim has a warning of this name."""
+        return any(told.name == name for many in self._warnings.values() for told in many)
 
     def declared(self) -> int:
         """Number of deviations so far that a warning declares."""

@@ -1,0 +1,93 @@
+"""Displacement of meshes: points that move along their normals by what their materials say."""
+
+import math
+
+import numpy as np
+
+from .channel_packing import Packer
+from .mesh import computed_normals, drawn_faces
+from .normals import unit_rows
+from .polygons import Polygons
+from .scene import Array
+from .sources import Constant, Source, TextureRead
+from .surface import Surface
+from .texture import is_srgb, srgb_to_linear
+
+
+def is_displacing(source: Source | None) -> bool:
+    """Whether a material's displacement may move anything."""
+    return isinstance(source, TextureRead) or (
+        isinstance(source, Constant) and source.value[0] != 0.0
+    )
+
+
+def displace(
+    packer: Packer,
+    surface: Surface,
+    polygons: Polygons,
+    parts: list[tuple[Source | None, Array]],
+    unit: float,
+) -> float:
+    """Move the points of `surface` and make its normals anew; returns the longest way in meters.
+
+    Each part is the displacement of a material, in lengths of `unit` meters, and the triangles
+    (n, 3) that show the material. A point that several share moves by their mean.
+    """
+    amounts = np.zeros(len(surface.corner_points))
+    for source, triangles in parts:
+        corners = triangles.reshape(-1)
+        if isinstance(source, Constant):
+            amounts[corners] = source.value[0] * unit
+        elif isinstance(source, TextureRead) and packer.usable(source):
+            amounts[corners] = _sampled(packer, source, surface, corners) * unit
+    corners = np.concatenate([triangles.reshape(-1) for _, triangles in parts])
+    points, count = surface.corner_points[corners], len(surface.points)
+    uses = np.maximum(np.bincount(points, minlength=count), 1)
+    amount = np.bincount(points, weights=amounts[corners], minlength=count) / uses
+    assert surface.normals is not None
+    normals = surface.normals.values[surface.normals.ids[corners]]
+    sums = [np.bincount(points, weights=axis, minlength=count) for axis in normals.T]
+    surface.points = surface.points + unit_rows(np.stack(sums, axis=1)) * amount[:, None]
+    surface.normals = computed_normals(polygons, surface.points, drawn_faces(polygons))
+    return float(np.abs(amount).max(initial=0.0))
+
+
+def _sampled(packer: Packer, read: TextureRead, surface: Surface, corners: Array) -> Array:
+    """Values of a texture at corners, between the centers of the nearest texels."""
+    file = packer.library.image(read)
+    assert file is not None
+    part, uv = read.parts[0], read.uv
+    stream = surface.uvs.get(uv.primvar)
+    st = np.tile(uv.fallback, (len(corners), 1))
+    if stream is not None:
+        st = stream.values[stream.ids[corners]]
+    angle = math.radians(uv.rotation_deg)
+    turn = np.array([[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]])
+    st = st * uv.scale @ turn + uv.translation
+    values = file.floats if file.floats is not None else file.rgba() / 255.0
+    texels = values[::-1, :, part.channel]  # the first row is the lowest
+    if is_srgb(read, file) and part.channel < 3:
+        texels = srgb_to_linear(texels)
+    (left, right, across), (low, high, up) = (
+        _neighbors(st[:, axis], size, read.wrap[axis])
+        for axis, size in enumerate(texels.shape[::-1])
+    )
+    below = texels[low, left] * (1.0 - across) + texels[low, right] * across
+    above = texels[high, left] * (1.0 - across) + texels[high, right] * across
+    return np.asarray((below * (1.0 - up) + above * up) * part.scale + part.bias)
+
+
+def _neighbors(place: Array, size: int, wrap: str) -> tuple[Array, Array, Array]:
+    """Texels before and after places along an axis, and the share of those after."""
+    place = np.nan_to_num(place) * size - 0.5
+    first = np.floor(place)
+    pair = [_wrapped(first.astype(np.int64) + step, size, wrap) for step in (0, 1)]
+    return pair[0], pair[1], place - first
+
+
+def _wrapped(texel: Array, size: int, wrap: str) -> Array:
+    if wrap == "repeat":
+        return texel % size
+    if wrap == "mirror":
+        return np.minimum(texel % (2 * size), 2 * size - 1 - texel % (2 * size))
+    return np.clip(texel, 0, size - 1)
