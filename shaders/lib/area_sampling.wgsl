@@ -1,6 +1,7 @@
 // Sampling of everything with an extent: lights with a size, and reflections of rough surfaces.
 
 #import fog
+#import dispersion
 #import frame
 #import lamp_shape
 #import lamps
@@ -61,11 +62,12 @@ fn aimed_share(pdf: f32, cosine: f32) -> f32 {
 var<private> path_is_chance: bool = false;
 
 // Light that a path adds past its first hit: after a random choice it is limited, as bright and rare contributions
-// show as specks long before they converge.
+// show as specks long before they converge. A path of one color channel stands for three.
 fn limited(light: vec3f) -> vec3f {
     let brightest = max(light.x, max(light.y, light.z));
-    if (!HAS_EXTENT || UNBIASED || !path_is_chance || frame.glint_limit <= 0.0 || brightest <= frame.glint_limit) { return light; }
-    return light * (frame.glint_limit / brightest);
+    let limit = frame.glint_limit * select(1.0, 3.0, HAS_DISPERSION && path_channel > 0u);
+    if (!HAS_EXTENT || UNBIASED || !path_is_chance || limit <= 0.0 || brightest <= limit) { return light; }
+    return light * (limit / brightest);
 }
 
 // Reflection ray of one sampled microfacet per sub-frame; over many sub-frames they cover all visible facets.
