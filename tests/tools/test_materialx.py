@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from material_stages import MESH, material, noise, save
+from material_stages import MESH, material, noise, pixels, save
 from read_converted import Converted, convert_text
 from reflet_usd import materialx_document
 from tampering import expect_found, look
@@ -372,3 +372,33 @@ def test_nodes_that_a_document_defines_are_followed(tmp_path: Path) -> None:
     for defined, used in ((text, nodes), (spaced, nodes.replace("<half ", '<half namespace="N" '))):
         look = proven(tmp_path, document(defined, used))["pbrMetallicRoughness"]
         assert look["baseColorFactor"][:3] == pytest.approx([0.1, 0.2, 0.3])
+
+
+def test_patterns_of_coordinates_become_images(tmp_path: Path) -> None:
+    nodes = text_of("materialx/checks.mtlx") + output("color3", "c")
+    done = convert(tmp_path, document(surface(base="float 1", base_color="color3 @o"), nodes))
+    assert "pattern-baked" in done.warnings("/Looks/M/G/c")
+    assert done.validated().passed
+    texels = pixels(done, material(done)["pbrMetallicRoughness"]["baseColorTexture"])[..., :3]
+    side = len(texels)
+    for column, row in ((0, 0), (1, 0), (0, 1), (3, 1)):  # from the lower left
+        across, down = int((column + 0.5) / 4 * side), side - 1 - int((row + 0.5) / 2 * side)
+        red = 255 * ((column + row) % 2)
+        assert texels[down, across].tolist() == [red, 188, 255 - red]
+
+
+def test_documents_of_named_folders_define_nodes(tmp_path: Path) -> None:
+    (tmp_path / "nodes").mkdir()
+    plugin = document(text_of("materialx/own.mtlx") + surface())
+    (tmp_path / "nodes" / "own.mtlx").write_text(plugin)
+    nodes = '<half name="h" type="color3"><input name="in" type="color3" value="0.2, 0.4, 0.6" />'
+    nodes += "</half>" + output("color3", "h")
+    text = document(surface(base="float 1", base_color="color3 @o"), nodes)
+    (tmp_path / "look.mtlx").write_text(text)
+    done = convert_text(tmp_path, BOUND, extra_roots=(str(tmp_path / "nodes"),))
+    assert "material-unsupported" not in done.warnings()
+    assert done.validated().passed
+    found = material(done)["pbrMetallicRoughness"]["baseColorFactor"][:3]
+    assert found == pytest.approx([0.1, 0.2, 0.3])
+    without = convert_text(tmp_path, BOUND)
+    assert "material-unsupported" in without.warnings()

@@ -8,13 +8,13 @@ Converter and validator share this reader, as they share usd-core; each evaluate
 import os
 import posixpath
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
 from pxr import Ar, Sdf, Tf
 
-from reflet_usd.stage_files import editable, outer_file
+from reflet_usd.stage_files import editable, is_within, outer_file
 
 SUFFIX = ".mtlx"
 MOST_BYTES = 16 << 20
@@ -78,10 +78,11 @@ def is_document(path: str) -> bool:
     return path.rstrip("]").lower().endswith(SUFFIX)
 
 
-def read_document(path: str, is_allowed: Callable[[str], bool]) -> Document:
+def read_document(path: str, roots: tuple[str, ...]) -> Document:
     """The document at `path` with its included documents; raises DocumentError.
 
-    `is_allowed` judges the path of every file before it is opened.
+    Files are opened below `roots` alone: the folder of the stage and folders that the user names.
+    Documents in these named folders define nodes, as OpenUSD's PXR_MTLX_PLUGIN_SEARCH_PATHS does.
     """
     try:
         import MaterialX as mx  # noqa: N813
@@ -102,7 +103,7 @@ def read_document(path: str, is_allowed: Callable[[str], bool]) -> Document:
         """Read a file that the one being read includes; MaterialX calls this."""
         text = name.asString() if hasattr(name, "asString") else str(name)
         found = _beside(including[-1], text)
-        if not is_allowed(found):
+        if not is_within(found, roots):
             raise DocumentError("asset-outside-roots", f"it includes @{text}@ from elsewhere")
         if found in including or len(files) > _MOST_INCLUDES:
             raise DocumentError("materialx-unreadable", f"it includes @{text}@ again and again")
@@ -114,6 +115,14 @@ def read_document(path: str, is_allowed: Callable[[str], bool]) -> Document:
     options.readXIncludeFunction = include
     try:
         read(document, path, options)
+        for plugin in (found for root in roots[1:] for found in _definitions(root)):
+            if plugin not in files:
+                definitions = mx.createDocument()
+                read(definitions, plugin, options)
+                for other in definitions.getChildren():
+                    if not any(other.isA(kind) for kind in (mx.NodeDef, mx.NodeGraph)):
+                        definitions.removeChild(other.getName())
+                document.importLibrary(definitions)  # but for names that are there already
         _leave_namespaces(mx, document)
         own = {found.getName() for found in document.getNodeDefs()}
         document.setDataLibrary(_library(mx))
@@ -177,6 +186,12 @@ def _library(mx: Any) -> Any:
     return library
 
 
+def _definitions(folder: str) -> list[str]:
+    """Paths of the documents in a folder that define nodes."""
+    paths = [os.path.join(folder, name) for name in sorted(os.listdir(folder)) if is_document(name)]
+    return [path for path in paths if "<nodedef" in _content(path)]
+
+
 def _leave_namespaces(mx: Any, document: Any) -> None:
     """Join namespaces with the names in them, but for nodes that the document does not define.
 
@@ -205,7 +220,19 @@ def _unfold(document: Any, own: set[str]) -> None:
         return definition is not None and definition.getName() in own
 
     for graph in (document, *document.getNodeGraphs()) if own else ():
+        for node in filter(is_own, graph.getNodes()):
+            _keep_color_spaces(node)
         graph.flattenSubgraphs("", is_own)
+
+
+def _keep_color_spaces(node: Any) -> None:
+    """State the color spaces of images that a node's graph reads at the node's own inputs."""
+    graph = node.getNodeDef().getImplementation()
+    for inner in graph.traverseTree() if graph is not None else ():
+        named = inner.getAttribute("interfacename")
+        outer = node.getInput(named) if named and inner.hasColorSpace() else None
+        if outer is not None and not outer.hasColorSpace():
+            outer.setColorSpace(inner.getColorSpace())
 
 
 class _Writer:

@@ -174,7 +174,7 @@ def _stand_in(
         return None  # composition names it as unresolved
     try:
         if path not in files.documents:
-            files.documents[path] = read_document(path, lambda file: is_within(file, roots))
+            files.documents[path] = read_document(path, roots)
     except DocumentError as error:
         return error.name, f"the MaterialX document @{asset_path}@ is not read: {error}"
     document = files.documents[path]

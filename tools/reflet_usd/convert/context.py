@@ -52,6 +52,8 @@ class Context:
     """Ops that `xformOpOrder` names but the prim does not have, by the prim's source path."""
     textures_read: set[str] = field(default_factory=set)
     """Resolved paths of the images that were opened."""
+    patterns: dict[str, bytes] = field(default_factory=dict)
+    """PNG files of patterns, by names that stand for paths of textures."""
 
     def seconds(self, code: float) -> float:
         """Seconds in the file of a time code of the stage."""

@@ -8,6 +8,7 @@ from pxr import Sdf, Usd, UsdShade
 
 from .context import Context
 from .node_values import NodeValues
+from .pattern import SIDE, pattern
 from .sources import Constant, Part, PrimvarRead, Source, TextureRead, UnfitError, UvRead
 from .texture_coordinates import coordinates
 
@@ -66,8 +67,18 @@ class NetworkReader:
             color_space = shader.GetInput(name).GetAttr().GetColorSpace()
             return self.values.output(attribute, color_space)
         except UnfitError as error:
-            self.warn_unfit(name, error)
+            return self._pattern(name, attribute, error)
+
+    def _pattern(self, name: str, attribute: Usd.Attribute, unfit: UnfitError) -> Source | None:
+        """Image of a pattern that glTF cannot compute; where it is none, `unfit` is told."""
+        try:
+            found = pattern(self.values, attribute)
+        except UnfitError:
+            self.warn_unfit(name, unfit)
             return None
+        message = f"'{name}' is an image of {SIDE} x {SIDE} pixels of its pattern, which repeats"
+        self.context.ledger.warn("pattern-baked", attribute.GetPrim(), message)
+        return found
 
     def warn_unfit(self, name: str, error: UnfitError) -> None:
         """Name a node that gives an input of the surface a value which glTF cannot hold."""

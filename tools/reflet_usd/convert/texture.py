@@ -99,6 +99,8 @@ class TextureLibrary:
     def _open(self, read: TextureRead, without: str) -> ImageFile | None:
         if read.tiles:
             return self._open_tiles(read, without)
+        if read.file in self.context.patterns:
+            return _decode(read, self.context.patterns[read.file])
         warn = self.context.ledger.warn
         shown = os.path.basename(read.authored_file)
         if not read.authored_file:

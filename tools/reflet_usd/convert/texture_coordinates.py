@@ -89,15 +89,15 @@ def _followed(
         node = UsdShade.Shader(attributes[0].GetPrim())
         values.reader.visit(node)
         kind = str(node.GetIdAttr().Get() or "").removeprefix("ND_")
-        end = _end(values, node, kind)
+        end = end_of_coordinates(values, node, kind)
         if end is not None:
             return end, matrix
-        step, name = _step(values, node, kind)
+        step, name = step_of_coordinates(values, node, kind)
         matrix = matrix @ step
     raise UnfitError(node, f"there are more than {_MOST_STEPS} nodes before the image")
 
 
-def _end(values: NodeValues, node: UsdShade.Shader, kind: str) -> UvRead | None:
+def end_of_coordinates(values: NodeValues, node: UsdShade.Shader, kind: str) -> UvRead | None:
     """The UV set that a node reads; None for nodes that change coordinates."""
     if kind.startswith("texcoord"):
         index = int(values.constant(node, "index", (0.0,))[0])
@@ -110,7 +110,7 @@ def _end(values: NodeValues, node: UsdShade.Shader, kind: str) -> UvRead | None:
     return None
 
 
-def _step(values: NodeValues, node: UsdShade.Shader, kind: str) -> tuple[Array, str]:
+def step_of_coordinates(values: NodeValues, node: UsdShade.Shader, kind: str) -> tuple[Array, str]:
     """Transform of a node that changes coordinates, and the input that it changes."""
 
     def pair(name: str, default: float) -> Array:

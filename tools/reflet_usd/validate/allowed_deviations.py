@@ -50,7 +50,7 @@ REWRITTEN = ("texture-repacked", "texture-converted")
 UNREAD_FILE = ("texture-too-large", "asset-not-a-file")
 LOST_FILE = (*UNREAD_FILE, "asset-outside-roots", "texture-missing", "texture-unreadable")
 """Warnings about a lost texture file, whose fallback value counts."""
-UNFIT_NODE = ("material-unsupported",)
+UNFIT_NODE = ("material-unsupported", "pattern-baked")
 """Warning about a shading node that the file cannot follow."""
 NORMAL_SCALE = ("normal-scale-missing",)
 _NO_LIGHTS = ("GeometryLight", "PluginLight")

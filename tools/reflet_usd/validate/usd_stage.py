@@ -290,7 +290,7 @@ def _stand_in_documents(stage: Usd.Stage, roots: tuple[str, ...]) -> list[Docume
                 continue
             try:
                 if path not in documents:
-                    documents[path] = read_document(path, lambda file: is_within(file, roots))
+                    documents[path] = read_document(path, roots)
             except DocumentError:
                 continue
             refer(layer, asset, documents[path].layer.identifier)
