@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+from pxr import Usd, UsdShade
 
 from .channel_packing import Packer
 from .mesh import computed_normals, drawn_faces
@@ -12,6 +13,11 @@ from .scene import Array
 from .sources import Constant, Source, TextureRead
 from .surface import Surface
 from .texture import is_srgb, srgb_to_linear
+
+
+def may_displace(material: Usd.Prim | None) -> bool:
+    """Whether a material has a displacement, if only of 0."""
+    return material is not None and bool(UsdShade.Material(material).ComputeDisplacementSource()[0])
 
 
 def is_displacing(source: Source | None) -> bool:

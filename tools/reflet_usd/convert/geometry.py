@@ -10,7 +10,7 @@ from pxr import Usd, UsdGeom
 from .attributes import DisplayColor, GprimPrimvars, Streams, inherited_primvars, primvar_signature
 from .channel_packing import texture_transform, wraps_to_black
 from .context import Context, authored, source_path, type_name
-from .displacement import displace, is_displacing
+from .displacement import displace, is_displacing, may_displace
 from .extras import is_custom
 from .gltf_writer import GltfWriter
 from .gprim import GPRIM_TYPES, cube_polygons, tessellate
@@ -77,15 +77,15 @@ class GeometryBuilder:
             return self._build(prim, groups, primvars, deformation)
         bound = tuple("" if g.material is None else source_path(g.material) for g in groups)
         glow, when = self.lights.glow(prim), self.context.time.GetValue()
-        plans = [self.materials.plan(group.material) for group in groups]
-        moves = any(is_displacing(plan.inputs.get("displacement")) for plan in plans)
-        scale = self._scale(prim) if moves else 1.0
+        scale = self._scale(prim) if any(may_displace(g.material) for g in groups) else 1.0
         key = (source_path(prim), bound, primvar_signature(primvars), glow, when, scale)
         if key not in self._meshes:
             self._meshes[key] = (prim, self._build(prim, groups, primvars, None))
             return self._meshes[key][1]
         first, built = self._meshes[key]
         self.context.ledger.repeat(first, prim)
+        for group in groups:
+            self.materials.plan(group.material)
         return built
 
     def _scale(self, prim: Usd.Prim) -> float:

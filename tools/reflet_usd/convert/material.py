@@ -10,6 +10,7 @@ from pxr import Usd, UsdShade
 from .attributes import DisplayColor, GprimPrimvars
 from .channel_packing import Packer
 from .context import Context, source_path
+from .displacement import is_displacing, may_displace
 from .gltf_writer import GltfWriter
 from .materialx import MATERIALX_SURFACES, approximate
 from .mesh_light import Glow, shine
@@ -135,8 +136,7 @@ class MaterialLibrary:
             inputs |= _as_glass(inputs)
         reader.visit(shader)
         self._warn_displacement(material)
-        if not material.ComputeDisplacementSource()[0] and "displacement" in inputs:
-            del inputs["displacement"]
+        if not may_displace(prim) and is_displacing(inputs.pop("displacement", None)):
             message = "outputs:displacement is not connected, so that the input moves nothing"
             self.context.ledger.warn("displacement-dropped", prim, message)
         plan = self._planned(prim, inputs)
