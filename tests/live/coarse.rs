@@ -22,7 +22,7 @@ fn pixels(live: &mut Live, gpu: &reflet::gpu::Gpu) -> Vec<u8> {
 
 #[test]
 fn a_coarse_beginning_ends_as_what_is_built_at_once() {
-    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
+    let (gpu, folder) = (or_skip!(new_gpu()), Folder::new());
     folder.write("scene.toml", scene());
     let path = folder.path("scene.toml");
     let source = source(&path);

@@ -1,7 +1,10 @@
 //! Test kit: temporary folders, a small scene, and waiting for changes.
 
 use std::{
-    sync::mpsc::{self, Receiver},
+    sync::{
+        Mutex, PoisonError,
+        mpsc::{self, Receiver},
+    },
     time::{Instant, SystemTime},
 };
 
@@ -63,8 +66,20 @@ pub fn open(gpu: &Arc<Gpu>, scene: &Path, shaders: Option<&Path>) -> Live {
     open_with(gpu, scene, shaders, &[])
 }
 
-/// The GPU, which a preview shares; `None` where tests are skipped.
+/// GPU device that no other test uses at the same time, with the pipelines of tests that have ended; `None` where tests
+/// are skipped.
 pub fn gpu() -> Option<Arc<Gpu>> {
+    static ALL: Mutex<Vec<Arc<Gpu>>> = Mutex::new(Vec::new());
+    let mut all = ALL.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(unused) = all.iter().find(|gpu| Arc::strong_count(gpu) == 1) {
+        return Some(unused.clone());
+    }
+    all.push(new_gpu()?);
+    all.last().cloned()
+}
+
+/// GPU device without pipelines, for tests that compile some or change shaders; `None` where tests are skipped.
+pub fn new_gpu() -> Option<Arc<Gpu>> {
     gpu_or_skip().map(Arc::new)
 }
 

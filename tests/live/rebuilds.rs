@@ -246,7 +246,7 @@ fn trees_are_built_when_rays_are_first_followed_and_kept_from_then_on() {
 
 #[test]
 fn a_shader_edit_rebuilds_its_own_pipelines_and_a_mistake_none() {
-    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
+    let (gpu, folder) = (or_skip!(new_gpu()), Folder::new());
     let scene = folder.write("scene.toml", SCENE);
     let shaders = copy_shaders(&folder);
     let mut live = open(&gpu, &scene, Some(&shaders));
@@ -283,7 +283,7 @@ fn a_shader_edit_rebuilds_its_own_pipelines_and_a_mistake_none() {
 
 #[test]
 fn maps_show_what_an_edited_shader_captures() {
-    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
+    let (gpu, folder) = (or_skip!(new_gpu()), Folder::new());
     let probe = "[reflection]\nmethod = \"probe\"\n[probe.middle]\nposition = [0, 1, 0]\n[image]";
     let scene = folder.write("scene.toml", SCENE.replace("[image]", probe));
     let shaders = copy_shaders(&folder);

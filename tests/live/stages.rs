@@ -86,9 +86,7 @@ const BREAKS: [Break; 7] = breaks! {
 
 #[test]
 fn a_broken_stage_keeps_the_last_good_picture_and_a_mended_one_shows() {
-    let Some(gpu) = gpu_or_skip() else { return };
-    let gpu = std::sync::Arc::new(gpu);
-    let folder = Folder::new();
+    let (gpu, folder) = (or_skip!(new_gpu()), Folder::new());
     let path = folder.write("scene.toml", scene());
     folder.write("s.rhai", MOVES);
     let shaders = copy_shaders(&folder);
@@ -146,9 +144,7 @@ fn a_broken_stage_keeps_the_last_good_picture_and_a_mended_one_shows() {
 /// another scene meanwhile does not hide the error.
 #[test]
 fn a_scene_that_a_broken_shader_refuses_is_mended_in_its_text() {
-    let Some(gpu) = gpu_or_skip() else { return };
-    let gpu = std::sync::Arc::new(gpu);
-    let folder = Folder::new();
+    let (gpu, folder) = (or_skip!(new_gpu()), Folder::new());
     let path = folder.write("scene.toml", SCENE);
     let shaders = copy_shaders(&folder);
     let blur = fs::read_to_string(shaders.join("blur.wgsl")).expect("readable");
@@ -170,9 +166,7 @@ fn a_scene_that_a_broken_shader_refuses_is_mended_in_its_text() {
 /// Files that the shown scene searched for stay watched while one that needs others is refused, with those.
 #[test]
 fn a_refused_scene_leaves_the_watched_files() {
-    let Some(gpu) = gpu_or_skip() else { return };
-    let gpu = std::sync::Arc::new(gpu);
-    let folder = Folder::new();
+    let (gpu, folder) = (or_skip!(gpu()), Folder::new());
     folder.write("assets/points.csv", "x,y,z\n0,0,0\n1,0,0\n");
     let placed =
         |file: &str| format!("{SCENE}[[instance]]\nmodel = \"box\"\ninstances_from = \"{file}\"\n");

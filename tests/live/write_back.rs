@@ -195,7 +195,7 @@ fn what_must_not_be_written_is_named_and_stays() {
     assert_eq!(fs::read_to_string(&path).expect("it is there"), SCENE);
 
     // Numbers with which the scene would not be read any more.
-    let gpu = Arc::new(gpu_or_skip().expect("a device"));
+    let gpu = gpu().expect("a device");
     let mut live = open(&gpu, &path, None);
     for (key, number, says) in [
         ("scale", 0.0, "must not be 0"),
