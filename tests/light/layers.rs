@@ -203,7 +203,7 @@ fn a_ball_of_glass_turns_around_what_is_behind_it() {
         )
     };
     let ball = thing(
-        "{ kind = \"sphere\", radius = 1 }",
+        BALL,
         "transmission = 1\nthickness_m = 2\nreflectivity = 0.04",
     );
     let text = [
@@ -251,12 +251,8 @@ fn mirrors_show_what_is_behind_a_pane() {
 #[test]
 fn blended_alpha_shows_both_the_surface_and_what_is_behind() {
     let Some(gpu) = gpu() else { return };
-    let text = wall_and(&thing(
-        PANE,
-        "base_color = [0, 0, 0]
-reflectivity = 0
-emission = [0, 0, 1]",
-    ));
+    let pane = "base_color = [0, 0, 0]\nreflectivity = 0\nemission = [0, 0, 1]";
+    let text = wall_and(&thing(PANE, pane));
     let (desc, mut world) = scene(&text, &[]);
     let pane = world.materials.iter_mut().find(|m| m.name == "thing");
     let pane = pane.expect("it is used");
@@ -269,13 +265,8 @@ emission = [0, 0, 1]",
 #[test]
 fn a_clear_coat_reflects_like_glass_and_takes_that_from_below() {
     let Some(gpu) = gpu() else { return };
-    let text = wall_and(&thing(
-        PANE,
-        "base_color = [0, 0, 0]
-reflectivity = 0
-emission = [0, 0.5, 0]
-clearcoat = 1",
-    ));
+    let coat = "base_color = [0, 0, 0]\nreflectivity = 0\nemission = [0, 0.5, 0]\nclearcoat = 1";
+    let text = wall_and(&thing(PANE, coat));
     for (roughness, samples) in [(0.0, 1), (0.5, 64)] {
         let set = [
             format!("material.thing.clearcoat_roughness={roughness}"),
