@@ -117,8 +117,7 @@ fn check_glass(unseen: &str) {
         let glass = thing(shape, &format!("transmission = 1\n{material}"));
         let glass = glass.replace("roughness = 0", &format!("roughness = {roughness}"));
         let text = wall_and(&(glass + unseen));
-        // Only rough glass chooses otherwise where there are more samples (`FEW_SAMPLES` in facets.wgsl), and only
-        // dispersive glass where there are eight, of which each carries three times the light of a color.
+        // Rough glass chooses otherwise from 33 samples on (`FEW_SAMPLES`), and dispersive glass from eight on.
         let pictures: &[(u32, u32)] = match material {
             "thickness_m = 1\ndispersion = 1" => &[(16, 40)],
             _ if roughness > 0.0 => &[(1, 32), (33, 16)],

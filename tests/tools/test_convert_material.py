@@ -1,7 +1,6 @@
 """Owns the tests of material values and of the shading networks that drive them."""
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -53,21 +52,16 @@ def test_specular_workflow_keeps_the_reflectance(tmp_path: Path) -> None:
     assert found["pbrMetallicRoughness"]["metallicFactor"] == 0.0
 
 
-@pytest.mark.parametrize(
-    ("more", "coat"),
-    [
-        ("", 1.0),
-        ("float inputs:ior = 1.3", 0.425),
-        ("float inputs:ior = 2", None),
-        ("float inputs:ior = -1", None),
-        ("float inputs:metallic = 1", None),
-    ],
-)
+GLASS = [(1.5, 0, 1.0), (1.3, 0, 0.425), (2, 0, None), (-1, 0, None), (1.5, 1, None)]
+
+
+@pytest.mark.parametrize(("ior", "metallic", "coat"), GLASS)
 def test_rough_glass_is_clear_below_its_highlight(
-    tmp_path: Path, more: str, coat: float | None
+    tmp_path: Path, ior: float, metallic: float, coat: float | None
 ) -> None:
-    rough = "float inputs:opacity = 0\nfloat inputs:roughness = 0.3\n"
-    found = material(shaded(tmp_path, rough + more))
+    numbers = {"opacity": 0, "roughness": 0.3, "ior": ior, "metallic": metallic}
+    text = "".join(f"float inputs:{name} = {number}\n" for name, number in numbers.items())
+    found = material(shaded(tmp_path, text))
     assert found["extensions"]["KHR_materials_transmission"] == {"transmissionFactor": 1.0}
     layer = found["extensions"].get("KHR_materials_clearcoat")
     roughness = found["pbrMetallicRoughness"]["roughnessFactor"]
@@ -81,15 +75,15 @@ def test_rough_glass_is_clear_below_its_highlight(
     assert roughness == 0.0
 
 
-def displaced(tmp_path: Path, displacement: str, **options: Any) -> Converted:
-    """A square at twice its size, with the corners at the texels of an image of 2 x 2."""
+def displaced(tmp_path: Path, displacement: str) -> Converted:
+    """A square of four times its depth, with the corners at the texels of an image of 2 x 2."""
     save(tmp_path, "d.png", np.array([[10, 20], [40, 80]], dtype=np.uint8))
     body = "float4 inputs:scale = (2, 1, 1, 1)\nfloat4 inputs:bias = (-0.1, 0, 0, 0)"
-    scaled = 'double3 xformOp:scale = (2, 2, 2)\nuniform token[] xformOpOrder = ["xformOp:scale"]'
+    scaled = 'double3 xformOp:scale = (2, 2, 4)\nuniform token[] xformOpOrder = ["xformOp:scale"]'
     text = stage(f"float inputs:displacement{displacement}", texture("T", "d.png", body), scaled)
     centers = "[(.25, .25), (.75, .25), (.75, .75), (.25, .75)]"
     text = text.replace("[(0,0), (1,0), (1,1), (0,1)]", centers)
-    return convert_text(tmp_path, text, **options)
+    return convert_text(tmp_path, text)
 
 
 @pytest.mark.parametrize("source", [" = 0.3", ".connect = </Mat/T.outputs:r>"])
@@ -99,9 +93,10 @@ def test_meshes_are_displaced_by_units_of_the_stage(tmp_path: Path, source: str)
     unit = found[:, 0].max()
     texels = np.array([[40, 10], [80, 20]]).reshape(-1) / 255 * 2 - 0.1  # by x, then by y
     expected = texels if "connect" in source else np.full(4, 0.3)
-    assert found[:, 2] / unit == pytest.approx(expected / 2, abs=1e-6)
+    assert found[:, 2] / unit == pytest.approx(expected / 4, abs=1e-6)
     assert done.warnings("/M") == {"displacement-sampled"}
     assert not done.warnings("/Mat")
+    assert done.validated().passed
 
 
 def test_displacement_moves_the_points_of_the_refined_mesh(tmp_path: Path) -> None:
@@ -110,12 +105,12 @@ def test_displacement_moves_the_points_of_the_refined_mesh(tmp_path: Path) -> No
     found = np.unique(done.attribute(0, 0, "POSITION"), axis=0)
     assert len(found) == 25
     assert found[:, 2] == pytest.approx(0.3 * found[:, 0].max())
+    assert done.validated().passed
 
 
 def test_displacement_that_nothing_connects_is_named(tmp_path: Path) -> None:
-    text = stage("float inputs:displacement = 0.3")
     line = "token outputs:displacement.connect = </Mat/S.outputs:displacement>\n"
-    done = convert_text(tmp_path, text.replace(line, ""))
+    done = convert_text(tmp_path, stage("float inputs:displacement = 0.3").replace(line, ""))
     assert np.all(done.attribute(0, 0, "POSITION")[:, 2] == 0.0)
     assert done.warnings("/Mat") == {"displacement-dropped"}
 

@@ -391,6 +391,8 @@ def test_documents_of_named_folders_define_nodes(tmp_path: Path) -> None:
     (tmp_path / "nodes").mkdir()
     plugin = document(text_of("materialx/own.mtlx") + surface())
     (tmp_path / "nodes" / "own.mtlx").write_text(plugin)
+    (tmp_path / "nodes" / "broken.mtlx").write_text("<nodedef")
+    os.mkfifo(tmp_path / "nodes" / "pipe.mtlx")
     nodes = '<half name="h" type="color3"><input name="in" type="color3" value="0.2, 0.4, 0.6" />'
     nodes += "</half>" + output("color3", "h")
     text = document(surface(base="float 1", base_color="color3 @o"), nodes)

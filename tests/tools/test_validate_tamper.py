@@ -95,12 +95,7 @@ CASES: list[Case] = [
         look(baseColorFactor=[0.5, 0.2, 0.1, 1.0]),
     ),
     ("a displacement", BUMPS, "displacement-sampled", grow),
-    (
-        "a displaced set",
-        BUMPS,
-        "displacement-sampled",
-        change("TEXCOORD_0", lambda v: v + 0.3),
-    ),
+    ("a bumped set", BUMPS, "displacement-sampled", change("TEXCOORD_0", lambda v: v + 0.3)),
     ("a lost texture", GONE, "texture-missing", look(baseColorFactor=[1.0, 1.0, 1.0, 1.0])),
     ("a missing set", NO_UVS, "uv-missing", change("TEXCOORD_1", lambda v: v + 0.3)),
     (

@@ -8,13 +8,13 @@ Converter and validator share this reader, as they share usd-core; each evaluate
 import os
 import posixpath
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
 from pxr import Ar, Sdf, Tf
 
-from reflet_usd.stage_files import editable, is_within, outer_file
+from reflet_usd.stage_files import editable, is_plain_file, is_within, outer_file
 
 SUFFIX = ".mtlx"
 MOST_BYTES = 16 << 20
@@ -96,8 +96,10 @@ def read_document(path: str, roots: tuple[str, ...]) -> Document:
         """Read one file, and its included files."""
         files.append(path)
         including.append(path)
-        mx.readFromXmlString(document, _content(path), mx.FileSearchPath(), options)
-        including.pop()
+        try:
+            mx.readFromXmlString(document, _content(path), mx.FileSearchPath(), options)
+        finally:
+            including.pop()
 
     def include(document: Any, name: Any, _search: Any, options: Any) -> None:
         """Read a file that the one being read includes; MaterialX calls this."""
@@ -115,14 +117,9 @@ def read_document(path: str, roots: tuple[str, ...]) -> Document:
     options.readXIncludeFunction = include
     try:
         read(document, path, options)
-        for plugin in (found for root in roots[1:] for found in _definitions(root)):
+        for plugin in (found for root in roots[1:] for found in _definitions(root, roots)):
             if plugin not in files:
-                definitions = mx.createDocument()
-                read(definitions, plugin, options)
-                for other in definitions.getChildren():
-                    if not any(other.isA(kind) for kind in (mx.NodeDef, mx.NodeGraph)):
-                        definitions.removeChild(other.getName())
-                document.importLibrary(definitions)  # but for names that are there already
+                _define(mx, document, plugin, read, options)
         _leave_namespaces(mx, document)
         own = {found.getName() for found in document.getNodeDefs()}
         document.setDataLibrary(_library(mx))
@@ -131,17 +128,7 @@ def read_document(path: str, roots: tuple[str, ...]) -> Document:
         layer = writer.write(document)
     except DocumentError:
         raise
-    except (
-        mx.Exception,
-        mx.ExceptionParseError,
-        mx.ExceptionFileMissing,
-        mx.ExceptionFoundCycle,
-        LookupError,
-        OSError,
-        RuntimeError,
-        Tf.ErrorException,
-        ValueError,
-    ) as error:
+    except _failures(mx) as error:
         reason = " ".join(str(error).split())[:300] or type(error).__name__
         raise DocumentError("materialx-unreadable", reason) from None
     return Document(layer, files, writer.images)
@@ -186,10 +173,51 @@ def _library(mx: Any) -> Any:
     return library
 
 
-def _definitions(folder: str) -> list[str]:
-    """Paths of the documents in a folder that define nodes."""
-    paths = [os.path.join(folder, name) for name in sorted(os.listdir(folder)) if is_document(name)]
-    return [path for path in paths if "<nodedef" in _content(path)]
+def _failures(mx: Any) -> tuple[type[Exception], ...]:
+    """Errors of documents that are broken or hostile."""
+    return (
+        mx.Exception,
+        mx.ExceptionParseError,
+        mx.ExceptionFileMissing,
+        mx.ExceptionFoundCycle,
+        LookupError,
+        OSError,
+        RuntimeError,
+        Tf.ErrorException,
+        ValueError,
+    )
+
+
+def _definitions(folder: str, roots: tuple[str, ...]) -> list[str]:
+    """Paths of the documents in a folder that define nodes; others in it are not the user's."""
+    found = []
+    for name in sorted(os.listdir(folder)) if os.access(folder, os.R_OK) else ():
+        path = os.path.join(folder, name)
+        if is_document(name) and is_plain_file(path) and is_within(path, roots):
+            try:
+                defines = "<nodedef" in _content(path)
+            except DocumentError:
+                continue
+            found += [path] if defines else []
+    return found[:_MOST_INCLUDES]
+
+
+def _define(mx: Any, document: Any, path: str, read: Callable[..., None], options: Any) -> None:
+    """Add the nodes that a document defines, but for names that are there already.
+
+    One that cannot be read defines none; nodes that a material then lacks are named there.
+    """
+    definitions = mx.createDocument()
+    try:
+        read(definitions, path, options)
+    except DocumentError:
+        return
+    except _failures(mx):
+        return
+    for other in definitions.getChildren():
+        if not any(other.isA(kind) for kind in (mx.NodeDef, mx.NodeGraph)):
+            definitions.removeChild(other.getName())
+    document.importLibrary(definitions)
 
 
 def _leave_namespaces(mx: Any, document: Any) -> None:

@@ -4,7 +4,7 @@ import argparse
 import re
 from pathlib import Path
 
-from .types import DEFAULT_PURPOSES, ConvertOptions
+from .types import DEFAULT_PURPOSES, MOST_STEPS, ConvertOptions
 
 PURPOSES = ("default", "render", "proxy", "guide")
 _MOST_CODE = 1e9  # equals `MAX_CODE` of context.py, whose import would load USD
@@ -42,8 +42,8 @@ def _variant(text: str) -> tuple[str, str, str]:
 
 
 def _level(text: str) -> int:
-    if not text.isdigit() or int(text) > 6:
-        raise argparse.ArgumentTypeError(f"'{text}': expected a level from 0 to 6")
+    if not text.isdigit() or int(text) > MOST_STEPS:
+        raise argparse.ArgumentTypeError(f"'{text}': expected a level from 0 to {MOST_STEPS}")
     return int(text)
 
 

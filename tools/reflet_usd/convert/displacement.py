@@ -14,6 +14,9 @@ from .sources import Constant, Source, TextureRead
 from .surface import Surface
 from .texture import is_srgb, srgb_to_linear
 
+_MOST_SIZES = 1000.0
+"""Longest displacement, in sizes of the mesh."""
+
 
 def may_displace(material: Usd.Prim | None) -> bool:
     """Whether a material has a displacement, if only of 0."""
@@ -32,20 +35,24 @@ def displace(
     surface: Surface,
     polygons: Polygons,
     parts: list[tuple[Source | None, Array]],
-    unit: float,
+    stretch: Array,
 ) -> float:
-    """Move the points of `surface` and make its normals anew; returns the longest way in meters.
+    """Move the points of `surface` and make its normals anew; returns the longest way.
 
-    Each part is the displacement of a material, in lengths of `unit` meters, and the triangles
-    (n, 3) that show the material. A point that several share moves by their mean.
+    Each part is the displacement of a material, in meters of the stage, and the triangles (n, 3)
+    that show the material. `stretch` is (M Mᵀ)⁻¹ of the matrix M (3, 3) that places rows. A point
+    that several parts share moves by their mean. Nothing moves where a way is too long, which is
+    infinite then.
     """
     amounts = np.zeros(len(surface.corner_points))
     for source, triangles in parts:
         corners = triangles.reshape(-1)
-        if isinstance(source, Constant):
-            amounts[corners] = source.value[0] * unit
-        elif isinstance(source, TextureRead) and packer.usable(source):
-            amounts[corners] = _sampled(packer, source, surface, corners) * unit
+        if isinstance(source, TextureRead) and packer.usable(source):
+            amounts[corners] = _sampled(packer, source, surface, corners)
+        elif isinstance(source, TextureRead):
+            amounts[corners] = source.parts[0].fallback
+        elif isinstance(source, Constant):
+            amounts[corners] = source.value[0]
     corners = np.concatenate([triangles.reshape(-1) for _, triangles in parts])
     points, count = surface.corner_points[corners], len(surface.points)
     uses = np.maximum(np.bincount(points, minlength=count), 1)
@@ -53,8 +60,17 @@ def displace(
     assert surface.normals is not None
     normals = surface.normals.values[surface.normals.ids[corners]]
     sums = [np.bincount(points, weights=axis, minlength=count) for axis in normals.T]
-    surface.points = surface.points + unit_rows(np.stack(sums, axis=1)) * amount[:, None]
-    surface.normals = computed_normals(polygons, surface.points, drawn_faces(polygons))
+    mean = unit_rows(np.stack(sums, axis=1))
+    # The placed normal is n (Mᵀ)⁻¹ / |n (Mᵀ)⁻¹|, and M⁻¹ takes a way along it back.
+    ways = mean @ stretch
+    ways *= (amount / np.sqrt(np.einsum("ij,ij->i", ways, mean)))[:, None]
+    longest = float(np.linalg.norm(ways, axis=1).max(initial=0.0))
+    size = float(np.linalg.norm(np.ptp(surface.points, axis=0)))
+    if not longest <= _MOST_SIZES * size:
+        return math.inf
+    if longest > 0.0:
+        surface.points = surface.points + ways
+        surface.normals = computed_normals(polygons, surface.points, drawn_faces(polygons))
     return float(np.abs(amount).max(initial=0.0))
 
 

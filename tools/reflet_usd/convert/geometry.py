@@ -23,9 +23,10 @@ from .primitive import PrimitiveParts, build_primitive
 from .primvars import Topology
 from .refine import REFINABLE
 from .scene import Array, Node
-from .sources import Constant, PrimvarRead, TextureRead
+from .sources import Constant, Part, PrimvarRead, Source, TextureRead
 from .subsets import FaceGroup, face_groups
 from .surface import Surface
+from .types import MOST_STEPS
 
 # Coordinates this far outside 0…1 come from rounding, not from tiling.
 _UV_SLACK = 1e-4
@@ -77,8 +78,9 @@ class GeometryBuilder:
             return self._build(prim, groups, primvars, deformation)
         bound = tuple("" if g.material is None else source_path(g.material) for g in groups)
         glow, when = self.lights.glow(prim), self.context.time.GetValue()
-        scale = self._scale(prim) if any(may_displace(g.material) for g in groups) else 1.0
-        key = (source_path(prim), bound, primvar_signature(primvars), glow, when, scale)
+        moves = any(may_displace(group.material) for group in groups)
+        shape = _stretch(self._placement(prim)).tobytes() if moves else b""
+        key = (source_path(prim), bound, primvar_signature(primvars), glow, when, shape)
         if key not in self._meshes:
             self._meshes[key] = (prim, self._build(prim, groups, primvars, None))
             return self._meshes[key][1]
@@ -88,11 +90,13 @@ class GeometryBuilder:
             self.materials.plan(group.material)
         return built
 
-    def _scale(self, prim: Usd.Prim) -> float:
-        """How many units of the stage a unit of the prim is long, in the mean of its axes."""
+    def _placement(self, prim: Usd.Prim) -> Array:
+        """(3, 3) matrix that places vectors of a prim in the stage; of flattened ones the unit."""
         world = UsdGeom.Imageable(prim).ComputeLocalToWorldTransform(self.context.time)
-        volume = abs(float(np.linalg.det(np.array(world)[:3, :3])))
-        return float(f"{volume ** (1.0 / 3.0):.6g}") if 0.0 < volume < math.inf else 1.0
+        linear = np.array(world)[:3, :3]
+        size = float(np.abs(linear).max())
+        usable = 0.0 < size < math.inf and abs(np.linalg.det(linear / size)) > 1e-6
+        return linear if usable else np.eye(3)
 
     def _build(
         self,
@@ -198,15 +202,22 @@ class GeometryBuilder:
         ]
         if not any(is_displacing(source) for source, _ in parts):
             return
-        diagonal = float(np.linalg.norm(np.ptp(surface.points, axis=0)))
-        unit = self.context.meters_per_unit / self._scale(prim)
-        longest = displace(self.materials.packer, surface, polygons, parts, unit)
+        scaled = [_scaled(source, self.context.meters_per_unit) for source, _ in parts]
+        parts = [(source, chosen) for source, (_, chosen) in zip(scaled, parts, strict=True)]
+        placement = self._placement(prim)
+        diagonal = float(np.linalg.norm(np.ptp(surface.points @ placement, axis=0)))
+        longest = displace(self.materials.packer, surface, polygons, parts, _stretch(placement))
+        if not math.isfinite(longest):
+            return  # the materials tell that they lose their displacement
         surface.is_displaced = True
-        message = f"it is displaced at {len(surface.points)} points alone"
-        if polygons.scheme in REFINABLE:
-            message += f"; refine with --subdiv {self.context.options.subdiv_level + 2}"
-        share = longest / diagonal if diagonal > 0.0 else 1.0
-        self.context.ledger.warn("displacement-sampled", prim, message, share)
+        if longest == 0.0:
+            return
+        named = ", ".join(f"'{plan.prim.GetName()}'" for plan in plans if plan.prim is not None)
+        message = f"it is displaced by {named} at {len(surface.points)} points alone"
+        level = self.context.options.subdiv_level
+        if polygons.scheme in REFINABLE and level < MOST_STEPS:
+            message += f"; refine with --subdiv {min(level + 2, MOST_STEPS)}"
+        self.context.ledger.warn("displacement-sampled", prim, message, longest / diagonal)
 
     def _primitive(
         self,
@@ -284,6 +295,24 @@ class GeometryBuilder:
         others = [name for name in surface.uvs if name not in plan.uv_sets]
         others.sort(key=lambda name: (name != "st", name))
         return [*plan.uv_sets, *others], constants
+
+
+def _stretch(placement: Array) -> Array:
+    """(M Mᵀ)⁻¹ of a matrix M, rounded so that it is equal for all rotations."""
+    inverse = np.linalg.inv(placement @ placement.T)
+    most = float(np.abs(inverse).max())
+    return np.asarray(np.round(inverse / most, 6) * float(f"{most:.6g}"))
+
+
+def _scaled(source: Source | None, factor: float) -> Source | None:
+    """A displacement in other units."""
+    if isinstance(source, Constant):
+        return Constant((source.value[0] * factor,))
+    if isinstance(source, TextureRead):
+        part = source.parts[0]
+        scaled = (part.scale * factor, part.bias * factor, part.fallback * factor)
+        return replace(source, parts=(Part(part.channel, *scaled),))
+    return source
 
 
 def _triangles(surface: Surface, topology: Topology, group: FaceGroup) -> Array:

@@ -14,6 +14,8 @@ from .texture_coordinates import coordinates
 
 _CHANNELS = {"r": (0,), "g": (1,), "b": (2,), "a": (3,), "rgb": (0, 1, 2), "rgba": (0, 1, 2)}
 _MAX_TRANSFORMS = 8
+_MOST_PATTERNS = 64
+"""Images of patterns in a file."""
 
 # MaterialX twins of the preview nodes: same inputs, other identifiers.
 _TWINS = {
@@ -33,6 +35,7 @@ class NetworkReader:
         self.nodes: set[str] = set()
         """Paths, relative to the material, of the nodes that were followed."""
         self.values = NodeValues(self)
+        self._patterns: dict[Sdf.Path, TextureRead] = {}
 
     def visit(self, node: UsdShade.Shader) -> None:
         """Remember a node, and the node graphs around it, as part of the material."""
@@ -71,11 +74,17 @@ class NetworkReader:
 
     def _pattern(self, name: str, attribute: Usd.Attribute, unfit: UnfitError) -> Source | None:
         """Image of a pattern that glTF cannot compute; where it is none, `unfit` is told."""
+        known = self._patterns.get(attribute.GetPath())
+        if known is not None:
+            return known
         try:
-            found = pattern(self.values, attribute)
-        except UnfitError:
+            found = pattern(self.values, attribute, _MOST_PATTERNS)
+        except UnfitError as error:
+            found, unfit = None, error
+        if found is None:
             self.warn_unfit(name, unfit)
             return None
+        self._patterns[attribute.GetPath()] = found
         message = f"'{name}' is an image of {SIDE} x {SIDE} pixels of its pattern, which repeats"
         self.context.ledger.warn("pattern-baked", attribute.GetPrim(), message)
         return found

@@ -62,14 +62,30 @@ _CHOICES: dict[str, Callable[[Array, Array], Array]] = {
 }
 
 
-def pattern(values: NodeValues, attribute: Usd.Attribute) -> TextureRead:
-    """An image of a node's output over the coordinates 0 to 1; raises UnfitError."""
+def pattern(values: NodeValues, attribute: Usd.Attribute, most: int) -> TextureRead | None:
+    """An image of a node's output over the coordinates 0 to 1; None without coordinates.
+
+    Raises UnfitError, also where there are `most` images.
+    """
     rows = _Rows(values)
-    with np.errstate(all="ignore"):  # judged below
-        found = rows.output(attribute)
     node = UsdShade.Shader(attribute.GetPrim())
-    if rows.uv is None or not np.isfinite(found).all():
-        raise UnfitError(node, "its value is no finite pattern of texture coordinates")
+    try:
+        with np.errstate(all="ignore"):  # judged below
+            found = rows.output(attribute)
+        if not np.isfinite(found).all():
+            raise UnfitError(node, "its value is not finite everywhere")
+    except UnfitError:
+        if rows.uv is None and not rows.is_full():
+            return None
+        raise
+    if rows.uv is None:
+        return None
+    context = values.reader.context
+    if len(context.patterns) == most:
+        raise UnfitError(node, f"there are {most} patterns already")
+    if found.min() < 0.0 or found.max() > 1.0:
+        message = "values of the pattern are outside 0…1, clamped"
+        context.ledger.warn("material-value-clamped", node.GetPrim(), message)
     is_color = "color" in str(node.GetIdAttr().Get())
     shown = np.clip(found, 0.0, 1.0)
     if is_color:
@@ -81,7 +97,7 @@ def pattern(values: NodeValues, attribute: Usd.Attribute) -> TextureRead:
     texels = np.round(pixels * 255.0).astype(np.uint8).reshape(SIDE, SIDE, -1)
     Image.fromarray(texels).save(stream, "PNG", compress_level=PNG_COMPRESSION)
     name = f"{attribute.GetPath()}.png"
-    values.reader.context.patterns[name] = stream.getvalue()
+    context.patterns[name] = stream.getvalue()
     return TextureRead(
         prim=str(node.GetPath()),
         file=name,
@@ -91,6 +107,11 @@ def pattern(values: NodeValues, attribute: Usd.Attribute) -> TextureRead:
         wrap=("repeat", "repeat"),
         color_space="sRGB" if is_color else "raw",
     )
+
+
+def kind_of(node: UsdShade.Shader) -> str:
+    """Identifier of a node."""
+    return str(node.GetIdAttr().Get() or "")
 
 
 class _Rows:
@@ -104,12 +125,15 @@ class _Rows:
         across, down = np.meshgrid(centers, 1.0 - centers)
         self._places = np.column_stack([across.ravel(), down.ravel()]).astype(np.float32)
 
+    def is_full(self) -> bool:
+        """Whether no further node may be read."""
+        return len(self._known) == _MOST_NODES
+
     def output(self, attribute: Usd.Attribute) -> Array:
         """Values (n, width) of a node's output; raises UnfitError."""
         node = UsdShade.Shader(attribute.GetPrim())
         self.values.reader.visit(node)
-        identifier = str(node.GetIdAttr().Get() or "")
-        known = _KIND.match(identifier)
+        known = _KIND.match(kind_of(node))
         if known is None:
             raise UnfitError(node, "it is no pattern")
         operation, given, kind = known[1], known[2] or known[3], known[3]
@@ -117,8 +141,8 @@ class _Rows:
         path = str(attribute.GetPath())
         found = self._known.get(path)
         if found is None:
-            if path in self._known or len(self._known) == _MOST_NODES:
-                raise UnfitError(node, "it comes from itself, or from too many nodes")
+            if path in self._known or self.is_full():
+                raise UnfitError(node, f"it comes from itself, or from over {_MOST_NODES} nodes")
             self._known[path] = None
             self._known[path] = found = self._value(node, operation, width, many)
         return found
@@ -131,7 +155,9 @@ class _Rows:
             found = self.output(attributes[0])
         else:
             found = np.array([self.values.constant(node, name, (default,) * width)], np.float32)
-        return np.resize(found.T, (width, len(found))).T
+        if found.shape[1] not in (1, width):
+            raise UnfitError(node, f"its '{name}' has another number of values")
+        return np.broadcast_to(found, (len(found), width))
 
     def _value(self, node: UsdShade.Shader, operation: str, width: int, many: int) -> Array:
         def of(name: str, default: float = 0.0, count: int = width) -> Array:
@@ -173,7 +199,9 @@ class _Rows:
             raise UnfitError(node, "it is no pattern")
         found = self._input(node, "in", 0.0, many)
         if operation == "convert":
-            return np.resize(found.T, (width, len(found))).T if many in (1, width) else found
+            end = np.full((1, 4), float(kind_of(node).endswith("color4")), np.float32)
+            wide = [found] * width if many == 1 else [found, np.tile(end, (len(found), 1))]
+            return np.hstack(wide)[:, :width]
         if operation == "extract":
             place = int(self.values.constant(node, "index", (0.0,))[0])
             return found[:, [place % many]]
@@ -188,14 +216,18 @@ class _Rows:
         end = end_of_coordinates(self.values, node, kind)
         if end is None:
             step, name = step_of_coordinates(self.values, node, kind)
-            found = self._input(node, name, 0.0, 2) if node.GetInput(name) else self._read(UvRead())
+            found = (
+                self._input(node, name, 0.0, 2)
+                if node.GetInput(name)
+                else self._read(node, UvRead())
+            )
             return np.asarray(found @ step[:2, :2].T + step[:2, 2], np.float32)
-        if "vector2" not in kind and operation != "texcoord":
+        if "vector2" not in kind:
             raise UnfitError(node, "it reads a primvar that is no coordinate")
-        return self._read(end)
+        return self._read(node, end)
 
-    def _read(self, uv: UvRead) -> Array:
+    def _read(self, node: UsdShade.Shader, uv: UvRead) -> Array:
         if self.uv not in (None, uv):
-            raise UnfitError(UsdShade.Shader(), "it reads two sets of coordinates")
+            raise UnfitError(node, "it reads another set of coordinates than other nodes")
         self.uv = uv
         return self._places

@@ -69,7 +69,10 @@ class PreviewMaterial:
         self._specular(entry)
         self._clearcoat(entry)
         if self._numbers("displacement")[0] != 0.0 or self._texture("displacement"):
-            self._warn("displacement-dropped", "displaced are meshes that nothing deforms")
+            self._warn(
+                "displacement-dropped",
+                "displaced are meshes that nothing deforms, by 1000 of their sizes at most",
+            )
         return entry
 
     def _warn(self, name: str, message: str) -> None:

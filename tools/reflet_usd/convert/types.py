@@ -5,6 +5,8 @@ from pathlib import Path
 from typing import Any
 
 DEFAULT_PURPOSES = ("default", "render")
+MOST_STEPS = 6
+"""Highest `subdiv_level`."""
 
 
 @dataclass(frozen=True)

@@ -200,9 +200,9 @@ class Checks:
                         return told.name
         return None
 
-    def says(self, name: str) -> bool:
-        """Whether any prim has a warning of this name."""
-        return any(told.name == name for many in self._warnings.values() for told in many)
+    def says(self, names: tuple[str, ...], named: str) -> bool:
+        """Whether a warning of one of these names quotes `named`, on any prim."""
+        return any(t.fits(names, 0.0, named) for many in self._warnings.values() for t in many)
 
     def declared(self) -> int:
         """Number of deviations so far that a warning declares."""

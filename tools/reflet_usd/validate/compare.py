@@ -274,7 +274,7 @@ class SceneComparer:
                 )
                 angle = 2 * math.degrees(math.asin(min(chord / 2, 1.0)))
                 self.checks.add("normals", key, angle, "angle")
-        coordinates = CoordinateComparer(self.checks, key, expected, found, tolerance)
+        coordinates = CoordinateComparer.for_prim(self.checks, key, expected, found, tolerance)
         coordinates.uvs()
         coordinates.customs()
         unbound = expected.materials is not None and bool((expected.materials < 0).all())
@@ -282,8 +282,8 @@ class SceneComparer:
             self._undefined_colors(key, expected.undefined_colors)
         if expected.colors is not None and found.colors is not None and unbound:
             value = attribute_distance(
-                (expected.positions, expected.colors),
-                (found.positions, found.colors),
+                (coordinates.expected.positions, expected.colors),
+                (coordinates.found.positions, found.colors),
                 tolerance,
                 BARS["colors"].limit,
                 both,

@@ -258,7 +258,7 @@ class _Comparison:
         """Check that a slot without a textured input has no texture."""
         for names in _SLOTS:
             sources = [self.inputs[name] for name in names]
-            read = any(_has_texture(source) for source in sources)
+            read = any(_has_texture(source) or self._is_unfit(source) for source in sources)
             if self._has_layers() and names == ("specularColor",):
                 read = _has_texture(self.inputs["specularTint"])
             if not read and found.has_image(names[0]):
@@ -269,17 +269,22 @@ class _Comparison:
                 continue
             self.checks.add("materials", self.path, math.inf, text)
 
+    def _is_unfit(self, source: PreviewInput) -> bool:
+        """Whether a warning says that nodes before an input are not followed, or baked."""
+        return any(self.checks.excuse(node, UNFIT_NODE) for node in source.nodes)
+
     def _losses(self) -> None:
         """Record constants that no glTF material holds, each with its own warning."""
         for name, warning in NO_PLACE.items():
             source = self.inputs[name]
-            if name == "displacement" and self.checks.says(*DISPLACED):
+            own = self.path.rpartition("/")[2]
+            if name == "displacement" and self.checks.says(DISPLACED, own):
                 continue  # the corners of the meshes are compared
             if source.constant is not None and not np.array_equal(source.constant, _NEUTRAL[name]):
                 self.checks.add_lost(self.path, (warning,), f"{name} {source.constant.tolist()}")
 
     def _channel(self, name: str, expected: PreviewInput, found: OutputMaterial) -> None:
-        if expected.reason or any(self.checks.excuse(node, UNFIT_NODE) for node in expected.nodes):
+        if expected.reason or self._is_unfit(expected):
             return
         if expected.values is not None:
             self._at_random(name, expected, found)
