@@ -1,4 +1,4 @@
-"""Displacement of meshes: points that move along their normals by what their materials say."""
+"""Displacement of meshes: points that move along their normals by lengths of their materials."""
 
 import math
 
@@ -100,7 +100,7 @@ def _sampled(packer: Packer, read: TextureRead, surface: Surface, corners: Array
 
 
 def _neighbors(place: Array, size: int, wrap: str) -> tuple[Array, Array, Array]:
-    """Texels before and after places along an axis, and the share of those after."""
+    """Texels before and after places along an axis, and the share of the texel after."""
     place = np.nan_to_num(place) * size - 0.5
     first = np.floor(place)
     pair = [_wrapped(first.astype(np.int64) + step, size, wrap) for step in (0, 1)]

@@ -201,7 +201,7 @@ class Checks:
         return None
 
     def says(self, names: tuple[str, ...], named: str) -> bool:
-        """Whether a warning of one of these names quotes `named`, on any prim."""
+        """Whether a warning that has a name of `names` quotes `named`, on any prim."""
         return any(t.fits(names, 0.0, named) for many in self._warnings.values() for t in many)
 
     def declared(self) -> int:
