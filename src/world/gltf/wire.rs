@@ -78,13 +78,13 @@ fn keep_apart(capsules: &mut Vec<[u32; 3]>, positions: &[Vec3]) {
     capsules.retain(|_| kept.next() == Some(true));
 }
 
-/// Memory of the capsules of so many corners, bytes.
+/// Memory of the capsules of so many corners, and of their hashes while they are compared, bytes.
 pub fn bytes(mode: u32, num_corners: usize) -> u64 {
     let count = match mode {
         1 => num_corners / 2,
         _ => num_corners,
     };
-    (count * size_of::<[u32; 3]>()) as u64
+    (count * (size_of::<[u32; 3]>() + size_of::<(u64, usize)>() + 1)) as u64
 }
 
 #[cfg(test)]
