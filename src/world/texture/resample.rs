@@ -43,7 +43,8 @@ impl Sampling {
     }
 }
 
-/// The image at `px` × `px`, and each halving of it; RGBA of 8 bits. Mips of normals hold in place of alpha how far the normals below a texel spread.
+/// The image at `px` × `px`, and each halving of it; RGBA of 8 bits. Mips of normals hold in place of alpha how far the
+/// normals below a texel spread.
 pub fn mip_chain(texture: &Texture, px: u32, sampling: Sampling) -> Vec<Vec<u8>> {
     let mut base = if (texture.width, texture.height) == (px, px) {
         texture.rgba.clone()

@@ -206,10 +206,8 @@ def _rough_outside(inputs: dict[str, Source]) -> dict[str, Source]:
         return source.value[0] if isinstance(source, Constant) else math.nan
 
     plain = number("metallic") == number("useSpecularWorkflow") == number("clearcoat") == 0.0
-    ior, roughness = (
-        max(number("ior"), 1.0),
-        inputs.get("roughness", Constant(PREVIEW_INPUTS["roughness"])),
-    )
+    ior = max(number("ior"), 1.0)
+    roughness = inputs.get("roughness", Constant(PREVIEW_INPUTS["roughness"]))
     strength = ((ior - 1.0) / (ior + 1.0)) ** 2 / DIELECTRIC_F0
     if not plain or not 0.0 < strength < 1.1 or roughness == Constant((0.0,)):
         return {}

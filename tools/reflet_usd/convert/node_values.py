@@ -32,10 +32,10 @@ if TYPE_CHECKING:
     from .network import NetworkReader
 
 _MOST_NESTED = 64
-_WIDTHS = {"color3": 3, "vector3": 3, "color4": 4, "vector4": 4, "vector2": 2}
+WIDTHS = {"color3": 3, "vector3": 3, "color4": 4, "vector4": 4, "vector2": 2}
 _TYPE = re.compile(r"_(float|color3|vector3|color4|vector4|vector2|integer|boolean)(FA|CF|VF|VV)?$")
 _VERSION = re.compile(r"(_\d+)+$")
-_PLACES = {"r": 0, "g": 1, "b": 2, "a": 3, "x": 0, "y": 1, "z": 2, "w": 3}
+PLACES = {"r": 0, "g": 1, "b": 2, "a": 3, "x": 0, "y": 1, "z": 2, "w": 3}
 _WRAPS = {"periodic": "repeat", "clamp": "clamp", "mirror": "mirror", "constant": "black"}
 _IMAGES = ("image", "tiledimage", "gltf_image", "gltf_colorimage", "gltf_normalmap")
 _ONE_NUMBER: dict[str, Callable[[float], float]] = {
@@ -117,7 +117,7 @@ class NodeValues:
         self.reader.visit(node)
         kind = _VERSION.sub("", str(node.GetIdAttr().Get() or "")).removeprefix("ND_")
         found = _TYPE.search(kind)
-        width = _WIDTHS.get(found[1], 1) if found else 1
+        width = WIDTHS.get(found[1], 1) if found else 1
         operation = kind[: found.start()] if found else kind
         while (more := _TYPE.search(operation)) is not None:  # the other types of a conversion
             operation = operation[: more.start()]
@@ -259,7 +259,7 @@ class NodeValues:
 
     def _convert(self, node: UsdShade.Shader, width: int, kind: str, _output: str) -> Source:
         given = re.match(r"convert_(\w+?)_", kind)
-        count = _WIDTHS.get(given[1], 1) if given else 1
+        count = WIDTHS.get(given[1], 1) if given else 1
         source = self.input(node, "in", (0.0,) * count)
         if count == 1:
             return widened(source, width)
@@ -276,21 +276,21 @@ class NodeValues:
         return picked(node, self.input(node, "in", (0.0,) * width), (index,))
 
     def _separate(self, node: UsdShade.Shader, width: int, _kind: str, output: str) -> Source:
-        place = _PLACES.get(output.removeprefix("out"))
+        place = PLACES.get(output.removeprefix("out"))
         if place is None or place >= width:
             raise UnfitError(node, f"its output '{output}' is not there")
         return picked(node, self.input(node, "in", (0.0,) * width), (place,))
 
     def _swizzle(self, node: UsdShade.Shader, _width: int, kind: str, _output: str) -> Source:
         given = re.match(r"swizzle_(\w+?)_", kind)
-        count = _WIDTHS.get(given[1], 1) if given else 1
+        count = WIDTHS.get(given[1], 1) if given else 1
         source = self.input(node, "in", (0.0,) * count)
         chosen: list[Source] = []
         for letter in str(self.reader.value(node, "channels", ""))[:4]:
             if letter in "01":
                 chosen.append(Constant((float(letter),)))
             else:
-                chosen.append(picked(node, source, (min(_PLACES.get(letter, 0), count - 1),)))
+                chosen.append(picked(node, source, (min(PLACES.get(letter, 0), count - 1),)))
         if not chosen:
             raise UnfitError(node, "it names no channels")
         return joined(node, chosen)
@@ -348,7 +348,7 @@ _OPERATIONS: dict[str, Callable[[NodeValues, UsdShade.Shader, int, str, str], So
 
 def _width_of(kind: str) -> int:
     found = _TYPE.search(kind)
-    return _WIDTHS.get(found[1], 1) if found else 1
+    return WIDTHS.get(found[1], 1) if found else 1
 
 
 def _constant(value: object, default: Numbers) -> Constant:

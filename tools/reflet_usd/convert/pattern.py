@@ -8,27 +8,22 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 from PIL import Image
 from pxr import Usd, UsdShade
 
+from .node_values import PLACES, WIDTHS, NodeValues
 from .scene import Array
 from .sources import Part, TextureRead, UnfitError, UvRead
 from .texture import PNG_COMPRESSION, linear_to_srgb
 from .texture_coordinates import end_of_coordinates, step_of_coordinates
-
-if TYPE_CHECKING:
-    from .node_values import NodeValues
 
 SIDE = 1024
 """Pixels across and down of an image."""
 _MOST_NODES = 48
 """Nodes of a pattern: values of each are kept, 12 MiB of a color."""
 _KIND = re.compile(r"ND_([a-z0-9]+?)_(?:(\w+?)_)?(float|color[34]|vector[234])(FA)?$")
-_WIDTHS = {"float": 1, "color3": 3, "color4": 4, "vector2": 2, "vector3": 3, "vector4": 4}
-_LETTERS = "rgbaxyzw"
 _ONE: dict[str, Callable[[Array], Array]] = {
     "absval": np.abs,
     "ceil": np.ceil,
@@ -86,7 +81,7 @@ def pattern(values: NodeValues, attribute: Usd.Attribute, most: int) -> TextureR
     if found.min() < 0.0 or found.max() > 1.0:
         message = "values of the pattern are outside 0…1, clamped"
         context.ledger.warn("material-value-clamped", node.GetPrim(), message)
-    is_color = "color" in str(node.GetIdAttr().Get())
+    is_color = "color" in _kind(node)
     shown = np.clip(found, 0.0, 1.0)
     if is_color:
         shown[:, :3] = linear_to_srgb(shown[:, :3])
@@ -109,7 +104,7 @@ def pattern(values: NodeValues, attribute: Usd.Attribute, most: int) -> TextureR
     )
 
 
-def kind_of(node: UsdShade.Shader) -> str:
+def _kind(node: UsdShade.Shader) -> str:
     """Identifier of a node."""
     return str(node.GetIdAttr().Get() or "")
 
@@ -133,11 +128,11 @@ class _Rows:
         """Values (n, width) of a node's output; raises UnfitError."""
         node = UsdShade.Shader(attribute.GetPrim())
         self.values.reader.visit(node)
-        known = _KIND.match(kind_of(node))
+        known = _KIND.match(_kind(node))
         if known is None:
             raise UnfitError(node, "it is no pattern")
         operation, given, kind = known[1], known[2] or known[3], known[3]
-        width, many = _WIDTHS[kind], _WIDTHS.get(given, _WIDTHS[kind])
+        width, many = WIDTHS.get(kind, 1), WIDTHS.get(given, 1)
         path = str(attribute.GetPath())
         found = self._known.get(path)
         if found is None:
@@ -199,20 +194,20 @@ class _Rows:
             raise UnfitError(node, "it is no pattern")
         found = self._input(node, "in", 0.0, many)
         if operation == "convert":
-            end = np.full((1, 4), float(kind_of(node).endswith("color4")), np.float32)
+            end = np.full((1, 4), float(_kind(node).endswith("color4")), np.float32)
             wide = [found] * width if many == 1 else [found, np.tile(end, (len(found), 1))]
             return np.hstack(wide)[:, :width]
         if operation == "extract":
             place = int(self.values.constant(node, "index", (0.0,))[0])
             return found[:, [place % many]]
         letters = str(self.values.reader.value(node, "channels", ""))
-        if not letters or any(letter not in _LETTERS for letter in letters):
+        if not letters or any(letter not in PLACES for letter in letters):
             raise UnfitError(node, "its channels are unusual")
-        return found[:, [min(_LETTERS.index(letter) % 4, many - 1) for letter in letters]]
+        return found[:, [min(PLACES[letter], many - 1) for letter in letters]]
 
     def _coordinates(self, node: UsdShade.Shader, operation: str) -> Array:
         """Coordinates (n, 2) that a node reads or moves."""
-        kind = str(node.GetIdAttr().Get()).removeprefix("ND_")
+        kind = _kind(node).removeprefix("ND_")
         end = end_of_coordinates(self.values, node, kind)
         if end is None:
             step, name = step_of_coordinates(self.values, node, kind)

@@ -23,6 +23,7 @@ class Bar:
 
 
 MOVED = (*PLACED, *DISPLACED)
+"""Warnings that allow corners to deviate by a stated length."""
 BARS: dict[str, Bar] = {
     "carried": Bar("prims carried or warned about", 0, "missing", ABSENT),
     "unexpected": Bar("prims the stage does not draw", 0, "extra"),
