@@ -160,3 +160,41 @@ def test_blocked_points_and_visibility_keep_the_prim(tmp_path: Path) -> None:
     assert len(done.triangles(0)) == 1
     outputs = [done.array(s.output)[:, 0].tolist() for s in done.gltf.animations[0].samplers]
     assert outputs == [[0, 1]]
+
+
+def test_velocities_move_points_and_instances_between_far_samples(tmp_path: Path) -> None:
+    done = convert_text(tmp_path, text_of("convert_motion/velocities.usda"))
+    assert done.warnings() == {"animation-resampled"}
+    assert done.validated().passed
+    part = done.gltf.meshes[0].primitives[0]
+    targets = [done.array(target["POSITION"])[2] for target in part.targets]
+    for code, place in ((0, (-2, 1, 2)), (4, (2, 1, 2)), (5.99, (4, 1, 7.96)), (6, (0, 1, 3))):
+        weights = done.animated(done.node("/M"), code / 24)["weights"]
+        moved = done.attribute(0, 0, "POSITION")[2] + weights @ targets
+        assert moved == pytest.approx(place, abs=0.02)
+    turned, flipped = (
+        next(i for i, node in enumerate(done.gltf.nodes) if node.name == f"P_{number}")
+        for number in (0, 1)
+    )
+    assert done.world(7 / 24)[turned][:3, 3] == pytest.approx((1, 5, 0), abs=1e-6)
+    assert done.world(3 / 24)[turned][:2, 0] == pytest.approx((0, 1), abs=1e-6)
+    assert done.world(6 / 24)[flipped][:3, 0] == pytest.approx((-1, 0, 0), abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"6:": "3:", "startTimeCode = 0": "startTimeCode = 2", "Code = 8": "Code = 3"},
+        {"2: [(24": "1: [(24"},
+    ],
+    ids=["close", "at other times"],
+)
+def test_velocities_that_samples_do_not_need_are_named(
+    tmp_path: Path, changes: dict[str, str]
+) -> None:
+    text = text_of("convert_motion/velocities.usda")
+    for old, new in changes.items():
+        text = text.replace(old, new)
+    done = convert_text(tmp_path, text)
+    assert done.warnings("/M") == {"velocities-dropped"}
+    assert done.validated().passed

@@ -3,13 +3,13 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-import numpy as np
 from pxr import Usd, UsdGeom
 
 from .animation import animate_matrix
 from .context import Context
 from .instancing import unit_quaternions
 from .raw_trs import RawTrs
+from .samples import seconds_of
 from .scene import Array, Node
 from .transform_tolerance import Reach, reach_of
 from .xform import Trs, align_hemispheres, assign, place
@@ -57,7 +57,7 @@ class InstanceMotion:
             keys = values[:, number]
             if path == "rotation":
                 keys = align_hemispheres(unit_quaternions(keys))
-            instance.add_track(path, self._seconds(codes), keys)
+            instance.add_track(path, seconds_of(self.context, codes), keys)
         return instance
 
     def _follow(self, instance: Node, number: int) -> Node:
@@ -79,8 +79,5 @@ class InstanceMotion:
         still[:3, 3] = 0.0
         outer = place(instance, still)
         outer.translation = values[0, number]
-        outer.add_track("translation", self._seconds(codes), values[:, number])
+        outer.add_track("translation", seconds_of(self.context, codes), values[:, number])
         return outer
-
-    def _seconds(self, codes: list[float]) -> Array:
-        return np.array([self.context.seconds(code) for code in codes])

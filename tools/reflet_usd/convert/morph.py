@@ -9,6 +9,7 @@ from .mesh import computed_normals, drawn_faces
 from .nurbs import read_patch
 from .polygons import Polygons
 from .primitive import PrimitiveParts
+from .samples import seconds_of
 from .scene import Array, Node
 from .surface import Surface
 
@@ -69,8 +70,7 @@ class PointKeys:
     def animate(self, node: Node) -> None:
         """Animate the weights so that they run through the keys."""
         weights = np.vstack([np.zeros(len(self._keys) - 1), np.eye(len(self._keys) - 1)])
-        times = np.array([self.context.seconds(code) for code in self._codes])
-        node.add_track("weights", times, weights)
+        node.add_track("weights", seconds_of(self.context, self._codes), weights)
 
 
 def point_keys(context: Context, writer: GltfWriter, prim: Usd.Prim) -> PointKeys | None:

@@ -30,6 +30,7 @@ from .missing_xform_ops import skip_missing_ops
 from .prim_count import check_prim_count
 from .samples import first_code
 from .types import ConvertError, ConvertOptions
+from .velocities import sample_velocities
 
 # UsdGeom's documented fallbacks.
 FALLBACK_METERS_PER_UNIT = 0.01
@@ -66,6 +67,7 @@ def open_context(path: Path, options: ConvertOptions, ledger: Ledger) -> Context
     _read_units(context)
     _read_time(context)
     skip_missing_ops(context)
+    sample_velocities(context)
     return context
 
 

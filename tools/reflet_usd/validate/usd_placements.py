@@ -7,7 +7,7 @@ import numpy as np
 from pxr import Gf, Usd, UsdGeom, UsdLux
 
 from .scene_data import Array
-from .usd_primvars import flattened
+from .usd_primvars import first_moved, flattened
 
 Tint = tuple[Array | None, ...]
 _IDENTITY = Gf.Matrix4d(1.0)
@@ -172,6 +172,8 @@ class PlacementWalk:
         if not self.time.IsEarliestTime():
             return self.time
         prim = schema.GetPrim()
+        if moved := first_moved(prim, _PLACING):
+            return moved
         samples = [prim.GetAttribute(name).GetTimeSamples() for name in _PLACING]
         first = min((codes[0] for codes in samples if codes), default=None)
         return Usd.TimeCode.Default() if first is None else Usd.TimeCode(first)

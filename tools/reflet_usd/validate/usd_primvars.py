@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 import re
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 from pxr import Usd, UsdGeom
 
 from .scene_data import Array, Indices
+from .usd_stage import has_samples, stated_codes
 
 NO_COLOR = 0.18
 """UsdPreviewSurface's diffuseColor, for gprims whose displayColor is missing or does not fit."""
@@ -200,12 +202,43 @@ def flattened(primvar: UsdGeom.Primvar, time: Usd.TimeCode, width: int) -> Array
 
 
 def points_of(attribute: Usd.Attribute, time: Usd.TimeCode) -> Array:
-    """Points (n, 3) at `time`; the first authored ones where the stage begins without."""
+    """Points (n, 3) at `time`, by velocities; the first authored ones where there are none."""
+    if time.IsEarliestTime():
+        time = first_moved(attribute.GetPrim(), ("points",)) or time
+    if has_samples(attribute.GetPrim(), "accelerations") and not time.IsEarliestTime():
+        return _between_quarters(attribute, time.GetValue())
+    return _points_at(attribute, time)
+
+
+def first_moved(prim: Usd.Prim, names: Iterable[str]) -> Usd.TimeCode | None:
+    """Start of the stage, or the first sample before it, where velocities move one of `names`."""
+    if not has_samples(prim, "velocities", "angularVelocities"):
+        return None
+    start, _ = stated_codes(prim.GetStage())
+    firsts = [codes[0] for name in names if (codes := prim.GetAttribute(name).GetTimeSamples())]
+    return Usd.TimeCode(min([*firsts, *([] if start is None else [start])]))
+
+
+def _points_at(attribute: Usd.Attribute, time: Usd.TimeCode) -> Array:
     value = attribute.Get(time)
     samples = (attribute.Get(code) for code in attribute.GetTimeSamples())
     if value is None:
         value = next((sample for sample in samples if sample is not None), None)
+    elif time.IsNumeric() and not time.IsEarliestTime():
+        value = UsdGeom.PointBased(attribute.GetPrim()).ComputePointsAtTime(time, time) or value
     return np.asarray(array_of(value, np.float64, 3))
+
+
+def _between_quarters(attribute: Usd.Attribute, code: float) -> Array:
+    """Points on straight ways between quarters of a time code from the sample before."""
+    codes = attribute.GetTimeSamples()
+    after = int(np.searchsorted(codes, code, side="right"))
+    origin = codes[max(after - 1, 0)]
+    first = origin + np.floor((code - origin) * 4.0) / 4.0
+    last = min([first + 0.25, *(np.nextafter(later, -np.inf) for later in codes[after:])])
+    share = (code - first) / (last - first)
+    a, b = (_points_at(attribute, Usd.TimeCode(float(end))) for end in (first, last))
+    return np.asarray(a + (b - a) * share)
 
 
 def array_of(value: Any, dtype: type, width: int = 1) -> Any:

@@ -213,7 +213,7 @@ class KeyedOnly:
     """Prims whose values are exact only at their own keys: time codes by prim path."""
 
     prims: dict[str, set[float]]
-    """Instancers with moving orientations, which USD interpolates in half precision."""
+    """Instancers whose orientations USD interpolates, in half precision."""
     normals: dict[str, set[float]]
     """Meshes whose normals follow their points: glTF blends the normals themselves."""
     subtrees: dict[str, set[float]]
@@ -242,7 +242,8 @@ def keyed_only(stage: Usd.Stage) -> KeyedOnly:
     for prim in Usd.PrimRange(stage.GetPseudoRoot(), everything):
         for name, found in moving.items():
             attribute = prim.GetAttribute(name)
-            if attribute and attribute.ValueMightBeTimeVarying():
+            turns = name == "orientations" and has_samples(prim, "angularVelocities")
+            if attribute and attribute.ValueMightBeTimeVarying() and not turns:
                 path = str(prim.GetPath())
                 found.setdefault(path, set()).update(attribute.GetTimeSamples())
         for op in UsdGeom.Xformable(prim).GetOrderedXformOps() if _is_placed(prim) else ():
@@ -250,6 +251,12 @@ def keyed_only(stage: Usd.Stage) -> KeyedOnly:
                 own = result.subtrees.setdefault(str(prim.GetPath()), set())
                 own.update(op.GetTimeSamples())
     return result
+
+
+def has_samples(prim: Usd.Prim, *names: str) -> bool:
+    """Whether some attribute of these names has time samples."""
+    attributes = (prim.GetAttribute(name) for name in names)
+    return any(attribute and attribute.GetNumTimeSamples() for attribute in attributes)
 
 
 def _is_placed(prim: Usd.Prim) -> bool:
