@@ -91,9 +91,15 @@ def _segment(marker: int, body: bytes) -> bytes:
     return struct.pack(">BBH", 0xFF, marker, len(body) + 2) + body
 
 
-def _frame(marker: int, side: int, factors: int = 0x11) -> bytes:
-    parts = b"".join(bytes((i, factors if i == 1 else 0x11, 0)) for i in (1, 2, 3))
-    return _segment(marker, struct.pack(">BHHB", 8, side, side, 3) + parts)
+def _frame(marker: int, side: int, factors: int = 0x11, count: int = 3) -> bytes:
+    parts = (bytes((i, factors if i == 1 else 0x11, 0)) for i in range(1, count + 1))
+    return _segment(marker, struct.pack(">BHHB", 8, side, side, count) + b"".join(parts))
+
+
+def _exif(chance: random.Random) -> bytes:
+    """Exif data of an orientation, which may not exist."""
+    entry = struct.pack(">HHIHH", 0x0112, 3, 1, chance.choice((*range(1, 9), 0, 99)), 0)
+    return b"MM\0*\0\0\0\x08" + struct.pack(">H", chance.choice((1, 1, 65535))) + entry + bytes(4)
 
 
 def jpeg(chance: random.Random) -> bytes:
@@ -101,15 +107,20 @@ def jpeg(chance: random.Random) -> bytes:
     side, marker = chance.choice(LARGE_PX), chance.choice((0xC0, 0xC1, 0xC2))
     decoys = chance.sample((0xC3, 0xC5, 0xC8, 0xC9, 0xCB, 0xCD, 0xCF), chance.randrange(3))
     codes = b"\1" + bytes(15) + b"\0"
-    scan = b"\1\1\0" if chance.random() < 0.5 else b"\3\1\0\2\0\3\0"
+    count = chance.choice((1, 3, 3, 4))
+    scanned = 1 if chance.random() < 0.5 else count
+    scan = bytes((scanned,)) + b"".join(bytes((i + 1, 0)) for i in range(scanned))
+    tags = _segment(0xE1, b"Exif\0\0" + _exif(chance)) if chance.random() < 0.3 else b""
+    tags += chance.choice((b"", _segment(0xEE, b"Adobe\0\x64\0\0\0\0" + chance.randbytes(1))))
     end = 0 if marker == 0xC2 else 63
     data = bytes(chance.choice((0, 100, 1 << 12, 1 << 15, 1 << 18)))
     end_of_image = chance.choice((b"\xff\xd9", b""))
     return (
         b"\xff\xd8"
+        + tags
         + b"".join(_frame(decoy, 8) for decoy in decoys)
         + _segment(0xDB, b"\0" + b"\1" * 64)
-        + _frame(marker, side, chance.choice((0x11, 0x22, 0x44, 0x41, 0x14)))
+        + _frame(marker, side, chance.choice((0x11, 0x22, 0x44, 0x41, 0x14)), count)
         + _segment(0xC4, b"\x00" + codes)
         + _segment(0xC4, b"\x10" + codes)
         + _segment(0xDA, scan + bytes((0, end, 0)))
@@ -121,9 +132,9 @@ def jpeg(chance: random.Random) -> bytes:
 def png(chance: random.Random) -> bytes:
     """A PNG of up to 16 bits a channel, whole or cut off, perhaps with a large color profile."""
     width, height = chance.choice(LARGE_PX), chance.choice((1, 1024, *LARGE_PX))
-    color, channels = chance.choice(((0, 1), (2, 3), (6, 4)))
-    depth = chance.choice((8, 16))
-    row = 1 + width * channels * depth // 8
+    color, channels = chance.choice(((0, 1), (2, 3), (3, 1), (4, 2), (6, 4)))
+    depth = chance.choice({0: (1, 2, 4, 8, 16), 3: (1, 2, 4, 8)}.get(color, (8, 16)))
+    row = 1 + -(-width * channels * depth // 8)
     rows = min(height, (16 << 20) // row) if chance.random() < 0.5 else 1
 
     def chunk(kind: bytes, body: bytes) -> bytes:
@@ -134,6 +145,15 @@ def png(chance: random.Random) -> bytes:
     head = struct.pack(">IIBBBBB", width, height, depth, color, 0, 0, chance.randrange(2))
     profile = chance.choice((b"", chunk(b"gAMA", struct.pack(">I", chance.choice((0, 1, 2**31))))))
     profile += chance.choice((b"", chunk(b"cICP", chance.randbytes(4))))
+    profile += chance.choice((b"", chunk(b"cHRM", chance.randbytes(32))))
+    profile += chance.choice(
+        (b"", b"", chunk(b"acTL", struct.pack(">II", chance.choice((1, 1 << 30)), 0)))
+    )
+    profile += chunk(b"PLTE", chance.randbytes(3 * chance.choice((1, 256)))) if color == 3 else b""
+    profile += chance.choice(
+        (b"", b"", chunk(b"tRNS", chance.randbytes(chance.choice((2, 6, 256)))))
+    )
+    profile += chance.choice((b"", b"", chunk(b"eXIf", _exif(chance))))
     if chance.random() < 0.3:
         profile += chunk(b"iCCP", b"p\0\0" + zlib.compress(bytes(32 << 20), 9))
     return (
@@ -154,7 +174,12 @@ def webp(chance: random.Random) -> bytes:
         return kind + struct.pack("<I", len(body)) + body + b"\0" * (len(body) % 2)
 
     if chance.random() < 0.5:
-        canvas = chunk(b"VP8X", bytes(4) + bytes(6)) + chunk(b"VP8 ", frame)
+        flags = chance.choice((0, 0x10, 0x02, 0x3A))  # alpha, animation, both with metadata
+        canvas = chunk(b"VP8X", bytes((flags, 0, 0, 0)) + bytes(6))
+        canvas += chunk(b"ANIM", bytes(6)) if flags & 2 else b""
+        canvas += chunk(b"ALPH", chance.randbytes(9)) if flags & 16 else b""
+        canvas += chunk(b"EXIF", _exif(chance)) if flags & 8 else b""
+        canvas += chunk(b"VP8 ", frame)
     else:
         bits = (side - 1) | (side - 1) << 14
         data = chance.choice((bytes(64), chance.randbytes(4096)))
@@ -171,8 +196,8 @@ def ktx2(chance: random.Random) -> bytes:
     edge, size = formats[kind]
     side = chance.choice((1, 4, 16, 64))
     level = chance.randbytes((-(-side // edge)) ** 2 * size)
-    scheme = chance.choice((0, 3)) if kind < 157 else 0
-    stored = zlib.compress(level, 9) if scheme else level
+    scheme = chance.choice((0, 0, 3, 3, 1, 2)) if kind < 157 else 0  # BasisLZ, Zstandard, zlib
+    stored = zlib.compress(level, 9) if scheme == 3 else level
     stated = chance.choice((len(level), len(level), 16 << 20, 2**63))
     stated_side = chance.choice((side, side, side, *LARGE_PX))
     descriptor = b""
@@ -182,7 +207,9 @@ def ktx2(chance: random.Random) -> bytes:
         descriptor += bytes((model, 1, 1, 0, edge - 1, edge - 1, 0, 0, 16)) + bytes(7)
         descriptor += struct.pack("<HBB3I", 0, 127, 0, 0, 0, 2**32 - 1)
     values = b""
-    for key, value in ((b"KTXorientation", b"lu"), (b"KTXswizzle", b"0gr1")):
+    orientation = chance.choice((b"rd", b"ru", b"ld", b"lu"))
+    swizzle = chance.choice((b"rgba", b"bgra", b"rrr1", b"0gr1"))
+    for key, value in ((b"KTXorientation", orientation), (b"KTXswizzle", swizzle)):
         pair = key + b"\0" + chance.choice((value, value[:1], b"", b"\xff" * 9)) + b"\0"
         values += struct.pack("<I", chance.choice((len(pair), len(pair), 2**32 - 1)))
         values += pair + b"\0" * (-len(pair) % 4)
@@ -265,34 +292,43 @@ def panorama(chance: random.Random) -> bytes:
 def exr(chance: random.Random) -> bytes:
     """An OpenEXR panorama of many channels, of odd headers, or of blocks that claim to be large."""
     width, height = 64, 32
-    packing = chance.choice((0, 2, 3, 4, 8, 9))  # none, ZIPS, ZIP, PIZ, DWAA, DWAB
-    lines = {0: 1, 2: 1, 3: 16, 4: 32, 8: 32, 9: 256}[packing]
+    # None, RLE, ZIPS, ZIP, PIZ, PXR24, B44, B44A, DWAA, DWAB.
+    packing, lines = chance.choice(tuple(enumerate((1, 1, 1, 16, 32, 16, 32, 32, 32, 256))))
     extra = chance.choice((0, 3, 2000, 20_000))
     deep = packing in (0, 2) and chance.random() < 0.5
-    shown = chance.choice((b"R G B", b"A R G B Z", b"Y", b"Y RY BY", b"G")).split()
+    layers = (b"r g b", b"a.R a.G a.B", b"View.Combined.R View.Combined.G View.Combined.B")
+    shown = chance.choice((b"R G B", b"A R G B Z", b"Y", b"Y RY BY", b"G", *layers)).split()
     names = sorted((*shown, *(b"x%d" % i for i in range(extra))))
     step = chance.choice((1, 2, 2, 2, 0, 3))
     steps = [step if name in (b"RY", b"BY") else 1 for name in names]
-    described = (struct.pack("<iIii", 2, 0, step, step) for step in steps)
+    kind, size = chance.choice(((2, 4), (2, 4), (1, 2), (0, 4)))  # float, half, unsigned
+    described = (struct.pack("<iIii", kind, 0, step, step) for step in steps)
     channels = b"".join(n + b"\0" + d for n, d in zip(names, described, strict=True)) + b"\0"
     if chance.random() < 0.3:
         width = chance.choice(LARGE_PX)
-    box = struct.pack("<4i", 0, 0, width - 1, height - 1)
+    left, top = chance.choice(((0, 0), (0, 0), (-5, 7), (2**31 - 9, 0)))
+    right, low = left + width - 1, top + height - 1
+    box = struct.pack("<4i", left, top, min(right, 2**31 - 1), low)
+    box = chance.choice((box, box, box, struct.pack("<4i", width - 1, height - 1, 0, 0)))
     window = chance.choice((box, box, struct.pack("<4i", *(chance.randrange(-99, 99),) * 4)))
 
     def attribute(name: bytes, kind: bytes, value: bytes) -> bytes:
         return name + b"\0" + kind + b"\0" + struct.pack("<i", len(value)) + value
 
-    head = b"\x76\x2f\x31\x01" + struct.pack("<I", 2 | deep << 11)
+    form = chance.choice((0, 0, 0, 1 << 9, 1 << 12))  # tiles, or several parts
+    head = b"\x76\x2f\x31\x01" + struct.pack("<I", 2 | deep << 11 | form)
     head += attribute(b"channels", b"chlist", channels)
     head += attribute(b"compression", b"compression", bytes((packing,)))
     head += attribute(b"dataWindow", b"box2i", box) + attribute(b"displayWindow", b"box2i", window)
-    head += attribute(b"lineOrder", b"lineOrder", b"\0")
-    head += attribute(b"pixelAspectRatio", b"float", struct.pack("<f", 1))
+    head += attribute(
+        b"lineOrder", b"lineOrder", chance.choice((b"\0", b"\0", b"\1", b"\2", b"\7"))
+    )
+    aspect = chance.choice((1, 1, 1, 2, 0, -1, float("nan")))
+    head += attribute(b"pixelAspectRatio", b"float", struct.pack("<f", aspect))
     head += attribute(b"screenWindowCenter", b"v2f", struct.pack("<2f", 0, 0))
     head += attribute(b"screenWindowWidth", b"float", struct.pack("<f", 1))
-    kind = b"deepscanline" if deep else chance.choice((b"x", b"tiledimage"))
-    head += attribute(b"type", b"string", kind)
+    named = b"deepscanline" if deep else chance.choice((b"x", b"tiledimage"))
+    head += attribute(b"type", b"string", named)
     head += attribute(b"version", b"int", struct.pack("<i", 1))
     if chance.random() < 0.3:
         colors = chance.choice(([0.3] * 8, [1, 0, 0, 1, 0, 0, 1 / 3, 1 / 3], [3e38, -1] * 4))
@@ -301,8 +337,8 @@ def exr(chance: random.Random) -> bytes:
     if deep:
         count = chance.choice((0, 1, 1000, 2**31, 2**32 - 1))
         ends = b"".join(struct.pack("<I", min(i * count, 2**32 - 1)) for i in range(width))
-        samples = bytes(min(1 << 16, 4 * len(names) * width * count))
-        unpacked = chance.choice((len(samples), 4 * len(names) * (width - 1) * count, 1 << 40))
+        samples = bytes(min(1 << 16, size * len(names) * width * count))
+        unpacked = chance.choice((len(samples), size * len(names) * (width - 1) * count, 1 << 40))
         if packing == 2:
             ends, samples = zlib.compress(ends, 9), zlib.compress(samples, 9)
         # The second half of each block's head stands where flat blocks have a length.
@@ -311,20 +347,23 @@ def exr(chance: random.Random) -> bytes:
         sizes = [chance.choice((0, 64, 1 << 24, 1 << 40, 2**63 - 1)) for _ in range(11)]
         data = struct.pack("<11Q", 1, *sizes[1:]) + bytes(64)
     else:
-        data = zlib.compress(bytes(min(16 << 20, 4 * width * lines * len(names))), 9)
+        value = struct.pack("<f", chance.choice((0, 0, 1, -1e-7, float("inf"), float("nan"))))
+        data = value * (min(16 << 20, size * width * lines * len(names)) // 4)
+        data = data[: 1 << 22] if packing == 0 else zlib.compress(data, 9)
     blocks = -(-height // lines)
     start = len(head) + 8 * blocks
     length = b"" if deep else struct.pack("<i", len(data))
     step = 4 + len(length) + len(data)
     table = b"".join(struct.pack("<Q", start + i * step) for i in range(blocks))
-    body = b"".join(struct.pack("<i", i * lines) + length + data for i in range(blocks))
+    body = b"".join(struct.pack("<i", top + i * lines) + length + data for i in range(blocks))
     return head + table + body
 
 
 def hdr(chance: random.Random) -> bytes:
     """A Radiance panorama of odd headers and orders of pixels, packed or not."""
     lines = [chance.choice((b"#?RADIANCE", b"#?RGBE", b"#?AUTOPANO"))]
-    numbers = (b"1", b"0", b"-1", b"1e38", b"nan", b"2 3 4", b"x")
+    numbers = (b"1", b"0", b"-1", b"1e38", b"nan", b"2 3 4", b"1 0 -1", b"x")
+    numbers += (b".708 .292 .17 .797 .131 .046 .3127 .329", b".3 .3 .3 .3 .3 .3 .3 .3")
     keys = (b"EXPOSURE", b"COLORCORR", b"GAMMA", b"PRIMARIES", b"PIXASPECT")
     for key in chance.sample(keys, chance.randrange(len(keys))):
         lines += [key + b"= " + chance.choice(numbers)] * chance.choice((1, 1, 300))

@@ -89,9 +89,27 @@ PARTS = {
         r"/(materials|textures|images|samplers|cameras|animations|extensions)",
         ("materials", "textures", "cameras", "lights", "animations", "variants"),
     ),
+    "scenes and nodes": (
+        r"/scene|/scenes/\d+(/nodes(/\d+)?)?"
+        r"|/nodes/\d+(/(mesh|skin|matrix|translation|rotation|scale|(children|weights)(/\d+)?"
+        r"|extensions/EXT_mesh_gpu_instancing(/attributes(/\w+)?)?))?",
+        None,
+    ),
+    "meshes": (
+        r"/meshes/\d+(/primitives(/\d+(/(mode|indices|attributes(/(POSITION|(JOINTS|WEIGHTS)_0))?"
+        r"|targets(/\d+(/POSITION)?)?|extensions/\w+_(draco|meshopt)_\w+(/\w+)?))?)?)?",
+        None,
+    ),
+    "skins": (r"/skins/\d+(/(joints(/\d+)?|inverseBindMatrices))?", None),
+    "buffers": (
+        r"/(accessors|bufferViews|buffers)/\d+(/(count|byteOffset|byteLength|byteStride|buffer"
+        r"|bufferView|componentType|type|uri|sparse(/\w+)?))?",
+        None,
+    ),
+    "lists of geometry": (r"/(nodes|meshes|skins|accessors|bufferViews|buffers|scenes)", None),
 }
-"""Kinds of parts that a file shows everything else without: pattern of their JSON pointers, and
-counts that may change with them."""
+"""Kinds of parts, by patterns of their JSON pointers. A file shows everything else without them,
+but for the counts; without counts (geometry, skins, transforms) it may also be refused by name."""
 _USER = re.compile(
     r"/meshes/\d+/primitives/\d+/(indices|(attributes|targets/\d+)/\w+)|/nodes/.*/attributes/\w+"
     r"|/skins/\d+/inverseBindMatrices|/animations/\d+/samplers/\d+/(input|output)"

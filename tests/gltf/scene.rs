@@ -392,4 +392,10 @@ fn files_of_another_spelling_are_named() {
     assert_eq!(error.help.as_deref(), Some("it is there as \"Wood.PNG\""));
     let errors = load_scene(&scene(&folder.0, "M.glb")).expect_err("another name");
     assert_eq!(errors[0].help.as_deref(), Some("it is there as \"m.glb\""));
+    let mut doc = Doc::triangle();
+    doc.json["buffers"][0]["uri"] = "lost.bin".into();
+    folder.write("m.gltf", doc.json.to_string());
+    let errors = load_scene(&scene(&folder.0, "m.gltf")).expect_err("no buffer");
+    let help = errors[0].help.as_deref();
+    assert_eq!(help, Some("copy it there: a .gltf is handed on with the files that it names"));
 }

@@ -24,7 +24,8 @@ const MOST_COMPARED: usize = 20_000;
 /// Least number of rays that must meet two surfaces at once.
 const FEWEST: usize = 4;
 
-/// Warnings about pairs of instances of different materials whose surfaces coincide where these hits of a view are.
+/// Warnings about pairs of instances of different materials whose surfaces coincide where these hits of a view are, and
+/// about copies at one place.
 pub fn lint(scene: &Scene, rays: &ViewRays, hits: &[Option<(Ray, RayHit)>]) -> Vec<Diagnostic> {
     let mut counts: BTreeMap<[usize; 2], usize> = BTreeMap::new();
     let bounds: Vec<_> = rays
@@ -44,8 +45,12 @@ pub fn lint(scene: &Scene, rays: &ViewRays, hits: &[Option<(Ray, RayHit)>]) -> V
     let found = counts.into_iter().filter(|(_, count)| *count >= FEWEST);
     let found = found.map(|(pair, _)| {
         let [a, b] = pair.map(|i| rays.world.instances[i].name.as_str());
-        let message =
-            format!("surfaces of \"{a}\" and \"{b}\" are in one place, so that spots of both show");
+        let [first, second] = pair.map(|i| &rays.world.instances[i]);
+        let seen = match first.material == second.material {
+            true => "one of them is not seen",
+            false => "spots of both show",
+        };
+        let message = format!("surfaces of \"{a}\" and \"{b}\" are in one place, so that {seen}");
         let help = format!(
             "move one of them by 0.001 m or more, such as by its `translation`, or remove \"{b}\""
         );
@@ -64,8 +69,8 @@ pub fn lint(scene: &Scene, rays: &ViewRays, hits: &[Option<(Ray, RayHit)>]) -> V
     found.collect()
 }
 
-/// Another instance, of another material, whose surface is where a ray meets the surface of the first; `bounds` has
-/// the bounds of all instances.
+/// Another instance, of another material or a copy, whose surface is where a ray meets the surface of the first;
+/// `bounds` has the bounds of all instances.
 fn second(rays: &ViewRays, bounds: &[Bounds], hit: &RayHit, direction: DVec3) -> Option<usize> {
     let world = rays.world;
     let point = rays.point(hit, direction);
@@ -80,8 +85,10 @@ fn second(rays: &ViewRays, bounds: &[Bounds], hit: &RayHit, direction: DVec3) ->
         .position(|(index, other)| {
             let mesh = &world.meshes[other.mesh];
             let bounds = &bounds[index];
+            let is_copy =
+                other.mesh == first.mesh && other.world_from_object == first.world_from_object;
             let is_candidate = index != point.instance
-                && other.material != first.material
+                && (other.material != first.material || is_copy)
                 && other.shown.visible
                 && !mesh.at_least_a_pixel
                 && bounds.min.as_dvec3().cmple(point.position + near).all()

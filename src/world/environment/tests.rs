@@ -93,19 +93,17 @@ fn headers_of_radiance_files_are_applied() {
         ),
         (
             "PRIMARIES=.708 .292 .17 .797 .131 .046 .3127 .329\n",
-            [1.0; 3],
+            [1.3485, 0.8796, 0.8447], // (1, 0.5, 0.25) of Rec. 2020 in Rec. 709, by ITU-R BT.2087
             None,
         ),
         ("SOFTWARE=x\nmade by hand\n", [1.0; 3], None),
     ] {
         let header = format!("#?RGBE\n{lines}\n-Y 2 +X 3\n");
-        let (colors, warnings) = shown(&radiance(&header, &white));
-        let near = |(a, b): (f32, f32)| (a - b).abs() < 2e-3;
-        assert!(
-            colors[3].into_iter().zip(expected).all(near),
-            "{lines} {:?}",
-            colors[3]
-        );
+        let (colors, warnings) = shown(&radiance(&header, &[[128, 64, 32]; 6]));
+        let [r, g, b] = colors[3];
+        let gains = [r, 2.0 * g, 4.0 * b].into_iter().zip(expected);
+        let is_near = gains.clone().all(|(a, b)| (a - b).abs() < 2e-3);
+        assert!(is_near, "{lines} {gains:?}");
         assert_eq!(warnings, Vec::from_iter(name), "{lines}");
     }
     let xyz = "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 2 +X 3\n";

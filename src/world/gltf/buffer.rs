@@ -68,6 +68,15 @@ pub fn read(
     Ok(buffers)
 }
 
+/// The fault of a lost file with the advice to bring it along.
+fn with_help(mut fault: Fault) -> Fault {
+    if fault.name == "file-not-found" {
+        let help = "copy it there: a .gltf is handed on with the files that it names";
+        fault.help.get_or_insert_with(|| help.to_owned());
+    }
+    fault
+}
+
 fn read_one(
     buffer: &schema::Buffer,
     chunk: Option<Bytes>,
@@ -79,7 +88,7 @@ fn read_one(
         None => chunk,
         Some(uri::Target::Data(bytes)) => Some(Bytes::new(bytes)),
         Some(uri::Target::Relative(name)) => {
-            let path = sandbox.resolve(folder, &name)?;
+            let path = sandbox.resolve(folder, &name).map_err(with_help)?;
             let place = || format!("\"{}\"", uri::shorten(&name));
             let bytes = sandbox.read(&path).map_err(|f| f.placed(&place()))?;
             files.push(path);
