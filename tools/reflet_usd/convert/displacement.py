@@ -12,7 +12,7 @@ from .polygons import Polygons
 from .scene import Array
 from .sources import Constant, Source, TextureRead
 from .surface import Surface
-from .texture import is_srgb, srgb_to_linear
+from .texture import between, is_srgb, srgb_to_linear
 
 _MOST_SIZES = 1000.0
 """Longest displacement, in sizes of the mesh."""
@@ -90,26 +90,5 @@ def _sampled(packer: Packer, read: TextureRead, surface: Surface, corners: Array
     texels = values[::-1, :, part.channel]  # the first row is the lowest
     if is_srgb(read, file) and part.channel < 3:
         texels = srgb_to_linear(texels)
-    (left, right, across), (low, high, up) = (
-        _neighbors(st[:, axis], size, read.wrap[axis])
-        for axis, size in enumerate(texels.shape[::-1])
-    )
-    below = texels[low, left] * (1.0 - across) + texels[low, right] * across
-    above = texels[high, left] * (1.0 - across) + texels[high, right] * across
-    return np.asarray((below * (1.0 - up) + above * up) * part.scale + part.bias)
-
-
-def _neighbors(place: Array, size: int, wrap: str) -> tuple[Array, Array, Array]:
-    """Texels before and after places along an axis, and the share of the texel after."""
-    place = np.nan_to_num(place) * size - 0.5
-    first = np.floor(place)
-    pair = [_wrapped(first.astype(np.int64) + step, size, wrap) for step in (0, 1)]
-    return pair[0], pair[1], place - first
-
-
-def _wrapped(texel: Array, size: int, wrap: str) -> Array:
-    if wrap == "repeat":
-        return texel % size
-    if wrap == "mirror":
-        return np.minimum(texel % (2 * size), 2 * size - 1 - texel % (2 * size))
-    return np.clip(texel, 0, size - 1)
+    found = between(texels[..., None], (st[:, 0], st[:, 1]), read.wrap)[:, 0]
+    return np.asarray(found * part.scale + part.bias)

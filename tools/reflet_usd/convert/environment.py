@@ -13,7 +13,7 @@ from .gltf_writer import GltfWriter
 from .light_losses import light_value
 from .scene import Array
 from .sources import TextureRead
-from .texture import ImageFile, TextureLibrary, is_srgb, srgb_to_linear
+from .texture import ImageFile, TextureLibrary, between, is_srgb, srgb_to_linear
 
 MOST_ACROSS = 4096
 """Pixels across of the widest panorama; larger ones are averaged."""
@@ -128,7 +128,8 @@ def _radiance(dome: Dome, around: Array) -> Array:
     inside /= np.linalg.norm(inside, axis=-1, keepdims=True)
     # Axes of the texture, seen from within: to the right, up, and towards its middle.
     place = _PLACES.get(dome.layout, _latlong)(-inside[..., 0], inside[..., 1], inside[..., 2])
-    return _between(dome.pixels, *place, dome.layout == "latlong") * dome.radiance
+    wraps = ("repeat" if dome.layout == "latlong" else "clamp", "clamp")
+    return between(dome.pixels, place, wraps) * dome.radiance
 
 
 def _latlong(right: Array, up: Array, ahead: Array) -> tuple[Array, Array]:
@@ -173,20 +174,3 @@ _PLACES = {
     "mirroredBall": _disk(lambda angle: np.sin(angle / 2.0)),
     "cubeMapVerticalCross": _cross,
 }
-
-
-def _between(pixels: Array, x: Array, y: Array, wraps: bool) -> Array:
-    """Pixels at places 0 to 1 across and down, between the four nearest."""
-    height, width = pixels.shape[:2]
-    x, y = x * width - 0.5, y * height - 0.5
-    left, above = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)
-    across, down = (x - left)[..., None], (y - above)[..., None]
-
-    def at(column: Array, row: Array) -> Array:
-        column = column % width if wraps else np.clip(column, 0, width - 1)
-        return pixels[np.clip(row, 0, height - 1), column]
-
-    upper = at(left, above) * (1.0 - across) + at(left + 1, above) * across
-    lower = at(left, above + 1) * (1.0 - across) + at(left + 1, above + 1) * across
-    result: Array = upper * (1.0 - down) + lower * down
-    return result

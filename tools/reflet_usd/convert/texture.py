@@ -226,3 +226,33 @@ def linear_to_srgb(linear: Array) -> Array:
     return np.where(
         positive <= 0.0031308, positive * 12.92, 1.055 * positive ** (1.0 / 2.4) - 0.055
     )
+
+
+def between(texels: Array, places: tuple[Array, Array], wraps: tuple[str, str]) -> Array:
+    """Texels (height, width, n) at places across and along the rows, between the four nearest.
+
+    A place is 0 where the first texel begins, and 1 where the last one ends.
+    """
+    (left, right, across), (low, high, up) = (
+        _neighbors(place, size, wrap)
+        for place, size, wrap in zip(places, texels.shape[1::-1], wraps, strict=True)
+    )
+    first = texels[low, left] * (1.0 - across) + texels[low, right] * across
+    last = texels[high, left] * (1.0 - across) + texels[high, right] * across
+    return np.asarray(first * (1.0 - up) + last * up)
+
+
+def _neighbors(place: Array, size: int, wrap: str) -> tuple[Array, Array, Array]:
+    """Texels before and after places along an axis, and the share of the texel after."""
+    place = np.nan_to_num(place) * size - 0.5
+    first = np.floor(place)
+    pair = [_wrapped(first.astype(np.int64) + step, size, wrap) for step in (0, 1)]
+    return pair[0], pair[1], (place - first)[..., None]
+
+
+def _wrapped(texel: Array, size: int, wrap: str) -> Array:
+    if wrap == "repeat":
+        return texel % size
+    if wrap == "mirror":
+        return np.minimum(texel % (2 * size), 2 * size - 1 - texel % (2 * size))
+    return np.clip(texel, 0, size - 1)
