@@ -9,9 +9,9 @@ from collections.abc import Callable
 
 from pxr import Usd, UsdShade
 
-from .network import NetworkReader, numbers
+from .network import NetworkReader
 from .source_arithmetic import Numbers, affine, mixed, product, widened
-from .sources import Constant, Source, UnfitError
+from .sources import Constant, Source, UnfitError, numbers
 
 _BLACK, _WHITE, _GRAY = (0.0,) * 3, (1.0,) * 3, (0.8,) * 3
 _GLTF = "ND_gltf_pbr_surfaceshader"

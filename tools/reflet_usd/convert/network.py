@@ -9,7 +9,7 @@ from pxr import Sdf, Usd, UsdShade
 from .context import Context
 from .node_values import NodeValues
 from .pattern import SIDE, pattern
-from .sources import Constant, Part, PrimvarRead, Source, TextureRead, UnfitError, UvRead
+from .sources import Constant, Part, PrimvarRead, Source, TextureRead, UnfitError, UvRead, numbers
 from .texture_coordinates import coordinates
 
 _CHANNELS = {"r": (0,), "g": (1,), "b": (2,), "a": (3,), "rgb": (0, 1, 2), "rgba": (0, 1, 2)}
@@ -253,16 +253,3 @@ def _all_finite(value: Any) -> bool:
 def _pair(values: tuple[float, ...]) -> tuple[float, float]:
     """The first two values; a missing second one is the first."""
     return values[0], values[1] if len(values) > 1 else values[0]
-
-
-def numbers(value: Any) -> tuple[float, ...] | None:
-    """A number or short vector as floats; None for anything else or when not finite."""
-    if value is None or isinstance(value, (str, Sdf.AssetPath)):
-        return None
-    try:
-        array = np.atleast_1d(np.array(value, dtype=np.float64)).ravel()
-    except (TypeError, ValueError):
-        return None
-    if not 1 <= array.size <= 4 or not np.isfinite(array).all():
-        return None
-    return tuple(float(number) for number in array)

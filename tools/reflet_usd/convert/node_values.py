@@ -25,7 +25,7 @@ from .source_arithmetic import (
     total,
     widened,
 )
-from .sources import Constant, Part, PrimvarRead, Source, TextureRead, UnfitError
+from .sources import Constant, Part, PrimvarRead, Source, TextureRead, UnfitError, numbers
 from .texture_coordinates import coordinates
 
 if TYPE_CHECKING:
@@ -95,8 +95,8 @@ class NodeValues:
         if not attributes:
             return Constant(default)
         if UsdShade.Utils.GetType(attributes[0].GetName()) == UsdShade.AttributeType.Input:
-            found = self.reader.value(node, name, None)
-            return widened(_constant(found, default), len(default))
+            found = numbers(self.reader.value(node, name, None))
+            return widened(Constant(found or default), len(default))
         space = shader_input.GetAttr().GetColorSpace()
         return widened(self.output(attributes[0], space), len(default))
 
@@ -122,7 +122,7 @@ class NodeValues:
         while (more := _TYPE.search(operation)) is not None:  # the other types of a conversion
             operation = operation[: more.start()]
         if operation in _IMAGES:
-            return self._image(node, operation, kind, output, color_space)
+            return self._image(node, operation, kind, width, output, color_space)
         if operation in _ONE_NUMBER:
             function = _ONE_NUMBER[operation]
             return mapped(node, function, self.constant(node, "in", (0.0,) * width))
@@ -134,15 +134,20 @@ class NodeValues:
         return method(self, node, width, kind, output)
 
     def _image(
-        self, node: UsdShade.Shader, operation: str, kind: str, output: str, color_space: str
+        self,
+        node: UsdShade.Shader,
+        operation: str,
+        kind: str,
+        width: int,
+        output: str,
+        color_space: str,
     ) -> Source:
         file_input = node.GetInput("file")
         asset = self.reader.value(node, "file", None)
         if not isinstance(asset, Sdf.AssetPath):
             asset = Sdf.AssetPath("")
-        is_color = operation == "gltf_colorimage" or "_color" in kind
-        encoded = self._encoding(node, file_input, color_space) if is_color else "raw"
-        width = 4 if operation == "gltf_colorimage" else _width_of(kind)
+        encoded = self._encoding(node, file_input, color_space) if "_color" in kind else "raw"
+        width = 4 if operation == "gltf_colorimage" else width
         fallback = self.constant(node, "default", (0.0,) * width)
         wrap = [str(self.reader.value(node, f"{axis}addressmode", "periodic")) for axis in "uv"]
         image = TextureRead(
@@ -344,18 +349,3 @@ _OPERATIONS: dict[str, Callable[[NodeValues, UsdShade.Shader, int, str, str], So
     "subtract": NodeValues._subtract,
     "swizzle": NodeValues._swizzle,
 }
-
-
-def _width_of(kind: str) -> int:
-    found = _TYPE.search(kind)
-    return WIDTHS.get(found[1], 1) if found else 1
-
-
-def _constant(value: object, default: Numbers) -> Constant:
-    try:
-        array = np.array(value, dtype=np.float64).reshape(-1)
-    except (TypeError, ValueError):
-        return Constant(default)
-    if not 1 <= array.size <= 4 or not np.isfinite(array).all():
-        return Constant(default)
-    return Constant(tuple(array.tolist()))

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
-from pxr import UsdShade
+import numpy as np
+from pxr import Sdf, UsdShade
 
 
 @dataclass(frozen=True)
@@ -85,3 +87,16 @@ class UnfitError(Exception):
     def __init__(self, node: UsdShade.Shader, message: str) -> None:
         super().__init__(message)
         self.node = node
+
+
+def numbers(value: Any) -> tuple[float, ...] | None:
+    """A number or short vector as floats; None for anything else or when not finite."""
+    if value is None or isinstance(value, (str, Sdf.AssetPath)):
+        return None
+    try:
+        array = np.atleast_1d(np.array(value, dtype=np.float64)).ravel()
+    except (TypeError, ValueError):
+        return None
+    if not 1 <= array.size <= 4 or not np.isfinite(array).all():
+        return None
+    return tuple(float(number) for number in array)
