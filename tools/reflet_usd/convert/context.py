@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from pxr import Sdf, Usd, UsdGeom
+from pxr import Sdf, Usd, UsdGeom, UsdShade
 
 from .confinement import Files
 from .ledger import Ledger
@@ -109,3 +109,13 @@ def source_path(prim: Usd.Prim) -> str:
     """The prim's path, in the shared prototype where the prim is part of a native instance."""
     source = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
     return str(source.GetPath())
+
+
+def producer(node: UsdShade.Shader, name: str) -> tuple[Usd.Attribute | None, bool]:
+    """The attribute that gives an input's value, if any, and whether it is a node's output."""
+    shader_input = node.GetInput(name)
+    attributes = shader_input.GetValueProducingAttributes() if shader_input else []
+    if not attributes:
+        return None, False
+    kind = UsdShade.Utils.GetType(attributes[0].GetName())
+    return attributes[0], kind == UsdShade.AttributeType.Output

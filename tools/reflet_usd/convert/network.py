@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from pxr import Sdf, Usd, UsdShade
 
-from .context import Context
+from .context import Context, producer
 from .node_values import NodeValues
 from .pattern import SIDE, pattern
 from .sources import Constant, Part, PrimvarRead, Source, TextureRead, UnfitError, UvRead, numbers
@@ -49,20 +49,15 @@ class NetworkReader:
         shader_input = shader.GetInput(name)
         if not shader_input:
             return None
-        attributes = shader_input.GetValueProducingAttributes()
-        if not attributes:
+        attribute, is_output = producer(shader, name)
+        if attribute is None:
             if shader_input.HasConnectedSource():
                 message = f"'{name}' is connected to nothing that exists"
                 self.context.ledger.warn("shader-connection-invalid", shader.GetPrim(), message)
             return None
-        attribute = attributes[0]
-        if UsdShade.Utils.GetType(attribute.GetName()) == UsdShade.AttributeType.Input:
-            return self._constant(attribute)
-        return self._node(shader, name, attribute)
-
-    def _constant(self, attribute: Usd.Attribute) -> Constant | None:
-        value = self.read(attribute)
-        found = numbers(value)
+        if is_output:
+            return self._node(shader, name, attribute)
+        found = numbers(self.read(attribute))
         return None if found is None else Constant(found)
 
     def _node(self, shader: UsdShade.Shader, name: str, attribute: Usd.Attribute) -> Source | None:
@@ -108,15 +103,8 @@ class NetworkReader:
 
     def value(self, shader: UsdShade.Shader, name: str, fallback: Any) -> Any:
         """A plain input value, followed through material interfaces."""
-        shader_input = shader.GetInput(name)
-        if not shader_input:
-            return fallback
-        attributes = shader_input.GetValueProducingAttributes()
-        if not attributes:
-            return fallback
-        if UsdShade.Utils.GetType(attributes[0].GetName()) != UsdShade.AttributeType.Input:
-            return fallback
-        value = self.read(attributes[0])
+        attribute, is_output = producer(shader, name)
+        value = None if attribute is None or is_output else self.read(attribute)
         return fallback if value is None else value
 
     def read(self, attribute: Usd.Attribute) -> Any:
@@ -183,16 +171,14 @@ class NetworkReader:
         transforms = 0
         passed = {node.GetPath()}
         for _ in range(_MAX_TRANSFORMS):
-            shader_input = node.GetInput(name)
-            attributes = shader_input.GetValueProducingAttributes() if shader_input else []
-            if not attributes:
-                if transforms == 0 and not shader_input:
+            attribute, is_output = producer(node, name)
+            if attribute is None:
+                if transforms == 0 and not node.GetInput(name):
                     message = "'st' is not connected, taken as the primvar 'st'"
                     self.context.ledger.warn("uv-assumed", node.GetPrim(), message)
                     return uv
                 return replace(uv, primvar="")
-            attribute = attributes[0]
-            if UsdShade.Utils.GetType(attribute.GetName()) == UsdShade.AttributeType.Input:
+            if not is_output:
                 found = numbers(self.read(attribute)) or (0.0, 0.0)
                 return replace(uv, primvar="", fallback=_pair(found))
             source, node = node, UsdShade.Shader(attribute.GetPrim())

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pxr import Sdf, Usd, UsdShade
 
+from .context import producer
 from .source_arithmetic import (
     Numbers,
     affine,
@@ -90,15 +91,14 @@ class NodeValues:
 
     def input(self, node: UsdShade.Shader, name: str, default: Numbers) -> Source:
         """Value of a node's input, as wide as `default`; raises UnfitError."""
-        shader_input = node.GetInput(name)
-        attributes = shader_input.GetValueProducingAttributes() if shader_input else []
-        if not attributes:
+        attribute, is_output = producer(node, name)
+        if attribute is None:
             return Constant(default)
-        if UsdShade.Utils.GetType(attributes[0].GetName()) == UsdShade.AttributeType.Input:
+        if not is_output:
             found = numbers(self.reader.value(node, name, None))
             return widened(Constant(found or default), len(default))
-        space = shader_input.GetAttr().GetColorSpace()
-        return widened(self.output(attributes[0], space), len(default))
+        space = node.GetInput(name).GetAttr().GetColorSpace()
+        return widened(self.output(attribute, space), len(default))
 
     def constant(self, node: UsdShade.Shader, name: str, default: Numbers) -> Numbers:
         """Value of a node's input that must be constant; raises UnfitError."""
@@ -142,11 +142,10 @@ class NodeValues:
         output: str,
         color_space: str,
     ) -> Source:
-        file_input = node.GetInput("file")
         asset = self.reader.value(node, "file", None)
         if not isinstance(asset, Sdf.AssetPath):
             asset = Sdf.AssetPath("")
-        encoded = self._encoding(node, file_input, color_space) if "_color" in kind else "raw"
+        encoded = self._encoding(node, color_space) if "_color" in kind else "raw"
         width = 4 if operation == "gltf_colorimage" else width
         fallback = self.constant(node, "default", (0.0,) * width)
         wrap = [str(self.reader.value(node, f"{axis}addressmode", "periodic")) for axis in "uv"]
@@ -170,10 +169,10 @@ class NodeValues:
             return picked(node, read, (3,) if output == "outa" else (0, 1, 2))
         return read
 
-    def _encoding(self, node: UsdShade.Shader, file_input: UsdShade.Input, color_space: str) -> str:
+    def _encoding(self, node: UsdShade.Shader, color_space: str) -> str:
         """Whether texels of a color are sRGB or linear; other color spaces give a warning."""
-        attributes = file_input.GetValueProducingAttributes() if file_input else []
-        named = color_space or (attributes[0].GetColorSpace() if attributes else "")
+        attribute, _ = producer(node, "file")
+        named = color_space or ("" if attribute is None else attribute.GetColorSpace())
         lower = named.lower()
         if lower in ("", "raw", "none", "auto", "data") or lower.startswith(
             ("lin_rec709", "lin_srgb")

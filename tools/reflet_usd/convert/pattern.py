@@ -13,6 +13,7 @@ import numpy as np
 from PIL import Image
 from pxr import Usd, UsdShade
 
+from .context import producer
 from .node_values import PLACES, WIDTHS, NodeValues
 from .scene import Array
 from .sources import Part, TextureRead, UnfitError, UvRead
@@ -143,11 +144,9 @@ class _Rows:
         return found
 
     def _input(self, node: UsdShade.Shader, name: str, default: float, width: int) -> Array:
-        entry = node.GetInput(name)
-        attributes = entry.GetValueProducingAttributes() if entry else []
-        kind = UsdShade.Utils.GetType(attributes[0].GetName()) if attributes else None
-        if kind == UsdShade.AttributeType.Output:
-            found = self.output(attributes[0])
+        attribute, is_output = producer(node, name)
+        if is_output:
+            found = self.output(attribute)
         else:
             found = np.array([self.values.constant(node, name, (default,) * width)], np.float32)
         if found.shape[1] not in (1, width):

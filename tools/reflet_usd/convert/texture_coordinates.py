@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pxr import UsdShade
 
-from .context import in_float32
+from .context import in_float32, producer
 from .scene import Array
 from .sources import UnfitError, UvRead
 
@@ -78,15 +78,13 @@ def _followed(
 ) -> tuple[UvRead, Array]:
     """The UV set behind a node's coordinates, and the transform from it; raises UnfitError."""
     for _ in range(_MOST_STEPS):
-        attributes = []
-        if shader_input := node.GetInput(name):
-            attributes = shader_input.GetValueProducingAttributes()
-        if not attributes:
+        attribute, is_output = producer(node, name)
+        if attribute is None:
             return UvRead(), matrix
-        if UsdShade.Utils.GetType(attributes[0].GetName()) == UsdShade.AttributeType.Input:
+        if not is_output:
             fixed = values.constant(node, name, (0.0, 0.0))
             return UvRead(primvar="", fallback=(fixed[0], fixed[1])), matrix
-        node = UsdShade.Shader(attributes[0].GetPrim())
+        node = UsdShade.Shader(attribute.GetPrim())
         values.reader.visit(node)
         kind = str(node.GetIdAttr().Get() or "").removeprefix("ND_")
         end = end_of_coordinates(values, node, kind)
