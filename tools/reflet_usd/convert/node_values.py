@@ -185,42 +185,42 @@ class NodeValues:
             return taken
         return "sRGB"
 
-    def _constant(self, node: UsdShade.Shader, width: int, _kind: str, _output: str) -> Source:
+    def _node_constant(self, node: UsdShade.Shader, width: int, *_: str) -> Source:
         return Constant(self.constant(node, "value", (0.0,) * width))
 
-    def _dot(self, node: UsdShade.Shader, width: int, _kind: str, _output: str) -> Source:
+    def _node_dot(self, node: UsdShade.Shader, width: int, *_: str) -> Source:
         return self.input(node, "in", (0.0,) * width)
 
-    def _add(self, node: UsdShade.Shader, width: int, _kind: str, _output: str) -> Source:
+    def _node_add(self, node: UsdShade.Shader, width: int, *_: str) -> Source:
         pair = (self.input(node, name, (0.0,) * width) for name in ("in1", "in2"))
         return total(node, *pair)
 
-    def _subtract(self, node: UsdShade.Shader, width: int, _kind: str, _output: str) -> Source:
+    def _node_subtract(self, node: UsdShade.Shader, width: int, *_: str) -> Source:
         first, last = (self.input(node, name, (0.0,) * width) for name in ("in1", "in2"))
         return total(node, first, affine(node, last, (-1.0,) * width, (0.0,) * width))
 
-    def _multiply(self, node: UsdShade.Shader, width: int, _kind: str, _output: str) -> Source:
+    def _node_multiply(self, node: UsdShade.Shader, width: int, *_: str) -> Source:
         first = self.input(node, "in1", (0.0,) * width)
         return product(node, first, self.input(node, "in2", (1.0,) * width))
 
-    def _divide(self, node: UsdShade.Shader, width: int, _kind: str, _output: str) -> Source:
+    def _node_divide(self, node: UsdShade.Shader, width: int, *_: str) -> Source:
         divisor = self.constant(node, "in2", (1.0,) * width)
         if 0.0 in divisor:
             raise UnfitError(node, "it divides by 0")
         factors = tuple(1.0 / number for number in divisor)
         return affine(node, self.input(node, "in1", (0.0,) * width), factors, (0.0,) * width)
 
-    def _invert(self, node: UsdShade.Shader, width: int, _kind: str, _output: str) -> Source:
+    def _node_invert(self, node: UsdShade.Shader, width: int, *_: str) -> Source:
         amount = self.constant(node, "amount", (1.0,) * width)
         return affine(node, self.input(node, "in", (0.0,) * width), (-1.0,) * width, amount)
 
-    def _contrast(self, node: UsdShade.Shader, width: int, _kind: str, _output: str) -> Source:
+    def _node_contrast(self, node: UsdShade.Shader, width: int, *_: str) -> Source:
         amount = self.constant(node, "amount", (1.0,) * width)
         pivot = self.constant(node, "pivot", (0.5,) * width)
         bias = tuple(p - p * a for p, a in zip(pivot, amount, strict=True))
         return affine(node, self.input(node, "in", (0.0,) * width), amount, bias)
 
-    def _remap(self, node: UsdShade.Shader, width: int, _kind: str, _output: str) -> Source:
+    def _node_remap(self, node: UsdShade.Shader, width: int, *_: str) -> Source:
         names = {"inlow": 0.0, "inhigh": 1.0, "outlow": 0.0, "outhigh": 1.0}
         low, high, out_low, out_high = (
             np.array(self.constant(node, name, (default,) * width))
@@ -232,15 +232,15 @@ class NodeValues:
         source = self.input(node, "in", (0.0,) * width)
         return affine(node, source, tuple(scale.tolist()), tuple((out_low - low * scale).tolist()))
 
-    def _range(self, node: UsdShade.Shader, width: int, kind: str, output: str) -> Source:
+    def _node_range(self, node: UsdShade.Shader, width: int, *_: str) -> Source:
         if set(self.constant(node, "gamma", (1.0,) * width)) != {1.0}:
             raise UnfitError(node, "its 'gamma' is not 1")
         ends = {*self.constant(node, "outlow", (0.0,)), *self.constant(node, "outhigh", (1.0,))}
         if self.reader.value(node, "doclamp", False) and not ends <= {0.0, 1.0}:
             raise UnfitError(node, "it clamps to other values than 0 and 1")
-        return self._remap(node, width, kind, output)
+        return self._node_remap(node, width)
 
-    def _clamp(self, node: UsdShade.Shader, width: int, _kind: str, _output: str) -> Source:
+    def _node_clamp(self, node: UsdShade.Shader, width: int, *_: str) -> Source:
         low = self.constant(node, "low", (0.0,) * width)
         high = self.constant(node, "high", (1.0,) * width)
         source = self.input(node, "in", (0.0,) * width)
@@ -250,18 +250,18 @@ class NodeValues:
             raise UnfitError(node, "it clamps a texture to other values than 0 and 1")
         return source
 
-    def _mix(self, node: UsdShade.Shader, width: int, kind: str, _output: str) -> Source:
+    def _node_mix(self, node: UsdShade.Shader, width: int, *_: str) -> Source:
         ground, figure = (self.input(node, name, (0.0,) * width) for name in ("bg", "fg"))
         return mixed(node, ground, figure, self.input(node, "mix", (0.0,) * width))
 
-    def _normalmap(self, node: UsdShade.Shader, _width: int, _kind: str, _output: str) -> Source:
+    def _node_normalmap(self, node: UsdShade.Shader, _width: int, kind: str, *_: str) -> Source:
         x, y = (self.constant(node, "scale", (1.0,)) * 2)[:2]
-        if "vector2" in _kind:
+        if "vector2" in kind:
             x, y = self.constant(node, "scale", (1.0, 1.0))
         texel = self.input(node, "in", (0.5, 0.5, 1.0))
         return affine(node, texel, (2.0 * x, 2.0 * y, 2.0), (-x, -y, -1.0))
 
-    def _convert(self, node: UsdShade.Shader, width: int, kind: str, _output: str) -> Source:
+    def _node_convert(self, node: UsdShade.Shader, width: int, kind: str, *_: str) -> Source:
         given = re.match(r"convert_(\w+?)_", kind)
         count = WIDTHS.get(given[1], 1) if given else 1
         source = self.input(node, "in", (0.0,) * count)
@@ -273,19 +273,21 @@ class NodeValues:
         end = Constant((1.0 if "color4" in kind[-6:] else 0.0,) * (width - count))
         return joined(node, [source, end])
 
-    def _extract(self, node: UsdShade.Shader, width: int, _kind: str, _output: str) -> Source:
+    def _node_extract(self, node: UsdShade.Shader, width: int, *_: str) -> Source:
         index = int(self.constant(node, "index", (0.0,))[0])
         if not 0 <= index < width:
             raise UnfitError(node, f"its index {index} is not there")
         return picked(node, self.input(node, "in", (0.0,) * width), (index,))
 
-    def _separate(self, node: UsdShade.Shader, width: int, _kind: str, output: str) -> Source:
+    def _node_separate2(self, node: UsdShade.Shader, width: int, _kind: str, output: str) -> Source:
         place = PLACES.get(output.removeprefix("out"))
         if place is None or place >= width:
             raise UnfitError(node, f"its output '{output}' is not there")
         return picked(node, self.input(node, "in", (0.0,) * width), (place,))
 
-    def _swizzle(self, node: UsdShade.Shader, _width: int, kind: str, _output: str) -> Source:
+    _node_separate3 = _node_separate4 = _node_separate2
+
+    def _node_swizzle(self, node: UsdShade.Shader, _width: int, kind: str, *_: str) -> Source:
         given = re.match(r"swizzle_(\w+?)_", kind)
         count = WIDTHS.get(given[1], 1) if given else 1
         source = self.input(node, "in", (0.0,) * count)
@@ -299,17 +301,19 @@ class NodeValues:
             raise UnfitError(node, "it names no channels")
         return joined(node, chosen)
 
-    def _combine(self, node: UsdShade.Shader, width: int, kind: str, _output: str) -> Source:
+    def _node_combine2(self, node: UsdShade.Shader, width: int, kind: str, *_: str) -> Source:
         widths = {"color4CF": (3, 1), "vector4VF": (3, 1), "vector4VV": (2, 2)}
         counts = next((w for end, w in widths.items() if kind.endswith(end)), (1,) * width)
         parts = [self.input(node, f"in{n + 1}", (0.0,) * count) for n, count in enumerate(counts)]
         return joined(node, parts)
 
-    def _geompropvalue(self, node: UsdShade.Shader, width: int, _kind: str, _output: str) -> Source:
+    _node_combine3 = _node_combine4 = _node_combine2
+
+    def _node_geompropvalue(self, node: UsdShade.Shader, width: int, *_: str) -> Source:
         name = str(self.reader.value(node, "geomprop", ""))
         return PrimvarRead(name, self.constant(node, "default", (0.0,) * width))
 
-    def _geomcolor(self, _node: UsdShade.Shader, _width: int, _kind: str, _output: str) -> Source:
+    def _node_geomcolor(self, *_: object) -> Source:
         return PrimvarRead("displayColor", None)
 
     def _two_numbers(self, node: UsdShade.Shader, operation: str, width: int) -> Source:
@@ -322,29 +326,10 @@ class NodeValues:
         return mapped(node, _TWO_NUMBERS[operation], first.value, last)
 
 
+_PREFIX = "_node_"
 _OPERATIONS: dict[str, Callable[[NodeValues, UsdShade.Shader, int, str, str], Source]] = {
-    "add": NodeValues._add,
-    "clamp": NodeValues._clamp,
-    "combine2": NodeValues._combine,
-    "combine3": NodeValues._combine,
-    "combine4": NodeValues._combine,
-    "constant": NodeValues._constant,
-    "contrast": NodeValues._contrast,
-    "convert": NodeValues._convert,
-    "divide": NodeValues._divide,
-    "dot": NodeValues._dot,
-    "extract": NodeValues._extract,
-    "geomcolor": NodeValues._geomcolor,
-    "geompropvalue": NodeValues._geompropvalue,
-    "invert": NodeValues._invert,
-    "mix": NodeValues._mix,
-    "multiply": NodeValues._multiply,
-    "normalmap": NodeValues._normalmap,
-    "range": NodeValues._range,
-    "remap": NodeValues._remap,
-    "separate2": NodeValues._separate,
-    "separate3": NodeValues._separate,
-    "separate4": NodeValues._separate,
-    "subtract": NodeValues._subtract,
-    "swizzle": NodeValues._swizzle,
+    name.removeprefix(_PREFIX): method
+    for name, method in vars(NodeValues).items()
+    if name.startswith(_PREFIX)
 }
+"""Methods by the node's name, which follows the prefix in theirs."""
