@@ -12,12 +12,8 @@ from numpy.typing import NDArray
 MOST_PIXELS = 2**26
 """Maximum number of pixels; a pixel of four 32-bit channels takes 16 bytes."""
 _MOST_CHANNELS = 16
-_MAGIC = b"\x76\x2f\x31\x01"
-
-
-def is_exr(data: bytes) -> bool:
-    """Whether a file is OpenEXR, by its first bytes."""
-    return data.startswith(_MAGIC)
+MAGIC = b"\x76\x2f\x31\x01"
+"""First bytes of OpenEXR files."""
 
 
 def read_exr(data: bytes) -> NDArray[np.float32]:

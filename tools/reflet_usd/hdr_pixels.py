@@ -5,12 +5,10 @@ import re
 import numpy as np
 from numpy.typing import NDArray
 
-from .exr_pixels import MOST_PIXELS, is_exr, read_exr
+from .exr_pixels import MAGIC, MOST_PIXELS, read_exr
 
-
-def is_hdr(data: bytes) -> bool:
-    """Whether a file is Radiance HDR, by its first bytes."""
-    return data.startswith(b"#?")
+_MAGIC = b"#?"
+"""First bytes of Radiance HDR files."""
 
 
 def read_floats(data: bytes) -> NDArray[np.float32] | None:
@@ -18,9 +16,9 @@ def read_floats(data: bytes) -> NDArray[np.float32] | None:
 
     Raises ValueError for files that cannot be read.
     """
-    if is_exr(data):
+    if data.startswith(MAGIC):
         return read_exr(data)
-    return read_hdr(data) if is_hdr(data) else None
+    return read_hdr(data) if data.startswith(_MAGIC) else None
 
 
 def read_hdr(data: bytes) -> NDArray[np.float32]:

@@ -89,7 +89,7 @@ def add_environment(context: Context, writer: GltfWriter) -> int | None:
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     stream = io.BytesIO()
     OpenEXR.File(header, {"RGB": sky.astype(kind)}).write(stream)
-    return writer.add_bytes(stream.getvalue())
+    return writer.add_view(stream.getvalue())
 
 
 _Z_UP_TO_Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])

@@ -77,7 +77,7 @@ class GltfWriter:
         if key in self._known:
             return self._known[key]
         entry: dict[str, Any] = {
-            "bufferView": self._add_view(data, target, _stride(array, target)),
+            "bufferView": self.add_view(data, target, _stride(array, target)),
             "componentType": _COMPONENT_TYPES[array.dtype.char],
             "count": int(array.shape[0]),
             "type": _SHAPES[array.shape[1:]],
@@ -91,16 +91,12 @@ class GltfWriter:
         """Store an encoded image (PNG or JPEG) once and return its index."""
         key = ("image", hashlib.sha256(data).digest())
         if key not in self._known:
-            view = self._add_view(data, None, None)
-            entry = {"bufferView": view, "mimeType": mime_type, "name": name}
+            entry = {"bufferView": self.add_view(data), "mimeType": mime_type, "name": name}
             self._known[key] = self.add("images", entry)
         return self._known[key]
 
-    def add_bytes(self, data: bytes) -> int:
-        """Store bytes that no part of glTF refers to and return their buffer view."""
-        return self._add_view(data, None, None)
-
-    def _add_view(self, data: bytes, target: int | None, stride: int | None) -> int:
+    def add_view(self, data: bytes, target: int | None = None, stride: int | None = None) -> int:
+        """Store bytes and return their buffer view."""
         padding = -self._size % 4
         if padding:
             self._chunks.append(b"\0" * padding)
