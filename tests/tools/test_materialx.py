@@ -133,6 +133,14 @@ def test_arithmetic_of_one_texture_is_carried(tmp_path: Path, graph: str) -> Non
     assert "baseColorTexture" in entry["pbrMetallicRoughness"]
 
 
+def test_modulo_takes_whole_parts_away(tmp_path: Path) -> None:
+    number = '<input name="in1" type="color3" value="-0.25, 0.25, 1.5" />'
+    nodes = f'<modulo name="x" type="color3">{number}</modulo>' + output("color3", "x")
+    done = convert(tmp_path, document(surface(base_color="color3 @o"), nodes))
+    color = material(done)["pbrMetallicRoughness"]["baseColorFactor"]
+    assert color[:3] == pytest.approx([0.75, 0.25, 0.5])
+
+
 PLACES = {
     "place2d": text_of("materialx/place2d.mtlx"),
     "chain": text_of("materialx/chain.mtlx"),

@@ -7,6 +7,7 @@ value is neither, such as a noise, is named by a warning.
 from __future__ import annotations
 
 import math
+import operator
 import re
 from collections.abc import Callable
 from typing import TYPE_CHECKING
@@ -52,7 +53,7 @@ _ONE_NUMBER: dict[str, Callable[[float], float]] = {
 _TWO_NUMBERS: dict[str, Callable[[float, float], float]] = {
     "max": max,
     "min": min,
-    "modulo": math.fmod,
+    "modulo": operator.mod,
     "power": math.pow,
 }
 
@@ -318,7 +319,8 @@ class NodeValues:
 
     def _two_numbers(self, node: UsdShade.Shader, operation: str, width: int) -> Source:
         first = self.input(node, "in1", (0.0,) * width)
-        last = self.constant(node, "in2", (1.0 if operation == "power" else 0.0,) * width)
+        neutral = 1.0 if operation in ("modulo", "power") else 0.0
+        last = self.constant(node, "in2", (neutral,) * width)
         if operation == "power" and set(last) == {1.0}:
             return first
         if not isinstance(first, Constant):
