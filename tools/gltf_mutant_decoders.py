@@ -362,7 +362,7 @@ def exr(chance: random.Random) -> bytes:
 def hdr(chance: random.Random) -> bytes:
     """A Radiance panorama of odd headers and orders of pixels, packed or not."""
     lines = [chance.choice((b"#?RADIANCE", b"#?RGBE", b"#?AUTOPANO"))]
-    numbers = (b"1", b"0", b"-1", b"1e38", b"nan", b"2 3 4", b"1 0 -1", b"x")
+    numbers: tuple[bytes, ...] = (b"1", b"0", b"-1", b"1e38", b"nan", b"2 3 4", b"1 0 -1", b"x")
     numbers += (b".708 .292 .17 .797 .131 .046 .3127 .329", b".3 .3 .3 .3 .3 .3 .3 .3")
     keys = (b"EXPOSURE", b"COLORCORR", b"GAMMA", b"PRIMARIES", b"PIXASPECT")
     for key in chance.sample(keys, chance.randrange(len(keys))):
