@@ -21,6 +21,7 @@ from .scene import Array
 
 _STEPS = 4
 """Samples of each time code where values turn or accelerate."""
+_MOST_KEYS = 6_000
 _MOST_VALUES = 4_000_000
 _LINEAR, _ANGULAR = ("velocities", "accelerations"), ("angularVelocities", "")
 _MOVERS = {
@@ -64,7 +65,8 @@ class _Moved:
         first_sample = self.codes[0]
         for first, last in itertools.pairwise([start, *self.codes, end]):
             steps = math.ceil((last - first) * _STEPS) if bends else int(first < last)
-            if (len(found) + steps) * self.values[0].size > _MOST_VALUES:
+            count = len(found) + steps
+            if count > _MOST_KEYS or count * self.values[0].size > _MOST_VALUES:
                 return []
             step = 1.0 / _STEPS if bends else last - first
             origin = first if first >= first_sample else first_sample - steps * step

@@ -178,7 +178,7 @@ def codes_between(stage: Usd.Stage, codes: list[float], count: int) -> list[floa
     Empty where no value may vary over time: that asks USD itself, which also knows of splines and
     of value clips.
     """
-    if not any(attribute.ValueMightBeTimeVarying() for attribute in _placed_attributes(stage)):
+    if not any(_may_vary(attribute) for attribute in _placed_attributes(stage)):
         return []
     start, end = stated_codes(stage)
     low = min(codes, default=0.0) if start is None else start
@@ -190,7 +190,13 @@ def may_move(stage: Usd.Stage) -> bool:
     """Whether any value of the stage may vary over time."""
     roots = (stage.GetPseudoRoot(), *stage.GetPrototypes())
     prims = (prim for root in roots for prim in Usd.PrimRange(root))
-    return any(a.ValueMightBeTimeVarying() for prim in prims for a in prim.GetAuthoredAttributes())
+    return any(_may_vary(a) for prim in prims for a in prim.GetAuthoredAttributes())
+
+
+def _may_vary(attribute: Usd.Attribute) -> bool:
+    """Whether a value may vary over time, or moves others by a single sample."""
+    moves = attribute.GetName() in ("velocities", "angularVelocities")
+    return bool(attribute.ValueMightBeTimeVarying() or moves and attribute.GetNumTimeSamples())
 
 
 def codes_in_splines(stage: Usd.Stage) -> list[float]:
