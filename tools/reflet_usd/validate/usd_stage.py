@@ -196,7 +196,7 @@ def may_move(stage: Usd.Stage) -> bool:
 def _may_vary(attribute: Usd.Attribute) -> bool:
     """Whether a value may vary over time, or moves others by a single sample."""
     moves = attribute.GetName() in ("velocities", "angularVelocities")
-    return bool(attribute.ValueMightBeTimeVarying() or moves and attribute.GetNumTimeSamples())
+    return bool(attribute.ValueMightBeTimeVarying() or (moves and attribute.GetNumTimeSamples()))
 
 
 def codes_in_splines(stage: Usd.Stage) -> list[float]:
