@@ -145,10 +145,15 @@ fn reflections_show_lights_with_a_size_unless_they_hide() {
         .replace("none", "ray");
     let numbered = |n| point.replace("light.lamp", &format!("light.p{n}"));
     let two = [rect, surface].concat();
+    // Both once more below the floor, turned away and hidden, so that shown and hidden lights share their pipelines.
+    let unseen = (hide(&two).replace("[0, 5,", "[0, -5,"))
+        .replace("light.rect", "light.unseen")
+        .replace("glow", "unseen");
     let many: String = (0..70).map(numbered).chain([two.clone()]).collect();
     for (lights, method) in [(&two, "hybrid"), (&two, "path"), (&many, "rt")] {
-        let [shown, hidden] =
-            [lights, &hide(lights)].map(|lights| of("reflectivity = 0", lights, method));
+        let [shown, hidden] = [lights.clone(), hide(lights)]
+            .map(|lights| lights + &*unseen)
+            .map(|lights| of("reflectivity = 0", &lights, method));
         let is_lit = shown.0.as_flattened().iter().all(|&b| b > 1.0) && shown.1 > 0.01;
         assert!(is_lit, "{method} {lights}: {shown:?}");
         assert_eq!(hidden.0, [[0.0; 2]; 2], "{method} {lights}");
