@@ -76,6 +76,8 @@ const FURNACE: &str = include_str!("cutoff/furnace.toml");
 #[test]
 fn no_light_is_lost_at_the_cutoff() {
     let Some(gpu) = gpu() else { return };
+    // Glass with a coat that is out of sight, so that floors of all kinds share their pipelines.
+    let text = [FURNACE, include_str!("cutoff/unseen.toml")].concat();
     let kinds = [
         ("material.floor.reflectivity=0.5", "roughness"),
         ("material.floor.transmission=1", "roughness"),
@@ -84,12 +86,7 @@ fn no_light_is_lost_at_the_cutoff() {
     for (kind, key) in kinds {
         let of = |roughness: &str| {
             let own = format!("material.floor.{key}={roughness}");
-            mean(&render(
-                gpu,
-                FURNACE,
-                &["image.samples=16", kind, &own],
-                &[],
-            ))[0]
+            mean(&render(gpu, &text, &["image.samples=16", kind, &own], &[]))[0]
         };
         let at = of("0.2");
         assert_close(of("0.199"), at, 0.01);
