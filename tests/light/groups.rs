@@ -95,8 +95,7 @@ fn groups_add_up_in_fog_and_with_many_lamps() {
 #[test]
 fn a_changed_renderer_shows_the_same_group() {
     let gpu = or_skip!(gpu());
-    let text = LIT.replace("model = \"sign\"\n", "model = \"sign\"\ndynamic = true\n");
-    let (desc, first) = scene(&text, &["reflection.diffuse_bounces=0"]);
+    let (desc, first) = scene(LIT, &[]);
     let mut turned = first.clone();
     let place = &mut turned.instances[3].world_from_object;
     *place *= Affine3A::from_rotation_y(0.7);
@@ -121,7 +120,7 @@ fn a_changed_renderer_shows_the_same_group() {
 
 #[test]
 fn a_group_is_the_light_of_its_lights_alone() {
-    let set = ["image.samples=24", "image.size=[24, 14]"];
+    let set = ["image.samples=24"];
     let Some(gpu) = gpu() else { return };
     // Lights that are dark but not off need the same pipelines.
     let dark = [
