@@ -31,10 +31,9 @@ fn assert_agreement(material: &str, cutoffs: &[&str]) {
     let text = grid(material);
     for cutoff in cutoffs {
         let set = [
-            format!("reflection.roughness_cutoff={cutoff}"),
-            "reflection.method=rt".to_owned(),
+            &*format!("reflection.roughness_cutoff={cutoff}"),
+            "reflection.method=rt",
         ];
-        let set = set.each_ref().map(String::as_str);
         let (desc, world) = scene(&text, &set);
         let picture = render(gpu, &text, &set, &[Aov::Cause]);
         let causes = integers(&picture, Aov::Cause);

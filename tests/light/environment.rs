@@ -203,11 +203,7 @@ fn samples_of_a_panorama_converge_to_its_irradiance() {
     let expected = irradiance_over_pi([128, 64]).map(|e| 0.5 * e);
     // Limits for the mean over all pixels, which few samples suffice for, and for single pixels, which need many.
     for (samples, together, alone) in [("4", 0.15, 10.0), ("64", 0.03, 0.5), ("512", 0.01, 0.1)] {
-        let set = [
-            format!("image.samples={samples}"),
-            "image.light_rays=1".to_owned(),
-        ];
-        let set: Vec<&str> = set.iter().map(String::as_str).collect();
+        let set = [&*format!("image.samples={samples}"), "image.light_rays=1"];
         let picture = render_under("sunny", [128, 64], sunny, &text, &set);
         let Some(picture) = picture else { return };
         for (c, expected) in expected.into_iter().enumerate() {
@@ -272,14 +268,13 @@ fn a_rough_metal_in_a_furnace_shows_its_directional_albedo() {
             for angle_deg in [5.0_f64, 60.0] {
                 let (sine, cosine) = angle_deg.to_radians().sin_cos();
                 let set = [
-                    format!("material.metal.roughness={roughness}"),
-                    format!("camera.main.eye=[{}, {}, 0]", 3.0 * sine, 3.0 * cosine),
-                    "camera.main.target=[0, 0, 0]".to_owned(),
-                    "camera.main.fov_deg=1".to_owned(),
-                    "image.samples=32".to_owned(),
-                    format!("reflection.method={method}"),
+                    &*format!("material.metal.roughness={roughness}"),
+                    &format!("camera.main.eye=[{}, {}, 0]", 3.0 * sine, 3.0 * cosine),
+                    "camera.main.target=[0, 0, 0]",
+                    "camera.main.fov_deg=1",
+                    "image.samples=32",
+                    &format!("reflection.method={method}"),
                 ];
-                let set: Vec<&str> = set.iter().map(String::as_str).collect();
                 let found = mean(&render(gpu, text, &set, &[]))[0];
                 let number = roughness.parse().unwrap_or(0.0);
                 assert_close(found, directional_albedo(cosine, number) as f32, 0.01);

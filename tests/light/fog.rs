@@ -243,11 +243,10 @@ fn beams_end_where_things_block_the_light() {
         + include_str!("fog/beams_end_where_things_block_the_light.toml");
     let of = |shadow: &str, spot_cd: f32| {
         let set = [
-            format!("light.l.shadow={shadow}"),
-            format!("light.s.shadow={shadow}"),
-            format!("light.s.intensity_cd={spot_cd}"),
+            &*format!("light.l.shadow={shadow}"),
+            &format!("light.s.shadow={shadow}"),
+            &format!("light.s.intensity_cd={spot_cd}"),
         ];
-        let set = set.each_ref().map(String::as_str);
         render(
             gpu,
             &text,

@@ -274,12 +274,11 @@ fn a_clear_coat_reflects_like_glass_and_takes_that_from_below() {
     let text = wall_and(&thing(PANE, coat));
     for (roughness, samples) in [(0.0, 1), (0.5, 64)] {
         let set = [
-            format!("material.thing.clearcoat_roughness={roughness}"),
-            format!("image.samples={samples}"),
-            "environment.color=[1, 1, 1]".to_owned(),
-            "reflection.roughness_cutoff=1".to_owned(),
+            &*format!("material.thing.clearcoat_roughness={roughness}"),
+            &format!("image.samples={samples}"),
+            "environment.color=[1, 1, 1]",
+            "reflection.roughness_cutoff=1",
         ];
-        let set: Vec<&str> = set.iter().map(String::as_str).collect();
         let found = mean(&render(gpu, &text, &set, &[]));
         let lobe = directional_albedo(1.0, roughness) as f32;
         assert_close(found[0], 0.04 * lobe, 0.05);

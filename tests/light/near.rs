@@ -77,10 +77,9 @@ fn check_scales(more: &str, method: &str, visibility: &str, scales: &[f64]) {
     let Some(gpu) = gpu() else { return };
     let of = |scale: f64| {
         let set = [
-            format!("reflection.method={method}"),
-            format!("image.visibility={visibility}"),
+            &*format!("reflection.method={method}"),
+            &format!("image.visibility={visibility}"),
         ];
-        let set = set.each_ref().map(String::as_str);
         let text = scaled(&STAGE.replace("MORE", more), scale);
         render(gpu, &text, &set, &[])
     };

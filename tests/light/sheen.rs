@@ -206,15 +206,14 @@ fn reflections_show_sheen_and_tints_too() {
         ("hybrid", "70", "[64, 64]"),
     ] {
         let set = [
-            format!("reflection.method={method}"),
-            format!("camera.main.fov_deg={fov}"),
-            format!("image.size={size}"),
-            "camera.main.eye=[3, 3, 0]".to_owned(),
-            "camera.main.up=[0, 1, 0]".to_owned(),
-            "camera.main.target=[-3, 1, 0]".to_owned(),
-            "image.samples=64".to_owned(),
+            &*format!("reflection.method={method}"),
+            &format!("camera.main.fov_deg={fov}"),
+            &format!("image.size={size}"),
+            "camera.main.eye=[3, 3, 0]",
+            "camera.main.up=[0, 1, 0]",
+            "camera.main.target=[-3, 1, 0]",
+            "image.samples=64",
         ];
-        let set: Vec<&str> = set.iter().map(String::as_str).collect();
         let picture = render(gpu, &text, &set, &[]);
         // The middle lies between pixels.
         let half = picture.size[0] / 2;

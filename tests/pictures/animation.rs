@@ -1,12 +1,15 @@
 //! Pictures of animated files: moving objects and their reflections, independence of frames, and
 //! bare models.
 
-use std::{path::PathBuf, process::Command};
+use std::path::PathBuf;
 
 use glam::{Quat, camera::rh};
 use reflet::{scene::desc::CameraDesc, world::load};
 
-use crate::{common::animated::write_arm, kit::*};
+use crate::{
+    common::{animated::write_arm, program::exits},
+    kit::*,
+};
 
 const SCENE: &str = include_str!("animation/scene.toml");
 
@@ -127,15 +130,8 @@ fn materials_of_files_change_over_time() {
 /// Runs `reflet render`, returns standard error.
 #[track_caller]
 fn render(folder: &Path, arguments: &[&str], code: i32) -> String {
-    let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
-        .current_dir(folder)
-        .arg("render")
-        .args(arguments)
-        .output()
-        .expect("the program starts");
-    let text = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {text}");
-    text
+    let [_, said] = exits(folder, [&["render"], arguments].concat(), code);
+    said
 }
 
 #[test]

@@ -205,12 +205,11 @@ fn tone_curves_are_those_of_their_papers() {
     ] {
         for (name, curve) in &curves {
             let set = [
-                format!("material.lamp.emission={emission:?}"),
-                format!("image.tone_map=\"{name}\""),
-                "image.exposure_ev=0.5".to_owned(),
-                "reflection.method=\"rt\"".to_owned(),
+                &*format!("material.lamp.emission={emission:?}"),
+                &format!("image.tone_map=\"{name}\""),
+                "image.exposure_ev=0.5",
+                "reflection.method=\"rt\"",
             ];
-            let set: Vec<&str> = set.iter().map(String::as_str).collect();
             let picture = render(gpu, MIRROR, &set, &[]);
             let expected = curve(emission.map(|v: f32| v * 2f32.sqrt())).map(|v| srgb(v) * 255.0);
             let at = 4 * (8 * 33 + 16);

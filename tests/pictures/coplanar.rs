@@ -21,10 +21,9 @@ fn the_lower_of_coplanar_instances_is_shown_by_pixels_and_rays() {
     for text in [FLOORS.to_owned(), moving("first"), moving("second")] {
         for (method, visibility) in [("rt", "raster"), ("rt", "rays"), ("hybrid", "raster")] {
             let set = [
-                format!("reflection.method={method}"),
-                format!("image.visibility={visibility}"),
+                &*format!("reflection.method={method}"),
+                &format!("image.visibility={visibility}"),
             ];
-            let set = set.each_ref().map(String::as_str);
             let picture = render(gpu, &text, &set, &[Aov::Ids, Aov::HitIds]);
             for aov in [Aov::Ids, Aov::HitIds] {
                 let mut counts = [0; 3];

@@ -70,11 +70,10 @@ fn a_march_to_the_border_takes_the_steps_that_its_length_says() {
 fn facing_mirrors_visit_one_node_a_bounce() {
     for bounces in [1u64, 5] {
         let set = [
-            "reflection.method=rt".to_owned(),
-            format!("reflection.bounces={bounces}"),
-            "image.samples=2".to_owned(),
+            "reflection.method=rt",
+            &format!("reflection.bounces={bounces}"),
+            "image.samples=2",
         ];
-        let set: Vec<&str> = set.iter().map(String::as_str).collect();
         let (_, _, counts) = or_skip!(counted(FACING, &set));
         let trace = counts_of(&counts, "trace");
         let rays = 2 * 81 * bounces; // sub-frames × pixels × bounces

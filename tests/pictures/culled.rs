@@ -13,11 +13,10 @@ fn the_march_stops_at_surfaces_that_the_camera_culls() {
     for (text, visibility) in [(CULLED, "raster"), (CULLED, "rays"), (&moving, "raster")] {
         let of = |method: &str| {
             let set = [
-                "image.size=[160, 90]".to_owned(),
-                format!("image.visibility={visibility}"),
-                format!("reflection.method={method}"),
+                "image.size=[160, 90]",
+                &format!("image.visibility={visibility}"),
+                &format!("reflection.method={method}"),
             ];
-            let set = set.each_ref().map(String::as_str);
             render(gpu, text, &set, &[Aov::HitIds])
         };
         let (hybrid, rt) = (of("hybrid"), of("rt"));

@@ -236,11 +236,7 @@ fn mirrors_and_all_methods_show_decals() {
     );
     let Some(gpu) = gpu() else { return };
     for method in ["hybrid", "rt", "ssr", "path"] {
-        let set = [
-            format!("reflection.method={method}"),
-            "image.samples=4".into(),
-        ];
-        let set: Vec<_> = set.iter().map(String::as_str).collect();
+        let set = [&*format!("reflection.method={method}"), "image.samples=4"];
         let picture = render(gpu, &text, &set, &[]);
         // Emission shows the decal itself on the wall, and its image as far below the mirror as it is above.
         let lit = |rows: std::ops::Range<u32>| {

@@ -89,10 +89,9 @@ fn what_is_written_is_kept_and_nothing_stays_auto() {
     for method in ["ssr", "rt", "hybrid", "auto"] {
         for visibility in ["raster", "rays", "auto"] {
             let set = [
-                format!("reflection.method={method}"),
-                format!("image.visibility={visibility}"),
+                &*format!("reflection.method={method}"),
+                &format!("image.visibility={visibility}"),
             ];
-            let set: Vec<&str> = set.iter().map(String::as_str).collect();
             let found = decided(BALLS, &set, true);
             let options = found.options;
             let name = options.reflection.method.name();

@@ -16,11 +16,10 @@ fn odd_tiny_and_wide_pictures_render() {
     ];
     for (size, (method, visibility)) in sizes.iter().flat_map(|size| ways.map(|way| (size, way))) {
         let set = [
-            format!("image.size={size}"),
-            format!("reflection.method={method}"),
-            format!("image.visibility={visibility}"),
+            &*format!("image.size={size}"),
+            &format!("reflection.method={method}"),
+            &format!("image.visibility={visibility}"),
         ];
-        let set = set.each_ref().map(String::as_str);
         let picture = render(gpu, BALL, &set, &[Aov::Cause, Aov::Reflectance]);
         assert_eq!(
             picture.color.len(),
@@ -76,11 +75,10 @@ fn a_camera_inside_or_on_a_mirror_gives_finite_pixels() {
     for eye in ["[0, 0, 0]", "[0, 0, 1.001]", "[0, 0, 0.999]"] {
         for method in ["ssr", "rt", "hybrid"] {
             let set = [
-                format!("camera.main.eye={eye}"),
-                "camera.main.target=[0.1, 0.2, -5]".to_owned(),
-                format!("reflection.method={method}"),
+                &*format!("camera.main.eye={eye}"),
+                "camera.main.target=[0.1, 0.2, -5]",
+                &format!("reflection.method={method}"),
             ];
-            let set: Vec<&str> = set.iter().map(String::as_str).collect();
             let picture = render(gpu, BALL, &set, &[]);
             assert!(
                 picture.color.iter().all(|v| v.is_finite()),

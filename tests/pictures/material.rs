@@ -196,11 +196,10 @@ fn a_highlight_is_that_of_ggx() {
              position = [1.5, 0.5, 2]\nintensity_cd = 40\nshadow = \"none\"\n"
         );
         let set = [
-            format!("material.wall.roughness={roughness}"),
-            format!("material.wall.reflectivity={reflectivity}"),
-            "material.wall.reflection=\"none\"".to_owned(),
+            &*format!("material.wall.roughness={roughness}"),
+            &format!("material.wall.reflectivity={reflectivity}"),
+            "material.wall.reflection=\"none\"",
         ];
-        let set: Vec<&str> = set.iter().map(String::as_str).collect();
         let picture = render(gpu, &text, &set, &[]);
         let mut brightest = 0f32;
         for (x, y) in [(2, 3), (24, 20), (30, 18), (38, 16), (45, 35)] {

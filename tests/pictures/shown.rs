@@ -63,10 +63,9 @@ fn what_casts_no_shadow_is_not_in_the_way_of_light() {
     let Some(gpu) = gpu() else { return };
     for shadow in ["map", "ray"] {
         let set = [
-            format!("light.lamp.shadow={shadow}"),
-            "reflection.method=rt".into(),
+            &*format!("light.lamp.shadow={shadow}"),
+            "reflection.method=rt",
         ];
-        let set = set.each_ref().map(String::as_str);
         let lit = |text: &str| {
             let picture = render(gpu, text, &set, &[Aov::Radiance, Aov::Ids]);
             let ids = integers(&picture, Aov::Ids).chunks(2);
