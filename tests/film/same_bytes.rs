@@ -25,13 +25,9 @@ fn files_of(
                 }
             });
         }
-        let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
-            .current_dir(folder)
-            .args(arguments)
-            .env("NODEVICE_SELECT", "1")
+        let output = reflet(folder, arguments)
             .env("RAYON_NUM_THREADS", threads.to_string())
             .env("LP_NUM_THREADS", threads.to_string())
-            .stdin(Stdio::null())
             .output();
         done.store(true, Ordering::Relaxed);
         let output = output.expect("the program starts");

@@ -1,8 +1,9 @@
 //! Missing buffers: an error only where data is read from them.
 
-use std::process::Command;
-
-use crate::kit::*;
+use crate::{
+    common::program::{exits, reflet, texts},
+    kit::*,
+};
 
 /// A triangle in a `.gltf` file whose only data is in the second buffer; the first has neither a URI nor
 /// data.
@@ -60,14 +61,8 @@ fn messages_about_a_bare_model_name_its_file_alone() {
     let folder = Folder::new();
     let mut doc = Doc::triangle();
     let check = |options: &[&str]| {
-        let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
-            .current_dir(&folder.0)
-            .args(["check", "m.glb"])
-            .args(options)
-            .output()
-            .expect("the program starts");
-        let all = [output.stdout, output.stderr].concat();
-        String::from_utf8_lossy(&all).into_owned()
+        let mut command = reflet(&folder.0, "check m.glb");
+        texts(&command.args(options).output().expect("the program starts")).concat()
     };
     // An error of the file and an error of the scene text: the light has a direction and no position.
     doc.json["extensionsRequired"] = json!(["EXT_unheard_of"]);
@@ -109,23 +104,13 @@ fn a_model_that_shows_nothing_is_no_picture() {
         let folder = Folder::new();
         folder.write("m.glb", doc.glb());
         // All commands refuse the file, with one message about that.
-        for arguments in [
-            &["render", "m.glb", "-o", "picture.png"][..],
-            &["check", "m.glb"],
-            &["info", "m.glb"],
-        ] {
-            let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
-                .current_dir(&folder.0)
-                .args(arguments)
-                .output()
-                .expect("the program starts");
-            let text = String::from_utf8_lossy(&output.stderr);
-            assert_eq!(output.status.code(), Some(3), "{arguments:?}: {text}");
+        for line in ["render m.glb -o picture.png", "check m.glb", "info m.glb"] {
+            let [_, text] = exits(&folder.0, line, 3);
             assert!(
                 text.contains("nothing-to-show") && text.contains(said),
-                "{arguments:?}: {text}"
+                "{line}: {text}"
             );
-            assert!(!text.contains("model-empty"), "{arguments:?}: {text}");
+            assert!(!text.contains("model-empty"), "{line}: {text}");
         }
         assert!(!folder.0.join("picture.png").exists());
     }

@@ -397,5 +397,8 @@ fn files_of_another_spelling_are_named() {
     folder.write("m.gltf", doc.json.to_string());
     let errors = load_scene(&scene(&folder.0, "m.gltf")).expect_err("no buffer");
     let help = errors[0].help.as_deref();
-    assert_eq!(help, Some("copy it there: a .gltf is handed on with the files that it names"));
+    assert_eq!(
+        help,
+        Some("copy it there: a .gltf is handed on with the files that it names")
+    );
 }

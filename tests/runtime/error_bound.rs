@@ -1,10 +1,9 @@
 //! Numbers of sub-frames that an error bound takes: `samples = { error = … }`.
 
-use std::{fs, path::Path, process::Command};
+use std::{fs, path::Path};
 
 use super::{open, with_set};
-use crate::common::folder::kept_folder;
-use crate::common::{assert_says, gpu_or_skip};
+use crate::common::{assert_says, folder::kept_folder, gpu_or_skip, program::exits};
 
 /// A wide lamp behind a post, whose shadow is soft: every sub-frame is grainy. The lamp turns up in the second frame.
 const SCENE: &str = include_str!("error_bound/scene.toml");
@@ -63,15 +62,8 @@ fn the_error_is_within_the_bound_and_the_count_makes_the_same_picture() {
     );
 }
 
-fn reflet(folder: &Path, args: &[&str]) -> String {
-    let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
-        .current_dir(folder)
-        .args(["render", "scene.toml"])
-        .args(args)
-        .output()
-        .expect("the program starts");
-    let said = String::from_utf8(output.stderr).expect("text");
-    assert!(output.status.success(), "{said}");
+fn render(folder: &Path, args: &[&str]) -> String {
+    let [_, said] = exits(folder, [&["render", "scene.toml"], args].concat(), 0);
     said
 }
 
@@ -80,10 +72,10 @@ fn files_hold_the_count_of_each_frame_alone() {
     or_skip!(gpu_or_skip());
     let folder = folder("files");
     let read = |name: &str| fs::read(folder.join(name)).expect(name);
-    let said = reflet(&folder, &["-o", "bound.png"]);
+    let said = render(&folder, &["-o", "bound.png"]);
     let (count, rest) = said.split_once(" samples, error ").expect(&said);
     assert!(rest.contains("(`error = 0.006`)"), "{said}");
-    reflet(&folder, &["-o", "counted.png", "--samples", count]);
+    render(&folder, &["-o", "counted.png", "--samples", count]);
     assert!(read("bound.png") == read("counted.png"));
     let is_named =
         |bytes: &[u8], text: &str| bytes.windows(text.len()).any(|w| w == text.as_bytes());
@@ -93,14 +85,14 @@ fn files_hold_the_count_of_each_frame_alone() {
     ));
 
     // The second frame is brighter, so the same share of grain is a larger error.
-    reflet(&folder, &["-o", "all.#.png", "--frames", "0-1"]);
-    reflet(&folder, &["-o", "alone.#.png", "--frames", "1"]);
+    render(&folder, &["-o", "all.#.png", "--frames", "0-1"]);
+    render(&folder, &["-o", "alone.#.png", "--frames", "1"]);
     assert!(read("all.1.png") == read("alone.1.png"));
     let first = format!("reflet-samples\0{count}");
     assert!(is_named(&read("all.0.png"), &first) && !is_named(&read("all.1.png"), &first));
 
     let bound = "image.samples={ error = 0.0005, at_most = 18 }";
-    let said = reflet(
+    let said = render(
         &folder,
         &["-o", "short.#.png", "--frames", "1", "--set", bound],
     );

@@ -5,11 +5,9 @@ mod error_bound;
 use std::{
     fs,
     path::{Path, PathBuf},
-    process::Command,
 };
 
-use crate::common::folder::kept_folder;
-use crate::common::{assert_says, gpu_or_skip};
+use crate::common::{assert_says, folder::kept_folder, gpu_or_skip, program::exits};
 use reflet::{
     gpu::GpuError,
     render::PlaneData,
@@ -118,12 +116,11 @@ fn a_changed_session_renders_what_a_new_one_does() {
 fn session_and_command_line_write_the_same_pixels() {
     or_skip!(gpu_or_skip());
     let folder = folder("command-line");
-    let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
-        .current_dir(&folder)
-        .args(["render", "scene.toml", "--output", "out.png"])
-        .args(["--set", "image.samples=2"])
-        .output();
-    assert!(output.expect("the program starts").status.success());
+    exits(
+        &folder,
+        "render scene.toml --output out.png --set image.samples=2",
+        0,
+    );
     let written = image::open(folder.join("out.png")).expect("a picture");
     let mut session = open(&folder, &with_set(&["image.samples=2"])).expect("it opens");
     let picture = session.render(&[]).expect("it renders");

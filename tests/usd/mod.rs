@@ -121,13 +121,8 @@ fn what_a_conversion_could_not_read_is_read_when_it_can_be() {
     place.write("sub/more.usda", &more);
     let part = said(&place.check(&tool, "sub/more.usda"));
     assert!(is_plain(&part) && part.contains("warning[usd]"), "{part}");
-    let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
-        .args(["info", "--assets"])
-        .arg(&place.0)
-        .arg(place.0.join("sub/main.usda"))
-        .env("REFLET_USD", &tool)
-        .env("REFLET_CACHE", place.0.join("cache"))
-        .output();
+    let mut command = place.command(&tool, "sub/main.usda");
+    let output = command.arg("--assets").arg(&place.0).output();
     let allowed = said(&output.expect("reflet runs"));
     assert!(allowed.contains("triangles   2 placed"), "{allowed}");
     let again = said(&place.check(&tool, "sub/main.usda"));

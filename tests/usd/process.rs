@@ -60,11 +60,7 @@ impl Workplace {
     }
 
     fn start(&self, tool: &Path) -> Child {
-        Command::new(env!("CARGO_BIN_EXE_reflet"))
-            .arg("info")
-            .arg(self.0.join("quad.usda"))
-            .env("REFLET_USD", tool)
-            .env("REFLET_CACHE", self.0.join("cache"))
+        self.command(tool, "quad.usda")
             .stdout(Stdio::null())
             .stderr(Stdio::piped())
             .spawn()

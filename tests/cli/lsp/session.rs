@@ -1,10 +1,11 @@
 //! A session of an editor with the language server, from the first mistake to the saved files.
 
-use std::{fs, process::Command};
+use std::fs;
 
 use serde_json::{Value, json};
 
 use super::Client;
+use crate::common::program::exits;
 
 const SCENE: &str = "version = 1\ninclude = \"parts.toml\"\n[environment]\ncolor = [0.5, 0.5, 0.5]\n[model.ball]\n\
                      shape = { kind = \"sphere\" }\nmaterial = \"bras\"\n[[instance]]\nmodel=\"ball\" # the only one\n";
@@ -136,11 +137,6 @@ fn a_scene_is_mended_completed_renamed_formatted_and_saved() {
         let saved = editor.document(name);
         editor.client.tell("textDocument/didSave", saved);
     }
-    let checked = Command::new(env!("CARGO_BIN_EXE_reflet"))
-        .args(["check", "--no-project"])
-        .arg(editor.client.folder.join("scene.toml"))
-        .output()
-        .expect("it runs");
-    assert!(checked.status.success(), "{checked:?}");
+    exits(&editor.client.folder, "check --no-project scene.toml", 0);
     editor.client.end();
 }

@@ -4,13 +4,16 @@ mod lamps;
 mod meant;
 mod probes;
 
-use crate::common::assert_says;
-use crate::common::folder::kept_folder;
+use crate::common::{
+    assert_says,
+    folder::kept_folder,
+    program::{reflet, texts},
+};
 use std::{
     fs,
     io::Write as _,
     path::{Path, PathBuf},
-    process::{Command, Stdio},
+    process::Stdio,
 };
 
 use reflet::{
@@ -89,9 +92,7 @@ fn all_scenes_are_checked_and_one_may_come_from_standard_input() {
     fs::write(folder.join("good.toml"), good).expect("writable");
     fs::write(folder.join("bad.toml"), "version = 2\n").expect("writable");
     let check = |arguments: &[&str], input: &str| {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_reflet"))
-            .current_dir(&folder)
-            .arg("check")
+        let mut child = reflet(&folder, "check")
             .args(arguments)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
@@ -102,8 +103,7 @@ fn all_scenes_are_checked_and_one_may_come_from_standard_input() {
         stdin.write_all(input.as_bytes()).expect("it reads");
         drop(stdin);
         let output = child.wait_with_output().expect("it ends");
-        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-        let (out, errors) = (text(&output.stdout), text(&output.stderr));
+        let [out, errors] = texts(&output);
         assert!(!errors.contains("panicked"), "{errors}");
         (output.status.code(), out, errors)
     };

@@ -1,14 +1,14 @@
 //! Probes that see nothing of the scene, or that are too many, and maps that are too large or take long.
 
-use std::{
-    fs,
-    process::{Command, Stdio},
-};
+use std::fs;
 
 use reflet::gpu::{Gpu, GpuOptions};
 
 use super::{folder, found, only};
-use crate::common::gpu_or_skip;
+use crate::common::{
+    gpu_or_skip,
+    program::{reflet, texts},
+};
 
 /// A lit floor with a wall, which is a closed box: 15 lines.
 const WALL: &str = include_str!("wall.toml");
@@ -72,15 +72,9 @@ fn methods_whose_maps_hold_nothing_are_named() {
 fn render(name: &str, text: &str, more: &[&str]) -> (Option<i32>, String) {
     let folder = folder(name);
     fs::write(folder.join("scene.toml"), text).expect("writable");
-    let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
-        .current_dir(&folder)
-        .args(["render", "scene.toml", "--size", "32x18", "-o", "p.png"])
-        .args(more)
-        .env("NODEVICE_SELECT", "1") // Mesa's layer writes to standard error without a desktop
-        .stdin(Stdio::null())
-        .output()
-        .expect("the program starts");
-    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    let mut command = reflet(&folder, "render scene.toml --size 32x18 -o p.png");
+    let output = command.args(more).output().expect("the program starts");
+    let [_, errors] = texts(&output);
     assert!(!errors.contains("panicked"), "{errors}");
     (output.status.code(), errors)
 }
