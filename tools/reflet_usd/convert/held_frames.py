@@ -10,7 +10,6 @@ from .animation import set_visibility
 from .context import Context
 from .extras import is_custom
 from .geometry import STILL, BuiltMesh, is_surface
-from .samples import before
 from .scene import Node
 
 MOST_FRAMES = 1000
@@ -29,8 +28,8 @@ def held_codes(context: Context, prim: Usd.Prim) -> list[float]:
     names = {attribute.GetName() for attribute in varying}
     if not names or (is_surface(prim) and _morphs(context, prim, names)):
         return []
-    samples = {code for attribute in varying for code in attribute.GetTimeSamples()}
-    codes = context.codes_in_range(sorted(samples - {before(code) for code in samples}))
+    samples = sorted({code for attribute in varying for code in attribute.GetTimeSamples()})
+    codes = context.codes_in_range(samples)
     if len(codes) < 2:
         return []
     whole = range(math.ceil(codes[0]), math.floor(codes[-1]) + 1)

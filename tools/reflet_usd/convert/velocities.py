@@ -14,13 +14,22 @@ from pxr import Usd, Vt
 
 from reflet_usd.stage_files import state_rates
 
-from .context import Context, in_float32
+from .context import Context, type_name
 from .morph import MAX_POINT_KEYS
 from .samples import with_jumps
 from .scene import Array
 
 _STEPS = 4
-"""Samples of each time code where values turn or accelerate."""
+"""Fewest samples of each time code where values turn or accelerate."""
+_MOST_STEPS = 64
+_MOST_TURN_DEG = 90.0
+"""Largest turn from sample to sample, well below half a turn, beyond which it would go back."""
+_MOST_WAY = 100.0
+"""Largest way of points, in sizes of their shape."""
+_MOST = 1e9
+"""Largest number of a value, in its own units."""
+_OFF_UNIT = 1e-3
+"""Largest deviation of a quaternion's length from 1: half floats have less."""
 _MOST_KEYS = 6_000
 _MOST_VALUES = 4_000_000
 _LINEAR, _ANGULAR = ("velocities", "accelerations"), ("angularVelocities", "")
@@ -44,6 +53,14 @@ class _Moved:
     accelerations: Array | None
     codes_per_second: float
 
+    @property
+    def steps(self) -> int:
+        """Samples of each time code; 0 where values move evenly."""
+        if self.values.shape[2] == 4:
+            fastest = float(np.linalg.norm(self.rates, axis=2).max()) / self.codes_per_second
+            return max(_STEPS, math.ceil(fastest / _MOST_TURN_DEG))
+        return 0 if self.accelerations is None else _STEPS
+
     def at(self, code: float) -> Array:
         """The values at a time code."""
         sample = max(int(np.searchsorted(self.codes, code, side="right")) - 1, 0)
@@ -56,22 +73,22 @@ class _Moved:
         return np.asarray(values + seconds * rates)
 
     def keys(self, start: float, end: float) -> list[float]:
-        """Time codes between which interpolated values move alike; empty where they are too many.
+        """Time codes between which interpolated values move alike, even shares from each sample.
 
-        Where values bend, quarters of a time code from the sample before, to beyond the end.
+        Empty where they are too many, or where the stage starts or ends between them.
         """
-        bends = self.accelerations is not None or self.values.shape[2] == 4
+        beyond = (self.codes[0] - start, end - self.codes[-1])
+        if self.steps > _MOST_STEPS or any(way * self.steps % 1.0 for way in beyond):
+            return []
         found: list[float] = []
-        first_sample = self.codes[0]
         for first, last in itertools.pairwise([start, *self.codes, end]):
-            steps = math.ceil((last - first) * _STEPS) if bends else int(first < last)
+            steps = math.ceil((last - first) * self.steps) if self.steps else int(first < last)
             count = len(found) + steps
             if count > _MOST_KEYS or count * self.values[0].size > _MOST_VALUES:
                 return []
-            step = 1.0 / _STEPS if bends else last - first
-            origin = first if first >= first_sample else first_sample - steps * step
-            found += [origin + step * index for index in range(steps)]
-        return with_jumps(self.at, [*found, origin + step * steps])
+            step = 1.0 / self.steps if self.steps else last - first
+            found += [first + step * index for index in range(steps)]
+        return with_jumps(self.at, [*found, end])
 
     def deviation(self, keys: list[float]) -> float:
         """Largest distance from a way between two of the keys, as a share of the whole way."""
@@ -86,10 +103,13 @@ class _Moved:
 def sample_velocities(context: Context) -> None:
     """Write, in the session layer, samples of all that moves by velocities for over a time code.
 
-    Prims in prototypes, which that layer does not reach, are left to be interpolated.
+    Prims in prototypes, which that layer does not reach, and shapes that are held from time code
+    to time code are left to be interpolated.
     """
     stage = context.stage
-    moved = [prim for prim in Usd.PrimRange(stage.GetPseudoRoot()) if _has_rates(prim)]
+    kinds = ("PointInstancer",) if context.options.subdiv_level else ("PointInstancer", "Mesh")
+    prims = Usd.PrimRange(stage.GetPseudoRoot())
+    moved = [prim for prim in prims if type_name(prim) in kinds and _has_rates(prim)]
     if not moved:
         return
     state_rates(stage)
@@ -121,7 +141,7 @@ def _sample(context: Context, prim: Usd.Prim) -> None:
         gaps = np.diff(moved.codes)
         is_far |= start < moved.codes[0] or moved.codes[-1] < end or bool((gaps > 1.0).any())
         keys = moved.keys(start, end)
-        if not keys or (name == "points" and len(keys) > MAX_POINT_KEYS):
+        if not keys or (name == "points" and not _fits_targets(moved, keys)):
             return
         written.append((name, keys, moved))
     if not is_far:
@@ -142,6 +162,12 @@ def _sample(context: Context, prim: Usd.Prim) -> None:
             prim.GetAttribute(name).Block()
 
 
+def _fits_targets(moved: _Moved, keys: list[float]) -> bool:
+    """Whether points may become morph targets: not too many, nor too far for single precision."""
+    way = max(float(np.abs(moved.at(code) - moved.values[0]).max()) for code in (keys[0], keys[-1]))
+    return len(keys) <= MAX_POINT_KEYS and way <= _MOST_WAY * float(np.ptp(moved.values))
+
+
 def _moved(context: Context, prim: Usd.Prim, attribute: Usd.Attribute) -> _Moved | None:
     """An attribute with the velocities that move it; None where their samples do not fit."""
     codes = list(attribute.GetTimeSamples())
@@ -149,10 +175,14 @@ def _moved(context: Context, prim: Usd.Prim, attribute: Usd.Attribute) -> _Moved
     values, rates = _values(attribute, codes), _values(prim.GetAttribute(mover), codes)
     if not codes or values is None or rates is None or values.shape[:2] != rates.shape[:2]:
         return None
+    if values.shape[2] == 4 and (np.abs(np.linalg.norm(values, axis=2) - 1.0) > _OFF_UNIT).any():
+        return None
     further = prim.GetAttribute(accelerator) if accelerator else None
-    accelerations = _values(further, codes) if further else None
-    if accelerations is not None and accelerations.shape != rates.shape:
-        accelerations = None
+    accelerations = None
+    if further and further.GetNumTimeSamples():
+        accelerations = _values(further, codes)
+        if accelerations is None or accelerations.shape != rates.shape:
+            return None
     return _Moved(codes, values, rates, accelerations, context.codes_per_second)
 
 
@@ -161,10 +191,11 @@ def _values(attribute: Usd.Attribute, codes: list[float]) -> Array | None:
     if not attribute or list(attribute.GetTimeSamples()) != codes:
         return None
     values = [attribute.Get(code) for code in codes]
-    if any(value is None or len(value) != len(values[0]) for value in values):
+    kinds = (Vt.Vec3fArray, Vt.QuatfArray, Vt.QuathArray)
+    if any(not isinstance(value, kinds) or len(value) != len(values[0]) for value in values):
         return None
     found = np.array(values, dtype=np.float64)
-    return found if found.ndim == 3 and in_float32(found).all() else None
+    return found if found.size and (np.abs(found) < _MOST).all() else None
 
 
 def _turned(rotations: Array, turns: Array) -> Array:

@@ -219,7 +219,7 @@ class KeyedOnly:
     """Prims whose values are exact only at their own keys: time codes by prim path."""
 
     prims: dict[str, set[float]]
-    """Instancers whose orientations USD interpolates, in half precision."""
+    """Instancers with moving orientations, which USD interpolates in half precision."""
     normals: dict[str, set[float]]
     """Meshes whose normals follow their points: glTF blends the normals themselves."""
     subtrees: dict[str, set[float]]
@@ -248,8 +248,8 @@ def keyed_only(stage: Usd.Stage) -> KeyedOnly:
     for prim in Usd.PrimRange(stage.GetPseudoRoot(), everything):
         for name, found in moving.items():
             attribute = prim.GetAttribute(name)
-            turns = name == "orientations" and has_samples(prim, "angularVelocities")
-            if attribute and attribute.ValueMightBeTimeVarying() and not turns:
+            moves = name == "points" and has_samples(prim, "velocities")
+            if attribute and (moves or attribute.ValueMightBeTimeVarying()):
                 path = str(prim.GetPath())
                 found.setdefault(path, set()).update(attribute.GetTimeSamples())
         for op in UsdGeom.Xformable(prim).GetOrderedXformOps() if _is_placed(prim) else ():
