@@ -10,6 +10,7 @@ from reflet_usd.convert import ConvertError, ConvertOptions, convert_stage
 from tampering import forget
 from texts import text_of
 
+LFS = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12\n"
 HERE = Path(__file__).resolve().parent
 SMALL = sorted((HERE / "usd").glob("*.usda")) + sorted((HERE / "stages").glob("*.usda"))
 
@@ -56,7 +57,8 @@ def test_gltf_with_a_buffer_beside_it(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "text", [b"#usda 1.0\ndef Cube {", b"not usd", b"", b'#usda 1.0\ndef Cube "a\xff\xfe" {\n}\n']
+    "text",
+    [b"#usda 1.0\ndef Cube {", b"not usd", b"", b'#usda 1.0\ndef Cube "a\xff\xfe" {\n}\n', LFS],
 )
 def test_unreadable_stages_are_named_and_leave_nothing(tmp_path: Path, text: bytes) -> None:
     stage = tmp_path / "bad.usda"
@@ -64,6 +66,7 @@ def test_unreadable_stages_are_named_and_leave_nothing(tmp_path: Path, text: byt
     with pytest.raises(ConvertError) as caught:
         convert_stage(stage, tmp_path / "out.glb", ConvertOptions())
     assert caught.value.name == "stage-unreadable"
+    assert ("git lfs pull" in str(caught.value)) == (text == LFS)
     assert [p.name for p in tmp_path.iterdir()] == ["bad.usda"]
 
 

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from reflet_usd.convert.types import ConvertError
+from reflet_usd.stand_in import stand_in
 
 # A local file header: signature, flags, method, two sizes, lengths of name and extra field.
 _HEADER = struct.Struct("<4s2xHH8xIIHH")
@@ -58,9 +59,11 @@ def _check_stream(
     try:
         archive = zipfile.ZipFile(stream)
     except (zipfile.BadZipFile, ValueError, OverflowError, NotImplementedError) as error:
-        raise ConvertError(
-            "usdz-broken", f"{label} is not a readable zip archive ({error}); export it again"
-        ) from error
+        stream.seek(0)
+        found = (
+            stand_in(stream.read(64)) or f"not a readable zip archive ({error}); export it again"
+        )
+        raise ConvertError("usdz-broken", f"{label} is {found}") from error
     with archive:
         entries = archive.infolist()
         _check_counts(entries, label, size, limits)

@@ -47,7 +47,7 @@ pub fn lint(scene: &Scene, rays: &ViewRays, hits: &[Option<(Ray, RayHit)>]) -> V
         let [a, b] = pair.map(|i| rays.world.instances[i].name.as_str());
         let [first, second] = pair.map(|i| &rays.world.instances[i]);
         let seen = match first.material == second.material {
-            true => "one of them is not seen",
+            true => "one hides the other, or glass counts twice",
             false => "spots of both show",
         };
         let message = format!("surfaces of \"{a}\" and \"{b}\" are in one place, so that {seen}");

@@ -14,6 +14,7 @@ from reflet_usd.stage_files import (
     stage_metadata,
     state_rates,
 )
+from reflet_usd.stand_in import stand_in
 
 from .confinement import (
     Files,
@@ -72,6 +73,9 @@ def open_context(path: Path, options: ConvertOptions, ledger: Ledger) -> Context
 
 
 def _open_root_layer(path: Path) -> Sdf.Layer:
+    with path.open("rb") as file:
+        if found := stand_in(file.read(64)):
+            raise ConvertError("stage-unreadable", found, str(path))
     try:
         layer = open_layer(str(path))
     except Tf.ErrorException as error:

@@ -10,6 +10,7 @@ from PIL.TiffImagePlugin import TiffImageFile
 
 from reflet_usd.hdr_pixels import read_floats
 from reflet_usd.stage_files import is_plain_file, is_within, read_asset
+from reflet_usd.stand_in import stand_in
 
 from .confinement import outside_message
 from .context import Context
@@ -181,6 +182,8 @@ class TextureLibrary:
 def _decode(read: TextureRead, data: bytes) -> ImageFile:
     # The resolved path of a packaged file ends in "package.usdz[name]".
     stem = os.path.splitext(os.path.basename(read.file.rstrip("]").split("[")[-1]))[0]
+    if found := stand_in(data[:64]):
+        raise ValueError(found)
     floats = read_floats(data)
     if floats is not None:
         return _of_floats(stem, floats)
