@@ -62,7 +62,7 @@ fn assert_broken(doc: &Doc, says: &str) {
     desc.models[0].value.animation = Some(playing(&["drive"]));
     let (name, message) = one_error(load_scene(&desc));
     assert!(
-        ["gltf-animation", "gltf-accessor"].contains(&name),
+        ["gltf-animation", "gltf-accessor", "gltf-index"].contains(&name),
         "{says}: {name}"
     );
     assert!(message.contains(says), "{says}: {message}");

@@ -200,8 +200,8 @@ impl<'a> Data<'a> {
     }
 
     pub(super) fn accessor(&self, index: usize) -> Result<&'a Accessor, Fault> {
-        (self.root.accessors.get(index))
-            .ok_or_else(|| fault(format!("accessor {index} does not exist")))
+        let missing = || Fault::new("gltf-index", format!("accessor {index} does not exist"));
+        self.root.accessors.get(index).ok_or_else(missing)
     }
 
     fn view(&self, index: usize) -> Result<&'a BufferView, Fault> {

@@ -47,11 +47,10 @@ const HARMLESS: [&str; 7] = [
 ];
 
 /// Whether an extension can only change how things look, as far as its name tells: materials,
-/// textures and lights.
+/// textures, lights, and avatars of VRM 0.
 fn is_look(name: &str) -> bool {
-    ["_materials_", "_texture_", "_lights_"]
-        .iter()
-        .any(|part| name.contains(part))
+    let parts = ["_materials_", "_texture_", "_lights_"];
+    name == "VRM" || parts.iter().any(|part| name.contains(part))
 }
 
 /// Refuses unsupported extensions in `extensionsRequired`; without `strict`, extensions that only change the look are

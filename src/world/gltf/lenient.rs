@@ -73,7 +73,7 @@ pub fn forgiven<T>(
 ///
 /// # Errors
 /// With `strict`, the first of them in a mesh, a texture or an image, used or not: the file is damaged. Others are
-/// errors where they are used.
+/// errors where they are used: geometry of meshes that no node shows takes nothing.
 pub fn check_references(
     root: &mut Root,
     notes: &mut Notes,
@@ -105,16 +105,19 @@ pub fn check_references(
             let targets = primitive.targets.iter_mut();
             for attributes in targets.chain([&mut primitive.attributes]) {
                 let mut geometry = attributes.iter().filter(|(name, _)| is_geometry(name));
-                if let Some((_, i)) = geometry.find(|(_, i)| **i >= num_accessors) {
+                let lost = geometry.find(|(_, i)| **i >= num_accessors);
+                if let Some((_, i)) = lost.filter(|_| is_strict) {
                     return Err(missing("accessor", *i, &place()));
                 }
-                let is_there = |i: &usize| *i < num_accessors;
-                let lost = attributes.values().find(|i| !is_there(i)).copied();
+                let is_kept = |name: &str, i: usize| is_geometry(name) || i < num_accessors;
+                let lost = attributes.iter().find(|(name, i)| !is_kept(name, **i));
+                let lost = lost.map(|(_, i)| *i);
                 let before = attributes.len();
-                attributes.retain(|_, i| is_there(i));
+                attributes.retain(|name, i| is_kept(name, *i));
                 dropped.count("accessor", lost, before - attributes.len(), place)?;
             }
-            if let Some(i) = primitive.indices.filter(|i| *i >= num_accessors) {
+            let lost = primitive.indices.filter(|i| *i >= num_accessors);
+            if let Some(i) = lost.filter(|_| is_strict) {
                 return Err(missing("accessor", i, &place()));
             }
             dropped.one("material", &mut primitive.material, num_materials, place)?;
