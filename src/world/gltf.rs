@@ -228,6 +228,14 @@ impl Fault {
         self
     }
 
+    /// Adds the folder in which a file that is not there was looked for.
+    pub fn looked_for_in(mut self, folder: &Path) -> Self {
+        if self.name == "file-not-found" {
+            self.message = format!("{}, in {}", self.message, folder.display());
+        }
+        self
+    }
+
     /// Converts the error to a diagnostic about a file.
     pub fn in_file(self, file: &Path) -> Diagnostic {
         let mut diagnostic = Diagnostic::in_file(self.name, file, self.message);

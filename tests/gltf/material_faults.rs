@@ -28,7 +28,8 @@ fn a_broken_image_names_the_texture_that_uses_it() {
         doc.json["images"][1] = json!({"uri": "lost.png"});
         let (error, found) = doc.error();
         assert_eq!(error, "file-not-found");
-        assert!(found.contains(&place), "{found}");
+        let is_whole = found.contains(&place) && found.contains("2), in /");
+        assert!(is_whole, "{found}");
     }
 }
 

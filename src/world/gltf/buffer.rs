@@ -88,7 +88,8 @@ fn read_one(
         None => chunk,
         Some(uri::Target::Data(bytes)) => Some(Bytes::new(bytes)),
         Some(uri::Target::Relative(name)) => {
-            let path = sandbox.resolve(folder, &name).map_err(with_help)?;
+            let path = sandbox.resolve(folder, &name);
+            let path = path.map_err(|fault| with_help(fault.looked_for_in(folder)))?;
             let place = || format!("\"{}\"", uri::shorten(&name));
             let bytes = sandbox.read(&path).map_err(|f| f.placed(&place()))?;
             files.push(path);

@@ -183,6 +183,7 @@ impl Textures<'_> {
                 uri::Target::Relative(name) => self
                     .sandbox
                     .resolve(self.folder, &name)
+                    .map_err(|fault| fault.looked_for_in(self.folder))
                     .map(ImageSource::File),
             },
         }

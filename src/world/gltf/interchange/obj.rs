@@ -53,7 +53,7 @@ pub fn read(source: &Source<'_>, found: Found<'_>) -> Result<Glb, Fault> {
                 })
             }
             Err(missing) => {
-                let place = format!("{}, in {}", missing.message, source.folder.display());
+                let place = missing.looked_for_in(source.folder).message;
                 found.notes.add("mtl-missing", 1, MISSING, &place);
                 Err(LoadError::OpenFileFailed)
             }
