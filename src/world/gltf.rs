@@ -228,10 +228,17 @@ impl Fault {
         self
     }
 
-    /// Adds the folder in which a file that is not there was looked for.
+    /// Reference to a part of the file that is not there.
+    pub fn missing(kind: &str, index: usize) -> Self {
+        Self::new("gltf-index", format!("{kind} {index} does not exist"))
+    }
+
+    /// Adds the folder in which a file that is not there was looked for, and the advice to bring it along.
     pub fn looked_for_in(mut self, folder: &Path) -> Self {
         if self.name == "file-not-found" {
             self.message = format!("{}, in {}", self.message, folder.display());
+            let help = "copy it there: models are handed on with the files that they name";
+            self.help.get_or_insert_with(|| help.to_owned());
         }
         self
     }

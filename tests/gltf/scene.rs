@@ -399,6 +399,6 @@ fn files_of_another_spelling_are_named() {
     let help = errors[0].help.as_deref();
     assert_eq!(
         help,
-        Some("copy it there: a .gltf is handed on with the files that it names")
+        Some("copy it there: models are handed on with the files that they name")
     );
 }

@@ -200,8 +200,8 @@ impl<'a> Data<'a> {
     }
 
     pub(super) fn accessor(&self, index: usize) -> Result<&'a Accessor, Fault> {
-        let missing = || Fault::new("gltf-index", format!("accessor {index} does not exist"));
-        self.root.accessors.get(index).ok_or_else(missing)
+        let found = self.root.accessors.get(index);
+        found.ok_or_else(|| Fault::missing("accessor", index))
     }
 
     fn view(&self, index: usize) -> Result<&'a BufferView, Fault> {

@@ -68,15 +68,6 @@ pub fn read(
     Ok(buffers)
 }
 
-/// The fault of a lost file with the advice to bring it along.
-fn with_help(mut fault: Fault) -> Fault {
-    if fault.name == "file-not-found" {
-        let help = "copy it there: a .gltf is handed on with the files that it names";
-        fault.help.get_or_insert_with(|| help.to_owned());
-    }
-    fault
-}
-
 fn read_one(
     buffer: &schema::Buffer,
     chunk: Option<Bytes>,
@@ -89,7 +80,7 @@ fn read_one(
         Some(uri::Target::Data(bytes)) => Some(Bytes::new(bytes)),
         Some(uri::Target::Relative(name)) => {
             let path = sandbox.resolve(folder, &name);
-            let path = path.map_err(|fault| with_help(fault.looked_for_in(folder)))?;
+            let path = path.map_err(|fault| fault.looked_for_in(folder))?;
             let place = || format!("\"{}\"", uri::shorten(&name));
             let bytes = sandbox.read(&path).map_err(|f| f.placed(&place()))?;
             files.push(path);

@@ -104,22 +104,19 @@ pub fn check_references(
             let place = || format!("{} primitive {p}", label("mesh", m, name.as_deref()));
             let targets = primitive.targets.iter_mut();
             for attributes in targets.chain([&mut primitive.attributes]) {
-                let mut geometry = attributes.iter().filter(|(name, _)| is_geometry(name));
-                let lost = geometry.find(|(_, i)| **i >= num_accessors);
-                if let Some((_, i)) = lost.filter(|_| is_strict) {
-                    return Err(missing("accessor", *i, &place()));
-                }
-                let is_kept = |name: &str, i: usize| is_geometry(name) || i < num_accessors;
+                // Lost geometry is an error where a node shows it, as it cannot be left out.
+                let is_kept =
+                    |name: &str, i: usize| i < num_accessors || (is_geometry(name) && !is_strict);
                 let lost = attributes.iter().find(|(name, i)| !is_kept(name, **i));
                 let lost = lost.map(|(_, i)| *i);
                 let before = attributes.len();
                 attributes.retain(|name, i| is_kept(name, *i));
                 dropped.count("accessor", lost, before - attributes.len(), place)?;
             }
-            let lost = primitive.indices.filter(|i| *i >= num_accessors);
-            if let Some(i) = lost.filter(|_| is_strict) {
-                return Err(missing("accessor", i, &place()));
-            }
+            let lost = primitive
+                .indices
+                .filter(|i| is_strict && *i >= num_accessors);
+            dropped.count("accessor", lost, 0, place)?;
             dropped.one("material", &mut primitive.material, num_materials, place)?;
             if let Some(variants) = &mut primitive.extensions.variants {
                 let mappings = &mut variants.mappings;
@@ -146,11 +143,6 @@ pub fn check_references(
         dropped.one("bufferView", &mut image.buffer_view, num_views, place)?;
     }
     Ok(())
-}
-
-/// Error of a reference to a part that is not there.
-fn missing(kind: &str, index: usize, place: &str) -> Fault {
-    Fault::new("gltf-index", format!("{kind} {index} does not exist")).placed(place)
 }
 
 /// Lights of images that do not exist, or whose images do not.
@@ -233,7 +225,7 @@ impl Dropped<'_> {
         place: impl Fn() -> String,
     ) -> Result<(), Fault> {
         match lost {
-            Some(index) if self.is_strict => Err(missing(kind, index, &place())),
+            Some(index) if self.is_strict => Err(Fault::missing(kind, index).placed(&place())),
             _ => {
                 self.note(count, place);
                 Ok(())

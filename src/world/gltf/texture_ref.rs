@@ -85,7 +85,7 @@ impl Textures<'_> {
         notes: &mut Notes,
     ) -> Result<Option<TextureRef>, Fault> {
         let Some(texture) = self.root.textures.get(info.index) else {
-            let missing = missing("texture", info.index);
+            let missing = Fault::missing("texture", info.index);
             let left_out = LeftOut {
                 name: lenient::DROPPED,
                 what: lenient::DROPPED_WHAT,
@@ -95,7 +95,7 @@ impl Textures<'_> {
         };
         let sampler = match texture.sampler.map(|i| (i, self.root.samplers.get(i))) {
             Some((_, Some(sampler))) => sampler,
-            Some((i, None)) => return Err(missing("sampler", i)),
+            Some((i, None)) => return Err(Fault::missing("sampler", i)),
             None => &schema::Sampler::default(),
         };
         let Some(image) = texture.extensions.sources().next().or(texture.source) else {
@@ -130,7 +130,7 @@ impl Textures<'_> {
     /// An image of the file; `used_by` is for messages.
     pub fn image(&self, index: usize, srgb: bool, used_by: &str) -> Result<ImageUse, Fault> {
         let Some(image) = self.root.images.get(index) else {
-            return Err(missing("image", index));
+            return Err(Fault::missing("image", index));
         };
         let uri = image.uri.as_deref().filter(|uri| !uri.starts_with("data:"));
         let name = label("image", index, image.name.as_deref().or(uri));
@@ -188,10 +188,6 @@ impl Textures<'_> {
             },
         }
     }
-}
-
-fn missing(kind: &str, index: usize) -> Fault {
-    Fault::new("gltf-index", format!("{kind} {index} does not exist"))
 }
 
 fn wrap(code: Option<u32>) -> Result<Wrap, Fault> {

@@ -212,11 +212,11 @@ def points_of(attribute: Usd.Attribute, time: Usd.TimeCode) -> Array:
 
 def first_moved(prim: Usd.Prim, names: Iterable[str]) -> Usd.TimeCode | None:
     """Start of the stage, or the first sample before it, where velocities move one of `names`."""
-    if not has_samples(prim, "velocities", "angularVelocities"):
+    codes = [codes[0] for name in names if (codes := prim.GetAttribute(name).GetTimeSamples())]
+    if not codes or not has_samples(prim, "velocities", "angularVelocities"):
         return None
     start, _ = stated_codes(prim.GetStage())
-    firsts = [codes[0] for name in names if (codes := prim.GetAttribute(name).GetTimeSamples())]
-    return Usd.TimeCode(min([*firsts, *([] if start is None else [start])]))
+    return Usd.TimeCode(min(codes if start is None else [*codes, start]))
 
 
 def _points_at(attribute: Usd.Attribute, time: Usd.TimeCode) -> Array:
