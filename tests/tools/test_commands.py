@@ -39,16 +39,10 @@ def runs(pid: int) -> bool:
     return state != "Z"
 
 
-@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="looks into /proc")
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGINT, 130)])
-def test_a_signal_ends_the_child_and_leaves_nothing(
-    tmp_path: Path, number: signal.Signals, code: int
-) -> None:
-    stage, out = slow_stage(tmp_path), tmp_path / "out"
-    out.mkdir()
-    command = [sys.executable, "-m", "reflet_usd", "convert", str(stage)]
+def signaled(words: list[str], out: Path, number: signal.Signals) -> tuple[int, str]:
+    """Exit code and messages of a command, signaled once its child writes into `out`."""
     process = subprocess.Popen(
-        [*command, "-o", str(out / "a.glb")],
+        [sys.executable, "-m", "reflet_usd", *words],
         env={**os.environ, "PYTHONPATH": str(ROOT / "tools")},
         stderr=subprocess.PIPE,
         text=True,
@@ -60,9 +54,21 @@ def test_a_signal_ends_the_child_and_leaves_nothing(
     child = children(process.pid)[0]
     process.send_signal(number)
     _, shown = process.communicate(timeout=60)
-    assert process.returncode == code
-    assert list(out.iterdir()) == []
     assert not runs(child)
+    return process.returncode, shown
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="looks into /proc")
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGINT, 130)])
+def test_a_signal_ends_the_child_and_leaves_nothing(
+    tmp_path: Path, number: signal.Signals, code: int
+) -> None:
+    stage, out = slow_stage(tmp_path), tmp_path / "out"
+    out.mkdir()
+    words = ["convert", str(stage), "-o", str(out / "a.glb")]
+    found, shown = signaled(words, out, number)
+    assert found == code
+    assert list(out.iterdir()) == []
     assert number.name in shown
     assert "Traceback" not in shown
 
@@ -105,24 +111,11 @@ def test_a_signal_ends_the_stages_that_report_has_begun(tmp_path: Path, khronos:
     folder, kept, table = tmp_path / "corpus", tmp_path / "kept", tmp_path / "table.md"
     folder.mkdir()
     slow_stage(folder)
-    command = [sys.executable, "-m", "reflet_usd", "report", str(folder), "-o", str(table)]
-    process = subprocess.Popen(
-        [*command, "--keep", str(kept)],
-        env={**os.environ, "PYTHONPATH": str(ROOT / "tools")},
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    deadline = time.monotonic() + 60
-    while not (list(kept.glob(".reflet-usd-*/log.txt")) and children(process.pid)):
-        assert time.monotonic() < deadline and process.poll() is None
-        time.sleep(0.02)
-    child = children(process.pid)[0]
-    process.send_signal(signal.SIGTERM)
-    _, shown = process.communicate(timeout=60)
-    assert process.returncode == 143
+    words = ["report", str(folder), "-o", str(table), "--keep", str(kept)]
+    code, shown = signaled(words, kept, signal.SIGTERM)
+    assert code == 143
     assert list(kept.iterdir()) == []  # else a conversion did not stop
     assert not table.exists()
-    assert not runs(child)
     assert "Traceback" not in shown
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from pxr import Usd, UsdGeom
-from read_converted import convert_text
+from read_converted import Converted, convert_text
 from reflet_usd.convert import instance_motion as motion_module
 from reflet_usd.convert import instancer as instancer_module
 from tampering import Output, expect_found
@@ -163,6 +163,13 @@ def test_many_sheared_instances_stay_exact(tmp_path: Path, monkeypatch: pytest.M
     assert "instance-rotation-normalized" in done.warnings("/I")
 
 
+def places(done: Converted) -> list[tuple[float, ...]]:
+    """Sorted places of all meshes."""
+    world = done.world()
+    drawn = [i for i, node in enumerate(done.gltf.nodes) if node.mesh is not None]
+    return sorted(tuple(np.round(world[i][:3, 3], 5)) for i in drawn)
+
+
 def test_a_reset_stack_in_a_prototype_is_placed_from_the_instance_and_named(tmp_path: Path) -> None:
     reset = 'uniform token[] xformOpOrder = ["!resetXformStack!", "xformOp:translate"]'
     text = text_of(
@@ -170,10 +177,7 @@ def test_a_reset_stack_in_a_prototype_is_placed_from_the_instance_and_named(tmp_
         reset=reset,
     )
     done = convert_text(tmp_path, text)
-    world = done.world()
-    drawn = [i for i, node in enumerate(done.gltf.nodes) if node.mesh is not None]
-    places = {tuple(np.round(world[i][:3, 3], 5)) for i in drawn}
-    assert places == {(101, 0, 7), (102, 0, 7), (103, 0, 9)}
+    assert places(done) == [(101, 0, 7), (102, 0, 7), (103, 0, 9)]
     # UsdGeom applies the ops of a prototype's own root even where they reset the stack.
     assert done.warnings() == {"reset-in-prototype"}
     assert done.warnings("/I/P/C") == {"reset-in-prototype"}
@@ -202,9 +206,7 @@ def test_a_reset_stack_deeper_in_a_prototype(tmp_path: Path, kind: str) -> None:
         "convert_instances/a_reset_stack_deeper_in_a_prototype.usda", inner=inner, cube=cube
     )
     done = convert_text(tmp_path, text)
-    world = done.world()
-    drawn = [i for i, node in enumerate(done.gltf.nodes) if node.mesh is not None]
-    assert {tuple(np.round(world[i][:3, 3], 5)) for i in drawn} == {(101, 0, 7), (102, 0, 7)}
+    assert places(done) == [(101, 0, 7), (102, 0, 7)]
     assert "reset-in-prototype" in done.warnings()
     assert done.validated().passed
 
@@ -215,10 +217,7 @@ def test_a_reset_stack_in_a_native_instance_is_placed_in_the_world(tmp_path: Pat
         RESET=RESET,
     )
     done = convert_text(tmp_path, text)
-    world = done.world()
-    drawn = [i for i, node in enumerate(done.gltf.nodes) if node.mesh is not None]
-    places = sorted(tuple(np.round(world[i][:3, 3], 5)) for i in drawn)
-    assert places == [(0, 0, 7), (0, 0, 7), (0, 10, 0), (0, 20, 0)]
+    assert places(done) == [(0, 0, 7), (0, 0, 7), (0, 10, 0), (0, 20, 0)]
     assert done.warnings() == set()
     assert done.validated().passed
 

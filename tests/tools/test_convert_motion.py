@@ -12,6 +12,7 @@ from texts import text_of
 needs_splines = pytest.mark.skipif(
     not hasattr(Usd.Attribute, "HasSpline"), reason="this usd-core has no splines"
 )
+JUMPS = [1, 4, 7.99, 8, 8.01, 12, 15.9, 16, 19.9, 20, 30]
 BETWEEN = [1, 1.7, 3, 5.5, 8, 8.4, 10.5, 13.1, 16, 19.9, 20]
 
 
@@ -27,36 +28,24 @@ def Cube "C" {{
 
 
 @needs_splines
-def test_a_linear_spline_is_its_knots(tmp_path: Path) -> None:
-    spline = "{ 1: 0; post linear, 20: 90; post linear, }"
-    done = moving(tmp_path, "rotateZ", f"double xformOp:rotateZ.spline = {spline}")
-    assert done.warnings() == set()
-    check_world(done, "/C", [-5, *BETWEEN, 25])
-    assert done.world(9.5 / 24)[done.node("/C")][:2, 0] == pytest.approx([0.5**0.5] * 2)
-
-
-@needs_splines
-def test_a_curved_spline_is_sampled_and_said(tmp_path: Path) -> None:
-    spline = "{ 1: 0; post curve (5, 40), 20: 90; pre (5, -30); post held, }"
-    done = moving(tmp_path, "rotateZ", f"double xformOp:rotateZ.spline = {spline}")
-    assert done.warnings() == {"animation-resampled"}
-    check_world(done, "/C", BETWEEN)
-
-
-@needs_splines
-def test_held_knots_and_knots_with_two_values_jump(tmp_path: Path) -> None:
-    spline = "{ 1: 0; post held, 8: 30 & 50; post linear, 16: 80; post held, 20: 10, }"
-    done = moving(tmp_path, "rotateX", f"double xformOp:rotateX.spline = {spline}")
-    assert done.warnings() == set()
-    check_world(done, "/C", [1, 4, 7.99, 8, 8.01, 12, 15.9, 16, 19.9, 20, 30])
-
-
-@needs_splines
-def test_extrapolation_is_held_and_said(tmp_path: Path) -> None:
-    spline = "{ pre: linear, post: linear, 1: 0; post linear, 20: 90; post linear, }"
-    done = moving(tmp_path, "rotateZ", f"double xformOp:rotateZ.spline = {spline}")
-    assert done.warnings() == {"spline-extrapolation-clamped"}
-    check_world(done, "/C", BETWEEN)
+@pytest.mark.parametrize(
+    ("knots", "codes", "warnings"),
+    [
+        ("1: 0; post linear, 20: 90; post linear", [-5, *BETWEEN, 25], []),
+        ("1: 0; post curve (5, 40), 20: 90; pre (5, -30); post held", BETWEEN, ["resampled"]),
+        ("1: 0; post held, 8: 30 & 50; post linear, 16: 80; post held, 20: 10", JUMPS, []),
+        ("pre: linear, post: linear, 1: 0; post linear, 20: 90; post linear", BETWEEN, ["clamped"]),
+    ],
+    ids=["linear", "curved", "held or of two values", "extrapolated"],
+)
+def test_splines_are_their_knots_sampled_or_named(
+    tmp_path: Path, knots: str, codes: list[float], warnings: list[str]
+) -> None:
+    done = moving(tmp_path, "rotateZ", f"double xformOp:rotateZ.spline = {{ {knots}, }}")
+    assert [name.split("-")[-1] for name in done.warnings()] == warnings
+    check_world(done, "/C", codes)
+    if codes[0] < 0:
+        assert done.world(9.5 / 24)[done.node("/C")][:2, 0] == pytest.approx([0.5**0.5] * 2)
 
 
 def matrices(*rows: str) -> str:
