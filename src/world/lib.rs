@@ -313,7 +313,7 @@ pub enum Wrap {
     Mirror,
 }
 
-/// A decoded image: RGBA, 8 bits a channel, top row first.
+/// A decoded image: RGBA, 8 bits a channel, top row first, with the coarser levels that its file states.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Texture {
     /// Name of the image's file or data URI, for messages.
@@ -322,13 +322,24 @@ pub struct Texture {
     pub width: u32,
     /// Pixels down, 1 to 16384.
     pub height: u32,
-    /// `width * height * 4` bytes.
+    /// `width * height * 4` bytes, then as many for each stated level, every one half as wide and high as the one before,
+    /// rounded down, at least 1.
     pub rgba: Vec<u8>,
     /// Whether the bytes are sRGB-encoded (color) or linear (data). An image used as both is stored twice.
     pub srgb: bool,
 }
 
 impl Texture {
+    /// Width and height in pixels, and RGBA, of the image and of each level that its file states.
+    pub fn levels(&self) -> impl Iterator<Item = ([u32; 2], &[u8])> {
+        let mut rest = &self.rgba[..];
+        (0..u32::BITS).map_while(move |k| {
+            let size = [self.width, self.height].map(|side| (side >> k).max(1));
+            let level = rest.split_off(..4 * size[0] as usize * size[1] as usize)?;
+            Some((size, level))
+        })
+    }
+
     /// Alpha of the texel nearest to a point, 0 to 1 from the left and from the top.
     pub fn alpha(&self, u: f32, v: f32) -> f32 {
         let place =

@@ -239,31 +239,37 @@ pub fn check_header(source: &ImageSource, limits: &TextureLimits) -> Result<(), 
 }
 
 fn decode(request: &TextureRequest, need: Need, limits: &TextureLimits) -> Result<Texture, Fault> {
-    let pixels = pixels(&request.source, request.srgb, need, limits)?;
-    let (width, height) = pixels.dimensions();
+    let levels = levels(&request.source, request.srgb, need, limits)?;
+    let (width, height) = levels[0].dimensions();
+    let rgba = levels.into_iter().map(RgbaImage::into_raw);
     Ok(Texture {
         name: format!("{}: {}", request.file.display(), request.name),
         width,
         height,
-        rgba: pixels.into_raw(),
+        rgba: rgba
+            .reduce(|mut all, level| {
+                all.extend(level);
+                all
+            })
+            .unwrap_or_default(),
         srgb: request.srgb,
     })
 }
 
-/// The pixels of an image, for which `need` was held.
-fn pixels(
+/// The pixels of an image, for which `need` was held, and of the levels that it states.
+fn levels(
     source: &ImageSource,
     srgb: bool,
     need: Need,
     limits: &TextureLimits,
-) -> Result<RgbaImage, Fault> {
+) -> Result<Vec<RgbaImage>, Fault> {
     if let ImageSource::SpecularGlossiness(maps) = source {
         let decoded = |map: &Option<ImageSource>| {
-            let pixels = map.as_ref().map(|map| pixels(map, true, need, limits));
-            pixels.transpose()
+            let levels = map.as_ref().map(|map| levels(map, true, need, limits));
+            Ok(levels.transpose()?.map(|mut levels| levels.swap_remove(0)))
         };
         let (diffuse, specular) = (decoded(&maps.diffuse)?, decoded(&maps.specular)?);
-        return Ok(specular_glossiness::convert(maps, diffuse, specular));
+        return Ok(vec![specular_glossiness::convert(maps, diffuse, specular)]);
     }
     // The memory of the file was held with the rest.
     let unlimited = TextureLimits {

@@ -3,24 +3,53 @@
 use std::io::Write as _;
 
 use reflet::world::Texture;
+use reflet::world::texture::resample::{Sampling, mip_chain};
 
 use crate::kit::*;
 
 /// A KTX2 file with one level.
 fn file(vk_format: u32, size: [u32; 2], scheme: u32, level: &[u8], inflated: usize) -> Vec<u8> {
+    with_levels(vk_format, size, scheme, &[(level, inflated)])
+}
+
+/// A KTX2 file of levels, each with its length when inflated.
+fn with_levels(vk: u32, [x, y]: [u32; 2], scheme: u32, levels: &[(&[u8], usize)]) -> Vec<u8> {
     let mut bytes = b"\xABKTX 20\xBB\r\n\x1A\n".to_vec();
-    let descriptor = descriptor(vk_format);
-    let start = 104 + descriptor.len() as u64;
-    for word in [vk_format, 1, size[0], size[1], 0, 0, 1, 1, scheme] {
+    let (count, text) = (levels.len() as u32, descriptor(vk));
+    let (start, length) = (80 + 24 * count, text.len() as u32);
+    for word in [
+        vk, 1, x, y, 0, 0, 1, count, scheme, start, length, 0, 0, 0, 0, 0, 0,
+    ] {
         bytes.extend(word.to_le_bytes());
     }
-    for word in [104, descriptor.len() as u32, 0, 0] {
-        bytes.extend(word.to_le_bytes());
+    let mut start = u64::from(start + length);
+    for (level, inflated) in levels {
+        for long in [start, level.len() as u64, *inflated as u64] {
+            bytes.extend(long.to_le_bytes());
+        }
+        start += level.len() as u64;
     }
-    for long in [0, 0, start, level.len() as u64, inflated as u64] {
-        bytes.extend(long.to_le_bytes());
+    let levels: Vec<_> = levels.iter().map(|(level, _)| *level).collect();
+    [bytes, text, levels.concat()].concat()
+}
+
+/// Levels of one value each are the mips of these sizes, and below a broken level mips are means.
+#[test]
+fn stated_levels_are_mips() {
+    let bytes: Vec<u8> = [[10; 64].as_slice(), &[20; 16], &[30; 4]].concat();
+    let levels = [(&bytes[..64], 64), (&bytes[64..80], 16), (&bytes[80..], 4)];
+    let good = with_levels(37, [4, 4], 0, &levels);
+    let mut outside = good.clone();
+    outside[104..108].fill(0xFF);
+    for (file, smallest) in [(good, [10, 20, 30]), (outside, [10, 10, 10])] {
+        let texture = decoded(&file, false);
+        let chain = mip_chain(&texture, 512, Sampling::default());
+        let values: Vec<_> = chain.iter().map(|level| level[0]).collect();
+        assert_eq!(values, [[10; 7].as_slice(), &smallest].concat());
     }
-    [&bytes, &descriptor, level].concat()
+    let (pressed, few) = (zlib(&bytes[..64]), zlib(&bytes[64..79]));
+    let file = with_levels(37, [4, 4], 3, &[(&pressed, 64), (&few, 16)]);
+    assert_eq!(decoded(&file, false).rgba, bytes[..64]);
 }
 
 /// The file with a key and its value behind it.
@@ -121,18 +150,6 @@ struct Case {
     texels: Vec<([u32; 2], Vec<u8>)>,
 }
 
-impl Case {
-    fn file(&self) -> Vec<u8> {
-        file(
-            self.vk_format,
-            [self.side; 2],
-            0,
-            &self.level,
-            self.level.len(),
-        )
-    }
-}
-
 fn from_hexadecimal(text: &str) -> Vec<u8> {
     let digits = text.as_bytes().chunks(2).map(str::from_utf8);
     let byte = |pair: Result<&str, _>| u8::from_str_radix(pair.ok()?, 16).ok();
@@ -169,8 +186,10 @@ fn astc() -> Vec<u8> {
 #[test]
 fn texels_are_decoded_as_specified() {
     for case in texel_cases() {
-        let texture = decoded(&case.file(), case.is_color);
-        assert_eq!([texture.width, texture.height], [case.side; 2]);
+        let (size, level) = ([case.side; 2], &case.level);
+        let file = file(case.vk_format, size, 0, level, level.len());
+        let texture = decoded(&file, case.is_color);
+        assert_eq!([texture.width, texture.height], size);
         for ([x, y], expected) in &case.texels {
             let found = texel(&texture, *x, *y);
             assert_eq!(found[..], expected[..], "{} at {x}, {y}", case.vk_format);
@@ -194,10 +213,7 @@ fn astc_blocks_are_not_filtered() {
 fn blocks_are_cut_at_the_borders() {
     let level = from_hexadecimal("00F81F00E4000000E007000000000000");
     let texture = decoded(&file(131, [5, 3], 0, &level, 16), true);
-    assert_eq!(
-        (texture.width, texture.height, texture.rgba.len()),
-        (5, 3, 60)
-    );
+    assert_eq!((texture.width, texture.rgba.len()), (5, 60));
     for y in 0..3 {
         assert_eq!(texel(&texture, 4, y), [0, 255, 0, 255]);
     }
@@ -220,17 +236,11 @@ fn zlib(bytes: &[u8]) -> Vec<u8> {
 #[test]
 fn levels_are_inflated() {
     let level: Vec<u8> = (0..48).collect();
-    for (scheme, stored) in [
-        (0, level.clone()),
-        (2, zstandard(&level)),
-        (3, zlib(&level)),
-    ] {
+    let stored = [level.clone(), zstandard(&level), zlib(&level)];
+    for (scheme, stored) in [0, 2, 3].into_iter().zip(stored) {
         let good = file(23, [4, 4], scheme, &stored, level.len());
-        assert_eq!(
-            texel(&decoded(&good, true), 1, 2),
-            [27, 28, 29, 255],
-            "{scheme}"
-        );
+        let found = texel(&decoded(&good, true), 1, 2);
+        assert_eq!(found, [27, 28, 29, 255], "{scheme}");
         // Another size than the picture's, stated or not.
         for size in [[4, 5], [4, 3], [16384, 16384]] {
             if scheme == 0 && size == [4, 3] {
@@ -238,11 +248,8 @@ fn levels_are_inflated() {
             }
             for inflated in [level.len(), 3 * size[0] as usize * size[1] as usize] {
                 let wrong = file(23, size, scheme, &stored, inflated);
-                assert_eq!(
-                    document(&wrong, true).error().0,
-                    "image-broken",
-                    "{scheme} {size:?}"
-                );
+                let error = document(&wrong, true).error().0;
+                assert_eq!(error, "image-broken", "{scheme} {size:?}");
             }
         }
     }

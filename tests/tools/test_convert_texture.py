@@ -244,15 +244,29 @@ def test_lost_textures_leave_their_fallback(
 
 def test_other_image_formats_become_png(tmp_path: Path) -> None:
     data = noise("RGB")
-    for name, more in [("t.tga", []), ("t.tiff", []), ("t.tiff", [Image.new("RGB", (2, 2))])]:
-        pages = {"save_all": True, "append_images": more} if more else {}
+    half = Image.fromarray(data[::2, ::2])
+    more = [half, Image.new("RGB", (3, 3))]
+    for name, pages, end in [
+        ("t.tga", {}, "PNG"),
+        ("t.tiff", {}, "PNG"),
+        ("t.tiff", {"save_all": True, "append_images": more[1:]}, "PNG; pictures after these"),
+        ("t.tiff", {"save_all": True, "append_images": more}, "PNG, and KTX2 with 1 of its mip"),
+    ]:
         Image.fromarray(data).save(tmp_path / name, **pages)
         done = shaded(tmp_path, COLOR, texture("T", name))
         info = material(done)["pbrMetallicRoughness"]["baseColorTexture"]
         assert np.array_equal(pixels(done, info)[..., :3], data)
         assert "texture-converted" in done.warnings("/Mat/T")
         said = [w["message"] for w in done.sidecar["warnings"] if w["name"] == "texture-converted"]
-        assert ("mip levels" in said[0]) == bool(more)
+        assert end in said[0] and ("after these" in said[0]) == bool(pages)
+        if "KTX2" in end:
+            extension = done.gltf.textures[0].extensions["KHR_texture_basisu"]
+            view = done.gltf.bufferViews[done.gltf.images[extension["source"]].bufferView]
+            file = done.gltf.binary_blob()[view.byteOffset :][: view.byteLength]
+            levels = file[-4 * data[..., 0].size * 5 // 4 :]  # the smallest stands first
+            assert levels == b"".join(
+                half.convert("RGBA").tobytes() for half in (half, Image.fromarray(data))
+            )
 
 
 @pytest.mark.parametrize("workflow", [0, 1])

@@ -58,8 +58,9 @@ pub fn check_world(world: &World) -> Result<(), RenderError> {
         return refuse("a decal's material does not exist".to_owned());
     }
     for texture in world.textures.iter() {
-        let texels = texture.width as usize * texture.height as usize;
-        if texels == 0 || texture.rgba.len() != 4 * texels {
+        let bytes: usize = texture.levels().map(|(_, level)| level.len()).sum();
+        let has_texels = texture.width > 0 && texture.height > 0;
+        if !has_texels || bytes == 0 || texture.rgba.len() != bytes {
             return refuse(format!(
                 "texture \"{}\": {} bytes for {} x {} pixels",
                 texture.name,

@@ -1,10 +1,8 @@
 //! Basis Universal, in files of its own (`.basis`) and in KTX 2.0.
 
-use basisu::{DecodeFlags, SourceFormat, TargetFormat, Transcoder};
-use image::RgbaImage;
-
 use super::{fault, floats::from_halves};
 use crate::gltf::Fault;
+use basisu::{DecodeFlags, SourceFormat, TargetFormat, Transcoder};
 
 /// Memory of the codebooks of ETC1S, which are at most as large as 16-bit indices allow, bytes.
 const CODEBOOK_BYTES: u64 = 8 << 20;
@@ -44,40 +42,38 @@ impl<'a> Basis<'a> {
         self.transcoder.source_format() == SourceFormat::UastcHdr4x4
     }
 
-    /// Bytes of the blocks of the first mip level.
-    pub fn level_bytes(&self) -> u64 {
-        let (width, height) = self.transcoder.source_format().block_dims();
-        let [across, down] = [self.size[0].div_ceil(width), self.size[1].div_ceil(height)];
-        u64::from(across) * u64::from(down) * BLOCK_BYTES
+    /// Width and height of a block in texels, and its bytes.
+    pub fn block(&self) -> ([u32; 2], u64) {
+        let block = self.transcoder.source_format().block_dims();
+        (block.into(), BLOCK_BYTES)
     }
 
     /// Upper bound of the memory for decoding, bytes, without the pixels. The size must have been checked.
     pub fn working_bytes(&self) -> u64 {
+        let ([across, down], bytes) = self.block();
+        let blocks =
+            u64::from(self.size[0].div_ceil(across)) * u64::from(self.size[1].div_ceil(down));
         let [width, height] = self.size.map(u64::from);
         let floats = if self.is_hdr() { width * height * 8 } else { 0 };
-        self.level_bytes() + floats + CODEBOOK_BYTES
+        blocks * bytes + floats + CODEBOOK_BYTES
     }
 
-    /// Decodes the first mip level. Floats are clamped to 1, and become sRGB with `srgb`.
+    /// RGBA of a mip level, 0 being the largest. Floats are clamped to 1, and become sRGB with `srgb`.
     ///
     /// # Errors
     /// Broken data.
-    pub fn decode(&self, srgb: bool) -> Result<RgbaImage, Fault> {
-        let [width, height] = self.size;
+    pub fn decode(&self, level: u32, srgb: bool) -> Result<Vec<u8>, Fault> {
         // Texels as the formats specify them, without a filter across large blocks.
         let flags = DecodeFlags::NO_DEBLOCK_FILTERING;
-        let texels = |format| self.transcoder.transcode(0, format, flags).map_err(cannot);
-        let rgba = match self.is_hdr() {
-            true => from_halves(&texels(TargetFormat::RgbaHalf)?, srgb),
-            false => texels(TargetFormat::Rgba32)?,
+        let texels = |format| {
+            self.transcoder
+                .transcode(level, format, flags)
+                .map_err(cannot)
         };
-        let picture = RgbaImage::from_raw(width, height, rgba);
-        picture.ok_or_else(|| {
-            fault(
-                "image-broken",
-                "it decodes to another size than its header says",
-            )
-        })
+        match self.is_hdr() {
+            true => Ok(from_halves(&texels(TargetFormat::RgbaHalf)?, srgb)),
+            false => texels(TargetFormat::Rgba32),
+        }
     }
 }
 

@@ -21,13 +21,15 @@ use crate::gltf::Fault;
 
 /// Smallest and largest limit of the memory for the text and color profiles of a PNG file, bytes.
 const PNG_METADATA_BYTES: [u64; 2] = [16 << 20, 64 << 20];
+/// Message about texels that are too few or too many.
+pub const OTHER_SIZE: &str = "it decodes to another size than its header says";
 /// Memory of any decoder beside its image, bytes.
 const SMALL_BYTES: u64 = 1 << 20;
 
 /// Memory of a decoded image, bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Need {
-    /// Bytes of the decoded image, 4 per pixel, which are kept.
+    /// Bytes of the decoded image and its levels, 4 per pixel, which are kept.
     pub kept: u64,
     /// Upper bound of the further bytes that are taken while the image is decoded.
     pub working: u64,
@@ -56,6 +58,7 @@ impl<'a> Opened<'a> {
     /// Broken headers, sizes past the limits.
     pub fn new(encoded: &'a Encoded, limits: &TextureLimits) -> Result<Self, Fault> {
         let bytes: &[u8] = &encoded.bytes;
+        let mut texels = None;
         let (decoder, size, working) = match encoded.format {
             Format::Jpeg => {
                 let jpeg = Jpeg::open(bytes)?;
@@ -68,6 +71,7 @@ impl<'a> Opened<'a> {
                 let size = ktx2.size;
                 check_size(size, limits)?;
                 let working = ktx2.working_bytes()?;
+                texels = Some(ktx2.texels());
                 (Decoder::Ktx2(Box::new(ktx2)), size, working)
             }
             Format::Basis => {
@@ -94,7 +98,7 @@ impl<'a> Opened<'a> {
         };
         check_size(size, limits)?;
         let need = Need {
-            kept: u64::from(size[0]) * u64::from(size[1]) * 4,
+            kept: texels.unwrap_or(u64::from(size[0]) * u64::from(size[1])) * 4,
             working: working.saturating_add(SMALL_BYTES),
         };
         Ok(Self {
@@ -104,20 +108,26 @@ impl<'a> Opened<'a> {
         })
     }
 
-    /// Decodes the image; gray is expanded, 16 bits are reduced to 8, and floats become sRGB with `srgb`.
+    /// Decodes the image, and the levels that it states, each half as large; gray is expanded, 16 bits are reduced to 8,
+    /// and floats become sRGB with `srgb`.
     ///
     /// # Errors
     /// Broken data.
-    pub fn decode(self, srgb: bool) -> Result<RgbaImage, Fault> {
-        match self.decoder {
-            Decoder::Jpeg(jpeg) => jpeg.decode(),
-            Decoder::Ktx2(ktx2) => ktx2.decode(srgb),
-            Decoder::Basis(basis) => basis.decode(srgb),
+    pub fn decode(self, srgb: bool) -> Result<Vec<RgbaImage>, Fault> {
+        let picture = match self.decoder {
+            Decoder::Ktx2(ktx2) => return ktx2.decode(srgb),
+            Decoder::Jpeg(jpeg) => jpeg.decode()?,
+            Decoder::Basis(basis) => {
+                let rgba = basis.decode(0, srgb)?;
+                let picture = RgbaImage::from_raw(self.size[0], self.size[1], rgba);
+                picture.ok_or_else(|| fault("image-broken", OTHER_SIZE))?
+            }
             Decoder::Other(decoder) => {
                 let pixels = DynamicImage::from_decoder(decoder).map_err(broken)?;
-                Ok(pixels.into_rgba8())
+                pixels.into_rgba8()
             }
-        }
+        };
+        Ok(vec![picture])
     }
 }
 

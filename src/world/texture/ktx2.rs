@@ -3,7 +3,7 @@
 use image::{RgbaImage, imageops};
 
 use self::{header::Header, plain::Format};
-use super::{basis::Basis, fault};
+use super::{basis::Basis, decoder::OTHER_SIZE, fault};
 use crate::gltf::Fault;
 
 mod header;
@@ -83,37 +83,56 @@ impl<'a> Ktx2<'a> {
     /// # Errors
     /// Lengths that do not fit the picture.
     pub fn working_bytes(&self) -> Result<u64, Fault> {
-        match &self.content {
-            Content::Plain(format) => {
-                let [width, height] = format.block_px();
-                let across = u64::from(self.size[0].div_ceil(width));
-                let blocks = across * u64::from(self.size[1].div_ceil(height));
-                self.header
-                    .inflating_bytes(blocks * format.block_bytes() as u64)
-            }
-            Content::Transcoded(basis) => {
-                let inflating = self.header.inflating_bytes(basis.level_bytes())?;
-                Ok(inflating + basis.working_bytes())
-            }
-        }
+        let inflating = self.inflating_bytes(&self.header)?;
+        Ok(match &self.content {
+            Content::Plain(_) => inflating,
+            Content::Transcoded(basis) => inflating + basis.working_bytes(),
+        })
     }
 
-    /// Decodes the first mip level, upright and with its channels in their places. Numbers beyond 0 to 1 are clamped;
-    /// floats are linear, and become sRGB with `srgb`.
+    fn inflating_bytes(&self, level: &Header<'_>) -> Result<u64, Fault> {
+        let ([width, height], bytes) = match &self.content {
+            Content::Plain(format) => (format.block_px(), format.block_bytes() as u64),
+            Content::Transcoded(basis) => basis.block(),
+        };
+        let across = u64::from(level.size[0].div_ceil(width));
+        level.inflating_bytes(across * u64::from(level.size[1].div_ceil(height)) * bytes)
+    }
+
+    /// The first mip level and the levels below it that take no more memory than it to inflate.
+    fn levels(&self) -> impl Iterator<Item = Header<'a>> {
+        let most = self.inflating_bytes(&self.header).unwrap_or(0);
+        let fits = move |level: &Header<'_>| self.inflating_bytes(level).is_ok_and(|b| b <= most);
+        let below = (1..).map_while(|k| self.header.below(k));
+        std::iter::once(self.header.clone()).chain(below.take_while(fits))
+    }
+
+    /// Number of texels of all levels.
+    pub fn texels(&self) -> u64 {
+        let levels = self.levels().map(|level| level.size.map(u64::from));
+        levels.map(|[width, height]| width * height).sum()
+    }
+
+    /// Decodes the mip levels, the largest first and then as many as are not broken, upright and with their channels in
+    /// their places. Numbers beyond 0 to 1 are clamped; floats are linear, and become sRGB with `srgb`.
     ///
     /// # Errors
-    /// Broken data.
-    pub fn decode(self, srgb: bool) -> Result<RgbaImage, Fault> {
-        let [width, height] = self.size;
-        let (is_reversed, swizzle) = (self.header.is_reversed, self.header.swizzle);
-        let mut picture = match self.content {
-            Content::Plain(format) => {
-                let rgba = plain::decode(&self.header, format, srgb)?;
-                RgbaImage::from_raw(width, height, rgba)
-                    .ok_or_else(|| broken("it decodes to another size than its header says"))?
-            }
-            Content::Transcoded(basis) => basis.decode(srgb)?,
+    /// A broken first level.
+    pub fn decode(self, srgb: bool) -> Result<Vec<RgbaImage>, Fault> {
+        let mut pictures = vec![self.picture(&self.header, 0, srgb)?];
+        let below = self.levels().zip(0..).skip(1);
+        pictures.extend(below.map_while(|(level, k)| self.picture(&level, k, srgb).ok()));
+        Ok(pictures)
+    }
+
+    fn picture(&self, level: &Header<'_>, k: u32, srgb: bool) -> Result<RgbaImage, Fault> {
+        let rgba = match &self.content {
+            Content::Plain(format) => plain::decode(level, *format, srgb)?,
+            Content::Transcoded(basis) => basis.decode(k, srgb)?,
         };
+        let (is_reversed, swizzle) = (level.is_reversed, level.swizzle);
+        let mut picture = RgbaImage::from_raw(level.size[0], level.size[1], rgba)
+            .ok_or_else(|| broken(OTHER_SIZE))?;
         if swizzle != [0, 1, 2, 3] {
             for texel in picture.pixels_mut() {
                 let [r, g, b, a] = texel.0;

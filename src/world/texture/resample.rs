@@ -43,14 +43,22 @@ impl Sampling {
     }
 }
 
-/// The image at `px` × `px`, and each halving of it; RGBA of 8 bits. Mips of normals hold in place of alpha how far the
-/// normals below a texel spread.
+/// The image at `px` × `px`, and each halving of it, by the levels that the image's file states and then by means; RGBA
+/// of 8 bits. Mips of normals hold in place of alpha how far the normals below a texel spread, and are always means.
 pub fn mip_chain(texture: &Texture, px: u32, sampling: Sampling) -> Vec<Vec<u8>> {
-    let mut base = if (texture.width, texture.height) == (px, px) {
-        texture.rgba.clone()
-    } else {
-        resampled(texture, px, sampling)
+    let levels: Vec<_> = texture.levels().collect();
+    // The level whose texels are nearest in size to the mip's.
+    let nearest = |edge: u32| {
+        let shrunk = f64::from(texture.width.max(texture.height)) / f64::from(edge);
+        shrunk.log2().round().max(0.0) as usize
     };
+    let last = levels.len().saturating_sub(1);
+    let stated = |level: usize, edge: u32| {
+        let (size, rgba) = levels.get(level)?;
+        Some(resampled(rgba, *size, edge, sampling, texture.srgb))
+    };
+    let first = nearest(px).min(if sampling.normals { 0 } else { last });
+    let mut base = stated(first, px).unwrap_or_default();
     if sampling.normals {
         base.iter_mut()
             .skip(3)
@@ -60,10 +68,12 @@ pub fn mip_chain(texture: &Texture, px: u32, sampling: Sampling) -> Vec<Vec<u8>>
     let mut chain = vec![base];
     let mut edge = px;
     while edge > 1 {
-        let last = &chain[chain.len() - 1];
-        let next = match sampling.normals {
-            true => mean_normals(last, edge),
-            false => box_downsampled(last, edge, texture.srgb),
+        let above = &chain[chain.len() - 1];
+        let own = (last > 0 && !sampling.normals).then(|| stated(nearest(edge / 2), edge / 2));
+        let next = match own.flatten() {
+            Some(own) => own,
+            None if sampling.normals => mean_normals(above, edge),
+            None => box_downsampled(above, edge, texture.srgb),
         };
         chain.push(next);
         edge /= 2;
@@ -73,9 +83,11 @@ pub fn mip_chain(texture: &Texture, px: u32, sampling: Sampling) -> Vec<Vec<u8>>
 
 /// The image at `px` × `px`: nearest texels, or magnified as by hardware, wrapping included; larger images are
 /// halved first.
-fn resampled(texture: &Texture, px: u32, sampling: Sampling) -> Vec<u8> {
-    let mut size = [texture.width, texture.height];
-    let mut source = std::borrow::Cow::Borrowed(&texture.rgba);
+fn resampled(rgba: &[u8], mut size: [u32; 2], px: u32, sampling: Sampling, srgb: bool) -> Vec<u8> {
+    let mut source = std::borrow::Cow::Borrowed(rgba);
+    if size == [px, px] {
+        return rgba.to_vec();
+    }
     if sampling.nearest {
         return image_from(px, |x, y| {
             let at = [x * size[0] / px, y * size[1] / px];
@@ -86,16 +98,10 @@ fn resampled(texture: &Texture, px: u32, sampling: Sampling) -> Vec<u8> {
         let factor = size.map(|edge| if edge > px { 2 } else { 1 });
         let next = size.map(|edge| edge.min(edge.div_ceil(2).max(px)));
         let next = [0, 1].map(|i| if factor[i] == 2 { next[i] } else { size[i] });
-        source = std::borrow::Cow::Owned(bilinear_resized(
-            &source,
-            size,
-            next,
-            sampling,
-            texture.srgb,
-        ));
+        source = std::borrow::Cow::Owned(bilinear_resized(&source, size, next, sampling, srgb));
         size = next;
     }
-    bilinear_resized(&source, size, [px, px], sampling, texture.srgb)
+    bilinear_resized(&source, size, [px, px], sampling, srgb)
 }
 
 fn texel(rgba: &[u8], size: [u32; 2], at: [u32; 2]) -> [u8; 4] {

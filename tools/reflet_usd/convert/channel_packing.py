@@ -39,6 +39,8 @@ class Packer:
         self.writer = writer
         self.library = TextureLibrary(context, writer)
         self._packed: dict[Any, int] = {}
+        self._levels: dict[int, int] = {}
+        """Image with stated mip levels for the image that readers without them show."""
 
     def texture(
         self, channels: list[Channel | None], srgb: bool, slots: dict[str, int]
@@ -57,9 +59,10 @@ class Packer:
         source = self.copy_index(channels, srgb)
         if source is None:
             source = self._write(channels, srgb)
-        texture = self.writer.add_once(
-            "textures", {"sampler": self._sampler(first), "source": source}
-        )
+        entry: dict[str, Any] = {"sampler": self._sampler(first), "source": source}
+        if source in self._levels:
+            entry["extensions"] = {"KHR_texture_basisu": {"source": self._levels[source]}}
+        texture = self.writer.add_once("textures", entry)
         return self._info(texture, first, slots)
 
     def usable(self, read: TextureRead) -> bool:
@@ -102,16 +105,34 @@ class Packer:
         files = [self._file(c) if c is not None and c.read else None for c in channels]
         sizes = {file.size for file in files if file is not None}
         size = (max(s[0] for s in sizes), max(s[1] for s in sizes))
-        planes = []
-        for place, (channel, file) in enumerate(zip(channels, files, strict=True)):
-            encode = srgb and place < 3
-            planes.append(self._plane(channel, file, size, encode))
+        name = "_".join(dict.fromkeys(file.name for file in files if file is not None))
+        self._explain(channels, files, sizes, srgb)
+        pixels = self._pixels(channels, files, size, srgb)
+        self._packed[key] = self.library.add_pixels(pixels, name)
+        levels = [file.levels for file in files if file is not None]
+        if levels[0] and all(other == levels[0] for other in levels):
+            stated = [
+                self._pixels(channels, [file and level for file in files], level.size, srgb)
+                for level in levels[0]
+            ]
+            image = self.library.add_levels([pixels, *stated], srgb, name)
+            self._levels[self._packed[key]] = image
+        return self._packed[key]
+
+    def _pixels(
+        self,
+        channels: list[Channel | None],
+        files: list[ImageFile | None],
+        size: tuple[int, int],
+        srgb: bool,
+    ) -> Array:
+        planes = [
+            self._plane(channel, file, size, srgb and place < 3)
+            for place, (channel, file) in enumerate(zip(channels, files, strict=True))
+        ]
         if len(channels) == 4 and channels[3] is None:
             planes.pop()
-        names = dict.fromkeys(file.name for file in files if file is not None)
-        self._explain(channels, files, sizes, srgb)
-        self._packed[key] = self.library.add_pixels(np.dstack(planes), "_".join(names))
-        return self._packed[key]
+        return np.dstack(planes)
 
     def _plane(
         self, channel: Channel | None, file: ImageFile | None, size: tuple[int, int], encode: bool
@@ -150,10 +171,10 @@ class Packer:
                 message = f"a {file.format} image of mode {file.mode} became 8-bit PNG"
                 if file.floats is not None and file.floats[..., channel.index].max() > 1.0:
                     message += "; values above 1 are lost"
+                if file.levels:
+                    message += f", and KTX2 with {len(file.levels)} of its mip levels"
                 if file.has_more:
-                    message += (
-                        "; pictures after its first, such as its own mip levels, are left out"
-                    )
+                    message += "; pictures after these are left out"
                 warn("texture-converted", channel.read.prim, message)
             elif channel.scale != 1.0 or channel.bias != 0.0 or len(sizes) > 1:
                 message = "its values were rewritten (scale, bias or size) with 8-bit rounding"

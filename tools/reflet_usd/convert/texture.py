@@ -15,6 +15,7 @@ from reflet_usd.stand_in import stand_in
 from .confinement import outside_message
 from .context import Context
 from .gltf_writer import GltfWriter
+from .ktx2 import ktx2
 from .scene import Array
 from .sources import TextureRead
 
@@ -44,7 +45,9 @@ class ImageFile:
     floats: Array | None = None
     """Linear values (height, width, 4) of an OpenEXR or Radiance HDR file."""
     has_more: bool = False
-    """Whether other pictures follow the first, as mip levels do in a TIFF."""
+    """Whether other pictures follow the first, or its levels, in a TIFF."""
+    levels: tuple["ImageFile", ...] = ()
+    """Mip levels that a TIFF states, each half as large as the one before."""
 
     @property
     def is_gray(self) -> bool:
@@ -170,6 +173,11 @@ class TextureLibrary:
         """The file as a glTF image, its bytes unchanged."""
         return self.writer.add_image(file.data, _MIME_TYPES[file.format], file.name)
 
+    def add_levels(self, levels: list[Array], srgb: bool, name: str) -> int:
+        """uint8 pixels of an image and of its mip levels as a KTX 2.0 image."""
+        self.writer.use_extension("KHR_texture_basisu")
+        return self.writer.add_image(ktx2(levels, srgb), "image/ktx2", name)
+
     def add_pixels(self, pixels: Array, name: str) -> int:
         """uint8 pixels (height, width, 3 or 4) as a PNG image."""
         stream = io.BytesIO()
@@ -191,8 +199,29 @@ def _decode(read: TextureRead, data: bytes) -> ImageFile:
         image.load()
         wide = image.mode in ("I", "I;16", "I;16B", "F")
         kind, key = image.format or "", "transparency" in image.info
-        more = isinstance(image, TiffImageFile) and bool(image.tag_v2.next)
-        return ImageFile(stem, data, kind, image.mode, image.size, wide, key, has_more=more)
+        file = ImageFile(stem, data, kind, image.mode, image.size, wide, key)
+        if isinstance(image, TiffImageFile):
+            file.levels, file.has_more = _stated_levels(image, stem)
+        return file
+
+
+def _stated_levels(image: TiffImageFile, stem: str) -> tuple[tuple[ImageFile, ...], bool]:
+    """The pictures after the first as PNG, each half as large as the last, and if others follow."""
+    levels: list[ImageFile] = []
+    first, mode = image.size, image.mode
+    while image.tag_v2.next and mode in ("L", "LA", "RGB", "RGBA"):
+        k = len(levels) + 1
+        size = (max(1, first[0] >> k), max(1, first[1] >> k))
+        stream = io.BytesIO()
+        try:
+            image.seek(k)
+            if (image.mode, image.size) != (mode, size) or k >= max(first).bit_length():
+                return tuple(levels), True
+            image.save(stream, "PNG", compress_level=PNG_COMPRESSION)
+        except (OSError, ValueError, SyntaxError, EOFError, Image.DecompressionBombError):
+            return tuple(levels), True
+        levels.append(ImageFile(stem, stream.getvalue(), "PNG", mode, size, wide=False))
+    return tuple(levels), bool(image.tag_v2.next)
 
 
 def _of_floats(stem: str, values: Array) -> ImageFile:

@@ -1,12 +1,13 @@
-//! Header of KTX 2.0 files (§3), and the bytes of the first mip level with the memory that inflating them takes.
+//! Header of KTX 2.0 files (§3), and the bytes of a mip level with the memory that inflating them takes.
 
 use ruzstd::io::Read as _;
 
 use super::broken;
 use crate::gltf::Fault;
 
-/// Number of bytes up to the end of the first level's entry.
-const HEADER_BYTES: usize = 104;
+/// Number of bytes up to the first level's entry, and of each entry.
+const HEADER_BYTES: usize = 80;
+const ENTRY_BYTES: usize = 24;
 /// Largest window of Zstandard that is always allowed, bytes; every decoder should support it (RFC 8878, 3.1.1.1.2).
 const SMALL_WINDOW_BYTES: u64 = 8 << 20;
 /// Memory of an inflater of zlib, bytes.
@@ -24,10 +25,11 @@ enum Supercompression {
     Zlib,
 }
 
-/// Header of a file.
+/// Header of a file, seen from one of its levels.
+#[derive(Clone)]
 pub struct Header<'a> {
     pub vk_format: u32,
-    /// Width and height, pixels.
+    /// Width and height of the level, pixels.
     pub size: [u32; 2],
     /// Color model of the data format descriptor (Khronos Data Format 1.4, §5.6); `None` without a descriptor.
     pub color_model: Option<u8>,
@@ -36,7 +38,8 @@ pub struct Header<'a> {
     /// Channel 0 to 3, or 4 for 0 and 5 for 1, of each channel that is shown (`KTXswizzle`, §5.4).
     pub swizzle: [usize; 4],
     supercompression: Supercompression,
-    /// Bytes of the first level, as they stand in the file.
+    file: &'a [u8],
+    /// Bytes of the level, as they stand in the file.
     level: &'a [u8],
     /// Stated length of the inflated level, bytes.
     inflated: u64,
@@ -48,11 +51,10 @@ impl<'a> Header<'a> {
     /// # Errors
     /// Files that are cut off; cube maps, volumes and arrays; unknown supercompression.
     pub fn read(bytes: &'a [u8]) -> Result<Self, Fault> {
-        if bytes.len() < HEADER_BYTES {
+        if bytes.len() < HEADER_BYTES + ENTRY_BYTES {
             return Err(broken("its header is cut off"));
         }
         let word = |at: usize| number(&bytes[at..at + 4]) as u32;
-        let long = |at: usize| number(&bytes[at..at + 8]);
         let [depth, layers, faces] = [28, 32, 36].map(word);
         if depth > 1 || layers > 1 || faces != 1 {
             let text = "is KTX with a cube map, a volume or an array, expected one picture";
@@ -68,11 +70,8 @@ impl<'a> Header<'a> {
                 return Err(super::unsupported(text));
             }
         };
-        let range = usize::try_from(long(80)).ok().and_then(|start| {
-            let length = usize::try_from(long(88)).ok()?;
-            Some(start..start.checked_add(length)?)
-        });
-        let level = range.and_then(|range| bytes.get(range));
+        let (level, inflated) =
+            entry(bytes, 0).ok_or_else(|| broken("its first level lies outside the file"))?;
         let [descriptor, start, length] = [48, 56, 60].map(|at| word(at) as usize);
         let values = start
             .checked_add(length)
@@ -96,8 +95,22 @@ impl<'a> Header<'a> {
             ],
             swizzle: [0, 1, 2, 3].map(|k| source(k).unwrap_or(k)),
             supercompression,
-            level: level.ok_or_else(|| broken("its first level lies outside the file"))?,
-            inflated: long(96),
+            file: bytes,
+            level,
+            inflated,
+        })
+    }
+
+    /// The header as of the `k`th level below this first one; `None` where the file states no such level.
+    pub fn below(&self, k: u32) -> Option<Self> {
+        let is_stated = u64::from(k) < number(&self.file[40..44]);
+        let has_texels = self.size[0].max(self.size[1]).checked_shr(k)? > 0;
+        let (level, inflated) = entry(self.file, k as usize).filter(|_| is_stated && has_texels)?;
+        Some(Self {
+            size: self.size.map(|side| (side >> k).max(1)),
+            level,
+            inflated,
+            ..self.clone()
         })
     }
 
@@ -173,6 +186,16 @@ impl<'a> Header<'a> {
             false => Err(cannot()),
         }
     }
+}
+
+/// Bytes of a level in the file, and its stated length when inflated; `None` for a level outside the file.
+fn entry(file: &[u8], k: usize) -> Option<(&[u8], u64)> {
+    let start = HEADER_BYTES + k * ENTRY_BYTES;
+    let words = file.get(start..start + ENTRY_BYTES)?.as_chunks::<8>().0;
+    let [start, length, inflated] = [0, 1, 2].map(|word| number(&words[word]));
+    let start = usize::try_from(start).ok()?;
+    let end = start.checked_add(usize::try_from(length).ok()?)?;
+    Some((file.get(start..end)?, inflated))
 }
 
 /// Letters of a swizzle.
