@@ -130,12 +130,12 @@ pub enum Sweep {
 
 /// Observer of a run, which shows progress and may stop it.
 pub trait Observer {
-    /// Reports all steps of the run, before the first begins.
-    fn plan(&mut self, work: Work);
+    /// Reports the number of steps of the run, before the first begins.
+    fn plan(&mut self, steps: usize);
     /// Reports that step `what` begins.
     fn begin(&mut self, what: &str);
-    /// Reports that the step that began last is finished; its picture has this size.
-    fn did(&mut self, task: Task, size: [u32; 2]);
+    /// Reports that the step that began last is finished.
+    fn did(&mut self);
     /// Reports a message for the user.
     fn note(&mut self, text: &str);
     /// Whether to stop after the current step.
@@ -280,11 +280,11 @@ impl Bench<'_> {
         log: &mut Log,
         watch: &mut dyn Observer,
     ) -> Result<Outcome, BenchError> {
-        let (mut work, mut total, mut planned) = (Work::default(), 0, 0);
+        let (mut steps, mut total, mut planned) = (0, 0, 0);
         for series in all_series.iter_mut() {
             for index in 0..series.len() {
                 for block in interleave::blocks(self, series.seen(index)) {
-                    block.plan(self, log, &mut work);
+                    steps += block.steps(self, log);
                     total += block.missing(self, log);
                     planned += block.variants.len() * self.protocol.frames as usize;
                 }
@@ -294,7 +294,7 @@ impl Bench<'_> {
             skipped: planned - total,
             ..Outcome::default()
         };
-        watch.plan(work);
+        watch.plan(steps);
         for series in all_series {
             for index in 0..series.len() {
                 let subject = series.posed(index).map_err(BenchError::Scene)?;
@@ -388,50 +388,5 @@ pub enum BenchError {
 impl<E: Into<RenderError>> From<E> for BenchError {
     fn from(error: E) -> Self {
         Self::Render(error.into())
-    }
-}
-
-/// A kind of step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Task {
-    /// Rendering the reference.
-    Reference,
-    /// Rendering a picture and computing its errors.
-    Judge,
-    /// Rendering a frame with counters.
-    Count,
-    /// Rendering a frame, timed or to warm up.
-    Frame,
-}
-
-/// Steps of one kind.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Steps {
-    /// Number of steps.
-    pub count: usize,
-    /// Number of pixels of all these steps.
-    pub pixels: f64,
-}
-
-/// Steps of each kind.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Work([Steps; 4]);
-
-impl Work {
-    /// Adds steps whose pictures have this size.
-    pub fn add(&mut self, task: Task, count: usize, size: [u32; 2]) {
-        let steps = &mut self.0[task as usize];
-        steps.count += count;
-        steps.pixels += count as f64 * f64::from(size[0]) * f64::from(size[1]);
-    }
-
-    /// Steps of every kind, in the order of [`Task`].
-    pub fn kinds(&self) -> [Steps; 4] {
-        self.0
-    }
-
-    /// Steps of all kinds.
-    pub fn count(&self) -> usize {
-        self.0.iter().map(|steps| steps.count).sum()
     }
 }

@@ -11,7 +11,7 @@ use crate::{
 };
 
 use super::{
-    Bench, BenchError, Observer, Outcome, REFERENCE_BOUNCES, ReadyRenderer, Subject, Task, Work,
+    Bench, BenchError, Observer, Outcome, REFERENCE_BOUNCES, ReadyRenderer, Subject,
     fill::{fill_counts, fill_errors, timed},
     judge::Judged,
 };
@@ -58,22 +58,15 @@ impl Block<'_> {
         self.variants.iter().map(of).sum()
     }
 
-    /// Adds the steps of [`Block::measure`].
-    pub(super) fn plan(&self, bench: &Bench, log: &Log, work: &mut Work) {
-        let missing = self.missing(bench, log);
-        if missing == 0 {
-            return;
+    /// Number of steps of [`Block::measure`]: the reference, then for each variant its judgement, its counts and its
+    /// untimed frames, then the missing frames.
+    pub(super) fn steps(&self, bench: &Bench, log: &Log) -> usize {
+        let (missing, protocol) = (self.missing(bench, log), bench.protocol);
+        let untimed = protocol.warm_up as usize + usize::from(protocol.count);
+        match missing {
+            0 => 0,
+            _ => 1 + self.variants.len() * untimed + missing,
         }
-        let protocol = bench.protocol;
-        let variants = self.variants.len();
-        let rendered = self.rendered();
-        let warm_up = variants * (protocol.warm_up as usize - 1);
-        work.add(Task::Reference, 1, self.size);
-        work.add(Task::Judge, variants, self.size);
-        if protocol.count {
-            work.add(Task::Count, variants, rendered);
-        }
-        work.add(Task::Frame, warm_up + missing, rendered);
     }
 
     /// Measures the frames that the log lacks.
@@ -96,7 +89,7 @@ impl Block<'_> {
         )?;
         watch.begin(&self.label("reference"));
         let reference = bench.reference(self.subject, &mut rt.renderer, self.size)?;
-        watch.did(Task::Reference, self.size);
+        watch.did();
         watch.begin(&self.label("scene to the GPU"));
         let mut renderers = self.renderers(bench, rt)?;
         let mut prototypes = Vec::new();
@@ -138,7 +131,7 @@ impl Block<'_> {
                     sample.traverse_ms = renderer.traversal_ms(bench.gpu, camera)?;
                 }
                 log.append(sample).map_err(BenchError::File)?;
-                watch.did(Task::Frame, self.rendered());
+                watch.did();
                 outcome.measured += 1;
             }
         }
@@ -161,7 +154,7 @@ impl Block<'_> {
         let next = |what: &str| format!("{label}, {what}");
         watch.begin(&next("judged"));
         let judged = bench.judge(self.subject, variant, renderer, reference, self.size)?;
-        watch.did(Task::Judge, self.size);
+        watch.did();
         if let Some(failure) = &judged.failure {
             watch.note(&format!("{label}: {failure}"));
         }
@@ -170,7 +163,7 @@ impl Block<'_> {
         if bench.protocol.count {
             watch.begin(&next("counted"));
             fill_counts(&mut sample, &renderer.counts(bench.gpu, camera)?);
-            watch.did(Task::Count, self.rendered());
+            watch.did();
         }
         if bench.protocol.split_trace {
             watch.begin(&next("warm-up"));
@@ -179,7 +172,7 @@ impl Block<'_> {
         for _ in 1..bench.protocol.warm_up {
             watch.begin(&next("warm-up"));
             renderer.render(bench.gpu, camera)?;
-            watch.did(Task::Frame, self.rendered());
+            watch.did();
         }
         Ok(sample)
     }
