@@ -53,8 +53,6 @@ if [ "$full" = no ]; then
     MESA_SHADER_CACHE_DIR+="-128"
 fi
 mkdir -p "$MESA_SHADER_CACHE_DIR"
-# Unoptimized, the package builds in a third of the time; its tests mostly wait for the driver.
-export CARGO_PROFILE_DEV_OPT_LEVEL=0
 # Incremental compilation and many parts of a crate cost a first build time, and serve only machines that build again.
 [ -d target/debug/incremental ] || export CARGO_INCREMENTAL=0 CARGO_PROFILE_DEV_CODEGEN_UNITS=8
 

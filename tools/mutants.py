@@ -287,8 +287,6 @@ class Rust:
             subprocess.run([*warm, ROOT / "target" / "debug", target / "debug"], check=True)
         self.environment = os.environ | {
             "CARGO_TARGET_DIR": str(target),
-            # Profile of this package alone: dependencies have settings of their own.
-            "CARGO_PROFILE_DEV_OPT_LEVEL": "0",
             "CARGO_PROFILE_DEV_DEBUG": "0",
         }
         for stage in [METRIC, ["--test", "scene"], ["--workspace", "--lib"]]:
