@@ -1,6 +1,6 @@
 //! Mistakes in command lines, with the command or the argument to write instead.
 
-use std::{path::Path, process};
+use std::{ffi::OsStr, path::Path, process};
 
 use clap::error::{ContextKind, ContextValue};
 use serde::Deserialize;
@@ -64,6 +64,13 @@ fn advice(error: &clap::Error) -> Option<String> {
     find(known.arguments, name).or_else(|| {
         if typed.starts_with('-') {
             return None;
+        }
+        if typed.parse::<f64>().is_ok() {
+            return Some("write the numbers of an option together: `--frames 0-47`, `--size 1280x720`".into());
+        }
+        let is_scene = |e: &OsStr| ["toml", "glb", "gltf"].contains(&&*e.to_string_lossy());
+        if Path::new(typed).extension().is_some_and(is_scene) {
+            return Some("write one scene a command; `reflet thumbs FOLDER -o PICTURES` shows all of a folder".into());
         }
         if usage.contains("reflet query") {
             let option = if typed.contains(',') { "at" } else { "of" };

@@ -94,7 +94,15 @@ pub fn read(path: &Path) -> Result<String, Vec<Diagnostic>> {
             let names = scenes_in(path.parent().unwrap_or(Path::new("")));
             let meant = suggest::nearest(&typed, names.iter().map(String::as_str));
             error.help = Some(meant.map_or_else(
-                || "check the path; it starts from the folder you are in".into(),
+                || {
+                    match path.to_string_lossy().contains("://") {
+                        true => {
+                            "a scene is a file of this machine: download it, and write its path"
+                        }
+                        false => "check the path; it starts from the folder you are in",
+                    }
+                    .into()
+                },
                 |meant| format!("did you mean {}?", suggest::text(meant)),
             ));
         }

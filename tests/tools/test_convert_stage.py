@@ -68,6 +68,9 @@ def test_unreadable_stages_are_named_and_leave_nothing(tmp_path: Path, text: byt
     assert caught.value.name == "stage-unreadable"
     assert ("git lfs pull" in str(caught.value)) == (text == LFS)
     assert [p.name for p in tmp_path.iterdir()] == ["bad.usda"]
+    if text == LFS:  # as a layer too
+        done = convert_text(tmp_path, "#usda 1.0\n(subLayers = [@bad.usda@])\n")
+        assert any("git lfs pull" in found["message"] for found in done.sidecar["warnings"])
 
 
 def test_a_missing_stage_and_a_wrong_suffix(tmp_path: Path) -> None:

@@ -149,6 +149,10 @@ const UNITS: &[(&str, f64, &str)] = &[
     ("ms", 1e-3, "seconds"),
     ("rad", 180.0 / std::f64::consts::PI, "degrees"),
     ("%", 1e-2, "shares of 1"),
+    ("W", 1.0, "watts, by the key `power_w`"),
+    ("lm", 1.0, "lumens, by the key `flux_lm`"),
+    ("lx", 1.0, "lux, by the key `intensity_lux`"),
+    ("cd", 1.0, "candela, by the key `intensity_cd`"),
 ];
 
 /// Advice for a number with a unit: the number in the unit that scene text has.

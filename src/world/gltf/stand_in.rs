@@ -5,7 +5,7 @@ use super::Fault;
 /// Number of first bytes that tell such files.
 pub const STAND_IN_BYTES: usize = 64;
 
-/// Refuses pointers of Git LFS and web pages, by the first bytes of a file.
+/// Refuses pointers of Git LFS, web pages and errors of servers, by the first bytes of a file.
 ///
 /// # Errors
 /// `git-lfs-pointer` and `web-page`.
@@ -23,6 +23,10 @@ pub fn refuse(bytes: &[u8]) -> Result<(), Fault> {
         return Err(Fault::new("web-page", text).help(
             "download it anew: pages that show a file have a button \"Raw\" or \"Download\"",
         ));
+    }
+    if words.starts_with("<?xml") && words.contains("<error>") {
+        let text = "is an error of a server, in the place of the file itself";
+        return Err(Fault::new("web-page", text).help("download it anew"));
     }
     Ok(())
 }
@@ -43,6 +47,7 @@ mod tests {
             ),
             (b"{\"asset\": {\"version\": \"2.0\"}}", None),
             (b"<?xml version=\"1.0\"?><svg/>", None),
+            (b"<?xml version=\"1.0\"?>\n<Error>", Some("web-page")),
             (b"version 1", None),
             (b"glTF\xff\xfe", None),
             (b"", None),

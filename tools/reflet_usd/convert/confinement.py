@@ -18,6 +18,7 @@ from reflet_usd.stage_files import (
     rename,
     turn_separators,
 )
+from reflet_usd.stand_in import stand_in
 from reflet_usd.usdz_check import check_referenced
 
 from .ledger import Ledger
@@ -214,6 +215,9 @@ def _fault(
     if allowed:
         check_referenced(outer_file(resolved))
     if is_layer:
+        with open(outer_file(resolved), "rb") as file:
+            if found := stand_in(file.read(64)):
+                return "asset-unresolved", f"@{asset_path}@ is {found}"
         kept.append(identifier)
     else:
         files.assets.add(identifier)

@@ -44,6 +44,10 @@ pub fn syntax(wrong: &ParseErrorType, at: Position, sources: &Sources, name: &st
         );
         return error.help("add `;` here");
     }
+    let pointer = source.filter(|source| source.text.starts_with("version https://git-lfs"));
+    if let Some((what, help)) = pointer.and_then(|source| suggest::language(&source.text)) {
+        return Diagnostic::new(kind_of(wrong), span, format!("this is {what}")).help(help);
+    }
     let (message, help) = match word {
         Some(word @ ("eval" | "curry")) => {
             let help = "write a function, or a `for` loop".to_owned();
