@@ -322,7 +322,7 @@ pub struct Texture {
     pub width: u32,
     /// Pixels down, 1 to 16384.
     pub height: u32,
-    /// `width * height * 4` bytes, then as many for each stated level, every one half as wide and high as the one before,
+    /// `width * height * 4` bytes, then as many for each stated level, every level half as wide and high as the last,
     /// rounded down, at least 1.
     pub rgba: Vec<u8>,
     /// Whether the bytes are sRGB-encoded (color) or linear (data). An image used as both is stored twice.

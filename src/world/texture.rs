@@ -72,6 +72,9 @@ impl TextureRequest {
     }
 }
 
+/// Message about texels that are too few or too many.
+const OTHER_SIZE: &str = "it decodes to another size than its header says";
+
 fn fault(name: &'static str, text: impl Into<String>) -> Fault {
     Fault::new(name, text)
 }

@@ -272,7 +272,7 @@ impl Loader<'_> {
 
     /// Reports an error unless it was reported before, as many instances may have the same one.
     pub fn report_once(&mut self, error: Diagnostic) {
-        // What all shapes have together is told at the first that goes beyond it.
+        // A budget of all shapes together is told at the first shape that goes beyond it.
         let is_of_all = ["shapes-too-large", "memory-short"].contains(&error.name);
         let says = |said: &Diagnostic| *said == error || is_of_all && said.name == error.name;
         if self.errors.len() >= MOST_SHOWN || !self.errors.iter().any(says) {

@@ -9,7 +9,7 @@ use image::{
 };
 
 use super::{
-    TextureLimits,
+    OTHER_SIZE, TextureLimits,
     basis::Basis,
     encoded::{Encoded, Format},
     fault,
@@ -21,8 +21,6 @@ use crate::gltf::Fault;
 
 /// Smallest and largest limit of the memory for the text and color profiles of a PNG file, bytes.
 const PNG_METADATA_BYTES: [u64; 2] = [16 << 20, 64 << 20];
-/// Message about texels that are too few or too many.
-pub const OTHER_SIZE: &str = "it decodes to another size than its header says";
 /// Memory of any decoder beside its image, bytes.
 const SMALL_BYTES: u64 = 1 << 20;
 

@@ -3,7 +3,7 @@
 use image::{RgbaImage, imageops};
 
 use self::{header::Header, plain::Format};
-use super::{basis::Basis, decoder::OTHER_SIZE, fault};
+use super::{OTHER_SIZE, basis::Basis, fault};
 use crate::gltf::Fault;
 
 mod header;

@@ -47,7 +47,7 @@ class ImageFile:
     has_more: bool = False
     """Whether other pictures follow the first, or its levels, in a TIFF."""
     levels: tuple["ImageFile", ...] = ()
-    """Mip levels that a TIFF states, each half as large as the one before."""
+    """Mip levels that a TIFF states, each half as large as the last."""
 
     @property
     def is_gray(self) -> bool:
