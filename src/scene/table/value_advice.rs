@@ -56,7 +56,7 @@ const ALONG_X: &[&str] = &[
     "offset",
 ];
 
-/// Advice for a single number where a list of `count` is expected: about Y for a rotation or its rate, along X for a
+/// Advice for a single number where a list of `count` is expected: about Y for a rotation or a rate, along X for a
 /// way, else in all places.
 pub fn list_of_number(node: &Node, key: &str, count: usize) -> Option<String> {
     let (Content::Integer(_) | Content::Float(_)) = node.get_ref() else {
@@ -68,8 +68,13 @@ pub fn list_of_number(node: &Node, key: &str, count: usize) -> Option<String> {
     }
     let number = number_text(node);
     Some(match (key, count) {
-        ("rate" | "rotation_deg", 3) => {
+        ("rotation_deg", 3) => {
             format!("write [0, {number}, 0] for a turn about Y, which points up")
+        }
+        ("rate", 3) => {
+            format!(
+                "write [0, {number}, 0] for Y, which points up: a turn about it, or a way along it"
+            )
         }
         _ if count == 3 && ALONG_X.contains(&key) => {
             let rest = u8::from(key == "count");
