@@ -38,9 +38,8 @@ class Packer:
         self.context = context
         self.writer = writer
         self.library = TextureLibrary(context, writer)
-        self._packed: dict[Any, int] = {}
-        self._levels: dict[int, int] = {}
-        """Image with stated mip levels for the image that readers without them show."""
+        self._packed: dict[Any, tuple[int, int | None]] = {}
+        """Images by their channels: as PNG, and with stated mip levels."""
 
     def texture(
         self, channels: list[Channel | None], srgb: bool, slots: dict[str, int]
@@ -56,12 +55,11 @@ class Packer:
             if (read.uv, read.wrap) != (first.uv, first.wrap):
                 message = f"shares a packed texture with {first.prim} and uses its coordinates"
                 self.context.ledger.warn("texture-packed-transform", read.prim, message)
-        source = self.copy_index(channels, srgb)
-        if source is None:
-            source = self._write(channels, srgb)
+        copied = self.copy_index(channels, srgb)
+        source, leveled = self._write(channels, srgb) if copied is None else (copied, None)
         entry: dict[str, Any] = {"sampler": self._sampler(first), "source": source}
-        if source in self._levels:
-            entry["extensions"] = {"KHR_texture_basisu": {"source": self._levels[source]}}
+        if leveled is not None:
+            entry["extensions"] = {"KHR_texture_basisu": {"source": leveled}}
         texture = self.writer.add_once("textures", entry)
         return self._info(texture, first, slots)
 
@@ -98,7 +96,7 @@ class Packer:
         assert file is not None
         return file
 
-    def _write(self, channels: list[Channel | None], srgb: bool) -> int:
+    def _write(self, channels: list[Channel | None], srgb: bool) -> tuple[int, int | None]:
         key = (tuple(channels), srgb)
         if key in self._packed:
             return self._packed[key]
@@ -106,17 +104,16 @@ class Packer:
         sizes = {file.size for file in files if file is not None}
         size = (max(s[0] for s in sizes), max(s[1] for s in sizes))
         name = "_".join(dict.fromkeys(file.name for file in files if file is not None))
-        self._explain(channels, files, sizes, srgb)
+        used = [file for file in files if file is not None]
+        levels = used[0].levels if all(file is used[0] for file in used) else ()
+        self._explain(channels, files, sizes, srgb, len(levels))
         pixels = self._pixels(channels, files, size, srgb)
-        self._packed[key] = self.library.add_pixels(pixels, name)
-        levels = [file.levels for file in files if file is not None]
-        if levels[0] and all(other == levels[0] for other in levels):
-            stated = [
-                self._pixels(channels, [file and level for file in files], level.size, srgb)
-                for level in levels[0]
-            ]
-            image = self.library.add_levels([pixels, *stated], srgb, name)
-            self._levels[self._packed[key]] = image
+        stated = [
+            self._pixels(channels, [file and level for file in files], level.size, srgb)
+            for level in levels
+        ]
+        leveled = self.library.add_levels([pixels, *stated], srgb, name) if stated else None
+        self._packed[key] = self.library.add_pixels(pixels, name), leveled
         return self._packed[key]
 
     def _pixels(
@@ -162,6 +159,7 @@ class Packer:
         files: list[ImageFile | None],
         sizes: set[tuple[int, int]],
         srgb: bool,
+        levels: int,
     ) -> None:
         for place, (channel, file) in enumerate(zip(channels, files, strict=True)):
             if channel is None or channel.read is None or file is None:
@@ -171,9 +169,9 @@ class Packer:
                 message = f"a {file.format} image of mode {file.mode} became 8-bit PNG"
                 if file.floats is not None and file.floats[..., channel.index].max() > 1.0:
                     message += "; values above 1 are lost"
-                if file.levels:
-                    message += f", and KTX2 with {len(file.levels)} of its mip levels"
-                if file.has_more:
+                if levels:
+                    message += f", and KTX2 with {levels} of its mip levels"
+                if file.has_more or len(file.levels) > levels:
                     message += "; pictures after these are left out"
                 warn("texture-converted", channel.read.prim, message)
             elif channel.scale != 1.0 or channel.bias != 0.0 or len(sizes) > 1:

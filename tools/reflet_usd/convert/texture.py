@@ -21,6 +21,8 @@ from .sources import TextureRead
 
 MAX_PIXELS = 2**28
 PNG_COMPRESSION = 3
+MOST_LEVELED = 2**22
+"""Pixels of the largest image whose mip levels are carried, as texels that are not compressed."""
 MOST_ACROSS = 8192
 """Pixels across and down of the largest image of UDIM tiles."""
 # Only these formats: Pillow hands some others, such as EPS, to programs of the system.
@@ -209,7 +211,8 @@ def _stated_levels(image: TiffImageFile, stem: str) -> tuple[tuple[ImageFile, ..
     """The pictures after the first as PNG, each half as large as the last, and if others follow."""
     levels: list[ImageFile] = []
     first, mode = image.size, image.mode
-    while image.tag_v2.next and mode in ("L", "LA", "RGB", "RGBA"):
+    small = first[0] * first[1] <= MOST_LEVELED
+    while image.tag_v2.next and small and mode in ("L", "LA", "RGB", "RGBA"):
         k = len(levels) + 1
         size = (max(1, first[0] >> k), max(1, first[1] >> k))
         stream = io.BytesIO()
@@ -218,7 +221,7 @@ def _stated_levels(image: TiffImageFile, stem: str) -> tuple[tuple[ImageFile, ..
             if (image.mode, image.size) != (mode, size) or k >= max(first).bit_length():
                 return tuple(levels), True
             image.save(stream, "PNG", compress_level=PNG_COMPRESSION)
-        except (OSError, ValueError, SyntaxError, EOFError, Image.DecompressionBombError):
+        except Exception:  # Pillow raises many kinds for a broken page
             return tuple(levels), True
         levels.append(ImageFile(stem, stream.getvalue(), "PNG", mode, size, wide=False))
     return tuple(levels), bool(image.tag_v2.next)
