@@ -13,6 +13,8 @@ mod plain;
 const ETC1S: u8 = 163;
 const UASTC: u8 = 166;
 const UASTC_HDR: u8 = 167;
+/// Memory that any level may take to inflate, bytes: five windows that every decoder of Zstandard should support.
+const SMALL_BYTES: u64 = 40 << 20;
 /// `VK_FORMAT_ASTC_4x4_SFLOAT_BLOCK`, as files of UASTC HDR have it.
 const ASTC_4X4_FLOATS: u32 = 1_000_066_000;
 
@@ -83,7 +85,11 @@ impl<'a> Ktx2<'a> {
     /// # Errors
     /// Lengths that do not fit the picture.
     pub fn working_bytes(&self) -> Result<u64, Fault> {
-        let inflating = self.inflating_bytes(&self.header)?;
+        let first = self.inflating_bytes(&self.header)?;
+        let below = self
+            .levels()
+            .map(|level| self.inflating_bytes(&level).unwrap_or(0));
+        let inflating = below.fold(first, u64::max);
         Ok(match &self.content {
             Content::Plain(_) => inflating,
             Content::Transcoded(basis) => inflating + basis.working_bytes(),
@@ -99,9 +105,12 @@ impl<'a> Ktx2<'a> {
         level.inflating_bytes(across * u64::from(level.size[1].div_ceil(height)) * bytes)
     }
 
-    /// The first mip level and the levels below it that take no more memory than it to inflate.
+    /// The first mip level and the levels below it that take no more memory than it, or a small amount, to inflate.
     fn levels(&self) -> impl Iterator<Item = Header<'a>> {
-        let most = self.inflating_bytes(&self.header).unwrap_or(0);
+        let most = self
+            .inflating_bytes(&self.header)
+            .unwrap_or(0)
+            .max(SMALL_BYTES);
         let fits = move |level: &Header<'_>| self.inflating_bytes(level).is_ok_and(|b| b <= most);
         let below = (1..).map_while(|k| self.header.below(k));
         std::iter::once(self.header.clone()).chain(below.take_while(fits))
