@@ -52,7 +52,7 @@ impl Progress {
         let mut text = format!("{done} of {total} steps");
         if done > 0 && !is_finished {
             let each_s = self.begun.elapsed().as_secs_f64() / done as f64;
-            let left = about((total - done) as f64 * each_s);
+            let left = about(total.saturating_sub(done) as f64 * each_s);
             text = format!("{text}, about {left} left");
         }
         if !what.is_empty() {

@@ -125,7 +125,8 @@ impl AverageColors {
 /// Mean linear color of an sRGB texture; white without one.
 fn mean_of(world: &World, texture: Option<TextureRef>) -> DVec3 {
     let texture = texture.and_then(|t| world.textures.get(t.texture));
-    let rgba = texture.map_or(&[][..], |t| &t.rgba);
+    let largest = texture.and_then(|t| t.levels().next());
+    let rgba = largest.map_or(&[][..], |(_, rgba)| rgba);
     let texels = rgba.len() / 4;
     if texels == 0 {
         return DVec3::ONE;

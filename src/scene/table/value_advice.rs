@@ -154,14 +154,21 @@ const UNITS: &[(&str, f64, &str)] = &[
     ("ms", 1e-3, "seconds"),
     ("rad", 180.0 / std::f64::consts::PI, "degrees"),
     ("%", 1e-2, "shares of 1"),
-    ("W", 1.0, "watts, by the key `power_w`"),
-    ("lm", 1.0, "lumens, by the key `flux_lm`"),
-    ("lx", 1.0, "lux, by the key `intensity_lux`"),
-    ("cd", 1.0, "candela, by the key `intensity_cd`"),
+];
+
+/// Units of light, each with the key of a light that has it.
+const LIGHT_KEYS: &[(&str, &str)] = &[
+    ("W", "power_w"),
+    ("lm", "flux_lm"),
+    ("lx", "intensity_lux"),
+    ("cd", "intensity_cd"),
 ];
 
 /// Advice for a number with a unit: the number in the unit that scene text has.
 pub fn without_unit(number: &str, unit: &str) -> String {
+    if let Some((_, key)) = LIGHT_KEYS.iter().find(|(name, _)| *name == unit) {
+        return format!("write `{key} = {number}`, whose unit it is, or {number} alone");
+    }
     let known = UNITS.iter().find(|(name, ..)| *name == unit);
     let value = number.parse::<f64>().ok().zip(known);
     value.map_or_else(
