@@ -16,7 +16,10 @@ use super::{
 };
 use crate::{
     gpu::adapter::slow_mesa,
-    output::{picture_file::PictureFile, writable::inputs},
+    output::{
+        picture_file::PictureFile,
+        writable::{inputs, lacks_last_folder},
+    },
     render::picture::aov::Aov,
     runtime::scene_text::{LoadedScene, SceneText},
     scene::{dependencies::Dependencies, diagnostic::print_diagnostics, suggest},
@@ -75,6 +78,7 @@ pub fn render_once(args: &RenderArgs, files: &Dependencies) -> Result<(), AppErr
             reading = None; // frames are reported
             sequence::render(&args, session, &frames, load_ms, started)
         } else {
+            make_folder(args.output())?;
             let output = PictureFile::new(args.output())?;
             output.check_files(&aovs, &inputs)?;
             let session = RenderSession::new(&args, loaded, camera, aovs, &library)?;
@@ -123,8 +127,10 @@ fn check_kind(args: &RenderArgs) -> Result<bool, AppError> {
             let text = "--resume and --shard need --frames";
             return Err(AppError::Usage(text.to_owned()));
         }
-        make_folder(args.output())?;
-        PictureFile::new(args.output())?;
+        // A scene that is refused leaves no folder.
+        if !lacks_last_folder(args.output()) {
+            PictureFile::new(args.output())?;
+        }
     } else if args.keep_partial || args.write_every.is_some() {
         let text = "--keep-partial and --write-every are for one picture; a film keeps its finished frames";
         return Err(AppError::Usage(text.to_owned()));

@@ -47,13 +47,19 @@ pub fn check_replaceable(path: &Goal, inputs: &Inputs) -> Result<(), OutputError
     inputs.check(path).map_err(refuse)
 }
 
+/// Whether only the last folder of a file is missing.
+pub fn lacks_last_folder(path: &Path) -> bool {
+    let folder = folder_of(path);
+    !folder.exists() && folder_of(folder).is_dir()
+}
+
 /// Creates the folder of a file if only that folder is missing; returns whether it did.
 ///
 /// # Errors
 /// [`OutputError::Usage`] for a folder that cannot be created.
 pub fn create_last_folder(path: &Path) -> Result<bool, OutputError> {
     let folder = folder_of(path);
-    if folder.exists() || !folder_of(folder).is_dir() {
+    if !lacks_last_folder(path) {
         return Ok(false);
     }
     match fs::create_dir(folder) {

@@ -167,6 +167,8 @@ pub struct ImageUse {
     pub srgb: bool,
     /// Location of its encoded bytes; an error is reported only if the image is used.
     pub source: Result<ImageSource, Fault>,
+    /// Index of the image that a texture has for readers that cannot show this one.
+    pub fallback: Option<usize>,
 }
 
 /// Location of encoded bytes.

@@ -319,20 +319,30 @@ impl<'a> Loader<'a> {
         vertex_streams::run(&mut self.world, &needs)?;
         let mesh_warnings = self.world.warnings[num_warnings..].to_vec();
         let limits = self.texture_limits();
-        let (images, requests): (Vec<_>, Vec<_>) = (self.textures.take_used(&mut self.world))
+        let (mut images, requests): (Vec<_>, Vec<_>) = (self.textures.take_used(&mut self.world))
             .into_iter()
             .map(|(key, request)| ((key, request.srgb), request))
             .unzip();
-        let image_files = requests.iter().flat_map(|r| r.source.files());
+        let with_fallbacks = |request| {
+            std::iter::successors(Some(request), |r: &&texture::TextureRequest| {
+                r.fallback.as_deref()
+            })
+        };
+        let all_requests = requests.iter().flat_map(with_fallbacks);
+        let image_files = all_requests.flat_map(|r| r.source.files());
         let image_files: Vec<_> = image_files.cloned().collect();
         self.add_files(&image_files);
         let lenient = !self.options.strict;
         // Images that the scene text names have no user in a file.
         let is_forgiven =
             |request: &texture::TextureRequest| lenient && !request.used_by.is_empty();
-        let (textures, broken) = texture::decode_all(&requests, &limits, is_forgiven)?;
-        self.world.textures = textures.into();
-        self.leave_out_images(broken);
+        let decoded = texture::decode_all(&requests, &limits, &is_forgiven)?;
+        if !(decoded.broken.is_empty() && decoded.damaged.is_empty()) {
+            images.clear(); // a reload reads images anew that are wrong, with their warnings
+        }
+        self.world.textures = decoded.textures.into();
+        self.world.warnings.extend(decoded.damaged);
+        self.leave_out_images(decoded.broken);
         self.world.memory = self.memory.clone();
         self.warn_of_reduced(&requests);
         let (meshes, textures) = (self.world.meshes.clone(), self.world.textures.clone());

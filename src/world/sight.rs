@@ -23,6 +23,8 @@ pub enum Unseen {
     Outside,
     /// All in the picture is nearer than the near plane; the farthest depth, meters.
     TooNear(f64),
+    /// The camera sees only surfaces whose alpha is 0 or below their cut-off.
+    Transparent,
     /// The camera sees only backs of single-sided surfaces.
     Backs,
     /// All is smaller than a pixel, or between the centers of pixels.
@@ -110,6 +112,7 @@ impl Sight {
     }
 
     /// Why the picture would show no surface of an instance of this mesh that nothing hides; `None` where it would.
+    /// Of alpha only the factor is looked at, which textures and colors of vertices do not raise.
     pub fn unseen_instance(
         &self,
         world: &World,
@@ -127,7 +130,13 @@ impl Sight {
             radius_m: radius_m.into(),
             least_px: if mesh.at_least_a_pixel { LEAST_PX } else { 0.0 },
         });
-        let has_back = round.is_none() && !world.materials[instance.material].double_sided;
+        let material = &world.materials[instance.material];
+        let has_back = round.is_none() && !material.double_sided;
+        let is_transparent = match material.alpha_cutoff {
+            Some(cutoff) => material.base_color.w < cutoff,
+            None => material.blended && material.base_color.w <= 0.0,
+        };
+        let is_transparent = is_transparent && material.patterned.is_empty();
         let mut why = Unseen::Nothing;
         for triangle in &mesh.triangles {
             let corners = posed.corners(*triangle);
@@ -137,7 +146,9 @@ impl Sight {
                 false => -self.forward,
             };
             let is_back = has_back && (b - a).cross(c - a).dot(to_eye) * front < 0.0;
-            why = later(why, self.unseen_triangle([a, b, c], is_back, round)?);
+            let unseen = self.unseen_triangle([a, b, c], is_back, round);
+            let unseen = unseen.or(is_transparent.then_some(Unseen::Transparent));
+            why = later(why, unseen?);
         }
         Some(why)
     }

@@ -61,6 +61,8 @@ pub struct TextureRequest {
     pub source: ImageSource,
     /// Whether the bytes are sRGB-encoded, see [`Texture::srgb`].
     pub srgb: bool,
+    /// Image that the file has for readers that cannot show this one.
+    pub fallback: Option<Box<TextureRequest>>,
 }
 
 impl TextureRequest {
@@ -79,11 +81,19 @@ fn fault(name: &'static str, text: impl Into<String>) -> Fault {
     Fault::new(name, text)
 }
 
-/// Images in the order of their requests, and the index and the error of each forgiven one.
-pub type Decoded = (Vec<Texture>, Vec<(usize, Diagnostic)>);
+/// Decoded images with their faults.
+#[derive(Default)]
+pub struct Decoded {
+    /// Images in the order of their requests.
+    pub textures: Vec<Texture>,
+    /// Index and error of each forgiven image, which is a white pixel, or its fallback where the index is `None`.
+    pub broken: Vec<(Option<usize>, Diagnostic)>,
+    /// Damage of images that are shown.
+    pub damaged: Vec<Diagnostic>,
+}
 
 /// Decodes all requests, in their order, and takes their memory from the budget of `limits`. An image that is broken
-/// behind its header, and that `is_forgiven`, is a white pixel; its index and its error stand beside the images.
+/// behind its header, and that `is_forgiven`, gives way to its fallback or a white pixel.
 ///
 /// # Errors
 /// One error for every image that is broken, of another format, or too large; `image-budget` when all
@@ -92,7 +102,7 @@ pub type Decoded = (Vec<Texture>, Vec<(usize, Diagnostic)>);
 pub fn decode_all(
     requests: &[TextureRequest],
     limits: &TextureLimits,
-    is_forgiven: impl Fn(&TextureRequest) -> bool,
+    is_forgiven: &dyn Fn(&TextureRequest) -> bool,
 ) -> Result<Decoded, Vec<Diagnostic>> {
     let blame =
         |request: &TextureRequest, f: Fault| f.placed(&request.place()).in_file(&request.file);
@@ -108,7 +118,7 @@ pub fn decode_all(
         return Err(errors);
     }
     take_kept(requests, &needs, limits).map_err(|(at, f)| vec![blame(&requests[at], f)])?;
-    let (mut textures, mut forgiven) = (Vec::with_capacity(requests.len()), Vec::new());
+    let mut all = Decoded::default();
     let mut start = 0;
     while start < requests.len() {
         let working = needs[start..].iter().map(|need| need.working);
@@ -123,15 +133,26 @@ pub fn decode_all(
         drop(held);
         for (request, result) in requests[wave.clone()].iter().zip(decoded) {
             match result {
-                Ok(texture) => textures.push(texture),
+                Ok((texture, damage)) => {
+                    all.damaged
+                        .extend(damage.map(|f| blame(request, f).warning()));
+                    all.textures.push(texture);
+                }
                 Err(f) if is_forgiven(request) => {
-                    forgiven.push((textures.len(), blame(request, f)));
-                    textures.push(Texture {
-                        name: request.place(),
-                        width: 1,
-                        height: 1,
-                        rgba: vec![255; 4],
-                        srgb: request.srgb,
+                    let fallback = request.fallback.as_deref().and_then(|fallback| {
+                        decode_all(std::slice::from_ref(fallback), limits, &|_| false).ok()
+                    });
+                    let index = fallback.is_none().then_some(all.textures.len());
+                    all.broken.push((index, blame(request, f)));
+                    all.textures.push(match fallback {
+                        Some(mut decoded) => decoded.textures.swap_remove(0),
+                        None => Texture {
+                            name: request.place(),
+                            width: 1,
+                            height: 1,
+                            rgba: vec![255; 4],
+                            srgb: request.srgb,
+                        },
                     });
                 }
                 Err(f) => report_once(&mut errors, blame(request, f)),
@@ -140,7 +161,7 @@ pub fn decode_all(
         start = wave.end;
     }
     if errors.is_empty() {
-        Ok((textures, forgiven))
+        Ok(all)
     } else {
         Err(errors)
     }
@@ -241,11 +262,16 @@ pub fn check_header(source: &ImageSource, limits: &TextureLimits) -> Result<(), 
     guarded(|| need(source, limits).map(drop))
 }
 
-fn decode(request: &TextureRequest, need: Need, limits: &TextureLimits) -> Result<Texture, Fault> {
-    let levels = levels(&request.source, request.srgb, need, limits)?;
+/// The image of a request, for which `need` was held, and its damage.
+fn decode(
+    request: &TextureRequest,
+    need: Need,
+    limits: &TextureLimits,
+) -> Result<(Texture, Option<Fault>), Fault> {
+    let (levels, damage) = levels(&request.source, request.srgb, need, limits)?;
     let (width, height) = levels[0].dimensions();
     let rgba = levels.into_iter().map(RgbaImage::into_raw);
-    Ok(Texture {
+    let texture = Texture {
         name: format!("{}: {}", request.file.display(), request.name),
         width,
         height,
@@ -256,23 +282,29 @@ fn decode(request: &TextureRequest, need: Need, limits: &TextureLimits) -> Resul
             })
             .unwrap_or_default(),
         srgb: request.srgb,
-    })
+    };
+    Ok((texture, damage))
 }
 
-/// The pixels of an image, for which `need` was held, and of the levels that it states.
+/// The pixels of an image, for which `need` was held, and of the levels that it states; also its damage.
 fn levels(
     source: &ImageSource,
     srgb: bool,
     need: Need,
     limits: &TextureLimits,
-) -> Result<Vec<RgbaImage>, Fault> {
+) -> Result<(Vec<RgbaImage>, Option<Fault>), Fault> {
     if let ImageSource::SpecularGlossiness(maps) = source {
-        let decoded = |map: &Option<ImageSource>| {
+        let mut damage = None;
+        let mut decoded = |map: &Option<ImageSource>| {
             let levels = map.as_ref().map(|map| levels(map, true, need, limits));
-            Ok(levels.transpose()?.map(|mut levels| levels.swap_remove(0)))
+            Ok(levels.transpose()?.map(|(mut levels, damaged)| {
+                damage = damage.take().or(damaged);
+                levels.swap_remove(0)
+            }))
         };
         let (diffuse, specular) = (decoded(&maps.diffuse)?, decoded(&maps.specular)?);
-        return Ok(vec![specular_glossiness::convert(maps, diffuse, specular)]);
+        let picture = specular_glossiness::convert(maps, diffuse, specular);
+        return Ok((vec![picture], damage));
     }
     // The memory of the file was held with the rest.
     let unlimited = TextureLimits {

@@ -159,7 +159,13 @@ impl Doc {
     }
 
     pub fn glb(&self) -> Vec<u8> {
-        let mut json = serde_json::to_vec(&self.json).expect("JSON");
+        // Numbers that JSON lacks stand in strings such as "bare NaN bare".
+        let text = self
+            .json
+            .to_string()
+            .replace("\"bare ", "")
+            .replace(" bare\"", "");
+        let mut json = text.into_bytes();
         json.resize(json.len().next_multiple_of(4), b' ');
         let mut bin = self.bin.clone();
         bin.resize(bin.len().next_multiple_of(4), 0);

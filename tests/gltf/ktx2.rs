@@ -128,11 +128,16 @@ fn other_and_lying_files_are_named() {
         (21, 255, "pixels"),
         (99, 255, "larger or smaller than its picture"),
         (44, 9, "supercompression 9"),
+        (good.len() - 5, 255, "decoded"),
     ] {
         let mut file = good.to_vec();
         file[at] = byte;
         let (_, found) = document(&file).error();
         assert!(found.contains(message), "{at}: {found}");
+        let world = document(&file).load_with(&LoadOptions::default());
+        let world = world.unwrap_or_else(|errors| panic!("{at}: {errors:?}"));
+        assert_eq!(warnings(&world), ["image-left-out"]);
+        assert_eq!(world.textures[0].rgba, [1, 2, 3, 255], "{at}: its fallback");
     }
     let (_, found) = document(&good[..90]).error();
     assert!(found.contains("its header is cut off"), "{found}");

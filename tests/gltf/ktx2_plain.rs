@@ -41,6 +41,8 @@ fn stated_levels_are_mips() {
     let good = with_levels(37, [4, 4], 0, &levels);
     let mut outside = good.clone();
     outside[104..108].fill(0xFF);
+    let world = document(&outside, false).world();
+    assert_eq!(warnings(&world), ["image-damaged"]);
     for (file, smallest) in [(good, [10, 20, 30]), (outside, [10, 10, 10])] {
         let texture = decoded(&file, false);
         let chain = mip_chain(&texture, 512, Sampling::default());

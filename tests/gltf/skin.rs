@@ -11,7 +11,8 @@ fn skins_morphs_and_broken_animations_are_named() {
     doc.json["animations"] = json!([{"channels": [], "samplers": []}]);
     let world = doc.world();
     assert_eq!(world.instances.len(), 1);
-    assert_eq!(warnings(&world), ["animation-broken"]);
+    let names = ["animation-broken", "attribute-left-out"];
+    assert_eq!(warnings(&world), names);
 }
 
 #[test]

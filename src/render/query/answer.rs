@@ -108,6 +108,8 @@ pub enum UnseenFor {
     Outside,
     /// It is nearer than the near plane.
     TooNear,
+    /// Its alpha is 0, or below the cut-off.
+    Transparent,
     /// The camera sees only backs of its single-sided surfaces.
     Backs,
     /// It is smaller than a pixel.

@@ -187,6 +187,7 @@ impl<'a> Visibility<'a> {
                 Some(Unseen::Nothing | Unseen::Hidden) => UnseenFor::SwitchedOff,
                 Some(Unseen::Outside) => UnseenFor::Outside,
                 Some(Unseen::TooNear(_)) => UnseenFor::TooNear,
+                Some(Unseen::Transparent) => UnseenFor::Transparent,
                 Some(Unseen::Backs) => UnseenFor::Backs,
                 Some(Unseen::Small) => UnseenFor::Small,
             });

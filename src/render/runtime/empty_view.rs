@@ -41,6 +41,10 @@ pub fn warning(scene: &Scene, world: &World, camera: usize) -> Option<Diagnostic
             "write `double_sided = true` in their materials, or look from the other side"
                 .to_owned(),
         ),
+        Unseen::Transparent => (
+            format!("{nothing}: the alpha of all before it is 0, or below the cut-off"),
+            "raise `alpha` in their materials, or lower `alpha_cutoff`".to_owned(),
+        ),
         Unseen::Small => (
             format!("{nothing}: all before it is smaller than a pixel"),
             "move it closer, or make the picture or the scene larger".to_owned(),

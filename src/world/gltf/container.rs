@@ -139,16 +139,6 @@ fn parse(
 ) -> Result<(Root, Reservation), Fault> {
     let memory = &options.memory;
     let unreadable = |e: serde_json::Error| Fault::new("gltf-json", format!("not glTF JSON: {e}"));
-    // A byte-order mark is against the specification, but harmless.
-    let json = json.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(json);
-    // Checked first, so that glTF 1.0 gets its own error message.
-    let head = serde_json::from_slice(json).or_else(|first| match options.strict {
-        true => Err(first),
-        false => Head::without_lists(json).map_err(|_| first),
-    });
-    let head: Head = head.map_err(unreadable)?;
-    check_version(&head.asset)?;
-    extension::check_required(&head.extensions_required, options.strict)?;
     let hold = |bytes: u64| {
         memory.hold(bytes).ok_or_else(|| {
             let text = format!(
@@ -158,11 +148,33 @@ fn parse(
             Fault::new("geometry-too-large", text).help("simplify the file, or leave out models")
         })
     };
+    // A byte-order mark is against the specification, but harmless.
+    let mut json = json.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(json);
+    let (mended, _mended_held);
+    // Checked first, so that glTF 1.0 gets its own error message.
+    let mut head = serde_json::from_slice(json);
+    if head.is_err() && !options.strict {
+        _mended_held = hold(4 * json.len() as u64)?;
+        mended = without_other_numbers(json);
+        json = &mended;
+        head = serde_json::from_slice(json);
+    }
+    let head = head.or_else(|first: serde_json::Error| match options.strict {
+        true => Err(first),
+        false => Head::without_lists(json).map_err(|_| first),
+    });
+    let head: Head = head.map_err(unreadable)?;
+    check_version(&head.asset, options.strict)?;
+    extension::check_required(&head.extensions_required, options.strict)?;
     let held = hold(head.bytes(json))?;
     let root = serde_json::from_slice(json).or_else(|first| {
         // The specification allows integers written as 1.0; rare, so a second try.
-        let _held = hold(value_bytes(json))?;
-        let mut value = serde_json::from_slice(json).map_err(unreadable)?;
+        let _held = hold(value_bytes(json) + 4 * json.len() as u64)?;
+        let mended = match options.strict {
+            true => json.into(),
+            false => without_other_numbers(json),
+        };
+        let mut value = serde_json::from_slice(&mended).map_err(unreadable)?;
         integers_from_floats(&mut value);
         if !options.strict {
             wrong_types::leave_out(&mut value, notes)?;
@@ -170,6 +182,34 @@ fn parse(
         serde_json::from_value(value).map_err(|_| unreadable(first))
     });
     Ok((root?, held))
+}
+
+/// The text with numbers that JSON lacks (NaN, infinities, 1e999) as strings, which are of a wrong type wherever they
+/// stand.
+fn without_other_numbers(json: &[u8]) -> Vec<u8> {
+    let is_end = |byte: &u8| b"\"{}[]:, \t\r\n".contains(byte);
+    let is_other = |word: &[u8]| {
+        let number = str::from_utf8(word).ok().and_then(|word| word.parse().ok());
+        number.is_some_and(|number: f64| !number.is_finite())
+    };
+    let (mut text, mut is_string) = (Vec::with_capacity(json.len()), false);
+    for part in json.split_inclusive(|byte| *byte == b'"') {
+        if is_string {
+            text.extend(part);
+            // A quote behind an odd number of backslashes is part of the string.
+            let slashes = part.iter().rev().skip(1).take_while(|byte| **byte == b'\\');
+            is_string = slashes.count() % 2 == 1;
+            continue;
+        }
+        for word in part.split_inclusive(is_end) {
+            let end = word.len() - usize::from(word.last().is_some_and(is_end));
+            let (number, end) = word.split_at(end);
+            let quote: &[u8] = if is_other(number) { b"\"" } else { b"" };
+            text.extend([quote, number, quote, end].concat());
+        }
+        is_string = part.ends_with(b"\"");
+    }
+    text
 }
 
 /// Rewrites every number without a fraction as an integer. Recursion is bounded by the JSON
@@ -190,7 +230,7 @@ pub(super) fn integers_from_floats(value: &mut Value) {
     }
 }
 
-fn check_version(asset: &super::schema::Asset) -> Result<(), Fault> {
+fn check_version(asset: &super::schema::Asset, is_strict: bool) -> Result<(), Fault> {
     let fault = |text: String| {
         Fault::new("gltf-version", text)
             .help("convert the file to glTF 2.0 with its authoring tool")
@@ -199,16 +239,18 @@ fn check_version(asset: &super::schema::Asset) -> Result<(), Fault> {
         let (major, minor) = text.split_once('.')?;
         Some((major.parse().ok()?, minor.parse().ok()?))
     };
-    let Some(version) = &asset.version else {
-        return Err(fault("asset.version is missing, expected \"2.0\"".into()));
-    };
-    match parse(version) {
-        Some((2, _)) => {}
-        _ => {
-            return Err(fault(format!(
-                "asset.version is \"{version}\", expected \"2.0\""
-            )));
+    let version = match &asset.version {
+        None => return Err(fault("asset.version is missing, expected \"2.0\"".into())),
+        Some(Value::String(version)) => parse(version),
+        // A number in place of the text says as much.
+        Some(version) => {
+            parse(&format!("{:?}", version.as_f64().unwrap_or(0.0))).filter(|_| !is_strict)
         }
+    };
+    if let Some(version) = (asset.version.as_ref()).filter(|_| !matches!(version, Some((2, _)))) {
+        return Err(fault(format!(
+            "asset.version is {version}, expected \"2.0\""
+        )));
     }
     match asset.min_version.as_deref().map(|text| (text, parse(text))) {
         None | Some((_, Some((0..=1, _) | (2, 0)))) => Ok(()),

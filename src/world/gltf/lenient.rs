@@ -13,7 +13,7 @@ pub const DROPPED: &str = "reference-dropped";
 pub const DROPPED_WHAT: &str = "references to parts that the file does not have are dropped";
 
 /// Names of the warnings about parts that are left out or replaced, which `--strict` makes errors.
-pub const FORGIVEN: [&str; 21] = [
+pub const FORGIVEN: [&str; 22] = [
     "accessor-left-out",
     "animation-broken",
     "animation-channel",
@@ -24,6 +24,7 @@ pub const FORGIVEN: [&str; 21] = [
     "color-unnormalized",
     "extension-left-out",
     "factor-clamped",
+    "image-damaged",
     "image-left-out",
     "light-clamped",
     "light-left-out",

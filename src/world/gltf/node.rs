@@ -132,6 +132,12 @@ pub fn traverse(
             continue;
         }
         let local = transform::of_node(node).map_err(|f| f.placed(&place()))?;
+        let has_parts =
+            node.translation.is_some() || node.rotation.is_some() || node.scale.is_some();
+        if node.matrix.is_some() && has_parts {
+            let what = "nodes have a matrix, and further transforms that are left out";
+            notes.add("property-left-out", 1, what, &place());
+        }
         let model_from_node = step.parent * local.transform();
         let hidden = step.hidden || !visible;
         visit.rig.order.push(i);
@@ -294,7 +300,10 @@ impl Found<'_> {
         let camera = camera.ok_or_else(|| fault(format!("camera {i} does not exist")))?;
         let name = camera.name.as_deref().or(self.node.name.as_deref());
         let name = name.map_or_else(|| format!("camera {i}"), shorten);
-        let camera = match (&camera.perspective, &camera.orthographic) {
+        let is_orthographic = camera.kind.as_deref() == Some("orthographic");
+        let perspective = camera.perspective.as_ref();
+        let perspective = perspective.filter(|_| !is_orthographic || camera.orthographic.is_none());
+        let camera = match (perspective, &camera.orthographic) {
             (Some(lens), _) => camera::perspective(lens, self.notes, self.path),
             (None, Some(lens)) => camera::orthographic(lens),
             (None, None) => {

@@ -99,6 +99,10 @@ fn deformation(context: &Context<'_>, mesh: &str, notes: &mut Notes) -> Result<D
         Some(pose) => skin::influences(context, pose.len())?,
         None => Vec::new(),
     };
+    if context.pose.is_some() && influences.is_empty() {
+        let what = "meshes have a skin without JOINTS_0 and WEIGHTS_0, which moves nothing";
+        notes.add("attribute-left-out", 1, what, mesh);
+    }
     Ok(Deformation {
         targets: morph::targets(context, mesh, notes)?,
         influences,

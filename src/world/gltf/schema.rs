@@ -46,7 +46,7 @@ pub struct Root {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub struct Asset {
-    pub version: Option<String>,
+    pub version: Option<serde_json::Value>,
     pub min_version: Option<String>,
 }
 
@@ -367,6 +367,8 @@ pub struct AnimationSampler {
 #[serde(default)]
 pub struct Camera {
     pub name: Option<String>,
+    #[serde(rename = "type")]
+    pub kind: Option<String>,
     pub perspective: Option<Perspective>,
     pub orthographic: Option<Orthographic>,
     pub extras: serde_json::Value,

@@ -98,19 +98,40 @@ impl Textures<'_> {
             Some((i, None)) => return Err(Fault::missing("sampler", i)),
             None => &schema::Sampler::default(),
         };
-        let Some(image) = texture.extensions.sources().next().or(texture.source) else {
+        let images: Vec<_> = (texture.extensions.sources())
+            .chain(texture.source)
+            .collect();
+        if images.is_empty() {
             let what = "textures have no PNG, JPEG, WebP or KTX2 image and are left out";
             let place = format!("{}: {slot}", slot.material);
             notes.add("texture-unsupported", 1, what, &place);
             return Ok(None);
-        };
+        }
         let transform = info.extensions.transform.as_ref();
         let uv_set = transform.and_then(|t| t.tex_coord);
-        Ok(Some(TextureRef {
-            texture: self.image_use(image, srgb, slot)?,
+        let transform = rows(transform)?;
+        let mut wrap = |code: Option<u32>| {
+            let left_out = LeftOut {
+                name: "property-left-out",
+                what: "wrap modes are unknown, and their textures repeat",
+                place: &format!("{}: {slot}", slot.material),
+            };
+            lenient::forgiven(self.root, wrap(code), Wrap::Repeat, &left_out, notes)
+        };
+        let wrap = [wrap(sampler.wrap_s)?, wrap(sampler.wrap_t)?];
+        let mut texture = None;
+        // Each image is the fallback of the last one in this order.
+        for image in images.into_iter().rev() {
+            let used = self.image_use(image, srgb, slot)?;
+            let own = self.images[used].fallback;
+            self.images[used].fallback = own.or(texture.filter(|fallback| *fallback < used));
+            texture = Some(used);
+        }
+        Ok(texture.map(|texture| TextureRef {
+            texture,
             uv_set: uv_set.unwrap_or(info.tex_coord),
-            transform: rows(transform)?,
-            wrap: [wrap(sampler.wrap_s)?, wrap(sampler.wrap_t)?],
+            transform,
+            wrap,
             nearest: sampler.mag_filter == Some(9728),
         }))
     }
@@ -137,6 +158,7 @@ impl Textures<'_> {
         let place = format!("{name}, {used_by}");
         Ok(ImageUse {
             source: self.source(image).map_err(|f| f.placed(&place)),
+            fallback: None,
             name,
             used_by: used_by.to_owned(),
             index,
@@ -166,6 +188,7 @@ impl Textures<'_> {
             index: self.root.images.len() + self.images.len(),
             srgb,
             source,
+            fallback: None,
         });
         self.images.len() - 1
     }

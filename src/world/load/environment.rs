@@ -132,6 +132,7 @@ impl Loader<'_> {
                     file: file.clone(),
                     source,
                     srgb: face.srgb,
+                    fallback: None,
                 }),
                 Err(fault) => errors.push(fault.in_file(&file)),
             }
@@ -154,7 +155,7 @@ impl Loader<'_> {
         self.add_files(&files);
         for error in read.as_ref().err().into_iter().flatten() {
             match !self.options.strict {
-                true => self.warn_once(left_out(error.clone())),
+                true => self.warn_once(left_out(error.clone(), false)),
                 false => self.report_once(error.clone()),
             }
         }
@@ -172,7 +173,7 @@ impl Loader<'_> {
             memory: memory.clone(),
             ..self.texture_limits()
         };
-        let (faces, _) = texture::decode_all(requests, &limits, |_| false)?;
+        let faces = texture::decode_all(requests, &limits, &|_| false)?.textures;
         let limits = PanoramaLimits {
             memory,
             ..self.panorama_limits()

@@ -101,31 +101,39 @@ impl Loader<'_> {
         material
     }
 
-    /// Index into the texture table; reports an image that cannot be found. Images that cannot be found
-    /// or whose headers cannot be read are left out but with `strict`.
+    /// Index into the texture table; reports an image that cannot be found. Images that cannot be found or whose headers
+    /// cannot be read give way to their fallback, or are left out, but with `strict`.
     fn file_image(&mut self, loaded: usize, index: usize) -> Option<usize> {
+        let mut next = Some(index);
+        while let Some(index) = next.take() {
+            match self.image_request(loaded, index) {
+                Ok((key, request)) => return Some(self.textures.index(key, request)),
+                Err(error) if self.options.strict => self.report_once(*error),
+                Err(error) => {
+                    next = self.loaded[loaded].images[index].fallback;
+                    self.warn_once(left_out(*error, next.is_some()));
+                }
+            }
+        }
+        None
+    }
+
+    fn image_request(
+        &self,
+        loaded: usize,
+        index: usize,
+    ) -> Result<(ImageKey, TextureRequest), Box<Diagnostic>> {
         let model = &self.loaded[loaded];
         let file = model.files[0].clone();
         let image = &model.images[index];
-        let lenient = !self.options.strict;
         let source = image.source.clone();
-        let source = source.and_then(|source| match lenient {
-            true => texture::check_header(&source, &self.texture_limits())
+        let source = source.and_then(|source| match self.options.strict {
+            false => texture::check_header(&source, &self.texture_limits())
                 .map(|()| source)
                 .map_err(|fault| fault.placed(&format!("{}, {}", image.name, image.used_by))),
-            false => Ok(source),
+            true => Ok(source),
         });
-        let source = match source {
-            Ok(source) => source,
-            Err(fault) => {
-                let error = fault.in_file(&file);
-                match lenient {
-                    true => self.warn_once(left_out(error)),
-                    false => self.report_once(error),
-                }
-                return None;
-            }
-        };
+        let source = source.map_err(|fault| fault.in_file(&file))?;
         let key = match &source {
             ImageSource::File(path) => ImageKey::File(path.clone()),
             _ => ImageKey::Embedded {
@@ -133,24 +141,28 @@ impl Loader<'_> {
                 image: image.index,
             },
         };
+        let fallback = image
+            .fallback
+            .and_then(|index| self.image_request(loaded, index).ok());
         let request = TextureRequest {
             name: image.name.clone(),
             used_by: image.used_by.clone(),
             file,
             source,
             srgb: image.srgb,
+            fallback: fallback.map(|(_, request)| Box::new(request)),
         };
-        Some(self.textures.index(key, request))
+        Ok((key, request))
     }
 
-    /// Leaves images of models out that turned out broken, by their indices.
-    pub fn leave_out_images(&mut self, broken: Vec<(usize, Diagnostic)>) {
+    /// Leaves images of models out that turned out broken, by their indices; fallbacks stand in the place of others.
+    pub fn leave_out_images(&mut self, broken: Vec<(Option<usize>, Diagnostic)>) {
         for (index, error) in broken {
             let materials = self.world.materials.iter_mut();
             for slot in materials.flat_map(Material::texture_slots) {
-                *slot = slot.filter(|used| used.texture != index);
+                *slot = slot.filter(|used| Some(used.texture) != index);
             }
-            self.warn_once(left_out(error));
+            self.warn_once(left_out(error, index.is_none()));
         }
     }
 
@@ -233,6 +245,7 @@ impl Loader<'_> {
             file: path.clone(),
             source: ImageSource::File(path.clone()),
             srgb,
+            fallback: None,
         };
         Some(TextureRef {
             texture: self.textures.index(ImageKey::File(path), request),
@@ -281,11 +294,16 @@ impl Loader<'_> {
     }
 }
 
-/// The warning about an image that is left out because of an error.
-pub fn left_out(error: Diagnostic) -> Diagnostic {
+/// The warning about an image that is left out, for another one of its texture or none, because of an error.
+pub fn left_out(error: Diagnostic, has_fallback: bool) -> Diagnostic {
+    let instead = if has_fallback {
+        " for its fallback"
+    } else {
+        ""
+    };
     Diagnostic {
         name: "image-left-out",
-        message: format!("an image is left out: {}", error.message),
+        message: format!("an image is left out{instead}: {}", error.message),
         ..error
     }
     .warning()

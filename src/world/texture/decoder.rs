@@ -107,14 +107,17 @@ impl<'a> Opened<'a> {
     }
 
     /// Decodes the image, and the levels that it states, each half as large; gray is expanded, 16 bits are reduced to 8,
-    /// and floats become sRGB with `srgb`.
+    /// and floats become sRGB with `srgb`. Also says what is damaged in an image that can be shown.
     ///
     /// # Errors
     /// Broken data.
-    pub fn decode(self, srgb: bool) -> Result<Vec<RgbaImage>, Fault> {
+    pub fn decode(self, srgb: bool) -> Result<(Vec<RgbaImage>, Option<Fault>), Fault> {
         let picture = match self.decoder {
             Decoder::Ktx2(ktx2) => return ktx2.decode(srgb),
-            Decoder::Jpeg(jpeg) => jpeg.decode()?,
+            Decoder::Jpeg(jpeg) => {
+                let (picture, damage) = jpeg.decode()?;
+                return Ok((vec![picture], damage));
+            }
             Decoder::Basis(basis) => {
                 let rgba = basis.decode(0, srgb)?;
                 let picture = RgbaImage::from_raw(self.size[0], self.size[1], rgba);
@@ -125,7 +128,7 @@ impl<'a> Opened<'a> {
                 pixels.into_rgba8()
             }
         };
-        Ok(vec![picture])
+        Ok((vec![picture], None))
     }
 }
 

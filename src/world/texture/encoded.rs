@@ -24,8 +24,29 @@ pub enum Format {
     Basis,
 }
 
-/// First bytes of every KTX 2 file.
-const KTX2_IDENTIFIER: [u8; 12] = *b"\xABKTX 20\xBB\r\n\x1A\n";
+/// First bytes of the formats that are read.
+const FORMATS: [(&[u8], Format); 4] = [
+    (b"\x89PNG", Format::Png),
+    (b"\xFF\xD8\xFF", Format::Jpeg),
+    (b"\xABKTX 20\xBB\r\n\x1A\n", Format::Ktx2),
+    (b"sB", Format::Basis),
+];
+
+/// First bytes of other formats, with their names.
+const OTHERS: [(&[u8], &str); 12] = [
+    (b"\xABKTX", "KTX 1"),
+    (b"DDS ", "DDS"),
+    (b"GIF8", "GIF"),
+    (b"BM", "BMP"),
+    (b"v/1\x01", "OpenEXR"),
+    (b"#?", "Radiance HDR"),
+    (b"8BPS", "a file of Photoshop"),
+    (b"II*\0", "TIFF"),
+    (b"MM\0*", "TIFF"),
+    (b"\xFF\x0A", "JPEG XL"),
+    (b"\0\0\0\x0CJXL ", "JPEG XL"),
+    (b"<svg", "SVG"),
+];
 
 /// An encoded image in memory.
 pub struct Encoded {
@@ -87,41 +108,20 @@ impl Encoded {
 
 /// Format by content, since names and MIME types are often wrong.
 fn format(bytes: &[u8]) -> Result<Format, Fault> {
-    let unsupported = |what: &str| {
-        Err(fault(
-            "image-unsupported",
-            format!("is {what}, expected PNG, JPEG, WebP or KTX2"),
-        )
-        .help("convert the image to PNG"))
-    };
-    match bytes {
-        [0x89, b'P', b'N', b'G', ..] => Ok(Format::Png),
-        [0xFF, 0xD8, 0xFF, ..] => Ok(Format::Jpeg),
-        [
-            b'R',
-            b'I',
-            b'F',
-            b'F',
-            _,
-            _,
-            _,
-            _,
-            b'W',
-            b'E',
-            b'B',
-            b'P',
-            ..,
-        ] => Ok(Format::WebP),
-        bytes if bytes.starts_with(&KTX2_IDENTIFIER) => Ok(Format::Ktx2),
-        [b's', b'B', ..] => Ok(Format::Basis),
-        [0xAB, b'K', b'T', b'X', ..] => unsupported("KTX 1"),
-        [b'D', b'D', b'S', b' ', ..] => unsupported("DDS"),
-        [b'G', b'I', b'F', b'8', ..] => unsupported("GIF"),
-        [b'B', b'M', ..] => unsupported("BMP"),
-        [] => Err(fault("image-broken", "is empty")),
+    if let Some((_, format)) = FORMATS.iter().find(|(start, _)| bytes.starts_with(start)) {
+        return Ok(*format);
+    }
+    let other = OTHERS.iter().find(|(start, _)| bytes.starts_with(start));
+    let what = match (bytes.get(..4), bytes.get(4..8), bytes.get(8..12), other) {
+        (Some(b"RIFF"), _, Some(b"WEBP"), _) => return Ok(Format::WebP),
+        (_, Some(b"ftyp"), ..) => "HEIC or AVIF",
+        (.., Some((_, name))) => name,
+        _ if bytes.is_empty() => return Err(fault("image-broken", "is empty")),
         _ => {
             stand_in::refuse(bytes)?;
-            unsupported("of an unknown format")
+            "of an unknown format"
         }
-    }
+    };
+    let text = format!("is {what}, expected PNG, JPEG, WebP or KTX2");
+    Err(fault("image-unsupported", text).help("convert the image to PNG"))
 }

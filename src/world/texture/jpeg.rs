@@ -79,22 +79,24 @@ impl<'a> Jpeg<'a> {
         self.num_components * (coefficients + rows) + width * height * 3
     }
 
-    /// Decodes the pixels.
+    /// Decodes the pixels; also says what is damaged in data of which parts can be shown.
     ///
     /// # Errors
     /// Broken data, and pictures that end in the middle, of which the decoder shows the rest gray.
-    pub fn decode(mut self) -> Result<RgbaImage, Fault> {
+    pub fn decode(mut self) -> Result<(RgbaImage, Option<Fault>), Fault> {
         let mut rgb = blank(self.size, 3)?;
-        if has_end(self.bytes) {
-            self.decoder.decode_into(&mut rgb).map_err(broken)?;
-        } else {
-            // All of the picture may be there, without the marker after it.
-            let bytes = ZCursor::new(self.bytes);
-            let mut decoder = JpegDecoder::new_with_options(bytes, options(true));
-            decoder.decode_into(&mut rgb).map_err(|_| {
+        let bytes = ZCursor::new(self.bytes);
+        let mut strict = JpegDecoder::new_with_options(bytes, options(true));
+        let mut damage = None;
+        // All of the picture may be there, without the marker after it.
+        if let Err(error) = strict.decode_into(&mut rgb) {
+            if !has_end(self.bytes) {
                 let text = "ends in the middle of its picture";
-                fault("image-broken", text).help("copy or export the image again")
-            })?;
+                return Err(fault("image-broken", text).help("copy or export the image again"));
+            }
+            self.decoder.decode_into(&mut rgb).map_err(broken)?;
+            let text = format!("its data is damaged, and parts are gray: {error}");
+            damage = Some(fault("image-damaged", text).help("copy or export the image again"));
         }
         let mut pixels = blank(self.size, 4)?;
         for (rgba, rgb) in pixels.chunks_exact_mut(4).zip(rgb.chunks_exact(3)) {
@@ -102,6 +104,7 @@ impl<'a> Jpeg<'a> {
         }
         let [width, height] = self.size;
         RgbaImage::from_raw(width, height, pixels)
+            .map(|picture| (picture, damage))
             .ok_or_else(|| broken("its size is not that of its header"))
     }
 }

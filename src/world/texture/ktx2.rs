@@ -123,15 +123,23 @@ impl<'a> Ktx2<'a> {
     }
 
     /// Decodes the mip levels, the largest first and then as many as are not broken, upright and with their channels in
-    /// their places. Numbers beyond 0 to 1 are clamped; floats are linear, and become sRGB with `srgb`.
+    /// their places; also says how many are left out. Numbers beyond 0 to 1 are clamped; floats are linear, and become
+    /// sRGB with `srgb`.
     ///
     /// # Errors
     /// A broken first level.
-    pub fn decode(self, srgb: bool) -> Result<Vec<RgbaImage>, Fault> {
+    pub fn decode(self, srgb: bool) -> Result<(Vec<RgbaImage>, Option<Fault>), Fault> {
         let mut pictures = vec![self.picture(&self.header, 0, srgb)?];
         let below = self.levels().zip(0..).skip(1);
         pictures.extend(below.map_while(|(level, k)| self.picture(&level, k, srgb).ok()));
-        Ok(pictures)
+        let (stated, read) = (self.header.num_levels(), pictures.len());
+        let damage = (read < stated).then(|| {
+            let lost = stated - read;
+            let text =
+                format!("{lost} of its {stated} levels are broken or too large, and computed");
+            fault("image-damaged", text)
+        });
+        Ok((pictures, damage))
     }
 
     fn picture(&self, level: &Header<'_>, k: u32, srgb: bool) -> Result<RgbaImage, Fault> {

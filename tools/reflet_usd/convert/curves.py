@@ -246,7 +246,7 @@ class LineBuilder:
         if read is None:
             schema = UsdGeom.Points if type_name(self.prim) == "Points" else UsdGeom.Curves
             values = np.array(authored(self.prim, "widths", self.context.time, []), dtype=float)
-            finite = np.where(in_float32(values), values, 0.0).reshape(-1, 1)
+            finite = np.where(in_float32(values), values, -1.0).reshape(-1, 1)
             read = Primvar("widths", schema(self.prim).GetWidthsInterpolation(), finite, None)
         if not len(read.values):
             return None
@@ -255,7 +255,10 @@ class LineBuilder:
         stream = to_stream(self.context, self.prim, read, topology)
         if stream is None or stream.values.shape[1] != 1:
             return None
-        return np.maximum(stream.values[stream.ids], 0.0) * self.context.meters_per_unit
+        widths = stream.values[stream.ids]
+        if (widths < 0.0).any():
+            self._warn("widths-wrong", "negative and infinite widths are 0, which is drawn thin")
+        return np.maximum(widths, 0.0) * self.context.meters_per_unit
 
     def _warn_lost(self) -> None:
         """Warn about normals and ids, which points and lines lack."""

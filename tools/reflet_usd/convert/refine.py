@@ -93,6 +93,9 @@ def refine_polygons(
 ) -> tuple[Polygons, Refiner | None]:
     """The mesh after `level` steps; the mesh itself, with a warning, where that is not possible."""
     if polygons.scheme not in REFINABLE:
+        if polygons.scheme not in ("none", "bilinear"):
+            reason = f"the scheme '{polygons.scheme}' is unknown; its smooth cage is carried"
+            context.ledger.warn("subdivision-cage", prim, reason)
         return polygons, None
     reason = _why_not(context, prim, polygons, level)
     if reason:

@@ -101,11 +101,16 @@ impl<'a> Header<'a> {
         })
     }
 
+    /// Number of levels that the file states and a picture of this size has.
+    pub fn num_levels(&self) -> usize {
+        let most = self.size[0].max(self.size[1]).max(1).ilog2() + 1;
+        (number(&self.file[40..44]).max(1) as usize).min(most as usize)
+    }
+
     /// The header as of the `k`th level below this first one; `None` where the file states no such level.
     pub fn below(&self, k: u32) -> Option<Self> {
-        let is_stated = u64::from(k) < number(&self.file[40..44]);
-        let has_texels = self.size[0].max(self.size[1]).checked_shr(k)? > 0;
-        let (level, inflated) = entry(self.file, k as usize).filter(|_| is_stated && has_texels)?;
+        let is_stated = (k as usize) < self.num_levels();
+        let (level, inflated) = entry(self.file, k as usize).filter(|_| is_stated)?;
         Some(Self {
             size: self.size.map(|side| (side >> k).max(1)),
             level,
