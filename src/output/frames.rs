@@ -44,8 +44,11 @@ impl FrameList {
             for frame in [first, last] {
                 if !(timeline.start..=timeline.end).contains(&frame) {
                     return Err(usage(format!(
-                        "frame {frame} is not in the timeline, which has {} to {}",
-                        timeline.start, timeline.end
+                        "frame {frame} is not in the timeline, which has {} to {}; name others, or write `end = {}` in \
+                         `[timeline]`",
+                        timeline.start,
+                        timeline.end,
+                        frame.max(timeline.end)
                     )));
                 }
             }

@@ -52,7 +52,7 @@ pub fn lint(scene: &Scene, rays: &ViewRays, hits: &[Option<(Ray, RayHit)>]) -> V
         };
         let message = format!("surfaces of \"{a}\" and \"{b}\" are in one place, so that {seen}");
         let help = format!(
-            "move one of them by 0.001 m or more, such as by its `translation`, or remove \"{b}\""
+            "remove \"{b}\", or move one of them by its `translation`: surfaces by 0.001 m, whole copies by their size"
         );
         let at = rays
             .world

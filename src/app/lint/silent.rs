@@ -1,6 +1,8 @@
 //! Settings that a scene may have, whose effect is grain, or not to be seen at all.
 
-use std::collections::HashSet;
+use std::{collections::HashSet, f64::consts::FRAC_PI_4};
+
+use glam::Vec3;
 
 use super::ignored::written;
 use crate::{
@@ -20,6 +22,7 @@ const RISING: f32 = 0.1;
 pub fn lint(scene: &Scene, world: &World, start: &Span) -> Vec<Diagnostic> {
     let mut found = grain(scene, start);
     found.extend(suns(scene));
+    found.extend(meant(scene, world, start));
     found.extend(clear(scene));
     found.extend(open_solids(scene, world));
     found.extend(emitters(scene, world));
@@ -67,12 +70,102 @@ fn suns(scene: &Scene) -> impl Iterator<Item = Diagnostic> {
             );
             let [x, y, z] = direction.to_array().map(|c| rounded(c.into()));
             let help = format!(
-                "write `direction = [{x}, {}, {z}]`; a direction of a program where Z points up is here [x, z, -y]",
-                -y
+                "write `direction = [{}, {}, {}]` if it points to the sun, as light goes the other way; a direction \
+                 [x, y, z] of a program where Z points up is here [x, z, -y]",
+                0.0 - x, -y, 0.0 - z
             );
             warning("light-from-below", &light.at, message, &help)
         })
     })
+}
+
+/// Settings of programs where Z points up, angles are in radians and quaternions begin with w; materials that show
+/// nothing.
+fn meant(scene: &Scene, world: &World, start: &Span) -> Vec<Diagnostic> {
+    let mut found = Vec::new();
+    let bounds = world.static_bounds();
+    // Bulbs of lamps that hang are a little below their shades.
+    let ground_m = bounds.min.y - 0.1 * bounds.diagonal();
+    let are_above = (world.cameras.iter()).all(|camera| camera.value.eye.y > bounds.min.y);
+    for (light, placed) in scene.lights.iter().zip(world.all_lights()) {
+        let at = placed.desc.kind.position();
+        if are_above && at.is_some_and(|at| at.y < ground_m) {
+            let name = &light.name;
+            let message = format!("light \"{name}\" is below all that is placed: Y points up");
+            let help = "write [x, z, -y] for a position [x, y, z] of a program where Z points up";
+            found.push(warning("light-from-below", &light.at, message, help));
+        }
+    }
+    for camera in &scene.cameras {
+        let forward = (camera.value.target - camera.value.eye).normalize_or_zero();
+        if camera.value.up.normalize_or_zero().abs() == Vec3::Z && forward.y.abs() < 0.9 {
+            let message = format!("camera \"{}\" lies on its side: Y points up", camera.name);
+            let help = "write `up = [0, 1, 0]`, or leave it out";
+            found.push(warning("rolled-camera", &camera.at, message, help));
+        }
+    }
+    let is_still = scene.is_still();
+    for material in scene
+        .materials
+        .iter()
+        .filter(|m| is_still && m.value.alpha == Some(0.0))
+    {
+        let message = format!(
+            "material \"{}\" is invisible by its `alpha` of 0",
+            material.name
+        );
+        let help = "write `alpha = 1`, or `visible = false` in its instances";
+        found.push(warning("invisible-material", &material.at, message, help));
+    }
+    let Some(source) = &start.source else {
+        return found;
+    };
+    each_value(source.syntax().root(), &mut |key, node| {
+        let numbers: Vec<f64> = (node.get_ref().as_array().into_iter().flatten())
+            .filter_map(number)
+            .collect();
+        let eighth = |x: &&f64| {
+            let eighths = **x / FRAC_PI_4;
+            eighths.round() != 0.0
+                && (eighths - eighths.round()).abs() < 1e-3
+                && eighths.abs() < 8.5
+        };
+        let (name, message, help) = match (key, &numbers[..]) {
+            ("rotation_quat", [1.0, 0.0, 0.0, 0.0]) => (
+                "turned-quaternion",
+                "this quaternion is half a turn about X: its order is x, y, z, w".to_owned(),
+                "write `rotation_quat = [0, 0, 0, 1]` for no turn".to_owned(),
+            ),
+            ("rotation_deg", numbers) if let Some(x) = numbers.iter().find(eighth) => (
+                "radians",
+                format!(
+                    "{x} is an angle of {} degrees in radians",
+                    (x.to_degrees()).round()
+                ),
+                format!("write {}: angles are in degrees", x.to_degrees().round()),
+            ),
+            _ => return,
+        };
+        let at = Span {
+            source: Some(source.clone()),
+            range: node.span(),
+        };
+        found.push(warning(name, &at, message, &help));
+    });
+    found
+}
+
+/// Calls a function with each key of a table and of the tables in it, and its value.
+fn each_value(table: &Entries, visit: &mut impl FnMut(&str, &Node)) {
+    for (key, node) in table {
+        visit(key.get_ref(), node);
+        let list = node.get_ref().as_array().into_iter().flatten();
+        for node in list.chain([node]) {
+            if let Some(inner) = node.get_ref().as_table() {
+                each_value(inner, visit);
+            }
+        }
+    }
 }
 
 /// Materials with an index of refraction, but no color and no way for light through them.
@@ -202,24 +295,25 @@ fn rounded(x: f64) -> f64 {
 
 /// Calls a function with each list `keys` of tables of motion.
 fn each_keys(table: &Entries, visit: &mut impl FnMut(&[Node])) {
-    for (key, node) in table {
-        if let Some(inner) = node.get_ref().as_table() {
-            each_keys(inner, visit);
-        } else if key.get_ref() == "keys" {
-            visit(node.get_ref().as_array().map_or(&[], Vec::as_slice));
+    each_value(table, &mut |key, node| {
+        if let ("keys", Some(keys)) = (key, node.get_ref().as_array()) {
+            visit(keys);
         }
-    }
+    });
 }
 
 /// Time of a key of motion, s, with its place.
 fn time_of(key: &Node) -> Option<(f64, &Node)> {
     let node = key.get_ref().as_table()?.get("at_s")?;
-    let at_s = match node.get_ref() {
-        Content::Integer(at_s) => at_s.value()? as f64,
-        Content::Float(at_s) => at_s.value()?,
-        _ => return None,
-    };
-    Some((at_s, node))
+    Some((number(node)?, node))
+}
+
+fn number(node: &Node) -> Option<f64> {
+    match node.get_ref() {
+        Content::Integer(x) => Some(x.value()? as f64),
+        Content::Float(x) => x.value(),
+        _ => None,
+    }
 }
 
 /// Cameras that move and that no frame shows.

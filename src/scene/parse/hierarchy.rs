@@ -90,6 +90,11 @@ fn refuse_dangling<T>(
     let message = format!("no instance or group is named {}", suggest::text(parent));
     let help = if removed.is_some() {
         "remove `parent`, or name another parent".to_owned()
+    } else if elsewhere.ends_with("is a model; ") {
+        let name = suggest::text(parent);
+        format!(
+            "{elsewhere}place it: write `[[instance]]` with `name = {name}` and `model = {name}`"
+        )
     } else if nodes.is_empty() {
         format!("{elsewhere}write `[group.NAME]`, or give an `[[instance]]` a `name`")
     } else if !elsewhere.is_empty() {

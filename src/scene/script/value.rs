@@ -105,9 +105,13 @@ pub fn vector(value: &Dynamic, what: &str) -> Result<DVec3> {
         let found = named(value);
         let message =
             format!("{what} must be a vec3 or three numbers, such as [0, 1, 0], not {found}");
-        return match vector_instead(value) {
-            Some(help) => fail_with(message, help),
-            None => fail(message),
+        let help = match what.contains("rotation") {
+            true => "write `[0, angle, 0]` for a turn about Y, in degrees",
+            false => "write three numbers in one list: `[x, y, z]`",
+        };
+        return match value.is_int() || value.is_float() {
+            true => fail_with(message, help.to_owned()),
+            false => fail(message),
         };
     };
     // The scene keeps 32-bit floats.
@@ -116,14 +120,6 @@ pub fn vector(value: &Dynamic, what: &str) -> Result<DVec3> {
     } else {
         fail(format!("{what} has a number that is not finite"))
     }
-}
-
-/// Advice for a value where a vector is expected: a list around numbers.
-fn vector_instead(value: &Dynamic) -> Option<String> {
-    let x = value
-        .as_int()
-        .map_or_else(|_| value.as_float().ok(), |i| Some(i as f64));
-    x.map(|x| format!("three numbers stand in one list: `[{x}, 0, 0]`"))
 }
 
 /// Two numbers from an array; they must be finite. `what` names the value in messages.

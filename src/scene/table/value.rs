@@ -8,8 +8,8 @@ use super::{
     located::At,
     report::Report,
     value_advice::{
-        in_range, list_instead, list_of_length, list_of_scale, number_instead, text_instead, truth,
-        unquoted,
+        frames_of_time, in_range, list_instead, list_of_length, list_of_scale, number_instead,
+        text_instead, truth, unquoted,
     },
 };
 use crate::declared::Word;
@@ -100,8 +100,9 @@ fn number(node: &Node, named: &Named, expected: &str, report: &mut Report) -> Op
                 let x = text.parse().ok().filter(|x: &f64| x.is_finite());
                 is_toml && x.is_some_and(|x| named.range.check(x).is_ok())
             });
+            let frames = || frames_of_time(node).filter(|_| expected == u32::expected());
             wrong_type(node, named.key, expected, report).help =
-                quoted.or_else(|| number_instead(node, named.range));
+                (quoted.or_else(frames)).or_else(|| number_instead(node, named.range));
             return None;
         }
     };

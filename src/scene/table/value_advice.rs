@@ -71,7 +71,7 @@ pub fn list_of_number(node: &Node, key: &str, count: usize) -> Option<String> {
         ("rotation_deg", 3) => {
             format!("write [0, {number}, 0] for a turn about Y, which points up")
         }
-        ("rate", 3) => {
+        ("rate" | "value", 3) => {
             format!(
                 "write [0, {number}, 0] for Y, which points up: a turn about it, or a way along it"
             )
@@ -138,9 +138,22 @@ fn number_for_text(node: &Node, range: &Range) -> Option<String> {
     let text = node.get_ref().as_str()?.trim();
     let digits = text.trim_end_matches(|c: char| c.is_alphabetic() || "%° ".contains(c));
     if digits.len() < text.len() && digits.parse::<f64>().is_ok() {
-        return Some(without_unit(digits, text[digits.len()..].trim()));
+        return Some(without_unit(
+            digits,
+            text[digits.len()..].trim(),
+            Some(range),
+        ));
     }
     Some(format!("write a number, such as {}", range.clamp(1.0)))
+}
+
+/// Advice for a time where a number of a frame is expected.
+pub fn frames_of_time(node: &Node) -> Option<String> {
+    let text = node.get_ref().as_str()?.trim();
+    let seconds: f64 = text.strip_suffix('s')?.trim().parse().ok()?;
+    let last = (seconds * 24.0).ceil() - 1.0;
+    (last >= 0.0)
+        .then(|| format!("it is a frame: write {last}, the last one of {text} at `fps = 24`"))
 }
 
 /// Unit suffixes of numbers in other programs' files, each with its factor to the unit of scene text and the name of
@@ -164,13 +177,22 @@ const LIGHT_KEYS: &[(&str, &str)] = &[
     ("cd", "intensity_cd"),
 ];
 
-/// Advice for a number with a unit: the number in the unit that scene text has.
-pub fn without_unit(number: &str, unit: &str) -> String {
+/// Advice for a number with a unit: the number in the unit that scene text has, for a key of this range.
+pub fn without_unit(number: &str, unit: &str, range: Option<&Range>) -> String {
     if let Some((_, key)) = LIGHT_KEYS.iter().find(|(name, _)| *name == unit) {
         return format!("write `{key} = {number}`, whose unit it is, or {number} alone");
     }
     let known = UNITS.iter().find(|(name, ..)| *name == unit);
     let value = number.parse::<f64>().ok().zip(known);
+    let refused = |(value, (_, factor, _)): &(f64, &(&str, f64, &str))| {
+        range.is_some_and(|range| range.check(value * factor).is_err())
+    };
+    if let Some((length_mm, _)) = value.filter(|value| unit == "mm" && refused(value)) {
+        let fov_deg = (2.0 * (12.0 / length_mm).atan().to_degrees()).round();
+        return format!(
+            "write {fov_deg}, the vertical angle of a lens of {number} mm on full frame"
+        );
+    }
     value.map_or_else(
         || format!("write {number}"),
         |(value, (_, factor, name))| format!("write {}, in {name}", rounded(value * factor)),

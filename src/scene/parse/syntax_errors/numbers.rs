@@ -3,13 +3,15 @@
 use super::{Mistake, Words, is_number, words};
 use crate::{
     desc::{CAMERA, LIGHT},
-    number as fields, suggest,
+    number as fields,
+    range::Range,
+    suggest,
     table::value_advice::{rounded, without_unit},
 };
 
 /// Explains a number that TOML cannot read: `1.6*2`, `60deg`, `.5`.
 pub fn number(m: &Mistake) -> Option<Words> {
-    let (element, _) = element(m);
+    let (element, key) = element(m);
     element
         .starts_with(|c: char| c.is_ascii_digit() || "+-.(".contains(c))
         .then_some(())?;
@@ -21,7 +23,8 @@ pub fn number(m: &Mistake) -> Option<Words> {
     if digits.len() < element.len() && is_number(digits.trim()) {
         let unit = &element[digits.len()..];
         let message = format!("a number has no unit, here {}", suggest::key(unit));
-        return words(message, without_unit(digits.trim(), unit));
+        let range = range_of(key);
+        return words(message, without_unit(digits.trim(), unit, range));
     }
     if element.matches('.').count() > 1 && element.chars().all(|c| c.is_ascii_digit() || c == '.') {
         let first: Vec<_> = element.split('.').take(2).collect();
@@ -76,15 +79,20 @@ pub fn constant(m: &Mistake) -> Option<Words> {
     };
     let message = format!("TOML has no constant {}", suggest::key(text));
     let degrees = rounded(360.0 * sign * turns);
-    let camera = fields::find(&CAMERA, key).map(|field| &field.range);
-    let range = camera.or(fields::find(&LIGHT, key).map(|field| &field.range));
-    let too_far = range.and_then(|range| range.check(degrees).err());
+    let too_far = range_of(key).and_then(|range| range.check(degrees).err());
     let help = match (key.ends_with("_deg"), too_far) {
         (true, Some(wanted)) => format!("it is {degrees} in degrees, and `{key}` must be {wanted}"),
         (true, None) => format!("write {degrees}, in degrees"),
         (false, _) => format!("write {}", rounded(std::f64::consts::TAU * sign * turns)),
     };
     words(message, help)
+}
+
+/// Range of a number of cameras or lights.
+fn range_of(key: &str) -> Option<&'static Range> {
+    let camera = fields::find(&CAMERA, key);
+    let field = camera.map(|field| &field.range);
+    field.or(fields::find(&LIGHT, key).map(|field| &field.range))
 }
 
 /// Turns of a constant of angles.

@@ -97,6 +97,8 @@ fn explain_syntax(
                 && text.contains(&format!("{variable}\""))
             {
                 "a text with values in it stands between backticks: `ball${ctx.frame}`".to_owned()
+            } else if variable == "vec3" {
+                "variables have no types: write `let p = vec3(0, 1, 0);`".to_owned()
             } else if let "PI" | "E" = variable.as_str() {
                 format!("write `{variable}()`: it is a function")
             } else if known.contains(&variable.as_str()) {
@@ -104,7 +106,7 @@ fn explain_syntax(
             } else {
                 let meant = suggest::nearest(variable, known.iter().copied());
                 meant.map_or_else(
-                    || own.to_owned(),
+                    || format!("{own}: write `let {variable} = 1.0;` before"),
                     |meant| format!("did you mean {}?", suggest::key(meant)),
                 )
             };
