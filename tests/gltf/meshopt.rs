@@ -51,31 +51,22 @@ fn document(name: &str, version: i32, mode: &str, wide: bool) -> Doc {
     let filtered: Vec<[u32; 3]> = encode_filter_exp(&points, 15, EncodeExpMode::Separate);
     let encoded =
         meshopt::encode_vertex_buffer_level(&filtered, 2, Some(version)).expect("encoded");
-    let view = compressed(
-        &mut doc,
-        name,
-        &encoded,
-        json!({"mode": "ATTRIBUTES", "filter": "EXPONENTIAL", "count": count, "byteStride": 12}),
-    );
-    let positions = doc.add(
-        "accessors",
-        json!({"bufferView": view, "componentType": 5126, "type": "VEC3", "count": count}),
-    );
+    let mut attribute = |encoded: &[u8], filter: &str, stride: u32, component: u32| {
+        let extension =
+            json!({"mode": "ATTRIBUTES", "filter": filter, "count": count, "byteStride": stride});
+        let view = compressed(&mut doc, name, encoded, extension);
+        doc.json["bufferViews"][view]["byteStride"] = stride.into();
+        let accessor = json!({
+            "bufferView": view, "componentType": component, "normalized": component == 5120, "type": "VEC3", "count": count
+        });
+        doc.add("accessors", accessor)
+    };
+    let positions = attribute(&encoded, "EXPONENTIAL", 12, 5126);
     let normals = vec![[0.6, 0.0, 0.8, 0.0]; count];
     let filtered: Vec<[i8; 4]> = encode_filter_oct(&normals, 8);
     let encoded =
         meshopt::encode_vertex_buffer_level(&filtered, 2, Some(version)).expect("encoded");
-    let view = compressed(
-        &mut doc,
-        name,
-        &encoded,
-        json!({"mode": "ATTRIBUTES", "filter": "OCTAHEDRAL", "count": count, "byteStride": 4}),
-    );
-    doc.json["bufferViews"][view]["byteStride"] = 4.into();
-    let normals = doc.add(
-        "accessors",
-        json!({"bufferView": view, "componentType": 5120, "normalized": true, "type": "VEC3", "count": count}),
-    );
+    let normals = attribute(&encoded, "OCTAHEDRAL", 4, 5120);
     let encoded = match mode {
         "TRIANGLES" => meshopt::encode_index_buffer(&corners, count),
         _ => meshopt::encode_index_sequence(&corners, count),

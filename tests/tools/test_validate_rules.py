@@ -209,21 +209,19 @@ def test_many_turned_instances_are_compared_with_normalized_ones(
     expect_found(done, nudge)
 
 
-def test_turning_instances_are_compared_with_normalized_ones(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("module", "stage", "kind", "prim"),
+    [
+        (instance_motion, fill(MOVING_INSTANCER, more=TURNED), "instance", "/I"),
+        (joints, SKELETON.replace(QUARTER, "(0.7,0.5,0.3,0.2)"), "joint", "/Root/Skel"),
+    ],
+)
+def test_turning_things_are_compared_with_normalized_ones(
+    module, stage, kind, prim, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(instance_motion, "MAX_MATRIX_KEYS", 1)
-    done = convert_text(tmp_path, fill(MOVING_INSTANCER, more=TURNED))
-    assert "instance-rotation-normalized" in done.warnings("/I")
-    expect_found(done, drift)
-
-
-def test_many_turning_joints_are_compared_with_normalized_ones(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(joints, "MAX_MATRIX_KEYS", 1)
-    done = convert_text(tmp_path, SKELETON.replace(QUARTER, "(0.7,0.5,0.3,0.2)"))
-    assert "joint-rotation-normalized" in done.warnings("/Root/Skel")
+    monkeypatch.setattr(module, "MAX_MATRIX_KEYS", 1)
+    done = convert_text(tmp_path, stage)
+    assert f"{kind}-rotation-normalized" in done.warnings(prim)
     expect_found(done, drift)
 
 

@@ -126,10 +126,10 @@ fn a_name_in_another_place_of_a_script_is_left_alone() {
 #[test]
 fn symbols_folds_and_colors_of_texts() {
     let mut client = project("structure");
-    let symbols = client.ask(
-        "textDocument/documentSymbol",
-        document(&client, "shots/scene.toml"),
-    );
+    let ask = |client: &mut Client, what: &str, name: &str| {
+        client.ask(&format!("textDocument/{what}"), document(client, name))
+    };
+    let symbols = ask(&mut client, "documentSymbol", "shots/scene.toml");
     let names: Vec<_> = symbols
         .as_array()
         .expect("a list")
@@ -145,10 +145,7 @@ fn symbols_folds_and_colors_of_texts() {
             "variant.plain"
         ]
     );
-    let folds = client.ask(
-        "textDocument/foldingRange",
-        document(&client, "shots/scene.toml"),
-    );
+    let folds = ask(&mut client, "foldingRange", "shots/scene.toml");
     let folds: Vec<_> = folds
         .as_array()
         .expect("a list")
@@ -157,17 +154,11 @@ fn symbols_folds_and_colors_of_texts() {
         .collect();
     let want = [(4, 5), (7, 8), (9, 11), (13, 16), (18, 20)];
     assert_eq!(folds, want.map(|(a, b)| (Some(a), Some(b))));
-    let symbols = client.ask(
-        "textDocument/documentSymbol",
-        document(&client, "move.rhai"),
-    );
+    let symbols = ask(&mut client, "documentSymbol", "move.rhai");
     assert_eq!(symbols[1]["name"], "frame");
     assert_eq!(symbols[1]["range"]["end"]["line"], 3);
     client.open("parts.toml", PARTS);
-    let colors = client.ask(
-        "textDocument/documentColor",
-        document(&client, "parts.toml"),
-    );
+    let colors = ask(&mut client, "documentColor", "parts.toml");
     let colors = colors.as_array().expect("a list");
     assert_eq!(colors.len(), 3, "{colors:?}");
     let red = colors[0]["color"]["red"].as_f64().expect("a number");
