@@ -250,6 +250,7 @@ def test_other_image_formats_become_png(tmp_path: Path) -> None:
         ("t.tga", {}, "PNG"),
         ("t.tiff", {}, "PNG"),
         ("t.tiff", {"save_all": True, "append_images": more[1:]}, "PNG; pictures after these"),
+        ("t.tiff", {"save_all": True, "append_images": [half], "tiffinfo": {254: 2}}, "PNG; p"),
         ("t.tiff", {"save_all": True, "append_images": more}, "PNG, and KTX2 with 1 of its mip"),
     ]:
         Image.fromarray(data).save(tmp_path / name, **pages)
