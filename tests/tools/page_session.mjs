@@ -71,6 +71,10 @@ await page.waitForFunction(() => document.getElementById("told").textContent.sta
 shown = await changed(shown, "scrubbing");
 // Keys that the window has too.
 await page.locator("#stage").focus();
+await page.keyboard.press("h");
+await page.locator("#help td", { hasText: "orbit" }).waitFor();
+await page.keyboard.press("h");
+if (await page.title() !== "scene \u2013 Reflet") throw new Error(`the title is ${await page.title()}`);
 for (const [key, frame] of [["Home", "0"], ["End", "9"]]) {
   await page.keyboard.press(key);
   await page.waitForFunction((told) => document.getElementById("told").textContent.startsWith(`${told} of`), frame);
@@ -109,8 +113,10 @@ step("selected");
 await page.locator("#items button", { hasText: "ball" }).click();
 await page.waitForFunction(() => document.getElementById("label").textContent.includes("ball"));
 await page.locator("#materials").selectOption("red");
-await page.locator("#material input[name=roughness]").fill("0.25");
+await page.locator("#material input[name=roughness]").fill("7");
 await page.locator("#material input[name=roughness]").press("Enter");
+await page.waitForFunction(() => document.querySelector("#material input[name=roughness]").value === "1");
+await page.getByLabel("roughness, slider", { exact: true }).fill("0.25");
 await saved("roughness = 0.25");
 await page.locator("#material input[type=color]").first().fill("#00ff00");
 await page.locator("#material input[type=color]").first().dispatchEvent("change");

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use crate::{
     live::Problems,
     viewer::{
-        keys::{self, KeyAction},
+        keys::{self, KeyAction, KeyRow},
         protocol::{FinishedFrame, Side},
         scene_summary::SceneSummary,
         selection::Selection,
@@ -21,6 +21,7 @@ use reflet_render::runtime::parameters::ParameterOverrides;
 use reflet_scene::{
     desc::{MaterialDesc, Method, ParamValue},
     number::{Field, Form},
+    range::LIMIT,
 };
 
 /// Methods that a page offers.
@@ -30,21 +31,30 @@ pub(super) fn methods() -> impl Iterator<Item = Method> {
         .chain(rivals())
 }
 
+/// Actions of the window that the page does not have, or does by itself.
+const OF_WINDOW: [KeyAction; 6] = [
+    KeyAction::Copy,
+    KeyAction::Compare,
+    KeyAction::Screenshot,
+    KeyAction::SafeArea,
+    KeyAction::Help,
+    KeyAction::Close,
+];
+
 /// Presses that the page understands, and their actions.
 fn presses() -> Vec<(&'static str, KeyAction)> {
     let all = keys::presses().map(|press| (press.keys, press.action));
-    all.filter(|(_, action)| {
-        !matches!(
-            action,
-            KeyAction::Copy
-                | KeyAction::Compare
-                | KeyAction::Screenshot
-                | KeyAction::SafeArea
-                | KeyAction::Help
-                | KeyAction::Close
-        )
-    })
-    .collect()
+    all.filter(|(_, action)| !OF_WINDOW.contains(action))
+        .collect()
+}
+
+/// Whether a row of the list of keys holds for the page, which opens no other scenes.
+fn is_known(row: &KeyRow) -> bool {
+    let own = [KeyAction::Help, KeyAction::Screenshot];
+    let is_lost =
+        |press: &keys::Press| OF_WINDOW.contains(&press.action) && !own.contains(&press.action);
+    let opens = row.presses.is_empty() && row.keys.contains("Ctrl");
+    !opens && !row.presses.iter().any(is_lost)
 }
 
 /// A message for the status line.
@@ -124,7 +134,11 @@ pub(super) fn material(state: &ViewState) -> String {
     let row = index.and_then(|index| state.summary.materials.get(index));
     json!({ "material": row.map(|row| {
         let numbers = row.fields().map(|(_, field, value)| {
-            json!([field.key, numbers_of(field.form, value), field.form == Form::Color])
+            let range = &field.range;
+            let is_bound = |end: f64| end.abs() < LIMIT;
+            let limits = [range.min, range.max].map(|end| is_bound(end).then_some(end));
+            let is_color = field.form == Form::Color;
+            json!([field.key, numbers_of(field.form, value), is_color, "any", limits])
         });
         json!({
             "row": index,
@@ -158,6 +172,7 @@ pub(super) fn scene(summary: &SceneSummary, name: &str) -> String {
         "methods": methods().map(Method::name).collect::<Vec<_>>(),
         "channels": ViewChannel::of_frames().map(ViewChannel::name).collect::<Vec<_>>(),
         "presses": presses(),
+        "help": keys::KEYS.iter().filter(|row| is_known(row)).map(|row| [row.keys, row.what]).collect::<Vec<_>>(),
         "items": summary.items.iter().map(|row| json!([row.label, row.depth])).collect::<Vec<_>>(),
         "timeline": summary.timeline.as_ref().map(|time| json!([time.start, time.end, time.fps])),
         "log": summary.log,

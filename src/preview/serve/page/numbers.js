@@ -16,22 +16,30 @@ const to_hex = (values) => "#" + values.map((value) =>
 const of_hex = (text, before) => [1, 3, 5].map((at) =>
   to_linear(parseInt(text.slice(at, at + 2), 16) / 255) * strength(before));
 
-// Rows of a panel: name, values, whether they are a color, and the step of numbers. `change` gets the name, the values
-// and whether the input is over. Inputs are kept while one of them has the focus, so that a drag is not cut off.
+// Rows of a panel: name, values, whether they are a color, the step of numbers, and their least and largest values, of
+// which a single number with both has a slider. `change` gets the name, the values and whether the input is over. Inputs
+// are kept while one of them has the focus, so that a drag is not cut off.
 function fields(panel, rows, change) {
   const shape = JSON.stringify(rows.map(([name, values]) => [name, values.map((value) => typeof value)]));
   if (panel.dataset.shape !== shape) {
     panel.dataset.shape = shape;
-    panel.replaceChildren(...rows.map(([name, values, is_color, step]) => {
+    panel.replaceChildren(...rows.map(([name, values, is_color, step, [min, max] = [null, null]]) => {
+      const limits = { min: min ?? "", max: max ?? "" };
       const inputs = values.map((value) => {
         const type = { number: "number", boolean: "checkbox", string: "text" }[typeof value];
-        return element("input", { type, step: step || "any", name, ariaLabel: name });
+        return element("input", { type, step: step || "any", name, ariaLabel: name, ...limits });
       });
       const read = () => inputs.map((input) =>
         input.type === "checkbox" ? input.checked : input.type === "number" ? input.valueAsNumber : input.value);
       for (const input of inputs) {
         input.addEventListener("input", () => change(name, read(), false));
-        input.addEventListener("change", () => change(name, read(), true));
+        input.addEventListener("change", () => {
+          // The value that is written, where the field's is out of range.
+          const value = input.valueAsNumber;
+          if (value < (min ?? value)) input.value = min;
+          if (value > (max ?? value)) input.value = max;
+          change(name, read(), true);
+        });
       }
       const line = element("span", {}, ...inputs);
       if (is_color) {
@@ -41,14 +49,23 @@ function fields(panel, rows, change) {
         picker.addEventListener("change", () => pick(true));
         line.prepend(picker);
       }
-      return element("label", {}, name, line);
+      if (values.length === 1 && min !== null && max !== null) {
+        const slider = element("input", { type: "range", ...limits, step: "any", ariaLabel: `${name}, slider` });
+        const slide = (write) => { inputs[0].value = Number(slider.valueAsNumber.toPrecision(3)); change(name, read(), write); };
+        slider.addEventListener("input", () => slide(false));
+        slider.addEventListener("change", () => slide(true));
+        line.prepend(slider);
+      }
+      return element("label", {}, name.replaceAll("_", "_\u200b"), line); // long words break there
     }));
   }
   rows.forEach(([, values, is_color], row) => {
     const line = panel.children[row].querySelector("span");
     const picker = is_color ? line.querySelector("input[type=color]") : null;
     if (picker && picker !== document.activeElement) picker.value = to_hex(values);
-    const inputs = [...line.querySelectorAll("input")].filter((input) => input !== picker);
+    const slider = line.querySelector("input[type=range]");
+    if (slider && slider !== document.activeElement) slider.value = values[0];
+    const inputs = [...line.querySelectorAll("input")].filter((input) => input !== picker && input !== slider);
     values.forEach((value, index) => {
       const input = inputs[index];
       if (input === document.activeElement) return;

@@ -65,6 +65,9 @@ function options(select, names, chosen) {
 
 function show_scene(next) {
   scene = next;
+  document.title = `${scene.name} \u2013 Reflet`;
+  $("help").firstElementChild.replaceChildren(...scene.help.map((row) =>
+    element("tr", {}, ...row.map((textContent) => element("td", { textContent })))));
   const problems = $("problems");
   problems.replaceChildren(...scene.problems.map((text) => element("li", { textContent: text })));
   problems.hidden = scene.problems.length === 0;
@@ -127,6 +130,7 @@ function show_view(next) {
   }
   $("play").textContent = view.plays ? "pause" : "play";
   $("loop").checked = view.loops;
+  show_stale();
   paint();
 }
 
@@ -152,6 +156,15 @@ function show_statistics({ picture, frame, encode_ms, sides }) {
     for (const [name, of] of passes) lines.push(`  ${name} ${of.toFixed(2)} ms`);
   }
   $("statistics").textContent = lines.join("\n");
+  shown_frame = frame;
+  show_stale();
+}
+
+// Says that the picture is of another frame than the timeline tells, until the picture of that frame is there.
+let shown_frame = null;
+function show_stale() {
+  $("stale").hidden = !scene || !scene.timeline || shown_frame === null || view.frame === shown_frame;
+  $("stale").textContent = `shows frame ${shown_frame}, rendering ${view.frame}`;
 }
 
 function connect() {
@@ -270,6 +283,7 @@ $("materials").addEventListener("change", ({ target }) =>
   send({ do: "material", row: target.selectedIndex > 0 ? target.selectedIndex - 1 : null }));
 // The line of a wipe is each viewer's own.
 $("screenshot").addEventListener("click", ({ target }) => { target.href = `picture.png?wipe=${$("line").value}`; });
+$("keys-of-page").addEventListener("click", show_help);
 $("loop").addEventListener("change", () => press("loop"));
 $("frame").addEventListener("input", ({ target }) => send({ do: "seek", frame: Number(target.value) }));
 $("line").addEventListener("input", paint);
@@ -281,6 +295,10 @@ const keys = {
   ArrowUp: { do: "orbit", by: [0, -STEP] }, ArrowDown: { do: "orbit", by: [0, STEP] },
   "+": { do: "dolly", notches: 1 }, "-": { do: "dolly", notches: -1 },
 };
+function show_help() {
+  if ($("help").open) $("help").close();
+  else $("help").showModal();
+}
 // What a press does; null if it does nothing.
 function pressed({ key, ctrlKey, metaKey, shiftKey, altKey }) {
   const name = key.length === 1 ? key.toUpperCase() : key;
@@ -311,6 +329,10 @@ addEventListener("keydown", (event) => {
   if (key === "F12") {
     event.preventDefault();
     $("screenshot").click();
+    return;
+  }
+  if (key.toLowerCase() === "h" && !is_field(target)) {
+    show_help();
     return;
   }
   const message = pressed(event);
