@@ -17,8 +17,8 @@ use crate::common::program::signal;
 /// `tests`, `link NAME TARGET`, `remove NAME`, `run CODE ARGUMENTS`, `stop CODE ARGUMENTS`, which sends SIGTERM to the
 /// program after its first line, `feed ARGUMENTS` with standard input in the lines below; `agent ARGUMENTS`, the
 /// client of `reflet mcp ARGUMENTS`, which has an answer by `call TOOL JSON`, an error by `fail TOOL JSON`, an answer and
-/// an error of two calls at a time by `race TOOL JSON`; and of the run or call before: `says TEXT`, `line TEXT`,
-/// `lacks TEXT`, `json KEY` at the top, and `files FOLDER: NAMES`, `same A B` and `differ A B`, which compare
+/// an error of two calls at a time by `race TOOL JSON`; and of the run or call before: `says TEXT`, in which `{line}` begins a line, `once TEXT`,
+/// `line TEXT`, `lacks TEXT`, `json KEY` at the top, and `files FOLDER: NAMES`, `same A B` and `differ A B`, which compare
 /// bytes. `{here}` is the folder, `''` an empty argument.
 fn session(folder: &Path, text: &str) {
     let here = folder.canonicalize().expect("there");
@@ -83,11 +83,15 @@ fn session(folder: &Path, text: &str) {
                 let (code, arguments) = pair();
                 said = stopped(reflet(folder, arguments), code.parse().expect(line));
             }
-            "says" => assert!(said.contains(rest), "{line}: {said}"),
+            "says" => assert!(
+                said.contains(&rest.replace("{line}", "\n")),
+                "{line}: {said}"
+            ),
             "json" => {
                 let all: serde_json::Value = serde_json::from_str(&said).expect(line);
                 assert!(all.get(rest).is_some(), "{line}: {said}");
             }
+            "once" => assert_eq!(said.matches(rest).count(), 1, "{line}: {said}"),
             "line" => assert!(said.lines().any(|own| own == rest), "{line}: {said}"),
             "lacks" => assert!(!said.contains(rest), "{line}: {said}"),
             "files" => {
@@ -152,6 +156,7 @@ sessions! {
     films_that_cannot_be_written_are_refused_before_rendering,
     a_picture_says_how_far_it_is_and_keeps_its_samples_if_asked,
     a_scene_is_asked_before_it_is_rendered,
+    check_poses_each_frame_and_names_the_first_of_each_mistake,
     letters_and_lamps_of_a_film_are_written_as_the_pages_say,
     bare_models_have_light_and_turn_as_asked,
     render_takes_camera_variant_size_and_output_from_the_project(""),
