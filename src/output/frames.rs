@@ -44,11 +44,15 @@ impl FrameList {
             for frame in [first, last] {
                 if !(timeline.start..=timeline.end).contains(&frame) {
                     return Err(usage(format!(
-                        "frame {frame} is not in the timeline, which has {} to {}; name others, or write `end = {}` in \
+                        "frame {frame} is not in the timeline, which has {} to {}; name others, or write `{} = {frame}` in \
                          `[timeline]`",
                         timeline.start,
                         timeline.end,
-                        frame.max(timeline.end)
+                        if frame < timeline.start {
+                            "start"
+                        } else {
+                            "end"
+                        }
                     )));
                 }
             }

@@ -338,7 +338,7 @@ impl<'a> Loader<'a> {
             |request: &texture::TextureRequest| lenient && !request.used_by.is_empty();
         let decoded = texture::decode_all(&requests, &limits, &is_forgiven)?;
         if !(decoded.broken.is_empty() && decoded.damaged.is_empty()) {
-            images.clear(); // a reload reads images anew that are wrong, with their warnings
+            images.clear(); // a reload reads all images anew, with the warnings about the wrong ones
         }
         self.world.textures = decoded.textures.into();
         self.world.warnings.extend(decoded.damaged);

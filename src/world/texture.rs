@@ -139,21 +139,28 @@ pub fn decode_all(
                     all.textures.push(texture);
                 }
                 Err(f) if is_forgiven(request) => {
-                    let fallback = request.fallback.as_deref().and_then(|fallback| {
-                        decode_all(std::slice::from_ref(fallback), limits, &|_| false).ok()
-                    });
-                    let index = fallback.is_none().then_some(all.textures.len());
-                    all.broken.push((index, blame(request, f)));
-                    all.textures.push(match fallback {
-                        Some(mut decoded) => decoded.textures.swap_remove(0),
-                        None => Texture {
+                    let index = all.textures.len();
+                    let Some(fallback) = request.fallback.as_deref() else {
+                        all.broken.push((Some(index), blame(request, f)));
+                        all.textures.push(Texture {
                             name: request.place(),
                             width: 1,
                             height: 1,
                             rgba: vec![255; 4],
                             srgb: request.srgb,
-                        },
-                    });
+                        });
+                        continue;
+                    };
+                    all.broken.push((None, blame(request, f)));
+                    match decode_all(std::slice::from_ref(fallback), limits, is_forgiven) {
+                        Ok(other) => {
+                            let broken = other.broken.into_iter();
+                            (all.broken).extend(broken.map(|(lost, e)| (lost.map(|_| index), e)));
+                            all.damaged.extend(other.damaged);
+                            all.textures.extend(other.textures);
+                        }
+                        Err(others) => errors.extend(others),
+                    }
                 }
                 Err(f) => report_once(&mut errors, blame(request, f)),
             }

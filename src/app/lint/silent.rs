@@ -1,18 +1,20 @@
-//! Settings that a scene may have, whose effect is grain, or not to be seen at all.
+//! Settings that a scene may have, whose effect is hardly meant: grain, nothing to be seen, or a turn by the
+//! conventions of other programs.
 
-use std::{collections::HashSet, f64::consts::FRAC_PI_4};
+use std::{collections::HashSet, f64::consts::PI};
 
 use glam::Vec3;
 
 use super::ignored::written;
 use crate::{
+    math::Bounds,
     scene::{
         desc::{LightKind, ModelDesc, ModelSource, ShapeDesc},
         diagnostic::{Diagnostic, Span},
         stages::Scene,
         syntax::{Content, Entries, Node},
     },
-    world::{Material, World},
+    world::{Instance, Material, World},
 };
 
 /// Least height that a unit direction of a sun rises by, from which on its light counts as coming from below.
@@ -21,8 +23,11 @@ const RISING: f32 = 0.1;
 /// Warnings about such settings of the scene's text; `start` is a span in that text.
 pub fn lint(scene: &Scene, world: &World, start: &Span) -> Vec<Diagnostic> {
     let mut found = grain(scene, start);
-    found.extend(suns(scene));
-    found.extend(meant(scene, world, start));
+    found.extend(suns(scene, world));
+    found.extend(sunken_lights(scene, world));
+    found.extend(rolled_cameras(scene, world));
+    found.extend(invisible_materials(scene, world));
+    found.extend(foreign_angles(start));
     found.extend(clear(scene));
     found.extend(open_solids(scene, world));
     found.extend(emitters(scene, world));
@@ -57,9 +62,10 @@ fn grain(scene: &Scene, start: &Span) -> Vec<Diagnostic> {
 }
 
 /// Directional lights that shine upward.
-fn suns(scene: &Scene) -> impl Iterator<Item = Diagnostic> {
-    scene.lights.iter().filter_map(|light| {
-        let LightKind::Directional { direction, .. } = light.value.kind else {
+fn suns(scene: &Scene, world: &World) -> Vec<Diagnostic> {
+    let lights = scene.lights.iter().zip(world.all_lights());
+    let found = lights.filter_map(|(light, placed)| {
+        let LightKind::Directional { direction, .. } = placed.desc.kind else {
             return None;
         };
         let direction = direction.normalize_or_zero();
@@ -76,74 +82,123 @@ fn suns(scene: &Scene) -> impl Iterator<Item = Diagnostic> {
             );
             warning("light-from-below", &light.at, message, &help)
         })
-    })
+    });
+    found.collect()
 }
 
-/// Settings of programs where Z points up, angles are in radians and quaternions begin with w; materials that show
-/// nothing.
-fn meant(scene: &Scene, world: &World, start: &Span) -> Vec<Diagnostic> {
-    let mut found = Vec::new();
-    let bounds = world.static_bounds();
-    // Bulbs of lamps that hang are a little below their shades.
-    let ground_m = bounds.min.y - 0.1 * bounds.diagonal();
-    let are_above = (world.cameras.iter()).all(|camera| camera.value.eye.y > bounds.min.y);
-    for (light, placed) in scene.lights.iter().zip(world.all_lights()) {
-        let at = placed.desc.kind.position();
-        if are_above && at.is_some_and(|at| at.y < ground_m) {
-            let name = &light.name;
-            let message = format!("light \"{name}\" is below all that is placed: Y points up");
-            let help = "write [x, z, -y] for a position [x, y, z] of a program where Z points up";
-            found.push(warning("light-from-below", &light.at, message, help));
-        }
-    }
-    for camera in &scene.cameras {
-        let forward = (camera.value.target - camera.value.eye).normalize_or_zero();
-        if camera.value.up.normalize_or_zero().abs() == Vec3::Z && forward.y.abs() < 0.9 {
-            let message = format!("camera \"{}\" lies on its side: Y points up", camera.name);
-            let help = "write `up = [0, 1, 0]`, or leave it out";
-            found.push(warning("rolled-camera", &camera.at, message, help));
-        }
-    }
-    let is_still = scene.is_still();
-    for material in scene
-        .materials
+/// Lights below an opaque floor that has all that is placed above it, as positions of programs where Z points up have.
+fn sunken_lights(scene: &Scene, world: &World) -> Vec<Diagnostic> {
+    let bounds: Vec<_> = world.instances.iter().map(|i| world.bounds_of(i)).collect();
+    let all = bounds
         .iter()
-        .filter(|m| is_still && m.value.alpha == Some(0.0))
-    {
+        .fold(Bounds::EMPTY, |all, own| all.union(*own));
+    let size = all.max - all.min;
+    let is_floor = |&(instance, own): &(&Instance, &Bounds)| {
+        let span = own.max - own.min;
+        let material = &world.materials[instance.material];
+        span.x > 0.5 * size.x
+            && span.z > 0.5 * size.z
+            && span.y < 0.1 * span.x.max(span.z)
+            && own.min.y < all.min.y + 0.05 * size.y
+            && !(material.passes_light() || material.alpha_cutoff.is_some())
+    };
+    let Some((_, floor)) = world.instances.iter().zip(&bounds).find(is_floor) else {
+        return Vec::new();
+    };
+    let lights = scene.lights.iter().zip(world.all_lights());
+    let below = lights.filter(|(_, placed)| {
+        let at = placed.desc.kind.position();
+        at.is_some_and(|at| at.y < floor.min.y && at.y < all.min.y)
+    });
+    let found = below.map(|(light, _)| {
+        let message = format!("light \"{}\" is below the floor: Y points up", light.name);
+        let help = "write [x, z, -y] for a position [x, y, z] of a program where Z points up";
+        warning("light-from-below", &light.at, message, help)
+    });
+    found.collect()
+}
+
+/// Cameras whose `up` is the Z axis, which lie on their side or stand on their head.
+fn rolled_cameras(scene: &Scene, world: &World) -> Vec<Diagnostic> {
+    let placed = |name: &str| world.cameras.iter().find(|camera| camera.name == name);
+    let up_is_z = |up: Vec3| up.normalize_or_zero().abs() == Vec3::Z;
+    let own = scene
+        .cameras
+        .iter()
+        .filter(|camera| up_is_z(camera.value.up));
+    let found = own.filter_map(|camera| {
+        let value = &placed(&camera.name)?.value;
+        let forward = (value.target - value.eye).normalize_or_zero();
+        let right = forward.cross(value.up).normalize_or_zero();
+        let what = match right.cross(forward).y {
+            _ if right.y.abs() > 0.7 => "lies on its side",
+            y if y < -0.1 => "is upside down",
+            _ => return None,
+        };
+        let message = format!("camera \"{}\" {what}: Y points up", camera.name);
+        let help = "write `up = [0, 1, 0]`, or leave it out";
+        Some(warning("rolled-camera", &camera.at, message, help))
+    });
+    found.collect()
+}
+
+/// Materials of alpha 0 that instances show, in a scene without motion.
+fn invisible_materials(scene: &Scene, world: &World) -> Vec<Diagnostic> {
+    let is_clear = |m: &Material| {
+        let is_blended = m.blended && m.alpha_cutoff.is_none() && m.patterned.is_empty();
+        is_blended && m.base_color.w == 0.0
+    };
+    let used = world.instances.iter().map(|i| &world.materials[i.material]);
+    let clear: HashSet<&str> = (used.filter(|m| is_clear(m)))
+        .map(|m| m.name.as_str())
+        .collect();
+    let is_found = |name: &str| scene.is_still() && clear.contains(name);
+    let entries = scene.materials.iter().filter(|m| is_found(&m.name));
+    let found = entries.map(|material| {
         let message = format!(
             "material \"{}\" is invisible by its `alpha` of 0",
             material.name
         );
         let help = "write `alpha = 1`, or `visible = false` in its instances";
-        found.push(warning("invisible-material", &material.at, message, help));
-    }
+        warning("invisible-material", &material.at, message, help)
+    });
+    found.collect()
+}
+
+/// Angles in the scene's own text that are halves, thirds, fourths or sixths of half a turn in radians, and quaternions
+/// that begin with w.
+fn foreign_angles(start: &Span) -> Vec<Diagnostic> {
+    let mut found = Vec::new();
     let Some(source) = &start.source else {
         return found;
+    };
+    let is_radians = |x: f64| {
+        let twelfths = (x / (PI / 12.0)).abs();
+        let whole = twelfths.round();
+        let is_part = whole % 2.0 == 0.0 || whole % 3.0 == 0.0;
+        // Numbers have few digits: 1.57, 3.14, 6.28.
+        is_part && whole <= 24.0 && (twelfths - whole).abs() < 6e-4 * whole
     };
     each_value(source.syntax().root(), &mut |key, node| {
         let numbers: Vec<f64> = (node.get_ref().as_array().into_iter().flatten())
             .filter_map(number)
             .collect();
-        let eighth = |x: &&f64| {
-            let eighths = **x / FRAC_PI_4;
-            eighths.round() != 0.0
-                && (eighths - eighths.round()).abs() < 1e-3
-                && eighths.abs() < 8.5
-        };
-        let (name, message, help) = match (key, &numbers[..]) {
-            ("rotation_quat", [1.0, 0.0, 0.0, 0.0]) => (
+        let turned = numbers.iter().find(|x| **x != 0.0);
+        let are_radians = numbers.iter().all(|x| *x == 0.0 || is_radians(*x));
+        let (name, message, help) = match (key, &numbers[..], turned) {
+            ("rotation_quat", [1.0, 0.0, 0.0, 0.0], _) => (
                 "turned-quaternion",
                 "this quaternion is half a turn about X: its order is x, y, z, w".to_owned(),
                 "write `rotation_quat = [0, 0, 0, 1]` for no turn".to_owned(),
             ),
-            ("rotation_deg", numbers) if let Some(x) = numbers.iter().find(eighth) => (
-                "radians",
-                format!(
-                    "{x} is an angle of {} degrees in radians",
-                    (x.to_degrees()).round()
-                ),
-                format!("write {}: angles are in degrees", x.to_degrees().round()),
-            ),
+            ("rotation_deg", _, Some(x)) if are_radians => {
+                let degrees = (x.to_degrees() / 15.0).round() * 15.0;
+                (
+                    "radians",
+                    format!("angles are in degrees, and {x} are {degrees} degrees in radians"),
+                    format!("write {degrees} for {x}"),
+                )
+            }
             _ => return,
         };
         let at = Span {
@@ -308,6 +363,7 @@ fn time_of(key: &Node) -> Option<(f64, &Node)> {
     Some((number(node)?, node))
 }
 
+/// A number of the text, of either kind.
 fn number(node: &Node) -> Option<f64> {
     match node.get_ref() {
         Content::Integer(x) => Some(x.value()? as f64),

@@ -164,6 +164,8 @@ impl<'a> Visibility<'a> {
             }
             in_picture += 1;
         }
+        let why = self.unseen(self.camera, thing);
+        let shown = shown.filter(|_| why != Some(Unseen::Transparent));
         let part = |count: u32| rounded(f64::from(count) / f64::from(in_picture));
         let mut shares: Vec<_> = (hidden_by.iter().enumerate())
             .filter(|(_, count)| **count > 0)
@@ -180,17 +182,15 @@ impl<'a> Visibility<'a> {
         to.distance_m = shown.map(|(_, nearest_m)| rounded(nearest_m));
         to.hidden = if all > 0 { part(all) } else { 0.0 };
         to.hidden_by = shares;
-        to.unseen = shown
-            .is_none()
-            .then(|| match self.unseen(self.camera, thing) {
-                None => UnseenFor::Hidden,
-                Some(Unseen::Nothing | Unseen::Hidden) => UnseenFor::SwitchedOff,
-                Some(Unseen::Outside) => UnseenFor::Outside,
-                Some(Unseen::TooNear(_)) => UnseenFor::TooNear,
-                Some(Unseen::Transparent) => UnseenFor::Transparent,
-                Some(Unseen::Backs) => UnseenFor::Backs,
-                Some(Unseen::Small) => UnseenFor::Small,
-            });
+        to.unseen = shown.is_none().then_some(match why {
+            None => UnseenFor::Hidden,
+            Some(Unseen::Nothing | Unseen::Hidden) => UnseenFor::SwitchedOff,
+            Some(Unseen::Outside) => UnseenFor::Outside,
+            Some(Unseen::TooNear(_)) => UnseenFor::TooNear,
+            Some(Unseen::Transparent) => UnseenFor::Transparent,
+            Some(Unseen::Backs) => UnseenFor::Backs,
+            Some(Unseen::Small) => UnseenFor::Small,
+        });
         let cameras = (0..self.sights.len()).filter(|camera| self.is_in_picture(*camera, thing));
         let world = self.rays.world;
         to.in_pictures_of = cameras

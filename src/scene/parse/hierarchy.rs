@@ -68,11 +68,26 @@ pub fn check(root: &Entries, report: &mut Report) {
     let hung = hung.chain(others.filter_map(|(_, _, table)| named(table)));
     for (parent, at) in hung {
         if !nodes.contains_key(parent) {
-            let elsewhere = named_elsewhere(root, parent);
+            let mut elsewhere = named_elsewhere(root, parent);
+            if elsewhere.ends_with("is a model; ") {
+                elsewhere += &placing(root, parent);
+            }
             refuse_dangling(parent, &elsewhere, &at, &nodes, report);
         }
     }
     refuse_circles(&nodes, report);
+}
+
+/// Advice to name the instance of a model, or to write one.
+fn placing(root: &Entries, model: &str) -> String {
+    let name = suggest::text(model);
+    let mut models = instances(root).filter_map(|table| table.get("model")?.get_ref().as_str());
+    match models.any(|placed| placed == model) {
+        true => format!("write `name = {name}` in its `[[instance]]`"),
+        false => {
+            format!("place it: write `[[instance]]` with `name = {name}` and `model = {name}`")
+        }
+    }
 }
 
 fn refuse_dangling<T>(
@@ -90,11 +105,8 @@ fn refuse_dangling<T>(
     let message = format!("no instance or group is named {}", suggest::text(parent));
     let help = if removed.is_some() {
         "remove `parent`, or name another parent".to_owned()
-    } else if elsewhere.ends_with("is a model; ") {
-        let name = suggest::text(parent);
-        format!(
-            "{elsewhere}place it: write `[[instance]]` with `name = {name}` and `model = {name}`"
-        )
+    } else if elsewhere.contains("is a model; ") {
+        elsewhere.to_owned()
     } else if nodes.is_empty() {
         format!("{elsewhere}write `[group.NAME]`, or give an `[[instance]]` a `name`")
     } else if !elsewhere.is_empty() {

@@ -157,6 +157,11 @@ fn of_number(node: &Node) -> Option<String> {
     let Content::Integer(number) = node.get_ref() else {
         return None;
     };
+    if let Some(kelvin) = number.value().filter(|n| (1000..=12_000).contains(n)) {
+        return Some(format!(
+            "write \"{kelvin} K\", the glow at this temperature"
+        ));
+    }
     let bytes = number.value().filter(|n| (256..=0xff_ffff).contains(n))?;
     Some(format!("write \"#{bytes:06x}\""))
 }

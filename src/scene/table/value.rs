@@ -100,9 +100,9 @@ fn number(node: &Node, named: &Named, expected: &str, report: &mut Report) -> Op
                 let x = text.parse().ok().filter(|x: &f64| x.is_finite());
                 is_toml && x.is_some_and(|x| named.range.check(x).is_ok())
             });
-            let frames = || frames_of_time(node).filter(|_| expected == u32::expected());
+            let frames = || frames_of_time(node, named.key);
             wrong_type(node, named.key, expected, report).help =
-                (quoted.or_else(frames)).or_else(|| number_instead(node, named.range));
+                (quoted.or_else(frames)).or_else(|| number_instead(node, named.key, named.range));
             return None;
         }
     };
@@ -298,7 +298,7 @@ impl<T: Value, const N: usize> Value for [T; N] {
         if items.len() != N {
             let message = format!("`{key}` must be {expected}, not {}", found(node));
             let error = report.error("wrong-length", &node.span(), message);
-            error.help = list_of_length(items, N, named.range);
+            error.help = list_of_length(items, key, N, named.range);
             return None;
         }
         let read = |(i, item)| {

@@ -80,12 +80,16 @@ pub fn list_of_number(node: &Node, key: &str, count: usize) -> Option<String> {
             let rest = u8::from(key == "count");
             format!("write [{number}, {rest}, {rest}] for X alone")
         }
+        ("size", 2) if number.parse().is_ok_and(|width: u32| width >= 64) => {
+            let width: u32 = number.parse().unwrap_or_default();
+            format!("write [{width}, {}], width and height", width / 16 * 9)
+        }
         _ => format!("write [{}]", vec![number; count].join(", ")),
     })
 }
 
 /// Advice for a list of numbers that is one too short, for a point or a color, or too long.
-pub fn list_of_length(items: &[Node], count: usize, range: &Range) -> Option<String> {
+pub fn list_of_length(items: &[Node], key: &str, count: usize, range: &Range) -> Option<String> {
     let is_number = |item: &Node| matches!(item.get_ref(), Content::Integer(_) | Content::Float(_));
     let is_near = items.len() + 1 == count || (count + 1..count + 3).contains(&items.len());
     if !(is_near && count <= 4 && items.iter().all(is_number)) {
@@ -105,21 +109,37 @@ pub fn list_of_length(items: &[Node], count: usize, range: &Range) -> Option<Str
             ))
         }
         (true, _) => None,
-        (false, _) => Some(format!("write [{}]", list.join(", "))),
+        (false, 3) if key == "rotation_deg" => Some(
+            "degrees about X, Y and Z are three numbers, as in [0, 45, 0]; a quaternion is `rotation_quat`"
+                .to_owned(),
+        ),
+        (false, _) => {
+            let are_whole = items.iter().all(|x| matches!(x.get_ref(), Content::Integer(_)));
+            let comma = if are_whole { "; decimals have a point, 0.5" } else { "" };
+            Some(format!("write [{}]{comma}", list.join(", ")))
+        }
     }
 }
 
 /// Advice for a value that is no list where a list of `count` is expected, of numbers if `is_ranged`.
 pub fn list_instead(node: &Node, key: &str, count: usize, is_ranged: bool) -> Option<String> {
     let point = || "write three numbers, such as [0, 1, 0]".to_owned();
+    let lanes = || {
+        let table = node.get_ref().as_table()?;
+        let lanes = ["x", "y", "z"].map(|lane| table.get(lane).map(number_text));
+        let lanes: Vec<_> = lanes.into_iter().take(count).flatten().collect();
+        let is_whole = lanes.len() == count && lanes.iter().all(|lane| !lane.is_empty());
+        is_whole.then(|| format!("write [{}]", lanes.join(", ")))
+    };
     list_in_text(node, count)
+        .or_else(lanes)
         .or_else(|| list_of_number(node, key, count))
         .or_else(|| (is_ranged && count == 3).then(point))
 }
 
 /// Advice for a truth value or a text where a number in this range is expected.
-pub fn number_instead(node: &Node, range: &Range) -> Option<String> {
-    number_of_truth(node, range).or_else(|| number_for_text(node, range))
+pub fn number_instead(node: &Node, key: &str, range: &Range) -> Option<String> {
+    number_of_truth(node, range).or_else(|| number_for_text(node, key, range))
 }
 
 /// Advice for a truth value where a number in this range is expected.
@@ -134,26 +154,31 @@ fn number_of_truth(node: &Node, range: &Range) -> Option<String> {
 }
 
 /// Advice for a text where a number in this range is expected: without its unit, if it is a number with one.
-fn number_for_text(node: &Node, range: &Range) -> Option<String> {
+fn number_for_text(node: &Node, key: &str, range: &Range) -> Option<String> {
     let text = node.get_ref().as_str()?.trim();
     let digits = text.trim_end_matches(|c: char| c.is_alphabetic() || "%° ".contains(c));
     if digits.len() < text.len() && digits.parse::<f64>().is_ok() {
-        return Some(without_unit(
-            digits,
-            text[digits.len()..].trim(),
-            Some(range),
-        ));
+        return Some(without_unit(digits, text[digits.len()..].trim(), key));
     }
     Some(format!("write a number, such as {}", range.clamp(1.0)))
 }
 
-/// Advice for a time where a number of a frame is expected.
-pub fn frames_of_time(node: &Node) -> Option<String> {
+/// Advice for a time where the number of a frame is expected, as by the keys of the timeline.
+pub fn frames_of_time(node: &Node, key: &str) -> Option<String> {
     let text = node.get_ref().as_str()?.trim();
     let seconds: f64 = text.strip_suffix('s')?.trim().parse().ok()?;
-    let last = (seconds * 24.0).ceil() - 1.0;
-    (last >= 0.0)
-        .then(|| format!("it is a frame: write {last}, the last one of {text} at `fps = 24`"))
+    let is_time = (0.0..1e6).contains(&seconds);
+    let frame = (seconds * 24.0).round();
+    match key {
+        "end" if is_time && frame >= 1.0 => Some(format!(
+            "it is the last frame, {text} times `fps` less 1: write {} at `fps = 24`",
+            frame - 1.0
+        )),
+        "start" | "frame" if is_time => Some(format!(
+            "it is a frame, {text} times `fps`: write {frame} at `fps = 24`"
+        )),
+        _ => None,
+    }
 }
 
 /// Unit suffixes of numbers in other programs' files, each with its factor to the unit of scene text and the name of
@@ -177,18 +202,16 @@ const LIGHT_KEYS: &[(&str, &str)] = &[
     ("cd", "intensity_cd"),
 ];
 
-/// Advice for a number with a unit: the number in the unit that scene text has, for a key of this range.
-pub fn without_unit(number: &str, unit: &str, range: Option<&Range>) -> String {
+/// Advice for a number with a unit: the number in the unit that scene text has.
+pub fn without_unit(number: &str, unit: &str, key: &str) -> String {
     if let Some((_, key)) = LIGHT_KEYS.iter().find(|(name, _)| *name == unit) {
         return format!("write `{key} = {number}`, whose unit it is, or {number} alone");
     }
     let known = UNITS.iter().find(|(name, ..)| *name == unit);
     let value = number.parse::<f64>().ok().zip(known);
-    let refused = |(value, (_, factor, _)): &(f64, &(&str, f64, &str))| {
-        range.is_some_and(|range| range.check(value * factor).is_err())
-    };
-    if let Some((length_mm, _)) = value.filter(|value| unit == "mm" && refused(value)) {
-        let fov_deg = (2.0 * (12.0 / length_mm).atan().to_degrees()).round();
+    let lens = value.filter(|(length_mm, _)| unit == "mm" && (4.0..=2000.0).contains(length_mm));
+    if let ("fov_deg", Some((length_mm, _))) = (key, lens) {
+        let fov_deg = (20.0 * (12.0 / length_mm).atan().to_degrees()).round() / 10.0;
         return format!(
             "write {fov_deg}, the vertical angle of a lens of {number} mm on full frame"
         );
@@ -233,6 +256,9 @@ pub fn truth(node: &Node) -> Option<String> {
     Some(format!("write {meant}, without quotes"))
 }
 
+/// Usual values of keys whose ends of the range are hardly meant.
+const USUAL: &[(&str, f64)] = &[("fps", 24.0), ("fov_deg", 50.0), ("alpha_cutoff", 0.5)];
+
 /// Advice for a number out of its range: degrees in place of radians, a share in place of a percentage, else the end
 /// that is near.
 pub fn in_range(x: f64, key: &str, range: &Range) -> Option<String> {
@@ -250,6 +276,9 @@ pub fn in_range(x: f64, key: &str, range: &Range) -> Option<String> {
     }
     if range.check(x).is_err() && range.check(-x).is_ok() && x < 0.0 {
         return Some(format!("write {}", -x));
+    }
+    if let Some((_, usual)) = USUAL.iter().find(|(known, _)| *known == key) {
+        return Some(format!("write {usual}, which is usual"));
     }
     let (end, is_open) = match x <= range.min {
         true => (range.min, range.above_min),

@@ -9,6 +9,7 @@ use super::{
     Fault, Notes, ReadOptions, extension,
     json_memory::{Head, value_bytes},
     schema::Root,
+    uri::shorten,
     wrong_types,
 };
 use reflet_base::memory::Reservation;
@@ -151,7 +152,7 @@ fn parse(
     // A byte-order mark is against the specification, but harmless.
     let mut json = json.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(json);
     let (mended, _mended_held);
-    // Checked first, so that glTF 1.0 gets its own error message.
+    // The version is checked first, so that glTF 1.0 gets its own error message.
     let mut head = serde_json::from_slice(json);
     if head.is_err() && !options.strict {
         _mended_held = hold(4 * json.len() as u64)?;
@@ -235,27 +236,31 @@ fn check_version(asset: &super::schema::Asset, is_strict: bool) -> Result<(), Fa
         Fault::new("gltf-version", text)
             .help("convert the file to glTF 2.0 with its authoring tool")
     };
-    let parse = |text: &str| -> Option<(u32, u32)> {
+    let parse = |version: &Value| -> Option<(u32, u32)> {
+        let number = version.as_f64().filter(|_| !is_strict);
+        let text = version.as_str().map(str::to_owned);
+        // A file that says 2.0 without quotes means the same.
+        let text = text.or_else(|| number.map(|number| format!("{number:?}")))?;
         let (major, minor) = text.split_once('.')?;
         Some((major.parse().ok()?, minor.parse().ok()?))
     };
-    let version = match &asset.version {
-        None => return Err(fault("asset.version is missing, expected \"2.0\"".into())),
-        Some(Value::String(version)) => parse(version),
-        // A number in place of the text says as much.
-        Some(version) => {
-            parse(&format!("{:?}", version.as_f64().unwrap_or(0.0))).filter(|_| !is_strict)
-        }
+    let shown = |version: &Value| shorten(&version.to_string());
+    let Some(version) = &asset.version else {
+        return Err(fault("asset.version is missing, expected \"2.0\"".into()));
     };
-    if let Some(version) = (asset.version.as_ref()).filter(|_| !matches!(version, Some((2, _)))) {
-        return Err(fault(format!(
-            "asset.version is {version}, expected \"2.0\""
-        )));
+    if !matches!(parse(version), Some((2, _))) {
+        let text = format!("asset.version is {}, expected \"2.0\"", shown(version));
+        return Err(fault(text));
     }
-    match asset.min_version.as_deref().map(|text| (text, parse(text))) {
+    match asset
+        .min_version
+        .as_ref()
+        .map(|version| (version, parse(version)))
+    {
         None | Some((_, Some((0..=1, _) | (2, 0)))) => Ok(()),
-        Some((text, _)) => Err(fault(format!(
-            "asset.minVersion is \"{text}\", this reader supports 2.0"
+        Some((version, _)) => Err(fault(format!(
+            "asset.minVersion is {}, this reader supports 2.0",
+            shown(version)
         ))),
     }
 }

@@ -47,7 +47,7 @@ pub struct Root {
 #[serde(default, rename_all = "camelCase")]
 pub struct Asset {
     pub version: Option<serde_json::Value>,
-    pub min_version: Option<String>,
+    pub min_version: Option<serde_json::Value>,
 }
 
 #[derive(Debug, Default, Deserialize)]

@@ -21,7 +21,8 @@ pub struct Textures<'a> {
     data: &'a Data<'a>,
     folder: &'a Path,
     sandbox: &'a Sandbox,
-    uses: HashMap<(usize, bool), usize>,
+    /// Index of each used image, by its index in the file, its color space and its fallback.
+    uses: HashMap<(usize, bool, Option<usize>), usize>,
     /// Images by color space.
     pub images: Vec<ImageUse>,
 }
@@ -120,12 +121,9 @@ impl Textures<'_> {
         };
         let wrap = [wrap(sampler.wrap_s)?, wrap(sampler.wrap_t)?];
         let mut texture = None;
-        // Each image is the fallback of the last one in this order.
+        // The preferred image comes last, and has the images after it in the list as fallbacks.
         for image in images.into_iter().rev() {
-            let used = self.image_use(image, srgb, slot)?;
-            let own = self.images[used].fallback;
-            self.images[used].fallback = own.or(texture.filter(|fallback| *fallback < used));
-            texture = Some(used);
+            texture = Some(self.image_use(image, srgb, slot, texture)?);
         }
         Ok(texture.map(|texture| TextureRef {
             texture,
@@ -136,14 +134,20 @@ impl Textures<'_> {
         }))
     }
 
-    /// Index into [`Textures::images`] of an image in a color space; a new one is added.
-    fn image_use(&mut self, index: usize, srgb: bool, user: &Slot<'_>) -> Result<usize, Fault> {
+    /// Index into [`Textures::images`] of an image in a color space and with a fallback; a new one is added.
+    fn image_use(
+        &mut self,
+        index: usize,
+        srgb: bool,
+        user: &Slot<'_>,
+        fallback: Option<usize>,
+    ) -> Result<usize, Fault> {
         let next = self.images.len();
-        let slot = *self.uses.entry((index, srgb)).or_insert(next);
+        let slot = *(self.uses.entry((index, srgb, fallback))).or_insert(next);
         if slot == next {
             let used_by = format!("{user} of {}", user.material);
             let image = self.image(index, srgb, &used_by)?;
-            self.images.push(image);
+            self.images.push(ImageUse { fallback, ..image });
         }
         Ok(slot)
     }

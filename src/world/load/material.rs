@@ -23,11 +23,13 @@ use reflet_scene::{
 /// Bytes of an image in which its color space stands, before its pixels.
 const HEADER_BYTES: u64 = 1 << 16;
 
-/// Image key: a file by its canonical path, or an image inside a loaded file.
+/// Image key: a file by its canonical path, or an image inside a loaded file; with the image that stands in for it where
+/// it is broken.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum ImageKey {
     File(PathBuf),
     Embedded { loaded: usize, image: usize },
+    Replaceable(Box<[Self; 2]>),
 }
 
 /// The images that materials use, each once per color space.
@@ -118,6 +120,10 @@ impl Loader<'_> {
         None
     }
 
+    /// Request of an image of a loaded file, with the images that stand in for it.
+    ///
+    /// # Errors
+    /// An image that cannot be found; but with `strict` also one whose header cannot be read.
     fn image_request(
         &self,
         loaded: usize,
@@ -144,13 +150,20 @@ impl Loader<'_> {
         let fallback = image
             .fallback
             .and_then(|index| self.image_request(loaded, index).ok());
+        let (key, fallback) = match fallback {
+            Some((other, request)) => (
+                ImageKey::Replaceable(Box::new([key, other])),
+                Some(Box::new(request)),
+            ),
+            None => (key, None),
+        };
         let request = TextureRequest {
             name: image.name.clone(),
             used_by: image.used_by.clone(),
             file,
             source,
             srgb: image.srgb,
-            fallback: fallback.map(|(_, request)| Box::new(request)),
+            fallback,
         };
         Ok((key, request))
     }

@@ -39,7 +39,7 @@ const OTHERS: [(&[u8], &str); 12] = [
     (b"GIF8", "GIF"),
     (b"BM", "BMP"),
     (b"v/1\x01", "OpenEXR"),
-    (b"#?", "Radiance HDR"),
+    (b"#?R", "Radiance HDR"),
     (b"8BPS", "a file of Photoshop"),
     (b"II*\0", "TIFF"),
     (b"MM\0*", "TIFF"),
@@ -114,7 +114,7 @@ fn format(bytes: &[u8]) -> Result<Format, Fault> {
     let other = OTHERS.iter().find(|(start, _)| bytes.starts_with(start));
     let what = match (bytes.get(..4), bytes.get(4..8), bytes.get(8..12), other) {
         (Some(b"RIFF"), _, Some(b"WEBP"), _) => return Ok(Format::WebP),
-        (_, Some(b"ftyp"), ..) => "HEIC or AVIF",
+        (_, Some(b"ftyp"), Some(b"heic" | b"heix" | b"mif1" | b"avif"), _) => "HEIC or AVIF",
         (.., Some((_, name))) => name,
         _ if bytes.is_empty() => return Err(fault("image-broken", "is empty")),
         _ => {

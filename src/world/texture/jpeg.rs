@@ -95,7 +95,7 @@ impl<'a> Jpeg<'a> {
                 return Err(fault("image-broken", text).help("copy or export the image again"));
             }
             self.decoder.decode_into(&mut rgb).map_err(broken)?;
-            let text = format!("its data is damaged, and parts are gray: {error}");
+            let text = format!("its data is damaged, and parts of it are wrong: {error}");
             damage = Some(fault("image-damaged", text).help("copy or export the image again"));
         }
         let mut pixels = blank(self.size, 4)?;

@@ -135,9 +135,10 @@ impl<'a> Ktx2<'a> {
         let (stated, read) = (self.header.num_levels(), pictures.len());
         let damage = (read < stated).then(|| {
             let lost = stated - read;
-            let text =
-                format!("{lost} of its {stated} levels are broken or too large, and computed");
-            fault("image-damaged", text)
+            let text = format!(
+                "{lost} of its {stated} levels are computed, as level {read} is broken or too large"
+            );
+            fault("image-damaged", text).help("export the image again")
         });
         Ok((pictures, damage))
     }

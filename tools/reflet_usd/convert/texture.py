@@ -212,14 +212,15 @@ def _stated_levels(image: TiffImageFile, stem: str) -> tuple[tuple[ImageFile, ..
     levels: list[ImageFile] = []
     first, mode = image.size, image.mode
     small = first[0] * first[1] <= MOST_LEVELED
-    # Pages of a document say so, or have numbers (TIFF 6.0, NewSubfileType and PageNumber).
+    # Pages of a document say so, or have numbers, unless they are reduced (TIFF 6.0, NewSubfileType).
     while image.tag_v2.next and small and mode in ("L", "LA", "RGB", "RGBA"):
         k = len(levels) + 1
         size = (max(1, first[0] >> k), max(1, first[1] >> k))
         stream = io.BytesIO()
         try:
             image.seek(k)
-            is_page = image.tag_v2.get(254, 0) & 2 or 297 in image.tag_v2
+            kind = image.tag_v2.get(254, 0)
+            is_page = not kind & 1 and (kind & 2 or 297 in image.tag_v2)
             if is_page or (image.mode, image.size) != (mode, size) or k >= max(first).bit_length():
                 return tuple(levels), True
             image.save(stream, "PNG", compress_level=PNG_COMPRESSION)

@@ -23,8 +23,7 @@ pub fn number(m: &Mistake) -> Option<Words> {
     if digits.len() < element.len() && is_number(digits.trim()) {
         let unit = &element[digits.len()..];
         let message = format!("a number has no unit, here {}", suggest::key(unit));
-        let range = range_of(key);
-        return words(message, without_unit(digits.trim(), unit, range));
+        return words(message, without_unit(digits.trim(), unit, key));
     }
     if element.matches('.').count() > 1 && element.chars().all(|c| c.is_ascii_digit() || c == '.') {
         let first: Vec<_> = element.split('.').take(2).collect();

@@ -97,6 +97,9 @@ fn explain_syntax(
                 && text.contains(&format!("{variable}\""))
             {
                 "a text with values in it stands between backticks: `ball${ctx.frame}`".to_owned()
+            } else if let "t" | "time" | "frame" | "params" = variable.as_str() {
+                let own = if variable == "time" { "t" } else { variable };
+                format!("write `ctx.{own}`")
             } else if variable == "vec3" {
                 "variables have no types: write `let p = vec3(0, 1, 0);`".to_owned()
             } else if let "PI" | "E" = variable.as_str() {
@@ -106,7 +109,7 @@ fn explain_syntax(
             } else {
                 let meant = suggest::nearest(variable, known.iter().copied());
                 meant.map_or_else(
-                    || format!("{own}: write `let {variable} = 1.0;` before"),
+                    || format!("write `let {variable} = 1.0;` before, or a name in quotes, \"{variable}\"; {own}"),
                     |meant| format!("did you mean {}?", suggest::key(meant)),
                 )
             };
