@@ -139,7 +139,7 @@ const answers = {
   png: ({ png }) => {
     const link = document.createElement("a");
     link.href = URL.createObjectURL(new Blob([png], { type: "image/png" }));
-    link.download = scene.replace(/\.toml$/i, ".png");
+    link.download = canvas.dataset.shown.replace(/\.toml$/i, ".png");
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
   },
