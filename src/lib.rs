@@ -20,6 +20,7 @@
 //! |---|---|---|
 //! | `src/app` | `reflet` | [`app`]: the commands and their output; exit codes; [`app::lint`] warns of likely mistakes |
 //! | `src/python` | `reflet-python` | the module of Python: a thin user of the runtime's sessions, of [`output`] and of [`metric`] |
+//! | `src/web` | `reflet-web` | a page that runs by itself: checker and renderer as WebAssembly, and the page around them; built by `tools/web.sh` alone, see `docs/web.md` |
 //! | `src/preview` | [`reflet_preview`] | a scene that follows its files ([`reflet_preview::watch`], [`reflet_preview::live`]), and the window |
 //! | `src/bench` | [`reflet_bench`] | [`bench::run`] renders and measures; reports are drawn from the table of samples |
 //! | `src/output` | [`reflet_output`] | files of pictures: PNG, EXR and films, their names and fingerprints, the denoiser, statistics |
@@ -29,7 +30,7 @@
 //! | `src/world` | [`reflet_world`] | SceneDesc → CPU data: glTF, images, shapes, trees and the CPU oracle; no wgpu |
 //! | `src/scene` | [`reflet_scene`] | the scene format, its default values and its manual; [`scene::stages`] from text to a scene at a frame: [`scene::syntax`] is the tree of a text, parsed once for all who ask, [`scene::parse`] merges and reads trees and runs no program, [`scene::script`] is the sandbox, [`scene::motion`] evaluates animation tracks; loads no assets |
 //! | `src/text` | `reflet_text` | fonts, the places of letters in a line of text, and the outlines of letters; reads no files |
-//! | `src/base` | [`reflet_base`] | bounds and color over glam, atomic file writes, the memory budget, clocks, standard error |
+//! | `src/base` | [`reflet_base`] | bounds and color over glam, atomic file writes, the memory budget, clocks, standard error; in a page, files of a folder in memory (`base/files/in_memory.rs`) |
 //!
 //! `docs/extending.md` says what each kind of addition touches, `docs/glossary.md` explains Reflet's own terms.
 //! `shaders/` has a file for each pass, named like `src/render/passes/*.rs`, and `shaders/methods/NAME` has the passes
@@ -115,11 +116,11 @@
 //!   them before an upload, and every later call that the world is the uploaded one, posed anew.
 //! - Every ray has one budget of nodes that it may visit (`shaders/lib/bvh.wgsl`); one that needs more is a
 //!   miss, counted in the frame's statistics.
-//! - `unsafe` is used in eight places, each with its reason: `src/main.rs` sets environment variables
+//! - `unsafe` is used in nine places, each with its reason: `src/main.rs` sets environment variables
 //!   before any thread exists, `src/gpu/pipeline.rs` turns off run-time checks of a built-in shader,
 //!   `src/gpu/experimental.rs` lets devices of scenes that ask for it use ray queries, which wgpu calls experimental,
-//!   `src/gpu/adapter.rs` loads the Vulkan loader that a release brings, `src/gpu/kept_pipelines.rs` hands a driver the
-//!   pipelines that it compiled in an earlier run, `src/base/processor_time.rs` reads CPU clocks that the standard
+//!   `src/gpu/brought_driver.rs` loads the Vulkan loader that a release brings, `src/gpu/kept_pipelines.rs` hands a driver the
+//!   pipelines that it compiled in an earlier run, `src/gpu/wait.rs` calls the page's function that suspends WebAssembly, `src/base/processor_time.rs` reads CPU clocks that the standard
 //!   library lacks, `src/world/usd/tool.rs` has the converter end with its parent, and `src/output/denoise.rs` calls a C
 //!   library that it loads at run time.
 //! - No import cycles: the modules of one parent can be read in some order (`tests/layers`).

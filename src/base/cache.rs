@@ -45,6 +45,7 @@ fn temporary_folder() -> PathBuf {
 
 /// The path, if it is a folder that this user alone may write to; a missing one is created.
 fn private(path: &Path) -> io::Result<PathBuf> {
+    #[cfg_attr(not(unix), expect(unused_mut, reason = "its mode is Unix's"))]
     let mut builder = fs::DirBuilder::new();
     #[cfg(unix)]
     std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);

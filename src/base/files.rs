@@ -4,13 +4,16 @@
 mod below;
 mod folder;
 mod goal;
+#[cfg(target_arch = "wasm32")]
+pub mod in_memory;
+#[cfg(not(target_arch = "wasm32"))]
 mod replace;
 mod similar;
 
 use std::{
     collections::HashSet,
     ffi::{OsStr, OsString},
-    fs::{self, File, OpenOptions},
+    fs,
     io::{self, Read, Write as _},
     path::{Path, PathBuf},
     sync::{LazyLock, Mutex, PoisonError},
@@ -23,8 +26,13 @@ use xxhash_rust::xxh3::{Xxh3Default, xxh3_64};
 pub use below::{entries_below, has_extension, path_below};
 use folder::Folder;
 pub use goal::{Goal, Inputs};
+#[cfg(target_arch = "wasm32")]
+pub use in_memory::{File, canonicalize, metadata};
+#[cfg(not(target_arch = "wasm32"))]
 pub use replace::replace_content;
 pub use similar::similar;
+#[cfg(not(target_arch = "wasm32"))]
+pub use std::fs::{File, canonicalize, metadata};
 
 /// Coarsest clock tick of common file systems.
 const CLOCK_TICK: Duration = Duration::from_millis(50);
@@ -81,11 +89,22 @@ pub fn write_together(files: &[(Goal, Vec<u8>)]) -> Result<(), (PathBuf, io::Err
 /// # Errors
 /// The system's error, or a path that is not a regular file.
 pub fn open_regular(path: &Path, appends: bool) -> io::Result<File> {
-    if !fs::metadata(path)?.is_file() {
+    if !metadata(path)?.is_file() {
         let message = "it is not a regular file";
         return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
     }
-    let mut options = OpenOptions::new();
+    #[cfg(target_arch = "wasm32")]
+    return match appends {
+        true => Err(io::ErrorKind::Unsupported.into()),
+        false => File::open(path),
+    };
+    #[cfg(not(target_arch = "wasm32"))]
+    open_by_system(path, appends)
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+fn open_by_system(path: &Path, appends: bool) -> io::Result<File> {
+    let mut options = fs::OpenOptions::new();
     if appends {
         follow_no_link(&mut options);
     }
@@ -201,7 +220,7 @@ pub struct Temporary {
     goal: OsString,
     name: OsString,
     /// Open file to write to.
-    pub file: File,
+    pub file: fs::File,
     renamed: bool,
 }
 
@@ -264,7 +283,7 @@ impl Temporary {
 /// The system's error.
 pub fn sync_name(path: &Path) -> io::Result<()> {
     if cfg!(unix) {
-        File::open(folder_of(path))?.sync_all()?;
+        fs::File::open(folder_of(path))?.sync_all()?;
     }
     Ok(())
 }
@@ -399,8 +418,9 @@ pub fn free_bytes(folder: &Path) -> Option<u64> {
     }
 }
 
+#[cfg(not(target_arch = "wasm32"))]
 /// Has a file opened only if its path does not end in a link; other systems than Unix do not tell.
-fn follow_no_link(options: &mut OpenOptions) {
+fn follow_no_link(options: &mut fs::OpenOptions) {
     #[cfg(unix)]
     {
         use std::os::unix::fs::OpenOptionsExt as _;

@@ -36,6 +36,23 @@ pub enum Ended {
     TookTooLong,
 }
 
+/// Result of work on a thread of its own; in a page, which has but one, on that.
+///
+/// # Errors
+/// The payload of a panic.
+pub fn apart<T: Send>(
+    thread: thread::Builder,
+    work: impl FnOnce() -> T + Send,
+) -> thread::Result<T> {
+    if cfg!(target_arch = "wasm32") {
+        return Ok(work());
+    }
+    thread::scope(|scope| {
+        let worker = thread.spawn_scoped(scope, work);
+        worker.expect("the system can start a thread").join()
+    })
+}
+
 /// Result of work on a thread of its own, which may take this much processor time; wall time where the system does not
 /// tell a thread's.
 ///
@@ -45,6 +62,9 @@ pub fn within<T: Send + 'static>(
     most: Duration,
     work: impl FnOnce() -> T + Send + 'static,
 ) -> Result<T, Ended> {
+    if cfg!(target_arch = "wasm32") {
+        return catch(work).ok_or(Ended::Panicked); // a page has one thread, which nothing can stop
+    }
     let (sender, receiver) = channel();
     let worker = thread::spawn(move || sender.send(catch(work)));
     let mut left = most;

@@ -1,9 +1,8 @@
 //! CPU time, which other work on the machine does not lengthen as it does wall time.
 
-use std::{
-    thread::JoinHandle,
-    time::{Duration, Instant},
-};
+use std::{thread::JoinHandle, time::Duration};
+
+use super::clock::Instant;
 
 /// CPU time of this thread so far; `None` where the system does not tell.
 pub fn of_thread() -> Option<Duration> {

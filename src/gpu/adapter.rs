@@ -1,19 +1,13 @@
 //! Choice of the adapter: by name, then by the kind that is probably fastest; and its abilities.
 
-use std::{cmp::Reverse, env, ffi::OsStr, mem, path::PathBuf};
+use std::{cmp::Reverse, env};
 
-use libloading::Library;
-
-use super::error::GpuError;
+#[cfg(not(target_arch = "wasm32"))]
+use super::brought_driver;
+use super::{error::GpuError, wait::block_on};
 
 /// Environment variable with the adapter filter, like `--adapter`.
 pub const ADAPTER_ENV: &str = "REFLET_ADAPTER";
-
-/// Software driver that a release may bring, below the folder that holds the program's folder `bin`.
-pub(super) const BROUGHT_DRIVER: &str = "lib/reflet/driver/lvp_icd.json";
-
-/// Environment variable with drivers that the Vulkan loader offers beside the system's (since 1.3.207).
-pub(super) const ADDED_DRIVERS_ENV: &str = "VK_ADD_DRIVER_FILES";
 
 /// Maximum requested number of storage buffers per shader stage: only scenes whose geometry exceeds one buffer use
 /// more than the default of 8.
@@ -138,51 +132,17 @@ pub fn slow_mesa(info: &wgpu::AdapterInfo) -> Option<String> {
 /// [`GpuError::NoAdapter`] if there is none, or none of that name.
 pub(super) fn find(filter: Option<&str>) -> Result<(wgpu::Instance, Vec<wgpu::Adapter>), GpuError> {
     let descriptor = wgpu::InstanceDescriptor {
-        backends: wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12,
+        backends: wgpu::Backends::VULKAN
+            | wgpu::Backends::METAL
+            | wgpu::Backends::DX12
+            | wgpu::Backends::BROWSER_WEBGPU,
         ..wgpu::InstanceDescriptor::new_without_display_handle()
     };
-    load_brought_vulkan();
+    #[cfg(not(target_arch = "wasm32"))]
+    brought_driver::load_vulkan();
     let instance = wgpu::Instance::new(descriptor.with_env());
-    let found = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+    let found = block_on(instance.enumerate_adapters(wgpu::Backends::all()));
     Ok((instance, choose(found, filter)?))
-}
-
-/// Software driver that came along with the program, if it did and the user names no other.
-fn brought_driver() -> Option<PathBuf> {
-    let driver = env::var_os(ADDED_DRIVERS_ENV).map(PathBuf::from)?;
-    driver.ends_with(BROUGHT_DRIVER).then_some(driver)
-}
-
-/// Loads a library by a path, or by a name that the system looks for.
-#[expect(
-    unsafe_code,
-    reason = "a library is loaded, as wgpu loads the system's"
-)]
-fn load(library: impl AsRef<OsStr>) -> Result<Library, libloading::Error> {
-    // SAFETY: code that runs while a library is loaded is the Vulkan loader's or a driver's own, from the system or a
-    // release.
-    unsafe { Library::new(library) }
-}
-
-/// Loads the Vulkan loader that stands beside a driver which came along, where the system has no Vulkan loader.
-fn load_brought_vulkan() {
-    const VULKAN: &str = "libvulkan.so.1";
-    if let Some(driver) = brought_driver()
-        && load(VULKAN).is_err()
-        && let Ok(library) = load(driver.with_file_name(VULKAN))
-    {
-        // It stays loaded: whoever asks for this name then gets it.
-        mem::forget(library);
-    }
-}
-
-/// Why a driver that came along gives no adapter.
-fn fault_of(driver: PathBuf) -> String {
-    let fault = load(driver.with_file_name("libvulkan_lvp.so")).err();
-    let reason = fault.map_or("gives no adapter".into(), |f| {
-        format!("cannot be loaded: {f}")
-    });
-    format!("; the driver beside Reflet, {}, {reason}", driver.display())
 }
 
 /// The adapters to try, best first: named by `filter`, else by [`ADAPTER_ENV`], else all.
@@ -198,8 +158,11 @@ fn choose(
         .or_else(|| env::var(ADAPTER_ENV).ok())
         .filter(|name| !name.trim().is_empty());
     if adapters.is_empty() {
-        let fault = brought_driver().map_or(String::new(), fault_of);
-        return Err(GpuError::NoAdapter(install_advice().to_owned() + &fault));
+        #[cfg(not(target_arch = "wasm32"))]
+        let fault = brought_driver::fault();
+        #[cfg(target_arch = "wasm32")]
+        let fault = "";
+        return Err(GpuError::NoAdapter(format!("{}{fault}", install_advice())));
     }
     if let Some(filter) = filter.as_deref() {
         let names: Vec<String> = adapters.iter().map(|a| a.get_info().name).collect();
@@ -237,7 +200,10 @@ fn speed_rank(info: &wgpu::AdapterInfo) -> (u32, Reverse<u32>) {
 }
 
 fn install_advice() -> &'static str {
-    if cfg!(target_os = "linux") {
+    if cfg!(target_arch = "wasm32") {
+        "this browser has no graphics adapter for WebGPU: update the browser and the graphics driver, and look whether \
+         `chrome://gpu` says that WebGPU is turned off"
+    } else if cfg!(target_os = "linux") {
         "no graphics adapter found: install the Vulkan loader and a driver \
          (Debian/Ubuntu: apt-get install libvulkan1 mesa-vulkan-drivers; \
          the latter also renders without a GPU), or without root unpack reflet-software beside Reflet \
@@ -255,14 +221,6 @@ mod tests {
     fn missing_adapter_error_names_what_to_install() {
         let error = choose(Vec::new(), Some("anything")).expect_err("nothing to choose from");
         assert!(matches!(&error, GpuError::NoAdapter(text) if text.contains("driver")));
-    }
-
-    #[test]
-    fn a_broken_driver_is_named_with_its_fault() {
-        let folder = tempfile::tempdir().expect("temporary folder");
-        std::fs::write(folder.path().join("libvulkan_lvp.so"), "no library").expect("written");
-        let said = fault_of(folder.path().join("lvp_icd.json"));
-        assert!(said.contains("lvp_icd.json, cannot be loaded: "), "{said}");
     }
 
     fn adapter(kind: wgpu::DeviceType, name: &str, driver: &str) -> wgpu::AdapterInfo {

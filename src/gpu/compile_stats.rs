@@ -2,8 +2,10 @@
 
 use std::{
     sync::atomic::{AtomicU32, AtomicU64, Ordering},
-    time::{Duration, Instant},
+    time::Duration,
 };
+
+use reflet_base::clock::Instant;
 
 /// Running counts; statistics of a reload are differences of two readings.
 #[derive(Debug, Default)]

@@ -9,6 +9,8 @@ use std::{
     time::Duration,
 };
 
+#[cfg(target_arch = "wasm32")]
+use super::wait::{receive, wake};
 use super::{
     adapter::{MAX_STORAGE_BUFFERS, SAMPLED_TEXTURES, STORAGE_TEXTURES, find},
     compile_stats::CompileStats,
@@ -16,6 +18,7 @@ use super::{
     experimental::Experimental,
     kept_pipelines::KeptPipelines,
     shader_cache::ShaderCache,
+    wait::block_on,
 };
 
 /// Maximum requested buffer size, bytes: drivers mishandle 2 GiB and more, and sizes are multiples of 4.
@@ -146,14 +149,13 @@ impl Gpu {
             | wgpu::Features::PRIMITIVE_INDEX
             | wgpu::Features::PIPELINE_CACHE;
         let features = (adapter.features() & wanted) | experimental.features;
-        let (device, queue) =
-            pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
-                label: Some("reflet"),
-                required_features: features,
-                required_limits: limits.clone(),
-                experimental_features: experimental.token,
-                ..Default::default()
-            }))?;
+        let (device, queue) = block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("reflet"),
+            required_features: features,
+            required_limits: limits.clone(),
+            experimental_features: experimental.token,
+            ..Default::default()
+        }))?;
         let fault = Arc::new(Mutex::new(None));
         let keep = fault.clone();
         device.on_uncaptured_error(Arc::new(move |error| {
@@ -261,8 +263,10 @@ impl Gpu {
         let mut first = None;
         // Scopes are a stack: the last one pushed is popped first. Exhausted memory causes
         // validation errors too, so memory is checked first.
-        for scope in scopes.into_iter().rev() {
-            first = pollster::block_on(scope.pop()).or(first);
+        // A page asks for all answers before it waits for one.
+        let answers: Vec<_> = scopes.into_iter().rev().map(|scope| scope.pop()).collect();
+        for answer in answers {
+            first = block_on(answer).or(first);
         }
         match first {
             Some(error) => Err(from_wgpu(what, error)),
@@ -311,6 +315,8 @@ impl Gpu {
     }
 
     fn poll(&self, submission_index: Option<wgpu::SubmissionIndex>) -> Result<(), GpuError> {
+        #[cfg(target_arch = "wasm32")]
+        self.wait_for_page()?;
         let polled = self.device.poll(wgpu::PollType::Wait {
             submission_index,
             timeout: Some(SUBMISSION_TIMEOUT),
@@ -322,6 +328,18 @@ impl Gpu {
                 SUBMISSION_TIMEOUT.as_secs()
             ))
         })
+    }
+
+    /// Waits until the browser has done all submitted work: it polls by itself.
+    #[cfg(target_arch = "wasm32")]
+    fn wait_for_page(&self) -> Result<(), GpuError> {
+        let (sender, answers) = std::sync::mpsc::channel();
+        self.queue.on_submitted_work_done(move || {
+            let _ = sender.send(());
+            wake();
+        });
+        let done = receive(&answers, SUBMISSION_TIMEOUT);
+        done.map_err(|error| GpuError::Lost(error.to_string()))
     }
 
     /// Gives up pictures between two of their sub-frames while `signal` is set, timed ones also between two of their

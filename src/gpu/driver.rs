@@ -8,7 +8,7 @@ use std::{
 
 use crate::{
     Gpu, GpuError, GpuOptions,
-    adapter::{ADDED_DRIVERS_ENV, BROUGHT_DRIVER},
+    brought_driver::{ADDED_DRIVERS_ENV, BROUGHT_DRIVER},
 };
 use reflet_base::{cache::private_folder, files::free_bytes};
 

@@ -1,5 +1,7 @@
 //! Features that wgpu calls experimental: ray queries, for devices that ask for them.
 
+use super::wait::block_on;
+
 /// Experimental features of a device, with the token that lets a device be made with them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Experimental {
@@ -47,7 +49,7 @@ fn acknowledged() -> wgpu::ExperimentalFeatures {
 
 /// Names of the adapters of this machine that have ray queries, to choose one by name.
 pub fn adapters_with_ray_queries(instance: &wgpu::Instance) -> Vec<String> {
-    let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+    let adapters = block_on(instance.enumerate_adapters(wgpu::Backends::all()));
     let has = |adapter: &&wgpu::Adapter| {
         let features = adapter.features();
         features.contains(wgpu::Features::EXPERIMENTAL_RAY_QUERY)

@@ -14,10 +14,10 @@ use std::{
 
 use xxhash_rust::xxh3::xxh3_128;
 
-use reflet_base::{
-    cache::is_private,
-    files::{Goal, Temporary, open_regular, read_at_most},
-};
+use super::wait::block_on;
+#[cfg(not(target_arch = "wasm32"))]
+use reflet_base::cache::is_private;
+use reflet_base::files::{Goal, Temporary, open_regular, read_at_most};
 
 /// Extension of the files.
 pub const EXTENSION: &str = "pipelines";
@@ -61,6 +61,7 @@ impl KeptFile {
     /// The system's error; a file that others can write to, that is not whole, or that another driver made.
     fn read(&self) -> io::Result<Vec<u8>> {
         let file = open_regular(&self.path, false)?;
+        #[cfg(not(target_arch = "wasm32"))] // a page keeps none
         if !is_private(&file.metadata()?) {
             return Err(ErrorKind::PermissionDenied.into());
         }
@@ -148,7 +149,7 @@ impl KeptPipelines {
         // SAFETY: the same version of the same driver returned these bytes for the same adapter, by hash, in a file
         // that only this user can write to.
         let cache = unsafe { device.create_pipeline_cache(&descriptor) };
-        if pollster::block_on(scope.pop()).is_some() {
+        if block_on(scope.pop()).is_some() {
             return None;
         }
         Some(Self {

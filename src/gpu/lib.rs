@@ -7,8 +7,11 @@
 
 pub mod adapter;
 pub mod bind;
+#[cfg(not(target_arch = "wasm32"))]
+mod brought_driver;
 pub mod compile_stats;
 pub mod context;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod driver;
 pub mod error;
 pub mod experimental;
@@ -22,6 +25,7 @@ pub mod shader_folders;
 mod specialize;
 pub mod timer;
 mod used_textures;
+mod wait;
 
 pub use bind::{GroupLayout, Named};
 pub use context::{Gpu, GpuOptions};

@@ -90,6 +90,23 @@ impl Gpu {
     }
 }
 
+/// Takes the names of entry points from arguments and variables. Browsers get modules as text, in which naga names
+/// functions' own things first, and calls an entry point whose name is taken otherwise.
+fn free_entry_names(module: &mut naga::Module) {
+    let entries: Vec<_> = module.entry_points.iter().map(|e| e.name.clone()).collect();
+    let functions = module.functions.iter_mut().map(|(_, function)| function);
+    for function in functions.chain(module.entry_points.iter_mut().map(|e| &mut e.function)) {
+        let arguments = function.arguments.iter_mut().map(|a| &mut a.name);
+        let locals = function
+            .local_variables
+            .iter_mut()
+            .map(|(_, l)| &mut l.name);
+        for name in arguments.chain(locals) {
+            name.take_if(|name| entries.contains(name));
+        }
+    }
+}
+
 impl Shader {
     /// Loads and validates the shader `name`.
     ///
@@ -139,7 +156,14 @@ impl Shader {
         })
     }
 
-    fn on_device(&self, gpu: &Gpu, module: naga::Module) -> Result<wgpu::ShaderModule, GpuError> {
+    fn on_device(
+        &self,
+        gpu: &Gpu,
+        mut module: naga::Module,
+    ) -> Result<wgpu::ShaderModule, GpuError> {
+        if cfg!(target_arch = "wasm32") {
+            free_entry_names(&mut module);
+        }
         let descriptor = wgpu::ShaderModuleDescriptor {
             label: Some(&self.info.name),
             source: wgpu::ShaderSource::Naga(Cow::Owned(module)),

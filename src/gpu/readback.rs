@@ -7,7 +7,11 @@ use std::{
 
 use bytemuck::Pod;
 
-use super::{context::Gpu, error::GpuError};
+use super::{
+    context::Gpu,
+    error::GpuError,
+    wait::{receive, wake},
+};
 
 /// Maximum staging buffer size, bytes: a 16384 × 16384 float picture is read in bands of rows.
 const MAX_BAND_BYTES: u64 = 64 << 20;
@@ -225,6 +229,7 @@ impl Downloads {
                 .map_async(wgpu::MapMode::Read, .., move |result| {
                     // The receiver is gone if `Pending` was dropped.
                     let _ = sender.send(result);
+                    wake();
                 });
         }
         Ok(Pending {
@@ -261,7 +266,7 @@ impl Pending {
         gpu.wait_for(&self.submission)?;
         for _ in &self.copies {
             // Another thread's wait may run the callback shortly after this wait returns.
-            let answer = self.answers.recv_timeout(ANSWER_TIMEOUT);
+            let answer = receive(&self.answers, ANSWER_TIMEOUT);
             answer
                 .map_err(|error| error.to_string())
                 .and_then(|mapped| mapped.map_err(|error| error.to_string()))

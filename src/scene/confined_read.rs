@@ -1,7 +1,6 @@
 //! Text files and fonts that a scene names: read only from its folder and the folders below it, and inside its project.
 
 use std::{
-    fs,
     io::ErrorKind,
     path::{Component, Path, PathBuf},
 };
@@ -12,7 +11,7 @@ use super::{
     reach::{Reach, lexical},
     suggest,
 };
-use reflet_base::files::{open_regular, read_at_most, similar};
+use reflet_base::files::{canonicalize, open_regular, read_at_most, similar};
 
 /// Words and limits for one kind of file, such as scene text or scripts.
 #[derive(Debug)]
@@ -191,7 +190,7 @@ fn read_in(
         };
         return Err(Problem::new(message, help));
     }
-    let root = fs::canonicalize(Path::new(".").join(folder));
+    let root = canonicalize(Path::new(".").join(folder));
     let root = match root {
         // Nothing outside of the project is looked at.
         Ok(root) if climbs => {
@@ -202,7 +201,7 @@ fn read_in(
         root => root,
     };
     dependencies.add(path.clone());
-    let real = fs::canonicalize(&path).map_err(|e| match e.kind() {
+    let real = canonicalize(&path).map_err(|e| match e.kind() {
         ErrorKind::NotFound => Problem {
             is_missing: true,
             help: match similar(&Path::new(".").join(folder), relative) {

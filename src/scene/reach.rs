@@ -7,6 +7,7 @@ use std::{
 };
 
 use super::diagnostic::Source;
+use reflet_base::files::canonicalize;
 
 /// Texts of files that are open in an editor, which are read in place of files on the disk.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -16,7 +17,7 @@ impl UnsavedTexts {
     /// Texts of files that exist; others cannot be named by a scene.
     pub fn new<'a>(files: impl IntoIterator<Item = &'a Arc<Source>>) -> Self {
         let real = |file: &Arc<Source>| {
-            let path = file.path.canonicalize().ok()?;
+            let path = canonicalize(&file.path).ok()?;
             Some((path, Arc::from(file.text.as_str())))
         };
         Self(Arc::new(files.into_iter().filter_map(real).collect()))
@@ -103,7 +104,7 @@ impl Reach {
 
     /// Whether a name from a folder stays inside of it or of the project, as far as the name itself tells.
     pub fn allows(&self, folder: &Path, name: &str) -> bool {
-        let Ok(folder) = Path::new(".").join(folder).canonicalize() else {
+        let Ok(folder) = canonicalize(Path::new(".").join(folder)) else {
             return false;
         };
         let path = lexical(&folder, Path::new(name));

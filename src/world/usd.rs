@@ -83,6 +83,10 @@ pub fn convert(
     choice: &Choice,
     roots: &[PathBuf],
 ) -> Result<Converted, Fault> {
+    if cfg!(target_arch = "wasm32") {
+        let fault = Fault::new("usd-tool-missing", "a page cannot convert USD stages");
+        return Err(fault.help("convert it on a machine that has Reflet, and drop the `.glb`"));
+    }
     let cache = folder().join(CACHE_FOLDER);
     fs::create_dir_all(&cache).map_err(|e| cannot_keep(&cache, &e))?;
     let tool = Tool::find()?;

@@ -157,6 +157,7 @@ sessions! {
     a_picture_says_how_far_it_is_and_keeps_its_samples_if_asked,
     a_scene_is_asked_before_it_is_rendered,
     check_poses_each_frame_and_names_the_first_of_each_mistake,
+    several_cameras_are_written_to_files_with_their_names,
     letters_and_lamps_of_a_film_are_written_as_the_pages_say,
     bare_models_have_light_and_turn_as_asked,
     render_takes_camera_variant_size_and_output_from_the_project(""),

@@ -1,7 +1,6 @@
 //! Frame sequences: frames are independent of order, `--resume` keeps only valid files, and failed
 //! frames are reported.
 
-mod cameras;
 mod check_and_info;
 #[cfg(unix)]
 mod ffmpeg;

@@ -1,8 +1,8 @@
 //! The frame: its sub-frames, recorded and submitted. `passes/mod.rs` lists the passes in their order.
 
-use std::{sync::Arc, time::Instant};
+use std::sync::Arc;
 
-use reflet_base::math::Bounds;
+use reflet_base::{clock::Instant, math::Bounds};
 use reflet_gpu::{Gpu, GpuError, readback};
 use reflet_scene::desc::{CameraDesc, Method};
 use reflet_world::{World, solid_around};

@@ -1,8 +1,9 @@
 //! Stages from a world to a renderer: each value has the key that it was made from, and is made again where that
 //! differs.
 
-use std::{sync::Arc, time::Instant};
+use std::sync::Arc;
 
+use reflet_base::clock::Instant;
 use reflet_gpu::{Gpu, ShaderLibrary, Timer};
 use reflet_scene::desc::Trace;
 use reflet_world::{

@@ -1,11 +1,8 @@
 //! Frames of a film, posed within a time, for whoever asks about all of them.
 
-use std::{
-    ops::RangeInclusive,
-    time::{Duration, Instant},
-};
+use std::{ops::RangeInclusive, time::Duration};
 
-use reflet_base::math::Bounds;
+use reflet_base::{clock::Instant, math::Bounds};
 use reflet_scene::{
     diagnostic::Diagnostic,
     stages::{Animator, Scene},

@@ -94,7 +94,8 @@ pub(super) fn missing_folders(given: &[PathBuf]) -> Vec<Diagnostic> {
 
 /// The given asset folders, then folders of [`ASSETS_ENV`].
 pub fn asset_folders(given: &[PathBuf]) -> Vec<PathBuf> {
-    let listed = env::var_os(ASSETS_ENV).unwrap_or_default();
-    let listed = env::split_paths(&listed).filter(|folder| !folder.as_os_str().is_empty());
+    let listed = env::var_os(ASSETS_ENV);
+    let listed = listed.iter().flat_map(env::split_paths);
+    let listed = listed.filter(|folder| !folder.as_os_str().is_empty());
     given.iter().cloned().chain(listed).collect()
 }

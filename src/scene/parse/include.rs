@@ -18,6 +18,7 @@ use crate::{
     suggest,
     syntax::{Content, Entries, Key, Node, moved},
 };
+use reflet_base::files::canonicalize;
 
 /// Largest number of included files of a scene, nested ones too.
 const MOST: usize = 100;
@@ -59,7 +60,7 @@ pub fn collect(
     report: &mut Report,
 ) -> Included {
     let mut included = Included::default();
-    let mut known: HashSet<PathBuf> = source.path.canonicalize().into_iter().collect();
+    let mut known: HashSet<PathBuf> = canonicalize(&source.path).into_iter().collect();
     // Used as a stack: the last one is read next.
     let mut waiting = named(source, is_scene, report);
     waiting.reverse();

@@ -20,6 +20,7 @@ use crate::{
     suggest,
     syntax::{Content, Node, moved},
 };
+use reflet_base::files::canonicalize;
 
 /// Largest number of bases in a chain.
 const MOST: usize = 100;
@@ -61,7 +62,7 @@ pub fn collect(
     report: &mut Report,
 ) -> Vec<Base> {
     let mut bases: Vec<Base> = Vec::new();
-    let mut known: HashSet<PathBuf> = source.path.canonicalize().into_iter().collect();
+    let mut known: HashSet<PathBuf> = canonicalize(&source.path).into_iter().collect();
     let mut next = named(source, is_scene, report);
     while let Some(name) = next.take() {
         if bases.len() == MOST {

@@ -1,12 +1,7 @@
 //! Calls of scripts within limits: each on its own thread, with counters of its use, a way to halt it, and its printed
 //! lines.
 
-use std::{
-    cell::RefCell,
-    panic::resume_unwind,
-    thread,
-    time::{Duration, Instant},
-};
+use std::{cell::RefCell, panic::resume_unwind, thread, time::Duration};
 
 use rhai::{AST, Engine, EvalAltResult, LexError, ParseError, ParseErrorType, Position};
 
@@ -15,8 +10,7 @@ use super::{
     limits::{DEADLINE, LINES, MEMORY, PRINTED, STACK, TIME_IS},
 };
 use crate::diagnostic::printable_lines;
-use reflet_base::digits::grouped;
-use reflet_base::processor_time;
+use reflet_base::{clock::Instant, digits::grouped, guard, processor_time};
 
 /// Number of operations between two checks of the clock; a closure that is bound to itself can double in about
 /// as many.
@@ -287,14 +281,9 @@ fn run_alone_under<T: Send>(
             log: used.log,
         }
     };
-    thread::scope(|scope| {
-        let thread = thread::Builder::new()
-            .name("script".into())
-            .stack_size(STACK)
-            .spawn_scoped(scope, limited)
-            .expect("the system can start a thread");
-        thread.join().unwrap_or_else(|panic| resume_unwind(panic))
-    })
+    let thread = thread::Builder::new().name("script".into());
+    let done = guard::apart(thread.stack_size(STACK), limited);
+    done.unwrap_or_else(|panic| resume_unwind(panic))
 }
 
 #[cfg(test)]

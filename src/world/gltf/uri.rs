@@ -1,7 +1,6 @@
 //! Resolution of URIs inside glTF files: relative or `data:` only, within the allowed folders.
 
 use std::{
-    fs::File,
     io::Read,
     path::{Component, Path, PathBuf},
 };
@@ -9,7 +8,7 @@ use std::{
 use data_encoding::BASE64_NOPAD;
 
 use super::{Fault, stand_in};
-use reflet_base::files::similar;
+use reflet_base::files::{File, canonicalize, metadata, similar};
 use reflet_scene::dependencies::Dependencies;
 
 /// The folders that files may be read from, canonical.
@@ -39,7 +38,7 @@ impl Sandbox {
             } else {
                 root
             };
-            root.canonicalize().ok()
+            canonicalize(root).ok()
         });
         Self {
             roots: roots.collect(),
@@ -81,7 +80,7 @@ impl Sandbox {
             folder
         };
         let named = folder.join(&name);
-        let folder = (folder.canonicalize())
+        let folder = canonicalize(folder)
             .map_err(|e| Fault::new("file-not-found", format!("\"{}\": {e}", folder.display())))?;
         let inside = |path: &Path| self.roots.iter().any(|root| path.starts_with(root));
         // Lexical check first, so that no outside path is accessed.
@@ -98,7 +97,7 @@ impl Sandbox {
             return Err(escape("leaves the allowed folders"));
         }
         self.dependencies.add(named);
-        let found = path.canonicalize().map_err(|e| {
+        let found = canonicalize(&path).map_err(|e| {
             let fault = Fault::new("file-not-found", format!("\"{shown}\": {e}"));
             match similar(&folder, Path::new(&name)) {
                 Some(name) => fault.help(format!("it is there as \"{}\"", name.display())),
@@ -109,7 +108,7 @@ impl Sandbox {
         if !inside(&path) {
             return Err(escape("is a link that leaves the allowed folders"));
         }
-        if !path.is_file() {
+        if !metadata(&path).is_ok_and(|found| found.is_file()) {
             let fault = Fault::new("not-a-file", format!("\"{shown}\" is not a regular file"));
             return Err(fault.help("write the path of a file: folders, devices and pipes are none"));
         }

@@ -2,7 +2,6 @@
 
 use std::{
     collections::HashMap,
-    fs::File,
     io::Read as _,
     path::{Path, PathBuf},
 };
@@ -15,6 +14,7 @@ use crate::{
     gltf::ImageSource,
     texture::{self, TextureRequest},
 };
+use reflet_base::files::File;
 use reflet_scene::{
     desc::{At, MOST_PATTERNED, MaterialDesc, reflectivity_of},
     diagnostic::Diagnostic,

@@ -6,6 +6,7 @@ use glam::{Affine3A, DQuat, DVec4, Quat, Vec3};
 
 use super::{Loader, error_at};
 use crate::gltf::{Fault, uri::shorten};
+use reflet_base::files::metadata;
 use reflet_scene::{
     desc::{At, turned},
     diagnostic::{Diagnostic, Source, Span},
@@ -50,7 +51,7 @@ impl Loader<'_> {
     fn read_points(&mut self, name: &At<String>) -> Result<Vec<Affine3A>, Box<Diagnostic>> {
         let path = self.find(name)?;
         let at_name = |fault: Fault| Box::new(error_at(fault.name, &name.at, fault.message));
-        let size = std::fs::metadata(&path).map_or(0, |file| file.len());
+        let size = metadata(&path).map_or(0, |file| file.len());
         if size > MOST_BYTES {
             let most = MOST_BYTES >> 20;
             let message = format!("{} is larger than {most} MiB", quoted(&name.value));

@@ -284,7 +284,7 @@ pub fn read_guarded(
     options: &gltf::ReadOptions,
 ) -> Result<Model, Vec<Diagnostic>> {
     let read = || guard::catch(|| gltf::read(path, sandbox, options));
-    let worker = thread::scope(|scope| scope.spawn(read).join());
+    let worker = guard::apart(thread::Builder::new(), read);
     worker.ok().flatten().unwrap_or_else(|| {
         let text = "the reader panicked on this file; please report this";
         Err(vec![Diagnostic::in_file("internal", path, text)])

@@ -1,13 +1,13 @@
 //! The encoded bytes of images, and their formats by content.
 
-use std::{fs::File, io::Read as _};
+use std::io::Read as _;
 
 use super::{TextureLimits, fault};
 use crate::gltf::{
     Bytes, Fault, ImageSource,
     stand_in::{self, STAND_IN_BYTES},
 };
-use reflet_base::memory::Reservation;
+use reflet_base::{files::File, memory::Reservation};
 
 /// A supported format.
 #[derive(Clone, Copy)]

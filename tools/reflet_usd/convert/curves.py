@@ -257,7 +257,7 @@ class LineBuilder:
             return None
         widths = stream.values[stream.ids]
         if (widths < 0.0).any():
-            self._warn("widths-wrong", "widths that are negative or no numbers are 0, which is drawn thin")
+            self._warn("widths-wrong", "widths below 0 or of no number are 0, which is drawn thin")
         return np.maximum(widths, 0.0) * self.context.meters_per_unit
 
     def _warn_lost(self) -> None:

@@ -212,7 +212,7 @@ def _stated_levels(image: TiffImageFile, stem: str) -> tuple[tuple[ImageFile, ..
     levels: list[ImageFile] = []
     first, mode = image.size, image.mode
     small = first[0] * first[1] <= MOST_LEVELED
-    # Pages of a document say so, or have numbers, unless they are reduced (TIFF 6.0, NewSubfileType).
+    # Pages of a document say so, or have numbers, unless they are reduced (TIFF 6.0).
     while image.tag_v2.next and small and mode in ("L", "LA", "RGB", "RGBA"):
         k = len(levels) + 1
         size = (max(1, first[0] >> k), max(1, first[1] >> k))

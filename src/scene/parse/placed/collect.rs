@@ -22,6 +22,7 @@ use crate::{
     suggest,
     syntax::{Content, Node},
 };
+use reflet_base::files::{canonicalize, metadata};
 
 /// Largest number of files of placed scenes.
 const MOST: usize = 100;
@@ -107,9 +108,10 @@ impl Placed {
         let inner = |folder: &PathBuf| {
             let inner = folder.join(&file.folder);
             // A name that climbs may lead out of this folder though it stays in another one.
-            let real = inner.canonicalize().ok()?;
-            let outer = Path::new(".").join(folder).canonicalize().ok()?;
-            let is_inside = real.is_dir() && self.reach.holds(&real, &outer);
+            let real = canonicalize(&inner).ok()?;
+            let outer = canonicalize(Path::new(".").join(folder)).ok()?;
+            let is_inside =
+                metadata(&real).is_ok_and(|m| m.is_dir()) && self.reach.holds(&real, &outer);
             is_inside.then_some(inner)
         };
         let mut all: Vec<_> = folders.iter().filter_map(inner).collect();
@@ -121,8 +123,9 @@ impl Placed {
     /// Name, from the folders of the outermost scene, of a file that a scene in `folder` calls `name`.
     pub fn file_name(&self, folder: &str, name: &str) -> String {
         let inside = format!("{folder}{name}");
-        let has =
-            |folder: &PathBuf| self.reach.allows(folder, &inside) && folder.join(&inside).exists();
+        let has = |folder: &PathBuf| {
+            self.reach.allows(folder, &inside) && metadata(folder.join(&inside)).is_ok()
+        };
         match self.reach.folders().iter().any(has) {
             true => inside,
             false => name.to_owned(),
@@ -150,7 +153,7 @@ pub fn collect(
         reach: reach.clone(),
         ..Placed::default()
     };
-    let own = texts.first().and_then(|own| own.path.canonicalize().ok());
+    let own = texts.first().and_then(|own| canonicalize(&own.path).ok());
     let above: Vec<_> = own.into_iter().collect();
     let mut waiting = Vec::new();
     let wanted = |texts: &[Arc<Source>], folder: &str, above: &[PathBuf]| {

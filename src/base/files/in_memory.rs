@@ -1,0 +1,125 @@
+//! Files of a page, which has no disk: bytes by path, below `/`, that the page hands over. The same names as in
+//! `std::fs` read them.
+
+use std::{
+    cell::RefCell,
+    collections::BTreeMap,
+    io::{self, Cursor, ErrorKind, Read, Seek, SeekFrom},
+    path::{Component, Path, PathBuf},
+    sync::{Arc, PoisonError, RwLock, RwLockReadGuard},
+};
+
+type Files = BTreeMap<PathBuf, Arc<[u8]>>;
+
+static FILES: RwLock<Files> = RwLock::new(Files::new());
+
+fn files() -> RwLockReadGuard<'static, Files> {
+    FILES.read().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Path from the root without `.` and `..`.
+fn whole(path: &Path) -> PathBuf {
+    let mut whole = PathBuf::from("/");
+    for part in path.components() {
+        match part {
+            Component::Normal(name) => whole.push(name),
+            Component::ParentDir => drop(whole.pop()),
+            Component::CurDir | Component::RootDir | Component::Prefix(_) => {}
+        }
+    }
+    whole
+}
+
+/// Puts a file in its place.
+pub fn put(path: &Path, bytes: Vec<u8>) {
+    let mut files = FILES.write().unwrap_or_else(PoisonError::into_inner);
+    files.insert(whole(path), bytes.into());
+}
+
+/// Kind and size of a file or folder.
+#[derive(Clone, Copy, Debug)]
+pub struct Metadata {
+    /// Number of bytes; `None` for a folder.
+    bytes: Option<u64>,
+}
+
+#[expect(missing_docs, reason = "the names of the standard library")]
+#[expect(clippy::len_without_is_empty, reason = "likewise")]
+impl Metadata {
+    pub fn is_file(&self) -> bool {
+        self.bytes.is_some()
+    }
+
+    pub fn is_dir(&self) -> bool {
+        self.bytes.is_none()
+    }
+
+    pub fn len(&self) -> u64 {
+        self.bytes.unwrap_or(0)
+    }
+}
+
+/// Kind and size of a file or folder at a path; folders are there where files are below them.
+///
+/// # Errors
+/// Nothing is there.
+pub fn metadata(path: impl AsRef<Path>) -> io::Result<Metadata> {
+    let (path, files) = (whole(path.as_ref()), files());
+    let bytes = files.get(&path).map(|bytes| bytes.len() as u64);
+    let is_folder = || path == Path::new("/") || files.keys().any(|file| file.starts_with(&path));
+    match bytes.is_some() || is_folder() {
+        true => Ok(Metadata { bytes }),
+        false => Err(ErrorKind::NotFound.into()),
+    }
+}
+
+/// The one path of a file or folder.
+///
+/// # Errors
+/// Nothing is there.
+pub fn canonicalize(path: impl AsRef<Path>) -> io::Result<PathBuf> {
+    metadata(&path).map(|_| whole(path.as_ref()))
+}
+
+/// A file that is read.
+#[derive(Debug)]
+pub struct File(RefCell<Cursor<Arc<[u8]>>>);
+
+impl File {
+    /// Opens a file.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn open(path: impl AsRef<Path>) -> io::Result<Self> {
+        let bytes = files().get(&whole(path.as_ref())).cloned();
+        let bytes = bytes.ok_or(ErrorKind::NotFound)?;
+        Ok(Self(RefCell::new(Cursor::new(bytes))))
+    }
+
+    /// Its size.
+    ///
+    /// # Errors
+    /// None.
+    pub fn metadata(&self) -> io::Result<Metadata> {
+        let bytes = Some(self.0.borrow().get_ref().len() as u64);
+        Ok(Metadata { bytes })
+    }
+}
+
+impl Read for &File {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.0.borrow_mut().read(buffer)
+    }
+}
+
+impl Read for File {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.0.get_mut().read(buffer)
+    }
+}
+
+impl Seek for File {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.0.get_mut().seek(to)
+    }
+}

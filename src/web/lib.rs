@@ -1,0 +1,254 @@
+//! Reflet in a page: scene text → messages, and scene text → picture, for the worker of `src/web/page`. The page hands over the
+//! files ([`in_memory`]); nothing else can be read, and nothing is sent.
+//!
+//! A picture takes many answers of the device. [`show`] is suspended until each is there
+//! (`src/gpu/wait.rs`); meanwhile the worker may call everything here but [`show`].
+#![cfg(target_arch = "wasm32")]
+
+mod messages;
+
+use std::{
+    cell::{Cell, RefCell},
+    mem,
+    panic::set_hook,
+    path::Path,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::Duration,
+};
+
+use serde_json::{Value, json};
+use wasm_bindgen::prelude::wasm_bindgen;
+
+use messages::messages;
+use reflet_base::{clock::Instant, files::in_memory};
+use reflet_gpu::{Gpu, GpuError, GpuOptions};
+use reflet_render::{
+    Picture, PictureRequest, SoFar,
+    picture::png_file,
+    runtime::{
+        InitialBuild, SceneSource, Session, SessionError, ViewOverrides,
+        parameters::ParameterOverrides,
+        read::{Read, read},
+        scene_text::SceneText,
+    },
+};
+use reflet_scene::dependencies::Dependencies;
+
+/// Time between two pictures of some samples.
+const EACH_PART: Duration = Duration::from_secs(1);
+
+#[wasm_bindgen]
+extern "C" {
+    /// Hands over the picture after some of its samples: pixels, RGBA.
+    #[wasm_bindgen(js_namespace = globalThis)]
+    fn tell_part(done: u32, samples: u32, width: u32, height: u32, pixels: Vec<u8>);
+
+    /// Tells the page why the program ends.
+    #[wasm_bindgen(js_namespace = globalThis)]
+    fn tell_panic(why: &str);
+}
+
+thread_local! {
+    static STATE: RefCell<State> = RefCell::default();
+}
+
+#[derive(Default)]
+struct State {
+    /// Scene to show next, with the width of its picture, pixels; 0 for its own.
+    asked: Option<(SceneSource, u32)>,
+    /// Answer of the last call of [`show`].
+    answer: Value,
+    shown: Shown,
+    picture: Option<Picture>,
+    /// Signal that ends the picture in work.
+    interrupt: Arc<AtomicBool>,
+    /// Whether files have changed since the last picture.
+    has_new_files: bool,
+}
+
+/// The open device and scene.
+#[derive(Default)]
+struct Shown {
+    gpu: Option<Arc<Gpu>>,
+    session: Option<Session>,
+}
+
+/// Has panics told to the page; to be called first.
+#[wasm_bindgen]
+pub fn start() {
+    set_hook(Box::new(|panic| tell_panic(&panic.to_string())));
+}
+
+/// Puts a file where scenes find it by its name.
+#[wasm_bindgen]
+pub fn put_file(name: &str, bytes: Vec<u8>) {
+    in_memory::put(Path::new(name), bytes);
+    STATE.with_borrow_mut(|state| state.has_new_files = true);
+}
+
+/// Messages about a scene's text and script, as JSON.
+#[wasm_bindgen]
+pub fn check(name: &str, text: &str) -> String {
+    let text = SceneText::new(text, Path::new(name), &Default::default());
+    let opened = text.open(&[], &Dependencies::default());
+    let found = opened.map_or_else(|errors| errors, |opened| opened.warnings);
+    json!(messages(found)).to_string()
+}
+
+/// Ends the picture in work, and asks for the next.
+#[wasm_bindgen]
+pub fn ask(name: &str, text: &str, width: u32) {
+    let source = SceneSource {
+        path: Some(name.into()),
+        text: Some(text.into()),
+        ..SceneSource::default()
+    };
+    STATE.with_borrow_mut(|state| {
+        state.interrupt.store(true, Ordering::Relaxed);
+        state.asked = Some((source, width));
+    });
+}
+
+/// Makes the picture that was asked for last. The only function that is suspended; the worker calls it anew after it has
+/// returned, never before.
+#[wasm_bindgen]
+pub fn show() {
+    let taken = STATE.with_borrow_mut(|state| {
+        state.interrupt = Arc::default();
+        let asked = state.asked.take();
+        let new_files = mem::take(&mut state.has_new_files);
+        asked.map(|asked| {
+            let shown = mem::take(&mut state.shown);
+            (asked, shown, state.interrupt.clone(), new_files)
+        })
+    });
+    let Some(((source, width), mut shown, interrupt, new_files)) = taken else {
+        return;
+    };
+    let made = shown.picture(source, width, &interrupt, !new_files);
+    let is_lost = matches!(made, Err(SessionError::Gpu(GpuError::Lost(_))));
+    let (answer, picture) = match made {
+        Ok(picture) => (shown.answer(&picture), Some(picture)),
+        Err(SessionError::Gpu(GpuError::Interrupted)) => (json!({ "interrupted": true }), None),
+        Err(SessionError::Scene(errors)) => (json!({ "messages": messages(errors) }), None),
+        Err(error) => (json!({ "error": error.to_string(), "lost": is_lost }), None),
+    };
+    if is_lost {
+        shown = Shown::default();
+    }
+    STATE.with_borrow_mut(|state| {
+        (state.answer, state.shown) = (answer, shown);
+        state.picture = picture.or(state.picture.take());
+    });
+}
+
+/// Answer of the last call of [`show`], as JSON: `messages` with `width`, `height` and `adapter` of the picture, or with
+/// none; an `error` of the device, which may be `lost`; or `interrupted`.
+#[wasm_bindgen]
+pub fn answer() -> String {
+    STATE.with_borrow(|state| state.answer.to_string())
+}
+
+/// Pixels of the last picture, RGBA.
+#[wasm_bindgen]
+pub fn pixels() -> Vec<u8> {
+    STATE.with_borrow(|state| {
+        state
+            .picture
+            .as_ref()
+            .map_or_else(Vec::new, |p| p.display.clone())
+    })
+}
+
+/// The last picture as a PNG file; empty without one.
+#[wasm_bindgen]
+pub fn png() -> Vec<u8> {
+    let encoded = |picture: &Picture| {
+        let encode = match picture.alpha {
+            true => png_file::encode_with_alpha,
+            false => png_file::encode,
+        };
+        encode(picture.size, &picture.display, &[]).unwrap_or_default()
+    };
+    STATE.with_borrow(|state| state.picture.as_ref().map_or_else(Vec::new, encoded))
+}
+
+impl Shown {
+    fn picture(
+        &mut self,
+        source: SceneSource,
+        width: u32,
+        interrupt: &Arc<AtomicBool>,
+        reuses_files: bool,
+    ) -> Result<Picture, SessionError> {
+        let (none, texts) = (ParameterOverrides::default(), Dependencies::default());
+        let read = read(&source, &none, &texts, 0)?;
+        let view = ViewOverrides {
+            size: size(&read, width),
+            ..ViewOverrides::default()
+        };
+        let gpu = match &self.gpu {
+            Some(gpu) => gpu.clone(),
+            None => Arc::new(Gpu::new(&GpuOptions::default())?),
+        };
+        self.gpu = Some(gpu.clone());
+        gpu.check()?;
+        gpu.interrupt_by(Some(interrupt.clone()));
+        let same = self
+            .session
+            .take()
+            .filter(|open| open.source().path == source.path);
+        let session = match same {
+            Some(open) => {
+                let session = self.session.insert(open);
+                session.set_view(view)?;
+                let pose = read.pose();
+                session.show(read, pose, reuses_files)?;
+                session
+            }
+            None => {
+                let whole = InitialBuild::Whole;
+                let open = Session::of_read(gpu.clone(), source, view, read, whole)?;
+                self.session.insert(open)
+            }
+        };
+        let told = Cell::new(Instant::now());
+        let each_sample = |so_far: &SoFar<'_>| {
+            if so_far.done < so_far.samples && told.get().elapsed() > EACH_PART {
+                let part = so_far.picture()?;
+                let [width, height] = part.size;
+                tell_part(so_far.done, so_far.samples, width, height, part.display);
+                told.set(Instant::now());
+            }
+            Ok(())
+        };
+        let request = PictureRequest {
+            each_sample: Some(&each_sample),
+            ..PictureRequest::COLOR
+        };
+        Ok(session.begin(request)?.take(&gpu)?)
+    }
+
+    fn answer(&self, picture: &Picture) -> Value {
+        let session = self.session.as_ref();
+        let found = session.map_or_else(Vec::new, |session| session.warnings().to_vec());
+        let adapter = self.gpu.as_ref().map(|gpu| &gpu.adapter_info.name);
+        json!({
+            "messages": messages(found),
+            "log": session.map(|session| session.log().collect::<Vec<_>>()),
+            "width": picture.size[0],
+            "height": picture.size[1],
+            "adapter": adapter,
+        })
+    }
+}
+
+/// Size of a picture of this width and the scene's shape; `None` for the scene's own size.
+fn size(read: &Read, width: u32) -> Option<[u32; 2]> {
+    let [own, height] = read.scene().desc.image.size;
+    let height = u64::from(height) * u64::from(width) / u64::from(own.max(1));
+    (width > 0).then(|| [width, (height as u32).max(1)])
+}

@@ -1,0 +1,250 @@
+// The page: texts of a scene beside its picture. Files are kept here, and handed to the worker, which is made anew where it
+// ends or loses its device.
+"use strict";
+
+import { fromFragment, toFragment } from "./share.js";
+
+const TEXT_FILE = /\.(toml|rhai)$/i;
+const MOST_BYTES = 512 * 2 ** 20;
+const TYPING_MS = 300;
+const EXAMPLE = "mirrors.toml";
+
+const get = (id) => document.getElementById(id);
+const [text, lines, messages, status, canvas] = ["text", "lines", "messages", "status", "picture"].map(get);
+const tell = (words) => { status.textContent = words; };
+
+// Content by name: texts are strings, all else is bytes.
+const files = new Map();
+let tab = "";
+let scene = "";
+let worker = null;
+let isReady = false;
+let lacking = null;
+let restarts = 0;
+let timer = 0;
+
+const hand = (name) => {
+  const content = files.get(name);
+  const bytes = typeof content === "string" ? new TextEncoder().encode(content) : content;
+  worker.postMessage({ file: name, bytes });
+};
+
+const run = () => {
+  if (isReady && scene) {
+    if (!lacking) tell("rendering");
+    worker.postMessage({ scene, text: files.get(scene), width: Number(get("width").value) });
+  }
+};
+
+// Messages at their lines, in the shown file or, by a click, in their own.
+const list = (found) => {
+  const worst = new Map();
+  messages.replaceChildren(...found.map((message) => {
+    const item = document.createElement("li");
+    const button = document.createElement("button");
+    item.className = message.severity;
+    button.textContent = message.text.trim();
+    button.onclick = () => go_to(message);
+    item.append(button);
+    if (message.file === tab && message.line && worst.get(message.line) !== "error") worst.set(message.line, message.severity);
+    return item;
+  }));
+  messages.found = found;
+  const count = text.value.split("\n").length;
+  lines.replaceChildren(...Array.from({ length: count }, (_, at) => {
+    const line = document.createElement("span");
+    line.className = worst.get(at + 1) ?? "";
+    line.textContent = `${at + 1}\n`;
+    return line;
+  }));
+  lines.scrollTop = text.scrollTop;
+};
+
+const go_to = ({ file, line, column, end }) => {
+  if (file !== tab && typeof files.get(file) === "string") open(file);
+  if (!line || file !== tab) return;
+  const rows = text.value.split("\n");
+  // Columns count characters, the selection UTF-16 units.
+  const offset = (row, character) => rows.slice(0, row - 1).reduce((sum, each) => sum + each.length + 1, 0)
+    + [...rows[row - 1]].slice(0, character - 1).join("").length;
+  text.focus();
+  text.setSelectionRange(offset(line, column), offset(...end));
+  text.scrollTop = (line - 4) * 18;
+};
+
+const show_tabs = () => {
+  get("tabs").replaceChildren(...[...files.keys()].map((name) => {
+    const button = document.createElement("button");
+    button.textContent = name;
+    button.setAttribute("aria-pressed", String(name === tab));
+    button.disabled = typeof files.get(name) !== "string";
+    button.onclick = () => open(name);
+    return button;
+  }));
+};
+
+const open = (name) => {
+  tab = name;
+  if (/\.toml$/i.test(name)) scene = name;
+  text.value = files.get(name);
+  show_tabs();
+  list(messages.found ?? []);
+  run();
+};
+
+const put = (name, content) => {
+  files.set(name, content);
+  if (isReady) hand(name);
+};
+
+// Other texts take the place of all files.
+const replace = (all) => {
+  files.clear();
+  for (const [name, content] of Object.entries(all)) put(name, content);
+  open(Object.keys(all)[0]);
+};
+
+const draw = ({ width, height }, pixels) => {
+  [canvas.width, canvas.height] = [width, height];
+  canvas.getContext("2d").putImageData(new ImageData(new Uint8ClampedArray(pixels.buffer), width, height), 0, 0);
+  canvas.dataset.shown = scene;
+  get("save").disabled = false;
+};
+
+const answers = {
+  state: (data) => {
+    isReady = true;
+    lacking = data.lacks;
+    for (const name of files.keys()) hand(name);
+    tell(lacking ? `messages only: this browser lacks ${lacking}` : "ready");
+    run();
+  },
+  check: ({ check }) => list(check),
+  part: ({ part, pixels }) => {
+    draw(part, pixels);
+    tell(`sample ${part.done} of ${part.samples}`);
+  },
+  shown: ({ shown, pixels }) => {
+    if (shown.messages) list(shown.messages);
+    if (pixels) {
+      draw(shown, pixels);
+      restarts = 0;
+      tell(`${shown.width} × ${shown.height} in ${shown.seconds.toFixed(1)} s on ${shown.adapter || "the browser's adapter"}`);
+    } else if (shown.lost) {
+      restart(`the device was lost (${shown.error})`);
+    } else {
+      tell(shown.error ?? "the scene has mistakes");
+    }
+  },
+  png: ({ png }) => {
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([png], { type: "image/png" }));
+    link.download = canvas.dataset.shown.replace(/\.toml$/i, ".png");
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+  },
+  ended: ({ ended }) => restart(`the renderer ended (${ended})`),
+};
+
+const start = () => {
+  isReady = false;
+  worker = new Worker("worker.js", { type: "module" });
+  worker.onmessage = ({ data }) => answers[Object.keys(answers).find((key) => key in data)](data);
+  worker.onerror = (event) => tell(`the renderer cannot be loaded: ${event.message ?? "a file is missing"}`);
+};
+
+// A renderer that ends again before it has made a picture waits for a change of the text.
+const restart = (why) => {
+  worker.terminate();
+  restarts += 1;
+  if (restarts < 3) {
+    start();
+    tell(`${why}; it is made anew`);
+  } else {
+    isReady = false;
+    tell(`${why}, again and again; a change of the text starts it anew`);
+  }
+};
+
+const add = async (dropped) => {
+  for (const file of dropped) {
+    const held = [...files.values()].reduce((sum, content) => sum + (content.byteLength ?? content.length), 0);
+    if (held + file.size > MOST_BYTES) {
+      tell(`${file.name} does not fit: all files together may have ${MOST_BYTES / 2 ** 20} MiB`);
+      return;
+    }
+    const bytes = new Uint8Array(await file.arrayBuffer());
+    put(file.name, TEXT_FILE.test(file.name) ? new TextDecoder().decode(bytes) : bytes);
+    if (/\.toml$/i.test(file.name)) [scene, tab] = [file.name, file.name];
+  }
+  open(tab);
+};
+
+// A scene of this folder with the files that it names, and those that these name.
+const fetch_example = async (name, known) => {
+  const all = {};
+  const wanted = [name];
+  for (const file of wanted) {
+    const found = await fetch(`scenes/${file}`);
+    if (!found.ok) throw new Error(`scenes/${file}: ${found.statusText}`);
+    const bytes = new Uint8Array(await found.arrayBuffer());
+    all[file] = TEXT_FILE.test(file) ? new TextDecoder().decode(bytes) : bytes;
+    if (typeof all[file] === "string") {
+      wanted.push(...known.filter((other) => !wanted.includes(other) && all[file].includes(`"${other}"`)));
+    }
+  }
+  return all;
+};
+
+const begin = async () => {
+  start();
+  const known = await (await fetch("scenes/names.json")).json();
+  const names = known.filter((name) => name.endsWith(".toml"));
+  get("examples").append(...names.map((name) => new Option(name, name)));
+  const choose = async (name) => replace(await fetch_example(name, known));
+  get("examples").onchange = ({ target }) => target.value && choose(target.value);
+  const arrive = async () => {
+    if (location.hash.length < 2) return choose(EXAMPLE);
+    try {
+      replace(await fromFragment(location.hash.slice(1)));
+    } catch (error) {
+      await choose(EXAMPLE);
+      tell(`the address holds no scene: ${error.message}; this is ${EXAMPLE}`);
+      messages.refused = true;
+    }
+  };
+  addEventListener("hashchange", arrive);
+  await arrive();
+};
+
+text.oninput = () => {
+  put(tab, text.value);
+  list([]);
+  clearTimeout(timer);
+  timer = setTimeout(() => {
+    if (isReady) run();
+    else if (restarts >= 3) { restarts = 0; start(); }
+  }, TYPING_MS);
+};
+text.onscroll = () => { lines.scrollTop = text.scrollTop; };
+get("width").onchange = run;
+get("save").onclick = () => worker.postMessage({ png: true });
+get("files").onchange = ({ target }) => add(target.files);
+get("share").onclick = async () => {
+  const texts = [...files].filter(([, content]) => typeof content === "string");
+  // The shown scene comes first.
+  texts.sort(([a], [b]) => (b === scene) - (a === scene));
+  history.replaceState(null, "", `#${await toFragment(Object.fromEntries(texts))}`);
+  await navigator.clipboard?.writeText(location.href).catch(() => {});
+  const left = files.size - texts.length;
+  tell(`the address holds ${texts.length} text${texts.length === 1 ? "" : "s"}${left ? `, and not the ${left} other files` : ""}: copy it`);
+};
+addEventListener("dragover", (event) => { event.preventDefault(); document.body.classList.add("dropping"); });
+addEventListener("dragleave", () => document.body.classList.remove("dropping"));
+addEventListener("drop", (event) => {
+  event.preventDefault();
+  document.body.classList.remove("dropping");
+  add(event.dataTransfer.files);
+});
+
+begin().catch((error) => tell(`the page cannot be loaded: ${error.message}`));

@@ -1,0 +1,43 @@
+// Texts of a scene in the fragment of an address, which browsers send nowhere: JSON, deflated, in base64url.
+"use strict";
+
+const MOST_CHARACTERS = 256 * 1024;
+const MOST_BYTES = 1024 * 1024;
+
+const through = (bytes, stream) => new Response(new Blob([bytes]).stream().pipeThrough(stream));
+
+export const toFragment = async (texts) => {
+  const bytes = new TextEncoder().encode(JSON.stringify(texts));
+  const packed = new Uint8Array(await through(bytes, new CompressionStream("deflate-raw")).arrayBuffer());
+  const binary = Array.from(packed, (byte) => String.fromCharCode(byte)).join("");
+  return btoa(binary).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
+};
+
+export const fromFragment = async (fragment) => {
+  if (fragment.length > MOST_CHARACTERS) throw new Error(`it is longer than ${MOST_CHARACTERS} characters`);
+  if (!/^[\w-]+$/.test(fragment)) throw new Error("it has characters that `share` never writes");
+  let text = "";
+  try {
+    const packed = Uint8Array.from(atob(fragment.replaceAll("-", "+").replaceAll("_", "/")), (letter) => letter.charCodeAt(0));
+    const reader = through(packed, new DecompressionStream("deflate-raw")).body.getReader();
+    const decoder = new TextDecoder("utf-8", { fatal: true });
+    for (let read = 0, part; !(part = await reader.read()).done;) {
+      read += part.value.length;
+      if (read > MOST_BYTES) throw new RangeError(`its texts are longer than ${MOST_BYTES} bytes`);
+      text += decoder.decode(part.value, { stream: true });
+    }
+    text += decoder.decode();
+  } catch (error) {
+    throw error instanceof RangeError ? error : new Error("it is cut off or changed");
+  }
+  let texts = null;
+  try {
+    texts = JSON.parse(text);
+  } catch {
+    // Answered below, as other values are.
+  }
+  const entries = texts && typeof texts === "object" ? Object.entries(texts) : [];
+  const isText = ([name, content]) => /^[^/\\\0]{1,200}$/.test(name) && typeof content === "string";
+  if (!entries.length || !entries.every(isText) || !/\.toml$/i.test(entries[0][0])) throw new Error("it holds no texts of a scene");
+  return texts;
+};

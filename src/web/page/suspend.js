@@ -1,0 +1,20 @@
+// Lets a call of WebAssembly wait for the browser: it is suspended until something that it waits for calls back.
+"use strict";
+
+let woken = false;
+let resume = null;
+
+export const wake = () => {
+  woken = true;
+  resume?.();
+};
+
+const wait = async () => {
+  if (!woken) await new Promise((done) => { resume = done; });
+  resume = null;
+  woken = false;
+};
+
+export const canSuspend = typeof WebAssembly.Suspending === "function";
+export const suspend = canSuspend ? new WebAssembly.Suspending(wait)
+  : () => { throw new Error("this browser cannot suspend WebAssembly"); };

@@ -1,0 +1,71 @@
+// The checker and the renderer, away from the page, which stays quick. Messages: {file, bytes}, {scene, text, width} and
+// {png}; answers: {state}, {check}, {part, pixels}, {shown, pixels}, {png} and {ended}.
+"use strict";
+
+import init, { answer, ask, check, pixels, png, put_file, start } from "./reflet_web.js";
+import { canSuspend } from "./suspend.js";
+
+const tell = (message, moved) => self.postMessage(message, moved);
+self.tell_part = (done, samples, width, height, rgba) => tell({ part: { done, samples, width, height }, pixels: rgba }, [rgba.buffer]);
+let why = "";
+self.tell_panic = (text) => { why = text; };
+const ended = (error) => tell({ ended: why || String(error) });
+
+// Whatever pictures need and this browser lacks, by name.
+const lacks = () => {
+  if (!self.navigator.gpu) return "WebGPU, which Chrome and Edge have on all systems (or the page was not loaded by https or from localhost)";
+  if (!canSuspend) return "JavaScript Promise Integration, which Chrome and Edge have since version 137";
+  return null;
+};
+
+let show = null;
+let isShowing = false;
+let isAsked = false;
+
+const showAll = async () => {
+  if (isShowing) return;
+  isShowing = true;
+  try {
+    while (isAsked) {
+      isAsked = false;
+      const began = performance.now();
+      await show();
+      const shown = JSON.parse(answer());
+      const rgba = shown.width ? pixels() : null;
+      shown.seconds = (performance.now() - began) / 1e3;
+      if (!shown.interrupted) tell({ shown, pixels: rgba }, rgba ? [rgba.buffer] : []);
+    }
+  } catch (error) {
+    ended(error);
+  }
+  isShowing = false;
+};
+
+const work = {
+  file: ({ file, bytes }) => put_file(file, new Uint8Array(bytes)),
+  scene: ({ scene, text, width }) => {
+    tell({ check: JSON.parse(check(scene, text)), scene });
+    if (!show) return;
+    ask(scene, text, width);
+    isAsked = true;
+    showAll();
+  },
+  png: () => tell({ png: png() }),
+};
+
+const ready = init().then((exports) => {
+  start();
+  const lacking = lacks();
+  if (!lacking) show = WebAssembly.promising(exports.show);
+  tell({ state: "ready", lacks: lacking });
+}).catch(ended);
+
+self.onmessage = async ({ data }) => {
+  await ready;
+  const kind = Object.keys(work).find((key) => key in data);
+  try {
+    work[kind](data);
+  } catch (error) {
+    ended(error);
+  }
+};

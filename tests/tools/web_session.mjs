@@ -1,0 +1,116 @@
+// A writer's session in a real browser with the page that runs by itself: mistakes are told at their lines, scenes shown,
+// changed, dropped, shared and saved; a lost device, a broken address and a browser without WebGPU are told. Arguments: the
+// browser, the address, a folder for pictures and the module Playwright. Prints one line for each step; ends with an error
+// where one fails.
+import { writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { pathToFileURL } from "node:url";
+
+const [browserPath, address, folder, playwright] = process.argv.slice(2);
+const { chromium } = await import(pathToFileURL(playwright).href);
+const PATIENCE_MS = 240_000;
+const ARGUMENTS = ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
+  "--disable-component-update", "--disable-sync"];
+
+const launch = (more) => chromium.launch({ executablePath: browserPath, args: [...ARGUMENTS, ...more] });
+const browser = await launch(["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader"]);
+const open_page = async (from, fragment = "") => {
+  const page = await from.newPage({ viewport: { width: 1100, height: 700 } });
+  page.setDefaultTimeout(PATIENCE_MS);
+  page.on("request", (request) => {
+    if (!request.url().startsWith(address) && !request.url().startsWith("blob:")) throw new Error(`${request.url()} is asked for`);
+  });
+  await page.goto(address + fragment);
+  return page;
+};
+const step = (text) => console.log(text);
+const status = (page, pattern) => page.waitForFunction(
+  (source) => new RegExp(source).test(document.getElementById("status").textContent), pattern.source);
+const picture = (page) => page.evaluate(() => document.getElementById("picture").toDataURL());
+// Waits for the picture of what is written now.
+const shown = (page) => status(page, /^160 × 90 in /);
+const write = async (page, change) => {
+  await page.evaluate((body) => {
+    const text = document.getElementById("text");
+    text.value = new Function("text", `return ${body}`)(text.value);
+    document.getElementById("status").textContent = "";
+    text.dispatchEvent(new Event("input"));
+  }, change);
+};
+
+const began = Date.now();
+const page = await open_page(browser);
+await page.selectOption("#width", "160");
+await shown(page);
+console.error(`first picture after ${(Date.now() - began) / 1e3} s`);
+const first = await picture(page);
+
+await write(page, "text.replace('roughness = 0.35', 'roughnes = 0.35')");
+await page.waitForSelector("#messages .error");
+const line = await page.evaluate(() => document.getElementById("text").value.split("\n").findIndex((row) => row.includes("roughnes ")) + 1);
+const marked = await page.locator("#lines .error").textContent();
+if (Number(marked) !== line) throw new Error(`line ${marked} is marked, not ${line}`);
+await page.click("#messages .error button");
+const selected = await page.evaluate(() => { const text = document.getElementById("text"); return text.value.slice(text.selectionStart, text.selectionEnd); });
+if (selected !== "roughnes") throw new Error(`a click selects ${selected}`);
+step("told");
+
+await write(page, "text.replace('roughnes = 0.35', 'roughness = 0.35')");
+await shown(page);
+if (await picture(page) !== first) throw new Error("the mended scene looks different");
+step("shown");
+
+const waiting = page.waitForEvent("download");
+await page.click("#save");
+await (await waiting).saveAs(join(folder, "mirrors.png"));
+step("saved");
+
+await write(page, "text.replace('[0.7, 0.06, 0.04]', '[0.04, 0.7, 0.06]')");
+await shown(page);
+if (await picture(page) === first) throw new Error("a changed color changes nothing");
+step("changed");
+
+// A texture that is not there is told, and found once it is dropped.
+await write(page, "text.replace('[material.red]\\n', '[material.red]\\nbase_color_texture = \"dot.png\"\\n')");
+await page.waitForFunction(() => document.querySelector("#messages .error")?.textContent.includes("dot.png"));
+const png = Buffer.from("iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg==", "base64");
+writeFileSync(join(folder, "dot.png"), png);
+await page.setInputFiles("#files", join(folder, "dot.png"));
+await shown(page);
+step("dropped");
+
+await page.click("#share");
+await page.waitForFunction(() => location.hash.length > 100);
+const written = await page.evaluate(() => document.getElementById("text").value);
+const other = await open_page(browser, await page.evaluate(() => location.hash));
+await other.waitForFunction((text) => document.getElementById("text").value === text, written);
+await other.close();
+step("shared");
+
+for (const garbage of ["#%3Cscript%3E", "#AAAA", `#${"x".repeat(1 << 20)}`]) {
+  const refusing = await open_page(browser, garbage);
+  await refusing.waitForFunction(() => document.getElementById("messages").refused);
+  await refusing.close();
+}
+step("refused");
+
+// The browser's process of the adapter crashes: pictures are made on a new device.
+await page.evaluate(() => {
+  const status = document.getElementById("status");
+  new MutationObserver(() => { status.told = `${status.told ?? ""}${status.textContent}\n`; }).observe(status, { childList: true });
+});
+await (await browser.newBrowserCDPSession()).send("Browser.crashGpuProcess");
+await write(page, "text.replace('[0.04, 0.7, 0.06]', '[0.7, 0.06, 0.04]')");
+await shown(page);
+const told = await page.evaluate(() => document.getElementById("status").told);
+if (!/the device was lost .* it is made anew/.test(told)) throw new Error(`a crash is told as ${told}`);
+step("lost");
+await browser.close();
+
+const without = await launch(["--disable-gpu"]);
+const checking = await open_page(without);
+await status(checking, /lacks WebGPU|no graphics adapter/);
+await write(checking, "text.replace('version = 1', 'version = 2')");
+await checking.waitForSelector("#messages .error");
+step("lacking");
+await without.close();
