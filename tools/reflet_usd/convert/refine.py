@@ -93,7 +93,7 @@ def refine_polygons(
 ) -> tuple[Polygons, Refiner | None]:
     """The mesh after `level` steps; the mesh itself, with a warning, where that is not possible."""
     if polygons.scheme not in REFINABLE:
-        if polygons.scheme not in ("none", "bilinear"):
+        if polygons.scheme not in ("none", "bilinear", "patch"):
             reason = f"the scheme '{polygons.scheme}' is unknown; its smooth cage is carried"
             context.ledger.warn("subdivision-cage", prim, reason)
         return polygons, None
