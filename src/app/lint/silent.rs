@@ -146,7 +146,8 @@ fn rolled_cameras(scene: &Scene, world: &World) -> Vec<Diagnostic> {
 fn invisible_materials(scene: &Scene, world: &World) -> Vec<Diagnostic> {
     let is_clear = |m: &Material| {
         let is_blended = m.blended && m.alpha_cutoff.is_none() && m.patterned.is_empty();
-        is_blended && m.base_color.w == 0.0
+        let is_lamp = m.light && m.emission.max_element() > 0.0;
+        is_blended && !is_lamp && m.base_color.w == 0.0
     };
     let used = world.instances.iter().map(|i| &world.materials[i.material]);
     let clear: HashSet<&str> = (used.filter(|m| is_clear(m)))

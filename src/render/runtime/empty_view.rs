@@ -41,9 +41,10 @@ pub fn warning(scene: &Scene, world: &World, camera: usize) -> Option<Diagnostic
             "write `double_sided = true` in their materials, or look from the other side"
                 .to_owned(),
         ),
+        Unseen::Transparent if !scene.is_still() => return None, // it may fade in
         Unseen::Transparent => (
             format!("{nothing}: the alpha of all before it is 0, or below the cut-off"),
-            "raise `alpha` in their materials, lower `alpha_cutoff`, or render another frame with --frames".to_owned(),
+            "raise `alpha` in their materials, or lower `alpha_cutoff`".to_owned(),
         ),
         Unseen::Small => (
             format!("{nothing}: all before it is smaller than a pixel"),

@@ -95,7 +95,7 @@ fn number(node: &Node, named: &Named, expected: &str, report: &mut Report) -> Op
         _ => {
             let quoted = unquoted(node, |text| {
                 // Rust reads `.5` and `5.`, TOML does not.
-                let is_toml = text.starts_with(|c: char| c == '-' || c.is_ascii_digit())
+                let is_toml = text.starts_with(|c: char| "+-".contains(c) || c.is_ascii_digit())
                     && text.ends_with(|c: char| c.is_ascii_digit());
                 let x = text.parse().ok().filter(|x: &f64| x.is_finite());
                 is_toml && x.is_some_and(|x| named.range.check(x).is_ok())

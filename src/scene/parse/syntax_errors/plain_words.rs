@@ -212,7 +212,9 @@ fn joined(m: &Mistake) -> Option<Words> {
 /// Explains a backslash in double quotes: `file = "C:\assets"`.
 fn backslash(m: &Mistake) -> Option<Words> {
     (m.message.contains("escape") || m.message.contains("unicode")).then_some(())?;
-    let text = m.value.trim_matches('"');
+    // In a table in braces, the text with the backslash.
+    let mut texts = m.value.split('"');
+    let text = texts.find(|text| text.contains('\\')).unwrap_or(m.value);
     let slashes = text.replace('\\', "/");
     let message = "`\\` has a special meaning in double quotes";
     let help = format!(
