@@ -152,3 +152,14 @@ fn broken_files_are_refused_or_decoded_with_little_work() {
     most.assert_below(2, 1000);
     assert!(refused > 100, "{refused}");
 }
+
+#[test]
+fn each_texture_has_its_own_fallback() {
+    let mut doc = document(&FILES[2].1[..90]);
+    let other = doc.texture(&png(1, 1, [4, 5, 6, 255]));
+    doc.json["textures"][other]["extensions"] = doc.json["textures"][0]["extensions"].clone();
+    doc.json["materials"][0]["emissiveTexture"] = json!({"index": other});
+    let world = doc.load_with(&LoadOptions::default()).expect("shown");
+    let found: Vec<_> = world.textures.iter().map(|t| t.rgba.as_slice()).collect();
+    assert_eq!(found, [[1, 2, 3, 255], [4, 5, 6, 255]]);
+}
