@@ -2,6 +2,7 @@
 //! what to do.
 
 mod capture;
+mod conventions;
 mod ignored;
 mod inside;
 mod overlap;
@@ -104,6 +105,7 @@ impl<'a> Lint<'a> {
         let (scene, at, found) = (self.scene, start(self.scene), &mut self.found);
         found.extend(ignored::lint(scene, &at));
         found.extend(silent::lint(scene, world, &at));
+        found.extend(conventions::lint(scene, world, &at));
         found.extend(inside::lights(scene, world));
         found.extend(inside::cameras(scene, world));
         found.extend(inside::probes(scene, world));

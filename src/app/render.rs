@@ -197,14 +197,12 @@ fn no_such_aov(name: &str, world: &World) -> AppError {
     let names = Aov::names_in(world);
     let meant = suggest::nearest(name.trim(), names.iter().map(String::as_str));
     let meant = meant.map_or_else(String::new, |meant| format!("did you mean {meant}? "));
-    let meant = if name.contains(':') {
-        String::new()
-    } else {
-        meant
-    };
-    let why = match name.trim().strip_prefix("light:") {
-        Some(group) => format!("no light has `light_group = \"{group}\"`"),
-        None => "no such AOV".to_owned(),
+    let (why, meant) = match name.trim().strip_prefix("light:") {
+        Some(group) => (
+            format!("no light has `light_group = \"{group}\"`"),
+            String::new(),
+        ),
+        None => ("no such AOV".to_owned(), meant),
     };
     AppError::Usage(format!("--aov {name}: {why}; {meant}choose from {known}"))
 }

@@ -13,9 +13,6 @@ pub fn messages(found: Vec<Diagnostic>) -> Vec<Value> {
         });
         json!({
             "severity": found.severity.name(),
-            "name": found.name,
-            "message": found.message,
-            "help": found.help,
             "file": found.path(),
             "line": at.map(|(start, _)| start.line),
             "column": at.map(|(start, _)| start.column),

@@ -112,7 +112,7 @@ impl Sight {
     }
 
     /// Why the picture would show no surface of an instance of this mesh that nothing hides; `None` where it would.
-    /// Of alpha only the factor is looked at, which textures and colors of vertices do not raise.
+    /// Alpha is the material's factor, which textures and colors of vertices do not raise.
     pub fn unseen_instance(
         &self,
         world: &World,

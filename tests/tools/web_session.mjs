@@ -89,7 +89,7 @@ step("shared");
 
 for (const garbage of ["#%3Cscript%3E", "#AAAA", `#${"x".repeat(1 << 20)}`]) {
   const refusing = await open_page(browser, garbage);
-  await refusing.waitForFunction(() => document.getElementById("messages").refused);
+  await refusing.waitForFunction(() => document.getElementById("status").textContent.includes("holds no scene"));
   await refusing.close();
 }
 step("refused");

@@ -1,33 +1,22 @@
-//! Settings that a scene may have, whose effect is hardly meant: grain, nothing to be seen, or a turn by the
-//! conventions of other programs.
+//! Settings that a scene may have, whose effect is grain, or not to be seen at all.
 
-use std::{collections::HashSet, f64::consts::PI};
-
-use glam::Vec3;
+use std::collections::HashSet;
 
 use super::ignored::written;
 use crate::{
-    math::Bounds,
     scene::{
-        desc::{LightKind, ModelDesc, ModelSource, ShapeDesc},
+        desc::{ModelDesc, ModelSource, ShapeDesc},
         diagnostic::{Diagnostic, Span},
         stages::Scene,
         syntax::{Content, Entries, Node},
     },
-    world::{Instance, Material, World},
+    world::{Material, World},
 };
-
-/// Least height that a unit direction of a sun rises by, from which on its light counts as coming from below.
-const RISING: f32 = 0.1;
 
 /// Warnings about such settings of the scene's text; `start` is a span in that text.
 pub fn lint(scene: &Scene, world: &World, start: &Span) -> Vec<Diagnostic> {
     let mut found = grain(scene, start);
-    found.extend(suns(scene, world));
-    found.extend(sunken_lights(scene, world));
-    found.extend(rolled_cameras(scene, world));
     found.extend(invisible_materials(scene, world));
-    found.extend(foreign_angles(start));
     found.extend(clear(scene));
     found.extend(open_solids(scene, world));
     found.extend(emitters(scene, world));
@@ -36,7 +25,7 @@ pub fn lint(scene: &Scene, world: &World, start: &Span) -> Vec<Diagnostic> {
     found
 }
 
-fn warning(name: &'static str, at: &Span, message: String, help: &str) -> Diagnostic {
+pub fn warning(name: &'static str, at: &Span, message: String, help: &str) -> Diagnostic {
     Diagnostic::new(name, at.clone(), message).help(help)
 }
 
@@ -59,87 +48,6 @@ fn grain(scene: &Scene, start: &Span) -> Vec<Diagnostic> {
     };
     let message = format!("{what} is open, and with 1 sample its blur is grain");
     vec![warning("one-sample", &at, message, help)]
-}
-
-/// Directional lights that shine upward.
-fn suns(scene: &Scene, world: &World) -> Vec<Diagnostic> {
-    let lights = scene.lights.iter().zip(world.all_lights());
-    let found = lights.filter_map(|(light, placed)| {
-        let LightKind::Directional { direction, .. } = placed.desc.kind else {
-            return None;
-        };
-        let direction = direction.normalize_or_zero();
-        (direction.y > RISING).then(|| {
-            let message = format!(
-                "light \"{}\" shines upward, from below the ground: Y points up",
-                light.name
-            );
-            let [x, y, z] = direction.to_array().map(|c| rounded(c.into()));
-            let help = format!(
-                "write `direction = [{}, {}, {}]` if it points to the sun, as light goes the other way; a direction \
-                 [x, y, z] of a program where Z points up is here [x, z, -y]",
-                0.0 - x, -y, 0.0 - z
-            );
-            warning("light-from-below", &light.at, message, &help)
-        })
-    });
-    found.collect()
-}
-
-/// Lights below an opaque floor that has all that is placed above it, as positions of programs where Z points up have.
-fn sunken_lights(scene: &Scene, world: &World) -> Vec<Diagnostic> {
-    let bounds: Vec<_> = world.instances.iter().map(|i| world.bounds_of(i)).collect();
-    let all = bounds
-        .iter()
-        .fold(Bounds::EMPTY, |all, own| all.union(*own));
-    let size = all.max - all.min;
-    let is_floor = |&(instance, own): &(&Instance, &Bounds)| {
-        let span = own.max - own.min;
-        let material = &world.materials[instance.material];
-        span.x > 0.5 * size.x
-            && span.z > 0.5 * size.z
-            && span.y < 0.1 * span.x.max(span.z)
-            && own.min.y < all.min.y + 0.05 * size.y
-            && !(material.passes_light() || material.alpha_cutoff.is_some())
-    };
-    let Some((_, floor)) = world.instances.iter().zip(&bounds).find(is_floor) else {
-        return Vec::new();
-    };
-    let lights = scene.lights.iter().zip(world.all_lights());
-    let below = lights.filter(|(_, placed)| {
-        let at = placed.desc.kind.position();
-        at.is_some_and(|at| at.y < floor.min.y && at.y < all.min.y)
-    });
-    let found = below.map(|(light, _)| {
-        let message = format!("light \"{}\" is below the floor: Y points up", light.name);
-        let help = "write [x, z, -y] for a position [x, y, z] of a program where Z points up";
-        warning("light-from-below", &light.at, message, help)
-    });
-    found.collect()
-}
-
-/// Cameras whose `up` is the Z axis, which lie on their side or stand on their head.
-fn rolled_cameras(scene: &Scene, world: &World) -> Vec<Diagnostic> {
-    let placed = |name: &str| world.cameras.iter().find(|camera| camera.name == name);
-    let up_is_z = |up: Vec3| up.normalize_or_zero().abs() == Vec3::Z;
-    let own = scene
-        .cameras
-        .iter()
-        .filter(|camera| up_is_z(camera.value.up));
-    let found = own.filter_map(|camera| {
-        let value = &placed(&camera.name)?.value;
-        let forward = (value.target - value.eye).normalize_or_zero();
-        let right = forward.cross(value.up).normalize_or_zero();
-        let what = match right.cross(forward).y {
-            _ if right.y.abs() > 0.7 => "lies on its side",
-            y if y < -0.1 => "is upside down",
-            _ => return None,
-        };
-        let message = format!("camera \"{}\" {what}: Y points up", camera.name);
-        let help = "write `up = [0, 1, 0]`, or leave it out";
-        Some(warning("rolled-camera", &camera.at, message, help))
-    });
-    found.collect()
 }
 
 /// Materials of alpha 0 that instances show, in a scene without motion.
@@ -166,53 +74,8 @@ fn invisible_materials(scene: &Scene, world: &World) -> Vec<Diagnostic> {
     found.collect()
 }
 
-/// Angles in the scene's own text that are halves, thirds, fourths or sixths of half a turn in radians, and quaternions
-/// that begin with w.
-fn foreign_angles(start: &Span) -> Vec<Diagnostic> {
-    let mut found = Vec::new();
-    let Some(source) = &start.source else {
-        return found;
-    };
-    let is_radians = |x: f64| {
-        let twelfths = (x / (PI / 12.0)).abs();
-        let whole = twelfths.round();
-        let is_part = whole % 2.0 == 0.0 || whole % 3.0 == 0.0;
-        // Numbers have few digits: 1.57, 3.14, 6.28.
-        is_part && whole <= 24.0 && (twelfths - whole).abs() < 6e-4 * whole
-    };
-    each_value(source.syntax().root(), &mut |key, node| {
-        let numbers: Vec<f64> = (node.get_ref().as_array().into_iter().flatten())
-            .filter_map(number)
-            .collect();
-        let turned = numbers.iter().find(|x| **x != 0.0);
-        let are_radians = numbers.iter().all(|x| *x == 0.0 || is_radians(*x));
-        let (name, message, help) = match (key, &numbers[..], turned) {
-            ("rotation_quat", [1.0, 0.0, 0.0, 0.0], _) => (
-                "turned-quaternion",
-                "this quaternion is half a turn about X: its order is x, y, z, w".to_owned(),
-                "write `rotation_quat = [0, 0, 0, 1]` for no turn".to_owned(),
-            ),
-            ("rotation_deg", _, Some(x)) if are_radians => {
-                let degrees = (x.to_degrees() / 15.0).round() * 15.0;
-                (
-                    "radians",
-                    format!("angles are in degrees, and {x} are {degrees} degrees in radians"),
-                    format!("write {degrees} for {x}"),
-                )
-            }
-            _ => return,
-        };
-        let at = Span {
-            source: Some(source.clone()),
-            range: node.span(),
-        };
-        found.push(warning(name, &at, message, &help));
-    });
-    found
-}
-
 /// Calls a function with each key of a table and of the tables in it, and its value.
-fn each_value(table: &Entries, visit: &mut impl FnMut(&str, &Node)) {
+pub fn each_value(table: &Entries, visit: &mut impl FnMut(&str, &Node)) {
     for (key, node) in table {
         visit(key.get_ref(), node);
         let list = node.get_ref().as_array().into_iter().flatten();
@@ -345,7 +208,7 @@ fn late_keys(scene: &Scene, start: &Span) -> Vec<Diagnostic> {
 }
 
 /// A number with three digits behind the point.
-fn rounded(x: f64) -> f64 {
+pub fn rounded(x: f64) -> f64 {
     (x * 1e3).round() / 1e3 + 0.0
 }
 
@@ -365,7 +228,7 @@ fn time_of(key: &Node) -> Option<(f64, &Node)> {
 }
 
 /// A number of the text, of either kind.
-fn number(node: &Node) -> Option<f64> {
+pub fn number(node: &Node) -> Option<f64> {
     match node.get_ref() {
         Content::Integer(x) => Some(x.value()? as f64),
         Content::Float(x) => x.value(),

@@ -11,7 +11,9 @@ const EXAMPLE = "mirrors.toml";
 
 const get = (id) => document.getElementById(id);
 const [text, lines, messages, status, canvas] = ["text", "lines", "messages", "status", "picture"].map(get);
-const tell = (words) => { status.textContent = words; };
+// Why the address that was opened holds no scene, until the text changes.
+let refusal = "";
+const tell = (words) => { status.textContent = refusal + words; };
 
 // Content by name: texts are strings, all else is bytes.
 const files = new Map();
@@ -125,7 +127,8 @@ const answers = {
     tell(`sample ${part.done} of ${part.samples}`);
   },
   shown: ({ shown, pixels }) => {
-    if (shown.messages) list(shown.messages);
+    const prints = (shown.log ?? []).map((line) => ({ severity: "print", text: line }));
+    if (shown.messages) list([...shown.messages, ...prints]);
     if (pixels) {
       draw(shown, pixels);
       restarts = 0;
@@ -204,13 +207,13 @@ const begin = async () => {
   const choose = async (name) => replace(await fetch_example(name, known));
   get("examples").onchange = ({ target }) => target.value && choose(target.value);
   const arrive = async () => {
+    refusal = "";
     if (location.hash.length < 2) return choose(EXAMPLE);
     try {
       replace(await fromFragment(location.hash.slice(1)));
     } catch (error) {
+      refusal = `the address holds no scene: ${error.message}; this is ${EXAMPLE}: `;
       await choose(EXAMPLE);
-      tell(`the address holds no scene: ${error.message}; this is ${EXAMPLE}`);
-      messages.refused = true;
     }
   };
   addEventListener("hashchange", arrive);
@@ -218,6 +221,7 @@ const begin = async () => {
 };
 
 text.oninput = () => {
+  refusal = "";
   put(tab, text.value);
   list([]);
   clearTimeout(timer);

@@ -44,7 +44,7 @@ const showAll = async () => {
 const work = {
   file: ({ file, bytes }) => put_file(file, new Uint8Array(bytes)),
   scene: ({ scene, text, width }) => {
-    tell({ check: JSON.parse(check(scene, text)), scene });
+    tell({ check: JSON.parse(check(scene, text)) });
     if (!show) return;
     ask(scene, text, width);
     isAsked = true;
