@@ -1,17 +1,36 @@
 // Pyramid: the nearest depth in cells of 2, 4, … pixels, as clip-space z, which is linear along a ray
 // on the screen. One workgroup computes all levels of a tile, whose edge is a cell of the last; level 0 is written by
-// the surface pass.
+// the surface pass, and gets the depth of cut-outs beside it here.
 
 #import lists
+#import shown
+
+override VERIFY: bool = true; // whether the march verifies its hits
 
 const CELLS: u32 = 1u << (PYRAMID_LEVELS - 1u); // number of cells of level 1 along the tile's edge
 const LANES: u32 = CELLS / 2u;
 
 var<workgroup> tile: array<f32, CELLS * CELLS>;
 
-fn nearest_at(p: Pyramid, pixel: vec2u) -> f32 {
-    // Pixels past the border count as infinitely far.
-    return select(0.0, bitcast<f32>(lists[pyramid_slot(p, pixel, 0u)]), all(pixel < vec2u(frame.size)));
+// Nearest depth in a cell of level 1. Pixels of level 0 that show no cut-out first get the depth of the nearest in or around
+// the cell: leaves and the edges of their holes are often so thin that rays meet them where no pixel's center shows them.
+fn nearest_in(p: Pyramid, first: vec2u) -> f32 {
+    let last = vec2u(frame.size) - 1u;
+    var cutout = 0.0;
+    for (var k = 0u; VERIFY && HAS_CUTOUT && k < 16u; k++) {
+        let pixel = min(max(first + vec2u(k & 3u, k >> 2u), vec2u(1u)) - 1u, last);
+        cutout = max(cutout, -bitcast<f32>(lists[pyramid_slot(p, pixel, 0u)]));
+    }
+    var nearest = 0.0;
+    for (var k = 0u; k < 4u; k++) {
+        let pixel = first + vec2u(k & 1u, k >> 1u);
+        if (any(pixel > last)) { continue; } // infinitely far
+        let slot = pyramid_slot(p, pixel, 0u);
+        let own = bitcast<f32>(lists[slot]);
+        if (own >= 0.0 && cutout > own) { lists[slot] = bitcast<u32>(cutout); }
+        nearest = max(nearest, max(abs(own), cutout));
+    }
+    return nearest;
 }
 
 @compute @workgroup_size(LANES, LANES)
@@ -19,11 +38,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
     let p = pyramid();
     for (var k = 0u; k < 4u; k++) {
         let cell = local.xy * 2u + vec2u(k & 1u, k >> 1u);
-        let pixel = (group.xy * CELLS + cell) * 2u;
-        let nearest = max(
-            max(nearest_at(p, pixel), nearest_at(p, pixel + vec2u(1u, 0u))),
-            max(nearest_at(p, pixel + vec2u(0u, 1u)), nearest_at(p, pixel + 1u)),
-        );
+        let nearest = nearest_in(p, (group.xy * CELLS + cell) * 2u);
         tile[cell.y * CELLS + cell.x] = nearest;
         lists[pyramid_slot(p, group.xy * CELLS + cell, 1u)] = bitcast<u32>(nearest);
     }

@@ -35,10 +35,10 @@ const SUPPORT: f32 = 0.75;
 // Number of cells visited since the invocation started, with COUNT.
 var<private> march_steps: u32 = 0u;
 
-// Whether a surface that the camera culls is in front of the visible surface of a pixel.
+// Whether a surface that the camera culls, or a cut-out beside a pixel, is in front of the visible surface of the pixel.
 fn has_culled(pixel: vec2u) -> bool {
-    if (!HAS_CULLED) { return false; }
-    let nearest = bitcast<f32>(lists[pyramid_slot(pyramid(), pixel, 0u)]);
+    if (!HAS_CULLED && !HAS_CUTOUT) { return false; }
+    let nearest = abs(bitcast<f32>(lists[pyramid_slot(pyramid(), pixel, 0u)]));
     return nearest > screen_z(textureLoad(view_depth, pixel, 0).x) * (1.0 + CULLED_SLACK);
 }
 
@@ -149,12 +149,6 @@ fn accept_verified(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec3f) 
     return m;
 }
 
-// Cut-outs are opaque at the pixel's center, but perhaps not where the ray meets them.
-fn is_cut_away(m: March) -> bool {
-    if (!HAS_CUTOUT || material_alpha_cutoff(instance_material(m.id.x)) < 0.0) { return false; }
-    return !alpha_passes(m.id.x, m.id.y, m.bary);
-}
-
 // Whether the ray crossed a surface that was not accepted as its hit.
 fn is_refusal(cause: u32) -> bool {
     return cause == CAUSE_HIDDEN || cause == CAUSE_UNCONFIRMED || cause == CAUSE_BACK_FACE || cause == CAUSE_REFLECTOR;
@@ -196,7 +190,7 @@ fn march(s0: Surface, direction: vec3f) -> March {
             let next = (cell + 1) << vec2u(level);
             let exits = exits_of(heading, first, next);
             exit = clamp(min(exits.x, exits.y), s, r.end);
-            let stored = bitcast<f32>(lists[pyramid_slot(nearest, vec2u(cell), level)]);
+            let stored = abs(bitcast<f32>(lists[pyramid_slot(nearest, vec2u(cell), level)]));
             let deepest = r.start.z + r.delta.z * select(s, exit, recedes);
             let is_free = deepest > stored || (level == 0u && !is_above(plane, pixel, stored));
             is_met = !is_free && level == 0u;
@@ -220,7 +214,7 @@ fn march(s0: Surface, direction: vec3f) -> March {
         let c = Candidate(vec2u(pixel), s, exit);
         last = c;
         if (has_culled(c.pixel) || is_unreflected(textureLoad(ids, c.pixel, 0).x)) {
-            m.cause = CAUSE_HIDDEN; // behind a surface that camera rays and reflection rays treat differently
+            m.cause = CAUSE_HIDDEN; // behind a surface that camera rays and reflection rays may treat differently
         } else if (VERIFY) {
             m = accept_verified(r, c, origin, direction);
         } else {
@@ -244,7 +238,8 @@ fn march(s0: Surface, direction: vec3f) -> March {
     }
     if (COUNT) { march_steps = steps; }
     if (m.cause == CAUSE_NOT_REFLECTIVE) { m.cause = CAUSE_STEPS; }
-    if (VERIFY && is_screen_hit(m.cause) && is_cut_away(m)) { m.cause = CAUSE_UNCONFIRMED; }
+    // Cut-outs are opaque at the pixel's center, but perhaps not where the ray meets them.
+    if (VERIFY && is_screen_hit(m.cause) && is_cutout(m.id.x) && !alpha_passes(m.id.x, m.id.y, m.bary)) { m.cause = CAUSE_UNCONFIRMED; }
     if (!REFUSE && is_refusal(m.cause)) {
         m.cause = CAUSE_HIT;
         m.distance_m = dot(load_surface(last.pixel).position - origin, direction);

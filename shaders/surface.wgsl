@@ -30,7 +30,7 @@ var<workgroup> transmissive_start: u32;
 
 // Writes the depth of the surface that the pixel shows, and for the march the depth of the nearest surface that its
 // rays may meet: perhaps a culled triangle in front of it.
-fn store_depth(pixel: vec2u, depth_m: f32) {
+fn store_depth(pixel: vec2u, instance: u32, depth_m: f32) {
     textureStore(view_depth, pixel, vec4f(depth_m, 0.0, 0.0, 0.0));
     if (!HAS_REFLECTIONS || !MARCH) { return; }
     var nearest = screen_z(depth_m);
@@ -42,7 +42,7 @@ fn store_depth(pixel: vec2u, depth_m: f32) {
     } else if (HAS_CULLED) {
         nearest = max(nearest, bitcast<f32>(lists[slot]));
     }
-    lists[slot] = bitcast<u32>(nearest);
+    lists[slot] = bitcast<u32>(select(nearest, -nearest, is_cutout(instance)));
 }
 
 struct Resolved {
@@ -54,14 +54,14 @@ struct Resolved {
 fn resolve(pixel: vec2u) -> Resolved {
     let hit = textureLoad(ids, pixel, 0).xy;
     if (hit.x == NONE) {
-        store_depth(pixel, FAR_M);
+        store_depth(pixel, NONE, FAR_M);
         textureStore(surface, pixel, vec4u(0u));
         textureStore(colors, pixel, vec4u(0u));
         return Resolved(UNREFLECTIVE, false);
     }
     let shown = pixel_surface(pixel, hit);
     let s = shown.surface;
-    store_depth(pixel, shown.depth_m);
+    store_depth(pixel, hit.x, shown.depth_m);
     textureStore(surface, pixel, pack_surface(s));
     textureStore(colors, pixel, pack_colors(s));
     let rough = select(UNREFLECTIVE, ROUGH, s.reflection != REFLECTION_NONE);

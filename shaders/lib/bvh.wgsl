@@ -17,10 +17,9 @@
 #import shown
 #import walk
 
-// Whether the scene has a static tree, a top level, and cut-outs; each constant drops its code where it is false.
+// Whether the scene has a static tree and a top level; each constant drops its code where it is false.
 override HAS_STATIC: bool = true;
 override HAS_TOP_LEVEL: bool = true;
-override HAS_CUTOUT: bool = true;
 // Whether nearest hits are of camera rays. The traversal then also keeps the nearest triangle that these rays
 // ignore, as a back face, as cut away or as hidden from the camera, and that reflection rays meet.
 override OF_CAMERA: bool = false;

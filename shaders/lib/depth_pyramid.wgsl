@@ -10,7 +10,8 @@ fn picture_px() -> u32 {
 }
 
 // The depth pyramid: for the picture, padded to whole cells of the last level, and for cells of 2, 4, … pixels, the
-// clip-space z of the nearest surface that reflection rays may meet; 0: none. Level 0 is the picture itself.
+// clip-space z of the nearest surface that reflection rays may meet; 0: none. Level 0 is the picture itself, with a
+// negative z where it shows a cut-out.
 struct Pyramid {
     start: u32, // slot of its first value
     width: u32, // number of pixels of a padded row

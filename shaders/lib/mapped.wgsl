@@ -41,6 +41,6 @@ fn named_hit(id: vec2u, met: vec3f, origin: vec3f, direction: vec3f, sight: vec3
     if (!is_inside(met.yz) && abs(slant) < EDGE_ON) { return none; }
     let is_back = dot(plane.normal, direction) * slant <= 0.0;
     if (is_back && (instance_trace_flags(id.x) & DOUBLE_SIDED) == 0u) { return none; }
-    if (HAS_CUTOUT && material_alpha_cutoff(instance_material(id.x)) >= 0.0 && !alpha_passes(id.x, id.y, bary)) { return none; }
+    if (is_cutout(id.x) && !alpha_passes(id.x, id.y, bary)) { return none; }
     return Hit(met.x, id.x, id.y, bary, 0u);
 }

@@ -4,6 +4,7 @@
 #import geometry
 #import material
 #import records
+#import shown
 #import structs
 
 @group(1) @binding(6) var pool_0: texture_2d_array<f32>;
@@ -16,6 +17,11 @@
 @group(1) @binding(13) var sampler_rc: sampler;
 @group(1) @binding(14) var sampler_cr: sampler;
 @group(1) @binding(15) var sampler_cc: sampler;
+
+// Whether the material of an instance, perhaps NONE, is cut out.
+fn is_cutout(instance: u32) -> bool {
+    return HAS_CUTOUT && instance != NONE && material_alpha_cutoff(instance_material(instance)) >= 0.0;
+}
 
 fn to_world(i: u32, p: vec3f) -> vec3f {
     return vec4f(p, 1.0) * instance_world_from_object(i);

@@ -126,13 +126,12 @@ fn alpha_passes(instance: u32, triangle: u32, bary: vec2f) -> bool {
 
 // Where a capsule is first solid along a ray past `t_min`: a cut-out one perhaps on its inner side.
 fn solid_capsule_hit(instance: u32, capsule: u32, origin: vec3f, direction: vec3f, t_min: f32, width: vec2f, shadow: bool) -> CapsuleHit {
-    let is_cut_out = material_alpha_cutoff(instance_material(instance)) >= 0.0;
     var start = t_min;
     var hit: CapsuleHit;
     // One call in a loop keeps the inlined code small.
     for (var side = 0u; side < 2u; side++) {
         hit = capsule_hit(instance, capsule, origin, direction, start, width, shadow);
-        if (!hit.is_met || !is_cut_out || alpha_passes(instance, capsule, hit.place)) { return hit; }
+        if (!hit.is_met || !is_cutout(instance) || alpha_passes(instance, capsule, hit.place)) { return hit; }
         start = hit.t;
     }
     hit.is_met = false;

@@ -12,5 +12,6 @@ pub const PASS: Pass = Pass {
     reads_shared: &[DepthPyramid],
     writes_shared: &[DepthPyramid],
     needed: ssr::PASS.needed,
+    overrides: |options| vec![ssr::verify(options)],
     ..Pass::DEFAULT
 };

@@ -14,11 +14,8 @@ pub const PASS: Pass = Pass {
     params: Some(Params::LAYOUT),
     needed: |plan, options| plan.features.reflections && is_enabled(options),
     overrides: |options| {
-        let flag = |on| f64::from(u8::from(on));
-        vec![
-            ("VERIFY", flag(options.reflection.verifies())),
-            ("TRACE", flag(options.reflection.method != Method::Ssr)),
-        ]
+        let traces = options.reflection.method != Method::Ssr;
+        vec![verify(options), ("TRACE", f64::from(u8::from(traces)))]
     },
     checks: Checks::TrustedBuiltin,
     counted: true,
@@ -28,6 +25,12 @@ pub const PASS: Pass = Pass {
 /// Whether the method marches.
 pub fn is_enabled(options: &RenderOptions) -> bool {
     options.reflection.method.marches()
+}
+
+/// Override that says whether the march verifies its hits.
+pub fn verify(options: &RenderOptions) -> (&'static str, f64) {
+    let verifies = options.reflection.verifies();
+    ("VERIFY", f64::from(u8::from(verifies)))
 }
 
 gpu_struct! {

@@ -13,7 +13,7 @@ const SAME_DEPTH: f32 = 1e-4;
 
 // Minimum view depth of the second layer at a pixel.
 fn least_depth_m(pixel: vec2u) -> f32 {
-    let first_m = depth_of(bitcast<f32>(lists[pyramid_slot(pyramid(), pixel, 0u)]));
+    let first_m = depth_of(abs(bitcast<f32>(lists[pyramid_slot(pyramid(), pixel, 0u)])));
     return first_m * (1.0 + SAME_DEPTH) + params.separation_m;
 }
 

@@ -156,7 +156,7 @@ fn march_behind(r: ScreenRay, heading: Heading, plane: TangentPlane, at: Candida
         let exit = clamp(min(exits.x, exits.y), b.s, r.end);
         let enters_z = r.start.z + r.delta.z * b.s;
         let leaves_z = r.start.z + r.delta.z * exit;
-        let first_z = bitcast<f32>(lists[pyramid_slot(nearest, pixel, 0u)]);
+        let first_z = abs(bitcast<f32>(lists[pyramid_slot(nearest, pixel, 0u)]));
         let is_start = all(pixel == at.pixel);
         if (enters_z > first_z && !is_start) {
             let is_clear = !VERIFY || r.start.z + r.delta.z * (b.s + around_s) < passed_z;
