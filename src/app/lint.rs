@@ -5,6 +5,7 @@ mod capture;
 mod conventions;
 mod ignored;
 mod inside;
+mod lamps;
 mod overlap;
 mod probe;
 mod shadow;
@@ -106,6 +107,7 @@ impl<'a> Lint<'a> {
         found.extend(ignored::lint(scene, &at));
         found.extend(silent::lint(scene, world, &at));
         found.extend(conventions::lint(scene, world, &at));
+        found.extend(lamps::lint(scene, world));
         found.extend(inside::lights(scene, world));
         found.extend(inside::cameras(scene, world));
         found.extend(inside::probes(scene, world));

@@ -123,13 +123,17 @@ fn range(part: &str) -> Result<[u32; 3], String> {
     });
     let (first, last) = match ends {
         Some((first, last)) => (number(first)?, number(last)?),
+        None if part.contains(':') => return Err("a step needs a range, as in 0-47:2".to_owned()),
         None => (number(frames)?, number(frames)?),
     };
     if step == 0 {
         return Err("the step \"0\" must be 1 or more".to_owned());
     }
     if last < first {
-        return Err(format!("\"{}\" ends before it begins", clipped(part)));
+        return Err(format!(
+            "\"{}\" ends before it begins; write {last}-{first}",
+            clipped(part)
+        ));
     }
     Ok([first, last, step])
 }

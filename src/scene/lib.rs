@@ -12,6 +12,7 @@ pub mod dependencies;
 pub mod desc;
 pub mod diagnostic;
 pub mod fonts;
+mod forms;
 pub mod manual;
 pub mod motion;
 pub mod number;

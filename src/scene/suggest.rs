@@ -10,10 +10,24 @@ struct OtherPrograms {
     words: Vec<Advice>,
     keys: Vec<Advice>,
     kinds: Vec<Advice>,
-    script_words: Vec<(String, String)>,
-    script_functions: Vec<(String, String)>,
+    scripts: HashMap<String, Vec<(String, String)>>,
     languages: Vec<(String, Vec<String>, String)>,
+    values: OtherValues,
+    examples: HashMap<String, Vec<String>>,
     synonyms: HashMap<String, Vec<String>>,
+}
+
+/// Values of other programs.
+#[derive(Deserialize)]
+pub struct OtherValues {
+    /// Width and height of pictures by their names.
+    pub sizes: HashMap<String, String>,
+    /// Factors of units to the unit of scene text, and its name.
+    pub units: HashMap<String, (f64, String)>,
+    /// Keys of lights by their units.
+    pub light_keys: HashMap<String, String>,
+    /// Usual values of keys.
+    pub usual: HashMap<String, f64>,
 }
 
 /// Words with blanks between, words beside which they are unsupported, and text of the advice.
@@ -35,8 +49,14 @@ fn advice(
     is_there: impl Fn(&str) -> bool,
 ) -> Option<&'static str> {
     let lower = typed.to_lowercase();
-    let is_meant =
-        |(words, beside, _): &&Advice| lists(words, &lower) && beside.split(' ').any(&is_there);
+    // Words of programs that join the parts of names in other ways: `diffuseColor`, `_MainTex`.
+    let is_foreign =
+        typed.starts_with('_') || typed.contains(|c: char| c == '-' || c.is_uppercase());
+    let joined = |word: &str| word.replace(['_', '-'], "");
+    let is_meant = |(words, beside, _): &&Advice| {
+        let is_listed = |word: &str| word == lower || is_foreign && joined(word) == joined(&lower);
+        words.split(' ').any(is_listed) && beside.split(' ').any(&is_there)
+    };
     all.iter().find(is_meant).map(|(.., help)| help.as_str())
 }
 
@@ -55,14 +75,11 @@ pub fn absent_of_kind(kind: &str, typed: &str) -> Option<&'static str> {
     advice(&OTHER_PROGRAMS.kinds, typed, |known| known == kind)
 }
 
-/// Advice for a word of another language in a script.
-pub fn script_word(word: &str) -> Option<&'static str> {
-    script_advice(&OTHER_PROGRAMS.script_words, word)
-}
-
-/// Advice for a function of another language or library in a script.
-pub fn script_function(name: &str) -> Option<&'static str> {
-    script_advice(&OTHER_PROGRAMS.script_functions, name)
+/// Advice for a word of another language or library in a script, of a kind such as `functions`.
+pub fn in_script(kind: &str, typed: &str) -> Option<&'static str> {
+    let mut all = OTHER_PROGRAMS.scripts.get(kind)?.iter();
+    let meant = all.find(|(words, _)| lists(words, typed));
+    meant.map(|(_, help)| help.as_str())
 }
 
 /// Name of the language that a text begins in, and advice.
@@ -73,11 +90,6 @@ pub fn language(begin: &str) -> Option<(&'static str, &'static str)> {
     found.map(|(name, _, help)| (name.as_str(), help.as_str()))
 }
 
-fn script_advice(all: &'static [(String, String)], typed: &str) -> Option<&'static str> {
-    let meant = all.iter().find(|(words, _)| lists(words, typed));
-    meant.map(|(_, help)| help.as_str())
-}
-
 /// The key that an advice begins with, as in ``write `size`, …``.
 pub fn key_of_advice(help: &str) -> Option<&str> {
     let (key, rest) = help.strip_prefix("write `")?.split_once('`')?;
@@ -85,22 +97,22 @@ pub fn key_of_advice(help: &str) -> Option<&str> {
     (rest.is_empty() || rest.starts_with([',', ';', ':'])).then_some(key)
 }
 
-/// Advice for a table that lacks this key.
-pub fn example(key: &str) -> String {
-    format!("write {}", example_of(key))
+/// Values of other programs, with their counterparts in scene text.
+pub fn other_values() -> &'static OtherValues {
+    &OTHER_PROGRAMS.values
+}
+
+/// Values that a key may have, each for another type of the value.
+pub fn examples(key: &str) -> &'static [String] {
+    OTHER_PROGRAMS.examples.get(key).map_or(&[], Vec::as_slice)
 }
 
 /// A key with a value that it may have.
 pub fn example_of(key: &str) -> String {
-    let value = match key {
-        "parts" => "[{ shape = { kind = \"box\" } }, { shape = { kind = \"sphere\" } }]",
-        "keys" => "[{ at_s = 0, value = … }, { at_s = 2, value = … }]",
-        "path" => "\"M 0 0 H 1 V 0.5 Z\"",
-        "shape" => "{ kind = \"box\" }",
-        "file" => "\"chair.glb\"",
-        _ => "…",
-    };
-    format!("`{key} = {value}`")
+    format!(
+        "`{key} = {}`",
+        examples(key).first().map_or("…", String::as_str)
+    )
 }
 
 /// Largest number of names of a scene that are compared with one that refers to nothing.

@@ -23,9 +23,9 @@ use self::{
     value::{Named, Names, Value},
 };
 use crate::declared::{Described, TypeDoc};
-use crate::diagnostic::Span;
+use crate::diagnostic::{Source, Span};
 use crate::syntax::{self, Entries, Node};
-use crate::{range::Range, suggest};
+use crate::{forms, range::Range, suggest};
 
 pub use self::nested::{Either, NumberOr, ValueOr};
 
@@ -154,6 +154,18 @@ struct Missing {
     help: String,
 }
 
+/// A value that a key may have, as scene text has it.
+fn example<V: Value>(key: &str, range: Range) -> &'static str {
+    let is_right = |text: &&String| {
+        let source = Source::new("", format!("x = {text}"));
+        let node = source.syntax().root().get("x");
+        let named = Named { key, range: &range };
+        node.is_some_and(|node| V::read(node, &named, &mut Report::default()).is_some())
+    };
+    let listed = suggest::examples(key).iter().find(is_right);
+    listed.map_or("…", String::as_str)
+}
+
 /// One table of the tree, being read.
 pub struct Table<'r> {
     /// Report that messages go to.
@@ -254,12 +266,14 @@ impl<'r> Table<'r> {
         Written(self.report.span(&self.value_at(key)))
     }
 
-    /// Whether the table is written in a variant.
-    fn is_in_layer(&self) -> bool {
+    /// Whether the text of the table begins with these signs.
+    fn begins_with(&self, signs: &str) -> bool {
         let at = self.start();
-        let source = at.source.as_ref();
-        let written = source.and_then(|source| source.text.get(at.range.start..));
-        written.is_some_and(|text| text.starts_with("[[variant."))
+        let written = at
+            .source
+            .as_ref()
+            .and_then(|s| s.text.get(at.range.start..));
+        written.is_some_and(|text| text.starts_with(signs))
     }
 
     /// Range of a key's value, else of the table.
@@ -293,13 +307,25 @@ impl<'r> Table<'r> {
     pub fn need<V: Value>(&mut self, key: &'static str, range: Range) -> Option<V> {
         self.note(key, || KeyRecord::value::<V>(key, range).required());
         if !self.has(key) {
+            let range_of = range;
             let range = if V::RANGED {
                 range.words()
             } else {
                 String::new()
             };
             let comma = if range.is_empty() { "" } else { ", " };
-            let help = format!("write `{key} = …`, {}{comma}{range}", V::expected());
+            let help = match V::WORDS {
+                [first, ..] => format!(
+                    "write `{key} = \"{}\"`, or another of {}",
+                    first.name,
+                    V::expected()
+                ),
+                [] => format!(
+                    "write `{key} = {}`, {}{comma}{range}",
+                    example::<V>(key, range_of),
+                    V::expected()
+                ),
+            };
             let help = V::example().map_or(help, |e| format!("write `{key} = {e}`"));
             self.missing.push(self.missing_key(key, help));
         }
@@ -316,7 +342,18 @@ impl<'r> Table<'r> {
 
     fn plain<V: Value>(&mut self, key: &str, range: Range) -> Option<V> {
         let node = self.values.get(key)?;
-        V::read(node, &Named { key, range: &range }, self.report)
+        let value = V::read(node, &Named { key, range: &range }, self.report);
+        if value.is_some() || !self.report.lacks_advice() {
+            return value;
+        }
+        let example = example::<V>(key, range);
+        if example != "…" {
+            self.report.advise(match V::WORDS {
+                [] => format!("write {}, such as {example}", V::expected()),
+                _ => format!("write {example}, or another of these words"),
+            });
+        }
+        value
     }
 
     fn unknown(&self) -> Vec<(&'r syntax::Key, &'r Node)> {
@@ -348,20 +385,14 @@ impl<'r> Table<'r> {
             self.missing
                 .retain(|missing| !missing.keys.iter().any(|key| is_meant(key)));
             let help = (absent.map(str::to_owned))
-                .or_else(|| self.key_of_the_file(name))
+                .or_else(|| {
+                    self.key_of_the_file(name)
+                        .filter(|_| !self.begins_with("{"))
+                })
                 .or_else(|| self.key_of_another(name).filter(|_| meant.is_none()))
                 .or_else(|| {
-                    match self.place.path.strip_prefix("motion")? {
-                    "" if !self.place.in_list => Some(format!(
-                        "write `[motion.instance.{name}]`, or the table of another kind"
-                    )),
-                    path if path.starts_with(".model.") => Some(
-                        "materials of its file move here; write `[motion.instance.NAME]`, with the \
-                         `name` of an instance"
-                            .to_owned(),
-                    ),
-                    _ => None,
-                }
+                    let path = format!("{} {name}", self.place.path);
+                    forms::explained("motion", &path).map(|(_, help)| help)
                 })
                 .unwrap_or_else(|| suggest::hint(name, &self.asked, suggest::key, "its keys are"));
             self.report.error("unknown-key", &key.span(), message).help = Some(help);
@@ -386,6 +417,9 @@ impl<'r> Table<'r> {
         let has = |s: &&SectionRecord| {
             s.heading.starts_with('[') && s.keys.iter().any(|k| k.name == name)
         };
+        if self.begins_with("{") && self.place.path.matches('.').count() > 1 {
+            return None; // a part of another table
+        }
         let tables: Vec<_> = self.place.all?().iter().filter(has).collect();
         let titles: Vec<_> = tables.iter().map(|s| suggest::key(s.heading)).collect();
         (1..3).contains(&titles.len()).then(|| {
@@ -427,7 +461,7 @@ impl<'r> Table<'r> {
             error.related = removed;
             return;
         }
-        let of_layer = name.filter(|_| self.place.in_list && self.is_in_layer());
+        let of_layer = name.filter(|_| self.place.in_list && self.begins_with("[[variant."));
         for Missing { message, help, .. } in missing {
             let error = (self.report).error("missing-key", &self.place.at, message);
             error.help = Some(match of_layer {

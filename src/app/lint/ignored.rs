@@ -6,6 +6,7 @@ use crate::scene::{
     desc::{InstanceMaterialDesc, Method, NEEDING, Needing, ReflectionDesc},
     diagnostic::{Diagnostic, Span},
     stages::Scene,
+    suggest::example_of,
 };
 
 /// Warnings about keys in the scene's text that have no effect; `start` is a span in that text.
@@ -62,7 +63,19 @@ fn materials(scene: &Scene) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     for entry in scene.materials.iter().filter(|m| used.contains(&m.name)) {
         let is_alone = |key: &&Needing| (key.is_alone)(&entry.value);
+        let it = &entry.value;
+        let is_metal = it.metallic == Some(1.0) && it.metallic_roughness_texture.is_none();
+        if is_metal && it.transmission > Some(0.0) && scene.is_still() {
+            let message = format!(
+                "material \"{}\" is all metal, so {}",
+                entry.name,
+                nothing(&["transmission"])
+            );
+            let help = "write `metallic = 0` for glass, or remove `transmission`";
+            found.push(Diagnostic::new("ignored-key", entry.at.clone(), message).help(help));
+        }
         let mut alone: Vec<_> = NEEDING.iter().filter(is_alone).collect();
+        alone.retain(|key| key.key != "emission_strength" || it.patterned.is_empty());
         while let Some(&&Needing { needs: needed, .. }) = alone.first() {
             let names = alone.extract_if(.., |key| key.needs == needed);
             let names: Vec<_> = names.map(|key| key.key).collect();
@@ -72,7 +85,7 @@ fn materials(scene: &Scene) -> Vec<Diagnostic> {
                 nothing(&names)
             );
             let them = if names.len() == 1 { "it" } else { "them" };
-            let help = format!("write `{needed}`, or remove {them}");
+            let help = format!("write {}, or remove {them}", example_of(needed));
             found.push(Diagnostic::new("ignored-key", entry.at.clone(), message).help(help));
         }
     }

@@ -66,14 +66,14 @@ material! {
         /// Image file with a tangent-space normal map (glTF convention, green is up).
         normal_texture: At<String> [ANY] in TEXTURES;
         /// Strength of the normal map, 0 to 4: 0 is flat, 1 as made, more is rougher relief. Default 1.
-        normal_scale: f32, Number in range(0.0, 4.0), "strength of the normal map" => rest 1.0;
+        normal_scale under normal_texture: f32, Number in range(0.0, 4.0), "strength of the normal map" => rest 1.0;
         /// Strength of the occlusion map of a glTF material, 0 to 1: how much it darkens the environment's light.
         /// Default 1, or the glTF value.
         occlusion_strength: f32, Number in UNIT, "strength of the file's occlusion map" => rest 1.0;
         /// Linear emitted color, three numbers 0 or more, multiplied by `emission_strength`. Default black.
         emission: Vec3, Color in FROM_0, "linear emitted color" varies Emission, apart rest Vec3::ZERO;
         /// Factor on `emission`, 0 or more. 1 shows as white at exposure 0. Default 1.
-        emission_strength: f32, Number in FROM_0, "factor on `emission`" of EMISSIVE_STRENGTH, apart rest 1.0;
+        emission_strength under emission: f32, Number in FROM_0, "factor on `emission`" of EMISSIVE_STRENGTH, apart rest 1.0;
         /// Image file multiplied into the emission (sRGB).
         emission_texture: At<String> [ANY] in TEXTURES;
         /// Whether the surface's emission lights other surfaces, with shadows; else only reflections show it. For

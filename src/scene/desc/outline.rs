@@ -1,7 +1,10 @@
 //! Flat figures that shapes are made of.
 
+use glam::Vec2;
+
 use super::Written;
 use crate::{
+    diagnostic::Diagnostic,
     range::{ABOVE_0, ANY, FROM_0, Range, range},
     suggest, svg_path,
     syntax::Node,
@@ -152,6 +155,18 @@ impl OutlineDesc {
     }
 
     fn check_holes(&self, t: &mut Table) {
+        if let (FigureDesc::Points(points), false) = (&self.figure, t.has("fill_rule"))
+            && let Some([a, b]) = crossing(points)
+        {
+            let message = format!(
+                "`points` cross themselves: the lines from the corners {a} and {b}, counted from 0"
+            );
+            let order = format!("write the corners {} to {b} in the other order", a + 1);
+            let help =
+                format!("{order}; if the crossing is meant, write `fill_rule = \"nonzero\"`");
+            let warning = Diagnostic::new("crossing-outline", t.written("points").0, message);
+            t.report.push(warning.help(help).warning());
+        }
         let holes = &self.holes;
         let count: usize = holes.iter().map(Vec::len).sum();
         if let Some(hole) = holes.iter().position(|hole| hole.len() < 3) {
@@ -178,6 +193,19 @@ impl OutlineDesc {
         let list = value.get_ref().as_array();
         list.map(|_| format!("write `{key} = {{ points = […] }}`"))
     }
+}
+
+/// Numbers of two corners whose lines to their next ones cross, of a figure that is written by hand.
+fn crossing(points: &[[f32; 2]]) -> Option<[usize; 2]> {
+    let count = points.len().min(300);
+    let corner = |i: usize| Vec2::from(points[i % points.len()]);
+    // Whether the ends of the second line are on both sides of the first one.
+    let divides = |i: usize, j: usize| {
+        let side = |k| (corner(i + 1) - corner(i)).perp_dot(corner(k) - corner(i));
+        side(j) * side(j + 1) < 0.0
+    };
+    let mut pairs = (0..count).flat_map(|i| (i + 2..count).map(move |j| [i, j]));
+    pairs.find(|[i, j]| divides(*i, *j) && divides(*j, *i))
 }
 
 /// Advice about corners.

@@ -7,7 +7,7 @@ use glam::Vec3;
 pub(crate) use self::read::tracks;
 pub(super) use self::read::{shown, track};
 use super::At;
-use crate::{diagnostic::Span, range::ABOVE_0, suggest, syntax::Node, table::Table};
+use crate::{diagnostic::Span, range::ABOVE_0, table::Table};
 
 /// Tracks, each with the index of its [`Field`](crate::number::Field) in the table of the thing that it
 /// changes.
@@ -127,7 +127,7 @@ declared! {
 
     /// `follow = { instance = "car", offset = [0, 1, 0] }`: takes the position from an instance or a group.
     #[derive(Clone, Debug, PartialEq)]
-    #[table("follow = { … }", refers(instance: "instance" | "group"), instead(Self::instead))]
+    #[table("follow = { … }", refers(instance: "instance" | "group"))]
     pub struct FollowDesc {
         /// `name` of the instance or the group to follow.
         pub instance: At<String>,
@@ -170,13 +170,6 @@ declared! {
 
     /// `oscillate = { amplitude = 0.2, period_s = 2 }`: adds `amplitude * sin(2π (t / period_s + phase))`.
     pub struct ScaleOscillateDesc;
-}
-
-impl FollowDesc {
-    fn instead(key: &str, value: &Node) -> Option<String> {
-        let instance = suggest::text(value.get_ref().as_str()?);
-        Some(format!("write `{key} = {{ instance = {instance} }}`"))
-    }
 }
 
 impl OrbitDesc {

@@ -7,7 +7,7 @@ use std::{
 };
 
 use super::entry_kinds::named_elsewhere;
-use crate::syntax::{Entries, Node};
+use crate::syntax::{Entries, Node, key_text};
 use crate::table::report::Report;
 use crate::{
     desc::{Entry, Parents, SceneDesc},
@@ -115,7 +115,11 @@ fn refuse_dangling<T>(
         let mut known: Vec<&str> = nodes.keys().copied().collect();
         known.sort_unstable();
         known.truncate(suggest::MOST_NAMES);
-        suggest::hint(parent, &known, suggest::text, "the names are")
+        let lead = format!(
+            "write `[group.{}]`, or one of the names",
+            key_text(&suggest::clip(parent))
+        );
+        suggest::hint(parent, &known, suggest::text, &lead)
     };
     let error = report.error("dangling-name", at, message);
     error.help = Some(help);

@@ -6,13 +6,13 @@ use std::{
 };
 
 use super::{entry_kinds::named_elsewhere, extends, hierarchy};
-use crate::suggest;
 use crate::syntax::Entries;
 use crate::table::report::Report;
 use crate::{
     desc::{At, ByName, InstanceMaterialDesc, ModelSource, SceneDesc},
     diagnostic::{Diagnostic, Span},
 };
+use crate::{forms, suggest};
 
 mod motion;
 
@@ -62,7 +62,10 @@ impl<'a> Names<'a> {
         let message = format!("no {kind} is named {name}");
         let mut error = Diagnostic::new("dangling-name", to.at.clone(), message);
         if !report.is_full() {
-            let help = if self.first.is_empty() {
+            let form = forms::explained("name", &format!("{kind} {}", to.value));
+            let help = if let Some((_, help)) = form {
+                help
+            } else if self.first.is_empty() {
                 format!("write a table `[{kind}.NAME]` and refer to its name")
             } else {
                 let lead = format!("the {kind}s are");

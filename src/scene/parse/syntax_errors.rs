@@ -9,7 +9,7 @@ use std::{ops::Range, sync::Arc};
 use self::unclosed::Unclosed;
 use crate::{
     diagnostic::{Diagnostic, Source, Span},
-    suggest,
+    forms, suggest,
     syntax::{Entries, MOST_TABLES, TOO_MANY_TABLES, Token, TokenKind, tokens},
     table::report::Report,
 };
@@ -125,6 +125,12 @@ fn errors(source: &Arc<Source>, base: usize, report: &mut Report) -> Vec<Shadow>
 }
 
 fn explain_unclosed(text: &str, base: usize, open: &Unclosed, report: &mut Report) {
+    let line = text[open.at..].lines().next().unwrap_or_default();
+    if let Some((at, message, help)) = forms::found("open", line) {
+        let at = base + open.at + at.start..base + open.at + at.end;
+        report.error("toml-syntax", &at, message).help = Some(help);
+        return;
+    }
     let message = format!("`{}` is not closed", &text[open.at..=open.at]);
     let line = 1 + text[..open.end].matches('\n').count();
     let place = match open.before {

@@ -139,7 +139,19 @@ impl Context {
         let mut known: Vec<_> = table.keys().filter_map(|full| names.own(full)).collect();
         known.sort_unstable();
         known.truncate(1000);
-        let hint = if known.is_empty() {
+        let (full, shown) = (names.full(name), suggest::text(name));
+        let others = [
+            ("camera", &names.cameras),
+            ("light", &names.lights),
+            ("decal", &names.decals),
+            ("material", &names.materials),
+        ];
+        let hint = if let Some((other, _)) = others.iter().find(|(_, all)| all.contains_key(&full))
+        {
+            format!("it is a {other}, which `ctx.{other}({shown}, #{{ … }})` changes")
+        } else if names.models.contains_key(&full) {
+            format!("it is a model: write `name = {shown}` in its [[instance]]")
+        } else if known.is_empty() {
             format!("no {kind} of the scene has a name")
         } else {
             suggest::hint(name, &known, suggest::text, &format!("the {kind}s are"))

@@ -22,7 +22,7 @@ use super::{
 };
 use crate::{
     diagnostic::{Diagnostic, Span},
-    suggest,
+    forms, suggest,
 };
 use reflet_base::digits::grouped;
 
@@ -106,7 +106,14 @@ pub fn runtime(
     if let Wrong::ErrorParsing(kind, at) = inner {
         return with_calls(syntax(kind, *at, sources, &file), &calls, sources);
     }
-    let (kind, message, help) = explain(inner, known);
+    let (kind, mut message, mut help) = explain(inner, known);
+    if let Some((words, advice)) = forms::explained("runtime", &message).filter(|_| help.is_none())
+    {
+        message = Some(words)
+            .filter(|words| !words.is_empty())
+            .unwrap_or(message);
+        help = Some(advice);
+    }
     let message = match when {
         Some(when) => format!("{message} ({when})"),
         None => message,
@@ -264,9 +271,6 @@ fn advice(wrong: &Wrong) -> Option<String> {
             "its elements are 0 to {}; write `a[i % a.len()]` to begin again after the last",
             count - 1
         )),
-        Wrong::ErrorArithmetic(text, _) if text.to_lowercase().contains("division by zero") => {
-            Some("ask first, as in `if b != 0 { a / b } else { 0 }`".to_owned())
-        }
         _ => None,
     }
 }

@@ -14,7 +14,7 @@ use super::{
 use crate::{
     desc::{Entry, ParamValue},
     diagnostic::{Diagnostic, Source, Span},
-    suggest,
+    forms, suggest,
 };
 
 /// Parameters that scripts read.
@@ -64,6 +64,7 @@ pub fn lint_scripts(texts: &[(String, String)], params: &[Entry<ParamValue>]) ->
             found: Vec::new(),
         };
         lint.run();
+        lint.lines();
         found.append(&mut lint.found);
     }
     found
@@ -105,6 +106,24 @@ impl<'t> ScriptLint<'t, '_> {
             .push(Diagnostic::new(name, span, message).help(help));
         let last = self.found.len() - 1;
         &mut self.found[last]
+    }
+
+    /// Warns about lines that have a form of mistakes.
+    fn lines(&mut self) {
+        let source = Arc::clone(&self.source);
+        let starts = source.text.match_indices('\n').map(|(at, _)| at + 1);
+        for start in std::iter::once(0).chain(starts) {
+            let line = source.text[start..].lines().next().unwrap_or_default();
+            let code = line.split("//").next().unwrap_or(line);
+            if let Some((at, message, help)) = forms::found("line", code) {
+                self.warn(
+                    "unlikely-value",
+                    start + at.start..start + at.end,
+                    message,
+                    help,
+                );
+            }
+        }
     }
 
     fn run(&mut self) {

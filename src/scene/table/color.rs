@@ -10,7 +10,7 @@ use super::{
     value_advice::list_of_number,
 };
 use crate::syntax::{Content, Node};
-use crate::{diagnostic::Diagnostic, range::Range, suggest};
+use crate::{diagnostic::Diagnostic, forms, range::Range, suggest};
 use reflet_base::math::{BLACK_BODY_K, black_body, linear_from_srgb};
 
 /// Pattern of the texts of colors, where N is a number.
@@ -172,26 +172,10 @@ pub fn in_css(text: &str) -> Option<CssColor> {
     (text.parse().ok()).or_else(|| digits.parse().ok())
 }
 
-/// Temperatures of lamps by their names on the box, kelvin.
-const LIGHTS: [(&str, u32); 5] = [
-    ("warm", 2700),
-    ("neutral", 4000),
-    ("daylight", 6500),
-    ("cold", 10_000),
-    ("cool", 10_000),
-];
-
 /// Advice for a text that is not a color.
 pub fn advice(text: &str) -> String {
-    let is_image = [".png", ".jpg", ".jpeg", ".webp", ".ktx2"];
-    if is_image.iter().any(|ending| text.ends_with(ending)) {
-        return format!(
-            "an image is a texture: write `base_color_texture = {}`",
-            suggest::text(text)
-        );
-    }
-    if let Some((_, kelvin)) = LIGHTS.iter().find(|(name, _)| *name == text) {
-        return format!("colors have no names; write \"{kelvin} K\"");
+    if let Some((_, help)) = forms::explained("color", text) {
+        return help;
     }
     let kelvin = text.to_ascii_lowercase();
     let kelvin = kelvin.strip_suffix('k').and_then(|k| k.trim().parse().ok());

@@ -194,10 +194,19 @@ impl<'r> Table<'r> {
         };
         let Some(items) = node.get_ref().as_array() else {
             let message = format!("`{key}` must be a list of tables, not {}", found(node));
+            let are_names = node
+                .get_ref()
+                .as_table()
+                .is_some_and(|t| t.values().all(|v| v.get_ref().as_table().is_some()));
             let error = self.report.error("wrong-type", &self.key_at(key), message);
             error.help = Some(match key {
-                "keys" => suggest::example(key),
-                _ => format!("write `[[{key}]]`, with two brackets on each side"),
+                "keys" => format!("write {}", suggest::example_of(key)),
+                "instance" if are_names => {
+                    "write `[[instance]]`, with two brackets on each side, and a `name` as its key"
+                        .to_owned()
+                }
+                "instance" => "write `[[instance]]`, with two brackets on each side".to_owned(),
+                _ => format!("write `{key} = [{}]`", keys_of::<T>(&[])),
             });
             return Vec::new();
         };
@@ -214,14 +223,8 @@ impl<'r> Table<'r> {
                 // The others of the list are hardly another mistake.
                 if std::mem::replace(&mut are_tables, false) {
                     let message = format!("each `{key}` must be a table, not {}", found(item));
-                    let pair = other.as_array().filter(|pair| pair.len() == 2);
-                    let pair = pair.and_then(|pair| Some((plain(&pair[0])?, plain(&pair[1]))));
-                    let (time, value) = pair.unwrap_or(("0".to_owned(), None));
-                    let value = value.unwrap_or_else(|| "…".to_owned());
-                    let example = match key {
-                        "keys" => format!("write `{{ at_s = {time}, value = {value} }}`"),
-                        _ => format!("write `{}`", keys_of::<T>()),
-                    };
+                    let values = other.as_array().map_or(&[][..], |values| values);
+                    let example = format!("write `{}`", keys_of::<T>(values));
                     self.report.error("wrong-type", &item.span(), message).help = Some(example);
                 }
                 None
@@ -318,7 +321,7 @@ impl<'r> Table<'r> {
             let message = format!("`{key}` must be a table, not {}", found(node));
             let error = self.report.error("wrong-type", &node.span(), message);
             let heading = || {
-                Some(format!("write `{key} = {}`", keys_of::<T>()))
+                Some(format!("write `{key} = {}`", keys_of::<T>(&[])))
                     .filter(|_| !T::HEADING.is_empty())
             };
             error.help = (T::instead(key, node))
@@ -391,8 +394,8 @@ fn plain(node: &Node) -> Option<String> {
     })
 }
 
-/// A table with the keys that it must have, or the first one.
-fn keys_of<T: Section>() -> String {
+/// A table with the keys that it must have, or the first one, which have these values where they are plain.
+fn keys_of<T: Section>(values: &[Node]) -> String {
     let mut notes = RecordedKeys::default();
     Table::describe::<T>(&mut notes);
     let all = notes.sections.first().map_or(&[][..], |s| &s.keys);
@@ -400,6 +403,11 @@ fn keys_of<T: Section>() -> String {
     if keys.is_empty() {
         keys.extend(all.first());
     }
-    let keys: Vec<_> = keys.iter().map(|key| format!("{} = …", key.name)).collect();
+    let value = |i: usize| values.get(i).and_then(plain);
+    let entry = |(i, key): (usize, &&KeyRecord)| match value(i) {
+        Some(value) => format!("{} = {value}", key.name),
+        None => suggest::example_of(key.name).replace('`', ""),
+    };
+    let keys: Vec<_> = keys.iter().enumerate().map(entry).collect();
     format!("{{ {} }}", keys.join(", "))
 }

@@ -269,6 +269,12 @@ impl Report {
         }
     }
 
+    /// Whether the newest message is kept and has no help.
+    pub fn lacks_advice(&self) -> bool {
+        let newest = self.list.last().filter(|_| self.left_out == 0);
+        newest.is_some_and(|newest| newest.help.is_none())
+    }
+
     /// Whether a message with that diagnostic name was kept.
     pub fn has(&self, name: &str) -> bool {
         self.list.iter().any(|d| d.name == name)

@@ -22,7 +22,7 @@ impl Table<'_> {
         present.sort_by_key(|(_, at)| at.start);
         match present.as_slice() {
             [] if required && groups.len() == 1 => {
-                let help = suggest::example(groups[0][0]);
+                let help = format!("write {}", suggest::example_of(groups[0][0]));
                 let keys = groups[0].to_vec();
                 self.missing.push(Missing {
                     keys,

@@ -291,7 +291,7 @@ impl<T: Value, const N: usize> Value for [T; N] {
     fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
         let (key, expected) = (named.key, Self::expected());
         let Some(items) = node.get_ref().as_array() else {
-            let help = list_instead(node, key, N, T::RANGED);
+            let help = list_instead(node, key, N);
             wrong_type(node, key, &expected, report).help = help;
             return None;
         };

@@ -1,8 +1,9 @@
 //! Advice for values of a wrong type, length or range: the text to write instead.
 
 use crate::{
+    forms,
     range::{LIMIT, Range, UNIT},
-    suggest,
+    suggest::{self, other_values},
     syntax::{Content, Node},
 };
 
@@ -21,22 +22,12 @@ pub fn unquoted(node: &Node, is_right: impl Fn(&str) -> bool) -> Option<String> 
     is_right(value).then(|| format!("write {value}, without quotes"))
 }
 
-/// Sizes of pictures that have names, with their width and height.
-const SIZES: &[(&[&str], &str)] = &[
-    (&["4k", "uhd", "2160p"], "3840, 2160"),
-    (&["2k", "qhd", "1440p"], "2560, 1440"),
-    (&["hd", "fullhd", "full hd", "1080p"], "1920, 1080"),
-    (&["720p"], "1280, 720"),
-];
-
 /// Advice for numbers in a text where a list of `count` is expected: `size = "1280x720"`.
 fn list_in_text(node: &Node, count: usize) -> Option<String> {
     let text = node.get_ref().as_str()?;
     let lower = text.to_lowercase();
-    let known = SIZES
-        .iter()
-        .find(|(names, _)| names.contains(&lower.as_str()) && count == 2);
-    if let Some((_, size)) = known {
+    let known = other_values().sizes.get(&lower).filter(|_| count == 2);
+    if let Some(size) = known {
         return Some(format!("write [{size}]"));
     }
     let parts = text.split(['x', '×', ',', ' ', '[', ']', '(', ')']);
@@ -46,15 +37,7 @@ fn list_in_text(node: &Node, count: usize) -> Option<String> {
 }
 
 /// Keys of points, ways and counts, of which one number in all places is hardly meant.
-const ALONG_X: &[&str] = &[
-    "count",
-    "step",
-    "translation",
-    "position",
-    "eye",
-    "target",
-    "offset",
-];
+const ALONG_X: &str = "count step translation position eye target offset";
 
 /// Advice for a single number where a list of `count` is expected: about Y for a rotation or a rate, along X for a
 /// way, else in all places.
@@ -71,12 +54,13 @@ pub fn list_of_number(node: &Node, key: &str, count: usize) -> Option<String> {
         ("rotation_deg", 3) => {
             format!("write [0, {number}, 0] for a turn about Y, which points up")
         }
+        ("amplitude", 3) => format!("write [0, {number}, 0] for a swing along Y, which points up"),
         ("rate" | "value", 3) => {
             format!(
                 "write [0, {number}, 0] for Y, which points up: a turn about it, or a way along it"
             )
         }
-        _ if count == 3 && ALONG_X.contains(&key) => {
+        _ if count == 3 && ALONG_X.split(' ').any(|k| k == key) => {
             let rest = u8::from(key == "count");
             format!("write [{number}, {rest}, {rest}] for X alone")
         }
@@ -91,11 +75,18 @@ pub fn list_of_number(node: &Node, key: &str, count: usize) -> Option<String> {
 /// Advice for a list of numbers that is one too short, for a point or a color, or too long.
 pub fn list_of_length(items: &[Node], key: &str, count: usize, range: &Range) -> Option<String> {
     let is_number = |item: &Node| matches!(item.get_ref(), Content::Integer(_) | Content::Float(_));
+    if let ([only], 2) = (items, count) {
+        return list_of_number(only, key, count);
+    }
     let is_near = items.len() + 1 == count || (count + 1..count + 3).contains(&items.len());
     if !(is_near && count <= 4 && items.iter().all(is_number)) {
         return None;
     }
-    let mut list: Vec<_> = items.iter().map(number_text).take(count).collect();
+    let mut list: Vec<_> = items.iter().map(number_text).collect();
+    if key == "size" && count == 2 && list.iter().filter(|text| *text != "0").count() == 2 {
+        list.retain(|text| text != "0"); // the height of a flat thing
+    }
+    list.truncate(count);
     match (items.len() < count, count) {
         (true, 4) => Some(format!(
             "four numbers are a quaternion, `[0, 0, 0, 1]` for no turn; degrees about X, Y and Z are `rotation_deg = [{}]`",
@@ -121,25 +112,38 @@ pub fn list_of_length(items: &[Node], key: &str, count: usize, range: &Range) ->
     }
 }
 
-/// Advice for a value that is no list where a list of `count` is expected, of numbers if `is_ranged`.
-pub fn list_instead(node: &Node, key: &str, count: usize, is_ranged: bool) -> Option<String> {
-    let point = || "write three numbers, such as [0, 1, 0]".to_owned();
+/// Advice for a value that is no list where a list of `count` is expected.
+pub fn list_instead(node: &Node, key: &str, count: usize) -> Option<String> {
     let lanes = || {
         let table = node.get_ref().as_table()?;
-        let lanes = ["x", "y", "z"].map(|lane| table.get(lane).map(number_text));
-        let lanes: Vec<_> = lanes.into_iter().take(count).flatten().collect();
+        let names = &["x", "y", "z"][..count.min(3)];
+        let lanes = names
+            .iter()
+            .map(|lane| table.get(*lane).map_or("0".to_owned(), number_text));
+        let lanes: Vec<_> = lanes.collect();
         let is_whole = lanes.len() == count && lanes.iter().all(|lane| !lane.is_empty());
-        is_whole.then(|| format!("write [{}]", lanes.join(", ")))
+        let has_lanes = names.iter().any(|lane| table.contains_key(*lane));
+        (is_whole && has_lanes).then(|| format!("write [{}]", lanes.join(", ")))
     };
     list_in_text(node, count)
         .or_else(lanes)
         .or_else(|| list_of_number(node, key, count))
-        .or_else(|| (is_ranged && count == 3).then(point))
 }
 
 /// Advice for a truth value or a text where a number in this range is expected.
 pub fn number_instead(node: &Node, key: &str, range: &Range) -> Option<String> {
-    number_of_truth(node, range).or_else(|| number_for_text(node, key, range))
+    let of_list = || number_of_list(node.get_ref().as_array()?);
+    (number_of_truth(node, range).or_else(|| number_for_text(node, key, range))).or_else(of_list)
+}
+
+/// Advice for a list of numbers where one is expected: the first number but 0.
+fn number_of_list(items: &[Node]) -> Option<String> {
+    let numbers: Vec<_> = items.iter().map(number_text).collect();
+    let mut turned = numbers.iter().filter(|text| *text != "0");
+    let number = turned.next().or(numbers.first())?;
+    let is_sure = turned.all(|other| other == number);
+    let one = if is_sure { "" } else { "one number, such as " };
+    (!number.is_empty()).then(|| format!("write {one}{number}, without brackets"))
 }
 
 /// Advice for a truth value where a number in this range is expected.
@@ -156,11 +160,16 @@ fn number_of_truth(node: &Node, range: &Range) -> Option<String> {
 /// Advice for a text where a number in this range is expected: without its unit, if it is a number with one.
 fn number_for_text(node: &Node, key: &str, range: &Range) -> Option<String> {
     let text = node.get_ref().as_str()?.trim();
+    if let Some((_, help)) = forms::explained("number", &format!("{key} = {text}")) {
+        return Some(help);
+    }
     let digits = text.trim_end_matches(|c: char| c.is_alphabetic() || "%° ".contains(c));
     if digits.len() < text.len() && digits.parse::<f64>().is_ok() {
         return Some(without_unit(digits, text[digits.len()..].trim(), key));
     }
-    Some(format!("write a number, such as {}", range.clamp(1.0)))
+    suggest::examples(key)
+        .is_empty()
+        .then(|| format!("write a number, such as {}", range.clamp(1.0)))
 }
 
 /// Advice for a time where the number of a frame is expected, as by the keys of the timeline.
@@ -181,33 +190,12 @@ pub fn frames_of_time(node: &Node, key: &str) -> Option<String> {
     }
 }
 
-/// Unit suffixes of numbers in other programs' files, each with its factor to the unit of scene text and the name of
-/// that unit.
-const UNITS: &[(&str, f64, &str)] = &[
-    ("mm", 1e-3, "meters"),
-    ("cm", 1e-2, "meters"),
-    ("km", 1e3, "meters"),
-    ("in", 0.0254, "meters"),
-    ("ft", 0.3048, "meters"),
-    ("ms", 1e-3, "seconds"),
-    ("rad", 180.0 / std::f64::consts::PI, "degrees"),
-    ("%", 1e-2, "shares of 1"),
-];
-
-/// Units of light, each with the key of a light that has it.
-const LIGHT_KEYS: &[(&str, &str)] = &[
-    ("W", "power_w"),
-    ("lm", "flux_lm"),
-    ("lx", "intensity_lux"),
-    ("cd", "intensity_cd"),
-];
-
 /// Advice for a number with a unit: the number in the unit that scene text has.
 pub fn without_unit(number: &str, unit: &str, key: &str) -> String {
-    if let Some((_, key)) = LIGHT_KEYS.iter().find(|(name, _)| *name == unit) {
+    if let Some(key) = other_values().light_keys.get(unit) {
         return format!("write `{key} = {number}`, whose unit it is, or {number} alone");
     }
-    let known = UNITS.iter().find(|(name, ..)| *name == unit);
+    let known = other_values().units.get(unit);
     let value = number.parse::<f64>().ok().zip(known);
     let lens = value.filter(|(length_mm, _)| unit == "mm" && (4.0..=2000.0).contains(length_mm));
     if let ("fov_deg", Some((length_mm, _))) = (key, lens) {
@@ -218,7 +206,7 @@ pub fn without_unit(number: &str, unit: &str, key: &str) -> String {
     }
     value.map_or_else(
         || format!("write {number}"),
-        |(value, (_, factor, name))| format!("write {}, in {name}", rounded(value * factor)),
+        |(value, (factor, name))| format!("write {}, in {name}", rounded(value * factor)),
     )
 }
 
@@ -256,9 +244,6 @@ pub fn truth(node: &Node) -> Option<String> {
     Some(format!("write {meant}, without quotes"))
 }
 
-/// Usual values of keys whose ends of the range are hardly meant.
-const USUAL: &[(&str, f64)] = &[("fps", 24.0), ("fov_deg", 50.0), ("alpha_cutoff", 0.5)];
-
 /// Advice for a number out of its range: degrees in place of radians, a share in place of a percentage, else the end
 /// that is near.
 pub fn in_range(x: f64, key: &str, range: &Range) -> Option<String> {
@@ -271,13 +256,25 @@ pub fn in_range(x: f64, key: &str, range: &Range) -> Option<String> {
             (x / 360.0 * 1e3).round() / 1e3
         ));
     }
+    if key == "outer_deg" && (90.0..180.0).contains(&x) {
+        return Some(format!(
+            "write {}, half of the angle across the cone",
+            x / 2.0
+        ));
+    }
+    if *range == UNIT && x > 100.0 && x <= 255.0 && x.fract() == 0.0 {
+        return Some(format!(
+            "it is a share: {x} of 255 are {}",
+            (x / 2.55).round() / 100.0
+        ));
+    }
     if *range == UNIT && (10.0..=100.0).contains(&x) {
         return Some(format!("it is a share: {x} % are {}", x / 100.0));
     }
     if range.check(x).is_err() && range.check(-x).is_ok() && x < 0.0 {
         return Some(format!("write {}", -x));
     }
-    if let Some((_, usual)) = USUAL.iter().find(|(known, _)| *known == key) {
+    if let Some(usual) = other_values().usual.get(key) {
         return Some(format!("write {usual}, which is usual"));
     }
     let (end, is_open) = match x <= range.min {

@@ -25,12 +25,6 @@ pub fn number(m: &Mistake) -> Option<Words> {
         let message = format!("a number has no unit, here {}", suggest::key(unit));
         return words(message, without_unit(digits.trim(), unit, key));
     }
-    if element.matches('.').count() > 1 && element.chars().all(|c| c.is_ascii_digit() || c == '.') {
-        let first: Vec<_> = element.split('.').take(2).collect();
-        let message = format!("{} has more than one decimal point", suggest::key(element));
-        let whole = first[0];
-        return words(message, format!("write {whole} or {}", first.join(".")));
-    }
     let value: f64 = element
         .parse()
         .ok()

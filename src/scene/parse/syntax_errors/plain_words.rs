@@ -2,15 +2,17 @@
 
 use std::{borrow::Cow, ops::Range, sync::LazyLock};
 
-use regex::{Captures, Regex};
-use serde::Deserialize;
-
 use super::{
     Mistake, Words,
     numbers::{constant, number},
     words,
 };
-use crate::{suggest, syntax::key_text, table::color::in_css};
+use crate::{
+    forms::{self, Form},
+    suggest,
+    syntax::key_text,
+    table::color::in_css,
+};
 
 /// Message and advice for a syntax error at `at`; the parser's own `message` where no explanation fits.
 pub fn in_plain_words(text: &str, at: &Range<usize>, message: &str) -> Words {
@@ -32,7 +34,13 @@ pub fn in_plain_words(text: &str, at: &Range<usize>, message: &str) -> Words {
         let help = "save the file with line ends that your editor calls LF or CRLF";
         return (message.to_owned(), Some(help.to_owned()));
     }
-    let explained = FORMS.iter().find_map(|form| form.explained(&mistake));
+    let explained = FORMS.iter().find_map(|(explain, form)| match explain {
+        Some(explain) => explain(&mistake),
+        None => {
+            let (_, message, help) = form.found(|name| mistake.part(name))?;
+            words(message, help)
+        }
+    });
     explained.unwrap_or_else(|| (format!("not TOML: {message}"), None))
 }
 
@@ -43,78 +51,24 @@ fn has_lone_return(text: &str, at: usize) -> bool {
     is_lone(at) || at.checked_sub(1).is_some_and(is_lone)
 }
 
-/// A form that mistakes have: the part of the text, a regular expression or a function for it, message and advice.
-struct Form {
-    part: String,
-    pattern: Result<Regex, fn(&Mistake) -> Option<Words>>,
-    message: String,
-    help: String,
-}
-
-#[derive(Deserialize)]
-struct Rows {
-    forms: Vec<[String; 4]>,
-}
-
-/// Forms in order; the first one that fits the mistake is used.
-static FORMS: LazyLock<Vec<Form>> = LazyLock::new(|| {
-    let rows: Rows = toml::from_str(include_str!("forms.toml")).expect("tests read it");
-    let form = |[part, pattern, message, help]: [String; 4]| Form {
-        pattern: match pattern.as_str() {
-            "header" => Err(header),
-            "backslash" => Err(backslash),
-            "colon" => Err(colon),
-            "joined" => Err(joined),
-            "css_color" => Err(css_color),
-            "constant" => Err(constant),
-            "number" => Err(number),
-            _ => {
-                let pattern = pattern
-                    .replace("<n>", r"(?:[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))")
-                    .replace("<k>", r"[\p{Alphabetic}\p{N}_.\-]");
-                Ok(Regex::new(&pattern).expect("tests read it"))
-            }
-        },
-        part,
-        message,
-        help,
+/// Forms in order, some with a function that explains them; the first one that fits the mistake is used.
+static FORMS: LazyLock<Vec<(Option<Explain>, Form)>> = LazyLock::new(|| {
+    let explain = |form: &Form| -> Option<Explain> {
+        Some(match form.written.as_str() {
+            "header" => header,
+            "backslash" => backslash,
+            "css_color" => css_color,
+            "constant" => constant,
+            "number" => number,
+            _ => return None,
+        })
     };
-    rows.forms.into_iter().map(form).collect()
+    let forms = forms::of_file(include_str!("forms.toml")).into_iter();
+    forms.map(|form| (explain(&form), form)).collect()
 });
 
-/// A place in a message that a text of the user fills.
-static SLOT: LazyLock<Regex> =
-    LazyLock::new(|| Regex::new(r"\{([a-z]+)(?::([a-z]+))?\}").expect("it is right"));
-
-impl Form {
-    fn explained(&self, m: &Mistake) -> Option<Words> {
-        let pattern = match &self.pattern {
-            Ok(pattern) => pattern,
-            Err(explain) => return explain(m),
-        };
-        let part = m.part(&self.part)?;
-        let found = pattern.captures(&part)?;
-        let slot = |slot: &Captures| {
-            let group = found.name(&slot[1]).map(|group| group.as_str().into());
-            let text = group.or_else(|| m.part(&slot[1])).unwrap_or_default();
-            written(&text, slot.get(2).map_or("", |form| form.as_str()))
-        };
-        let fill = |template: &str| SLOT.replace_all(template, slot).into_owned();
-        words(fill(&self.message), fill(&self.help))
-    }
-}
-
-/// A text of the user in a message.
-fn written(text: &str, form: &str) -> String {
-    let joined = |parts: Vec<&str>| suggest::clip(&parts.join(", "));
-    match form {
-        "key" => suggest::key(text),
-        "text" => suggest::text(text),
-        "list" => joined(text.split(',').map(str::trim).collect()),
-        "spaced" => joined(text.split_whitespace().collect()),
-        _ => suggest::clip(text.trim()),
-    }
-}
+/// A function that explains a mistake.
+type Explain = fn(&Mistake) -> Option<Words>;
 
 impl<'t> Mistake<'t> {
     /// A part of the text by its name in `forms.toml`; `None` where the mistake has none.
@@ -127,6 +81,10 @@ impl<'t> Mistake<'t> {
         match name {
             "line" => Some(self.line.into()),
             "rest" => Some(self.rest.into()),
+            "place" => {
+                let before = self.line.len().checked_sub(self.rest.len())?;
+                Some(format!("{}¦{}", self.line.get(..before)?, self.rest).into())
+            }
             "value" => Some(self.value.into()),
             "message" => Some(self.message.into()),
             "entry" if !self.key.is_empty() => {
@@ -150,12 +108,6 @@ fn without_comment(value: &str) -> &str {
         }
     }
     value
-}
-
-/// Whether a text is a key, perhaps with dots.
-fn is_key(text: &str) -> bool {
-    let is_part = |c: char| c.is_alphanumeric() || "_-.".contains(c);
-    !text.is_empty() && text.chars().all(is_part)
 }
 
 /// Explains a malformed table header: `[material red]`, `[[instance]`.
@@ -197,18 +149,6 @@ fn header(m: &Mistake) -> Option<Words> {
     words(message, help)
 }
 
-/// Explains texts that are added up: `file = "a" + ".glb"`.
-fn joined(m: &Mistake) -> Option<Words> {
-    let parts: Option<Vec<_>> = m
-        .value
-        .split('+')
-        .map(|part| part.trim().strip_prefix('"')?.strip_suffix('"'))
-        .collect();
-    let parts = parts.filter(|parts| parts.len() > 1)?;
-    let help = format!("write {}", suggest::text(&parts.concat()));
-    words("TOML does not join texts by `+`", help)
-}
-
 /// Explains a backslash in double quotes: `file = "C:\assets"`.
 fn backslash(m: &Mistake) -> Option<Words> {
     (m.message.contains("escape") || m.message.contains("unicode")).then_some(())?;
@@ -222,27 +162,6 @@ fn backslash(m: &Mistake) -> Option<Words> {
         suggest::clip(&slashes)
     );
     words(message, help)
-}
-
-/// Explains a colon in place of `=`: `metallic: 1`, `{ kind: "box" }`.
-fn colon(m: &Mistake) -> Option<Words> {
-    let at = match m.rest.starts_with(':') {
-        true => m.line.len().checked_sub(m.rest.len())?,
-        false => m.line.find(':')?,
-    };
-    let (key, value) = (m.line.get(..at)?, m.line.get(at + 1..)?);
-    let value = value
-        .split(['}', ','])
-        .next()
-        .filter(|_| key.contains('{'))
-        .unwrap_or(value);
-    let key = key.rsplit(['{', ',']).next().unwrap_or(key);
-    let key = key.trim().trim_matches('"');
-    let at_colon = m.found.starts_with(':') || m.rest.starts_with(':');
-    (is_key(key) && at_colon).then_some(())?;
-    let value = suggest::clip(value.trim().trim_end_matches(','));
-    let help = format!("write `{} = {value}`", suggest::clip(key));
-    words("between a key and its value stands `=`, not `:`", help)
 }
 
 /// Explains a color of a stylesheet: `base_color = rgb(255, 0, 0)`.

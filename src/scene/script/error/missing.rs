@@ -4,7 +4,7 @@ use super::{
     super::{api, format_value::type_named},
     Known,
 };
-use crate::suggest;
+use crate::{forms, suggest};
 
 /// Name of the diagnostic, message, and advice.
 type Explained = (&'static str, String, Option<String>);
@@ -24,20 +24,10 @@ pub fn missing_function(signature: &str, functions: &[&str]) -> Explained {
     }
     if !name.starts_with(|c: char| c.is_alphabetic() || c == '_') {
         let message = format!("{} does not take ({arguments})", suggest::key(name));
-        let help = match name {
-            "^" => Some("write `a ** b` for a power"),
-            _ if arguments.contains("array") => {
-                Some("an array is a list: `vec3(1, 2, 3)` is a vector, with which one can compute")
-            }
-            "-" | "*" | "/" if arguments.contains("text") => {
-                Some("a text is no number: `parse_float(text)` reads one")
-            }
-            _ => None,
-        };
-        return ("script-error", message, help.map(str::to_owned));
+        return ("script-error", message, None);
     }
     let message = format!("there is no function {}", suggest::key(name));
-    if let Some(help) = suggest::script_function(name) {
+    if let Some(help) = suggest::in_script("functions", name) {
         return ("script-error", message, Some(help.to_owned()));
     }
     let known = api::names().into_iter().chain(functions.iter().copied());
@@ -82,13 +72,8 @@ pub fn missing_property(text: &str) -> Explained {
         _ => return ("script-error", super::lower_first(text), None),
     };
     let shown = suggest::key(name);
-    if of == "vec3" && text.contains("setter") && matches!(name, "x" | "y" | "z") {
-        let message = format!("{shown} of a vec3 must be a number");
-        return (
-            "script-error",
-            message,
-            Some(format!("write `v.{name} = 1.5`")),
-        );
+    if let Some((message, help)) = forms::explained("property", text) {
+        return ("script-error", message, Some(help));
     }
     if text.contains("setter") && api::names().contains(&name) {
         let help = "set the scene with functions such as `ctx.place`".to_owned();
@@ -98,10 +83,7 @@ pub fn missing_property(text: &str) -> Explained {
         "ctx" => "ctx.",
         "vec3" => "v.",
         other => {
-            let help = match name {
-                "length" | "size" | "count" => "write `.len()`".to_owned(),
-                _ => format!("{} has no properties", type_named(other)),
-            };
+            let help = format!("{} has no properties", type_named(other));
             let message = format!("there is no property {shown}");
             return ("script-error", message, Some(help));
         }
@@ -111,6 +93,13 @@ pub fn missing_property(text: &str) -> Explained {
         let forms = api::signatures(name).join(", or ");
         let message = format!("{shown} is a function");
         return ("script-error", message, Some(format!("call it: {forms}")));
+    }
+    if let Some(help) = suggest::in_script("properties", name) {
+        return (
+            "script-error",
+            format!("there is no property {shown}"),
+            Some(help.to_owned()),
+        );
     }
     let is_letter = |word: &&str| word.len() == 1 && name.starts_with(word);
     let short = || properties.iter().copied().find(is_letter);

@@ -25,7 +25,7 @@ pub fn syntax(wrong: &ParseErrorType, at: Position, sources: &Sources, name: &st
         return error.help(format!("add `}}`, such as after line {last}"));
     }
     let word = source.and_then(|source| source.text.get(span.range.clone()));
-    let foreign = foreign_syntax(word, &span);
+    let foreign = foreign_syntax(word, &span, wrong);
     if let (ParseErrorType::MissingToken(sign, _), Some(source)) = (wrong, source)
         && sign == ";"
         && foreign.is_none()
@@ -67,8 +67,14 @@ fn end_of_statement(text: &str, at: usize) -> Option<usize> {
 }
 
 /// Message about syntax of another language at the place of a syntax error.
-fn foreign_syntax(word: Option<&str>, at: &Span) -> Option<(String, Option<String>)> {
-    word.and_then(foreign::word).or_else(|| foreign::sign(at))
+fn foreign_syntax(
+    word: Option<&str>,
+    at: &Span,
+    wrong: &ParseErrorType,
+) -> Option<(String, Option<String>)> {
+    let message = || lower_first(&wrong.to_string());
+    word.and_then(foreign::word)
+        .or_else(|| foreign::sign(at, &message()))
 }
 
 fn kind_of(wrong: &ParseErrorType) -> &'static str {
@@ -97,13 +103,16 @@ fn explain_syntax(
                 && text.contains(&format!("{variable}\""))
             {
                 "a text with values in it stands between backticks: `ball${ctx.frame}`".to_owned()
-            } else if let "t" | "time" | "frame" | "params" = variable.as_str() {
-                let own = if variable == "time" { "t" } else { variable };
-                format!("write `ctx.{own}`")
-            } else if variable == "vec3" {
-                "variables have no types: write `let p = vec3(0, 1, 0);`".to_owned()
-            } else if let "PI" | "E" = variable.as_str() {
-                format!("write `{variable}()`: it is a function")
+            } else if let Some(help) = suggest::in_script("variables", variable) {
+                help.to_owned()
+            } else if text.contains(&format!("const {variable}")) {
+                format!("write `global::{variable}`, by which functions see it")
+            } else if text.starts_with(&format!("let {variable} "))
+                || text.contains(&format!("\nlet {variable} "))
+            {
+                format!(
+                    "frames remember nothing: compute it from `ctx.t`, or write `const` for `let`, and here `global::{variable}`"
+                )
             } else if known.contains(&variable.as_str()) {
                 format!("{own}; of the outer scope only `const NAME` is visible, as `global::NAME`")
             } else {
@@ -131,14 +140,6 @@ fn explain_syntax(
             let help = "integers reach to 9223372036854775807; a float has a point, such as 1e20 \
                         or 2.0";
             (message, Some(help.to_owned()))
-        }
-        ParseErrorType::BadInput(LexError::UnterminatedString) => {
-            let help =
-                "add a `\"` where it ends; a text over several lines stands between backticks";
-            (
-                "the text does not end on its line".to_owned(),
-                Some(help.to_owned()),
-            )
         }
         ParseErrorType::MismatchedType(wanted, found) if wanted.contains("iterable") => {
             let message = format!("`for` goes over a range or a list, not {found}");
