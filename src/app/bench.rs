@@ -10,7 +10,10 @@ mod settings;
 mod stability;
 mod timeline;
 
-use std::{fs, io, path::Path};
+use std::{
+    fs, io,
+    path::{Path, PathBuf},
+};
 
 use args::{BenchArgs, Experiment, RunArgs};
 use progress::Progress;
@@ -144,13 +147,17 @@ fn checked(parameter: Parameter, values: &[f64]) -> Result<Vec<f64>, AppError> {
 /// Files that `bench` writes to its folder.
 const REPORTS: [&str; 3] = ["samples.csv", "bench.json", "report.html"];
 
-fn all_series(args: &BenchArgs) -> Result<Vec<FrameSeries>, AppError> {
-    let mut paths: Vec<Option<&Path>> = args.scenes.iter().map(|p| Some(p.as_path())).collect();
-    if paths.is_empty() {
-        paths.push(None);
+/// The named scenes; the built-in atrium, which has no path, where none is named.
+fn paths(scenes: &[PathBuf]) -> Vec<Option<&Path>> {
+    match scenes {
+        [] => vec![None],
+        _ => scenes.iter().map(|path| Some(path.as_path())).collect(),
     }
+}
+
+fn all_series(args: &BenchArgs) -> Result<Vec<FrameSeries>, AppError> {
     let mut all = Vec::new();
-    for path in paths {
+    for path in paths(&args.scenes) {
         let loaded = load_scene(path, &args.from, &[])?;
         check_reports(&args.run.output, &REPORTS, path, &loaded)?;
         let mut name = loaded.name.clone();
