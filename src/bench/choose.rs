@@ -1,7 +1,5 @@
 //! `--choose`: the setting on the Pareto front that meets a bound, as a ready `[reflection]` block.
 
-use std::fmt::Write as _;
-
 use reflet_scene::desc::Bounces;
 
 use super::{
@@ -176,9 +174,8 @@ pub fn block(point: &Point, masked: bool) -> String {
         (s.ssim, s.psnr_db)
     };
     let mut text = String::new();
-    // Writing to a string cannot fail.
     let mut line = |line: String| {
-        let _ = writeln!(text, "{line}");
+        text += &format!("{line}\n");
     };
     line(format!(
         "# {} at {} x {} on {}: {} ms a frame,",

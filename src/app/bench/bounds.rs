@@ -1,6 +1,6 @@
 //! `bench bounds`: time and samples that pictures take to error bounds, and the error that they then have.
 
-use std::{fmt::Write as _, sync::Arc, time::Instant};
+use std::{sync::Arc, time::Instant};
 
 use reflet_base::processor_time;
 use serde::Serialize;
@@ -221,10 +221,8 @@ fn table(rows: &[Row]) -> String {
         "error", "samples", "estimated", "measured", "measured, mean", "processor, s", "wall, s"
     );
     for row in rows {
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            text,
-            "{:>8}{:>9}{:>11.4}{:>10.4}{:>16.4}{:>13}{:>9}",
+        text += &format!(
+            "{:>8}{:>9}{:>11.4}{:>10.4}{:>16.4}{:>13}{:>9}\n",
             row.bound,
             row.samples,
             row.estimated,

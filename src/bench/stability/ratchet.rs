@@ -1,6 +1,6 @@
 //! Ratchet file: the worst score that each cell may have, which is only ever tightened.
 
-use std::{fmt::Write as _, io, path::Path};
+use std::{io, path::Path};
 
 use serde::Deserialize;
 
@@ -86,9 +86,7 @@ impl Ratchet {
         let [width, height] = self.size;
         let mut out = format!("{HEAD}size = [{width}, {height}]\n\ncell = [\n");
         for cell in &self.cells {
-            // Writing to a string cannot fail.
-            let _ = write!(
-                out,
+            out += &format!(
                 "    {{ mode = \"{}\", method = \"{}\", flip = {:?}, flip_p99 = {:?}",
                 cell.mode, cell.method, cell.flip, cell.flip_p99
             );
@@ -97,7 +95,7 @@ impl Ratchet {
                 ("specks_px", cell.specks_px),
             ] {
                 if let Some(pixels) = pixels {
-                    let _ = write!(out, ", {name} = {pixels}");
+                    out += &format!(", {name} = {pixels}");
                 }
             }
             out += " },\n";

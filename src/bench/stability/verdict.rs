@@ -1,7 +1,5 @@
 //! Meaning of the scores of a mode: bands of the error, and a sentence for each method.
 
-use std::fmt::Write as _;
-
 use super::{Cell, ReferenceKind};
 
 /// A band of the 99th percentile of FLIP.
@@ -57,9 +55,8 @@ pub fn verdict(cell: &Cell, cells: &[Cell]) -> String {
         s.flip,
         s.rel_mse
     );
-    // Writing to a string cannot fail.
     if s.frames > 1 && s.flip_p99 > 0.0 {
-        let _ = write!(words, ", worst at {}", s.worst);
+        words += &format!(", worst at {}", s.worst);
     }
     words.push(')');
     let truth = cells.iter().find(|other| {
@@ -67,7 +64,7 @@ pub fn verdict(cell: &Cell, cells: &[Cell]) -> String {
             && (&other.mode, &other.method) == (&cell.mode, &cell.method)
     });
     if let Some(Ok(truth)) = truth.map(|cell| &cell.scores) {
-        let _ = write!(words, "; against the truth {}", band(truth.flip_p99).means);
+        words += &format!("; against the truth {}", band(truth.flip_p99).means);
     }
     words
 }
