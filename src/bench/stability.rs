@@ -346,12 +346,11 @@ pub fn table(cells: &[Cell], adapter: &str) -> String {
 /// The cell of a mode and a method.
 pub fn find<'a>(
     cells: &'a [Cell],
-    mode: &Mode,
+    mode: &str,
     method: &str,
     against: ReferenceKind,
 ) -> Option<&'a Cell> {
-    let wanted = (mode.name.as_str(), method, against);
-    let is_wanted = |c: &&Cell| (c.mode.as_str(), c.method.as_str(), c.against) == wanted;
+    let is_wanted = |c: &&Cell| c.mode == mode && c.method == method && c.against == against;
     cells.iter().find(is_wanted)
 }
 
@@ -372,7 +371,7 @@ pub fn heat_map(modes: &[Mode], methods: &[&str], cells: &[Cell], anchors: &[&st
         };
         out += &format!("<tr><td>{}</td>", link(&title));
         for method in methods {
-            let cell = find(cells, mode, method, ReferenceKind::Rt);
+            let cell = find(cells, &mode.name, method, ReferenceKind::Rt);
             out += &match cell.map(|cell| &cell.scores) {
                 Some(Ok(scores)) => format!(
                     "<td style=\"background:{}\">{}</td>",

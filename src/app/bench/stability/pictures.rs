@@ -84,7 +84,7 @@ impl Shown<'_> {
 
     /// Verdict on each method in a mode.
     fn verdicts(&self, mode: &Mode) -> Vec<String> {
-        let cell = |method: &&str| find(self.cells, mode, method, ReferenceKind::Rt);
+        let cell = |method: &&str| find(self.cells, &mode.name, method, ReferenceKind::Rt);
         let cells = self.columns.iter().filter_map(cell);
         cells
             .map(|cell| format!("{}: {}", cell.method, verdict(cell, self.cells)))

@@ -44,15 +44,10 @@ pub fn mark(
             ", beaten"
         }
     );
-    let (fill, ring) = if dot.is_on_front {
-        (format!("rgb({r},{g},{b})"), "#111")
-    } else {
-        ("#fff".to_owned(), "")
-    };
-    let stroke = if ring.is_empty() {
-        format!("rgb({r},{g},{b})")
-    } else {
-        ring.to_owned()
+    let own = format!("rgb({r},{g},{b})");
+    let (fill, stroke) = match dot.is_on_front {
+        true => (&*own, "#111"),
+        false => ("#fff", &*own),
     };
     if let Some(ends) = ends {
         let [low, high] = ends.map(|end| end.x);
@@ -60,7 +55,7 @@ pub fn mark(
         let caps = ends.iter().filter(|end| !end.is_cut);
         let caps = caps.map(|end| format!("M{} {}v8", end.x, y - 4));
         *out += &format!(
-            "<path d=\"M{low} {y}H{high}{}\" stroke=\"rgb({r},{g},{b})\" stroke-opacity=\".55\"/>\n",
+            "<path d=\"M{low} {y}H{high}{}\" stroke=\"{own}\" stroke-opacity=\".55\"/>\n",
             caps.collect::<String>()
         );
     }
