@@ -17,6 +17,7 @@ use std::{
 
 use args::{BenchArgs, Experiment, RunArgs};
 use progress::Progress;
+use serde::Serialize;
 
 use super::{
     error::AppError,
@@ -312,8 +313,8 @@ fn sample(
         ));
     }
     let scenes: Vec<&str> = all_series.iter().map(FrameSeries::name).collect();
-    let json = settings::json(protocol, &scenes, &host, &outcome, log.samples())?;
-    write(&args.output.join("bench.json"), &json)?;
+    let json = args.output.join("bench.json");
+    settings::write(&json, protocol, &scenes, &host, &outcome, log.samples())?;
     let samples = log.samples().to_vec();
     let stopped = outcome.interrupted.then(|| {
         let held = samples.len();
@@ -367,6 +368,12 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), AppError> {
             path.display()
         )),
     })
+}
+
+fn write_json(path: &Path, value: &impl Serialize) -> Result<(), AppError> {
+    let json = serde_json::to_vec_pretty(value)
+        .map_err(|error| AppError::Internal(format!("as JSON: {error}")))?;
+    write(path, &json)
 }
 
 fn of_file(diagnostic: Diagnostic) -> AppError {

@@ -124,10 +124,7 @@ pub fn regret(args: &RegretArgs) -> Result<(), AppError> {
     for path in paths(&args.scenes) {
         let loaded = load_scene(path, &args.from, &[])?;
         for size in sizes {
-            if progress.is_stopped() {
-                let text = "stopped; a table needs all of its rows".to_owned();
-                return Err(AppError::Interrupted(text));
-            }
+            progress.go_on("a table needs all of its rows")?;
             let row = measure(&gpu, &loaded, *size, args.frames, &mut progress)?;
             rows.extend(row);
         }
