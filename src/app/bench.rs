@@ -10,10 +10,14 @@ mod settings;
 mod stability;
 mod timeline;
 
-use std::{fs, io, path::Path};
+use std::{
+    fs, io,
+    path::{Path, PathBuf},
+};
 
 use args::{BenchArgs, Experiment, RunArgs};
 use progress::Progress;
+use serde::Serialize;
 
 use super::{
     error::AppError,
@@ -144,13 +148,17 @@ fn checked(parameter: Parameter, values: &[f64]) -> Result<Vec<f64>, AppError> {
 /// Files that `bench` writes to its folder.
 const REPORTS: [&str; 3] = ["samples.csv", "bench.json", "report.html"];
 
-fn all_series(args: &BenchArgs) -> Result<Vec<FrameSeries>, AppError> {
-    let mut paths: Vec<Option<&Path>> = args.scenes.iter().map(|p| Some(p.as_path())).collect();
-    if paths.is_empty() {
-        paths.push(None);
+/// The named scenes; the built-in atrium, which has no path, where none is named.
+fn paths(scenes: &[PathBuf]) -> Vec<Option<&Path>> {
+    match scenes {
+        [] => vec![None],
+        _ => scenes.iter().map(|path| Some(path.as_path())).collect(),
     }
+}
+
+fn all_series(args: &BenchArgs) -> Result<Vec<FrameSeries>, AppError> {
     let mut all = Vec::new();
-    for path in paths {
+    for path in paths(&args.scenes) {
         let loaded = load_scene(path, &args.from, &[])?;
         check_reports(&args.run.output, &REPORTS, path, &loaded)?;
         let mut name = loaded.name.clone();
@@ -305,8 +313,8 @@ fn sample(
         ));
     }
     let scenes: Vec<&str> = all_series.iter().map(FrameSeries::name).collect();
-    let json = settings::json(protocol, &scenes, &host, &outcome, log.samples())?;
-    write(&args.output.join("bench.json"), &json)?;
+    let json = args.output.join("bench.json");
+    settings::write(&json, protocol, &scenes, &host, &outcome, log.samples())?;
     let samples = log.samples().to_vec();
     let stopped = outcome.interrupted.then(|| {
         let held = samples.len();
@@ -360,6 +368,12 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), AppError> {
             path.display()
         )),
     })
+}
+
+fn write_json(path: &Path, value: &impl Serialize) -> Result<(), AppError> {
+    let json = serde_json::to_vec_pretty(value)
+        .map_err(|error| AppError::Internal(format!("as JSON: {error}")))?;
+    write(path, &json)
 }
 
 fn of_file(diagnostic: Diagnostic) -> AppError {

@@ -1,7 +1,5 @@
 //! `--choose`: the setting on the Pareto front that meets a bound, as a ready `[reflection]` block.
 
-use std::fmt::Write as _;
-
 use reflet_scene::desc::Bounces;
 
 use super::{
@@ -119,22 +117,14 @@ pub fn choose<'a>(group: &'a Group, bound: &Bound) -> Result<&'a Point, String> 
     let known: Vec<(&Point, [f64; 2])> = values
         .filter_map(|p| bound.value(p, group.masked).map(|v| (p, v)))
         .collect();
-    let spots: Vec<Spot> = match bound.quantity {
-        Quantity::Ms => known
-            .iter()
-            .map(|(p, [ms, _])| Spot {
-                ms: *ms,
-                error: p.error(Metric::Flip, group.masked).unwrap_or(f64::INFINITY),
-            })
-            .collect(),
-        _ => known
-            .iter()
-            .map(|(p, [error, _])| Spot {
-                ms: p.ms.median,
-                error: *error,
-            })
-            .collect(),
+    let spot = |(point, [value, _]): &(&Point, [f64; 2])| Spot {
+        ms: point.ms.median,
+        error: match bound.quantity {
+            Quantity::Ms => (point.error(Metric::Flip, group.masked)).unwrap_or(f64::INFINITY),
+            _ => *value,
+        },
     };
+    let spots: Vec<Spot> = known.iter().map(spot).collect();
     let Some((_, [_, limit])) = known.first() else {
         return Err("no setting of this scene could be judged".to_owned());
     };
@@ -175,47 +165,48 @@ pub fn block(point: &Point, masked: bool) -> String {
     } else {
         (s.ssim, s.psnr_db)
     };
-    let mut text = String::new();
-    // Writing to a string cannot fail.
-    let mut line = |line: String| {
-        let _ = writeln!(text, "{line}");
+    let bounces = match s.bounces {
+        Bounces::LIMIT => "\"auto\"".to_owned(),
+        count => count.to_string(),
     };
-    line(format!(
-        "# {} at {} x {} on {}: {} ms a frame,",
+    let mut text = format!(
+        "# {} at {} x {} on {}: {} ms a frame,\n\
+         # {} against rt with {} bounces: SSIM {}, FLIP {}, relMSE {}{}\n\
+         [reflection]\n\
+         method = \"{}\"\n\
+         threshold_u = {:?}\n\
+         steps = {}\n\
+         ray_length_u = {:?}\n\
+         bounces = {bounces}\n\
+         roughness_cutoff = {:?}\n\
+         unit_m = {:?}\n\
+         fade = {}\n\
+         blur_px = {:?}\n",
         s.scene,
         s.width,
         s.height,
         s.adapter,
-        digits(point.ms.median)
-    ));
-    line(format!(
-        "# {} against rt with {} bounces: SSIM {}, FLIP {}, relMSE {}{}",
+        digits(point.ms.median),
         region(masked),
         s.reference_bounces,
         ssim.map_or("?".to_owned(), |v| format!("{v:.4}")),
         error(Metric::Flip),
         error(Metric::RelMse),
-        psnr_db.map_or(String::new(), |v| format!(", PSNR {} dB", digits(v)))
-    ));
-    line("[reflection]".to_owned());
-    line(format!("method = \"{}\"", s.method));
-    line(format!("threshold_u = {:?}", s.threshold_u));
-    line(format!("steps = {}", s.steps));
-    line(format!("ray_length_u = {:?}", s.ray_length_u));
-    line(match s.bounces {
-        Bounces::LIMIT => "bounces = \"auto\"".to_owned(),
-        count => format!("bounces = {count}"),
-    });
-    line(format!("roughness_cutoff = {:?}", s.roughness_cutoff));
-    line(format!("unit_m = {:?}", s.unit_m));
-    line(format!("fade = {}", s.fade));
-    line(format!("blur_px = {:?}", s.blur_px));
+        psnr_db.map_or(String::new(), |v| format!(", PSNR {} dB", digits(v))),
+        s.method,
+        s.threshold_u,
+        s.steps,
+        s.ray_length_u,
+        s.roughness_cutoff,
+        s.unit_m,
+        s.fade,
+        s.blur_px
+    );
     if s.scale != 1.0 {
-        let side = |side: u32| (f64::from(side) * s.scale).round() as u32;
-        line(String::new());
-        line("# enlarged bilinearly when shown".to_owned());
-        line("[image]".to_owned());
-        line(format!("size = [{}, {}]", side(s.width), side(s.height)));
+        let [width, height] =
+            [s.width, s.height].map(|side| (f64::from(side) * s.scale).round() as u32);
+        text +=
+            &format!("\n# enlarged bilinearly when shown\n[image]\nsize = [{width}, {height}]\n");
     }
     text
 }

@@ -56,25 +56,23 @@ pub fn parse(text: &str) -> Result<Table, CsvError> {
         .from_reader(&text.as_bytes()[..whole_bytes]);
     let mut rows: Vec<Vec<String>> = Vec::new();
     for record in reader.records() {
-        let failed = |line: u64, message: String| CsvError {
-            line: line as usize,
-            message,
-        };
-        let record = record.map_err(|e| {
-            let line = e.position().map_or(1, csv::Position::line);
-            failed(line, e.to_string())
+        let line = |at: Option<&csv::Position>| at.map_or(1, |at| at.line() as usize);
+        let record = record.map_err(|error| CsvError {
+            line: line(error.position()),
+            message: error.to_string(),
         })?;
-        let line = record.position().map_or(1, csv::Position::line);
         let columns = rows.first().map_or(record.len(), Vec::len);
-        if record.iter().any(|cell| cell.contains('\n')) {
-            return Err(failed(line, "a quote does not close".to_owned()));
-        }
-        if record.len() != columns {
+        let message = if record.iter().any(|cell| cell.contains('\n')) {
+            "a quote does not close".to_owned()
+        } else if record.len() != columns {
             let cells = record.len();
-            let message = format!("{cells} cells where the header has {columns} columns");
-            return Err(failed(line, message));
-        }
-        rows.push(record.iter().map(str::to_owned).collect());
+            format!("{cells} cells where the header has {columns} columns")
+        } else {
+            rows.push(record.iter().map(str::to_owned).collect());
+            continue;
+        };
+        let line = line(record.position());
+        return Err(CsvError { line, message });
     }
     Ok(Table {
         columns: rows.remove(0),

@@ -49,15 +49,19 @@ impl Log {
     }
 
     fn start(path: &Path, file: File) -> Result<Self, Box<Diagnostic>> {
-        let mut log = Self {
+        let mut log = Self::opened(path, file, false);
+        log.write(&header())?;
+        Ok(log)
+    }
+
+    fn opened(path: &Path, file: File, was_torn: bool) -> Self {
+        Self {
             path: path.to_owned(),
             file,
             samples: Vec::new(),
             known: HashMap::new(),
-            was_torn: false,
-        };
-        log.write(&header())?;
-        Ok(log)
+            was_torn,
+        }
     }
 
     /// Opens a table to append to; creates it where there is none. Removes a last line that was cut off.
@@ -88,13 +92,7 @@ impl Log {
         }
         file.set_len(whole_bytes as u64)
             .map_err(|e| unwritable(path, &e))?;
-        let mut log = Self {
-            path: path.to_owned(),
-            file,
-            samples: Vec::new(),
-            known: HashMap::new(),
-            was_torn: whole_bytes < text.len(),
-        };
+        let mut log = Self::opened(path, file, whole_bytes < text.len());
         samples.into_iter().for_each(|sample| log.keep(sample));
         Ok(log)
     }

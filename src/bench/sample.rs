@@ -326,15 +326,14 @@ impl Sample {
 
     /// Sets a detail, if there is a column for it.
     pub fn set_detail(&mut self, column: &str, value: f64) {
-        if let Some(index) = detail_columns().iter().position(|name| name == column) {
+        if let Some(index) = detail_index(column) {
             self.detail[index] = value;
         }
     }
 
     /// The value of a column of [`detail_columns`]; 0 where there is no such column.
     pub fn detail(&self, column: &str) -> f64 {
-        let index = detail_columns().iter().position(|name| name == column);
-        index.map_or(0.0, |index| self.detail[index])
+        detail_index(column).map_or(0.0, |index| self.detail[index])
     }
 
     /// Milliseconds of a pass.
@@ -406,17 +405,18 @@ pub fn pass_column(pass: &str) -> String {
 /// Column of the number of pixels whose ray went behind the first depth layer, where there is a second.
 pub const BEHIND_COLUMN: &str = "behind_first_layer_px";
 
+fn detail_index(column: &str) -> Option<usize> {
+    detail_columns().iter().position(|name| name == column)
+}
+
 /// Columns after the fixed ones: `pass_NAME_ms`, `cause_NAME_px`, [`BEHIND_COLUMN`], `false_accept_NAME_px`,
 /// `false_reject_NAME_px` and `PASS_COUNTED`, such as `trace_visited_nodes`.
 pub fn detail_columns() -> Vec<String> {
     let passes = passes::ALL.iter().map(|pass| pass_column(pass.name));
-    let causes = || {
-        Cause::ALL
-            .into_iter()
-            .filter(|c| *c != Cause::NotReflective)
-    };
+    let causes = Cause::ALL.into_iter();
+    let causes = causes.filter(|cause| *cause != Cause::NotReflective);
     passes
-        .chain(causes().map(|c| format!("cause_{}_px", c.name())))
+        .chain(causes.map(|c| format!("cause_{}_px", c.name())))
         .chain([BEHIND_COLUMN.to_owned()])
         .chain(ACCEPTS.map(|c| format!("false_accept_{}_px", c.name())))
         .chain(REFUSALS.map(|c| format!("false_reject_{}_px", c.name())))

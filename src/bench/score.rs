@@ -135,18 +135,10 @@ fn enlarge(pixels: Vec<[f32; 3]>, from: [u32; 2], to: [u32; 2]) -> Vec<[f32; 3]>
 impl Hits {
     /// Hits from [`PLANES`]; `None` when a plane is missing.
     pub fn from_planes(planes: &[Plane]) -> Option<Self> {
-        let PlaneData::U32(cause) = plane(planes, Aov::Cause)? else {
-            return None;
-        };
-        let PlaneData::F32(distance_m) = plane(planes, Aov::HitDistance)? else {
-            return None;
-        };
-        let PlaneData::U32(ids) = plane(planes, Aov::HitIds)? else {
-            return None;
-        };
+        let ids = plane_u32(planes, Aov::HitIds)?;
         Some(Self {
-            cause: cause.clone(),
-            distance_m: distance_m.clone(),
+            cause: plane_u32(planes, Aov::Cause)?.to_vec(),
+            distance_m: plane_f32(planes, Aov::HitDistance)?.to_vec(),
             instance: ids.iter().step_by(2).copied().collect(),
         })
     }
@@ -190,10 +182,25 @@ impl Hits {
     }
 }
 
-/// Values of an AOV among planes.
-pub fn plane(planes: &[Plane], aov: Aov) -> Option<&PlaneData> {
+fn plane(planes: &[Plane], aov: Aov) -> Option<&PlaneData> {
     let named = |plane: &&Plane| plane.name == aov.name();
     planes.iter().find(named).map(|plane| &plane.data)
+}
+
+/// Values of an AOV of whole numbers among planes.
+pub fn plane_u32(planes: &[Plane], aov: Aov) -> Option<&[u32]> {
+    match plane(planes, aov)? {
+        PlaneData::U32(values) => Some(values),
+        _ => None,
+    }
+}
+
+/// Values of an AOV of fractions among planes.
+pub fn plane_f32(planes: &[Plane], aov: Aov) -> Option<&[f32]> {
+    match plane(planes, aov)? {
+        PlaneData::F32(values) => Some(values),
+        _ => None,
+    }
 }
 
 impl Reference {
@@ -205,17 +212,15 @@ impl Reference {
         let view = View::new(picture, picture.size).map_err(|e| e.to_string())?;
         let hits =
             Hits::from_planes(&picture.planes).ok_or("the reference lacks its hit planes")?;
-        let Some(PlaneData::F32(weights)) = plane(&picture.planes, Aov::Reflectance) else {
-            return Err("the reference lacks its reflectance plane".to_owned());
-        };
+        let weights = plane_f32(&picture.planes, Aov::Reflectance)
+            .ok_or("the reference lacks its reflectance plane")?;
         let [width, height] = picture.size.map(|side| side as usize);
         let mask = Mask::reflective(width, height, weights).map_err(|e| e.to_string())?;
-        let moved = None;
         Ok(Self {
             view,
             hits,
             mask,
-            moved,
+            moved: None,
         })
     }
 

@@ -2,11 +2,10 @@
 
 use glam::{DVec2, Vec3};
 
-use super::score::{Reference, View, plane};
+use super::score::{Reference, View, plane_f32, plane_u32};
 use reflet_metric::borders;
 use reflet_render as render;
 use reflet_render::{
-    PlaneData,
     methods::probes::{
         boxes::probe_boxes,
         choice::{MOST_BLENDED, ProbeChoice},
@@ -64,15 +63,9 @@ impl Looked<'_> {
             .flatten()
     }
 
-    fn plane(&self, aov: Aov) -> Option<&PlaneData> {
-        plane(&self.picture.planes, aov)
-    }
-
     /// Position of the surface of each pixel; the eye where there is none.
     fn positions(&self) -> Option<Vec<Vec3>> {
-        let PlaneData::F32(depths_m) = self.plane(Aov::Depth)? else {
-            return None;
-        };
+        let depths_m = plane_f32(&self.picture.planes, Aov::Depth)?;
         let [width, height] = self.picture.size;
         let view = view::View::new(self.camera, [width, height], self.world.unit_m());
         let at = |(i, depth_m): (usize, &f32)| {
@@ -87,20 +80,14 @@ impl Looked<'_> {
     }
 
     fn normals(&self) -> Option<Vec<Vec3>> {
-        let PlaneData::F32(channels) = self.plane(Aov::Normal)? else {
-            return None;
-        };
+        let channels = plane_f32(&self.picture.planes, Aov::Normal)?;
         Some(channels.chunks_exact(3).map(Vec3::from_slice).collect())
     }
 
     /// Probes of each pixel; none of a pixel that takes its reflection from elsewhere.
     fn probes(&self, positions: &[Vec3]) -> Option<Vec<Option<Probes>>> {
-        let PlaneData::U32(causes) = self.plane(Aov::Cause)? else {
-            return None;
-        };
-        let PlaneData::U32(ids) = self.plane(Aov::Ids)? else {
-            return None;
-        };
+        let causes = plane_u32(&self.picture.planes, Aov::Cause)?;
+        let ids = plane_u32(&self.picture.planes, Aov::Ids)?;
         let settings = &self.settings.probes;
         let boxes = probe_boxes(self.world, settings, 1.0).ok()?;
         let of = |i: usize| {

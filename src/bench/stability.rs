@@ -6,7 +6,7 @@ pub mod ratchet;
 mod tests;
 pub mod verdict;
 
-use std::fmt::{self, Write as _};
+use std::fmt;
 
 use verdict::band;
 
@@ -346,12 +346,11 @@ pub fn table(cells: &[Cell], adapter: &str) -> String {
 /// The cell of a mode and a method.
 pub fn find<'a>(
     cells: &'a [Cell],
-    mode: &Mode,
+    mode: &str,
     method: &str,
     against: ReferenceKind,
 ) -> Option<&'a Cell> {
-    let wanted = (mode.name.as_str(), method, against);
-    let is_wanted = |c: &&Cell| (c.mode.as_str(), c.method.as_str(), c.against) == wanted;
+    let is_wanted = |c: &&Cell| c.mode == mode && c.method == method && c.against == against;
     cells.iter().find(is_wanted)
 }
 
@@ -361,8 +360,7 @@ pub fn heat_map(modes: &[Mode], methods: &[&str], cells: &[Cell], anchors: &[&st
         "<h2>99th percentile of FLIP against rt</h2>\n<table class=\"heat\"><tr><th>mode</th>"
             .to_owned();
     for method in methods {
-        // Writing to a string cannot fail.
-        let _ = write!(out, "<th>{}</th>", escape(method));
+        out += &format!("<th>{}</th>", escape(method));
     }
     out += "</tr>\n";
     for mode in modes {
@@ -371,18 +369,17 @@ pub fn heat_map(modes: &[Mode], methods: &[&str], cells: &[Cell], anchors: &[&st
             true => format!("<a href=\"#{}\">{}</a>", escape(&mode.name), escape(text)),
             false => escape(text),
         };
-        let _ = write!(out, "<tr><td>{}</td>", link(&title));
+        out += &format!("<tr><td>{}</td>", link(&title));
         for method in methods {
-            let cell = find(cells, mode, method, ReferenceKind::Rt);
-            let _ = match cell.map(|cell| &cell.scores) {
-                Some(Ok(scores)) => write!(
-                    out,
+            let cell = find(cells, &mode.name, method, ReferenceKind::Rt);
+            out += &match cell.map(|cell| &cell.scores) {
+                Some(Ok(scores)) => format!(
                     "<td style=\"background:{}\">{}</td>",
                     band(scores.flip_p99).color,
                     link(&format!("{:.3}", scores.flip_p99))
                 ),
-                Some(Err(why)) => write!(out, "<td title=\"{}\">–</td>", escape(why)),
-                None => write!(out, "<td></td>"),
+                Some(Err(why)) => format!("<td title=\"{}\">–</td>", escape(why)),
+                None => "<td></td>".to_owned(),
             };
         }
         out += "</tr>\n";

@@ -2,26 +2,12 @@
 //! frame.
 
 use reflet::{
-    render::{
-        Draft, RenderOptions, picture::png_file, pipeline::targets::Target,
-        settings::unit_costs::UnitCosts,
-    },
+    render::{Draft, RenderOptions, picture::png_file, pipeline::targets::Target},
     scene::desc::Method,
     world::World,
 };
 
 use crate::kit::*;
-
-/// Unit costs by which marching pays where the picture shows the reflected things; by costs of software it never pays
-/// in so small a picture.
-const COSTS: UnitCosts = UnitCosts {
-    march_ray: 0.0,
-    march_node: 0.0,
-    pyramid_pixel: 0.0,
-    hit: 0.0,
-    pass: 1.0,
-    ..UnitCosts::PROCESSOR
-};
 
 const SIZE: [u32; 2] = [40, 28];
 /// A frame that differs much from the first.
@@ -95,7 +81,6 @@ impl Fixture {
 fn view(camera: Option<&str>) -> ViewOverrides {
     ViewOverrides {
         size: Some(SIZE),
-        costs: Some(COSTS),
         camera: camera.map(str::to_owned),
         ..ViewOverrides::default()
     }
@@ -109,13 +94,7 @@ fn session(path: &Path, camera: Option<&str>, set: &[&str]) -> Session {
         camera: camera.map(str::to_owned),
         ..with_set(&set)
     };
-    let mut session = or_panic!(Session::open(path, &options));
-    let costs = ViewOverrides {
-        costs: Some(COSTS),
-        ..session.view().clone()
-    };
-    session.set_view(costs).expect("costs refuse nothing");
-    session
+    or_panic!(Session::open(path, &options))
 }
 
 /// Picture of a frame by `render`, and the options that it has decided.
@@ -138,7 +117,7 @@ fn what_is_auto_is_decided_for_the_first_frame_in_preview_and_render() {
     let path = fixture.folder.path("scene.toml");
     let (other, late) = rendered(&path, LATE, None, &[&format!("timeline.start={LATE}")]);
     assert_ne!(first.image.exposure_ev, late.image.exposure_ev);
-    assert_ne!(first.reflection.method, late.reflection.method);
+    assert_ne!(first.rays_for_maps, late.rays_for_maps);
     assert!(wanted != other, "where it is decided shows");
 
     assert!(fixture.live.pose_now(LATE));

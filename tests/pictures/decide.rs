@@ -3,7 +3,7 @@
 use glam::DVec3;
 use reflet::{
     render::{
-        decide::{Decided, decide, needs_trees, view_sample::ViewSample, workload},
+        decide::{Decided, cost::Workload, decide, needs_trees},
         settings::view::View,
     },
     scene::desc::{Exposure, ShadowMode},
@@ -74,13 +74,13 @@ fn the_cpu_counts_the_mirror_rays_that_the_gpu_traces() {
     let Some(gpu) = gpu() else { return };
     let (desc, world) = scene(ROOM, &[]);
     let trees = Trees::build(&world, u64::MAX).expect("small");
-    let work = workload(&world, &trees, &RenderOptions::for_scene(&desc));
+    let work = Workload::new(&world, &trees, &RenderOptions::for_scene(&desc));
     let mut renderer = renderer(gpu, &desc, &world, false);
     let counts = renderer.counts(gpu, &world.cameras[0].value);
     let counts = counts.expect("counted");
     let on_gpu = counts.iter().find(|pass| pass.pass == "trace");
     let on_gpu = on_gpu.expect("mirror rays").counts.traversals as f64;
-    let ratio = work.weight() * f64::from(work.view.mirror.rays) / on_gpu;
+    let ratio = work.weight() * f64::from(work.view.reflecting) / on_gpu;
     assert!((0.8..1.25).contains(&ratio), "{ratio}");
 }
 
@@ -192,8 +192,8 @@ fn only_auto_lights_and_what_they_reach_are_weighed() {
         let text = BALLS.replace("kind = \"point\"", &kind);
         let (desc, world) = scene(&text, &[small]);
         let trees = Trees::build(&world, u64::MAX).expect("small");
-        let view = View::new(&world.cameras[0].value, desc.image.size, world.unit_m());
-        ViewSample::new(&world, &trees, &view, &RenderOptions::for_scene(&desc)).shadows[&0].0
+        let options = RenderOptions::for_scene(&desc);
+        Workload::new(&world, &trees, &options).view.shadows[&0].rays
     };
     let (narrow, wide) = (spot("30"), spot("60"));
     assert!(0 < narrow && narrow < wide, "{narrow} {wide}");

@@ -1,11 +1,11 @@
 //! `bench bounds`: time and samples that pictures take to error bounds, and the error that they then have.
 
-use std::{fmt::Write as _, sync::Arc, time::Instant};
+use std::{sync::Arc, time::Instant};
 
 use reflet_base::processor_time;
 use serde::Serialize;
 
-use super::{args::BoundsArgs, create_folder, progress::Progress, write};
+use super::{args::BoundsArgs, create_folder, progress::Progress, write, write_json};
 use crate::{
     app::{
         error::AppError,
@@ -113,9 +113,7 @@ pub fn bounds(args: &BoundsArgs) -> Result<(), AppError> {
         reference_samples: reference.stats.samples,
         rows: &rows,
     };
-    let json = serde_json::to_vec_pretty(&report)
-        .map_err(|error| AppError::Internal(format!("as JSON: {error}")))?;
-    write(&args.output.join(FILES[0]), &json)?;
+    write_json(&args.output.join(FILES[0]), &report)?;
     let [time, error] = charts(&rows).map_err(AppError::Internal)?;
     write(&args.output.join(FILES[1]), time.as_bytes())?;
     write(&args.output.join(FILES[2]), error.as_bytes())?;
@@ -221,10 +219,8 @@ fn table(rows: &[Row]) -> String {
         "error", "samples", "estimated", "measured", "measured, mean", "processor, s", "wall, s"
     );
     for row in rows {
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            text,
-            "{:>8}{:>9}{:>11.4}{:>10.4}{:>16.4}{:>13}{:>9}",
+        text += &format!(
+            "{:>8}{:>9}{:>11.4}{:>10.4}{:>16.4}{:>13}{:>9}\n",
             row.bound,
             row.samples,
             row.estimated,

@@ -9,7 +9,7 @@ use std::{
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::{
-    app::{progress::about, shutdown},
+    app::{error::AppError, progress::about, shutdown},
     bench::run::Observer,
 };
 
@@ -38,6 +38,17 @@ impl Progress {
             done: 0,
             begun: Instant::now(),
             told: None,
+        }
+    }
+
+    /// Checks that the command need not stop.
+    ///
+    /// # Errors
+    /// A shutdown request, with the meaning of a stop.
+    pub fn go_on(&self, means: &str) -> Result<(), AppError> {
+        match self.is_stopped() {
+            true => Err(AppError::Interrupted(format!("stopped; {means}"))),
+            false => Ok(()),
         }
     }
 

@@ -1,8 +1,6 @@
 //! `bench regret`: time of the choice of `auto` against the fastest alternative.
 
-use std::fmt::Write as _;
-
-use super::{args::RegretArgs, progress::Progress};
+use super::{args::RegretArgs, paths, progress::Progress};
 use crate::{
     app::{
         error::AppError,
@@ -49,13 +47,13 @@ impl Alternative {
         let mut all = Vec::new();
         for rays in (0..=kinds).filter(|rays| rays & !kinds == 0) {
             for method in [Method::Hybrid, Method::Rt] {
-                all.extend(
-                    [Visibility::Raster, Visibility::Rays].map(|visibility| Self {
+                for visibility in [Visibility::Raster, Visibility::Rays] {
+                    all.push(Self {
                         method,
                         visibility,
                         rays,
-                    }),
-                );
+                    });
+                }
             }
         }
         all
@@ -78,14 +76,13 @@ impl Alternative {
     }
 
     fn name(self) -> String {
-        let visibility = self.visibility.name();
-        let mut name = format!("{}, {visibility}", self.method.name());
-        for (kind, word) in LightKind::NAMES.iter().enumerate() {
-            if self.has_rays(kind) {
-                let _ = write!(name, ", {word} shadows by rays"); // writing to a string cannot fail
-            }
-        }
-        name
+        let kinds = LightKind::NAMES.iter().enumerate();
+        let by_rays = kinds.filter(|(kind, _)| self.has_rays(*kind));
+        let shadows: String = by_rays
+            .map(|(_, word)| format!(", {word} shadows by rays"))
+            .collect();
+        let (method, visibility) = (self.method.name(), self.visibility.name());
+        format!("{method}, {visibility}{shadows}")
     }
 
     fn has_rays(self, kind: usize) -> bool {
@@ -118,23 +115,16 @@ struct Row {
 /// A scene that does not load, no usable GPU, errors of the renderer.
 pub fn regret(args: &RegretArgs) -> Result<(), AppError> {
     let gpu = open_gpu(args.adapter.as_deref(), false)?;
-    let mut scenes: Vec<_> = args.scenes.iter().map(|path| Some(&**path)).collect();
-    if scenes.is_empty() {
-        scenes.push(None);
-    }
     let sizes = match &args.sizes[..] {
         [] => &SIZES[..],
         sizes => sizes,
     };
     let mut rows = Vec::new();
     let mut progress = Progress::new();
-    for path in scenes {
+    for path in paths(&args.scenes) {
         let loaded = load_scene(path, &args.from, &[])?;
         for size in sizes {
-            if progress.is_stopped() {
-                let text = "stopped; a table needs all of its rows".to_owned();
-                return Err(AppError::Interrupted(text));
-            }
+            progress.go_on("a table needs all of its rows")?;
             let row = measure(&gpu, &loaded, *size, args.frames, &mut progress)?;
             rows.extend(row);
         }
@@ -193,10 +183,9 @@ fn measure(
     let medians: Vec<(Alternative, f64)> = (timed.into_iter())
         .map(|(way, _, _, mut times)| (way, percentile(&mut times, 0.5)))
         .collect();
+    let of_options = Alternative::for_options(&world, &decided);
+    let chosen = medians.iter().find(|(way, _)| *way == of_options);
     let best = medians.iter().min_by(|a, b| a.1.total_cmp(&b.1));
-    let chosen = medians
-        .iter()
-        .find(|(way, _)| *way == Alternative::for_options(&world, &decided));
     Ok(best.zip(chosen).map(|(best, chosen)| Row {
         scene: loaded.name.clone(),
         size,
@@ -210,19 +199,13 @@ fn measure(
 
 fn table(rows: &[Row]) -> String {
     let mut out = String::from("| scene | size | chosen | ms | best | ms | regret |\n");
-    out.push_str("| --- | --- | --- | --- | --- | --- | --- |\n");
+    out += "| --- | --- | --- | --- | --- | --- | --- |\n";
     for row in rows {
         let [width, height] = row.size;
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            out,
-            "| {} | {width} × {height} | {} | {} | {} | {} | {:.2} |",
-            row.scene,
-            row.chosen,
-            digits(row.chosen_ms),
-            row.best,
-            digits(row.best_ms),
-            row.regret,
+        let [chosen_ms, best_ms] = [row.chosen_ms, row.best_ms].map(digits);
+        out += &format!(
+            "| {} | {width} × {height} | {} | {chosen_ms} | {} | {best_ms} | {:.2} |\n",
+            row.scene, row.chosen, row.best, row.regret
         );
     }
     out

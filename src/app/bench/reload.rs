@@ -5,7 +5,7 @@ use std::{path::PathBuf, sync::Arc};
 use clap::Args;
 use serde::Serialize;
 
-use super::{create_folder, progress::Progress, write};
+use super::{create_folder, progress::Progress, write_json};
 use crate::{
     app::{
         args::{SceneArgs, parse_size},
@@ -81,22 +81,18 @@ pub fn reload(args: &ReloadArgs) -> Result<(), AppError> {
     let mut progress = Progress::new();
     match args.page {
         #[cfg(feature = "serve")]
-        true => report(
-            args,
-            &gpu,
-            &measure_page(&gpu, args, &mut progress)?,
-            &viewer::PAGE,
-        ),
+        true => {
+            let series = measure_page(&gpu, args, &mut progress)?;
+            report(args, &gpu, &series, &viewer::PAGE)
+        }
         #[cfg(not(feature = "serve"))]
         true => Err(AppError::Usage(
             "--page: this program was built without the preview's page".to_owned(),
         )),
-        false => report(
-            args,
-            &gpu,
-            &measure_all(&gpu, args, &mut progress)?,
-            &PREVIEW,
-        ),
+        false => {
+            let series = measure_all(&gpu, args, &mut progress)?;
+            report(args, &gpu, &series, &PREVIEW)
+        }
     }
 }
 
@@ -118,10 +114,8 @@ fn report(
         size: args.size,
         series,
     };
-    let json = serde_json::to_vec_pretty(&report)
-        .map_err(|error| AppError::Internal(format!("as JSON: {error}")))?;
     let path = args.output.join("reload.json");
-    write(&path, &json)?;
+    write_json(&path, &report)?;
     reflet_base::error_line!("wrote {}", path.display());
     let [width, height] = args.size;
     print_out(&format!(

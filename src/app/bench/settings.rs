@@ -1,9 +1,10 @@
 //! Contents of `bench.json`: settings and counts of the run.
 
-use std::collections::HashSet;
+use std::{collections::HashSet, path::Path};
 
 use serde::Serialize;
 
+use super::write_json;
 use crate::{
     app::error::AppError,
     bench::{
@@ -87,37 +88,35 @@ struct Counted<'a> {
 fn counted(samples: &[Sample]) -> Vec<Counted<'_>> {
     let mut known = HashSet::new();
     let first = samples.iter().filter(|s| known.insert(&s.fingerprint));
-    let of = |s: &Sample| {
-        Some(Counts {
-            march_steps: s.march_steps?,
-            traversals: s.traversals?,
-            visited_nodes: s.visited_nodes?,
-            tested_triangles: s.tested_triangles?,
-        })
-    };
     let counted = first.filter_map(|s| {
         Some(Counted {
             scene: &s.scene,
             frame: s.frame,
             size: [s.width, s.height],
             setting: label(s),
-            counts: of(s)?,
+            counts: Counts {
+                march_steps: s.march_steps?,
+                traversals: s.traversals?,
+                visited_nodes: s.visited_nodes?,
+                tested_triangles: s.tested_triangles?,
+            },
         })
     });
     counted.collect()
 }
 
-/// Formats the run as JSON: its settings, machine, and the counted work of each setting.
+/// Writes the run as JSON: its settings, machine, and the counted work of each setting.
 ///
 /// # Errors
-/// [`AppError::Internal`] where a number has no JSON.
-pub fn json(
+/// A file that cannot be written.
+pub fn write(
+    path: &Path,
     protocol: &Protocol,
     scenes: &[&str],
     host: &Host,
     outcome: &Outcome,
     samples: &[Sample],
-) -> Result<Vec<u8>, AppError> {
+) -> Result<(), AppError> {
     let settings = Settings {
         host,
         scenes,
@@ -136,8 +135,7 @@ pub fn json(
         interrupted: outcome.interrupted,
         counted: counted(samples),
     };
-    serde_json::to_vec_pretty(&settings)
-        .map_err(|error| AppError::Internal(format!("as JSON: {error}")))
+    write_json(path, &settings)
 }
 
 #[cfg(test)]

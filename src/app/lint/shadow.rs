@@ -10,7 +10,7 @@ use crate::{
             shadow_texels::{COARSE_PX, SeenSurfaces},
             with_filtered,
         },
-        lighting::lights::{ShadowSizes, has_cube_map},
+        lighting::lights::ShadowSizes,
         settings::view::View,
     },
     scene::{
@@ -50,11 +50,7 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
             }
             continue;
         }
-        let px = if has_cube_map(&light.desc.kind) {
-            sizes.cube_px
-        } else {
-            sizes.map_px
-        };
+        let px = sizes.px_of(&light.desc.kind);
         let Some(span) = seen.texel_px(light, px).filter(|span| *span > COARSE_PX) else {
             continue;
         };

@@ -2,7 +2,6 @@
 //! parameter, a line per method.
 
 use crate::sample::curve::{series, series_names};
-use std::fmt::Write as _;
 
 use plotters::{coord::CoordTranslate, prelude::*};
 
@@ -251,10 +250,8 @@ fn svg(plot: &Plot) -> Result<String, String> {
 
 /// Adds an invisible dot with a hover text.
 fn hover(out: &mut String, (x, y): (i32, i32), text: &str) {
-    // Writing to a string cannot fail.
-    let _ = writeln!(
-        out,
-        "<circle cx=\"{x}\" cy=\"{y}\" r=\"6\" fill-opacity=\"0\"><title>{}</title></circle>",
+    *out += &format!(
+        "<circle cx=\"{x}\" cy=\"{y}\" r=\"6\" fill-opacity=\"0\"><title>{}</title></circle>\n",
         escape(text)
     );
 }
@@ -268,11 +265,9 @@ fn legend(plot: &Plot) -> String {
     for (index, method) in methods.iter().enumerate() {
         let x = WIDTH - 34 - 90 * (methods.len() - index) as i32;
         let RGBColor(r, g, b) = color(method);
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            out,
+        out += &format!(
             "<path d=\"M{x} 20h20\" stroke=\"rgb({r},{g},{b})\" stroke-width=\"2\"/>\
-             <text x=\"{}\" y=\"24\" font-family=\"sans-serif\" font-size=\"13\">{method}</text>",
+             <text x=\"{}\" y=\"24\" font-family=\"sans-serif\" font-size=\"13\">{method}</text>\n",
             x + 26
         );
     }

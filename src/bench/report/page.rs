@@ -1,7 +1,5 @@
 //! The page `report.html`: a single file that is readable offline and fetches nothing.
 
-use std::fmt::Write as _;
-
 use data_encoding::BASE64;
 
 use super::{
@@ -88,7 +86,7 @@ temporal error: mean difference of a picture's change from the reference's chang
 fn terms() -> String {
     let mut out = "<details><summary>What the words mean</summary><dl>".to_owned();
     for (term, meaning) in TERMS.lines().filter_map(|line| line.split_once(": ")) {
-        let _ = write!(out, "<dt>{term}</dt><dd>{}</dd>", escape(meaning));
+        out += &format!("<dt>{term}</dt><dd>{}</dd>", escape(meaning));
     }
     out + "</dl></details>\n"
 }
@@ -161,10 +159,9 @@ fn section(section: &Section) -> String {
     let heading = heading(s);
     let mut out = format!("<h2>{}</h2>\n<ul class=\"words\">", escape(&heading));
     for sentence in &section.sentences {
-        let _ = write!(out, "<li>{}</li>", escape(sentence));
+        out += &format!("<li>{}</li>", escape(sentence));
     }
-    let _ = write!(
-        out,
+    out += &format!(
         "</ul>\n<p class=\"sub\">Milliseconds a frame are the setting's own reflection passes and \
          one median of the passes that all settings share (shadow, G-buffer, light, tone), so \
          that their noise decides nothing; wall time is as measured. Reference: rt with {} bounces and rays of {} U (U = {} m). Its \
@@ -212,10 +209,9 @@ fn gallery(gallery: &Gallery) -> String {
     );
     for figure in &gallery.figures {
         let caption = escape(&figure.caption);
-        let _ = writeln!(
-            out,
+        out += &format!(
             "<figure><img alt=\"{caption}\" src=\"data:image/png;base64,{}\">\
-             <figcaption>{caption}</figcaption></figure>",
+             <figcaption>{caption}</figcaption></figure>\n",
             BASE64.encode(&figure.png)
         );
     }

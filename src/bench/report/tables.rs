@@ -1,7 +1,6 @@
 //! Tables of the page: all settings, their errors, shares and times, pass by pass.
 
 use crate::sample::curve::series;
-use std::fmt::Write as _;
 
 use plotters::style::RGBColor;
 use reflet_scene::desc::Method;
@@ -73,9 +72,8 @@ pub fn overview(sections: &[Section]) -> String {
             .find(|p| p.sample.method == Method::Rt.name());
         let rt = rt.and_then(reflection);
         if let Some(s) = group.points.first().map(|p| &p.sample) {
-            let _ = writeln!(
-                out,
-                "<tr class=\"scene\"><td colspan=\"{}\">{}, {} × {}</td></tr>",
+            out += &format!(
+                "<tr class=\"scene\"><td colspan=\"{}\">{}, {} × {}</td></tr>\n",
                 1 + heads.len(),
                 escape(&s.scene),
                 s.width,
@@ -160,9 +158,8 @@ pub fn points(section: &Section) -> String {
     }
     for (sample, why) in &group.failed {
         let label = label(sample);
-        let _ = writeln!(
-            out,
-            "<tr class=\"failed\"><td>{}</td><td class=\"left\" colspan=\"{}\">failed: {}</td></tr>",
+        out += &format!(
+            "<tr class=\"failed\"><td>{}</td><td class=\"left\" colspan=\"{}\">failed: {}</td></tr>\n",
             escape(&label),
             ERROR_HEADS.len() - 1,
             escape(why)
@@ -258,8 +255,7 @@ pub fn breakdown(points: &[Point]) -> String {
                    <p class=\"key\">"
         .to_owned();
     for name in &names {
-        let _ = write!(
-            out,
+        out += &format!(
             "<span><b style=\"background:{}\"></b>{name}</span>",
             part_color(name)
         );
@@ -272,15 +268,13 @@ pub fn breakdown(points: &[Point]) -> String {
     for (point, parts) in points.iter().zip(&rows) {
         let RGBColor(r, g, b) = color(series(&point.sample));
         let mebibytes = point.sample.bytes as f64 / f64::from(1 << 20);
-        let _ = write!(
-            out,
+        out += &format!(
             "<tr><td style=\"border-left:4px solid rgb({r},{g},{b})\">{}</td>\
              <td>{mebibytes:.1}</td><td class=\"left\"><div class=\"bar\">",
             escape(&point.label())
         );
         for (name, ms) in parts {
-            let _ = write!(
-                out,
+            out += &format!(
                 "<i style=\"width:{:.2}%;background:{}\" title=\"{name}: {} ms\"></i>",
                 100.0 * ms / longest,
                 part_color(name),

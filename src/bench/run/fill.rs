@@ -12,21 +12,20 @@ use super::judge::Judged;
 
 /// Fills in errors, structure, changes, false accepts and false rejects of a picture.
 pub(super) fn fill_errors(sample: &mut Sample, judged: &Judged) {
-    if let Some(errors) = &judged.errors {
-        sample.mask_px = errors.mask_px as u64;
-        for (column, metric) in table::columns() {
-            let mut fill = |column: &str, scores| {
-                let cell = sample.number_mut(column);
-                *cell.expect("every metric is a column") = (metric.score)(scores);
-            };
-            fill(column, &errors.frame);
-            if let Some(mask) = &errors.mask {
-                fill(&format!("mask_{column}"), mask);
-            }
+    let errors = &judged.errors;
+    sample.mask_px = errors.mask_px as u64;
+    for (column, metric) in table::columns() {
+        let mut fill = |column: &str, scores| {
+            let cell = sample.number_mut(column);
+            *cell.expect("every metric is a column") = (metric.score)(scores);
+        };
+        fill(column, &errors.frame);
+        if let Some(mask) = &errors.mask {
+            fill(&format!("mask_{column}"), mask);
         }
     }
-    if let Some(structure) = judged.errors.as_ref().and_then(|e| e.structure) {
-        fill_structure(sample, &structure);
+    if let Some(structure) = &errors.structure {
+        fill_structure(sample, structure);
     }
     sample.probe_seam_step = judged.probe_seam_step;
     if let Some(changes) = judged.changes {

@@ -155,7 +155,7 @@ impl Block<'_> {
         watch.begin(&next("judged"));
         let judged = bench.judge(self.subject, variant, renderer, reference, self.size)?;
         watch.did();
-        if let Some(failure) = &judged.failure {
+        if let Err(failure) = &judged {
             watch.note(&format!("{label}: {failure}"));
         }
         let mut sample = self.prototype(bench, variant, &judged, renderer.unit_m());
@@ -233,7 +233,13 @@ impl Block<'_> {
     }
 
     /// Sample of this variant with everything but its times.
-    fn prototype(&self, bench: &Bench, variant: &Variant, judged: &Judged, unit_m: f32) -> Sample {
+    fn prototype(
+        &self,
+        bench: &Bench,
+        variant: &Variant,
+        judged: &Result<Judged, String>,
+        unit_m: f32,
+    ) -> Sample {
         let (subject, host) = (self.subject, bench.host);
         let settings = &variant.reflection;
         let reference = bench.protocol.reference(&subject.reflection);
@@ -273,7 +279,11 @@ impl Block<'_> {
             reference_bounces: REFERENCE_BOUNCES.most(),
             reference_ray_length_u: reference.ray_length_u,
             warm_up: bench.protocol.warm_up,
-            status: judged.failure.clone().unwrap_or_else(|| "ok".to_owned()),
+            status: judged
+                .as_ref()
+                .err()
+                .map_or("ok", String::as_str)
+                .to_owned(),
             timing: host.timing.to_owned(),
             adapter: host.adapter.clone(),
             driver: host.driver.clone(),
@@ -286,7 +296,9 @@ impl Block<'_> {
             detail: vec![0.0; detail_columns().len()],
             ..Sample::default()
         };
-        fill_errors(&mut sample, judged);
+        if let Ok(judged) = judged {
+            fill_errors(&mut sample, judged);
+        }
         sample
     }
 }

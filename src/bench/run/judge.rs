@@ -16,14 +16,13 @@ use reflet_scene::{
 
 use super::{Bench, BenchError, Subject, Sweep, flicker::FrameChange};
 
-/// Scores of a variant's picture, or the reason why there are none.
+/// Scores of a variant's picture.
 pub(super) struct Judged {
-    pub(super) errors: Option<Errors>,
+    pub(super) errors: Errors,
     pub(super) since: Option<FrameChange>,
     pub(super) verdicts: Option<Vec<CauseTally>>,
     pub(super) changes: Option<Changes>,
     pub(super) probe_seam_step: Option<f64>,
-    pub(super) failure: Option<String>,
 }
 
 impl Bench<'_> {
@@ -84,7 +83,7 @@ impl Bench<'_> {
         Ok(Hits::from_planes(&picture.planes))
     }
 
-    /// Errors, false accepts and false rejects of one variant's picture.
+    /// Errors, false accepts and false rejects of one variant's picture, or the reason why there are none.
     pub(super) fn judge(
         &self,
         subject: &Subject,
@@ -92,7 +91,7 @@ impl Bench<'_> {
         renderer: &mut Renderer,
         reference: &Reference,
         size: [u32; 2],
-    ) -> Result<Judged, BenchError> {
+    ) -> Result<Result<Judged, String>, BenchError> {
         let planes = match (variant.scale == 1.0, variant.method.looks_up()) {
             (true, true) => [&PLANES[..], &seams::PLANES].concat(),
             (true, false) => PLANES.to_vec(),
@@ -106,31 +105,26 @@ impl Bench<'_> {
             settings: &variant.reflection,
             picture: &picture,
         });
-        let judged: Result<_, String> = View::new(&picture, size)
-            .and_then(|view| {
-                let flicker = &self.cache.flicker;
-                let since = flicker.push(subject, variant, &view, reference)?;
-                let (hits, answers) = (
-                    Hits::from_planes(&picture.planes),
-                    variant.method.answers_all(),
-                );
-                let seam = looked.and_then(|looked| looked.seam_step(&view, reference));
-                Ok((
-                    reference.errors(&view, hits.as_ref(), answers)?,
-                    since,
-                    seam,
-                ))
-            })
-            .map_err(|e| e.to_string());
+        let hits = Hits::from_planes(&picture.planes);
+        let scored = View::new(&picture, size).and_then(|view| {
+            let since = (self.cache.flicker).push(subject, variant, &view, reference)?;
+            let answers = variant.method.answers_all();
+            let seam = looked.and_then(|looked| looked.seam_step(&view, reference));
+            Ok((
+                reference.errors(&view, hits.as_ref(), answers)?,
+                since,
+                seam,
+            ))
+        });
         let mut changes = None;
-        if let (Some(hits), true) = (Hits::from_planes(&picture.planes), self.moves(subject)) {
+        if let (Some(hits), true) = (&hits, self.moves(subject)) {
             let moved = self.moved(subject, renderer)?;
-            changes = moved.and_then(|moved| reference.changes(&hits, &moved));
+            changes = moved.and_then(|moved| reference.changes(hits, &moved));
         }
         let mut verdicts = None;
         // The rays of a truth differ from this picture's.
         let is_asked = variant.method.marches() && subject.truth.is_none();
-        if let (Some(hits), true) = (Hits::from_planes(&picture.planes), is_asked) {
+        if let (Some(hits), true) = (&hits, is_asked) {
             renderer.set_reflection_parameters(&ReflectionDesc {
                 steps: MAX_STEPS,
                 ..variant.reflection
@@ -139,26 +133,18 @@ impl Bench<'_> {
             let unit_m = renderer.unit_m();
             let length_m = variant.reflection.ray_length_u * unit_m;
             verdicts = Hits::from_planes(&planes)
-                .map(|crossings| reference.verdicts(&hits, &crossings, length_m, unit_m));
+                .map(|crossings| reference.verdicts(hits, &crossings, length_m, unit_m));
             renderer.set_reflection_parameters(&variant.reflection);
         }
-        Ok(match (judged, verdicts.transpose()) {
-            (Ok((errors, since, probe_seam_step)), Ok(verdicts)) => Judged {
-                errors: Some(errors),
+        let scored = scored.map_err(|error| error.to_string());
+        Ok(scored.and_then(|(errors, since, probe_seam_step)| {
+            Ok(Judged {
+                errors,
                 since,
-                verdicts,
+                verdicts: verdicts.transpose()?,
                 changes,
                 probe_seam_step,
-                failure: None,
-            },
-            (Err(failure), _) | (_, Err(failure)) => Judged {
-                errors: None,
-                since: None,
-                verdicts: None,
-                changes: None,
-                probe_seam_step: None,
-                failure: Some(failure),
-            },
-        })
+            })
+        }))
     }
 }

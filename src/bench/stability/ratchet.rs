@@ -1,10 +1,10 @@
 //! Ratchet file: the worst score that each cell may have, which is only ever tightened.
 
-use std::{fmt::Write as _, io, path::Path};
+use std::{io, path::Path};
 
 use serde::Deserialize;
 
-use super::{Cell, CellScores, ReferenceKind};
+use super::{Cell, CellScores, ReferenceKind, find};
 use crate::sample::curve::series_names;
 use reflet_base::files::{open_regular, read_at_most};
 use reflet_metric::file_error;
@@ -86,9 +86,7 @@ impl Ratchet {
         let [width, height] = self.size;
         let mut out = format!("{HEAD}size = [{width}, {height}]\n\ncell = [\n");
         for cell in &self.cells {
-            // Writing to a string cannot fail.
-            let _ = write!(
-                out,
+            out += &format!(
                 "    {{ mode = \"{}\", method = \"{}\", flip = {:?}, flip_p99 = {:?}",
                 cell.mode, cell.method, cell.flip, cell.flip_p99
             );
@@ -97,7 +95,7 @@ impl Ratchet {
                 ("specks_px", cell.specks_px),
             ] {
                 if let Some(pixels) = pixels {
-                    let _ = write!(out, ", {name} = {pixels}");
+                    out += &format!(", {name} = {pixels}");
                 }
             }
             out += " },\n";
@@ -125,7 +123,8 @@ impl Ratchet {
         };
         for allowed in self.cells.iter().filter(is_asked) {
             let name = format!("{}, {}", allowed.mode, allowed.method);
-            match find(cells, allowed).map(|cell| &cell.scores) {
+            let cell = find(cells, &allowed.mode, &allowed.method, ReferenceKind::Rt);
+            match cell.map(|cell| &cell.scores) {
                 None => worse.push(format!("{name}: not measured any more")),
                 Some(Err(why)) => worse.push(format!("{name}: no score: {why}")),
                 Some(Ok(scores)) => {
@@ -173,6 +172,7 @@ impl Allowed {
     fn over(&self, scores: &CellScores) -> Vec<String> {
         let slack_share = SLACK_PX / scores.mask_px.max(1) as f64;
         let count = |pixels: Option<u64>| pixels.map(|px| px as f64);
+        let (accepts, specks) = (scores.false_accepts_px, scores.specks_px);
         let checks = [
             ("flip", Some(scores.flip), Some(self.flip), slack_share),
             (
@@ -183,16 +183,11 @@ impl Allowed {
             ),
             (
                 "false_accepts_px",
-                count(scores.false_accepts_px),
+                count(accepts),
                 count(self.false_accepts_px),
                 SLACK_PX,
             ),
-            (
-                "specks_px",
-                count(scores.specks_px),
-                count(self.specks_px),
-                SLACK_PX,
-            ),
+            ("specks_px", count(specks), count(self.specks_px), SLACK_PX),
         ];
         let mut over = Vec::new();
         for (what, measured, allowed, slack) in checks {
@@ -209,36 +204,24 @@ impl Allowed {
         over
     }
 
+    /// Lowers scores to better measured ones; returns the number of changed numbers.
     fn lower(&mut self, measured: &Self) -> usize {
-        let mut changed = 0;
-        for (allowed, measured) in [
-            (&mut self.flip, measured.flip),
-            (&mut self.flip_p99, measured.flip_p99),
-        ] {
-            if measured < *allowed {
+        fn lower<T: Copy>(allowed: &mut T, measured: T, is_better: impl Fn(T, T) -> bool) -> usize {
+            let is_changed = is_better(measured, *allowed);
+            if is_changed {
                 *allowed = measured;
-                changed += 1;
             }
+            usize::from(is_changed)
         }
-        for (allowed, measured) in [
-            (&mut self.false_accepts_px, measured.false_accepts_px),
-            (&mut self.specks_px, measured.specks_px),
-        ] {
-            if let Some(pixels) = measured
-                && allowed.is_none_or(|allowed| pixels < allowed)
-            {
-                *allowed = Some(pixels);
-                changed += 1;
-            }
-        }
-        changed
+        let less = |measured: f64, allowed: f64| measured < allowed;
+        let fewer = |measured: Option<u64>, allowed: Option<u64>| {
+            measured.is_some_and(|px| allowed.is_none_or(|allowed| px < allowed))
+        };
+        lower(&mut self.flip, measured.flip, less)
+            + lower(&mut self.flip_p99, measured.flip_p99, less)
+            + lower(&mut self.false_accepts_px, measured.false_accepts_px, fewer)
+            + lower(&mut self.specks_px, measured.specks_px, fewer)
     }
-}
-
-fn find<'a>(cells: &'a [Cell], allowed: &Allowed) -> Option<&'a Cell> {
-    let wanted = (&allowed.mode, &allowed.method, ReferenceKind::Rt);
-    let is_wanted = |cell: &&Cell| (&cell.mode, &cell.method, cell.against) == wanted;
-    cells.iter().find(is_wanted)
 }
 
 /// Rounds up to five decimals, so that files stay short.

@@ -1,8 +1,6 @@
 //! Meaning of the scores of a mode: bands of the error, and a sentence for each method.
 
-use std::fmt::Write as _;
-
-use super::{Cell, ReferenceKind};
+use super::{Cell, ReferenceKind, find};
 
 /// A band of the 99th percentile of FLIP.
 #[derive(Clone, Copy, Debug)]
@@ -16,27 +14,21 @@ pub struct Band {
 
 /// Bands, from invisible to wrong.
 const BANDS: [Band; 4] = [
-    Band {
-        up_to: 0.05,
-        color: "#9bd89b",
-        means: "not seen",
-    },
-    Band {
-        up_to: 0.2,
-        color: "#f3e48a",
-        means: "seen in a direct comparison",
-    },
-    Band {
-        up_to: 0.5,
-        color: "#f2b661",
-        means: "seen",
-    },
-    Band {
-        up_to: f64::INFINITY,
-        color: "#ee8277",
-        means: "wrong",
-    },
+    Band::new(0.05, "#9bd89b", "not seen"),
+    Band::new(0.2, "#f3e48a", "seen in a direct comparison"),
+    Band::new(0.5, "#f2b661", "seen"),
+    Band::new(f64::INFINITY, "#ee8277", "wrong"),
 ];
+
+impl Band {
+    const fn new(up_to: f64, color: &'static str, means: &'static str) -> Self {
+        Self {
+            up_to,
+            color,
+            means,
+        }
+    }
+}
 
 /// Band of a score.
 pub fn band(p99: f64) -> Band {
@@ -57,17 +49,13 @@ pub fn verdict(cell: &Cell, cells: &[Cell]) -> String {
         s.flip,
         s.rel_mse
     );
-    // Writing to a string cannot fail.
     if s.frames > 1 && s.flip_p99 > 0.0 {
-        let _ = write!(words, ", worst at {}", s.worst);
+        words += &format!(", worst at {}", s.worst);
     }
     words.push(')');
-    let truth = cells.iter().find(|other| {
-        other.against == ReferenceKind::Truth
-            && (&other.mode, &other.method) == (&cell.mode, &cell.method)
-    });
+    let truth = find(cells, &cell.mode, &cell.method, ReferenceKind::Truth);
     if let Some(Ok(truth)) = truth.map(|cell| &cell.scores) {
-        let _ = write!(words, "; against the truth {}", band(truth.flip_p99).means);
+        words += &format!("; against the truth {}", band(truth.flip_p99).means);
     }
     words
 }

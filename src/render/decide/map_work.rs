@@ -6,11 +6,11 @@ use reflet_base::math::Bounds;
 use reflet_scene::desc::ShadowMode;
 use reflet_world::{Instance, Light, Mesh, World};
 
-use super::{cull::is_outside, trees_ms};
+use super::{bits, cull::is_outside, trees_ms, unit_costs::UnitCosts};
 use crate::{
     lighting::lights::{CUBE_FACES, ShadowSizes, flat_view, has_cube_map, map_near_m, map_texel_m},
     plan::traces_rays,
-    settings::{options::RenderOptions, unit_costs::UnitCosts},
+    settings::options::RenderOptions,
 };
 
 /// Memory for all shadow maps of a scene, bytes; maps that a scene asks for by name may take more.
@@ -44,6 +44,8 @@ pub struct MapWork {
     pub light: usize,
     /// Index of the kind of light.
     pub kind: usize,
+    /// Width in texels that it would have: all maps of a form are as large as the largest.
+    pub px: u32,
     /// Texels of all its faces.
     texels: f64,
     /// Work of drawing the things that cast shadows, over all faces, in triangles of a fine mesh.
@@ -59,12 +61,12 @@ impl MapWork {
         if undecided.clone().next().is_none() {
             return Vec::new();
         }
-        let casters = world.instances.iter().filter(|i| i.shown.casts_shadow);
-        let casters: Vec<_> = casters.collect();
-        let triangles = casters
+        let instances = world.instances.iter();
+        let casters: Vec<_> = instances.filter(|i| i.shown.casts_shadow).collect();
+        let drawn = casters
             .iter()
             .map(|i| drawn_triangles(&world.meshes[i.mesh]));
-        let triangles: f64 = triangles.sum();
+        let triangles: f64 = drawn.sum();
         let capsules: Vec<_> = casters
             .par_iter()
             .filter(|i| world.meshes[i.mesh].capsule_radius_m.is_some())
@@ -72,19 +74,20 @@ impl MapWork {
             .collect();
         let around = |all: Bounds, i: &&Instance| all.union(world.bounds_of(i));
         let bounds = casters.iter().fold(Bounds::EMPTY, around);
+        let sizes = ShadowSizes::for_lights(&world.lights, &RenderOptions::default());
         let work = |(light, of): (usize, &Light)| {
-            let (px, is_cube) = (map_px(world, of), has_cube_map(&of.desc.kind));
+            let px = sizes.px_of(&of.desc.kind);
             // Most triangles lie in one or two faces of a cube.
-            let (faces, views) = match is_cube {
+            let (faces, views) = match has_cube_map(&of.desc.kind) {
                 true => (CUBE_FACES.len() as f64, 1.5),
                 false => (1.0, 1.0),
             };
-            let texels = faces * f64::from(px).powi(2);
             let covered = capsules.par_iter().map(|c| c.texels(of, px, &bounds));
             Self {
                 light,
                 kind: of.desc.kind.index(),
-                texels,
+                px,
+                texels: faces * f64::from(px).powi(2),
                 triangles: triangles * views,
                 capsule_texels: covered.sum(),
             }
@@ -163,7 +166,7 @@ pub(super) fn are_slow(works: &[MapWork], world: &World, options: &RenderOptions
     let draw_ns = works.iter().map(|work| work.draw_ns(&UnitCosts::PROCESSOR));
     let trees_ms = match traces_rays(world, options) {
         true => 0.0,
-        false => trees_ms(world, &UnitCosts::PROCESSOR),
+        false => trees_ms(world),
     };
     1e-6 * draw_ns.sum::<f64>() > MANY_MS.max(DEAR * trees_ms)
 }
@@ -174,7 +177,7 @@ pub fn doubtful_maps(world: &World, options: &RenderOptions) -> u64 {
     let works = MapWork::of_world(world, options);
     let bytes = ShadowSizes::for_lights(&world.lights, options).bytes();
     match bytes > MAP_BUDGET_BYTES || are_slow(&works, world, options) {
-        true => works.iter().fold(0, |mask, work| mask | 1 << work.light),
+        true => bits(&works),
         false => 0,
     }
 }
@@ -182,12 +185,4 @@ pub fn doubtful_maps(world: &World, options: &RenderOptions) -> u64 {
 /// Whether a light has a shadow map unless rays stand in for it.
 pub(super) fn is_mapped(light: &Light) -> bool {
     !matches!(light.desc.shadow, ShadowMode::Ray | ShadowMode::None)
-}
-
-/// Width in texels of the shadow map that a light would have: all maps of a form are as large as the largest.
-pub(super) fn map_px(world: &World, light: &Light) -> u32 {
-    let is_cube = has_cube_map(&light.desc.kind);
-    let has_map = |l: &&Light| is_mapped(l) && has_cube_map(&l.desc.kind) == is_cube;
-    let lights = world.lights.iter().filter(has_map);
-    lights.map(|l| l.desc.shadow_px).max().unwrap_or(0)
 }

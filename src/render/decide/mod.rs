@@ -1,4 +1,4 @@
-//! Decides the settings that options leave to `auto`, by the cost model.
+//! Decides the settings that options leave to `auto`: the method by rule, visibility and shadows by the cost model.
 
 pub mod cost;
 pub(crate) mod cull;
@@ -8,11 +8,12 @@ pub mod map_work;
 pub mod shadow_texels;
 pub mod skip;
 pub mod trace_choice;
+pub mod unit_costs;
 pub mod view_estimate;
 pub mod view_rays;
 pub mod view_sample;
 
-use std::{cell::OnceCell, cmp::Reverse, collections::BTreeSet};
+use std::{cell::OnceCell, cmp::Reverse};
 
 use serde::Serialize;
 
@@ -23,19 +24,18 @@ use super::{
     decide::{
         cost::Workload,
         cull::is_outside,
-        edge_on::has_edge_on_surfaces,
         filtered_lights::filtered_lights,
         map_work::{
             DEAR, MAP_BUDGET_BYTES, MapWork, REFERENCE_PX, are_slow, doubtful_maps,
-            drawn_triangles, is_mapped, map_px,
+            drawn_triangles, is_mapped,
         },
         shadow_texels::{COARSE_PX, SeenSurfaces},
+        unit_costs::{TREE_INSTANCE, TREE_TRIANGLE, UnitCosts},
         view_estimate::ViewEstimate,
-        view_sample::ViewSample,
     },
     lighting::lights::ShadowSizes,
     plan::{reflects, traces_rays},
-    settings::{options::RenderOptions, unit_costs::UnitCosts, view::View},
+    settings::{options::RenderOptions, view::View},
 };
 
 /// A value chosen for a setting that was left to `auto`.
@@ -64,7 +64,7 @@ pub fn needs_trees(world: &World, options: &RenderOptions, software: bool) -> bo
     traces_rays(world, options)
         || options.image.exposure_ev == Exposure::Auto
         || world.lights.iter().any(is_auto)
-        || draws_longer_than_trees(world, options, &unit_costs(options, software))
+        || draws_longer_than_trees(world, options, &UnitCosts::of_kind(software))
         || doubtful_maps(world, &with_filtered(world, options)) != 0
 }
 
@@ -76,16 +76,11 @@ pub fn with_filtered(world: &World, options: &RenderOptions) -> RenderOptions {
     }
 }
 
-/// Costs that decide.
-fn unit_costs(options: &RenderOptions, software: bool) -> UnitCosts {
-    options.costs.unwrap_or(UnitCosts::of_kind(software))
-}
-
 /// Expected time to build the trees, milliseconds.
-fn trees_ms(world: &World, unit: &UnitCosts) -> f64 {
+fn trees_ms(world: &World) -> f64 {
     let triangles: usize = world.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
-    1e-6 * (triangles as f64 * unit.tree_triangle
-        + world.instances.len() as f64 * unit.tree_instance)
+    let instances = world.instances.len() as f64;
+    1e-6 * (triangles as f64 * TREE_TRIANGLE + instances * TREE_INSTANCE)
 }
 
 /// Number of nodes that a primary ray is expected to visit, before there is a tree.
@@ -100,8 +95,8 @@ fn draws_longer_than_trees(world: &World, options: &RenderOptions, unit: &UnitCo
     let samples = f64::from(options.image.samples.count());
     let pixels = samples * options.image.size.map(f64::from).iter().product::<f64>();
     let drawn = samples * triangles_in_view(world, options) * unit.raster_triangle;
-    let traced = pixels * PRIMARY_NODES * unit.primary_node;
-    1e-6 * drawn > trees_ms(world, unit) + 1e-6 * traced
+    let traced = pixels * PRIMARY_NODES * unit.primary.1;
+    1e-6 * drawn > trees_ms(world) + 1e-6 * traced
 }
 
 /// Whether something is drawn at least a pixel wide.
@@ -128,7 +123,7 @@ pub fn decide(world: &World, trees: &Trees, options: &RenderOptions, software: b
         world,
         trees,
         asked: options,
-        unit: unit_costs(&options, software),
+        unit: UnitCosts::of_kind(software),
         decided: Decided {
             options,
             decisions: Vec::new(),
@@ -162,7 +157,7 @@ struct Decider<'a> {
 
 impl Decider<'_> {
     fn workload(&self) -> &Workload {
-        let counted = || workload(self.world, self.trees, &self.asked);
+        let counted = || Workload::new(self.world, self.trees, &self.asked);
         self.workload.get_or_init(counted)
     }
 
@@ -170,7 +165,7 @@ impl Decider<'_> {
         let mut options = self.asked;
         options.image.size = REFERENCE_PX;
         options.image.samples = Samples::Count(1);
-        let counted = || workload(self.world, self.trees, &options);
+        let counted = || Workload::new(self.world, self.trees, &options);
         self.reference.get_or_init(counted)
     }
 
@@ -194,27 +189,9 @@ impl Decider<'_> {
             return;
         }
         self.decided.options.reflection.method = Method::Rt;
-        if !reflects(self.world, settings.reflects_below()) {
-            return;
-        }
-        let view = view_of(self.world, &self.asked);
-        if settings.verifies() && has_edge_on_surfaces(self.world, &view) {
-            let why =
-                "the camera sees surfaces edge-on, which no pixel shows, so no ray is marched";
-            return self.choose("reflection.method", Method::Rt.name(), why.to_owned());
-        }
-        let workload = self.workload();
-        let pair = workload.reflections(&self.unit);
-        let (view, sampled) = (&workload.view, &workload.view.mirror);
-        let percent = |part: u32, of: u32| 100.0 * f64::from(part) / f64::from(of.max(1));
-        let why = format!(
-            "{pair}; {:.0} % of the pixels reflect, of which the picture shows {:.0} %",
-            percent(sampled.rays, view.rays),
-            percent(sampled.shown, sampled.rays),
-        );
-        self.choose("reflection.method", pair.cheaper(), why);
-        if pair.cheaper() == Method::Hybrid.name() {
-            self.decided.options.reflection.method = Method::Hybrid;
+        if reflects(self.world, settings.reflects_below()) {
+            let why = "where it was measured, hybrid was never faster by more than 2 % of a frame";
+            self.choose("reflection.method", Method::Rt.name(), why.to_owned());
         }
     }
 
@@ -230,15 +207,15 @@ impl Decider<'_> {
             );
             self.choose("shadow maps", "ray", why);
         }
-        let auto = self.maps.iter().filter(|map| self.is_auto(map));
-        for kind in auto.map(|map| map.kind).collect::<BTreeSet<_>>() {
-            let (chosen, why) = self.shadow(kind);
+        let auto = self.maps.iter().copied().filter(|map| self.is_auto(map));
+        let mut auto: Vec<MapWork> = auto.collect();
+        auto.sort_by_key(|map| map.kind);
+        for maps in auto.chunk_by(|a, b| a.kind == b.kind) {
+            let (chosen, why) = self.shadow(maps);
             if chosen == "ray" {
-                let maps = self.maps.iter();
-                let of_kind = maps.filter(|map| map.kind == kind && self.is_auto(map));
-                self.decided.options.rays_for_maps |= bits(of_kind);
+                self.decided.options.rays_for_maps |= bits(maps);
             }
-            let what = format!("shadow of {} lights", LightKind::NAMES[kind]);
+            let what = format!("shadow of {} lights", LightKind::NAMES[maps[0].kind]);
             self.choose(&what, chosen, why);
         }
         if self.trees.is_built() {
@@ -252,29 +229,22 @@ impl Decider<'_> {
         self.world.lights[map.light].desc.shadow == ShadowMode::Auto
     }
 
-    /// The way of the shadows of the `auto` lights of a kind, and why.
-    fn shadow(&self, kind: usize) -> (&'static str, String) {
-        let maps = self.maps.iter();
-        let maps = maps.filter(|map| map.kind == kind && self.is_auto(map));
+    /// The way of the shadows of lights, and why.
+    fn shadow(&self, maps: &[MapWork]) -> (&'static str, String) {
         let world = self.world;
         let seen = SeenSurfaces::new(world, self.trees, &view_of(world, &self.asked));
-        let span = |map: &MapWork| {
-            let light = &world.lights[map.light];
-            seen.texel_px(light, map_px(world, light))
-        };
-        let coarsest = maps.clone().filter_map(span).max_by(f32::total_cmp);
+        let spans = maps.iter();
+        let spans = spans.filter_map(|map| seen.texel_px(&world.lights[map.light], map.px));
+        let coarsest = spans.max_by(f32::total_cmp);
         if let Some(span) = coarsest.filter(|span| *span > COARSE_PX) {
-            return (
-                "ray",
-                format!("a texel of a map would span {span:.0} pixels"),
-            );
+            let why = format!("a texel of a map would span {span:.0} pixels");
+            return ("ray", why);
         }
         let traces = traces_rays(world, &self.decided.options);
         if !traces && !are_slow(&self.maps, world, &self.asked) {
             return ("map", NO_RAYS.to_owned());
         }
-        let pair = self.workload().shadow(&self.unit, maps);
-        (pair.cheaper(), pair.to_string())
+        cheaper(["ray", "map"], self.workload().shadow(&self.unit, maps))
     }
 
     /// Has lights take rays where a processor would draw their map much longer, alike on every adapter.
@@ -282,7 +252,7 @@ impl Decider<'_> {
         if !are_slow(&self.maps, self.world, &self.asked) {
             return;
         }
-        let shadow = |map| (self.reference()).shadow(&UnitCosts::PROCESSOR, [map]).ms();
+        let shadow = |map| (self.reference()).shadow(&UnitCosts::PROCESSOR, [map]);
         let maps = self.maps.iter().filter(|map| !self.is_auto(map));
         let dear = maps.map(|map| (map, shadow(map)));
         let dear: Vec<_> = dear.filter(|(_, [ray, map])| *map > DEAR * ray).collect();
@@ -313,7 +283,7 @@ impl Decider<'_> {
         let undecided = options.undecided_lights(self.world).map(|(i, _)| i);
         let mut left: Vec<usize> = undecided.filter(has_map).collect();
         // The last of equally seen lights goes first.
-        left.sort_by_key(|i| Reverse(seen.get(i).map_or(0, |(rays, _)| *rays)));
+        left.sort_by_key(|i| Reverse(seen.get(i).map_or(0, |to| to.rays)));
         let before = left.len();
         while bytes(&options) > MAP_BUDGET_BYTES
             && let Some(least) = left.pop()
@@ -351,11 +321,11 @@ impl Decider<'_> {
         {
             return self.choose(what, "raster", NO_RAYS.to_owned());
         }
-        let pair = self.workload().visibility(&self.unit);
-        if pair.cheaper() == "rays" {
+        let (chosen, why) = cheaper(["rays", "raster"], self.workload().visibility(&self.unit));
+        if chosen == "rays" {
             self.decided.options.image.visibility = Visibility::Rays;
         }
-        self.choose(what, pair.cheaper(), pair.to_string());
+        self.choose(what, chosen, why);
     }
 
     fn exposure(&mut self) {
@@ -382,6 +352,16 @@ impl Decider<'_> {
     }
 }
 
+/// The cheaper of two ways by their expected milliseconds, the second if they cost the same, and why.
+fn cheaper(ways: [&'static str; 2], ms: [f64; 2]) -> (&'static str, String) {
+    let [first, second] = ms;
+    let why = format!(
+        "{} {first:.2} ms, {} {second:.2} ms expected",
+        ways[0], ways[1]
+    );
+    (if first < second { ways[0] } else { ways[1] }, why)
+}
+
 /// The lights of maps, a bit for each by its index.
 fn bits<'a>(maps: impl IntoIterator<Item = &'a MapWork>) -> u64 {
     maps.into_iter().fold(0, |mask, map| mask | 1 << map.light)
@@ -398,15 +378,4 @@ pub(super) fn view_of(world: &World, options: &RenderOptions) -> View {
     let camera = world.cameras.get(camera);
     let camera = camera.map(|c| c.value.clone()).unwrap_or_default();
     View::new(&camera, options.image.size, options.unit_m(world))
-}
-
-/// Sizes and counts of a world as the options' camera sees it.
-pub fn workload(world: &World, trees: &Trees, options: &RenderOptions) -> Workload {
-    let [width, height] = options.image.size.map(f64::from);
-    Workload {
-        pixels: width * height,
-        samples: f64::from(options.image.samples.count()),
-        triangles_in_view: triangles_in_view(world, options),
-        view: ViewSample::new(world, trees, &view_of(world, options), options),
-    }
 }

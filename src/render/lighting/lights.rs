@@ -74,6 +74,14 @@ impl ShadowSizes {
         sizes
     }
 
+    /// Width of a map of a light of this kind, pixels.
+    pub fn px_of(&self, kind: &LightKind) -> u32 {
+        match has_cube_map(kind) {
+            true => self.cube_px,
+            false => self.map_px,
+        }
+    }
+
     /// Size of all maps, bytes.
     pub fn bytes(&self) -> u64 {
         let of = |px: u32, layers: u32| TEXEL_BYTES * u64::from(px).pow(2) * u64::from(layers);

@@ -6,7 +6,7 @@ use std::{
 };
 
 use super::scene_text::{LoadedScene, SceneOptions, SceneText};
-use crate::{Crop, Draft, RenderOptions, settings::unit_costs::UnitCosts};
+use crate::{Crop, Draft, RenderOptions};
 use reflet_gpu::{ShaderError, ShaderLibrary};
 use reflet_scene::{
     desc::{Method, Samples},
@@ -67,8 +67,6 @@ pub struct ViewOverrides {
     pub samples: Option<u32>,
     /// Sub-frames per picture of a scene that does not write their number; without it 1.
     pub unwritten_samples: Option<u32>,
-    /// See [`RenderOptions::costs`].
-    pub costs: Option<UnitCosts>,
     /// See [`RenderOptions::draft`].
     pub draft: Option<Draft>,
     /// See [`RenderOptions::crop`].
@@ -93,7 +91,6 @@ impl ViewOverrides {
     pub fn options(&self, loaded: &LoadedScene) -> RenderOptions {
         let mut options = RenderOptions {
             camera: self.camera_in(loaded).or_else(|| loaded.camera(None)),
-            costs: self.costs,
             draft: self.draft,
             crop: self.crop,
             audit: self.audit,

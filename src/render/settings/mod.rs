@@ -7,5 +7,4 @@ pub mod offsets;
 pub mod options;
 pub mod pixel_share;
 pub mod precision;
-pub mod unit_costs;
 pub mod view;

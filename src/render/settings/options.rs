@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{pixel_share::needs_moments, unit_costs::UnitCosts};
+use super::pixel_share::needs_moments;
 use reflet_scene::desc::{ImageDesc, Method, ReflectionDesc, SceneDesc, ShadowMode};
 use reflet_world::{Light, World};
 
@@ -18,8 +18,6 @@ pub struct RenderOptions {
     pub rays_for_maps: u64,
     /// Index of the camera whose view decides `auto` settings; `None` for [`World::main_camera`].
     pub camera: Option<usize>,
-    /// Unit costs for deciding `auto` settings; `None` for the costs of the adapter's kind.
-    pub costs: Option<UnitCosts>,
     /// Smaller picture to render with the decisions of the whole one; `None` renders the whole.
     pub draft: Option<Draft>,
     /// Part of the picture that is shown; outside of it, what is not needed there is left out, and the picture is

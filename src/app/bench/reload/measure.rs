@@ -11,7 +11,6 @@ use super::{
 };
 use crate::{
     app::{bench::progress::Progress, error::AppError},
-    bench::run::Observer as _,
     world::World,
 };
 use reflet_preview::{
@@ -103,11 +102,7 @@ pub fn saves(
             ]));
         }
         while changes.recv_timeout(REST).is_ok() {}
-        if progress.is_stopped() {
-            return Err(AppError::Interrupted(
-                "stopped; nothing was written".to_owned(),
-            ));
-        }
+        progress.go_on("nothing was written")?;
     }
     Ok(samples)
 }

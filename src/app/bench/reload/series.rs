@@ -1,6 +1,6 @@
 //! Saves of one kind of edit, their statistics, and the table of all kinds.
 
-use std::{collections::BTreeMap, fmt::Write as _};
+use std::collections::BTreeMap;
 
 use serde::Serialize;
 
@@ -77,9 +77,8 @@ impl Series {
 /// Table for people: a row for each percentile of each kind of edit.
 pub fn table(series: &[Series], what: &Measurement) -> String {
     let mut text = format!("{:<22}{:>5}", "milliseconds", "");
-    // Writing to a string cannot fail.
     for name in what.parts {
-        let _ = write!(text, "{:>9}", name.trim_end_matches("_ms"));
+        text += &format!("{:>9}", name.trim_end_matches("_ms"));
     }
     text.push('\n');
     for one in series {
@@ -88,11 +87,11 @@ pub fn table(series: &[Series], what: &Measurement) -> String {
                 false => (format!("{} edit", one.edit), "p50"),
                 true => (one.file.clone(), "p95"),
             };
-            let _ = write!(text, "{what:<22}{percentile:>5}");
+            text += &format!("{what:<22}{percentile:>5}");
             for part in &one.parts {
                 let value = if is_p95 { part.p95 } else { Some(part.p50) };
                 let value = value.map_or("–".to_owned(), digits);
-                let _ = write!(text, "{value:>9}");
+                text += &format!("{value:>9}");
             }
             text.push('\n');
         }
@@ -100,7 +99,7 @@ pub fn table(series: &[Series], what: &Measurement) -> String {
         if let Some(p95) = judged.and_then(|part| part.p95) {
             let word = if p95 < one.target_ms { "met" } else { "missed" };
             let name = what.judged.trim_end_matches("_ms");
-            let _ = writeln!(text, "{:>27} {name} below {} ms: {word}", "", one.target_ms);
+            text += &format!("{:>27} {name} below {} ms: {word}\n", "", one.target_ms);
         }
     }
     text.push('\n');

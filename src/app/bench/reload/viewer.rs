@@ -12,7 +12,6 @@ use std::{
 use super::series::{Measurement, Sample};
 use crate::{
     app::{bench::progress::Progress, error::AppError},
-    bench::run::Observer as _,
     gpu::Gpu,
 };
 use reflet_preview::{
@@ -119,11 +118,7 @@ fn measure(
         shown = viewer
             .wait_for_rest(MOST_WAIT)
             .map_err(AppError::Internal)?;
-        if progress.is_stopped() {
-            return Err(AppError::Interrupted(
-                "stopped; nothing was written".to_owned(),
-            ));
-        }
+        progress.go_on("nothing was written")?;
     }
     Ok(samples)
 }

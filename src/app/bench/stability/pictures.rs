@@ -84,7 +84,7 @@ impl Shown<'_> {
 
     /// Verdict on each method in a mode.
     fn verdicts(&self, mode: &Mode) -> Vec<String> {
-        let cell = |method: &&str| find(self.cells, mode, method, ReferenceKind::Rt);
+        let cell = |method: &&str| find(self.cells, &mode.name, method, ReferenceKind::Rt);
         let cells = self.columns.iter().filter_map(cell);
         cells
             .map(|cell| format!("{}: {}", cell.method, verdict(cell, self.cells)))
@@ -92,15 +92,49 @@ impl Shown<'_> {
     }
 }
 
-/// Pictures of a frame by all methods, and the part of it that `hybrid` has most wrong.
+/// Pictures of a frame by all methods, the errors and sources of `hybrid`, and the part of each that `hybrid` has most
+/// wrong.
 fn figures(
     gpu: &Gpu,
     library: &ShaderLibrary,
     subject: &Subject,
     size: [u32; 2],
 ) -> Result<Vec<Figure>, AppError> {
-    let mut shown = rendered(gpu, library, subject, size, &shots(&subject.reflection))?;
-    if let Some(window) = worst_window(&shown[HYBRID], &shown[RT]) {
+    let open = |method, accept| {
+        let settings = ReflectionDesc {
+            method,
+            accept,
+            ..subject.reflection
+        };
+        Shots::new(gpu, library, subject, size, settings)
+    };
+    let (reference, rt) = {
+        let mut rt = open(Method::Rt, Accept::Verified)?;
+        let settings = ReflectionDesc {
+            bounces: REFERENCE_BOUNCES,
+            ..subject.reflection
+        };
+        (rt.view(settings)?, rt.picture()?)
+    };
+    let ssr = open(Method::Ssr, Accept::Threshold)?.picture()?;
+    let (threshold, threshold_error) = {
+        let mut shots = open(Method::Hybrid, Accept::Threshold)?;
+        (shots.picture()?, shots.difference(&reference)?)
+    };
+    let mut shots = open(Method::Hybrid, Accept::Verified)?;
+    let (hybrid, hybrid_error) = (shots.picture()?, shots.difference(&reference)?);
+    let sources = shots.sources()?;
+    let window = worst_window(&hybrid, &rt);
+    let mut shown = vec![
+        ssr,
+        threshold,
+        hybrid,
+        rt,
+        threshold_error,
+        hybrid_error,
+        sources,
+    ];
+    if let Some(window) = window {
         let crops: Vec<Rendered> = shown.iter().map(|shown| window.cut(shown)).collect();
         shown.extend(crops);
     }
@@ -182,67 +216,20 @@ fn worst(mode: &Mode, cells: &[Cell]) -> Option<Place> {
     scores.ok().map(|scores| scores.worst)
 }
 
-/// Index of the picture of `hybrid` in [`shots`].
-const HYBRID: usize = 2;
-const RT: usize = 3;
-
-fn shots(settings: &ReflectionDesc) -> Vec<ReportPicture> {
-    let with = |method, accept| ReflectionDesc {
-        method,
-        accept,
-        ..*settings
-    };
-    let hybrid = with(Method::Hybrid, Accept::Verified);
-    let threshold = with(Method::Hybrid, Accept::Threshold);
-    vec![
-        ReportPicture::Picture(with(Method::Ssr, Accept::Threshold)),
-        ReportPicture::Picture(threshold),
-        ReportPicture::Picture(hybrid),
-        ReportPicture::Picture(with(Method::Rt, Accept::Verified)),
-        ReportPicture::Difference(threshold),
-        ReportPicture::Difference(hybrid),
-        ReportPicture::Source(hybrid),
-    ]
-}
-
-/// A picture of a setting.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ReportPicture {
-    /// Frame as shown.
-    Picture(ReflectionDesc),
-    /// Colors of sources: screen blue, traced pink, nothing in reach green, too rough gray, failed red.
-    Source(ReflectionDesc),
-    /// Difference of the frame from the reference's, with enlarged contrast.
-    Difference(ReflectionDesc),
-}
-
-impl ReportPicture {
-    fn settings(&self) -> ReflectionDesc {
-        match self {
-            Self::Picture(settings) | Self::Source(settings) | Self::Difference(settings) => {
-                *settings
-            }
-        }
-    }
-}
-
-/// Rendered picture of a shot.
+/// A rendered picture.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Rendered {
-    /// Caption: setting and kind.
-    pub caption: String,
+struct Rendered {
+    /// Setting and kind.
+    caption: String,
     /// Width and height, pixels.
-    pub size: [u32; 2],
+    size: [u32; 2],
     /// RGBA display code values, row by row.
-    pub rgba: Vec<u8>,
+    rgba: Vec<u8>,
 }
 
 impl Rendered {
     /// Encodes the picture as a PNG file.
-    ///
-    /// # Errors
-    /// Error of the encoder.
-    pub fn figure(self) -> Result<Figure, AppError> {
+    fn figure(self) -> Result<Figure, AppError> {
         let png = encode(self.size, &self.rgba, &[]).map_err(AppError::Internal)?;
         let caption = self.caption;
         Ok(Figure { caption, png })
@@ -250,136 +237,93 @@ impl Rendered {
 }
 
 /// Legend of the source colors.
-pub const SOURCES: &str = "Sources: blue was found on screen, pink was traced, green has nothing in reach, gray is \
-                           too rough; red is what ssr alone leaves without reflection.";
+const SOURCES: &str = "Sources: blue was found on screen, pink was traced, green has nothing in reach, gray is too \
+                       rough; red is what ssr alone leaves without reflection.";
 
-/// Renders the shots of a scene; shots with the same method and rule of acceptance share a renderer.
-///
-/// # Errors
-/// Errors of the renderer.
-pub fn rendered(
-    gpu: &Gpu,
-    library: &ShaderLibrary,
-    subject: &Subject,
-    size: [u32; 2],
-    shots: &[ReportPicture],
-) -> Result<Vec<Rendered>, AppError> {
-    let mut figures: Vec<Option<Rendered>> = vec![None; shots.len()];
-    let mut reference = None;
-    let key = |settings: &ReflectionDesc| {
-        let layers = settings.method.marches().then_some(settings.layers);
-        (settings.method, settings.verifies(), layers)
-    };
-    // The reference comes first: differences need it.
-    let traced = ReflectionDesc {
-        method: Method::Rt,
-        ..subject.reflection
-    };
-    let mut all = vec![traced];
-    for settings in shots.iter().map(ReportPicture::settings) {
-        if !all.iter().any(|built| key(built) == key(&settings)) {
-            all.push(settings);
-        }
-    }
-    for built in all {
-        let is_of = |shot: &ReportPicture| key(&shot.settings()) == key(&built);
-        let mut session = RenderSession::new(gpu, library, subject, size, &built)?;
-        if built.method == Method::Rt {
-            let settings = ReflectionDesc {
-                bounces: REFERENCE_BOUNCES,
-                ..subject.reflection
-            };
-            reference = Some(session.view(&settings)?);
-        }
-        for (shot, figure) in shots.iter().zip(&mut figures) {
-            if is_of(shot) {
-                *figure = Some(session.show(shot, reference.as_ref())?);
-            }
-        }
-    }
-    Ok(figures.into_iter().flatten().collect())
-}
-
-/// A renderer of one method with the scene that it renders.
-struct RenderSession<'a> {
+/// Pictures of a scene by one setting.
+struct Shots<'a> {
     gpu: &'a Gpu,
     subject: &'a Subject,
+    settings: ReflectionDesc,
     renderer: RendererStage,
 }
 
-impl<'a> RenderSession<'a> {
+impl<'a> Shots<'a> {
     fn new(
         gpu: &'a Gpu,
         library: &ShaderLibrary,
         subject: &'a Subject,
         size: [u32; 2],
-        reflection: &ReflectionDesc,
+        settings: ReflectionDesc,
     ) -> Result<Self, AppError> {
-        let renderer = subject.renderer(gpu, library, reflection, size);
+        let renderer = subject.renderer(gpu, library, &settings, size);
         Ok(Self {
             gpu,
             subject,
+            settings,
             renderer: renderer.map_err(|e| AppError::from_render(e, false))?,
         })
     }
 
-    fn render(&mut self, settings: &ReflectionDesc, planes: &[Aov]) -> Result<Picture, AppError> {
-        self.renderer.set_reflection_parameters(settings);
-        let picture = (self.renderer).picture(self.gpu, &self.subject.camera, planes);
-        picture.map_err(|e| AppError::from_render(e, false))
-    }
-
-    fn view(&mut self, settings: &ReflectionDesc) -> Result<View, AppError> {
-        let picture = self.render(settings, &[])?;
-        View::new(&picture, picture.size).map_err(|e| AppError::Internal(e.to_string()))
-    }
-
-    fn show(
-        &mut self,
-        shot: &ReportPicture,
-        reference: Option<&View>,
-    ) -> Result<Rendered, AppError> {
-        let settings = shot.settings();
+    /// Name of the setting, for people.
+    fn label(&self) -> String {
+        let settings = &self.settings;
         let method = settings.method.name();
-        let label = match settings.method {
+        match settings.method {
             named if !named.marches() => method.to_owned(), // it has neither
             Method::Hybrid if settings.verifies() => {
                 format!("{method}, verified within {} px", settings.edge_px)
             }
             _ => format!("{method}, T = {} U", settings.threshold_u),
-        };
-        let (caption, size, rgba) = match shot {
-            ReportPicture::Picture(_) => {
-                let picture = self.render(&settings, &[])?;
-                (label, picture.size, picture.display)
-            }
-            ReportPicture::Source(_) => {
-                let picture = self.render(&settings, &[Aov::Source])?;
-                let plane = picture.planes.first().map(aov_view::view);
-                let shares = &picture.stats.shares.sources;
-                let shares = shares
-                    .iter()
-                    .map(|s| format!("{} {:.1} %", s.name, s.percent));
-                let shares = shares.collect::<Vec<_>>().join(", ");
-                let caption = format!("{label}: sources ({shares})");
-                (caption, picture.size, plane.unwrap_or_default())
-            }
-            ReportPicture::Difference(_) => {
-                let view = self.view(&settings)?;
-                let size = [view.display.width() as u32, view.display.height() as u32];
-                let reference = reference.unwrap_or(&view);
-                let pair = Pair::new(&view.display, &reference.display);
-                let pair = pair.map_err(|e| AppError::Internal(e.to_string()))?;
-                let (gain, rgb) = difference_picture(&pair);
-                let opaque = rgb.chunks_exact(3).flat_map(|p| [p[0], p[1], p[2], 255]);
-                let caption = format!("{label}: difference from the reference, × {gain}");
-                (caption, size, opaque.collect())
-            }
-        };
+        }
+    }
+
+    fn render(&mut self, settings: ReflectionDesc, planes: &[Aov]) -> Result<Picture, AppError> {
+        self.renderer.set_reflection_parameters(&settings);
+        let picture = (self.renderer).picture(self.gpu, &self.subject.camera, planes);
+        picture.map_err(|e| AppError::from_render(e, false))
+    }
+
+    fn view(&mut self, settings: ReflectionDesc) -> Result<View, AppError> {
+        let picture = self.render(settings, &[])?;
+        View::new(&picture, picture.size).map_err(|e| AppError::Internal(e.to_string()))
+    }
+
+    /// The frame as shown.
+    fn picture(&mut self) -> Result<Rendered, AppError> {
+        let picture = self.render(self.settings, &[])?;
         Ok(Rendered {
-            caption,
-            size,
-            rgba,
+            caption: self.label(),
+            size: picture.size,
+            rgba: picture.display,
+        })
+    }
+
+    /// The colors of [`SOURCES`].
+    fn sources(&mut self) -> Result<Rendered, AppError> {
+        let picture = self.render(self.settings, &[Aov::Source])?;
+        let shares = picture.stats.shares.sources.iter();
+        let shares: Vec<String> = shares
+            .map(|s| format!("{} {:.1} %", s.name, s.percent))
+            .collect();
+        Ok(Rendered {
+            caption: format!("{}: sources ({})", self.label(), shares.join(", ")),
+            size: picture.size,
+            rgba: (picture.planes.first().map(aov_view::view)).unwrap_or_default(),
+        })
+    }
+
+    /// Difference of the frame from the reference, with enlarged contrast.
+    fn difference(&mut self, reference: &View) -> Result<Rendered, AppError> {
+        let view = self.view(self.settings)?;
+        let pair = Pair::new(&view.display, &reference.display);
+        let pair = pair.map_err(|e| AppError::Internal(e.to_string()))?;
+        let (gain, rgb) = difference_picture(&pair);
+        let opaque = rgb.chunks_exact(3).flat_map(|p| [p[0], p[1], p[2], 255]);
+        Ok(Rendered {
+            caption: format!("{}: difference from the reference, × {gain}", self.label()),
+            size: [view.display.width() as u32, view.display.height() as u32],
+            rgba: opaque.collect(),
         })
     }
 }

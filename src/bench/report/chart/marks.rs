@@ -4,7 +4,6 @@ use crate::{
     parameter::Parameter,
     sample::curve::{series, series_names},
 };
-use std::fmt::Write as _;
 
 use plotters::style::RGBColor;
 
@@ -45,32 +44,24 @@ pub fn mark(
             ", beaten"
         }
     );
-    let (fill, ring) = if dot.is_on_front {
-        (format!("rgb({r},{g},{b})"), "#111")
-    } else {
-        ("#fff".to_owned(), "")
+    let own = format!("rgb({r},{g},{b})");
+    let (fill, stroke) = match dot.is_on_front {
+        true => (&*own, "#111"),
+        false => ("#fff", &*own),
     };
-    let stroke = if ring.is_empty() {
-        format!("rgb({r},{g},{b})")
-    } else {
-        ring.to_owned()
-    };
-    // Writing to a string cannot fail.
     if let Some(ends) = ends {
         let [low, high] = ends.map(|end| end.x);
         // An end that is cut off has no cap.
         let caps = ends.iter().filter(|end| !end.is_cut);
         let caps = caps.map(|end| format!("M{} {}v8", end.x, y - 4));
-        let _ = writeln!(
-            out,
-            "<path d=\"M{low} {y}H{high}{}\" stroke=\"rgb({r},{g},{b})\" stroke-opacity=\".55\"/>",
+        *out += &format!(
+            "<path d=\"M{low} {y}H{high}{}\" stroke=\"{own}\" stroke-opacity=\".55\"/>\n",
             caps.collect::<String>()
         );
     }
-    let _ = writeln!(
-        out,
+    *out += &format!(
         "<circle cx=\"{x}\" cy=\"{y}\" r=\"6\" fill=\"{fill}\" stroke=\"{stroke}\" \
-         stroke-width=\"2\"><title>{}</title></circle>",
+         stroke-width=\"2\"><title>{}</title></circle>\n",
         escape(&title)
     );
 }
@@ -78,11 +69,9 @@ pub fn mark(
 /// Draws a setting that could not be scored: a cross on the upper edge, where the error is largest.
 pub fn cross(out: &mut String, failure: &Failure, x: i32) {
     let RGBColor(r, g, b) = color(&failure.method);
-    // Writing to a string cannot fail.
-    let _ = writeln!(
-        out,
+    *out += &format!(
         "<path d=\"M{} 14l10 10m0 -10l-10 10\" stroke=\"rgb({r},{g},{b})\" stroke-width=\"2.5\" \
-         fill=\"none\"><title>{}</title></path>",
+         fill=\"none\"><title>{}</title></path>\n",
         x - 5,
         escape(&failure.text)
     );
@@ -127,10 +116,9 @@ impl Labels {
             return;
         };
         self.taken.push(covers(&at));
-        let _ = writeln!(
-            out,
+        *out += &format!(
             "<text x=\"{}\" y=\"{}\" font-family=\"sans-serif\" font-size=\"11\" \
-             fill=\"#444\">{text}</text>",
+             fill=\"#444\">{text}</text>\n",
             at.0, at.1
         );
     }
@@ -165,17 +153,15 @@ pub fn legend(out: &mut String, dots: &[Dot], has_failures: bool) {
     let width = 50 + LETTER_PX * longest.unwrap_or(0).max(20) as i32;
     let left = SIZE.0 as i32 - 24 - width;
     let height = 20 * (lines.len() as i32 + 1) + 8;
-    let _ = writeln!(
-        out,
+    *out += &format!(
         "<rect x=\"{left}\" y=\"22\" width=\"{width}\" height=\"{height}\" fill=\"#fff\" \
-         fill-opacity=\".88\" stroke=\"#ccc\"/>"
+         fill-opacity=\".88\" stroke=\"#ccc\"/>\n"
     );
     for (row, (text, stroke, width)) in lines.iter().enumerate() {
         let y = 38 + 20 * row as i32;
-        let _ = writeln!(
-            out,
+        *out += &format!(
             "<path d=\"M{} {y}h22\" stroke=\"{stroke}\" stroke-width=\"{width}\"/>\
-             <text x=\"{}\" y=\"{}\" font-family=\"sans-serif\" font-size=\"12\">{}</text>",
+             <text x=\"{}\" y=\"{}\" font-family=\"sans-serif\" font-size=\"12\">{}</text>\n",
             left + 8,
             left + 38,
             y + 4,
@@ -183,10 +169,9 @@ pub fn legend(out: &mut String, dots: &[Dot], has_failures: bool) {
         );
     }
     let y = 42 + 20 * lines.len() as i32;
-    let _ = writeln!(
-        out,
+    *out += &format!(
         "<text x=\"{}\" y=\"{y}\" font-family=\"sans-serif\" font-size=\"11\" \
-         fill=\"#444\">{}</text>",
+         fill=\"#444\">{}</text>\n",
         left + 8,
         if has_failures {
             "filled on it, ○ beaten, × failed"
