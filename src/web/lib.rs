@@ -57,8 +57,7 @@ thread_local! {
 
 #[derive(Default)]
 struct State {
-    /// Scene to show next, with the width of its picture, pixels; 0 for its own.
-    asked: Option<(SceneSource, u32)>,
+    asked: Option<Asked>,
     /// Answer of the last call of [`show`].
     answer: Value,
     shown: Shown,
@@ -67,6 +66,15 @@ struct State {
     interrupt: Arc<AtomicBool>,
     /// Whether files have changed since the last picture.
     has_new_files: bool,
+}
+
+/// Picture to show next.
+struct Asked {
+    source: SceneSource,
+    /// Width, pixels; 0 for the scene's own.
+    width: u32,
+    /// Frame of the timeline.
+    frame: u32,
 }
 
 /// The open device and scene.
@@ -100,15 +108,20 @@ pub fn check(name: &str, text: &str) -> String {
 
 /// Ends the picture in work, and asks for the next.
 #[wasm_bindgen]
-pub fn ask(name: &str, text: &str, width: u32) {
+pub fn ask(name: &str, text: &str, width: u32, frame: u32) {
     let source = SceneSource {
         path: Some(name.into()),
         text: Some(text.into()),
         ..SceneSource::default()
     };
+    let asked = Asked {
+        source,
+        width,
+        frame,
+    };
     STATE.with_borrow_mut(|state| {
         state.interrupt.store(true, Ordering::Relaxed);
-        state.asked = Some((source, width));
+        state.asked = Some(asked);
     });
 }
 
@@ -125,10 +138,10 @@ pub fn show() {
             (asked, shown, state.interrupt.clone(), new_files)
         })
     });
-    let Some(((source, width), mut shown, interrupt, new_files)) = taken else {
+    let Some((asked, mut shown, interrupt, new_files)) = taken else {
         return;
     };
-    let made = shown.picture(source, width, &interrupt, !new_files);
+    let made = shown.picture(asked, &interrupt, !new_files);
     let is_lost = matches!(made, Err(SessionError::Gpu(GpuError::Lost(_))));
     let (answer, picture) = match made {
         Ok(picture) => (shown.answer(&picture), Some(picture)),
@@ -145,8 +158,9 @@ pub fn show() {
     });
 }
 
-/// Answer of the last call of [`show`], as JSON: `messages` with `width`, `height` and `adapter` of the picture, or with
-/// none; an `error` of the device, which may be `lost`; or `interrupted`.
+/// Answer of the last call of [`show`], as JSON: `messages` with `width`, `height`, `adapter` and `frame` of the picture and
+/// the `timeline`, first frame, last frame and frames in a second, or with none of these; an `error` of the device, which
+/// may be `lost`; or `interrupted`.
 #[wasm_bindgen]
 pub fn answer() -> String {
     STATE.with_borrow(|state| state.answer.to_string())
@@ -179,15 +193,15 @@ pub fn png() -> Vec<u8> {
 impl Shown {
     fn picture(
         &mut self,
-        source: SceneSource,
-        width: u32,
+        asked: Asked,
         interrupt: &Arc<AtomicBool>,
         reuses_files: bool,
     ) -> Result<Picture, SessionError> {
         let (none, texts) = (ParameterOverrides::default(), Dependencies::default());
-        let read = read(&source, &none, &texts, 0)?;
+        let source = asked.source;
+        let read = read(&source, &none, &texts, asked.frame)?;
         let view = ViewOverrides {
-            size: size(&read, width),
+            size: size(&read, asked.width),
             ..ViewOverrides::default()
         };
         let gpu = match &self.gpu {
@@ -236,12 +250,16 @@ impl Shown {
         let session = self.session.as_ref();
         let found = session.map_or_else(Vec::new, |session| session.warnings().to_vec());
         let adapter = self.gpu.as_ref().map(|gpu| &gpu.adapter_info.name);
+        let loaded = session.map(Session::scene);
+        let time = loaded.and_then(|loaded| loaded.scene.timeline.as_ref());
         json!({
             "messages": messages(found),
             "log": session.map(|session| session.log().collect::<Vec<_>>()),
             "width": picture.size[0],
             "height": picture.size[1],
             "adapter": adapter,
+            "frame": loaded.map(|loaded| loaded.frame),
+            "timeline": time.map(|time| (time.start, time.end, time.fps)),
         })
     }
 }

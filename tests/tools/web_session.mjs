@@ -70,6 +70,20 @@ await shown(page);
 if (await picture(page) === first) throw new Error("a changed color changes nothing");
 step("changed");
 
+// A timeline has a slider, which is played from its end on.
+const told_frame = (text) => page.waitForFunction((begin) => document.getElementById("told").textContent.startsWith(begin), text);
+const motion = "[timeline]\\nfps = 4\\nend = 3\\n[motion.camera.main]\\nfov_deg = { rate = 20 }\\n";
+await write(page, `text + '\\n${motion}'`);
+await told_frame("0 of 3");
+const still = await picture(page);
+await page.evaluate(() => Object.assign(document.getElementById("frame"), { value: 3 }).dispatchEvent(new Event("input")));
+await told_frame("3 of 3");
+if (await picture(page) === still) throw new Error("the last frame looks like the first");
+await page.click("#play");
+await told_frame("1 of 3");
+await page.click("#play");
+step("played");
+
 // A texture that is not there is told, and found once it is dropped.
 await write(page, "text.replace('[material.red]\\n', '[material.red]\\nbase_color_texture = \"dot.png\"\\n')");
 await page.waitForFunction(() => document.querySelector("#messages .error")?.textContent.includes("dot.png"));

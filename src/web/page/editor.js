@@ -34,7 +34,8 @@ const hand = (name) => {
 const run = () => {
   if (isReady && scene) {
     if (!lacking) tell("rendering");
-    worker.postMessage({ scene, text: files.get(scene), width: Number(get("width").value) });
+    const [width, frame] = ["width", "frame"].map((id) => Number(get(id).value));
+    worker.postMessage({ scene, text: files.get(scene), width, frame });
   }
 };
 
@@ -87,7 +88,10 @@ const show_tabs = () => {
 
 const open = (name) => {
   tab = name;
-  if (/\.toml$/i.test(name)) scene = name;
+  if (/\.toml$/i.test(name) && name !== scene) {
+    scene = name;
+    Object.assign(get("frame"), { min: 0, max: 0 });
+  }
   text.value = files.get(name);
   show_tabs();
   list(messages.found ?? []);
@@ -113,6 +117,21 @@ const draw = ({ width, height }, pixels) => {
   get("save").disabled = false;
 };
 
+// The timeline of the shown scene. While it plays, each picture asks for the next.
+let plays = false;
+const show_time = ({ timeline, frame }) => {
+  get("time").hidden = !timeline;
+  plays &&= Boolean(timeline);
+  get("play").textContent = plays ? "pause" : "play";
+  if (!timeline) return;
+  const [start, end, fps] = timeline;
+  Object.assign(get("frame"), { min: start, max: end });
+  get("told").textContent = `${frame} of ${end}, ${(frame / fps).toFixed(2)} s`;
+  if (!plays) return;
+  get("frame").value = frame < end ? frame + 1 : start;
+  run();
+};
+
 const answers = {
   state: (data) => {
     isReady = true;
@@ -133,6 +152,7 @@ const answers = {
       draw(shown, pixels);
       restarts = 0;
       tell(`${shown.width} × ${shown.height} in ${shown.seconds.toFixed(1)} s on ${shown.adapter || "the browser's adapter"}`);
+      show_time(shown);
     } else if (shown.lost) {
       restart(`the device was lost (${shown.error})`);
     } else {
@@ -232,6 +252,12 @@ text.oninput = () => {
 };
 text.onscroll = () => { lines.scrollTop = text.scrollTop; };
 get("width").onchange = run;
+get("frame").oninput = run;
+get("play").onclick = () => {
+  plays = !plays;
+  get("play").textContent = plays ? "pause" : "play";
+  run();
+};
 get("save").onclick = () => worker.postMessage({ png: true });
 get("files").onchange = ({ target }) => add(target.files);
 get("share").onclick = async () => {

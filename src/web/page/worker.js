@@ -1,5 +1,5 @@
-// The checker and the renderer, away from the page, which stays quick. Messages: {file, bytes}, {scene, text, width} and
-// {png}; answers: {state}, {check}, {part, pixels}, {shown, pixels}, {png} and {ended}.
+// The checker and the renderer, away from the page, which stays quick. Messages: {file, bytes}, {scene, text, width, frame}
+// and {png}; answers: {state}, {check}, {part, pixels}, {shown, pixels}, {png} and {ended}.
 "use strict";
 
 import init, { answer, ask, check, pixels, png, put_file, start } from "./reflet_web.js";
@@ -43,10 +43,10 @@ const showAll = async () => {
 
 const work = {
   file: ({ file, bytes }) => put_file(file, new Uint8Array(bytes)),
-  scene: ({ scene, text, width }) => {
+  scene: ({ scene, text, width, frame }) => {
     tell({ check: JSON.parse(check(scene, text)) });
     if (!show) return;
-    ask(scene, text, width);
+    ask(scene, text, width, frame);
     isAsked = true;
     showAll();
   },
