@@ -267,6 +267,14 @@ class PreviewMaterial:
             else:
                 color = list(self._unit("specularColor"))
                 extensions["KHR_materials_specular"] = {}
+                textured = self._texture("diffuseColor")
+                diffuse = (1.0,) * 3 if textured else self._numbers("diffuseColor")
+                if any((max(color) - k) * d > 0.05 for k, d in zip(color, diffuse, strict=True)):
+                    message = (
+                        "glTF takes the largest component of 'specularColor' off all components"
+                        " of the diffuse color, which looks darker and of another hue"
+                    )
+                    self._warn("specular-approximated", message)
             factor = [part / DIELECTRIC_F0 for part in color]
             extensions["KHR_materials_specular"]["specularColorFactor"] = factor
         else:
