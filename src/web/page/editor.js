@@ -86,12 +86,17 @@ const show_tabs = () => {
   }));
 };
 
+// A scene begins at its first frame, and does not play.
+const choose_scene = (name) => {
+  if (name === scene) return;
+  scene = name;
+  stop();
+  Object.assign(get("frame"), { min: 0, max: 0 });
+};
+
 const open = (name) => {
   tab = name;
-  if (/\.toml$/i.test(name) && name !== scene) {
-    scene = name;
-    Object.assign(get("frame"), { min: 0, max: 0 });
-  }
+  if (/\.toml$/i.test(name)) choose_scene(name);
   text.value = files.get(name);
   show_tabs();
   list(messages.found ?? []);
@@ -106,6 +111,7 @@ const put = (name, content) => {
 // Other texts take the place of all files.
 const replace = (all) => {
   files.clear();
+  scene = "";
   for (const [name, content] of Object.entries(all)) put(name, content);
   open(Object.keys(all)[0]);
 };
@@ -119,12 +125,15 @@ const draw = ({ width, height }, pixels) => {
 
 // The timeline of the shown scene. While it plays, each picture asks for the next.
 let plays = false;
+const stop = () => {
+  plays = false;
+  get("play").textContent = "play";
+};
 const show_time = ({ timeline, frame }) => {
   get("time").hidden = !timeline;
-  plays &&= Boolean(timeline);
-  get("play").textContent = plays ? "pause" : "play";
+  const [start, end, fps] = timeline ?? [0, 0, 1];
+  if (start === end) stop();
   if (!timeline) return;
-  const [start, end, fps] = timeline;
   Object.assign(get("frame"), { min: start, max: end });
   get("told").textContent = `${frame} of ${end}, ${(frame / fps).toFixed(2)} s`;
   if (!plays) return;
@@ -153,9 +162,12 @@ const answers = {
       restarts = 0;
       tell(`${shown.width} × ${shown.height} in ${shown.seconds.toFixed(1)} s on ${shown.adapter || "the browser's adapter"}`);
       show_time(shown);
-    } else if (shown.lost) {
-      restart(`the device was lost (${shown.error})`);
     } else {
+      stop();
+    }
+    if (shown.lost) {
+      restart(`the device was lost (${shown.error})`);
+    } else if (!pixels) {
       tell(shown.error ?? "the scene has mistakes");
     }
   },
@@ -198,7 +210,7 @@ const add = async (dropped) => {
     }
     const bytes = new Uint8Array(await file.arrayBuffer());
     put(file.name, TEXT_FILE.test(file.name) ? new TextDecoder().decode(bytes) : bytes);
-    if (/\.toml$/i.test(file.name)) [scene, tab] = [file.name, file.name];
+    if (/\.toml$/i.test(file.name)) choose_scene(tab = file.name);
   }
   open(tab);
 };
