@@ -214,7 +214,7 @@ fn march(s0: Surface, direction: vec3f) -> March {
         let c = Candidate(vec2u(pixel), s, exit);
         last = c;
         if (has_culled(c.pixel) || is_unreflected(textureLoad(ids, c.pixel, 0).x)) {
-            m.cause = select(CAUSE_HIDDEN, CAUSE_UNCONFIRMED, HAS_SECOND_LAYER && HAS_CUTOUT); // by a surface that no layer has
+            m.cause = select(CAUSE_HIDDEN, CAUSE_UNCONFIRMED, HAS_SECOND_LAYER && HAS_CUTOUT); // the second layer lacks what is beside
         } else if (VERIFY) {
             m = accept_verified(r, c, origin, direction);
         } else {

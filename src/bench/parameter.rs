@@ -146,8 +146,8 @@ impl Parameter {
     /// Parameters that are varied for a method when none is chosen: they change its results most.
     pub fn own(method: Method) -> Vec<Self> {
         match method {
-            Method::Rt | Method::Path => vec![Self::Bounces, Self::ReuseLight],
-            Method::Hybrid | Method::Auto => vec![Self::ThresholdU, Self::EdgePx, Self::ReuseLight],
+            Method::Auto | Method::Rt | Method::Path => vec![Self::Bounces, Self::ReuseLight],
+            Method::Hybrid => vec![Self::ThresholdU, Self::EdgePx, Self::ReuseLight],
             // Its march, and parameters of its own.
             _ => {
                 let acts_on = |p: &Self, method| (p.row().acts_on)(method);

@@ -72,7 +72,7 @@ impl ViewSettings {
     /// Gives the right side of a wipe that begins another method, if both sides would show the same.
     pub fn start_wipe(&mut self) {
         let method = |method| match method {
-            Method::Auto => self.shown_method.unwrap_or(Method::Hybrid),
+            Method::Auto => self.shown_method.unwrap_or(Method::Rt),
             method => method,
         };
         let [a, b] = [self.a, self.b].map(|side| (method(side.method), side.channel));

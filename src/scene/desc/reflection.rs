@@ -46,7 +46,7 @@ declared! {
         Path = "path": "Path tracing of all light, with any number of bounces: the reference, and slow",
         /// `rt`: where it was measured, `hybrid` was never faster by more than 2 % of a frame. `reflet info` and
         /// `--stats` print the choice and its reason.
-        Auto = "auto": "Rt, which hybrid hardly beats anywhere",
+        Auto = "auto": "Rt, the fastest where it was measured",
     }
 }
 
@@ -135,8 +135,8 @@ declared! {
     #[defaults]
     #[table("[reflection]", check(Self::check))]
     pub struct ReflectionDesc {
-        /// Method that finds reflections. Default `"auto"`. Every `"auto"` that depends on the view (`method`,
-        /// `visibility`, `exposure_ev`, `shadow` of lights) is decided once: for the first frame of the timeline, at
+        /// Method that finds reflections. Default `"auto"`. Every `"auto"` that depends on the view
+        /// (`visibility`, `exposure_ev`, `shadow` of lights) is decided once: for the first frame of the timeline, at
         /// the size of the picture, as the camera shows it that is chosen with `--camera` or in the preview, else the
         /// camera of the first frame. It then holds for all frames.
         pub method: Method = Method::Auto,

@@ -12,7 +12,7 @@ from .export import Options, export_project
 from .folder import ExportError
 
 _METHODS = [
-    ("auto", "Automatic", "Hybrid or ray traced, whichever a cost model expects to be faster"),
+    ("auto", "Automatic", "Ray traced"),
     ("hybrid", "Hybrid", "Reflections in screen space first, by rays where that fails"),
     ("rt", "Ray traced", "All reflections by rays"),
     ("path", "Path traced", "All light by rays, with any number of bounces: slow, the reference"),

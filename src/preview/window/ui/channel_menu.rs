@@ -16,7 +16,7 @@ pub const MENU: f32 = 88.0;
 /// Method and channel of one side.
 pub fn side_menu(ui: &mut Ui, id: &str, side: &mut Side, shadow_lights: &[ShadowLight]) {
     let auto = ui.selectable_value(&mut side.method, Method::Auto, Method::Auto.name());
-    auto.on_hover_text("hybrid or rt, as render decides for this size and the chosen camera");
+    auto.on_hover_text("rt, as in render");
     for method in FIRST_METHODS {
         ui.selectable_value(&mut side.method, method, method.name());
     }
