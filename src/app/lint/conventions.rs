@@ -127,8 +127,6 @@ fn foreign_angles(start: &Span) -> Vec<Diagnostic> {
         // Numbers have few digits: 1.57, 3.14, 6.28.
         is_part && whole <= 24.0 && (twelfths - whole).abs() < 6e-4 * whole
     };
-    // In motion, 1.57 may be a height, and 1.5708 is none.
-    let has_digits = |x: f64| (x * 1e3).fract() != 0.0;
     each_value(source.syntax().root(), &mut |key, node| {
         let numbers: Vec<f64> = (node.get_ref().as_array().into_iter().flatten())
             .filter_map(number)
@@ -141,9 +139,7 @@ fn foreign_angles(start: &Span) -> Vec<Diagnostic> {
                 "this quaternion is half a turn about X: its order is x, y, z, w".to_owned(),
                 "write `rotation_quat = [0, 0, 0, 1]` for no turn".to_owned(),
             ),
-            ("rotation_deg" | "rate" | "value", _, Some(x))
-                if are_radians && (key == "rotation_deg" || has_digits(*x)) =>
-            {
+            ("rotation_deg", _, Some(x)) if are_radians => {
                 let degrees = (x.to_degrees() / 15.0).round() * 15.0;
                 (
                     "radians",

@@ -39,11 +39,15 @@ fn mistake(light: &Light, ev: f32, all: &Bounds) -> Option<(&'static str, String
     let intensity = kind.intensity();
     let radiance = intensity * color * ev.exp2() / PI;
     let Some(at) = kind.position() else {
+        if radiance <= 0.0 {
+            return Some(dark(color));
+        }
         let fitting = (ev - radiance.log2()).round();
+        let lux = rounded(f64::from(PI / ev.exp2() / color));
         let message =
             format!("makes all that it lights white: {intensity} lux at `exposure_ev = {ev}`");
         let help = format!(
-            "write `exposure_ev = {fitting}` or \"auto\" in `[image]`, or `intensity_lux = 3`"
+            "write `exposure_ev = {fitting}` or \"auto\" in `[image]`, or `intensity_lux = {lux}`"
         );
         return (radiance > WHITE).then_some(("blown-light", message, help));
     };
@@ -60,23 +64,29 @@ fn mistake(light: &Light, ev: f32, all: &Bounds) -> Option<(&'static str, String
         return Some(("unseen-light", message, help));
     }
     let needed = (10.0 * distance_m.powi(2)).ceil().max(60.0);
-    let (message, help) = match [color > 0.0, intensity > 0.0] {
-        [false, _] => (
-            "gives no light: its color is black".to_owned(),
-            "`color = [1, 1, 1]`,".to_owned(),
-        ),
-        [_, false] => (
-            "gives no light: its brightness is 0".to_owned(),
-            format!("`intensity_cd = {needed}`,"),
-        ),
-        _ => (
-            format!(
-                "is too weak or too far: {intensity} cd at {} m from the nearest surface",
-                rounded(distance_m.into())
-            ),
-            format!("a nearer `position`, in meters, or `intensity_cd = {needed}`,"),
-        ),
-    };
-    let help = format!("write {help} or remove the light");
+    if radiance <= 0.0 {
+        return Some(dark(color));
+    }
+    let message = format!(
+        "is too weak or too far: {intensity} cd at {} m from the nearest surface",
+        rounded(distance_m.into())
+    );
+    let help = format!(
+        "write a nearer `position`, in meters, or `intensity_cd = {needed}` in place of its brightness"
+    );
     (radiance <= UNSEEN * distance_m.powi(2)).then_some(("unseen-light", message, help))
+}
+
+/// The mistake of a light of no brightness or no color.
+fn dark(color: f32) -> (&'static str, String, String) {
+    let (what, help) = match color > 0.0 {
+        false => ("color is black", "write `color = [1, 1, 1]`"),
+        true => ("brightness is 0", "write a brightness above 0"),
+    };
+    let message = format!("gives no light: its {what}");
+    (
+        "unseen-light",
+        message,
+        format!("{help}, or remove the light"),
+    )
 }

@@ -161,9 +161,10 @@ impl OutlineDesc {
             let message = format!(
                 "`points` cross themselves: the lines from the corners {a} and {b}, counted from 0"
             );
-            let order = format!("write the corners {} to {b} in the other order", a + 1);
-            let help =
-                format!("{order}; if the crossing is meant, write `fill_rule = \"nonzero\"`");
+            let help = format!(
+                "if the crossing is meant, write `fill_rule = \"nonzero\"`; else write the corners {} to {b} in the other order",
+                a + 1
+            );
             let warning = Diagnostic::new("crossing-outline", t.written("points").0, message);
             t.report.push(warning.help(help).warning());
         }

@@ -84,6 +84,14 @@ fn kind_of(wrong: &ParseErrorType) -> &'static str {
     }
 }
 
+/// Whether a line of the outer scope defines this variable by this word.
+fn defines(line: &str, word: &str, variable: &str) -> bool {
+    let mut words = line
+        .split([' ', '=', ';', '\t'])
+        .filter(|part| !part.is_empty());
+    line.starts_with(word) && words.next() == Some(word) && words.next() == Some(variable)
+}
+
 fn explain_syntax(
     wrong: &ParseErrorType,
     sources: &Sources,
@@ -105,11 +113,9 @@ fn explain_syntax(
                 "a text with values in it stands between backticks: `ball${ctx.frame}`".to_owned()
             } else if let Some(help) = suggest::in_script("variables", variable) {
                 help.to_owned()
-            } else if text.contains(&format!("const {variable}")) {
+            } else if text.lines().any(|line| defines(line, "const", variable)) {
                 format!("write `global::{variable}`, by which functions see it")
-            } else if text.starts_with(&format!("let {variable} "))
-                || text.contains(&format!("\nlet {variable} "))
-            {
+            } else if text.lines().any(|line| defines(line, "let", variable)) {
                 format!(
                     "frames remember nothing: compute it from `ctx.t`, or write `const` for `let`, and here `global::{variable}`"
                 )
