@@ -40,7 +40,12 @@ const run = () => {
 };
 
 // Messages at their lines, in the shown file or, by a click, in their own.
+let listed = "";
 const list = (found) => {
+  const count = text.value.split("\n").length;
+  const now = JSON.stringify([tab, count, found]);
+  if (now === listed) return;
+  listed = now;
   const worst = new Map();
   messages.replaceChildren(...found.map((message) => {
     const item = document.createElement("li");
@@ -53,7 +58,6 @@ const list = (found) => {
     return item;
   }));
   messages.found = found;
-  const count = text.value.split("\n").length;
   lines.replaceChildren(...Array.from({ length: count }, (_, at) => {
     const line = document.createElement("span");
     line.className = worst.get(at + 1) ?? "";

@@ -21,6 +21,8 @@ const lacks = () => {
 let show = null;
 let isShowing = false;
 let isAsked = false;
+// Scene text whose messages were told; frames alone bring no others.
+let checked = "";
 
 const showAll = async () => {
   if (isShowing) return;
@@ -42,9 +44,13 @@ const showAll = async () => {
 };
 
 const work = {
-  file: ({ file, bytes }) => put_file(file, new Uint8Array(bytes)),
+  file: ({ file, bytes }) => {
+    checked = "";
+    put_file(file, new Uint8Array(bytes));
+  },
   scene: ({ scene, text, width, frame }) => {
-    tell({ check: JSON.parse(check(scene, text)) });
+    if (text !== checked) tell({ check: JSON.parse(check(scene, text)) });
+    checked = text;
     if (!show) return;
     ask(scene, text, width, frame);
     isAsked = true;
