@@ -73,7 +73,7 @@ parameters! {
         };
     /// Tolerance at pixel edges, `reflection.edge_px`, with `accept = "verified"`.
     EdgePx = "edge_px", Number, EDGE_PX, [0.0, 0.125, 0.25, 0.5, 1.0],
-        |m| matches!(m, Method::Hybrid | Method::Auto) => |settings, value| {
+        |m| m == Method::Hybrid => |settings, value| {
             settings.accept = Accept::Verified;
             settings.edge_px = value as f32;
         };

@@ -352,6 +352,6 @@ impl ReflectionDesc {
 
     /// Whether the march accepts only hits that it can verify.
     pub fn verifies(&self) -> bool {
-        self.accept == Accept::Verified && matches!(self.method, Method::Hybrid | Method::Auto)
+        self.accept == Accept::Verified && self.method == Method::Hybrid
     }
 }
