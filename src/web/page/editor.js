@@ -31,11 +31,12 @@ const hand = (name) => {
   worker.postMessage({ file: name, bytes });
 };
 
-const run = () => {
+// Another frame of the same text has no other messages.
+const run = (checks = true) => {
   if (isReady && scene) {
     if (!lacking) tell("rendering");
     const [width, frame] = ["width", "frame"].map((id) => Number(get(id).value));
-    worker.postMessage({ scene, text: files.get(scene), width, frame });
+    worker.postMessage({ scene, text: files.get(scene), width, frame, checks });
   }
 };
 
@@ -142,7 +143,7 @@ const show_time = ({ timeline, frame }) => {
   get("told").textContent = `${frame} of ${end}, ${(frame / fps).toFixed(2)} s`;
   if (!plays) return;
   get("frame").value = frame < end ? frame + 1 : start;
-  run();
+  run(false);
 };
 
 const answers = {
@@ -267,12 +268,12 @@ text.oninput = () => {
   }, TYPING_MS);
 };
 text.onscroll = () => { lines.scrollTop = text.scrollTop; };
-get("width").onchange = run;
-get("frame").oninput = run;
+get("width").onchange = () => run();
+get("frame").oninput = () => run(false);
 get("play").onclick = () => {
   plays = !plays;
   get("play").textContent = plays ? "pause" : "play";
-  run();
+  run(false);
 };
 get("save").onclick = () => worker.postMessage({ png: true });
 get("files").onchange = ({ target }) => add(target.files);

@@ -1,4 +1,4 @@
-// The checker and the renderer, away from the page, which stays quick. Messages: {file, bytes}, {scene, text, width, frame}
+// The checker and the renderer, away from the page, which stays quick. Messages: {file, bytes}, {scene, text, width, frame, checks}
 // and {png}; answers: {state}, {check}, {part, pixels}, {shown, pixels}, {png} and {ended}.
 "use strict";
 
@@ -21,8 +21,6 @@ const lacks = () => {
 let show = null;
 let isShowing = false;
 let isAsked = false;
-// Scene text whose messages were told; frames alone bring no others.
-let checked = "";
 
 const showAll = async () => {
   if (isShowing) return;
@@ -44,13 +42,9 @@ const showAll = async () => {
 };
 
 const work = {
-  file: ({ file, bytes }) => {
-    checked = "";
-    put_file(file, new Uint8Array(bytes));
-  },
-  scene: ({ scene, text, width, frame }) => {
-    if (text !== checked) tell({ check: JSON.parse(check(scene, text)) });
-    checked = text;
+  file: ({ file, bytes }) => put_file(file, new Uint8Array(bytes)),
+  scene: ({ scene, text, width, frame, checks }) => {
+    if (checks) tell({ check: JSON.parse(check(scene, text)) });
     if (!show) return;
     ask(scene, text, width, frame);
     isAsked = true;
