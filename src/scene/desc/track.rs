@@ -81,6 +81,10 @@ declared! {
     /// thing's own table; `rate` and `oscillate` are then added to it.
     pub struct ScaleTrackDesc;
 
+    /// `base_color = { … }`, a track of a color: `keys` replace the value in the thing's own table, mixed in linear
+    /// light; `rate` and `oscillate` are then added to it.
+    pub struct ColorTrackDesc;
+
     /// `shown = { keys = [{ at_s = 0, value = false }, { at_s = 2, value = true }] }`: times at which an
     /// instance, group or decal is shown or hidden.
     ///
@@ -124,6 +128,9 @@ declared! {
 
     /// `keys = [{ at_s = 0, value = 1.5 }, …]`, in the order of time.
     pub struct ScaleKeyDesc;
+
+    /// `keys = [{ at_s = 0, value = "#ff8000" }, …]`, in the order of time.
+    pub struct ColorKeyDesc;
 
     /// `follow = { instance = "car", offset = [0, 1, 0] }`: takes the position from an instance or a group.
     #[derive(Clone, Debug, PartialEq)]
@@ -170,6 +177,9 @@ declared! {
 
     /// `oscillate = { amplitude = 0.2, period_s = 2 }`: adds `amplitude * sin(2π (t / period_s + phase))`.
     pub struct ScaleOscillateDesc;
+
+    /// `oscillate = { amplitude = [0.2, 0, 0], period_s = 2 }`: adds `amplitude * sin(2π (t / period_s + phase))`.
+    pub struct ColorOscillateDesc;
 }
 
 impl OrbitDesc {

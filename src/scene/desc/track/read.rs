@@ -8,7 +8,7 @@ use super::*;
 use crate::declared::{Described, TypeDoc};
 use crate::range::{ABOVE_0, ANY, Range};
 use crate::syntax::{Content, Node};
-use crate::table::{Section, Table, value::Scale, value::Value};
+use crate::table::{Section, Table, color::Color, value::Scale, value::Value};
 use crate::{
     diagnostic::{Diagnostic, Span},
     number::{Field, Form, Lanes},
@@ -20,7 +20,8 @@ pub fn tracks<T>(t: &mut Table, fields: &[Field<T>]) -> Tracks {
         let track = match field.form {
             Form::Number => track::<f32>(t, field.key, field.range),
             Form::Pair => track::<[f32; 2]>(t, field.key, field.range),
-            Form::Color | Form::Triple | Form::Vector => track::<Vec3>(t, field.key, field.range),
+            Form::Color => track::<Color>(t, field.key, field.range),
+            Form::Triple | Form::Vector => track::<Vec3>(t, field.key, field.range),
         };
         if !field.what.is_empty() {
             t.explain(field.key, || field.track_words() + ".");
@@ -57,6 +58,10 @@ lane!(Vec3, true,
     TrackDesc "eye = { … }",
     KeyDesc "keys = [{ at_s = …, value = […] }, …]",
     OscillateDesc "oscillate = { amplitude = […], … }");
+lane!(Color, false,
+    ColorTrackDesc "base_color = { … }",
+    ColorKeyDesc "keys = [{ at_s = …, value = \"#rrggbb\" or […] }, …]",
+    ColorOscillateDesc "oscillate = { amplitude = […], … }");
 lane!([f32; 2], false,
     PairTrackDesc "uv_scale = { … }",
     PairKeyDesc "keys = [{ at_s = …, value = […, …] }, …]",
@@ -70,14 +75,20 @@ lane!(Scale, false,
     ScaleKeyDesc "keys = [{ at_s = …, value = … or […] }, …]",
     ScaleOscillateDesc "oscillate = { amplitude = … or […], … }");
 
-impl Lanes for Scale {
-    fn lanes(self) -> Vec3 {
-        self.0
-    }
-    fn from_lanes(lanes: Vec3) -> Self {
-        Self(lanes)
-    }
+/// Implements [`Lanes`] for a type with three numbers.
+macro_rules! three_lanes {
+    ($($type:ident),*) => {$(
+        impl Lanes for $type {
+            fn lanes(self) -> Vec3 {
+                self.0
+            }
+            fn from_lanes(lanes: Vec3) -> Self {
+                Self(lanes)
+            }
+        }
+    )*};
 }
+three_lanes!(Scale, Color);
 
 /// A track, a key of one or its `oscillate`, whose values are of type `L`.
 struct Of<T, L>(T, PhantomData<L>);
