@@ -11,6 +11,7 @@ mod probe;
 mod shadow;
 mod silent;
 mod size;
+mod text;
 mod view;
 
 use crate::{
@@ -104,7 +105,7 @@ impl<'a> Lint<'a> {
             return;
         }
         let (scene, at, found) = (self.scene, start(self.scene), &mut self.found);
-        found.extend(ignored::lint(scene, &at));
+        found.extend(ignored::lint(scene, world, &at));
         found.extend(silent::lint(scene, world, &at));
         found.extend(conventions::lint(scene, world, &at));
         found.extend(lamps::lint(scene, world));

@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
-use glam::Vec3;
+use glam::{Vec3, Vec3Swizzles};
 
-use super::silent::{each_value, number, rounded, warning};
+use super::text::{each_entry, number, rounded, warning};
 use crate::{
     math::Bounds,
     scene::{
@@ -52,7 +52,7 @@ fn suns(scene: &Scene, world: &World) -> Vec<Diagnostic> {
     found.collect()
 }
 
-/// Lights below an opaque floor that has all that is placed above it, as positions of programs where Z points up have.
+/// Lights and cameras below an opaque floor that has all that is placed above it, as positions of programs where Z points up have.
 fn sunken_lights(scene: &Scene, world: &World) -> Vec<Diagnostic> {
     let bounds: Vec<_> = world.instances.iter().map(|i| world.bounds_of(i)).collect();
     let all = bounds
@@ -86,7 +86,19 @@ fn sunken_lights(scene: &Scene, world: &World) -> Vec<Diagnostic> {
         let help = "write [x, z, -y] for a position [x, y, z] of a program where Z points up";
         warning("light-from-below", &light.at, message, help)
     });
-    found.collect()
+    let cameras = scene.cameras.iter().filter_map(|camera| {
+        let placed = world.cameras.iter().find(|it| it.name == camera.name)?;
+        let (eye, target) = (placed.value.eye, placed.value.target);
+        let share = (all.min.y - eye.y) / (target.y - eye.y);
+        let crossing = eye.lerp(target, share);
+        let is_hidden = eye.y < all.min.y
+            && (0.0..=1.001).contains(&share)
+            && (all.min.xz().cmple(crossing.xz()) & crossing.xz().cmple(all.max.xz())).all();
+        let message = format!("camera \"{}\" is below the floor and sees it from below: Y points up", camera.name);
+        let help = format!("write `eye = [{}, {}, {}]`, above it, or [x, z, -y] for a point of a program where Z points up", eye.x, rounded((2.0 * all.min.y - eye.y).into()), eye.z);
+        is_hidden.then(|| warning("camera-below", &camera.at, message, &help))
+    });
+    found.chain(cameras).collect()
 }
 
 /// Cameras whose `up` is the Z axis, which lie on their side or stand on their head.
@@ -127,7 +139,8 @@ fn foreign_angles(start: &Span) -> Vec<Diagnostic> {
         // Numbers have few digits: 1.57, 3.14, 6.28.
         is_part && whole <= 24.0 && (twelfths - whole).abs() < 6e-4 * whole
     };
-    each_value(source.syntax().root(), &mut |key, node| {
+    each_entry(source.syntax().root(), "", &mut |entry| {
+        let (key, node) = (entry.name(), entry.node);
         let numbers: Vec<f64> = (node.get_ref().as_array().into_iter().flatten())
             .filter_map(number)
             .collect();
@@ -139,7 +152,10 @@ fn foreign_angles(start: &Span) -> Vec<Diagnostic> {
                 "this quaternion is half a turn about X: its order is x, y, z, w".to_owned(),
                 "write `rotation_quat = [0, 0, 0, 1]` for no turn".to_owned(),
             ),
-            ("rotation_deg", _, Some(x)) if are_radians => {
+            ("rotation_deg" | "rate" | "value", _, Some(x))
+                if are_radians
+                    && (key == "rotation_deg" || entry.table.contains("rotation_deg")) =>
+            {
                 let degrees = (x.to_degrees() / 15.0).round() * 15.0;
                 (
                     "radians",

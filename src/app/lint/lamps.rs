@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::silent::{rounded, warning};
+use super::text::{rounded, warning};
 use crate::{
     math::Bounds,
     scene::{desc::Exposure, diagnostic::Diagnostic, stages::Scene},
@@ -13,6 +13,8 @@ use crate::{
 
 /// Exposed radiance of a white surface below which nothing is seen of it: a display value of 1 of 255.
 const UNSEEN: f32 = 2e-4;
+/// Share of the environment's light below which nothing is seen of a lamp, where it is nearest.
+const OUTSHONE: f32 = 0.01;
 /// Exposed radiance of a white surface from which on nearly every surface shows white.
 const WHITE: f32 = 1e3;
 
@@ -24,17 +26,32 @@ pub fn lint(scene: &Scene, world: &World) -> Vec<Diagnostic> {
         return Vec::new();
     };
     let is_seen = !all.is_empty() && scene.is_still() && world.environment.fog().is_none();
+    // Walls may block the light of an environment with shadows.
+    let sky = Some(&world.environment).filter(|environment| !environment.casts_rays());
+    let sky = sky.map(|environment| {
+        environment
+            .coarse_gradient()
+            .map(|color| color.max_element())
+    });
+    let least = sky.map_or(0.0, |sky| sky.into_iter().fold(f64::MAX, f64::min));
+    let unseen = UNSEEN.max(OUTSHONE * least as f32 * ev.exp2());
     let lights = scene.lights.iter().zip(world.all_lights());
     let found = lights.filter(|_| is_seen).filter_map(|(light, placed)| {
-        let (name, message, help) = mistake(placed, ev, &all)?;
+        let (name, message, help) = mistake(placed, ev, unseen, &all)?;
         let message = format!("light \"{}\" {message}", light.name);
         Some(warning(name, &light.at, message, &help))
     });
     found.collect()
 }
 
-/// Name of the warning, message without its subject, and advice; `all` is the box around the scene.
-fn mistake(light: &Light, ev: f32, all: &Bounds) -> Option<(&'static str, String, String)> {
+/// Name of the warning, message without its subject, and advice; `unseen` is an exposed radiance of a white surface of which
+/// nothing is seen, `all` the box around the scene.
+fn mistake(
+    light: &Light,
+    ev: f32,
+    unseen: f32,
+    all: &Bounds,
+) -> Option<(&'static str, String, String)> {
     let (kind, color) = (&light.desc.kind, light.desc.color.max_element());
     let intensity = kind.intensity();
     let radiance = intensity * color * ev.exp2() / PI;
@@ -74,7 +91,7 @@ fn mistake(light: &Light, ev: f32, all: &Bounds) -> Option<(&'static str, String
     let help = format!(
         "write a nearer `position`, in meters, or `intensity_cd = {needed}` in place of its brightness"
     );
-    (radiance <= UNSEEN * distance_m.powi(2)).then_some(("unseen-light", message, help))
+    (radiance <= unseen * distance_m.powi(2)).then_some(("unseen-light", message, help))
 }
 
 /// The mistake of a light of no brightness or no color.

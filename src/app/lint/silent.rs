@@ -2,13 +2,13 @@
 
 use std::collections::HashSet;
 
-use super::ignored::written;
+use super::text::{each_entry, number, rounded, warning, written};
 use crate::{
     scene::{
         desc::{ModelDesc, ModelSource, ShapeDesc},
         diagnostic::{Diagnostic, Span},
         stages::Scene,
-        syntax::{Content, Entries, Node},
+        syntax::{Entries, Node},
     },
     world::{Material, World},
 };
@@ -23,10 +23,6 @@ pub fn lint(scene: &Scene, world: &World, start: &Span) -> Vec<Diagnostic> {
     found.extend(late_keys(scene, start));
     found.extend(unseen_cameras(scene, world));
     found
-}
-
-pub fn warning(name: &'static str, at: &Span, message: String, help: &str) -> Diagnostic {
-    Diagnostic::new(name, at.clone(), message).help(help)
 }
 
 /// Lenses and shutters that are open for a picture of one sample.
@@ -72,19 +68,6 @@ fn invisible_materials(scene: &Scene, world: &World) -> Vec<Diagnostic> {
         warning("invisible-material", &material.at, message, help)
     });
     found.collect()
-}
-
-/// Calls a function with each key of a table and of the tables in it, and its value.
-pub fn each_value(table: &Entries, visit: &mut impl FnMut(&str, &Node)) {
-    for (key, node) in table {
-        visit(key.get_ref(), node);
-        let list = node.get_ref().as_array().into_iter().flatten();
-        for node in list.chain([node]) {
-            if let Some(inner) = node.get_ref().as_table() {
-                each_value(inner, visit);
-            }
-        }
-    }
 }
 
 /// Materials with an index of refraction, but no color and no way for light through them.
@@ -207,15 +190,10 @@ fn late_keys(scene: &Scene, start: &Span) -> Vec<Diagnostic> {
     found
 }
 
-/// A number with three digits behind the point.
-pub fn rounded(x: f64) -> f64 {
-    (x * 1e3).round() / 1e3 + 0.0
-}
-
 /// Calls a function with each list `keys` of tables of motion.
 fn each_keys(table: &Entries, visit: &mut impl FnMut(&[Node])) {
-    each_value(table, &mut |key, node| {
-        if let ("keys", Some(keys)) = (key, node.get_ref().as_array()) {
+    each_entry(table, "", &mut |it| {
+        if let ("keys", Some(keys)) = (it.name(), it.node.get_ref().as_array()) {
             visit(keys);
         }
     });
@@ -225,15 +203,6 @@ fn each_keys(table: &Entries, visit: &mut impl FnMut(&[Node])) {
 fn time_of(key: &Node) -> Option<(f64, &Node)> {
     let node = key.get_ref().as_table()?.get("at_s")?;
     Some((number(node)?, node))
-}
-
-/// A number of the text, of either kind.
-pub fn number(node: &Node) -> Option<f64> {
-    match node.get_ref() {
-        Content::Integer(x) => Some(x.value()? as f64),
-        Content::Float(x) => x.value(),
-        _ => None,
-    }
 }
 
 /// Cameras that move and that no frame shows.

@@ -88,9 +88,9 @@ material! {
         /// Default false, or the glTF value.
         unlit: bool [ANY];
         /// Texture repetitions per unit of the texture coordinates, two numbers: more is smaller. Default [1, 1].
-        uv_scale: [f32; 2], Pair in ANY, "texture repetitions, two numbers" => rest [1.0, 1.0];
+        uv_scale under base_color_texture | normal_texture | metallic_roughness_texture | emission_texture: [f32; 2], Pair in ANY, "texture repetitions, two numbers" => rest [1.0, 1.0];
         /// Alpha below which the surface is cut out, 0 to 1. Default: not cut out, or the glTF value.
-        alpha_cutoff: f32, Number in UNIT, "alpha below which the surface is cut out" => off "0";
+        alpha_cutoff under base_color_texture | alpha: f32, Number in UNIT, "alpha below which the surface is cut out" => off "0";
         /// Share of light that the surface stops, 0 to 1, multiplied by the alpha of its base color texture; what is
         /// behind shows through by the rest (glTF's `BLEND`), also in reflections. Followed by rays. With an
         /// `alpha_cutoff`, the product is compared with that instead. Default 1, opaque, or the glTF value.
@@ -114,7 +114,7 @@ material! {
         thickness_m under transmission: f32 [FROM_0];
         /// Color that white light has after `attenuation_distance_m` inside a solid, three numbers 0 to 1. Default
         /// white.
-        attenuation_color under transmission: Vec3, Color in UNIT, "color that white light gets inside a solid" of "volume/attenuationColor" => rest Vec3::ONE;
+        attenuation_color under transmission under attenuation_distance_m: Vec3, Color in UNIT, "color that white light gets inside a solid" of "volume/attenuationColor" => rest Vec3::ONE;
         /// Distance inside a solid after which white light has the `attenuation_color`, meters, above 0. Less absorbs
         /// more. Default: nothing is absorbed.
         attenuation_distance_m under transmission: f32, Number in ABOVE_0, "distance after which white light has that color, meters" of "volume/attenuationDistance" => such_as "1";
@@ -157,11 +157,11 @@ material! {
     }
 }
 
-/// A key of a material that has no effect without another.
+/// A key of a material that has no effect without another, or one of several.
 pub struct Needing {
     /// The key.
     pub key: &'static str,
-    /// The other key.
+    /// The other key, or the first of several.
     pub needs: &'static str,
     /// Whether a material has the key without the other.
     pub is_alone: fn(&MaterialDesc) -> bool,

@@ -133,7 +133,10 @@ impl<'t> ScriptLint<'t, '_> {
             match self.word(i) {
                 "{" | "#{" => self.scopes.push(std::mem::take(&mut next)),
                 "}" if self.scopes.len() > 1 => drop(self.scopes.pop()),
-                "fn" => next = self.function(i),
+                "fn" => {
+                    next = self.function(i);
+                    self.idle_function(i);
+                }
                 "for" => {
                     if let Some((name, at, whole)) = self.loop_variable(i) {
                         self.warn_if_hidden(name, &at);
@@ -195,6 +198,79 @@ impl<'t> ScriptLint<'t, '_> {
             self.warn("shadowed-function", name.at, message, help);
         }
         scope
+    }
+
+    /// Warns about a `frame` that sets nothing, since it calls nothing of its `ctx`, hands it to no function and prints nothing, and
+    /// about a `setup` whose last statement has no value.
+    fn idle_function(&mut self, i: usize) {
+        let find = |from: usize, text| (from..self.tokens.len()).find(|k| self.word(*k) == text);
+        let Some(open) = find(i, "{") else { return };
+        let mut depth = 0;
+        let close = (open..self.tokens.len()).find(|k| {
+            match self.word(*k) {
+                "{" | "#{" => depth += 1,
+                "}" => depth -= 1,
+                _ => {}
+            }
+            depth == 0
+        });
+        let Some(close) = close.filter(|close| *close > open + 1) else {
+            return;
+        };
+        let context = self.word(i + 3);
+        let is_used = |k: usize| match self.word(k) {
+            "print" | "debug" | "throw" => true,
+            word => word == context && (self.word(k + 1) != "." || self.word(k + 3) == "("),
+        };
+        match self.word(i + 1) {
+            "frame" if !(open..close).any(is_used) => {
+                let message = "`frame` sets nothing: its variables are copies".to_owned();
+                let help =
+                    "write at its end what changes, as in `ctx.place(\"ball\", p);`".to_owned();
+                self.warn(
+                    "idle-function",
+                    self.tokens[i + 1].at.clone(),
+                    message,
+                    help,
+                );
+            }
+            "setup" if !(open..close).any(|k| self.word(k) == "return") => {
+                let semicolon = self.word(close - 1) == ";";
+                let start = self.statement_start(open, close - usize::from(semicolon));
+                let is_pushed = self.word(start + 1) == "." && self.word(start + 2) == "push";
+                if !semicolon && !is_pushed {
+                    return;
+                }
+                let help = match self.word(start) {
+                    "#{" => "remove the `;` behind the map".to_owned(),
+                    list if is_pushed => format!(
+                        "write `#{{ instances: {list} }}` after it, without a `;`, if these are instances"
+                    ),
+                    _ => "end it with a map without a `;`, as in `#{ instances: list }`".to_owned(),
+                };
+                let at = self.tokens[start].at.start..self.tokens[close - 1].at.end;
+                let message = "`setup` returns nothing, so it adds nothing to the scene".to_owned();
+                self.warn("idle-function", at, message, help);
+            }
+            _ => {}
+        }
+    }
+
+    /// Index of the first token of the last statement between a brace and `end`.
+    fn statement_start(&self, open: usize, end: usize) -> usize {
+        let (mut depth, mut start) = (0, open + 1);
+        for k in open + 1..end {
+            match self.word(k) {
+                "{" | "#{" | "(" | "[" => depth += 1,
+                "}" | ")" | "]" => depth -= 1,
+                _ => {}
+            }
+            let is_end = depth == 0 && matches!(self.word(k), ";" | "}");
+            if is_end && k + 1 < end {
+                start = k + 1;
+            }
+        }
+        start
     }
 
     /// Warns about `"lamp${i}"`: a text in `"` is not interpolated.

@@ -2,7 +2,7 @@
 
 /// Declares the keys of a material in the order of the manual, each with its comment and its type.
 ///
-/// - `KEY under OTHER`: the key has no effect without the other.
+/// - `KEY under OTHER | THIRD`: the key has no effect without one of the others.
 /// - `[RANGE]`: a key that is read as a value of its type; `in EXTENSIONS`: extensions of the files that its text names.
 /// - `FORM in RANGE, "…"`: a number or color that tracks and scripts may change, and a name of its quantity for the text of
 ///   its track. It may also follow a pattern, `varies NAME`. Then its value where a material leaves it out: `rest VALUE`; or
@@ -17,7 +17,7 @@ macro_rules! material {
         pub struct MaterialDesc {
             $(
                 $(#[doc = $text:literal])*
-                $key:ident $(under $needed:ident)?: $type:ty
+                $key:ident $(under $needed:ident $(| $or:ident)*)*: $type:ty
                 $([$plain_range:expr] $(in $files:expr)?)?
                 $(,
                     $form:ident in $range:expr, $what:literal $(of $gltf:tt)? $(varies $varies:ident)?
@@ -89,8 +89,8 @@ macro_rules! material {
         pub static NEEDING: &[Needing] = &[$($(Needing {
             key: stringify!($key),
             needs: stringify!($needed),
-            is_alone: |it| it.$key.is_some() && it.$needed.is_none(),
-        },)?)*];
+            is_alone: |it| it.$key.is_some() && it.$needed.is_none() $(&& it.$or.is_none())*,
+        },)*)*];
 
         /// A number or color of a material that may follow a pattern.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
