@@ -9,7 +9,7 @@ use crate::{
     files::Goal,
     output::writable::{check_replaceable, inputs},
     runtime::scene_text::{LoadedScene, OpenedScene, SceneText},
-    scene::{dependencies::Dependencies, diagnostic::print_diagnostics},
+    scene::{dependencies::Dependencies, diagnostic::print_diagnostics, suggest},
 };
 
 /// Reads and loads a scene, and prints its warnings to standard error; `more` are overrides after
@@ -82,11 +82,14 @@ pub fn load(opened: OpenedScene, name: String) -> Result<LoadedScene, AppError> 
 /// [`AppError::Usage`] with the existing names.
 pub fn choose_camera(loaded: &LoadedScene, name: Option<&str>) -> Result<usize, AppError> {
     loaded.camera(name).ok_or_else(|| {
+        let (name, names) = (name.unwrap_or_default(), loaded.camera_names());
+        let meant = suggest::nearest(name, names.iter().copied());
+        let meant = meant.map(|meant| format!("; did you mean `--camera {meant}`?"));
         AppError::Usage(format!(
-            "--camera {}: {} has no such camera; it has: {}",
-            name.unwrap_or_default(),
+            "--camera {name}: {} has no such camera; it has: {}{}",
             loaded.name,
-            loaded.camera_names().join(", ")
+            names.join(", "),
+            meant.unwrap_or_default()
         ))
     })
 }

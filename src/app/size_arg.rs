@@ -53,12 +53,12 @@ pub fn parse_crop(text: &str) -> Result<Crop, String> {
     }
 }
 
-/// `1280x720` as width and height.
+/// `1280x720` as width and height; other signs that stand for "by" are read too.
 ///
 /// # Errors
 /// Message that names the expected form.
 pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
-    let sides = text.split_once(['x', 'X']);
+    let sides = text.split_once(['x', 'X', '×', '*', ',']);
     let pair = sides.and_then(|(w, h)| Some([w.trim().parse().ok()?, h.trim().parse().ok()?]));
     match pair {
         Some(size) => check_size(size).map(|()| size),
@@ -102,7 +102,7 @@ mod tests {
         assert_eq!(parse_time("0.5s"), Ok(Duration::from_millis(500)));
         let draft = SizeArg::Named("draft".to_owned());
         assert_eq!(parse_size_or_name("draft"), Ok(draft));
-        assert_eq!(parse_size_or_name("2X3"), Ok(SizeArg::Pixels([2, 3])));
+        assert_eq!(parse_size_or_name("2,3"), Ok(SizeArg::Pixels([2, 3])));
         assert_eq!(parse_size_or_name("5"), Ok(SizeArg::Width(5)));
     }
 }

@@ -5,6 +5,8 @@ use std::{ffi::OsStr, path::Path, process};
 use clap::error::{ContextKind, ContextValue};
 use serde::Deserialize;
 
+use crate::scene::suggest;
+
 /// Commands and arguments of other programs, each with what to write instead.
 #[derive(Deserialize)]
 struct OtherPrograms {
@@ -61,7 +63,15 @@ fn advice(error: &clap::Error) -> Option<String> {
     let usage = error.get(ContextKind::Usage).map(ToString::to_string);
     let usage = usage.unwrap_or_default();
     let goal = [("<FILE>", "file"), ("<DIR>", "folder")];
-    find(known.arguments, name).or_else(|| {
+    let mut words = std::env::args().skip_while(|word| !word.starts_with(name));
+    let written = words
+        .next()
+        .and_then(|word| Some(word.split_once('=')?.1.to_owned()));
+    let value = written
+        .or(words.next())
+        .filter(|value| !value.starts_with('-'));
+    let filled = |help: String| suggest::filled(&help, name, |_| value.clone());
+    find(known.arguments, name).map(filled).or_else(|| {
         if typed.starts_with('-') {
             return None;
         }

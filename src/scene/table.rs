@@ -384,7 +384,7 @@ impl<'r> Table<'r> {
             let is_meant = |key: &str| Some(key) == meant || Some(key) == advised;
             self.missing
                 .retain(|missing| !missing.keys.iter().any(|key| is_meant(key)));
-            let help = (absent.map(str::to_owned))
+            let help = (absent.map(|help| self.filled(help, name)))
                 .or_else(|| {
                     self.key_of_the_file(name)
                         .filter(|_| !self.begins_with("{"))
@@ -397,6 +397,15 @@ impl<'r> Table<'r> {
                 .unwrap_or_else(|| suggest::hint(name, &self.asked, suggest::key, "its keys are"));
             self.report.error("unknown-key", &key.span(), message).help = Some(help);
         }
+    }
+
+    /// An advice about a key with values of this table.
+    fn filled(&self, help: &str, key: &str) -> String {
+        let value_of = |key: &str| {
+            let span = self.report.span(&self.values.get(key)?.span());
+            Some(span.source?.text.get(span.range)?.to_owned())
+        };
+        suggest::filled(help, key, value_of)
     }
 
     /// Help for a key of the whole file that stands below the header of this table.

@@ -47,11 +47,16 @@ pub(super) fn placed(t: &mut Table) -> Option<PlacementDesc> {
     }
     let volume = scale.as_dvec3().element_product().abs();
     if t.has("scale") && volume < SMALLEST_VOLUME {
-        let message = match volume {
-            0.0 => "`scale` must not be 0",
-            _ => "`scale` is too small for 32-bit floats",
+        let (message, help) = match volume {
+            0.0 => (
+                "`scale` must not be 0, which flattens the model",
+                "write `scale = 1` for its own size, a small number such as 0.001, or `visible = false` to hide it",
+            ),
+            _ => (
+                "`scale` is too small for 32-bit floats",
+                "leave `scale` out for the model's own size",
+            ),
         };
-        let help = "it would flatten the model; leave `scale` out for the model's own size";
         t.refuse("singular", "scale", message, help);
     }
     Some(PlacementDesc::Trs {

@@ -30,8 +30,8 @@ pub fn apply(root: &mut Node, source: &Arc<Source>, report: &mut Report) {
     let (text, base) = (source.text.as_str(), report.start_of(source));
     let Some(equals) = equals_sign(text) else {
         let error = report.error("bad-set", &(base..base + text.len()), "`=` is missing");
-        error.help = Some(match text.split_once(' ') {
-            Some((path, value)) => format!("write `--set {path}={value}`"),
+        error.help = Some(match text.split_once([' ', ':']) {
+            Some((path, value)) => format!("write `--set {path}={}`", value.trim()),
             None => format!("write `--set {text}=VALUE`, such as `--set reflection.bounces=2`"),
         });
         return;

@@ -74,13 +74,13 @@ pub fn number(value: &Dynamic, what: &str) -> Result<f64> {
     let x = match (value.as_int(), value.as_float()) {
         (Ok(i), _) => i as f64,
         (_, Ok(x)) => x,
-        _ => return fail(format!("`{what}` must be a number, not {}", named(value))),
+        _ => return fail(format!("{what} must be a number, not {}", named(value))),
     };
     if x.is_finite() {
         Ok(x)
     } else {
         fail(format!(
-            "`{what}` must be a finite number, not {x}; a division by 0 or the root of a negative number gives it"
+            "{what} must be a finite number, not {x}; a division by 0 or the root of a negative number gives it"
         ))
     }
 }
@@ -109,10 +109,7 @@ pub fn vector(value: &Dynamic, what: &str) -> Result<DVec3> {
             true => "write `[0, angle, 0]` for a turn about Y, in degrees",
             false => "write three numbers in one list: `[x, y, z]`",
         };
-        return match value.is_int() || value.is_float() {
-            true => fail_with(message, help.to_owned()),
-            false => fail(message),
-        };
+        return fail_with(message, help.to_owned());
     };
     // The scene keeps 32-bit floats.
     if v.as_vec3().is_finite() {

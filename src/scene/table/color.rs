@@ -7,7 +7,7 @@ use svgtypes::Color as CssColor;
 use super::{
     report::Report,
     value::{Named, Value, wrong_type},
-    value_advice::list_of_number,
+    value_advice::{list_in_text, list_of_number},
 };
 use crate::syntax::{Content, Node};
 use crate::{diagnostic::Diagnostic, forms, range::Range, suggest};
@@ -188,6 +188,9 @@ pub fn advice(text: &str) -> String {
         return format!("write {}", suggest::text(&value));
     }
     let is_name = text.chars().all(char::is_alphabetic) && text.parse::<CssColor>().is_ok();
+    if let Some(help) = list_in_text(text, 3) {
+        return help;
+    }
     let Some(color) = in_css(text) else {
         return "such as \"#ff8800\", in sRGB as the web writes it, \"hsl(32, 100%, 50%)\", \"hsv(32, 100%, 100%)\", \
             \"3000 K\" (1000 to 40000), or [1, 0.25, 0] in linear light"

@@ -9,7 +9,7 @@ use super::{
     params::{self, ParamValue},
     report::Report,
     value::{Named, Value, found, wrong_type},
-    value_advice::text_instead,
+    value_advice::{list_instead, text_instead, unquoted},
 };
 use crate::syntax::{Content, Entries, Key, Node, in_order, made};
 use crate::{
@@ -63,6 +63,11 @@ impl<'r> Table<'r> {
         let node = self.values.get(key)?;
         match node.get_ref() {
             Content::Table(values) => {
+                // A color of other programs: `{ r = 1, g = 0.5, b = 0 }`.
+                if let Some(help) = list_instead(node, key, 3) {
+                    wrong_type(node, key, &V::expected(), self.report).help = Some(help);
+                    return None;
+                }
                 let place = self.place.nested(key, node.span());
                 Table::read_by(self.report, values, place, read).map(ValueOr::Table)
             }
@@ -94,7 +99,9 @@ impl<'r> Table<'r> {
             Content::Table(_) => self.nested(key, node).map(NumberOr::Nested),
             Content::Integer(_) | Content::Float(_) => self.plain(key, range).map(NumberOr::Number),
             _ => {
-                let help = format!("write a number, or `{}`", T::HEADING);
+                let is_count = |text: &str| text.parse::<u32>().is_ok();
+                let both = || format!("write {}, or `{}`", suggest::example_of(key), T::HEADING);
+                let help = unquoted(node, is_count).unwrap_or_else(both);
                 wrong_type(node, key, "a whole number or a table", self.report).help = Some(help);
                 None
             }

@@ -23,8 +23,7 @@ pub fn unquoted(node: &Node, is_right: impl Fn(&str) -> bool) -> Option<String> 
 }
 
 /// Advice for numbers in a text where a list of `count` is expected: `size = "1280x720"`.
-fn list_in_text(node: &Node, count: usize) -> Option<String> {
-    let text = node.get_ref().as_str()?;
+pub fn list_in_text(text: &str, count: usize) -> Option<String> {
     let lower = text.to_lowercase();
     let known = other_values().sizes.get(&lower).filter(|_| count == 2);
     if let Some(size) = known {
@@ -116,7 +115,11 @@ pub fn list_of_length(items: &[Node], key: &str, count: usize, range: &Range) ->
 pub fn list_instead(node: &Node, key: &str, count: usize) -> Option<String> {
     let lanes = || {
         let table = node.get_ref().as_table()?;
-        let names = &["x", "y", "z"][..count.min(3)];
+        let names = match table.contains_key("r") {
+            true => ["r", "g", "b"],
+            false => ["x", "y", "z"],
+        };
+        let names = &names[..count.min(3)];
         let lanes = names
             .iter()
             .map(|lane| table.get(*lane).map_or("0".to_owned(), number_text));
@@ -125,7 +128,8 @@ pub fn list_instead(node: &Node, key: &str, count: usize) -> Option<String> {
         let has_lanes = names.iter().any(|lane| table.contains_key(*lane));
         (is_whole && has_lanes).then(|| format!("write [{}]", lanes.join(", ")))
     };
-    list_in_text(node, count)
+    (node.get_ref().as_str())
+        .and_then(|text| list_in_text(text, count))
         .or_else(lanes)
         .or_else(|| list_of_number(node, key, count))
 }
@@ -203,6 +207,17 @@ pub fn without_unit(number: &str, unit: &str, key: &str) -> String {
         return format!(
             "write {fov_deg}, the vertical angle of a lens of {number} mm on full frame"
         );
+    }
+    // Keys end with the abbreviation of their unit, but for lengths of shapes and places.
+    let ends = |end: &str| key.ends_with(end);
+    let is_of_key = match known.map_or("", |(_, unit)| unit) {
+        "meters" => ends("_m") || other_values().lengths.iter().any(|length| length == key),
+        "degrees" => ends("_deg") || ["rate", "value"].contains(&key),
+        "seconds" => ends("_s"),
+        _ => true,
+    };
+    if !is_of_key {
+        return format!("`{key}` has another unit than {unit}, or none: write a number alone");
     }
     value.map_or_else(
         || format!("write {number}"),

@@ -71,21 +71,19 @@ impl Table<'_> {
             self.asked.push(known);
             let chosen = suggest::text(chosen);
             let message = format!("`{name}` does not apply to `{kind} = {chosen}`");
-            let error = self.report.error("unknown-key", &key.span(), message);
             let absent = self.values.get(kind).and_then(|k| k.get_ref().as_str());
             let absent = absent.and_then(|kind| suggest::absent_of_kind(kind, name));
             let advised = absent.and_then(suggest::key_of_advice);
             let meant = advised.or_else(|| suggest::nearest(name, mine.iter().copied()));
             self.missing
                 .retain(|missing| meant.is_none_or(|meant| !missing.keys.contains(&meant)));
-            if let Some(help) = absent {
-                error.help = Some(help.to_owned());
-                continue;
-            }
+            let advice = absent.map(|help| self.filled(help, name));
             let meant = meant
                 .map(|m| format!("did you mean `{m}`? "))
                 .unwrap_or_default();
-            error.help = Some(format!("{meant}`{name}` applies to {}", one_of(&others)));
+            let applies = || format!("{meant}`{name}` applies to {}", one_of(&others));
+            let error = self.report.error("unknown-key", &key.span(), message);
+            error.help = Some(advice.unwrap_or_else(applies));
         }
     }
 }

@@ -345,7 +345,10 @@ impl LightKind {
                 ..
             } if t.clean() && inner_deg > outer_deg => {
                 let message = format!("`inner_deg` must be 0 to `outer_deg`, which is {outer_deg}");
-                t.refuse("out-of-range", "inner_deg", &message, "");
+                let help = format!(
+                    "write `inner_deg = {outer_deg}` and `outer_deg = {inner_deg}`, the angles where the light begins to fade and where it ends"
+                );
+                t.refuse("out-of-range", "inner_deg", &message, &help);
             }
             _ => {}
         }
@@ -433,7 +436,11 @@ fn not_zero(t: &mut Table, direction: Vec3) -> Option<Vec3> {
 }
 
 fn refuse_direction(t: &mut Table, key: &str, message: &str) {
-    t.refuse("zero-direction", key, message, "the light shines along it");
+    let help = match key {
+        "target" => "write a point that it shines at, such as `target = [0, 0, 0]`",
+        _ => "write the way of its light, such as `direction = [0, -1, 0]` for down",
+    };
+    t.refuse("zero-direction", key, message, help);
 }
 
 /// Row of [`LIGHT`] for a field that only some kinds of lights have.
