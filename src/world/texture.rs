@@ -78,7 +78,11 @@ impl TextureRequest {
 const OTHER_SIZE: &str = "it decodes to another size than its header says";
 
 fn fault(name: &'static str, text: impl Into<String>) -> Fault {
-    Fault::new(name, text)
+    let fault = Fault::new(name, text);
+    match name {
+        "image-broken" | "image-damaged" => fault.help("copy or export the image again"),
+        _ => fault,
+    }
 }
 
 /// Decoded images with their faults.

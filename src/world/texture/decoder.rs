@@ -157,7 +157,8 @@ fn check_size([width, height]: [u32; 2], limits: &TextureLimits) -> Result<(), F
 
 fn broken(e: image::ImageError) -> Fault {
     match e {
-        image::ImageError::Limits(_) => fault("image-too-large", format!("too large: {e}")),
+        image::ImageError::Limits(_) => fault("image-too-large", format!("too large: {e}"))
+            .help("scale the image down, or save it without color profiles and texts"),
         _ => fault("image-broken", format!("cannot be decoded: {e}")),
     }
 }

@@ -57,7 +57,7 @@ impl<'a> Jpeg<'a> {
                 size[1],
                 bytes.len()
             );
-            return Err(fault("image-broken", text).help("copy or export the image again"));
+            return Err(fault("image-broken", text));
         }
         Ok(Self {
             decoder,
@@ -92,11 +92,11 @@ impl<'a> Jpeg<'a> {
         if let Err(error) = strict.decode_into(&mut rgb) {
             if !has_end(self.bytes) {
                 let text = "ends in the middle of its picture";
-                return Err(fault("image-broken", text).help("copy or export the image again"));
+                return Err(fault("image-broken", text));
             }
             self.decoder.decode_into(&mut rgb).map_err(broken)?;
             let text = format!("its data is damaged, and parts of it are wrong: {error}");
-            damage = Some(fault("image-damaged", text).help("copy or export the image again"));
+            damage = Some(fault("image-damaged", text));
         }
         let mut pixels = blank(self.size, 4)?;
         for (rgba, rgb) in pixels.chunks_exact_mut(4).zip(rgb.chunks_exact(3)) {
