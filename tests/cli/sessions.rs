@@ -161,6 +161,7 @@ sessions! {
     letters_and_lamps_of_a_film_are_written_as_the_pages_say,
     bare_models_have_light_and_turn_as_asked,
     leaves_in_a_mirror_are_as_thick_as_traced_ones,
+    a_scene_of_47_km_shows_what_is_near_the_eye,
     render_takes_camera_variant_size_and_output_from_the_project(""),
     names_of_a_project_that_are_nearly_those_of_the_scene_are_warned_of(""),
     names_climb_inside_a_project_and_nowhere_else("scripts = \"scripts\"\n"),
