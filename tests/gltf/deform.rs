@@ -33,6 +33,7 @@ fn corners(world: &World, instance: usize) -> Vec<Vec3> {
         .collect()
 }
 
+/// Morph targets of positions, normals, colors (COLOR_0) and texture coordinates (TEXCOORD_0).
 #[test]
 fn morph_targets_have_their_weights_at_rest() {
     let mut doc = morphed();

@@ -207,8 +207,9 @@ fn sparse_accessors_lie_over_data_or_zeros() {
     }
 }
 
+/// Also nodes that are scaled flat ([1, 0, 1]) at rest: they are shown flat.
 #[test]
-fn nodes_multiply_and_may_mirror() {
+fn nodes_multiply_may_mirror_and_may_be_scaled_flat() {
     let mut doc = Doc::triangle();
     doc.json["nodes"] = json!([
         {"name": "a", "translation": [10, 0, 0], "children": [1]},

@@ -337,24 +337,20 @@ fn separate_files_are_found() {
 }
 
 #[test]
-fn data_uris_are_read() {
+fn data_uris_are_read_in_base64_percent_encoded_and_in_percent_encoded_base64() {
     let mut doc = Doc::triangle();
     let bytes = std::mem::take(&mut doc.bin);
     let text = data_encoding::BASE64.encode(&bytes);
-    doc.json["buffers"][0]["uri"] = format!("data:application/octet-stream;base64,{text}").into();
-    assert_eq!(
-        doc.world().meshes[0].positions,
-        [Vec3::ZERO, Vec3::X, Vec3::Y]
-    );
-    let once_more = text.replace('A', "%41");
-    doc.json["buffers"][0]["uri"] = format!("data:;base64,{once_more}").into();
-    assert_eq!(doc.world().meshes[0].positions[1], Vec3::X);
     let percent: String = bytes.iter().map(|b| format!("%{b:02x}")).collect();
-    doc.json["buffers"][0]["uri"] = format!("data:,{percent}").into();
-    assert_eq!(
-        doc.world().meshes[0].positions,
-        [Vec3::ZERO, Vec3::X, Vec3::Y]
-    );
+    for uri in [
+        format!("application/octet-stream;base64,{text}"),
+        format!(";base64,{}", text.replace('A', "%41")),
+        format!(",{percent}"),
+    ] {
+        doc.json["buffers"][0]["uri"] = format!("data:{uri}").into();
+        let positions = &doc.world().meshes[0].positions;
+        assert_eq!(positions[..], [Vec3::ZERO, Vec3::X, Vec3::Y], "{uri}");
+    }
 }
 
 /// A model that names a texture, in a folder.
@@ -384,21 +380,21 @@ fn files_that_stand_in_for_others_are_named() {
 }
 
 #[test]
-fn files_of_another_spelling_are_named() {
+fn files_there_under_another_case_or_unicode_form_are_named() {
     let folder = Folder::new();
     folder.write("Wood.PNG", png(1, 1, [1; 4]));
     let error = with_texture(&folder, "wood.png");
     assert_eq!(error.name, "file-not-found");
     assert_eq!(error.help.as_deref(), Some("it is there as \"Wood.PNG\""));
+    folder.write("cafe\u{301}.png", png(1, 1, [1; 4]));
+    let help = with_texture(&folder, "caf\u{e9}.png").help;
+    assert_eq!(help.as_deref(), Some("it is there as \"cafe\u{301}.png\""));
     let errors = load_scene(&scene(&folder.0, "M.glb")).expect_err("another name");
     assert_eq!(errors[0].help.as_deref(), Some("it is there as \"m.glb\""));
     let mut doc = Doc::triangle();
     doc.json["buffers"][0]["uri"] = "lost.bin".into();
     folder.write("m.gltf", doc.json.to_string());
     let errors = load_scene(&scene(&folder.0, "m.gltf")).expect_err("no buffer");
-    let help = errors[0].help.as_deref();
-    assert_eq!(
-        help,
-        Some("copy it there: models are handed on with the files that they name")
-    );
+    let wanted = "copy it there: models are handed on with the files that they name";
+    assert_eq!(errors[0].help.as_deref(), Some(wanted));
 }

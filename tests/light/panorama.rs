@@ -34,6 +34,7 @@ fn exr_bytes(name: &str, texel: impl Fn(usize, usize) -> [f32; 3] + Sync) -> Vec
     bytes
 }
 
+/// Also HDR and OpenEXR files that end in the middle, of which no half is shown.
 #[test]
 fn panoramas_that_hold_no_light_are_named_errors() {
     let good = exr_bytes("good", |_, _| [1.0; 3]);
@@ -41,6 +42,7 @@ fn panoramas_that_hold_no_light_are_named_errors() {
         ("empty", &[][..], "image-broken"),
         ("words", b"not a picture", "image-unsupported"),
         ("png", b"\x89PNG\r\n\x1a\n", "image-unsupported"),
+        ("jpeg", b"\xff\xd8\xff\xe0", "image-unsupported"),
         ("cut", &good[..good.len() / 2], "image-broken"),
         ("head", &good[..20], "image-broken"),
         ("hdr-head", b"#?RADIANCE\n", "image-broken"),

@@ -120,7 +120,7 @@ def test_names_stay_in_the_folder_and_in_the_text(said, out):
     assert place.is_file() and place.parent == (out / "odd names" / "models").resolve()
 
 
-def test_an_object_of_each_kind_is_one_instance(said, out):
+def test_text_curve_surface_metaball_and_mesh_are_one_instance_each(said, out):
     names = [thing["name"] for thing in text(out, "kinds")["instance"]]
     assert sorted(names) == ["Ball", "Curve", "Empty", "Mesh", "Surface", "Text"]
     held = tomllib.loads((out / "kinds" / "collection-held.toml").read_text(encoding="utf-8"))

@@ -59,7 +59,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_that_look_the_same_are_found() {
+    fn names_of_another_case_or_unicode_form_are_found() {
         let temporary = tempfile::tempdir().expect("a folder");
         let folder = temporary.path();
         let inner = folder.join("Maps");
