@@ -154,18 +154,15 @@ def test_display_color_does_not_tint_a_bound_material(tmp_path: Path) -> None:
     assert "COLOR_0" not in done.json["meshes"][0]["primitives"][0]["attributes"]
 
 
-def test_unknown_shaders_show_display_color_and_say_so(tmp_path: Path) -> None:
-    text = stage("").replace('"UsdPreviewSurface"', '"PxrDisney"')
+@pytest.mark.parametrize(("name", "told"), [("PxrDisney", "'PxrDisney'"), ("", "no name")])
+def test_unknown_shaders_are_told_and_colors_shown(tmp_path: Path, name: str, told: str) -> None:
+    text = stage("").replace('"UsdPreviewSurface"', f'"{name}"')
     body = "color3f[] primvars:displayColor = [(0.5, 0.25, 0)]"
     text = text.replace("rel material:binding", body + "\n    rel material:binding")
     done = convert_text(tmp_path, text)
     assert "material-unsupported" in done.warnings("/Mat")
-    assert material(done)["pbrMetallicRoughness"]["baseColorFactor"] == [
-        0.5,
-        0.25,
-        0,
-        1,
-    ]
+    assert told in str(done.sidecar)
+    assert material(done)["pbrMetallicRoughness"]["baseColorFactor"] == [0.5, 0.25, 0, 1]
 
 
 @pytest.mark.parametrize("output", ["rgb", "r"])

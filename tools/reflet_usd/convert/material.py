@@ -115,11 +115,10 @@ class MaterialLibrary:
     def _read(self, prim: Usd.Prim) -> MaterialPlan:
         material = UsdShade.Material(prim)
         shader = None
-        if material:
-            for render_context in _RENDER_CONTEXTS:
-                shader, _, _ = material.ComputeSurfaceSource(render_context)
-                if shader:
-                    break
+        for render_context in _RENDER_CONTEXTS if material else ():
+            shader, _, _ = material.ComputeSurfaceSource(render_context)
+            if shader:
+                break
         kind = shader_id(shader) if shader else ""
         reader = NetworkReader(self.context, prim)
         if kind == "UsdPreviewSurface":
@@ -128,7 +127,8 @@ class MaterialLibrary:
         elif kind in MATERIALX_SURFACES:
             inputs = approximate(reader, prim, shader, kind)
         else:
-            what = f"shader '{kind}'" if shader else "material without a surface shader"
+            what = "shader with no name" if shader else "material without a surface shader"
+            what = f"shader '{kind}'" if kind else what
             message = f"a {what} has no glTF counterpart, displayColor is shown"
             self.context.ledger.warn("material-unsupported", prim, message)
             return MaterialPlan(prim)
