@@ -138,31 +138,23 @@ def png(chance: random.Random) -> bytes:
     rows = min(height, (16 << 20) // row) if chance.random() < 0.5 else 1
 
     def chunk(kind: bytes, body: bytes) -> bytes:
-        return (
-            struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
-        )
+        data = kind + body
+        return struct.pack(">I", len(body)) + data + struct.pack(">I", zlib.crc32(data))
 
     head = struct.pack(">IIBBBBB", width, height, depth, color, 0, 0, chance.randrange(2))
     profile = chance.choice((b"", chunk(b"gAMA", struct.pack(">I", chance.choice((0, 1, 2**31))))))
     profile += chance.choice((b"", chunk(b"cICP", chance.randbytes(4))))
     profile += chance.choice((b"", chunk(b"cHRM", chance.randbytes(32))))
-    profile += chance.choice(
-        (b"", b"", chunk(b"acTL", struct.pack(">II", chance.choice((1, 1 << 30)), 0)))
-    )
+    frames = chunk(b"acTL", struct.pack(">II", chance.choice((1, 1 << 30)), 0))
+    profile += chance.choice((b"", b"", frames))
     profile += chunk(b"PLTE", chance.randbytes(3 * chance.choice((1, 256)))) if color == 3 else b""
-    profile += chance.choice(
-        (b"", b"", chunk(b"tRNS", chance.randbytes(chance.choice((2, 6, 256)))))
-    )
+    alpha = chunk(b"tRNS", chance.randbytes(chance.choice((2, 6, 256))))
+    profile += chance.choice((b"", b"", alpha))
     profile += chance.choice((b"", b"", chunk(b"eXIf", _exif(chance))))
     if chance.random() < 0.3:
         profile += chunk(b"iCCP", b"p\0\0" + zlib.compress(bytes(32 << 20), 9))
-    return (
-        b"\x89PNG\r\n\x1a\n"
-        + chunk(b"IHDR", head)
-        + profile
-        + chunk(b"IDAT", zlib.compress(bytes(row * rows), 9))
-        + chunk(b"IEND", b"")
-    )
+    chunks = chunk(b"IHDR", head) + profile + chunk(b"IDAT", zlib.compress(bytes(row * rows), 9))
+    return b"\x89PNG\r\n\x1a\n" + chunks + chunk(b"IEND", b"")
 
 
 def webp(chance: random.Random) -> bytes:
@@ -285,55 +277,60 @@ def objects(chance: random.Random) -> bytes:
 
 
 def panorama(chance: random.Random) -> bytes:
-    """A panorama of either format."""
+    """A panorama of either format, of which each part is odd in one of twenty."""
     return chance.choice((exr, exr, hdr))(chance)
+
+
+def _odd(chance: random.Random, good: Any, *odd: Any) -> Any:
+    return chance.choice(odd) if chance.random() < 0.05 else good
 
 
 def exr(chance: random.Random) -> bytes:
     """An OpenEXR panorama of many channels, of odd headers, or of blocks that claim to be large."""
-    width, height = 64, 32
+    width, height = _odd(chance, 64, *LARGE_PX), 32
     # None, RLE, ZIPS, ZIP, PIZ, PXR24, B44, B44A, DWAA, DWAB.
-    packing, lines = chance.choice(tuple(enumerate((1, 1, 1, 16, 32, 16, 32, 32, 32, 256))))
-    extra = chance.choice((0, 3, 2000, 20_000))
-    deep = packing in (0, 2) and chance.random() < 0.5
+    kinds = tuple(enumerate((1, 1, 1, 16, 32, 16, 32, 32, 32, 256)))
+    packing, lines = chance.choice((*kinds, *(kinds[n] for n in (0, 0, 0, 2, 3, 3, 3, 3))))
+    deep = packing in (0, 2) and chance.random() < 0.2
     layers = (b"r g b", b"a.R a.G a.B", b"View.Combined.R View.Combined.G View.Combined.B")
-    shown = chance.choice((b"R G B", b"A R G B Z", b"Y", b"Y RY BY", b"G", *layers)).split()
-    names = sorted((*shown, *(b"x%d" % i for i in range(extra))))
-    step = chance.choice((1, 2, 2, 2, 0, 3))
+    good = chance.choice((b"R G B", b"A R G B Z", b"Y", b"Y RY BY", *layers))
+    shown = _odd(chance, good, b"G", b"", b"R R G B", b"\xff", b"R." * 200).split()
+    names = sorted((*shown, *(b"x%d" % i for i in range(_odd(chance, 0, 3, 2000, 20_000)))))
+    step = _odd(chance, 2, 1, 0, 3, -1)
     steps = [step if name in (b"RY", b"BY") else 1 for name in names]
-    kind, size = chance.choice(((2, 4), (2, 4), (1, 2), (0, 4)))  # float, half, unsigned
+    kind, size = _odd(chance, (2, 4), (1, 2), (0, 4), (9, 4))  # float, half, unsigned
     described = (struct.pack("<iIii", kind, 0, step, step) for step in steps)
     channels = b"".join(n + b"\0" + d for n, d in zip(names, described, strict=True)) + b"\0"
-    if chance.random() < 0.3:
-        width = chance.choice(LARGE_PX)
-    left, top = chance.choice(((0, 0), (0, 0), (-5, 7), (2**31 - 9, 0)))
-    right, low = left + width - 1, top + height - 1
-    box = struct.pack("<4i", left, top, min(right, 2**31 - 1), low)
-    box = chance.choice((box, box, box, struct.pack("<4i", width - 1, height - 1, 0, 0)))
-    window = chance.choice((box, box, struct.pack("<4i", *(chance.randrange(-99, 99),) * 4)))
+    left, top = _odd(chance, chance.choice(((0, 0), (-5, 7))), (2**31 - 9, 0))
+    box = struct.pack("<4i", left, top, min(left + width, 2**31) - 1, top + height - 1)
+    box = _odd(chance, box, struct.pack("<4i", width - 1, height - 1, 0, 0), box[:9])
+    window = struct.pack("<4i", *sorted(chance.randrange(-99, 99) for _ in range(4)))
+    window = _odd(chance, chance.choice((box, window)), window[::-1], bytes(16))
+
+    lost = chance.choice((b"channels", b"compression", b"dataWindow", b"displayWindow", b"type"))
+    lost, longer = _odd(chance, (b"", 0), (lost, 0), (b"", 1), (b"", 2**31 - 99), (b"", -99))
 
     def attribute(name: bytes, kind: bytes, value: bytes) -> bytes:
-        return name + b"\0" + kind + b"\0" + struct.pack("<i", len(value)) + value
+        stated = struct.pack("<i", len(value) + longer)
+        return b"" if name == lost else name + b"\0" + kind + b"\0" + stated + value
 
-    form = chance.choice((0, 0, 0, 1 << 9, 1 << 12))  # tiles, or several parts
-    head = b"\x76\x2f\x31\x01" + struct.pack("<I", 2 | deep << 11 | form)
+    form = _odd(chance, 0, 1 << 9, 1 << 12, 1 << 30)  # tiles, or several parts
+    head = b"\x76\x2f\x31\x01" + struct.pack("<I", _odd(chance, 2, 1, 99) | deep << 11 | form)
     head += attribute(b"channels", b"chlist", channels)
     head += attribute(b"compression", b"compression", bytes((packing,)))
     head += attribute(b"dataWindow", b"box2i", box) + attribute(b"displayWindow", b"box2i", window)
-    head += attribute(
-        b"lineOrder", b"lineOrder", chance.choice((b"\0", b"\0", b"\1", b"\2", b"\7"))
-    )
-    aspect = chance.choice((1, 1, 1, 2, 0, -1, float("nan")))
+    head += attribute(b"lineOrder", b"lineOrder", _odd(chance, b"\0", b"\1", b"\2", b"\7"))
+    aspect = _odd(chance, 1, 2, 0, -1, float("nan"))
     head += attribute(b"pixelAspectRatio", b"float", struct.pack("<f", aspect))
     head += attribute(b"screenWindowCenter", b"v2f", struct.pack("<2f", 0, 0))
     head += attribute(b"screenWindowWidth", b"float", struct.pack("<f", 1))
-    named = b"deepscanline" if deep else chance.choice((b"x", b"tiledimage"))
+    named = b"deepscanline" if deep else _odd(chance, b"scanlineimage", b"x", b"tiledimage")
     head += attribute(b"type", b"string", named)
     head += attribute(b"version", b"int", struct.pack("<i", 1))
     if chance.random() < 0.3:
         colors = chance.choice(([0.3] * 8, [1, 0, 0, 1, 0, 0, 1 / 3, 1 / 3], [3e38, -1] * 4))
         head += attribute(b"chromaticities", b"chromaticities", struct.pack("<8f", *colors))
-    head += chance.choice((b"", b"", attribute(b"envmap", b"envmap", b"\1"))) + b"\0"
+    head += _odd(chance, b"", attribute(b"envmap", b"envmap", b"\1")) + b"\0"
     if deep:
         count = chance.choice((0, 1, 1000, 2**31, 2**32 - 1))
         ends = b"".join(struct.pack("<I", min(i * count, 2**32 - 1)) for i in range(width))
@@ -348,32 +345,35 @@ def exr(chance: random.Random) -> bytes:
         data = struct.pack("<11Q", 1, *sizes[1:]) + bytes(64)
     else:
         value = struct.pack("<f", chance.choice((0, 0, 1, -1e-7, float("inf"), float("nan"))))
-        data = value * (min(16 << 20, size * width * lines * len(names)) // 4)
+        texels = sum(-(-width // max(s, 1)) * -(-lines // max(s, 1)) for s in steps)
+        data = value * (min(16 << 20, size * texels) // 4)
         data = data[: 1 << 22] if packing == 0 else zlib.compress(data, 9)
     blocks = -(-height // lines)
-    start = len(head) + 8 * blocks
     length = b"" if deep else struct.pack("<i", len(data))
     step = 4 + len(length) + len(data)
-    table = b"".join(struct.pack("<Q", start + i * step) for i in range(blocks))
+    table = b"".join(struct.pack("<Q", len(head) + 8 * blocks + i * step) for i in range(blocks))
     body = b"".join(struct.pack("<i", top + i * lines) + length + data for i in range(blocks))
     return head + table + body
 
 
 def hdr(chance: random.Random) -> bytes:
     """A Radiance panorama of odd headers and orders of pixels, packed or not."""
-    lines = [chance.choice((b"#?RADIANCE", b"#?RGBE", b"#?AUTOPANO"))]
+    lines = [
+        b"#?" + _odd(chance, chance.choice((b"RADIANCE", b"RGBE", b"AUTOPANO")), b"", b" RGBE")
+    ]
     numbers: tuple[bytes, ...] = (b"1", b"0", b"-1", b"1e38", b"nan", b"2 3 4", b"1 0 -1", b"x")
     numbers += (b".708 .292 .17 .797 .131 .046 .3127 .329", b".3 .3 .3 .3 .3 .3 .3 .3")
     keys = (b"EXPOSURE", b"COLORCORR", b"GAMMA", b"PRIMARIES", b"PIXASPECT")
     for key in chance.sample(keys, chance.randrange(len(keys))):
         lines += [key + b"= " + chance.choice(numbers)] * chance.choice((1, 1, 300))
-    lines.append(b"FORMAT=32-bit_rle_" + chance.choice((b"rgbe", b"xyze", b"none")))
-    sides = [chance.choice((2, 8, 64, 32768, -1)) for _ in range(2)]
+    lines.append(b"FORMAT=32-bit_rle_" + _odd(chance, chance.choice((b"rgbe", b"xyze")), b"none"))
+    sides = _odd(chance, [32, 64], [32768, 2], [-1, 64], [0, 64], [64, 2**31])
     signs = [chance.choice((b"-Y", b"+Y")), chance.choice((b"+X", b"-X"))]
-    axes = chance.choice((signs, signs[::-1], signs[:1] * 2))
+    axes = _odd(chance, chance.choice((signs, signs[::-1])), signs[:1] * 2)
     size = b" ".join(a + b" %d" % side for a, side in zip(axes, sides, strict=True))
-    row = b"\2\2" + struct.pack(">h", max(sides[1], -1) & 0x7FFF) + b"\xff\1" * 999
-    pixels = chance.choice((bytes(99), chance.randbytes(4 * 64), row * 2))
+    row = b"\2\2\0\x40" + b"\xc0\1" * 4
+    good = chance.choice((chance.randbytes(4 * 64 * 32), row * 32))
+    pixels = _odd(chance, good, bytes(99), good[:-5], row * 31 + b"\2\2\x40\0", row * 99)
     return b"\n".join((*lines, b"", size, pixels))
 
 

@@ -6,7 +6,8 @@ Each broken file is read by `reflet check` within 5 s of processor time and 1.5 
 space, and rendered at 16 × 16 where that finds nothing wrong. File N of a seed is always the
 same; files that are answered wrongly are kept in the folder that `--keep` names.
 
-With `--parts` each has one wrong part of the kinds of `gltf_mutations.PARTS` instead: all the rest
+Without a folder it makes panoramas, each part of which is odd in one of twenty files. With
+`--parts` each has one wrong part of the kinds of `gltf_mutations.PARTS` instead: all the rest
 must be shown, with a warning about the part, which `--strict` makes an error; files with a wrong
 part of geometry, skins or transforms may also be refused.
 """
@@ -25,7 +26,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import tables
@@ -40,7 +41,6 @@ RENDER_SPACE_MIB = 4096
 WALL_S = 300
 SHADERS_S = 60
 """Processor time of a first picture, whose shaders are compiled."""
-SIZE = "16x16"
 
 
 @dataclasses.dataclass
@@ -67,10 +67,8 @@ class Mutant:
     render: Answer | None = None
 
     @property
-    def answers(self) -> Iterator[Answer]:
-        yield self.check
-        if self.render:
-            yield self.render
+    def answers(self) -> list[Answer]:
+        return [self.check, self.render] if self.render else [self.check]
 
     @property
     def end(self) -> str:
@@ -137,14 +135,13 @@ def one(
     render: bool = True,
 ) -> Mutant:
     """Make, check and render broken file `number`."""
-    chance = random.Random(f"{seed} {number}")
-    kind, model, files = mutate(models, number, chance)
+    kind, model, files = mutate(models, number, random.Random(f"{seed} {number}"))
     with written(files) as folder:
         file = str(folder / model.name)
         mutant = Mutant(number, kind, model, run([reflet, "check", file], MEMORY_MIB))
         if render and mutant.check.what == "fine":
             picture = str(folder / "out.png")
-            command = [reflet, "render", file, "-o", picture, "--size", SIZE]
+            command = [reflet, "render", file, "-o", picture, "--size", "16x16"]
             command += ["--set", "image.samples=1"]
             mutant.render = run(command, RENDER_SPACE_MIB, SHADERS_S)
             if mutant.render.cpu_s > CPU_S:
@@ -235,28 +232,27 @@ def table(mutants: list[Mutant], seed: int, sources: int) -> str:
     """Markdown table: number of files by kind of damage and outcome."""
     lines = []
     for kind, words in [*KINDS.items(), ("", "all")]:
-        of = [m for m in mutants if not kind or m.kind == kind]
-        ends = collections.Counter(m.end for m in of)
-        lines.append([words, f"{len(of):,}", *(f"{ends[end]:,}" for end in ENDS)])
-    checks = [m.check for m in mutants]
+        ends = collections.Counter(m.end for m in mutants if kind in ("", m.kind))
+        if ends:
+            lines.append([words, f"{ends.total():,}", *(f"{ends[end]:,}" for end in ENDS)])
     renders = [m.render for m in mutants if m.render]
     packed = sum(m.model.is_compressed for m in mutants)
-    return tables.table(["what is broken", "files", *ENDS.values()], lines, tight=True) + (
-        f"\n\nSeed {seed}, {sources} models, {packed:,} of the broken files made of those that "
-        f"hold compressed geometry or images. At most {worst(checks, 'reading')}"
-        + (f", {worst(renders, 'rendering')}." if renders else ".")
-    )
+    made = f", {sources} models, {packed:,} of the broken files made of those that hold compressed"
+    made = made + " geometry or images" if sources else ""
+    most = worst([m.check for m in mutants], "reading")
+    most += f", {worst(renders, 'rendering')}" if renders else ""
+    text = tables.table(["what is broken", "files", *ENDS.values()], lines, tight=True)
+    return f"{text}\n\nSeed {seed}{made}. At most {most}."
 
 
-def worst(answers: Iterable[Answer], doing: str) -> str:
-    of = list(answers)
+def worst(of: list[Answer], doing: str) -> str:
     cpu, memory = max(a.cpu_s for a in of), max(a.memory_mib for a in of)
     return f"{cpu:.1f} s of processor time and {memory:,.0f} MiB for {doing}"
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("corpus", type=Path)
+    parser.add_argument("corpus", type=Path, nargs="?", help="without it, panoramas are broken")
     parser.add_argument("--reflet", default="target/release/reflet")
     parser.add_argument("--count", type=int, default=2500)
     parser.add_argument("--seed", type=int, default=1)
@@ -265,7 +261,7 @@ def main() -> None:
     parser.add_argument("--parts", action="store_true", help="break one part; --count of each kind")
     parser.add_argument("--page", action="store_true", help="write the table into docs/gltf.md")
     arguments = parser.parse_args()
-    models = [read_model(file) for file in roots(arguments.corpus)]
+    models = [read_model(f) for f in roots(arguments.corpus)] if arguments.corpus else []
     if arguments.parts:
         text, said = parts(arguments.reflet, models, arguments.count, arguments.seed)
         print(text, *said, sep="\n")
@@ -286,7 +282,7 @@ def main() -> None:
         said = [answer.said[-400:] for answer in mutant.answers]
         print(f"{mutant.number} {mutant.kind} {mutant.model.file}: {mutant.end}: {said}")
     if arguments.page:
-        tables.write_tables(PAGE, {"mutants": text})
+        tables.write_tables(PAGE, {"mutants" if models else "panoramas": text})
     sys.exit(bool(wrong))
 
 

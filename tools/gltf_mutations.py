@@ -24,6 +24,7 @@ KINDS = {
     "floats": "NaN, infinite and huge numbers in buffers",
     "targets": "100,000 morph targets",
     "decoder": "small files that would become large while they are decoded",
+    "panorama": "headers, sizes and blocks of panoramas",
 }
 DECODER_EVERY = 20
 """Share of the broken files that are made anew for a decoder."""
@@ -190,6 +191,9 @@ def mutate(
     models: list[Model], number: int, chance: random.Random
 ) -> tuple[str, Model, dict[str, bytes]]:
     """Break a model, each third time a compressed one; returns damage, model and files by name."""
+    if not models:
+        sky = Model(Path("sky.exr"), gltf_mutant_decoders.panorama(chance), None, None, {})
+        return "panorama", sky, {sky.name: sky.data}
     packed = [model for model in models if model.is_compressed]
     model = models[number % len(models)]
     if number % 3 == 0 and packed:
