@@ -116,6 +116,7 @@ impl Header {
                 _ => {}
             }
         }
+        warnings.dedup_by(|a, b| a.message == b.message);
         if is_xyz {
             primaries = Some([DVec2::X, DVec2::Y, DVec2::ZERO, DVec2::splat(1.0 / 3.0)]);
         }

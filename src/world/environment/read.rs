@@ -88,7 +88,7 @@ fn clamp(pixels: &mut Pixels, to_bt709: Option<DMat3>) -> Option<Fault> {
     }
     let (at, texel) = first?;
     let (x, y) = (at as u32 % pixels.width, at as u32 / pixels.width);
-    let value = texel.map(|v| v.to_string()).join(", ");
+    let value = texel.map(|v| format!("{v:?}")).join(", ");
     let text = format!(
         "{count} of its pixels are negative or not finite, the first at ({x}, {y}): {value}; they are shown as 0, or \
          {LARGEST_TEXEL} where they are infinite"

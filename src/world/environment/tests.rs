@@ -83,7 +83,11 @@ fn headers_of_radiance_files_are_applied() {
     for (lines, expected, name) in [
         ("EXPOSURE=2\nEXPOSURE= 4.0\n", [0.125; 3], None),
         ("COLORCORR=0.5 1 0.25\n", two_to_four, None),
-        ("EXPOSURE=none\n", [1.0; 3], Some("image-header")),
+        (
+            "EXPOSURE=none\nEXPOSURE=none\n",
+            [1.0; 3],
+            Some("image-header"),
+        ),
         ("EXPOSURE=0\n", [1.0; 3], Some("image-header")),
         ("PRIMARIES=1 2 3\n", [1.0; 3], Some("image-header")),
         (
