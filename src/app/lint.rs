@@ -108,7 +108,7 @@ impl<'a> Lint<'a> {
         found.extend(ignored::lint(scene, world, &at));
         found.extend(silent::lint(scene, world, &at));
         found.extend(conventions::lint(scene, world, &at));
-        found.extend(lamps::lint(scene, world));
+        found.extend(lamps::lint(scene, world, &at));
         found.extend(inside::lights(scene, world));
         found.extend(inside::cameras(scene, world));
         found.extend(inside::probes(scene, world));

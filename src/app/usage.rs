@@ -27,6 +27,23 @@ pub fn exit(mut error: clap::Error) -> ! {
     process::exit(error.exit_code())
 }
 
+/// Value of an option in the command line, if it needs no quotes and is no scene.
+fn value_of(name: &str) -> Option<String> {
+    let words = std::env::args_os().filter_map(|word| word.into_string().ok());
+    let mut words = words.skip_while(|word| word.split('=').next() != Some(name));
+    let word = words.next()?;
+    let value = word.split_once('=').map(|(_, value)| value.to_owned());
+    let is_plain = |value: &String| {
+        let of_word = |c: char| c.is_alphanumeric() || "_-./".contains(c);
+        let is_scene = [".toml", ".glb", ".gltf"]
+            .iter()
+            .any(|end| value.ends_with(end));
+        let is_word = !value.starts_with('-') && value.chars().all(of_word);
+        value.parse::<f64>().is_ok() || is_word && !is_scene
+    };
+    value.or_else(|| words.next()).filter(is_plain)
+}
+
 /// Advice on what to write instead.
 fn advice(error: &clap::Error) -> Option<String> {
     let known: OtherPrograms =
@@ -63,15 +80,14 @@ fn advice(error: &clap::Error) -> Option<String> {
     let usage = error.get(ContextKind::Usage).map(ToString::to_string);
     let usage = usage.unwrap_or_default();
     let goal = [("<FILE>", "file"), ("<DIR>", "folder")];
-    let mut words = std::env::args().skip_while(|word| !word.starts_with(name));
-    let written = words
-        .next()
-        .and_then(|word| Some(word.split_once('=')?.1.to_owned()));
-    let value = written
-        .or(words.next())
-        .filter(|value| !value.starts_with('-'));
-    let filled = |help: String| suggest::filled(&help, name, |_| value.clone());
-    find(known.arguments, name).map(filled).or_else(|| {
+    let filled = |help: String| suggest::filled(&help, name, |_| value_of(name), |_, _| true);
+    // A wrong value is of an option that the command has, and the row may be about another option of that name.
+    let value = error
+        .get(ContextKind::InvalidValue)
+        .map(ToString::to_string);
+    let is_wrong = value.is_some_and(|value| !value.is_empty());
+    let row = find(known.arguments, name).filter(|help| !is_wrong || help.contains(name));
+    row.map(filled).or_else(|| {
         if typed.starts_with('-') {
             return None;
         }

@@ -44,7 +44,7 @@ impl FrameList {
             for frame in [first, last] {
                 if !(timeline.start..=timeline.end).contains(&frame) {
                     return Err(usage(format!(
-                        "frame {frame} is not in the timeline, which has {} to {}; name others, or write `{} = {frame}` in \
+                        "frame {frame} is not in the timeline, which has {} to {}; name others, or write `{} = {}` in \
                          `[timeline]`",
                         timeline.start,
                         timeline.end,
@@ -52,7 +52,12 @@ impl FrameList {
                             "start"
                         } else {
                             "end"
-                        }
+                        },
+                        if frame < timeline.start {
+                            first
+                        } else {
+                            first.max(last)
+                        },
                     )));
                 }
             }

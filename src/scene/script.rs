@@ -198,7 +198,8 @@ impl Script {
         &self.0.name
     }
 
-    /// Calls `setup`; returns its additions to the scene, as scene text, and the lines that it printed.
+    /// Calls `setup`; returns its additions to the scene, as scene text, `None` where it returns nothing, and the lines
+    /// that it printed.
     ///
     /// # Errors
     /// A mistake of the script, with its place.
@@ -206,9 +207,9 @@ impl Script {
         &self,
         params: &[Entry<ParamValue>],
         timeline: Option<&TimelineDesc>,
-    ) -> Result<(String, Vec<String>), Box<Diagnostic>> {
+    ) -> Result<(Option<String>, Vec<String>), Box<Diagnostic>> {
         if !self.0.has_setup {
-            return Ok(<_>::default());
+            return Ok((Some(String::new()), Vec::new()));
         }
         let call = Call::new(params, timeline, timeline.map_or(0, |t| t.start));
         let contexts = [call.clone(), call].map(Context::for_setup);
@@ -224,6 +225,27 @@ impl Script {
             Box::new(error)
         })?;
         Ok((text, log))
+    }
+
+    /// Warning about a `setup` that returned nothing, and neither prints nor refuses anything.
+    pub fn idle_setup(&self) -> Option<Diagnostic> {
+        let texts = self.0.sources.texts();
+        let says = |text: &str| {
+            ["print", "debug", "throw"]
+                .iter()
+                .any(|word| text.contains(word))
+        };
+        if texts.iter().any(|(_, text)| says(text)) {
+            return None;
+        }
+        let at = self.0.sources.start_of_function(&self.0.name, "setup");
+        let message = "`setup` returns nothing, so it adds nothing to the scene";
+        let help = "end it with a map, as in `#{ instances: list }`; a list that another function changes is a copy there";
+        Some(
+            Diagnostic::new("idle-function", at, message)
+                .help(help)
+                .warning(),
+        )
     }
 
     /// Places in the script that explain mistakes in the text that [`Script::setup`] returned.

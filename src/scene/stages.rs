@@ -139,14 +139,17 @@ impl Scene {
                 None
             }
         };
+        let mut idle = None;
         let own = own.map(|(script, text, log)| {
-            document.add(&returned(&script, text));
+            idle = script.idle_setup().filter(|_| text.is_none());
+            document.add(&returned(&script, text.unwrap_or_default()));
             let desc = script.describe(log);
             (script, desc)
         });
         let (script, script_desc) = own.unzip();
         let of_placed = document.placed_groups().to_vec();
-        let (mut desc, warnings) = document.read(script_desc)?;
+        let (mut desc, mut warnings) = document.read(script_desc)?;
+        warnings.extend(idle);
         desc.placed_scripts = (ran.iter())
             .map(|(script, log)| script.describe(log.clone()))
             .collect();
@@ -181,8 +184,8 @@ impl Scene {
     }
 }
 
-/// A compiled script, what its `setup` adds as scene text, and the lines that it printed.
-type Ran = (Script, String, Vec<String>);
+/// A compiled script, the scene text that its `setup` adds, if it returns any, and the lines that it printed.
+type Ran = (Script, Option<String>, Vec<String>);
 
 /// Loads the script that a document names and calls its `setup`. An error of `None` is a mistake that is
 /// reported when the document is read.
@@ -218,7 +221,7 @@ fn run_placed(
     let (text, log) = script.setup(input.params, input.timeline)?;
     let ran = RanScript {
         number: input.known.unwrap_or(all.len()),
-        text: returned(&script, text),
+        text: returned(&script, text.unwrap_or_default()),
     };
     match input.known {
         Some(number) => all[number].1.extend(log),

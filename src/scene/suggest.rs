@@ -1,9 +1,12 @@
 //! "Did you mean" hints: the allowed word that is nearest to a wrong one, and advice for words of other programs.
 
+mod filled;
+
 use std::{collections::HashMap, sync::LazyLock};
 
-use regex::{Captures, Regex};
 use serde::Deserialize;
+
+pub use self::filled::{filled, setting};
 
 /// Words of other programs, and what to write instead.
 #[derive(Deserialize)]
@@ -68,6 +71,12 @@ pub fn absent_key(typed: &str, known: &[&str]) -> Option<&'static str> {
     advice(&OTHER_PROGRAMS.keys, typed, |key| known.contains(&key))
 }
 
+/// All rows of advice about keys.
+#[cfg(test)]
+fn rows() -> impl Iterator<Item = &'static Advice> {
+    OTHER_PROGRAMS.keys.iter().chain(&OTHER_PROGRAMS.kinds)
+}
+
 /// Advice for an unsupported word where one of `words` is allowed.
 pub fn absent(typed: &str, words: &[&str]) -> Option<&'static str> {
     advice(&OTHER_PROGRAMS.words, typed, |word| words.contains(&word))
@@ -83,54 +92,6 @@ pub fn in_script(kind: &str, typed: &str) -> Option<&'static str> {
     let mut all = OTHER_PROGRAMS.scripts.get(kind)?.iter();
     let meant = all.find(|(words, _)| lists(words, typed));
     meant.map(|(_, help)| help.as_str())
-}
-
-/// A place in an advice for a value of the table, with an example for tables without one: `{value/2:0.5}`, where `value` is the
-/// value of the key that the advice is about, and another name the value of another key.
-static SLOT: LazyLock<Regex> = LazyLock::new(|| {
-    let slot = r"\{(?:([\d.]+)([-/*]))?([a-z_]+)(?:([-/*])([\d.]+))?:([^{}]+)\}";
-    Regex::new(slot).expect("it is right")
-});
-
-/// An advice with its places filled by values of the table, where they are like the examples; `value_of` gives the text
-/// of a key's value.
-pub fn filled(help: &str, key: &str, value_of: impl Fn(&str) -> Option<String>) -> String {
-    let fill = |slot: &Captures| {
-        let part = |i: usize| slot.get(i).map_or("", |part| part.as_str());
-        let (name, example) = (part(3), part(6));
-        let value = value_of(if name == "value" { key } else { name });
-        let is_short = |text: &str| text.len() <= 60 && !text.contains(char::is_control);
-        let value = value.filter(|value| is_like(value, example) && is_short(value));
-        let computed = value.and_then(|value| {
-            let x = computed(part(1), part(2), &value)?;
-            computed(x.as_str(), part(4), part(5))
-        });
-        computed.unwrap_or_else(|| example.to_owned())
-    };
-    SLOT.replace_all(help, fill).into_owned()
-}
-
-/// Whether two values have one form: two numbers, two texts, or lists of one length.
-fn is_like(a: &str, b: &str) -> bool {
-    let form = |text: &str| {
-        let first = text.chars().next().filter(|c| "\"[{".contains(*c));
-        let is_number = text.parse::<f64>().is_ok_and(f64::is_finite);
-        (first, is_number, text.matches(',').count())
-    };
-    form(a) == form(b)
-}
-
-/// Text of a number that is computed from two numbers, or of the only number where there is no sign.
-fn computed(a: &str, sign: &str, b: &str) -> Option<String> {
-    let numbers = || Some((a.parse::<f64>().ok()?, b.parse::<f64>().ok()?));
-    let x = match (sign, numbers) {
-        ("", _) => return Some([a, b].concat()),
-        ("-", numbers) => numbers().map(|(a, b)| a - b),
-        ("*", numbers) => numbers().map(|(a, b)| a * b),
-        (_, numbers) => numbers().map(|(a, b)| a / b),
-    }?;
-    // A share that is negative, or one divided by 0, is no advice.
-    (x > 0.0 && x.is_finite()).then(|| format!("{}", (x * 1e4).round() / 1e4))
 }
 
 /// Name of the language that a text begins in, and advice.

@@ -17,13 +17,13 @@ mod variants;
 use std::ops::Range as Bytes;
 
 use self::{
-    key_recorder::{KeyRecord, RecordedKeys, SectionRecord},
+    key_recorder::{KeyRecord, RecordedKeys, SectionRecord, accepts},
     located::{At, Written},
     report::Report,
     value::{Named, Names, Value},
 };
 use crate::declared::{Described, TypeDoc};
-use crate::diagnostic::{Source, Span};
+use crate::diagnostic::{Diagnostic, Source, Span};
 use crate::syntax::{self, Entries, Node};
 use crate::{forms, range::Range, suggest};
 
@@ -405,7 +405,21 @@ impl<'r> Table<'r> {
             let span = self.report.span(&self.values.get(key)?.span());
             Some(span.source?.text.get(span.range)?.to_owned())
         };
-        suggest::filled(help, key, value_of)
+        // The section that has all keys of this table.
+        let has = |section: &&SectionRecord, key: &str| section.all_keys().any(|it| it.name == key);
+        let mut sections = self.place.all.into_iter().flat_map(|all| all());
+        let own = sections.find(|it| self.asked.iter().all(|key| has(it, key)));
+        let fits = |key: &str, value: &str| {
+            let records = own.into_iter().flat_map(SectionRecord::all_keys);
+            let mut records = records.filter(|it| it.name == key).peekable();
+            // Numbers up to π are radians elsewhere, but for the width of the sun.
+            let is_radians = key.ends_with("_deg")
+                && key != "angle_deg"
+                && value.parse().is_ok_and(|x: f64| x != 0.0 && x.abs() < 3.2);
+            let is_taken = |record: &KeyRecord| accepts(record, value);
+            !is_radians && (records.peek().is_none() || records.any(is_taken))
+        };
+        suggest::filled(help, key, value_of, fits)
     }
 
     /// Help for a key of the whole file that stands below the header of this table.
@@ -525,6 +539,13 @@ impl<'r> Table<'r> {
         let at = self.value_at(key);
         let error = self.report.error(name, &at, message);
         error.help = (!help.is_empty()).then(|| help.to_owned());
+    }
+
+    /// Warns of the value of a key.
+    pub fn warn(&mut self, name: &'static str, key: &str, message: &str, help: &str) {
+        let at = self.report.span(&self.value_at(key));
+        self.report
+            .push(Diagnostic::new(name, at, message).help(help).warning());
     }
 
     /// Refuses a value that is a table, as [`Table::refuse`] does; returns whether it is one.

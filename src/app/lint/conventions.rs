@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::{Vec3, Vec3Swizzles};
 
-use super::text::{each_entry, number, rounded, warning};
+use super::text::{each_value, number, rounded, warning};
 use crate::{
     math::Bounds,
     scene::{
@@ -54,7 +54,8 @@ fn suns(scene: &Scene, world: &World) -> Vec<Diagnostic> {
 
 /// Lights and cameras below an opaque floor that has all that is placed above it, as positions of programs where Z points up have.
 fn sunken_lights(scene: &Scene, world: &World) -> Vec<Diagnostic> {
-    let bounds: Vec<_> = world.instances.iter().map(|i| world.bounds_of(i)).collect();
+    let shown: Vec<_> = world.instances.iter().filter(|i| !i.is_hidden()).collect();
+    let bounds: Vec<_> = shown.iter().map(|i| world.bounds_of(i)).collect();
     let all = bounds
         .iter()
         .fold(Bounds::EMPTY, |all, own| all.union(*own));
@@ -68,12 +69,8 @@ fn sunken_lights(scene: &Scene, world: &World) -> Vec<Diagnostic> {
             && own.min.y < all.min.y + 0.05 * size.y
             && !(material.passes_light() || material.alpha_cutoff.is_some())
     };
-    if !world
-        .instances
-        .iter()
-        .zip(&bounds)
-        .any(|one| is_floor(&one))
-    {
+    let floors = shown.iter().copied().zip(&bounds).filter(is_floor).count();
+    if floors == 0 {
         return Vec::new();
     }
     let lights = scene.lights.iter().zip(world.all_lights());
@@ -86,7 +83,9 @@ fn sunken_lights(scene: &Scene, world: &World) -> Vec<Diagnostic> {
         let help = "write [x, z, -y] for a position [x, y, z] of a program where Z points up";
         warning("light-from-below", &light.at, message, help)
     });
-    let cameras = scene.cameras.iter().filter_map(|camera| {
+    // A table top alone may be looked at from below.
+    let cameras = (scene.cameras.iter()).filter(|_| floors < shown.len());
+    let cameras = cameras.filter_map(|camera| {
         let placed = world.cameras.iter().find(|it| it.name == camera.name)?;
         let (eye, target) = (placed.value.eye, placed.value.target);
         let share = (all.min.y - eye.y) / (target.y - eye.y);
@@ -94,9 +93,12 @@ fn sunken_lights(scene: &Scene, world: &World) -> Vec<Diagnostic> {
         let is_hidden = eye.y < all.min.y
             && (0.0..=1.001).contains(&share)
             && (all.min.xz().cmple(crossing.xz()) & crossing.xz().cmple(all.max.xz())).all();
-        let message = format!("camera \"{}\" is below the floor and sees it from below: Y points up", camera.name);
-        let help = format!("write `eye = [{}, {}, {}]`, above it, or [x, z, -y] for a point of a program where Z points up", eye.x, rounded((2.0 * all.min.y - eye.y).into()), eye.z);
-        is_hidden.then(|| warning("camera-below", &camera.at, message, &help))
+        is_hidden.then(|| {
+            let (name, above) = (&camera.name, rounded((2.0 * all.min.y - eye.y).into()));
+            let message = format!("camera \"{name}\" is below the floor and sees it from below: Y points up");
+            let help = format!("write `eye = [{}, {above}, {}]`, above it, or [x, z, -y] for a point of a program where Z points up", eye.x, eye.z);
+            warning("camera-below", &camera.at, message, &help)
+        })
     });
     found.chain(cameras).collect()
 }
@@ -139,11 +141,10 @@ fn foreign_angles(start: &Span) -> Vec<Diagnostic> {
         // Numbers have few digits: 1.57, 3.14, 6.28.
         is_part && whole <= 24.0 && (twelfths - whole).abs() < 6e-4 * whole
     };
-    each_entry(source.syntax().root(), "", &mut |entry| {
-        let (key, node) = (entry.name(), entry.node);
-        let numbers: Vec<f64> = (node.get_ref().as_array().into_iter().flatten())
-            .filter_map(number)
-            .collect();
+    each_value(source.syntax().root(), "", &mut |path, node| {
+        let (table, key) = path.rsplit_once('.').unwrap_or(("", path));
+        let list = node.get_ref().as_array().into_iter().flatten();
+        let numbers: Vec<f64> = list.chain([node]).filter_map(number).collect();
         let turned = numbers.iter().find(|x| **x != 0.0);
         let are_radians = numbers.iter().all(|x| *x == 0.0 || is_radians(*x));
         let (name, message, help) = match (key, &numbers[..], turned) {
@@ -152,9 +153,8 @@ fn foreign_angles(start: &Span) -> Vec<Diagnostic> {
                 "this quaternion is half a turn about X: its order is x, y, z, w".to_owned(),
                 "write `rotation_quat = [0, 0, 0, 1]` for no turn".to_owned(),
             ),
-            ("rotation_deg" | "rate" | "value", _, Some(x))
-                if are_radians
-                    && (key == "rotation_deg" || entry.table.contains("rotation_deg")) =>
+            ("rotation_deg" | "fov_deg" | "outer_deg" | "value", _, Some(x))
+                if are_radians && (key != "value" || table.contains("rotation_deg")) =>
             {
                 let degrees = (x.to_degrees() / 15.0).round() * 15.0;
                 (

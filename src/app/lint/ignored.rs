@@ -2,23 +2,21 @@
 
 use std::collections::HashSet;
 
-use super::text::{TextEntry, each_entry, number, rounded, warning, written};
-use crate::{
-    scene::{
-        desc::{InstanceMaterialDesc, Method, NEEDING, Needing, ReflectionDesc},
-        diagnostic::{Diagnostic, Span},
-        stages::Scene,
-        suggest::example_of,
-        syntax::Node,
-    },
-    world::World,
+use super::text::{warning, written};
+use crate::scene::{
+    desc::{CAMERA, CameraDesc, InstanceMaterialDesc, Method, NEEDING, Needing, ReflectionDesc},
+    diagnostic::{Diagnostic, Span},
+    stages::Scene,
+    suggest::example_of,
 };
+use crate::world::World;
 
 /// Warnings about keys in the scene's text that have no effect; `start` is a span in that text.
 pub fn lint(scene: &Scene, world: &World, start: &Span) -> Vec<Diagnostic> {
     let mut found: Vec<_> = by_path(scene, start).into_iter().collect();
-    found.extend(idle(scene, start));
-    found.extend(excessive(scene, world, start));
+    found.extend(lenses(scene));
+    found.extend(still_orbits(scene));
+    found.extend(dark_environment(scene, world, start));
     found.extend(shutter(scene, start));
     found.extend(materials(scene));
     found
@@ -52,137 +50,64 @@ fn shutter(scene: &Scene, start: &Span) -> Option<Diagnostic> {
     Some(Diagnostic::new("ignored-key", at, message).help(help))
 }
 
-/// Keys of the scene's own text that change nothing beside the others of their table, or by their value. Texts of several
-/// layers are left out, and keys that motion or scripts may change.
-fn idle(scene: &Scene, start: &Span) -> Vec<Diagnostic> {
-    let mut found = Vec::new();
-    let Some(source) = &start.source else {
-        return found;
-    };
-    let root = source.syntax().root();
-    if root.contains_key("base") || root.contains_key("include") {
-        return found;
+/// Numbers of lenses that change nothing beside the others of their camera, which neither motion nor a script changes.
+fn lenses(scene: &Scene) -> Vec<Diagnostic> {
+    let texts = || scene.script.iter().flat_map(|script| &script.texts);
+    if texts().any(|(_, text)| text.contains("aperture") || text.contains("orthographic")) {
+        return Vec::new();
     }
-    let mut moved = HashSet::new();
-    each_entry(root, "", &mut |it| {
-        moved.extend(
-            it.table
-                .starts_with("motion.")
-                .then(|| it.name().to_owned()),
-        );
-    });
-    let scripts: Vec<_> = scene.script.iter().flat_map(|it| &it.texts).collect();
-    let is_moved = |key: &str| moved.contains(key) || scripts.iter().any(|it| it.1.contains(key));
-    each_entry(root, "", &mut |it: &TextEntry| {
-        let has = |key: &str| it.beside.contains_key(key) || is_moved(key);
-        let kind = it.table.split('.').next().unwrap_or_default();
-        let key = it.name();
-        let (message, help) = match (kind, key) {
-            ("camera", "fov_deg" | "focus_m")
-                if it.beside.contains_key("orthographic_height_m") =>
-            {
-                (
-                    format!(
-                        "the rays of an orthographic camera are parallel, so {}",
-                        nothing(&[key])
-                    ),
-                    "remove it, or remove `orthographic_height_m` for a perspective camera",
-                )
-            }
-            ("camera", "focus_m") if !has("aperture_f") => (
-                format!(
-                    "without `aperture_f` everything is sharp, so {}",
-                    nothing(&[key])
-                ),
+    let moved: HashSet<_> = scene.motion.cameras.iter().map(|it| &it.name).collect();
+    let cameras = (scene.cameras.iter()).filter(|it| !moved.contains(&it.name));
+    let found = cameras.filter_map(|camera| {
+        let it = &camera.value;
+        let focus = it.focus_m.map(|_| "focus_m");
+        let (key, why, help) = match it.orthographic_height_m {
+            Some(_) => (
+                focus.or((it.fov_deg != CameraDesc::default().fov_deg).then_some("fov_deg"))?,
+                "is orthographic, with parallel rays",
+                "remove it, or remove `orthographic_height_m` for a perspective camera",
+            ),
+            None => (
+                focus.filter(|_| it.aperture_f.is_none())?,
+                "has no `aperture_f`, which makes everything sharp",
                 "write `aperture_f = 2.8` beside it and `samples = 64` in `[image]`, or remove it",
             ),
-            ("motion", "rate") if is_track(it) && is_zero(it.node) => (
-                "a rate of 0 changes nothing".to_owned(),
-                "write the change in each second, as in `rate = [0, 90, 0]` for a quarter turn about Y, or remove the track",
-            ),
-            ("motion", "keys") if is_track(it) && has_one_value(it.node, &source.text) => (
-                "all keys have the same value, so nothing changes".to_owned(),
-                "write another value at another time, as in `{ at_s = 2, value = … }`, or write the value outside of `[motion]`",
-            ),
-            _ => return,
         };
-        if kind == "motion" || !(is_moved(key) || it.beside.contains_key("extends")) {
-            found.push(warning("ignored-key", &it.at(source), message, help));
-        }
+        let message = format!("camera \"{}\" {why}, so {}", camera.name, nothing(&[key]));
+        Some(warning("ignored-key", &camera.at, message, help))
     });
-    found
+    found.collect()
 }
 
-/// Whether a track has nothing but its keys or its rate.
-fn is_track(it: &TextEntry) -> bool {
-    let others = ["keys", "rate", "follow", "orbit", "oscillate"];
-    (others.iter().filter(|key| it.beside.contains_key(**key))).count() == 1
+/// Orbits of cameras about an axis on which they stand.
+fn still_orbits(scene: &Scene) -> impl Iterator<Item = Diagnostic> {
+    scene.motion.cameras.iter().filter_map(|moved| {
+        let camera = scene.cameras.iter().find(|it| it.name == moved.name)?;
+        let mut tracks = moved.value.tracks.iter();
+        let (_, track) = tracks.find(|(field, _)| CAMERA[*field].key == "eye")?;
+        let orbit = track.orbit.as_ref().filter(|_| track.keys.is_empty() && track.follow.is_none())?;
+        let from_center = camera.value.eye - orbit.center;
+        let is_on_axis = from_center.reject_from(orbit.axis).length() < 1e-4;
+        let message = format!("camera \"{}\" stands on the axis of its own orbit, so it does not move", moved.name);
+        let [x, y, z] = camera.value.target.to_array();
+        let help = format!("write the point that it shall go around, such as `center = [{x}, {y}, {z}]`, its target");
+        is_on_axis.then(|| warning("ignored-key", &moved.at, message, &help))
+    })
 }
 
-/// Whether a value of scene text is 0, or a list of nothing else.
-fn is_zero(node: &Node) -> bool {
-    match node.get_ref().as_array() {
-        Some(list) => !list.is_empty() && list.iter().all(is_zero),
-        None => number(node) == Some(0.0),
-    }
-}
-
-/// Whether the keys of a track have one value between them, by their text.
-fn has_one_value(keys: &Node, text: &str) -> bool {
-    let keys = keys.get_ref().as_array().into_iter().flatten();
-    let values = keys.map(|key| Some(&text[key.get_ref().as_table()?.get("value")?.span()]));
-    let values: HashSet<_> = values.collect();
-    values.len() == 1 && !values.contains(&None)
-}
-
-/// Numbers of the scene's own text that are so large that hardly anything is seen, or changes.
-fn excessive(scene: &Scene, world: &World, start: &Span) -> Vec<Diagnostic> {
-    let mut found = Vec::new();
-    let (Some(source), Some(camera)) = (&start.source, world.cameras.get(world.main_camera()))
-    else {
-        return found;
-    };
-    let camera = &camera.value;
-    let length_m = f64::from(camera.eye.distance(camera.target));
-    let height_m = 2.0 * f64::from(camera.half_height_m(length_m as f32));
-    let timeline = scene.timeline.as_ref().filter(|it| it.end > 0);
-    let seconds = timeline.map(|it| (f64::from(it.end), f64::from(it.fps)));
-    each_entry(source.syntax().root(), "", &mut |it| {
-        let Some(x) = number(it.node) else { return };
-        let (message, help) = match (it.table, it.name(), seconds) {
-            ("environment.fog", "density", _)
-                if x * length_m > 12.0 && !it.beside.contains_key("falloff_m") =>
-            {
-                let fitting = rounded(0.5 / length_m);
-                let message = format!("fog of density {x} hides all that the camera looks at");
-                (message, format!("write `density = {fitting}`"))
-            }
-            (table, "size", _)
-                if x > 4.0 * height_m
-                    && table.ends_with(".shape")
-                    && it.beside.contains_key("text") =>
-            {
-                let message = format!("letters of {x} m are several times as high as the picture");
-                (
-                    message,
-                    format!("write `size = {}`, in meters", rounded(height_m / 8.0)),
-                )
-            }
-            (_, "period_s", Some((end, fps))) if x * fps > 50.0 * end => {
-                let message = format!(
-                    "a period of {x} s is so much longer than the timeline that next to nothing changes"
-                );
-                let frames = rounded(x / fps);
-                (
-                    message,
-                    format!("write `period_s = {frames}` if {x} frames were meant"),
-                )
-            }
-            _ => return,
-        };
-        found.push(warning("unlikely-value", &it.at(source), message, &help));
-    });
-    found
+/// An intensity of an environment that has no light.
+fn dark_environment(scene: &Scene, world: &World, start: &Span) -> Option<Diagnostic> {
+    let it = &scene.environment;
+    let is_idle = it.intensity != 1.0 && !it.is_written && world.environment.is_black();
+    let (at, _) = written(start, "environment", &["intensity"])
+        .pop()
+        .filter(|_| is_idle)?;
+    let message = format!(
+        "the environment has no light of its own, so {}",
+        nothing(&["intensity"])
+    );
+    let help = "write its `color`, such as `color = [0.5, 0.6, 0.8]`, or the `file` of a panorama";
+    Some(warning("ignored-key", &at, message, help))
 }
 
 /// Materials that lack a key without which others have no effect. Only materials named by shapes and instances
@@ -205,13 +130,29 @@ fn materials(scene: &Scene) -> Vec<Diagnostic> {
         let is_alone = |key: &&Needing| (key.is_alone)(&entry.value);
         let it = &entry.value;
         let is_metal = it.metallic == Some(1.0) && it.metallic_roughness_texture.is_none();
-        if is_metal && it.transmission > Some(0.0) && scene.is_still() {
+        let of_others = [
+            ("transmission", it.transmission > Some(0.0)),
+            (
+                "reflectivity",
+                it.reflectivity.is_some() && it.ior.is_none(),
+            ),
+            ("specular", it.specular.is_some()),
+            ("specular_color", it.specular_color.is_some()),
+        ];
+        let idle = of_others
+            .into_iter()
+            .filter(|(_, has)| is_metal && scene.is_still() && *has);
+        let idle: Vec<_> = idle.map(|(key, _)| key).collect();
+        if !idle.is_empty() {
             let message = format!(
                 "material \"{}\" is all metal, so {}",
                 entry.name,
-                nothing(&["transmission"])
+                nothing(&idle)
             );
-            let help = "write `metallic = 0` for glass, or remove `transmission`";
+            let help = format!(
+                "write `metallic = 0`, as for glass and plastic, or remove `{}`",
+                idle.join("`, `")
+            );
             found.push(Diagnostic::new("ignored-key", entry.at.clone(), message).help(help));
         }
         let mut alone: Vec<_> = NEEDING.iter().filter(is_alone).collect();

@@ -4,10 +4,14 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::text::{rounded, warning};
+use super::text::{rounded, warning, written};
 use crate::{
     math::Bounds,
-    scene::{desc::Exposure, diagnostic::Diagnostic, stages::Scene},
+    scene::{
+        desc::Exposure,
+        diagnostic::{Diagnostic, Span},
+        stages::Scene,
+    },
     world::{Light, World},
 };
 
@@ -15,11 +19,13 @@ use crate::{
 const UNSEEN: f32 = 2e-4;
 /// Share of the environment's light below which nothing is seen of a lamp, where it is nearest.
 const OUTSHONE: f32 = 0.01;
+/// Optical depth of fog behind which nothing is seen.
+const HIDDEN: f32 = 12.0;
 /// Exposed radiance of a white surface from which on nearly every surface shows white.
 const WHITE: f32 = 1e3;
 
 /// Warnings about the lights of a scene that stands still.
-pub fn lint(scene: &Scene, world: &World) -> Vec<Diagnostic> {
+pub fn lint(scene: &Scene, world: &World, start: &Span) -> Vec<Diagnostic> {
     let shown = world.instances.iter().filter(|i| !i.is_hidden());
     let all = shown.fold(Bounds::EMPTY, |all, i| all.union(world.bounds_of(i)));
     let Exposure::Ev(ev) = scene.image.exposure_ev else {
@@ -36,12 +42,34 @@ pub fn lint(scene: &Scene, world: &World) -> Vec<Diagnostic> {
     let least = sky.map_or(0.0, |sky| sky.into_iter().fold(f64::MAX, f64::min));
     let unseen = UNSEEN.max(OUTSHONE * least as f32 * ev.exp2());
     let lights = scene.lights.iter().zip(world.all_lights());
+    let fog = dense_fog(world, start, &all).filter(|_| scene.is_still());
     let found = lights.filter(|_| is_seen).filter_map(|(light, placed)| {
         let (name, message, help) = mistake(placed, ev, unseen, &all)?;
         let message = format!("light \"{}\" {message}", light.name);
         Some(warning(name, &light.at, message, &help))
     });
-    found.collect()
+    found.chain(fog).collect()
+}
+
+/// Warning about fog that hides all that stands in the box around the scene, since none of its light arrives at the camera.
+fn dense_fog(world: &World, start: &Span, all: &Bounds) -> Option<Diagnostic> {
+    let fog = (world.environment.fog()).filter(|fog| fog.falloff_m.is_none())?;
+    let camera = world.cameras.get(world.main_camera())?;
+    let eye = camera.value.eye;
+    let distance_m = eye.distance(eye.clamp(all.min, all.max));
+    if fog.density * distance_m <= HIDDEN {
+        return None;
+    }
+    let key = written(start, "environment", &["fog"]);
+    let at = key.first().map_or(start, |(at, _)| at);
+    let message = format!(
+        "the fog of density {} hides all that camera \"{}\" sees",
+        fog.density, camera.name
+    );
+    // Two significant digits.
+    let fitting = format!("{:.1e}", 0.5 / distance_m).parse::<f64>().ok()?;
+    let help = format!("write `fog = {{ density = {fitting} }}` in `[environment]`");
+    Some(warning("unlikely-value", at, message, &help))
 }
 
 /// Name of the warning, message without its subject, and advice; `unseen` is an exposed radiance of a white surface of which
@@ -80,7 +108,8 @@ fn mistake(
         );
         return Some(("unseen-light", message, help));
     }
-    let needed = (10.0 * distance_m.powi(2)).ceil().max(60.0);
+    let visible = 20.0 * unseen * PI / ev.exp2() / color;
+    let needed = (visible.max(10.0) * distance_m.powi(2)).ceil().max(60.0);
     if radiance <= 0.0 {
         return Some(dark(color));
     }

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::text::{each_entry, number, rounded, warning, written};
+use super::text::{each_value, number, rounded, warning, written};
 use crate::{
     scene::{
         desc::{ModelDesc, ModelSource, ShapeDesc},
@@ -192,8 +192,12 @@ fn late_keys(scene: &Scene, start: &Span) -> Vec<Diagnostic> {
 
 /// Calls a function with each list `keys` of tables of motion.
 fn each_keys(table: &Entries, visit: &mut impl FnMut(&[Node])) {
-    each_entry(table, "", &mut |it| {
-        if let ("keys", Some(keys)) = (it.name(), it.node.get_ref().as_array()) {
+    each_value(table, "", &mut |path, node| {
+        if let Some(keys) = node
+            .get_ref()
+            .as_array()
+            .filter(|_| path.ends_with(".keys"))
+        {
             visit(keys);
         }
     });

@@ -1,10 +1,8 @@
 //! Entries of the scene's own text, which warnings about keys and values go through.
 
-use std::sync::Arc;
-
 use crate::scene::{
-    diagnostic::{Diagnostic, Source, Span},
-    syntax::{Content, Entries, Key, Node},
+    diagnostic::{Diagnostic, Span},
+    syntax::{Content, Entries, Node},
 };
 
 /// A warning at a place, with advice.
@@ -12,46 +10,18 @@ pub fn warning(name: &'static str, at: &Span, message: String, help: &str) -> Di
     Diagnostic::new(name, at.clone(), message).help(help)
 }
 
-/// An entry of the scene's text.
-pub struct TextEntry<'t> {
-    /// Keys of the tables around it, with dots between.
-    pub table: &'t str,
-    /// The entries beside it, itself included.
-    pub beside: &'t Entries,
-    pub key: &'t Key,
-    pub node: &'t Node,
-}
-
-impl TextEntry<'_> {
-    /// Its name.
-    pub fn name(&self) -> &str {
-        self.key.get_ref()
-    }
-
-    /// Its place in a text.
-    pub fn at(&self, source: &Arc<Source>) -> Span {
-        let (source, range) = (Some(Arc::clone(source)), self.key.span());
-        Span { source, range }
-    }
-}
-
-/// Calls a function with each entry of a table and of the tables in it; `path` has the keys of the tables around it.
-pub fn each_entry(table: &Entries, path: &str, visit: &mut impl FnMut(&TextEntry)) {
+/// Calls a function with each key of a table and of the tables in it, and its value; `path` and the key have dots and
+/// the keys of the tables around it before them.
+pub fn each_value(table: &Entries, path: &str, visit: &mut impl FnMut(&str, &Node)) {
     for (key, node) in table {
-        let beside = table;
-        visit(&TextEntry {
-            table: path,
-            beside,
-            key,
-            node,
-        });
         let path = format!("{path}.{}", key.get_ref());
+        visit(&path, node);
         let list = node.get_ref().as_array().into_iter().flatten();
         for inner in list
             .chain([node])
             .filter_map(|node| node.get_ref().as_table())
         {
-            each_entry(inner, path.trim_start_matches('.'), visit);
+            each_value(inner, &path, visit);
         }
     }
 }

@@ -4,7 +4,6 @@ use glam::Vec2;
 
 use super::Written;
 use crate::{
-    diagnostic::Diagnostic,
     range::{ABOVE_0, ANY, FROM_0, Range, range},
     suggest, svg_path,
     syntax::Node,
@@ -165,8 +164,7 @@ impl OutlineDesc {
                 "if the crossing is meant, write `fill_rule = \"nonzero\"`; else write the corners {} to {b} in the other order",
                 a + 1
             );
-            let warning = Diagnostic::new("crossing-outline", t.written("points").0, message);
-            t.report.push(warning.help(help).warning());
+            t.warn("crossing-outline", "points", &message, &help);
         }
         let holes = &self.holes;
         let count: usize = holes.iter().map(Vec::len).sum();

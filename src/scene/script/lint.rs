@@ -54,10 +54,11 @@ pub fn lint_scripts(texts: &[(String, String)], params: &[Entry<ParamValue>]) ->
         .map(|p| p.name.as_str())
         .collect();
     let mut found = Vec::new();
-    for (name, text) in texts {
+    for (number, (name, text)) in texts.iter().enumerate() {
         let source = Source::new(name, text);
         let mut lint = ScriptLint {
             source: Arc::new(source),
+            is_main: number == 0,
             tokens: tokens(text),
             params: &params,
             scopes: vec![Scope::default()],
@@ -81,6 +82,8 @@ struct Scope<'t> {
 
 struct ScriptLint<'t, 'p> {
     source: Arc<Source>,
+    /// Whether it is the script that the scene names, not one that is imported.
+    is_main: bool,
     tokens: Vec<Token<'t>>,
     /// Names of parameters that are whole numbers.
     params: &'p HashSet<&'p str>,
@@ -135,7 +138,7 @@ impl<'t> ScriptLint<'t, '_> {
                 "}" if self.scopes.len() > 1 => drop(self.scopes.pop()),
                 "fn" => {
                     next = self.function(i);
-                    self.idle_function(i);
+                    self.idle_frame(i);
                 }
                 "for" => {
                     if let Some((name, at, whole)) = self.loop_variable(i) {
@@ -200,11 +203,12 @@ impl<'t> ScriptLint<'t, '_> {
         scope
     }
 
-    /// Warns about a `frame` that sets nothing, since it calls nothing of its `ctx`, hands it to no function and prints nothing, and
-    /// about a `setup` whose last statement has no value.
-    fn idle_function(&mut self, i: usize) {
-        let find = |from: usize, text| (from..self.tokens.len()).find(|k| self.word(*k) == text);
-        let Some(open) = find(i, "{") else { return };
+    /// Warns about a `frame` that sets nothing, since it calls nothing of its `ctx`, hands it to no function and says nothing.
+    fn idle_frame(&mut self, i: usize) {
+        let is_frame = self.is_main && self.word(i + 1) == "frame" && self.word(i + 4) == ")";
+        let Some(open) = (i..self.tokens.len()).find(|k| is_frame && self.word(*k) == "{") else {
+            return;
+        };
         let mut depth = 0;
         let close = (open..self.tokens.len()).find(|k| {
             match self.word(*k) {
@@ -214,63 +218,23 @@ impl<'t> ScriptLint<'t, '_> {
             }
             depth == 0
         });
-        let Some(close) = close.filter(|close| *close > open + 1) else {
-            return;
-        };
         let context = self.word(i + 3);
         let is_used = |k: usize| match self.word(k) {
             "print" | "debug" | "throw" => true,
+            text if text.starts_with('`') => text.contains(context),
             word => word == context && (self.word(k + 1) != "." || self.word(k + 3) == "("),
         };
-        match self.word(i + 1) {
-            "frame" if !(open..close).any(is_used) => {
-                let message = "`frame` sets nothing: its variables are copies".to_owned();
-                let help =
-                    "write at its end what changes, as in `ctx.place(\"ball\", p);`".to_owned();
-                self.warn(
-                    "idle-function",
-                    self.tokens[i + 1].at.clone(),
-                    message,
-                    help,
-                );
-            }
-            "setup" if !(open..close).any(|k| self.word(k) == "return") => {
-                let semicolon = self.word(close - 1) == ";";
-                let start = self.statement_start(open, close - usize::from(semicolon));
-                let is_pushed = self.word(start + 1) == "." && self.word(start + 2) == "push";
-                if !semicolon && !is_pushed {
-                    return;
-                }
-                let help = match self.word(start) {
-                    "#{" => "remove the `;` behind the map".to_owned(),
-                    list if is_pushed => format!(
-                        "write `#{{ instances: {list} }}` after it, without a `;`, if these are instances"
-                    ),
-                    _ => "end it with a map without a `;`, as in `#{ instances: list }`".to_owned(),
-                };
-                let at = self.tokens[start].at.start..self.tokens[close - 1].at.end;
-                let message = "`setup` returns nothing, so it adds nothing to the scene".to_owned();
-                self.warn("idle-function", at, message, help);
-            }
-            _ => {}
+        let is_idle = |close: usize| close > open + 1 && !(open..close).any(is_used);
+        if close.is_some_and(is_idle) {
+            let message = "`frame` sets nothing: its variables are copies".to_owned();
+            let help = "write at its end what changes, as in `ctx.place(\"ball\", p);`".to_owned();
+            self.warn(
+                "idle-function",
+                self.tokens[i + 1].at.clone(),
+                message,
+                help,
+            );
         }
-    }
-
-    /// Index of the first token of the last statement between a brace and `end`.
-    fn statement_start(&self, open: usize, end: usize) -> usize {
-        let (mut depth, mut start) = (0, open + 1);
-        for k in open + 1..end {
-            match self.word(k) {
-                "{" | "#{" | "(" | "[" => depth += 1,
-                "}" | ")" | "]" => depth -= 1,
-                _ => {}
-            }
-            let is_end = depth == 0 && matches!(self.word(k), ";" | "}");
-            if is_end && k + 1 < end {
-                start = k + 1;
-            }
-        }
-        start
     }
 
     /// Warns about `"lamp${i}"`: a text in `"` is not interpolated.

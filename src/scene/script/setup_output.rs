@@ -39,13 +39,13 @@ impl Wrong {
     }
 }
 
-/// The returned map as scene text; empty for `()`.
+/// The returned map as scene text; `None` for `()`.
 ///
 /// # Errors
 /// A value that `setup` must not return.
-pub fn text(returned: &Dynamic) -> Result<String, Wrong> {
+pub fn text(returned: &Dynamic) -> Result<Option<String>, Wrong> {
     if returned.is_unit() {
-        return Ok(String::new());
+        return Ok(None);
     }
     let Some(map) = returned.read_lock::<Map>() else {
         let found = named(returned);
@@ -112,7 +112,7 @@ pub fn text(returned: &Dynamic) -> Result<String, Wrong> {
             }
         }
     }
-    Ok(out)
+    Ok(Some(out))
 }
 
 /// Writes the keys of a table.

@@ -87,6 +87,7 @@ fn the_example_of_the_introduction_runs() {
     let (text, _) = script
         .setup(&desc.params, desc.timeline.as_ref())
         .expect("it runs");
+    let text = text.expect("it returns a map");
     assert_eq!(text.matches("[[instance]]").count(), 31);
     let all = format!("{SCENE}{text}");
     let (read, _) = Scene::from_text(&all, Path::new("scene.toml"), &[]).expect("it is a scene");

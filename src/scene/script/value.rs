@@ -71,16 +71,22 @@ pub fn fail_with<T>(message: String, help: impl Into<String>) -> Result<T> {
 
 /// Number from an integer or a float; it must be finite. `what` names the value in messages.
 pub fn number(value: &Dynamic, what: &str) -> Result<f64> {
+    // A name of a key stands in backticks, words such as "the position" do not.
+    let what = || match what.contains(' ') {
+        true => what.to_owned(),
+        false => suggest::key(what),
+    };
     let x = match (value.as_int(), value.as_float()) {
         (Ok(i), _) => i as f64,
         (_, Ok(x)) => x,
-        _ => return fail(format!("{what} must be a number, not {}", named(value))),
+        _ => return fail(format!("{} must be a number, not {}", what(), named(value))),
     };
     if x.is_finite() {
         Ok(x)
     } else {
         fail(format!(
-            "{what} must be a finite number, not {x}; a division by 0 or the root of a negative number gives it"
+            "{} must be a finite number, not {x}; a division by 0 or the root of a negative number gives it",
+            what()
         ))
     }
 }

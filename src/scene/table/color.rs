@@ -84,7 +84,7 @@ impl Value for Color {
                 Vec3::read(node, named, report).map(Self)
             }
             _ => {
-                let help = of_number(node).or_else(|| list_of_number(node, named.key, 3));
+                let help = of_number(node).or_else(|| list_of_number(node, "", 3));
                 wrong_type(node, named.key, &Self::expected(), report).help = help;
                 None
             }

@@ -90,6 +90,51 @@ impl KeyRecord {
     }
 }
 
+/// Whether a key takes a value, by its text.
+pub fn accepts(record: &KeyRecord, text: &str) -> bool {
+    let table: Option<toml::Table> = format!("x = {text}").parse().ok();
+    let value = table.and_then(|mut table| serde_json::to_value(table.remove("x")?).ok());
+    let Some(value) = value else {
+        return true; // with "…" in it
+    };
+    let is_of = |form: &Form| match form {
+        Form::Value(_, schema) => is_of_schema(&value, schema),
+        Form::Table(_) | Form::Entries(_) => value.is_object(),
+        Form::List(_) => value.is_array(),
+    };
+    record.forms.iter().any(is_of)
+}
+
+fn is_of_schema(value: &Json, schema: &Json) -> bool {
+    if let Some(any) = schema["anyOf"].as_array() {
+        return any.iter().any(|schema| is_of_schema(value, schema));
+    }
+    let bound = |name: &str| schema[name].as_f64();
+    let is_within = |x: f64| {
+        bound("minimum").is_none_or(|least| x >= least)
+            && bound("maximum").is_none_or(|most| x <= most)
+            && bound("exclusiveMinimum").is_none_or(|least| x > least)
+            && bound("exclusiveMaximum").is_none_or(|most| x < most)
+    };
+    match schema["type"].as_str() {
+        Some("integer") => value
+            .as_f64()
+            .is_some_and(|x| x.fract() == 0.0 && is_within(x)),
+        Some("number") => value.as_f64().is_some_and(is_within),
+        Some("array") => value.as_array().is_some_and(|items| {
+            let count = items.len() as f64;
+            bound("minItems").is_none_or(|least| count >= least)
+                && bound("maxItems").is_none_or(|most| count <= most)
+                && items
+                    .iter()
+                    .all(|item| is_of_schema(item, &schema["items"]))
+        }),
+        Some("string") => value.is_string(),
+        Some("boolean") => value.is_boolean(),
+        _ => true,
+    }
+}
+
 /// A rule that keys of different groups exclude each other.
 #[derive(Clone, Debug)]
 pub struct Rule {
@@ -140,6 +185,13 @@ pub struct SectionRecord {
     pub rules: Vec<Rule>,
     /// Keys that others of them need.
     pub needing: Vec<Needing>,
+}
+
+impl SectionRecord {
+    /// All keys, of its variants too.
+    pub fn all_keys(&self) -> impl Iterator<Item = &KeyRecord> {
+        (self.keys.iter()).chain(self.variants.iter().flat_map(|variant| &variant.keys))
+    }
 }
 
 /// All tables, in the order in which they are first met.

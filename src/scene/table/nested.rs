@@ -357,7 +357,11 @@ impl<'r> Table<'r> {
                     let (key, title) = (suggest::key(name.get_ref()), place.title());
                     let message = format!("{key} must be a table, because {title} holds names");
                     let error = self.report.error("wrong-type", &name.span(), message);
-                    error.help = Some(example.clone());
+                    let named = format!("{}.NAME.{}", place.path, name.get_ref());
+                    error.help = Some(format!(
+                        "{example}: a name stands between, as in `{}`",
+                        suggest::clip(&named)
+                    ));
                 }
                 continue;
             };

@@ -209,10 +209,11 @@ pub fn without_unit(number: &str, unit: &str, key: &str) -> String {
         );
     }
     // Keys end with the abbreviation of their unit, but for lengths of shapes and places.
+    let key = key.split('[').next().unwrap_or(key);
     let ends = |end: &str| key.ends_with(end);
     let is_of_key = match known.map_or("", |(_, unit)| unit) {
         "meters" => ends("_m") || other_values().lengths.iter().any(|length| length == key),
-        "degrees" => ends("_deg") || ["rate", "value"].contains(&key),
+        "degrees" => ends("_deg") || ["rate", "value", "amplitude"].contains(&key),
         "seconds" => ends("_s"),
         _ => true,
     };

@@ -197,6 +197,7 @@ impl<L: Lane> Section for Of<TrackDesc, L> {
             keys,
         };
         check_keys(t, &track);
+        warn_if_idle(t, &track);
         Some(Self(track, PhantomData))
     }
 
@@ -257,6 +258,39 @@ fn check_keys(t: &mut Table, track: &TrackDesc) {
         t.report
             .push(Diagnostic::new("no-handles", key.at.clone(), message).help(help));
     }
+}
+
+/// Warns about a track that changes nothing: a rate of 0 alone, or keys of one value alone.
+fn warn_if_idle(t: &mut Table, track: &TrackDesc) {
+    let is_moved = track.follow.is_some() || track.orbit.is_some() || track.oscillate.is_some();
+    let is_bent = |key: &KeyDesc| key.handle_in.is_some() || key.handle_out.is_some();
+    let (message, help, key) = match (track.keys.as_slice(), track.rate) {
+        _ if is_moved => return,
+        ([], Some(Vec3::ZERO)) => (
+            "a rate of 0 changes nothing",
+            "write the change in each second, or remove the track",
+            "rate",
+        ),
+        ([_], None) => (
+            "one key holds its value at all times, before it too",
+            "add another, as in `{ at_s = 0, value = … }` with the value at the start, or write the value outside of `[motion]`",
+            "keys",
+        ),
+        ([first, rest @ ..], None)
+            if rest
+                .iter()
+                .all(|key| key.value == first.value && !is_bent(key))
+                && !is_bent(first) =>
+        {
+            (
+                "all keys have the same value, so nothing changes",
+                "write another value in one of them, or write the value outside of `[motion]`",
+                "keys",
+            )
+        }
+        _ => return,
+    };
+    t.warn("ignored-key", key, message, help);
 }
 
 impl<L: Lane> Described for Of<KeyDesc, L> {

@@ -1,0 +1,123 @@
+//! Advice with values of the text that it is about.
+
+use std::{cell::Cell, sync::LazyLock};
+
+use regex::{Captures, Regex};
+
+/// A place in an advice for a value of the text, with an example for texts without one: `{value/2:0.5}`, `{1-value:0.5}` or
+/// `{height:720}`, where `value` is the value of the key that the advice is about, and another name the value of another key.
+static SLOT: LazyLock<Regex> = LazyLock::new(|| {
+    let slot = r"\{(?:([\d.]+)([-/]))?([a-z_]+)(?:/([\d.]+))?:([^{}]+)\}";
+    Regex::new(slot).expect("it is right")
+});
+
+/// An advice with its places filled by values of the text, or all by their examples, where some of the values are missing, unlike
+/// the examples, or where `fits` says of the advised key and its value that they are not allowed.
+pub fn filled(
+    help: &str,
+    key: &str,
+    value_of: impl Fn(&str) -> Option<String>,
+    fits: impl Fn(&str, &str) -> bool,
+) -> String {
+    let lacks = Cell::new(false);
+    let fill = |slot: &Captures| {
+        let (name, example) = (&slot[3], &slot[5]);
+        let value = value_of(if name == "value" { key } else { name });
+        let is_short = |text: &str| text.len() <= 60 && !text.contains(char::is_control);
+        let value = value.filter(|value| is_like(value, example) && is_short(value));
+        let value = value.and_then(|value| computed(slot, value));
+        // A missing number beside others is 0 only where the example is.
+        lacks.set(lacks.get() || value.is_none() && example != "0");
+        value.unwrap_or_else(|| example.to_owned())
+    };
+    let own = SLOT.replace_all(help, fill).into_owned();
+    if !lacks.get() && setting(&own).is_none_or(|(key, value)| fits(key, value)) {
+        return own;
+    }
+    SLOT.replace_all(help, "$5").into_owned()
+}
+
+/// Key and value of the first line of scene text in an advice.
+pub fn setting(help: &str) -> Option<(&str, &str)> {
+    help.split('`').nth(1)?.split_once(" = ")
+}
+
+/// Whether two values have one form: two numbers, two texts, or lists of one length.
+fn is_like(a: &str, b: &str) -> bool {
+    let form = |text: &str| {
+        let first = text.chars().next().filter(|c| "\"'[{".contains(*c));
+        let first = first.map(|c| if c == '\'' { '"' } else { c });
+        let is_number = text.parse::<f64>().is_ok_and(f64::is_finite);
+        let commas = if first == Some('"') {
+            0
+        } else {
+            text.matches(',').count()
+        };
+        (first, is_number, commas)
+    };
+    form(a) == form(b)
+}
+
+/// A value, or the number that its place computes of it.
+fn computed(slot: &Captures, value: String) -> Option<String> {
+    let constant = |group: usize| slot.get(group)?.as_str().parse::<f64>().ok();
+    let x = || value.parse::<f64>().ok();
+    let result = match (constant(1), slot.get(2), constant(4)) {
+        (Some(a), Some(sign), _) if sign.as_str() == "-" => a - x()?,
+        (Some(a), ..) => a / x()?,
+        (.., Some(b)) => x()? / b,
+        _ => return Some(value),
+    };
+    result
+        .is_finite()
+        .then(|| ((result * 1e4).round() / 1e4 + 0.0).to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{parse::recorded_keys, suggest::rows, table::key_recorder::accepts};
+
+    #[test]
+    fn values_of_the_text_stand_in_advice_where_they_are_allowed() {
+        let value_of = |key: &str| match key {
+            "gloss" => Some("1".to_owned()),
+            "text" => Some("\"a, b\"".to_owned()),
+            "z" => Some("-3".to_owned()),
+            _ => None,
+        };
+        for (help, key, want) in [
+            ("write `a = {1-value:0.3}`", "gloss", "write `a = 0`"),
+            ("write `a = {value/4:0.3}`", "gloss", "write `a = 0.25`"),
+            ("write `a = {360/value:12}`", "gloss", "write `a = 360`"),
+            ("write `a = {value:\"b\"}`", "text", "write `a = \"a, b\"`"),
+            ("write `a = {value:0.5}`", "text", "write `a = 0.5`"),
+            ("write `a = [{x:0}, {z:0}]`", "z", "write `a = [0, -3]`"),
+            ("write `a = [{x:1}, {z:0}]`", "z", "write `a = [1, 0]`"),
+        ] {
+            assert_eq!(filled(help, key, value_of, |_, _| true), want);
+        }
+        let refused = filled("write `a = {value:0.5}`", "z", value_of, |_, _| false);
+        assert_eq!(refused, "write `a = 0.5`");
+    }
+
+    /// A row is meant for tables that have a key of its list; some table of them must take the example.
+    #[test]
+    fn tables_take_the_examples_of_advice() {
+        for (words, beside, help) in rows() {
+            let help = filled(help, "", |_| None, |_, _| true);
+            let Some((key, value)) = setting(&help) else {
+                continue;
+            };
+            let tables = recorded_keys().iter().filter(|table| {
+                let names = table.variants.iter().map(|variant| variant.word);
+                let mut names = names.chain(table.all_keys().map(|key| key.name));
+                names.any(|name| beside.split(' ').any(|word| word == name))
+            });
+            let records = tables.flat_map(|table| table.all_keys());
+            let records: Vec<_> = records.filter(|it| it.name == key).collect();
+            let is_taken = records.is_empty() || records.iter().any(|it| accepts(it, value));
+            assert!(is_taken, "{words} beside {beside}: {help}");
+        }
+    }
+}
