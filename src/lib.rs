@@ -22,6 +22,7 @@
 //! | `src/python` | `reflet-python` | the module of Python: a thin user of the runtime's sessions, of [`output`] and of [`metric`] |
 //! | `src/web` | `reflet-web` | a page that runs by itself: checker and renderer as WebAssembly, and the page around them; built by `tools/web.sh` alone, see `docs/web.md` |
 //! | `src/preview` | [`reflet_preview`] | a scene that follows its files ([`reflet_preview::watch`], [`reflet_preview::live`]), and the window |
+//! | `src/lsp` | [`reflet_lsp`] | the language server without its transport: messages of editors → answers |
 //! | `src/bench` | [`reflet_bench`] | [`bench::run`] renders and measures; reports are drawn from the table of samples |
 //! | `src/output` | [`reflet_output`] | files of pictures: PNG, EXR and films, their names and fingerprints, the denoiser, statistics |
 //! | `src/render` | [`reflet_render`] | the library. [`runtime`]: one scene from its text to its pictures, opened, changed and posed in keyed stages, and the only code that builds a `Renderer`: `render` and the preview are thin users of its sessions, `bench` of its renderer stage. `render/passes/mod.rs` lists the passes in their order: read it first; `reflet info --frame` prints the passes of a scene; [`render::plan`] lists the features and passes that a scene needs, [`render::pipeline::targets`] the one table of intermediate textures, [`render::layout::types`] every struct shared with the shaders |

@@ -3,8 +3,9 @@
 use std::{path::PathBuf, sync::Arc};
 
 use clap::Args;
+use reflet_lsp::values;
 
-use super::{error::AppError, lsp::values, print_out};
+use super::{error::AppError, print_out};
 use crate::scene::{
     diagnostic::Source, manual::manual as of_scenes, parse, script::api::manual as of_scripts,
 };

@@ -1,7 +1,8 @@
 //! Messages as SARIF 2.1.0 (OASIS, Static Analysis Results Interchange Format), which editors and
 //! continuous integration read.
 
-use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
+use percent_encoding::utf8_percent_encode;
+use reflet_lsp::PLAIN;
 use serde_json::{Value, json};
 
 use crate::scene::diagnostic::{Diagnostic, Span};
@@ -76,14 +77,6 @@ fn location(span: &Span) -> Option<Value> {
         },
     }))
 }
-
-/// Characters of a path that a URI reference does not encode (RFC 3986): unreserved ones, and the slash.
-pub const PLAIN: &AsciiSet = &NON_ALPHANUMERIC
-    .remove(b'-')
-    .remove(b'.')
-    .remove(b'_')
-    .remove(b'~')
-    .remove(b'/');
 
 /// A path as a URI reference.
 fn uri(path: &str) -> String {

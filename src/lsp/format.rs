@@ -4,7 +4,7 @@
 use serde_json::{Value, json};
 
 use super::position::range;
-use crate::scene::syntax::{Token, TokenKind, tokens};
+use reflet_scene::syntax::{Token, TokenKind, tokens};
 
 /// Most empty lines in a row.
 const MOST_EMPTY: usize = 2;
@@ -129,7 +129,7 @@ mod tests {
 
     #[test]
     fn scenes_keep_their_values_and_their_lines() {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes");
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes");
         let files = std::fs::read_dir(folder).expect("a folder");
         let is_scene = |path: &std::path::PathBuf| path.extension().is_some_and(|e| e == "toml");
         let scenes: Vec<_> = files

@@ -11,7 +11,7 @@ use super::{
     position::range,
     scopes::{Scoped, definitions},
 };
-use crate::scene::{
+use reflet_scene::{
     diagnostic::Source,
     script::tokens::{Token, tokens},
 };

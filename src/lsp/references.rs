@@ -11,10 +11,10 @@ use super::{
     position::{range, uri_of},
     scopes::{Placement, is_named, placements, split},
 };
-use crate::{
-    files::{entries_below, folder_of, has_extension, open_regular, read_at_most},
-    scene::{diagnostic::Source, parse, script::tokens::tokens, toml_text::toml_text},
+use reflet_base::files::{
+    canonicalize, entries_below, folder_of, has_extension, open_regular, read_at_most,
 };
+use reflet_scene::{diagnostic::Source, parse, script::tokens::tokens, toml_text::toml_text};
 
 /// Maximum number of files that are searched, and depth of the folders.
 const MOST_FILES: usize = 1000;
@@ -80,7 +80,7 @@ pub fn texts(file: &Arc<Source>, open: &[&Arc<Source>]) -> Vec<Arc<Source>> {
 
 /// Whether two paths name one file.
 pub fn same(a: &Path, b: &Path) -> bool {
-    let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let real = |path: &Path| canonicalize(path).unwrap_or_else(|_| path.to_owned());
     a == b || a.file_name() == b.file_name() && real(a) == real(b)
 }
 

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use crate::scene::{diagnostic::Source, syntax::TokenKind};
+use reflet_scene::{diagnostic::Source, syntax::TokenKind};
 
 /// Syntactic role of a word in scene text.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -209,7 +209,7 @@ mod tests {
     /// The text behind the cursor does not change what is completed there.
     #[test]
     fn a_cursor_sees_the_text_before_it_alone() {
-        let text = include_str!("../../../scenes/atrium.toml");
+        let text = include_str!("../../scenes/atrium.toml");
         let whole = Source::new("a.toml", text);
         for (offset, _) in text.char_indices().step_by(7) {
             let alone = Source::new("a.toml", &text[..offset]);

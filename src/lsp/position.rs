@@ -5,10 +5,16 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use percent_encoding::{percent_decode_str, utf8_percent_encode};
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_percent_encode};
 use serde_json::{Value, json};
 
-use crate::app::sarif::PLAIN;
+/// Characters of a path that a URI reference does not encode (RFC 3986): unreserved ones, and the slash.
+pub const PLAIN: &AsciiSet = &NON_ALPHANUMERIC
+    .remove(b'-')
+    .remove(b'.')
+    .remove(b'_')
+    .remove(b'~')
+    .remove(b'/');
 
 /// Byte offset of a position, at most at the end of its line.
 pub fn offset(text: &str, position: &Value) -> usize {

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::scene::script::api;
+use reflet_scene::script::api;
 
 /// Longest text in which a call that surrounds its end is searched, bytes.
 const MOST_BYTES: usize = 4096;

@@ -17,20 +17,20 @@ use super::{
     scopes::{Scoped, is_named, places, with_scopes},
     structure,
 };
-use crate::{
-    files::{entries_below, folder_of, has_extension, path_below},
-    scene::{
-        desc::{DecalChanges, LightGroup},
-        diagnostic::Source,
-        manual::{key_text, section_text, variant_text},
-        parse::{
-            Form, KeyRecord, SectionRecord,
-            entry_kinds::ENTRY_KINDS,
-            tables::{Below, Manual, is_project, keys_of},
-        },
-        reach::Reach,
-        toml_text::toml_text,
+use reflet_base::files::{
+    canonicalize, entries_below, folder_of, has_extension, metadata, path_below,
+};
+use reflet_scene::{
+    desc::{DecalChanges, LightGroup},
+    diagnostic::Source,
+    manual::{key_text, section_text, variant_text},
+    parse::{
+        Form, KeyRecord, SectionRecord,
+        entry_kinds::ENTRY_KINDS,
+        tables::{Below, Manual, is_project, keys_of},
     },
+    reach::Reach,
+    toml_text::toml_text,
 };
 
 /// Limits of file completion: number of files, and depth of the folders searched.
@@ -337,7 +337,7 @@ pub fn values(file: &Arc<Source>, word: &Word, name: &str, quoted: bool) -> Vec<
         let mut found = BTreeSet::new();
         let reach = Reach::new(folder_of(&file.path).to_owned(), &border_of(&file.path));
         for folder in folders(&file.path) {
-            let real = |path: &Path| path.canonicalize().unwrap_or_default();
+            let real = |path: &Path| canonicalize(path).unwrap_or_default();
             let own = real(&folder);
             let files = entries_below(&folder, DEPTH, true)
                 .filter(|entry| !entry.file_type().is_dir() && has_extension(entry, ends))
@@ -430,7 +430,7 @@ pub fn definition(file: &Arc<Source>, offset: usize) -> Vec<Value> {
             if !ends.is_empty() {
                 let mut files = folders(&file.path).into_iter().map(|f| f.join(&word.text));
                 return files
-                    .find(|f| f.is_file())
+                    .find(|f| metadata(f).is_ok_and(|found| found.is_file()))
                     .map(at_start)
                     .into_iter()
                     .collect();

@@ -3,19 +3,17 @@
 use std::{ops::Range, path::Path, sync::Arc};
 
 use super::outline::{Part, Word, words};
-use crate::{
-    runtime::scene_options::border,
-    scene::{
-        diagnostic::Source,
-        parse::{
-            Texts,
-            entry_kinds::ENTRY_KINDS,
-            recorded_keys,
-            tables::{Manual, keys_of},
-        },
-        project::ProjectChoice,
-        reach::Border,
+use reflet_render::runtime::scene_options::border;
+use reflet_scene::{
+    diagnostic::Source,
+    parse::{
+        Texts,
+        entry_kinds::ENTRY_KINDS,
+        recorded_keys,
+        tables::{Manual, keys_of},
     },
+    project::ProjectChoice,
+    reach::Border,
 };
 
 /// Tables whose entries have names that other tables use.

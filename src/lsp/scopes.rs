@@ -13,7 +13,7 @@ use super::{
     outline::{Part, words},
     position::{range, uri_of},
 };
-use crate::scene::diagnostic::Source;
+use reflet_scene::diagnostic::Source;
 
 /// Most scenes in scenes that are followed, and most files.
 const DEPTH: usize = 8;

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use serde_json::{Value, json};
 
-use crate::scene::{diagnostic::Source, toml_text::toml_text};
+use reflet_scene::{diagnostic::Source, toml_text::toml_text};
 
 use super::position::{offset, range};
 

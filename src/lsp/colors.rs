@@ -3,12 +3,12 @@
 use serde_json::{Value, json};
 
 use super::position::range;
-use crate::scene::{
+use reflet_base::math::{linear_from_srgb, srgb_from_linear};
+use reflet_scene::{
     diagnostic::Source,
     parse::{Form, tables::Manual},
     syntax::{Content, Node},
 };
-use reflet_base::math::{linear_from_srgb, srgb_from_linear};
 
 /// Colors of a text: values of keys that take `"#rrggbb"`, written so or as three linear numbers up to 1.
 pub fn colors(file: &Source) -> Vec<Value> {

@@ -6,10 +6,9 @@ use super::{
     outline::{Part, Word, beside, words},
     scopes::with_scopes,
 };
-use crate::{
-    app::args::SceneArgs,
-    runtime::scene_text::SceneText,
-    scene::{dependencies::Dependencies, diagnostic::Source, toml_text::toml_text},
+use reflet_render::runtime::scene_text::{SceneOptions, SceneText};
+use reflet_scene::{
+    dependencies::Dependencies, diagnostic::Source, project::ProjectChoice, toml_text::toml_text,
 };
 
 /// Names in one file.
@@ -72,7 +71,11 @@ impl ModelFiles {
 fn read(scene: &Source, name: &str) -> Option<Contents> {
     let text = format!("version = 1\nmodel.read.file = {}\n", toml_text(name));
     let source = Arc::new(Source::new(&scene.path, text));
-    let text = SceneText::from_source(source, &SceneArgs::default().options());
+    let options = SceneOptions {
+        project: ProjectChoice::Search,
+        ..SceneOptions::default()
+    };
+    let text = SceneText::from_source(source, &options);
     let opened = text.open(&[], &Dependencies::default()).ok()?;
     let world = opened.load(String::new()).ok()?.world;
     let listed = world.models.first()?;

@@ -9,7 +9,7 @@ use super::{
     call::{code, is_word},
     names::kinds_of_value,
 };
-use crate::scene::{
+use reflet_scene::{
     diagnostic::TABLES,
     manual::{key_text, variant_text},
     parse::tables::Manual,

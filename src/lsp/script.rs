@@ -1,6 +1,6 @@
 //! Answers about a position in a script: names of the API, and of the scenes that use the script.
 
-use std::{collections::BTreeSet, fs, path::Path, sync::Arc};
+use std::{collections::BTreeSet, path::Path, sync::Arc};
 
 use serde_json::{Value, json};
 
@@ -13,7 +13,8 @@ use super::{
     script_map::{self, Inside},
     structure,
 };
-use crate::scene::{diagnostic::Source, parse, script::api};
+use reflet_base::files::{entries_below, has_extension};
+use reflet_scene::{diagnostic::Source, parse, script::api};
 
 /// Kind of completion items in the protocol.
 const FUNCTION: u32 = 3;
@@ -29,12 +30,12 @@ pub fn scenes_of(script: &Path, open: &[&Arc<Source>]) -> Vec<Scoped> {
         .and_then(|name| name.to_str())
         .unwrap_or_default();
     let mut scenes: Vec<_> = open.iter().map(|file| Arc::clone(file)).collect();
-    let folder = fs::read_dir(script.parent().unwrap_or(Path::new("")));
-    for entry in folder.into_iter().flatten().flatten().take(MOST_ENTRIES) {
+    let folder = script.parent().unwrap_or(Path::new(""));
+    let entries = entries_below(folder, 0, false).take(MOST_ENTRIES);
+    for entry in entries.filter(|entry| has_extension(entry, &["toml"])) {
         let path = entry.path();
-        let is_scene = path.extension().is_some_and(|e| e == "toml");
-        if is_scene && scenes.iter().all(|s| s.path != path) {
-            let text = parse::read(&path).unwrap_or_default();
+        if scenes.iter().all(|s| s.path != path) {
+            let text = parse::read(path).unwrap_or_default();
             scenes.push(Arc::new(Source::new(path, text)));
         }
     }
