@@ -2,10 +2,14 @@
 
 use std::path::Path;
 
+#[cfg(target_arch = "wasm32")]
+pub use super::in_memory::{DirEntry, entries_below};
+#[cfg(not(target_arch = "wasm32"))]
 use walkdir::{DirEntry, WalkDir};
 
 /// Entries below a folder, by name, without hidden and unreadable entries: to `depth` folders below it, and through
 /// links where `follows_links`.
+#[cfg(not(target_arch = "wasm32"))]
 pub fn entries_below(
     folder: &Path,
     depth: usize,

@@ -81,6 +81,33 @@ pub fn canonicalize(path: impl AsRef<Path>) -> io::Result<PathBuf> {
     metadata(&path).map(|_| whole(path.as_ref()))
 }
 
+/// A file below a folder; folders are not listed.
+#[derive(Debug)]
+pub struct DirEntry(PathBuf, Metadata);
+
+#[expect(missing_docs, reason = "the names of walkdir")]
+impl DirEntry {
+    pub fn path(&self) -> &Path {
+        &self.0
+    }
+
+    pub fn file_type(&self) -> Metadata {
+        self.1
+    }
+}
+
+/// Files below a folder, by name, to `depth` folders below it; there are no links.
+pub fn entries_below(folder: &Path, depth: usize, _: bool) -> impl Iterator<Item = DirEntry> {
+    let (files, top) = (files(), whole(folder));
+    let below = files.iter().filter_map(|(path, bytes)| {
+        let rest = path.strip_prefix(&top).ok()?;
+        let bytes = Some(bytes.len() as u64);
+        let is_near = (1..=depth + 1).contains(&rest.components().count());
+        is_near.then(|| DirEntry(folder.join(rest), Metadata { bytes }))
+    });
+    below.collect::<Vec<_>>().into_iter()
+}
+
 /// A file that is read.
 #[derive(Debug)]
 pub struct File(RefCell<Cursor<Arc<[u8]>>>);
