@@ -122,38 +122,27 @@ impl Client {
         loop {
             let message = self.receive();
             if message["params"]["uri"] == uri {
-                return message["params"]["diagnostics"]
-                    .as_array()
-                    .expect("a list")
-                    .clone();
+                return list(&message["params"]["diagnostics"]).clone();
             }
         }
     }
 
     /// Sends a request at the position `|` of a text, which is opened under that name without the mark.
     fn ask_at(&mut self, method: &str, name: &str, text: &str) -> Value {
-        let before = text.split('|').next().expect("a mark");
-        let line = before.matches('\n').count();
-        let character = before
-            .rsplit('\n')
-            .next()
-            .unwrap_or_default()
-            .chars()
-            .count();
-        let params = json!({
-            "textDocument": { "uri": self.uri(name) },
-            "position": { "line": line, "character": character },
-        });
-        self.ask(&format!("textDocument/{method}"), params)
+        let place =
+            json!({ "textDocument": { "uri": self.uri(name) }, "position": position(text) });
+        self.ask(&format!("textDocument/{method}"), place)
+    }
+
+    fn change(&mut self, uri: &str, text: &str) {
+        let change =
+            json!({ "textDocument": { "uri": uri }, "contentChanges": [{ "text": text }] });
+        self.tell("textDocument/didChange", change);
     }
 
     /// Changes a file to a text with a mark, and returns the completions proposed there.
     fn items(&mut self, name: &str, text: &str) -> Vec<Value> {
-        let uri = self.uri(name);
-        let plain = text.replace('|', "");
-        let change =
-            json!({ "textDocument": { "uri": uri }, "contentChanges": [{ "text": plain }] });
-        self.tell("textDocument/didChange", change);
+        self.change(&self.uri(name), &text.replace('|', ""));
         let items = self.ask_at("completion", name, text);
         items.as_array().cloned().unwrap_or_default()
     }
@@ -161,10 +150,8 @@ impl Client {
     /// Labels of these completions.
     fn proposed(&mut self, name: &str, text: &str) -> Vec<String> {
         let items = self.items(name, text);
-        let items = items.iter();
-        items
-            .map(|i| i["label"].as_str().expect("text").to_owned())
-            .collect()
+        let label = |item: &Value| item["label"].as_str().expect("text").to_owned();
+        items.iter().map(label).collect()
     }
 
     fn end(mut self) {
@@ -173,6 +160,17 @@ impl Client {
         let status = self.server.wait().expect("it ends");
         assert_eq!(status.code(), Some(0));
     }
+}
+
+fn list(value: &Value) -> &Vec<Value> {
+    value.as_array().expect("a list")
+}
+
+/// Position of the mark `|`.
+fn position(text: &str) -> Value {
+    let before = text.split('|').next().expect("a mark");
+    let row = before.rsplit('\n').next().unwrap_or_default();
+    json!({ "line": before.matches('\n').count(), "character": row.chars().count() })
 }
 
 const SCENE: &str = include_str!("lsp/scene.toml");
@@ -191,35 +189,27 @@ fn show(name: &str) -> Client {
 fn messages_follow_the_text() {
     let mut client = show("messages");
     let uri = client.uri("scene.toml");
-    let change = |text: &str| json!({ "textDocument": { "uri": uri }, "contentChanges": [{ "text": text }] });
     let wrong = SCENE.replace("model = \"ball\"", "model = \"bal\"");
-    client.tell("textDocument/didChange", change(&wrong));
+    client.change(&uri, &wrong);
     let found = client.found(&uri);
     assert_eq!(found.len(), 1, "{found:?}");
-    assert_eq!(
-        found[0]["range"]["start"],
-        json!({ "line": 13, "character": 8 })
-    );
+    let start = &found[0]["range"]["start"];
+    assert_eq!(*start, json!({ "line": 13, "character": 8 }));
     assert_eq!(found[0]["severity"], 1);
     let text = found[0]["message"].as_str().expect("text");
     assert_says(text, &["help:", "\"ball\""]);
-    client.tell("textDocument/didChange", change(SCENE));
+    client.change(&uri, SCENE);
     assert_eq!(client.found(&uri).len(), 0);
     // A mistake in an included file is reported there while it is typed, and later withdrawn.
     let parts = client.uri("parts.toml");
     let document = json!({ "uri": parts });
     let wrong = PARTS.replace("metallic", "metalic");
     let mut type_in = |text: &str| {
-        let params = json!({ "textDocument": document, "contentChanges": [{ "text": text }] });
-        client.tell("textDocument/didChange", params);
+        client.change(&parts, text);
         client.found(&parts)
     };
-    let found = type_in(&wrong);
-    assert_eq!(
-        found[0]["range"]["start"],
-        json!({ "line": 1, "character": 0 }),
-        "{found:?}"
-    );
+    let start = type_in(&wrong)[0]["range"]["start"].clone();
+    assert_eq!(start, json!({ "line": 1, "character": 0 }));
     assert_eq!(type_in(PARTS).len(), 0);
     // The file counts again where its text is closed.
     fs::write(client.folder.join("parts.toml"), wrong).expect("saved");
@@ -231,9 +221,7 @@ fn messages_follow_the_text() {
     assert_eq!(client.found(&parts).len(), 0);
     // A mistake in a script is reported while it is typed too.
     let script = client.uri("move.rhai");
-    let text = format!("{SCRIPT}\nlet x = ;");
-    let params = json!({ "textDocument": { "uri": script }, "contentChanges": [{ "text": text }] });
-    client.tell("textDocument/didChange", params);
+    client.change(&script, &format!("{SCRIPT}\nlet x = ;"));
     assert_eq!(client.found(&script).len(), 1);
     client.end();
 }
@@ -314,20 +302,10 @@ fn a_client_that_sends_garbage_is_told_and_nothing_panics() {
         "textDocument/hover",
         json!({ "textDocument": { "uri": uri }, "position": position }),
     );
-    client.requests += 1;
-    let id = client.requests;
-    client.send(&json!({ "jsonrpc": "2.0", "id": id, "method": "no/such", "params": {} }));
-    let refused = loop {
-        let message = client.receive();
-        if message["id"] == id {
-            break message;
-        }
-    };
+    let refused = client.answer("no/such", json!({}));
     assert_eq!(refused["error"]["code"], -32601);
-    client
-        .input
-        .write_all(b"Content-Length: 7\r\n\r\n{\"a\": }")
-        .expect("it listens");
+    let garbage = b"Content-Length: 7\r\n\r\n{\"a\": }";
+    client.input.write_all(garbage).expect("it listens");
     drop(client.input);
     let output = client.server.wait_with_output().expect("it ends");
     let errors = String::from_utf8_lossy(&output.stderr);

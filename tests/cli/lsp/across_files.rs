@@ -5,7 +5,7 @@ use std::fs;
 
 use serde_json::{Value, json};
 
-use super::Client;
+use super::{Client, list, position};
 
 const PARTS: &str = "[material.brass]\nmetallic = 1\nbase_color = [0.214041, 1, 0]\n\n[material.red]\nextends = \"brass\"\n\
                      emission = \"#ff0080\"\n[environment]\ncolor = [0.5, 0.5, 0.5]\n";
@@ -30,18 +30,19 @@ fn project(name: &str) -> Client {
 fn lines(places: &Value) -> Vec<(String, u64)> {
     let place = |place: &Value| {
         let file = place["uri"].as_str().expect("a file");
+        let line = &place["range"]["start"]["line"];
         let file = file.rsplit('/').next().unwrap_or_default().to_owned();
-        (
-            file,
-            place["range"]["start"]["line"].as_u64().expect("a line"),
-        )
+        (file, line.as_u64().expect("a line"))
     };
-    places
-        .as_array()
-        .expect("a list")
-        .iter()
-        .map(place)
-        .collect()
+    list(places).iter().map(place).collect()
+}
+
+/// Answer to changing the name at a mark in a file.
+fn renamed(client: &mut Client, file: &str, at: &str, new: &str) -> Value {
+    let mut params = document(client, file);
+    params["position"] = position(at);
+    params["newName"] = new.into();
+    client.answer("textDocument/rename", params)
 }
 
 fn document(client: &Client, name: &str) -> Value {
@@ -63,30 +64,17 @@ fn references_are_found_in_all_files_and_renamed() {
     assert_eq!(lines(&found), want);
     let name = client.ask_at("prepareRename", "shots/scene.toml", &at);
     assert_eq!(name["start"], json!({ "line": 11, "character": 11 }));
-    let mut edits = |at: &str, file: &str, new: &str| {
-        let before = at.split('|').next().expect("a mark");
-        let line = before.matches('\n').count();
-        let character = before.rsplit('\n').next().unwrap_or_default().len();
-        let mut params = document(&client, file);
-        params["position"] = json!({ "line": line, "character": character });
-        params["newName"] = new.into();
-        client.answer("textDocument/rename", params)
-    };
+    let mut edits = |at: &str, file: &str, new: &str| renamed(&mut client, file, at, new);
     let renamed = edits(&at, "shots/scene.toml", "old brass");
     let all = renamed["result"]["changes"].as_object().expect("edits");
-    let mut texts: Vec<_> = all
-        .values()
-        .flat_map(|e| e.as_array().expect("a list"))
-        .map(|e| &e["newText"])
-        .collect();
+    let edited = all.values().flat_map(list);
+    let mut texts: Vec<_> = edited.map(|edit| &edit["newText"]).collect();
     texts.dedup();
     assert_eq!((all.len(), texts), (2, vec![&json!("\"old brass\"")]));
     let taken = edits(&at, "shots/scene.toml", "red");
-    assert!(
-        taken["error"]["message"]
-            .as_str()
-            .expect("refused")
-            .contains("another material")
+    assert_says(
+        &taken["error"]["message"].to_string(),
+        &["another material"],
     );
     // A removed entry keeps its kind, and scripts follow.
     let at = SHOT.replace(
@@ -130,28 +118,17 @@ fn symbols_folds_and_colors_of_texts() {
         client.ask(&format!("textDocument/{what}"), document(client, name))
     };
     let symbols = ask(&mut client, "documentSymbol", "shots/scene.toml");
-    let names: Vec<_> = symbols
-        .as_array()
-        .expect("a list")
-        .iter()
-        .map(|s| s["name"].as_str().expect("a name"))
-        .collect();
-    assert_eq!(
-        names,
-        [
-            "params",
-            "model.ball",
-            "instance \"first\"",
-            "variant.plain"
-        ]
-    );
+    let names: Vec<_> = list(&symbols).iter().map(|s| &s["name"]).collect();
+    let want = [
+        "params",
+        "model.ball",
+        "instance \"first\"",
+        "variant.plain",
+    ];
+    assert_eq!(names, want);
     let folds = ask(&mut client, "foldingRange", "shots/scene.toml");
-    let folds: Vec<_> = folds
-        .as_array()
-        .expect("a list")
-        .iter()
-        .map(|f| (f["startLine"].as_u64(), f["endLine"].as_u64()))
-        .collect();
+    let ends = |f: &Value| (f["startLine"].as_u64(), f["endLine"].as_u64());
+    let folds: Vec<_> = list(&folds).iter().map(ends).collect();
     let want = [(4, 5), (7, 8), (9, 11), (13, 16), (18, 20)];
     assert_eq!(folds, want.map(|(a, b)| (Some(a), Some(b))));
     let symbols = ask(&mut client, "documentSymbol", "move.rhai");
@@ -159,7 +136,7 @@ fn symbols_folds_and_colors_of_texts() {
     assert_eq!(symbols[1]["range"]["end"]["line"], 3);
     client.open("parts.toml", PARTS);
     let colors = ask(&mut client, "documentColor", "parts.toml");
-    let colors = colors.as_array().expect("a list");
+    let colors = list(&colors);
     assert_eq!(colors.len(), 3, "{colors:?}");
     let red = colors[0]["color"]["red"].as_f64().expect("a number");
     assert!((red - 0.5).abs() < 1e-4, "{red}");
@@ -185,15 +162,13 @@ fn suggestions_are_quick_fixes() {
     let wrong = SHOT
         .replace("dynamic = true", "dynamik = true")
         .replace("model = \"ball\"", "model = \"bal\"");
-    let change = json!({ "textDocument": { "uri": uri }, "contentChanges": [{ "text": wrong }] });
-    client.tell("textDocument/didChange", change);
+    client.change(&uri, &wrong);
     let found = client.found(&uri);
     let mut params = document(&client, "shots/scene.toml");
     params["context"] = json!({ "diagnostics": found });
     let actions = client.ask("textDocument/codeAction", params);
-    let actions = actions.as_array().expect("a list");
     let new = |action: &Value| action["edit"]["changes"][&uri][0]["newText"].clone();
-    let texts: Vec<_> = actions.iter().map(new).collect();
+    let texts: Vec<_> = list(&actions).iter().map(new).collect();
     assert_eq!(texts, [json!("\"ball\""), json!("dynamic")], "{found:?}");
     client.end();
 }
@@ -208,11 +183,7 @@ fn messages_of_one_scene_stay_where_another_has_none_left() {
     let parts = client.uri("parts.toml");
     assert_eq!(client.found(&parts).len(), 1);
     client.open("scene.toml", scene);
-    let change = json!({
-        "textDocument": { "uri": client.uri("scene.toml") },
-        "contentChanges": [{ "text": "version = 1\n" }],
-    });
-    client.tell("textDocument/didChange", change);
+    client.change(&client.uri("scene.toml"), "version = 1\n");
     assert_eq!(client.found(&parts).len(), 1, "the other scene has it");
     client.tell("textDocument/didClose", document(&client, "other.toml"));
     assert_eq!(client.found(&parts).len(), 0);
@@ -225,13 +196,8 @@ fn the_text_of_a_project_is_completed_and_checked() {
     client.open("reflet.toml", "asets = 3\n");
     let uri = client.uri("reflet.toml");
     let found = client.found(&uri);
-    assert!(
-        found[0]["message"]
-            .as_str()
-            .expect("text")
-            .contains("did you mean `assets`?"),
-        "{found:?}"
-    );
+    let message = found[0]["message"].to_string();
+    assert_says(&message, &["did you mean `assets`?"]);
     let labels = client.proposed("reflet.toml", "|\n");
     assert!(
         ["assets", "camera", "output", "sizes"]
@@ -268,8 +234,9 @@ fn names_of_placed_scenes_have_the_prefix_of_their_group() {
     let uri = client.uri("room.toml");
     assert_eq!(client.found(&uri), [] as [Value; 0]);
     let labels = |found: &Value| {
-        let items = found.as_array().expect("a list").iter();
-        let labels = items.map(|item| item["label"].as_str().unwrap_or_default().to_owned());
+        let labels = list(found)
+            .iter()
+            .map(|item| item["label"].as_str().unwrap_or_default().to_owned());
         labels.collect::<Vec<_>>()
     };
     let at = ROOM.replace("\"left.bulb\"", "\"|left.bulb\"");
@@ -286,32 +253,15 @@ fn names_of_placed_scenes_have_the_prefix_of_their_group() {
     ];
     for (file, text) in [("room.toml", ROOM), ("room.rhai", MOVES)] {
         let at = text.replace("left.bulb", "left.bu|lb");
-        assert_eq!(
-            lines(&client.ask_at("definition", file, &at)),
-            all[..1],
-            "{file}"
-        );
-        assert_eq!(
-            lines(&client.ask_at("references", file, &at)),
-            all,
-            "{file}"
-        );
+        let found = ["definition", "references"].map(|what| lines(&client.ask_at(what, file, &at)));
+        assert_eq!(found, [&all[..1], &all[..]], "{file}");
         let name = client.ask_at("prepareRename", file, &at);
         let [start, end] = ["start", "end"].map(|end| name[end]["character"].as_u64());
-        assert_eq!(
-            end.zip(start).map(|(end, start)| end - start),
-            Some(4),
-            "{file}"
-        );
+        let length = end.zip(start).map(|(end, start)| end - start);
+        assert_eq!(length, Some(4), "{file}");
     }
     let mut rename = |at: &str, new: &str| {
-        let before = at.split('|').next().expect("a mark");
-        let mut params = document(&client, "room.toml");
-        let character = before.rsplit('\n').next().unwrap_or_default().len();
-        params["position"] =
-            json!({ "line": before.matches('\n').count(), "character": character });
-        params["newName"] = new.into();
-        client.ask("textDocument/rename", params)["changes"].to_string()
+        renamed(&mut client, "room.toml", at, new)["result"]["changes"].to_string()
     };
     let renamed = rename(&ROOM.replace("left.bulb", "left.bu|lb"), "globe");
     assert_eq!(renamed.matches("globe").count(), 3, "{renamed}");

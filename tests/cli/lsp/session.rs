@@ -4,7 +4,7 @@ use std::fs;
 
 use serde_json::{Value, json};
 
-use super::Client;
+use super::{Client, position};
 use crate::common::program::exits;
 
 const SCENE: &str = "version = 1\ninclude = \"parts.toml\"\n[environment]\ncolor = [0.5, 0.5, 0.5]\n[model.ball]\n\
@@ -61,9 +61,7 @@ impl Editor {
             let [from, to] = ["start", "end"].map(|end| offset(text, &edit["range"][end]));
             text.replace_range(from..to, edit["newText"].as_str().expect("a text"));
         }
-        let change =
-            json!({ "textDocument": { "uri": uri }, "contentChanges": [{ "text": text }] });
-        self.client.tell("textDocument/didChange", change);
+        self.client.change(uri, text);
         self.found()
     }
 
@@ -81,10 +79,7 @@ impl Editor {
     /// Position of the end of a part of a file.
     fn after(&self, name: &str, part: &str) -> Value {
         let (_, text) = self.texts.iter().find(|(n, _)| *n == name).expect("open");
-        let before = &text[..text.find(part).expect("it is there") + part.len()];
-        let line = before.matches('\n').count();
-        let character = before.rsplit('\n').next().unwrap_or_default().len();
-        json!({ "line": line, "character": character })
+        position(&text[..text.find(part).expect("it is there") + part.len()])
     }
 }
 

@@ -62,10 +62,9 @@ fn texts_are_formatted_and_keep_their_comments() {
          eye = [0, 1, 5]\ntarget = [\n  0, # x\n  0, 0\n]\n"
     );
     let uri = client.uri("scene.toml");
-    let change = |text: &str| json!({ "textDocument": { "uri": uri }, "contentChanges": [{ "text": text }] });
-    client.tell("textDocument/didChange", change(&formatted));
+    client.change(&uri, &formatted);
     assert_eq!(format(&mut client), json!([]), "it stays as it is");
-    client.tell("textDocument/didChange", change("version = = 1\n  x"));
+    client.change(&uri, "version = = 1\n  x");
     assert_eq!(format(&mut client), json!([]), "it is no TOML");
     client.end();
 }
@@ -80,9 +79,7 @@ fn help_that_says_what_to_write_is_a_quick_fix() {
     for (wrong, right) in all.chain([("// the floor", "# the floor")]) {
         let right = right.replace("\\n", "\n");
         let text = format!("version = 1\n{wrong}\n");
-        let change =
-            json!({ "textDocument": { "uri": uri }, "contentChanges": [{ "text": text }] });
-        client.tell("textDocument/didChange", change);
+        client.change(&uri, &text);
         let found = client.found(&uri);
         let params = json!({ "textDocument": { "uri": uri }, "context": { "diagnostics": found } });
         let actions = client.ask("textDocument/codeAction", params);
