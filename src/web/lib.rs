@@ -1,6 +1,8 @@
 //! Reflet in a page: scene text → messages, and scene text → picture, for the worker of `src/web/page`. The page hands over the
 //! files ([`in_memory`]); nothing else can be read, and nothing is sent.
 //!
+//! [`language`] is the language server, for a worker of its own.
+//!
 //! A picture takes many answers of the device. [`show`] is suspended until each is there
 //! (`src/gpu/wait.rs`); meanwhile the worker may call everything here but [`show`].
 #![cfg(target_arch = "wasm32")]
@@ -25,6 +27,7 @@ use wasm_bindgen::prelude::wasm_bindgen;
 use messages::messages;
 use reflet_base::{clock::Instant, files::in_memory};
 use reflet_gpu::{Gpu, GpuError, GpuOptions};
+use reflet_lsp::Server;
 use reflet_render::{
     Picture, PictureRequest, SoFar,
     picture::png_file,
@@ -53,6 +56,10 @@ extern "C" {
 
 thread_local! {
     static STATE: RefCell<State> = RefCell::default();
+    static LANGUAGE: RefCell<Server> = RefCell::new(Server::new(
+        &json!({ "capabilities": { "textDocument": { "completion": { "completionItem": { "snippetSupport": true } } } } }),
+        |_, _, _| Vec::new(), // pictures bring the messages
+    ));
 }
 
 #[derive(Default)]
@@ -104,6 +111,14 @@ pub fn check(name: &str, text: &str) -> String {
     let opened = text.open(&[], &Dependencies::default());
     let found = opened.map_or_else(|errors| errors, |opened| opened.warnings);
     json!(messages(found)).to_string()
+}
+
+/// List of messages of the language server that follow from one of the editor, both as JSON-RPC. A text that is opened takes
+/// the place of the open one.
+#[wasm_bindgen]
+pub fn language(message: &str) -> String {
+    let message = serde_json::from_str(message).unwrap_or_default();
+    json!(LANGUAGE.with_borrow_mut(|server| server.handle(&message))).to_string()
 }
 
 /// Ends the picture in work, and asks for the next.

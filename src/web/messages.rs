@@ -2,21 +2,17 @@
 
 use serde_json::{Value, json};
 
+use reflet_lsp::range;
 use reflet_scene::diagnostic::{Diagnostic, at_most};
 
-/// Messages with the file, line and columns that they are about, where they are about a place.
+/// Messages with their file and, where they are about a place, its range in the form of the language server.
 pub fn messages(found: Vec<Diagnostic>) -> Vec<Value> {
     let message = |found: Diagnostic| {
-        let at = found.span.source.as_ref().map(|source| {
-            let [start, end] = [found.span.range.start, found.span.range.end];
-            (source.place(start), source.place(end))
-        });
+        let source = found.span.source.as_ref();
         json!({
             "severity": found.severity.name(),
             "file": found.path(),
-            "line": at.map(|(start, _)| start.line),
-            "column": at.map(|(start, _)| start.column),
-            "end": at.map(|(_, end)| [end.line, end.column]),
+            "range": source.map(|source| range(&source.text, &found.span.range)),
             "text": found.render(false),
         })
     };

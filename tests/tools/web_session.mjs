@@ -20,6 +20,17 @@ const open_page = async (from, fragment = "") => {
   page.on("request", (request) => {
     if (!request.url().startsWith(address) && !request.url().startsWith("blob:")) throw new Error(`${request.url()} is asked for`);
   });
+  // Milliseconds from each question to the language server to its answer.
+  await page.addInitScript(() => {
+    self.waited = [];
+    const post = Worker.prototype.postMessage;
+    Worker.prototype.postMessage = function (message, ...moved) {
+      const [id, began] = [message.rpc && JSON.parse(message.rpc).id, performance.now()];
+      const hear = ({ data }) => data.rpc?.includes(`"id":${id},`) && self.waited.push(performance.now() - began);
+      if (id) this.addEventListener("message", hear);
+      post.call(this, message, ...moved);
+    };
+  });
   await page.goto(address + fragment);
   return page;
 };
@@ -27,6 +38,7 @@ const step = (text) => console.log(text);
 const status = (page, pattern) => page.waitForFunction(
   (source) => new RegExp(source).test(document.getElementById("status").textContent), pattern.source);
 const picture = (page) => page.evaluate(() => document.getElementById("picture").toDataURL());
+const value = (page) => page.evaluate(() => document.getElementById("text").value);
 // Waits for the picture of what is written now.
 const shown = (page) => status(page, /^160 × 90 in /);
 const write = async (page, change) => {
@@ -47,7 +59,7 @@ const first = await picture(page);
 
 await write(page, "text.replace('roughness = 0.35', 'roughnes = 0.35')");
 await page.waitForSelector("#messages .error");
-const line = await page.evaluate(() => document.getElementById("text").value.split("\n").findIndex((row) => row.includes("roughnes ")) + 1);
+const line = (await value(page)).split("\n").findIndex((row) => row.includes("roughnes ")) + 1;
 const marked = await page.locator("#lines .error").textContent();
 if (Number(marked) !== line) throw new Error(`line ${marked} is marked, not ${line}`);
 await page.click("#messages .error button");
@@ -59,6 +71,30 @@ await write(page, "text.replace('roughnes = 0.35', 'roughness = 0.35')");
 await shown(page);
 if (await picture(page) !== first) throw new Error("the mended scene looks different");
 step("shown");
+
+// The first letters of a key, its value, which is typed over the default one, and the manual under the pointer.
+const [x, y] = await page.evaluate(() => {
+  const text = document.getElementById("text");
+  const before = text.value.slice(0, text.value.indexOf("0.35") + 4);
+  text.setSelectionRange(before.length, before.length);
+  text.focus();
+  const { left, top } = text.getBoundingClientRect();
+  return [left + 12, top - 1 + 18 * before.split("\n").length - text.scrollTop];
+});
+await page.keyboard.type("\nmeta");
+await page.waitForSelector("#choice-0[aria-selected=true]");
+await page.screenshot({ path: join(folder, "completion.png") });
+await page.keyboard.press("Enter");
+await page.keyboard.type("0.5");
+await page.waitForFunction((old) => document.getElementById("picture").toDataURL() !== old, first);
+if (!(await value(page)).includes("0.35\nmetallic = 0.5\n")) throw new Error("completion writes something else");
+step("completed");
+await page.mouse.move(x, y);
+await page.waitForFunction(() => /rough/.test(document.getElementById("hover").textContent));
+await page.screenshot({ path: join(folder, "hover.png") });
+await write(page, "text.replace('metallic = 0.5\\n', '')");
+await shown(page);
+step("explained");
 
 const waiting = page.waitForEvent("download");
 await page.click("#save");
@@ -95,7 +131,7 @@ step("dropped");
 
 await page.click("#share");
 await page.waitForFunction(() => location.hash.length > 100);
-const written = await page.evaluate(() => document.getElementById("text").value);
+const written = await value(page);
 const other = await open_page(browser, await page.evaluate(() => location.hash));
 await other.waitForFunction((text) => document.getElementById("text").value === text, written);
 await other.close();
@@ -107,6 +143,21 @@ for (const garbage of ["#%3Cscript%3E", "#AAAA", `#${"x".repeat(1 << 20)}`]) {
   await refusing.close();
 }
 step("refused");
+
+// A completion waits for no picture.
+const busy = await open_page(browser);
+for (const work of ["in", "rendering"]) {
+  await status(busy, new RegExp(`\\b${work} ?`));
+  await busy.press("#text", "Control+Home");
+  for (let time = 0; time < 20; time += 1) await busy.press("#text", "Control+Space");
+  await busy.waitForSelector("#choice-0");
+  const waited = await busy.evaluate(() => self.waited.splice(1).sort((a, b) => a - b));
+  console.error(`${waited.length} completions after ${waited[waited.length >> 1]} ms, at most ${waited.at(-1)} ms`);
+  if (work === "in") await busy.selectOption("#examples", "studio.toml");
+}
+if (!/^rendering|^sample/.test(await busy.textContent("#status"))) throw new Error("the picture was there first");
+await busy.close();
+step("quick");
 
 // The browser's process of the adapter crashes: pictures are made on a new device.
 await page.evaluate(() => {

@@ -2,6 +2,7 @@
 // ends or loses its device.
 "use strict";
 
+import * as language from "./language.js";
 import { fromFragment, toFragment } from "./share.js";
 
 const TEXT_FILE = /\.(toml|rhai)$/i;
@@ -25,10 +26,9 @@ let lacking = null;
 let restarts = 0;
 let timer = 0;
 
-const hand = (name) => {
+const file_message = (name) => {
   const content = files.get(name);
-  const bytes = typeof content === "string" ? new TextEncoder().encode(content) : content;
-  worker.postMessage({ file: name, bytes });
+  return { file: name, bytes: typeof content === "string" ? new TextEncoder().encode(content) : content };
 };
 
 // Another frame of the same text has no other messages.
@@ -53,31 +53,29 @@ const list = (found) => {
     const button = document.createElement("button");
     item.className = message.severity;
     button.textContent = message.text.trim();
-    button.onclick = () => go_to(message);
+    if (message.range) button.onclick = () => go_to(message.file, message.range.start, message.range.end);
     item.append(button);
-    if (message.file === tab && message.line && worst.get(message.line) !== "error") worst.set(message.line, message.severity);
+    const line = message.file === tab ? message.range?.start.line : undefined;
+    if (worst.get(line) !== "error") worst.set(line, message.severity);
     return item;
   }));
   messages.found = found;
   lines.replaceChildren(...Array.from({ length: count }, (_, at) => {
     const line = document.createElement("span");
-    line.className = worst.get(at + 1) ?? "";
+    line.className = worst.get(at) ?? "";
     line.textContent = `${at + 1}\n`;
     return line;
   }));
   lines.scrollTop = text.scrollTop;
 };
 
-const go_to = ({ file, line, column, end }) => {
+// Goes to a range of lines and columns of UTF-16 units, from 0.
+const go_to = (file, start, end) => {
   if (file !== tab && typeof files.get(file) === "string") open(file);
-  if (!line || file !== tab) return;
-  const rows = text.value.split("\n");
-  // Columns count characters, the selection UTF-16 units.
-  const offset = (row, character) => rows.slice(0, row - 1).reduce((sum, each) => sum + each.length + 1, 0)
-    + [...rows[row - 1]].slice(0, character - 1).join("").length;
+  if (file !== tab) return;
   text.focus();
-  text.setSelectionRange(offset(line, column), offset(...end));
-  text.scrollTop = (line - 4) * 18;
+  text.setSelectionRange(language.offset_of(text.value, start), language.offset_of(text.value, end));
+  text.scrollTop = (start.line - 3) * 18;
 };
 
 const show_tabs = () => {
@@ -110,12 +108,14 @@ const open = (name) => {
 
 const put = (name, content) => {
   files.set(name, content);
-  if (isReady) hand(name);
+  if (isReady) worker.postMessage(file_message(name));
+  language.hand(file_message(name));
 };
 
 // Other texts take the place of all files.
 const replace = (all) => {
   files.clear();
+  language.restart();
   scene = "";
   for (const [name, content] of Object.entries(all)) put(name, content);
   open(Object.keys(all)[0]);
@@ -150,7 +150,7 @@ const answers = {
   state: (data) => {
     isReady = true;
     lacking = data.lacks;
-    for (const name of files.keys()) hand(name);
+    for (const name of files.keys()) worker.postMessage(file_message(name));
     tell(lacking ? `messages only: this browser lacks ${lacking}` : "ready");
     run();
   },
@@ -186,12 +186,22 @@ const answers = {
   ended: ({ ended }) => restart(`the renderer ended (${ended})`),
 };
 
+// One program, compiled once for all workers.
+const load = () => fetch("reflet_web_bg.wasm");
+const program = WebAssembly.compileStreaming(load()).catch(async () => WebAssembly.compile(await (await load()).arrayBuffer()));
+const work = (hear) => {
+  const made = new Worker("worker.js", { type: "module" });
+  const fail = (error) => tell(`the renderer cannot be loaded: ${error.message ?? "a file is missing"}`);
+  made.onmessage = ({ data }) => hear(data);
+  made.onerror = fail;
+  program.then((module) => made.postMessage({ module }), fail);
+  return made;
+};
 const start = () => {
   isReady = false;
-  worker = new Worker("worker.js", { type: "module" });
-  worker.onmessage = ({ data }) => answers[Object.keys(answers).find((key) => key in data)](data);
-  worker.onerror = (event) => tell(`the renderer cannot be loaded: ${event.message ?? "a file is missing"}`);
+  worker = work((data) => answers[Object.keys(answers).find((key) => key in data)](data));
 };
+language.begin({ files, tab: () => tab, work, file_message, put, go_to, tell });
 
 // A renderer that ends again before it has made a picture waits for a change of the text.
 const restart = (why) => {

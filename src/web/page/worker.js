@@ -1,8 +1,9 @@
-// The checker and the renderer, away from the page, which stays quick. Messages: {file, bytes}, {scene, text, width, frame, checks}
-// and {png}; answers: {state}, {check}, {part, pixels}, {shown, pixels}, {png} and {ended}.
+// The program, away from the page, which stays quick: the checker and the renderer, or the language server. Messages: {module} first,
+// then {file, bytes}, {scene, text, width, frame, checks}, {png} and {rpc}; answers: {state}, {check}, {part, pixels},
+// {shown, pixels}, {png}, {rpc} and {ended}.
 "use strict";
 
-import init, { answer, ask, check, pixels, png, put_file, start } from "./reflet_web.js";
+import init, { answer, ask, check, language, pixels, png, put_file, start } from "./reflet_web.js";
 import { canSuspend } from "./suspend.js";
 
 const tell = (message, moved) => self.postMessage(message, moved);
@@ -51,9 +52,12 @@ const work = {
     showAll();
   },
   png: () => tell({ png: png() }),
+  rpc: ({ rpc }) => tell({ rpc: language(rpc) }),
 };
 
-const ready = init().then((exports) => {
+let load = null;
+const loaded = new Promise((done) => { load = done; });
+const ready = loaded.then(init).then((exports) => {
   start();
   const lacking = lacks();
   if (!lacking) show = WebAssembly.promising(exports.show);
@@ -61,6 +65,7 @@ const ready = init().then((exports) => {
 }).catch(ended);
 
 self.onmessage = async ({ data }) => {
+  if (data.module) return load({ module_or_path: data.module });
   await ready;
   const kind = Object.keys(work).find((key) => key in data);
   try {

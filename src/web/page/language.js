@@ -1,0 +1,269 @@
+// Completion, the manual under the pointer, colors, renaming and definitions in the editor. The program's language server answers,
+// as messages of its protocol (LSP), in a worker of its own: it is quick while a picture is made.
+"use strict";
+
+const [ROW_PX, PADDING_PX] = [18, 8];
+const REST_MS = 350;
+
+const get = (id) => document.getElementById(id);
+const [text, completion, choices, manual, hover, naming] = ["text", "completion", "choices", "manual", "hover", "naming"].map(get);
+const ruler = document.createElement("canvas").getContext("2d");
+
+// The editor: files by name and the shown one, and functions that make a worker, put a text, go to a place and tell words.
+let page = null;
+let worker = null;
+let opened = "";
+let asked = 0;
+const waiting = new Map();
+
+const uri_of = (name) => `file:///${encodeURIComponent(name)}`;
+const name_of = (uri) => decodeURIComponent(uri.slice("file:///".length));
+const position = (offset) => {
+  const rows = text.value.slice(0, offset).split("\n");
+  return { line: rows.length - 1, character: rows.at(-1).length };
+};
+export const offset_of = (content, { line, character }) =>
+  content.split("\n").slice(0, line).reduce((sum, row) => sum + row.length + 1, character);
+
+export const begin = (given) => { page = given; };
+// Other files take the place of all, or the server has ended: the next question starts one.
+export const restart = () => {
+  worker?.terminate();
+  worker = null;
+};
+export const hand = (message) => worker?.postMessage(message);
+
+const post = (message) => worker.postMessage({ rpc: JSON.stringify({ jsonrpc: "2.0", ...message }) });
+// Result of a request about the text as it is now.
+const ask = async (method, params = {}) => {
+  if (!worker) {
+    [opened, worker] = ["", page.work(({ rpc, ended }) => {
+      if (ended) restart();
+      for (const answer of JSON.parse(rpc ?? "[]")) waiting.get(answer.id)?.(answer);
+    })];
+    for (const name of page.files.keys()) hand(page.file_message(name));
+  }
+  const uri = uri_of(page.tab());
+  const now = uri + text.value;
+  if (opened !== now) post({ method: "textDocument/didOpen", params: { textDocument: { uri, text: text.value } } });
+  opened = now;
+  const id = ++asked;
+  post({ id, method: `textDocument/${method}`, params: { textDocument: { uri }, ...params } });
+  const { result, error } = await new Promise((done) => { waiting.set(id, done); });
+  waiting.delete(id);
+  if (error) throw new Error(error.message);
+  return result;
+};
+
+// The few forms of Markdown that the manual has.
+const show_manual = (box, markdown) => {
+  const made = (kind, words) => Object.assign(document.createElement(kind), { textContent: words });
+  const plain = (words) => words.trim().replace(/\[([^\]]*)\]\([^)]*\)/g, "$1").replace(/\n{2,}/g, "\n")
+    .split("`").map((part, at) => made(at % 2 ? "code" : "span", part));
+  box.replaceChildren(...markdown.split(/```\w*\n?/).flatMap((part, at) => at % 2 ? made("pre", part.trimEnd()) : plain(part)));
+};
+
+const width = (part) => {
+  ruler.font = getComputedStyle(text).font;
+  return ruler.measureText(part.replaceAll("\t", "  ")).width;
+};
+// Shows a box below a place in the text, above it where there is more room.
+const place = (box, offset) => {
+  box.hidden = false;
+  const edge = text.getBoundingClientRect();
+  const { line, character } = position(offset);
+  const row = text.value.split("\n")[line].slice(0, character);
+  const left = edge.left + PADDING_PX + width(row) - text.scrollLeft;
+  const top = edge.top + PADDING_PX + line * ROW_PX - text.scrollTop;
+  const isBelow = top + ROW_PX + box.offsetHeight < innerHeight || top < innerHeight / 2;
+  box.style.left = `${Math.max(4, Math.min(left, innerWidth - box.offsetWidth - 4))}px`;
+  box.style.top = `${isBelow ? top + ROW_PX : Math.max(4, top - box.offsetHeight)}px`;
+};
+// Offset of the character under a pointer; -1 beside the text.
+const offset_at = ({ clientX, clientY }) => {
+  const edge = text.getBoundingClientRect();
+  const line = Math.floor((clientY - edge.top - PADDING_PX + text.scrollTop) / ROW_PX);
+  const left = clientX - edge.left - PADDING_PX + text.scrollLeft;
+  const row = text.value.split("\n")[line] ?? "";
+  if (left < 0 || width(row) < left) return -1;
+  let character = 0;
+  while (width(row.slice(0, character + 1)) < left) character += 1;
+  return offset_of(text.value, { line, character });
+};
+
+// Writes as typing does, so that it can be undone.
+let isTyped = true;
+const write = (from, to, words) => {
+  text.focus();
+  text.setSelectionRange(from, to);
+  isTyped = false;
+  if (!document.execCommand("insertText", false, words)) {
+    text.setRangeText(words, from, to, "end");
+    text.dispatchEvent(new Event("input"));
+  }
+  isTyped = true;
+};
+const apply = (edits, content, change) => edits
+  .map(({ range, newText }) => [offset_of(content, range.start), offset_of(content, range.end), newText])
+  .sort(([a], [b]) => b - a).forEach((edit) => change(...edit));
+
+// Completion: items, the chosen one, and the written part of the word that they continue.
+let [items, chosen, written] = [[], 0, ""];
+const hide = () => {
+  completion.hidden = hover.hidden = true;
+  text.removeAttribute("aria-activedescendant");
+};
+const choose = (at) => {
+  choices.children[chosen]?.setAttribute("aria-selected", "false");
+  chosen = (at + items.length) % items.length;
+  const option = choices.children[chosen];
+  option.setAttribute("aria-selected", "true");
+  option.scrollIntoView({ block: "nearest" });
+  text.setAttribute("aria-activedescendant", option.id);
+  show_manual(manual, items[chosen].documentation?.value ?? "");
+  place(completion, text.selectionStart - written.length);
+};
+const written_before = (line) => {
+  const isQuoted = line.replace(/\\./g, "").split('"').length % 2 === 0;
+  return isQuoted ? line.slice(line.lastIndexOf('"') + 1) : line.match(page.tab().endsWith(".rhai") ? /\w*$/ : /[\w-]*$/)[0];
+};
+const complete = async () => {
+  const caret = text.selectionStart;
+  const found = await ask("completion", { position: position(caret) });
+  if (caret !== text.selectionStart || opened !== uri_of(page.tab()) + text.value) return;
+  written = written_before(text.value.slice(text.value.lastIndexOf("\n", caret - 1) + 1, caret));
+  const at = ({ label }) => label.replaceAll('"', "").toLowerCase().indexOf(written.toLowerCase());
+  items = (found ?? []).filter((item) => at(item) >= 0 && (item.insertText ?? item.label) !== written);
+  items.sort((a, b) => Math.sign(at(a)) - Math.sign(at(b)));
+  if (!items.length) return hide();
+  hover.hidden = true;
+  choices.replaceChildren(...items.map((item, index) => {
+    const option = Object.assign(document.createElement("li"), { textContent: item.label, id: `choice-${index}`, role: "option" });
+    option.onmousedown = (event) => {
+      event.preventDefault();
+      accept(item);
+    };
+    return option;
+  }));
+  completion.hidden = false;
+  choices.scrollTop = 0;
+  choose(0);
+};
+const accept = ({ label, insertText = label, insertTextFormat }) => {
+  const caret = text.selectionStart;
+  const [before, after] = [text.value.slice(0, caret - written.length), text.value.slice(caret)];
+  const hole = insertTextFormat === 2 ? insertText.match(/\$(?:1|\{1:((?:\\.|[^\\}])*)\})/) : null;
+  const value = (hole?.[1] ?? "").replace(/\\(.)/g, "$1");
+  let words = hole ? insertText.replace(hole[0], () => value) : insertText;
+  if (before.endsWith("=")) words = ` ${words}`;
+  const start = before.length + (hole ? hole.index : words.length);
+  const quote = before.endsWith('"') && !after.startsWith('"') ? '"' : "";
+  hide();
+  write(before.length, caret + (quote ? 0 : after.match(/^\w*/)[0].length), words + quote);
+  text.setSelectionRange(start + (hole ? 0 : quote.length), start + (hole ? value.length : quote.length));
+  // The value of a key without a default, as a name after a bracket, comes next.
+  if (hole && !value) complete();
+};
+text.addEventListener("input", () => {
+  const caret = text.selectionStart;
+  const line = text.value.slice(text.value.lastIndexOf("\n", caret - 1) + 1, caret);
+  const isComment = page.tab().endsWith(".rhai") && line.includes("//");
+  hover.hidden = true;
+  if (isTyped && !isComment && /[\p{L}_"[.=]$/u.test(line)) complete();
+  else completion.hidden = true;
+});
+
+// The manual under the pointer, with a picker where it is on a color.
+let [resting, shown] = [0, [0, 0]];
+const show_hover = async (offset) => {
+  const at = { position: position(offset) };
+  const [found, colors] = [await ask("hover", at), await ask("documentColor") ?? []];
+  const ends = (range) => [offset_of(text.value, range.start), offset_of(text.value, range.end)];
+  const holds = ([start, end]) => start <= offset && offset < end;
+  const color = colors.find(({ range }) => holds(ends(range)));
+  if (!found && !color || !completion.hidden) return;
+  shown = ends((color ?? found).range ?? { start: at.position, end: at.position });
+  show_manual(hover, found?.contents.value ?? "");
+  if (color) {
+    const two = (part) => Math.round(part * 255).toString(16).padStart(2, "0");
+    const { red, green, blue } = color.color;
+    const picker = Object.assign(document.createElement("input"), { type: "color", value: `#${two(red)}${two(green)}${two(blue)}`, title: "choose another color" });
+    picker.onchange = async () => {
+      const part = (from) => parseInt(picker.value.slice(from, from + 2), 16) / 255;
+      const range = { start: position(shown[0]), end: position(shown[1]) };
+      const [{ label }] = await ask("colorPresentation", { color: { red: part(1), green: part(3), blue: part(5), alpha: 1 }, range });
+      write(...shown, label);
+      hover.hidden = true;
+    };
+    hover.prepend(picker);
+  }
+  place(hover, shown[0]);
+};
+text.addEventListener("mousemove", (event) => {
+  clearTimeout(resting);
+  const offset = offset_at(event);
+  if (!hover.hidden && offset >= shown[0] && offset <= shown[1]) return;
+  hover.hidden = true;
+  if (offset >= 0 && !event.buttons) resting = setTimeout(() => show_hover(offset), REST_MS);
+});
+text.addEventListener("mouseleave", ({ relatedTarget }) => {
+  clearTimeout(resting);
+  if (!hover.contains(relatedTarget)) hover.hidden = true;
+});
+hover.addEventListener("mouseleave", () => { hover.hidden = !hover.querySelector(":focus"); });
+
+const define = async () => {
+  const [found] = await ask("definition", { position: position(text.selectionStart) }) ?? [];
+  if (found) page.go_to(name_of(found.uri), found.range.start, found.range.end);
+  else page.tell("nothing is defined by a name here");
+};
+const rename = async () => {
+  const at = { position: position(text.selectionStart) };
+  const range = await ask("prepareRename", at);
+  if (!range) return page.tell("there is no name here that can be changed");
+  const [start, end] = [range.start, range.end].map((each) => offset_of(text.value, each));
+  naming.value = text.value.slice(start, end).replace(/^["']|["']$/g, "");
+  place(naming, start);
+  naming.select();
+  naming.onkeydown = async (event) => {
+    if (!["Enter", "Escape"].includes(event.key)) return;
+    event.preventDefault();
+    text.focus();
+    if (event.key === "Escape") return;
+    try {
+      const { changes } = await ask("rename", { ...at, newName: naming.value });
+      for (const [uri, edits] of Object.entries(changes)) {
+        const name = name_of(uri);
+        let content = name === page.tab() ? text.value : page.files.get(name);
+        if (name === page.tab()) apply(edits, content, write);
+        else if (typeof content === "string") {
+          apply(edits, content, (from, to, words) => { content = content.slice(0, from) + words + content.slice(to); });
+          page.put(name, content);
+        }
+      }
+    } catch (error) {
+      page.tell(error.message);
+    }
+  };
+};
+naming.onblur = () => { naming.hidden = true; };
+const format = async () => apply(await ask("formatting", { options: { tabSize: 4, insertSpaces: true } }) ?? [], text.value, write);
+
+const commands = { "Control+ ": complete, F2: rename, F12: define, "Alt+Shift+F": format, Escape: hide };
+const in_list = {
+  ArrowDown: () => choose(chosen + 1),
+  ArrowUp: () => choose(chosen - 1),
+  Enter: () => accept(items[chosen]),
+  Tab: () => accept(items[chosen]),
+};
+text.addEventListener("keydown", (event) => {
+  const held = ["Control", "Alt", "Shift"].filter((name) => event.getModifierState(name));
+  const key = [...held, event.key].join("+");
+  const command = (!completion.hidden && in_list[key]) || commands[key];
+  if (!command || event.isComposing) return;
+  event.preventDefault();
+  command();
+});
+text.addEventListener("click", (event) => { hide(); if (event.ctrlKey || event.metaKey) define(); });
+text.addEventListener("blur", ({ relatedTarget }) => { if (!hover.contains(relatedTarget)) hide(); });
+text.addEventListener("scroll", hide);
