@@ -38,7 +38,7 @@ fn serve(connection: &Connection) -> Result<(), String> {
     let client = connection
         .initialize(capabilities())
         .map_err(|error| error.to_string())?;
-    let mut server = Server::new(&client, whole_check);
+    let mut server = Server::new(&client);
     let send = |message| {
         if let Ok(message) = from_value(message) {
             let _ = connection.sender.send(message); // a lost client is noticed when reading
@@ -53,7 +53,7 @@ fn serve(connection: &Connection) -> Result<(), String> {
         let message = to_value(message).map_err(|error| error.to_string())?;
         server.handle(&message).into_iter().for_each(send);
         if connection.receiver.is_empty() {
-            server.check_changed().into_iter().for_each(send);
+            server.check_changed(whole_check).into_iter().for_each(send);
         }
     }
     Ok(())

@@ -13,7 +13,7 @@ use super::{
     model_files::ModelFiles,
     names::{Name, border_of, files_of_value, kinds_of_value, names, with_parts},
     outline::{Part, Word, beside, words, words_before},
-    position::{range, uri_of},
+    position::{location, range, uri_of},
     scopes::{Scoped, is_named, places, with_scopes},
     structure,
 };
@@ -389,10 +389,8 @@ fn meaning(file: &Source, word: &Word) -> Option<String> {
     match &word.part {
         Part::Value(name) => {
             let chosen = manual.table(&word.table).and_then(|section| {
-                let known = section
-                    .variants
-                    .iter()
-                    .any(|v| v.key == name && v.word == word.text);
+                let mut known = section.variants.iter();
+                let known = known.any(|v| v.key == name && v.word == word.text);
                 known.then(|| variant_text(section, &word.text))
             });
             chosen.or_else(|| of_key(&word.table, name))
@@ -419,8 +417,8 @@ pub fn definition(file: &Arc<Source>, offset: usize) -> Vec<Value> {
     if word.part == Part::Key {
         let mut params = params_at(file, &word).into_iter();
         let own = params.find(|(name, _)| name.name == word.text);
-        let place = |(name, text): (Name, Arc<Source>)| json!({ "uri": uri_of(&text.path), "range": range(&text.text, &name.range) });
-        return own.map(place).into_iter().collect();
+        let place = own.map(|(name, text)| location(&text, &name.range));
+        return place.into_iter().collect();
     }
     let kinds: Vec<String> = match (&word.part, word.table.as_slice()) {
         (Part::Value(key), table) => {

@@ -132,6 +132,16 @@ pub fn signature_help(text: &str, offset: usize) -> Option<Value> {
 /// Characters of a script outside of its texts in double quotes and its comments, with their byte offsets. A quote is a
 /// character of code, so that a call around an unfinished text at the end is found.
 pub fn code(text: &str) -> Vec<(usize, char)> {
+    scan(text).0
+}
+
+/// Whether a text ends inside of double quotes; multi-line strings in backticks are not recognized.
+pub fn in_quotes(before: &str) -> bool {
+    scan(before.rsplit('\n').next().unwrap_or_default()).1
+}
+
+/// Characters of code, and whether the text ends inside of double quotes.
+fn scan(text: &str) -> (Vec<(usize, char)>, bool) {
     let mut code = Vec::new();
     let (mut in_text, mut in_comment, mut before) = (false, false, ' ');
     for (at, c) in text.char_indices() {
@@ -146,30 +156,12 @@ pub fn code(text: &str) -> Vec<(usize, char)> {
         // A backslash that is escaped escapes nothing.
         before = if before == '\\' && c == '\\' { ' ' } else { c };
     }
-    code
+    (code, in_text)
 }
 
 /// Whether a character may be part of a name.
 pub fn is_word(c: char) -> bool {
     c.is_alphanumeric() || c == '_'
-}
-
-/// Whether a text ends inside of double quotes; multi-line strings in backticks are not recognized.
-pub fn in_quotes(before: &str) -> bool {
-    let line = before.rsplit('\n').next().unwrap_or_default();
-    let (mut open, mut escaped) = (false, false);
-    for c in line.chars() {
-        match c {
-            '"' if !escaped => open = !open,
-            '\\' if open && !escaped => {
-                escaped = true;
-                continue;
-            }
-            _ => {}
-        }
-        escaped = false;
-    }
-    open
 }
 
 #[cfg(test)]

@@ -4,7 +4,11 @@
 use serde_json::{Value, json};
 
 use super::position::range;
-use reflet_scene::syntax::{Token, TokenKind, tokens};
+use reflet_scene::syntax::{
+    Token,
+    TokenKind::{self, *},
+    tokens,
+};
 
 /// Most empty lines in a row.
 const MOST_EMPTY: usize = 2;
@@ -38,13 +42,8 @@ fn formatted(text: &str, step: &str) -> String {
     // Indentation of the line of each open bracket: several brackets opened on one line indent their content once.
     let mut open: Vec<usize> = Vec::new();
     let mut empty = 0;
-    for line in tokens.split_inclusive(|token| token.kind == TokenKind::Newline) {
-        let is_white = |token: &&Token| {
-            !matches!(
-                token.kind,
-                TokenKind::Whitespace | TokenKind::Newline | TokenKind::Eof
-            )
-        };
+    for line in tokens.split_inclusive(|token| token.kind == Newline) {
+        let is_white = |token: &&Token| !matches!(token.kind, Whitespace | Newline | Eof);
         let parts: Vec<&Token> = line.iter().filter(is_white).collect();
         let Some(first) = parts.first() else {
             empty += 1;
@@ -60,7 +59,7 @@ fn formatted(text: &str, step: &str) -> String {
             _ => open.iter().rev().nth(closing - 1).copied().unwrap_or(0),
         };
         new.push_str(&step.repeat(indentation));
-        let is_header = open.is_empty() && first.kind == TokenKind::LeftSquareBracket;
+        let is_header = open.is_empty() && first.kind == LeftSquareBracket;
         for (index, part) in parts.iter().enumerate() {
             if let Some(before) = index.checked_sub(1).map(|i| parts[i]) {
                 let between = &text[before.at.end..part.at.start];
@@ -80,10 +79,6 @@ fn formatted(text: &str, step: &str) -> String {
 
 /// White space between two parts of a line, where `between` stands.
 fn gap((before, after): (TokenKind, TokenKind), is_header: bool, between: &str) -> &str {
-    use TokenKind::{
-        Comma, Comment, Dot, Equals, LeftCurlyBracket, LeftSquareBracket, RightCurlyBracket,
-        RightSquareBracket,
-    };
     match (before, after) {
         // Comments below each other stay aligned.
         (_, Comment) if !between.is_empty() => between,
@@ -97,17 +92,11 @@ fn gap((before, after): (TokenKind, TokenKind), is_header: bool, between: &str) 
 }
 
 fn opens(kind: TokenKind) -> bool {
-    matches!(
-        kind,
-        TokenKind::LeftSquareBracket | TokenKind::LeftCurlyBracket
-    )
+    matches!(kind, LeftSquareBracket | LeftCurlyBracket)
 }
 
 fn closes(kind: TokenKind) -> bool {
-    matches!(
-        kind,
-        TokenKind::RightSquareBracket | TokenKind::RightCurlyBracket
-    )
+    matches!(kind, RightSquareBracket | RightCurlyBracket)
 }
 
 #[cfg(test)]
@@ -132,11 +121,8 @@ mod tests {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes");
         let files = std::fs::read_dir(folder).expect("a folder");
         let is_scene = |path: &std::path::PathBuf| path.extension().is_some_and(|e| e == "toml");
-        let scenes: Vec<_> = files
-            .flatten()
-            .map(|file| file.path())
-            .filter(is_scene)
-            .collect();
+        let scenes = files.flatten();
+        let scenes: Vec<_> = scenes.map(|file| file.path()).filter(is_scene).collect();
         assert!(scenes.len() > 5);
         for path in scenes {
             let text = std::fs::read_to_string(&path).expect("a text");

@@ -64,23 +64,15 @@ pub fn capabilities() -> Value {
     })
 }
 
-/// Extent of a check.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Extent {
-    /// The text and the script's `setup`, at each change.
-    Text,
-    /// Everything that `check` does, at opening and saving.
-    Whole,
-}
-
 /// Open texts of one client, and answers about them.
+#[derive(Default)]
 pub struct Server {
-    whole_check: WholeCheck,
     /// Open texts, by URI.
     open: BTreeMap<String, Arc<Source>>,
-    changed: BTreeMap<String, Extent>,
-    /// Diagnostics that the editor shows.
-    published: Published,
+    /// Changed texts, by URI, and whether each was opened or saved, for which all is checked.
+    changed: BTreeMap<String, bool>,
+    /// Diagnostics that the editor shows, by the scene whose check found them, and by the file that has them.
+    published: BTreeMap<String, BTreeMap<String, Vec<Value>>>,
     /// Files that the last check of each scene read or looked for, by the scene's URI.
     read: BTreeMap<String, Vec<PathBuf>>,
     /// Whether the client takes snippets.
@@ -89,17 +81,12 @@ pub struct Server {
 }
 
 impl Server {
-    /// A server for a client with these parameters of `initialize`; opening and saving a text runs the check.
-    pub fn new(client: &Value, whole_check: WholeCheck) -> Self {
+    /// A server for a client with these parameters of `initialize`.
+    pub fn new(client: &Value) -> Self {
         let items = &client["capabilities"]["textDocument"]["completion"]["completionItem"];
         Self {
-            whole_check,
-            open: BTreeMap::new(),
-            changed: BTreeMap::new(),
-            published: Published::default(),
-            read: BTreeMap::new(),
             snippets: items["snippetSupport"] == true,
-            models: ModelFiles::default(),
+            ..Self::default()
         }
     }
 
@@ -122,60 +109,35 @@ impl Server {
 
     /// Result of a request, or code and text of an error.
     fn answer(&self, method: &str, params: &Value) -> Result<Value, (i32, String)> {
-        let file = params["textDocument"]["uri"]
-            .as_str()
-            .and_then(|uri| self.open.get(uri))
-            .filter(|file| self.is_served(file));
-        let at = file.map_or(0, |file| offset(&file.text, &params["position"]));
-        let is_script = file.is_some_and(|file| is_script(&file.path));
-        let scenes = || {
-            let open: Vec<_> = self.open.values().collect();
-            file.map_or_else(Vec::new, |file| script::scenes_of(&file.path, &open))
+        let none = || (METHOD_NOT_FOUND, format!("there is no method {method}"));
+        let asked = method.strip_prefix("textDocument/").ok_or_else(none)?;
+        let uri = params["textDocument"]["uri"].as_str().unwrap_or_default();
+        let Some(file) = self.open.get(uri).filter(|file| self.is_served(file)) else {
+            return Ok(Value::Null);
         };
-        Ok(match (method, file) {
-            ("textDocument/completion", Some(file)) if is_script => {
-                json!(script::complete(&file.text, at, &scenes(), self.snippets))
+        let (text, at) = (&file.text, offset(&file.text, &params["position"]));
+        let scenes = || script::scenes_of(&file.path, &self.open.values().collect::<Vec<_>>());
+        Ok(match (asked, is_script(&file.path)) {
+            ("completion", true) => json!(script::complete(text, at, &scenes(), self.snippets)),
+            ("completion", _) => json!(answer::complete(file, at, self.snippets, &self.models)),
+            ("hover", true) => json!(script::hover(text, at, &scenes())),
+            ("hover", _) => json!(answer::hover(file, at)),
+            ("definition", true) => json!(script::definition(text, at, &scenes())),
+            ("definition", _) => json!(answer::definition(file, at)),
+            ("references" | "prepareRename" | "rename", _) => {
+                let result = self.about_name(asked, params, file, at);
+                result.map_err(|why| (REQUEST_FAILED, why))?
             }
-            ("textDocument/completion", Some(file)) => {
-                json!(answer::complete(file, at, self.snippets, &self.models))
-            }
-            ("textDocument/hover", Some(file)) if is_script => {
-                json!(script::hover(&file.text, at, &scenes()))
-            }
-            ("textDocument/hover", Some(file)) => json!(answer::hover(file, at)),
-            ("textDocument/definition", Some(file)) if is_script => {
-                json!(script::definition(&file.text, at, &scenes()))
-            }
-            ("textDocument/definition", Some(file)) => json!(answer::definition(file, at)),
-            (
-                "textDocument/references" | "textDocument/prepareRename" | "textDocument/rename",
-                Some(file),
-            ) => {
-                (self.about_name(method, params, file, at)).map_err(|why| (REQUEST_FAILED, why))?
-            }
-            ("textDocument/documentSymbol", Some(file)) => json!(structure::symbols(file)),
-            ("textDocument/signatureHelp", Some(file)) if is_script => {
-                json!(call::signature_help(&file.text, at))
-            }
-            ("textDocument/signatureHelp", Some(_)) => Value::Null,
-            ("textDocument/formatting", Some(_)) if is_script => Value::Null,
-            ("textDocument/formatting", Some(file)) => {
-                json!(format::edits(&file.text, &params["options"]))
-            }
-            ("textDocument/foldingRange", Some(file)) => json!(structure::folds(file)),
-            ("textDocument/documentColor", Some(_)) if is_script => json!([] as [Value; 0]),
-            ("textDocument/documentColor", Some(file)) => json!(colors::colors(file)),
-            ("textDocument/colorPresentation", Some(file)) => {
-                json!(colors::presentations(file, params))
-            }
-            ("textDocument/codeAction", Some(file)) => {
-                let uri = params["textDocument"]["uri"].as_str().unwrap_or_default();
-                json!(actions::actions(file, uri, params))
-            }
-            (method, None) if method.starts_with("textDocument/") => Value::Null,
-            (method, _) => {
-                return Err((METHOD_NOT_FOUND, format!("there is no method {method}")));
-            }
+            ("documentSymbol", _) => json!(structure::symbols(file)),
+            ("signatureHelp", true) => json!(call::signature_help(text, at)),
+            ("signatureHelp", _) | ("formatting", true) => Value::Null,
+            ("formatting", _) => json!(format::edits(text, &params["options"])),
+            ("foldingRange", _) => json!(structure::folds(file)),
+            ("documentColor", true) => json!([]),
+            ("documentColor", _) => json!(colors::colors(file)),
+            ("colorPresentation", _) => json!(colors::presentations(file, params)),
+            ("codeAction", _) => json!(actions::actions(file, uri, params)),
+            _ => return Err(none()),
         })
     }
 
@@ -202,8 +164,8 @@ impl Server {
             return Ok(Value::Null);
         };
         match method {
-            "textDocument/prepareRename" => Ok(range(&file.text, &name.range)),
-            "textDocument/rename" => {
+            "prepareRename" => Ok(range(&file.text, &name.range)),
+            "rename" => {
                 let new = params["newName"].as_str().unwrap_or_default();
                 references::rename(&target, new, &texts)
             }
@@ -226,7 +188,7 @@ impl Server {
                 if let Some(path) = path_of(&uri) {
                     let source = Arc::new(Source::new(path, text));
                     self.open.insert(uri.clone(), source);
-                    self.mark_changed(&uri, Extent::Whole);
+                    self.mark_changed(&uri, true);
                 }
             }
             "textDocument/didChange" => {
@@ -235,16 +197,15 @@ impl Server {
                 if let (Some(file), Some(text)) = (self.open.get_mut(&uri), text) {
                     *file = Arc::new(Source::new(&file.path, text));
                     let path = file.path.clone();
-                    self.mark_changed(&uri, Extent::Text);
+                    self.mark_changed(&uri, false);
                     self.mark_readers(&path);
                 }
             }
             "textDocument/didSave" => {
                 self.models.clear();
                 // Other open scenes may read the saved file.
-                let all: Vec<_> = self.open.keys().cloned().collect();
-                all.iter()
-                    .for_each(|uri| self.mark_changed(uri, Extent::Whole));
+                let all = self.open.keys().map(|uri| (uri.clone(), true));
+                self.changed.extend(all);
             }
             "textDocument/didClose" => {
                 let closed = self.open.remove(&uri);
@@ -258,9 +219,8 @@ impl Server {
         Vec::new()
     }
 
-    fn mark_changed(&mut self, uri: &str, extent: Extent) {
-        let known = self.changed.entry(uri.to_owned()).or_insert(extent);
-        *known = extent.max(*known);
+    fn mark_changed(&mut self, uri: &str, is_saved: bool) {
+        *self.changed.entry(uri.to_owned()).or_default() |= is_saved;
     }
 
     /// Marks the open scenes that read a file.
@@ -268,16 +228,15 @@ impl Server {
         let reads = |files: &Vec<PathBuf>| files.iter().any(|file| same(file, path));
         let readers = self.read.iter().filter(|(_, files)| reads(files));
         let readers: Vec<_> = readers.map(|(uri, _)| uri.clone()).collect();
-        for uri in readers {
-            self.mark_changed(&uri, Extent::Text);
-        }
+        readers.iter().for_each(|uri| self.mark_changed(uri, false));
     }
 
     /// Checks what has changed since the last call: new diagnostics for the client. One call serves several changes.
-    pub fn check_changed(&mut self) -> Vec<Value> {
+    /// A text that was opened or saved gets the whole check.
+    pub fn check_changed(&mut self, whole_check: WholeCheck) -> Vec<Value> {
         let mut all = Vec::new();
         let unsaved = UnsavedTexts::new(self.open.values());
-        for (uri, extent) in std::mem::take(&mut self.changed) {
+        for (uri, is_saved) in std::mem::take(&mut self.changed) {
             let is_checked = |file: &&Arc<Source>| {
                 !is_script(&file.path) && is_scene(file) || is_project(&file.path)
             };
@@ -286,16 +245,16 @@ impl Server {
             };
             let mut by_file = BTreeMap::from([(uri.clone(), Vec::new())]);
             let files = Dependencies::default();
-            for message in self.check(file, extent, &unsaved, &files) {
+            let check = match is_saved || is_project(&file.path) {
+                true => whole_check,
+                false => check_text,
+            };
+            for message in check(file, &unsaved, &files) {
                 let place = message.span.source.as_ref();
-                let at = match place {
-                    Some(source) if source.path != file.path => uri_of(&source.path),
-                    _ => uri.clone(),
-                };
-                by_file
-                    .entry(at)
-                    .or_default()
-                    .push(protocol_diagnostic(&message));
+                let other = place.filter(|source| source.path != file.path);
+                let at = other.map_or_else(|| uri.clone(), |source| uri_of(&source.path));
+                let found = by_file.entry(at).or_default();
+                found.push(protocol_diagnostic(&message));
             }
             self.read.insert(uri.clone(), files.paths());
             all.extend(self.publish_diagnostics(&uri, by_file));
@@ -303,39 +262,28 @@ impl Server {
         all
     }
 
-    /// Notifications with the diagnostics of a scene's check, which clear diagnostics that it does not find any more.
+    /// Notifications with the diagnostics of a scene's check in place of the last one's, beside diagnostics of other checks
+    /// about the same files.
     fn publish_diagnostics(
         &mut self,
         scene: &str,
         by_file: BTreeMap<String, Vec<Value>>,
     ) -> Vec<Value> {
-        let all = self.published.replace(scene, by_file).into_iter();
-        all.map(|(uri, diagnostics)| {
-            let params = json!({ "uri": uri, "diagnostics": diagnostics });
+        let mut files: BTreeSet<String> = by_file.keys().cloned().collect();
+        let last = self.published.insert(scene.to_owned(), by_file);
+        files.extend(last.into_iter().flatten().map(|(file, _)| file));
+        let notification = |uri: String| {
+            let mut own: Vec<&Value> = Vec::new();
+            let all = self.published.values().filter_map(|of| of.get(&uri));
+            for one in all.flatten() {
+                if !own.contains(&one) {
+                    own.push(one);
+                }
+            }
+            let params = json!({ "uri": uri, "diagnostics": own });
             json!({ "jsonrpc": "2.0", "method": "textDocument/publishDiagnostics", "params": params })
-        })
-        .collect()
-    }
-
-    /// Messages about a scene or a project, with the texts of other open files; adds what it reads to `files`.
-    fn check(
-        &self,
-        file: &Arc<Source>,
-        extent: Extent,
-        unsaved: &UnsavedTexts,
-        files: &Dependencies,
-    ) -> Vec<Diagnostic> {
-        if extent == Extent::Whole || is_project(&file.path) {
-            return (self.whole_check)(file, unsaved, files);
-        }
-        let options = SceneOptions {
-            project: ProjectChoice::Search,
-            unsaved: unsaved.clone(),
-            ..SceneOptions::default()
         };
-        let text = SceneText::from_source(Arc::clone(file), &options);
-        let opened = text.open(&[], files);
-        opened.map_or_else(|errors| errors, |opened| opened.warnings)
+        files.into_iter().map(notification).collect()
     }
 }
 
@@ -354,6 +302,18 @@ pub fn values(file: &Arc<Source>, table: &[String], key: &str) -> Vec<String> {
 
 fn is_script(path: &Path) -> bool {
     path.extension().is_some_and(|end| end == "rhai")
+}
+
+/// Messages about a scene's text and script, with the texts of other open files; adds the paths that it reads to `files`.
+fn check_text(file: &Arc<Source>, unsaved: &UnsavedTexts, files: &Dependencies) -> Vec<Diagnostic> {
+    let options = SceneOptions {
+        project: ProjectChoice::Search,
+        unsaved: unsaved.clone(),
+        ..SceneOptions::default()
+    };
+    let text = SceneText::from_source(Arc::clone(file), &options);
+    let opened = text.open(&[], files);
+    opened.map_or_else(|errors| errors, |opened| opened.warnings)
 }
 
 /// A diagnostic in the protocol's form.
@@ -381,37 +341,4 @@ fn protocol_diagnostic(message: &Diagnostic) -> Value {
         "message": text,
         "relatedInformation": related.collect::<Vec<_>>(),
     })
-}
-
-/// Diagnostics by the scene whose check found them, and by the file that has them.
-#[derive(Default)]
-struct Published(BTreeMap<String, BTreeMap<String, Vec<Value>>>);
-
-impl Published {
-    /// Replaces the diagnostics of a scene's check by new ones; returns all diagnostics of each file in either, also
-    /// from checks of other scenes.
-    pub fn replace(
-        &mut self,
-        scene: &str,
-        found: BTreeMap<String, Vec<Value>>,
-    ) -> BTreeMap<String, Vec<Value>> {
-        let mut files: BTreeSet<String> = found.keys().cloned().collect();
-        files.extend(
-            self.0
-                .insert(scene.to_owned(), found)
-                .into_iter()
-                .flatten()
-                .map(|(file, _)| file),
-        );
-        let all = |file: String| {
-            let mut own: Vec<Value> = Vec::new();
-            for one in self.0.values().filter_map(|of| of.get(&file)).flatten() {
-                if !own.contains(one) {
-                    own.push(one.clone());
-                }
-            }
-            (file, own)
-        };
-        files.into_iter().map(all).collect()
-    }
 }

@@ -6,6 +6,7 @@ use std::{
 };
 
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_percent_encode};
+use reflet_scene::diagnostic::Source;
 use serde_json::{Value, json};
 
 /// Characters of a path that a URI reference does not encode (RFC 3986): unreserved ones, and the slash.
@@ -47,6 +48,11 @@ pub fn range(text: &str, range: &Range<usize>) -> Value {
         json!({ "line": line, "character": units })
     };
     json!({ "start": position(range.start), "end": position(range.end) })
+}
+
+/// A byte range of a file in the protocol's form.
+pub fn location(file: &Source, at: &Range<usize>) -> Value {
+    json!({ "uri": uri_of(&file.path), "range": range(&file.text, at) })
 }
 
 /// The file of a `file:` URI.

@@ -8,7 +8,7 @@ use super::{
     call::Call,
     is_script,
     names::{Name, border_of, kinds_of_value, names, uses, with_parts},
-    position::{range, uri_of},
+    position::{location, range, uri_of},
     scopes::{Placement, is_named, placements, split},
 };
 use reflet_base::files::{
@@ -87,19 +87,18 @@ pub fn same(a: &Path, b: &Path) -> bool {
 /// The named thing at a byte offset of a file, with its range there.
 pub fn target(file: &Arc<Source>, offset: usize, texts: &[Arc<Source>]) -> Option<(Target, Name)> {
     let is_at = |name: &Name| (name.range.start..=name.range.end).contains(&offset);
+    let target = |kind: &str, name: &str| Target {
+        kind: kind.to_owned(),
+        name: name.to_owned(),
+    };
     if let Some(own) = own_names(file).into_iter().find(is_at) {
-        let (kind, name) = (own.kind.clone(), own.name.clone());
-        return Some((Target { kind, name }, own));
+        return Some((target(&own.kind, &own.name), own));
     }
     let (name, kinds) = used_names(file).into_iter().find(|(name, _)| is_at(name))?;
     let defined = texts.iter().flat_map(|text| own_names(text));
     let mut defined = defined.filter(|d| d.name == name.name && kinds.contains(&d.kind));
     if let Some(Name { kind, .. }) = defined.next() {
-        let target = Target {
-            kind,
-            name: name.name.clone(),
-        };
-        return Some((target, name));
+        return Some((target(&kind, &name.name), name));
     }
     let placements = placements_in(texts);
     let split = split(&name.name, &placements)?;
@@ -107,18 +106,11 @@ pub fn target(file: &Arc<Source>, offset: usize, texts: &[Arc<Source>]) -> Optio
     if let Some((group, at)) =
         (split.groups.iter()).find(|(_, at)| (start + at.start..=start + at.end).contains(&offset))
     {
-        let target = Target {
-            kind: "instance".to_owned(),
-            name: (*group).to_owned(),
-        };
-        return Some((target, name.at(start + at.start..start + at.end)));
+        let place = name.at(start + at.start..start + at.end);
+        return Some((target("instance", group), place));
     }
     let kind = kind_in(split.file, split.name, &kinds, texts)?;
-    let target = Target {
-        kind,
-        name: split.name.to_owned(),
-    };
-    Some((target, name.at(start + split.start..end)))
+    Some((target(&kind, split.name), name.at(start + split.start..end)))
 }
 
 /// All scenes that texts place.
@@ -245,10 +237,8 @@ fn script_names(file: &Source) -> Vec<(Name, Vec<String>)> {
     };
     for (i, token) in tokens.iter().enumerate() {
         let before = |n: usize| i.checked_sub(n).map_or("", |i| tokens[i].text);
-        let quoted = token
-            .text
-            .strip_prefix('"')
-            .and_then(|text| text.strip_suffix('"'));
+        let quoted = token.text.strip_prefix('"');
+        let quoted = quoted.and_then(|text| text.strip_suffix('"'));
         if let Some(name) = quoted {
             let call = || Call::around_end_of(&file.text[..=token.at.start]);
             let kinds = match before(1) {
@@ -267,14 +257,10 @@ fn script_names(file: &Source) -> Vec<(Name, Vec<String>)> {
 
 /// Locations of places in the protocol's form.
 pub fn locations(places: &[Place], with_definitions: bool) -> Vec<Value> {
-    let shown = places
-        .iter()
-        .filter(|place| with_definitions || !place.is_definition);
-    let location = |place: &Place| {
-        let at = range(&place.file.text, &place.name.range);
-        json!({ "uri": uri_of(&place.file.path), "range": at })
-    };
-    shown.map(location).collect()
+    let shown = (places.iter()).filter(|place| with_definitions || !place.is_definition);
+    shown
+        .map(|place| location(&place.file, &place.name.range))
+        .collect()
 }
 
 /// Edits that give a named thing another name.

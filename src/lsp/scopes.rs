@@ -6,12 +6,12 @@ use std::{
     sync::Arc,
 };
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use super::{
     names::{Name, names, with_parts},
     outline::{Part, words},
-    position::{range, uri_of},
+    position::location,
 };
 use reflet_scene::diagnostic::Source;
 
@@ -148,8 +148,8 @@ pub fn definitions(
 /// Locations of [`definitions`].
 pub fn places(files: &[Scoped], name: &str, is_kind: impl Fn(&str) -> bool) -> Vec<Value> {
     let all = definitions(files, name, is_kind).into_iter();
-    let place = |(file, name): (Arc<Source>, Name)| json!({ "uri": uri_of(&file.path), "range": range(&file.text, &name.range) });
-    all.map(place).collect()
+    all.map(|(file, name)| location(&file, &name.range))
+        .collect()
 }
 
 /// A name behind the groups of placed scenes: its own byte range in the name, the range of each group, and the file
@@ -170,19 +170,15 @@ pub struct Split<'a> {
 pub fn split<'a>(whole: &'a str, placements: &'a [Placement]) -> Option<Split<'a>> {
     let mut found: Option<Split<'a>> = None;
     loop {
-        let (start, depth) = found
-            .as_ref()
-            .map_or((0, 0), |split| (split.start, split.groups.len()));
+        let so_far = found.as_ref();
+        let (start, depth) = so_far.map_or((0, 0), |split| (split.start, split.groups.len()));
         let rest = &whole[start..];
-        let behind = |placement: &&Placement| {
-            let name = rest
-                .strip_prefix(placement.group.as_str())?
-                .strip_prefix('.')?;
-            (!name.is_empty()).then_some(())
+        let is_before = |placement: &&Placement| {
+            let name = rest.strip_prefix(placement.group.as_str());
+            let name = name.and_then(|name| name.strip_prefix('.'));
+            name.is_some_and(|name| !name.is_empty())
         };
-        let next = placements
-            .iter()
-            .find(|placement| behind(placement).is_some());
+        let next = placements.iter().find(is_before);
         let Some(placement) = next.filter(|_| depth < DEPTH) else {
             return found;
         };
@@ -210,16 +206,11 @@ mod tests {
         let groups: Vec<_> = all.iter().map(|placed| placed.group.as_str()).collect();
         assert_eq!(groups, ["lamp", "left"]);
         let found = split("left.lamp.bulb", &all).expect("two groups");
-        assert_eq!(
-            (found.name, found.start, found.groups.len()),
-            ("bulb", 10, 2)
-        );
+        let parts = (found.name, found.start, found.groups.len());
+        assert_eq!(parts, ("bulb", 10, 2));
         assert_eq!(split("lefty.bulb", &all), None);
         assert_eq!(split("left.", &all), None);
-        assert!(is_named(
-            Path::new("/show/lib/lamp.toml"),
-            "../lib/lamp.toml"
-        ));
-        assert!(!is_named(Path::new("/show/lib/lamp.toml"), "amp.toml"));
+        let path = Path::new("/show/lib/lamp.toml");
+        assert!(is_named(path, "../lib/lamp.toml") && !is_named(path, "amp.toml"));
     }
 }

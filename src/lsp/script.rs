@@ -5,7 +5,7 @@ use std::{collections::BTreeSet, path::Path, sync::Arc};
 use serde_json::{Value, json};
 
 use super::{
-    answer::{PROPERTY, REFERENCE},
+    answer::{self, PROPERTY, REFERENCE},
     call::{Call, in_quotes, is_word},
     names::{Name, names},
     outline::{Part, Word, beside, words},
@@ -25,10 +25,8 @@ const MOST_ENTRIES: usize = 1000;
 /// Scenes that use a script, with the files that they include: open ones as edited, others from the script's
 /// folder.
 pub fn scenes_of(script: &Path, open: &[&Arc<Source>]) -> Vec<Scoped> {
-    let name = script
-        .file_name()
-        .and_then(|name| name.to_str())
-        .unwrap_or_default();
+    let name = script.file_name().and_then(|name| name.to_str());
+    let name = name.unwrap_or_default();
     let mut scenes: Vec<_> = open.iter().map(|file| Arc::clone(file)).collect();
     let folder = script.parent().unwrap_or(Path::new(""));
     let entries = entries_below(folder, 0, false).take(MOST_ENTRIES);
@@ -100,10 +98,8 @@ pub fn complete(text: &str, offset: usize, scenes: &[Scoped], snippets: bool) ->
         return Vec::new();
     }
     let functions: BTreeSet<_> = api::names().into_iter().collect();
-    functions
-        .into_iter()
-        .map(|name| item(name, FUNCTION))
-        .collect()
+    let functions = functions.into_iter();
+    functions.map(|name| item(name, FUNCTION)).collect()
 }
 
 /// Names that the second argument of a call may be, which names a part of the first: joints of an instance that scripts
@@ -141,11 +137,7 @@ fn names_of_part(call: &Call, scenes: &[Scoped]) -> Option<BTreeSet<String>> {
 }
 
 fn item(name: &str, kind: u32) -> Value {
-    json!({
-        "label": name,
-        "kind": kind,
-        "documentation": { "kind": "markdown", "value": meaning(name).unwrap_or_default() },
-    })
+    answer::item(name, kind, &meaning(name).unwrap_or_default())
 }
 
 /// Signatures and manual text of an API name, as Markdown.

@@ -138,10 +138,8 @@ fn headers(file: &Source) -> Vec<(String, Range<usize>, u32)> {
         let is_list = file.text[line.clone()].starts_with('[');
         if name.kind == "instance" {
             // The header of a list says nothing; the name of its entry does.
-            let before = all
-                .iter_mut()
-                .rev()
-                .find(|(_, at, _)| at.start < line.start);
+            let before = all.iter_mut();
+            let before = before.rev().find(|(_, at, _)| at.start < line.start);
             if let Some((title, ..)) = before.filter(|(title, ..)| title == "instance") {
                 title.push_str(&format!(" \"{}\"", name.name));
             }

@@ -58,7 +58,6 @@ thread_local! {
     static STATE: RefCell<State> = RefCell::default();
     static LANGUAGE: RefCell<Server> = RefCell::new(Server::new(
         &json!({ "capabilities": { "textDocument": { "completion": { "completionItem": { "snippetSupport": true } } } } }),
-        |_, _, _| Vec::new(), // pictures bring the messages
     ));
 }
 
