@@ -12,7 +12,7 @@ const ruler = document.createElement("canvas").getContext("2d");
 // The editor: files by name and the shown one, and functions that make a worker, put a text, go to a place and tell words.
 let page = null;
 let worker = null;
-let opened = "";
+let opened = ["", ""];
 let asked = 0;
 const waiting = new Map();
 
@@ -37,16 +37,18 @@ const post = (message) => worker.postMessage({ rpc: JSON.stringify({ jsonrpc: "2
 // Result of a request about the text as it is now.
 const ask = async (method, params = {}) => {
   if (!worker) {
-    [opened, worker] = ["", page.work(({ rpc, ended }) => {
+    [opened, worker] = [["", ""], page.work(({ rpc, ended }) => {
       if (ended) restart();
       for (const answer of JSON.parse(rpc ?? "[]")) waiting.get(answer.id)?.(answer);
     })];
     for (const name of page.files.keys()) hand(page.file_message(name));
   }
-  const uri = uri_of(page.tab());
-  const now = uri + text.value;
-  if (opened !== now) post({ method: "textDocument/didOpen", params: { textDocument: { uri, text: text.value } } });
-  opened = now;
+  const [uri, [last, old]] = [uri_of(page.tab()), opened];
+  const tell = (what, textDocument) => post({ method: `textDocument/${what}`, params: { textDocument } });
+  // Other texts are read as files, since a new name changes them too.
+  if (last && last !== uri) tell("didClose", { uri: last });
+  if (last !== uri || old !== text.value) tell("didOpen", { uri, text: text.value });
+  opened = [uri, text.value];
   const id = ++asked;
   post({ id, method: `textDocument/${method}`, params: { textDocument: { uri }, ...params } });
   const { result, error } = await new Promise((done) => { waiting.set(id, done); });
@@ -128,13 +130,17 @@ const written_before = (line) => {
   return isQuoted ? line.slice(line.lastIndexOf('"') + 1) : line.match(page.tab().endsWith(".rhai") ? /\w*$/ : /[\w-]*$/)[0];
 };
 const complete = async () => {
-  const caret = text.selectionStart;
+  const [caret, name, content] = [text.selectionStart, page.tab(), text.value];
   const found = await ask("completion", { position: position(caret) });
-  if (caret !== text.selectionStart || opened !== uri_of(page.tab()) + text.value) return;
+  if (caret !== text.selectionStart || name !== page.tab() || content !== text.value) return;
   written = written_before(text.value.slice(text.value.lastIndexOf("\n", caret - 1) + 1, caret));
-  const at = ({ label }) => label.replaceAll('"', "").toLowerCase().indexOf(written.toLowerCase());
-  items = (found ?? []).filter((item) => at(item) >= 0 && (item.insertText ?? item.label) !== written);
-  items.sort((a, b) => Math.sign(at(a)) - Math.sign(at(b)));
+  // Names that begin with the written part come before names whose later word does.
+  const place_in = ({ label }) => {
+    const [name, part] = [label.replaceAll('"', ""), written].map((each) => each.toLowerCase());
+    return name.startsWith(part) ? 0 : ["_", "-", ".", "/"].some((sign) => name.includes(sign + part)) ? 1 : 2;
+  };
+  items = (found ?? []).filter((item) => place_in(item) < 2 && (item.insertText ?? item.label) !== written);
+  items.sort((a, b) => place_in(a) - place_in(b));
   if (!items.length) return hide();
   hover.hidden = true;
   choices.replaceChildren(...items.map((item, index) => {
