@@ -94,7 +94,7 @@ await page.waitForFunction(() => /rough/.test(document.getElementById("hover").t
 await page.screenshot({ path: join(folder, "hover.png") });
 await write(page, "text.replace('metallic = 0.5\\n', '')");
 await shown(page);
-step("explained");
+step("hinted");
 
 const waiting = page.waitForEvent("download");
 await page.click("#save");
@@ -149,10 +149,12 @@ const busy = await open_page(browser);
 for (const work of ["in", "rendering"]) {
   await status(busy, new RegExp(`\\b${work} ?`));
   await busy.press("#text", "Control+Home");
-  for (let time = 0; time < 20; time += 1) await busy.press("#text", "Control+Space");
-  await busy.waitForSelector("#choice-0");
-  const waited = await busy.evaluate(() => self.waited.splice(1).sort((a, b) => a - b));
-  console.error(`${waited.length} completions after ${waited[waited.length >> 1]} ms, at most ${waited.at(-1)} ms`);
+  for (let time = 0; time <= 20; time += 1) {
+    await busy.press("#text", "Control+Space");
+    await busy.waitForFunction((answers) => self.waited.length === answers, time + 1);
+  }
+  const [first, ...waited] = await busy.evaluate(() => self.waited.splice(0));
+  console.error(`completions after ${first} ms, then ${waited.sort((a, b) => a - b)[10]} ms, at most ${waited.at(-1)} ms`);
   if (work === "in") await busy.selectOption("#examples", "studio.toml");
 }
 if (!/^rendering|^sample/.test(await busy.textContent("#status"))) throw new Error("the picture was there first");

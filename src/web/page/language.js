@@ -192,8 +192,8 @@ const show_hover = async (offset) => {
   show_manual(hover, found?.contents.value ?? "");
   if (color) {
     const two = (part) => Math.round(part * 255).toString(16).padStart(2, "0");
-    const { red, green, blue } = color.color;
-    const picker = Object.assign(document.createElement("input"), { type: "color", value: `#${two(red)}${two(green)}${two(blue)}`, title: "choose another color" });
+    const value = `#${["red", "green", "blue"].map((part) => two(color.color[part])).join("")}`;
+    const picker = Object.assign(document.createElement("input"), { type: "color", value, title: "choose another color" });
     picker.onchange = async () => {
       const part = (from) => parseInt(picker.value.slice(from, from + 2), 16) / 255;
       const range = { start: position(shown[0]), end: position(shown[1]) };
