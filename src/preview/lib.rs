@@ -9,4 +9,4 @@ pub mod viewer;
 pub mod watch;
 #[cfg(feature = "window")]
 pub mod window;
-pub mod write_back;
+pub use reflet_write_back as write_back;

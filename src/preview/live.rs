@@ -8,10 +8,7 @@ use std::{
     time::{Duration, SystemTime},
 };
 
-use super::{
-    watch::{Change, WatchList},
-    write_back::History,
-};
+use super::watch::{Change, WatchList};
 use reflet_gpu::ShaderError;
 use reflet_render::{
     RebuildSummary, RenderError, Renderer,
@@ -30,6 +27,7 @@ use reflet_scene::{
 };
 use reflet_world::World;
 
+mod history;
 mod open;
 mod pending;
 mod pose;
@@ -37,6 +35,7 @@ mod reload;
 mod reload_job;
 mod write_back;
 
+use history::History;
 use pending::Pending;
 pub use pending::{ReadRequest, Refusal, Reuse};
 pub use pose::Edit;

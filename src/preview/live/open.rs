@@ -2,8 +2,9 @@
 
 use std::{path::Path, sync::Arc, time::SystemTime};
 
-use super::{InitialBuild, Live, Problems, SceneSource, ViewOverrides, audited, pending::Pending};
-use crate::write_back::History;
+use super::{
+    History, InitialBuild, Live, Problems, SceneSource, ViewOverrides, audited, pending::Pending,
+};
 use reflet_gpu::Gpu;
 use reflet_render::runtime::{
     Session, SessionError,

@@ -284,7 +284,7 @@ mod tests {
             numbers("size", &[2.0, 4.0, 0.0]),
         ];
         let of = |item| {
-            let shown = Inspected::example(item, numbers.to_vec());
+            let shown = crate::viewer::inspected(item, numbers.to_vec());
             box_edges(&shown, &numbers, &camera(), vec2(100.0, 100.0))
         };
         let edges = of(SceneItem::Decal(0));

@@ -135,7 +135,7 @@ mod tests {
             key: "position",
             values: values.to_vec(),
         };
-        Inspected::example(SceneItem::Light(index), vec![numbers])
+        crate::viewer::inspected(SceneItem::Light(index), vec![numbers])
     }
 
     fn write(index: usize, values: [f64; 3]) -> Option<Task> {

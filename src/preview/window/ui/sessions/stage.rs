@@ -121,7 +121,7 @@ fn ball(refused: Option<&str>) -> Selection {
     selection.show(Some(Inspected {
         label: "instance ball".to_owned(),
         refused: refused.map(str::to_owned),
-        ..Inspected::example(SceneItem::Instance(4), numbers)
+        ..crate::viewer::inspected(SceneItem::Instance(4), numbers)
     }));
     selection
 }
@@ -135,7 +135,7 @@ fn lamp() -> Selection {
     let mut selection = Selection::default();
     selection.show(Some(Inspected {
         world_from_parent: Affine3A::from_scale(Vec3::splat(2.0)),
-        ..Inspected::example(SceneItem::Light(1), vec![place])
+        ..crate::viewer::inspected(SceneItem::Light(1), vec![place])
     }));
     selection
 }

@@ -1,16 +1,9 @@
-//! Changes of texts, written in one step each, with undo and redo.
+//! Changes of texts on disk, written in one step each, with undo and redo.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
+use crate::write_back::Change;
 use reflet_base::files::replace_content;
-
-/// A text before and after a change.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Change {
-    pub(super) path: PathBuf,
-    pub(super) before: String,
-    pub(super) after: String,
-}
 
 /// Written edits, for undo and redo.
 #[derive(Debug, Default)]
@@ -19,27 +12,6 @@ pub struct History {
     undone: Vec<Change>,
     /// Number of times that a text was written.
     writes: u64,
-}
-
-impl Change {
-    /// Path of the changed file.
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
-    /// Replaces the text `from` on disk by the text `to`.
-    fn write(&self, from: &str, to: &str) -> Result<(), String> {
-        let shown = self.path.display();
-        let failed = |error: std::io::Error| format!("{shown} cannot be written: {error}");
-        // Symbolic links stay, and lead to the same file.
-        let path = self.path.canonicalize().map_err(failed)?;
-        match replace_content(&path, from.as_bytes(), to.as_bytes(), || {}).map_err(failed)? {
-            true => Ok(()),
-            false => Err(format!(
-                "{shown} was changed on disk and is not shown yet; nothing is written"
-            )),
-        }
-    }
 }
 
 impl History {
@@ -57,7 +29,7 @@ impl History {
         if change.before == change.after {
             return Ok(());
         }
-        change.write(&change.before, &change.after)?;
+        Self::replace(&change, [&change.before, &change.after])?;
         self.writes += 1;
         self.done.push(change);
         self.undone.clear();
@@ -78,12 +50,26 @@ impl History {
             return Ok(None);
         };
         match again {
-            true => change.write(&change.before, &change.after)?,
-            false => change.write(&change.after, &change.before)?,
+            true => Self::replace(change, [&change.before, &change.after])?,
+            false => Self::replace(change, [&change.after, &change.before])?,
         }
         let path = change.path.clone();
         self.writes += 1;
         to.extend(from.pop());
         Ok(Some(path))
+    }
+
+    /// Replaces the text `from` of a changed file by the text `to`.
+    fn replace(change: &Change, [from, to]: [&str; 2]) -> Result<(), String> {
+        let shown = change.path.display();
+        let failed = |error: std::io::Error| format!("{shown} cannot be written: {error}");
+        // Symbolic links stay, and lead to the same file.
+        let path = change.path.canonicalize().map_err(failed)?;
+        match replace_content(&path, from.as_bytes(), to.as_bytes(), || {}).map_err(failed)? {
+            true => Ok(()),
+            false => Err(format!(
+                "{shown} was changed on disk and is not shown yet; nothing is written"
+            )),
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! Tests of values in scene text: changed and unchanged parts, and where new keys and tables land.
 
 use super::*;
-use crate::write_back::{insert::order_of, tree::Locator};
+use crate::{insert::order_of, tree::Locator};
 use reflet_scene::syntax::SyntaxTree;
 
 const TEXT: &str = "version = 1 # one\r\n[[instance]]\r\n  name = \"a\" # its name\r\n  translation = [ 1.50, 2, # two\r\n    -3 ]\r\n[instance.material]\r\nroughness = 1\r\n# of b\r\n[[instance]]\r\nname = \"b\"\r\n[light.\"old lamp\"]\r\nscale = 2 # twice\r\n[variant.night.light.x]\r\n";

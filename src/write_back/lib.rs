@@ -1,8 +1,7 @@
-//! Edits of the preview, written into the scene's texts: numbers and colors of placements, lights, cameras, materials
-//! and the environment, values of parameters, and keys of tracks, each in its place. All other bytes of a text stay,
-//! and a file that was changed meanwhile is not touched.
+//! Edits of things of a scene, as changes of its texts: numbers and colors of placements, lights, cameras, materials
+//! and the environment, values of parameters, and keys of tracks, each in its place. All other bytes of a text stay.
+//! Nothing is written here: the preview writes files, a page its editor.
 
-mod history;
 mod insert;
 mod inspect;
 mod item;
@@ -14,10 +13,11 @@ mod splice;
 mod tracks;
 mod tree;
 
+use std::path::PathBuf;
+
 use glam::{Affine3A, Vec3};
 
 pub use self::{
-    history::{Change, History},
     inspect::{exact, inspect, numbers_of, shown_place},
     item::{MaterialOrigin, SceneItem},
     keys::{
@@ -40,6 +40,17 @@ use reflet_scene::{
     number::{Field, Form, find},
     range::LIMIT,
 };
+
+/// A text before and after a change.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Change {
+    /// Path of the changed file.
+    pub path: PathBuf,
+    /// Text before the change.
+    pub before: String,
+    /// Text after the change.
+    pub after: String,
+}
 
 /// Numbers of one key of an item.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,22 +100,6 @@ pub struct Inspected {
     pub refused: Option<String>,
     /// World transform, at rest, of the parent's space.
     pub world_from_parent: Affine3A,
-}
-
-#[cfg(test)]
-impl Inspected {
-    /// An item with these numbers, at the top of a scene.
-    pub fn example(item: SceneItem, numbers: Vec<Numbers>) -> Self {
-        Self {
-            item,
-            label: "light lamp".to_owned(),
-            place: "scene.toml:3".to_owned(),
-            numbers,
-            held: Vec::new(),
-            refused: None,
-            world_from_parent: Affine3A::IDENTITY,
-        }
-    }
 }
 
 /// Form of a key of an item, and its values within their range.
