@@ -35,10 +35,12 @@ use reflet_render::{
         InitialBuild, SceneSource, Session, SessionError, ViewOverrides,
         parameters::ParameterOverrides,
         read::{Read, read},
+        scene_options::SceneOptions,
         scene_text::SceneText,
     },
 };
-use reflet_scene::dependencies::Dependencies;
+use reflet_scene::{dependencies::Dependencies, syntax::key_text};
+use reflet_write_back::{Change, Layered, Numbers, SceneItem, change, exact, list};
 
 /// Time between two pictures of some samples.
 const EACH_PART: Duration = Duration::from_secs(1);
@@ -83,6 +85,13 @@ struct Asked {
     frame: u32,
 }
 
+/// A camera while it is dragged, until its place is written.
+fn dragged(camera: &str, eye: &[f32]) -> Vec<String> {
+    let eye: Vec<f64> = eye.iter().map(|x| exact(*x)).collect();
+    let set = (!eye.is_empty()).then(|| format!("camera.{}.eye={}", key_text(camera), list(&eye)));
+    set.into_iter().collect()
+}
+
 /// The open device and scene.
 #[derive(Default)]
 struct Shown {
@@ -120,12 +129,16 @@ pub fn language(message: &str) -> String {
     json!(LANGUAGE.with_borrow_mut(|server| server.handle(&message))).to_string()
 }
 
-/// Ends the picture in work, and asks for the next.
+/// Ends the picture in work, and asks for the next, with a camera at another place unless `eye` is empty.
 #[wasm_bindgen]
-pub fn ask(name: &str, text: &str, width: u32, frame: u32) {
+pub fn ask(name: &str, text: &str, width: u32, frame: u32, camera: &str, eye: &[f32]) {
     let source = SceneSource {
         path: Some(name.into()),
         text: Some(text.into()),
+        options: SceneOptions {
+            set: dragged(camera, eye),
+            ..SceneOptions::default()
+        },
         ..SceneSource::default()
     };
     let asked = Asked {
@@ -172,8 +185,32 @@ pub fn show() {
     });
 }
 
-/// Answer of the last call of [`show`], as JSON: `messages` with `width`, `height`, `adapter` and `frame` of the picture and
-/// the `timeline`, first frame, last frame and frames in a second, or with none of these; an `error` of the device, which
+/// Change of the text that puts a camera of the shown scene elsewhere, as JSON: `file`, and its text `before` and `after`, or an
+/// `error`.
+#[wasm_bindgen]
+pub fn put_camera(camera: &str, eye: &[f32]) -> String {
+    let change = STATE.with_borrow(|state| {
+        let session = state.shown.session.as_ref().ok_or("no picture is shown")?;
+        let desc = &session.scene().scene.desc;
+        let index = desc.cameras.iter().position(|it| it.name == camera);
+        let item = SceneItem::Camera(index.ok_or("the text has no such camera")?);
+        let layered = Layered {
+            desc,
+            variants: &[],
+            set: &[],
+            scripted: None,
+        };
+        let values = eye.iter().map(|x| exact(*x)).collect();
+        change(&layered, item, &Numbers { key: "eye", values })
+    });
+    let written = |change: Change| json!({ "file": change.path, "before": change.before, "after": change.after });
+    let answer = change.map_or_else(|why| json!({ "error": why }), written);
+    answer.to_string()
+}
+
+/// Answer of the last call of [`show`], as JSON: `messages` with `width`, `height`, `adapter` and `frame` of the picture,
+/// the `timeline`, first frame, last frame and frames in a second, and the `camera`, its name, `eye`, `target` and `up`, where it
+/// stands as its text says, or with none of these; an `error` of the device, which
 /// may be `lost`; or `interrupted`.
 #[wasm_bindgen]
 pub fn answer() -> String {
@@ -265,6 +302,20 @@ impl Shown {
         let found = session.map_or_else(Vec::new, |session| session.warnings().to_vec());
         let adapter = self.gpu.as_ref().map(|gpu| &gpu.adapter_info.name);
         let loaded = session.map(Session::scene);
+        let camera = loaded.and_then(|loaded| {
+            let shown = loaded.world.cameras.get(loaded.world.main_camera())?;
+            let own = (loaded.scene.cameras.iter()).find(|own| own.name == shown.name)?;
+            let it = &shown.value;
+            let is_own = own.value.eye == it.eye && own.value.target == it.target;
+            is_own.then(|| {
+                json!([
+                    shown.name,
+                    it.eye.to_array(),
+                    it.target.to_array(),
+                    it.up.to_array()
+                ])
+            })
+        });
         let time = loaded.and_then(|loaded| loaded.scene.timeline.as_ref());
         json!({
             "messages": messages(found),
@@ -272,6 +323,7 @@ impl Shown {
             "width": picture.size[0],
             "height": picture.size[1],
             "adapter": adapter,
+            "camera": camera,
             "frame": loaded.map(|loaded| loaded.frame),
             "timeline": time.map(|time| (time.start, time.end, time.fps)),
         })

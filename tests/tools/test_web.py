@@ -14,7 +14,10 @@ PLAYWRIGHT = ROOT / "tools" / "node_modules" / "playwright-core" / "index.mjs"
 SESSION = ROOT / "tests" / "tools" / "web_session.mjs"
 LACKS_A_TOOL = 3
 MOST_FLIP = "0.003"
-STEPS = "told shown completed hinted saved changed played dropped shared refused quick lost lacking"
+STEPS = (
+    "told shown completed hinted saved changed played orbited dropped shared refused quick "
+    "lost lacking"
+)
 
 
 class Quiet(http.server.SimpleHTTPRequestHandler):

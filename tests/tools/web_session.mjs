@@ -120,6 +120,19 @@ await told_frame("1 of 3");
 await page.click("#play");
 step("played");
 
+// A drag of the picture moves the camera, whose place is written into the text where it ends; Ctrl Z takes it back.
+const [eye] = (await value(page)).match(/eye = .*/);
+const box = await page.locator("#picture").boundingBox();
+await page.mouse.move(box.x + 40, box.y + 40);
+await page.mouse.down();
+await page.mouse.move(box.x + 90, box.y + 40);
+await page.mouse.up();
+const holds = (wanted) => page.waitForFunction(([text, wanted]) => document.getElementById("text").value.includes(text) === wanted, [eye, wanted]);
+await holds(false);
+await page.locator("#text").press("Control+z");
+await holds(true);
+step("orbited");
+
 // A texture that is not there is told, and found once it is dropped.
 await write(page, "text.replace('[material.red]\\n', '[material.red]\\nbase_color_texture = \"dot.png\"\\n')");
 await page.waitForFunction(() => document.querySelector("#messages .error")?.textContent.includes("dot.png"));

@@ -3,6 +3,7 @@
 "use strict";
 
 import * as language from "./language.js";
+import * as orbit from "./orbit.js";
 import { fromFragment, toFragment } from "./share.js";
 
 const TEXT_FILE = /\.(toml|rhai)$/i;
@@ -31,12 +32,17 @@ const file_message = (name) => {
   return { file: name, bytes: typeof content === "string" ? new TextEncoder().encode(content) : content };
 };
 
+// The camera while it is dragged, `camera` and `eye`, and whether the drag has ended; and the camera that is shown.
+let dragged = null;
+let isLetGo = false;
+let shown_camera = null;
+
 // Another frame of the same text has no other messages.
 const run = (checks = true) => {
   if (isReady && scene) {
     if (!lacking) tell("rendering");
     const [width, frame] = ["width", "frame"].map((id) => Number(get(id).value));
-    worker.postMessage({ scene, text: files.get(scene), width, frame, checks });
+    worker.postMessage({ scene, text: files.get(scene), width, frame, checks, ...dragged });
   }
 };
 
@@ -93,6 +99,7 @@ const show_tabs = () => {
 const choose_scene = (name) => {
   if (name === scene) return;
   scene = name;
+  [dragged, isLetGo, shown_camera] = [null, false, null];
   stop();
   Object.assign(get("frame"), { min: 0, max: 0 });
 };
@@ -167,6 +174,9 @@ const answers = {
       restarts = 0;
       tell(`${shown.width} × ${shown.height} in ${shown.seconds.toFixed(1)} s on ${shown.adapter || "the browser's adapter"}`);
       show_time(shown);
+      shown_camera = shown.camera;
+      if (isLetGo) worker.postMessage({ put: [dragged.camera, dragged.eye] });
+      isLetGo = false;
     } else {
       stop();
     }
@@ -175,6 +185,14 @@ const answers = {
     } else if (!pixels) {
       tell(shown.error ?? "the scene has mistakes");
     }
+  },
+  put: ({ put: { file, before, after, error } }) => {
+    dragged = null;
+    // What was typed meanwhile stays.
+    if (error || files.get(file) !== before) refusal = `the camera is not written (${error ?? "the text has changed meanwhile"}): `;
+    else if (file === tab) language.replace_all(after);
+    else put(file, after);
+    run();
   },
   png: ({ png }) => {
     const link = document.createElement("a");
@@ -201,6 +219,21 @@ const start = () => {
   isReady = false;
   worker = work((data) => answers[Object.keys(answers).find((key) => key in data)](data));
 };
+orbit.follow(canvas, {
+  camera: () => {
+    if (!shown_camera) return tell("motion, a script or a parent places this camera: change it in the text");
+    const [name, eye, target, up] = shown_camera;
+    return { name, eye, target, up };
+  },
+  show: (camera, eye) => {
+    [dragged, isLetGo] = [{ camera, eye }, false];
+    run(false);
+  },
+  write: () => {
+    isLetGo = Boolean(dragged);
+    if (isLetGo) run(false);
+  },
+});
 language.begin({ files, tab: () => tab, work, file_message, put, go_to, tell });
 
 // A renderer that ends again before it has made a picture waits for a change of the text.

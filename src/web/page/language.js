@@ -105,6 +105,14 @@ const write = (from, to, words) => {
   }
   isTyped = true;
 };
+// Puts a text in place of the shown one; only where they differ.
+export const replace_all = (words) => {
+  const old = text.value;
+  let [from, end] = [0, 0];
+  while (from < words.length && words[from] === old[from]) from += 1;
+  while (end < Math.min(words.length, old.length) - from && words.at(-1 - end) === old.at(-1 - end)) end += 1;
+  write(from, old.length - end, words.slice(from, words.length - end));
+};
 const apply = (edits, content, change) => edits
   .map(({ range, newText }) => [offset_of(content, range.start), offset_of(content, range.end), newText])
   .sort(([a], [b]) => b - a).forEach((edit) => change(...edit));

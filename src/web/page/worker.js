@@ -1,9 +1,9 @@
 // The program, away from the page, which stays quick: the checker and the renderer, or the language server. Messages: {module} first,
-// then {file, bytes}, {scene, text, width, frame, checks}, {png} and {rpc}; answers: {state}, {check}, {part, pixels},
-// {shown, pixels}, {png}, {rpc} and {ended}.
+// then {file, bytes}, {scene, text, width, frame, checks, camera, eye}, {put}, {png} and {rpc}; answers: {state}, {check},
+// {part, pixels}, {shown, pixels}, {put}, {png}, {rpc} and {ended}.
 "use strict";
 
-import init, { answer, ask, check, language, pixels, png, put_file, start } from "./reflet_web.js";
+import init, { answer, ask, check, language, pixels, png, put_camera, put_file, start } from "./reflet_web.js";
 import { canSuspend } from "./suspend.js";
 
 const tell = (message, moved) => self.postMessage(message, moved);
@@ -23,6 +23,15 @@ let show = null;
 let isShowing = false;
 let isAsked = false;
 
+// A camera to put elsewhere waits for the picture in work, which holds the scene.
+let moved = null;
+const write = () => {
+  if (!moved || isShowing) return;
+  const [camera, eye] = moved;
+  moved = null;
+  tell({ put: JSON.parse(put_camera(camera, new Float32Array(eye))) });
+};
+
 const showAll = async () => {
   if (isShowing) return;
   isShowing = true;
@@ -40,16 +49,21 @@ const showAll = async () => {
     ended(error);
   }
   isShowing = false;
+  write();
 };
 
 const work = {
   file: ({ file, bytes }) => put_file(file, new Uint8Array(bytes)),
-  scene: ({ scene, text, width, frame, checks }) => {
+  scene: ({ scene, text, width, frame, checks, camera, eye }) => {
     if (checks) tell({ check: JSON.parse(check(scene, text)) });
     if (!show) return;
-    ask(scene, text, width, frame);
+    ask(scene, text, width, frame, camera ?? "", new Float32Array(eye ?? []));
     isAsked = true;
     showAll();
+  },
+  put: ({ put }) => {
+    moved = put;
+    write();
   },
   png: () => tell({ png: png() }),
   rpc: ({ rpc }) => tell({ rpc: language(rpc) }),
