@@ -88,6 +88,15 @@ await page.keyboard.press("Enter");
 await page.keyboard.type("0.5");
 await page.waitForFunction((old) => document.getElementById("picture").toDataURL() !== old, first);
 if (!(await value(page)).includes("0.35\nmetallic = 0.5\n")) throw new Error("completion writes something else");
+// Enter ends a line behind a text that is closed, and where the caret has left the place of the list.
+await page.keyboard.type("\nemission = \"#000\"");
+await page.keyboard.press("Enter");
+await page.keyboard.type("rough");
+await page.waitForSelector("#choice-0[aria-selected=true]");
+await page.keyboard.press("ArrowLeft");
+await page.keyboard.press("Enter");
+if (!(await value(page)).includes('"#000"\nroug\nh\n')) throw new Error("Enter takes what is not offered");
+for (const key of ["Delete", ...Array(6).fill("Backspace")]) await page.keyboard.press(key);
 step("completed");
 await page.mouse.move(x, y);
 await page.waitForFunction(() => /rough/.test(document.getElementById("hover").textContent));

@@ -77,6 +77,7 @@ const list = (found) => {
 
 // Goes to a range of lines and columns of UTF-16 units, from 0.
 const go_to = (file, start, end) => {
+  if (typeof files.get(file) !== "string") tell(`${file} is no text`);
   if (file !== tab && typeof files.get(file) === "string") open(file);
   if (file !== tab) return;
   text.focus();

@@ -88,8 +88,12 @@ const offset_at = ({ clientX, clientY }) => {
   const left = clientX - edge.left - PADDING_PX + text.scrollLeft;
   const row = text.value.split("\n")[line] ?? "";
   if (left < 0 || width(row) < left) return -1;
-  let character = 0;
-  while (width(row.slice(0, character + 1)) < left) character += 1;
+  let [character, end] = [0, row.length];
+  while (end - character > 1) {
+    const middle = (character + end) >> 1;
+    if (width(row.slice(0, middle)) < left) character = middle;
+    else end = middle;
+  }
   return offset_of(text.value, { line, character });
 };
 
@@ -119,7 +123,15 @@ const apply = (edits, content, change) => edits
 
 // Completion: items, the chosen one, and the written part of the word that they continue.
 let [items, chosen, written] = [[], 0, ""];
+// Whether an item was chosen by an arrow; and file, text and caret that the items are for.
+let isChosen = false;
+let offered = [];
+const place_now = () => [page.tab(), text.value, text.selectionStart];
+const isNow = (place) => place_now().every((part, at) => part === place[at]);
+// Answers that come later than this are not shown.
+let hidden = 0;
 const hide = () => {
+  hidden += 1;
   completion.hidden = hover.hidden = true;
   text.removeAttribute("aria-activedescendant");
 };
@@ -133,14 +145,16 @@ const choose = (at) => {
   show_manual(manual, items[chosen].documentation?.value ?? "");
   place(completion, text.selectionStart - written.length);
 };
+const isQuoted = (line) => line.replace(/\\./g, "").split('"').length % 2 === 0;
 const written_before = (line) => {
-  const isQuoted = line.replace(/\\./g, "").split('"').length % 2 === 0;
-  return isQuoted ? line.slice(line.lastIndexOf('"') + 1) : line.match(page.tab().endsWith(".rhai") ? /\w*$/ : /[\w-]*$/)[0];
+  return isQuoted(line) ? line.slice(line.lastIndexOf('"') + 1) : line.match(page.tab().endsWith(".rhai") ? /\w*$/ : /[\w-]*$/)[0];
 };
 const complete = async () => {
-  const [caret, name, content] = [text.selectionStart, page.tab(), text.value];
+  const [now, before] = [place_now(), hidden];
+  const caret = now[2];
   const found = await ask("completion", { position: position(caret) });
-  if (caret !== text.selectionStart || name !== page.tab() || content !== text.value) return;
+  if (!isNow(now) || before !== hidden) return;
+  [offered, isChosen] = [now, false];
   written = written_before(text.value.slice(text.value.lastIndexOf("\n", caret - 1) + 1, caret));
   // Names that begin with the written part come before names whose later word does.
   const place_in = ({ label }) => {
@@ -171,9 +185,12 @@ const accept = ({ label, insertText = label, insertTextFormat }) => {
   let words = hole ? insertText.replace(hole[0], () => value) : insertText;
   if (before.endsWith("=")) words = ` ${words}`;
   const start = before.length + (hole ? hole.index : words.length);
-  const quote = before.endsWith('"') && !after.startsWith('"') ? '"' : "";
+  const quote = before.endsWith('"') && !/^[^"\n]*"/.test(after) ? '"' : "";
   hide();
-  write(before.length, caret + (quote ? 0 : after.match(/^\w*/)[0].length), words + quote);
+  const line = before.slice(before.lastIndexOf("\n") + 1);
+  // A text is replaced up to its closing quote.
+  const rest = isQuoted(line) ? after.match(/^[^"\n]*(?=")/)?.[0] ?? "" : after.match(/^\w*/)[0];
+  write(before.length, caret + rest.length, words + quote);
   text.setSelectionRange(start + (hole ? 0 : quote.length), start + (hole ? value.length : quote.length));
   // The value of a key without a default, as a name after a bracket, comes next.
   if (hole && !value) complete();
@@ -181,21 +198,26 @@ const accept = ({ label, insertText = label, insertTextFormat }) => {
 text.addEventListener("input", () => {
   const caret = text.selectionStart;
   const line = text.value.slice(text.value.lastIndexOf("\n", caret - 1) + 1, caret);
-  const isComment = page.tab().endsWith(".rhai") && line.includes("//");
-  hover.hidden = true;
-  if (isTyped && !isComment && /[\p{L}_"[.=]$/u.test(line)) complete();
-  else completion.hidden = true;
+  const isScript = page.tab().endsWith(".rhai");
+  const isComment = isScript && line.includes("//");
+  // After a closing quote nothing is to complete, and scripts have names of their own behind brackets and signs.
+  const isBegun = line.endsWith('"') ? isQuoted(line) : (isScript ? /[\p{L}_]{2}$|\.$/u : /[\p{L}_[.=]$/u).test(line);
+  hide();
+  if (isTyped && !isComment && isBegun) complete();
 });
 
 // The manual under the pointer, with a picker where it is on a color.
 let [resting, shown] = [0, [0, 0]];
 const show_hover = async (offset) => {
+  const [now, before] = [place_now(), hidden];
   const at = { position: position(offset) };
   const [found, colors] = [await ask("hover", at), await ask("documentColor") ?? []];
   const ends = (range) => [offset_of(text.value, range.start), offset_of(text.value, range.end)];
   const holds = ([start, end]) => start <= offset && offset < end;
   const color = colors.find(({ range }) => holds(ends(range)));
-  if (!found && !color || !completion.hidden) return;
+  const isOld = now[0] !== page.tab() || now[1] !== text.value || before !== hidden;
+  if (!found && !color || !completion.hidden || isOld) return;
+  const place_of_color = color && ends(color.range);
   shown = ends((color ?? found).range ?? { start: at.position, end: at.position });
   show_manual(hover, found?.contents.value ?? "");
   if (color) {
@@ -203,11 +225,12 @@ const show_hover = async (offset) => {
     const value = `#${["red", "green", "blue"].map((part) => two(color.color[part])).join("")}`;
     const picker = Object.assign(document.createElement("input"), { type: "color", value, title: "choose another color" });
     picker.onchange = async () => {
-      const part = (from) => parseInt(picker.value.slice(from, from + 2), 16) / 255;
-      const range = { start: position(shown[0]), end: position(shown[1]) };
-      const [{ label }] = await ask("colorPresentation", { color: { red: part(1), green: part(3), blue: part(5), alpha: 1 }, range });
-      write(...shown, label);
       hover.hidden = true;
+      if (page.tab() !== now[0] || text.value !== now[1]) return page.tell("the text has changed: the color is not written");
+      const part = (from) => parseInt(picker.value.slice(from, from + 2), 16) / 255;
+      const range = { start: position(place_of_color[0]), end: position(place_of_color[1]) };
+      const [{ label }] = await ask("colorPresentation", { color: { red: part(1), green: part(3), blue: part(5), alpha: 1 }, range });
+      write(...place_of_color, label);
     };
     hover.prepend(picker);
   }
@@ -265,15 +288,17 @@ const format = async () => apply(await ask("formatting", { options: { tabSize: 4
 
 const commands = { "Control+ ": complete, F2: rename, F12: define, "Alt+Shift+F": format, Escape: hide };
 const in_list = {
-  ArrowDown: () => choose(chosen + 1),
-  ArrowUp: () => choose(chosen - 1),
+  ArrowDown: () => { isChosen = true; choose(chosen + 1); },
+  ArrowUp: () => { isChosen = true; choose(chosen - 1); },
   Enter: () => accept(items[chosen]),
   Tab: () => accept(items[chosen]),
 };
 text.addEventListener("keydown", (event) => {
-  const held = ["Control", "Alt", "Shift"].filter((name) => event.getModifierState(name));
+  const held = ["Control", "Meta", "Alt", "Shift"].filter((name) => event.getModifierState(name));
   const key = [...held, event.key].join("+");
-  const command = (!completion.hidden && in_list[key]) || commands[key];
+  // In a script, Enter ends a line, unless an arrow has chosen: the name may be its own.
+  const isMeant = isNow(offered) && (key !== "Enter" || isChosen || !page.tab().endsWith(".rhai"));
+  const command = (!completion.hidden && isMeant && in_list[key]) || commands[key];
   if (!command || event.isComposing) return;
   event.preventDefault();
   command();
@@ -281,3 +306,4 @@ text.addEventListener("keydown", (event) => {
 text.addEventListener("click", (event) => { hide(); if (event.ctrlKey || event.metaKey) define(); });
 text.addEventListener("blur", ({ relatedTarget }) => { if (!hover.contains(relatedTarget)) hide(); });
 text.addEventListener("scroll", hide);
+document.addEventListener("selectionchange", () => { if (!completion.hidden && !isNow(offered)) hide(); });
