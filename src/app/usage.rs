@@ -39,7 +39,7 @@ fn value_of(name: &str) -> Option<String> {
             .iter()
             .any(|end| value.ends_with(end));
         let is_word = !value.starts_with('-') && value.chars().all(of_word);
-        value.parse::<f64>().is_ok() || is_word && !is_scene
+        value.parse::<f64>().is_ok() || is_word && !is_scene && !value.is_empty()
     };
     value.or_else(|| words.next()).filter(is_plain)
 }

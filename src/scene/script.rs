@@ -231,7 +231,7 @@ impl Script {
     pub fn idle_setup(&self) -> Option<Diagnostic> {
         let texts = self.0.sources.texts();
         let says = |text: &str| {
-            ["print", "debug", "throw"]
+            ["print", "debug", "throw", "return"]
                 .iter()
                 .any(|word| text.contains(word))
         };

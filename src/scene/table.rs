@@ -365,7 +365,7 @@ impl<'r> Table<'r> {
     }
 
     fn refuse_unknown(&mut self) {
-        for (key, _) in self.unknown() {
+        for (key, node) in self.unknown() {
             let name = key.get_ref().as_str();
             if self.report.is_full() {
                 self.report.error("unknown-key", &key.span(), "");
@@ -394,6 +394,17 @@ impl<'r> Table<'r> {
                     let path = format!("{} {name}", self.place.path);
                     forms::explained("motion", &path).map(|(_, help)| help)
                 })
+                .or_else(|| {
+                    let is_header = node.get_ref().as_table().is_some()
+                        && self.place.path.matches('.').count() == 1;
+                    let (kind, first) = self.place.path.split_once('.').filter(|_| is_header)?;
+                    let path = format!("[{kind}.{}]", suggest::text(&format!("{first}.{name}")));
+                    meant.is_none().then(|| {
+                        format!(
+                            "a name with a point stands in quotes: write `{path}` if one is meant"
+                        )
+                    })
+                })
                 .unwrap_or_else(|| suggest::hint(name, &self.asked, suggest::key, "its keys are"));
             self.report.error("unknown-key", &key.span(), message).help = Some(help);
         }
@@ -406,7 +417,10 @@ impl<'r> Table<'r> {
             Some(span.source?.text.get(span.range)?.to_owned())
         };
         // The section that has all keys of this table.
-        let has = |section: &&SectionRecord, key: &str| section.all_keys().any(|it| it.name == key);
+        let has = |section: &&SectionRecord, key: &str| {
+            section.all_keys().any(|it| it.name == key)
+                || section.variants.iter().any(|it| it.key == key)
+        };
         let mut sections = self.place.all.into_iter().flat_map(|all| all());
         let own = sections.find(|it| self.asked.iter().all(|key| has(it, key)));
         let fits = |key: &str, value: &str| {

@@ -138,8 +138,11 @@ fn foreign_angles(start: &Span) -> Vec<Diagnostic> {
         let twelfths = (x / (PI / 12.0)).abs();
         let whole = twelfths.round();
         let is_part = whole % 2.0 == 0.0 || whole % 3.0 == 0.0;
-        // Numbers have few digits: 1.57, 3.14, 6.28.
-        is_part && whole <= 24.0 && (twelfths - whole).abs() < 6e-4 * whole
+        // Numbers have few digits, but of two digits others are meant than 1.57, 3.14 and 6.28.
+        let hundredths = (x * 100.0).abs();
+        let has_digits = (hundredths - hundredths.round()).abs() > 1e-6
+            || [157.0, 314.0, 628.0].contains(&hundredths.round());
+        is_part && has_digits && whole <= 24.0 && (twelfths - whole).abs() < 6e-4 * whole
     };
     each_value(source.syntax().root(), "", &mut |path, node| {
         let (table, key) = path.rsplit_once('.').unwrap_or(("", path));

@@ -85,7 +85,7 @@ fn still_orbits(scene: &Scene) -> impl Iterator<Item = Diagnostic> {
         let camera = scene.cameras.iter().find(|it| it.name == moved.name)?;
         let mut tracks = moved.value.tracks.iter();
         let (_, track) = tracks.find(|(field, _)| CAMERA[*field].key == "eye")?;
-        let orbit = track.orbit.as_ref().filter(|_| track.keys.is_empty() && track.follow.is_none())?;
+        let orbit = track.orbit.as_ref().filter(|_| track.keys.is_empty() && track.follow.is_none() && track.rate.is_none() && track.oscillate.is_none())?;
         let from_center = camera.value.eye - orbit.center;
         let is_on_axis = from_center.reject_from(orbit.axis).length() < 1e-4;
         let message = format!("camera \"{}\" stands on the axis of its own orbit, so it does not move", moved.name);

@@ -66,10 +66,14 @@ fn dense_fog(world: &World, start: &Span, all: &Bounds) -> Option<Diagnostic> {
         "the fog of density {} hides all that camera \"{}\" sees",
         fog.density, camera.name
     );
-    // Two significant digits.
-    let fitting = format!("{:.1e}", 0.5 / distance_m).parse::<f64>().ok()?;
+    let fitting = two_digits(0.5 / distance_m);
     let help = format!("write `fog = {{ density = {fitting} }}` in `[environment]`");
     Some(warning("unlikely-value", at, message, &help))
+}
+
+/// A number with two significant digits.
+fn two_digits(x: f32) -> f64 {
+    format!("{x:.1e}").parse().unwrap_or_default()
 }
 
 /// Name of the warning, message without its subject, and advice; `unseen` is an exposed radiance of a white surface of which
@@ -88,7 +92,7 @@ fn mistake(
             return Some(dark(color));
         }
         let fitting = (ev - radiance.log2()).round();
-        let lux = rounded(f64::from(PI / ev.exp2() / color));
+        let lux = two_digits(PI / ev.exp2() / color);
         let message =
             format!("makes all that it lights white: {intensity} lux at `exposure_ev = {ev}`");
         let help = format!(

@@ -51,8 +51,8 @@ pub fn lint(scene: &Scene, rays: &ViewRays, hits: &[Option<(Ray, RayHit)>]) -> V
             false => "spots of both show",
         };
         let message = format!("surfaces of \"{a}\" and \"{b}\" are in one place, so that {seen}");
-        let is_copied = a.split_once('[').is_some_and(|(name, _)| b.starts_with(name));
-        let help = match is_copied && a.ends_with(']') && b.ends_with(']') {
+        let copied = |name: &str| name.split_once('[').map(|(name, _)| name.to_owned());
+        let help = match copied(a).is_some_and(|name| copied(b) == Some(name)) {
             true => "write a larger `step` in its `repeat`, the way from one copy to the next".to_owned(),
             false => format!(
                 "remove \"{b}\", or move one of them by its `translation`: surfaces by 0.001 m, whole copies by their size"

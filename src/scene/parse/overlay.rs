@@ -260,7 +260,7 @@ fn nothing(
     let known = names_in(node);
     let elsewhere = whole_path(path, name, node);
     if let Some(meant) = elsewhere {
-        let help = format!("write {}", suggest::text(&meant));
+        let help = format!("write {meant}");
         report.error("dangling-name", at, message).help = Some(help);
         return;
     }
@@ -276,21 +276,20 @@ fn nothing(
     report.error("dangling-name", at, message).help = Some(written);
 }
 
-/// Path in the scene that is meant by a path whose first part is no table: `light.key` for `key` or `lights.key`.
+/// Paths in the scene that may be meant by a path whose first part is no table: `light.key` for `key` or `lights.key`.
 fn whole_path(path: &str, first: &str, scene: &Node) -> Option<String> {
     if !path.starts_with(first) {
         return None;
     }
     let last = path.rsplit('.').next()?;
     let tables = scene.get_ref().as_table()?;
-    let mut found = tables
+    let found = tables
         .iter()
         .filter(|(_, table)| names_in(table).contains(&last));
-    let (table, _) = found.next()?;
-    found
-        .next()
-        .is_none()
-        .then(|| format!("{}.{last}", table.get_ref()))
+    let found: Vec<_> = found
+        .map(|(table, _)| suggest::text(&format!("{}.{last}", table.get_ref())))
+        .collect();
+    (!found.is_empty()).then(|| found.join(" or "))
 }
 
 fn index_of(items: &[Node], name: &str) -> Option<usize> {

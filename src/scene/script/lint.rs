@@ -220,11 +220,14 @@ impl<'t> ScriptLint<'t, '_> {
         });
         let context = self.word(i + 3);
         let is_used = |k: usize| match self.word(k) {
-            "print" | "debug" | "throw" => true,
             text if text.starts_with('`') => text.contains(context),
             word => word == context && (self.word(k + 1) != "." || self.word(k + 3) == "("),
         };
-        let is_idle = |close: usize| close > open + 1 && !(open..close).any(is_used);
+        // Functions that it calls may say something, too.
+        let says = |token: &Token| ["print", "debug", "throw"].contains(&token.text);
+        let is_idle = |close: usize| {
+            close > open + 1 && !(open..close).any(is_used) && !self.tokens.iter().any(says)
+        };
         if close.is_some_and(is_idle) {
             let message = "`frame` sets nothing: its variables are copies".to_owned();
             let help = "write at its end what changes, as in `ctx.place(\"ball\", p);`".to_owned();

@@ -23,6 +23,7 @@ pub fn filled(
     let fill = |slot: &Captures| {
         let (name, example) = (&slot[3], &slot[5]);
         let value = value_of(if name == "value" { key } else { name });
+        let value = value.map(|value| color_of(value, example));
         let is_short = |text: &str| text.len() <= 60 && !text.contains(char::is_control);
         let value = value.filter(|value| is_like(value, example) && is_short(value));
         let value = value.and_then(|value| computed(slot, value));
@@ -42,6 +43,18 @@ pub fn setting(help: &str) -> Option<(&str, &str)> {
     help.split('`').nth(1)?.split_once(" = ")
 }
 
+/// A value, or its first three numbers where a color is meant and it is a list of three or four.
+fn color_of(value: String, example: &str) -> String {
+    let list = value
+        .strip_prefix('[')
+        .and_then(|list| list.strip_suffix(']'));
+    let parts: Vec<_> = list.map_or_else(Vec::new, |list| list.split(',').map(str::trim).collect());
+    match example.starts_with("\"#") && [3, 4].contains(&parts.len()) {
+        true => format!("[{}]", parts[..3].join(", ")),
+        false => value,
+    }
+}
+
 /// Whether two values have one form: two numbers, two texts, or lists of one length.
 fn is_like(a: &str, b: &str) -> bool {
     let form = |text: &str| {
@@ -55,7 +68,7 @@ fn is_like(a: &str, b: &str) -> bool {
         };
         (first, is_number, commas)
     };
-    form(a) == form(b)
+    form(a) == form(b) || b.starts_with("\"#") && form(a) == form("[0, 0, 0]")
 }
 
 /// A value, or the number that its place computes of it.
@@ -84,6 +97,7 @@ mod tests {
             "gloss" => Some("1".to_owned()),
             "text" => Some("\"a, b\"".to_owned()),
             "z" => Some("-3".to_owned()),
+            "rgba" => Some("[1, 0, 0, 0.5]".to_owned()),
             _ => None,
         };
         for (help, key, want) in [
@@ -92,6 +106,11 @@ mod tests {
             ("write `a = {360/value:12}`", "gloss", "write `a = 360`"),
             ("write `a = {value:\"b\"}`", "text", "write `a = \"a, b\"`"),
             ("write `a = {value:0.5}`", "text", "write `a = 0.5`"),
+            (
+                "write `a = {value:\"#fff\"}`",
+                "rgba",
+                "write `a = [1, 0, 0]`",
+            ),
             ("write `a = [{x:0}, {z:0}]`", "z", "write `a = [0, -3]`"),
             ("write `a = [{x:1}, {z:0}]`", "z", "write `a = [1, 0]`"),
         ] {

@@ -7,7 +7,7 @@ use svgtypes::Color as CssColor;
 use super::{
     report::Report,
     value::{Named, Value, wrong_type},
-    value_advice::{list_in_text, list_of_number},
+    value_advice::list_of_number,
 };
 use crate::syntax::{Content, Node};
 use crate::{diagnostic::Diagnostic, forms, range::Range, suggest};
@@ -188,8 +188,24 @@ pub fn advice(text: &str) -> String {
         return format!("write {}", suggest::text(&value));
     }
     let is_name = text.chars().all(char::is_alphabetic) && text.parse::<CssColor>().is_ok();
-    if let Some(help) = list_in_text(text, 3) {
-        return help;
+    let of_numbers = text
+        .chars()
+        .all(|c| c.is_ascii_digit() || "., ".contains(c));
+    let parts: Vec<f64> = text
+        .split([',', ' '])
+        .filter_map(|part| part.parse().ok())
+        .collect();
+    match (of_numbers, parts.as_slice()) {
+        (true, [r, g, b]) if parts.iter().all(|x| *x <= 1.0) => {
+            return format!("write [{r}, {g}, {b}]");
+        }
+        (true, [r, g, b]) if parts.iter().all(|x| *x <= 255.0) => {
+            return format!(
+                "write \"#{:02x}{:02x}{:02x}\"",
+                *r as u8, *g as u8, *b as u8
+            );
+        }
+        _ => {}
     }
     let Some(color) = in_css(text) else {
         return "such as \"#ff8800\", in sRGB as the web writes it, \"hsl(32, 100%, 50%)\", \"hsv(32, 100%, 100%)\", \

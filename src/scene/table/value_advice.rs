@@ -23,7 +23,7 @@ pub fn unquoted(node: &Node, is_right: impl Fn(&str) -> bool) -> Option<String> 
 }
 
 /// Advice for numbers in a text where a list of `count` is expected: `size = "1280x720"`.
-pub fn list_in_text(text: &str, count: usize) -> Option<String> {
+fn list_in_text(text: &str, count: usize) -> Option<String> {
     let lower = text.to_lowercase();
     let known = other_values().sizes.get(&lower).filter(|_| count == 2);
     if let Some(size) = known {

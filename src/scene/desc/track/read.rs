@@ -260,17 +260,12 @@ fn check_keys(t: &mut Table, track: &TrackDesc) {
     }
 }
 
-/// Warns about a track that changes nothing: a rate of 0 alone, or keys of one value alone.
+/// Warns about a track that changes nothing, as it has keys of one value alone.
 fn warn_if_idle(t: &mut Table, track: &TrackDesc) {
     let is_moved = track.follow.is_some() || track.orbit.is_some() || track.oscillate.is_some();
     let is_bent = |key: &KeyDesc| key.handle_in.is_some() || key.handle_out.is_some();
     let (message, help, key) = match (track.keys.as_slice(), track.rate) {
         _ if is_moved => return,
-        ([], Some(Vec3::ZERO)) => (
-            "a rate of 0 changes nothing",
-            "write the change in each second, or remove the track",
-            "rate",
-        ),
         ([_], None) => (
             "one key holds its value at all times, before it too",
             "add another, as in `{ at_s = 0, value = … }` with the value at the start, or write the value outside of `[motion]`",

@@ -84,6 +84,14 @@ fn kind_of(wrong: &ParseErrorType) -> &'static str {
     }
 }
 
+/// Whether a line changes a variable that is defined before: `x += 1`.
+fn sets(line: &str, variable: &str) -> bool {
+    let rest = line.trim_start().strip_prefix(variable).unwrap_or_default();
+    ["=", "+=", "-=", "*=", "/="]
+        .iter()
+        .any(|sign| rest.trim_start().starts_with(sign))
+}
+
 /// Whether a line of the outer scope defines this variable by this word.
 fn defines(line: &str, word: &str, variable: &str) -> bool {
     let mut words = line
@@ -115,6 +123,8 @@ fn explain_syntax(
                 help.to_owned()
             } else if text.lines().any(|line| defines(line, "const", variable)) {
                 format!("write `global::{variable}`, by which functions see it")
+            } else if text.lines().any(|line| sets(line, variable)) {
+                "frames remember nothing: compute it from `ctx.t`".to_owned()
             } else if text.lines().any(|line| defines(line, "let", variable)) {
                 format!(
                     "frames remember nothing: compute it from `ctx.t`, or write `const` for `let`, and here `global::{variable}`"
