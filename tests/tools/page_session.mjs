@@ -202,7 +202,10 @@ const rival = await viewer_page(900);
 await rival.goto(address);
 await rival.waitForFunction(() => handles && handles.drawn);
 await page.locator("#move").click();
-for (const viewer of [page, rival]) await viewer.waitForFunction(() => handles.kind === "move");
+for (const viewer of [page, rival]) {
+  await viewer.waitForFunction(() => handles.kind === "move");
+  await at_rest(viewer, true); // the undone drag is shown
+}
 // Place of the first handle, once a page has drawn it twice where it is.
 const resting = async (viewer) => {
   for (;;) {
