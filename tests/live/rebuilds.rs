@@ -194,8 +194,10 @@ fn methods_share_what_they_have_in_common() {
         "only the march is another"
     );
     assert!(session.picture() != first || session.live.renderer().plan().bounces > 0);
-    // The march, and the passes that bind the scene: where nothing is traced, no tree is among its bindings.
-    assert!(set_overrides(&mut session, Method::Ssr) <= 5);
+    // The march, the pyramid, in which nothing is to be verified, and the passes that bind the scene: where nothing is
+    // traced, no tree is among its bindings. A device of another test may have some of them.
+    let made = set_overrides(&mut session, Method::Ssr);
+    assert!(made <= 6, "{made} pipelines");
     for known in [Method::Hybrid, Method::Ssr, Method::Hybrid] {
         assert_eq!(set_overrides(&mut session, known), 0, "{known:?}");
     }
