@@ -3,6 +3,7 @@
 
 mod capture;
 mod conventions;
+mod decal;
 mod ignored;
 mod inside;
 mod lamps;
@@ -104,7 +105,7 @@ impl<'a> Lint<'a> {
         if !std::mem::replace(&mut self.is_first, false) {
             return;
         }
-        let (scene, at, found) = (self.scene, start(self.scene), &mut self.found);
+        let (scene, at, found) = (self.scene, self.scene.own.clone(), &mut self.found);
         found.extend(ignored::lint(scene, world, &at));
         found.extend(silent::lint(scene, world, &at));
         found.extend(conventions::lint(scene, world, &at));
@@ -124,6 +125,7 @@ impl<'a> Lint<'a> {
             return;
         }
         if let Some(trees) = self.trees.for_world(world) {
+            found.extend(decal::lint(scene, world, trees));
             found.extend(probe::close(scene, world, trees));
             found.extend(view::lint(scene, world, trees));
             found.extend(shadow::lint(scene, world, trees));
@@ -136,9 +138,12 @@ impl<'a> Lint<'a> {
             let is_dark = |d: &Diagnostic| matches!(d.name, "black-picture" | "black-reflector");
             self.found.retain(|d| !is_dark(d)); // darkness follows from the missing light
             let message = "the scene has no light: no lamp, no environment, nothing that emits";
-            let help = "write `[environment]` with `color = [0.5, 0.6, 0.8]`, or `[light.sun]` with \
+            let mut help = "write `[environment]` with `color = [0.5, 0.6, 0.8]`, or `[light.sun]` with \
                         `kind = \"directional\"`, `direction = [-1, -2, -1]`, `intensity_lux = 3`";
-            let dark = Diagnostic::new("no-light", start(self.scene), message).help(help);
+            if has_placed_environment(self.scene) {
+                help = "the `[environment]` of a placed scene is left out: copy it into this scene";
+            }
+            let dark = Diagnostic::new("no-light", self.scene.own.clone(), message).help(help);
             self.found.insert(0, dark);
         }
         let names: Vec<_> = self.found.iter().map(|d| d.name).collect();
@@ -160,17 +165,15 @@ impl<'a> Lint<'a> {
     }
 }
 
-/// Start of the scene's text, if one of its tables is known to come from a text.
-fn start(scene: &Scene) -> Span {
-    let desc = &scene.desc;
-    let tables = (desc.models.iter().map(|e| &e.at))
-        .chain(desc.cameras.iter().map(|e| &e.at))
-        .chain(desc.lights.iter().map(|e| &e.at));
-    let source = tables.filter_map(|at| at.source.clone()).next();
-    Span {
-        source,
-        range: 0..0,
-    }
+/// Whether a scene that is placed in this one has an environment, which is left out.
+fn has_placed_environment(scene: &Scene) -> bool {
+    let mut sources = scene
+        .models
+        .iter()
+        .filter(|it| it.name.contains('.'))
+        .filter_map(|it| it.at.source.as_ref());
+    let own = scene.own.source.as_ref().map(|source| &source.path);
+    sources.any(|it| Some(&it.path) != own && it.syntax().root().get("environment").is_some())
 }
 
 /// Whether there is any light: an environment, a light or an emissive instance.

@@ -120,7 +120,7 @@ fn parse_pixel(text: &str) -> Result<[u32; 2], String> {
     let numbers: Vec<_> = text.split(',').map(|part| part.trim().parse()).collect();
     match numbers.as_slice() {
         [Ok(x), Ok(y)] => Ok([*x, *y]),
-        _ => Err("write a column and a row, such as 320,180".to_owned()),
+        _ => Err("write a column and a row in pixels, such as 320,180; shares of the picture times its `size` are pixels".to_owned()),
     }
 }
 

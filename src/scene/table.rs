@@ -237,6 +237,11 @@ impl<'r> Table<'r> {
         }
     }
 
+    /// Path of the table in the scene, such as `model.ball`.
+    pub fn path(&self) -> &str {
+        &self.place.path
+    }
+
     fn note(&mut self, key: &'static str, note: impl FnOnce() -> KeyRecord) {
         self.asked.push(key);
         if let Some(notes) = &mut self.notes {
@@ -498,10 +503,14 @@ impl<'r> Table<'r> {
             error.related = removed;
             return;
         }
+        let named_at = self.values.get("name").map(Node::span);
+        let near = named_at.and_then(|at| self.report.advice_at("near-name", &at));
+        let near = near.map(str::to_owned);
         let of_layer = name.filter(|_| self.place.in_list && self.begins_with("[[variant."));
         for Missing { message, help, .. } in missing {
             let error = (self.report).error("missing-key", &self.place.at, message);
             error.help = Some(match of_layer {
+                _ if near.is_some() => near.clone().unwrap_or_default(),
                 Some(name) => format!(
                     "{help}; or give it the name of the one that it changes: none is named {}",
                     suggest::text(name)

@@ -92,19 +92,27 @@ impl Decals {
     /// Decals that surfaces of a material may show.
     pub fn over(&self, material: usize) -> impl Iterator<Item = &Decal> {
         let mask = self.of_materials.get(material).copied().unwrap_or_default();
-        let has = move |index: usize| mask[index / 32] >> (index % 32) & 1 != 0;
-        (self.list.iter().enumerate()).filter_map(move |(i, decal)| has(i).then_some(decal))
+        let decals = self.list.iter().enumerate();
+        decals.filter_map(move |(i, decal)| has(&mask, i).then_some(decal))
     }
 
     /// Decals that some instance may show.
     pub fn shown(&self) -> impl Iterator<Item = &Decal> {
-        let has = |index: usize| {
-            self.sets
-                .iter()
-                .any(|set| set[index / 32] >> (index % 32) & 1 != 0)
-        };
-        (self.list.iter().enumerate()).filter_map(move |(i, decal)| has(i).then_some(decal))
+        let is_shown = |index| self.sets.iter().any(|set| has(set, index));
+        let decals = self.list.iter().enumerate();
+        decals.filter_map(move |(i, decal)| is_shown(i).then_some(decal))
     }
+
+    /// Whether an instance may show a decal, by its index.
+    pub fn may_show(&self, instance: usize, decal: usize) -> bool {
+        let set = self.sets.get(usize::from(self.set_of(instance)));
+        set.is_some_and(|set| has(set, decal))
+    }
+}
+
+/// Whether a set has a decal, by its index.
+fn has(set: &DecalMask, decal: usize) -> bool {
+    set[decal / 32] >> (decal % 32) & 1 != 0
 }
 
 /// Least coverage by which a decal counts as seen at a point.
@@ -119,11 +127,9 @@ impl World {
         point: Vec3,
         normal: Vec3,
     ) -> impl Iterator<Item = usize> {
-        let set = self.decals.set_of(instance);
-        let mask = (self.decals.sets.get(usize::from(set)).copied()).unwrap_or_default();
         let list = self.decals.list.iter().enumerate().rev();
         list.filter(move |(index, decal)| {
-            let is_shown = mask[index / 32] >> (index % 32) & 1 != 0;
+            let is_shown = self.decals.may_show(instance, *index);
             is_shown && self.coverage(decal, point, normal) >= SEEN
         })
         .map(|(index, _)| index)

@@ -246,6 +246,19 @@ impl<'a> Loader<'a> {
         }
     }
 
+    /// Advice for a name that starts from the folder of the included text that has it, not from the scene's folder.
+    fn beside_text(&self, name: &At<String>) -> Option<String> {
+        let text = name.at.source.as_ref()?;
+        let own = self.folders.first()?;
+        let from_own = text.path.parent()?.join(&name.value);
+        let from_own = from_own.strip_prefix(own).unwrap_or(&from_own).to_str()?;
+        self.sandbox.resolve(own, from_own).ok()?;
+        Some(format!(
+            "names start from the scene's folder: write \"{}\"",
+            from_own.replace('\\', "/")
+        ))
+    }
+
     /// Finds a file that the scene text names: beside the scene, then in the asset folders.
     fn find(&self, name: &At<String>) -> Result<PathBuf, Box<Diagnostic>> {
         let mut looked = Vec::new();
@@ -295,7 +308,8 @@ impl<'a> Loader<'a> {
             }
             () => "add the folder that has it with --assets DIR or REFLET_ASSETS",
         };
-        error.help = similar.or_else(|| Some(help.into()));
+        let beside = self.beside_text(name);
+        error.help = similar.or(beside).or_else(|| Some(help.into()));
         Err(Box::new(error))
     }
 

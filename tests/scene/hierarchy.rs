@@ -132,7 +132,7 @@ fn scripts_move_groups_and_see_the_world() {
             include_str!("hierarchy/scripts_move_groups_and_see_the_world.rhai"),
         ),
     ]);
-    folder.assert_frame("\"base\" stands still; write `dynamic = true`");
+    folder.assert_frame("\"base\" stands still (in frame 0); Some(\"write `dynamic = true`");
     let path = folder.path("shot/scene.toml");
     let text = fs::read_to_string(&path).expect("it is there");
     let text = text.replace("[group.base]", "[group.base]\ndynamic = true");

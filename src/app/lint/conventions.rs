@@ -156,6 +156,14 @@ fn foreign_angles(start: &Span) -> Vec<Diagnostic> {
                 "this quaternion is half a turn about X: its order is x, y, z, w".to_owned(),
                 "write `rotation_quat = [0, 0, 0, 1]` for no turn".to_owned(),
             ),
+            ("outer_deg", [x], _) if *x < 1.5 => (
+                "radians",
+                format!("angles are in degrees, and a cone of {x} degrees is nearly a line"),
+                format!(
+                    "write {} if {x} is in radians, half of the cone's opening",
+                    x.to_degrees().round()
+                ),
+            ),
             ("rotation_deg" | "fov_deg" | "outer_deg" | "value", _, Some(x))
                 if are_radians && (key != "value" || table.contains("rotation_deg")) =>
             {

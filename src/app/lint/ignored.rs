@@ -4,9 +4,12 @@ use std::collections::HashSet;
 
 use super::text::{warning, written};
 use crate::scene::{
-    desc::{CAMERA, CameraDesc, InstanceMaterialDesc, Method, NEEDING, Needing, ReflectionDesc},
+    desc::{
+        CAMERA, CameraDesc, InstanceMaterialDesc, LIGHT, Method, NEEDING, Needing, ReflectionDesc,
+    },
     diagnostic::{Diagnostic, Span},
-    stages::Scene,
+    motion::{Kind, Names},
+    stages::{Animator, Scene},
     suggest::example_of,
 };
 use crate::world::World;
@@ -19,7 +22,64 @@ pub fn lint(scene: &Scene, world: &World, start: &Span) -> Vec<Diagnostic> {
     found.extend(dark_environment(scene, world, start));
     found.extend(shutter(scene, start));
     found.extend(materials(scene));
+    found.extend(tracks_below_scripts(scene));
     found
+}
+
+/// Tracks of values that the script sets in the first and in the last frame, unless it reads places.
+fn tracks_below_scripts(scene: &Scene) -> Vec<Diagnostic> {
+    let mut texts = scene.script.iter().flat_map(|script| &script.texts);
+    let frames = scene.timeline.as_ref().map(|it| [it.start, it.end]);
+    let Some(frames) = frames.filter(|_| scene.has_frame_script()) else {
+        return Vec::new();
+    };
+    if texts.any(|(_, text)| text.contains(".position(") || text.contains(".matrix(")) {
+        return Vec::new();
+    }
+    let animator = Animator::new(scene);
+    let states = frames.map(|frame| animator.pose(frame).map(|state| state.scripted));
+    let [Ok(first), Ok(last)] = states else {
+        return Vec::new();
+    };
+    let names = Names::from_scene(&scene.desc);
+    let motion = &scene.motion;
+    let nodes = motion.instances.iter().chain(&motion.groups);
+    let placing = nodes.flat_map(|it| {
+        let [moves, turns, grows] = [
+            &it.value.translation,
+            &it.value.rotation_deg,
+            &it.value.scale,
+        ]
+        .map(Option::is_some);
+        let keys = [
+            (moves, "translation"),
+            (turns, "rotation_deg"),
+            (grows, "scale"),
+        ];
+        let moving = keys.into_iter().enumerate().filter(|(_, (has, _))| *has);
+        let index = names.instances.get(&it.name);
+        moving.map(move |(field, (_, key))| (Kind::Node, index, field, key, &it.name, &it.at))
+    });
+    let filming = motion.cameras.iter().flat_map(|it| {
+        let index = names.cameras.get(&it.name);
+        let fields = it.value.tracks.iter().map(|(field, _)| *field);
+        fields.map(move |i| (Kind::Camera, index, i, CAMERA[i].key, &it.name, &it.at))
+    });
+    let lighting = motion.lights.iter().flat_map(|it| {
+        let index = names.lights.get(&it.name);
+        let fields = it.value.tracks.iter().map(|(field, _)| *field);
+        fields.map(move |i| (Kind::Light, index, i, LIGHT[i].key, &it.name, &it.at))
+    });
+    let all = placing.chain(filming).chain(lighting);
+    let found = all.filter_map(|(kind, index, field, key, name, at)| {
+        let is_set = |index| first.has(kind, index, field) && last.has(kind, index, field);
+        let message = format!(
+            "the script sets `{key}` of \"{name}\" in each frame, so its track in `[motion]` changes nothing"
+        );
+        let help = "remove one of the two, or let the script compute both";
+        is_set(*index?).then(|| warning("ignored-key", at, message, help))
+    });
+    found.collect()
 }
 
 /// Keys that method `path` ignores, because it follows all light.
@@ -85,12 +145,18 @@ fn still_orbits(scene: &Scene) -> impl Iterator<Item = Diagnostic> {
         let camera = scene.cameras.iter().find(|it| it.name == moved.name)?;
         let mut tracks = moved.value.tracks.iter();
         let (_, track) = tracks.find(|(field, _)| CAMERA[*field].key == "eye")?;
-        let orbit = track.orbit.as_ref().filter(|_| track.keys.is_empty() && track.follow.is_none() && track.rate.is_none() && track.oscillate.is_none())?;
+        let has_more = track.follow.is_some() || track.rate.is_some() || track.oscillate.is_some();
+        let is_alone = track.keys.is_empty() && !has_more;
+        let orbit = track.orbit.as_ref().filter(|_| is_alone)?;
         let from_center = camera.value.eye - orbit.center;
         let is_on_axis = from_center.reject_from(orbit.axis).length() < 1e-4;
-        let message = format!("camera \"{}\" stands on the axis of its own orbit, so it does not move", moved.name);
+        let name = &moved.name;
+        let message =
+            format!("camera \"{name}\" stands on the axis of its own orbit, so it does not move");
         let [x, y, z] = camera.value.target.to_array();
-        let help = format!("write the point that it shall go around, such as `center = [{x}, {y}, {z}]`, its target");
+        let help = format!(
+            "write the point that it shall go around, such as `center = [{x}, {y}, {z}]`, its target"
+        );
         is_on_axis.then(|| warning("ignored-key", &moved.at, message, &help))
     })
 }
@@ -160,14 +226,20 @@ fn materials(scene: &Scene) -> Vec<Diagnostic> {
         while let Some(&&Needing { needs: needed, .. }) = alone.first() {
             let names = alone.iter().filter(|key| key.needs == needed);
             let names: Vec<_> = names.map(|key| key.key).collect();
+            let rows = alone.iter().filter(|key| names.contains(&key.key));
+            let mut needs: Vec<_> = rows.map(|key| key.needs).collect();
+            needs.sort_unstable();
+            needs.dedup();
             alone.retain(|key| !names.contains(&key.key));
             let message = format!(
-                "material \"{}\" has no `{needed}`, so {}",
+                "material \"{}\" has no `{}`, so {}",
                 entry.name,
+                needs.join("` and no `"),
                 nothing(&names)
             );
             let them = if names.len() == 1 { "it" } else { "them" };
-            let help = format!("write {}, or remove {them}", example_of(needed));
+            let needs: Vec<_> = needs.into_iter().map(example_of).collect();
+            let help = format!("write {}, or remove {them}", needs.join(" and "));
             found.push(Diagnostic::new("ignored-key", entry.at.clone(), message).help(help));
         }
     }

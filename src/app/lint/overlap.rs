@@ -113,9 +113,9 @@ fn second(rays: &ViewRays, bounds: &[Bounds], hit: &RayHit, direction: DVec3) ->
 }
 
 /// Surface of a triangle or a capsule beside a point, in world space.
-struct NearSurface {
+pub struct NearSurface {
     /// Unit normal of its front.
-    normal: DVec3,
+    pub normal: DVec3,
     /// Distance of the point from the plane of the triangle, or from the capsule.
     height: f64,
     /// Distance by which the point is beside the triangle; negative over it.
@@ -123,7 +123,12 @@ struct NearSurface {
 }
 
 /// The surface of an instance's triangle or capsule, seen from a point; `None` where it has no size.
-fn surface_at(world: &World, instance: &Instance, index: u32, point: DVec3) -> Option<NearSurface> {
+pub fn surface_at(
+    world: &World,
+    instance: &Instance,
+    index: u32,
+    point: DVec3,
+) -> Option<NearSurface> {
     let mesh = &world.meshes[instance.mesh];
     let to_world = in_f64(&instance.world_from_object);
     if let Some(capsule) = Capsule::of_mesh(mesh, index) {

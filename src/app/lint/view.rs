@@ -25,6 +25,8 @@ use crate::{
 const BLACK: f32 = 2e-3;
 /// Exposed radiance above which a pixel shows as white, whatever its color.
 const BLOWN: f32 = 4.0;
+/// Size of a scene, m, from which on its lengths may be centimeters where lamps do not light it.
+const CENTIMETERS: f32 = 300.0;
 /// Share of white pixels that is worth a warning.
 const MOSTLY: f32 = 0.9;
 /// Share of the picture that is cut away by the near plane, from which on it is worth a warning.
@@ -44,12 +46,6 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
     if let Some(found) = empty_view::warning(scene, world, world.main_camera()) {
         return vec![found];
     }
-    let estimate = ViewEstimate::new(world, trees, &view, cutoff, length_m);
-    let mut found = Vec::new();
-    if estimate.surfaces == 0 {
-        // Thin or small: a few pixels show it, between the rays.
-        return found;
-    }
     let whole = View {
         near_m: 0.0,
         ..view
@@ -60,11 +56,19 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
         view: &whole,
     };
     let hits = rays.hits();
-    found.extend(cut(&hits, camera, view.near_m));
+    let mut found: Vec<_> = cut(&hits, camera, view.near_m).into_iter().collect();
+    let estimate = ViewEstimate::new(world, trees, &view, cutoff, length_m);
+    if estimate.surfaces == 0 {
+        // Thin or small: a few pixels show it, between the rays.
+        return found;
+    }
     found.extend(overlap::lint(scene, &rays, &hits));
     // Automatic exposure adapts to the picture.
     if let Exposure::Ev(ev) = scene.image.exposure_ev {
-        found.extend(brightness(&estimate, ev, camera));
+        found.extend(brightness(&estimate, ev, camera, world));
+    }
+    if scene.is_still() {
+        found.extend(small_patterns(scene, world, &view, &hits));
     }
     for (material, reach) in &estimate.reflectors {
         found.extend(reflector(scene, world, *material, reach, unit_m));
@@ -93,8 +97,45 @@ fn cut(
     })
 }
 
+/// Warnings about patterns whose cells are smaller than a pixel wherever rays of a view meet them.
+fn small_patterns(
+    scene: &Scene,
+    world: &World,
+    view: &View,
+    hits: &[Option<(Ray, RayHit)>],
+) -> Vec<Diagnostic> {
+    let found = scene.materials.iter().filter_map(|entry| {
+        let size_m = entry.value.checker?.size_m;
+        let pixels_m = hits.iter().flatten().filter_map(|(_, hit)| {
+            let instance = &world.instances[hit.instance as usize];
+            let is_own = world.materials[instance.material].name == entry.name;
+            let [x, y, z] = instance.world_from_object.matrix3.to_cols_array_2d();
+            let scale = [x, y, z].map(|axis| glam::Vec3::from(axis).length());
+            let scale = scale.into_iter().fold(0.0, f32::max);
+            is_own.then(|| view.pixel_m().max(hit.t as f32 * view.pixel_spread()) / scale)
+        });
+        // Object-space size of a pixel where the pattern is nearest.
+        let pixel_m = pixels_m
+            .reduce(f32::min)
+            .filter(|pixel_m| size_m < *pixel_m)?;
+        let message = format!(
+            "the cells of material \"{}\" are smaller than a pixel, so that their mean is seen",
+            entry.name
+        );
+        let larger = 10f32.powf((20.0 * pixel_m).log10().ceil());
+        let help = format!("write `size_m = {larger}`, in meters; it is {size_m}");
+        Some(Diagnostic::new("small-pattern", entry.at.clone(), message).help(help))
+    });
+    found.collect()
+}
+
 /// Warning about a picture that is black or white nearly all over, at an exposure of `ev` stops.
-fn brightness(estimate: &ViewEstimate, ev: f32, camera: &Entry<CameraDesc>) -> Option<Diagnostic> {
+fn brightness(
+    estimate: &ViewEstimate,
+    ev: f32,
+    camera: &Entry<CameraDesc>,
+    world: &World,
+) -> Option<Diagnostic> {
     let radiance = &estimate.radiance;
     let (name, at) = (&camera.name, camera.at.clone());
     let exposed = || radiance.iter().map(|r| r * ev.exp2());
@@ -102,7 +143,18 @@ fn brightness(estimate: &ViewEstimate, ev: f32, camera: &Entry<CameraDesc>) -> O
     let blown = exposed().filter(|r| *r > BLOWN).count() as f32;
     if brightest < BLACK {
         let message = format!("the picture of camera \"{name}\" is black all over");
-        let help = if brightest > 0.0 {
+        let bounds = world.static_bounds();
+        let size_m = (bounds.max - bounds.min).max_element();
+        let has_lamps = world
+            .all_lights()
+            .any(|light| light.desc.kind.position().is_some());
+        let help = if brightest > 0.0 && has_lamps && size_m > CENTIMETERS {
+            format!(
+                "lengths are meters, and this scene is {} m wide: if they are centimeters, write `scale = 0.01` in a \
+                 `[group.all]` that is the `parent` of everything; else stronger lights",
+                shortened(size_m).round()
+            )
+        } else if brightest > 0.0 {
             let stops = (0.5 / brightest).log2().round();
             let ev = shortened(ev + stops);
             format!("write `exposure_ev = {ev}` or \"auto\" in `[image]`, or stronger lights")
@@ -115,9 +167,13 @@ fn brightness(estimate: &ViewEstimate, ev: f32, camera: &Entry<CameraDesc>) -> O
         let mut sorted: Vec<f32> = exposed().collect();
         sorted.sort_by(f32::total_cmp);
         let stops = (sorted[sorted.len() / 2] / 0.5).log2().round();
-        let ev = shortened(ev - stops);
+        let (given, ev) = (ev, shortened(ev - stops));
         let message = format!("the picture of camera \"{name}\" is white nearly all over");
-        let help = format!("write `exposure_ev = {ev}` or \"auto\" in `[image]`, or weaker lights");
+        let mut help =
+            format!("write `exposure_ev = {ev}` or \"auto\" in `[image]`, or weaker lights");
+        if given > 5.0 {
+            help += "; it counts stops of brightness from 0, and is no value of a light meter";
+        }
         Diagnostic::new("blown-picture", at, message).help(help)
     })
 }

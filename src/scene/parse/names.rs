@@ -6,7 +6,7 @@ use std::{
 };
 
 use super::{entry_kinds::named_elsewhere, extends, hierarchy};
-use crate::syntax::Entries;
+use crate::syntax::{Entries, key_text};
 use crate::table::report::Report;
 use crate::{
     desc::{At, ByName, InstanceMaterialDesc, ModelSource, SceneDesc},
@@ -63,15 +63,20 @@ impl<'a> Names<'a> {
         let mut error = Diagnostic::new("dangling-name", to.at.clone(), message);
         if !report.is_full() {
             let form = forms::explained("name", &format!("{kind} {}", to.value));
+            let elsewhere = named_elsewhere(self.root, &to.value);
+            let table = format!("write a table `[{kind}.{}]`", key_text(&to.value));
+            let lead = match elsewhere.is_empty() {
+                true => format!("{table}, or name one of the {kind}s that are there:"),
+                false => format!("the {kind}s are"),
+            };
             let help = if let Some((_, help)) = form {
                 help
             } else if self.first.is_empty() {
-                format!("write a table `[{kind}.NAME]` and refer to its name")
+                table
             } else {
-                let lead = format!("the {kind}s are");
                 suggest::hint(&to.value, &self.first, suggest::text, &lead)
             };
-            error.help = Some(format!("{}{help}", named_elsewhere(self.root, &to.value)));
+            error.help = Some(format!("{elsewhere}{help}"));
             if let Some(meant) = suggest::nearest(&to.value, self.first.iter().copied()) {
                 let note = format!("{} is defined here", suggest::text(meant));
                 error.related = Some((report.span(&self.places[meant]).shown(), note));

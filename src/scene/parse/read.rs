@@ -121,8 +121,15 @@ impl Section for ModelDesc {
         let lights = t.get("lights", ANY, true);
         if material.is_some() && t.has("file") {
             let message = "`material` of a file must be tables that override its materials by name";
-            let help = "write `[model.NAME.material.\"*\"]` for all materials of the file";
-            t.refuse("wrong-source", "material", message, help);
+            let help = format!(
+                "write `[{}.material.\"*\"]` with `extends = {}` for all materials of the file, or this line in its \
+                 `[[instance]]`",
+                t.path(),
+                material
+                    .as_ref()
+                    .map_or_else(String::new, |it| crate::suggest::text(&it.value))
+            );
+            t.refuse("wrong-source", "material", message, &help);
         }
         let animation = AnimationDesc::find(t);
         let variant = t.find("variant", ANY);

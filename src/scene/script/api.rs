@@ -125,6 +125,12 @@ pub fn signatures(name: &str) -> Vec<String> {
     forms.map(|form| format!("`{form}`")).collect()
 }
 
+/// First sentence of the manual about the forms with that name.
+pub fn meaning(name: &str) -> Option<&'static str> {
+    let sentence = entries(name).first()?.text.split(". ").next()?;
+    Some(sentence.trim_end_matches('.'))
+}
+
 /// Keys of the map that a function of `ctx` takes; none if it takes no map.
 pub fn map_keys(function: &str) -> Vec<&'static str> {
     fn all<T>(fields: &'static [Field<T>]) -> Vec<&'static str> {

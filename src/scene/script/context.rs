@@ -153,6 +153,8 @@ impl Context {
             format!("it is a model: write `name = {shown}` in its [[instance]]")
         } else if known.is_empty() {
             format!("no {kind} of the scene has a name")
+        } else if let Some(numbers) = numbers(name, &known) {
+            numbers
         } else {
             suggest::hint(name, &known, suggest::text, &format!("the {kind}s are"))
         };
@@ -484,5 +486,23 @@ impl Context {
         }
         scene.touched.add(Kind::Decal, index, fields);
         Ok(())
+    }
+}
+
+/// Advice for a name with a number after the last one of several, or before the first.
+fn numbers(name: &str, known: &[&str]) -> Option<String> {
+    let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    let number: u32 = name[stem.len()..].parse().ok()?;
+    let has = |number: u32| known.contains(&format!("{stem}{number}").as_str());
+    match number.checked_sub(1) {
+        Some(last) if has(last) && has(0) => Some(format!(
+            "the last one is {}: they are numbered from 0, as by `for i in 0..{number}`",
+            suggest::text(&format!("{stem}{last}"))
+        )),
+        None if has(1) => Some(format!(
+            "the first one is {}",
+            suggest::text(&format!("{stem}1"))
+        )),
+        _ => None,
     }
 }

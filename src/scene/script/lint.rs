@@ -62,6 +62,7 @@ pub fn lint_scripts(texts: &[(String, String)], params: &[Entry<ParamValue>]) ->
             tokens: tokens(text),
             params: &params,
             scopes: vec![Scope::default()],
+            in_degrees: HashSet::new(),
             found: Vec::new(),
         };
         lint.run();
@@ -88,6 +89,8 @@ struct ScriptLint<'t, 'p> {
     /// Names of parameters that are whole numbers.
     params: &'p HashSet<&'p str>,
     scopes: Vec<Scope<'t>>,
+    /// Variables that turn by quarters of a circle in degrees for each second.
+    in_degrees: HashSet<&'t str>,
     found: Vec<Diagnostic>,
 }
 
@@ -139,6 +142,8 @@ impl<'t> ScriptLint<'t, '_> {
                 "fn" => {
                     next = self.function(i);
                     self.idle_frame(i);
+                    self.time_in_setup(i);
+                    self.lost_changes(i);
                 }
                 "for" => {
                     if let Some((name, at, whole)) = self.loop_variable(i) {
@@ -150,6 +155,7 @@ impl<'t> ScriptLint<'t, '_> {
                     let (name, at) = (self.word(i + 1), self.tokens[i + 1].at.clone());
                     let whole = self.word(i + 2) == "=" && self.word(i + 4) == ";";
                     let whole = whole && is_whole(self.word(i + 3));
+                    self.degrees(i + 3, name);
                     // A second definition in the same scope hides nothing from the reader.
                     let scope = self.scopes.last();
                     if !scope.is_some_and(|s| s.variables.contains_key(name)) {
@@ -160,6 +166,9 @@ impl<'t> ScriptLint<'t, '_> {
                     }
                 }
                 "/" => self.division(i),
+                "sin" | "cos" | "tan" if self.in_degrees.contains(self.word(i + 2)) => {
+                    self.sine_of_degrees(i);
+                }
                 text if text.starts_with('"') => self.plain_text(i),
                 _ => {}
             }
@@ -203,12 +212,9 @@ impl<'t> ScriptLint<'t, '_> {
         scope
     }
 
-    /// Warns about a `frame` that sets nothing, since it calls nothing of its `ctx`, hands it to no function and says nothing.
-    fn idle_frame(&mut self, i: usize) {
-        let is_frame = self.is_main && self.word(i + 1) == "frame" && self.word(i + 4) == ")";
-        let Some(open) = (i..self.tokens.len()).find(|k| is_frame && self.word(*k) == "{") else {
-            return;
-        };
+    /// Tokens from the brace that opens the body of the function at `i`, without the brace that closes it.
+    fn body(&self, i: usize) -> Option<Range<usize>> {
+        let open = (i..self.tokens.len()).find(|k| self.word(*k) == "{")?;
         let mut depth = 0;
         let close = (open..self.tokens.len()).find(|k| {
             match self.word(*k) {
@@ -218,6 +224,100 @@ impl<'t> ScriptLint<'t, '_> {
             }
             depth == 0
         });
+        Some(open..close?)
+    }
+
+    /// Warns about a `setup` that reads the time.
+    fn time_in_setup(&mut self, i: usize) {
+        let is_setup = self.is_main && self.word(i + 1) == "setup";
+        let reads = |k: &usize| {
+            let [owner, dot, key] = [0, 1, 2].map(|n| self.word(k + n));
+            owner == self.word(i + 3) && dot == "." && ["t", "frame"].contains(&key)
+        };
+        let Some(at) = self
+            .body(i)
+            .filter(|_| is_setup)
+            .and_then(|mut body| body.find(reads))
+        else {
+            return;
+        };
+        let message = "`setup` runs once, at time 0".to_owned();
+        let help =
+            "set what follows the time in `frame`, as in `ctx.place(\"ball\", [ctx.t, 0, 0]);`";
+        let range = self.tokens[at].at.start..self.tokens[at + 2].at.end;
+        self.warn("idle-function", range, message, help.to_owned());
+    }
+
+    /// Warns about a function that changes its parameters, which are copies, where calls drop its result.
+    fn lost_changes(&mut self, i: usize) {
+        const CHANGES: [&str; 8] = [
+            "push", "insert", "append", "remove", "pop", "shift", "clear", "truncate",
+        ];
+        const ELSEWHERE: [&str; 4] = ["print", "debug", "throw", "this"];
+        let name = self.word(i + 1);
+        let Some(body) = self.body(i) else {
+            return;
+        };
+        let parameters = &self.tokens[i + 3..body.start];
+        let parameter = body.clone().find_map(|k| {
+            let is_changed = self.word(k + 1) == "." && CHANGES.contains(&self.word(k + 2));
+            let mut own = parameters
+                .iter()
+                .filter(|token| token.is_word() && is_changed);
+            own.any(|token| token.text == self.word(k))
+                .then(|| self.word(k))
+        });
+        // Functions of a context and prints have an effect outside.
+        let has_effect = body.into_iter().any(|k| {
+            let is_method = self.word(k + 1) == "." && self.word(k + 3) == "(";
+            ELSEWHERE.contains(&self.word(k))
+                || is_method && !api::signatures(self.word(k + 2)).is_empty()
+        });
+        let call = (1..self.tokens.len()).find(|&k| {
+            let is_statement = [";", "{", "}"].contains(&self.word(k - 1));
+            is_statement && self.word(k) == name && self.word(k + 1) == "("
+        });
+        let (Some(parameter), Some(call)) = (parameter.filter(|_| !has_effect), call) else {
+            return;
+        };
+        let message = format!("`{name}` changes a copy of its `{parameter}`, which is lost");
+        let argument = if self.word(call + 3) == ")" {
+            self.word(call + 2)
+        } else {
+            parameter
+        };
+        let help =
+            format!("end it with `{parameter}`, and write `{argument} = {name}({argument});` here");
+        self.warn("idle-function", self.tokens[call].at.clone(), message, help);
+    }
+
+    /// Takes note of a variable that is the time in seconds times a quarter of a circle in degrees, or several.
+    fn degrees(&mut self, value: usize, name: &'t str) {
+        let words = [0, 1, 2, 3, 4, 5].map(|n| self.word(value + n));
+        let number = match words {
+            [number, "*", "ctx", ".", "t", ";"] | ["ctx", ".", "t", "*", number, ";"] => number,
+            _ => return,
+        };
+        let quarters = number.parse::<f64>().map_or(0.5, |degrees| degrees / 90.0);
+        if quarters >= 1.0 && quarters.fract() == 0.0 {
+            self.in_degrees.insert(name);
+        }
+    }
+
+    /// Warns about a sine, cosine or tangent of such a variable.
+    fn sine_of_degrees(&mut self, i: usize) {
+        let (function, name) = (self.word(i), self.word(i + 2));
+        let message = format!("`{function}` takes radians, and `{name}` seems to be in degrees");
+        let help = format!("write `{function}(radians({name}))`");
+        self.warn("unlikely-value", self.tokens[i].at.clone(), message, help);
+    }
+
+    /// Warns about a `frame` that sets nothing, since it calls nothing of its `ctx`, hands it to no function and says nothing.
+    fn idle_frame(&mut self, i: usize) {
+        let is_frame = self.is_main && self.word(i + 1) == "frame" && self.word(i + 4) == ")";
+        let Some(body) = self.body(i).filter(|_| is_frame) else {
+            return;
+        };
         let context = self.word(i + 3);
         let is_used = |k: usize| match self.word(k) {
             text if text.starts_with('`') => text.contains(context),
@@ -225,10 +325,8 @@ impl<'t> ScriptLint<'t, '_> {
         };
         // Functions that it calls may say something, too.
         let says = |token: &Token| ["print", "debug", "throw"].contains(&token.text);
-        let is_idle = |close: usize| {
-            close > open + 1 && !(open..close).any(is_used) && !self.tokens.iter().any(says)
-        };
-        if close.is_some_and(is_idle) {
+        let is_idle = !body.clone().any(is_used) && !self.tokens.iter().any(says);
+        if body.len() > 1 && is_idle {
             let message = "`frame` sets nothing: its variables are copies".to_owned();
             let help = "write at its end what changes, as in `ctx.place(\"ball\", p);`".to_owned();
             self.warn(

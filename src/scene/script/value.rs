@@ -58,9 +58,14 @@ impl From<WrongKey> for Box<EvalAltResult> {
     }
 }
 
-/// An error with a message, at the place of the call.
+/// An error with a message, at the place of the call; its part after a `; ` outside of quotes is advice.
 pub fn fail<T>(message: String) -> Result<T> {
-    Err(message.into())
+    let mut ends = message.match_indices("; ");
+    let end = ends.find(|(at, _)| message[..*at].matches('"').count().is_multiple_of(2));
+    match end {
+        Some((at, _)) => fail_with(message[..at].to_owned(), &message[at + 2..]),
+        None => Err(message.into()),
+    }
 }
 
 /// An error with a message and advice, empty for none, at the place of the call.

@@ -4,10 +4,11 @@ use std::{cell::Cell, sync::LazyLock};
 
 use regex::{Captures, Regex};
 
-/// A place in an advice for a value of the text, with an example for texts without one: `{value/2:0.5}`, `{1-value:0.5}` or
-/// `{height:720}`, where `value` is the value of the key that the advice is about, and another name the value of another key.
+/// A place in an advice for a value of the text, with an example for texts without one: `{value/2:0.5}`, `{value*fps-1:47}` or
+/// `{height:720}`, where `value` is the value of the key that the advice is about, another name the value of another key, and
+/// signs are followed from left to right.
 static SLOT: LazyLock<Regex> = LazyLock::new(|| {
-    let slot = r"\{(?:([\d.]+)([-/]))?([a-z_]+)(?:/([\d.]+))?:([^{}]+)\}";
+    let slot = r"\{([a-z0-9_.]+(?:[-*/][a-z0-9_.]+)*):([^{}]+)\}";
     Regex::new(slot).expect("it is right")
 });
 
@@ -21,12 +22,14 @@ pub fn filled(
 ) -> String {
     let lacks = Cell::new(false);
     let fill = |slot: &Captures| {
-        let (name, example) = (&slot[3], &slot[5]);
-        let value = value_of(if name == "value" { key } else { name });
-        let value = value.map(|value| color_of(value, example));
+        let (expression, example) = (&slot[1], &slot[2]);
+        let value_of = |name: &str| value_of(if name == "value" { key } else { name });
+        let value = match expression.contains(['-', '*', '/']) {
+            true => computed(expression, value_of),
+            false => value_of(expression).map(|value| color_of(value, example)),
+        };
         let is_short = |text: &str| text.len() <= 60 && !text.contains(char::is_control);
         let value = value.filter(|value| is_like(value, example) && is_short(value));
-        let value = value.and_then(|value| computed(slot, value));
         // A missing number beside others is 0 only where the example is.
         lacks.set(lacks.get() || value.is_none() && example != "0");
         value.unwrap_or_else(|| example.to_owned())
@@ -35,7 +38,7 @@ pub fn filled(
     if !lacks.get() && setting(&own).is_none_or(|(key, value)| fits(key, value)) {
         return own;
     }
-    SLOT.replace_all(help, "$5").into_owned()
+    SLOT.replace_all(help, "$2").into_owned()
 }
 
 /// Key and value of the first line of scene text in an advice.
@@ -71,19 +74,27 @@ fn is_like(a: &str, b: &str) -> bool {
     form(a) == form(b) || b.starts_with("\"#") && form(a) == form("[0, 0, 0]")
 }
 
-/// A value, or the number that its place computes of it.
-fn computed(slot: &Captures, value: String) -> Option<String> {
-    let constant = |group: usize| slot.get(group)?.as_str().parse::<f64>().ok();
-    let x = || value.parse::<f64>().ok();
-    let result = match (constant(1), slot.get(2), constant(4)) {
-        (Some(a), Some(sign), _) if sign.as_str() == "-" => a - x()?,
-        (Some(a), ..) => a / x()?,
-        (.., Some(b)) => x()? / b,
-        _ => return Some(value),
+/// The number that the expression of a place computes; `None` where a value is missing or no number.
+fn computed(expression: &str, value_of: impl Fn(&str) -> Option<String>) -> Option<String> {
+    let number = |word: &str| {
+        let value = value_of(word).unwrap_or_else(|| word.to_owned());
+        value.parse::<f64>().ok()
     };
-    result
-        .is_finite()
-        .then(|| ((result * 1e4).round() / 1e4 + 0.0).to_string())
+    let (mut rest, mut result, mut sign) = (expression, None, '+');
+    while !rest.is_empty() {
+        let end = rest.find(['-', '*', '/']).unwrap_or(rest.len());
+        let x = number(&rest[..end])?;
+        result = Some(match (result, sign) {
+            (Some(before), '-') => before - x,
+            (Some(before), '*') => before * x,
+            (Some(before), '/') => before / x,
+            _ => x,
+        });
+        sign = rest[end..].chars().next().unwrap_or_default();
+        rest = rest.get(end + 1..).unwrap_or_default();
+    }
+    let result = result.filter(|x: &f64| x.is_finite())?;
+    Some(((result * 1e4).round() / 1e4 + 0.0).to_string())
 }
 
 #[cfg(test)]
@@ -97,6 +108,7 @@ mod tests {
             "gloss" => Some("1".to_owned()),
             "text" => Some("\"a, b\"".to_owned()),
             "z" => Some("-3".to_owned()),
+            "fps" => Some("25".to_owned()),
             "rgba" => Some("[1, 0, 0, 0.5]".to_owned()),
             _ => None,
         };
@@ -104,6 +116,8 @@ mod tests {
             ("write `a = {1-value:0.3}`", "gloss", "write `a = 0`"),
             ("write `a = {value/4:0.3}`", "gloss", "write `a = 0.25`"),
             ("write `a = {360/value:12}`", "gloss", "write `a = 360`"),
+            ("write `a = {value*fps-1:47}`", "gloss", "write `a = 24`"),
+            ("write `a = {value*lost-1:47}`", "gloss", "write `a = 47`"),
             ("write `a = {value:\"b\"}`", "text", "write `a = \"a, b\"`"),
             ("write `a = {value:0.5}`", "text", "write `a = 0.5`"),
             (

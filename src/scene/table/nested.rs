@@ -11,7 +11,7 @@ use super::{
     value::{Named, Value, found, wrong_type},
     value_advice::{list_instead, text_instead, unquoted},
 };
-use crate::syntax::{Content, Entries, Key, Node, in_order, made};
+use crate::syntax::{Content, Entries, Key, Node, in_order, key_text, made};
 use crate::{
     range::{ANY, Range},
     suggest,
@@ -344,8 +344,18 @@ impl<'r> Table<'r> {
         let example = format!("write `[{}.NAME]`, with a name of your choice", place.path);
         let Content::Table(entries) = node.get_ref() else {
             let message = format!("`{key}` must be tables with names, not {}", found(node));
+            let first = node.get_ref().as_array().and_then(|items| items.first());
+            let name =
+                first.and_then(|it| it.get_ref().as_table()?.get("name")?.get_ref().as_str());
             let error = self.report.error("wrong-type", &self.key_at(key), message);
-            error.help = Some(example);
+            error.help = Some(match name {
+                Some(name) => format!(
+                    "write `[{}.{}]` in place of the header and its `name`",
+                    place.path,
+                    key_text(name)
+                ),
+                None => example,
+            });
             return Vec::new();
         };
         let mut read = Vec::new();

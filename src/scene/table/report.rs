@@ -280,6 +280,14 @@ impl Report {
         self.list.iter().any(|d| d.name == name)
     }
 
+    /// Advice of the message with this diagnostic name about a range.
+    pub fn advice_at(&self, name: &str, at: &Range<usize>) -> Option<&str> {
+        let span = self.span(at);
+        let mut list = self.list.iter();
+        let found = list.find(|it| it.name == name && it.span.range == span.range)?;
+        found.help.as_deref()
+    }
+
     /// Drops messages that `keep` rejects, such as consequences of an earlier mistake.
     pub fn retain(&mut self, keep: impl FnMut(&Diagnostic) -> bool) {
         self.list.retain(keep);

@@ -88,6 +88,7 @@ pub fn add(
         whole = Some(match whole {
             None => own,
             Some(before) => {
+                warnings.extend(missing_cutter(index, &before, &own, is_cutter).map(here));
                 let work = work(&before, &own, supplies.work.left());
                 supplies.spend(work).map_err(here)?;
                 combined(&before, &own, &operation).map_err(here)?
@@ -106,6 +107,36 @@ pub fn add(
         solid.triangle([corner(0), corner(1), corner(2)]);
     }
     Ok(warnings)
+}
+
+/// A warning about a cutter whose box does not meet the box of the parts before it, so that it cuts nothing.
+fn missing_cutter(
+    index: usize,
+    before: &Manifold<Skin>,
+    own: &Manifold<Skin>,
+    is_cutter: bool,
+) -> Option<Fault> {
+    let [whole, cutter] = [before, own].map(|mesh| {
+        let places = mesh.ps.iter().map(|p| DVec3::from(p.to_array()));
+        places.fold([DVec3::MAX, DVec3::MIN], |[low, high], at| {
+            [low.min(at), high.max(at)]
+        })
+    });
+    let axis = (0..3).find(|&k| cutter[0][k] >= whole[1][k] || cutter[1][k] <= whole[0][k]);
+    let axis = axis.filter(|_| is_cutter)?;
+    let range = |[low, high]: [DVec3; 2]| {
+        let shown = |x: f64| (x * 1e3).round() / 1e3 + 0.0;
+        format!("from {} to {}", shown(low[axis]), shown(high[axis]))
+    };
+    let name = ["X", "Y", "Z"][axis];
+    let message = format!(
+        "part {} cuts nothing: along {name} it is {}, and the parts before it {}",
+        index + 1,
+        range(cutter),
+        range(whole)
+    );
+    let help = "move it by its `translation`; a `cylinder` stands on Y = 0";
+    Some(Fault::new("idle-part", message).help(help))
 }
 
 /// Work of combining two surfaces: their triangles, and the pairs of near ones, of which each may be cut.

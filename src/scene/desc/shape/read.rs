@@ -31,13 +31,28 @@ impl LatheSource {
         let points = t.find("points", ANY).map(|Points(points)| points);
         let outline = t.table("outline").map(Self::Outline);
         if let Some(message) = points.as_deref().and_then(wrong_points) {
-            let help =
-                "write the outline from below upwards: `points = [[0.3, 0], [0.5, 0.4], [0, 0.8]]`";
-            t.refuse("out-of-range", "points", &message, help);
+            let help = turned_round(points.as_deref().unwrap_or_default()).unwrap_or_else(|| {
+                "write the outline from below upwards: `points = [[0.3, 0], [0.5, 0.4], [0, 0.8]]`"
+                    .to_owned()
+            });
+            t.refuse("out-of-range", "points", &message, &help);
             return None;
         }
         points.map(Self::Points).or(outline)
     }
+}
+
+/// Advice for points whose heights come first, as they rise from below the middle.
+fn turned_round(points: &[[f32; 2]]) -> Option<String> {
+    let rises = (3..=12).contains(&points.len()) && points.windows(2).all(|it| it[0][0] < it[1][0]);
+    let swapped: Vec<_> = points
+        .iter()
+        .map(|[height, radius]| [*radius, *height])
+        .collect();
+    let is_meant = rises && points[0][0] < 0.0 && wrong_points(&swapped).is_none();
+    let swapped: Vec<_> = swapped.iter().map(|[r, h]| format!("[{r}, {h}]")).collect();
+    let swapped = swapped.join(", ");
+    is_meant.then(|| format!("the radius comes first, then the height: `points = [{swapped}]`"))
 }
 
 /// Message about points that a lathe cannot turn.

@@ -16,11 +16,11 @@ pub fn missing_function(signature: &str, functions: &[&str]) -> Explained {
     let own = api::signatures(name);
     if !own.is_empty() {
         let message = format!("{} does not take ({arguments})", suggest::key(name));
-        return (
-            "script-error",
-            message,
-            Some(format!("it is {}", own.join(", or "))),
-        );
+        let meaning = api::meaning(name).map_or_else(String::new, |text| {
+            format!(": {}", super::lower_first(text))
+        });
+        let help = format!("it is {}{meaning}", own.join(", or "));
+        return ("script-error", message, Some(help));
     }
     if !name.starts_with(|c: char| c.is_alphabetic() || c == '_') {
         let message = format!("{} does not take ({arguments})", suggest::key(name));
