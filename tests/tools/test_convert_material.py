@@ -52,6 +52,18 @@ def test_specular_workflow_keeps_the_reflectance(tmp_path: Path) -> None:
     assert found["pbrMetallicRoughness"]["metallicFactor"] == 0.0
 
 
+def test_specular_colors_leave_a_share_of_another_diffuse_color(tmp_path: Path) -> None:
+    done = shaded(
+        tmp_path,
+        "int inputs:useSpecularWorkflow = 1\ncolor3f inputs:specularColor = (0, 0, 1)\n"
+        "color3f inputs:diffuseColor = (1, 0, 0)",
+    )
+    factor = material(done)["extensions"]["KHR_materials_specular"]["specularColorFactor"]
+    # In even light of 1 the stage is (1, 0, 1) and the file (1 - s, 0, s): nearest by s = 1/2.
+    assert factor == pytest.approx([0, 0, 0.5 / 0.04])
+    assert done.validated().passed
+
+
 GLASS = [(1.5, 0, 1.0), (1.3, 0, 0.425), (2, 0, None), (-1, 0, None), (1.5, 1, None)]
 
 

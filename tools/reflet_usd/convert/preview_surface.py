@@ -1,5 +1,6 @@
 """UsdPreviewSurface inputs to a glTF material, both workflows."""
 
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -38,6 +39,20 @@ DIELECTRIC_F0 = 0.04
 _AFFINE = ("scale", "bias")
 
 Slots = dict[str, int]
+
+
+def _specular_share(specular: Sequence[float], diffuse: Sequence[float]) -> float:
+    """Share of a specular color by which a surface in even light deviates least in glTF.
+
+    There the largest component is taken off all components of the diffuse color, in
+    UsdPreviewSurface each off its own.
+    """
+    strongest = max(specular)
+    # The derivative of the squared deviations by the share is 0.
+    slopes = [k - strongest * d for k, d in zip(specular, diffuse, strict=True)]
+    wanted = [k * (1.0 - d) for k, d in zip(specular, diffuse, strict=True)]
+    best = sum(s * w for s, w in zip(slopes, wanted, strict=True)) / sum(s * s for s in slopes)
+    return min(max(best, 0.0), 1.0)
 
 
 class PreviewMaterial:
@@ -267,12 +282,15 @@ class PreviewMaterial:
             else:
                 color = list(self._unit("specularColor"))
                 extensions["KHR_materials_specular"] = {}
-                textured = self._texture("diffuseColor")
-                diffuse = (1.0,) * 3 if textured else self._numbers("diffuseColor")
+                varies = isinstance(self.inputs.get("diffuseColor"), PrimvarRead)
+                varies = varies or self._texture("diffuseColor") is not None
+                diffuse = (1.0,) * 3 if varies else self._numbers("diffuseColor")
                 if any((max(color) - k) * d > 0.05 for k, d in zip(color, diffuse, strict=True)):
+                    share = _specular_share(color, diffuse)
+                    color = [share * k for k in color]
                     message = (
                         "glTF takes the largest component of 'specularColor' off all components"
-                        " of the diffuse color, which looks darker and of another hue"
+                        f" of the diffuse color; {share:.2f} of it is kept, so that less is taken"
                     )
                     self._warn("specular-approximated", message)
             factor = [part / DIELECTRIC_F0 for part in color]

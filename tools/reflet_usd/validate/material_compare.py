@@ -183,6 +183,16 @@ def _without_lost(checks: Checks, inputs: dict[str, PreviewInput]) -> dict[str, 
     return result
 
 
+def _kept_specular(specular: Array, diffuse: Array) -> Array:
+    """Part of a specular color by which a file deviates least from its stage in even light."""
+    if not ((specular.max() - specular) * diffuse > 0.05).any():
+        return specular
+    shares = np.linspace(0.0, 1.0, 2001)[:, None]
+    shown = (1.0 - shares * specular.max()) * diffuse + shares * specular
+    wanted = (1.0 - specular) * diffuse + specular
+    return specular * shares[np.argmin(((shown - wanted) ** 2).sum(axis=1))]
+
+
 class _Comparison:
     """One material of the stage and the file's materials that stand for it."""
 
@@ -206,6 +216,10 @@ class _Comparison:
                 continue
             if name == "specularColor" and not specular:
                 source = PreviewInput(np.full(3, 0.04), None)
+            elif name == "specularColor" and source.constant is not None:
+                diffuse = self.inputs["diffuseColor"].constant
+                kept = _kept_specular(source.constant, np.ones(3) if diffuse is None else diffuse)
+                source = PreviewInput(kept, None)
             if specular and name in ("metallic", "ior"):
                 source = PreviewInput(np.array([0.0 if name == "metallic" else 1.5]), None)
             if name == "emissiveColor" and is_mesh_light(found.material):
