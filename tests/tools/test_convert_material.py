@@ -40,27 +40,22 @@ def test_fallbacks_are_those_of_the_preview_surface(tmp_path: Path) -> None:
     assert (pbr["metallicFactor"], pbr["roughnessFactor"]) == (0.0, 0.5)
 
 
-def test_specular_workflow_keeps_the_reflectance(tmp_path: Path) -> None:
-    done = shaded(
-        tmp_path,
-        "int inputs:useSpecularWorkflow = 1\ncolor3f inputs:specularColor = (0.9, 0.5, 0.02)",
-    )
+# In even light of 1 the stage's (1, 0, 1) is (1 - s, 0, s) in the file: nearest by s = 1/2.
+SPECULAR = [((0.9, 0.5, 0.02), (0.18, 0.18, 0.18), 1.0), ((0, 0, 1), (1, 0, 0), 0.5)]
+
+
+@pytest.mark.parametrize(("specular", "diffuse", "kept"), SPECULAR)
+def test_specular_workflow_keeps_the_reflectance_beside_a_diffuse_color(
+    tmp_path: Path, specular: tuple[float, ...], diffuse: tuple[float, ...], kept: float
+) -> None:
+    colors = f"color3f inputs:specularColor = {specular}\ncolor3f inputs:diffuseColor = {diffuse}"
+    done = shaded(tmp_path, f"int inputs:useSpecularWorkflow = 1\n{colors}")
     found = material(done)
     factor = found["extensions"]["KHR_materials_specular"]["specularColorFactor"]
     # KHR_materials_specular: F0 = ((ior - 1) / (ior + 1))^2 * specularColor, ior 1.5.
-    assert np.array(factor) * ((1.5 - 1) / (1.5 + 1)) ** 2 == pytest.approx([0.9, 0.5, 0.02])
+    f0 = np.array(factor) * ((1.5 - 1) / (1.5 + 1)) ** 2
+    assert f0 == pytest.approx(kept * np.array(specular))
     assert found["pbrMetallicRoughness"]["metallicFactor"] == 0.0
-
-
-def test_specular_colors_leave_a_share_of_another_diffuse_color(tmp_path: Path) -> None:
-    done = shaded(
-        tmp_path,
-        "int inputs:useSpecularWorkflow = 1\ncolor3f inputs:specularColor = (0, 0, 1)\n"
-        "color3f inputs:diffuseColor = (1, 0, 0)",
-    )
-    factor = material(done)["extensions"]["KHR_materials_specular"]["specularColorFactor"]
-    # In even light of 1 the stage is (1, 0, 1) and the file (1 - s, 0, s): nearest by s = 1/2.
-    assert factor == pytest.approx([0, 0, 0.5 / 0.04])
     assert done.validated().passed
 
 

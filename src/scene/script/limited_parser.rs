@@ -5,7 +5,11 @@ use std::sync::{Mutex, PoisonError};
 
 use rhai::{Engine, LexError, OptimizationLevel, Token};
 
-use super::{call_limits::progress, catch_values::Caught, limits::ARGUMENTS};
+use super::{
+    call_limits::progress,
+    catch_values::Caught,
+    limits::{ARGUMENTS, VARIABLES},
+};
 
 /// Has an engine check the limits at each token, and pass each token to `caught`.
 pub fn register(engine: &mut Engine, caught: &Caught) {
@@ -26,8 +30,17 @@ pub fn register(engine: &mut Engine, caught: &Caught) {
     });
 }
 
-/// Number of commas so far in each open bracket; `None` in brackets without arguments.
-type Open = Mutex<Vec<Option<usize>>>;
+/// An open bracket.
+#[derive(Default)]
+struct Bracket {
+    /// Number of commas so far; `None` in brackets without arguments.
+    commas: Option<usize>,
+    /// Number of variables that are defined in it so far.
+    variables: usize,
+}
+
+/// Open brackets, the outermost first; the text around them all is one from its first variable on.
+type Open = Mutex<Vec<Bracket>>;
 
 fn wrong_with(token: &Token, open: &Open) -> Option<LexError> {
     if let Some(why) = progress(1).or_else(|| too_long(token, open)) {
@@ -43,19 +56,32 @@ fn wrong_with(token: &Token, open: &Open) -> Option<LexError> {
     }
 }
 
-/// Message about a call with too many arguments: Rhai's work after the last token of a call grows with their square.
+/// Message about a call with too many arguments, or a block with too many variables: Rhai's work on them grows with the
+/// square of their number.
 fn too_long(token: &Token, open: &Open) -> Option<String> {
     let mut open = open.lock().unwrap_or_else(PoisonError::into_inner);
     match token {
-        Token::LeftParen => open.push(Some(0)),
-        Token::LeftBracket | Token::LeftBrace | Token::MapStart => open.push(None),
+        Token::LeftParen => open.push(Bracket {
+            commas: Some(0),
+            ..Bracket::default()
+        }),
+        Token::LeftBracket | Token::LeftBrace | Token::MapStart => open.push(Bracket::default()),
         Token::RightParen | Token::RightBracket | Token::RightBrace => drop(open.pop()),
         Token::EOF => open.clear(),
         Token::Comma => {
-            let commas = open.last_mut()?.as_mut()?;
+            let commas = open.last_mut()?.commas.as_mut()?;
             *commas += 1;
             return (*commas >= ARGUMENTS)
                 .then(|| format!("a call has more than {ARGUMENTS} arguments"));
+        }
+        Token::Let | Token::Const => {
+            if open.is_empty() {
+                open.push(Bracket::default());
+            }
+            let block = open.last_mut()?;
+            block.variables += 1;
+            return (block.variables > VARIABLES)
+                .then(|| format!("a function has more than {VARIABLES} variables"));
         }
         _ => {}
     }

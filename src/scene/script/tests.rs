@@ -182,18 +182,24 @@ fn the_stack_of_a_call_holds_the_deepest_values() {
 }
 
 #[test]
-fn calls_have_a_maximum_of_arguments() {
-    let call = |count: usize| {
-        let list = vec!["[1, 2]"; count].join(", ");
-        let text = format!("fn setup(ctx) {{\n  f({list})\n}}");
-        Script::from_text("long.rhai", &text).map(drop)
+fn calls_have_a_maximum_of_arguments_and_blocks_of_variables() {
+    let call = |count: usize| format!("f({})", vec!["[1, 2]"; count].join(", "));
+    let block = |count: usize| "let a = 1; ".repeat(count);
+    let said = |body: String| {
+        let text = format!("fn setup(ctx) {{\n  {body}\n}}");
+        let read = Script::from_text("long.rhai", &text);
+        read.map_or_else(|wrong| wrong.to_string(), |_| String::new())
     };
-    assert!(call(64).is_ok());
-    let error = call(65).expect_err("too many").to_string();
-    assert!(
-        error.contains("more than 64 arguments") && error.contains("long.rhai:2:"),
-        "{error}"
-    );
+    assert_eq!([said(call(64)), said(block(64))], ["", ""]);
+    for (error, what) in [
+        (said(call(65)), "more than 64 arguments"),
+        (said(block(65)), "more than 64 variables"),
+    ] {
+        assert!(
+            error.contains(what) && error.contains("long.rhai:2:"),
+            "{error}"
+        );
+    }
 }
 
 #[test]

@@ -290,7 +290,7 @@ class PreviewMaterial:
                     color = [share * k for k in color]
                     message = (
                         "glTF takes the largest component of 'specularColor' off all components"
-                        f" of the diffuse color; {share:.2f} of it is kept, so that less is taken"
+                        f" of the diffuse color; the file has {share:.2f} of it, to take less"
                     )
                     self._warn("specular-approximated", message)
             factor = [part / DIELECTRIC_F0 for part in color]
