@@ -426,8 +426,8 @@ impl<'r> Table<'r> {
             section.all_keys().any(|it| it.name == key)
                 || section.variants.iter().any(|it| it.key == key)
         };
-        let mut sections = self.place.all.into_iter().flat_map(|all| all());
-        let own = sections.find(|it| self.asked.iter().all(|key| has(it, key)));
+        let all = self.place.all.map_or(&[][..], |all| all());
+        let own = (all.iter()).find(|it| self.asked.iter().all(|key| has(it, key)));
         let fits = |key: &str, value: &str| {
             let records = own.into_iter().flat_map(SectionRecord::all_keys);
             let mut records = records.filter(|it| it.name == key).peekable();
@@ -435,7 +435,7 @@ impl<'r> Table<'r> {
             let is_radians = key.ends_with("_deg")
                 && key != "angle_deg"
                 && value.parse().is_ok_and(|x: f64| x != 0.0 && x.abs() < 3.2);
-            let is_taken = |record: &KeyRecord| accepts(record, value);
+            let is_taken = |record: &KeyRecord| accepts(record, value, all);
             !is_radians && (records.peek().is_none() || records.any(is_taken))
         };
         suggest::filled(help, key, value_of, fits)

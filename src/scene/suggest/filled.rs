@@ -149,8 +149,22 @@ mod tests {
             });
             let records = tables.flat_map(|table| table.all_keys());
             let records: Vec<_> = records.filter(|it| it.name == key).collect();
-            let is_taken = records.is_empty() || records.iter().any(|it| accepts(it, value));
+            let all = recorded_keys();
+            let is_taken = records.is_empty() || records.iter().any(|it| accepts(it, value, all));
             assert!(is_taken, "{words} beside {beside}: {help}");
+        }
+    }
+
+    #[test]
+    fn values_in_tables_of_advice_have_ranges_too() {
+        let all = recorded_keys();
+        for (key, right, wrong) in [
+            ("repeat", "{ count = [2, 1, 1] }", "{ count = [0, 1, 1] }"),
+            ("fog", "{ density = 0.1 }", "{ density = -1 }"),
+        ] {
+            let records = || all.iter().flat_map(|table| table.all_keys());
+            let takes = |value| records().any(|it| it.name == key && accepts(it, value, all));
+            assert!(takes(right) && !takes(wrong), "{key}");
         }
     }
 }

@@ -90,17 +90,34 @@ impl KeyRecord {
     }
 }
 
-/// Whether a key takes a value, by its text.
-pub fn accepts(record: &KeyRecord, text: &str) -> bool {
+/// Whether a key takes a value, by its text; `all` has the sections of tables in it.
+pub fn accepts(record: &KeyRecord, text: &str, all: &[SectionRecord]) -> bool {
     let table: Option<toml::Table> = format!("x = {text}").parse().ok();
     let value = table.and_then(|mut table| serde_json::to_value(table.remove("x")?).ok());
-    let Some(value) = value else {
-        return true; // with "…" in it
+    // Some values have "…" in them.
+    value.is_none_or(|value| takes(record, &value, all))
+}
+
+fn takes(record: &KeyRecord, value: &Json, all: &[SectionRecord]) -> bool {
+    let is_of_section = |table: &Json, name: &str| {
+        let sections = || all.iter().filter(|section| section.type_name == name);
+        let fits = |(key, value): (&String, &Json)| {
+            let keys = sections().flat_map(SectionRecord::all_keys);
+            let mut keys = keys.filter(|record| record.name == key).peekable();
+            keys.peek().is_none() || keys.any(|record| takes(record, value, all))
+        };
+        table
+            .as_object()
+            .is_some_and(|table| table.iter().all(fits))
     };
     let is_of = |form: &Form| match form {
-        Form::Value(_, schema) => is_of_schema(&value, schema),
-        Form::Table(_) | Form::Entries(_) => value.is_object(),
-        Form::List(_) => value.is_array(),
+        Form::Value(_, schema) => is_of_schema(value, schema),
+        Form::Table(name) => is_of_section(value, name),
+        Form::Entries(_) => value.is_object(),
+        Form::List(name) => {
+            let items = value.as_array();
+            items.is_some_and(|items| items.iter().all(|item| is_of_section(item, name)))
+        }
     };
     record.forms.iter().any(is_of)
 }
@@ -108,6 +125,9 @@ pub fn accepts(record: &KeyRecord, text: &str) -> bool {
 fn is_of_schema(value: &Json, schema: &Json) -> bool {
     if let Some(any) = schema["anyOf"].as_array() {
         return any.iter().any(|schema| is_of_schema(value, schema));
+    }
+    if let Some(words) = schema["enum"].as_array() {
+        return words.contains(value);
     }
     let bound = |name: &str| schema[name].as_f64();
     let is_within = |x: f64| {
