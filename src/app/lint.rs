@@ -15,6 +15,9 @@ mod size;
 mod text;
 mod view;
 
+use std::collections::HashSet;
+
+use self::text::each_value;
 use crate::{
     render::{
         RenderOptions,
@@ -25,6 +28,7 @@ use crate::{
         diagnostic::{Diagnostic, Span},
         script::lint::{Params, lint_scripts, used_params},
         stages::Scene,
+        suggest::setting,
     },
     world::{Light, World, bvh::Trees},
 };
@@ -153,6 +157,13 @@ impl<'a> Lint<'a> {
         {
             self.found.retain(|d| d.name != "black-picture");
         }
+        // The key that the advice adds may be written by a variant, which is checked with it.
+        let written = variant_keys(self.scene);
+        let is_written = |d: &Diagnostic| {
+            let advised = d.help.as_deref().and_then(setting);
+            advised.is_some_and(|(key, _)| written.contains(key))
+        };
+        (self.found).retain(|d| !["ignored-key", "one-sample"].contains(&d.name) || !is_written(d));
         let place = |d: &Diagnostic| d.span.range.start;
         self.found.sort_by_key(place);
         self.found.into_iter().map(Diagnostic::warning).collect()
@@ -174,6 +185,23 @@ fn has_placed_environment(scene: &Scene) -> bool {
         .filter_map(|it| it.at.source.as_ref());
     let own = scene.own.source.as_ref().map(|source| &source.path);
     sources.any(|it| Some(&it.path) != own && it.syntax().root().get("environment").is_some())
+}
+
+/// Names of all keys that variants of the scene's text write.
+fn variant_keys(scene: &Scene) -> HashSet<String> {
+    let mut keys = HashSet::new();
+    let root = scene
+        .own
+        .source
+        .as_ref()
+        .map(|source| source.syntax().root());
+    let variants = root.and_then(|root| root.get("variant")?.get_ref().as_table());
+    if let Some(variants) = variants {
+        each_value(variants, "", &mut |path, _| {
+            keys.extend(path.rsplit('.').next().map(str::to_owned));
+        });
+    }
+    keys
 }
 
 /// Whether there is any light: an environment, a light or an emissive instance.
