@@ -288,8 +288,9 @@ fn pose_and_lint(
         visit(world, frame, log);
     };
     let frames = frames_of(&loaded.scene);
+    let count = frames.end() - frames.start() + 1;
     let posed = pose_all(&animator, &mut loaded.world, frames, posing, &mut visit)?;
-    Ok((posed, lint.finish()))
+    Ok((posed, lint.finish((posed == count).then_some(count))))
 }
 
 /// Reads scene text from standard input; its relative paths start from the current folder.

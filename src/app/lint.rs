@@ -17,7 +17,7 @@ mod view;
 
 use std::collections::HashSet;
 
-use self::text::each_value;
+use self::text::{each_value, warning, written};
 use crate::{
     render::{
         RenderOptions,
@@ -64,6 +64,8 @@ pub struct Lint<'a> {
     /// Whether some frame has light.
     is_lit: bool,
     is_first: bool,
+    /// The world of the first frame, while no other frame shows anything else.
+    still: Option<World>,
     found: Vec<Diagnostic>,
 }
 
@@ -79,6 +81,7 @@ impl<'a> Lint<'a> {
             trees,
             is_lit: false,
             is_first: true,
+            still: None,
             found,
         }
     }
@@ -106,6 +109,10 @@ impl<'a> Lint<'a> {
     /// Checks a posed frame; geometry is checked in the first frame only.
     pub fn frame(&mut self, world: &World) {
         self.is_lit |= is_lit(world);
+        self.still = match self.still.take() {
+            None if self.is_first => Some(world.clone()),
+            first => first.filter(|first| looks_same(first, world)),
+        };
         if !std::mem::replace(&mut self.is_first, false) {
             return;
         }
@@ -136,8 +143,24 @@ impl<'a> Lint<'a> {
         }
     }
 
-    /// All warnings, in the order of the text.
-    pub fn finish(mut self) -> Vec<Diagnostic> {
+    /// All warnings, in the order of the text; `frames` is the number of frames if all were posed.
+    pub fn finish(mut self, frames: Option<u32>) -> Vec<Diagnostic> {
+        let many = frames.filter(|frames| *frames > 1 && self.scene.variants.is_empty());
+        let is_explained = |d: &Diagnostic| ["ignored-key", "idle-function"].contains(&d.name);
+        // Tracks that change nothing are told where they are read.
+        let is_told = !(self.scene.motion.is_empty() || self.scene.has_frame_script())
+            || self.found.iter().any(is_explained);
+        let is_still = self.still.is_some() && !is_told;
+        if let (Some(frames), true) = (many, is_still) {
+            let end = written(&self.scene.own, "timeline", &["end"]).pop();
+            let at = end.map_or_else(|| self.scene.own.clone(), |(at, _)| at);
+            let help = match self.scene.has_frame_script() {
+                true => "let what `frame` sets follow `ctx.t`, the time in seconds",
+                false => "write `[motion]` or a script with `frame`, or remove `[timeline]`",
+            };
+            let message = format!("nothing changes, so all {frames} frames are the same picture");
+            self.found.push(warning("still-film", &at, message, help));
+        }
         if !self.is_lit {
             let is_dark = |d: &Diagnostic| matches!(d.name, "black-picture" | "black-reflector");
             self.found.retain(|d| !is_dark(d)); // darkness follows from the missing light
@@ -185,6 +208,19 @@ fn has_placed_environment(scene: &Scene) -> bool {
         .filter_map(|it| it.at.source.as_ref());
     let own = scene.own.source.as_ref().map(|source| &source.path);
     sources.any(|it| Some(&it.path) != own && it.syntax().root().get("environment").is_some())
+}
+
+/// Whether two frames place, shape, light and film the same things alike.
+fn looks_same(a: &World, b: &World) -> bool {
+    a.instances == b.instances
+        && a.materials == b.materials
+        && a.lights == b.lights
+        && a.lamps == b.lamps
+        && a.decals == b.decals
+        && a.cameras == b.cameras
+        && a.main_camera() == b.main_camera()
+        && a.deformed.is_empty()
+        && b.deformed.is_empty()
 }
 
 /// Names of all keys that variants of the scene's text write.

@@ -169,7 +169,15 @@ impl Script {
         if !this.has_frame && !this.has_setup {
             let message = "the script has neither `fn setup(ctx)` nor `fn frame(ctx)`";
             let start = this.sources.start_of(&this.name);
-            let help = "`frame` moves the scene, `setup` adds to it; each has one parameter";
+            let mut functions = this.ast.iter_functions();
+            let help = match (functions.next(), functions.next()) {
+                (Some(only), None) => {
+                    format!("rename `{}` to `frame` if it moves the scene", only.name)
+                }
+                _ => {
+                    "`frame` moves the scene, `setup` adds to it; each has one parameter".to_owned()
+                }
+            };
             return Err(Box::new(
                 Diagnostic::new("script-empty", start, message).help(help),
             ));

@@ -60,7 +60,9 @@ fn advice(
         typed.starts_with('_') || typed.contains(|c: char| c == '-' || c.is_uppercase());
     let joined = |word: &str| word.replace(['_', '-'], "");
     let is_meant = |(words, beside, _): &&Advice| {
-        let is_listed = |word: &str| word == lower || is_foreign && joined(word) == joined(&lower);
+        let is_listed = |word: &str| {
+            word == typed || word == lower || is_foreign && joined(word) == joined(&lower)
+        };
         words.split(' ').any(is_listed) && beside.split(' ').any(&is_there)
     };
     all.iter().find(is_meant).map(|(.., help)| help.as_str())

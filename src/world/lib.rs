@@ -247,7 +247,7 @@ impl Mesh {
 }
 
 /// A mesh placed in the world.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Instance {
     /// Name in the scene text, or of the file's node, for messages and scripts.
     pub name: String,

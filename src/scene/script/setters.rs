@@ -106,9 +106,20 @@ fn lanes(value: &Dynamic, key: &str, form: Form, range: &Range) -> Result<Vec3> 
         };
         let message = format!("`{key}` must be {words}{each}, not {x}");
         let (low, high) = (range.min, range.max);
+        let bytes: Vec<_> = numbers.iter().map(|x| *x as u8).collect();
+        let are_bytes = numbers
+            .iter()
+            .zip(&bytes)
+            .all(|(x, byte)| *x == f64::from(*byte));
         return fail_with(
             message,
             match high < LIMIT {
+                true if are_bytes
+                    && let [r, g, b] = bytes[..]
+                    && high == 1.0 =>
+                {
+                    format!("write `color(\"#{r:02x}{g:02x}{b:02x}\")` for bytes of a color")
+                }
                 true => format!("write `clamp(x, {low:?}, {high:?})`"),
                 false => format!("write `max(x, {low:?})`"),
             },

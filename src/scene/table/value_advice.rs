@@ -126,6 +126,15 @@ pub fn list_instead(node: &Node, key: &str, count: usize) -> Option<String> {
         let lanes: Vec<_> = lanes.collect();
         let is_whole = lanes.len() == count && lanes.iter().all(|lane| !lane.is_empty());
         let has_lanes = names.iter().any(|lane| table.contains_key(*lane));
+        let bytes: Vec<_> = lanes
+            .iter()
+            .filter_map(|lane| lane.parse::<u8>().ok())
+            .collect();
+        if let (["r", ..], [r, g, b]) = (names, &bytes[..])
+            && r.max(g).max(b) > &1
+        {
+            return Some(format!("write \"#{r:02x}{g:02x}{b:02x}\""));
+        }
         (is_whole && has_lanes).then(|| format!("write [{}]", lanes.join(", ")))
     };
     (node.get_ref().as_str())
