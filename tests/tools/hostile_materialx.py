@@ -5,20 +5,7 @@ from collections.abc import Callable, Iterator
 
 from texts import text_of
 
-STAGE = b"""#usda 1.0
-(
-    metersPerUnit = 1
-    upAxis = "Y"
-)
-def Scope "Looks" (prepend references = @./look.mtlx@</MaterialX/Materials>) {}
-def Mesh "M" (prepend apiSchemas = ["MaterialBindingAPI"]) {
-    int[] faceVertexCounts = [4]
-    int[] faceVertexIndices = [0,1,2,3]
-    point3f[] points = [(0,0,0), (1,0,0), (1,1,0), (0,1,0)]
-    texCoord2f[] primvars:st = [(0,0), (1,0), (1,1), (0,1)] (interpolation = "vertex")
-    rel material:binding = </Looks/M>
-}
-"""
+STAGE = text_of("hostile_materialx/stage.usda").encode()
 _HEAD = '<?xml version="1.0"?><materialx version="1.38" xmlns:xi="http://www.w3.org/2001/XInclude"'
 _MATERIAL = """<surfacematerial name="M" type="material">
   <input name="surfaceshader" type="surfaceshader" nodename="S" /></surfacematerial>"""

@@ -40,31 +40,7 @@ def test_a_fourth_column_is_divided_or_named(tmp_path: Path) -> None:
         assert done.world()[done.node("/C")][0, 3] == pytest.approx(1.0)
 
 
-MATERIAL = """
-def Material "M" {{
-    token outputs:surface.connect = </M/s.outputs:surface>
-    def Shader "s" {{
-        uniform token info:id = "UsdPreviewSurface"
-        {0}
-        token outputs:surface
-    }}
-    def Shader "t" {{
-        uniform token info:id = "UsdUVTexture"
-        asset inputs:file = @t.png@
-        {1}
-        float3 outputs:rgb
-    }}
-    def Shader "x" {{
-        uniform token info:id = "UsdTransform2d"
-        float2 inputs:in.connect = </M/x.outputs:result>
-        float2 outputs:result
-    }}
-}}
-def Cube "C" (prepend apiSchemas = ["MaterialBindingAPI"]) {{
-    rel material:binding = </M>
-    texCoord2f[] primvars:st = [(0, 0)] (interpolation = "constant")
-}}
-"""
+MATERIAL = text_of("convert_damage/material.usda")  # with a place for an input
 
 
 def test_user_properties_travel_and_velocities_are_named(tmp_path: Path) -> None:
@@ -118,7 +94,7 @@ def test_a_pipe_is_not_opened(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "t.png")
     reference = 'def Cube "P" (references = @pipe.usda@) {\n}\n'
     read = "color3f inputs:diffuseColor.connect = </M/t.outputs:rgb>"
-    done = convert_text(tmp_path, MATERIAL.format(read, "") + reference)
+    done = convert_text(tmp_path, MATERIAL.replace("$surface", read) + reference)
     found = [w["message"] for w in done.sidecar["warnings"] if w["name"] == "asset-not-a-file"]
     assert len(found) == 2
 
@@ -126,7 +102,7 @@ def test_a_pipe_is_not_opened(tmp_path: Path) -> None:
 def test_a_pipe_among_tiles_is_not_opened(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "t.1001.png")
     read = "color3f inputs:diffuseColor.connect = </M/t.outputs:rgb>"
-    text = MATERIAL.format(read, "").replace("@t.png@", "@t.<UDIM>.png@")
+    text = MATERIAL.replace("$surface", read).replace("@t.png@", "@t.<UDIM>.png@")
     done = convert_text(tmp_path, text)
     assert "asset-not-a-file" in done.warnings("/M/t")
 
