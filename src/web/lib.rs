@@ -13,7 +13,7 @@ use std::{
     cell::{Cell, RefCell},
     mem,
     panic::set_hook,
-    path::Path,
+    path::{Path, PathBuf},
     sync::{
         Arc,
         atomic::{AtomicBool, Ordering},
@@ -21,6 +21,7 @@ use std::{
     time::Duration,
 };
 
+use serde::Deserialize;
 use serde_json::{Value, json};
 use wasm_bindgen::prelude::wasm_bindgen;
 
@@ -36,7 +37,6 @@ use reflet_render::{
         parameters::ParameterOverrides,
         read::{Read, read},
         scene_options::SceneOptions,
-        scene_text::SceneText,
     },
 };
 use reflet_scene::{dependencies::Dependencies, syntax::key_text};
@@ -76,20 +76,50 @@ struct State {
     has_new_files: bool,
 }
 
-/// Picture to show next.
+/// Picture to make next, as the page asks for it.
+#[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 struct Asked {
-    source: SceneSource,
+    /// Name of the file.
+    scene: PathBuf,
+    /// Text of the scene; none for a model, whose file is read.
+    text: Option<String>,
     /// Width, pixels; 0 for the scene's own.
     width: u32,
+    /// Number of sub-frames; none for the scene's own.
+    samples: Option<u32>,
     /// Frame of the timeline.
     frame: u32,
+    /// Name of the camera; none for the scene's own.
+    camera: Option<String>,
+    /// Camera that stands elsewhere than its text says, and its place.
+    moved: Option<(String, [f32; 3])>,
+    variant: Vec<String>,
 }
 
-/// A camera while it is dragged, until its place is written.
-fn dragged(camera: &str, eye: &[f32]) -> Vec<String> {
-    let eye: Vec<f64> = eye.iter().map(|x| exact(*x)).collect();
-    let set = (!eye.is_empty()).then(|| format!("camera.{}.eye={}", key_text(camera), list(&eye)));
-    set.into_iter().collect()
+impl Asked {
+    fn new(json: &str) -> Self {
+        serde_json::from_str(json).expect("the worker writes it")
+    }
+
+    fn source(self) -> SceneSource {
+        let moved = self.moved.map(|(camera, eye)| dragged(&camera, eye));
+        SceneSource {
+            path: Some(self.scene),
+            text: self.text.map(Into::into),
+            options: SceneOptions {
+                set: moved.into_iter().collect(),
+                variant: self.variant,
+                ..SceneOptions::default()
+            },
+            ..SceneSource::default()
+        }
+    }
+}
+
+/// Override of the place of a camera.
+fn dragged(camera: &str, eye: [f32; 3]) -> String {
+    format!("camera.{}.eye={}", key_text(camera), list(&eye.map(exact)))
 }
 
 /// The open device and scene.
@@ -112,11 +142,25 @@ pub fn put_file(name: &str, bytes: Vec<u8>) {
     STATE.with_borrow_mut(|state| state.has_new_files = true);
 }
 
-/// Messages about a scene's text and script, as JSON.
+/// Removes all files.
 #[wasm_bindgen]
-pub fn check(name: &str, text: &str) -> String {
-    let text = SceneText::new(text, Path::new(name), &Default::default());
-    let opened = text.open(&[], &Dependencies::default());
+pub fn clear() {
+    in_memory::clear();
+}
+
+/// Paths that were looked for since the last call and are not there, as JSON.
+#[wasm_bindgen]
+pub fn missing() -> String {
+    let paths = in_memory::take_missing().into_iter();
+    let below = |path: PathBuf| Some(path.to_str()?.trim_start_matches('/').to_owned());
+    json!(paths.filter_map(below).collect::<Vec<_>>()).to_string()
+}
+
+/// Messages about the text and script of a scene, as JSON.
+#[wasm_bindgen]
+pub fn check(asked: &str) -> String {
+    let text = Asked::new(asked).source().read();
+    let opened = text.and_then(|text| text.open(&[], &Dependencies::default()));
     let found = opened.map_or_else(|errors| errors, |opened| opened.warnings);
     json!(messages(found)).to_string()
 }
@@ -129,26 +173,12 @@ pub fn language(message: &str) -> String {
     json!(LANGUAGE.with_borrow_mut(|server| server.handle(&message))).to_string()
 }
 
-/// Ends the picture in work, and asks for the next, with a camera at another place unless `eye` is empty.
+/// Ends the picture in work, and asks for the next.
 #[wasm_bindgen]
-pub fn ask(name: &str, text: &str, width: u32, frame: u32, camera: &str, eye: &[f32]) {
-    let source = SceneSource {
-        path: Some(name.into()),
-        text: Some(text.into()),
-        options: SceneOptions {
-            set: dragged(camera, eye),
-            ..SceneOptions::default()
-        },
-        ..SceneSource::default()
-    };
-    let asked = Asked {
-        source,
-        width,
-        frame,
-    };
+pub fn ask(asked: &str) {
     STATE.with_borrow_mut(|state| {
         state.interrupt.store(true, Ordering::Relaxed);
-        state.asked = Some(asked);
+        state.asked = Some(Asked::new(asked));
     });
 }
 
@@ -249,12 +279,15 @@ impl Shown {
         reuses_files: bool,
     ) -> Result<Picture, SessionError> {
         let (none, texts) = (ParameterOverrides::default(), Dependencies::default());
-        let source = asked.source;
-        let read = read(&source, &none, &texts, asked.frame)?;
-        let view = ViewOverrides {
-            size: size(&read, asked.width),
+        let (width, frame) = (asked.width, asked.frame);
+        let mut view = ViewOverrides {
+            samples: asked.samples,
+            camera: asked.camera.clone(),
             ..ViewOverrides::default()
         };
+        let source = asked.source();
+        let read = read(&source, &none, &texts, frame)?;
+        view.size = size(&read, width);
         let gpu = match &self.gpu {
             Some(gpu) => gpu.clone(),
             None => Arc::new(Gpu::new(&GpuOptions::default())?),
@@ -280,6 +313,7 @@ impl Shown {
                 self.session.insert(open)
             }
         };
+        session.camera_named(session.view().camera.as_deref())?;
         let told = Cell::new(Instant::now());
         let each_sample = |so_far: &SoFar<'_>| {
             if so_far.done < so_far.samples && told.get().elapsed() > EACH_PART {
@@ -302,8 +336,9 @@ impl Shown {
         let found = session.map_or_else(Vec::new, |session| session.warnings().to_vec());
         let adapter = self.gpu.as_ref().map(|gpu| &gpu.adapter_info.name);
         let loaded = session.map(Session::scene);
-        let camera = loaded.and_then(|loaded| {
-            let shown = loaded.world.cameras.get(loaded.world.main_camera())?;
+        let camera = session.and_then(|session| {
+            let loaded = session.scene();
+            let shown = loaded.world.cameras.get(session.camera())?;
             let own = (loaded.scene.cameras.iter()).find(|own| own.name == shown.name)?;
             let it = &shown.value;
             let is_own = own.value.eye == it.eye && own.value.target == it.target;

@@ -1,18 +1,10 @@
 // A viewer's session in a real browser: opens the page of `reflet preview --serve`, orbits, scrubs, drags a parameter,
-// selects, wipes in a second window, breaks and mends the scene. Arguments: the browser, the address of the page, the scene and the module Playwright.
-// Prints one line for each step; ends with an error where one fails.
+// selects, wipes in a second window, breaks and mends the scene, whose file is named.
 import { readFileSync, writeFileSync } from "node:fs";
-import { pathToFileURL } from "node:url";
+import { address, launch, place as scenePath, step } from "./session.mjs";
 
-const [browserPath, address, scenePath, playwright] = process.argv.slice(2);
-const { chromium } = await import(pathToFileURL(playwright).href);
 const PATIENCE_MS = 60_000;
-
-const browser = await chromium.launch({
-  executablePath: browserPath,
-  args: ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
-    "--disable-component-update", "--disable-sync"],
-});
+const browser = await launch("--disable-gpu");
 // A page that waits as long as a busy machine needs.
 const viewer_page = async (width) => {
   const viewer = await browser.newPage({ viewport: { width, height: 700 } });
@@ -42,7 +34,6 @@ const changed = async (before, what) => {
     .catch(() => { throw new Error(`${what} changed nothing`); });
   return still();
 };
-const step = (text) => console.log(text);
 
 await page.goto(address);
 let shown = await still();

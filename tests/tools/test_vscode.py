@@ -3,7 +3,6 @@
 import json
 import os
 import re
-import shutil
 import subprocess
 import tempfile
 import time
@@ -12,9 +11,9 @@ from pathlib import Path
 
 import pytest
 from program import BINARY, ROOT
+from session import session
 from texts import text_of
 
-PLAYWRIGHT = ROOT / "tools" / "node_modules" / "playwright-core" / "index.mjs"
 EXTENSION = ROOT / "tools" / "vscode"
 CODE = ROOT / "target" / "tools" / "vscode"
 SCENE = text_of("vscode/scene.toml")
@@ -22,22 +21,11 @@ BASE = """version = 1
 [material.red]
 base_color = [0.8, 0.1, 0.1]
 """
-STEPS = [
-    "opened",
-    "marked",
-    "explained",
-    "mended",
-    "completed",
-    "renamed",
-    "pictured",
-    "rerendered",
-]
+STEPS = "opened marked explained mended completed renamed pictured rerendered"
 
 
 def code_server(home: Path) -> list[str | Path]:
     """Command of code-server with folders of its own; skips the test where a part is missing."""
-    if shutil.which("chromium") is None or not PLAYWRIGHT.is_file():
-        pytest.skip("Chromium or playwright-core is not installed")
     if not (EXTENSION / "node_modules" / "esbuild").is_dir():
         pytest.skip("the extension's packages are not installed: cd tools/vscode && npm ci")
     if not (CODE / "node").exists():
@@ -79,6 +67,7 @@ def test_vs_code_marks_mends_completes_renames_and_shows_a_scene(
     # Folders of the user are neither read nor written, and no shop of extensions is asked.
     own = dict.fromkeys(["HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME", "XDG_RUNTIME_DIR"], str(home))
     environment = {**os.environ, **own, "TMPDIR": str(short_folder), "EXTENSIONS_GALLERY": "{}"}
+    run = session("vscode_session.mjs", CODE / "node", environment)
     install = [*command, "--install-extension", tmp_path / "reflet.vsix"]
     subprocess.run(install, env=environment, check=True)
     serve = [*command, "--auth", "none", "--bind-addr", "127.0.0.1:0", "--disable-telemetry"]
@@ -93,18 +82,10 @@ def test_vs_code_marks_mends_completes_renames_and_shows_a_scene(
         try:
             assert served.stdout is not None
             address = next(filter(None, (re.search(r"http://\S+", line) for line in served.stdout)))
-            session = ROOT / "tests" / "tools" / "vscode_session.mjs"
-            browser = shutil.which("chromium")
-            done = subprocess.run(
-                [CODE / "node", session, browser, address[0], project, PLAYWRIGHT],
-                env=environment,
-                capture_output=True,
-                text=True,
-                check=False,
-            )
+            done = run(address[0], project)
         finally:
             served.terminate()
-        assert done.stdout.split() == STEPS, done.stderr
+        assert done.stdout.split() == STEPS.split(), done.stderr
     # Programs and folders of panes end with VS Code, whose process of extensions ends a bit later.
     until = time.monotonic() + 60
     while list(home.glob("reflet-*")):

@@ -2,21 +2,19 @@
 
 import functools
 import http.server
-import shutil
 import subprocess
 import threading
 from pathlib import Path
 
 import pytest
 from program import BINARY, ROOT
+from session import session
 
-PLAYWRIGHT = ROOT / "tools" / "node_modules" / "playwright-core" / "index.mjs"
-SESSION = ROOT / "tests" / "tools" / "web_session.mjs"
 LACKS_A_TOOL = 3
 MOST_FLIP = "0.003"
 STEPS = (
-    "told shown completed hinted saved changed played orbited dropped shared refused quick "
-    "lost lacking"
+    "told shown completed hinted saved changed played orbited dropped shared refused embedded "
+    "quick lost lacking"
 )
 
 
@@ -46,15 +44,7 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> str:
 @pytest.mark.full("builds the renderer anew for WebAssembly, which takes minutes")
 def test_a_browser_writes_a_scene_and_sees_it(address: str, tmp_path: Path) -> None:
     """A page tells mistakes at their lines, and shows what the program shows."""
-    browser, node = shutil.which("chromium"), shutil.which("node")
-    if browser is None or node is None or not PLAYWRIGHT.is_file():
-        pytest.skip("Chromium, Node.js or playwright-core is not installed")
-    done = subprocess.run(
-        [node, SESSION, browser, address, tmp_path, PLAYWRIGHT],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = session("web_session.mjs")(address, tmp_path)
     assert done.stdout.split() == STEPS.split(), done.stderr
     native = tmp_path / "native.png"
     scene = ROOT / "scenes" / "mirrors.toml"

@@ -1,23 +1,14 @@
 // A session in the real VS Code (code-server) with the built extension: a mistake is marked, explained and mended by a quick
 // fix, a key is completed, a name renamed across files, and the pane shows the picture, anew after a save.
-// Arguments: the browser, the address of VS Code, the folder of the project and the module Playwright.
-// Prints one line for each step; ends with an error, and a screenshot in the folder, where one fails.
+// The folder is the project's; where a step fails, a screenshot is left in it.
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
-import { pathToFileURL } from "node:url";
+import { address, launch, place as folder, step } from "./session.mjs";
 
-const [browserPath, address, folder, playwright] = process.argv.slice(2);
-const { chromium } = await import(pathToFileURL(playwright).href);
 const PATIENCE_MS = 60_000;
-
-const browser = await chromium.launch({
-  executablePath: browserPath,
-  args: ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
-    "--disable-component-update", "--disable-sync"],
-});
+const browser = await launch("--disable-gpu");
 const page = await browser.newPage({ viewport: { width: 1400, height: 900 } });
 page.setDefaultTimeout(PATIENCE_MS);
-const step = (text) => console.log(text);
 
 // Waits until the text of a file of the project is as wanted.
 const saved = async (name, holds) => {

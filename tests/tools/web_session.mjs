@@ -1,19 +1,13 @@
 // A writer's session in a real browser with the page that runs by itself: mistakes are told at their lines, scenes shown,
-// changed, dropped, shared and saved; a lost device, a broken address and a browser without WebGPU are told. Arguments: the
-// browser, the address, a folder for pictures and the module Playwright. Prints one line for each step; ends with an error
-// where one fails.
-import { writeFileSync } from "node:fs";
+// changed, dropped, shared, saved and put into other pages; a lost device, a broken address and a browser without WebGPU are
+// told. The folder is for pictures.
+import { mkdirSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
-import { pathToFileURL } from "node:url";
+import { address, launch, place as folder, step } from "./session.mjs";
 
-const [browserPath, address, folder, playwright] = process.argv.slice(2);
-const { chromium } = await import(pathToFileURL(playwright).href);
+const PNG = Buffer.from("iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg==", "base64");
 const PATIENCE_MS = 240_000;
-const ARGUMENTS = ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
-  "--disable-component-update", "--disable-sync"];
-
-const launch = (more) => chromium.launch({ executablePath: browserPath, args: [...ARGUMENTS, ...more] });
-const browser = await launch(["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader"]);
+const browser = await launch("--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader");
 const open_page = async (from, fragment = "") => {
   const page = await from.newPage({ viewport: { width: 1100, height: 700 } });
   page.setDefaultTimeout(PATIENCE_MS);
@@ -34,10 +28,9 @@ const open_page = async (from, fragment = "") => {
   await page.goto(address + fragment);
   return page;
 };
-const step = (text) => console.log(text);
 const status = (page, pattern) => page.waitForFunction(
   (source) => new RegExp(source).test(document.getElementById("status").textContent), pattern.source);
-const picture = (page) => page.evaluate(() => document.getElementById("picture").toDataURL());
+const picture = (page) => page.evaluate(() => document.getElementById("stage").canvas.toDataURL());
 const value = (page) => page.evaluate(() => document.getElementById("text").value);
 // Waits for the picture of what is written now.
 const shown = (page) => status(page, /^160 × 90 in /);
@@ -86,7 +79,7 @@ await page.waitForSelector("#choice-0[aria-selected=true]");
 await page.screenshot({ path: join(folder, "completion.png") });
 await page.keyboard.press("Enter");
 await page.keyboard.type("0.5");
-await page.waitForFunction((old) => document.getElementById("picture").toDataURL() !== old, first);
+await page.waitForFunction((old) => document.getElementById("stage").canvas.toDataURL() !== old, first);
 if (!(await value(page)).includes("0.35\nmetallic = 0.5\n")) throw new Error("completion writes something else");
 // Enter ends a line behind a text that is closed, and where the caret has left the place of the list.
 await page.keyboard.type("\nemission = \"#000\"");
@@ -116,12 +109,12 @@ if (await picture(page) === first) throw new Error("a changed color changes noth
 step("changed");
 
 // A timeline has a slider, which is played from its end on.
-const told_frame = (text) => page.waitForFunction((begin) => document.getElementById("told").textContent.startsWith(begin), text);
+const told_frame = (text) => page.waitForFunction((begin) => document.getElementById("stage").told.textContent.startsWith(begin), text);
 const motion = "[timeline]\\nfps = 4\\nend = 3\\n[motion.camera.main]\\nfov_deg = { rate = 20 }\\n";
 await write(page, `text + '\\n${motion}'`);
 await told_frame("0 of 3");
 const still = await picture(page);
-await page.evaluate(() => Object.assign(document.getElementById("frame"), { value: 3 }).dispatchEvent(new Event("input")));
+await page.evaluate(() => Object.assign(document.getElementById("stage").slider, { value: 3 }).dispatchEvent(new Event("input")));
 await told_frame("3 of 3");
 if (await picture(page) === still) throw new Error("the last frame looks like the first");
 await page.click("#play");
@@ -142,12 +135,12 @@ await page.locator("#text").press("Control+z");
 await holds(true);
 step("orbited");
 
-// A texture that is not there is told, and found once it is dropped.
-await write(page, "text.replace('[material.red]\\n', '[material.red]\\nbase_color_texture = \"dot.png\"\\n')");
+// A texture that is not there is told, and found once its folder is added.
+await write(page, "text.replace('[material.red]\\n', '[material.red]\\nbase_color_texture = \"maps/dot.png\"\\n')");
 await page.waitForFunction(() => document.querySelector("#messages .error")?.textContent.includes("dot.png"));
-const png = Buffer.from("iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg==", "base64");
-writeFileSync(join(folder, "dot.png"), png);
-await page.setInputFiles("#files", join(folder, "dot.png"));
+mkdirSync(join(folder, "maps"), { recursive: true });
+writeFileSync(join(folder, "maps", "dot.png"), PNG);
+await page.setInputFiles("#folder", join(folder, "maps"));
 await shown(page);
 step("dropped");
 
@@ -165,6 +158,47 @@ for (const garbage of ["#%3Cscript%3E", "#AAAA", `#${"x".repeat(1 << 20)}`]) {
   await refusing.close();
 }
 step("refused");
+
+// Elements on another page: one turns, one plays in a script's own pictures, one finds a texture beside its scene, and one has no scene.
+const host = await browser.newPage({ viewport: { width: 900, height: 700 } });
+let programs = 0;
+host.on("request", (request) => { programs += request.url().endsWith(".wasm"); });
+const scene = `version = 1
+image.size = [16, 9]
+timeline = { fps = 4, end = 3 }
+camera.main = { eye = [0, 1, 4], target = [0, 1, 0] }
+camera.near = { eye = [0, 1, 3], target = [0, 1, 0] }
+variant.red.material.paint.emission = [1, 0, 0]
+material.paint.base_color_texture = "maps/dot.png"
+model.ball = { shape = { kind = "sphere", radius = 1 }, material = "paint" }
+instance = [{ model = "ball", translation = [0, 1, 0] }]
+`;
+const element = (attributes) => `<reflet-view width="64" style="float: left; width: 400px" ${attributes}></reflet-view>`;
+const bodies = {
+  "embed.html": `<!doctype html><script type="module" src="view.js"></script>${element('src="scenes/mirrors.toml" samples="1" auto-rotate="90"')}
+    ${element('src="own/my%20ball.toml" camera="near" variant="red" frame="2"')}${element('src="none.toml"')}${element('src="own/my%20ball.toml" camera="far"')}`,
+  "own/my%20ball.toml": scene,
+  "own/maps/dot.png": PNG,
+};
+for (const [path, body] of Object.entries(bodies)) await host.route(address + path, (route) => route.fulfill({ body, contentType: path.endsWith("html") ? "text/html" : undefined }));
+await host.goto(`${address}embed.html`);
+const view = (at) => `document.querySelectorAll("reflet-view")[${at}]`;
+const until = (test) => host.waitForFunction(test, null, { timeout: PATIENCE_MS });
+await until(`${view(0)}.canvas.dataset.shown && (self.first = ${view(0)}.canvas.toDataURL())`);
+await until(`${view(0)}.canvas.toDataURL() !== self.first`);
+await until(`${view(1)}.told.textContent.startsWith("2 of 3") && !${view(1)}.status.textContent`);
+const [red, green] = await host.evaluate(`[...${view(1)}.canvas.getContext("2d").getImageData(32, 18, 1, 1).data]`);
+if (red <= green) throw new Error("the variant of the element is not shown");
+await until(`/none.toml cannot be loaded: /.test(${view(2)}.status.textContent)`);
+await until(`/far/.test(${view(3)}.status.textContent)`);
+await host.screenshot({ path: join(folder, "embedded.png") });
+if (programs !== 1) throw new Error(`${programs} programs are loaded for one page`);
+await host.addInitScript(() => Object.defineProperty(Navigator.prototype, "gpu", { value: undefined }));
+await host.reload();
+await until(`/browser lacks WebGPU/.test(${view(0)}.status.textContent)`);
+if (programs !== 1) throw new Error("the program is loaded where it cannot run");
+await host.close();
+step("embedded");
 
 // A completion waits for no picture.
 const busy = await open_page(browser);
@@ -196,7 +230,7 @@ if (!/the device was lost .* it is made anew/.test(told)) throw new Error(`a cra
 step("lost");
 await browser.close();
 
-const without = await launch(["--disable-gpu"]);
+const without = await launch("--disable-gpu");
 const checking = await open_page(without);
 await status(checking, /lacks WebGPU|no graphics adapter/);
 await write(checking, "text.replace('version = 1', 'version = 2')");

@@ -3,15 +3,22 @@
 
 use std::{
     cell::RefCell,
-    collections::BTreeMap,
+    collections::{BTreeMap, BTreeSet},
     io::{self, Cursor, ErrorKind, Read, Seek, SeekFrom},
+    mem,
     path::{Component, Path, PathBuf},
-    sync::{Arc, PoisonError, RwLock, RwLockReadGuard},
+    sync::{Arc, Mutex, PoisonError, RwLock, RwLockReadGuard},
 };
 
 type Files = BTreeMap<PathBuf, Arc<[u8]>>;
 
 static FILES: RwLock<Files> = RwLock::new(Files::new());
+
+/// Paths that were looked for and are not there, for the page to find.
+static MISSING: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+/// Most of them; a script may look for any number.
+const MOST_MISSING: usize = 1000;
 
 fn files() -> RwLockReadGuard<'static, Files> {
     FILES.read().unwrap_or_else(PoisonError::into_inner)
@@ -34,6 +41,25 @@ fn whole(path: &Path) -> PathBuf {
 pub fn put(path: &Path, bytes: Vec<u8>) {
     let mut files = FILES.write().unwrap_or_else(PoisonError::into_inner);
     files.insert(whole(path), bytes.into());
+}
+
+/// Removes all files.
+pub fn clear() {
+    let mut files = FILES.write().unwrap_or_else(PoisonError::into_inner);
+    files.clear();
+}
+
+/// Paths that were looked for since the last call and are not there.
+pub fn take_missing() -> BTreeSet<PathBuf> {
+    mem::take(&mut MISSING.lock().unwrap_or_else(PoisonError::into_inner))
+}
+
+fn not_found(path: PathBuf) -> io::Error {
+    let mut missing = MISSING.lock().unwrap_or_else(PoisonError::into_inner);
+    if missing.len() < MOST_MISSING {
+        missing.insert(path);
+    }
+    ErrorKind::NotFound.into()
 }
 
 /// Kind and size of a file or folder.
@@ -69,7 +95,7 @@ pub fn metadata(path: impl AsRef<Path>) -> io::Result<Metadata> {
     let is_folder = || path == Path::new("/") || files.keys().any(|file| file.starts_with(&path));
     match bytes.is_some() || is_folder() {
         true => Ok(Metadata { bytes }),
-        false => Err(ErrorKind::NotFound.into()),
+        false => Err(not_found(path)),
     }
 }
 
@@ -118,8 +144,9 @@ impl File {
     /// # Errors
     /// There is none.
     pub fn open(path: impl AsRef<Path>) -> io::Result<Self> {
-        let bytes = files().get(&whole(path.as_ref())).cloned();
-        let bytes = bytes.ok_or(ErrorKind::NotFound)?;
+        let path = whole(path.as_ref());
+        let bytes = files().get(&path).cloned();
+        let bytes = bytes.ok_or_else(|| not_found(path))?;
         Ok(Self(RefCell::new(Cursor::new(bytes))))
     }
 

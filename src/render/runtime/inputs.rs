@@ -37,7 +37,7 @@ impl SceneSource {
     ///
     /// # Errors
     /// Same errors as [`SceneText::read`].
-    pub(super) fn read(&self) -> Result<SceneText, Vec<Diagnostic>> {
+    pub fn read(&self) -> Result<SceneText, Vec<Diagnostic>> {
         match &self.text {
             Some(text) => Ok(SceneText::new(text, self.name(), &self.options)),
             None => SceneText::read(self.path.as_deref(), &self.options),

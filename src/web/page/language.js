@@ -9,14 +9,14 @@ const get = (id) => document.getElementById(id);
 const [text, completion, choices, manual, hover, naming] = ["text", "completion", "choices", "manual", "hover", "naming"].map(get);
 const ruler = document.createElement("canvas").getContext("2d");
 
-// The editor: files by name and the shown one, and functions that make a worker, put a text, go to a place and tell words.
+// The editor: the view with its files and the shown one, and functions that make a worker, go to a place and tell words.
 let page = null;
 let worker = null;
 let opened = ["", ""];
 let asked = 0;
 const waiting = new Map();
 
-const uri_of = (name) => `file:///${encodeURIComponent(name)}`;
+const uri_of = (name) => `file:///${name.split("/").map(encodeURIComponent).join("/")}`;
 const name_of = (uri) => decodeURIComponent(uri.slice("file:///".length));
 const position = (offset) => {
   const rows = text.value.slice(0, offset).split("\n");
@@ -41,7 +41,7 @@ const ask = async (method, params = {}) => {
       if (ended) restart();
       for (const answer of JSON.parse(rpc ?? "[]")) waiting.get(answer.id)?.(answer);
     })];
-    for (const name of page.files.keys()) hand(page.file_message(name));
+    for (const name of page.view.files.keys()) hand(page.view.message_of(name));
   }
   const [uri, [last, old]] = [uri_of(page.tab()), opened];
   const tell = (what, textDocument) => post({ method: `textDocument/${what}`, params: { textDocument } });
@@ -271,11 +271,11 @@ const rename = async () => {
       const { changes } = await ask("rename", { ...at, newName: naming.value });
       for (const [uri, edits] of Object.entries(changes)) {
         const name = name_of(uri);
-        let content = name === page.tab() ? text.value : page.files.get(name);
+        let content = name === page.tab() ? text.value : page.view.files.get(name);
         if (name === page.tab()) apply(edits, content, write);
         else if (typeof content === "string") {
           apply(edits, content, (from, to, words) => { content = content.slice(0, from) + words + content.slice(to); });
-          page.put(name, content);
+          page.view.put(name, content);
         }
       }
     } catch (error) {

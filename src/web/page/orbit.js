@@ -16,11 +16,11 @@ const turned = (v, axis, angle) => {
   return sum(sum(v.map((x) => x * cosine), cross(axis, v), sine), along);
 };
 
-// Place of a camera after a drag; near the poles of `up` it stops.
+// Place of a camera after turns about its target by angles; near the poles of `up` it stops.
 export const orbited = ({ eye, target, up }, across, down) => {
   const axis = unit(up);
-  const arm = turned(sum(eye, target, -1), axis, -across * TURN_PER_PX);
-  const tilted = turned(arm, unit(cross(axis, arm)), -down * TURN_PER_PX);
+  const arm = turned(sum(eye, target, -1), axis, across);
+  const tilted = turned(arm, unit(cross(axis, arm)), down);
   const isUpright = Math.abs(dot(unit(tilted), axis)) < 0.995;
   return sum(target, isUpright ? tilted : arm);
 };
@@ -39,7 +39,7 @@ export const follow = (canvas, { camera, show, write }) => {
     canvas.setPointerCapture(event.pointerId);
   };
   canvas.onpointermove = ({ buttons, movementX, movementY, pointerId }) => {
-    if (held && buttons && canvas.hasPointerCapture(pointerId)) move(orbited(held, movementX, movementY));
+    if (held && buttons && canvas.hasPointerCapture(pointerId)) move(orbited(held, -movementX * TURN_PER_PX, -movementY * TURN_PER_PX));
   };
   const end = () => {
     clearTimeout(timer);

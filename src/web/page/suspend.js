@@ -15,6 +15,13 @@ const wait = async () => {
   woken = false;
 };
 
-export const canSuspend = typeof WebAssembly.Suspending === "function";
+const canSuspend = typeof WebAssembly.Suspending === "function";
 export const suspend = canSuspend ? new WebAssembly.Suspending(wait)
   : () => { throw new Error("this browser cannot suspend WebAssembly"); };
+
+// Whatever pictures need and this browser lacks, by name.
+export const lacks = () => {
+  if (!navigator.gpu) return "WebGPU, which Chrome and Edge have on all systems (or the page was not loaded by https or from localhost)";
+  if (!canSuspend) return "JavaScript Promise Integration, which Chrome and Edge have since version 137";
+  return null;
+};

@@ -1,10 +1,10 @@
 // The program, away from the page, which stays quick: the checker and the renderer, or the language server. Messages: {module} first,
-// then {file, bytes}, {scene, text, width, frame, checks, camera, eye}, {put}, {png} and {rpc}; answers: {state}, {check},
-// {part, pixels}, {shown, pixels}, {put}, {png}, {rpc} and {ended}.
+// then {clear}, {file, bytes}, {ask, checks}, {put}, {png} and {rpc}; answers: {state}, {missing}, {check}, {part, pixels},
+// {shown, pixels}, {put}, {png}, {rpc} and {ended}.
 "use strict";
 
-import init, { answer, ask, check, language, pixels, png, put_camera, put_file, start } from "./reflet_web.js";
-import { canSuspend } from "./suspend.js";
+import init, { answer, ask, check, clear, language, missing, pixels, png, put_camera, put_file, start } from "./reflet_web.js";
+import { lacks } from "./suspend.js";
 
 const tell = (message, moved) => self.postMessage(message, moved);
 self.tell_part = (done, samples, width, height, rgba) => tell({ part: { done, samples, width, height }, pixels: rgba }, [rgba.buffer]);
@@ -12,11 +12,10 @@ let why = "";
 self.tell_panic = (text) => { why = text; };
 const ended = (error) => tell({ ended: why || String(error) });
 
-// Whatever pictures need and this browser lacks, by name.
-const lacks = () => {
-  if (!self.navigator.gpu) return "WebGPU, which Chrome and Edge have on all systems (or the page was not loaded by https or from localhost)";
-  if (!canSuspend) return "JavaScript Promise Integration, which Chrome and Edge have since version 137";
-  return null;
+// Files that were looked for and are not there, before a message says so.
+const tell_missing = () => {
+  const paths = JSON.parse(missing());
+  if (paths.length) tell({ missing: paths });
 };
 
 let show = null;
@@ -43,6 +42,7 @@ const showAll = async () => {
       const shown = JSON.parse(answer());
       const rgba = shown.width ? pixels() : null;
       shown.seconds = (performance.now() - began) / 1e3;
+      tell_missing();
       if (!shown.interrupted) tell({ shown, pixels: rgba }, rgba ? [rgba.buffer] : []);
     }
   } catch (error) {
@@ -53,11 +53,17 @@ const showAll = async () => {
 };
 
 const work = {
+  clear,
   file: ({ file, bytes }) => put_file(file, new Uint8Array(bytes)),
-  scene: ({ scene, text, width, frame, checks, camera, eye }) => {
-    if (checks) tell({ check: JSON.parse(check(scene, text)) });
+  ask: ({ ask: asked, checks }) => {
+    const json = JSON.stringify(asked);
+    if (checks) {
+      const found = JSON.parse(check(json));
+      tell_missing();
+      tell({ check: found });
+    }
     if (!show) return;
-    ask(scene, text, width, frame, camera ?? "", new Float32Array(eye ?? []));
+    ask(json);
     isAsked = true;
     showAll();
   },

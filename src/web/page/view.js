@@ -1,0 +1,371 @@
+// `<reflet-view src="scene.toml">` shows a scene on any page that loads this module. Files are kept here, and handed to the
+// worker, which is made anew where it ends or loses its device. docs/web.md lists the attributes.
+"use strict";
+
+import * as orbit from "./orbit.js";
+import { lacks } from "./suspend.js";
+
+const TEXT_FILE = /\.(toml|rhai)$/i;
+const MOST_BYTES = 512 * 2 ** 20;
+const MOST_TEXT_BYTES = 4 * 2 ** 20;
+const LOADING = "loading the renderer";
+const MOST_STEP_S = 0.25;
+const TURN_DEG_PER_S = 20;
+
+const STYLE = new CSSStyleSheet();
+STYLE.replaceSync(`
+  :host { display: flex; flex-direction: column; position: relative; background: #101010; color: #ddd; font: 14px/1.4 system-ui, sans-serif; }
+  [hidden] { display: none !important; }
+  canvas { flex: 1 1 auto; width: 100%; min-height: 0; object-fit: contain; cursor: grab; touch-action: pan-y; background: center / contain no-repeat; }
+  canvas:active { cursor: grabbing; }
+  p { position: absolute; left: 8px; top: 8px; margin: 0; padding: 2px 6px; max-width: calc(100% - 16px); max-height: calc(100% - 16px); overflow: auto; white-space: pre-wrap; background: #000b; font: 12px/1.4 ui-monospace, monospace; pointer-events: none; }
+  p:empty { display: none; }
+  div { display: flex; gap: 6px; align-items: center; padding: 4px 8px; color-scheme: dark; }
+  input { flex: 1; min-width: 0; }
+`);
+const INSIDE = `<canvas id="picture" part="picture" width="16" height="9" role="img" aria-label="picture of the scene"></canvas>
+<p part="status" role="status"></p>
+<div part="time" hidden><button id="play">play</button> <input id="frame" type="range" min="0" max="0" value="0" aria-label="frame"> <output id="told"></output></div>`;
+
+// One program, compiled once for all workers of a page.
+const beside = (name) => new URL(name, import.meta.url);
+let compiled = null;
+const compile = () => {
+  const load = () => fetch(beside("reflet_web_bg.wasm"));
+  return WebAssembly.compileStreaming(load()).catch(async () => WebAssembly.compile(await (await load()).arrayBuffer()));
+};
+// Workers are of the origin of the page alone: elsewhere, one that imports the other origin's script.
+const script = () => {
+  const { href, origin } = beside("worker.js");
+  return origin === location.origin ? href : URL.createObjectURL(new Blob([`import ${JSON.stringify(href)};`], { type: "text/javascript" }));
+};
+export const work = (hear, tell) => {
+  const made = new Worker(script(), { type: "module" });
+  const fail = (error) => tell(`the renderer cannot be loaded: ${error.message ?? "a file is missing"}`);
+  made.onmessage = ({ data }) => hear(data);
+  made.onerror = fail;
+  compiled ??= compile();
+  compiled.then((module) => made.postMessage({ module }), fail);
+  return made;
+};
+
+const whole = (text, most) => Math.min(most, Math.max(0, Math.trunc(Number(text)) || 0));
+const words_of = (text) => text?.split(/\s+/).filter(Boolean) ?? [];
+const mebibytes = (bytes) => `${Math.ceil(bytes / 2 ** 20)} MiB`;
+
+// Content of an address, or why there is none.
+const download = async (url) => {
+  const found = await fetch(url);
+  if (!found.ok) throw new Error(found.statusText || `status ${found.status}`);
+  return new Uint8Array(await found.arrayBuffer());
+};
+
+export class RefletView extends HTMLElement {
+  static observedAttributes = ["src", "width", "samples", "camera", "variant", "frame", "auto-rotate", "poster"];
+
+  // Content by name: texts are strings, all else is bytes.
+  files = new Map();
+  scene = "";
+  // Whether a camera that was dragged is written into the text.
+  edits = false;
+
+  #worker = null;
+  #isReady = false;
+  #lacking = null;
+  #restarts = 0;
+  // Folder of `src`, whose files a scene may name, and those of its files that were asked for.
+  #folder = null;
+  #asked = new Set();
+  #pending = 0;
+  // The camera that stands elsewhere than its text says, name and eye; whether it is held, and was let go and is to be written.
+  #moved = null;
+  #isHeld = false;
+  #isLetGo = false;
+  #camera = null;
+  #frame = 0;
+  #plays = false;
+  #isSeen = false;
+  #turned = 0;
+  #seer = new IntersectionObserver(([{ isIntersecting }]) => this.#see(isIntersecting));
+
+  constructor() {
+    super();
+    const root = this.attachShadow({ mode: "open" });
+    root.adoptedStyleSheets = [STYLE];
+    root.innerHTML = INSIDE;
+    [this.canvas, this.status, this.time] = root.children;
+    [this.play, this.slider, this.told] = this.time.children;
+    this.slider.oninput = () => this.#go(this.slider.value);
+    this.play.onclick = () => {
+      this.#stop(!this.#plays);
+      this.run(false);
+    };
+    orbit.follow(this.canvas, {
+      camera: () => {
+        this.#isHeld = Boolean(this.#camera);
+        if (!this.#camera) return this.tell("motion, a script or a parent places this camera: change it in the text");
+        const [name, eye, target, up] = this.#camera;
+        return { name, eye, target, up };
+      },
+      show: (...moved) => {
+        [this.#moved, this.#isLetGo] = [moved, false];
+        this.run(false);
+      },
+      write: () => {
+        this.#isHeld = false;
+        this.#isLetGo = this.edits && Boolean(this.#moved);
+        this.run(false);
+      },
+    });
+  }
+
+  connectedCallback() {
+    this.#seer.observe(this);
+  }
+
+  disconnectedCallback() {
+    this.#seer.unobserve(this);
+    this.#worker?.terminate();
+    [this.#worker, this.#isReady, this.#isSeen] = [null, false, false];
+  }
+
+  attributeChangedCallback(name, old, value) {
+    if (name === "poster") this.canvas.style.backgroundImage = value ? `url(${JSON.stringify(new URL(value, document.baseURI).href)})` : "";
+    else if (name === "frame") this.#frame = whole(value, 2 ** 31);
+    if (name === "src" && value !== null && this.#worker) this.#load();
+    else this.run();
+  }
+
+  tell(words) {
+    this.status.textContent = words;
+    this.#emit("status", words);
+  }
+
+  // Another scene of the files does not play.
+  choose(name) {
+    if (name === this.scene) return;
+    this.scene = name;
+    [this.#moved, this.#isLetGo, this.#camera] = [null, false, null];
+    this.#stop();
+    this.#frame = whole(this.getAttribute("frame"), 2 ** 31);
+  }
+
+  // A drag that is written, or is not to be.
+  settle() {
+    this.#moved = null;
+  }
+
+  clear() {
+    this.files.clear();
+    this.#asked.clear();
+    [this.scene, this.#folder] = ["", null];
+    if (this.#isReady) this.#worker.postMessage({ clear: true });
+  }
+
+  put(name, content) {
+    this.files.set(name, content);
+    if (this.#isReady) this.#worker.postMessage(this.message_of(name));
+    this.#emit("file", name);
+  }
+
+  // Throws in words where a file of so many bytes does not fit.
+  check(name, bytes) {
+    const held = [...this.files].reduce((sum, [other, { byteLength, length }]) => sum + (other === name ? 0 : byteLength ?? length), 0);
+    if (held + bytes > MOST_BYTES) throw new Error(`${name} does not fit: all files together may have ${mebibytes(MOST_BYTES)}`);
+    if (TEXT_FILE.test(name) && bytes > MOST_TEXT_BYTES) throw new Error(`${name} has ${mebibytes(bytes)}, and a text at most ${mebibytes(MOST_TEXT_BYTES)}`);
+  }
+
+  // Puts bytes, as text where the name says so.
+  add(name, bytes) {
+    this.check(name, bytes.length);
+    this.put(name, TEXT_FILE.test(name) ? new TextDecoder().decode(bytes) : bytes);
+  }
+
+  message_of(name) {
+    const content = this.files.get(name);
+    return { file: name, bytes: typeof content === "string" ? new TextEncoder().encode(content) : content };
+  }
+
+  // Another frame of the same text has no other messages. A renderer that was given up is started anew.
+  run(checks = true) {
+    if (this.#worker && !this.#isReady && this.#restarts >= 3) this.#start();
+    if (!this.#isReady || !this.scene) return;
+    if (!this.#lacking && (checks || this.edits)) this.tell("rendering");
+    const text = this.files.get(this.scene);
+    const own = this.getAttribute("width");
+    const samples = whole(this.getAttribute("samples"), 2 ** 20);
+    const ask = {
+      scene: this.scene,
+      text: typeof text === "string" ? text : null,
+      width: own === null ? Math.max(1, this.clientWidth) : whole(own, 2 ** 16),
+      samples: samples || null,
+      frame: this.#frame,
+      camera: this.getAttribute("camera"),
+      moved: this.#moved,
+      variant: words_of(this.getAttribute("variant")),
+    };
+    this.#worker.postMessage({ ask, checks });
+  }
+
+  #emit(kind, detail) {
+    this.dispatchEvent(new CustomEvent(kind, { detail }));
+  }
+
+  #see(isSeen) {
+    this.#isSeen = isSeen;
+    if (!isSeen) return;
+    if (this.#worker) return this.#next();
+    const lacking = lacks();
+    if (lacking && !this.edits) return this.tell(`no picture: this browser lacks ${lacking}`);
+    this.#start();
+    if (this.hasAttribute("src")) this.#load();
+  }
+
+  #start() {
+    this.#isReady = false;
+    this.tell(LOADING);
+    this.#worker = work((data) => this.#hear[Object.keys(this.#hear).find((key) => key in data)](data), (words) => this.tell(words));
+  }
+
+  // A renderer that ends again before it has made a picture waits for a change.
+  #restart(why) {
+    this.#worker.terminate();
+    this.#restarts += 1;
+    if (this.#restarts < 3) {
+      this.#start();
+      this.tell(`${why}; it is made anew`);
+    } else {
+      this.#isReady = false;
+      this.tell(`${why}, again and again; a change of the text starts it anew`);
+    }
+  }
+
+  async #load() {
+    this.clear();
+    const src = this.getAttribute("src");
+    try {
+      const url = new URL(src, document.baseURI);
+      const name = decodeURIComponent(url.pathname.split("/").at(-1));
+      const bytes = await download(url);
+      if (src !== this.getAttribute("src")) return;
+      this.#folder = new URL(".", url);
+      this.add(name, bytes);
+      this.choose(name);
+      this.#emit("load", name);
+      this.run();
+    } catch (error) {
+      this.tell(`${src} cannot be loaded: ${error.message}`);
+    }
+  }
+
+  // Files that the scene names and lacks are beside it, or nowhere: messages that they are missing wait for them.
+  async #fetch_missing(paths) {
+    const wanted = paths.filter((path) => this.#folder && !this.#asked.has(path));
+    if (!wanted.length) return;
+    const folder = this.#folder;
+    this.#pending += 1;
+    this.tell(`loading ${wanted.length === 1 ? wanted[0] : `${wanted.length} files`}`);
+    await Promise.all(wanted.map(async (path) => {
+      this.#asked.add(path);
+      const bytes = await download(new URL(path.split("/").map(encodeURIComponent).join("/"), folder)).catch(() => null);
+      if (!bytes || folder !== this.#folder || this.files.has(path)) return;
+      try {
+        this.add(path, bytes);
+      } catch (error) {
+        this.tell(error.message);
+      }
+    }));
+    this.#pending -= 1;
+    if (!this.#pending) this.run();
+  }
+
+  #draw({ width, height }, pixels) {
+    Object.assign(this.canvas, { width, height });
+    this.canvas.getContext("2d").putImageData(new ImageData(new Uint8ClampedArray(pixels.buffer), width, height), 0, 0);
+    this.canvas.dataset.shown = this.scene;
+  }
+
+  #go(frame) {
+    this.#frame = whole(frame, 2 ** 31);
+    this.run(false);
+  }
+
+  #stop(plays = false) {
+    this.#plays = plays;
+    this.play.textContent = plays ? "pause" : "play";
+  }
+
+  #show_time({ timeline, frame }) {
+    this.time.hidden = !timeline;
+    const [start, end, fps] = timeline ?? [0, 0, 1];
+    if (start === end) this.#stop();
+    Object.assign(this.slider, { min: start, max: end, value: this.#frame });
+    this.told.textContent = `${frame} of ${end}, ${(frame / fps).toFixed(2)} s`;
+  }
+
+  // While it plays or turns, each picture asks for the next; not where nobody sees it.
+  #next() {
+    requestAnimationFrame((now) => {
+      if (!this.#isSeen || !this.#isReady || this.#pending) return;
+      const turns = this.hasAttribute("auto-rotate") && !this.#isHeld && this.#camera && !matchMedia("(prefers-reduced-motion: reduce)").matches;
+      if (turns) {
+        const [name, eye, target, up] = this.#camera;
+        const degrees = (Number(this.getAttribute("auto-rotate")) || TURN_DEG_PER_S) * Math.min(MOST_STEP_S, (now - this.#turned) / 1e3);
+        this.#moved = [name, orbit.orbited({ eye, target, up }, degrees * Math.PI / 180, 0)];
+        this.#turned = now;
+      }
+      const [value, least, most] = ["value", "min", "max"].map((key) => Number(this.slider[key]));
+      if (this.#plays) this.#go(value < most ? value + 1 : least);
+      else if (turns) this.run(false);
+    });
+  }
+
+  #hear = {
+    state: (data) => {
+      this.#isReady = true;
+      this.#lacking = data.lacks;
+      for (const name of this.files.keys()) this.#worker.postMessage(this.message_of(name));
+      if (data.lacks) this.tell(`messages only: this browser lacks ${data.lacks}`);
+      else if (this.status.textContent === LOADING) this.tell("");
+      this.run();
+    },
+    missing: ({ missing }) => this.#fetch_missing(missing),
+    check: ({ check }) => this.#pending || this.#emit("check", check),
+    part: ({ part, pixels }) => {
+      this.#draw(part, pixels);
+      this.tell(`sample ${part.done} of ${part.samples}`);
+    },
+    shown: ({ shown, pixels }) => {
+      if (pixels) {
+        this.#draw(shown, pixels);
+        this.#restarts = 0;
+        this.#show_time(shown);
+        this.#camera = shown.camera;
+        const [name, eye] = this.#moved ?? [];
+        if (this.#isLetGo) this.#worker.postMessage({ put: [name, eye] });
+        this.#isLetGo = false;
+      } else {
+        this.#stop();
+      }
+      if (shown.lost) return this.#restart(`the device was lost (${shown.error})`);
+      if (this.#pending) return;
+      this.#emit("picture", shown);
+      if (!pixels) {
+        const mistake = shown.messages?.find(({ severity }) => severity === "error")?.text;
+        this.tell(shown.error ?? (this.edits ? "the scene has mistakes" : mistake ?? "the scene has mistakes"));
+      } else {
+        this.tell(this.edits ? `${shown.width} × ${shown.height} in ${shown.seconds.toFixed(1)} s on ${shown.adapter || "the browser's adapter"}` : "");
+        this.#next();
+      }
+    },
+    put: ({ put }) => this.#emit("write", put),
+    png: ({ png }) => this.#emit("png", png),
+    ended: ({ ended }) => this.#restart(`the renderer ended (${ended})`),
+  };
+
+  save() {
+    this.#worker?.postMessage({ png: true });
+  }
+}
+
+customElements.define("reflet-view", RefletView);
