@@ -25,7 +25,7 @@
 //! | `src/write_back` | [`reflet_write_back`] | edits of the preview and of the page → texts in which all other bytes stay |
 //! | `src/lsp` | [`reflet_lsp`] | the language server without its transport: messages of editors → answers |
 //! | `src/bench` | [`reflet_bench`] | [`bench::run`] renders and measures; reports are drawn from the table of samples |
-//! | `src/output` | [`reflet_output`] | files of pictures: PNG, EXR and films, their names and fingerprints, the denoiser, statistics |
+//! | `src/output` | [`reflet_output`] | files of pictures: PNG, EXR and films, their names and fingerprints, the denoiser, statistics; packs of scenes |
 //! | `src/render` | [`reflet_render`] | the library. [`runtime`]: one scene from its text to its pictures, opened, changed and posed in keyed stages, and the only code that builds a `Renderer`: `render` and the preview are thin users of its sessions, `bench` of its renderer stage. `render/passes/mod.rs` lists the passes in their order: read it first; `reflet info --frame` prints the passes of a scene; [`render::plan`] lists the features and passes that a scene needs, [`render::pipeline::targets`] the one table of intermediate textures, [`render::layout::types`] every struct shared with the shaders |
 //! | `src/metric` | [`reflet_metric`] | picture × picture → error: reads pictures, judges them, and prints that; no device |
 //! | `src/gpu` | [`reflet_gpu`] | thin layer over wgpu: device, shaders, bindings by name, timings, readback; independent of scenes |

@@ -3,7 +3,6 @@
 //! Files keep their relative places, so that every path in scene text, scripts and models still leads to its
 //! file; the manifest at the end of the pack says what is rendered, and how.
 
-mod manifest;
 pub mod unfinished;
 pub mod unpack;
 
@@ -11,23 +10,25 @@ use std::{
     cell::RefCell,
     collections::{BTreeMap, BTreeSet},
     fs::{self, File},
-    io::{self, Read, Seek, SeekFrom, Write},
+    io::{self, Seek, SeekFrom, Write},
     path::{Component, Path, PathBuf},
 };
 
 use clap::Args;
-use manifest::PackedFile;
-use sha2::{Digest as _, Sha256};
-use zip::{ZipWriter, write::SimpleFileOptions};
 
-use self::manifest::{BUILT_FROM, LIST, Manifest, fault_of_name};
 use super::{args::SceneArgs, error::AppError, scene::load, shutdown};
 use crate::{
-    files::{Goal, Inputs, Temporary, folder_of, hex, open_regular, sweep},
-    output::writable::check_writable,
+    files::{Goal, Inputs, Temporary, folder_of, open_regular, sweep},
+    output::{
+        pack::{LIST, Manifest, PackWriter, fault_of_name},
+        writable::check_writable,
+    },
     runtime::scene_text::{SceneText, asset_folders},
     scene::{dependencies::Dependencies, project::UNPACKED},
 };
+
+/// Hash of the program's source and shaders, from `build.rs`.
+const BUILT_FROM: &str = env!("REFLET_BUILT_FROM");
 
 /// Arguments of `pack`.
 #[derive(Clone, Debug, Args)]
@@ -163,10 +164,6 @@ impl Layout {
         let places = Places::for_files(&scene, own, &paths, &assets);
         let inside = |path: &Path| places.name(path);
         let manifest = Manifest {
-            pack: 1,
-            reflet: env!("CARGO_PKG_VERSION").to_owned(),
-            built_from: BUILT_FROM.to_owned(),
-            scene: inside(&scene)?,
             assets: assets.iter().map(|f| inside(f)).collect::<Result<_, _>>()?,
             set: from.set.clone(),
             variant: from.variant.clone(),
@@ -174,7 +171,7 @@ impl Layout {
             strict: from.strict,
             project: own.map(inside).transpose()?,
             frames: timeline.map(|t| [t.start, t.end]),
-            files: Vec::new(),
+            ..Manifest::new(inside(&scene)?, BUILT_FROM)
         };
         let named = |path: PathBuf| Ok((inside(&path)?, path));
         let files = paths
@@ -356,42 +353,33 @@ impl io::Read for UntilSignal {
     }
 }
 
-/// Writes the files in the order of their names, then the manifest; equal files give equal bytes.
-/// Writes the files into a ZIP file, until `error` holds one of the file itself.
+/// Writes the files in the order of their names, then the manifest; equal files give equal bytes. Ends when `error` holds
+/// an error of the ZIP file itself.
 fn write_zip(
     file: &fs::File,
     error: &RefCell<Option<io::Error>>,
     layout: Layout,
 ) -> Result<Manifest, AppError> {
-    let mut manifest = layout.manifest;
-    let mut zip = ZipWriter::new(io::BufWriter::new(UntilError { file, error }));
-    let failed =
-        |error: zip::result::ZipError| AppError::unwritten(Path::new("the pack"), &error.into());
+    let failed = |error: io::Error| AppError::unwritten(Path::new("the pack"), &error);
+    let goal = io::BufWriter::new(UntilError { file, error });
+    let mut pack = PackWriter::new(goal, layout.manifest);
     for (name, path) in layout.files {
         let unread = |error: io::Error| {
             AppError::Internal(format!("cannot read {}: {error}", path.display()))
         };
         let file = open_regular(&path, false).map_err(unread)?;
-        let is_large = file.metadata().map_err(unread)?.len() >= u64::from(u32::MAX);
-        let options = SimpleFileOptions::default().large_file(is_large);
-        zip.start_file(name.as_str(), options).map_err(failed)?;
-        let mut from = HashedRead::new(UntilSignal(file));
-        io::copy(&mut from, &mut zip).map_err(|error| match shutdown::is_requested() {
+        let bytes = file.metadata().map_err(unread)?.len();
+        let ended = |error: io::Error| match shutdown::is_requested() {
             true => AppError::Interrupted("stopped; no pack was written".to_owned()),
             false => unread(error),
-        })?;
-        manifest.files.push(from.named(name));
+        };
+        pack.add(&name, bytes, UntilSignal(file), ended, failed)?;
         if error.borrow().is_some() {
-            return Ok(manifest);
+            return Ok(pack.manifest);
         }
     }
-    let list = serde_json::to_vec_pretty(&manifest)
-        .map_err(|error| AppError::Internal(format!("as JSON: {error}")))?;
-    zip.start_file(LIST, SimpleFileOptions::default())
-        .map_err(failed)?;
-    zip.write_all(&list).map_err(|error| failed(error.into()))?;
-    let mut rest = zip.finish().map_err(failed)?;
-    rest.flush().map_err(|error| failed(error.into()))?;
+    let (mut rest, manifest) = pack.finish().map_err(failed)?;
+    rest.flush().map_err(failed)?;
     Ok(manifest)
 }
 
@@ -425,41 +413,5 @@ impl Write for UntilError<'_> {
 impl Seek for UntilError<'_> {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         self.file.seek(to)
-    }
-}
-
-/// A reader with a byte count and a SHA-256 hash.
-struct HashedRead<R> {
-    from: R,
-    bytes: u64,
-    hash: Sha256,
-}
-
-impl<R: Read> HashedRead<R> {
-    /// Wraps a reader of which nothing was read yet.
-    pub fn new(from: R) -> Self {
-        Self {
-            from,
-            bytes: 0,
-            hash: Sha256::new(),
-        }
-    }
-
-    /// Manifest entry of the bytes that were read, as a file of this name in a pack.
-    pub fn named(self, path: String) -> PackedFile {
-        PackedFile {
-            path,
-            bytes: self.bytes,
-            sha256: hex(&self.hash.finalize()),
-        }
-    }
-}
-
-impl<R: Read> Read for HashedRead<R> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let length = self.from.read(buffer)?;
-        self.hash.update(&buffer[..length]);
-        self.bytes += length as u64;
-        Ok(length)
     }
 }

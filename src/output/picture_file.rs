@@ -31,6 +31,16 @@ impl PictureFile {
     /// # Errors
     /// [`OutputError::Usage`] with the invalid part of the path.
     pub fn new(path: &Goal) -> Result<Self, OutputError> {
+        let file = Self::unchecked(path)?;
+        check_writable(path, &Inputs::default())?;
+        Ok(file)
+    }
+
+    /// Checks the extension alone.
+    ///
+    /// # Errors
+    /// [`OutputError::Usage`] with the extension.
+    pub fn unchecked(path: &Goal) -> Result<Self, OutputError> {
         let format = match Format::from_path(path) {
             Some(Format::Picture(format)) => format,
             other => {
@@ -46,7 +56,6 @@ impl PictureFile {
                 )));
             }
         };
-        check_writable(path, &Inputs::default())?;
         Ok(Self {
             path: path.clone(),
             format,
@@ -88,6 +97,20 @@ impl PictureFile {
         picture: &Picture,
         mark: Option<&str>,
     ) -> Result<Vec<Goal>, OutputError> {
+        let encoded = self.encode(picture, mark)?;
+        write_together(&encoded).map_err(|(path, error)| OutputError::unwritten(&path, &error))?;
+        Ok(encoded.into_iter().map(|(path, _)| path).collect())
+    }
+
+    /// Contents of the files of a picture.
+    ///
+    /// # Errors
+    /// [`OutputError::Internal`] naming the file.
+    pub fn encode(
+        &self,
+        picture: &Picture,
+        mark: Option<&str>,
+    ) -> Result<Vec<(Goal, Vec<u8>)>, OutputError> {
         let mut files = Vec::new();
         let samples = picture.stats.samples.to_string();
         let mark = mark.map(|mark| (FINGERPRINT_KEY, mark));
@@ -121,9 +144,7 @@ impl PictureFile {
                 path.display()
             ))),
         });
-        let encoded = encoded.collect::<Result<Vec<_>, _>>()?;
-        write_together(&encoded).map_err(|(path, error)| OutputError::unwritten(&path, &error))?;
-        Ok(encoded.into_iter().map(|(path, _)| path).collect())
+        encoded.collect()
     }
 
     /// File of the same kind with another name, unchecked.

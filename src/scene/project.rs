@@ -16,7 +16,7 @@ use crate::{
     reach::{Border, lexical},
     suggest,
 };
-use reflet_base::files::{open_regular, read_at_most};
+use reflet_base::files::{canonicalize, open_regular, read_at_most};
 
 /// Name of the file of a project.
 pub const FILE: &str = ProjectDesc::FILE;
@@ -68,7 +68,7 @@ impl ProjectChoice {
                 let project = Project::open(&file)?;
                 let holds = |folder: PathBuf| folder.starts_with(&project.folder);
                 // A missing scene is reported when it is read.
-                match folder.canonicalize().map_or(true, holds) {
+                match canonicalize(&folder).map_or(true, holds) {
                     true => Ok(Some(project)),
                     false => {
                         let own = project.folder.display();
@@ -98,9 +98,9 @@ impl Project {
             }
             _ => refuse(format!("cannot be read: {e}")),
         };
-        let real = file.canonicalize().map_err(|e| vec![unreadable(e)])?;
+        let real = canonicalize(file).map_err(|e| vec![unreadable(e)])?;
         let folder = file.parent().unwrap_or(Path::new(""));
-        let folder = Path::new(".").join(folder).canonicalize();
+        let folder = canonicalize(Path::new(".").join(folder));
         if folder.is_ok_and(|folder| real.parent() != Some(&folder)) {
             let help = "copy it; its folder is what the scenes of the project may read";
             let message = "the file of a project must not be a link to another folder".to_owned();
@@ -123,7 +123,7 @@ impl Project {
     pub fn from_source(source: &Arc<Source>) -> Result<Self, Vec<Diagnostic>> {
         let (desc, mut warnings) = read_project(source)?;
         let folder = source.path.parent().unwrap_or(Path::new(""));
-        let folder = Path::new(".").join(folder).canonicalize();
+        let folder = canonicalize(Path::new(".").join(folder));
         let folder = folder.unwrap_or_default();
         let mut errors = Vec::new();
         let folders = desc.assets.iter().map(|name| ("assets", name));

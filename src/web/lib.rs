@@ -7,7 +7,7 @@
 //! (`src/gpu/wait.rs`); meanwhile the worker may call everything here but [`show`].
 #![cfg(target_arch = "wasm32")]
 
-mod messages;
+mod saving;
 
 use std::{
     cell::{Cell, RefCell},
@@ -25,22 +25,27 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 use wasm_bindgen::prelude::wasm_bindgen;
 
-use messages::messages;
 use reflet_base::{clock::Instant, files::in_memory};
 use reflet_gpu::{Gpu, GpuError, GpuOptions};
-use reflet_lsp::Server;
+use reflet_lsp::{Server, range};
 use reflet_render::{
     Picture, PictureRequest, SoFar,
-    picture::png_file,
+    picture::aov::Aov,
     runtime::{
-        InitialBuild, SceneSource, Session, SessionError, ViewOverrides,
+        InitialBuild, SceneSource, Session, SessionError, ViewOverrides, find_aovs,
         parameters::ParameterOverrides,
         read::{Read, read},
         scene_options::SceneOptions,
     },
 };
-use reflet_scene::{dependencies::Dependencies, syntax::key_text};
+use reflet_scene::{
+    dependencies::Dependencies,
+    diagnostic::{Diagnostic, at_most},
+    project::{self, ProjectChoice},
+    syntax::key_text,
+};
 use reflet_write_back::{Change, Layered, Numbers, SceneItem, change, exact, list};
+use saving::Saving;
 
 /// Time between two pictures of some samples.
 const EACH_PART: Duration = Duration::from_secs(1);
@@ -70,6 +75,7 @@ struct State {
     answer: Value,
     shown: Shown,
     picture: Option<Picture>,
+    saving: Saving,
     /// Signal that ends the picture in work.
     interrupt: Arc<AtomicBool>,
     /// Whether files have changed since the last picture.
@@ -94,7 +100,15 @@ struct Asked {
     camera: Option<String>,
     /// Camera that stands elsewhere than its text says, and its place.
     moved: Option<(String, [f32; 3])>,
+    /// The rest is as the manifest of a pack has it.
+    set: Vec<String>,
     variant: Vec<String>,
+    assets: Vec<PathBuf>,
+    lenient: bool,
+    strict: bool,
+    project: Option<PathBuf>,
+    /// AOVs beside the picture.
+    aovs: Vec<String>,
 }
 
 impl Asked {
@@ -104,12 +118,17 @@ impl Asked {
 
     fn source(self) -> SceneSource {
         let moved = self.moved.map(|(camera, eye)| dragged(&camera, eye));
+        let project = self.project.map(|folder| folder.join(project::FILE));
         SceneSource {
             path: Some(self.scene),
             text: self.text.map(Into::into),
             options: SceneOptions {
-                set: moved.into_iter().collect(),
+                set: self.set.into_iter().chain(moved).collect(),
                 variant: self.variant,
+                assets: self.assets,
+                lenient: self.lenient,
+                strict: self.strict,
+                project: project.map_or(ProjectChoice::None, ProjectChoice::Named),
                 ..SceneOptions::default()
             },
             ..SceneSource::default()
@@ -173,13 +192,16 @@ pub fn language(message: &str) -> String {
     json!(LANGUAGE.with_borrow_mut(|server| server.handle(&message))).to_string()
 }
 
-/// Ends the picture in work, and asks for the next.
+/// Ends the picture in work.
+#[wasm_bindgen]
+pub fn interrupt() {
+    STATE.with_borrow(|state| state.interrupt.store(true, Ordering::Relaxed));
+}
+
+/// Says what [`show`] is to make next.
 #[wasm_bindgen]
 pub fn ask(asked: &str) {
-    STATE.with_borrow_mut(|state| {
-        state.interrupt.store(true, Ordering::Relaxed);
-        state.asked = Some(Asked::new(asked));
-    });
+    STATE.with_borrow_mut(|state| state.asked = Some(Asked::new(asked)));
 }
 
 /// Makes the picture that was asked for last. The only function that is suspended; the worker calls it anew after it has
@@ -238,7 +260,7 @@ pub fn put_camera(camera: &str, eye: &[f32]) -> String {
     answer.to_string()
 }
 
-/// Answer of the last call of [`show`], as JSON: `messages` with `width`, `height`, `adapter` and `frame` of the picture,
+/// Answer of the last call of [`show`], as JSON: `messages` with `width`, `height`, `adapter` and `frame` of the picture, names of `aovs`,
 /// the `timeline`, first frame, last frame and frames in a second, and the `camera`, its name, `eye`, `target` and `up`, where it
 /// stands as its text says, or with none of these; an `error` of the device, which
 /// may be `lost`; or `interrupted`.
@@ -258,19 +280,6 @@ pub fn pixels() -> Vec<u8> {
     })
 }
 
-/// The last picture as a PNG file; empty without one.
-#[wasm_bindgen]
-pub fn png() -> Vec<u8> {
-    let encoded = |picture: &Picture| {
-        let encode = match picture.alpha {
-            true => png_file::encode_with_alpha,
-            false => png_file::encode,
-        };
-        encode(picture.size, &picture.display, &[]).unwrap_or_default()
-    };
-    STATE.with_borrow(|state| state.picture.as_ref().map_or_else(Vec::new, encoded))
-}
-
 impl Shown {
     fn picture(
         &mut self,
@@ -285,6 +294,7 @@ impl Shown {
             camera: asked.camera.clone(),
             ..ViewOverrides::default()
         };
+        let aovs = asked.aovs.clone();
         let source = asked.source();
         let read = read(&source, &none, &texts, frame)?;
         view.size = size(&read, width);
@@ -314,6 +324,9 @@ impl Shown {
             }
         };
         session.camera_named(session.view().camera.as_deref())?;
+        let world = &session.scene().world;
+        let aovs = aovs.iter().map(|name| find_aovs(name, world));
+        let aovs = aovs.collect::<Result<Vec<_>, _>>()?.concat();
         let told = Cell::new(Instant::now());
         let each_sample = |so_far: &SoFar<'_>| {
             if so_far.done < so_far.samples && told.get().elapsed() > EACH_PART {
@@ -325,6 +338,7 @@ impl Shown {
             Ok(())
         };
         let request = PictureRequest {
+            aovs: &aovs,
             each_sample: Some(&each_sample),
             ..PictureRequest::COLOR
         };
@@ -359,6 +373,7 @@ impl Shown {
             "height": picture.size[1],
             "adapter": adapter,
             "camera": camera,
+            "aovs": loaded.map(|loaded| Aov::names_in(&loaded.world)),
             "frame": loaded.map(|loaded| loaded.frame),
             "timeline": time.map(|time| (time.start, time.end, time.fps)),
         })
@@ -370,4 +385,18 @@ fn size(read: &Read, width: u32) -> Option<[u32; 2]> {
     let [own, height] = read.scene().desc.image.size;
     let height = u64::from(height) * u64::from(width) / u64::from(own.max(1));
     (width > 0).then(|| [width, (height as u32).max(1)])
+}
+
+/// Messages with their file and, where they are about a place, its range in the form of the language server.
+fn messages(found: Vec<Diagnostic>) -> Vec<Value> {
+    let message = |found: Diagnostic| {
+        let source = found.span.source.as_ref();
+        json!({
+            "severity": found.severity.name(),
+            "file": found.path(),
+            "range": source.map(|source| range(&source.text, &found.span.range)),
+            "text": found.render(false),
+        })
+    };
+    at_most(found).into_iter().map(message).collect()
 }

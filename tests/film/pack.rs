@@ -8,6 +8,7 @@ use zip::{ZipArchive, ZipWriter, write::SimpleFileOptions};
 
 use super::*;
 use crate::common::program::signal;
+use reflet::output::pack::{Manifest, PackWriter};
 
 /// Entries of a pack: name and content.
 fn entries(path: &Path) -> Vec<(String, Vec<u8>)> {
@@ -184,8 +185,6 @@ fn a_pack_that_was_tampered_with_leaves_no_folder() {
 /// A pack with a file so long that a signal can come while it is extracted.
 #[cfg(unix)]
 fn long_pack(path: &Path) {
-    use sha2::{Digest as _, Sha256};
-    let scene = b"version = 1\n".to_vec();
     let mut state = 0x5EED_u64;
     let noise = (0..12 << 20).flat_map(|_| {
         state ^= state << 13;
@@ -193,24 +192,17 @@ fn long_pack(path: &Path) {
         state ^= state << 17;
         state.to_le_bytes()
     });
-    let files = [("noise", noise.collect()), ("scene.toml", scene)];
-    let listed = files.iter().map(|(name, bytes): &(_, Vec<u8>)| {
-        let hash = Sha256::digest(bytes);
-        let hash: String = hash.iter().map(|byte| format!("{byte:02x}")).collect();
-        serde_json::json!({ "path": name, "bytes": bytes.len(), "sha256": hash })
-    });
-    let list = serde_json::json!({
-        "pack": 1, "reflet": "0", "built_from": "0", "scene": "scene.toml", "assets": [], "set": [],
-        "variant": ["-dark"], "lenient": false, "frames": null, "files": listed.collect::<Vec<_>>(),
-    });
-    let mut zip = ZipWriter::new(fs::File::create(path).expect("a file"));
-    let options = SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
-    let list = ("pack.json", list.to_string().into_bytes());
-    for (name, bytes) in files.into_iter().chain([list]) {
-        zip.start_file(name, options).expect("an entry");
-        zip.write_all(&bytes).expect("written");
+    let scene = b"version = 1\n".to_vec();
+    let manifest = Manifest {
+        variant: vec!["-dark".to_owned()],
+        ..Manifest::new("scene.toml".to_owned(), "0")
+    };
+    let mut pack = PackWriter::new(fs::File::create(path).expect("a file"), manifest);
+    for (name, bytes) in [("noise", noise.collect()), ("scene.toml", scene)] {
+        let added = pack.add(name, bytes.len() as u64, &bytes[..], |e| e, |e| e);
+        added.expect("written");
     }
-    zip.finish().expect("a ZIP file");
+    pack.finish().expect("a ZIP file");
 }
 
 #[cfg(unix)]

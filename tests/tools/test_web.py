@@ -1,9 +1,12 @@
 """Owns the session of a real browser with the page that runs by itself (`tools/web.sh`)."""
 
 import functools
+import hashlib
 import http.server
+import json
 import subprocess
 import threading
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -13,8 +16,8 @@ from session import session
 LACKS_A_TOOL = 3
 MOST_FLIP = "0.003"
 STEPS = (
-    "told shown completed hinted saved changed played orbited dropped shared refused embedded "
-    "quick lost lacking"
+    "told shown completed hinted saved changed played orbited dropped packed shared refused "
+    "embedded quick lost lacking"
 )
 
 
@@ -41,15 +44,47 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> str:
     return f"http://127.0.0.1:{server.server_port}/"
 
 
+def pack(path: Path, name: str, content: bytes, length: int) -> None:
+    """Write a pack of a scene and a file that is listed with this length."""
+    files = {"scene.toml": b"version = 1\n", name: content}
+    listed = [
+        {"path": name, "bytes": len(content), "sha256": hashlib.sha256(content).hexdigest()}
+        for name, content in files.items()
+    ]
+    listed[1]["bytes"] = length
+    manifest = {"pack": 1, "scene": "scene.toml", "lenient": False, "files": listed}
+    texts = dict.fromkeys(["reflet", "built_from"], "")
+    lists: dict[str, list[str]] = {"assets": [], "set": [], "variant": []}
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
+        file.writestr("pack.json", json.dumps(manifest | texts | lists))
+        for name, content in files.items():
+            file.writestr(name, content)
+
+
 @pytest.mark.full("builds the renderer anew for WebAssembly, which takes minutes")
 def test_a_browser_writes_a_scene_and_sees_it(address: str, tmp_path: Path) -> None:
-    """A page tells mistakes at their lines, and shows what the program shows."""
+    """A page tells mistakes at their lines, shows and saves as the program does, reads packs."""
+    pack(tmp_path / "bad-climbing.zip", "../b", b"", 0)
+    pack(tmp_path / "bad-large.zip", "b", b"", 600 << 20)
+    pack(tmp_path / "bad-bomb.zip", "b", bytes(64 << 20), 10)
     done = session("web_session.mjs")(address, tmp_path)
     assert done.stdout.split() == STEPS.split(), done.stderr
-    native = tmp_path / "native.png"
     scene = ROOT / "scenes" / "mirrors.toml"
-    command = [BINARY, "render", scene, "--size", "160x90", "--output", native]
-    subprocess.run(command, check=True, capture_output=True)
-    compare = [BINARY, "compare", tmp_path / "mirrors.png", native, "--max-flip", MOST_FLIP]
-    compared = subprocess.run(compare, capture_output=True, text=True, check=False)
-    assert compared.returncode == 0, compared.stdout
+    for ending, more in {"png": [], "exr": ["--aov", "depth,ids"]}.items():
+        saved, native = tmp_path / f"mirrors.{ending}", tmp_path / f"native.{ending}"
+        command = [BINARY, "render", scene, "--size", "160x90", "--output", native, *more]
+        subprocess.run(command, check=True, capture_output=True)
+        compare = [BINARY, "compare", saved, native, "--max-flip", MOST_FLIP]
+        compared = subprocess.run(compare, capture_output=True, text=True, check=False)
+        assert compared.returncode == 0, compared.stdout
+    channels = {bytes(f"{name}\0", "ascii") for name in ("R", "depth.Z", "ids.instance")}
+    assert all(name in saved.read_bytes() and name in native.read_bytes() for name in channels)
+    frames = zipfile.ZipFile(tmp_path / "film.zip").namelist()
+    kinds = ("depth.png", "png")
+    assert frames == [f"mirrors.000{frame}.{kind}" for frame in (1, 2) for kind in kinds]
+    unpack = [BINARY, "unpack", tmp_path / "pack.zip", "--output", tmp_path / "unpacked"]
+    subprocess.run(unpack, check=True, capture_output=True)
+    assert {path.name for path in (tmp_path / "unpacked").rglob("*.*")} >= {
+        "mirrors.toml",
+        "dot.png",
+    }

@@ -1,7 +1,7 @@
 // A writer's session in a real browser with the page that runs by itself: mistakes are told at their lines, scenes shown,
 // changed, dropped, shared, saved and put into other pages; a lost device, a broken address and a browser without WebGPU are
 // told. The folder is for pictures.
-import { mkdirSync, writeFileSync } from "node:fs";
+import { mkdirSync, readdirSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { address, launch, place as folder, step } from "./session.mjs";
 
@@ -34,14 +34,13 @@ const picture = (page) => page.evaluate(() => document.getElementById("stage").c
 const value = (page) => page.evaluate(() => document.getElementById("text").value);
 // Waits for the picture of what is written now.
 const shown = (page) => status(page, /^160 × 90 in /);
-const write = async (page, change) => {
-  await page.evaluate((body) => {
-    const text = document.getElementById("text");
-    text.value = new Function("text", `return ${body}`)(text.value);
-    document.getElementById("status").textContent = "";
-    text.dispatchEvent(new Event("input"));
-  }, change);
-};
+// Writes, and waits for the messages, which come before the picture: a status that is told later is of this text.
+const write = (page, change) => page.evaluate((body) => new Promise((done) => {
+  const [text, status, view] = ["text", "status", "stage"].map((id) => document.getElementById(id));
+  text.value = new Function("text", `return ${body}`)(text.value);
+  view.addEventListener("check", () => done(status.textContent = ""), { once: true });
+  text.dispatchEvent(new Event("input"));
+}), change);
 
 const began = Date.now();
 const page = await open_page(browser);
@@ -98,9 +97,20 @@ await write(page, "text.replace('metallic = 0.5\\n', '')");
 await shown(page);
 step("hinted");
 
-const waiting = page.waitForEvent("download");
-await page.click("#save");
-await (await waiting).saveAs(join(folder, "mirrors.png"));
+// Saves what the form says.
+const fill = async (format, frames = "", aovs = []) => {
+  await page.click("#saving summary");
+  await page.selectOption("#format", format);
+  await page.selectOption("#aovs", aovs);
+  await page.fill("#frames", frames);
+};
+const save = async (name, ...how) => {
+  await fill(...how);
+  const [file] = await Promise.all([page.waitForEvent("download"), page.click("#save")]);
+  await file.saveAs(join(folder, name));
+};
+await save("mirrors.png", "png");
+await save("mirrors.exr", "exr", "", ["depth", "ids"]);
 step("saved");
 
 await write(page, "text.replace('[0.7, 0.06, 0.04]', '[0.04, 0.7, 0.06]')");
@@ -120,6 +130,11 @@ if (await picture(page) === still) throw new Error("the last frame looks like th
 await page.click("#play");
 await told_frame("1 of 3");
 await page.click("#play");
+await save("film.zip", "png", "1-2", ["depth"]);
+await fill("png", "2-9");
+await page.click("#save");
+await status(page, /nothing is saved: .*frame 9 is not in the timeline/);
+await page.click("#saving summary");
 step("played");
 
 // A drag of the picture moves the camera, whose place is written into the text where it ends; Ctrl Z takes it back.
@@ -143,6 +158,25 @@ writeFileSync(join(folder, "maps", "dot.png"), PNG);
 await page.setInputFiles("#folder", join(folder, "maps"));
 await shown(page);
 step("dropped");
+
+// A pack holds what the scene reads, and opens as it was; packs that are none are refused, and the scene stays.
+await save("pack.zip", "zip");
+const packed = await value(page);
+await page.evaluate(() => document.getElementById("stage").setAttribute("src", "scenes/cornell.toml"));
+await page.waitForFunction(() => !document.getElementById("text").value.includes("maps/dot.png"));
+await page.setInputFiles("#files", join(folder, "pack.zip"));
+await page.waitForFunction((text) => document.getElementById("text").value === text, packed);
+await shown(page);
+writeFileSync(join(folder, "bad-noise.zip"), "no pack");
+const bad = readdirSync(folder).filter((name) => name.startsWith("bad-"));
+for (const name of bad) {
+  await page.evaluate(() => document.getElementById("status").textContent = "");
+  await page.setInputFiles("#files", join(folder, name));
+  await status(page, /^the pack is refused: /);
+  console.error(name, await page.textContent("#status"));
+}
+if (await value(page) !== packed) throw new Error("a refused pack changes the scene");
+step("packed");
 
 await page.click("#share");
 await page.waitForFunction(() => location.hash.length > 100);

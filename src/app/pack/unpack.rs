@@ -2,21 +2,20 @@
 
 use std::{
     fs::{self, File, OpenOptions},
-    io::{self, BufReader, Read as _},
+    io::{self, BufReader, Read, Seek, Write as _},
     path::{Path, PathBuf},
 };
 
 use clap::Args;
-use zip::{ZipArchive, result::ZipError};
 
 use super::{
     super::{args::option_words, error::AppError, print_out, shutdown},
-    HashedRead,
-    manifest::{BUILT_FROM, LIST, MOST_BYTES, Manifest, PackedFile},
+    BUILT_FROM,
     unfinished::Unfinished,
 };
 use crate::{
     files::{Goal, folder_of, free_bytes, open_regular, sweep},
+    output::pack::{self, Manifest, Pack, PackedFile},
     scene::{diagnostic::Diagnostic, project::UNPACKED},
 };
 use reflet_base::shell::shell_word;
@@ -78,12 +77,12 @@ const MARK: &str = "`reflet unpack` made this folder. Reflet looks for no projec
 fn extract(file: File, output: &Path) -> Result<Manifest, Fault> {
     let disk = |error| Fault::Disk(output.to_owned(), error);
     let pack_bytes = file.metadata().map_err(disk)?.len();
-    let mut zip = ZipArchive::new(BufReader::new(file))?;
-    let manifest = read_list(&mut zip)?;
-    check_size(&manifest, pack_bytes, output)?;
+    let mut pack = Pack::open(BufReader::new(file), pack_bytes)?;
+    let manifest = pack.manifest.clone();
+    check_disk(&manifest, output)?;
     let made = Unfinished::create(output).map_err(disk)?;
     for file in &manifest.files {
-        write_file(&mut zip, file, made.path())?;
+        write_file(&mut pack, file, made.path())?;
     }
     let mark = made.path().join(UNPACKED);
     std::fs::write(&mark, MARK).map_err(|error| Fault::Disk(mark, error))?;
@@ -91,11 +90,8 @@ fn extract(file: File, output: &Path) -> Result<Manifest, Fault> {
     Ok(manifest)
 }
 
-/// Refuses files that would expand beyond reason, or that the disk has no room for, before one is written.
-fn check_size(manifest: &Manifest, pack_bytes: u64, output: &Path) -> Result<(), Fault> {
-    if let Some(fault) = manifest.fault_of_size(pack_bytes) {
-        return Err(Fault::Pack(fault));
-    }
+/// Refuses files that the disk has no room for, before one is written.
+fn check_disk(manifest: &Manifest, output: &Path) -> Result<(), Fault> {
     let needed = manifest.disk_bytes();
     match free_bytes(folder_of(output)) {
         Some(free) if free < needed => {
@@ -122,84 +118,27 @@ enum Fault {
     Interrupted,
 }
 
-impl From<ZipError> for Fault {
-    fn from(error: ZipError) -> Self {
-        Self::Pack(format!("it is not a complete ZIP file: {error}"))
+impl From<pack::Fault> for Fault {
+    fn from(fault: pack::Fault) -> Self {
+        Self::Pack(fault.0)
     }
 }
 
-type Zip = ZipArchive<BufReader<File>>;
-
-fn read_list(zip: &mut Zip) -> Result<Manifest, Fault> {
-    let no_list = || {
-        Fault::Pack(format!(
-            "it has no {LIST}, so `reflet pack` did not write it"
-        ))
-    };
-    let mut text = Vec::new();
-    let entry = zip.by_name(LIST).map_err(|_| no_list())?;
-    let damaged = |error: String| Fault::Pack(format!("its {LIST} is damaged: {error}"));
-    let read = entry.take(MOST_BYTES + 1).read_to_end(&mut text);
-    read.map_err(|error| damaged(error.to_string()))?;
-    if text.len() as u64 > MOST_BYTES {
-        return Err(damaged(format!(
-            "it is longer than {} MiB",
-            MOST_BYTES >> 20
-        )));
-    }
-    let manifest: Manifest =
-        serde_json::from_slice(&text).map_err(|error| damaged(error.to_string()))?;
-    if let Some(fault) = manifest.fault() {
-        return Err(Fault::Pack(fault));
-    }
-    match zip.len().checked_sub(manifest.files.len() + 1) {
-        Some(0) => Ok(manifest),
-        Some(more) => Err(Fault::Pack(format!(
-            "it holds {more} files that its list does not have"
-        ))),
-        None => Err(Fault::Pack("it lacks files of its list".to_owned())),
-    }
-}
-
-/// Extracts one file, whose name was checked before.
-fn write_file(zip: &mut Zip, file: &PackedFile, folder: &Path) -> Result<(), Fault> {
-    let name = &file.path;
-    let entry = (zip.by_name(name))
-        .map_err(|error| Fault::Pack(format!("\"{name}\" cannot be read: {error}")))?;
-    let path = folder.join(name);
+/// Extracts one file, whose name was checked before, until a signal comes.
+fn write_file(
+    pack: &mut Pack<impl Read + Seek>,
+    file: &PackedFile,
+    folder: &Path,
+) -> Result<(), Fault> {
+    let path = folder.join(&file.path);
     let disk = |error| Fault::Disk(path.clone(), error);
     fs::create_dir_all(folder_of(&path)).map_err(disk)?;
-    let mut goal = OpenOptions::new()
-        .write(true)
-        .create_new(true)
-        .open(&path)
-        .map_err(disk)?;
-    let mut from = HashedRead::new(entry.take(file.bytes.saturating_add(1)));
-    copy(&mut from, &mut goal, name, &path)?;
-    if from.named(name.clone()) != *file {
-        return Err(Fault::Pack(format!(
-            "\"{name}\" is not what was packed: its length or hash differs"
-        )));
-    }
-    Ok(())
-}
-
-/// Copies like [`io::copy`], distinguishing errors of the pack from errors of the disk, until a signal comes.
-fn copy(from: &mut impl io::Read, goal: &mut File, name: &str, path: &Path) -> Result<(), Fault> {
-    let mut block = vec![0; 1 << 16];
-    loop {
-        if shutdown::is_requested() {
-            return Err(Fault::Interrupted);
-        }
-        let length = from
-            .read(&mut block)
-            .map_err(|error| Fault::Pack(format!("\"{name}\" is damaged: {error}")))?;
-        if length == 0 {
-            return Ok(());
-        }
-        io::Write::write_all(goal, &block[..length])
-            .map_err(|error| Fault::Disk(path.to_owned(), error))?;
-    }
+    let new = OpenOptions::new().write(true).create_new(true).open(&path);
+    let mut goal = new.map_err(disk)?;
+    pack.extract(file, |block| match shutdown::is_requested() {
+        true => Err(Fault::Interrupted),
+        false => goal.write_all(block).map_err(disk),
+    })
 }
 
 /// Command line that renders the pack.

@@ -281,7 +281,11 @@ fn set_value(set: &mut Vec<String>, value: String) {
     set.push(value);
 }
 
-fn find_aovs(name: &str, world: &World) -> Result<Vec<Aov>, SessionError> {
+/// AOVs of a name, which may name all light groups of a scene.
+///
+/// # Errors
+/// [`SessionError::UnknownName`] with the names that there are.
+pub fn find_aovs(name: &str, world: &World) -> Result<Vec<Aov>, SessionError> {
     Aov::named(name, world).ok_or_else(|| SessionError::UnknownName {
         kind: "AOV",
         name: name.to_owned(),

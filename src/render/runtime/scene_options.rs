@@ -2,6 +2,7 @@
 
 use std::{env, path::PathBuf};
 
+use reflet_base::files::metadata;
 use reflet_scene::{
     diagnostic::Diagnostic,
     parse::ReadOptions,
@@ -83,7 +84,9 @@ pub fn load_options(from: &SceneOptions, project: Option<&Project>) -> LoadOptio
 /// Warnings about given asset folders that do not exist; folders of [`ASSETS_ENV`] are not checked, as they may be
 /// meant for other scenes.
 pub(super) fn missing_folders(given: &[PathBuf]) -> Vec<Diagnostic> {
-    let missing = given.iter().filter(|folder| !folder.is_dir());
+    let missing = given
+        .iter()
+        .filter(|folder| !metadata(folder).is_ok_and(|it| it.is_dir()));
     let warning = |folder: &PathBuf| {
         let message = "there is no such folder, so nothing is found in it";
         let help = "check the path of `--assets`";

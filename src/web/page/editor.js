@@ -1,6 +1,4 @@
 // The page: texts of a scene beside its picture, which the element `reflet-view` makes.
-"use strict";
-
 import * as language from "./language.js";
 import { fromFragment, toFragment } from "./share.js";
 import { work } from "./view.js";
@@ -103,20 +101,16 @@ const heard = {
     const prints = (shown.log ?? []).map((line) => ({ severity: "print", text: line }));
     if (shown.messages) list([...shown.messages, ...prints]);
     get("save").disabled &&= !shown.width;
+    if (shown.aovs && `${shown.aovs}` !== `${[...get("aovs").options].map(({ value }) => value)}`) get("aovs").replaceChildren(...shown.aovs.map((name) => new Option(name)));
   },
   write: ({ file, before, after, error }) => {
-    view.settle();
     // What was typed meanwhile stays.
     if (error || files.get(file) !== before) refusal = `the camera is not written (${error ?? "the text has changed meanwhile"}): `;
     else view.put(file, after);
-    view.run();
   },
-  png: (png) => {
-    const link = document.createElement("a");
-    link.href = URL.createObjectURL(new Blob([png], { type: "image/png" }));
-    link.download = view.canvas.dataset.shown.replace(/^.*\/|\.toml$/gi, "") + ".png";
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+  saved: (name) => {
+    get("save").textContent = "save";
+    get("saving").open &&= !name;
   },
 };
 for (const [kind, hear] of Object.entries(heard)) view.addEventListener(kind, ({ detail }) => hear(detail));
@@ -129,6 +123,7 @@ const add = async (dropped) => {
   for (const [path, file] of dropped.sort((a, b) => depth(b) - depth(a))) {
     try {
       view.check(path, file.size);
+      if (/\.zip$/i.test(path)) return view.open_pack(new Uint8Array(await file.arrayBuffer()));
       view.add(path, new Uint8Array(await file.arrayBuffer()));
       if (/\.toml$/i.test(path)) scene = path;
     } catch (error) {
@@ -175,7 +170,14 @@ text.oninput = () => {
 };
 text.onscroll = () => { lines.scrollTop = text.scrollTop; };
 get("width").onchange = ({ target }) => view.setAttribute("width", target.value);
-get("save").onclick = () => view.save();
+get("save").onclick = (event) => {
+  event.preventDefault();
+  if (get("save").textContent === "stop") return view.save();
+  get("save").textContent = "stop";
+  const [format, frames] = ["format", "frames"].map((id) => get(id).value.trim());
+  const stem = view.scene.replace(/^.*\/|\.\w+$/g, "");
+  view.save(`${stem}${frames && format !== "zip" ? ".####" : ""}.${format}`, [...get("aovs").selectedOptions].map(({ value }) => value), frames);
+};
 for (const id of ["files", "folder"]) get(id).onchange = ({ target }) => add([...target.files].map((file) => [file.webkitRelativePath || file.name, file]));
 get("share").onclick = async () => {
   const texts = [...files].filter(([, content]) => typeof content === "string");

@@ -1,7 +1,5 @@
 // Completion, the manual under the pointer, colors, renaming and definitions in the editor. The program's language server answers,
 // as messages of its protocol (LSP), in a worker of its own: it is quick while a picture is made.
-"use strict";
-
 const [ROW_PX, PADDING_PX] = [18, 8];
 const REST_MS = 350;
 

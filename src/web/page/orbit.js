@@ -1,7 +1,5 @@
 // Drags of the picture: the camera goes around its target, and closer by the wheel. Where the drag ends, its place is written
 // into the text.
-"use strict";
-
 const TURN_PER_PX = 0.008;
 const REST_MS = 400;
 

@@ -1,6 +1,4 @@
 // Texts of a scene in the fragment of an address, which browsers send nowhere: JSON, deflated, in base64url.
-"use strict";
-
 const MOST_CHARACTERS = 256 * 1024;
 const MOST_BYTES = 1024 * 1024;
 

@@ -1,6 +1,4 @@
 // Lets a call of WebAssembly wait for the browser: it is suspended until something that it waits for calls back.
-"use strict";
-
 let woken = false;
 let resume = null;
 

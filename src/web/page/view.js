@@ -1,7 +1,5 @@
 // `<reflet-view src="scene.toml">` shows a scene on any page that loads this module. Files are kept here, and handed to the
 // worker, which is made anew where it ends or loses its device. docs/web.md lists the attributes.
-"use strict";
-
 import * as orbit from "./orbit.js";
 import { lacks } from "./suspend.js";
 
@@ -50,7 +48,6 @@ export const work = (hear, tell) => {
 };
 
 const whole = (text, most) => Math.min(most, Math.max(0, Math.trunc(Number(text)) || 0));
-const words_of = (text) => text?.split(/\s+/).filter(Boolean) ?? [];
 const mebibytes = (bytes) => `${Math.ceil(bytes / 2 ** 20)} MiB`;
 
 // Content of an address, or why there is none.
@@ -76,6 +73,8 @@ export class RefletView extends HTMLElement {
   // Folder of `src`, whose files a scene may name, and those of its files that were asked for.
   #folder = null;
   #asked = new Set();
+  // How a pack is rendered, by its manifest.
+  #options = {};
   #pending = 0;
   // The camera that stands elsewhere than its text says, name and eye; whether it is held, and was let go and is to be written.
   #moved = null;
@@ -85,7 +84,7 @@ export class RefletView extends HTMLElement {
   #frame = 0;
   #plays = false;
   #isSeen = false;
-  #turned = 0;
+  #turned = 0; // time of the last turn
   #seer = new IntersectionObserver(([{ isIntersecting }]) => this.#see(isIntersecting));
 
   constructor() {
@@ -150,15 +149,10 @@ export class RefletView extends HTMLElement {
     this.#frame = whole(this.getAttribute("frame"), 2 ** 31);
   }
 
-  // A drag that is written, or is not to be.
-  settle() {
-    this.#moved = null;
-  }
-
   clear() {
     this.files.clear();
     this.#asked.clear();
-    [this.scene, this.#folder] = ["", null];
+    [this.scene, this.#folder, this.#options] = ["", null, {}];
     if (this.#isReady) this.#worker.postMessage({ clear: true });
   }
 
@@ -191,20 +185,26 @@ export class RefletView extends HTMLElement {
     if (this.#worker && !this.#isReady && this.#restarts >= 3) this.#start();
     if (!this.#isReady || !this.scene) return;
     if (!this.#lacking && (checks || this.edits)) this.tell("rendering");
-    const text = this.files.get(this.scene);
-    const own = this.getAttribute("width");
-    const samples = whole(this.getAttribute("samples"), 2 ** 20);
-    const ask = {
-      scene: this.scene,
-      text: typeof text === "string" ? text : null,
-      width: own === null ? Math.max(1, this.clientWidth) : whole(own, 2 ** 16),
-      samples: samples || null,
-      frame: this.#frame,
-      camera: this.getAttribute("camera"),
-      moved: this.#moved,
-      variant: words_of(this.getAttribute("variant")),
-    };
-    this.#worker.postMessage({ ask, checks });
+    this.#worker.postMessage({ ask: this.#ask(), checks });
+  }
+
+  // Saves the picture or, where they are named, frames, with planes or as a pack; without a name it stops.
+  save(output, aovs, frames) {
+    this.#worker?.postMessage(output ? { save: { asked: this.#ask(), output, aovs, frames } } : { stop: true });
+  }
+
+  // A pack takes the place of all files.
+  open_pack(bytes) {
+    this.tell("opening the pack");
+    this.#worker?.postMessage({ unpack: bytes }, [bytes.buffer]);
+  }
+
+  #ask() {
+    const [text, scene, frame, moved] = [this.files.get(this.scene), this.scene, this.#frame, this.#moved];
+    const [own, count, camera, names] = ["width", "samples", "camera", "variant"].map((name) => this.getAttribute(name));
+    const width = own === null ? Math.max(1, this.clientWidth) : whole(own, 2 ** 16);
+    const [samples, variant] = [whole(count, 2 ** 20) || null, names?.split(/\s+/).filter(Boolean)];
+    return { ...this.#options, scene, text: typeof text === "string" ? text : null, width, samples, frame, camera, moved, ...(variant?.length && { variant }) };
   }
 
   #emit(kind, detail) {
@@ -230,14 +230,11 @@ export class RefletView extends HTMLElement {
   // A renderer that ends again before it has made a picture waits for a change.
   #restart(why) {
     this.#worker.terminate();
+    this.#emit("saved", "");
     this.#restarts += 1;
-    if (this.#restarts < 3) {
-      this.#start();
-      this.tell(`${why}; it is made anew`);
-    } else {
-      this.#isReady = false;
-      this.tell(`${why}, again and again; a change of the text starts it anew`);
-    }
+    this.#isReady = false;
+    if (this.#restarts < 3) this.#start();
+    this.tell(this.#restarts < 3 ? `${why}; it is made anew` : `${why}, again and again; a change of the text starts it anew`);
   }
 
   async #load() {
@@ -248,14 +245,19 @@ export class RefletView extends HTMLElement {
       const name = decodeURIComponent(url.pathname.split("/").at(-1));
       const bytes = await download(url);
       if (src !== this.getAttribute("src")) return;
+      if (/\.zip$/i.test(name)) return this.open_pack(bytes);
       this.#folder = new URL(".", url);
       this.add(name, bytes);
-      this.choose(name);
-      this.#emit("load", name);
-      this.run();
+      this.#opened(name);
     } catch (error) {
       this.tell(`${src} cannot be loaded: ${error.message}`);
     }
+  }
+
+  #opened(name) {
+    this.choose(name);
+    this.#emit("load", name);
+    this.run();
   }
 
   // Files that the scene names and lacks are beside it, or nowhere: messages that they are missing wait for them.
@@ -268,13 +270,8 @@ export class RefletView extends HTMLElement {
     await Promise.all(wanted.map(async (path) => {
       this.#asked.add(path);
       const bytes = await download(new URL(path.split("/").map(encodeURIComponent).join("/"), folder)).catch(() => null);
-      if (!bytes || folder !== this.#folder || this.files.has(path)) return;
-      try {
-        this.add(path, bytes);
-      } catch (error) {
-        this.tell(error.message);
-      }
-    }));
+      if (bytes && folder === this.#folder && !this.files.has(path)) this.add(path, bytes);
+    })).catch((error) => this.tell(error.message));
     this.#pending -= 1;
     if (!this.#pending) this.run();
   }
@@ -293,14 +290,6 @@ export class RefletView extends HTMLElement {
   #stop(plays = false) {
     this.#plays = plays;
     this.play.textContent = plays ? "pause" : "play";
-  }
-
-  #show_time({ timeline, frame }) {
-    this.time.hidden = !timeline;
-    const [start, end, fps] = timeline ?? [0, 0, 1];
-    if (start === end) this.#stop();
-    Object.assign(this.slider, { min: start, max: end, value: this.#frame });
-    this.told.textContent = `${frame} of ${end}, ${(frame / fps).toFixed(2)} s`;
   }
 
   // While it plays or turns, each picture asks for the next; not where nobody sees it.
@@ -339,10 +328,13 @@ export class RefletView extends HTMLElement {
       if (pixels) {
         this.#draw(shown, pixels);
         this.#restarts = 0;
-        this.#show_time(shown);
+        const [start, end, fps] = shown.timeline ?? [0, 0, 1];
+        this.time.hidden = !shown.timeline;
+        if (start === end) this.#stop();
+        Object.assign(this.slider, { min: start, max: end, value: this.#frame });
+        this.told.textContent = `${shown.frame} of ${end}, ${(shown.frame / fps).toFixed(2)} s`;
         this.#camera = shown.camera;
-        const [name, eye] = this.#moved ?? [];
-        if (this.#isLetGo) this.#worker.postMessage({ put: [name, eye] });
+        if (this.#isLetGo) this.#worker.postMessage({ put: this.#moved });
         this.#isLetGo = false;
       } else {
         this.#stop();
@@ -351,21 +343,38 @@ export class RefletView extends HTMLElement {
       if (this.#pending) return;
       this.#emit("picture", shown);
       if (!pixels) {
-        const mistake = shown.messages?.find(({ severity }) => severity === "error")?.text;
-        this.tell(shown.error ?? (this.edits ? "the scene has mistakes" : mistake ?? "the scene has mistakes"));
+        const mistake = !this.edits && shown.messages?.find(({ severity }) => severity === "error")?.text;
+        this.tell(shown.error ?? (mistake || "the scene has mistakes"));
       } else {
         this.tell(this.edits ? `${shown.width} × ${shown.height} in ${shown.seconds.toFixed(1)} s on ${shown.adapter || "the browser's adapter"}` : "");
         this.#next();
       }
     },
-    put: ({ put }) => this.#emit("write", put),
-    png: ({ png }) => this.#emit("png", png),
+    put: ({ put }) => {
+      this.#moved = null;
+      this.#emit("write", put);
+      this.run();
+    },
+    progress: ({ progress }) => this.tell(progress),
+    saved: ({ saved, name }) => {
+      const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(new Blob([saved])), download: name });
+      link.click();
+      setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+      this.#emit("saved", name);
+    },
+    unsaved: ({ unsaved }) => {
+      this.tell(`nothing is saved: ${unsaved}`);
+      this.#emit("saved", "");
+    },
+    unpacked: ({ unpacked: { scene, set, variant, assets, lenient, strict, project }, files }) => {
+      this.clear();
+      this.#options = { set, variant, assets, lenient, strict, project };
+      for (const [name, bytes] of files) this.put(name, TEXT_FILE.test(name) ? new TextDecoder().decode(bytes) : bytes);
+      this.#opened(scene);
+    },
+    refused: ({ refused }) => this.tell(`the pack is refused: ${refused}`),
     ended: ({ ended }) => this.#restart(`the renderer ended (${ended})`),
   };
-
-  save() {
-    this.#worker?.postMessage({ png: true });
-  }
 }
 
 customElements.define("reflet-view", RefletView);

@@ -1,9 +1,7 @@
 // The program, away from the page, which stays quick: the checker and the renderer, or the language server. Messages: {module} first,
-// then {clear}, {file, bytes}, {ask, checks}, {put}, {png} and {rpc}; answers: {state}, {missing}, {check}, {part, pixels},
-// {shown, pixels}, {put}, {png}, {rpc} and {ended}.
-"use strict";
-
-import init, { answer, ask, check, clear, language, missing, pixels, png, put_camera, put_file, start } from "./reflet_web.js";
+// then {clear}, {file, bytes}, {ask, checks}, {put}, {save}, {stop}, {unpack} and {rpc}; answers: {state}, {missing}, {check},
+// {part, pixels}, {shown, pixels}, {put}, {progress}, {saved} or {unsaved}, {unpacked} or {refused}, {rpc} and {ended}.
+import init, { answer, ask, check, clear, frames, interrupt, keep, language, missing, pack, pixels, put_camera, put_file, start, take, take_kept, unpack } from "./reflet_web.js";
 import { lacks } from "./suspend.js";
 
 const tell = (message, moved) => self.postMessage(message, moved);
@@ -19,27 +17,29 @@ const tell_missing = () => {
 };
 
 let show = null;
-let isShowing = false;
-let isAsked = false;
+let next = null;
+let isBusy = false;
+let isSaving = false;
+// What waits for the picture in work, which holds the scene.
+const later = [];
 
-// A camera to put elsewhere waits for the picture in work, which holds the scene.
-let moved = null;
-const write = () => {
-  if (!moved || isShowing) return;
-  const [camera, eye] = moved;
-  moved = null;
-  tell({ put: JSON.parse(put_camera(camera, new Float32Array(eye))) });
+const make = async (asked) => {
+  ask(asked);
+  await show();
+  return JSON.parse(answer());
 };
-
-const showAll = async () => {
-  if (isShowing) return;
-  isShowing = true;
+const workAll = async () => {
+  if (isBusy) return;
+  isBusy = true;
   try {
-    while (isAsked) {
-      isAsked = false;
-      const began = performance.now();
-      await show();
-      const shown = JSON.parse(answer());
+    while (later.length || next) {
+      if (later.length) {
+        await later.shift()();
+        continue;
+      }
+      const [asked, began] = [next, performance.now()];
+      next = null;
+      const shown = await make(asked);
       const rgba = shown.width ? pixels() : null;
       shown.seconds = (performance.now() - began) / 1e3;
       tell_missing();
@@ -48,8 +48,31 @@ const showAll = async () => {
   } catch (error) {
     ended(error);
   }
-  isShowing = false;
-  write();
+  isBusy = false;
+};
+
+// Each frame is a picture of its own; the shown one is not made again.
+const save = async ({ asked, output, aovs: planes, frames: named }) => {
+  isSaving = true;
+  try {
+    if (output.endsWith(".zip")) return tell({ saved: pack(JSON.stringify(asked)), name: output });
+    const all = named ? [...frames(named)] : [asked.frame];
+    for (const [at, frame] of all.entries()) {
+      if (named || planes.length) {
+        const shown = await make(JSON.stringify({ ...asked, frame, aovs: planes }));
+        if (!shown.width) throw shown.interrupted ? "stopped" : shown.error ?? "the scene has mistakes";
+      }
+      keep(output);
+      tell({ progress: `${at + 1} of ${all.length} pictures are made` });
+    }
+    const isOne = all.length === 1 && (!planes.length || output.endsWith(".exr"));
+    tell({ saved: take_kept(), name: isOne ? output.replace("####", String(all[0]).padStart(4, "0")) : output.replace(/(\.####)?\.\w+$/, ".zip") });
+  } catch (error) {
+    if (typeof error !== "string") throw error;
+    tell({ unsaved: error });
+  } finally {
+    isSaving = false;
+  }
 };
 
 const work = {
@@ -63,15 +86,28 @@ const work = {
       tell({ check: found });
     }
     if (!show) return;
-    ask(json);
-    isAsked = true;
-    showAll();
+    next = json;
+    if (isBusy && !isSaving) interrupt();
+    workAll();
   },
-  put: ({ put }) => {
-    moved = put;
-    write();
+  put: ({ put: [camera, eye] }) => {
+    later.push(() => tell({ put: JSON.parse(put_camera(camera, new Float32Array(eye))) }));
+    workAll();
   },
-  png: () => tell({ png: png() }),
+  save: (wanted) => {
+    later.push(() => save(wanted.save));
+    workAll();
+  },
+  stop: () => isSaving && interrupt(),
+  unpack: ({ unpack: bytes }) => {
+    try {
+      const manifest = JSON.parse(unpack(bytes));
+      tell({ unpacked: manifest, files: manifest.files.map(({ path }) => [path, take(path)]) });
+    } catch (error) {
+      if (typeof error !== "string") throw error;
+      tell({ refused: error });
+    }
+  },
   rpc: ({ rpc }) => tell({ rpc: language(rpc) }),
 };
 

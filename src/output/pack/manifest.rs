@@ -4,13 +4,10 @@ use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
 
-use crate::scene::project::UNPACKED;
+use reflet_scene::project::UNPACKED;
 
 /// Name of the manifest in the pack.
 pub const LIST: &str = "pack.json";
-
-/// Hash of the program's source and shaders, from `build.rs`.
-pub const BUILT_FROM: &str = env!("REFLET_BUILT_FROM");
 
 /// Largest manifest that is read, bytes: about a hundred thousand files.
 pub const MOST_BYTES: u64 = 32 << 20;
@@ -69,6 +66,24 @@ pub struct PackedFile {
 }
 
 impl Manifest {
+    /// Manifest of a scene that is rendered as it is, without files; `built_from` is the hash of this program's source.
+    pub fn new(scene: String, built_from: &str) -> Self {
+        Self {
+            pack: 1,
+            reflet: env!("CARGO_PKG_VERSION").to_owned(),
+            built_from: built_from.to_owned(),
+            scene,
+            assets: Vec::new(),
+            set: Vec::new(),
+            variant: Vec::new(),
+            lenient: false,
+            strict: false,
+            project: None,
+            frames: None,
+            files: Vec::new(),
+        }
+    }
+
     /// Error in the manifest, if there is one: a name that leaves the folder, a duplicate name, or a missing
     /// scene.
     pub fn fault(&self) -> Option<String> {
@@ -107,9 +122,7 @@ impl Manifest {
             .find(|f| !f.is_empty() && fault_of_name(f).is_some());
         folder.map(|f| format!("the folder \"{}\" is refused", f.escape_debug()))
     }
-}
 
-impl Manifest {
     /// Reason why files of these lengths are refused in a pack of `pack_bytes`, if there is one: it is most likely
     /// made to fill disks.
     pub fn fault_of_size(&self, pack_bytes: u64) -> Option<String> {
@@ -154,17 +167,6 @@ mod tests {
     #[test]
     fn files_far_longer_than_their_pack_are_a_fault() {
         let pack_of = |lengths: &[u64]| Manifest {
-            pack: 1,
-            reflet: String::new(),
-            built_from: String::new(),
-            scene: String::new(),
-            assets: Vec::new(),
-            set: Vec::new(),
-            variant: Vec::new(),
-            lenient: false,
-            strict: false,
-            project: None,
-            frames: None,
             files: (lengths.iter().enumerate())
                 .map(|(index, bytes)| PackedFile {
                     path: index.to_string(),
@@ -172,6 +174,7 @@ mod tests {
                     sha256: String::new(),
                 })
                 .collect(),
+            ..Manifest::new(String::new(), "")
         };
         let gib = 1 << 30;
         assert_eq!(pack_of(&[gib]).fault_of_size(1000), None);
