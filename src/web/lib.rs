@@ -36,6 +36,7 @@ use reflet_render::{
         parameters::ParameterOverrides,
         read::{Read, read},
         scene_options::SceneOptions,
+        scene_text::LoadedScene,
     },
 };
 use reflet_scene::{
@@ -82,21 +83,24 @@ struct State {
     has_new_files: bool,
 }
 
-/// Picture to make next, as the page asks for it.
+impl State {
+    fn scene(&self) -> Result<&LoadedScene, &'static str> {
+        let session = self.shown.session.as_ref();
+        session.map(Session::scene).ok_or("no picture is shown")
+    }
+}
+
+/// Picture to make next, as the page asks for it; values that are none are the scene's own.
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 struct Asked {
-    /// Name of the file.
     scene: PathBuf,
     /// Text of the scene; none for a model, whose file is read.
     text: Option<String>,
     /// Width, pixels; 0 for the scene's own.
     width: u32,
-    /// Number of sub-frames; none for the scene's own.
     samples: Option<u32>,
-    /// Frame of the timeline.
     frame: u32,
-    /// Name of the camera; none for the scene's own.
     camera: Option<String>,
     /// Camera that stands elsewhere than its text says, and its place.
     moved: Option<(String, [f32; 3])>,
@@ -107,7 +111,6 @@ struct Asked {
     lenient: bool,
     strict: bool,
     project: Option<PathBuf>,
-    /// AOVs beside the picture.
     aovs: Vec<String>,
 }
 
@@ -165,6 +168,7 @@ pub fn put_file(name: &str, bytes: Vec<u8>) {
 #[wasm_bindgen]
 pub fn clear() {
     in_memory::clear();
+    STATE.with_borrow_mut(|state| state.has_new_files = true);
 }
 
 /// Paths that were looked for since the last call and are not there, as JSON.
@@ -242,8 +246,7 @@ pub fn show() {
 #[wasm_bindgen]
 pub fn put_camera(camera: &str, eye: &[f32]) -> String {
     let change = STATE.with_borrow(|state| {
-        let session = state.shown.session.as_ref().ok_or("no picture is shown")?;
-        let desc = &session.scene().scene.desc;
+        let desc = &state.scene()?.scene.desc;
         let index = desc.cameras.iter().position(|it| it.name == camera);
         let item = SceneItem::Camera(index.ok_or("the text has no such camera")?);
         let layered = Layered {
@@ -356,14 +359,8 @@ impl Shown {
             let own = (loaded.scene.cameras.iter()).find(|own| own.name == shown.name)?;
             let it = &shown.value;
             let is_own = own.value.eye == it.eye && own.value.target == it.target;
-            is_own.then(|| {
-                json!([
-                    shown.name,
-                    it.eye.to_array(),
-                    it.target.to_array(),
-                    it.up.to_array()
-                ])
-            })
+            let [eye, target, up] = [it.eye, it.target, it.up].map(|it| it.to_array());
+            is_own.then_some((&shown.name, eye, target, up))
         });
         let time = loaded.and_then(|loaded| loaded.scene.timeline.as_ref());
         json!({

@@ -19,7 +19,6 @@ use reflet_output::{
     pack::{Fault, Manifest, Pack, PackWriter, PackedFile},
     picture_file::PictureFile,
 };
-use reflet_scene::desc::TimelineDesc;
 
 /// Most bytes of the files of a pack, and of the files that are saved at once.
 const MOST_BYTES: u64 = 512 << 20;
@@ -53,8 +52,11 @@ pub fn unpack(bytes: Vec<u8>) -> Result<String, String> {
         pack.extract(file, take).map_err(|fault| fault.0)?;
         Ok((file.path.clone(), bytes))
     };
-    let files: Result<Saving, String> = manifest.files.iter().map(&mut content).collect();
-    let files = files?;
+    let files = manifest
+        .files
+        .iter()
+        .map(&mut content)
+        .collect::<Result<Saving, String>>()?;
     STATE.with_borrow_mut(|state| state.saving = files);
     Ok(json!(manifest).to_string())
 }
@@ -76,9 +78,8 @@ pub fn pack(asked: &str) -> Result<Vec<u8>, String> {
         let session = state.shown.session.as_ref().ok_or("no picture is shown")?;
         let loaded = session.scene();
         let named = session.dependencies().paths().into_iter();
-        let paths = named
-            .chain(loaded.world.files.iter().cloned())
-            .chain([asked.scene.clone()]);
+        let read = loaded.world.files.iter().cloned();
+        let paths = named.chain(read).chain([asked.scene.clone()]);
         let there = paths.filter_map(|path| canonicalize(path).ok());
         let text = |path: &Path| path.to_string_lossy().trim_start_matches('/').to_owned();
         let time = loaded.scene.timeline.as_ref();
@@ -104,7 +105,7 @@ pub fn pack(asked: &str) -> Result<Vec<u8>, String> {
     })
 }
 
-/// Frames of the shown scene that a text names as `--frames` does.
+/// Begins to save frames of the shown scene that a text names as `--frames` does, without text the shown frame.
 ///
 /// # Errors
 /// Mistake in the text, and a scene without a timeline.
@@ -112,9 +113,11 @@ pub fn pack(asked: &str) -> Result<Vec<u8>, String> {
 pub fn frames(text: &str) -> Result<Vec<u32>, String> {
     STATE.with_borrow_mut(|state| {
         state.saving.clear();
-        let session = state.shown.session.as_ref();
-        let timeline: Option<&TimelineDesc> =
-            session.and_then(|it| it.scene().scene.timeline.as_ref());
+        let loaded = state.scene()?;
+        if text.is_empty() {
+            return Ok(vec![loaded.frame]);
+        }
+        let timeline = loaded.scene.timeline.as_ref();
         let timeline = timeline.ok_or("the shown scene has no timeline")?;
         Ok(FrameList::parse("frames", text, timeline).map_err(words)?.0)
     })
@@ -128,11 +131,7 @@ pub fn frames(text: &str) -> Result<Vec<u32>, String> {
 pub fn keep(output: &str) -> Result<(), String> {
     STATE.with_borrow_mut(|state| {
         let picture = state.picture.as_ref().ok_or("no picture is shown")?;
-        let frame = state
-            .shown
-            .session
-            .as_ref()
-            .map_or(0, |it| it.scene().frame);
+        let frame = state.scene()?.frame;
         let template = Template::new(Path::new(output)).map_err(words)?;
         let path = template.map_or_else(|| output.into(), |template| template.path(frame));
         let file = PictureFile::unchecked(&Goal::typed(path)).map_err(words)?;
@@ -152,10 +151,7 @@ pub fn keep(output: &str) -> Result<(), String> {
 pub fn take_kept() -> Result<Vec<u8>, String> {
     let mut files = STATE.with_borrow_mut(|state| std::mem::take(&mut state.saving));
     if files.len() == 1 {
-        return Ok(files
-            .pop_first()
-            .map(|(_, bytes)| bytes)
-            .unwrap_or_default());
+        return Ok(files.pop_first().map_or_else(Vec::new, |(_, only)| only));
     }
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     // They are compressed already.

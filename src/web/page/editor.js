@@ -3,8 +3,7 @@ import * as language from "./language.js";
 import { fromFragment, toFragment } from "./share.js";
 import { work } from "./view.js";
 
-const TYPING_MS = 300;
-const EXAMPLE = "scenes/mirrors.toml";
+const [TYPING_MS, EXAMPLE] = [300, "scenes/mirrors.toml"];
 
 const get = (id) => document.getElementById(id);
 const [text, lines, messages, status, view] = ["text", "lines", "messages", "status", "stage"].map(get);
@@ -14,8 +13,7 @@ view.edits = true;
 let refusal = "";
 const tell = (words) => { status.textContent = refusal + words; };
 
-let tab = "";
-let timer = 0;
+let [tab, timer] = ["", 0];
 
 // Messages at their lines, in the shown file or, by a click, in their own.
 let listed = "";
@@ -70,7 +68,8 @@ const show_tabs = () => {
 const open = (name) => {
   tab = name;
   if (/\.toml$/i.test(name)) view.choose(name);
-  text.value = files.get(name);
+  text.readOnly = typeof files.get(name) !== "string";
+  text.value = text.readOnly ? "" : files.get(name);
   show_tabs();
   list(messages.found ?? []);
   view.run();
@@ -89,7 +88,7 @@ const heard = {
   status: tell,
   file: (name) => {
     language.hand(view.message_of(name));
-    if (name === tab && text.value !== files.get(name)) language.replace_all(files.get(name));
+    if (name === tab && !text.readOnly && text.value !== files.get(name)) language.replace_all(files.get(name));
     show_tabs();
   },
   load: (name) => {
@@ -194,8 +193,8 @@ addEventListener("drop", async (event) => {
   event.preventDefault();
   document.body.classList.remove("dropping");
   const dropped = [...event.dataTransfer.items].filter(({ kind }) => kind === "file").map((item) => item.webkitGetAsEntry() ?? item.getAsFile());
-  const all = await Promise.all(dropped.map((it) => it instanceof File ? [[it.name, it]] : files_of(it)));
-  add(all.flat());
+  const all = await Promise.all(dropped.map((it) => it instanceof File ? [[it.name, it]] : files_of(it))).catch((error) => [tell(error.message)]);
+  if (all[0]) add(all.flat());
 });
 
 begin().catch((error) => tell(`the page cannot be loaded: ${error.message}`));

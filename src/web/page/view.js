@@ -4,11 +4,9 @@ import * as orbit from "./orbit.js";
 import { lacks } from "./suspend.js";
 
 const TEXT_FILE = /\.(toml|rhai)$/i;
-const MOST_BYTES = 512 * 2 ** 20;
-const MOST_TEXT_BYTES = 4 * 2 ** 20;
+const [MOST_BYTES, MOST_TEXT_BYTES] = [512 * 2 ** 20, 4 * 2 ** 20];
+const [TURN_DEG_PER_S, MOST_STEP_S] = [20, 0.25];
 const LOADING = "loading the renderer";
-const MOST_STEP_S = 0.25;
-const TURN_DEG_PER_S = 20;
 
 const STYLE = new CSSStyleSheet();
 STYLE.replaceSync(`
@@ -28,10 +26,8 @@ const INSIDE = `<canvas id="picture" part="picture" width="16" height="9" role="
 // One program, compiled once for all workers of a page.
 const beside = (name) => new URL(name, import.meta.url);
 let compiled = null;
-const compile = () => {
-  const load = () => fetch(beside("reflet_web_bg.wasm"));
-  return WebAssembly.compileStreaming(load()).catch(async () => WebAssembly.compile(await (await load()).arrayBuffer()));
-};
+const load = () => fetch(beside("reflet_web_bg.wasm"));
+const compile = () => WebAssembly.compileStreaming(load()).catch(async () => WebAssembly.compile(await (await load()).arrayBuffer()));
 // Workers are of the origin of the page alone: elsewhere, one that imports the other origin's script.
 const script = () => {
   const { href, origin } = beside("worker.js");
@@ -49,7 +45,6 @@ export const work = (hear, tell) => {
 
 const whole = (text, most) => Math.min(most, Math.max(0, Math.trunc(Number(text)) || 0));
 const mebibytes = (bytes) => `${Math.ceil(bytes / 2 ** 20)} MiB`;
-
 // Content of an address, or why there is none.
 const download = async (url) => {
   const found = await fetch(url);
@@ -66,26 +61,16 @@ export class RefletView extends HTMLElement {
   // Whether a camera that was dragged is written into the text.
   edits = false;
 
-  #worker = null;
-  #isReady = false;
-  #lacking = null;
-  #restarts = 0;
-  // Folder of `src`, whose files a scene may name, and those of its files that were asked for.
-  #folder = null;
-  #asked = new Set();
+  #worker = null; #isReady = false; #lacking = null; #restarts = 0;
+  // Folder of `src`, whose files a scene may name, those of its files that were asked for, and the requests that are open.
+  #folder = null; #asked = new Set(); #pending = 0;
   // How a pack is rendered, by its manifest.
   #options = {};
-  #pending = 0;
-  // The camera that stands elsewhere than its text says, name and eye; whether it is held, and was let go and is to be written.
-  #moved = null;
-  #isHeld = false;
-  #isLetGo = false;
-  #camera = null;
-  #frame = 0;
-  #plays = false;
-  #isSeen = false;
-  #turned = 0; // time of the last turn
-  #seer = new IntersectionObserver(([{ isIntersecting }]) => this.#see(isIntersecting));
+  // The camera that is shown, and the one that stands elsewhere than its text says; whether that is held, and is to be written.
+  #camera = null; #moved = null; #isHeld = false; #isLetGo = false;
+  // The wanted frame, whether it plays, and the time of the last turn.
+  #frame = 0; #plays = false; #turned = 0;
+  #isSeen = false; #seer = new IntersectionObserver(([{ isIntersecting }]) => this.#see(isIntersecting));
 
   constructor() {
     super();
@@ -102,9 +87,7 @@ export class RefletView extends HTMLElement {
     orbit.follow(this.canvas, {
       camera: () => {
         this.#isHeld = Boolean(this.#camera);
-        if (!this.#camera) return this.tell("motion, a script or a parent places this camera: change it in the text");
-        const [name, eye, target, up] = this.#camera;
-        return { name, eye, target, up };
+        return this.#camera ? { ...this.#camera } : this.tell("motion, a script or a parent places this camera: change it in the text");
       },
       show: (...moved) => {
         [this.#moved, this.#isLetGo] = [moved, false];
@@ -117,29 +100,22 @@ export class RefletView extends HTMLElement {
       },
     });
   }
-
-  connectedCallback() {
-    this.#seer.observe(this);
-  }
-
+  connectedCallback() { this.#seer.observe(this); }
   disconnectedCallback() {
     this.#seer.unobserve(this);
     this.#worker?.terminate();
     [this.#worker, this.#isReady, this.#isSeen] = [null, false, false];
   }
-
   attributeChangedCallback(name, old, value) {
     if (name === "poster") this.canvas.style.backgroundImage = value ? `url(${JSON.stringify(new URL(value, document.baseURI).href)})` : "";
     else if (name === "frame") this.#frame = whole(value, 2 ** 31);
     if (name === "src" && value !== null && this.#worker) this.#load();
     else this.run();
   }
-
   tell(words) {
     this.status.textContent = words;
     this.#emit("status", words);
   }
-
   // Another scene of the files does not play.
   choose(name) {
     if (name === this.scene) return;
@@ -148,38 +124,32 @@ export class RefletView extends HTMLElement {
     this.#stop();
     this.#frame = whole(this.getAttribute("frame"), 2 ** 31);
   }
-
   clear() {
     this.files.clear();
     this.#asked.clear();
     [this.scene, this.#folder, this.#options] = ["", null, {}];
     if (this.#isReady) this.#worker.postMessage({ clear: true });
   }
-
   put(name, content) {
     this.files.set(name, content);
     if (this.#isReady) this.#worker.postMessage(this.message_of(name));
     this.#emit("file", name);
   }
-
   // Throws in words where a file of so many bytes does not fit.
   check(name, bytes) {
     const held = [...this.files].reduce((sum, [other, { byteLength, length }]) => sum + (other === name ? 0 : byteLength ?? length), 0);
     if (held + bytes > MOST_BYTES) throw new Error(`${name} does not fit: all files together may have ${mebibytes(MOST_BYTES)}`);
     if (TEXT_FILE.test(name) && bytes > MOST_TEXT_BYTES) throw new Error(`${name} has ${mebibytes(bytes)}, and a text at most ${mebibytes(MOST_TEXT_BYTES)}`);
   }
-
   // Puts bytes, as text where the name says so.
   add(name, bytes) {
     this.check(name, bytes.length);
     this.put(name, TEXT_FILE.test(name) ? new TextDecoder().decode(bytes) : bytes);
   }
-
   message_of(name) {
     const content = this.files.get(name);
     return { file: name, bytes: typeof content === "string" ? new TextEncoder().encode(content) : content };
   }
-
   // Another frame of the same text has no other messages. A renderer that was given up is started anew.
   run(checks = true) {
     if (this.#worker && !this.#isReady && this.#restarts >= 3) this.#start();
@@ -187,18 +157,15 @@ export class RefletView extends HTMLElement {
     if (!this.#lacking && (checks || this.edits)) this.tell("rendering");
     this.#worker.postMessage({ ask: this.#ask(), checks });
   }
-
   // Saves the picture or, where they are named, frames, with planes or as a pack; without a name it stops.
   save(output, aovs, frames) {
     this.#worker?.postMessage(output ? { save: { asked: this.#ask(), output, aovs, frames } } : { stop: true });
   }
-
   // A pack takes the place of all files.
   open_pack(bytes) {
     this.tell("opening the pack");
     this.#worker?.postMessage({ unpack: bytes }, [bytes.buffer]);
   }
-
   #ask() {
     const [text, scene, frame, moved] = [this.files.get(this.scene), this.scene, this.#frame, this.#moved];
     const [own, count, camera, names] = ["width", "samples", "camera", "variant"].map((name) => this.getAttribute(name));
@@ -206,27 +173,20 @@ export class RefletView extends HTMLElement {
     const [samples, variant] = [whole(count, 2 ** 20) || null, names?.split(/\s+/).filter(Boolean)];
     return { ...this.#options, scene, text: typeof text === "string" ? text : null, width, samples, frame, camera, moved, ...(variant?.length && { variant }) };
   }
-
-  #emit(kind, detail) {
-    this.dispatchEvent(new CustomEvent(kind, { detail }));
-  }
-
+  #emit(kind, detail) { this.dispatchEvent(new CustomEvent(kind, { detail })); }
   #see(isSeen) {
     this.#isSeen = isSeen;
     if (!isSeen) return;
     if (this.#worker) return this.#next();
-    const lacking = lacks();
-    if (lacking && !this.edits) return this.tell(`no picture: this browser lacks ${lacking}`);
+    if (lacks() && !this.edits) return this.tell(`no picture: this browser lacks ${lacks()}`);
     this.#start();
     if (this.hasAttribute("src")) this.#load();
   }
-
   #start() {
     this.#isReady = false;
     this.tell(LOADING);
     this.#worker = work((data) => this.#hear[Object.keys(this.#hear).find((key) => key in data)](data), (words) => this.tell(words));
   }
-
   // A renderer that ends again before it has made a picture waits for a change.
   #restart(why) {
     this.#worker.terminate();
@@ -236,7 +196,6 @@ export class RefletView extends HTMLElement {
     if (this.#restarts < 3) this.#start();
     this.tell(this.#restarts < 3 ? `${why}; it is made anew` : `${why}, again and again; a change of the text starts it anew`);
   }
-
   async #load() {
     this.clear();
     const src = this.getAttribute("src");
@@ -253,13 +212,11 @@ export class RefletView extends HTMLElement {
       this.tell(`${src} cannot be loaded: ${error.message}`);
     }
   }
-
   #opened(name) {
     this.choose(name);
     this.#emit("load", name);
     this.run();
   }
-
   // Files that the scene names and lacks are beside it, or nowhere: messages that they are missing wait for them.
   async #fetch_missing(paths) {
     const wanted = paths.filter((path) => this.#folder && !this.#asked.has(path));
@@ -275,32 +232,27 @@ export class RefletView extends HTMLElement {
     this.#pending -= 1;
     if (!this.#pending) this.run();
   }
-
   #draw({ width, height }, pixels) {
     Object.assign(this.canvas, { width, height });
     this.canvas.getContext("2d").putImageData(new ImageData(new Uint8ClampedArray(pixels.buffer), width, height), 0, 0);
     this.canvas.dataset.shown = this.scene;
   }
-
   #go(frame) {
     this.#frame = whole(frame, 2 ** 31);
     this.run(false);
   }
-
   #stop(plays = false) {
     this.#plays = plays;
     this.play.textContent = plays ? "pause" : "play";
   }
-
   // While it plays or turns, each picture asks for the next; not where nobody sees it.
   #next() {
     requestAnimationFrame((now) => {
       if (!this.#isSeen || !this.#isReady || this.#pending) return;
       const turns = this.hasAttribute("auto-rotate") && !this.#isHeld && this.#camera && !matchMedia("(prefers-reduced-motion: reduce)").matches;
       if (turns) {
-        const [name, eye, target, up] = this.#camera;
         const degrees = (Number(this.getAttribute("auto-rotate")) || TURN_DEG_PER_S) * Math.min(MOST_STEP_S, (now - this.#turned) / 1e3);
-        this.#moved = [name, orbit.orbited({ eye, target, up }, degrees * Math.PI / 180, 0)];
+        this.#moved = [this.#camera.name, orbit.orbited(this.#camera, degrees * Math.PI / 180, 0)];
         this.#turned = now;
       }
       const [value, least, most] = ["value", "min", "max"].map((key) => Number(this.slider[key]));
@@ -308,7 +260,6 @@ export class RefletView extends HTMLElement {
       else if (turns) this.run(false);
     });
   }
-
   #hear = {
     state: (data) => {
       this.#isReady = true;
@@ -333,7 +284,7 @@ export class RefletView extends HTMLElement {
         if (start === end) this.#stop();
         Object.assign(this.slider, { min: start, max: end, value: this.#frame });
         this.told.textContent = `${shown.frame} of ${end}, ${(shown.frame / fps).toFixed(2)} s`;
-        this.#camera = shown.camera;
+        this.#camera = shown.camera && Object.fromEntries(["name", "eye", "target", "up"].map((key, at) => [key, shown.camera[at]]));
         if (this.#isLetGo) this.#worker.postMessage({ put: this.#moved });
         this.#isLetGo = false;
       } else {
@@ -363,8 +314,8 @@ export class RefletView extends HTMLElement {
       this.#emit("saved", name);
     },
     unsaved: ({ unsaved }) => {
-      this.tell(`nothing is saved: ${unsaved}`);
       this.#emit("saved", "");
+      this.tell(`nothing is saved: ${unsaved}`);
     },
     unpacked: ({ unpacked: { scene, set, variant, assets, lenient, strict, project }, files }) => {
       this.clear();

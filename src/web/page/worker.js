@@ -17,46 +17,45 @@ const tell_missing = () => {
 };
 
 let show = null;
-let next = null;
-let isBusy = false;
 let isSaving = false;
-// What waits for the picture in work, which holds the scene.
-const later = [];
+// Calls that need the scene wait for the picture in work, which holds it.
+let last = Promise.resolve();
+const queue = (call) => { last = last.then(call).catch(ended); };
 
 const make = async (asked) => {
   ask(asked);
   await show();
   return JSON.parse(answer());
 };
-const workAll = async () => {
-  if (isBusy) return;
-  isBusy = true;
+// Of the pictures that were asked for meanwhile, only the last is made.
+let next = null;
+const makeNext = async () => {
+  if (!next) return;
+  const [asked, began] = [next, performance.now()];
+  next = null;
+  const shown = await make(asked);
+  const rgba = shown.width ? pixels() : null;
+  shown.seconds = (performance.now() - began) / 1e3;
+  tell_missing();
+  if (!shown.interrupted) tell({ shown, pixels: rgba }, rgba ? [rgba.buffer] : []);
+};
+
+// Mistakes of the user are thrown as words; all else ends the program.
+const inWords = async (kind, call) => {
   try {
-    while (later.length || next) {
-      if (later.length) {
-        await later.shift()();
-        continue;
-      }
-      const [asked, began] = [next, performance.now()];
-      next = null;
-      const shown = await make(asked);
-      const rgba = shown.width ? pixels() : null;
-      shown.seconds = (performance.now() - began) / 1e3;
-      tell_missing();
-      if (!shown.interrupted) tell({ shown, pixels: rgba }, rgba ? [rgba.buffer] : []);
-    }
+    await call();
   } catch (error) {
-    ended(error);
+    if (typeof error !== "string") return ended(error);
+    tell({ [kind]: error });
   }
-  isBusy = false;
 };
 
 // Each frame is a picture of its own; the shown one is not made again.
 const save = async ({ asked, output, aovs: planes, frames: named }) => {
   isSaving = true;
-  try {
+  await inWords("unsaved", async () => {
     if (output.endsWith(".zip")) return tell({ saved: pack(JSON.stringify(asked)), name: output });
-    const all = named ? [...frames(named)] : [asked.frame];
+    const all = [...frames(named)];
     for (const [at, frame] of all.entries()) {
       if (named || planes.length) {
         const shown = await make(JSON.stringify({ ...asked, frame, aovs: planes }));
@@ -67,12 +66,8 @@ const save = async ({ asked, output, aovs: planes, frames: named }) => {
     }
     const isOne = all.length === 1 && (!planes.length || output.endsWith(".exr"));
     tell({ saved: take_kept(), name: isOne ? output.replace("####", String(all[0]).padStart(4, "0")) : output.replace(/(\.####)?\.\w+$/, ".zip") });
-  } catch (error) {
-    if (typeof error !== "string") throw error;
-    tell({ unsaved: error });
-  } finally {
-    isSaving = false;
-  }
+  });
+  isSaving = false;
 };
 
 const work = {
@@ -87,27 +82,16 @@ const work = {
     }
     if (!show) return;
     next = json;
-    if (isBusy && !isSaving) interrupt();
-    workAll();
+    if (!isSaving) interrupt();
+    queue(makeNext);
   },
-  put: ({ put: [camera, eye] }) => {
-    later.push(() => tell({ put: JSON.parse(put_camera(camera, new Float32Array(eye))) }));
-    workAll();
-  },
-  save: (wanted) => {
-    later.push(() => save(wanted.save));
-    workAll();
-  },
+  put: ({ put: [camera, eye] }) => queue(() => tell({ put: JSON.parse(put_camera(camera, new Float32Array(eye))) })),
+  save: (wanted) => queue(() => save(wanted.save)),
   stop: () => isSaving && interrupt(),
-  unpack: ({ unpack: bytes }) => {
-    try {
-      const manifest = JSON.parse(unpack(bytes));
-      tell({ unpacked: manifest, files: manifest.files.map(({ path }) => [path, take(path)]) });
-    } catch (error) {
-      if (typeof error !== "string") throw error;
-      tell({ refused: error });
-    }
-  },
+  unpack: ({ unpack: bytes }) => inWords("refused", () => {
+    const manifest = JSON.parse(unpack(bytes));
+    tell({ unpacked: manifest, files: manifest.files.map(({ path }) => [path, take(path)]) });
+  }),
   rpc: ({ rpc }) => tell({ rpc: language(rpc) }),
 };
 
