@@ -17,7 +17,7 @@ const tell_missing = () => {
 };
 
 let show = null;
-let isSaving = false;
+let [isSaving, isStopped] = [false, false];
 // Calls that need the scene wait for the picture in work, which holds it.
 let last = Promise.resolve();
 const queue = (call) => { last = last.then(call).catch(ended); };
@@ -52,14 +52,14 @@ const inWords = async (kind, call) => {
 
 // Each frame is a picture of its own; the shown one is not made again.
 const save = async ({ asked, output, aovs: planes, frames: named }) => {
-  isSaving = true;
+  [isSaving, isStopped] = [true, false];
   await inWords("unsaved", async () => {
     if (output.endsWith(".zip")) return tell({ saved: pack(JSON.stringify(asked)), name: output });
     const all = [...frames(named)];
     for (const [at, frame] of all.entries()) {
       if (named || planes.length) {
         const shown = await make(JSON.stringify({ ...asked, frame, aovs: planes }));
-        if (!shown.width) throw shown.interrupted ? "stopped" : shown.error ?? "the scene has mistakes";
+        if (isStopped || !shown.width) throw isStopped ? "stopped" : shown.error ?? "the scene has mistakes";
       }
       keep(output);
       tell({ progress: `${at + 1} of ${all.length} pictures are made` });
@@ -87,7 +87,7 @@ const work = {
   },
   put: ({ put: [camera, eye] }) => queue(() => tell({ put: JSON.parse(put_camera(camera, new Float32Array(eye))) })),
   save: (wanted) => queue(() => save(wanted.save)),
-  stop: () => isSaving && interrupt(),
+  stop: () => { isStopped = isSaving; if (isSaving) interrupt(); },
   unpack: ({ unpack: bytes }) => inWords("refused", () => {
     const manifest = JSON.parse(unpack(bytes));
     tell({ unpacked: manifest, files: manifest.files.map(({ path }) => [path, take(path)]) });
