@@ -64,21 +64,10 @@ fn halfway(folder: &Folder, doc: &Doc) -> World {
     world
 }
 
-const POINTERS: &str = "\
-/materials/0/pbrMetallicRoughness/baseColorFactor VEC4 1,0,0,1 0,1,0,0
-/materials/0/pbrMetallicRoughness/roughnessFactor SCALAR 0 1
-/materials/0/extensions/KHR_materials_emissive_strength/emissiveStrength SCALAR 0 8
-/materials/0/alphaCutoff SCALAR 0 1
-/materials/0/pbrMetallicRoughness/baseColorTexture/extensions/KHR_texture_transform/offset VEC2 0,0 1,3
-/extensions/KHR_lights_punctual/lights/0/color VEC3 0,0,0 1,0.5,2
-/extensions/KHR_lights_punctual/lights/0/intensity SCALAR 10 30
-/extensions/KHR_lights_punctual/lights/0/spot/outerConeAngle SCALAR 0.5 1
-/cameras/0/orthographic/ymag SCALAR 1 3";
-
 #[test]
 fn materials_textures_lights_and_cameras_change() {
     let folder = Folder::new();
-    let doc = doc(POINTERS);
+    let doc = doc(include_str!("pointers.txt"));
     let world = halfway(&folder, &doc);
     let material = &world.materials[world.instances[0].material];
     assert_eq!(material.base_color.truncate(), Vec3::new(0.5, 0.5, 0.0));

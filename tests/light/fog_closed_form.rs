@@ -53,17 +53,9 @@ fn fog_scatters_as_much_of_an_emitter_as_its_integral() {
         (DVec3::new(-0.3, 0.0, 0.3), 2e-3),
         (DVec3::new(0.1, 0.0, -0.9), 4e-3),
     ] {
-        let text = format!(
-            "version = 1\n[camera.main]\neye = [0, 2.5, 0.2]\ntarget = [{}, 0, {}]\northographic_height_m = 0.001\n\
-             [image]\nsize = [24, 24]\nsamples = 64\ntone_map = \"none\"\nradiance = \"full\"\n[reflection]\n\
-             method = \"rt\"\n[environment]\ncolor = [0, 0, 0]\nfog = {{ density = 0.15, color = [1, 1, 1] }}\n\
-             [material.floor]\nbase_color = [0, 0, 0]\nreflectivity = 0\n[material.glow]\nbase_color = [0, 0, 0]\n\
-             reflectivity = 0\nemission = [1, 4, 2]\nlight = true\ndouble_sided = false\n[model.floor]\n\
-             shape = {{ kind = \"plane\", size = [40, 40] }}\nmaterial = \"floor\"\n[model.box]\n\
-             shape = {{ kind = \"box\", size = [1.2, 0.5, 0.1] }}\nmaterial = \"glow\"\n[[instance]]\nmodel = \"floor\"\n\
-             [[instance]]\nmodel = \"box\"\ntranslation = [0, 0.6, -1.4]\n",
-            target.x, target.z
-        );
+        let text = include_str!("fog_closed_form.toml")
+            .replace("TARGET_X", &target.x.to_string())
+            .replace("TARGET_Z", &target.z.to_string());
         let found = f64::from(mean(&render(gpu, &text, &[], &[]))[1]) / 4.0;
         let off = found / scattered(eye, target) - 1.0;
         assert!(off.abs() < within, "{off} towards {target}");

@@ -235,17 +235,10 @@ fn rough_metal_below_an_emitter_is_as_bright_as_the_closed_form() {
         // Here both kinds of rays find about as much.
         ([0.2, -1.0], 0.25, 6e-3),
     ] {
-        let text = format!(
-            "version = 1\n[camera.main]\neye = [0, 2.5, 0.2]\ntarget = [{}, 0, {}]\northographic_height_m = 0.001\n\
-             [image]\nsize = [24, 24]\nsamples = 64\ntone_map = \"none\"\n[reflection]\nmethod = \"path\"\n\
-             roughness_cutoff = 1\nmultiple_scattering = false\n[environment]\ncolor = [0, 0, 0]\n\
-             [material.floor]\nbase_color = [1, 1, 1]\nmetallic = 1\nroughness = {roughness}\n[material.glow]\n\
-             base_color = [0, 0, 0]\nreflectivity = 0\nemission = [1, 4, 2]\nlight = true\ndouble_sided = false\n\
-             [model.floor]\nshape = {{ kind = \"plane\", size = [40, 40] }}\nmaterial = \"floor\"\n[model.box]\n\
-             shape = {{ kind = \"box\", size = [1.2, 0.5, 0.1] }}\nmaterial = \"glow\"\n[[instance]]\nmodel = \"floor\"\n\
-             [[instance]]\nmodel = \"box\"\ntranslation = [0, 0.6, -1.4]\n",
-            point[0], point[1]
-        );
+        let text = include_str!("light_tree.toml")
+            .replace("TARGET_X", &point[0].to_string())
+            .replace("TARGET_Z", &point[1].to_string())
+            .replace("ROUGHNESS", &roughness.to_string());
         let expected = seen_of_box(point, eye, roughness);
         let found = f64::from(mean(&render(gpu, &text, &[], &[]))[1]) / 4.0;
         let off = found / expected - 1.0;

@@ -11,7 +11,10 @@ VOLUMES = {
     "Sphere": ("double radius = 1.5", 4 / 3 * np.pi * 1.5**3),
     "Cylinder": ("double radius = 0.5\ndouble height = 3", np.pi * 0.25 * 3),
     "Cone": ("double radius = 0.5\ndouble height = 3", np.pi * 0.25),
-    "Capsule": ("double radius = 0.5\ndouble height = 3", np.pi * 0.25 * 3 + 4 / 3 * np.pi / 8),
+    "Capsule": (
+        "double radius = 0.5\ndouble height = 3",
+        np.pi * 0.25 * 3 + 4 / 3 * np.pi / 8,
+    ),
     "Cylinder_1": (
         "double radiusBottom = 1\ndouble radiusTop = 0.5\ndouble height = 3",
         np.pi * (1 + 0.5 + 0.25),
@@ -57,7 +60,11 @@ def test_a_cone_points_up_its_axis(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("axis", "size", "normal"),
-    [("X", (0, 3, 2), (1, 0, 0)), ("Y", (2, 0, 3), (0, 1, 0)), ("Z", (2, 3, 0), (0, 0, 1))],
+    [
+        ("X", (0, 3, 2), (1, 0, 0)),
+        ("Y", (2, 0, 3), (0, 1, 0)),
+        ("Z", (2, 3, 0), (0, 0, 1)),
+    ],
 )
 def test_plane_width_and_length(
     tmp_path: Path, axis: str, size: tuple[float, ...], normal: tuple[float, ...]

@@ -16,7 +16,9 @@ QUAD = text_of("convert_instances/quad.usda")
 NATIVE = text_of("convert_instances/native.usda", QUAD=QUAD)
 
 
-def test_native_instances_share_meshes_unless_they_look_different(tmp_path: Path) -> None:
+def test_native_instances_share_meshes_unless_they_look_different(
+    tmp_path: Path,
+) -> None:
     done = convert_text(tmp_path, NATIVE)
     meshes = [done.gltf.nodes[done.node(f"/{name}/Q")].mesh for name in "ABC"]
     assert meshes[0] == meshes[2] != meshes[1]

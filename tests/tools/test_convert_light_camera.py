@@ -52,7 +52,9 @@ def test_sphere_light_in_candela(tmp_path: Path, meters: float, normalize: int) 
     assert light(done)["type"] == "point"
 
 
-def test_color_and_temperature_are_normalized_into_the_intensity(tmp_path: Path) -> None:
+def test_color_and_temperature_are_normalized_into_the_intensity(
+    tmp_path: Path,
+) -> None:
     body = "color3f inputs:color = (4, 2, 0)\nbool inputs:normalize = 1\nfloat inputs:intensity = 8"
     found = light(convert_light(tmp_path, "SphereLight", body))
     assert found["color"] == pytest.approx([1, 0.5, 0])
@@ -86,7 +88,12 @@ def SphereLight "L" (prepend apiSchemas = ["ShapingAPI"]) {{
 @pytest.mark.parametrize(
     ("kind", "body", "area", "solid_angle"),
     [
-        ("RectLight", "float inputs:width = 2\nfloat inputs:height = 3", 6.0, 2 * math.pi / 3),
+        (
+            "RectLight",
+            "float inputs:width = 2\nfloat inputs:height = 3",
+            6.0,
+            2 * math.pi / 3,
+        ),
         ("DiskLight", "float inputs:radius = 2", 4 * math.pi, 2 * math.pi / 3),
         (
             "CylinderLight",
@@ -265,7 +272,10 @@ def test_lenses_are_shifted_and_zoom_as_the_stage_says(tmp_path: Path) -> None:
         ("float2 clippingRange = (-1, 5)", "camera-clip-invalid"),
         ("float focalLength = 0", "camera-invalid"),
         ("float verticalAperture = nan", "camera-invalid"),
-        ("float fStop.timeSamples = { 1: 2, 24: 4 }", "camera-animation-frozen"),
+        (
+            "float fStop.timeSamples = { 1: 2, 24: 4 }",
+            "camera-animation-frozen",
+        ),
     ],
 )
 def test_odd_cameras_are_named(tmp_path: Path, line: str, warning: str) -> None:

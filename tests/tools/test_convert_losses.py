@@ -35,7 +35,12 @@ def test_metadata_is_kept_in_extras(tmp_path: Path) -> None:
         "kind": "component",
         "displayName": "Die Säule",
         "assetInfo": {"identifier": "a.usd", "name": "a"},
-        "customData": {"count": 3, "on": True, "tags": ["x", "y"], "place": np.eye(4).tolist()},
+        "customData": {
+            "count": 3,
+            "on": True,
+            "tags": ["x", "y"],
+            "place": np.eye(4).tolist(),
+        },
     }
     assert "metadata" not in done.json["nodes"][done.node("/A/C")]["extras"]
     assert done.json["scenes"][0]["extras"]["metadata"] == {

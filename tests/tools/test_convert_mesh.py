@@ -198,7 +198,12 @@ def test_subsets_become_primitives_and_the_rest_keeps_its_look(tmp_path: Path) -
     [
         ("4,4/0,1,2,3,0,1,2,9", SQUARE, "index-out-of-range", 2),
         ("4,3/0,1,2,3,0,-1,2", SQUARE, "index-out-of-range", 2),
-        ("4,4/0,1,2,3,1,4,5,2", SQUARE + ", (nan,0,0), (2,1,0)", "points-non-finite", 2),
+        (
+            "4,4/0,1,2,3,1,4,5,2",
+            SQUARE + ", (nan,0,0), (2,1,0)",
+            "points-non-finite",
+            2,
+        ),
         ("4,3/0,1,2,3,1,4,2", SQUARE + ", (inf,0,0)", "points-non-finite", 2),
         ("4,-4/0,1,2,3", SQUARE, "topology-invalid", 2),
         ("4,2000000000/0,1,2,3", SQUARE, "topology-invalid", 2),

@@ -79,7 +79,8 @@ FLAT = "(1,.5,0,0), (.3,1,0,0), (0,0,0,0), (3,4,0,1)"
 
 
 @pytest.mark.parametrize(
-    "keys", [(IDENTITY, SHEAR), (IDENTITY, SHEAR, TURNED), (SHEAR, MIRROR, IDENTITY), (SHEAR, FLAT)]
+    "keys",
+    [(IDENTITY, SHEAR), (IDENTITY, SHEAR, TURNED), (SHEAR, MIRROR, IDENTITY), (SHEAR, FLAT)],
 )
 def test_moving_shear_is_two_nodes(tmp_path: Path, keys: tuple[str, ...]) -> None:
     done = moving(tmp_path, "transform", matrices(*keys))

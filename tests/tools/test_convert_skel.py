@@ -135,7 +135,11 @@ DAMAGE = [
     ("pointIndices = [2, 5]", "pointIndices = [2, 50]", "blend-shape-invalid"),
     ("[1,0, 0.5,0.5,", "[3,0, 0.5,0.5,", "weights-normalized"),
     ("[1,0, 0.5,0.5,", "[0.9999,0, 0.5,0.5,", "weights-normalized"),
-    ("blendShapeTargets = </Root/M/Up>", "blendShapeTargets = </None>", "blend-shape-invalid"),
+    (
+        "blendShapeTargets = </Root/M/Up>",
+        "blendShapeTargets = </None>",
+        "blend-shape-invalid",
+    ),
     ('"A/B", "A/B/C"]', '"A/B", "A/B/C", "D"]', "skeleton-invalid"),
     ("((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,2,0,1))", FLAT, "skeleton-invalid"),
     ("((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,2,0,1))", HUGE, "skeleton-invalid"),

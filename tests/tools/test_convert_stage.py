@@ -181,7 +181,11 @@ def test_variants(tmp_path: Path) -> None:
     big = convert_text(tmp_path, VARIANTS, variants=(("/X", "shape", "ball"),))
     assert len(small.triangles(0)) == 12 < len(big.triangles(0))
     assert "variants-not-carried" in small.warnings("/X")
-    for choice in (("/Y", "shape", "ball"), ("/X", "size", "ball"), ("/X", "shape", "cone")):
+    for choice in (
+        ("/Y", "shape", "ball"),
+        ("/X", "size", "ball"),
+        ("/X", "shape", "cone"),
+    ):
         with pytest.raises(ConvertError) as caught:
             convert_text(tmp_path, VARIANTS, variants=(choice,))
         assert caught.value.name == "variant-unknown"

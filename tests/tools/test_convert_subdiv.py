@@ -10,7 +10,8 @@ from reflet_usd.convert.subdiv import INFINITE, Cage, Step, edge_keys
 from texts import fill, text_of
 
 CUBE_FACES = np.array(
-    [0, 1, 3, 2, 2, 3, 5, 4, 4, 5, 7, 6, 6, 7, 1, 0, 1, 7, 5, 3, 6, 0, 2, 4], dtype=np.int64
+    [0, 1, 3, 2, 2, 3, 5, 4, 4, 5, 7, 6, 6, 7, 1, 0, 1, 7, 5, 3, 6, 0, 2, 4],
+    dtype=np.int64,
 )
 CUBE_POINTS = np.array(
     [

@@ -165,7 +165,10 @@ def test_texture_transform_for_any_parameters(tmp_path: Path) -> None:
     save(tmp_path, "t.png", noise("RGB"))
     random = np.random.default_rng(5)
     for _ in range(6):
-        scale, move = (random.uniform(-3, 3, 2).tolist(), random.uniform(-2, 2, 2).tolist())
+        scale, move = (
+            random.uniform(-3, 3, 2).tolist(),
+            random.uniform(-2, 2, 2).tolist(),
+        )
         degrees = float(random.uniform(-360, 360))
         node = text_of(
             "convert_texture/texture_transform_for_any_parameters.usda",
@@ -201,7 +204,8 @@ def test_wrap_modes(tmp_path: Path, wrap: str, mode: int, warned: bool) -> None:
     body = 'texCoord2f[] primvars:st = [(0,0), (2,0), (2,2), (0,2)] (interpolation = "vertex")'
     text = stage(COLOR, node)
     text = text.replace(
-        'texCoord2f[] primvars:st = [(0,0), (1,0), (1,1), (0,1)] (interpolation = "vertex")', body
+        'texCoord2f[] primvars:st = [(0,0), (1,0), (1,1), (0,1)] (interpolation = "vertex")',
+        body,
     )
     done = convert_text(tmp_path, text)
     assert done.gltf.samplers[0].wrapS == mode

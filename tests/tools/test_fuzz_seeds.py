@@ -64,7 +64,9 @@ def test_files_beside_come_into_one_file(tmp_path: pathlib.Path) -> None:
 
 
 def test_broken_files_stay_as_they_are_and_reports_are_none(
-    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: pathlib.Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     folder = tmp_path / "in"
     folder.mkdir()

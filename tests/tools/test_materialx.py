@@ -141,7 +141,10 @@ def test_modulo_takes_whole_parts_away(tmp_path: Path) -> None:
     assert color[:3] == pytest.approx([0.75, 0.25, 0.5])
 
 
-PLACES = {"place2d": text_of("materialx/place2d.mtlx"), "chain": text_of("materialx/chain.mtlx")}
+PLACES = {
+    "place2d": text_of("materialx/place2d.mtlx"),
+    "chain": text_of("materialx/chain.mtlx"),
+}
 
 
 @pytest.mark.parametrize("place", list(PLACES))

@@ -170,7 +170,11 @@ LOOSE = text_of("primvars/loose.usda")
 def test_primvars_of_what_draws_nothing_travel(tmp_path: Path) -> None:
     done = convert_text(tmp_path, LOOSE + UNIT)
     kept = [done.gltf.nodes[done.node(prim)].extras["primvars"] for prim in ("/W", "/W/C", "/W/L")]
-    assert kept == [{"lonely": 5, "displayColor": [[1, 0, 0]]}, {"grain": 2}, {"kind": "warm"}]
+    assert kept == [
+        {"lonely": 5, "displayColor": [[1, 0, 0]]},
+        {"grain": 2},
+        {"kind": "warm"},
+    ]
     assert done.validated().passed
     node(done.json, "C")["extras"].pop("primvars")
     rewrite(done, done.json)

@@ -30,7 +30,11 @@ def run(folder: Path, target: str, limits: Limits = SMALL, options: object = Non
     stage = folder / "in" / "stage.usda"
     stage.write_bytes(USDA)
     return run_convert(
-        stage, folder / "out" / "a.glb", options, limits=limits, target=f"sandbox_targets:{target}"
+        stage,
+        folder / "out" / "a.glb",
+        options,
+        limits=limits,
+        target=f"sandbox_targets:{target}",
     )
 
 
@@ -252,7 +256,10 @@ BAD_PACKAGES = [
     (package([("/etc/a.usda", USDA)]), "usdz-path"),
     (package([("a.usda", USDA), ("x\\..\\..\\b.png", b"")]), "usdz-path"),
     (package([("a.usda", USDA), ("C:/b.png", b"")]), "usdz-path"),
-    (package([("a.usda", USDA), ("bomb.png", bytes(1 << 20))], zipfile.ZIP_DEFLATED), "usdz-ratio"),
+    (
+        package([("a.usda", USDA), ("bomb.png", bytes(1 << 20))], zipfile.ZIP_DEFLATED),
+        "usdz-ratio",
+    ),
     (package([("a.usda", USDA)] + [(f"{i}.png", b"") for i in range(5000)]), "usdz-entries"),
     (NESTED, "usdz-nested"),
     (overlapping(), "usdz-overlap"),

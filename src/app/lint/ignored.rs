@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::text::{warning, written};
+use super::text::{rounded, warning, written};
 use crate::scene::{
     desc::{
         CAMERA, CameraDesc, InstanceMaterialDesc, LIGHT, Method, NEEDING, Needing, ReflectionDesc,
@@ -127,6 +127,21 @@ fn lenses(scene: &Scene) -> Vec<Diagnostic> {
                 "is orthographic, with parallel rays",
                 "remove it, or remove `orthographic_height_m` for a perspective camera",
             ),
+            None if it.aperture_f.is_some()
+                && it
+                    .focus_m
+                    .is_some_and(|focus_m| focus_m > 50.0 * it.eye.distance(it.target)) =>
+            {
+                let distance_m = rounded(it.eye.distance(it.target).into());
+                let message = format!(
+                    "camera \"{}\" focuses far beyond its target, so all is blurred",
+                    camera.name
+                );
+                let help = format!(
+                    "write `focus_m = {distance_m}`, the distance of its target, or leave it out"
+                );
+                return Some(warning("unlikely-value", &camera.at, message, &help));
+            }
             None => (
                 focus.filter(|_| it.aperture_f.is_none())?,
                 "has no `aperture_f`, which makes everything sharp",

@@ -18,6 +18,7 @@ pub fn lint(scene: &Scene, world: &World, start: &Span) -> Vec<Diagnostic> {
     let mut found = grain(scene, start);
     found.extend(invisible_materials(scene, world));
     found.extend(clear(scene));
+    found.extend(frosted(scene));
     found.extend(open_solids(scene, world));
     found.extend(emitters(scene, world));
     found.extend(late_keys(scene, start));
@@ -87,6 +88,29 @@ fn clear(scene: &Scene) -> impl Iterator<Item = Diagnostic> {
                 &entry.at,
                 message,
                 "write `transmission = 1` for glass or water",
+            )
+        })
+    })
+}
+
+/// Glass that scatters all light, as its roughness is 1 where none is written.
+fn frosted(scene: &Scene) -> impl Iterator<Item = Diagnostic> {
+    scene.materials.iter().filter_map(|entry| {
+        let it = &entry.value;
+        let is_unwritten = it.roughness.is_none()
+            && it.metallic_roughness_texture.is_none()
+            && it.patterned.is_empty();
+        let is_glass = it.transmission > Some(0.5) && it.base_color_texture.is_none();
+        (is_glass && is_unwritten).then(|| {
+            let message = format!(
+                "material \"{}\" has no `roughness`, so it is 1, of frosted glass",
+                entry.name
+            );
+            warning(
+                "frosted-glass",
+                &entry.at,
+                message,
+                "write `roughness = 0` for clear glass, or 1 for this one",
             )
         })
     })

@@ -117,7 +117,7 @@ material! {
         attenuation_color under transmission under attenuation_distance_m under thickness_m: Vec3, Color in UNIT, "color that white light gets inside a solid" of "volume/attenuationColor" => rest Vec3::ONE;
         /// Distance inside a solid after which white light has the `attenuation_color`, meters, above 0. Less absorbs
         /// more. Default: nothing is absorbed.
-        attenuation_distance_m under transmission under thickness_m: f32, Number in ABOVE_0, "distance after which white light has that color, meters" of "volume/attenuationDistance" => such_as "1";
+        attenuation_distance_m under transmission under thickness_m under attenuation_color: f32, Number in ABOVE_0, "distance after which white light has that color, meters" of "volume/attenuationDistance" => such_as "1";
         /// Strength of a clear coat (varnish) over the material, 0 to 1, of index of refraction 1.5. Default 0, or the
         /// glTF value.
         clearcoat: f32, Number in UNIT, "strength of the clear coat" of "clearcoat/clearcoatFactor" varies Clearcoat => off "0";

@@ -128,7 +128,8 @@ pub fn signatures(name: &str) -> Vec<String> {
 /// First sentence of the manual about the forms with that name.
 pub fn meaning(name: &str) -> Option<&'static str> {
     let sentence = entries(name).first()?.text.split(". ").next()?;
-    Some(sentence.trim_end_matches('.'))
+    // Lists of keys are in the manual.
+    Some(sentence.trim_end_matches('.')).filter(|text| !text.contains('{'))
 }
 
 /// Keys of the map that a function of `ctx` takes; none if it takes no map.

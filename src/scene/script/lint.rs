@@ -328,7 +328,14 @@ impl<'t> ScriptLint<'t, '_> {
         let is_idle = !body.clone().any(is_used) && !self.tokens.iter().any(says);
         if body.len() > 1 && is_idle {
             let message = "`frame` sets nothing: its variables are copies".to_owned();
-            let help = "write at its end what changes, as in `ctx.place(\"ball\", p);`".to_owned();
+            let mut words = body.map(|k| self.word(k));
+            let help = match words.any(|word| ["instances", "lights", "cameras"].contains(&word)) {
+                true => {
+                    "what it returns is dropped: write `fn setup(ctx)`, which adds to the scene"
+                }
+                false => "write at its end what changes, as in `ctx.place(\"ball\", p);`",
+            };
+            let help = help.to_owned();
             self.warn(
                 "idle-function",
                 self.tokens[i + 1].at.clone(),

@@ -5,10 +5,10 @@ use std::{cell::Cell, sync::LazyLock};
 use regex::{Captures, Regex};
 
 /// A place in an advice for a value of the text, with an example for texts without one: `{value/2:0.5}`, `{value*fps-1:47}` or
-/// `{height:720}`, where `value` is the value of the key that the advice is about, another name the value of another key, and
+/// `{height:720}` or `{!value:true}`, the opposite of a truth value, where `value` is the value of the key that the advice is about, another name the value of another key, and
 /// signs are followed from left to right.
 static SLOT: LazyLock<Regex> = LazyLock::new(|| {
-    let slot = r"\{([a-z0-9_.]+(?:[-*/][a-z0-9_.]+)*):([^{}]+)\}";
+    let slot = r"\{(!?[a-z0-9_.]+(?:[-*/][a-z0-9_.]+)*):([^{}]+)\}";
     Regex::new(slot).expect("it is right")
 });
 
@@ -24,9 +24,10 @@ pub fn filled(
     let fill = |slot: &Captures| {
         let (expression, example) = (&slot[1], &slot[2]);
         let value_of = |name: &str| value_of(if name == "value" { key } else { name });
-        let value = match expression.contains(['-', '*', '/']) {
-            true => computed(expression, value_of),
-            false => value_of(expression).map(|value| color_of(value, example)),
+        let value = match expression.strip_prefix('!') {
+            Some(name) => value_of(name).and_then(|value| opposite(&value)),
+            None if expression.contains(['-', '*', '/']) => computed(expression, value_of),
+            None => value_of(expression).map(|value| color_of(value, example)),
         };
         let is_short = |text: &str| text.len() <= 60 && !text.contains(char::is_control);
         let value = value.filter(|value| is_like(value, example) && is_short(value));
@@ -74,6 +75,11 @@ fn is_like(a: &str, b: &str) -> bool {
     form(a) == form(b) || b.starts_with("\"#") && form(a) == form("[0, 0, 0]")
 }
 
+fn opposite(value: &str) -> Option<String> {
+    let value: bool = value.parse().ok()?;
+    Some((!value).to_string())
+}
+
 /// The number that the expression of a place computes; `None` where a value is missing or no number.
 fn computed(expression: &str, value_of: impl Fn(&str) -> Option<String>) -> Option<String> {
     let number = |word: &str| {
@@ -108,6 +114,7 @@ mod tests {
             "gloss" => Some("1".to_owned()),
             "text" => Some("\"a, b\"".to_owned()),
             "z" => Some("-3".to_owned()),
+            "off" => Some("true".to_owned()),
             "fps" => Some("25".to_owned()),
             "rgba" => Some("[1, 0, 0, 0.5]".to_owned()),
             _ => None,
@@ -116,6 +123,8 @@ mod tests {
             ("write `a = {1-value:0.3}`", "gloss", "write `a = 0`"),
             ("write `a = {value/4:0.3}`", "gloss", "write `a = 0.25`"),
             ("write `a = {360/value:12}`", "gloss", "write `a = 360`"),
+            ("write `a = {!off:true}`", "z", "write `a = false`"),
+            ("write `a = {!z:true}`", "z", "write `a = true`"),
             ("write `a = {value*fps-1:47}`", "gloss", "write `a = 24`"),
             ("write `a = {value*lost-1:47}`", "gloss", "write `a = 47`"),
             ("write `a = {value:\"b\"}`", "text", "write `a = \"a, b\"`"),

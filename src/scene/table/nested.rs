@@ -205,12 +205,23 @@ impl<'r> Table<'r> {
                 .get_ref()
                 .as_table()
                 .is_some_and(|t| t.values().all(|v| v.get_ref().as_table().is_some()));
-            let error = self.report.error("wrong-type", &self.key_at(key), message);
+            let at = self.key_at(key);
+            let written = self.report.span(&at);
+            let text = written
+                .source
+                .as_ref()
+                .map_or("", |source| &source.text[..written.range.start]);
+            let path = match text.ends_with('.') {
+                true => "variant.NAME.instance",
+                false => "instance",
+            };
+            let error = self.report.error("wrong-type", &at, message);
             error.help = Some(match key {
                 "keys" => format!("write {}", suggest::example_of(key)),
                 "instance" if are_names => {
-                    "write `[[instance]]`, with two brackets on each side, and a `name` as its key"
-                        .to_owned()
+                    format!(
+                        "write `[[{path}]]`, with two brackets on each side, and a `name` as its key"
+                    )
                 }
                 "instance" => "write `[[instance]]`, with two brackets on each side".to_owned(),
                 _ => format!("write `{key} = [{}]`", keys_of::<T>(&[])),

@@ -34,6 +34,12 @@ pub fn model(path: &Path) -> Option<(String, &'static str)> {
     Some((message, help))
 }
 
+/// Error message and help for the text of a scene that a model names; `None` for all other files.
+pub fn scene(path: &Path) -> Option<(String, &'static str)> {
+    let help = "place it: write `model = { scene = \"….toml\" }` in an `[[instance]]`";
+    ending(path, &["toml"]).map(|_| ("a scene is no model".to_owned(), help))
+}
+
 /// Error message and help for an image in another format; `None` for all other files.
 pub fn image(path: &Path) -> Option<(String, &'static str)> {
     let ending = ending(path, &IMAGES)?;

@@ -65,7 +65,10 @@ impl Loader<'_> {
             }
             ModelSource::File(file) => file,
         };
-        if let Some((message, help)) = foreign_formats::model(Path::new(&file.value)) {
+        let path = Path::new(&file.value);
+        if let Some((message, help)) =
+            foreign_formats::model(path).or_else(|| foreign_formats::scene(path))
+        {
             self.report_once(error_at("file-format", &file.at, message).help(help));
             return Source::Broken;
         }

@@ -347,7 +347,10 @@ fn check_light(all: &Indexed, entry: &Entry<LightMotionDesc>, report: &mut Repor
     let fields = entry.value.tracks.iter().map(|(field, _)| &LIGHT[*field]);
     for field in fields.filter(|field| (field.get)(&light.value).is_none()) {
         let message = format!("`{}` does not apply to a {kind} light", field.key);
-        let error = Diagnostic::new("wrong-motion", entry.at.clone(), message);
+        let known = LIGHT.iter().filter(|it| (it.get)(&light.value).is_some());
+        let known: Vec<_> = known.map(|it| it.key).collect();
+        let help = suggest::hint(field.key, &known, suggest::key, "its tracks are");
+        let error = Diagnostic::new("wrong-motion", entry.at.clone(), message).help(help);
         report.push(error.related(light.at.clone(), "the light is here"));
     }
 }

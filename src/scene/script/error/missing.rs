@@ -107,8 +107,14 @@ pub fn missing_property(text: &str) -> Explained {
     let meant = suggest::nearest(name, all).or_else(short);
     let meant = meant.map(|meant| format!("did you mean `{owner}{meant}`? "));
     let list: Vec<_> = properties.iter().map(|p| format!("`{p}`")).collect();
+    let calls = match owner {
+        "ctx." if meant.is_none() => {
+            ", and sets things by calls, as in `ctx.place(\"ball\", [0, 1, 0])`"
+        }
+        _ => "",
+    };
     let help = format!(
-        "{}a {of} has {}",
+        "{}a {of} has {}{calls}",
         meant.unwrap_or_default(),
         list.join(", ")
     );
