@@ -49,6 +49,19 @@ impl<T: FromCell> FromCell for Option<T> {
     }
 }
 
+/// A column of a table: its name, and the text of its cell in a row.
+pub(crate) struct Column<R>(pub &'static str, pub fn(&R) -> String);
+
+/// Names of the columns.
+pub(crate) fn names<R>(columns: &[Column<R>]) -> impl Iterator<Item = &'static str> + Clone {
+    columns.iter().map(|column| column.0)
+}
+
+/// Cells of a row, in the order of the columns.
+pub(crate) fn cells<R>(columns: &[Column<R>], row: &R) -> Vec<String> {
+    columns.iter().map(|column| (column.1)(row)).collect()
+}
+
 /// Declares a struct whose fields are columns of a table.
 macro_rules! columns {
     ($(#[$about:meta])* pub struct $Name:ident { $($(#[$doc:meta])* pub $name:ident: $kind:ty,)* }) => {

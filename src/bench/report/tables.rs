@@ -11,6 +11,7 @@ use super::{
     findings::spots,
 };
 use crate::{
+    cell::{Column, cells, names},
     pareto::pareto_front,
     summary::{Metric, Point, digits, label},
 };
@@ -45,97 +46,135 @@ fn part_color(part: &str) -> String {
     }
 }
 
+/// A value of a cell, or a dash where there is none.
+fn number(value: Option<f64>) -> String {
+    value.map_or("–".to_owned(), digits)
+}
+
+/// A point of the overview.
+struct Compared<'a> {
+    point: &'a Point,
+    /// Time of the passes that find reflections, milliseconds.
+    reflection_ms: Option<f64>,
+    /// This time of `rt`.
+    rt_ms: Option<f64>,
+}
+
 /// Table of all sections, with the time of `hybrid` divided by the time of `rt`.
 pub fn overview(sections: &[Section]) -> String {
-    let mut out = "<h2>Overview</h2>\n<div class=\"scroll\"><table><tr><th>setting</th>".to_owned();
-    let heads = [
-        "ms",
-        "refl. ms",
-        "refl. ms / rt",
-        "FLIP refl.",
-        "SSIM refl.",
-        "SSIM frame",
-        "screen %",
-        "traced %",
-        "failed %",
-        "none %",
-        "rough %",
-        "MiB",
+    let columns: [Column<Compared>; 13] = [
+        Column("setting", |of| of.point.label()),
+        Column("ms", |of| digits(of.point.ms.median)),
+        Column("refl. ms", |of| number(of.reflection_ms)),
+        Column("refl. ms / rt", |of| {
+            let both = of.reflection_ms.zip(of.rt_ms);
+            number(both.map(|(ms, rt)| ms / rt))
+        }),
+        Column("FLIP refl.", |of| number(of.point.sample.mask_flip)),
+        Column("SSIM refl.", |of| number(of.point.sample.mask_ssim)),
+        Column("SSIM frame", |of| number(of.point.sample.ssim)),
+        Column("screen %", |of| tenths(of.point.sample.screen_percent)),
+        Column("traced %", |of| tenths(of.point.sample.traced_percent)),
+        Column("failed %", |of| tenths(of.point.sample.failed_percent)),
+        Column("none %", |of| tenths(of.point.sample.none_percent)),
+        Column("rough %", |of| tenths(of.point.sample.rough_percent)),
+        Column("MiB", |of| tenths(mebibytes(of.point))),
     ];
-    out.extend(heads.iter().map(|head| format!("<th>{head}</th>")));
-    out += "</tr>\n";
+    let mut out = head("<h2>Overview</h2>", names(&columns));
     for group in sections.iter().map(|s| &s.group) {
         let reflection = |p: &Point| p.reflection_ms.map(|r| r.median);
         let rt = group
             .points
             .iter()
             .find(|p| p.sample.method == Method::Rt.name());
-        let rt = rt.and_then(reflection);
+        let rt_ms = rt.and_then(reflection);
         if let Some(s) = group.points.first().map(|p| &p.sample) {
             out += &format!(
                 "<tr class=\"scene\"><td colspan=\"{}\">{}, {} × {}</td></tr>\n",
-                1 + heads.len(),
+                columns.len(),
                 escape(&s.scene),
                 s.width,
                 s.height
             );
         }
         for point in &group.points {
-            let s = &point.sample;
-            let number = |v: Option<f64>| v.map_or("–".to_owned(), digits);
-            let ratio = reflection(point).zip(rt).map(|(ms, rt)| ms / rt);
-            let cells = [
-                point.label(),
-                digits(point.ms.median),
-                number(reflection(point)),
-                number(ratio),
-                number(s.mask_flip),
-                number(s.mask_ssim),
-                number(s.ssim),
-                format!("{:.1}", s.screen_percent),
-                format!("{:.1}", s.traced_percent),
-                format!("{:.1}", s.failed_percent),
-                format!("{:.1}", s.none_percent),
-                format!("{:.1}", s.rough_percent),
-                format!("{:.1}", s.bytes as f64 / f64::from(1 << 20)),
-            ];
-            out += &row("", &cells);
+            let reflection_ms = reflection(point);
+            let of = Compared {
+                point,
+                reflection_ms,
+                rt_ms,
+            };
+            out += &row("", &cells(&columns, &of));
         }
     }
-    out + "</table></div>\n"
+    out + END
 }
 
-const ERROR_HEADS: [&str; 11] = [
-    "setting",
-    "ms a frame (p5 to p95)",
-    "reflection ms",
-    "wall ms",
-    "FLIP refl.",
-    "SSIM refl.",
-    "relMSE refl.",
-    "FLIP frame",
-    "SSIM frame",
-    "PSNR frame",
-    "temporal error",
+/// Times and errors of a setting.
+const ERRORS: &[Column<Point>] = &[
+    Column("setting", Point::label),
+    Column("ms a frame (p5 to p95)", |of| of.ms.text()),
+    Column("reflection ms", |of| {
+        number(of.reflection_ms.map(|r| r.median))
+    }),
+    Column("wall ms", |of| digits(of.frame_ms.median)),
+    Column("FLIP refl.", |of| number(of.sample.mask_flip)),
+    Column("SSIM refl.", |of| ssim(of.sample.mask_ssim)),
+    Column("relMSE refl.", |of| number(of.sample.mask_rel_mse)),
+    Column("FLIP frame", |of| number(of.sample.flip)),
+    Column("SSIM frame", |of| ssim(of.sample.ssim)),
+    Column("PSNR frame", |of| match of.sample.psnr_db {
+        Some(db) if db.is_finite() => tenths(db),
+        Some(_) => "equal".to_owned(),
+        None => "–".to_owned(),
+    }),
+    Column("temporal error", |of| number(of.flicker.map(|f| f.ratio))),
 ];
 
-const SHARE_HEADS: [&str; 10] = [
-    "setting",
-    "marched %",
-    "screen %",
-    "traced %",
-    "failed %",
-    "none %",
-    "rough %",
-    "sum %",
-    "false accepts",
-    "false rejects",
+/// Sources of the reflections of a setting, and wrong verdicts of its march.
+const SHARES: &[Column<Point>] = &[
+    Column("setting", Point::label),
+    Column("marched %", |of| tenths(of.sample.marched_percent())),
+    Column("screen %", |of| tenths(of.sample.screen_percent)),
+    Column("traced %", |of| tenths(of.sample.traced_percent)),
+    Column("failed %", |of| tenths(of.sample.failed_percent)),
+    Column("none %", |of| tenths(of.sample.none_percent)),
+    Column("rough %", |of| tenths(of.sample.rough_percent)),
+    Column("sum %", |of| {
+        let s = &of.sample;
+        let found = s.screen_percent + s.traced_percent + s.failed_percent;
+        tenths(found + s.none_percent + s.rough_percent)
+    }),
+    Column("false accepts", |of| count(of.sample.false_accepts)),
+    Column("false rejects", |of| count(of.sample.false_rejects)),
 ];
 
-fn head(title: &str, names: &[&str]) -> String {
-    let names: String = names.iter().map(|n| format!("<th>{n}</th>")).collect();
-    format!("<h3>{title}</h3>\n<div class=\"scroll\"><table><tr>{names}</tr>\n")
+fn tenths(value: f64) -> String {
+    format!("{value:.1}")
 }
+
+fn ssim(value: Option<f64>) -> String {
+    value.map_or("–".to_owned(), |v| format!("{v:.4}"))
+}
+
+fn count(value: Option<u64>) -> String {
+    value.map_or("–".to_owned(), |v| v.to_string())
+}
+
+/// Memory that a setting holds.
+fn mebibytes(point: &Point) -> f64 {
+    point.sample.bytes as f64 / f64::from(1 << 20)
+}
+
+/// Start of a table: its heading, and the names of its columns.
+pub(super) fn head<T: AsRef<str>>(before: &str, names: impl Iterator<Item = T>) -> String {
+    let names = names.map(|name| format!("<th>{}</th>", escape(name.as_ref())));
+    let names: String = names.collect();
+    format!("{before}\n<div class=\"scroll\"><table><tr>{names}</tr>\n")
+}
+
+/// End of a table.
+pub(super) const END: &str = "</table></div>\n";
 
 /// A line of a table.
 pub(super) fn row(class: &str, cells: &[String]) -> String {
@@ -146,73 +185,31 @@ pub(super) fn row(class: &str, cells: &[String]) -> String {
 /// Tables of every setting: first times and errors, then the sources of reflections.
 pub fn points(section: &Section) -> String {
     let group = &section.group;
-    let title = "All settings: times and errors (● on the Pareto front by FLIP)";
-    let mut out = head(title, &ERROR_HEADS);
+    let title = "<h3>All settings: times and errors (● on the Pareto front by FLIP)</h3>";
+    let mut out = head(title, names(ERRORS));
     let (spots, judged) = spots(group, Metric::Flip);
     let on_front = pareto_front(&spots);
     for point in &group.points {
         let index = judged.iter().position(|p| std::ptr::eq(*p, point));
         let is_on_front = index.is_some_and(|i| on_front[i]);
         let class = if is_on_front { " class=\"front\"" } else { "" };
-        out += &row(class, &errors(point));
+        out += &row(class, &cells(ERRORS, point));
     }
     for (sample, why) in &group.failed {
         let label = label(sample);
         out += &format!(
             "<tr class=\"failed\"><td>{}</td><td class=\"left\" colspan=\"{}\">failed: {}</td></tr>\n",
             escape(&label),
-            ERROR_HEADS.len() - 1,
+            ERRORS.len() - 1,
             escape(why)
         );
     }
-    out += "</table></div>\n";
-    let title = "Where reflections come from: shares of the reflective pixels, and wrong verdicts";
-    out += &head(title, &SHARE_HEADS);
-    out.extend(group.points.iter().map(|p| row("", &shares(p))));
-    out + "</table></div>\n"
-}
-
-fn errors(point: &Point) -> Vec<String> {
-    let s = &point.sample;
-    let number = |value: Option<f64>| value.map_or("–".to_owned(), digits);
-    let ssim = |value: Option<f64>| value.map_or("–".to_owned(), |v| format!("{v:.4}"));
-    let psnr = s.psnr_db.map(|db| {
-        if db.is_finite() {
-            format!("{db:.1}")
-        } else {
-            "equal".to_owned()
-        }
-    });
-    vec![
-        point.label(),
-        point.ms.text(),
-        number(point.reflection_ms.map(|r| r.median)),
-        digits(point.frame_ms.median),
-        number(s.mask_flip),
-        ssim(s.mask_ssim),
-        number(s.mask_rel_mse),
-        number(s.flip),
-        ssim(s.ssim),
-        psnr.unwrap_or("–".to_owned()),
-        number(point.flicker.map(|f| f.ratio)),
-    ]
-}
-
-fn shares(point: &Point) -> Vec<String> {
-    let s = &point.sample;
-    let percents = [
-        s.screen_percent,
-        s.traced_percent,
-        s.failed_percent,
-        s.none_percent,
-        s.rough_percent,
-    ];
-    let sum: f64 = percents.iter().sum();
-    let count = |value: Option<u64>| value.map_or("–".to_owned(), |v| v.to_string());
-    let mut cells = vec![point.label(), format!("{:.1}", s.marched_percent())];
-    cells.extend(percents.iter().chain([&sum]).map(|p| format!("{p:.1}")));
-    cells.extend([count(s.false_accepts), count(s.false_rejects)]);
-    cells
+    out += END;
+    let title =
+        "<h3>Where reflections come from: shares of the reflective pixels, and wrong verdicts</h3>";
+    out += &head(title, names(SHARES));
+    out.extend((group.points.iter()).map(|point| row("", &cells(SHARES, point))));
+    out + END
 }
 
 /// Times of a point's passes in the order of the frame, the trace pass in two parts where they were
@@ -267,10 +264,10 @@ pub fn breakdown(points: &[Point]) -> String {
     let longest = points.iter().map(|p| p.ms.median).fold(1e-9, f64::max);
     for (point, parts) in points.iter().zip(&rows) {
         let RGBColor(r, g, b) = color(series(&point.sample));
-        let mebibytes = point.sample.bytes as f64 / f64::from(1 << 20);
+        let mebibytes = tenths(mebibytes(point));
         out += &format!(
             "<tr><td style=\"border-left:4px solid rgb({r},{g},{b})\">{}</td>\
-             <td>{mebibytes:.1}</td><td class=\"left\"><div class=\"bar\">",
+             <td>{mebibytes}</td><td class=\"left\"><div class=\"bar\">",
             escape(&point.label())
         );
         for (name, ms) in parts {
@@ -288,5 +285,5 @@ pub fn breakdown(points: &[Point]) -> String {
         }));
         out += "</tr>\n";
     }
-    out + "</table></div>\n"
+    out + END
 }

@@ -1,6 +1,9 @@
 //! Tables of counts that do not depend on the machine: work of the passes, and errors of the march by cause.
 
-use super::{chart::escape, tables::row};
+use super::{
+    chart::escape,
+    tables::{END, head, row},
+};
 use crate::{
     csv,
     sample::{ACCEPTS, REFUSALS, Sample},
@@ -13,12 +16,10 @@ fn table(title: &str, text: &str, heads: &[impl AsRef<str>], rows: &[Vec<String>
     if rows.is_empty() {
         return String::new();
     }
-    let mut out =
-        format!("<h3>{title}</h3>\n<p class=\"sub\">{text}</p>\n<div class=\"scroll\"><table><tr>");
-    out.extend((heads.iter()).map(|head| format!("<th>{}</th>", escape(head.as_ref()))));
-    out += "</tr>\n";
+    let before = format!("<h3>{title}</h3>\n<p class=\"sub\">{text}</p>");
+    let mut out = head(&before, heads.iter());
     out.extend(rows.iter().map(|cells| row("", cells)));
-    out + "</table></div>\n"
+    out + END
 }
 
 /// A table of comma-separated values as an HTML table with its heading and a paragraph; fractions have three digits.

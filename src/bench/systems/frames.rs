@@ -7,6 +7,7 @@ use super::{
     chart::{LEAST_FLIP, LEGEND_PX, LINE_PX, named},
 };
 use crate::{
+    cell::{Cell, Column, cells, names},
     csv,
     report::{
         canvas::{Canvas, said},
@@ -72,33 +73,25 @@ impl Curves {
     }
 }
 
+/// Columns of a frame.
+const FRAME: &[Column<FrameRow>] = &[
+    Column("frame", |of| of.frame.text()),
+    Column("ms", |of| of.ms.text()),
+    Column("update_ms", |of| of.update_ms.text()),
+    Column("flip", |of| of.errors.map(|errors| errors.flip).text()),
+    Column("ssim", |of| of.errors.and_then(|errors| errors.ssim).text()),
+    Column("wrong_percent", |of| {
+        of.errors.map(|errors| errors.wrong_percent).text()
+    }),
+];
+
 /// Table with a row for each scene, system and frame.
 pub fn table(scenes: &[SceneRows]) -> String {
-    let header = [
-        "scene",
-        "system",
-        "frame",
-        "ms",
-        "update_ms",
-        "flip",
-        "ssim",
-        "wrong_percent",
-    ];
-    let mut out = csv::line(header);
+    let mut out = csv::line(["scene", "system"].into_iter().chain(names(FRAME)));
     for (scene, row) in (scenes.iter()).flat_map(|of| of.rows.iter().map(move |row| (of, row))) {
         for of in &row.frames {
-            let number = |value: Option<f64>| value.map_or(String::new(), |v| v.to_string());
-            let error = |value: fn(SystemErrors) -> Option<f64>| number(of.errors.and_then(value));
-            out += &csv::line([
-                scene.scene.clone(),
-                row.system.to_owned(),
-                of.frame.to_string(),
-                of.ms.to_string(),
-                of.update_ms.to_string(),
-                error(|errors| Some(errors.flip)),
-                error(|errors| errors.ssim),
-                error(|errors| Some(errors.wrong_percent)),
-            ]);
+            let system = [scene.scene.clone(), row.system.to_owned()];
+            out += &csv::line(system.into_iter().chain(cells(FRAME, of)));
         }
     }
     out

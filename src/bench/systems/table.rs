@@ -1,7 +1,10 @@
 //! Tables of systems as comma-separated values: in each scene, and over all scenes.
 
-use super::{SceneRows, Side, System, overall::Overall};
-use crate::csv;
+use super::{Row, SceneRows, Side, System, overall::Overall};
+use crate::{
+    cell::{Cell, Column, cells, names},
+    csv,
+};
 
 /// Machine of the measurements.
 #[derive(Clone, Debug)]
@@ -13,87 +16,65 @@ pub struct Machine {
 }
 
 /// Columns of a scene, which all of its systems share.
-const SCENE: [&str; 7] = [
-    "scene",
-    "width",
-    "height",
-    "frames",
-    "scored_frames",
-    "scored_px",
-    "probes",
+const SCENE: &[Column<SceneRows>] = &[
+    Column("scene", |of| of.scene.clone()),
+    Column("width", |of| of.size[0].text()),
+    Column("height", |of| of.size[1].text()),
+    Column("frames", |of| of.frames.text()),
+    Column("scored_frames", |of| of.scored_px.len().text()),
+    Column("scored_px", |of| of.scored_px.iter().min().copied().text()),
+    Column("probes", |of| of.probes.text()),
 ];
 /// Columns of a system's measurements.
-const MEASURED: [&str; 13] = [
-    "ms",
-    "flip",
-    "flip_p99",
-    "ssim",
-    "wrong_percent",
-    "popping",
-    "visited_nodes",
-    "march_steps",
-    "bytes",
-    "prepared_bytes",
-    "prepare_ms",
-    "update_ms",
-    "front",
+const MEASURED: &[Column<Row>] = &[
+    Column("ms", |of| of.ms.text()),
+    Column("flip", |of| of.errors.map(|errors| errors.flip).text()),
+    Column("flip_p99", |of| {
+        of.errors.map(|errors| errors.flip_p99).text()
+    }),
+    Column("ssim", |of| of.errors.and_then(|errors| errors.ssim).text()),
+    Column("wrong_percent", |of| {
+        of.errors.map(|errors| errors.wrong_percent).text()
+    }),
+    Column("popping", |of| of.popping.text()),
+    Column("visited_nodes", |of| of.nodes.text()),
+    Column("march_steps", |of| of.steps.text()),
+    Column("bytes", |of| of.bytes.text()),
+    Column("prepared_bytes", |of| of.prepared_bytes.text()),
+    Column("prepare_ms", |of| of.prepare_ms.text()),
+    Column("update_ms", |of| of.update_ms.text()),
 ];
 
 /// Table with a row for each scene and system; `status` says why a system was not measured.
 pub fn by_scene(scenes: &[SceneRows], machine: &Machine) -> String {
-    let header = SCENE.into_iter().chain(["system", "side"]).chain(MEASURED);
-    let mut out = csv::line(header.chain(["adapter", "timing", "status"]));
+    let header = names(SCENE)
+        .chain(["system", "side"])
+        .chain(names(MEASURED));
+    let mut out = csv::line(header.chain(["front", "adapter", "timing", "status"]));
     let timing = match machine.is_processor {
         true => "processor",
         false => "gpu",
     };
-    let number = |value: Option<f64>| value.map_or(String::new(), |v| v.to_string());
     for scene in scenes {
-        let of_scene = || {
-            let scored_px = scene.scored_px.iter().min();
-            [
-                scene.scene.clone(),
-                scene.size[0].to_string(),
-                scene.size[1].to_string(),
-                scene.frames.to_string(),
-                scene.scored_px.len().to_string(),
-                scored_px.map_or(String::new(), usize::to_string),
-                scene.probes.to_string(),
-            ]
-        };
-        let mut row = |system: &str, measured: Vec<String>, status: &str| {
+        let mut row = |system: &str, measured: Vec<String>, front: &str, status: &str| {
             let side = match System::named(system).map(|system| system.side) {
                 Some(Side::Rival) => "rival",
                 Some(Side::Variant) => "variant",
                 Some(Side::Own) => "own",
                 None => "",
             };
-            let mut cells = of_scene().to_vec();
-            cells.extend([system.to_owned(), side.to_owned()]);
-            cells.extend(measured);
-            cells.extend([&machine.adapter, timing, status].map(str::to_owned));
-            out += &csv::line(cells);
+            let mut row = cells(SCENE, scene);
+            row.extend([system, side].map(str::to_owned));
+            row.extend(measured);
+            row.extend([front, &machine.adapter, timing, status].map(str::to_owned));
+            out += &csv::line(row);
         };
         for (of, is_on_front) in scene.rows.iter().zip(scene.on_front()) {
-            let measured = vec![
-                of.ms.to_string(),
-                number(of.errors.map(|errors| errors.flip)),
-                number(of.errors.map(|errors| errors.flip_p99)),
-                number(of.errors.and_then(|errors| errors.ssim)),
-                number(of.errors.map(|errors| errors.wrong_percent)),
-                number(of.popping),
-                of.nodes.to_string(),
-                of.steps.to_string(),
-                of.bytes.to_string(),
-                of.prepared_bytes.to_string(),
-                of.prepare_ms.to_string(),
-                of.update_ms.to_string(),
-                u8::from(is_on_front).to_string(),
-            ];
-            row(of.system, measured, "ok");
+            let front = if is_on_front { "1" } else { "0" };
+            row(of.system, cells(MEASURED, of), front, "ok");
         }
         for of in &scene.left_out {
-            row(of.system, vec![String::new(); MEASURED.len()], &of.why);
+            row(of.system, vec![String::new(); MEASURED.len()], "", &of.why);
         }
     }
     out
@@ -111,7 +92,7 @@ pub fn over_all(systems: &[Overall]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::systems::{LeftOut, Row, SystemErrors};
+    use crate::systems::{LeftOut, SystemErrors};
 
     #[test]
     fn measured_and_refused_systems_have_whole_rows() {
