@@ -3,6 +3,7 @@
 
 use std::{
     collections::BTreeSet,
+    ops::Deref,
     path::PathBuf,
     sync::Arc,
     time::{Duration, SystemTime},
@@ -11,13 +12,9 @@ use std::{
 use super::watch::{Change, WatchList};
 use reflet_gpu::ShaderError;
 use reflet_render::{
-    RebuildSummary, RenderError, Renderer,
+    RebuildSummary, RenderError,
     renderer::stats::FrameStats,
-    runtime::{
-        Session, SessionError,
-        model_viewer_scene::is_bare,
-        parameters::{DeclaredParameters, ParameterOverrides},
-    },
+    runtime::{Session, model_viewer_scene::is_bare},
 };
 use reflet_scene::{
     dependencies::Dependencies,
@@ -199,11 +196,6 @@ impl Live {
         (list, self.read_since)
     }
 
-    /// Settings in place of the scene's.
-    pub fn view(&self) -> &ViewOverrides {
-        self.session.view()
-    }
-
     /// Replaces view settings; passes are always audited.
     ///
     /// # Errors
@@ -232,11 +224,6 @@ impl Live {
             .draw(camera, &|world| pose::put_all(edits, world))
     }
 
-    /// Whether the scene is still shown coarsely.
-    pub fn is_coarse(&self) -> bool {
-        self.session.is_coarse()
-    }
-
     /// Builds the features that the coarse picture leaves out.
     ///
     /// # Errors
@@ -261,50 +248,21 @@ impl Live {
         &self.session.scene().world
     }
 
-    /// Renderer of the scene.
-    pub fn renderer(&self) -> &Renderer {
-        self.session.renderer()
-    }
-
-    /// Index of the named camera; without a name, of the first frame's camera.
-    ///
-    /// # Errors
-    /// [`SessionError::UnknownName`] with the names of the scene's cameras.
-    pub fn camera(&self, name: Option<&str>) -> Result<usize, SessionError> {
-        self.session.camera_named(name)
-    }
-
-    /// Files and changed values of the scene.
-    pub fn source(&self) -> &SceneSource {
-        self.session.source()
-    }
-
-    /// Shown frame.
-    pub fn posed_frame(&self) -> u32 {
-        self.session.scene().frame
-    }
-
-    /// Output of the script in `setup`, then in the shown frame.
-    pub fn log(&self) -> impl Iterator<Item = &String> {
-        self.session.log()
-    }
-
-    /// Script parameters declared by the scene, with `--set` applied.
-    pub fn declared(&self) -> &DeclaredParameters {
-        self.session.declared()
-    }
-
-    /// Overrides of the declared parameters.
-    pub fn parameters(&self) -> &ParameterOverrides {
-        self.session.parameters()
-    }
-
     /// Warnings about the shown scene.
     pub fn warnings(&self) -> &[Diagnostic] {
         match self.is_stand_in {
             true => &[],
             false => self.session.warnings(),
         }
+    }
+}
+
+impl Deref for Live {
+    type Target = Session;
+
+    /// The shown scene, with its settings and its renderer.
+    fn deref(&self) -> &Session {
+        &self.session
     }
 }
 

@@ -21,7 +21,7 @@ fn an_error_in_a_frame_keeps_the_last_good_one() {
     assert_eq!(session.place(), "move.rhai:10");
     let message = &session.live.problems.pose[0].message;
     assert!(message.contains("too late") && message.contains("in frame 12"));
-    assert!(session.live.posed_frame() == 5 && session.picture() == good);
+    assert!(session.live.scene().frame == 5 && session.picture() == good);
     assert!(session.live.pose_now(5) && session.live.problems.is_empty());
 }
 
@@ -38,7 +38,7 @@ fn a_save_that_fails_in_the_wanted_frame_is_shown_from_the_next_good_frame_on() 
     assert!(!session.save_script(&failing).ok);
     assert_eq!(session.place(), "move.rhai:10");
     assert!(session.live.problems.scene.is_empty(), "the text is right");
-    assert!(session.live.posed_frame() == 12 && session.picture() == good);
+    assert!(session.live.scene().frame == 12 && session.picture() == good);
     // Other failing frames change only the message.
     assert!(!session.live.pose_now(20) && session.picture() == good);
     assert!(
@@ -58,7 +58,7 @@ fn a_save_that_fails_in_the_wanted_frame_is_shown_from_the_next_good_frame_on() 
     assert!(!session.save_script("fn frame(ctx) {").ok);
     assert!(session.live.problems.pose.is_empty() && session.picture() == good);
     assert!(session.live.pose_now(20) && session.picture() != good);
-    assert_eq!(session.live.posed_frame(), 20);
+    assert_eq!(session.live.scene().frame, 20);
     assert!(session.save_script(SCRIPT).ok && session.live.problems.is_empty());
     assert!(session.picture() == session.afresh(20, &[]));
 }
@@ -89,7 +89,7 @@ fn a_save_that_waits_for_a_good_frame_has_its_own_timeline() {
     assert!(session.picture() == good);
     // The only valid frames are outside of the shown scene's timeline.
     assert!(session.live.pose_now(48) && session.live.problems.is_empty());
-    assert_eq!((session.live.posed_frame(), end(&session)), (48, Some(80)));
+    assert_eq!((session.live.scene().frame, end(&session)), (48, Some(80)));
 }
 
 #[test]

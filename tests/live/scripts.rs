@@ -157,7 +157,7 @@ fn frames_are_what_a_fresh_start_shows_in_any_order() {
             session.gpu.compile_stats.pipelines(),
         );
         assert!(session.live.pose_now(frame));
-        assert_eq!(session.live.posed_frame(), frame.min(40));
+        assert_eq!(session.live.scene().frame, frame.min(40));
         let now = session.picture();
         let made_now = (
             session.gpu.compile_stats.shaders(),

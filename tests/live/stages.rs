@@ -128,7 +128,7 @@ fn a_broken_stage_keeps_the_last_good_picture_and_a_mended_one_shows() {
             live.problems
         );
         assert!(
-            live.posed_frame() == 5 && picture(&gpu, &mut live) == before,
+            live.scene().frame == 5 && picture(&gpu, &mut live) == before,
             "{stage}"
         );
     }

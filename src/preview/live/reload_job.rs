@@ -168,7 +168,7 @@ impl Live {
             (read.scene(), within(read.scene(), frame) == read.frame())
         } else {
             // A pending scene that was replaced may have changed the requested frame.
-            let was_left = self.posed_frame() != self.frame && self.problems.pose.is_empty();
+            let was_left = self.scene().frame != self.frame && self.problems.pose.is_empty();
             let is_known = within(self.desc(), frame) == self.frame && !was_left;
             (&self.session.scene().scene, is_known)
         };

@@ -61,7 +61,7 @@ impl Opened {
         let stem = options.source.path.as_deref().and_then(Path::file_stem);
         let stem = stem.map_or("atrium".into(), |stem| stem.to_string_lossy().into_owned());
         let (live, is_waiting) = open(gpu, options.source.clone(), view, waits)?;
-        let camera = live.camera(options.camera.as_deref())?;
+        let camera = live.camera_named(options.camera.as_deref())?;
         let summary = SceneSummary::from_live(&live);
         let method = options.method.unwrap_or(summary.method);
         Ok(Self {

@@ -135,7 +135,7 @@ impl Worker {
 
     /// Whether the posed frame belongs to a pending request, not to the view.
     fn renders_other_frame(&self) -> bool {
-        let posed = self.live.posed_frame();
+        let posed = self.live.scene().frame;
         let is_posed = |frame: u32| frame == posed;
         (self.frame_requests.front()).is_some_and(|of| is_posed(of.view.frame))
             && !(self.view.as_ref()).is_some_and(|view| is_posed(view.frame))
@@ -150,7 +150,7 @@ impl Worker {
     /// Time at which the summary of the shown frame is to be sent; `None` if that was sent.
     pub(super) fn summary_due(&self) -> Option<Instant> {
         let is_shown = self.rendered_view.is_some() && !self.renders_other_frame();
-        let is_stale = is_shown && self.summary_frame != self.live.posed_frame();
+        let is_stale = is_shown && self.summary_frame != self.live.scene().frame;
         is_stale.then(|| self.summary_sent_at + SUMMARY_INTERVAL)
     }
 
@@ -178,7 +178,7 @@ impl Worker {
         self.send(Report::Frame(Box::new(FinishedFrame {
             number,
             saves: self.saves,
-            frame: self.live.posed_frame(),
+            frame: self.live.scene().frame,
             camera: self.camera(&view.camera),
             size: view.size,
             is_draft: view.draft_ms.is_some(),
@@ -213,7 +213,7 @@ impl Worker {
                 let had_problem = self.live.problems.undrawn.take().is_some();
                 self.finish(&view, sides, picked);
                 // Animated values are sent at intervals, and once they rest.
-                let is_new = self.summary_frame != self.live.posed_frame();
+                let is_new = self.summary_frame != self.live.scene().frame;
                 let is_time =
                     view.draft_ms.is_none() || self.summary_sent_at.elapsed() >= SUMMARY_INTERVAL;
                 if had_problem || was_coarse || (is_new && is_time) {

@@ -139,7 +139,7 @@ impl Worker {
     }
 
     pub(super) fn send_summary(&mut self) {
-        (self.summary_frame, self.summary_sent_at) = (self.live.posed_frame(), Instant::now());
+        (self.summary_frame, self.summary_sent_at) = (self.live.scene().frame, Instant::now());
         self.send(Report::SceneSummary(Box::new(SceneSummary::from_live(
             &self.live,
         ))));
