@@ -77,16 +77,12 @@ pub struct Encoders<'a> {
     /// Part of the frames that is written.
     crop: Option<Crop>,
     progress: Mutex<Progress>,
-    failures: Mutex<Failures>,
-    /// Message about a full disk, once it is full.
-    full: Mutex<Option<String>>,
-    /// Frames written by this run.
-    written: Mutex<HashSet<u32>>,
-    /// Statistics of the frame that was written last.
-    last: Mutex<Option<FrameStats>>,
+    /// The outcome so far, whose number of frames the progress counts.
+    outcome: Mutex<Outcome>,
 }
 
 /// Numbers of frames of a film that were written, and that failed.
+#[derive(Default)]
 pub struct Outcome {
     /// Number of frames with a file.
     pub done: usize,
@@ -115,10 +111,7 @@ impl<'a> Encoders<'a> {
             denoiser,
             crop,
             progress: Mutex::new(progress),
-            failures: Mutex::default(),
-            full: Mutex::default(),
-            written: Mutex::default(),
-            last: Mutex::default(),
+            outcome: Mutex::default(),
         }
     }
 
@@ -153,22 +146,18 @@ impl<'a> Encoders<'a> {
 
     /// Whether the disk is full.
     pub fn is_full(&self) -> bool {
-        lock(&self.full).is_some()
+        lock(&self.outcome).full.is_some()
     }
 
     /// Result of the run.
     pub fn finish(self) -> Outcome {
-        fn inner<T>(mutex: Mutex<T>) -> T {
-            mutex.into_inner().unwrap_or_else(PoisonError::into_inner)
-        }
-        let progress = inner(self.progress);
+        let progress = self.progress.into_inner();
+        let progress = progress.unwrap_or_else(PoisonError::into_inner);
         progress.end();
+        let outcome = self.outcome.into_inner();
         Outcome {
             done: progress.written(),
-            written: inner(self.written),
-            failures: inner(self.failures),
-            full: inner(self.full),
-            last: inner(self.last),
+            ..outcome.unwrap_or_else(PoisonError::into_inner)
         }
     }
 
@@ -183,7 +172,7 @@ impl<'a> Encoders<'a> {
         let (frame, started) = (rendered.frame, rendered.started);
         match self.write(rendered) {
             Ok((verb, path)) => {
-                lock(&self.written).insert(frame);
+                lock(&self.outcome).written.insert(frame);
                 let seconds = started.elapsed().as_secs_f64();
                 lock(&self.progress).done(frame, verb, &path, seconds);
                 true
@@ -191,13 +180,13 @@ impl<'a> Encoders<'a> {
             Err(AppError::Interrupted(_)) => false,
             Err(AppError::Disk(why)) => {
                 self.failed(frame, &why);
-                lock(&self.full).get_or_insert(why);
+                lock(&self.outcome).full.get_or_insert(why);
                 false
             }
             Err(error) => {
                 let why = error.to_string();
                 self.failed(frame, &why);
-                lock(&self.failures).push((frame, why));
+                lock(&self.outcome).failures.push((frame, why));
                 // A film must have all its frames.
                 !matches!(self.target, Target::Film(_))
             }
@@ -236,7 +225,7 @@ impl<'a> Encoders<'a> {
                 ("wrote", name.to_path_buf())
             }
         };
-        lock(&self.last).replace(picture.stats);
+        lock(&self.outcome).last = Some(picture.stats);
         Ok(written)
     }
 }

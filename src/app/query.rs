@@ -1,12 +1,10 @@
 //! `query`: the visible things of a scene, and other things and lights that hide, light and touch them.
 
-use std::{fmt, path::PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
-use serde::{
-    Deserialize, Deserializer,
-    de::{MapAccess, Visitor},
-};
+use indexmap::IndexMap;
+use serde::Deserialize;
 use serde_json::Value;
 
 use super::{
@@ -134,36 +132,12 @@ enum Shown {
 }
 
 /// Keys and values in the order of the fields of an answer, which a [`Value`] would sort.
-struct Fields(Vec<(String, Shown)>);
-
-impl<'de> Deserialize<'de> for Fields {
-    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-        from.deserialize_map(FieldsVisitor)
-    }
-}
-
-struct FieldsVisitor;
-
-impl<'de> Visitor<'de> for FieldsVisitor {
-    type Value = Fields;
-
-    fn expecting(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
-        to.write_str("an object")
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Fields, A::Error> {
-        let mut fields = Vec::new();
-        while let Some(field) = map.next_entry()? {
-            fields.push(field);
-        }
-        Ok(Fields(fields))
-    }
-}
+type Fields = IndexMap<String, Shown>;
 
 /// Writes fields as lines for people: a line for each key that has a value, and lists of numbers and names in one line.
-fn write_text(Fields(fields): &Fields, depth: usize, out: &mut String) {
+fn write_text(fields: &Fields, depth: usize, out: &mut String) {
     let indent = "  ".repeat(depth);
-    let of_people = |(key, _): &&(String, Shown)| !key.contains("_from_"); // matrices
+    let of_people = |(key, _): &(&String, &Shown)| !key.contains("_from_"); // matrices
     for (key, value) in fields.iter().filter(of_people) {
         let values = match value {
             Shown::List(list) if list.iter().any(|one| matches!(one, Shown::Fields(_))) => {
