@@ -1,17 +1,21 @@
 //! Systems that are compared with each other: each a method with its settings, as its authors would build it. A further
 //! system is a row of [`SYSTEMS`].
 
-use reflet_scene::desc::{Accept, Lookup, Method, ProbesDesc, ReflectionDesc, SelectBy, Trace};
+use reflet_scene::{
+    desc::{Accept, Lookup, Method, ProbesDesc, ReflectionDesc, SelectBy, Trace},
+    words,
+};
 
-/// Relation of a system to Reflet's own choices.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    /// Another way of finding reflections.
-    Rival,
-    /// Reflet's own rays, found or spared in another way.
-    Variant,
-    /// Reflet's own choice.
-    Own,
+words! {
+    /// Relation of a system to Reflet's own choices.
+    pub enum Side {
+        /// Another way of finding reflections.
+        Rival = "rival",
+        /// Reflet's own rays, found or spared in another way.
+        Variant = "variant",
+        /// Reflet's own choice.
+        Own = "own",
+    }
 }
 
 /// A system: a method with its settings.

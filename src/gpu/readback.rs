@@ -24,20 +24,19 @@ const ANSWER_TIMEOUT: Duration = Duration::from_secs(10);
 /// # Errors
 /// [`GpuError::Validation`] for a format without a fixed texel size, or a wgpu error.
 pub fn read_texture(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<u8>, GpuError> {
-    read_texture_layer(gpu, texture, 0, 0)
+    read_texture_layer(gpu, texture, 0)
 }
 
-/// Reads one mip of one layer, rows from the top, no padding; the depth aspect of depth formats.
+/// Reads mip 0 of one layer, rows from the top, no padding; the depth aspect of depth formats.
 ///
 /// # Errors
 /// Same errors as [`read_texture`].
 pub fn read_texture_layer(
     gpu: &Gpu,
     texture: &wgpu::Texture,
-    mip_level: u32,
     layer: u32,
 ) -> Result<Vec<u8>, GpuError> {
-    let plane = TexturePlane::new(texture, mip_level, layer)?;
+    let plane = TexturePlane::new(texture, layer)?;
     let mut bytes = Vec::with_capacity((plane.row_bytes * u64::from(plane.height)) as usize);
     let rows_per_band = plane.rows_per_band();
     for first_row in (0..plane.height).step_by(rows_per_band as usize) {
@@ -70,10 +69,9 @@ pub fn values<T: Pod>(bytes: &[u8]) -> Vec<T> {
     bytemuck::pod_collect_to_vec(&bytes[..whole])
 }
 
-/// One mip of one or more layers of a texture.
+/// Mip 0 of one or more layers of a texture.
 struct TexturePlane<'a> {
     texture: &'a wgpu::Texture,
-    mip_level: u32,
     layer: u32,
     layers: u32,
     width: u32,
@@ -82,20 +80,19 @@ struct TexturePlane<'a> {
 }
 
 impl<'a> TexturePlane<'a> {
-    fn new(texture: &'a wgpu::Texture, mip_level: u32, layer: u32) -> Result<Self, GpuError> {
+    fn new(texture: &'a wgpu::Texture, layer: u32) -> Result<Self, GpuError> {
         let format = texture.format();
         let texel_bytes = format.block_copy_size(Some(aspect(format)));
         let texel_bytes = texel_bytes.ok_or_else(|| {
             GpuError::Validation(format!("textures of format {format:?} cannot be read back"))
         })?;
-        let width = (texture.width() >> mip_level).max(1);
+        let width = texture.width();
         Ok(Self {
             texture,
-            mip_level,
             layer,
             layers: 1,
             width,
-            height: (texture.height() >> mip_level).max(1),
+            height: texture.height(),
             row_bytes: u64::from(width) * u64::from(texel_bytes),
         })
     }
@@ -154,7 +151,7 @@ impl Downloads {
     pub fn texture(&mut self, gpu: &Gpu, texture: &wgpu::Texture) -> Result<(), GpuError> {
         let plane = TexturePlane {
             layers: texture.depth_or_array_layers(),
-            ..TexturePlane::new(texture, 0, 0)?
+            ..TexturePlane::new(texture, 0)?
         };
         self.rows(gpu, &plane, 0..plane.height)
     }
@@ -187,7 +184,7 @@ impl Downloads {
         self.encoder.copy_texture_to_buffer(
             wgpu::TexelCopyTextureInfo {
                 texture: plane.texture,
-                mip_level: plane.mip_level,
+                mip_level: 0,
                 origin: wgpu::Origin3d {
                     x: 0,
                     y: rows.start,

@@ -1,6 +1,6 @@
 //! Tables of systems as comma-separated values: in each scene, and over all scenes.
 
-use super::{Row, SceneRows, Side, System, overall::Overall};
+use super::{Row, SceneRows, System, overall::Overall};
 use crate::{
     cell::{Cell, Column, cells, names},
     csv,
@@ -57,12 +57,7 @@ pub fn by_scene(scenes: &[SceneRows], machine: &Machine) -> String {
     };
     for scene in scenes {
         let mut row = |system: &str, measured: Vec<String>, front: &str, status: &str| {
-            let side = match System::named(system).map(|system| system.side) {
-                Some(Side::Rival) => "rival",
-                Some(Side::Variant) => "variant",
-                Some(Side::Own) => "own",
-                None => "",
-            };
+            let side = System::named(system).map_or("", |system| system.side.name());
             let mut row = cells(SCENE, scene);
             row.extend([system, side].map(str::to_owned));
             row.extend(measured);

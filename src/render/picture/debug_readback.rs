@@ -71,7 +71,7 @@ impl Renderer {
             &self.bindings.maps.maps
         };
         let texture = maps.texture();
-        let depths: Vec<f32> = values(&read_texture_layer(gpu, texture, 0, view.layer)?);
+        let depths: Vec<f32> = values(&read_texture_layer(gpu, texture, view.layer)?);
         let meters = self.coordinates.meters();
         let distance = |depth| distance_m(&view.clip_from_world, depth) * meters;
         Ok(Some((
