@@ -74,7 +74,7 @@ fn tracks_below_scripts(scene: &Scene) -> Vec<Diagnostic> {
     let found = all.filter_map(|(kind, index, field, key, name, at)| {
         let is_set = |index| first.has(kind, index, field) && last.has(kind, index, field);
         let message = format!(
-            "the script sets `{key}` of \"{name}\" in each frame, so its track in `[motion]` changes nothing"
+            "the script sets `{key}` of \"{name}\" in the first and the last frame, where its track in `[motion]` changes nothing"
         );
         let help = "remove one of the two, or let the script compute both";
         is_set(*index?).then(|| warning("ignored-key", at, message, help))
