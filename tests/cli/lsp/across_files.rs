@@ -220,7 +220,7 @@ fn the_text_of_a_project_is_completed_and_checked() {
 const LAMP: &str = "version = 1\n[model.glass]\nshape = { kind = \"sphere\" }\n[[instance]]\nname = \"bulb\"\n\
                     model = \"glass\"\ndynamic = true\n";
 const ROOM: &str = include_str!("across_files/room.toml");
-const MOVES: &str = "fn frame(ctx) {\n    ctx.place(\"left.bulb\", [0, 1, 0]);\n}\n";
+const MOVES: &str = "fn frame(ctx) {\n    ctx.place(\"left.bulb\", [0, 1, ctx.t]);\n}\n";
 
 #[test]
 fn names_of_placed_scenes_have_the_prefix_of_their_group() {
