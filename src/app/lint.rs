@@ -119,6 +119,7 @@ impl<'a> Lint<'a> {
         let (scene, at, found) = (self.scene, self.scene.own.clone(), &mut self.found);
         found.extend(ignored::lint(scene, world, &at));
         found.extend(silent::lint(scene, world, &at));
+        found.extend(decal::lint(scene, world));
         found.extend(conventions::lint(scene, world, &at));
         found.extend(lamps::lint(scene, world, &at));
         found.extend(inside::lights(scene, world));
@@ -136,7 +137,6 @@ impl<'a> Lint<'a> {
             return;
         }
         if let Some(trees) = self.trees.for_world(world) {
-            found.extend(decal::lint(scene, world, trees));
             found.extend(probe::close(scene, world, trees));
             found.extend(view::lint(scene, world, trees));
             found.extend(shadow::lint(scene, world, trees));
@@ -186,7 +186,9 @@ impl<'a> Lint<'a> {
             let advised = d.help.as_deref().and_then(setting);
             advised.is_some_and(|(key, _)| written.contains(key))
         };
-        (self.found).retain(|d| !["ignored-key", "one-sample"].contains(&d.name) || !is_written(d));
+        (self.found).retain(|d| {
+            !["ignored-key", "one-sample", "frosted-glass"].contains(&d.name) || !is_written(d)
+        });
         let place = |d: &Diagnostic| d.span.range.start;
         self.found.sort_by_key(place);
         self.found.into_iter().map(Diagnostic::warning).collect()
@@ -206,8 +208,13 @@ fn has_placed_environment(scene: &Scene) -> bool {
         .iter()
         .filter(|it| it.name.contains('.'))
         .filter_map(|it| it.at.source.as_ref());
-    let own = scene.own.source.as_ref().map(|source| &source.path);
-    sources.any(|it| Some(&it.path) != own && it.syntax().root().get("environment").is_some())
+    let Some(own) = &scene.own.source else {
+        return false;
+    };
+    let has_own = own.syntax().root().get("environment").is_some();
+    sources.any(|it| {
+        !has_own && it.path != own.path && it.syntax().root().get("environment").is_some()
+    })
 }
 
 /// Whether two frames place, shape, light and film the same things alike.

@@ -41,7 +41,8 @@ def test_fallbacks_are_those_of_the_preview_surface(tmp_path: Path) -> None:
 
 
 # In even light of 1 the stage's (1, 0, 1) is (1 - s, 0, s) in the file: nearest by s = 1/2.
-SPECULAR = [((0.9, 0.5, 0.02), (0.18, 0.18, 0.18), 1.0), ((0, 0, 1), (1, 0, 0), 0.5)]
+SPECULAR = [((0.9, 0.5, 0.02), (0.18,) * 3, 1.0), ((0, 0, 1), (1, 0, 0), 0.5)]
+SPECULAR += [((0.5, 0.25, 0), (1, 0.5, 0), 1.0)]  # of one hue: any share deviates alike
 
 
 @pytest.mark.parametrize(("specular", "diffuse", "kept"), SPECULAR)

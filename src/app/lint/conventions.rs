@@ -156,7 +156,7 @@ fn foreign_angles(start: &Span) -> Vec<Diagnostic> {
                 "this quaternion is half a turn about X: its order is x, y, z, w".to_owned(),
                 "write `rotation_quat = [0, 0, 0, 1]` for no turn".to_owned(),
             ),
-            ("outer_deg", [x], _) if *x < 1.5 => (
+            ("outer_deg", [x], _) if *x < 1.5 && x.fract() != 0.0 => (
                 "radians",
                 format!("angles are in degrees, and a cone of {x} degrees is nearly a line"),
                 format!(

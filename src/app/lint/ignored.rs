@@ -18,6 +18,7 @@ use crate::world::World;
 pub fn lint(scene: &Scene, world: &World, start: &Span) -> Vec<Diagnostic> {
     let mut found: Vec<_> = by_path(scene, start).into_iter().collect();
     found.extend(lenses(scene));
+    found.extend(far_focus(scene, world));
     found.extend(still_orbits(scene));
     found.extend(dark_environment(scene, world, start));
     found.extend(shutter(scene, start));
@@ -26,19 +27,20 @@ pub fn lint(scene: &Scene, world: &World, start: &Span) -> Vec<Diagnostic> {
     found
 }
 
-/// Tracks of values that the script sets in the first and in the last frame, unless it reads places.
+/// Tracks of values that the script sets in the first, a middle and the last frame, unless it reads places.
 fn tracks_below_scripts(scene: &Scene) -> Vec<Diagnostic> {
     let mut texts = scene.script.iter().flat_map(|script| &script.texts);
-    let frames = scene.timeline.as_ref().map(|it| [it.start, it.end]);
+    let timeline = scene.timeline.as_ref();
+    let frames = timeline.map(|it| [it.start, it.start + (it.end - it.start) / 3, it.end]);
     let Some(frames) = frames.filter(|_| scene.has_frame_script()) else {
         return Vec::new();
     };
-    if texts.any(|(_, text)| text.contains(".position(") || text.contains(".matrix(")) {
+    if texts.any(|(_, text)| text.contains(".position") || text.contains(".matrix")) {
         return Vec::new();
     }
     let animator = Animator::new(scene);
     let states = frames.map(|frame| animator.pose(frame).map(|state| state.scripted));
-    let [Ok(first), Ok(last)] = states else {
+    let [Ok(first), Ok(middle), Ok(last)] = states else {
         return Vec::new();
     };
     let names = Names::from_scene(&scene.desc);
@@ -72,9 +74,10 @@ fn tracks_below_scripts(scene: &Scene) -> Vec<Diagnostic> {
     });
     let all = placing.chain(filming).chain(lighting);
     let found = all.filter_map(|(kind, index, field, key, name, at)| {
-        let is_set = |index| first.has(kind, index, field) && last.has(kind, index, field);
+        let all = [&first, &middle, &last];
+        let is_set = |index| all.iter().all(|frame| frame.has(kind, index, field));
         let message = format!(
-            "the script sets `{key}` of \"{name}\" in the first and the last frame, where its track in `[motion]` changes nothing"
+            "the script sets `{key}` of \"{name}\" in the first, a middle and the last frame, where its track in `[motion]` changes nothing"
         );
         let help = "remove one of the two, or let the script compute both";
         is_set(*index?).then(|| warning("ignored-key", at, message, help))
@@ -127,21 +130,6 @@ fn lenses(scene: &Scene) -> Vec<Diagnostic> {
                 "is orthographic, with parallel rays",
                 "remove it, or remove `orthographic_height_m` for a perspective camera",
             ),
-            None if it.aperture_f.is_some()
-                && it
-                    .focus_m
-                    .is_some_and(|focus_m| focus_m > 50.0 * it.eye.distance(it.target)) =>
-            {
-                let distance_m = rounded(it.eye.distance(it.target).into());
-                let message = format!(
-                    "camera \"{}\" focuses far beyond its target, so all is blurred",
-                    camera.name
-                );
-                let help = format!(
-                    "write `focus_m = {distance_m}`, the distance of its target, or leave it out"
-                );
-                return Some(warning("unlikely-value", &camera.at, message, &help));
-            }
             None => (
                 focus.filter(|_| it.aperture_f.is_none())?,
                 "has no `aperture_f`, which makes everything sharp",
@@ -150,6 +138,33 @@ fn lenses(scene: &Scene) -> Vec<Diagnostic> {
         };
         let message = format!("camera \"{}\" {why}, so {}", camera.name, nothing(&[key]));
         Some(warning("ignored-key", &camera.at, message, help))
+    });
+    found.collect()
+}
+
+/// Open lenses that focus ten times as far as the farthest corner of the scene.
+fn far_focus(scene: &Scene, world: &World) -> Vec<Diagnostic> {
+    let bounds = world.static_bounds();
+    let moved: HashSet<_> = scene.motion.cameras.iter().map(|it| &it.name).collect();
+    let cameras =
+        (scene.cameras.iter()).filter(|it| !bounds.is_empty() && !moved.contains(&it.name));
+    let found = cameras.filter_map(|camera| {
+        let placed = world.cameras.iter().find(|it| it.name == camera.name)?;
+        let (it, eye) = (&placed.value, placed.value.eye);
+        let focus_m = it.focus_m.filter(|_| it.aperture_f.is_some())?;
+        let farthest_m = (eye - bounds.min)
+            .abs()
+            .max((eye - bounds.max).abs())
+            .length();
+        let message = format!(
+            "camera \"{}\" focuses at {focus_m} m, far beyond the whole scene, so all is blurred",
+            camera.name
+        );
+        let target_m = rounded(eye.distance(it.target).into());
+        let help =
+            format!("write `focus_m = {target_m}`, the distance of its target, or leave it out");
+        let is_far = focus_m > 10.0 * farthest_m;
+        is_far.then(|| warning("unlikely-value", &camera.at, message, &help))
     });
     found.collect()
 }

@@ -113,9 +113,9 @@ fn second(rays: &ViewRays, bounds: &[Bounds], hit: &RayHit, direction: DVec3) ->
 }
 
 /// Surface of a triangle or a capsule beside a point, in world space.
-pub struct NearSurface {
+struct NearSurface {
     /// Unit normal of its front.
-    pub normal: DVec3,
+    normal: DVec3,
     /// Distance of the point from the plane of the triangle, or from the capsule.
     height: f64,
     /// Distance by which the point is beside the triangle; negative over it.
@@ -123,12 +123,7 @@ pub struct NearSurface {
 }
 
 /// The surface of an instance's triangle or capsule, seen from a point; `None` where it has no size.
-pub fn surface_at(
-    world: &World,
-    instance: &Instance,
-    index: u32,
-    point: DVec3,
-) -> Option<NearSurface> {
+fn surface_at(world: &World, instance: &Instance, index: u32, point: DVec3) -> Option<NearSurface> {
     let mesh = &world.meshes[instance.mesh];
     let to_world = in_f64(&instance.world_from_object);
     if let Some(capsule) = Capsule::of_mesh(mesh, index) {

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use super::text::{each_value, number, rounded, warning, written};
 use crate::{
     scene::{
-        desc::{ModelDesc, ModelSource, ShapeDesc},
+        desc::{InstanceMaterialDesc, ModelDesc, ModelSource, ShapeDesc},
         diagnostic::{Diagnostic, Span},
         stages::Scene,
         syntax::{Entries, Node},
@@ -95,15 +95,24 @@ fn clear(scene: &Scene) -> impl Iterator<Item = Diagnostic> {
 
 /// Glass that scatters all light, as its roughness is 1 where none is written.
 fn frosted(scene: &Scene) -> impl Iterator<Item = Diagnostic> {
-    scene.materials.iter().filter_map(|entry| {
+    let mut texts = scene.script.iter().flat_map(|script| &script.texts);
+    let is_scripted = texts.any(|(_, text)| text.contains("roughness"));
+    let is_overridden = scene.instances.iter().any(|it| match &it.material {
+        Some(InstanceMaterialDesc::Override(own)) => own.roughness.is_some(),
+        _ => false,
+    });
+    let moved: HashSet<_> = scene.motion.materials.iter().map(|it| &it.name).collect();
+    let own = (scene.materials.iter()).filter(move |it| !moved.contains(&it.name));
+    own.filter_map(move |entry| {
         let it = &entry.value;
-        let is_unwritten = it.roughness.is_none()
+        let is_unwritten = !(is_scripted || is_overridden)
+            && it.roughness.is_none()
             && it.metallic_roughness_texture.is_none()
             && it.patterned.is_empty();
         let is_glass = it.transmission > Some(0.5) && it.base_color_texture.is_none();
         (is_glass && is_unwritten).then(|| {
             let message = format!(
-                "material \"{}\" has no `roughness`, so it is 1, of frosted glass",
+                "material \"{}\" has no `roughness`, so its roughness is 1: frosted glass",
                 entry.name
             );
             warning(

@@ -67,7 +67,7 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
     if let Exposure::Ev(ev) = scene.image.exposure_ev {
         found.extend(brightness(&estimate, ev, camera, world));
     }
-    if scene.is_still() {
+    if scene.is_still() && world.cameras.len() == 1 {
         found.extend(small_patterns(scene, world, &view, &hits));
     }
     for (material, reach) in &estimate.reflectors {
@@ -148,16 +148,18 @@ fn brightness(
         let has_lamps = world
             .all_lights()
             .any(|light| light.desc.kind.position().is_some());
-        let help = if brightest > 0.0 && has_lamps && size_m > CENTIMETERS {
-            format!(
-                "lengths are meters, and this scene is {} m wide: if they are centimeters, write `scale = 0.01` in a \
-                 `[group.all]` that is the `parent` of everything; else stronger lights",
-                shortened(size_m).round()
-            )
-        } else if brightest > 0.0 {
+        let help = if brightest > 0.0 {
             let stops = (0.5 / brightest).log2().round();
             let ev = shortened(ev + stops);
-            format!("write `exposure_ev = {ev}` or \"auto\" in `[image]`, or stronger lights")
+            let unit = match has_lamps && size_m > CENTIMETERS {
+                true => format!(
+                    "lengths are meters, and this scene is {} m wide: if they are centimeters, write `scale = 0.01` in a \
+                     `[group.all]` that is the `parent` of everything; else ",
+                    shortened(size_m).round()
+                ),
+                false => String::new(),
+            };
+            format!("{unit}write `exposure_ev = {ev}` or \"auto\" in `[image]`, or stronger lights")
         } else {
             "no light reaches what it sees: move a light, or write `[environment]`".to_owned()
         };

@@ -81,7 +81,7 @@ fn too_long(token: &Token, open: &Open) -> Option<String> {
             let block = open.last_mut()?;
             block.variables += 1;
             return (block.variables > VARIABLES)
-                .then(|| format!("a function has more than {VARIABLES} variables"));
+                .then(|| format!("a block has more than {VARIABLES} variables"));
         }
         _ => {}
     }

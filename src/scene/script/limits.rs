@@ -89,7 +89,10 @@ pub fn limits() -> Vec<(&'static str, String)> {
             "nesting of arrays and maps where they are compared, written or returned",
             count(NESTED),
         ),
-        ("variables of a function at a time", count(VARIABLES)),
+        (
+            "variables of a function at a time, and of a block",
+            count(VARIABLES),
+        ),
         ("functions", count(FUNCTIONS)),
         ("imports", count(MODULES)),
         ("lines printed by a call", count(LINES)),

@@ -140,6 +140,7 @@ impl<'t> ScriptLint<'t, '_> {
                 "{" | "#{" => self.scopes.push(std::mem::take(&mut next)),
                 "}" if self.scopes.len() > 1 => drop(self.scopes.pop()),
                 "fn" => {
+                    self.in_degrees.clear();
                     next = self.function(i);
                     self.idle_frame(i);
                     self.time_in_setup(i);
@@ -166,7 +167,9 @@ impl<'t> ScriptLint<'t, '_> {
                     }
                 }
                 "/" => self.division(i),
-                "sin" | "cos" | "tan" if self.in_degrees.contains(self.word(i + 2)) => {
+                "sin" | "cos" | "tan"
+                    if self.in_degrees.contains(self.word(i + 2)) && self.word(i + 3) == ")" =>
+                {
                     self.sine_of_degrees(i);
                 }
                 text if text.starts_with('"') => self.plain_text(i),
@@ -241,7 +244,7 @@ impl<'t> ScriptLint<'t, '_> {
         else {
             return;
         };
-        let message = "`setup` runs once, at time 0".to_owned();
+        let message = "the time stands still in `setup`, which runs once, at time 0".to_owned();
         let help =
             "set what follows the time in `frame`, as in `ctx.place(\"ball\", [ctx.t, 0, 0]);`";
         let range = self.tokens[at].at.start..self.tokens[at + 2].at.end;
@@ -253,7 +256,7 @@ impl<'t> ScriptLint<'t, '_> {
         const CHANGES: [&str; 8] = [
             "push", "insert", "append", "remove", "pop", "shift", "clear", "truncate",
         ];
-        const ELSEWHERE: [&str; 4] = ["print", "debug", "throw", "this"];
+        const ELSEWHERE: [&str; 5] = ["print", "debug", "throw", "this", "::"];
         let name = self.word(i + 1);
         let Some(body) = self.body(i) else {
             return;
@@ -267,32 +270,43 @@ impl<'t> ScriptLint<'t, '_> {
             own.any(|token| token.text == self.word(k))
                 .then(|| self.word(k))
         });
-        // Functions of a context and prints have an effect outside.
+        // Functions of a context, other functions of the script and prints have an effect outside.
+        let is_own = |word: &str| {
+            let mut pairs = self.tokens.windows(2);
+            pairs.any(|pair| pair[0].text == "fn" && pair[1].text == word)
+        };
         let has_effect = body.into_iter().any(|k| {
             let is_method = self.word(k + 1) == "." && self.word(k + 3) == "(";
             ELSEWHERE.contains(&self.word(k))
+                || self.word(k + 1) == "(" && is_own(self.word(k))
                 || is_method && !api::signatures(self.word(k + 2)).is_empty()
         });
+        // A statement ends in `;`, unlike the last expression of a block.
         let call = (1..self.tokens.len()).find(|&k| {
-            let is_statement = [";", "{", "}"].contains(&self.word(k - 1));
+            let is_first = [";", "{", "}"].contains(&self.word(k - 1));
+            let end = (k..self.tokens.len()).find(|end| self.word(*end) == ")");
+            let is_statement = is_first && end.is_some_and(|end| self.word(end + 1) == ";");
             is_statement && self.word(k) == name && self.word(k + 1) == "("
         });
         let (Some(parameter), Some(call)) = (parameter.filter(|_| !has_effect), call) else {
             return;
         };
         let message = format!("`{name}` changes a copy of its `{parameter}`, which is lost");
-        let argument = if self.word(call + 3) == ")" {
-            self.word(call + 2)
-        } else {
-            parameter
+        let help = match self.word(call + 3) {
+            ")" => {
+                let list = self.word(call + 2);
+                format!("end it with `{parameter}`, and write `{list} = {name}({list});` here")
+            }
+            _ => format!(
+                "end it with `{parameter}`, and keep its result here, as in `x = {name}(…);`"
+            ),
         };
-        let help =
-            format!("end it with `{parameter}`, and write `{argument} = {name}({argument});` here");
         self.warn("idle-function", self.tokens[call].at.clone(), message, help);
     }
 
     /// Takes note of a variable that is the time in seconds times a quarter of a circle in degrees, or several.
     fn degrees(&mut self, value: usize, name: &'t str) {
+        self.in_degrees.remove(name);
         let words = [0, 1, 2, 3, 4, 5].map(|n| self.word(value + n));
         let number = match words {
             [number, "*", "ctx", ".", "t", ";"] | ["ctx", ".", "t", "*", number, ";"] => number,

@@ -116,7 +116,7 @@ fn lanes(value: &Dynamic, key: &str, form: Form, range: &Range) -> Result<Vec3> 
             match high < LIMIT {
                 true if are_bytes
                     && let [r, g, b] = bytes[..]
-                    && high == 1.0 =>
+                    && (high, x > 15.0) == (1.0, true) =>
                 {
                     format!("write `color(\"#{r:02x}{g:02x}{b:02x}\")` for bytes of a color")
                 }

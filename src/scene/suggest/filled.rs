@@ -4,9 +4,9 @@ use std::{cell::Cell, sync::LazyLock};
 
 use regex::{Captures, Regex};
 
-/// A place in an advice for a value of the text, with an example for texts without one: `{value/2:0.5}`, `{value*fps-1:47}` or
-/// `{height:720}` or `{!value:true}`, the opposite of a truth value, where `value` is the value of the key that the advice is about, another name the value of another key, and
-/// signs are followed from left to right.
+/// A place in an advice for a value of the text, with an example for texts without one: `{value/2:0.5}`, `{value*fps-1:47}`,
+/// `{height:720}` or `{!value:true}`. `value` is the value of the key that the advice is about, another name is the value of
+/// another key; signs are followed from left to right, and `!` is the opposite of a truth value.
 static SLOT: LazyLock<Regex> = LazyLock::new(|| {
     let slot = r"\{(!?[a-z0-9_.]+(?:[-*/][a-z0-9_.]+)*):([^{}]+)\}";
     Regex::new(slot).expect("it is right")

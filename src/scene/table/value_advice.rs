@@ -131,7 +131,7 @@ pub fn list_instead(node: &Node, key: &str, count: usize) -> Option<String> {
             .filter_map(|lane| lane.parse::<u8>().ok())
             .collect();
         if let (["r", ..], [r, g, b]) = (names, &bytes[..])
-            && r.max(g).max(b) > &1
+            && r.max(g).max(b) > &15
         {
             return Some(format!("write \"#{r:02x}{g:02x}{b:02x}\""));
         }

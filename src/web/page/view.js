@@ -70,7 +70,7 @@ export class RefletView extends HTMLElement {
   #camera = null; #moved = null; #isHeld = false; #isLetGo = false;
   // The wanted frame, whether it plays, and the time of the last turn.
   #frame = 0; #plays = false; #turned = 0;
-  #isSeen = false; #seer = new IntersectionObserver(([{ isIntersecting }]) => this.#see(isIntersecting));
+  #isSeen = false; #seer = new IntersectionObserver((seen) => this.#see(seen.at(-1).isIntersecting));
 
   constructor() {
     super();
@@ -120,7 +120,7 @@ export class RefletView extends HTMLElement {
   choose(name) {
     if (name === this.scene) return;
     this.scene = name;
-    [this.#moved, this.#isLetGo, this.#camera] = [null, false, null];
+    [this.#moved, this.#isLetGo, this.#camera, this.#options] = [null, false, null, {}];
     this.#stop();
     this.#frame = whole(this.getAttribute("frame"), 2 ** 31);
   }
@@ -212,8 +212,9 @@ export class RefletView extends HTMLElement {
       this.tell(`${src} cannot be loaded: ${error.message}`);
     }
   }
-  #opened(name) {
+  #opened(name, options = {}) {
     this.choose(name);
+    this.#options = options;
     this.#emit("load", name);
     this.run();
   }
@@ -319,9 +320,12 @@ export class RefletView extends HTMLElement {
     },
     unpacked: ({ unpacked: { scene, set, variant, assets, lenient, strict, project }, files }) => {
       this.clear();
-      this.#options = { set, variant, assets, lenient, strict, project };
-      for (const [name, bytes] of files) this.put(name, TEXT_FILE.test(name) ? new TextDecoder().decode(bytes) : bytes);
-      this.#opened(scene);
+      try {
+        for (const [name, bytes] of files) this.add(name, bytes);
+      } catch (error) {
+        return this.tell(`the pack is refused: ${error.message}`);
+      }
+      this.#opened(scene, { set, variant, assets, lenient, strict, project });
     },
     refused: ({ refused }) => this.tell(`the pack is refused: ${refused}`),
     ended: ({ ended }) => this.#restart(`the renderer ended (${ended})`),

@@ -18,6 +18,8 @@ const tell_missing = () => {
 
 let show = null;
 let [isSaving, isStopped] = [false, false];
+// Whether the picture that was made last is the one that the page shows, not a frame that was saved.
+let isShown = true;
 // Calls that need the scene wait for the picture in work, which holds it.
 let last = Promise.resolve();
 const queue = (call) => { last = last.then(call).catch(ended); };
@@ -34,6 +36,7 @@ const makeNext = async () => {
   const [asked, began] = [next, performance.now()];
   next = null;
   const shown = await make(asked);
+  isShown = true;
   const rgba = shown.width ? pixels() : null;
   shown.seconds = (performance.now() - began) / 1e3;
   tell_missing();
@@ -57,7 +60,8 @@ const save = async ({ asked, output, aovs: planes, frames: named }) => {
     if (output.endsWith(".zip")) return tell({ saved: pack(JSON.stringify(asked)), name: output });
     const all = [...frames(named)];
     for (const [at, frame] of all.entries()) {
-      if (named || planes.length) {
+      if (named || planes.length || !isShown) {
+        isShown = false;
         const shown = await make(JSON.stringify({ ...asked, frame, aovs: planes }));
         if (isStopped || !shown.width) throw isStopped ? "stopped" : shown.error ?? "the scene has mistakes";
       }
@@ -88,10 +92,11 @@ const work = {
   put: ({ put: [camera, eye] }) => queue(() => tell({ put: JSON.parse(put_camera(camera, new Float32Array(eye))) })),
   save: (wanted) => queue(() => save(wanted.save)),
   stop: () => { isStopped = isSaving; if (isSaving) interrupt(); },
-  unpack: ({ unpack: bytes }) => inWords("refused", () => {
+  // A save keeps its pictures where a pack is opened, so that one waits for the other.
+  unpack: ({ unpack: bytes }) => queue(() => inWords("refused", () => {
     const manifest = JSON.parse(unpack(bytes));
     tell({ unpacked: manifest, files: manifest.files.map(({ path }) => [path, take(path)]) });
-  }),
+  })),
   rpc: ({ rpc }) => tell({ rpc: language(rpc) }),
 };
 

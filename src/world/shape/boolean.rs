@@ -135,8 +135,7 @@ fn missing_cutter(
         range(cutter),
         range(whole)
     );
-    let help = "move it by its `translation`; a `cylinder` stands on Y = 0";
-    Some(Fault::new("idle-part", message).help(help))
+    Some(Fault::new("idle-part", message).help("move it by its `translation`"))
 }
 
 /// Work of combining two surfaces: their triangles, and the pairs of near ones, of which each may be cut.

@@ -51,7 +51,10 @@ def _specular_share(specular: Sequence[float], diffuse: Sequence[float]) -> floa
     # The derivative of the squared deviations by the share is 0.
     slopes = [k - strongest * d for k, d in zip(specular, diffuse, strict=True)]
     wanted = [k * (1.0 - d) for k, d in zip(specular, diffuse, strict=True)]
-    best = sum(s * w for s, w in zip(slopes, wanted, strict=True)) / sum(s * s for s in slopes)
+    squares = sum(s * s for s in slopes)
+    if squares < 1e-9:
+        return 1.0  # colors of one hue, which deviate alike by any share
+    best = sum(s * w for s, w in zip(slopes, wanted, strict=True)) / squares
     return min(max(best, 0.0), 1.0)
 
 

@@ -190,7 +190,8 @@ def _kept_specular(specular: Array, diffuse: Array) -> Array:
     shares = np.linspace(0.0, 1.0, 2001)[:, None]
     shown = (1.0 - shares * specular.max()) * diffuse + shares * specular
     wanted = (1.0 - specular) * diffuse + specular
-    return specular * shares[np.argmin(((shown - wanted) ** 2).sum(axis=1))]
+    deviations = ((shown - wanted) ** 2).sum(axis=1)
+    return specular * shares[np.flatnonzero(deviations < deviations.min() + 1e-9)[-1]]
 
 
 class _Comparison:
