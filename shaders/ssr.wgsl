@@ -197,7 +197,9 @@ fn march(s0: Surface, direction: vec3f) -> March {
             if (is_met) { break; }
             // A ray that recedes is free up to where it is as deep as the cell's nearest surface.
             let free_s = select(clamp((stored - r.start.z) * inverse_z, s, exit), exit, is_free);
-            let along = select(pixel, pixel_at(r, free_s, first, next), free_s > s);
+            // Clamping keeps rounding from skipping a pixel.
+            let last_free = clamp(vec2i(floor(r.start.xy + r.delta.xy * free_s)), first, next - 1);
+            let along = select(pixel, last_free, free_s > s);
             let onward = select(along, pixel_past(heading, first, next, exits, along), is_free);
             climbs = climbs && is_free;
             let leaves_parent = any((onward >> vec2u(level + 1u)) != (pixel >> vec2u(level + 1u)));
@@ -221,7 +223,7 @@ fn march(s0: Surface, direction: vec3f) -> March {
             m = accept_by_threshold(r, c, origin, direction);
         }
         if (HAS_SECOND_LAYER && REFUSE && m.cause == CAUSE_HIDDEN) {
-            if (behind_s == r.end) { count_behind(); }
+            if (behind_s == r.end) { atomicAdd(&group_behind, 1u); }
             behind_s = min(behind_s, c.low);
             let behind = march_behind(r, heading, plane, c, steps, origin, direction);
             steps = behind.steps;

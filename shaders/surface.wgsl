@@ -74,7 +74,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
     let inside = all(pixel < vec2u(frame.size));
     var found = Resolved(UNREFLECTIVE, false);
     if (inside) { found = resolve(pixel); }
-    let is_shown = inside && shows_moment(pixel);
+    let is_shown = inside && all(pixel_of_moment(vec2i(pixel)) == vec2i(pixel)); // of this moment
     if (!is_shown || is_left_out(pixel)) { found = Resolved(UNREFLECTIVE, false); }
     if (!HAS_REFLECTIONS && !HAS_TRANSMISSION) { return; }
     let kind = found.kind;

@@ -69,10 +69,6 @@ fn trace_nearest(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32) -> Hit
     return trace_solid(origin, direction, t_min, t_max, false);
 }
 
-fn trace_any(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32) -> bool {
-    return trace_solid(origin, direction, t_min, t_max, true).instance != NO_INSTANCE;
-}
-
 fn trace_solid(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: bool) -> Hit {
     visits_left = MAX_VISITS;
     passed_cutout = vec2u(NONE);

@@ -62,11 +62,6 @@ fn pixel_of_moment(near: vec2i) -> vec2i {
     return vec2i(moment_pixel(vec2u(near) / 2u));
 }
 
-// Whether a pixel shows the moment.
-fn shows_moment(pixel: vec2u) -> bool {
-    return all(pixel_of_moment(vec2i(pixel)) == vec2i(pixel));
-}
-
 // Pixel of an invocation in passes that resolve surfaces.
 fn surface_pixel(invoked: vec2u) -> vec2u {
     if (!is_share() || frame.whole_surfaces != 0u) { return invoked; }

@@ -39,10 +39,6 @@ fn lift_bits(lift_m: f32) -> u32 {
     return u32(clamp(log2(lift_m) * 128.0 + 2561.5, 1.0, 8191.0));
 }
 
-fn lift_of(bits: u32) -> f32 {
-    return select(exp2((f32(bits) - 2561.0) / 128.0), 0.0, bits == 0u);
-}
-
 // Values in 16 bits beside the emission.
 fn unlit_bits(s: Surface) -> u32 {
     if (!HAS_LAYERS) { return pack2x16float(vec2f(clamp(s.curvature, -65000.0, 65000.0), 0.0)) & 0xffffu; }
@@ -101,7 +97,8 @@ fn unpack_surface(bits: vec4u, packed: vec4u) -> Surface {
     s.emission = vec3f(unpack2x16float(packed.z), unpack2x16float(packed.w).x) * EMISSION_SCALE;
     if (!HAS_LAYERS) {
         s.unlit = ((bits.w >> 18u) & 1u) != 0u;
-        s.lift_m = lift_of(bits.w >> 19u);
+        let lift = bits.w >> 19u;
+        s.lift_m = select(exp2((f32(lift) - 2561.0) / 128.0), 0.0, lift == 0u);
         s.curvature = unpack2x16float(packed.w).y;
         return s;
     }

@@ -393,7 +393,7 @@ fn onward_origin(s: Surface, direction: vec3f) -> vec3f {
 
 // Share of light that arrives along a ray, straight through transmissive surfaces: shadow rays are not refracted.
 fn transmittance(origin: vec3f, direction: vec3f, distance_m: f32) -> vec3f {
-    if (!HAS_TRANSMISSION) { return vec3f(select(1.0, 0.0, trace_any(origin, direction, 0.0, distance_m))); }
+    if (!HAS_TRANSMISSION) { return vec3f(f32(trace_solid(origin, direction, 0.0, distance_m, true).instance == NO_INSTANCE)); }
     var share = vec3f(1.0);
     var start_m = 0.0;
     var ahead_m = 1e30;

@@ -44,3 +44,17 @@ fn named_hit(id: vec2u, met: vec3f, origin: vec3f, direction: vec3f, sight: vec3
     if (is_cutout(id.x) && !alpha_passes(id.x, id.y, bary)) { return none; }
     return Hit(met.x, id.x, id.y, bary, 0u);
 }
+
+// Hit of a ray in a step at whose end it is behind a map. A method has its own type `MapRay`, whose parameter is t, and
+// looks up its maps by `is_behind_map` and `met_at`.
+fn met_in_step(map: u32, r: MapRay, first: f32, last: f32) -> Hit {
+    var low = first;
+    var high = last;
+    for (var k = 0u; k < HALVINGS; k++) {
+        let middle = 0.5 * (low + high);
+        if (is_behind_map(map, r, middle)) { high = middle; } else { low = middle; }
+    }
+    let hit = met_at(map, r, high);
+    if (hit.instance != NO_INSTANCE) { return hit; }
+    return met_at(map, r, low);
+}

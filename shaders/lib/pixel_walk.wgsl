@@ -20,11 +20,6 @@ fn exits_of(h: Heading, first: vec2i, next: vec2i) -> vec2f {
     return vec2f(select(first, next, h.positive)) * h.inverse - h.offset;
 }
 
-// Pixel of the ray at a parameter s within a cell. Clamping keeps rounding from skipping a pixel.
-fn pixel_at(r: ScreenRay, s: f32, first: vec2i, next: vec2i) -> vec2i {
-    return clamp(vec2i(floor(r.start.xy + r.delta.xy * s)), first, next - 1);
-}
-
 // The pixel after a cell, which is exact across the border that the ray crosses. `along` is the ray's last pixel in
 // the cell.
 fn pixel_past(h: Heading, first: vec2i, next: vec2i, exits: vec2f, along: vec2i) -> vec2i {

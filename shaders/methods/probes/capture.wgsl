@@ -82,12 +82,6 @@ fn seen_from(probe: vec3f, towards: vec3f, seed: vec2u) -> Seen {
     return seen;
 }
 
-// Place of a sample within its pixel, 0 to 1: the first in the middle, the others evenly spread around it (Roberts
-// 2018, "The Unreasonable Effectiveness of Quasirandom Sequences").
-fn place_of_sample(sample: u32) -> vec2f {
-    return fract(vec2f(0.5) + f32(sample) * vec2f(0.7548776662, 0.5698402910));
-}
-
 @compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(global_invocation_id) id: vec3u) {
     let pixel = id.xy + vec2u(params.first_x, params.first_y);
@@ -98,7 +92,10 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let seed = pixel + vec2u(params.face_px * layer, 0u);
     for (var sample = 0u; sample < params.samples; sample++) {
         take_sample(sample);
-        let place = (vec2f(pixel) + place_of_sample(sample)) * (2.0 / f32(params.face_px)) - 1.0;
+        // The first sample is in the middle of its pixel, the others are evenly spread around it (Roberts 2018, "The
+        // Unreasonable Effectiveness of Quasirandom Sequences").
+        let within = fract(vec2f(0.5) + f32(sample) * vec2f(0.7548776662, 0.5698402910));
+        let place = (vec2f(pixel) + within) * (2.0 / f32(params.face_px)) - 1.0;
         let seen = seen_from(probe, normalize(face_direction(layer % 6u, place)), seed);
         sum += seen.light;
         if (sample == 0u) {

@@ -40,6 +40,6 @@ fn trace(@builtin(global_invocation_id) id: vec3u) {
     let query = queries[id.x];
     let hit = trace_nearest(query.origin, query.direction, query.t_min, query.t_max);
     let visits = vec2u(visited_nodes, tested_triangles);
-    let blocked = trace_any(query.origin, query.direction, query.t_min, query.t_max);
+    let blocked = trace_solid(query.origin, query.direction, query.t_min, query.t_max, true).instance != NO_INSTANCE;
     answers[id.x] = Answer(hit, u32(blocked), exhausted_rays, visits);
 }

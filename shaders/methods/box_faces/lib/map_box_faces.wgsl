@@ -46,6 +46,8 @@ fn depth_seen(face: u32, at: FacePoint) -> f32 {
     return mix(mix(d.x, d.y, part.x), mix(d.z, d.w, part.x), part.y);
 }
 
+alias MapRay = BoxRay;
+
 struct BoxRay {
     origin: vec3f,
     direction: vec3f,
@@ -64,8 +66,8 @@ fn is_behind_pixel(face: u32, point: vec3f) -> bool {
     return at.depth > depth_at(face, face_pixel(at.place));
 }
 
-fn is_behind_face(face: u32, point: vec3f) -> bool {
-    let at = seen_by_face(face, point);
+fn is_behind_map(face: u32, r: BoxRay, t: f32) -> bool {
+    let at = seen_by_face(face, in_box(r, t));
     return at.depth > depth_seen(face, at);
 }
 
@@ -83,19 +85,6 @@ fn met_at(face: u32, r: BoxRay, t: f32) -> Hit {
     let beside = seen_by_face(face, in_box(r, met.x));
     if (distance(beside.place, at.place) * size > SAME_PLACE_PX) { return none; }
     return named_hit(id, met, r.origin, r.direction, inwards(face), none);
-}
-
-// Hit of a ray in a step at whose end it is behind the surfaces of a face.
-fn met_in_step(face: u32, r: BoxRay, first_m: f32, last_m: f32) -> Hit {
-    var low = first_m;
-    var high = last_m;
-    for (var k = 0u; k < HALVINGS; k++) {
-        let middle = 0.5 * (low + high);
-        if (is_behind_face(face, in_box(r, middle))) { high = middle; } else { low = middle; }
-    }
-    let hit = met_at(face, r, high);
-    if (hit.instance != NO_INSTANCE) { return hit; }
-    return met_at(face, r, low);
 }
 
 // Whether a ray that leaves the box without a hit goes out of it as the face across sees: that face sees nothing there.
@@ -132,7 +121,7 @@ fn closest_hit(origin: vec3f, direction: vec3f, start_m: f32, end_m: f32) -> Hit
         for (var face = 0u; face < 6u; face++) {
             var is_behind = is_behind_pixel(face, point);
             let enters = is_behind && (before & (1u << face)) == 0u;
-            if (enters) { is_behind = is_behind_face(face, point); }
+            if (enters) { is_behind = is_behind_map(face, r, t); }
             before = insertBits(before, u32(is_behind), face, 1u);
             if (!enters || !is_behind) { continue; }
             let hit = met_in_step(face, r, free_m, t);

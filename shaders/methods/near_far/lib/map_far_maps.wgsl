@@ -13,6 +13,8 @@ const STEEPEST: f32 = 1.570795;
 
 // A ray as the middle of the maps sees it. Its points are given by the angle from the one nearest to the middle: even
 // angles are even steps over the maps.
+alias MapRay = FarRay;
+
 struct FarRay {
     origin: vec3f,
     direction: vec3f,
@@ -65,8 +67,7 @@ fn is_beside(point: vec3f, other: vec3f) -> bool {
 fn met_at(map: u32, r: FarRay, angle: f32) -> Hit {
     let none = Hit(r.to_m, NO_INSTANCE, 0u, vec2f(0.0), 0u);
     let here = r.offset + r.direction * distance_of(r, angle);
-    let at = face_place(here);
-    let id = textureLoad(cube_hits, cube_pixel(at.place), 6u * map + at.face, 0).yz;
+    let id = cube_hit(map, here).yz;
     if (id.x == NONE) { return none; }
     if (COUNT) { tested_triangles++; }
     let met = meet_named(id, r.origin, r.direction);
@@ -74,19 +75,6 @@ fn met_at(map: u32, r: FarRay, angle: f32) -> Hit {
     let point = r.offset + r.direction * met.x;
     if (!is_beside(point, here)) { return none; }
     return named_hit(id, met, r.origin, r.direction, point, none);
-}
-
-// Hit of a ray in a step at whose end it is behind a map.
-fn met_in_step(map: u32, r: FarRay, first: f32, last: f32) -> Hit {
-    var low = first;
-    var high = last;
-    for (var k = 0u; k < HALVINGS; k++) {
-        let middle = 0.5 * (low + high);
-        if (is_behind_map(map, r, middle)) { high = middle; } else { low = middle; }
-    }
-    let hit = met_at(map, r, high);
-    if (hit.instance != NO_INSTANCE) { return hit; }
-    return met_at(map, r, low);
 }
 
 // Marches a part of a ray outside of the box, on which it starts before everything that the maps see.

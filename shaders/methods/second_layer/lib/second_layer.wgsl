@@ -26,10 +26,6 @@ const LEAST_COSINE: f32 = 0.2; // of a slope that is taken into account, against
 // Number of rays of the workgroup that went behind the first layer.
 var<workgroup> group_behind: atomic<u32>;
 
-fn count_behind() {
-    atomicAdd(&group_behind, 1u);
-}
-
 fn add_behind() {
     if (!HAS_SECOND_LAYER) { return; }
     atomicAdd(&counters[BEHIND_COUNTER], atomicLoad(&group_behind));
