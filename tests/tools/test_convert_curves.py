@@ -31,13 +31,7 @@ def test_points_with_colors(tmp_path: Path) -> None:
 
 
 def curve(body: str, counts: str = "4") -> str:
-    return f"""
-def BasisCurves "C" {{
-    int[] curveVertexCounts = [{counts}]
-    point3f[] points = [(0,0,0), (1,3,0), (2,-3,0), (3,0,0)]
-    {body}
-}}
-"""
+    return text_of("convert_curves/curve.usda", counts=counts, body=body)
 
 
 def test_linear_curves_keep_their_points(tmp_path: Path) -> None:

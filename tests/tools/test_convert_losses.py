@@ -68,14 +68,7 @@ def test_metadata_without_a_place_is_named_once(tmp_path: Path) -> None:
 
 
 def test_volumes_say_what_is_lost(tmp_path: Path) -> None:
-    text = """def Volume "V" {
-        rel field:density = </V/Smoke>
-        rel field:heat = </V/None>
-        def OpenVDBAsset "Smoke" {
-            asset filePath = @./smoke.vdb@
-        }
-    }"""
-    done = convert_text(tmp_path, text)
+    done = convert_text(tmp_path, text_of("convert_losses/volume.usda"))
     assert "('density' @./smoke.vdb@, 'heat')" in messages(done, "Volume-dropped")["/V"]
     assert "of a volume" in messages(done, "OpenVDBAsset-dropped")["/V/Smoke"]
     assert "1 Volume" in messages(done, "stage-empty")["/"]

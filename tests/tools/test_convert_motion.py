@@ -98,16 +98,7 @@ def test_a_turning_matrix_before_another_keeps_a_cubic_key_for_each_of_its_own(
         rows.append(
             f"{code}: (({c:.9f},0,{-s:.9f},0), (0,1,0,0), ({s:.9f},0,{c:.9f},0), (0,2,0,1))"
         )
-    value = f"""matrix4d xformOp:transform:turn.timeSamples = {{ {", ".join(rows)} }}
-    matrix4d xformOp:transform:tilt = ((.8,.6,0,0), (-.6,.8,0,0), (0,0,1,0), (3,0,0,1))
-    float3 xformOp:scale.timeSamples = {{ 1: (1,1,1), 30: (2,1,1) }}"""
-    text = f"""
-def Cube "C" {{
-    {value}
-    uniform token[] xformOpOrder = ["xformOp:transform:turn", "xformOp:transform:tilt",
-        "xformOp:scale"]
-}}
-"""
+    text = text_of("convert_motion/turn_and_tilt.usda", samples=", ".join(rows))
     done = convert_text(tmp_path, text)
     assert done.warnings() == {"animation-resampled"}
     samplers = done.gltf.animations[0].samplers

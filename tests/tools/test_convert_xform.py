@@ -25,14 +25,7 @@ def test_static_stacks_agree_with_usd(tmp_path: Path, axis: str, meters: float) 
 
 @pytest.mark.parametrize("order", ["XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"])
 def test_every_euler_order_animated_is_exact(tmp_path: Path, order: str) -> None:
-    text = f"""
-def Cube "C" {{
-    float3 xformOp:rotate{order}.timeSamples = {{ 0: (0,0,0), 10: (200,-90,400), 20: (1,2,3) }}
-    double3 xformOp:translate = (1, 2, 3)
-    uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotate{order}"]
-}}
-"""
-    done = convert_text(tmp_path, text)
+    done = convert_text(tmp_path, text_of("convert_xform/euler_order.usda", order=order))
     assert "animation-resampled" not in done.warnings()
     check_world(done, "/C", [0, 1.7, 5, 9.9, 10, 13.3, 20])
 

@@ -9,12 +9,7 @@ from texts import fill, text_of
 
 SHADED = text_of("light_inputs/shaded.usda")
 DOME = text_of("light_inputs/dome.usda")
-GLOWING = f"""
-def Mesh "L" (prepend apiSchemas = ["MeshLightAPI"])
-{{{FACE}
-    $line
-}}
-"""
+GLOWING = text_of("light_inputs/glowing.usda", FACE=FACE, line="$line")
 INPUTS = [
     (SHADED, "color3f inputs:shadow:color = (1, 0, 0)", "light-input-dropped"),
     (SHADED, "float inputs:shadow:distance = 3", "light-input-dropped"),

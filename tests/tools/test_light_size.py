@@ -14,15 +14,7 @@ from scipy import special
 from tampering import Output, expect_found, forget, light
 from texts import text_of
 
-LIGHT = """
-def {kind} "L"
-{{
-    float inputs:intensity = 100
-    {body}
-    matrix4d xformOp:transform = ( ({0}, 0), ({1}, 0), ({2}, 0), (0, 0, 0, 1) )
-    uniform token[] xformOpOrder = ["xformOp:transform"]
-}}
-"""
+LIGHT = text_of("light_size/light.usda")
 UNIT_RECT = "float inputs:width = 1\nfloat inputs:height = 1"
 WIDE_RECT = "float inputs:width = 2\nfloat inputs:height = 1"
 ROD = "float inputs:radius = 0.1\nfloat inputs:length = 2"

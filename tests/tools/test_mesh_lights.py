@@ -13,13 +13,7 @@ from texts import text_of
 LEVELS = text_of("mesh_lights/levels.usda")
 NITS = [12.0, 6.0, 0.0]
 LAMP = mesh("L", LEVELS, "MeshLightAPI")
-NAMED = f"""
-def GeometryLight "G"
-{{{LEVELS}
-    rel geometry = </L>
-}}
-{mesh("L")}
-"""
+NAMED = text_of("mesh_lights/named.usda", LEVELS=LEVELS, mesh=mesh("L"))
 
 
 def material(emission: str, binding: str = "") -> str:

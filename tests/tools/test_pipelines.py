@@ -54,15 +54,7 @@ def test_value_clips_jump_from_one_to_the_next(tmp_path: Path, khronos: None) ->
 
 
 def test_keys_closer_than_single_precision(tmp_path: Path, khronos: None) -> None:
-    keys = "0: 0, 1: 1, 1.00000001: 2, 1.00000002: 3, 2: 9"
-    text = f"""
-def Cube "C"
-{{
-    double xformOp:translateX.timeSamples = {{ {keys} }}
-    uniform token[] xformOpOrder = ["xformOp:translateX"]
-}}
-"""
-    done = convert_text(tmp_path, text)
+    done = convert_text(tmp_path, text_of("pipelines/keys_closer_than_single_precision.usda"))
     assert check_files([done.out])[0].errors == 0
     for code, place in ((0.5, 0.5), (1.001, 3.006), (2, 9)):
         assert done.world(code / 24)[done.node("/C")][0, 3] == pytest.approx(place, abs=1e-3)

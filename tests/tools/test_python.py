@@ -21,12 +21,7 @@ Image = pytest.importorskip("PIL.Image", reason="pictures are opened with Pillow
 
 #: A moving chrome ball over a floor, with a parameter, a variant and two cameras.
 SCENE = text_of("python/scene.toml")
-SCRIPT = """
-fn frame(ctx) {
-    print(`frame ${ctx.frame}`);
-    ctx.place("ball", [0.1 * ctx.frame, ctx.params.height, 0.0]);
-}
-"""
+SCRIPT = text_of("python/frame.rhai")
 
 #: A square of two triangles, seen from 5 m.
 SQUARE = {
