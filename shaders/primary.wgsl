@@ -13,7 +13,8 @@ fn find(pixel: vec2u) {
     if (any(pixel >= vec2u(frame.size))) { return; }
     // The direction has a component of 1 along the view axis, so that t is linear view depth.
     let center = vec2f(pixel) + 0.5;
-    let h = trace_nearest(pixel_origin(center), pixel_ray(center), frame.near_m, FAR_M);
+    let seen = seen_part(center);
+    let h = trace_nearest(pixel_origin(center), pixel_ray(center), seen.x, seen.y);
     if (HAS_CULLED) {
         let is_culled = culled_t < h.t;
         lists[pyramid_slot(pyramid(), pixel, 0u)] = bitcast<u32>(select(0.0, screen_z(culled_t), is_culled));

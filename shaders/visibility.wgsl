@@ -11,5 +11,6 @@ override CUTOUT: bool = false; // whether this pipeline draws cut-out materials
 @fragment
 fn fragment(in: Varying) -> @location(0) vec2u {
     if (CUTOUT && !alpha_passes(in.ids.x, in.ids.y, in.bary)) { discard; }
+    if (is_cut_away(in.clip)) { discard; }
     return in.ids;
 }

@@ -26,7 +26,8 @@ struct CapsuleFragment {
 
 @fragment
 fn fragment_capsule(in: CapsuleVarying) -> CapsuleFragment {
-    let hit = solid_capsule_hit(in.ids.x, in.ids.y, pixel_origin(in.clip.xy), pixel_ray(in.clip.xy), frame.near_m, vec2f(frame.pixel_m, frame.pixel_spread), false);
-    if (!hit.is_met) { discard; }
+    let seen = seen_part(in.clip.xy);
+    let hit = solid_capsule_hit(in.ids.x, in.ids.y, pixel_origin(in.clip.xy), pixel_ray(in.clip.xy), seen.x, vec2f(frame.pixel_m, frame.pixel_spread), false);
+    if (!hit.is_met || hit.t > seen.y) { discard; }
     return CapsuleFragment(in.ids, screen_z(hit.t));
 }

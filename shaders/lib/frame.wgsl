@@ -125,6 +125,32 @@ fn depth_of(z: f32) -> f32 {
     return frame.near_m / max(z, 1e-30);
 }
 
+override HAS_CLIP_PLANES: bool = true; // whether some camera has clip planes
+
+// The part of a part of a ray that is before all clip planes, as t.
+fn unclipped(origin: vec3f, direction: vec3f, part: vec2f) -> vec2f {
+    var kept = part;
+    for (var i = 0u; HAS_CLIP_PLANES && i < MOST_CLIP_PLANES; i++) {
+        let plane = frame.clip_planes[i];
+        let climb = dot(plane.xyz, direction);
+        let t = (dot(plane.xyz, origin) + plane.w) / select(-climb, 1e-20, climb == 0.0);
+        kept = select(vec2f(kept.x, min(kept.y, t)), vec2f(max(kept.x, t), kept.y), climb > 0.0);
+    }
+    return kept;
+}
+
+// The part of a pixel's ray that the camera sees, as view depths.
+fn seen_part(pixel: vec2f) -> vec2f {
+    return unclipped(pixel_origin(pixel), pixel_ray(pixel), vec2f(frame.near_m, FAR_M));
+}
+
+// Whether a fragment at this place of the picture is behind a clip plane.
+fn is_cut_away(place: vec4f) -> bool {
+    let part = seen_part(place.xy);
+    let depth_m = depth_of(place.z);
+    return HAS_CLIP_PLANES && (depth_m < part.x || depth_m > part.y);
+}
+
 // Luminance of linear Rec. 709 colors, the weight of random choices between colors.
 fn luminance(color: vec3f) -> f32 {
     return dot(color, vec3f(0.2126, 0.7152, 0.0722));

@@ -30,7 +30,7 @@ fn pixel_surface(pixel: vec2u, hit: vec2u) -> PixelSurface {
     var on_plane = true;
     var nearest_m = -1e30; // least depth of the shaded point
     if (is_capsule(hit.x)) {
-        let met = solid_capsule_hit(hit.x, hit.y, pixel_origin(center), ray, frame.near_m, vec2f(frame.pixel_m, frame.pixel_spread), false);
+        let met = solid_capsule_hit(hit.x, hit.y, pixel_origin(center), ray, seen_part(center).x, vec2f(frame.pixel_m, frame.pixel_spread), false);
         t = met.t;
         place = met.place;
         // A plane that touches the capsule may be before the eye.

@@ -34,10 +34,11 @@ fn screen_ray(origin: vec3f, direction: vec3f) -> ScreenRay {
     let approach = dot(direction, frame.forward);
     let depth = dot(origin - frame.eye, frame.forward);
     r.length_m = frame.ray_length_m;
-    // The screen shows nothing behind the near plane.
+    // The screen shows nothing behind the near plane and clip planes.
     let to_near = (depth - frame.near_m * 1.01) / max(-approach, 1e-9);
-    if (approach < 0.0 && to_near < r.length_m) {
-        r.length_m = max(to_near, 0.0);
+    let seen = unclipped(origin, direction, vec2f(0.0, select(FAR_M, to_near, approach < 0.0)));
+    if (seen.y < r.length_m) {
+        r.length_m = max(seen.y, 0.0);
         r.leaves = true;
     }
     // Nothing lies beyond the far plane.

@@ -17,5 +17,6 @@ fn vertex_indexed(vertex: Placed, @builtin(instance_index) instance: u32) -> Ind
 
 @fragment
 fn fragment_indexed(in: IndexedVarying, @builtin(primitive_index) triangle: u32) -> @location(0) vec2u {
+    if (is_cut_away(in.clip)) { discard; }
     return vec2u(in.instance, triangle);
 }

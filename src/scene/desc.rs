@@ -43,7 +43,7 @@ use reflet_base::unique_names::UniqueNames;
 
 pub use self::{
     animation::{AnimationDesc, Playback},
-    camera::{CAMERA, CameraDesc, CameraMotionDesc},
+    camera::{CAMERA, CameraDesc, CameraMotionDesc, MOST_CLIP_PLANES},
     decal::{DecalChanges, DecalDesc},
     environment::{ENVIRONMENT, EnvironmentDesc, EnvironmentShadow, FogDesc},
     hierarchy::{GroupDesc, Parents, PlacedSceneDesc, ShownDesc},

@@ -23,6 +23,8 @@ pub enum Unseen {
     Outside,
     /// All in the picture is nearer than the near plane; the farthest depth, meters.
     TooNear(f64),
+    /// All in the picture is behind a clip plane.
+    CutAway,
     /// The camera sees only surfaces whose alpha is 0 or below their cut-off.
     Transparent,
     /// The camera sees only backs of single-sided surfaces.
@@ -46,6 +48,7 @@ pub struct Sight {
     /// Pixel that the view direction meets.
     middle: DVec2,
     size: DVec2,
+    clip_planes: Vec<DVec4>,
 }
 
 impl Sight {
@@ -80,6 +83,9 @@ impl Sight {
             px_per_m,
             middle,
             size,
+            clip_planes: (camera.clip_planes.iter())
+                .map(|plane| DVec4::from(plane.map(f64::from)))
+                .collect(),
         }
     }
 
@@ -161,6 +167,11 @@ impl Sight {
         round: Option<Thickness>,
     ) -> Option<Unseen> {
         let radius_m = round.map_or(0.0, |round| round.radius_m);
+        let cuts = |plane: &DVec4| {
+            let reach = radius_m * plane.truncate().length();
+            corners.iter().all(|p| plane.dot(p.extend(1.0)) < -reach)
+        };
+        let is_cut = self.clip_planes.iter().any(cuts);
         let corners = corners.map(|p| self.pixel_from_world * p.extend(1.0));
         let beyond = |near_m: f64| {
             let cut = cut(&corners, near_m);
@@ -185,6 +196,9 @@ impl Sight {
         }
         if farthest < self.near_m {
             return Some(Unseen::TooNear(farthest));
+        }
+        if is_cut {
+            return Some(Unseen::CutAway);
         }
         if is_back {
             return Some(Unseen::Backs);

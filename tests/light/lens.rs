@@ -92,3 +92,52 @@ fn hybrid_looks_through_the_same_lens_as_rt() {
         "{screen:?}"
     );
 }
+
+#[test]
+fn clip_planes_in_the_space_of_a_parent_cut_the_view() {
+    let Some(gpu) = gpu() else { return };
+    let text = include_str!("lens/cut.toml");
+    let flat = text.replace("-2]", "-2.2]");
+    let cut_box = "[[1, 0, 0, 0.25], [-1, 0, 0, 1], [0, -1, 0, 0.1], [0, 1, 0, 0.75]]";
+    let [large, small] =
+        ["[4, 4, 4]", "[1.7, 4, 2.5]"].map(|size| format!("{{ kind = \"box\", size = {size} }}"));
+    let ball = r#"{ kind = "sphere", radius = 1 }"#;
+    // A ball without the part nearest to the camera shows its inside, through a round hole.
+    let hole = r#"{ kind = "disk", radius = 0.9798, segments = 1024 }"#;
+    let pairs = [
+        (text, &*large, cut_box, &*small),
+        (&flat, ball, "[[0, 0, -1, -1.6]]", hole),
+    ];
+    for (whole, shape, planes, expected) in pairs {
+        for view in ["fov_deg=60", "orthographic_height_m=4.17", "aperture_f=0.5"] {
+            for visibility in ["raster", "rays"] {
+                let sets = [
+                    format!("image.visibility=\"{visibility}\""),
+                    format!("camera.main.{view}"),
+                ];
+                let shown = |text: &str, shape: &str, planes: &str| {
+                    let shape = format!("model.thing.shape={shape}");
+                    let planes = format!("camera.main.clip_planes={planes}");
+                    let sets = [&sets[0], &sets[1], &shape, &planes].map(String::as_str);
+                    mean(&render(gpu, text, &sets, &[]))[0]
+                };
+                let [cut, smaller] = [shown(text, shape, planes), shown(whole, expected, "[]")];
+                assert!(smaller > 0.03, "{smaller}");
+                assert_close(cut, smaller, 0.01);
+            }
+        }
+    }
+}
+
+#[test]
+fn mirrors_show_what_clip_planes_cut_off_the_view() {
+    let Some(gpu) = gpu() else { return };
+    let text = include_str!("lens/cut_mirror.toml");
+    let light = |method: &str| {
+        let method = format!("reflection.method=\"{method}\"");
+        mean(&render(gpu, text, &[&method], &[]))[0]
+    };
+    let [rt, hybrid] = ["rt", "hybrid"].map(light);
+    assert!(rt > 0.05 && rt < 0.2, "{rt}");
+    assert_close(hybrid, rt, 0.01);
+}

@@ -128,10 +128,10 @@ impl Watched {
             wipe_at: 0.5,
             error_map: false,
         });
-        self.worker.mailbox.post(Task::Frame(FrameRequest {
+        self.worker.mailbox.post(Task::Frame(Box::new(FrameRequest {
             view: self.view.clone(),
             action: screenshot,
-        }));
+        })));
         let note = self.until("a note", |report| match report {
             Report::Message(note) => Some(note.clone()),
             _ => None,
@@ -301,7 +301,7 @@ fn what_is_asked_of_a_frame_is_done_with_that_frame_whatever_is_shown() {
             ..preview.view.clone()
         };
         let inspection = FrameRequest { view, action: with };
-        preview.worker.mailbox.post(Task::Frame(inspection));
+        preview.worker.mailbox.post(Task::Frame(inspection.into()));
     };
     let screenshot = FrameAction::Screenshot(Screenshot {
         goal: crate::kit::file_goal(&screenshots, "nine"),

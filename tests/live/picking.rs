@@ -24,7 +24,7 @@ fn pick(preview: &mut Watched, at: [f32; 2]) -> Option<Picked> {
         view: preview.view.clone(),
         action: FrameAction::Pick(at),
     };
-    preview.worker.mailbox.post(Task::Frame(inspection));
+    preview.worker.mailbox.post(Task::Frame(inspection.into()));
     preview.until("what was clicked", |report| match report {
         Report::Picked(picked) => Some(picked.clone()),
         _ => None,
@@ -39,7 +39,7 @@ fn what_a_pixel_holds_is_listed() {
             view: preview.view.clone(),
             action: FrameAction::Pick(at),
         };
-        preview.worker.mailbox.post(Task::Frame(inspection));
+        preview.worker.mailbox.post(Task::Frame(inspection.into()));
         let values = preview.until("a pixel", |report| match report {
             Report::Pixel(values) => Some(values.clone()),
             _ => None,

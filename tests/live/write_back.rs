@@ -132,7 +132,7 @@ fn moving_what_was_clicked_changes_one_line_and_can_be_undone() {
         view: preview.view.clone(),
         action: FrameAction::Pick([0.5, 0.5]),
     };
-    preview.worker.mailbox.post(Task::Frame(pick));
+    preview.worker.mailbox.post(Task::Frame(pick.into()));
     let picked = inspected(&mut preview).expect("the box");
     assert_eq!(
         (picked.item, picked.refused.clone()),

@@ -252,10 +252,13 @@ def test_lenses_are_shifted_and_zoom_as_the_stage_says(tmp_path: Path) -> None:
     body = "float horizontalApertureOffset = 3\n    float verticalApertureOffset = -6"
     body += "\n    float focalLength.timeSamples = { 1: 20, 24: 100, 48: 50 }"
     body += "\n    float2 clippingRange.timeSamples = { 1: (1, 10), 24: (2, 10) }"
+    body += "\n    float4[] clippingPlanes = [(1, 0.5, 0, 200)]"
     for kind in ("perspective", "orthographic"):
         text = f'{body}\n    float verticalAperture = 12\n    token projection = "{kind}"'
         done = convert_light(tmp_path, "Camera", text, 0.01)
-        assert done.json["cameras"][0]["extras"]["lens_shift"] == [0.25, -0.5]
+        extras = done.json["cameras"][0]["extras"]
+        assert extras["lens_shift"] == [0.25, -0.5]
+        assert extras["clip_planes"] == [[1, 0.5, 0, pytest.approx(2)]]
         moved = [
             channel["target"]["extensions"]["KHR_animation_pointer"]["pointer"]
             for channel in done.json["animations"][0]["channels"]

@@ -206,7 +206,7 @@ LOST = [
     ("CylinderLight", "", "bool treatAsLine = 1", "light-line-dropped"),
     ("SphereLight", "ShapingAPI", "float inputs:shaping:focus = 2", "light-shaping-dropped"),
     ("Points", "MeshLightAPI", POINT + "float inputs:intensity = 5", "mesh-light-dropped"),
-    ("Camera", "", "float4[] clippingPlanes = [(1, 0, 0, 1)]", "lens-dropped"),
+    ("Camera", "", "float4[] clippingPlanes = [(0, 0, 0, 1)]", "lens-dropped"),
     ("Camera", "", "float exposure:iso = 400", "lens-dropped"),
     ("Camera", "", "float exposure:responsivity = 2", "lens-dropped"),
 ]

@@ -69,6 +69,11 @@ def shift_lens(out: Output) -> None:
     out.gltf.cameras[0].extras["lens_shift"][1] *= -1.0
 
 
+def move_clip_plane(out: Output) -> None:
+    """Damage: move the clip plane of the camera."""
+    out.gltf.cameras[0].extras["clip_planes"][0][3] += 0.5
+
+
 def invent_camera(out: Output) -> None:
     """Damage: give the node of an invalid camera another camera."""
     bad = next(n for n in out.gltf.nodes if (n.extras or {}).get("prim") == "/Bad")
@@ -144,6 +149,7 @@ CASES: list[Case] = [
     ("a camera too many", NO_LENS + UNIT, "camera-invalid", invent_camera),
     ("a moving lens", MOVING_LENS + UNIT, "", animate),
     ("a shifted lens", MOVING_LENS + UNIT, "", shift_lens),
+    ("a moved clip plane", MOVING_LENS + UNIT, "", move_clip_plane),
     *(
         (f"colors of {name}", (HERE / "stages" / f"{name}.usda").read_text(), "", fade)
         for name in ("widths", "levels")

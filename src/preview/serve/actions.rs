@@ -148,7 +148,7 @@ impl Session {
         let is_inside = at.iter().all(|part| (0.0..=1.0).contains(part));
         if let (Some(view), true) = (self.state.requested.clone(), is_inside) {
             let action = FrameAction::Pick(at);
-            self.post(Task::Frame(FrameRequest { view, action }));
+            self.post(Task::Frame(Box::new(FrameRequest { view, action })));
         }
     }
 

@@ -161,7 +161,7 @@ impl Session {
             wipe_at,
             error_map: false,
         });
-        self.post(Task::Frame(FrameRequest { view, action }));
+        self.post(Task::Frame(Box::new(FrameRequest { view, action })));
     }
 
     pub(super) fn say(&self, text: &str) {

@@ -180,6 +180,9 @@ pub fn as_text(name: &str, camera: &CameraDesc) -> String {
     if camera.lens_shift != defaults.lens_shift {
         let _ = writeln!(text, "lens_shift = [{x}, {y}]");
     }
+    if !camera.clip_planes.is_empty() {
+        let _ = writeln!(text, "clip_planes = {:?}", camera.clip_planes);
+    }
     let lens = [
         ("aperture_f", camera.aperture_f),
         ("focus_m", camera.focus_m),
@@ -337,6 +340,7 @@ mod tests {
             up: Vec3::Z,
             fov_deg: 33.3333,
             near_m: Some(0.0025),
+            clip_planes: vec![[0.0, -1.0, 1e-7, 2.5]],
             ..CameraDesc::default()
         };
         camera.eye = Vec3::new(-0.000_01, 12.345_67, 1e3);
@@ -348,6 +352,7 @@ mod tests {
             assert!(read.eye.distance(camera.eye) < 2e-4 && read.up == camera.up);
             assert!((read.fov_deg - camera.fov_deg).abs() < 1e-4);
             assert_eq!(read.near_m, camera.near_m);
+            assert_eq!(read.clip_planes, camera.clip_planes);
         }
         // A view of a point a micrometer away.
         camera.target = Vec3::new(0.001, 0.002, 0.003);

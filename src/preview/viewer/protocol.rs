@@ -85,7 +85,7 @@ pub enum Task {
     /// Change the script's parameters.
     SetParameters(ParameterOverrides),
     /// Pick in, compare or save a frame, once it is posed.
-    Frame(FrameRequest),
+    Frame(Box<FrameRequest>),
     /// Clear the selection.
     Unpick,
     /// Select an item of the scene.

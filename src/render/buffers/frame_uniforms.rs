@@ -189,6 +189,7 @@ impl Frame {
             eye_absorption: around.map_or([0.0; 3], |solid| solid.absorption().to_array()),
             eye_solids: around.is_some().into(),
             background: environment.background.unwrap_or_default().to_array(),
+            clip_planes: view.clip_planes,
         }
     }
 }

@@ -49,11 +49,12 @@ impl ViewRays<'_> {
     pub fn primary(&self, place: DVec2) -> Ray {
         let ndc = place * 2.0 - 1.0;
         let (origin, direction) = self.view.ray(DVec2::new(ndc.x, -ndc.y));
+        let [t_min, t_max] = self.view.seen_part(origin, direction);
         Ray {
             origin,
             direction,
-            t_min: f64::from(self.view.near_m),
-            t_max: f64::INFINITY,
+            t_min,
+            t_max,
             passes: UNSEEN,
         }
     }

@@ -1,13 +1,15 @@
 //! Structs shared with the shaders, which get them by `#import structs`.
 
 use super::gpu_struct::gpu_struct;
-use reflet_scene::desc::ProbesDesc;
+use reflet_scene::desc::{MOST_CLIP_PLANES, ProbesDesc};
 
 gpu_struct! {
     /// Uniforms of a frame; see `shaders/lib/frame.wgsl`.
     pub struct Frame = "Frame" {
         /// World to clip, reversed depth, with this sub-frame's jitter.
         clip_from_world: [[f32; 4]; 4],
+        /// Planes of the camera, see `View::clip_planes`.
+        clip_planes: [[f32; 4]; MOST_CLIP_PLANES],
         /// Camera position, meters.
         eye: [f32; 3],
         /// Near plane, meters.

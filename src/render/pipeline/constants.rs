@@ -112,7 +112,7 @@ pub fn wgsl() -> String {
         crate::upload::structures {
             SEEN_BY_REFLECTIONS, SEEN_BY_CAMERA, SEEN_BY_LIGHTS, MOVING_SHIFT, STATIC_STRUCTURE,
         }
-        reflet_scene::desc { MOST_PATTERNED }
+        reflet_scene::desc { MOST_CLIP_PLANES, MOST_PATTERNED }
         reflet_world { MAX_LIGHTS }
         reflet_world::bvh {
             NODE_VECTORS, TRIANGLE_VECTORS, STATIC_ROOT, TOP_ROOT, TOP_LEVEL, ALPHA_TESTED, CAPSULES,

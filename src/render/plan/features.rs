@@ -52,6 +52,12 @@ features! {
         dropped: "depth of culled surfaces" => "no surface that reflection rays may hit is culled by the camera",
             if reflections;
     }
+    /// Whether some camera has clip planes.
+    clip_planes {
+        used: scene.is_general() || scene.world.cameras.iter().any(|c| !c.value.clip_planes.is_empty()),
+        constant: HAS_CLIP_PLANES,
+        dropped: "clip planes" => "no camera has any";
+    }
     /// Whether the march has a second depth layer.
     second_layer {
         used: reflections

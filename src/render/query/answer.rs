@@ -108,6 +108,8 @@ pub enum UnseenFor {
     Outside,
     /// It is nearer than the near plane.
     TooNear,
+    /// It is behind a clip plane of the camera.
+    CutAway,
     /// Its alpha is 0, or below the cut-off.
     Transparent,
     /// The camera sees only backs of its single-sided surfaces.

@@ -141,7 +141,8 @@ impl<'a> Visibility<'a> {
             let is_back = ray.direction.dot(point.normal) >= 0.0
                 && !self.rays.world.materials[instance.material].double_sided;
             let is_inside = part.cmpge(DVec2::ZERO).all() && part.cmplt(DVec2::ONE).all();
-            if !is_inside || depth_m <= ray.t_min || is_back || !instance.shown.visible {
+            let is_cut = depth_m <= ray.t_min || depth_m >= ray.t_max;
+            if !is_inside || is_cut || is_back || !instance.shown.visible {
                 continue;
             }
             let before: Vec<_> = surfaces::all_along(&self.rays, ray)
@@ -187,6 +188,7 @@ impl<'a> Visibility<'a> {
             Some(Unseen::Nothing | Unseen::Hidden) => UnseenFor::SwitchedOff,
             Some(Unseen::Outside) => UnseenFor::Outside,
             Some(Unseen::TooNear(_)) => UnseenFor::TooNear,
+            Some(Unseen::CutAway) => UnseenFor::CutAway,
             Some(Unseen::Transparent) => UnseenFor::Transparent,
             Some(Unseen::Backs) => UnseenFor::Backs,
             Some(Unseen::Small) => UnseenFor::Small,

@@ -36,6 +36,11 @@ pub fn warning(scene: &Scene, world: &World, camera: usize) -> Option<Diagnostic
             let help = format!("write `near_m = {near_m}` in its table");
             return Some(Diagnostic::new(NAMES[1], camera.at.clone(), message).help(help));
         }
+        Unseen::CutAway => (
+            format!("{nothing}: its `clip_planes` cut all before it away"),
+            "turn a plane round by the opposite of its four numbers, or move it by the fourth"
+                .to_owned(),
+        ),
         Unseen::Backs => (
             format!("{nothing}: all surfaces before it have one side and turn their backs to it"),
             "write `double_sided = true` in their materials, or look from the other side"

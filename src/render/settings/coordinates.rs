@@ -131,6 +131,16 @@ impl Coordinates {
             focus_m: scaled(camera.focus_m),
             // The sensor keeps its size, so a wider opening makes the lens as much larger.
             aperture_f: camera.aperture_f.map(|f| f / self.scale),
+            clip_planes: (camera.clip_planes.iter())
+                .map(|&[a, b, c, d]| {
+                    [
+                        a,
+                        b,
+                        c,
+                        (d + Vec3::new(a, b, c).dot(self.origin)) * self.scale,
+                    ]
+                })
+                .collect(),
             ..camera.clone()
         }
     }

@@ -1,9 +1,9 @@
 //! Conversion of a camera to the frame's uniform block: projection, pixel rays, lens.
 
-use glam::{DVec2, DVec3, Mat4, Vec2, Vec3, camera::rh};
+use glam::{DVec2, DVec3, Mat4, Vec2, Vec3, Vec4, camera::rh};
 
 use reflet_base::math::Bounds;
-use reflet_scene::desc::CameraDesc;
+use reflet_scene::desc::{CameraDesc, MOST_CLIP_PLANES};
 
 use super::offsets::on_lens;
 
@@ -47,6 +47,8 @@ pub struct View {
     pub lens_m: f32,
     /// Distance in focus, meters.
     pub focus_m: f32,
+    /// Planes `[a, b, c, d]` behind which, where a x + b y + c z + d < 0, the camera sees nothing.
+    pub clip_planes: [[f32; 4]; MOST_CLIP_PLANES],
 }
 
 impl View {
@@ -79,6 +81,9 @@ impl View {
             size,
             lens_m: camera.lens_m(),
             focus_m: camera.focused_m(),
+            clip_planes: std::array::from_fn(|i| {
+                camera.clip_planes.get(i).copied().unwrap_or(CUTS_NOTHING)
+            }),
         }
     }
 
@@ -107,6 +112,24 @@ impl View {
             Projection::Perspective { .. } => (eye, forward + offset),
             Projection::Orthographic { .. } => (eye + offset, forward),
         }
+    }
+
+    /// Least and largest t of the part of a [ray](Self::ray) that the camera sees: beyond the near plane, and before all
+    /// clip planes.
+    pub fn seen_part(&self, origin: DVec3, direction: DVec3) -> [f64; 2] {
+        let [mut from, mut to] = [f64::from(self.near_m), f64::INFINITY];
+        for plane in self.clip_planes.map(|plane| Vec4::from(plane).as_dvec4()) {
+            let height = plane.dot(origin.extend(1.0));
+            let climb = plane.truncate().dot(direction);
+            if climb > 0.0 {
+                from = from.max(-height / climb);
+            } else if climb < 0.0 {
+                to = to.min(-height / climb);
+            } else if height < 0.0 {
+                to = f64::NEG_INFINITY;
+            }
+        }
+        [from, to]
     }
 
     /// Place of a point in the picture, -1 to 1 right and up, and its depth along the view in meters.
@@ -211,6 +234,9 @@ impl View {
         }
     }
 }
+
+/// Plane that all points are in front of.
+pub(crate) const CUTS_NOTHING: [f32; 4] = [0.0, 0.0, 0.0, 1.0];
 
 /// Far plane of an orthographic view of a scene of unknown size, meters.
 const FAR_M: f32 = 1e12;

@@ -6,7 +6,7 @@ use super::{Tracks, hierarchy::declare_parent, track::tracks};
 use crate::{
     number::Lanes,
     range::{ABOVE_0, range},
-    table::Table,
+    table::{Table, points::List},
 };
 
 declared! {
@@ -56,8 +56,15 @@ declared! {
         /// that the thing that a camera looks at or follows is sharp.
         #[track(Number, "distance in focus, meters", |it| Some(it.focused_m().lanes()))]
         pub focus_m: Option<f32> [ABOVE_0],
+        /// Planes that cut the view open, as sections of buildings and machines: at most 6, each `[a, b, c, d]`, meters.
+        /// The camera sees no point (x, y, z) for which a x + b y + c z + d < 0, in the space of `eye`. As behind the
+        /// near plane, only the view is cut: shadows are cast and mirrors and glass show things whole. Default: none.
+        pub clip_planes: Vec<[f32; 4]> as List = Vec::new(),
     }
 }
+
+/// Maximum number of clip planes of a camera.
+pub const MOST_CLIP_PLANES: usize = 6;
 
 /// Near plane where none is given, meters, but in small scenes.
 const NEAR_M: f32 = 0.01;
@@ -98,6 +105,21 @@ impl CameraDesc {
     fn check(&self, t: &mut Table) {
         if !t.clean() {
             return;
+        }
+        let no_normal = |p: &[f32; 4]| p[..3].iter().all(|part| *part == 0.0);
+        if let Some(index) = self.clip_planes.iter().position(no_normal) {
+            let message =
+                format!("`clip_planes[{index}]` has no direction: its first three numbers are 0");
+            let help =
+                "write the direction of the part that stays, as `[0, -1, 0, 2]`: all below y = 2 m";
+            t.refuse("zero-direction", "clip_planes", &message, help);
+        }
+        if self.clip_planes.len() > MOST_CLIP_PLANES {
+            let count = self.clip_planes.len();
+            let message =
+                format!("a camera has at most {MOST_CLIP_PLANES} clip planes, not {count}");
+            let help = "leave out planes that cut nothing off";
+            t.refuse("too-many", "clip_planes", &message, help);
         }
         if self.orthographic_height_m.is_some() && self.aperture_f.is_some() {
             let message = "an orthographic camera has no aperture";

@@ -9,7 +9,7 @@ use crate::{
     syntax::Node,
     table::{
         Table,
-        points::{Figures, Points},
+        points::{List, Points},
     },
 };
 
@@ -42,7 +42,9 @@ declared! {
         #[by(FigureDesc::read)]
         pub figure: FigureDesc,
         /// Figures that are cut out, each an array of corners, whichever way they turn. Default: none.
-        #[by(|t| Some(t.find("holes", ANY).map_or_else(Vec::new, |Figures(holes)| holes)))]
+        #[by(|t| Some(t.find("holes", ANY).map_or_else(Vec::new, |List(holes): List<Points<2>>| {
+            holes.into_iter().map(|hole| hole.0).collect()
+        })))]
         pub holes: Vec<Vec<[f32; 2]>>,
         /// Rule for the parts that are inside where the outline crosses or contains itself. Default `"nonzero"`.
         pub fill_rule: FillRule = FillRule::Nonzero,

@@ -2,7 +2,7 @@
 
 use std::{borrow::Cow, collections::HashSet};
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Mat4, Vec3, Vec4};
 
 use super::{moving, transform};
 use crate::desc::{CameraDesc, LightDesc, Parents, PlacementDesc, SceneDesc};
@@ -182,6 +182,19 @@ pub fn placed_camera(camera: &CameraDesc, world: &Affine3A) -> CameraDesc {
         eye,
         target: eye + turn(view) * view.length(),
         up: turn(camera.up),
-        ..*camera
+        clip_planes: (camera.clip_planes.iter())
+            .map(|plane| placed_plane(*plane, world))
+            .collect(),
+        ..camera.clone()
+    }
+}
+
+/// Plane `[a, b, c, d]` transformed from its parent's space to the world; one that is scaled flat cuts nothing.
+fn placed_plane(plane: [f32; 4], world: &Affine3A) -> [f32; 4] {
+    let to_parent = Mat4::from(*world).as_dmat4().inverse();
+    let placed = to_parent.transpose() * Vec4::from(plane).as_dvec4();
+    match placed.is_finite() {
+        true => placed.as_vec4().to_array(),
+        false => [0.0, 0.0, 0.0, 1.0],
     }
 }

@@ -15,9 +15,6 @@ use crate::toml_text::read_floats;
 /// Points of `N` numbers each, as many as there are.
 pub struct Points<const N: usize>(pub Vec<[f32; N]>);
 
-/// Figures of points of two numbers each.
-pub struct Figures(pub Vec<Vec<[f32; 2]>>);
-
 impl<const N: usize> Value for Points<N> {
     const RANGED: bool = true;
 
@@ -35,22 +32,23 @@ impl<const N: usize> Value for Points<N> {
     }
 }
 
-impl Value for Figures {
-    const RANGED: bool = true;
+/// Values of one form, as many as there are.
+pub struct List<T>(pub Vec<T>);
+
+impl<T: Value> Value for List<T> {
+    const RANGED: bool = T::RANGED;
 
     fn expected() -> String {
-        "an array of figures, each an array of points of two numbers".into()
+        format!("an array, each item {}", T::expected())
     }
     fn schema(range: &Range) -> Json {
-        json!({ "type": "array", "items": Points::<2>::schema(range) })
+        json!({ "type": "array", "items": T::schema(range) })
     }
     fn to_json(&self) -> Json {
-        let figure = |points: &Vec<[f32; 2]>| points.iter().map(Value::to_json).collect::<Json>();
-        self.0.iter().map(figure).collect()
+        self.0.iter().map(Value::to_json).collect()
     }
     fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
-        let figures: Vec<Points<2>> = items(node, named, &Self::expected(), report)?;
-        Some(Self(figures.into_iter().map(|points| points.0).collect()))
+        items(node, named, &Self::expected(), report).map(Self)
     }
 }
 

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::{FORWARD, Fault, Notes, schema};
-use reflet_scene::desc::CameraDesc;
+use reflet_scene::desc::{CameraDesc, MOST_CLIP_PLANES};
 
 /// Near plane, meters, of orthographic cameras whose file says 0.
 const NEAREST_M: f32 = 1e-5;
@@ -51,6 +51,20 @@ pub fn perspective(
 pub fn lens_shift(extras: &serde_json::Value) -> [f32; 2] {
     let part = |i| Some(extras.get("lens_shift")?.get(i)?.as_f64()? as f32);
     [part(0), part(1)].map(|v| v.unwrap_or(0.0).clamp(-10.0, 10.0))
+}
+
+/// Clip planes that a camera's extras state in the space of its node, as the converter of USD writes them.
+pub fn clip_planes(extras: &serde_json::Value) -> Vec<[f32; 4]> {
+    let planes: Vec<[f32; 4]> = (extras.get("clip_planes"))
+        .and_then(|planes| serde_json::from_value(planes.clone()).ok())
+        .unwrap_or_default();
+    let cuts =
+        |plane: &[f32; 4]| plane.iter().all(|part| part.is_finite()) && plane[..3] != [0.0; 3];
+    planes
+        .into_iter()
+        .filter(cuts)
+        .take(MOST_CLIP_PLANES)
+        .collect()
 }
 
 fn at_node() -> CameraDesc {

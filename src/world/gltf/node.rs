@@ -320,7 +320,9 @@ impl Found<'_> {
         let Some(mut camera) = camera else {
             return Ok(());
         };
-        camera.lens_shift = camera::lens_shift(&self.root.cameras[i].extras);
+        let extras = &self.root.cameras[i].extras;
+        camera.lens_shift = camera::lens_shift(extras);
+        camera.clip_planes = camera::clip_planes(extras);
         let mut camera = self.attached((name, camera));
         camera.index = Some(i);
         self.visit.cameras.push(camera);

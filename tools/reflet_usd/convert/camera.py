@@ -21,6 +21,8 @@ _TENTH = 0.1
 _MOST_RATIO = 1e6
 # Shifts of the lens beyond this, in heights of the picture, are not read by Reflet.
 _MOST_SHIFT = 10.0
+# Maximum number of clip planes that Reflet reads.
+_MOST_PLANES = 6
 # Inputs of which the fields of a glTF camera are made.
 _LENS = {"clippingRange", "focalLength", "horizontalAperture", "verticalAperture"}
 # Maximum number of halvings between two keys of an animated lens.
@@ -40,6 +42,9 @@ def add_camera(context: Context, writer: GltfWriter, prim: Usd.Prim, node: Node)
     shift = _shift(prim, context.time)
     if any(shift) and all(abs(part) <= _MOST_SHIFT for part in shift):
         extras["lens_shift"] = shift
+    planes = _planes(context, prim)
+    if planes:
+        extras["clip_planes"] = planes
     entry = {"name": prim.GetName(), "type": kind, kind: lens, "extras": extras}
     _keep_lens(context, prim, node, "lens_shift" in extras)
     node.camera = writer.add("cameras", entry)
@@ -58,6 +63,17 @@ def _shift(prim: Usd.Prim, time: Usd.TimeCode) -> list[float]:
     offsets = (f"{axis}ApertureOffset" for axis in ("horizontal", "vertical"))
     height = _sizes(prim, time)[1]
     return [float(authored(prim, name, time, 0.0)) / height for name in offsets]
+
+
+def _planes(context: Context, prim: Usd.Prim) -> list[list[float]]:
+    """Planes behind which the camera sees nothing, in meters and the space of its node."""
+    planes = [[float(v) for v in p] for p in authored(prim, "clippingPlanes", context.time, ())]
+    kept = [p for p in planes if all(map(math.isfinite, p)) and any(p[:3])][:_MOST_PLANES]
+    if len(kept) < len(planes):
+        message = f"{len(planes) - len(kept)} of {len(planes)} clipping planes are not carried: "
+        message += f"they have no direction, or are beyond the first {_MOST_PLANES}"
+        context.ledger.warn("lens-dropped", prim, message)
+    return [[a, b, c, d * context.meters_per_unit] for a, b, c, d in kept]
 
 
 def _lens_at(context: Context, prim: Usd.Prim, time: Usd.TimeCode) -> dict[str, float] | None:
@@ -108,11 +124,6 @@ def _keep_lens(context: Context, prim: Usd.Prim, node: Node, is_shifted: bool) -
         value = authored(prim, name, context.time, default)
         if value != default and not (is_shifted and name.endswith("ApertureOffset")):
             lens[name] = value
-    planes = [
-        [float(part) for part in p] for p in authored(prim, "clippingPlanes", context.time, ())
-    ]
-    if planes:
-        lens["clippingPlanes"] = [p for p in planes if all(map(math.isfinite, p))]
     if lens.get("fStop") and math.isfinite(lens["fStop"]):
         lens["focusDistance_m"] = (
             authored(prim, "focusDistance", context.time, 0.0) * context.meters_per_unit

@@ -35,6 +35,10 @@ def camera_values(expected: Camera, found: Camera, diagonal: float) -> Iterable[
         yield "ymag", _relative(expected.ymag, found.ymag)
     yield "aspect", _relative(expected.aspect, found.aspect)
     yield "shift", max(abs(a - b) for a, b in zip(expected.shift, found.shift, strict=True))
+    if expected.planes or found.planes:
+        planes = np.array(expected.planes), np.array(found.planes)
+        same = planes[0].shape == planes[1].shape
+        yield "clip planes", float(np.abs(planes[0] - planes[1]).max()) if same else math.inf
     yield "near", _relative(expected.near_m, found.near_m)
     if math.isfinite(found.far_m):
         yield "far", _relative(expected.far_m, found.far_m)

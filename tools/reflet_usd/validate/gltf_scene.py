@@ -171,12 +171,13 @@ class OutputReader:
         kind = camera["type"]
         lens = {k: pointed.get(f"/cameras/{index}/{kind}/{k}", v) for k, v in camera[kind].items()}
         far = lens.get("zfar", math.inf)
-        x, y = (camera.get("extras") or {}).get("lens_shift", (0.0, 0.0))
+        extras = camera.get("extras") or {}
+        x, y = extras.get("lens_shift", (0.0, 0.0))
+        kept = (lens["znear"], far, (x, y), extras.get("clip_planes", []))
         if kind == "orthographic":
             high = lens["ymag"]
-            return Camera(world, None, lens["xmag"] / high, high, lens["znear"], far, (x, y))
-        aspect = lens.get("aspectRatio", 0.0)
-        return Camera(world, lens["yfov"], aspect, None, lens["znear"], far, (x, y))
+            return Camera(world, None, lens["xmag"] / high, high, *kept)
+        return Camera(world, lens["yfov"], lens.get("aspectRatio", 0.0), None, *kept)
 
     def _light(self, index: int, world: Array) -> Light:
         light = self.file.extensions[_LIGHTS]["lights"][index]

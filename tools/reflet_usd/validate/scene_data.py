@@ -101,6 +101,8 @@ class Camera:
     far_m: float
     shift: tuple[float, float] = (0.0, 0.0)
     """Shift of the lens to the right and up, in heights of the picture."""
+    planes: list[list[float]] = dataclasses.field(default_factory=list)
+    """Clip planes in the space of the camera, meters."""
     lost: Lost = dataclasses.field(default_factory=list)
     """Inputs that no glTF camera holds."""
 

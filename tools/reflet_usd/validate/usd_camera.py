@@ -11,8 +11,9 @@ _FALLBACK_RANGE_M = (0.01, 10_000.0)
 """Schema fallback in meters; marks clipping ranges that glTF cameras cannot express."""
 _MOST_SHIFT = 10.0
 """Maximum shift of the lens that Reflet reads, in heights of the picture."""
+_MOST_PLANES = 6
+"""Maximum number of clip planes that Reflet reads."""
 _NOT_IN_GLTF = (
-    "clippingPlanes",
     "exposure",
     "exposure:fStop",
     "exposure:iso",
@@ -52,6 +53,11 @@ def read_camera(
     if not all(abs(part) <= _MOST_SHIFT for part in shift):
         lost.append(("lens-dropped", "ApertureOffset"))
         shift = (0.0, 0.0)
+    # Planes are in the space of the camera (GfCamera::GetClippingPlanes), lengths in stage units.
+    planes = [[*p[:3], p[3] * truth.meters_per_unit] for p in lens.clippingPlanes]
+    usable = [p for p in planes if any(p[:3]) and all(math.isfinite(v) for v in p)][:_MOST_PLANES]
+    if len(usable) < len(planes):
+        lost.append(("lens-dropped", "clippingPlanes"))
     half_height = 0.5 * lens.verticalAperture * Gf.Camera.APERTURE_UNIT * truth.meters_per_unit
     return Camera(
         truth.node_world(world),
@@ -61,6 +67,7 @@ def read_camera(
         near,
         far,
         shift,
+        usable,
         lost,
     )
 

@@ -111,7 +111,7 @@ impl Worker {
             }
             Task::SetParameters(overrides) => self.live.set_parameters(overrides),
             Task::Unwatched(why) => self.send(Report::Unwatched(why)),
-            Task::Frame(request) => self.frame_requests.push_back(request),
+            Task::Frame(request) => self.frame_requests.push_back(*request),
             Task::Unpick => self.unpick(),
             Task::Select(item) => {
                 self.select(item);

@@ -15,10 +15,6 @@ use reflet_scene::desc::Method;
 
 /// A user request.
 #[derive(Clone, Debug, PartialEq)]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "there are few, and they live for a frame"
-)]
 pub enum ViewRequest {
     /// View through the scene's camera of this index.
     SceneCamera(usize),

@@ -102,6 +102,6 @@ impl Window {
         if let (true, Some(shown)) = (view.plays, &self.shown) {
             view.frame = shown.frame;
         }
-        self.send(Task::Frame(FrameRequest { view, action }));
+        self.send(Task::Frame(Box::new(FrameRequest { view, action })));
     }
 }

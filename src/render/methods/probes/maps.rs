@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use reflet_gpu::{Gpu, GpuError, Named};
-use reflet_scene::desc::{ProbesDesc, ReflectionDesc};
+use reflet_scene::desc::{MOST_CLIP_PLANES, ProbesDesc, ReflectionDesc};
 
 use super::{
     key::ProbeKey,
@@ -20,6 +20,7 @@ use crate::{
         cube::{HITS, level_view, texture, whole},
         method_maps::{CaptureInputs, CaptureWork, MapFacts, MapKey, MethodMaps, Number, is_equal},
     },
+    settings::view::CUTS_NOTHING,
 };
 
 /// Format of the maps' radiance.
@@ -170,6 +171,7 @@ impl ProbeMaps {
             eye_absorption: [0.0; 3],
             eye_solids: 0,
             crop: [0.0; 4],
+            clip_planes: [CUTS_NOTHING; MOST_CLIP_PLANES],
             ..*frame
         }
     }
