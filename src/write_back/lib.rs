@@ -26,7 +26,7 @@ pub use self::{
     overridden::Layered,
     put::put,
     splice::list,
-    tracks::TrackName,
+    tracks::{FoundTrack, TrackName, all_tracks},
 };
 use self::{
     places::{Place, Subject, places},

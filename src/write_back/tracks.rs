@@ -22,12 +22,16 @@ pub struct TrackName {
 }
 
 /// A track in a table of `[motion]`.
-pub(super) struct FoundTrack<'d> {
-    pub(super) name: TrackName,
+#[derive(Debug)]
+pub struct FoundTrack<'d> {
+    /// Its thing and key.
+    pub name: TrackName,
     /// Place of the table.
-    pub(super) at: &'d Span,
-    pub(super) track: &'d TrackDesc,
-    pub(super) form: Form,
+    pub at: &'d Span,
+    /// The track.
+    pub track: &'d TrackDesc,
+    /// Form of its values.
+    pub form: Form,
 }
 
 impl<'d> FoundTrack<'d> {
@@ -79,7 +83,7 @@ fn fields<'d, T, F>(
 }
 
 /// Tracks of a scene.
-pub(super) fn all_tracks(desc: &SceneDesc) -> Vec<FoundTrack<'_>> {
+pub fn all_tracks(desc: &SceneDesc) -> Vec<FoundTrack<'_>> {
     let motion = &desc.motion;
     let mut all = Vec::new();
     for entry in &motion.cameras {

@@ -13,6 +13,7 @@ use crate::scene::{
     suggest::example_of,
 };
 use crate::world::World;
+use reflet_preview::write_back::{TrackName, all_tracks};
 
 /// Warnings about keys in the scene's text that have no effect; `start` is a span in that text.
 pub fn lint(scene: &Scene, world: &World, start: &Span) -> Vec<Diagnostic> {
@@ -44,43 +45,24 @@ fn tracks_below_scripts(scene: &Scene) -> Vec<Diagnostic> {
         return Vec::new();
     };
     let names = Names::from_scene(&scene.desc);
-    let motion = &scene.motion;
-    let nodes = motion.instances.iter().chain(&motion.groups);
-    let placing = nodes.flat_map(|it| {
-        let [moves, turns, grows] = [
-            &it.value.translation,
-            &it.value.rotation_deg,
-            &it.value.scale,
-        ]
-        .map(Option::is_some);
-        let keys = [
-            (moves, "translation"),
-            (turns, "rotation_deg"),
-            (grows, "scale"),
-        ];
-        let moving = keys.into_iter().enumerate().filter(|(_, (has, _))| *has);
-        let index = names.instances.get(&it.name);
-        moving.map(move |(field, (_, key))| (Kind::Node, index, field, key, &it.name, &it.at))
-    });
-    let filming = motion.cameras.iter().flat_map(|it| {
-        let index = names.cameras.get(&it.name);
-        let fields = it.value.tracks.iter().map(|(field, _)| *field);
-        fields.map(move |i| (Kind::Camera, index, i, CAMERA[i].key, &it.name, &it.at))
-    });
-    let lighting = motion.lights.iter().flat_map(|it| {
-        let index = names.lights.get(&it.name);
-        let fields = it.value.tracks.iter().map(|(field, _)| *field);
-        fields.map(move |i| (Kind::Light, index, i, LIGHT[i].key, &it.name, &it.at))
-    });
-    let all = placing.chain(filming).chain(lighting);
-    let found = all.filter_map(|(kind, index, field, key, name, at)| {
-        let all = [&first, &middle, &last];
-        let is_set = |index| all.iter().all(|frame| frame.has(kind, index, field));
+    let found = all_tracks(scene).into_iter().filter_map(|found| {
+        let TrackName { kind, name, key } = &found.name;
+        let of_key = |keys: &[&str]| keys.iter().position(|known| known == key);
+        let (kind, index, field) = match *kind {
+            "camera" => (Kind::Camera, names.cameras.get(name), of_key(&CAMERA.each_ref().map(|it| it.key))),
+            "light" => (Kind::Light, names.lights.get(name), of_key(&LIGHT.each_ref().map(|it| it.key))),
+            "instance" | "group" => (Kind::Node, names.instances.get(name), of_key(&["translation", "rotation_deg", "scale"])),
+            _ => return None,
+        };
+        let (index, field) = (*index?, field?);
+        let is_set = [&first, &middle, &last]
+            .iter()
+            .all(|frame| frame.has(kind, index, field));
         let message = format!(
             "the script sets `{key}` of \"{name}\" in the first, a middle and the last frame, where its track in `[motion]` changes nothing"
         );
         let help = "remove one of the two, or let the script compute both";
-        is_set(*index?).then(|| warning("ignored-key", at, message, help))
+        is_set.then(|| warning("ignored-key", found.at, message, help))
     });
     found.collect()
 }
