@@ -91,6 +91,22 @@ fn a_pattern_of_one_value_is_that_value() {
     assert!(differing < 0.002, "{differing}");
 }
 
+#[test]
+fn colors_of_balls_are_filtered_as_patterns_are() {
+    let Some(gpu) = gpu() else { return };
+    let shown = |set: &str| {
+        let ball = "model.wall.shape={ kind=\"sphere\", radius=0.5 }";
+        render(gpu, WALL, &[ball, set, "material.wall.unlit=true"], &[]).color
+    };
+    let color =
+        "material.wall.base_color={ pattern=\"dots\", from=[0, 0, 0], to=[1, 1, 1], size_m=0.02 }";
+    let pattern =
+        "material.wall={ pattern={ kind=\"dots\", colors=[[0, 0, 0], [1, 1, 1]], size_m=0.02 } }";
+    let [color, pattern] = [color, pattern].map(shown);
+    let apart = color.iter().zip(&pattern).map(|(a, b)| (a - b).abs());
+    assert!(apart.fold(0.0, f32::max) < 1e-3);
+}
+
 /// A mirror beside a patterned ball, whose light is emission alone, so that methods have nothing else to differ by.
 const MARBLE: &str = include_str!("patterned/marble.toml");
 

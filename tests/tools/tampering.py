@@ -13,9 +13,7 @@ from reflet_usd.validate.validation_table import format_validation
 from texts import text_of
 
 FACE = text_of("tampering/face.usda")
-UVS = """
-    texCoord2f[] primvars:st = [(0, 0), (1, 0), (1, 1), (0, 1)] (interpolation = "vertex")
-"""
+UVS = text_of("tampering/uvs.usda")
 NORMALS = text_of("tampering/normals.usda")
 Damage = Callable[["Output"], None]
 Case = tuple[str, str, str, Damage]

@@ -12,10 +12,7 @@ from tampering import FACE, UNIT
 from texts import text_of
 
 KHR = "KHR_materials_"
-SETS = """
-    texCoord2f[] primvars:other = [(0, 0), (2, 0), (1, 5), (0, 1)] (interpolation = "vertex")
-    float[] primvars:heat = [0, 1, 2, 3] (interpolation = "vertex")
-"""
+SETS = text_of("validate_strict/sets.usda")
 STAGE = (
     text_of("validate_strict/stage.usda", FACE=FACE)
     + UNIT

@@ -34,10 +34,7 @@ EDGE = FACE.replace("[4]", "[4, 2]").replace("3]", "3, 0, 1]")
 STRING = 'string[] primvars:note = ["a", "b", "c", "d"] (interpolation = "vertex")\n'
 SPEED = "vector3f[] velocities = [(0, 0, 0), (0, 0, 0), (0, 0, 0), (0, 0, 0)]\n"
 SHEARED = text_of("validate_tamper/sheared.usda")
-PERSPECTIVE = """
-    matrix4d xformOp:transform = ((1, 0, 0, 0.2), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))
-    uniform token[] xformOpOrder = ["xformOp:transform"]
-"""
+PERSPECTIVE = text_of("validate_tamper/perspective.usda")
 
 INSTANCER = text_of("validate_tamper/instancer.usda").replace("FACE", FACE)
 LENS = 'def Camera "C"\n{\nfloat fStop = 2.8\nfloat focusDistance = 5\n}\n'
@@ -62,10 +59,7 @@ PACKED = material_stage(
     "float inputs:metallic.connect = </Mat/T.outputs:r>",
     texture("R", "small.png") + texture("T", "t.png"),
 )
-UNKNOWN_BASIS = """int[] curveVertexCounts = [4]
-    point3f[] points = [(0,0,0), (1,0,0), (2,1,0), (3,0,0)]
-    uniform token basis = "hermite"
-"""
+UNKNOWN_BASIS = text_of("validate_tamper/unknown_basis.usda")
 CASES: list[Case] = [
     ("a subset below", mesh("M", SUBSET) + UNIT, "subset-dropped", lose("/M")),
     ("an empty child", mesh("M", EMPTY) + UNIT, "mesh-empty", lose("/")),

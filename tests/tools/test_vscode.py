@@ -17,10 +17,7 @@ from texts import text_of
 EXTENSION = ROOT / "tools" / "vscode"
 CODE = ROOT / "target" / "tools" / "vscode"
 SCENE = text_of("vscode/scene.toml")
-BASE = """version = 1
-[material.red]
-base_color = [0.8, 0.1, 0.1]
-"""
+BASE = text_of("vscode/base.toml")
 STEPS = "opened marked explained mended completed renamed pictured rerendered"
 
 
