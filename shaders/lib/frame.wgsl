@@ -127,14 +127,17 @@ fn depth_of(z: f32) -> f32 {
 
 override HAS_CLIP_PLANES: bool = true; // whether some camera has clip planes
 
-// The part of a part of a ray that is before all clip planes, as t.
-fn unclipped(origin: vec3f, direction: vec3f, part: vec2f) -> vec2f {
-    var kept = part;
-    for (var i = 0u; HAS_CLIP_PLANES && i < MOST_CLIP_PLANES; i++) {
+// The part of a ray's interval that lies before all clip planes, surfaces in a plane included.
+fn unclipped(origin: vec3f, direction: vec3f, interval: vec2f) -> vec2f {
+    var kept = interval;
+    if (!HAS_CLIP_PLANES) { return kept; }
+    for (var i = 0u; i < MOST_CLIP_PLANES; i++) {
         let plane = frame.clip_planes[i];
+        let height = dot(plane.xyz, origin) + plane.w;
         let climb = dot(plane.xyz, direction);
-        let t = (dot(plane.xyz, origin) + plane.w) / select(-climb, 1e-20, climb == 0.0);
-        kept = select(vec2f(kept.x, min(kept.y, t)), vec2f(max(kept.x, t), kept.y), climb > 0.0);
+        if (climb > 0.0) { kept.x = max(kept.x, -height / climb * (1.0 - ON_PLANE)); }
+        if (climb < 0.0) { kept.y = min(kept.y, -height / climb * (1.0 + ON_PLANE)); }
+        if (climb == 0.0 && height < 0.0) { kept.y = -FAR_M; }
     }
     return kept;
 }

@@ -167,14 +167,17 @@ impl Sight {
         round: Option<Thickness>,
     ) -> Option<Unseen> {
         let radius_m = round.map_or(0.0, |round| round.radius_m);
-        let cuts = |plane: &DVec4| {
-            let reach = radius_m * plane.truncate().length();
-            corners.iter().all(|p| plane.dot(p.extend(1.0)) < -reach)
-        };
-        let is_cut = self.clip_planes.iter().any(cuts);
-        let corners = corners.map(|p| self.pixel_from_world * p.extend(1.0));
-        let beyond = |near_m: f64| {
-            let cut = cut(&corners, near_m);
+        let corners = corners.map(|p| p.extend(1.0));
+        let kept = self
+            .clip_planes
+            .iter()
+            .fold(corners.to_vec(), |kept, plane| {
+                let reach = radius_m * plane.truncate().length();
+                cut(&kept, |p| plane.dot(*p) + reach)
+            });
+        let corners = corners.map(|p| self.pixel_from_world * p);
+        let beyond = |corners: &[DVec4], near_m: f64| {
+            let cut = cut(corners, |p| p.z - near_m);
             let points = cut.iter().map(|p| p.truncate().truncate() / p.w);
             match round {
                 Some(round) => {
@@ -191,19 +194,20 @@ impl Sight {
         } else {
             -radius_m
         };
-        if !self.is_in_picture(&beyond(least_m)) {
+        if !self.is_in_picture(&beyond(&corners, least_m)) {
             return Some(Unseen::Outside);
         }
         if farthest < self.near_m {
             return Some(Unseen::TooNear(farthest));
         }
-        if is_cut {
+        if kept.is_empty() {
             return Some(Unseen::CutAway);
         }
         if is_back {
             return Some(Unseen::Backs);
         }
-        let polygon = beyond(self.near_m - radius_m);
+        let kept: Vec<_> = kept.iter().map(|p| self.pixel_from_world * *p).collect();
+        let polygon = beyond(&kept, self.near_m - radius_m);
         (!self.covers_a_center(&polygon)).then_some(match self.is_in_picture(&polygon) {
             true => Unseen::Small,
             false => Unseen::Outside,
@@ -256,16 +260,17 @@ fn later(a: Unseen, b: Unseen) -> Unseen {
     if a > b { a } else { b }
 }
 
-/// Part of a triangle at least as deep as `near_m`.
-fn cut(corners: &[DVec4; 3], near_m: f64) -> Vec<DVec4> {
-    let mut kept = Vec::with_capacity(4);
+/// Part of a convex polygon on the positive side of a plane, from which `height` is the distance.
+fn cut(corners: &[DVec4], height: impl Fn(&DVec4) -> f64) -> Vec<DVec4> {
+    let mut kept = Vec::with_capacity(corners.len() + 1);
     for (k, a) in corners.iter().enumerate() {
-        let b = corners[(k + 1) % 3];
-        if a.z >= near_m {
+        let b = corners[(k + 1) % corners.len()];
+        let [from, to] = [height(a), height(&b)];
+        if from >= 0.0 {
             kept.push(*a);
         }
-        if (a.z >= near_m) != (b.z >= near_m) {
-            kept.push(a.lerp(b, (near_m - a.z) / (b.z - a.z)));
+        if (from >= 0.0) != (to >= 0.0) {
+            kept.push(a.lerp(b, from / (from - to)));
         }
     }
     kept

@@ -103,6 +103,7 @@ pub fn wgsl() -> String {
             REST_COUNTER, LEADER_COUNTER, RAYS_PER_GROUP, AUDIT_RAYS, PYRAMID_LEVELS,
         }
         crate::pipeline::targets { FAR_M }
+        crate::settings::view { ON_PLANE }
         crate::settings::cutoff {
             METAL_REACH, COAT_STEPS, CUTOFF_FADE, SHARP_ROUGHNESS,
         }

@@ -47,7 +47,7 @@ pub struct View {
     pub lens_m: f32,
     /// Distance in focus, meters.
     pub focus_m: f32,
-    /// Planes `[a, b, c, d]` behind which, where a x + b y + c z + d < 0, the camera sees nothing.
+    /// Planes `[a, b, c, d]` with unit normals, behind which, where a x + b y + c z + d < 0, the camera sees nothing.
     pub clip_planes: [[f32; 4]; MOST_CLIP_PLANES],
 }
 
@@ -82,7 +82,7 @@ impl View {
             lens_m: camera.lens_m(),
             focus_m: camera.focused_m(),
             clip_planes: std::array::from_fn(|i| {
-                camera.clip_planes.get(i).copied().unwrap_or(CUTS_NOTHING)
+                camera.clip_planes.get(i).map_or(CUTS_NOTHING, unit_plane)
             }),
         }
     }
@@ -122,9 +122,9 @@ impl View {
             let height = plane.dot(origin.extend(1.0));
             let climb = plane.truncate().dot(direction);
             if climb > 0.0 {
-                from = from.max(-height / climb);
+                from = from.max(-height / climb * (1.0 - ON_PLANE));
             } else if climb < 0.0 {
-                to = to.min(-height / climb);
+                to = to.min(-height / climb * (1.0 + ON_PLANE));
             } else if height < 0.0 {
                 to = f64::NEG_INFINITY;
             }
@@ -234,6 +234,19 @@ impl View {
         }
     }
 }
+
+/// A plane with a normal of length 1; where it has none, a plane that cuts nothing.
+fn unit_plane(plane: &[f32; 4]) -> [f32; 4] {
+    let plane = Vec4::from(*plane).as_dvec4();
+    let unit = (plane / plane.truncate().length()).as_vec4();
+    match unit.is_finite() {
+        true => unit.to_array(),
+        false => CUTS_NOTHING,
+    }
+}
+
+/// Relative distance along a ray within which a surface lies in a clip plane, which does not cut it off.
+pub(crate) const ON_PLANE: f64 = 1e-5;
 
 /// Plane that all points are in front of.
 pub(crate) const CUTS_NOTHING: [f32; 4] = [0.0, 0.0, 0.0, 1.0];

@@ -58,7 +58,8 @@ declared! {
         pub focus_m: Option<f32> [ABOVE_0],
         /// Planes that cut the view open, as sections of buildings and machines: at most 6, each `[a, b, c, d]`, meters.
         /// The camera sees no point (x, y, z) for which a x + b y + c z + d < 0, in the space of `eye`. As behind the
-        /// near plane, only the view is cut: shadows are cast and mirrors and glass show things whole. Default: none.
+        /// near plane, only the view is cut: shadows are cast and mirrors and glass show things whole, so that a closed
+        /// house is as dark inside as it was. A surface in a plane is seen. Planes do not move. Default: none.
         pub clip_planes: Vec<[f32; 4]> as List = Vec::new(),
     }
 }
@@ -111,7 +112,7 @@ impl CameraDesc {
             let message =
                 format!("`clip_planes[{index}]` has no direction: its first three numbers are 0");
             let help =
-                "write the direction of the part that stays, as `[0, -1, 0, 2]`: all below y = 2 m";
+                "write the direction of the part that stays: of `[0, -1, 0, 2]` all below y = 2 m";
             t.refuse("zero-direction", "clip_planes", &message, help);
         }
         if self.clip_planes.len() > MOST_CLIP_PLANES {

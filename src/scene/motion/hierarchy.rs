@@ -189,12 +189,10 @@ pub fn placed_camera(camera: &CameraDesc, world: &Affine3A) -> CameraDesc {
     }
 }
 
-/// Plane `[a, b, c, d]` transformed from its parent's space to the world; one that is scaled flat cuts nothing.
+/// Plane `[a, b, c, d]` transformed from its parent's space to the world, with a normal of length 1; of a parent that
+/// is scaled flat no numbers, and it cuts nothing.
 fn placed_plane(plane: [f32; 4], world: &Affine3A) -> [f32; 4] {
     let to_parent = Mat4::from(*world).as_dmat4().inverse();
     let placed = to_parent.transpose() * Vec4::from(plane).as_dvec4();
-    match placed.is_finite() {
-        true => placed.as_vec4().to_array(),
-        false => [0.0, 0.0, 0.0, 1.0],
-    }
+    (placed / placed.truncate().length()).as_vec4().to_array()
 }

@@ -7,6 +7,7 @@ use serde_json::{Value as Json, json};
 use super::{
     report::Report,
     value::{Named, Value, wrong_type},
+    value_advice::in_a_list,
 };
 use crate::range::Range;
 use crate::syntax::{Content, Node};
@@ -48,6 +49,10 @@ impl<T: Value> Value for List<T> {
         self.0.iter().map(Value::to_json).collect()
     }
     fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
+        if let Some(help) = in_a_list(node, named.key) {
+            wrong_type(node, named.key, &Self::expected(), report).help = Some(help);
+            return None;
+        }
         items(node, named, &Self::expected(), report).map(Self)
     }
 }

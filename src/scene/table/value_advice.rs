@@ -71,9 +71,20 @@ pub fn list_of_number(node: &Node, key: &str, count: usize) -> Option<String> {
     })
 }
 
+fn is_number(item: &Node) -> bool {
+    matches!(item.get_ref(), Content::Integer(_) | Content::Float(_))
+}
+
+/// Advice for a list of numbers in place of a list of such lists.
+pub fn in_a_list(node: &Node, key: &str) -> Option<String> {
+    let items = node.get_ref().as_array()?;
+    let numbers: Vec<_> = items.iter().map(number_text).collect();
+    (!items.is_empty() && items.iter().all(is_number))
+        .then(|| format!("write `{key} = [[{}]]`, a list of one", numbers.join(", ")))
+}
+
 /// Advice for a list of numbers that is one too short, for a point or a color, or too long.
 pub fn list_of_length(items: &[Node], key: &str, count: usize, range: &Range) -> Option<String> {
-    let is_number = |item: &Node| matches!(item.get_ref(), Content::Integer(_) | Content::Float(_));
     if let ([only], 2) = (items, count) {
         return list_of_number(only, key, count);
     }
@@ -87,7 +98,7 @@ pub fn list_of_length(items: &[Node], key: &str, count: usize, range: &Range) ->
     }
     list.truncate(count);
     match (items.len() < count, count) {
-        (true, 4) => Some(format!(
+        (true, 4) if key.contains("rotation") => Some(format!(
             "four numbers are a quaternion, `[0, 0, 0, 1]` for no turn; degrees about X, Y and Z are `rotation_deg = [{}]`",
             list.join(", ")
         )),

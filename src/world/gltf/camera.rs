@@ -54,16 +54,26 @@ pub fn lens_shift(extras: &serde_json::Value) -> [f32; 2] {
 }
 
 /// Clip planes that a camera's extras state in the space of its node, as the converter of USD writes them.
-pub fn clip_planes(extras: &serde_json::Value) -> Vec<[f32; 4]> {
-    let planes: Vec<[f32; 4]> = (extras.get("clip_planes"))
-        .and_then(|planes| serde_json::from_value(planes.clone()).ok())
-        .unwrap_or_default();
-    let cuts =
-        |plane: &[f32; 4]| plane.iter().all(|part| part.is_finite()) && plane[..3] != [0.0; 3];
-    planes
-        .into_iter()
-        .filter(cuts)
-        .take(MOST_CLIP_PLANES)
+pub fn clip_planes(extras: &serde_json::Value) -> Vec<Result<[f32; 4], Fault>> {
+    let Some(planes) = extras.get("clip_planes") else {
+        return Vec::new();
+    };
+    let read = |(i, plane): (usize, &serde_json::Value)| {
+        let numbers = serde_json::from_value(plane.clone()).ok();
+        let is_plane =
+            |it: &[f32; 4]| it.iter().all(|part| part.is_finite()) && it[..3] != [0.0; 3];
+        let plane = numbers.filter(|it| is_plane(it) && i < MOST_CLIP_PLANES);
+        let text = "a clip plane is four numbers, of which the first three are not all 0, and a \
+                    camera has at most 6";
+        plane.ok_or_else(|| Fault::new("gltf-camera", text))
+    };
+    let list = planes
+        .as_array()
+        .map_or(std::slice::from_ref(planes), Vec::as_slice);
+    list.iter()
+        .take(MOST_CLIP_PLANES + 1)
+        .enumerate()
+        .map(read)
         .collect()
 }
 

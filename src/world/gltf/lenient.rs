@@ -13,7 +13,7 @@ pub const DROPPED: &str = "reference-dropped";
 pub const DROPPED_WHAT: &str = "references to parts that the file does not have are dropped";
 
 /// Names of the warnings about parts that are left out or replaced, which `--strict` makes errors.
-pub const FORGIVEN: [&str; 22] = [
+pub const FORGIVEN: [&str; 23] = [
     "accessor-left-out",
     "animation-broken",
     "animation-channel",
@@ -21,6 +21,7 @@ pub const FORGIVEN: [&str; 22] = [
     "buffer-left-out",
     "camera-fov-clamped",
     "camera-left-out",
+    "clip-plane-left-out",
     "color-unnormalized",
     "extension-left-out",
     "factor-clamped",

@@ -322,7 +322,16 @@ impl Found<'_> {
         };
         let extras = &self.root.cameras[i].extras;
         camera.lens_shift = camera::lens_shift(extras);
-        camera.clip_planes = camera::clip_planes(extras);
+        let left_out = LeftOut {
+            name: "clip-plane-left-out",
+            what: "clip planes of cameras are wrong, or too many, and left out",
+            place: &name,
+        };
+        for plane in camera::clip_planes(extras) {
+            let plane = plane.map(Some);
+            let plane = forgiven(self.root, plane, None, &left_out, self.notes)?;
+            camera.clip_planes.extend(plane);
+        }
         let mut camera = self.attached((name, camera));
         camera.index = Some(i);
         self.visit.cameras.push(camera);

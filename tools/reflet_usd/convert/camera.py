@@ -23,6 +23,8 @@ _MOST_RATIO = 1e6
 _MOST_SHIFT = 10.0
 # Maximum number of clip planes that Reflet reads.
 _MOST_PLANES = 6
+# Numbers beyond this are infinite in single precision.
+_MOST_METERS = 3e38
 # Inputs of which the fields of a glTF camera are made.
 _LENS = {"clippingRange", "focalLength", "horizontalAperture", "verticalAperture"}
 # Maximum number of halvings between two keys of an animated lens.
@@ -67,13 +69,17 @@ def _shift(prim: Usd.Prim, time: Usd.TimeCode) -> list[float]:
 
 def _planes(context: Context, prim: Usd.Prim) -> list[list[float]]:
     """Planes behind which the camera sees nothing, in meters and the space of its node."""
-    planes = [[float(v) for v in p] for p in authored(prim, "clippingPlanes", context.time, ())]
-    kept = [p for p in planes if all(map(math.isfinite, p)) and any(p[:3])][:_MOST_PLANES]
+    planes = [
+        [float(a), float(b), float(c), float(d) * context.meters_per_unit]
+        for a, b, c, d in authored(prim, "clippingPlanes", context.time, ())
+    ]
+    usable = [p for p in planes if any(p[:3]) and all(abs(v) < _MOST_METERS for v in p)]
+    kept = usable[:_MOST_PLANES]
     if len(kept) < len(planes):
         message = f"{len(planes) - len(kept)} of {len(planes)} clipping planes are not carried: "
-        message += f"they have no direction, or are beyond the first {_MOST_PLANES}"
+        message += f"no finite numbers, no direction, or beyond the first {_MOST_PLANES}"
         context.ledger.warn("lens-dropped", prim, message)
-    return [[a, b, c, d * context.meters_per_unit] for a, b, c, d in kept]
+    return kept
 
 
 def _lens_at(context: Context, prim: Usd.Prim, time: Usd.TimeCode) -> dict[str, float] | None:

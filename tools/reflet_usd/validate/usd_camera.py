@@ -55,7 +55,7 @@ def read_camera(
         shift = (0.0, 0.0)
     # Planes are in the space of the camera (GfCamera::GetClippingPlanes), lengths in stage units.
     planes = [[*p[:3], p[3] * truth.meters_per_unit] for p in lens.clippingPlanes]
-    usable = [p for p in planes if any(p[:3]) and all(math.isfinite(v) for v in p)][:_MOST_PLANES]
+    usable = [p for p in planes if any(p[:3]) and all(abs(v) < 3e38 for v in p)][:_MOST_PLANES]
     if len(usable) < len(planes):
         lost.append(("lens-dropped", "clippingPlanes"))
     half_height = 0.5 * lens.verticalAperture * Gf.Camera.APERTURE_UNIT * truth.meters_per_unit

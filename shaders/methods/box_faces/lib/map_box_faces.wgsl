@@ -46,8 +46,6 @@ fn depth_seen(face: u32, at: FacePoint) -> f32 {
     return mix(mix(d.x, d.y, part.x), mix(d.z, d.w, part.x), part.y);
 }
 
-alias MapRay = BoxRay;
-
 struct BoxRay {
     origin: vec3f,
     direction: vec3f,
@@ -56,6 +54,7 @@ struct BoxRay {
     from_m: f32,
     to_m: f32,
 }
+alias MapRay = BoxRay;
 
 fn in_box(r: BoxRay, t: f32) -> vec3f {
     return r.start + r.onward * t;

@@ -13,8 +13,6 @@ const STEEPEST: f32 = 1.570795;
 
 // A ray as the middle of the maps sees it. Its points are given by the angle from the one nearest to the middle: even
 // angles are even steps over the maps.
-alias MapRay = FarRay;
-
 struct FarRay {
     origin: vec3f,
     direction: vec3f,
@@ -24,6 +22,7 @@ struct FarRay {
     from_m: f32,
     to_m: f32,
 }
+alias MapRay = FarRay;
 
 fn far_ray(origin: vec3f, direction: vec3f, from_m: f32, to_m: f32) -> FarRay {
     let offset = origin - far_box.eye;
