@@ -19,8 +19,8 @@ fn continued(cone: Cone, distance_m: f32) -> Cone {
     return Cone(abs(width_m), select(cone.spread, -cone.spread, width_m < 0.0));
 }
 
-// The cone mirrored by a surface of this mean curvature: the normal turns by curvature × width across the cone, the
-// ray by twice that. Over a sphere this is the geometric mean of both directions.
+// Cone mirrored by a surface of this mean curvature: the normal turns by curvature × width across it, the ray by twice
+// that, the geometric mean of both directions of a sphere; by half a turn at most, as the angle else grows without end.
 fn mirrored_cone(cone: Cone, curvature: f32) -> Cone {
-    return Cone(cone.width_m, cone.spread + 2.0 * curvature * cone.width_m);
+    return Cone(cone.width_m, clamp(cone.spread + 2.0 * curvature * cone.width_m, -PI, PI));
 }
