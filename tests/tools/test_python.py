@@ -434,30 +434,7 @@ def test_threads_take_turns(reflet: ModuleType, scene: Path) -> None:
 
 
 #: A child process that was forked tries everything, and says the classes of the errors.
-FORKED = """
-import os, sys, reflet
-scene = sys.argv[1]
-closed = reflet.open(scene, samples=1)
-closed.close()
-session = reflet.open(scene, samples=1)
-picture = session.render()
-reader, writer = os.pipe()
-child = os.fork()
-if child == 0:
-    said = []
-    for call in (session.render, session.close, lambda: reflet.open(scene), lambda: session.frame,
-                 lambda: reflet.compare(picture, picture)):
-        try:
-            call()
-            said.append("nothing")
-        except reflet.Error as error:
-            said.append(type(error).__name__)
-    del session, closed
-    os.write(writer, " ".join(said).encode())
-    sys.exit(7)
-_, status = os.waitpid(child, 0)
-print(os.read(reader, 1000).decode(), os.waitstatus_to_exitcode(status), session.render().frame)
-"""
+FORKED = text_of("python/forked.txt")
 
 
 def test_a_fork_is_refused(package: Path, scene: Path) -> None:

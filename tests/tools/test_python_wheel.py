@@ -16,25 +16,7 @@ ROOT = Path(__file__).resolve().parents[2]
 pytestmark = pytest.mark.full("builds the optimized wheel for minutes")
 
 #: A program that uses most of the package.
-PROGRAM = """
-import numpy as np
-import reflet
-from pathlib import Path
-
-xyz = np.array([[-1, 0, -1], [1, 0, -1], [1, 1, 1], [-1, 1, 1]], np.float32)
-Path("out").mkdir()
-with reflet.open("scene.toml", assets=["lib"], set={"image.samples": 2}, variant="night") as s:
-    other = s.render()
-    picture = s.render(frame=12, aovs=["depth", "cause"])
-    assert picture.radiance.dtype == np.float32 and picture.display.dtype == np.uint8
-    assert np.isfinite(picture["depth"]).any() and picture["cause"].max() > 0
-    s.set("params.height", 2.0)
-    s.mesh("cloth", positions=xyz)
-    for f in s.frames("0-3"):
-        f.save("out/my.####.exr")
-    assert not np.array_equal(s.render(12).display, picture.display)
-    print(reflet.compare(picture, other).flip > 0, len(list(Path("out").glob("my.000?.exr"))))
-"""
+PROGRAM = text_of("python_wheel/program.txt")
 SCENE = text_of("python_wheel/scene.toml")
 SCRIPT = "fn frame(ctx) { ctx.place(`ball`, [0.02 * ctx.frame, ctx.params.height, 0.0]); }\n"
 
