@@ -37,6 +37,9 @@ def main() -> None:
         "--only", metavar="PATTERN", help="parts of the measurement, by their names"
     )
     parser.add_argument("--assets", type=pathlib.Path, help="folder of the paper's models")
+    parser.add_argument(
+        "--suite", type=pathlib.Path, help="folder with clones of the suites of docs/suites.md"
+    )
     add_program(parser)
     arguments = parser.parse_args()
     document = DOCUMENTS[arguments.document]
@@ -48,7 +51,8 @@ def main() -> None:
         assets = arguments.assets.resolve() if arguments.assets else None
         out = outs[0] if outs else DOCS
         out.mkdir(parents=True, exist_ok=True)
-        work(Run(out, program_of(arguments.reflet), assets, arguments.only))
+        suite = arguments.suite.resolve() if arguments.suite else None
+        work(Run(out, program_of(arguments.reflet), assets, arguments.only, suite))
         return
     if outs:
         document.store(outs)

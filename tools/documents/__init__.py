@@ -1,6 +1,6 @@
 """Documents of the project that are told from tables, by name."""
 
-from documents import acceptance, comparators, films, gpu, light, paper, stability, views
+from documents import acceptance, comparators, films, gpu, light, paper, stability, suites, views
 
 DOCUMENTS = {
     "acceptance": acceptance.DOCUMENT,
@@ -10,5 +10,6 @@ DOCUMENTS = {
     "light": light.DOCUMENT,
     "paper": paper.DOCUMENT,
     "stability": stability.DOCUMENT,
+    "suites": suites.DOCUMENT,
     "views": views.DOCUMENT,
 }

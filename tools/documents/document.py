@@ -25,6 +25,8 @@ class Run:
     program: pathlib.Path
     assets: pathlib.Path | None = None
     only: str | None = None
+    suite: pathlib.Path | None = None
+    """Folder with clones of the suites of docs/suites.md."""
 
     def wants(self, name: str) -> bool:
         """Whether the part of this name is to be measured; says so."""

@@ -1,0 +1,106 @@
+"""Suites of others, whose folders are given: Reflet's pictures beside theirs (docs/suites.md).
+
+--suite names a folder with clones of the suites' repositories, by their names. A measurement takes
+two cores without a GPU twenty minutes for `fidelity` and five for `imaging`.
+"""
+
+import shutil
+import statistics
+import sys
+from pathlib import Path
+
+from reflet_suites import fidelity, imaging
+from tables import Rows, by, read_rows, table, values
+
+from documents.document import DATA, Document, Run, in_places
+
+PARTS = {
+    "fidelity": (fidelity.measure, fidelity.CONFIG),
+    "imaging": (imaging.measure, imaging.LIST),
+}
+"""Measurements, each with the file that lists its scenarios."""
+
+
+def measure(run: Run) -> None:
+    if run.suite is None or not run.suite.is_dir():
+        sys.exit(f"--suite must name a folder with clones of the suites; there is no {run.suite}")
+    for name, (part, listed) in PARTS.items():
+        if not run.wants(name):
+            continue
+        if not (run.suite / listed).is_file():
+            sys.exit(
+                f"{run.suite} lacks {listed}; clone its repository there, or name --only others"
+            )
+        part(run.program, run.suite, run.out / name)
+
+
+def store(outs: list[Path]) -> None:
+    for name in PARTS:
+        for out in outs:
+            if (out / name / f"{name}.csv").exists():
+                shutil.copyfile(out / name / f"{name}.csv", DATA / f"suite-{name}.csv")
+
+
+def places(rows: Rows) -> str:
+    """Mean ranks of each renderer, the nearest by pixels first."""
+    lines = []
+    for (name,), of in by(rows, "renderer").items():
+        shares = [statistics.fmean(values(of, f"{kind} rank")) for kind in ("pixels", "means")]
+        shown = f"**{name}**" if name == fidelity.OURS else name
+        lines.append([shown, str(len(of)), *(f"{share:.2f}" for share in shares)])
+    lines.sort(key=lambda line: line[2])
+    return table(["renderer", "scenarios", "mean rank by pixels", "by means of 4 × 4"], lines)
+
+
+def farthest(rows: Rows) -> str:
+    """Scenarios in which Reflet's picture is the farthest from the others, most of all first."""
+    own = [row for row in rows if row["renderer"] == fidelity.OURS]
+    own.sort(key=lambda row: -float(row["means"]))
+    lines = []
+    for row in own[:15]:
+        others = [
+            float(other["brightness"])
+            for other in rows
+            if other["scenario"] == row["scenario"] and other["renderer"] in fidelity.PATH_TRACERS
+        ]
+        brighter = float(row["brightness"]) - statistics.median(others)
+        ranks = [f"{float(row[f'{kind} rank']):.2f}" for kind in ("pixels", "means")]
+        distance = f"{float(row['means']):.3f}"
+        name = row["scenario"].removeprefix("khronos-")
+        lines.append([name, distance, *ranks, f"{brighter:+.3f}"])
+    head = ["scenario", "distance by means", "rank by pixels", "by means", "brighter by"]
+    return table(head, lines)
+
+
+def tests(rows: Rows) -> str:
+    """Tests of OpenUSD, those that are not right first."""
+    lines = []
+    for (name,), of in by(rows, "test").items():
+        right = sum(row["right"] == "1" for row in of)
+        found = [
+            f"{min(values(of, kind)):.2f}"
+            for kind in ("overlap", "storm", "reflet")
+            if values(of, kind)
+        ]
+        refused = ", ".join(sorted({f"`{row['refused']}`" for row in of if row["refused"]}))
+        cells = [*found, refused] if found else ["–", "–", "–", refused]
+        lines.append(
+            (
+                right == len(of),
+                [name.removeprefix("testUsdImagingGL"), f"{right} of {len(of)}", *cells],
+            )
+        )
+    head = ["test", "right pictures", "least overlap", "mean of Storm", "of Reflet", "refused"]
+    return table(head, [line for _, line in sorted(lines, key=lambda pair: pair[0])])
+
+
+def tables() -> dict[str, str]:
+    ranked = fidelity.rank_rows(DATA / "suite-fidelity.csv")
+    return {
+        "places": places(ranked),
+        "farthest": farthest(ranked),
+        "tests": tests(read_rows(DATA / "suite-imaging.csv")),
+    }
+
+
+DOCUMENT = Document("suites.md", in_places(tables), store, measure)
