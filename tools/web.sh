@@ -33,7 +33,7 @@ cargo build --locked $std --target $target --target-dir target/web -p reflet-web
 rm -rf "$folder"
 mkdir -p "$folder/scenes"
 "$bindgen" --target web --no-typescript --remove-name-section --remove-producers-section --out-dir "$folder" target/web/$target/web/reflet_web.wasm
-cp src/web/page/* src/preview/serve/page/style.css "$folder"
+cp src/web/page/* src/write_back/page/* "$folder"
 cp scenes/*.toml scenes/*.rhai scenes/*.png "$folder/scenes"
 (cd "$folder/scenes" && for name in *; do printf '"%s"\n' "$name"; done | paste -sd, | sed 's/.*/[&]/') >"$folder/names"
 mv "$folder/names" "$folder/scenes/names.json"

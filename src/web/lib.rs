@@ -7,6 +7,7 @@
 //! (`src/gpu/wait.rs`); meanwhile the worker may call everything here but [`show`].
 #![cfg(target_arch = "wasm32")]
 
+mod editing;
 mod saving;
 
 use std::{
@@ -25,6 +26,7 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 use wasm_bindgen::prelude::wasm_bindgen;
 
+use editing::Editing;
 use reflet_base::{clock::Instant, files::in_memory};
 use reflet_gpu::{Gpu, GpuError, GpuOptions};
 use reflet_lsp::{Server, range};
@@ -45,7 +47,7 @@ use reflet_scene::{
     project::{self, ProjectChoice},
     syntax::key_text,
 };
-use reflet_write_back::{Change, Layered, Numbers, SceneItem, change, exact, list};
+use reflet_write_back::{exact, list};
 use saving::Saving;
 
 /// Time between two pictures of some samples.
@@ -72,7 +74,9 @@ thread_local! {
 #[derive(Default)]
 struct State {
     asked: Option<Asked>,
-    /// Answer of the last call of [`show`].
+    /// Input that [`editing::act`] is to follow next.
+    acting: String,
+    /// Answer of the last call of [`show`] or [`editing::act`].
     answer: Value,
     shown: Shown,
     picture: Option<Picture>,
@@ -149,6 +153,13 @@ fn dragged(camera: &str, eye: [f32; 3]) -> String {
 struct Shown {
     gpu: Option<Arc<Gpu>>,
     session: Option<Session>,
+    /// Overrides that the scene was asked for with, without the place of a dragged camera.
+    set: Vec<String>,
+    /// Whether the session has the scene that was asked for last.
+    is_open: bool,
+    /// Whether the device holds a picture of it, perhaps of few samples.
+    is_drawn: bool,
+    editing: Editing,
 }
 
 /// Has panics told to the page; to be called first.
@@ -228,45 +239,27 @@ pub fn show() {
     let is_lost = matches!(made, Err(SessionError::Gpu(GpuError::Lost(_))));
     let (answer, picture) = match made {
         Ok(picture) => (shown.answer(&picture), Some(picture)),
-        Err(SessionError::Gpu(GpuError::Interrupted)) => (json!({ "interrupted": true }), None),
+        Err(SessionError::Gpu(GpuError::Interrupted)) => {
+            (json!({ "interrupted": true, "open": shown.is_open }), None)
+        }
         Err(SessionError::Scene(errors)) => (json!({ "messages": messages(errors) }), None),
         Err(error) => (json!({ "error": error.to_string(), "lost": is_lost }), None),
     };
     if is_lost {
         shown = Shown::default();
     }
+    shown.refresh();
     STATE.with_borrow_mut(|state| {
         (state.answer, state.shown) = (answer, shown);
         state.picture = picture.or(state.picture.take());
     });
 }
 
-/// Change of the text that puts a camera of the shown scene elsewhere, as JSON: `file`, and its text `before` and `after`, or an
-/// `error`.
-#[wasm_bindgen]
-pub fn put_camera(camera: &str, eye: &[f32]) -> String {
-    let change = STATE.with_borrow(|state| {
-        let desc = &state.scene()?.scene.desc;
-        let index = desc.cameras.iter().position(|it| it.name == camera);
-        let item = SceneItem::Camera(index.ok_or("the text has no such camera")?);
-        let layered = Layered {
-            desc,
-            variants: &[],
-            set: &[],
-            scripted: None,
-        };
-        let values = eye.iter().map(|x| exact(*x)).collect();
-        change(&layered, item, &Numbers { key: "eye", values })
-    });
-    let written = |change: Change| json!({ "file": change.path, "before": change.before, "after": change.after });
-    let answer = change.map_or_else(|why| json!({ "error": why }), written);
-    answer.to_string()
-}
-
-/// Answer of the last call of [`show`], as JSON: `messages` with `width`, `height`, `adapter` and `frame` of the picture, names of `aovs`,
+/// Answer of the last call of [`editing::act`], `changes` of texts, whether an input `writes`, that is, is over, or an `error`; or
+/// of the last call of [`show`], as JSON: `messages` with `width`, `height`, `adapter` and `frame` of the picture, names of `aovs`,
 /// the `timeline`, first frame, last frame and frames in a second, and the `camera`, its name, `eye`, `target` and `up`, where it
 /// stands as its text says, or with none of these; an `error` of the device, which
-/// may be `lost`; or `interrupted`.
+/// may be `lost`; or `interrupted`, and whether the scene is `open` then.
 #[wasm_bindgen]
 pub fn answer() -> String {
     STATE.with_borrow(|state| state.answer.to_string())
@@ -298,6 +291,8 @@ impl Shown {
             ..ViewOverrides::default()
         };
         let aovs = asked.aovs.clone();
+        (self.is_open, self.is_drawn) = (false, false);
+        self.set.clone_from(&asked.set);
         let source = asked.source();
         let read = read(&source, &none, &texts, frame)?;
         view.size = size(&read, width);
@@ -321,17 +316,20 @@ impl Shown {
                 session
             }
             None => {
+                self.editing = Editing::default();
                 let whole = InitialBuild::Whole;
                 let open = Session::of_read(gpu.clone(), source, view, read, whole)?;
                 self.session.insert(open)
             }
         };
+        self.is_open = true;
         session.camera_named(session.view().camera.as_deref())?;
         let world = &session.scene().world;
         let aovs = aovs.iter().map(|name| find_aovs(name, world));
         let aovs = aovs.collect::<Result<Vec<_>, _>>()?.concat();
-        let told = Cell::new(Instant::now());
+        let (told, is_drawn) = (Cell::new(Instant::now()), Cell::new(false));
         let each_sample = |so_far: &SoFar<'_>| {
+            is_drawn.set(true);
             if so_far.done < so_far.samples && told.get().elapsed() > EACH_PART {
                 let part = so_far.picture()?;
                 let [width, height] = part.size;
@@ -345,7 +343,10 @@ impl Shown {
             each_sample: Some(&each_sample),
             ..PictureRequest::COLOR
         };
-        Ok(session.begin(request)?.take(&gpu)?)
+        let picture = session.begin(request);
+        let picture = picture.and_then(|begun| begun.take(&gpu));
+        self.is_drawn = is_drawn.get();
+        Ok(picture?)
     }
 
     fn answer(&self, picture: &Picture) -> Value {

@@ -8,7 +8,7 @@ use reflet_scene::{
 };
 
 /// An item of a scene with numbers that can be changed: an index into the list of its kind.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum SceneItem {
     /// Index into [`SceneDesc::instances`].
     Instance(usize),
@@ -21,6 +21,7 @@ pub enum SceneItem {
     /// Index into [`SceneDesc::cameras`].
     Camera(usize),
     /// The environment.
+    #[default]
     Environment,
 }
 
@@ -98,20 +99,24 @@ impl SceneItem {
         }
     }
 
-    /// The item's table.
-    pub(super) fn subject(self, desc: &SceneDesc) -> Result<Subject<'_>, String> {
-        let (name, at) = self.named(desc).ok_or("it is not there any more")?;
-        let section = match self {
+    /// Type of the item's table in `desc.rs`.
+    pub(super) fn section(self) -> &'static str {
+        match self {
             Self::Instance(_) => "InstanceDesc",
             Self::Group(_) => "GroupDesc",
             Self::Decal(_) => "DecalDesc",
             Self::Light(_) => "LightDesc",
             Self::Camera(_) => "CameraDesc",
             Self::Environment => "EnvironmentDesc",
-        };
+        }
+    }
+
+    /// The item's table.
+    pub(super) fn subject(self, desc: &SceneDesc) -> Result<Subject<'_>, String> {
+        let (name, at) = self.named(desc).ok_or("it is not there any more")?;
         Ok(Subject {
             kind: self.kind(),
-            section,
+            section: self.section(),
             name,
             at: (self != Self::Environment).then_some(at),
             below: &[],

@@ -1,14 +1,21 @@
 //! Edits of things of a scene, as changes of its texts: numbers and colors of placements, lights, cameras, materials
 //! and the environment, values of parameters, and keys of tracks, each in its place. All other bytes of a text stay.
-//! Nothing is written here: the preview writes files, a page its editor.
+//! Nothing is written here: the preview writes files, a page its editor. All ends share the way to choose and
+//! drag a thing: the [`outline`], [`picking`], the [`selection`] with its [`handles`], and the panels of [`page`]s.
 
+pub mod handles;
 mod insert;
 mod inspect;
 mod item;
 mod keys;
+mod material;
+pub mod outline;
 mod overridden;
+pub mod page;
+pub mod picking;
 mod places;
 mod put;
+pub mod selection;
 mod splice;
 mod tracks;
 mod tree;
@@ -84,7 +91,7 @@ impl Numbers {
 }
 
 /// An item with its editable numbers.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Inspected {
     /// The item.
     pub item: SceneItem,

@@ -5,6 +5,7 @@ use super::{
     places::alike,
     tracks::{FoundTrack, all_tracks},
 };
+use reflet_render::runtime::Session;
 use reflet_scene::{
     desc::{CAMERA, Entry, LIGHT, MATERIAL, SceneDesc, TrackDesc, Tracks},
     diagnostic::Span,
@@ -58,6 +59,19 @@ fn named<'e, T>(entries: &'e [Entry<T>], name: Option<&str>) -> Option<&'e Entry
     entries
         .iter()
         .find(|entry| Some(entry.name.as_str()) == name)
+}
+
+impl<'a> Layered<'a> {
+    /// The description of a session's scene, with its overrides.
+    pub fn of(session: &'a Session) -> Self {
+        let options = &session.source().options;
+        Self {
+            desc: &session.scene().scene,
+            variants: &options.variant,
+            set: &options.set,
+            scripted: session.state().map(|state| &state.scripted),
+        }
+    }
 }
 
 impl Layered<'_> {

@@ -49,9 +49,10 @@ shown = await changed(shown, "orbiting");
 // A drag that the system cuts off has ended.
 await page.mouse.down();
 const is_cut = await page.evaluate(() => {
-  const held = drag !== null;
-  document.getElementById("picture").dispatchEvent(new PointerEvent("pointercancel"));
-  return held && drag === null;
+  const canvas = document.getElementById("picture");
+  const held = canvas.style.cursor;
+  canvas.dispatchEvent(new PointerEvent("pointercancel"));
+  return held === "grabbing" && !canvas.style.cursor;
 });
 if (!is_cut) throw new Error("a drag goes on after it was cut off");
 await page.mouse.up();
@@ -79,13 +80,6 @@ const parameter = page.locator("#parameters input").first();
 await parameter.fill("1.5");
 await parameter.press("Enter");
 await changed(shown, "the parameter");
-const written = Date.now() + PATIENCE_MS;
-while (!readFileSync(scenePath, "utf8").includes("height = 1.5")) {
-  if (Date.now() > written) throw new Error("the parameter was not written into the scene");
-  await page.waitForTimeout(50);
-}
-step("written");
-
 // Waits until the scene's text has this.
 const saved = async (part, is_there = true) => {
   const until = Date.now() + PATIENCE_MS;
@@ -94,6 +88,8 @@ const saved = async (part, is_there = true) => {
     await page.waitForTimeout(20);
   }
 };
+await saved("height = 1.5");
+step("written");
 
 // The picture stands in the middle of the canvas, with margins; the floor is below its middle.
 await page.mouse.click(x, y + 0.05 * box.height);
@@ -129,9 +125,9 @@ await still();
 await page.mouse.click(x - 0.157 * box.height, y + 0.067 * box.height);
 await page.waitForFunction(() => document.getElementById("label").textContent.includes("decal sign"));
 const ends = (viewer = page) => viewer.evaluate(() => {
-  const over = document.getElementById("handles").getBoundingClientRect();
-  const parts = handles.drawn ? handles.drawn.ends : [];
-  return parts.map(([left, top]) => [over.left + left * over.width, over.top + top * over.height]);
+  const { left, top } = document.getElementById("handles").getBoundingClientRect();
+  const lines = [...document.querySelectorAll("#handles line[stroke-width='2']")];
+  return lines.map(({ x2, y2 }) => [left + x2.baseVal.value, top + y2.baseVal.value]);
 });
 const pull = async (axis, by, held = async () => {}) => {
   const [left, top] = (await ends())[axis];
@@ -191,10 +187,10 @@ step("dragged");
 // Two viewers take a handle at once: the second has it, and the drag of the first moves neither it nor the camera.
 const rival = await viewer_page(900);
 await rival.goto(address);
-await rival.waitForFunction(() => handles && handles.drawn);
+await rival.waitForSelector("#handles polygon, #handles circle");
 await page.locator("#move").click();
 for (const viewer of [page, rival]) {
-  await viewer.waitForFunction(() => handles.kind === "move");
+  await viewer.waitForSelector("#handles polygon");
   await at_rest(viewer, true); // the undone drag is shown
 }
 // Place of the first handle, once a page has drawn it twice where it is.

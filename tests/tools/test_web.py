@@ -16,8 +16,8 @@ from session import session
 LACKS_A_TOOL = 3
 MOST_FLIP = "0.003"
 STEPS = (
-    "told shown completed hinted saved changed played orbited dropped packed shared refused "
-    "embedded quick lost lacking"
+    "told shown completed hinted saved changed played orbited edited dragged dropped packed "
+    "shared refused embedded quick lost lacking"
 )
 
 

@@ -148,6 +148,62 @@ await page.locator("#text").press("Control+z");
 await holds(true);
 step("orbited");
 
+// The outline and a click select. Numbers are written where an input ends, in their range; an empty field writes nothing.
+const click = (kind) => page.locator("#items button", { hasText: kind }).click();
+const labeled = (part) => page.waitForFunction((text) => document.getElementById("label").textContent.includes(text), part);
+const writes = async (part) => { await page.waitForFunction((text) => document.getElementById("text").value.includes(text), part); await shown(page); };
+const number = async (name, text) => {
+  const field = page.locator(`input[type=number][name=${name}]`).first();
+  await field.fill(text);
+  await field.press("Enter");
+};
+const unselected = await value(page);
+await page.mouse.click(box.x + 0.5 * box.width, box.y + 0.5 * box.height + 0.25 * box.width);
+await labeled("instance floor");
+await click("ball");
+await labeled("instance ball");
+await number("roughness", "7");
+await writes("roughness = 1\n");
+await number("roughness", "");
+await page.waitForFunction(() => document.querySelector("#material input[type=number][name=roughness]").value === "1");
+// Two quick edits are both written, and Ctrl Z takes each back.
+await number("translation", "0.5");
+await number("scale", "1.5");
+await writes("scale = [1.5, 1, 1]");
+if (!(await value(page)).includes("[0.5, 0.4, -0.3]")) throw new Error("the first of two edits is lost");
+for (const undone of ["scale = [1.5", "[0.5, 0.4", "roughness = 1\n"]) {
+  await page.locator("#text").press("Control+z");
+  await page.waitForFunction((text) => !document.getElementById("text").value.includes(text), undone);
+}
+if (await value(page) !== unselected) throw new Error("undo leaves another text");
+step("edited");
+
+// The numbers follow a handle while it is dragged, and the text where it ends.
+const place_of_ball = (is_own) => page.waitForFunction(
+  (wanted) => (document.querySelector("#numbers input[name=translation]").value === "-0.3") === wanted, is_own);
+await place_of_ball(true);
+const [x2, y2] = await page.evaluate(() => {
+  const { left, top } = document.getElementById("handles").getBoundingClientRect();
+  const line = document.querySelector("#handles line");
+  return [left + line.x2.baseVal.value, top + line.y2.baseVal.value];
+});
+for (const act of [() => page.mouse.move(x2, y2), () => page.mouse.down(), () => page.mouse.move(x2 + 40, y2)]) await act();
+await place_of_ball(false);
+if (await value(page) !== unselected) throw new Error("a drag is written before its end");
+await page.mouse.up();
+await page.waitForFunction((text) => document.getElementById("text").value !== text, unselected);
+// What a script or a mistake holds says why.
+await write(page, "text + '\\nnothing = 1'");
+await number("translation", "3");
+await status(page, /^not written: the text has changed meanwhile, or has mistakes/);
+await write(page, `${JSON.stringify(unselected)} + '\\n[motion.light.lamp]\\nposition = { rate = [1, 0, 0], keys = [{ at_s = 0, value = [0, 2, 0] }] }\\n'`);
+await click("lamp");
+await labeled("animates it; change its keys there");
+if (!await page.locator("#numbers input[name=position]").first().isDisabled()) throw new Error("what a track holds can be changed");
+await write(page, JSON.stringify(unselected));
+await shown(page);
+step("dragged");
+
 // A texture that is not there is told, and found once its folder is added.
 await write(page, "text.replace('[material.red]\\n', '[material.red]\\nbase_color_texture = \"maps/dot.png\"\\n')");
 await page.waitForFunction(() => document.querySelector("#messages .error")?.textContent.includes("dot.png"));

@@ -10,66 +10,12 @@ use crate::write_back::{
     reduced,
 };
 use reflet_render::runtime::{model_viewer_scene::is_bare, parameters::ParameterOverrides};
-use reflet_scene::{
-    desc::{InstanceMaterialDesc, ModelSource},
-    stages::Scene,
-};
+use reflet_scene::stages::Scene;
 
 impl Live {
-    /// Item of the scene text that places an instance of the world, if there is one.
-    pub fn item_of(&self, instance: usize) -> Option<SceneItem> {
-        let written = self.world().written.get(instance).copied().flatten();
-        written.map(SceneItem::Instance)
-    }
-
     /// The description, with the overrides laid over its texts.
     fn layered(&self) -> Layered<'_> {
-        let options = &self.source().options;
-        Layered {
-            desc: self.desc(),
-            variants: &options.variant,
-            set: &options.set,
-            scripted: self.session.state().map(|state| &state.scripted),
-        }
-    }
-
-    /// Table of the scene text that has, or can override, the values of a material of the world: as the world's
-    /// instance `shown` has it, else the first that uses it. `None` for materials that no table names.
-    pub fn origin_of(&self, material: usize, shown: Option<usize>) -> Option<MaterialOrigin> {
-        let (world, desc) = (self.world(), self.desc());
-        let uses = |index: &usize| {
-            let instance = world.instances.get(*index);
-            instance.is_some_and(|instance| instance.material == material)
-        };
-        let named = |name: &str| {
-            let found = desc.materials.iter().position(|entry| entry.name == name);
-            found.map(MaterialOrigin::Named)
-        };
-        let index = shown.filter(uses);
-        let index = index.or_else(|| (0..world.instances.len()).find(uses));
-        let Some(index) = index else {
-            let mut decals = world.decals.list.iter();
-            let decal = decals.position(|decal| decal.material == material)?;
-            return named(&desc.decals.get(decal)?.value.material.value);
-        };
-        let written = world.written.get(index).copied().flatten();
-        let own = written.and_then(|index| Some((index, desc.instances.get(index)?)));
-        match own.map(|(index, instance)| (index, &instance.material)) {
-            Some((_, Some(InstanceMaterialDesc::Named(name)))) => return named(&name.value),
-            Some((index, Some(InstanceMaterialDesc::Override(_)))) => {
-                return Some(MaterialOrigin::Instance(index));
-            }
-            _ => {}
-        }
-        let model = *world.placed_models.get(index)?;
-        let placed = &desc.models.get(model)?.value;
-        match &placed.source {
-            ModelSource::Shape(_) => named(&placed.material.as_ref()?.value),
-            ModelSource::File(_) => {
-                let name = world.materials.get(material)?.name.clone();
-                Some(MaterialOrigin::File(model, name))
-            }
-        }
+        Layered::of(&self.session)
     }
 
     /// Number of times that an edit was written into a text, undone or redone.
@@ -77,7 +23,7 @@ impl Live {
         self.history.writes()
     }
 
-    /// Writes a number of a material into the text that says it; `shown` as for [`Live::origin_of`]. Returns the
+    /// Writes a number of a material into the text that says it; `shown` as for [`MaterialOrigin::of`]. Returns the
     /// name of the table.
     ///
     /// # Errors
@@ -89,7 +35,7 @@ impl Live {
         numbers: &Numbers,
     ) -> Result<String, String> {
         self.check_text()?;
-        let origin = self.origin_of(material, shown);
+        let origin = MaterialOrigin::of(self.world(), self.desc(), material, shown);
         let origin = origin.ok_or("its shape names no material; write `material = …` there")?;
         let changed = change_material(&self.layered(), &origin, numbers)?;
         self.history.write(changed)?;

@@ -17,7 +17,7 @@ use crate::{
         scene_summary::MaterialRow,
         view_channel::ViewChannel,
     },
-    write_back::{KeyChange, KeyEdit, Numbers},
+    write_back::{KeyChange, KeyEdit, Numbers, page},
 };
 use reflet_render::runtime::parameters::declared_value;
 use reflet_scene::desc::{MATERIAL, Method};
@@ -180,7 +180,7 @@ impl Session {
             return self.say("nothing is selected");
         }
         match self.selection.moved(by.map(|x| x.clamp(-1e6, 1e6))) {
-            Some(task) => self.post(task),
+            Some((item, numbers)) => self.post(Task::Write(item, numbers)),
             None => self.say("the selected item has no place that can be changed"),
         }
     }
@@ -241,7 +241,7 @@ impl Session {
 
     fn change_parameter(&mut self, name: &str, value: &serde_json::Value, write: bool) {
         let own = declared_value(&self.state.summary.declared, name);
-        let changed = own.and_then(|own| Some((own, state::parameter(value, own)?)));
+        let changed = own.and_then(|own| Some((own, page::parameter(value, own)?)));
         let Some((own, value)) = changed else {
             return self.say("there is no such parameter, or its value is of another kind");
         };

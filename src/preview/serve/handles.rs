@@ -1,30 +1,26 @@
 //! The handles of the selected item on the page: drawn by the page, placed and hit here, by the code of the window.
 
-use glam::{Vec2, vec2};
+use glam::Vec2;
 use serde_json::json;
 
 use super::{input::Unfinished, session::Session, state};
-use crate::viewer::{
-    handles::{self, Handle},
-    protocol::Task,
+use crate::{
+    viewer::protocol::Task,
+    write_back::{
+        handles::Handle,
+        page::{self, points},
+    },
 };
 use reflet_scene::desc::CameraDesc;
 
 /// Most drags that other viewers took over and that have not ended.
 const MOST_TAKEN: usize = 8;
-/// Height of the picture in points, in which handles have their length.
-const HEIGHT: f32 = 600.0;
 
 impl Session {
-    /// Size of the picture in points.
-    fn points(&self) -> Vec2 {
-        let [width, height] = self.size.map(|side| side.max(1) as f32);
-        vec2(HEIGHT * width / height, HEIGHT)
-    }
-
     /// Tells the numbers of the selected item, as a drag has them.
     pub(super) fn tell_item(&self) {
-        self.hub.text("item", &state::item(&self.selection));
+        self.hub
+            .text("item", &state::item(&self.state, &self.selection));
     }
 
     /// The camera over whose picture handles are shown: none while it is wiped or shows no camera's view.
@@ -36,26 +32,10 @@ impl Session {
 
     /// Tells where the handles are, in parts of the picture, and which kinds the item has.
     pub(super) fn tell_handles(&self) {
-        let (size, selection) = (self.points(), &self.selection);
-        let part = |at: Vec2| (at / size).to_array();
-        let kinds = Handle::ALL.into_iter();
-        let kinds = kinds.filter(|kind| kind.numbers(&selection.numbers).is_some());
-        let kinds: Vec<_> = kinds.map(Handle::name).collect();
-        let camera = self.shown_camera.as_ref();
-        let edges = camera.filter(|_| !self.state.settings.wipe);
-        let edges = edges.map_or(Vec::new(), |camera| selection.box_edges(camera, size));
-        let edges: Vec<_> = edges.iter().map(|ends| ends.map(part)).collect();
-        let drawn = self
-            .camera()
-            .and_then(|camera| selection.handles(camera, size))
-            .map(|handles| json!({ "start": part(handles.start), "ends": handles.ends.map(part) }));
-        let all = json!({ "handles": {
-            "kind": selection.handle.name(),
-            "kinds": kinds,
-            "drawn": drawn,
-            "edges": edges,
-            "mark": handles::END / HEIGHT,
-        }});
+        let edges = self.shown_camera.as_ref();
+        let edges = edges.filter(|_| !self.state.settings.wipe);
+        let all = page::handles(&self.selection, self.camera(), edges, self.size);
+        let all = json!({ "handles": all });
         self.hub.text("handles", &all.to_string());
     }
 
@@ -70,7 +50,7 @@ impl Session {
     /// Takes hold of the handle at a place of the picture, also from another viewer, whose drag ends; returns whether
     /// there is one.
     pub(super) fn grab(&mut self, from: [f32; 2]) -> bool {
-        let size = self.points();
+        let size = points(self.size);
         let handles = self
             .camera()
             .and_then(|camera| self.selection.handles(camera, size));
@@ -95,15 +75,15 @@ impl Session {
 
     /// Drags the handle that was taken at `from`; returns whether it is held.
     pub(super) fn drag_handle(&mut self, from: [f32; 2], to: [f32; 2]) -> bool {
-        let size = self.points();
+        let size = points(self.size);
         let is_finite = from.iter().chain(&to).all(|part| part.is_finite());
         if !is_finite || self.grip != Some(from) {
             return false;
         }
         let by = (Vec2::from(to) - Vec2::from(from)).clamp(Vec2::splat(-4.0), Vec2::splat(4.0));
-        if let Some(task) = self.selection.drag_by(by * size) {
+        if let Some((item, numbers)) = self.selection.drag_by(by * size) {
             self.state.stir(self.now_s());
-            self.post(task);
+            self.post(Task::Drag(item, numbers));
         }
         true
     }
@@ -127,9 +107,9 @@ impl Session {
         self.taken.retain(|taken| Some(*taken) != from);
         let is_it = |grip: &mut [f32; 2]| from.is_none_or(|from| *grip == from);
         if self.grip.take_if(is_it).is_some()
-            && let Some(task) = self.selection.let_go()
+            && let Some((item, numbers)) = self.selection.let_go()
         {
-            self.post(task);
+            self.post(Task::Write(item, numbers));
         }
     }
 }

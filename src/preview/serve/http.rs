@@ -18,22 +18,34 @@ const MOST_HEADERS: usize = 64;
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src blob:; \
                       connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-/// A file of the page: its name below the token, its type and its text.
-const FILES: [(&str, &str, &str); 6] = [
+/// Type of a script.
+const SCRIPT: &str = "text/javascript";
+
+/// Files of the page, each with its name below the token, its type and its text; the page that runs by itself has the same panels.
+const FILES: [(&str, &str, &str); 7] = [
     ("", "text/html", include_str!("page/index.html")),
-    ("keys.js", "text/javascript", include_str!("page/keys.js")),
+    ("keys.js", SCRIPT, include_str!("page/keys.js")),
+    ("page.js", SCRIPT, include_str!("page/page.js")),
     (
         "numbers.js",
-        "text/javascript",
-        include_str!("page/numbers.js"),
+        SCRIPT,
+        include_str!("../../write_back/page/numbers.js"),
     ),
-    ("page.js", "text/javascript", include_str!("page/page.js")),
+    (
+        "panels.js",
+        SCRIPT,
+        include_str!("../../write_back/page/panels.js"),
+    ),
     (
         "handles.js",
-        "text/javascript",
-        include_str!("page/handles.js"),
+        SCRIPT,
+        include_str!("../../write_back/page/handles.js"),
     ),
-    ("style.css", "text/css", include_str!("page/style.css")),
+    (
+        "style.css",
+        "text/css",
+        include_str!("../../write_back/page/style.css"),
+    ),
 ];
 
 /// Token and host name that a request must have.

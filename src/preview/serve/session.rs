@@ -26,9 +26,9 @@ use crate::viewer::{
     },
     render_thread::RenderThread,
     scene_summary::SceneSummary,
-    selection::Selection,
     view_state::ViewState,
 };
+use crate::write_back::selection::Selection;
 use reflet_gpu::Gpu;
 use reflet_render::{
     picture::png_file,

@@ -1,7 +1,7 @@
 //! State of the preview as JSON for a page.
 
 use glam::Vec3;
-use serde_json::{Value, json};
+use serde_json::json;
 
 use crate::{
     live::Problems,
@@ -9,19 +9,17 @@ use crate::{
         keys::{self, KeyAction, KeyRow},
         protocol::{FinishedFrame, Side},
         scene_summary::SceneSummary,
-        selection::Selection,
         timeline::Timeline,
         view_channel::ViewChannel,
         view_settings::{FIRST_METHODS, rivals},
         view_state::ViewState,
     },
-    write_back::{SceneItem, numbers_of},
+    write_back::{SceneItem, page, selection::Selection},
 };
 use reflet_render::runtime::parameters::ParameterOverrides;
 use reflet_scene::{
-    desc::{MaterialDesc, Method, ParamValue},
-    number::{Field, Form},
-    range::LIMIT,
+    desc::{MaterialDesc, Method},
+    number::Field,
 };
 
 /// Methods that a page offers.
@@ -62,34 +60,6 @@ pub(super) fn message(text: &str) -> String {
     json!({ "message": text }).to_string()
 }
 
-/// A parameter's value.
-fn value(value: &ParamValue) -> Value {
-    match value {
-        ParamValue::Integer(x) => json!(x),
-        ParamValue::Number(x) => json!(x),
-        ParamValue::Switch(x) => json!(x),
-        ParamValue::Text(x) => json!(x),
-        ParamValue::Numbers(x) => json!(x),
-    }
-}
-
-/// A page's value for a parameter of the kind of `own`.
-pub(super) fn parameter(value: &Value, own: &ParamValue) -> Option<ParamValue> {
-    Some(match own {
-        ParamValue::Integer(_) => ParamValue::Integer(value.as_i64()?),
-        ParamValue::Number(_) => ParamValue::Number(value.as_f64().filter(|x| x.is_finite())?),
-        ParamValue::Switch(_) => ParamValue::Switch(value.as_bool()?),
-        ParamValue::Text(_) => ParamValue::Text(value.as_str()?.to_owned()),
-        ParamValue::Numbers(own) => {
-            let values = value
-                .as_array()
-                .filter(|values| values.len() == own.len())?;
-            let values = values.iter().map(|x| x.as_f64().filter(|x| x.is_finite()));
-            ParamValue::Numbers(values.collect::<Option<_>>()?)
-        }
-    })
-}
-
 /// All errors, as texts.
 pub(super) fn problems(problems: &Problems) -> Vec<String> {
     let texts = problems.scene.iter().chain(&problems.pose);
@@ -103,12 +73,7 @@ pub(super) fn problems(problems: &Problems) -> Vec<String> {
 
 /// Parameters of the script.
 pub(super) fn parameters(summary: &SceneSummary, overrides: &ParameterOverrides) -> String {
-    let parameters = summary.declared.iter().map(|(name, own)| {
-        let is_integer = matches!(own, ParamValue::Integer(_));
-        let now = overrides.get(name).unwrap_or(own);
-        json!({ "name": name, "value": value(now), "integer": is_integer })
-    });
-    json!({ "parameters": parameters.collect::<Vec<_>>() }).to_string()
+    json!({ "parameters": page::parameters(&summary.declared, overrides) }).to_string()
 }
 
 /// The value of a material's field that numbers of a page give, within its range.
@@ -128,26 +93,15 @@ pub(super) fn material_value(field: &Field<MaterialDesc>, values: &[f64]) -> Opt
     }
 }
 
-/// The shown material: its name, its table in the text, and its values.
+/// The shown material.
 pub(super) fn material(state: &ViewState) -> String {
     let index = state.settings.material;
-    let row = index.and_then(|index| state.summary.materials.get(index));
-    json!({ "material": row.map(|row| {
-        let numbers = row.fields().map(|(_, field, value)| {
-            let range = &field.range;
-            let is_bound = |end: f64| end.abs() < LIMIT;
-            let limits = [range.min, range.max].map(|end| is_bound(end).then_some(end));
-            let is_color = field.form == Form::Color;
-            json!([field.key, numbers_of(field.form, value), is_color, "any", limits])
-        });
-        json!({
-            "row": index,
-            "name": row.name,
-            "origin": row.origin,
-            "numbers": numbers.collect::<Vec<_>>(),
-        })
-    })})
-    .to_string()
+    let row = index.and_then(|index| Some((index, state.summary.materials.get(index)?)));
+    let shown = row.map(|(index, row)| {
+        let numbers = row.edit.over(&row.numbers);
+        page::material(index, &row.told(), &numbers)
+    });
+    json!({ "material": shown }).to_string()
 }
 
 /// Keys of the tracks below the timeline, and whether a flight is being recorded.
@@ -173,7 +127,7 @@ pub(super) fn scene(summary: &SceneSummary, name: &str) -> String {
         "channels": ViewChannel::of_frames().map(ViewChannel::name).collect::<Vec<_>>(),
         "presses": presses(),
         "help": keys::KEYS.iter().filter(|row| is_known(row)).map(|row| [row.keys, row.what]).collect::<Vec<_>>(),
-        "items": summary.items.iter().map(|row| json!([row.label, row.depth])).collect::<Vec<_>>(),
+        "items": page::rows(&summary.items),
         "timeline": summary.timeline.as_ref().map(|time| json!([time.start, time.end, time.fps])),
         "log": summary.log,
         "problems": problems(&summary.problems),
@@ -198,19 +152,9 @@ pub(super) fn view(state: &ViewState) -> String {
     .to_string()
 }
 
-/// The selected item, with its numbers as a drag has them.
-pub(super) fn item(selection: &Selection) -> String {
-    let numbers = selection.numbers.iter();
-    let numbers = numbers.map(|number| json!([number.key, number.values, number.is_color()]));
-    let numbers: Vec<_> = numbers.collect();
-    json!({ "item": selection.shown().map(|item| json!({
-        "label": item.label,
-        "place": item.place,
-        "numbers": numbers,
-        "held": item.held,
-        "refused": item.refused,
-    }))})
-    .to_string()
+/// The selected item.
+pub(super) fn item(state: &ViewState, selection: &Selection) -> String {
+    json!({ "item": page::item(selection, &state.summary.items) }).to_string()
 }
 
 /// Number of the last picture, after which nothing is left to draw.

@@ -23,6 +23,14 @@ impl MaterialRow {
         fields.filter_map(move |(index, field)| Some((index, field, (field.get)(&now)?)))
     }
 
+    /// Sentence that tells where its numbers are written.
+    pub fn told(&self) -> String {
+        match &self.origin {
+            Some(table) => format!("written into {table} where a change ends"),
+            None => "shown until the scene is saved: no table names this material".to_owned(),
+        }
+    }
+
     /// The task that writes the edited value of a field of [`MATERIAL`], by its index, into the scene text; `None`
     /// where it is not edited.
     pub fn to_write(edit: &Edit, field: usize) -> Option<Task> {

@@ -1,10 +1,10 @@
 //! Scene summary for the window: plain values, while the rendering thread owns the world.
 
-pub use super::outline::OutlineRow;
-use super::{outline::outline, view_channel::ShadowLight};
+use super::view_channel::ShadowLight;
+pub use crate::write_back::outline::OutlineRow;
 use crate::{
     live::{Edit, Live, Problems},
-    write_back::KeyTrack,
+    write_back::{KeyTrack, MaterialOrigin, outline::outline},
 };
 use reflet_base::{math::Bounds, unique_names::unique_names};
 use reflet_render::{
@@ -69,15 +69,6 @@ pub struct SceneSummary {
     pub warnings: Vec<Diagnostic>,
 }
 
-/// Separates the strength from the emission, as the scene text has them; a world has their product alone.
-fn split_emission(numbers: &mut MaterialDesc, strength: Option<f32>) {
-    let strength = strength.filter(|strength| *strength > 0.0);
-    if let (Some(emission), Some(strength)) = (&mut numbers.emission, strength) {
-        *emission /= strength;
-        numbers.emission_strength = Some(strength);
-    }
-}
-
 impl SceneSummary {
     /// Whether the scene has no instances.
     pub fn is_nothing(&self) -> bool {
@@ -94,6 +85,7 @@ impl SceneSummary {
     pub fn from_live(live: &Live) -> Self {
         let world = live.world();
         let names = unique_names(world.materials.iter().map(|m| m.name.as_str()));
+        let origin_of = |material, shown| MaterialOrigin::of(world, live.desc(), material, shown);
         let row = |(material, m): (usize, &reflet_world::Material)| MaterialRow {
             name: names[material].clone(),
             numbers: *m.numbers(),
@@ -108,10 +100,10 @@ impl SceneSummary {
             let around = world.bounds_of(instance);
             let row = &mut materials[instance.material];
             if row.uses == 0
-                && let Some(origin) = live.origin_of(instance.material, Some(index))
+                && let Some(origin) = origin_of(instance.material, Some(index))
             {
                 row.origin = Some(origin.label(live.desc()));
-                split_emission(&mut row.numbers, origin.emission_strength(live.desc()));
+                row.numbers = origin.as_written(live.desc(), &row.numbers);
             }
             row.uses += 1;
             row.bounds = row.bounds.union(around);
@@ -120,9 +112,9 @@ impl SceneSummary {
         for decal in &world.decals.list {
             let row = &mut materials[decal.material];
             row.bounds = row.bounds.union(decal.bounds());
-            if let (None, Some(origin)) = (&row.origin, live.origin_of(decal.material, None)) {
+            if let (None, Some(origin)) = (&row.origin, origin_of(decal.material, None)) {
                 row.origin = Some(origin.label(live.desc()));
-                split_emission(&mut row.numbers, origin.emission_strength(live.desc()));
+                row.numbers = origin.as_written(live.desc(), &row.numbers);
             }
         }
         let lights = unique_names(world.lights.iter().map(|light| light.name.as_str()));

@@ -1,5 +1,7 @@
 // The page: texts of a scene beside its picture, which the element `reflet-view` makes.
+import { begin_handles, place_in } from "./handles.js";
 import * as language from "./language.js";
+import { begin_panels } from "./panels.js";
 import { fromFragment, toFragment } from "./share.js";
 import { work } from "./view.js";
 
@@ -102,15 +104,46 @@ const heard = {
     get("save").disabled &&= !shown.width;
     if (shown.aovs && `${shown.aovs}` !== `${[...get("aovs").options].map(({ value }) => value)}`) get("aovs").replaceChildren(...shown.aovs.map((name) => new Option(name)));
   },
-  write: ({ file, before, after, error }) => {
-    // What was typed meanwhile stays.
-    if (error || files.get(file) !== before) refusal = `the camera is not written (${error ?? "the text has changed meanwhile"}): `;
-    else view.put(file, after);
+  // Written as by typing; the focus stays where the input is.
+  write: ({ changes, error }) => {
+    const focus = document.activeElement;
+    for (const [file, before, after] of changes) {
+      if (files.get(file) !== before) error = "the text has changed meanwhile";
+      else if (before !== after) view.put(file, after);
+    }
+    focus.focus({ preventScroll: true });
+    refusal = error ? `not written: ${error}; ` : "";
+  },
+  panels: (all) => {
+    for (const [name, shown] of Object.entries(all)) (panels[name] ?? handles.show)(shown);
   },
   saved: (name) => {
     get("save").textContent = "save";
     get("saving").open &&= !name;
   },
+};
+const act = (message) => view.act(message);
+const panels = begin_panels(get("panels"), act);
+const handles = begin_handles(view.canvas, get("handles"), act);
+// The drag of the handle at a place of the picture. Its steps are sent once for each picture of the screen.
+view.grab = (event) => {
+  const from = place_in(view.canvas, event);
+  if (!handles.holds(from)) return null;
+  let [to, start] = [null, true];
+  const send = () => {
+    if (to) act({ do: "drag", from, to, start });
+    [to, start] = [null, false];
+  };
+  return {
+    drag: (moved) => {
+      if (!to) requestAnimationFrame(send);
+      to = place_in(view.canvas, moved);
+    },
+    drop: () => {
+      send();
+      act({ do: "drop" });
+    },
+  };
 };
 for (const [kind, hear] of Object.entries(heard)) view.addEventListener(kind, ({ detail }) => hear(detail));
 language.begin({ view, tab: () => tab, work: (hear) => work(hear, tell), go_to, tell });
@@ -187,6 +220,25 @@ get("share").onclick = async () => {
   const left = files.size - texts.length;
   tell(`the address holds ${texts.length} text${texts.length === 1 ? "" : "s"}${left ? `, and not the ${left} other files` : ""}: copy it`);
 };
+// Undoes and redoes changes of the text, also while a slider or the picture has the focus. The browser counts what was typed into
+// fields of the panels as steps too, which are passed over and change nothing.
+let isUndoing = false;
+for (const kind of ["input", "change"]) {
+  get("panels").addEventListener(kind, (event) => { if (isUndoing) event.stopImmediatePropagation(); }, { capture: true });
+}
+addEventListener("keydown", (event) => {
+  const { key, ctrlKey, metaKey, altKey, shiftKey, target } = event;
+  const kind = { z: shiftKey ? "redo" : "undo", y: "redo" }[key.toLowerCase()];
+  const isTyped = target !== text && target.matches("input:not([type=range], [type=checkbox], [type=color])");
+  if (!kind || !(ctrlKey || metaKey) || altKey || isTyped) return;
+  event.preventDefault();
+  const before = text.value;
+  isUndoing = true;
+  do text.focus({ preventScroll: true });
+  while (text.value === before && document.queryCommandEnabled(kind) && document.execCommand(kind));
+  for (const input of get("panels").querySelectorAll("input[type=number], input[type=text]")) input.value = input.known;
+  isUndoing = false;
+});
 addEventListener("dragover", (event) => { event.preventDefault(); document.body.classList.add("dropping"); });
 addEventListener("dragleave", () => document.body.classList.remove("dropping"));
 addEventListener("drop", async (event) => {

@@ -1,7 +1,9 @@
 // Drags of the picture: the camera goes around its target, and closer by the wheel. Where the drag ends, its place is written
-// into the text.
+// into the text. What lies over the picture may be dragged instead.
 const TURN_PER_PX = 0.008;
 const REST_MS = 400;
+// Way of the pointer up to which a press is a click.
+const CLICK_PX = 3;
 
 const sum = (a, b, by = 1) => a.map((x, at) => x + by * b[at]);
 const dot = (a, b) => a.reduce((all, x, at) => all + x * b[at], 0);
@@ -24,27 +26,44 @@ export const orbited = ({ eye, target, up }, across, down) => {
 };
 
 // Follows the pointer over the picture: `camera` gives the shown camera or tells why there is none, `show` shows it elsewhere, and
-// `write` writes its last place.
-export const follow = (canvas, { camera, show, write }) => {
+// `write` writes its last place. `grab` gives what a press takes hold of, which hears where it is dragged and of the end, and
+// `click` hears of presses without a drag.
+export const follow = (canvas, { camera, show, write, grab, click }) => {
   let held = null;
+  let press = null;
   let timer = 0;
   const move = (eye) => {
     held.eye = eye;
     show(held.name, eye);
   };
   canvas.onpointerdown = (event) => {
-    if (event.button || !(held ??= camera())) return;
+    if (event.button) return;
+    press = { at: [event.clientX, event.clientY], grip: grab(event), isDrag: false };
     canvas.setPointerCapture(event.pointerId);
   };
-  canvas.onpointermove = ({ buttons, movementX, movementY, pointerId }) => {
-    if (held && buttons && canvas.hasPointerCapture(pointerId)) move(orbited(held, -movementX * TURN_PER_PX, -movementY * TURN_PER_PX));
+  canvas.onpointermove = (event) => {
+    const { clientX, clientY, movementX, movementY } = event;
+    if (!press || !canvas.hasPointerCapture(event.pointerId)) return;
+    if (!press.isDrag && Math.hypot(clientX - press.at[0], clientY - press.at[1]) <= CLICK_PX) return;
+    // The camera is asked for once in a drag, which tells once that there is none.
+    if (!press.isDrag && !press.grip) held ??= camera();
+    press.isDrag = true;
+    if (press.grip) press.grip.drag(event);
+    else if (held) move(orbited(held, -movementX * TURN_PER_PX, -movementY * TURN_PER_PX));
   };
   const end = () => {
     clearTimeout(timer);
     if (held) write(held.name, held.eye);
     held = null;
   };
-  canvas.onlostpointercapture = end;
+  canvas.onpointerup = (event) => {
+    if (press && !press.isDrag) click(event);
+  };
+  canvas.onlostpointercapture = () => {
+    if (press?.isDrag) press.grip?.drop();
+    press = null;
+    end();
+  };
   canvas.onwheel = (event) => {
     event.preventDefault();
     if (!(held ??= camera())) return;

@@ -1,5 +1,7 @@
 // `<reflet-view src="scene.toml">` shows a scene on any page that loads this module. Files are kept here, and handed to the
-// worker, which is made anew where it ends or loses its device. docs/web.md lists the attributes.
+// worker, which is made anew where it ends or loses its device. docs/web.md lists the attributes. The editor draws panels and
+// handles, and hears what they show.
+import { is_inside, place_in } from "./handles.js";
 import * as orbit from "./orbit.js";
 import { lacks } from "./suspend.js";
 
@@ -58,16 +60,21 @@ export class RefletView extends HTMLElement {
   // Content by name: texts are strings, all else is bytes.
   files = new Map();
   scene = "";
-  // Whether a camera that was dragged is written into the text.
+  // Whether what is dragged is written into the text; and the drag of what a place of the picture shows over it, if it does.
   edits = false;
+  grab = () => null;
 
   #worker = null; #isReady = false; #lacking = null; #restarts = 0;
   // Folder of `src`, whose files a scene may name, those of its files that were asked for, and the requests that are open.
   #folder = null; #asked = new Set(); #pending = 0;
   // How a pack is rendered, by its manifest.
   #options = {};
-  // The camera that is shown, and the one that stands elsewhere than its text says; whether that is held, and is to be written.
-  #camera = null; #moved = null; #isHeld = false; #isLetGo = false;
+  // The camera that is shown, and the one that stands elsewhere than its text says; whether that is held.
+  #camera = null; #moved = null; #isHeld = false;
+  // Texts as an input that is not over has them, each with the text that the editor has.
+  #drafts = new Map();
+  // Number of the last input that has changed texts.
+  #heard = 0;
   // The wanted frame, whether it plays, and the time of the last turn.
   #frame = 0; #plays = false; #turned = 0;
   #isSeen = false; #seer = new IntersectionObserver((seen) => this.#see(seen.at(-1).isIntersecting));
@@ -90,13 +97,19 @@ export class RefletView extends HTMLElement {
         return this.#camera ? { ...this.#camera } : this.tell("motion, a script or a parent places this camera: change it in the text");
       },
       show: (...moved) => {
-        [this.#moved, this.#isLetGo] = [moved, false];
+        this.#moved = moved;
         this.run(false);
       },
       write: () => {
         this.#isHeld = false;
-        this.#isLetGo = this.edits && Boolean(this.#moved);
-        this.run(false);
+        if (this.edits && this.#moved) this.act({ do: "place", camera: this.#moved[0], eye: this.#moved[1] });
+        else this.run(false);
+      },
+      grab: (event) => this.edits ? this.grab(event) : null,
+      click: (event) => {
+        if (!this.edits) return;
+        const at = place_in(this.canvas, event);
+        this.act(is_inside(at) ? { do: "pick", at } : { do: "unpick" });
       },
     });
   }
@@ -120,18 +133,21 @@ export class RefletView extends HTMLElement {
   choose(name) {
     if (name === this.scene) return;
     this.scene = name;
-    [this.#moved, this.#isLetGo, this.#camera, this.#options] = [null, false, null, {}];
+    [this.#moved, this.#camera, this.#options] = [null, null, {}];
+    this.#drafts.clear();
     this.#stop();
     this.#frame = whole(this.getAttribute("frame"), 2 ** 31);
   }
   clear() {
     this.files.clear();
+    this.#drafts.clear();
     this.#asked.clear();
     [this.scene, this.#folder, this.#options] = ["", null, {}];
     if (this.#isReady) this.#worker.postMessage({ clear: true });
   }
   put(name, content) {
     this.files.set(name, content);
+    this.#drafts.delete(name);
     if (this.#isReady) this.#worker.postMessage(this.message_of(name));
     this.#emit("file", name);
   }
@@ -155,7 +171,12 @@ export class RefletView extends HTMLElement {
     if (this.#worker && !this.#isReady && this.#restarts >= 3) this.#start();
     if (!this.#isReady || !this.scene) return;
     if (!this.#lacking && (checks || this.edits)) this.tell("rendering");
-    this.#worker.postMessage({ ask: this.#ask(), checks });
+    const isDraft = this.#isHeld || this.#drafts.size > 0;
+    this.#worker.postMessage({ ask: this.#ask(isDraft), checks: checks && !isDraft, isDraft, heard: this.#heard });
+  }
+  // Does what a user does in the panels or on the picture; `write` tells the changes of texts that follow.
+  act(message) {
+    if (this.#isReady) this.#worker.postMessage({ act: message });
   }
   // Saves the picture or, where they are named, frames, with planes or as a pack; without a name it stops.
   save(output, aovs, frames) {
@@ -166,11 +187,13 @@ export class RefletView extends HTMLElement {
     this.tell("opening the pack");
     this.#worker?.postMessage({ unpack: bytes }, [bytes.buffer]);
   }
-  #ask() {
-    const [text, scene, frame, moved] = [this.files.get(this.scene), this.scene, this.#frame, this.#moved];
+  #ask(isDraft = false) {
+    const [scene, frame, moved] = [this.scene, this.#frame, this.#moved];
+    const text = this.#drafts.get(scene)?.text ?? this.files.get(scene);
     const [own, count, camera, names] = ["width", "samples", "camera", "variant"].map((name) => this.getAttribute(name));
     const width = own === null ? Math.max(1, this.clientWidth) : whole(own, 2 ** 16);
-    const [samples, variant] = [whole(count, 2 ** 20) || null, names?.split(/\s+/).filter(Boolean)];
+    const samples = isDraft && this.edits ? 1 : whole(count, 2 ** 20) || null;
+    const variant = names?.split(/\s+/).filter(Boolean);
     return { ...this.#options, scene, text: typeof text === "string" ? text : null, width, samples, frame, camera, moved, ...(variant?.length && { variant }) };
   }
   #emit(kind, detail) { this.dispatchEvent(new CustomEvent(kind, { detail })); }
@@ -183,7 +206,8 @@ export class RefletView extends HTMLElement {
     if (this.hasAttribute("src")) this.#load();
   }
   #start() {
-    this.#isReady = false;
+    [this.#isReady, this.#heard] = [false, 0];
+    this.#drafts.clear();
     this.tell(LOADING);
     this.#worker = work((data) => this.#hear[Object.keys(this.#hear).find((key) => key in data)](data), (words) => this.tell(words));
   }
@@ -238,6 +262,28 @@ export class RefletView extends HTMLElement {
     this.canvas.getContext("2d").putImageData(new ImageData(new Uint8ClampedArray(pixels.buffer), width, height), 0, 0);
     this.canvas.dataset.shown = this.scene;
   }
+  // Changes of texts are shown as drafts while an input goes on. Where it is over or fails, drafts end, and the editor hears.
+  #change({ changes, writes, error, number }) {
+    const written = [];
+    this.#heard = number;
+    for (const { file, before, after } of changes) {
+      const draft = this.#drafts.get(file) ?? { base: this.files.get(file), text: this.files.get(file) };
+      // Typed meanwhile, or with a mistake, so that the picture is of another text.
+      if (draft.text !== before) error ??= "the text has changed meanwhile, or has mistakes";
+      else if (writes) written.push([file, draft.base, after]);
+      else this.#drafts.set(file, { ...draft, text: after });
+      if (!error) this.#worker.postMessage({ file, bytes: new TextEncoder().encode(after) });
+    }
+    if (writes || error) {
+      // A file whose draft ends without a change of it has the editor's text again.
+      const ended = [...this.#drafts].filter(([file, { base }]) => base === this.files.get(file));
+      this.#drafts.clear();
+      for (const [file] of ended) this.#worker.postMessage(this.message_of(file));
+      this.#moved = null;
+      this.#emit("write", { changes: error ? [] : written, error });
+    }
+    this.run(Boolean(writes || error));
+  }
   #go(frame) {
     this.#frame = whole(frame, 2 ** 31);
     this.run(false);
@@ -286,8 +332,6 @@ export class RefletView extends HTMLElement {
         Object.assign(this.slider, { min: start, max: end, value: this.#frame });
         this.told.textContent = `${shown.frame} of ${end}, ${(shown.frame / fps).toFixed(2)} s`;
         this.#camera = shown.camera && Object.fromEntries(["name", "eye", "target", "up"].map((key, at) => [key, shown.camera[at]]));
-        if (this.#isLetGo) this.#worker.postMessage({ put: this.#moved });
-        this.#isLetGo = false;
       } else {
         this.#stop();
       }
@@ -302,11 +346,8 @@ export class RefletView extends HTMLElement {
         this.#next();
       }
     },
-    put: ({ put }) => {
-      this.#moved = null;
-      this.#emit("write", put);
-      this.run();
-    },
+    panels: ({ panels }) => this.#emit("panels", panels),
+    changed: ({ changed }) => this.#change(changed),
     progress: ({ progress }) => this.tell(progress),
     saved: ({ saved, name }) => {
       const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(new Blob([saved])), download: name });

@@ -1,7 +1,8 @@
 // The program, away from the page, which stays quick: the checker and the renderer, or the language server. Messages: {module} first,
-// then {clear}, {file, bytes}, {ask, checks}, {put}, {save}, {stop}, {unpack} and {rpc}; answers: {state}, {missing}, {check},
-// {part, pixels}, {shown, pixels}, {put}, {progress}, {saved} or {unsaved}, {unpacked} or {refused}, {rpc} and {ended}.
-import init, { answer, ask, check, clear, frames, interrupt, keep, language, missing, pack, pixels, put_camera, put_file, start, take, take_kept, unpack } from "./reflet_web.js";
+// then {clear}, {file, bytes}, {ask, checks, isDraft, heard}, {act}, {save}, {stop}, {unpack} and {rpc}; answers: {state}, {missing},
+// {check}, {part, pixels}, {shown, pixels}, {panels}, {changed}, {progress}, {saved} or {unsaved}, {unpacked} or {refused}, {rpc}
+// and {ended}.
+import init, { answer, ask, ask_act, check, clear, frames, interrupt, keep, language, missing, pack, panels, pixels, put_file, start, take, take_kept, unpack } from "./reflet_web.js";
 import { lacks } from "./suspend.js";
 
 const tell = (message, moved) => self.postMessage(message, moved);
@@ -16,7 +17,7 @@ const tell_missing = () => {
   if (paths.length) tell({ missing: paths });
 };
 
-let show = null;
+let [show, act] = [null, null];
 let [isSaving, isStopped] = [false, false];
 // Whether the picture that was made last is the one that the page shows, not a frame that was saved.
 let isShown = true;
@@ -29,18 +30,65 @@ const make = async (asked) => {
   await show();
   return JSON.parse(answer());
 };
-// Of the pictures that were asked for meanwhile, only the last is made.
-let next = null;
+// Panels that have changed.
+let told = {};
+const tell_panels = () => {
+  const now = JSON.parse(panels());
+  const changed = Object.entries(now).filter(([name, json]) => told[name] !== json);
+  told = now;
+  if (changed.length) tell({ panels: Object.fromEntries(changed.map(([name, json]) => [name, JSON.parse(json)])) });
+};
+
+// Of the pictures that were asked for meanwhile, only the last is made. One in work is given up for the next, but drafts of a drag
+// are not, which would show nothing then; and a picture that inputs have cut off is made after them.
+let [next, inWork, cutOff] = [null, null, null];
+const giveUp = () => { if (!isSaving && !inWork?.isDraft) interrupt(); };
 const makeNext = async () => {
   if (!next) return;
-  const [asked, began] = [next, performance.now()];
-  next = null;
-  const shown = await make(asked);
+  const began = performance.now();
+  [inWork, next, cutOff] = [next, null, null];
+  const made = inWork;
+  const shown = await make(made.json);
+  if (shown.interrupted) cutOff = made;
+  inWork = null;
   isShown = true;
+  // Inputs are about the scene that was asked for.
+  if (shown.interrupted && !shown.open && acts.length) {
+    next ??= cutOff;
+    queue(makeNext);
+    return;
+  }
+  tell_panels();
+  isOwed &&= made.heard !== changes;
+  if (acts.length) queue(actNext);
   const rgba = shown.width ? pixels() : null;
   shown.seconds = (performance.now() - began) / 1e3;
   tell_missing();
   if (!shown.interrupted) tell({ shown, pixels: rgba }, rgba ? [rgba.buffer] : []);
+};
+
+// Inputs that wait, the number of those that have changed texts, and whether the picture after the last of these is still to come:
+// the next input is about its text.
+let [acts, changes, isOwed] = [[], 0, false];
+const actNext = async () => {
+  if (isOwed || !acts.length) return;
+  ask_act(JSON.stringify(acts.shift()));
+  await act();
+  const done = JSON.parse(answer());
+  if (done.error) told = {};
+  tell_panels();
+  isOwed = Boolean(done.changes.length || done.writes);
+  if (isOwed) return tell({ changed: { ...done, number: ++changes } });
+  if (acts.length) return queue(actNext);
+  next ??= cutOff;
+  queue(makeNext);
+};
+// Of the steps of a drag or of an input that wait, only the last counts.
+const take_act = (now) => {
+  const last = acts.at(-1);
+  const isNext = last && last.do === now.do && (now.do === "drag" ? !now.start : last.write === false && last.key === now.key && last.name === now.name);
+  if (isNext) acts.pop();
+  acts.push(isNext && now.do === "drag" ? { ...now, start: last.start } : now);
 };
 
 // Mistakes of the user are thrown as words; all else ends the program.
@@ -75,9 +123,12 @@ const save = async ({ asked, output, aovs: planes, frames: named }) => {
 };
 
 const work = {
-  clear,
+  clear: () => {
+    acts = [];
+    clear();
+  },
   file: ({ file, bytes }) => put_file(file, new Uint8Array(bytes)),
-  ask: ({ ask: asked, checks }) => {
+  ask: ({ ask: asked, checks, isDraft, heard }) => {
     const json = JSON.stringify(asked);
     if (checks) {
       const found = JSON.parse(check(json));
@@ -85,11 +136,16 @@ const work = {
       tell({ check: found });
     }
     if (!show) return;
-    next = json;
-    if (!isSaving) interrupt();
+    next = { json, isDraft, heard };
+    giveUp();
     queue(makeNext);
   },
-  put: ({ put: [camera, eye] }) => queue(() => tell({ put: JSON.parse(put_camera(camera, new Float32Array(eye))) })),
+  act: ({ act: message }) => {
+    if (!act) return;
+    take_act(message);
+    giveUp();
+    queue(actNext);
+  },
   save: (wanted) => queue(() => save(wanted.save)),
   stop: () => { isStopped = isSaving; if (isSaving) interrupt(); },
   // A save keeps its pictures where a pack is opened, so that one waits for the other.
@@ -105,7 +161,7 @@ const loaded = new Promise((done) => { load = done; });
 const ready = loaded.then(init).then((exports) => {
   start();
   const lacking = lacks();
-  if (!lacking) show = WebAssembly.promising(exports.show);
+  if (!lacking) [show, act] = [exports.show, exports.act].map((call) => WebAssembly.promising(call));
   tell({ state: "ready", lacks: lacking });
 }).catch(ended);
 

@@ -1,15 +1,17 @@
-"use strict";
 // Keys of tracks below the timeline: dragged, added by + or a double click, deleted; a click selects one and goes there.
+import { element, get as $ } from "./numbers.js";
 
+// The page: functions that send what the viewer does, and that give the scene and the frame.
+let page = null;
 let tracks = [];
 let selected_key = null;
 let dragged_key = null;
 
-const of_key = ({ kind, name, key }, change) => send({ do: "key", kind, name, key, change });
+const of_key = ({ kind, name, key }, change) => page.send({ do: "key", kind, name, key, change });
 const same_track = (a, b) => a.kind === b.kind && a.name === b.name && a.key === b.key;
 const selected_track = () => selected_key && tracks.find((track) => same_track(track, selected_key.track));
 const in_seconds = () => $("unit").value === "seconds";
-const frames_per_second = () => scene.timeline[2];
+const frames_per_second = () => page.scene().timeline[2];
 
 // Whole frames, or hundredths of a second.
 function snapped(at_s) {
@@ -19,13 +21,13 @@ function snapped(at_s) {
 
 function time_at(event, bar) {
   const box = bar.getBoundingClientRect();
-  const [start, end, fps] = scene.timeline;
+  const [start, end, fps] = page.scene().timeline;
   const share = Math.min(1, Math.max(0, (event.clientX - box.left) / box.width));
   return snapped((start + share * Math.max(1, end - start)) / fps);
 }
 
 function place_key(button, at_s) {
-  const [start, end, fps] = scene.timeline;
+  const [start, end, fps] = page.scene().timeline;
   const share = (at_s * fps - start) / Math.max(1, end - start);
   button.style.left = `${100 * share}%`;
   button.hidden = share < 0 || share > 1;
@@ -53,7 +55,7 @@ function key_button(track, index, bar) {
     dragged_key = null;
     selected_key = { track, index };
     if (moves && Math.abs(to_s - at_s) > 1e-6) of_key(track, { move: [index, to_s] });
-    if (!moves) send({ do: "seek", frame: Math.round(at_s * frames_per_second()) });
+    if (!moves) page.send({ do: "seek", frame: Math.round(at_s * frames_per_second()) });
     show_tracks();
   });
   button.addEventListener("pointercancel", () => { dragged_key = null; show_tracks(); });
@@ -62,7 +64,7 @@ function key_button(track, index, bar) {
 }
 
 function show_tracks() {
-  if (dragged_key || !scene || !scene.timeline) return;
+  if (dragged_key || !page.scene()?.timeline) return;
   $("tracks").replaceChildren(...tracks.map((track) => {
     const label = `${track.name}.${track.key}`;
     const bar = element("div", { className: "bar" });
@@ -71,7 +73,7 @@ function show_tracks() {
       if (event.target === bar) of_key(track, { add: time_at(event, bar) });
     });
     const add = element("button", { textContent: "+", title: "a key at the current frame", ariaLabel: `add a key to ${label}` });
-    add.addEventListener("click", () => of_key(track, { add: view.frame / frames_per_second() }));
+    add.addEventListener("click", () => of_key(track, { add: page.frame() / frames_per_second() }));
     return element("div", { className: "track" }, add, element("span", { textContent: label, title: label }), bar);
   }));
   const track = selected_track();
@@ -98,12 +100,16 @@ function delete_key() {
   return true;
 }
 
-$("key-time").addEventListener("change", ({ target }) => {
-  const track = selected_track();
-  if (!track || Number.isNaN(target.valueAsNumber)) return;
-  const at_s = in_seconds() ? target.valueAsNumber : target.valueAsNumber / frames_per_second();
-  of_key(track, { move: [selected_key.index, at_s] });
-});
-$("key-delete").addEventListener("click", delete_key);
-$("unit").addEventListener("change", show_tracks);
-$("record").addEventListener("click", () => press("record"));
+export const begin_keys = (given) => {
+  page = given;
+  $("key-time").addEventListener("change", ({ target }) => {
+    const track = selected_track();
+    if (!track || Number.isNaN(target.valueAsNumber)) return;
+    const at_s = in_seconds() ? target.valueAsNumber : target.valueAsNumber / frames_per_second();
+    of_key(track, { move: [selected_key.index, at_s] });
+  });
+  $("key-delete").addEventListener("click", delete_key);
+  $("unit").addEventListener("change", show_tracks);
+  $("record").addEventListener("click", () => page.press("record"));
+  return { show: show_keys, paint: show_tracks, delete_key };
+};

@@ -1,6 +1,9 @@
-"use strict";
 // The page shows what the server sends, and sends what the viewer does; it keeps no state of the scene.
-const $ = (id) => document.getElementById(id);
+import { begin_handles, is_inside, place_in } from "./handles.js";
+import { begin_keys } from "./keys.js";
+import { element, get as $, options } from "./numbers.js";
+import { begin_panels } from "./panels.js";
+
 const canvas = $("picture");
 const sides = [null, null];
 let wipes = false;
@@ -22,7 +25,7 @@ function paint() {
   if (!left) return;
   if (canvas.width !== left.width || canvas.height !== left.height) {
     [canvas.width, canvas.height] = [left.width, left.height];
-    paint_handles();
+    handles.paint();
   }
   const { width, height } = canvas;
   const context = canvas.getContext("2d");
@@ -55,14 +58,6 @@ async function show(bytes) {
   }
 }
 
-function options(select, names, chosen) {
-  const now = [...select.options].map((option) => option.value);
-  if (now.join("\n") !== names.join("\n")) {
-    select.replaceChildren(...names.map((name) => new Option(name, name)));
-  }
-  select.value = chosen;
-}
-
 function show_scene(next) {
   scene = next;
   document.title = `${scene.name} \u2013 Reflet`;
@@ -71,42 +66,14 @@ function show_scene(next) {
   const problems = $("problems");
   problems.replaceChildren(...scene.problems.map((text) => element("li", { textContent: text })));
   problems.hidden = scene.problems.length === 0;
-  const rows = scene.items.map(([label, depth], row) => {
-    const button = element("button", { textContent: "\u00a0".repeat(2 * depth) + label });
-    button.addEventListener("click", () => send({ do: "select", row }));
-    return element("li", {}, button);
-  });
-  $("items").replaceChildren(...rows);
-  options($("materials"), ["(none)", ...scene.materials], $("materials").value || "(none)");
-  $("material-panel").hidden = scene.materials.length === 0;
+  panels.scene(scene);
   $("screenshot").download = `${scene.name}.png`;
   $("time").hidden = !scene.timeline;
-  show_tracks();
+  keys_of_tracks.paint();
   if (scene.timeline) [$("frame").min, $("frame").max] = scene.timeline;
   $("log").textContent = scene.log.concat(scene.warnings).join("\n");
   $("log-panel").hidden = scene.log.length + scene.warnings.length === 0;
   if (view) show_view(view);
-}
-
-function show_parameters(parameters) {
-  const rows = parameters.map(({ name, value, integer }) =>
-    [name, Array.isArray(value) ? value : [value], false, integer ? "1" : "any"]);
-  $("parameters-panel").hidden = rows.length === 0;
-  fields($("parameters"), rows, (name, values, write) => {
-    if (!are_numbers(values)) return;
-    const is_list = Array.isArray(parameters.find((own) => own.name === name).value);
-    send({ do: "parameter", name, value: is_list ? values : values[0], write });
-  });
-}
-
-function show_material(material) {
-  $("materials").selectedIndex = material ? material.row + 1 : 0;
-  $("origin").textContent = !material ? "" : material.origin
-    ? `written into ${material.origin} where a change ends`
-    : "shown until the scene is saved: no table names this material";
-  fields($("material"), material ? material.numbers : [], (key, values, write) => {
-    if (are_numbers(values)) send({ do: "material_number", key, values, write });
-  });
 }
 
 function show_view(next) {
@@ -132,19 +99,6 @@ function show_view(next) {
   $("loop").checked = view.loops;
   show_stale();
   paint();
-}
-
-function show_item(item) {
-  if (!item) {
-    $("label").textContent = "a click on the picture selects";
-    fields($("numbers"), [], null);
-    return;
-  }
-  const held = item.held.map(([key, why]) => `${key}: ${why}`);
-  $("label").textContent = [`${item.label} ${item.place}`, ...held, item.refused || ""].join("\n").trim();
-  fields($("numbers"), item.numbers, (key, values, write) => {
-    if (are_numbers(values)) send({ do: "number", key, values, write });
-  });
 }
 
 function show_statistics({ picture, frame, encode_ms, sides }) {
@@ -187,28 +141,14 @@ function connect() {
     const message = JSON.parse(data);
     if (message.scene) show_scene(message.scene);
     if (message.view) show_view(message.view);
-    if ("item" in message) show_item(message.item);
-    if (message.parameters) show_parameters(message.parameters);
-    if ("material" in message) show_material(message.material);
-    if (message.handles) show_handles(message.handles);
-    if (message.keys) show_keys(message.keys, message.records);
+    for (const kind of ["item", "parameters", "material"]) {
+      if (kind in message) panels[kind](message[kind]);
+    }
+    if (message.handles) handles.show(message.handles);
+    if (message.keys) keys_of_tracks.show(message.keys, message.records);
     if (message.statistics) show_statistics(message.statistics);
     if (message.message) $("status").textContent = message.message;
   };
-}
-
-// Place of the picture on the page: the canvas shows it with margins.
-function picture_box() {
-  const box = canvas.getBoundingClientRect();
-  const scale = Math.min(box.width / canvas.width, box.height / canvas.height);
-  const [width, height] = [canvas.width * scale, canvas.height * scale];
-  return { left: box.left + (box.width - width) / 2, top: box.top + (box.height - height) / 2, width, height };
-}
-
-// Place of a pointer in the picture, 0 to 1.
-function place(event) {
-  const { left, top, width, height } = picture_box();
-  return [(event.clientX - left) / width, (event.clientY - top) / height];
 }
 
 // Moves are gathered and sent once for each picture of the screen.
@@ -233,15 +173,16 @@ function move(held, by) {
 
 canvas.addEventListener("pointerdown", (event) => {
   canvas.setPointerCapture(event.pointerId);
+  canvas.style.cursor = "grabbing";
   const kind = { 0: "drag", 1: "pan", 2: "look" }[event.button];
-  const from = place(event);
+  const from = place_in(canvas, event);
   drag = { kind, from, to: from, at: [event.clientX, event.clientY], length: 0 };
 });
 canvas.addEventListener("pointermove", (event) => {
   if (!drag || !drag.kind) return;
   const by = [event.clientX - drag.at[0], event.clientY - drag.at[1]];
   drag.at = [event.clientX, event.clientY];
-  drag.to = place(event);
+  drag.to = place_in(canvas, event);
   drag.length += Math.hypot(...by);
   if (drag.length > 3) move(drag, by.map((pixels) => pixels / canvas.clientHeight));
 });
@@ -251,11 +192,12 @@ function end_drag() {
     if (!waits) send({ do: "drop", from: drag.from });
   }
   drag = null;
+  canvas.style.cursor = "";
 }
 canvas.addEventListener("pointerup", (event) => {
-  const at = place(event);
+  const at = place_in(canvas, event);
   if (drag && drag.kind === "drag" && drag.length <= 3) {
-    send(at.every((part) => part >= 0 && part <= 1) ? { do: "pick", at } : { do: "press", action: "unpick" });
+    send(is_inside(at) ? { do: "pick", at } : { do: "press", action: "unpick" });
   }
   end_drag();
 });
@@ -279,8 +221,6 @@ const actions = {
   wipe: "wipe", undo: { undo: false }, redo: { undo: true }, play: "play", back: { step: -1 }, on: { step: 1 },
 };
 for (const [id, action] of Object.entries(actions)) $(id).addEventListener("click", () => press(action));
-$("materials").addEventListener("change", ({ target }) => 
-  send({ do: "material", row: target.selectedIndex > 0 ? target.selectedIndex - 1 : null }));
 // The line of a wipe is each viewer's own.
 $("screenshot").addEventListener("click", ({ target }) => { target.href = `picture.png?wipe=${$("line").value}`; });
 $("keys-of-page").addEventListener("click", show_help);
@@ -349,7 +289,7 @@ addEventListener("keydown", (event) => {
     if (starts) requestAnimationFrame(fly);
     return;
   }
-  if (!is_field(target) && key === "Delete" && delete_key()) {
+  if (!is_field(target) && key === "Delete" && keys_of_tracks.delete_key()) {
     event.preventDefault();
     return;
   }
@@ -360,4 +300,7 @@ addEventListener("keydown", (event) => {
   send(done);
 });
 
-addEventListener("DOMContentLoaded", connect);
+const panels = begin_panels($("panels"), send);
+const handles = begin_handles(canvas, $("handles"), send);
+const keys_of_tracks = begin_keys({ send, press, scene: () => scene, frame: () => view.frame });
+connect();

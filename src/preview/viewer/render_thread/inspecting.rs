@@ -11,11 +11,7 @@ use crate::{
 impl Worker {
     /// Selects an item: sends its numbers, and outlines it if it is an instance.
     pub(super) fn select(&mut self, item: SceneItem) {
-        let world = self.live.world();
-        let index = match item {
-            SceneItem::Instance(index) => world.written.iter().position(|w| *w == Some(index)),
-            _ => None,
-        };
+        let index = item.instance_in(self.live.world());
         self.selected = index.and_then(|index| self.instance_name(index));
         self.show_item(Some(item));
     }

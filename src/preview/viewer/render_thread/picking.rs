@@ -7,7 +7,7 @@ use crate::{
         frame_texture::FrameTexture,
         protocol::{Picked, Report, View},
     },
-    write_back::SceneItem,
+    write_back::{SceneItem, picking::Clicks},
 };
 use reflet_render::{RenderError, pipeline::targets::Target};
 
@@ -30,20 +30,16 @@ impl Worker {
             };
             self.render(&view, view.a.method)?;
         }
-        let [width, height] = self.live.renderer().targets().size;
-        let ids: Vec<[u32; 2]> = self.live.renderer().read(&self.gpu, Target::Ids)?;
-        let pixel = |part: f32, side: u32| ((part * side as f32) as u32).min(side - 1);
-        let [x, y] = [pixel(at[0], width), pixel(at[1], height)];
-        let index = y * width + x;
-        self.send(Report::Pixel(self.pixel(view, [x, y])?));
-        let instance = ids[index as usize][0] as usize;
-        let item = self.clicked(view, at, (instance, index as usize))?;
-        self.selected = match item {
+        let camera = self.camera(&view.camera);
+        let selected = self.item.as_ref().map(|(item, _)| *item);
+        let hit = (self.clicks).hit(&self.live, &camera, at, selected)?;
+        self.send(Report::Pixel(self.pixel(view, hit.pixel)?));
+        self.selected = match hit.item {
             Some(SceneItem::Decal(_)) => None,
-            _ => self.instance_name(instance),
+            _ => self.instance_name(hit.instance()),
         };
-        self.show_item(item);
-        let picked = self.picked_among(&ids)?;
+        self.show_item(hit.item);
+        let picked = self.picked_among(&hit.ids)?;
         self.send(Report::Picked(picked));
         Ok(())
     }
@@ -51,7 +47,7 @@ impl Worker {
     /// Clears the selection.
     pub(super) fn unpick(&mut self) {
         self.selected = None;
-        (self.item, self.clicked_at) = (None, None);
+        (self.item, self.clicks) = (None, Clicks::default());
         self.send(Report::Unpicked);
     }
 

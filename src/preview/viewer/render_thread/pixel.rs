@@ -30,14 +30,11 @@ const SHOWN: [Aov; 12] = [
 ];
 
 impl Worker {
-    /// Values at a pixel of the last picture, which was rendered for `view`.
-    pub(super) fn pixel(
-        &self,
-        view: &View,
-        [x, y]: [u32; 2],
-    ) -> Result<Vec<PixelValue>, RenderError> {
+    /// Values at a pixel, by its index, of the last picture, which was rendered for `view`.
+    pub(super) fn pixel(&self, view: &View, index: usize) -> Result<Vec<PixelValue>, RenderError> {
         let renderer = self.live.renderer();
-        let index = (y * renderer.targets().size[0] + x) as usize;
+        let width = renderer.targets().size[0] as usize;
+        let (x, y) = (index % width, index / width);
         let camera = self.camera(&view.camera);
         let display: Vec<u8> = renderer.read(&self.gpu, Target::Display)?;
         let [r, g, b] = [0, 1, 2].map(|c| display[4 * index + c]);

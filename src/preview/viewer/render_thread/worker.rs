@@ -20,7 +20,7 @@ use crate::{
         scene_summary::SceneSummary,
     },
     watch::{WatchList, Watcher},
-    write_back::SceneItem,
+    write_back::{SceneItem, picking::Clicks},
 };
 use reflet_gpu::Gpu;
 use reflet_render::{
@@ -42,8 +42,8 @@ pub(super) struct Worker {
     /// Name of the selected instance, by which it is found in a reloaded scene.
     pub(super) selected: Option<String>,
     pub(super) outline: Option<FrameTexture>,
-    /// Place of the last click in the picture, 0 to 1.
-    pub(super) clicked_at: Option<[f32; 2]>,
+    /// Clicks on the picture.
+    pub(super) clicks: Clicks,
     /// The inspected item, with its name.
     pub(super) item: Option<(SceneItem, Option<String>)>,
     /// Values of parameters to write into the text once they are shown.
@@ -108,7 +108,7 @@ impl Worker {
             error_map: None,
             selected: None,
             outline: None,
-            clicked_at: None,
+            clicks: Clicks::default(),
             item: None,
             unwritten: None,
             own_writes: 0,

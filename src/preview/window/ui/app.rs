@@ -68,7 +68,8 @@ impl Window {
             KeyAction::Unpick => self.unselect(),
             KeyAction::Nudge(by) => {
                 let moved = self.selection.moved(by);
-                moved.into_iter().for_each(|task| self.send(task));
+                let written = moved.map(|(item, numbers)| Task::Write(item, numbers));
+                written.into_iter().for_each(|task| self.send(task));
             }
             KeyAction::Undo(again) => self.send(Task::Undo(again)),
             KeyAction::Record => self.toggle_recording(ui),

@@ -4,10 +4,12 @@
 
 use eframe::egui::{self, Color32, Rect, Sense, Stroke, Ui, Vec2, vec2};
 
-use crate::viewer::{
-    handles::{END, Handle},
-    protocol::Task,
-    selection::Selection,
+use crate::{
+    viewer::protocol::Task,
+    write_back::{
+        handles::{END, Handle},
+        selection::Selection,
+    },
 };
 use reflet_scene::desc::CameraDesc;
 
@@ -67,10 +69,11 @@ pub fn handles(
         }
         let total = response.total_drag_delta().unwrap_or_default();
         if response.dragged() {
-            task = selection.drag_by(glam::vec2(total.x, total.y)).or(task);
+            let dragged = selection.drag_by(glam::vec2(total.x, total.y));
+            task = dragged.map(|(item, now)| Task::Drag(item, now)).or(task);
         }
         if response.drag_stopped() {
-            task = selection.let_go();
+            task = (selection.let_go()).map(|(item, now)| Task::Write(item, now));
         }
     }
     task

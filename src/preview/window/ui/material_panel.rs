@@ -61,10 +61,7 @@ pub fn panel(
         if ui.button("copy as scene text").clicked() {
             ui.ctx().copy_text(scene_text(&edit.over(&row.numbers)));
         }
-        ui.weak(match &row.origin {
-            Some(table) => format!("written into {table} where a change ends"),
-            None => "shown until the scene is saved: no table names this material".to_owned(),
-        });
+        ui.weak(row.told());
     });
     if settings.scrolls_to_material {
         let is_open = shown.fully_open();

@@ -9,13 +9,11 @@ use super::{
 };
 use crate::{
     viewer::{
-        handles::Handle,
         keys::KeyAction,
         protocol::{PixelValue, Task},
         scene_summary::OutlineRow,
-        selection::Selection,
     },
-    write_back::SceneItem,
+    write_back::{SceneItem, handles::Handle, selection::Selection},
 };
 
 /// Height of a row of the outline, and maximum height of the outline, points.

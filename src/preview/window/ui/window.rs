@@ -12,11 +12,15 @@ use super::{
     diagnostics_panel::FoldState, parameter_panel::Parameters, place_panel::OutlineScroll,
     status_message::StatusMessage, timeline_keys::Keys,
 };
-use crate::viewer::{
-    protocol::{Comparison, FinishedFrame, FrameAction, FrameRequest, Picked, PixelValue, Task},
-    render_thread::RenderThread,
-    selection::Selection,
-    view_state::ViewState,
+use crate::{
+    viewer::{
+        protocol::{
+            Comparison, FinishedFrame, FrameAction, FrameRequest, Picked, PixelValue, Task,
+        },
+        render_thread::RenderThread,
+        view_state::ViewState,
+    },
+    write_back::selection::Selection,
 };
 use reflet_render::renderer::stats::FrameStats;
 

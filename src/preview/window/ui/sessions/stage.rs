@@ -17,12 +17,13 @@ use crate::{
         keys,
         protocol::{Picked, Task},
         scene_summary::{MaterialRow, OutlineRow, SceneSummary},
-        selection::Selection,
         timeline::{Timeline, follow},
         view_channel::ShadowLight,
         view_settings::ViewSettings,
     },
-    write_back::{Inspected, KeyTrack, Numbers, SceneItem, TrackName, numbers_of},
+    write_back::{
+        Inspected, KeyTrack, Numbers, SceneItem, TrackName, numbers_of, selection::Selection,
+    },
 };
 use reflet_base::math::Bounds;
 use reflet_metric::{
@@ -119,9 +120,12 @@ fn ball(refused: Option<&str>) -> Selection {
     let numbers = refused.map_or(vec![place], |_| Vec::new());
     let mut selection = Selection::default();
     selection.show(Some(Inspected {
+        item: SceneItem::Instance(4),
         label: "instance ball".to_owned(),
+        place: "scene.toml:3".to_owned(),
+        numbers,
         refused: refused.map(str::to_owned),
-        ..crate::viewer::inspected(SceneItem::Instance(4), numbers)
+        ..Inspected::default()
     }));
     selection
 }
@@ -134,8 +138,10 @@ fn lamp() -> Selection {
     };
     let mut selection = Selection::default();
     selection.show(Some(Inspected {
+        item: SceneItem::Light(1),
+        numbers: vec![place],
         world_from_parent: Affine3A::from_scale(Vec3::splat(2.0)),
-        ..crate::viewer::inspected(SceneItem::Light(1), vec![place])
+        ..Inspected::default()
     }));
     selection
 }

@@ -3,10 +3,9 @@
 use glam::Vec2;
 
 use super::{
+    Inspected, Numbers, SceneItem,
     handles::{self, Handle, HandleDrag, Handles},
-    protocol::Task,
 };
-use crate::write_back::{Inspected, Numbers, SceneItem};
 use reflet_scene::desc::CameraDesc;
 
 /// The selected item, and its numbers as they are shown.
@@ -78,8 +77,9 @@ impl Selection {
         is_held
     }
 
-    /// Drags the held handle by points since it was taken; returns the task that shows what that changes.
-    pub fn drag_by(&mut self, by: Vec2) -> Option<Task> {
+    /// Drags the held handle by points since it was taken; returns the item and its numbers to show,
+    /// where that changes them.
+    pub fn drag_by(&mut self, by: Vec2) -> Option<(SceneItem, Numbers)> {
         let held = self.held.as_mut()?;
         let now = held.drag.numbers(by);
         if now == held.now {
@@ -90,14 +90,14 @@ impl Selection {
         if self.item() == Some(item) {
             self.put(&now);
         }
-        Some(Task::Drag(item, now))
+        Some((item, now))
     }
 
-    /// Lets the held handle go; returns the task that writes what the drag has changed. The numbers are shown until the
-    /// item is read again.
-    pub fn let_go(&mut self) -> Option<Task> {
+    /// Lets the held handle go; returns the item and its numbers to write, where the drag has changed them. They are
+    /// shown until the item is read again.
+    pub fn let_go(&mut self) -> Option<(SceneItem, Numbers)> {
         let Held { item, drag, now } = self.held.take()?;
-        (now != drag.before).then_some(Task::Write(item, now))
+        (now != drag.before).then_some((item, now))
     }
 
     /// Takes back the drag of a handle that has no end; returns whether there was one.
@@ -109,10 +109,10 @@ impl Selection {
         held.is_some()
     }
 
-    /// Task that moves the item by meters along the axes of its parent; `None` if it has no position.
-    pub fn moved(&self, by: [f64; 3]) -> Option<Task> {
+    /// The item, and its position moved by meters along the axes of its parent; `None` if it has no position.
+    pub fn moved(&self, by: [f64; 3]) -> Option<(SceneItem, Numbers)> {
         let moved = Numbers::moved(&self.numbers, by)?;
-        Some(Task::Write(self.item()?, moved))
+        Some((self.item()?, moved))
     }
 
     /// Shows other numbers of a key.
@@ -135,12 +135,16 @@ mod tests {
             key: "position",
             values: values.to_vec(),
         };
-        crate::viewer::inspected(SceneItem::Light(index), vec![numbers])
+        Inspected {
+            item: SceneItem::Light(index),
+            numbers: vec![numbers],
+            ..Inspected::default()
+        }
     }
 
-    fn write(index: usize, values: [f64; 3]) -> Option<Task> {
+    fn write(index: usize, values: [f64; 3]) -> Option<(SceneItem, Numbers)> {
         let [numbers] = <[_; 1]>::try_from(item(index, values).numbers).ok()?;
-        Some(Task::Write(SceneItem::Light(index), numbers))
+        Some((SceneItem::Light(index), numbers))
     }
 
     /// A selected lamp, whose X handle is held.
@@ -164,7 +168,7 @@ mod tests {
         assert_eq!(selection.drag_by(vec2(0.0, 30.0)), None, "across the axis");
         assert!(matches!(
             selection.drag_by(vec2(80.0, 0.0)),
-            Some(Task::Drag(SceneItem::Light(1), _))
+            Some((SceneItem::Light(1), _))
         ));
         assert_eq!(selection.numbers, item(1, [2.0, 0.0, 0.0]).numbers);
         // The scene is read again meanwhile.

@@ -4,7 +4,7 @@
 
 use glam::{Affine3A, BVec3, Vec2, Vec3, vec2};
 
-use crate::write_back::{Inspected, Numbers, POSITION_KEYS, SceneItem};
+use super::{Inspected, Numbers, POSITION_KEYS, SceneItem};
 use reflet_scene::{
     desc::{CameraDesc, turned},
     words,
@@ -284,7 +284,10 @@ mod tests {
             numbers("size", &[2.0, 4.0, 0.0]),
         ];
         let of = |item| {
-            let shown = crate::viewer::inspected(item, numbers.to_vec());
+            let shown = Inspected {
+                item,
+                ..Inspected::default()
+            };
             box_edges(&shown, &numbers, &camera(), vec2(100.0, 100.0))
         };
         let edges = of(SceneItem::Decal(0));

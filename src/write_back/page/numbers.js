@@ -1,7 +1,7 @@
-"use strict";
 // Numbers, colors, switches and texts of a panel.
 
-const element = (name, properties, ...children) => {
+export const get = (id) => document.getElementById(id);
+export const element = (name, properties, ...children) => {
   const made = Object.assign(document.createElement(name), properties);
   made.append(...children);
   return made;
@@ -16,14 +16,22 @@ const to_hex = (values) => "#" + values.map((value) =>
 const of_hex = (text, before) => [1, 3, 5].map((at) =>
   to_linear(parseInt(text.slice(at, at + 2), 16) / 255) * strength(before));
 
-// Rows of a panel: name, values, whether they are a color, the step of numbers, and their least and largest values, of
-// which a single number with both has a slider. `change` gets the name, the values and whether the input is over. Inputs
-// are kept while one of them has the focus, so that a drag is not cut off.
-function fields(panel, rows, change) {
+// Choices of a select, and the chosen one.
+export const options = (select, names, chosen) => {
+  const now = [...select.options].map((option) => option.value);
+  if (now.join("\n") !== names.join("\n")) select.replaceChildren(...names.map((name) => new Option(name, name)));
+  select.value = chosen;
+};
+
+// Rows of a panel: name, values, whether they are a color, the step of numbers, their least and largest values, of which a
+// single number with both has a slider, and their text in the manual. `change` gets the name, the values and whether the input
+// is over. Inputs are kept while one of them has the focus, so that a drag is not cut off.
+export function fields(panel, rows, change) {
   const shape = JSON.stringify(rows.map(([name, values]) => [name, values.map((value) => typeof value)]));
   if (panel.dataset.shape !== shape) {
     panel.dataset.shape = shape;
-    panel.replaceChildren(...rows.map(([name, values, is_color, step, [min, max] = [null, null]]) => {
+    panel.replaceChildren(...rows.map(([name, values, is_color, step, limits_of, title]) => {
+      const [min, max] = limits_of ?? [null, null];
       const limits = { min: min ?? "", max: max ?? "" };
       const inputs = values.map((value) => {
         const type = { number: "number", boolean: "checkbox", string: "text" }[typeof value];
@@ -34,10 +42,12 @@ function fields(panel, rows, change) {
       for (const input of inputs) {
         input.addEventListener("input", () => change(name, read(), false));
         input.addEventListener("change", () => {
-          // The value that is written, where the field's is out of range.
+          // The value that is written, where the field's is none or out of range.
+          if (input.type === "number" && Number.isNaN(input.valueAsNumber)) input.value = input.known;
           const value = input.valueAsNumber;
           if (value < (min ?? value)) input.value = min;
           if (value > (max ?? value)) input.value = max;
+          input.known = input.value;
           change(name, read(), true);
         });
       }
@@ -56,7 +66,10 @@ function fields(panel, rows, change) {
         slider.addEventListener("change", () => slide(true));
         line.prepend(slider);
       }
-      return element("label", {}, name.replaceAll("_", "_\u200b"), line); // long words break there
+      // Long words break behind their underscores.
+      const label = element("label", { title: (title ?? "").replaceAll("`", "") }, name.replaceAll("_", "_\u200b"), line);
+      label.dataset.name = name;
+      return label;
     }));
   }
   rows.forEach(([, values, is_color], row) => {
@@ -70,9 +83,9 @@ function fields(panel, rows, change) {
       const input = inputs[index];
       if (input === document.activeElement) return;
       if (input.type === "checkbox") input.checked = value;
-      else input.value = input.type === "number" ? Number(value.toPrecision(7)) : value;
+      else input.value = input.known = input.type === "number" ? Number(value.toPrecision(7)) : value;
     });
   });
 }
 
-const are_numbers = (values) => !values.some((value) => Number.isNaN(value));
+export const are_numbers = (values) => !values.some((value) => Number.isNaN(value));

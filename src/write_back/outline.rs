@@ -1,8 +1,8 @@
-//! Outline of a scene for the window: its items as a tree of parents and children.
+//! Outline of a scene: its items as a tree of parents and children.
 
 use std::collections::BTreeMap;
 
-use crate::write_back::SceneItem;
+use super::SceneItem;
 use reflet_scene::desc::SceneDesc;
 
 /// Maximum number of rows; further items can still be selected by clicks.
