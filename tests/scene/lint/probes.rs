@@ -79,30 +79,6 @@ fn render(name: &str, text: &str, more: &[&str]) -> (Option<i32>, String) {
     (output.status.code(), errors)
 }
 
-/// Settings with the name and place of the error that `check` and `render` both give.
-const REFUSED: [(&str, &str, &str); 4] = [
-    (
-        "method = \"probe\"\n[probes]\nspacing_m = 0.01\n",
-        "too-many-probes",
-        "26:13",
-    ),
-    (
-        "method = \"ssr+probe\"\n[probes]\nface_px = 2048\nspacing_m = 2\n",
-        "probe-maps-too-large",
-        "26:11",
-    ),
-    (
-        "method = \"ssr+box\"\n[box_faces]\nface_px = 16384\n",
-        "box-faces-too-large",
-        "26:11",
-    ),
-    (
-        "method = \"rt\"\ntrace = \"query\"\n",
-        "no-ray-queries",
-        "25:9",
-    ),
-];
-
 #[test]
 fn check_and_render_refuse_a_setting_at_the_same_place() {
     let options = GpuOptions {
@@ -111,7 +87,10 @@ fn check_and_render_refuse_a_setting_at_the_same_place() {
     };
     let has_queries = Gpu::new(&options).is_ok_and(|gpu| gpu.has_ray_queries());
     or_skip!(gpu_or_skip());
-    for (text, expected, at) in REFUSED {
+    for line in include_str!("refused.txt").lines().skip(1) {
+        let mut parts = line.splitn(3, ' ');
+        let [expected, at, text] = [(); 3].map(|()| parts.next().expect(line));
+        let text = text.replace("\\n", "\n");
         if has_queries && expected == "no-ray-queries" {
             continue;
         }
