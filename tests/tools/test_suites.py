@@ -1,4 +1,4 @@
-"""tools/reflet_suites: scores of made-up pictures, and what a suite's folder lacks."""
+"""tools/reflet_suites: scores of made-up pictures, and folders of suites without their files."""
 
 from pathlib import Path
 

@@ -73,7 +73,7 @@ def farthest(rows: Rows) -> str:
 
 
 def tests(rows: Rows) -> str:
-    """Tests of OpenUSD, those that are not right first."""
+    """Tests of OpenUSD, wrong ones first."""
     lines = []
     for (name,), of in by(rows, "test").items():
         right = sum(row["right"] == "1" for row in of)

@@ -1,4 +1,4 @@
-"""Khronos' glTF-Render-Fidelity: Reflet's picture of each scenario among those of nine renderers.
+"""Khronos' glTF-Render-Fidelity: Reflet's pictures of its scenarios among nine renderers'.
 
 The suite's folder holds clones of glTF-Render-Fidelity, whose thumbnails are the pictures, and of
 glTF-Render-Fidelity-Generator with its submodule glTF-Sample-Assets, whose test/config.json has

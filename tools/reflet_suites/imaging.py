@@ -123,7 +123,7 @@ def draw(program: Path, suite: Path, out: Path, test: Test) -> tuple[Path | None
 
 
 def judge(ours: Image.Image, theirs: Image.Image, clear: tuple[float, ...]) -> Row:
-    """Overlap of the masks of what is drawn, and its mean values."""
+    """Overlap of the masks of drawn pixels, and their mean values."""
     storm, reflet = (on_white(picture, ours.size) for picture in (theirs, ours))
     masks = [covered(storm, clear), np.asarray(ours.convert("RGBA"))[..., 3] >= 128]
     pairs = zip((storm, reflet), masks, strict=True)
