@@ -26,7 +26,8 @@ use reflet_write_back::{
 /// Longest drag, parts of the picture.
 const MOST_DRAG: f32 = 4.0;
 
-/// Input of a user; places are 0 to 1 from the top left of the picture. An input that goes on is no `write`.
+/// Input of a user in the panels or on the picture; places are 0 to 1 from the top left of the picture. `write` is whether the
+/// input has ended, so that its change belongs into the text.
 #[derive(Deserialize)]
 #[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
 enum Act {
@@ -38,7 +39,7 @@ enum Act {
     Unpick {},
     /// Choose the kind of the handles: `move`, `turn` or `scale`.
     Handles { kind: String },
-    /// Drag the handle at `from`, of which this may be the start.
+    /// Drag the handle at `from` to another place; `start` takes hold of it first.
     Drag {
         from: [f32; 2],
         to: [f32; 2],
@@ -52,7 +53,7 @@ enum Act {
         values: Vec<f64>,
         write: bool,
     },
-    /// Show the numbers of the material in a row, or of none.
+    /// Show the numbers of the material in a row of the list; without a row, of no material.
     Material { row: Option<usize> },
     /// Change numbers of the shown material.
     MaterialNumber {
@@ -70,7 +71,7 @@ enum Act {
     Place { camera: String, eye: [f32; 3] },
 }
 
-/// Changes of texts, and whether an input is over.
+/// Changes of texts by an input, and whether the input has ended.
 type Done = (Vec<Change>, bool);
 
 /// The selected item and material of a scene.
@@ -84,13 +85,14 @@ pub(crate) struct Editing {
     clicks: Clicks,
 }
 
-/// Says what [`act`] is to do next, a message of the page as JSON.
+/// Keeps an input, a message of the page as JSON, for the next call of [`act`].
 #[wasm_bindgen]
 pub fn ask_act(message: &str) {
     STATE.with_borrow_mut(|state| message.clone_into(&mut state.acting));
 }
 
-/// Does what was asked for last. It may be suspended, and is called only while [`crate::show`] is not.
+/// Applies the input that [`ask_act`] has kept. WebAssembly may be suspended within, so that the page calls it only while
+/// [`crate::show`] does not run.
 #[wasm_bindgen]
 pub fn act() {
     let (message, mut shown) = STATE.with_borrow_mut(|state| {

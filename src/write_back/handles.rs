@@ -77,7 +77,7 @@ fn vector(numbers: &Numbers) -> Option<Vec3> {
 /// Handles of the three axes in a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Handles {
-    /// Kind of all three.
+    /// Kind of all three handles.
     pub kind: Handle,
     /// Their common start.
     pub start: Vec2,

@@ -1,4 +1,4 @@
-//! Picking: the item that a click on the last picture of a session selects, a decal before what it covers.
+//! Picking: the item under a click on the last picture of a session. A decal is selected before the surface that it covers.
 
 use glam::{DVec2, Vec3};
 
