@@ -4,12 +4,17 @@ use std::ops::Range;
 
 use serde_json::{Value, json};
 
-use reflet_scene::{diagnostic::Source, toml_text::toml_text};
+use reflet_scene::{
+    diagnostic::{Diagnostic, Source},
+    toml_text::toml_text,
+};
 
 use super::position::{offset, range};
 
 /// Words that lead to a name which is most likely meant.
 const MEANT: &str = "did you mean ";
+/// Name of messages about text that is no TOML.
+const SYNTAX: &str = "toml-syntax";
 /// Beginnings of comments of other languages.
 const COMMENTS: [&str; 4] = ["//", "/*", "--", "<!--"];
 
@@ -26,7 +31,7 @@ pub fn actions(file: &Source, uri: &str, params: &Value) -> Vec<Value> {
         let place = Place {
             text: &file.text,
             at: start..end.max(start),
-            is_syntax: message["code"] == "toml-syntax",
+            is_syntax: message["code"] == SYNTAX,
         };
         let (at, new) = place.mended(help)?;
         Some(json!({
@@ -38,6 +43,19 @@ pub fn actions(file: &Source, uri: &str, params: &Value) -> Vec<Value> {
         }))
     };
     messages.into_iter().flatten().filter_map(action).collect()
+}
+
+/// The edit that does what the help of a message says: the replaced text, its range and the new text. `None` where the help
+/// leaves a choice.
+pub fn quick_fix(message: &Diagnostic) -> Option<Value> {
+    let text = &message.span.source.as_ref()?.text;
+    let place = Place {
+        text,
+        at: message.span.range.clone(),
+        is_syntax: message.name == SYNTAX,
+    };
+    let (at, new) = place.mended(message.help.as_ref()?)?;
+    Some(json!({ "old": &text[at.clone()], "range": range(text, &at), "new": new }))
 }
 
 /// Place of a message in a text.
@@ -208,7 +226,7 @@ mod tests {
         let place = Place {
             text: &text,
             at: before.len()..before.len() + now.len(),
-            is_syntax: code == "toml-syntax",
+            is_syntax: code == SYNTAX,
         };
         let (at, new) = place.mended(help)?;
         Some([&text[..at.start], &new, &text[at.end..]].concat())

@@ -32,6 +32,7 @@ use reflet_scene::{
 };
 use serde_json::{Value, json};
 
+pub use actions::quick_fix;
 use model_files::ModelFiles;
 use names::border_of;
 use outline::Part;

@@ -29,7 +29,7 @@ use wasm_bindgen::prelude::wasm_bindgen;
 use editing::Editing;
 use reflet_base::{clock::Instant, files::in_memory};
 use reflet_gpu::{Gpu, GpuError, GpuOptions};
-use reflet_lsp::{Server, range};
+use reflet_lsp::{Server, quick_fix, range};
 use reflet_render::{
     Picture, PictureRequest, SoFar,
     picture::aov::Aov,
@@ -385,7 +385,8 @@ fn size(read: &Read, width: u32) -> Option<[u32; 2]> {
     (width > 0).then(|| [width, (height as u32).max(1)])
 }
 
-/// Messages with their file and, where they are about a place, its range in the form of the language server.
+/// Messages with their file and, where they are about a place, its range in the form of the language server and the edit that
+/// mends it.
 fn messages(found: Vec<Diagnostic>) -> Vec<Value> {
     let message = |found: Diagnostic| {
         let source = found.span.source.as_ref();
@@ -394,6 +395,7 @@ fn messages(found: Vec<Diagnostic>) -> Vec<Value> {
             "file": found.path(),
             "range": source.map(|source| range(&source.text, &found.span.range)),
             "text": found.render(false),
+            "fix": quick_fix(&found),
         })
     };
     at_most(found).into_iter().map(message).collect()

@@ -59,7 +59,13 @@ const selected = await page.evaluate(() => { const text = document.getElementByI
 if (selected !== "roughnes") throw new Error(`a click selects ${selected}`);
 step("told");
 
-await write(page, "text.replace('roughnes = 0.35', 'roughness = 0.35')");
+// Its advice is written by the key at the caret, and by the button.
+const mended = () => page.waitForFunction(() => document.getElementById("text").value.includes("roughness = 0.35"));
+await page.locator("#text").press("Control+.");
+await mended();
+await page.locator("#text").press("Control+z");
+await page.click("#messages .fix");
+await mended();
 await shown(page);
 if (await picture(page) !== first) throw new Error("the mended scene looks different");
 step("shown");
@@ -208,6 +214,15 @@ await page.waitForFunction(() => document.querySelector("#messages .error")?.tex
 mkdirSync(join(folder, "maps"), { recursive: true });
 writeFileSync(join(folder, "maps", "dot.png"), PNG);
 await page.setInputFiles("#folder", join(folder, "maps"));
+await shown(page);
+// A call in a script shows its signature with the argument at the caret.
+const scene_of = await page.locator("#tabs [aria-pressed=true]").textContent();
+await page.setInputFiles("#files", { name: "turn.rhai", mimeType: "text/plain", buffer: Buffer.from("") });
+await page.locator("#tabs button", { hasText: "turn.rhai" }).click();
+await page.locator("#text").pressSequentially('ctx.place("ball", ');
+await page.waitForFunction(() => document.querySelector("#hover mark")?.textContent === "position");
+await page.screenshot({ path: join(folder, "signature.png") });
+await page.locator("#tabs button", { hasText: scene_of }).click();
 await shown(page);
 step("dropped");
 

@@ -32,6 +32,11 @@ const list = (found) => {
     button.textContent = message.text.trim();
     if (message.range) button.onclick = () => go_to(message.file, message.range.start, message.range.end);
     item.append(button);
+    if (message.fix) {
+      const fix = Object.assign(document.createElement("button"), { className: "fix", textContent: `write ${message.fix.new}` });
+      fix.onclick = () => mend(message);
+      item.append(fix);
+    }
     const line = message.file === tab ? message.range?.start.line : undefined;
     if (worst.get(line) !== "error") worst.set(line, message.severity);
     return item;
@@ -54,6 +59,23 @@ const go_to = (file, start, end) => {
   text.focus();
   text.setSelectionRange(language.offset_of(text.value, start), language.offset_of(text.value, end));
   text.scrollTop = (start.line - 3) * 18;
+};
+
+// Does what a message says to write, unless the text has changed since.
+const mend = ({ file, fix: { range: { start, end }, old, new: words } }) => {
+  go_to(file, start, end);
+  if (file === tab && !language.replace(old, words)) tell("the text has changed: the advice is not written");
+};
+
+// Does it for the message at the caret, or else for the first message in its line.
+const mend_at_caret = () => {
+  const own = (messages.found ?? []).filter(({ file, fix }) => fix && file === tab);
+  const caret = text.selectionStart;
+  const holds = ({ range }) => language.offset_of(text.value, range.start) <= caret && caret <= language.offset_of(text.value, range.end);
+  const line = text.value.slice(0, caret).split("\n").length - 1;
+  const message = own.find(holds) ?? own.find(({ range }) => range.start.line === line);
+  if (message) mend(message);
+  else tell("no message in this line says what to write");
 };
 
 const show_tabs = () => {
@@ -146,7 +168,7 @@ view.grab = (event) => {
   };
 };
 for (const [kind, hear] of Object.entries(heard)) view.addEventListener(kind, ({ detail }) => hear(detail));
-language.begin({ view, tab: () => tab, work: (hear) => work(hear, tell), go_to, tell });
+language.begin({ view, tab: () => tab, work: (hear) => work(hear, tell), go_to, mend: mend_at_caret, tell });
 
 // Files with their paths; of scenes, the one of the shortest path is opened.
 const add = async (dropped) => {

@@ -7,7 +7,7 @@ const get = (id) => document.getElementById(id);
 const [text, completion, choices, manual, hover, naming] = ["text", "completion", "choices", "manual", "hover", "naming"].map(get);
 const ruler = document.createElement("canvas").getContext("2d");
 
-// The editor: the view with its files and the shown one, and functions that make a worker, go to a place and tell words.
+// The editor: the view with its files and the shown one, and functions that make a worker, go to a place, mend and tell words.
 let page = null;
 let worker = null;
 let opened = ["", ""];
@@ -67,15 +67,16 @@ const width = (part) => {
   ruler.font = getComputedStyle(text).font;
   return ruler.measureText(part.replaceAll("\t", "  ")).width;
 };
-// Shows a box below a place in the text, above it where there is more room.
-const place = (box, offset) => {
+// Shows a box below a place in the text, above it where there is more room or the text that follows is to be seen.
+const place = (box, offset, isAbove = false) => {
   box.hidden = false;
   const edge = text.getBoundingClientRect();
   const { line, character } = position(offset);
   const row = text.value.split("\n")[line].slice(0, character);
   const left = edge.left + PADDING_PX + width(row) - text.scrollLeft;
   const top = edge.top + PADDING_PX + line * ROW_PX - text.scrollTop;
-  const isBelow = top + ROW_PX + box.offsetHeight < innerHeight || top < innerHeight / 2;
+  const fits = isAbove ? top < box.offsetHeight : top + ROW_PX + box.offsetHeight < innerHeight;
+  const isBelow = fits || !isAbove && top < innerHeight / 2;
   box.style.left = `${Math.max(4, Math.min(left, innerWidth - box.offsetWidth - 4))}px`;
   box.style.top = `${isBelow ? top + ROW_PX : Math.max(4, top - box.offsetHeight)}px`;
 };
@@ -107,6 +108,13 @@ const write = (from, to, words) => {
   }
   isTyped = true;
 };
+// Writes other words in place of the selected ones, where these are still the expected words.
+export const replace = (old, words) => {
+  const [from, to] = [text.selectionStart, text.selectionEnd];
+  if (text.value.slice(from, to) !== old) return false;
+  write(from, to, words);
+  return true;
+};
 // Puts a text in place of the shown one; only where they differ.
 export const replace_all = (words) => {
   const old = text.value;
@@ -124,6 +132,8 @@ let [items, chosen, written] = [[], 0, ""];
 // Whether an item was chosen by an arrow; and file, text and caret that the items are for.
 let isChosen = false;
 let offered = [];
+// File, text and caret of the shown signature.
+let signed = [];
 const place_now = () => [page.tab(), text.value, text.selectionStart];
 const isNow = (place) => place_now().every((part, at) => part === place[at]);
 // Answers that come later than this are not shown.
@@ -131,6 +141,7 @@ let hidden = 0;
 const hide = () => {
   hidden += 1;
   completion.hidden = hover.hidden = true;
+  signed = [];
   text.removeAttribute("aria-activedescendant");
 };
 const choose = (at) => {
@@ -191,7 +202,12 @@ const accept = ({ label, insertText = label, insertTextFormat }) => {
   write(before.length, caret + rest.length, words + quote);
   text.setSelectionRange(start + (hole ? 0 : quote.length), start + (hole ? value.length : quote.length));
   // The value of a key without a default, as a name after a bracket, comes next.
-  if (hole && !value) complete();
+  offer(hole && !value);
+};
+// Offers what may stand here, where something is begun, or else the signature of the call.
+const offer = async (isBegun) => {
+  if (isBegun) await complete();
+  if (completion.hidden) await sign();
 };
 text.addEventListener("input", () => {
   const caret = text.selectionStart;
@@ -201,8 +217,30 @@ text.addEventListener("input", () => {
   // After a closing quote nothing is to complete, and scripts have names of their own behind brackets and signs.
   const isBegun = line.endsWith('"') ? isQuoted(line) : (isScript ? /[\p{L}_]{2}$|\.$/u : /[\p{L}_[.=]$/u).test(line);
   hide();
-  if (isTyped && !isComment && isBegun) complete();
+  if (isTyped && !isComment) offer(isBegun);
 });
+
+// Signature of the call that the caret is in, with the argument that is written now, and its manual.
+const sign = async () => {
+  const [now, before] = [place_now(), hidden];
+  const found = await ask("signatureHelp", { position: position(now[2]) });
+  if (!found || !isNow(now) || before !== hidden || !completion.hidden) return;
+  const { label, parameters, documentation } = found.signatures[found.activeSignature];
+  show_manual(hover, documentation.value);
+  // Names of arguments follow each other in the label.
+  let [start, end] = [label.indexOf("("), label.indexOf("(")];
+  for (const name of parameters.slice(0, found.activeParameter + 1)) {
+    start = label.indexOf(name.label, end);
+    end = start + name.label.length;
+  }
+  const [line, argument] = [document.createElement("pre"), document.createElement("mark")];
+  if (found.activeParameter >= parameters.length) start = end = label.length;
+  argument.textContent = label.slice(start, end);
+  line.append(label.slice(0, start), argument, label.slice(end));
+  hover.prepend(line);
+  signed = now;
+  place(hover, now[2], true);
+};
 
 // The manual under the pointer, with a picker where it is on a color.
 let [resting, shown] = [0, [0, 0]];
@@ -284,7 +322,7 @@ const rename = async () => {
 naming.onblur = () => { naming.hidden = true; };
 const format = async () => apply(await ask("formatting", { options: { tabSize: 4, insertSpaces: true } }) ?? [], text.value, write);
 
-const commands = { "Control+ ": complete, F2: rename, F12: define, "Alt+Shift+F": format, Escape: hide };
+const commands = { "Control+ ": complete, "Control+Shift+ ": sign, "Control+.": () => page.mend(), F2: rename, F12: define, "Alt+Shift+F": format, Escape: hide };
 const in_list = {
   ArrowDown: () => { isChosen = true; choose(chosen + 1); },
   ArrowUp: () => { isChosen = true; choose(chosen - 1); },
@@ -304,4 +342,6 @@ text.addEventListener("keydown", (event) => {
 text.addEventListener("click", (event) => { hide(); if (event.ctrlKey || event.metaKey) define(); });
 text.addEventListener("blur", ({ relatedTarget }) => { if (!hover.contains(relatedTarget)) hide(); });
 text.addEventListener("scroll", hide);
-document.addEventListener("selectionchange", () => { if (!completion.hidden && !isNow(offered)) hide(); });
+document.addEventListener("selectionchange", () => {
+  if (completion.hidden ? signed.length && !isNow(signed) : !isNow(offered)) hide();
+});
