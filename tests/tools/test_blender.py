@@ -3,39 +3,22 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
-from pathlib import Path
 
+import blender
 import numpy as np
 import pytest
 import tomllib
-from program import BINARY, ROOT
+from program import BINARY
 from reflet_usd.exr_pixels import read_exr
 
-BPY = Path(os.environ.get("REFLET_BPY", ROOT / ".venv-bpy" / "bin" / "python"))
-
-pytestmark = pytest.mark.skipif(
-    not BPY.exists(),
-    reason="needs Blender as a module, 400 MB: `tools/check.sh --full` installs it",
-)
+pytestmark = blender.needed
 
 
 @pytest.fixture(scope="module")
 def out(tmp_path_factory):
     """The folder of one session of Blender."""
-    folder = tmp_path_factory.mktemp("blender")
-    path = f"{BINARY.parent}{os.pathsep}{os.environ['PATH']}"
-    done = subprocess.run(
-        [BPY, ROOT / "tests" / "tools" / "blender_session.py", folder],
-        env={**os.environ, "PATH": path},
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=600,
-    )
-    assert done.returncode == 0, done.stderr + done.stdout
-    return folder
+    return blender.run("blender_session.py", tmp_path_factory.mktemp("blender"))
 
 
 def said(out):

@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
-from pathlib import Path
 
+import blender
 import pytest
 import tomllib
-from program import BINARY, ROOT
+from program import BINARY
 
-BPY = Path(os.environ.get("REFLET_BPY", ROOT / ".venv-bpy" / "bin" / "python"))
-
-pytestmark = pytest.mark.skipif(
-    not BPY.exists(),
-    reason="needs Blender as a module, 400 MB: `tools/check.sh --full` installs it",
-)
+pytestmark = blender.needed
 
 # Codes of losses by the input of blender_exports.py.
 LOSSES = {
@@ -46,16 +40,7 @@ REFUSED = {
 @pytest.fixture(scope="module")
 def out(tmp_path_factory):
     """The folder of one session of Blender."""
-    folder = tmp_path_factory.mktemp("exports")
-    done = subprocess.run(
-        [BPY, ROOT / "tests" / "tools" / "blender_exports.py", folder],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=600,
-    )
-    assert done.returncode == 0, done.stderr + done.stdout
-    return folder
+    return blender.run("blender_exports.py", tmp_path_factory.mktemp("exports"))
 
 
 @pytest.fixture
