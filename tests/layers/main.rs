@@ -251,8 +251,8 @@ fn planted_comment_fragments_are_found() {
     }
 }
 
-/// Path below the root, text and syntax of each file whose comments are checked.
-fn commented_files() -> Vec<(String, String, Syntax)> {
+/// Findings in the comments of all files, each with its file and line.
+fn in_comments(find: fn(&str, Syntax) -> Vec<(usize, String)>) -> Vec<String> {
     let mut all = Vec::new();
     for (folder, extension, syntax) in [
         ("src", "rs", Syntax::Slashes),
@@ -276,7 +276,8 @@ fn commented_files() -> Vec<(String, String, Syntax)> {
                 .any(|part| is_installed(&part.to_string_lossy()))
             {
                 let text = fs::read_to_string(&file).expect("readable");
-                all.push((name.display().to_string(), text, syntax));
+                let place = |(line, words)| format!("{}:{line}: {words}", name.display());
+                all.extend(find(&text, syntax).into_iter().map(place));
             }
         }
     }
@@ -285,12 +286,7 @@ fn commented_files() -> Vec<(String, String, Syntax)> {
 
 #[test]
 fn comments_name_their_thing() {
-    let mut wrong = Vec::new();
-    for (name, text, syntax) in commented_files() {
-        for (line, comment) in comments::fragments(&text, syntax) {
-            wrong.push(format!("{name}:{line}: {comment}"));
-        }
-    }
+    let wrong = in_comments(comments::fragments);
     assert!(
         wrong.is_empty(),
         "{} comments begin with Of, As, Those, Which or What; name the thing with a noun: \
@@ -329,12 +325,7 @@ fn planted_pronouns_without_noun_are_found() {
 
 #[test]
 fn comments_have_nouns_instead_of_pronouns() {
-    let mut found = Vec::new();
-    for (name, text, syntax) in commented_files() {
-        for (line, pronoun) in comments::pronouns(&text, syntax) {
-            found.push(format!("{name}:{line}: {pronoun}"));
-        }
-    }
+    let found = in_comments(comments::pronouns);
     assert!(
         found.is_empty(),
         "{} pronouns stand in comments where a noun belongs; write \"shading normals of the capsule\", not \"those of \

@@ -45,6 +45,12 @@ fn place(scene: &Scene, state: &FrameState, name: &str) -> Vec3 {
     state.instances[index].translation.into()
 }
 
+#[track_caller]
+fn assert_places(shot: &str, frame: u32, name: &str, expected: Vec3) {
+    let scene = folder(shot, DRIVE).expect();
+    assert_eq!(place(&scene, &pose(&scene, frame), name), expected);
+}
+
 #[test]
 fn each_placed_scene_is_moved_by_its_own_script() {
     let scene = folder(SHOT, DRIVE).expect();
@@ -88,31 +94,16 @@ fn each_placed_scene_is_moved_by_its_own_script() {
 
 #[test]
 fn the_scene_of_the_placed_ones_has_the_last_word() {
-    let scene = folder(&format!("script = \"own.rhai\"\n{SHOT}"), DRIVE).expect();
-    let state = pose(&scene, 4);
-    assert_eq!(
-        place(&scene, &state, "left.body"),
-        Vec3::new(-5.0, 0.0, 100.0)
-    );
-    assert_eq!(
-        place(&scene, &state, "right.body"),
-        Vec3::new(5.0, 0.0, 2.0)
-    );
+    let shot = format!("script = \"own.rhai\"\n{SHOT}");
+    assert_places(&shot, 4, "left.body", Vec3::new(-5.0, 0.0, 100.0));
+    assert_places(&shot, 4, "right.body", Vec3::new(5.0, 0.0, 2.0));
 }
 
 #[test]
 fn scripts_of_inner_scenes_have_the_names_of_their_own_scene() {
     let shot = SHOT.replacen("car.toml", "pair.toml", 1);
-    let scene = folder(&shot, DRIVE).expect();
-    let state = pose(&scene, 2);
-    assert_eq!(
-        place(&scene, &state, "left.inner.body"),
-        Vec3::new(-5.0, 1.0, 1.0)
-    );
-    assert_eq!(
-        place(&scene, &state, "right.body"),
-        Vec3::new(5.0, 0.0, 1.0)
-    );
+    assert_places(&shot, 2, "left.inner.body", Vec3::new(-5.0, 1.0, 1.0));
+    assert_places(&shot, 2, "right.body", Vec3::new(5.0, 0.0, 1.0));
 }
 
 #[test]
