@@ -55,31 +55,8 @@ fn what_passes_through_and_what_lies_over_a_material_is_read() {
 fn specular_sheen_and_the_textures_of_layers_are_read() {
     let mut doc = stone();
     let map = json!({"index": 0, "texCoord": 1});
-    doc.json["materials"][0]["extensions"] = json!({
-        "KHR_materials_specular": {
-            "specularFactor": 0.75, "specularTexture": map,
-            "specularColorFactor": [2, 1, 0], "specularColorTexture": map
-        },
-        "KHR_materials_sheen": {
-            "sheenColorFactor": [0.5, 0.25, 1], "sheenColorTexture": map,
-            "sheenRoughnessFactor": 0.3, "sheenRoughnessTexture": map
-        },
-        "KHR_materials_transmission": {"transmissionFactor": 1, "transmissionTexture": map},
-        "KHR_materials_clearcoat": {
-            "clearcoatFactor": 1, "clearcoatTexture": map,
-            "clearcoatRoughnessFactor": 1, "clearcoatRoughnessTexture": map,
-            "clearcoatNormalTexture": {"index": 0, "texCoord": 1, "scale": 0.5}
-        },
-        "KHR_materials_iridescence": {
-            "iridescenceFactor": 0.5, "iridescenceTexture": map, "iridescenceIor": 1.75,
-            "iridescenceThicknessMinimum": 50, "iridescenceThicknessMaximum": 650,
-            "iridescenceThicknessTexture": map
-        },
-        "KHR_materials_anisotropy": {
-            "anisotropyStrength": 0.25, "anisotropyRotation": 0.5, "anisotropyTexture": map
-        },
-        "KHR_materials_dispersion": {"dispersion": 2}
-    });
+    let all = serde_json::from_str(include_str!("layers/all.json")).expect("JSON");
+    doc.json["materials"][0]["extensions"] = all;
     let world = doc.world();
     let m = &world.materials[0];
     assert_eq!(m.clearcoat_normal_scale, 0.5);

@@ -12,7 +12,7 @@ from material_stages import MESH, material, noise, pixels, save
 from read_converted import Converted, convert_text
 from reflet_usd import materialx_document
 from tampering import expect_found, look
-from texts import fill, text_of
+from texts import fill, text_of, texts_of
 
 pytest.importorskip("MaterialX", reason="the Python package MaterialX is not installed")
 
@@ -94,34 +94,7 @@ def test_images_and_constants_of_a_document(tmp_path: Path) -> None:
 
 
 COLOR = '<input name="in{n}" type="color3" {value} />'
-GRAPHS = {
-    "factor": '<multiply name="x" type="color3"><input name="in1" type="color3" nodename="i" />'
-    '<input name="in2" type="color3" value="0.9, 0.5, 0.25" /></multiply>',
-    "sum": '<subtract name="x" type="color3"><input name="in1" type="color3" nodename="i" />'
-    '<input name="in2" type="color3" value="0.2, 0.1, 0" /></subtract>',
-    "inverse": '<invert name="x" type="color3"><input name="in" type="color3" nodename="i" />'
-    "</invert>",
-    "quotient": '<divide name="x" type="color3"><input name="in1" type="color3" nodename="i" />'
-    '<input name="in2" type="float" value="4" /></divide>',
-    "remapped": '<remap name="x" type="color3"><input name="in" type="color3" nodename="i" />'
-    '<input name="outlow" type="float" value="0.25" />'
-    '<input name="outhigh" type="float" value="0.75" /></remap>',
-    "contrast": '<contrast name="x" type="color3"><input name="in" type="color3" nodename="i" />'
-    '<input name="amount" type="float" value="0.5" /></contrast>',
-    "mix": '<mix name="x" type="color3"><input name="fg" type="color3" nodename="i" />'
-    '<input name="bg" type="color3" value="0.5, 0, 1" />'
-    '<input name="mix" type="float" value="0.25" /></mix>',
-    "mix of two colors by a texture": text_of("materialx/mix_of_two_colors_by_a_texture.mtlx"),
-    "channels": text_of("materialx/channels.mtlx"),
-    "gray": '<extract name="e" type="float"><input name="in" type="color3" nodename="i" />'
-    '</extract><convert name="x" type="color3"><input name="in" type="float" nodename="e" />'
-    "</convert>",
-    "with alpha": '<combine2 name="c" type="color4"><input name="in1" type="color3" nodename="i" />'
-    '<input name="in2" type="float" value="0.5" /></combine2><convert name="x" type="color3">'
-    '<input name="in" type="color4" nodename="c" /></convert>',
-    "swizzled": '<swizzle name="x" type="color3"><input name="in" type="color3" nodename="i" />'
-    '<input name="channels" type="string" value="bgr" /></swizzle>',
-}
+GRAPHS = texts_of("materialx/graphs")
 
 
 @pytest.mark.parametrize("graph", list(GRAPHS))
@@ -232,19 +205,12 @@ def test_a_lost_layer_is_found(tmp_path: Path) -> None:
     expect_found(done, opaque)
 
 
-UNFIT = {
-    "noise": '<noise2d name="x" type="color3" />',
-    "two": '<multiply name="x" type="color3"><input name="in1" type="color3" nodename="i" />'
-    '<input name="in2" type="color3" nodename="j" /></multiply>',
-    "cycle": '<add name="x" type="color3"><input name="in1" type="color3" nodename="y" /></add>'
-    '<add name="y" type="color3"><input name="in1" type="color3" nodename="x" /></add>',
-    "zero": '<divide name="x" type="color3"><input name="in1" type="color3" nodename="i" />'
-    '<input name="in2" type="color3" value="0, 1, 1" /></divide>',
+UNFIT = texts_of("materialx/unfit") | {
     "deep": "".join(
         f'<invert name="{"x" if n == 0 else f"x{n}"}" type="color3">'
         f'<input name="in" type="color3" nodename="x{n + 1}" /></invert>'
         for n in range(500)
-    ),
+    )
 }
 
 

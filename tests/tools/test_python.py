@@ -12,6 +12,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+import tomllib
 from program import BINARY, ROOT
 from texts import text_of
 
@@ -24,23 +25,7 @@ SCENE = text_of("python/scene.toml")
 SCRIPT = text_of("python/frame.rhai")
 
 #: A square of two triangles, seen from 5 m.
-SQUARE = {
-    "version": 1,
-    "image": {"size": [16, 16]},
-    "camera": {"main": {"eye": [0, 0, 5], "target": [0, 0, 0]}},
-    "model": {
-        "cloth": {
-            "shape": {
-                "kind": "mesh",
-                "positions": [[-9, -9, 0], [9, -9, 0], [9, 9, 0], [-9, 9, 0]],
-                "indices": [[0, 1, 2], [0, 2, 3]],
-                "dynamic": True,
-            }
-        },
-        "ball": {"shape": {"kind": "sphere", "radius": 0.1}},
-    },
-    "instance": [{"model": "cloth"}],
-}
+SQUARE = tomllib.loads(text_of("python/square.toml"))
 
 
 @pytest.fixture
@@ -184,8 +169,6 @@ def test_a_query_agrees_with_the_picture(reflet: ModuleType, scene: Path) -> Non
 
 
 def test_a_scene_is_a_file_a_text_or_a_dict(reflet: ModuleType, scene: Path) -> None:
-    import tomllib
-
     ways = [
         {"scene": scene},
         {"text": SCENE, "folder": scene.parent},
@@ -260,7 +243,6 @@ def test_meshes_are_moved(reflet: ModuleType) -> None:
 
 def test_moved_meshes_equal_written_ones(reflet: ModuleType, scene: Path) -> None:
     """Also while the shutter is open, which poses the scene at several moments of the frame."""
-    import tomllib
 
     def with_cloth(positions: object) -> dict[str, object]:
         described = tomllib.loads(SCENE)

@@ -15,3 +15,9 @@ def text_of(name: str, /, **words: object) -> str:
     """The text of a file, filled where there are words for it."""
     text = (TEXTS / name).read_text(encoding="utf-8")
     return fill(text, **words) if words else text
+
+
+def texts_of(folder: str) -> dict[str, str]:
+    """Texts of the files of a folder, by their names with spaces."""
+    files = sorted((TEXTS / folder).iterdir())
+    return {file.stem.replace("_", " "): text_of(f"{folder}/{file.name}") for file in files}
