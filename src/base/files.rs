@@ -4,7 +4,6 @@
 mod below;
 mod folder;
 mod goal;
-#[cfg(target_arch = "wasm32")]
 pub mod in_memory;
 #[cfg(not(target_arch = "wasm32"))]
 mod replace;

@@ -135,7 +135,7 @@ impl Asked {
                 assets: self.assets,
                 lenient: self.lenient,
                 strict: self.strict,
-                project: project.map_or(ProjectChoice::None, ProjectChoice::Named),
+                project: project.map_or(ProjectChoice::Search, ProjectChoice::Named),
                 ..SceneOptions::default()
             },
             ..SceneSource::default()

@@ -62,6 +62,13 @@ fn not_found(path: PathBuf) -> io::Error {
     ErrorKind::NotFound.into()
 }
 
+/// File of this name in a folder, or in the nearest folder above that has one; it is not looked for elsewhere.
+pub fn nearest(folder: &Path, name: &str) -> Option<PathBuf> {
+    let (folder, files) = (whole(folder), files());
+    let mut places = folder.ancestors().map(|folder| folder.join(name));
+    places.find(|path| files.contains_key(path))
+}
+
 /// Kind and size of a file or folder.
 #[derive(Clone, Copy, Debug)]
 pub struct Metadata {

@@ -5,6 +5,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use reflet_base::files::in_memory;
+
 use super::FILE;
 
 /// File that marks a folder as unpacked from a pack: neither it nor the folders above it are searched.
@@ -26,7 +28,7 @@ struct Facts {
 /// and the folder of temporary files, and at a folder that was unpacked. A file of another owner is no project.
 pub fn find(folder: &Path) -> Option<PathBuf> {
     if cfg!(target_arch = "wasm32") {
-        return None; // a page has one folder, without owners
+        return in_memory::nearest(folder, FILE); // files of a page have no owners
     }
     let home = env::var_os("HOME").or_else(|| env::var_os("USERPROFILE"));
     let ends = [home.map(PathBuf::from), Some(env::temp_dir())];
