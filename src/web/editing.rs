@@ -18,9 +18,9 @@ use reflet_scene::{
 };
 use reflet_world::World;
 use reflet_write_back::{
-    Change, Layered, MaterialOrigin, Numbers, SceneItem, change, change_material,
-    change_parameters, exact, handles::Handle, inspect, outline::outline, page, picking::Clicks,
-    selection::Selection,
+    Change, KeyChange, KeyEdit, Layered, MaterialOrigin, Numbers, SceneItem, change, change_keys,
+    change_material, change_parameters, exact, handles::Handle, inspect, key_tracks,
+    outline::outline, page, picking::Clicks, selection::Selection, shown_tracks,
 };
 
 /// Longest drag, parts of the picture.
@@ -60,6 +60,13 @@ enum Act {
         key: String,
         values: Vec<f64>,
         write: bool,
+    },
+    /// Change keys of a track.
+    Key {
+        kind: String,
+        name: String,
+        key: String,
+        change: KeyChange,
     },
     /// Change a parameter of the script.
     Parameter {
@@ -213,6 +220,18 @@ impl Shown {
                 let changed = change_material(&self.layered(session), &origin, &numbers)?;
                 Ok((vec![changed], write))
             }
+            Act::Key {
+                kind,
+                name,
+                key,
+                change,
+            } => {
+                let mut tracks = key_tracks(desc).into_iter().map(|found| found.track);
+                let track = tracks.find(|t| t.kind == kind && t.name == name && t.key == key);
+                let track = track.ok_or("there is no such track")?;
+                let edit = KeyEdit { track, change };
+                Ok((vec![change_keys(&self.layered(session), &edit)?], true))
+            }
             Act::Parameter { name, value, write } => {
                 let own = declared_value(session.declared(), &name);
                 let value = own.and_then(|own| page::parameter(&value, own));
@@ -346,6 +365,10 @@ impl Shown {
                 }
             }
         });
+        let (all, item) = (key_tracks(desc), selection.item());
+        let selected = item.and_then(|item| Some((item.kind(), item.named(desc)?.0?)));
+        let cameras = &loaded.world.cameras;
+        let shown = cameras.get(session.camera()).map(|it| it.name.as_str());
         let camera = camera_of(session);
         let size = session.renderer().targets().size;
         json!({
@@ -353,6 +376,7 @@ impl Shown {
             "item": page::item(selection, &items).to_string(),
             "material": json!(material).to_string(),
             "parameters": page::parameters(session.declared(), session.parameters()).to_string(),
+            "tracks": page::tracks(&shown_tracks(&all, selected, shown)).to_string(),
             "handles": page::handles(selection, camera, camera, size).to_string(),
         })
     }

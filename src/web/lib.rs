@@ -43,6 +43,7 @@ use reflet_render::{
 };
 use reflet_scene::{
     dependencies::Dependencies,
+    desc::Method,
     diagnostic::{Diagnostic, at_most},
     project::{self, ProjectChoice},
     syntax::key_text,
@@ -106,6 +107,8 @@ struct Asked {
     samples: Option<u32>,
     frame: u32,
     camera: Option<String>,
+    /// Name of the reflection method.
+    method: Option<String>,
     /// Camera that stands elsewhere than its text says, and its place.
     moved: Option<(String, [f32; 3])>,
     /// The rest is as the manifest of a pack has it.
@@ -258,7 +261,7 @@ pub fn show() {
 /// Answer of the last call of [`editing::act`], `changes` of texts, whether an input `writes`, that is, is over, or an `error`; or
 /// of the last call of [`show`], as JSON: `messages` with `width`, `height`, `adapter` and `frame` of the picture, names of `aovs`,
 /// the `timeline`, first frame, last frame and frames in a second, and the `camera`, its name, `eye`, `target` and `up`, where it
-/// stands as its text says, or with none of these; an `error` of the device, which
+/// stands as its text says, all `cameras` and `methods`, and the `method` and `samples` of the picture, or with none of these; an `error` of the device, which
 /// may be `lost`; or `interrupted`, and whether the scene is `open` then.
 #[wasm_bindgen]
 pub fn answer() -> String {
@@ -285,7 +288,9 @@ impl Shown {
     ) -> Result<Picture, SessionError> {
         let (none, texts) = (ParameterOverrides::default(), Dependencies::default());
         let (width, frame) = (asked.width, asked.frame);
+        let method = asked.method.as_deref().map(method_named).transpose()?;
         let mut view = ViewOverrides {
+            method,
             samples: asked.samples,
             camera: asked.camera.clone(),
             ..ViewOverrides::default()
@@ -371,11 +376,24 @@ impl Shown {
             "height": picture.size[1],
             "adapter": adapter,
             "camera": camera,
+            "cameras": loaded.map(|loaded| loaded.world.cameras.iter().map(|it| &it.name).collect::<Vec<_>>()),
+            "methods": Method::ALL.map(Method::name),
+            "method": session.map(|session| session.renderer().method().name()),
+            "samples": picture.stats.samples,
             "aovs": loaded.map(|loaded| Aov::names_in(&loaded.world)),
             "frame": loaded.map(|loaded| loaded.frame),
             "timeline": time.map(|time| (time.start, time.end, time.fps)),
         })
     }
+}
+
+/// Reflection method of this name.
+fn method_named(name: &str) -> Result<Method, SessionError> {
+    Method::from_name(name).ok_or_else(|| SessionError::UnknownName {
+        kind: "method",
+        name: name.to_owned(),
+        known: Method::ALL.map(|known| known.name().to_owned()).to_vec(),
+    })
 }
 
 /// Size of a picture of this width and the scene's shape; `None` for the scene's own size.

@@ -1,6 +1,7 @@
 //! Keys of tracks, changed in the text: moved, added and deleted; and camera flights written as keys.
 
 use glam::Vec3;
+use serde::Deserialize;
 
 use super::{
     Change, Layered, changed,
@@ -26,8 +27,9 @@ pub struct KeyTrack {
     pub at_s: Vec<f64>,
 }
 
-/// Change of the keys of a track.
-#[derive(Clone, Debug, PartialEq)]
+/// Change of the keys of a track; pages send it as JSON, such as `{ "move": [2, 1.5] }`.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum KeyChange {
     /// Moves the key of this index to a time, seconds.
     Move(usize, f64),
@@ -73,6 +75,20 @@ pub fn key_tracks(desc: &SceneDesc) -> Vec<KeyTrack> {
             .collect(),
     });
     listed.take(MOST).collect()
+}
+
+/// Tracks of the selected item, by its kind and name, where it has tracks with keys, else of a camera.
+pub fn shown_tracks<'t>(
+    tracks: &'t [KeyTrack],
+    selected: Option<(&str, &str)>,
+    camera: Option<&str>,
+) -> Vec<&'t KeyTrack> {
+    let of = |(kind, name): (&str, &str)| -> Vec<_> {
+        let is_own = |known: &&KeyTrack| known.track.kind == kind && known.track.name == name;
+        tracks.iter().filter(is_own).collect()
+    };
+    let own = selected.map(of).filter(|tracks| !tracks.is_empty());
+    own.unwrap_or_else(|| camera.map_or_else(Vec::new, |name| of(("camera", name))))
 }
 
 /// Change of the text that contains the keys of a track.

@@ -29,6 +29,7 @@ pub use self::{
     item::{MaterialOrigin, SceneItem},
     keys::{
         FlightPoint, KeyChange, KeyEdit, KeyTrack, change_flight, change_keys, key_tracks, reduced,
+        shown_tracks,
     },
     overridden::Layered,
     put::put,

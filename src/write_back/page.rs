@@ -4,7 +4,7 @@ use glam::{Vec2, vec2};
 use serde_json::{Value, json};
 
 use super::{
-    Numbers, SceneItem,
+    KeyTrack, Numbers, SceneItem,
     handles::{END, Handle},
     numbers_of,
     outline::OutlineRow,
@@ -102,6 +102,15 @@ pub fn parameters(declared: &DeclaredParameters, overrides: &ParameterOverrides)
         json!({ "name": name, "value": value(now), "integer": is_integer })
     });
     parameters.collect()
+}
+
+/// Tracks with keys below a timeline: kind and name of the thing, key of the track, and times in seconds.
+pub fn tracks(shown: &[&KeyTrack]) -> Value {
+    let tracks = shown.iter().map(|of| {
+        let track = &of.track;
+        json!({ "kind": track.kind, "name": track.name, "key": track.key, "at_s": of.at_s })
+    });
+    tracks.collect()
 }
 
 /// A page's value for a parameter of the kind of `own`.

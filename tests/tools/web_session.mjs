@@ -130,18 +130,49 @@ const motion = "[timeline]\\nfps = 4\\nend = 3\\n[motion.camera.main]\\nfov_deg 
 await write(page, `text + '\\n${motion}'`);
 await told_frame("0 of 3");
 const still = await picture(page);
-await page.evaluate(() => Object.assign(document.getElementById("stage").slider, { value: 3 }).dispatchEvent(new Event("input")));
+const seek = (value) => page.evaluate((frame) => Object.assign(document.getElementById("stage").slider, frame).dispatchEvent(new Event("input")), { value });
+await seek(3);
 await told_frame("3 of 3");
 if (await picture(page) === still) throw new Error("the last frame looks like the first");
 await page.click("#play");
-await told_frame("1 of 3");
+await told_frame("2 of 3");
 await page.click("#play");
+// A key of the camera's track is added at the shown frame, moved by its time, and deleted.
+const keys = async (count, frame = "") => {
+  await page.waitForFunction(([count, frame]) => document.querySelectorAll("#tracks .key").length === count
+    && document.getElementById("stage").told.textContent.startsWith(frame), [count, frame]);
+};
+await seek(1);
+await keys(2, "1 of 3");
+await page.click("#tracks .track > button");
+await keys(3);
+await page.locator("#tracks .key").nth(1).click();
+await page.fill("#key-time", "2");
+await page.press("#key-time", "Enter");
+await page.waitForFunction(() => document.getElementById("text").value.includes("at_s = 0.5"));
+await page.locator('#tracks [aria-label="fov_deg at 0.500 s"]').click();
+await keys(3, "2 of 3");
+await page.screenshot({ path: join(folder, "keys.png") });
+await page.keyboard.press("Delete");
+await keys(2);
+await shown(page);
 await save("film.zip", "png", "1-2", ["depth"]);
 await fill("png", "2-9");
 await page.click("#save");
 await status(page, /nothing is saved: .*frame 9 is not in the timeline/);
 await page.click("#saving summary");
 step("played");
+
+// The view's method and samples are chosen beside the text, which stays.
+const unchosen = await value(page);
+await page.selectOption("#method", "path");
+await page.selectOption("#samples", "4");
+await status(page, /4 samples by path,/);
+await page.selectOption("#method", "as written");
+await page.selectOption("#samples", "as written");
+await status(page, /by rt,|by hybrid,/);
+if (await value(page) !== unchosen) throw new Error("a choice of the view changes the text");
+step("chosen");
 
 // A drag of the picture moves the camera, whose place is written into the text where it ends; Ctrl Z takes it back.
 const [eye] = (await value(page)).match(/eye = .*/);
@@ -164,7 +195,7 @@ const number = async (name, text) => {
   await field.press("Enter");
 };
 const unselected = await value(page);
-await page.mouse.click(box.x + 0.5 * box.width, box.y + 0.5 * box.height + 0.25 * box.width);
+await page.mouse.click(box.x + 0.5 * box.width, box.y + 0.5 * box.height + 0.4 * Math.min(box.height, 9 / 16 * box.width));
 await labeled("instance floor");
 await click("ball");
 await labeled("instance ball");
@@ -250,6 +281,14 @@ await page.waitForFunction(() => location.hash.length > 100);
 const written = await value(page);
 const other = await open_page(browser, await page.evaluate(() => location.hash));
 await other.waitForFunction((text) => document.getElementById("text").value === text, written);
+// A scene of an added folder finds what its project has.
+const ball = readFileSync(new URL("texts/web/ball.toml", import.meta.url));
+for (const [path, content] of Object.entries({ "reflet.toml": 'name = "show"\n', "scenes/ball.toml": ball, "maps/dot.png": PNG })) {
+  mkdirSync(join(folder, "show", path, ".."), { recursive: true });
+  writeFileSync(join(folder, "show", path), content);
+}
+await other.setInputFiles("#folder", join(folder, "show"));
+await status(other, /^320 × 180 in .* 1 sample by rt,/);
 await other.close();
 step("shared");
 
@@ -264,12 +303,11 @@ step("refused");
 const host = await browser.newPage({ viewport: { width: 900, height: 700 } });
 let programs = 0;
 host.on("request", (request) => { programs += request.url().endsWith(".wasm"); });
-const scene = readFileSync(new URL("texts/web/ball.toml", import.meta.url));
 const element = (attributes) => `<reflet-view width="64" style="float: left; width: 400px" ${attributes}></reflet-view>`;
 const bodies = {
   "embed.html": `<!doctype html><script type="module" src="view.js"></script>${element('src="scenes/mirrors.toml" samples="1" auto-rotate="90"')}
     ${element('src="own/my%20ball.toml" camera="near" variant="red" frame="2"')}${element('src="none.toml"')}${element('src="own/my%20ball.toml" camera="far"')}`,
-  "own/my%20ball.toml": scene,
+  "own/my%20ball.toml": ball,
   "own/maps/dot.png": PNG,
 };
 for (const [path, body] of Object.entries(bodies)) await host.route(address + path, (route) => route.fulfill({ body, contentType: path.endsWith("html") ? "text/html" : undefined }));

@@ -2,11 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::{
-    input::{Input, KeyInput},
-    session::Session,
-    state,
-};
+use super::{input::Input, session::Session, state};
 use crate::{
     live::Edit,
     viewer::{
@@ -85,7 +81,7 @@ impl Session {
                 name,
                 key,
                 change,
-            } => self.change_key([&kind, &name, &key], &change),
+            } => self.change_key([&kind, &name, &key], change),
             Input::Parameter { name, value, write } => self.change_parameter(&name, &value, write),
             Input::Method { side, name } => {
                 let found = state::methods().find(|method: &Method| method.name() == name);
@@ -215,17 +211,12 @@ impl Session {
     }
 
     /// Changes a key of a track, given by kind, name and key.
-    fn change_key(&mut self, track: [&String; 3], change: &KeyInput) {
+    fn change_key(&mut self, track: [&String; 3], change: KeyChange) {
         let [kind, name, key] = track;
         let mut tracks = self.state.summary.tracks.iter().map(|known| &known.track);
         let track = tracks.find(|t| t.kind == kind && t.name == *name && t.key == key);
         let Some(track) = track.cloned() else {
             return self.say("there is no such track");
-        };
-        let change = match *change {
-            KeyInput::Add(at_s) => KeyChange::Add(at_s),
-            KeyInput::Move(index, at_s) => KeyChange::Move(index, at_s),
-            KeyInput::Delete(index) => KeyChange::Delete(index),
         };
         self.post(Task::Key(KeyEdit { track, change }));
     }

@@ -24,8 +24,12 @@ const SCRIPT: &str = "text/javascript";
 /// Files of the page, each with its name below the token, its type and its text; the page that runs by itself has the same panels.
 const FILES: [(&str, &str, &str); 7] = [
     ("", "text/html", include_str!("page/index.html")),
-    ("keys.js", SCRIPT, include_str!("page/keys.js")),
     ("page.js", SCRIPT, include_str!("page/page.js")),
+    (
+        "keys.js",
+        SCRIPT,
+        include_str!("../../write_back/page/keys.js"),
+    ),
     (
         "numbers.js",
         SCRIPT,

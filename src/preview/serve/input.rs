@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::viewer::keys::KeyAction;
+use crate::{viewer::keys::KeyAction, write_back::KeyChange};
 
 /// Input of a viewer.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -63,7 +63,7 @@ pub(super) enum Input {
         kind: String,
         name: String,
         key: String,
-        change: KeyInput,
+        change: KeyChange,
     },
     /// Fly along right, up and forward, each -1 to 1, for some seconds.
     Fly { by: [f32; 3], seconds: f32 },
@@ -104,16 +104,4 @@ impl Unfinished {
             _ => {}
         }
     }
-}
-
-/// Change of the keys of a track.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum KeyInput {
-    /// Add a key at a time, seconds.
-    Add(f64),
-    /// Move the key of this index to a time, seconds.
-    Move(usize, f64),
-    /// Delete the key of this index.
-    Delete(usize),
 }

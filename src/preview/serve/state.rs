@@ -106,12 +106,8 @@ pub(super) fn material(state: &ViewState) -> String {
 
 /// Keys of the tracks below the timeline, and whether a flight is being recorded.
 pub(super) fn keys(state: &ViewState, selected: Option<SceneItem>) -> String {
-    let tracks = state.tracks_of(selected);
-    let tracks = tracks.iter().map(|of| {
-        let track = &of.track;
-        json!({ "kind": track.kind, "name": track.name, "key": track.key, "at_s": of.at_s })
-    });
-    json!({ "keys": tracks.collect::<Vec<_>>(), "records": state.recording.is_some() }).to_string()
+    let tracks = page::tracks(&state.tracks_of(selected));
+    json!({ "keys": tracks, "records": state.recording.is_some() }).to_string()
 }
 
 /// The scene: its choices, and its warnings.

@@ -16,7 +16,7 @@ pub enum SessionError {
     /// A name that does not exist.
     #[error("there is no {kind} `{name}`{}", among(name, known))]
     UnknownName {
-        /// Kind of thing that the name stands for: `AOV`, `camera` or `model`.
+        /// Kind of thing that the name stands for: `AOV`, `camera`, `method` or `model`.
         kind: &'static str,
         /// Name as it was given.
         name: String,

@@ -1,12 +1,18 @@
 // The page: texts of a scene beside its picture, which the element `reflet-view` makes.
 import { begin_handles, place_in } from "./handles.js";
+import { begin_keys } from "./keys.js";
 import * as language from "./language.js";
+import { options } from "./numbers.js";
 import { begin_panels } from "./panels.js";
 import { fromFragment, toFragment } from "./share.js";
 import { work } from "./view.js";
 
 const [TYPING_MS, EXAMPLE] = [300, "scenes/mirrors.toml"];
+// Choices of the view, which the text is not told.
+const [CHOICES, AS_WRITTEN] = [["camera", "method", "samples"], "as written"];
 
+// The file of a project is text, and no scene.
+const is_scene = (name) => /\.toml$/i.test(name) && !/(^|\/)reflet\.toml$/.test(name);
 const get = (id) => document.getElementById(id);
 const [text, lines, messages, status, view] = ["text", "lines", "messages", "status", "stage"].map(get);
 const { files } = view;
@@ -16,6 +22,8 @@ let refusal = "";
 const tell = (words) => { status.textContent = refusal + words; };
 
 let [tab, timer] = ["", 0];
+// First and last frame of the shown scene, and frames a second.
+let timeline = null;
 
 // Messages at their lines, in the shown file or, by a click, in their own.
 let listed = "";
@@ -91,7 +99,11 @@ const show_tabs = () => {
 
 const open = (name) => {
   tab = name;
-  if (/\.toml$/i.test(name)) view.choose(name);
+  if (is_scene(name)) {
+    // Another scene has other cameras.
+    if (name !== view.scene) view.removeAttribute("camera");
+    view.choose(name);
+  }
   text.readOnly = typeof files.get(name) !== "string";
   text.value = text.readOnly ? "" : files.get(name);
   show_tabs();
@@ -116,11 +128,17 @@ const heard = {
     show_tabs();
   },
   load: (name) => {
+    view.removeAttribute("camera");
     language.restart();
     open(name);
   },
   check: list,
   picture: (shown) => {
+    if (shown.width) timeline = shown.timeline;
+    keys.paint();
+    for (const [id, names] of [["camera", shown.cameras], ["method", shown.methods]]) {
+      if (names) options(get(id), [AS_WRITTEN, ...names], view.getAttribute(id) ?? AS_WRITTEN);
+    }
     const prints = (shown.log ?? []).map((line) => ({ severity: "print", text: line }));
     if (shown.messages) list([...shown.messages, ...prints]);
     get("save").disabled &&= !shown.width;
@@ -136,8 +154,10 @@ const heard = {
     focus.focus({ preventScroll: true });
     refusal = error ? `not written: ${error}; ` : "";
   },
-  panels: (all) => {
-    for (const [name, shown] of Object.entries(all)) (panels[name] ?? handles.show)(shown);
+  panels: ({ tracks, handles: drawn, ...all }) => {
+    for (const [name, shown] of Object.entries(all)) panels[name](shown);
+    if (drawn) handles.show(drawn);
+    if (tracks) keys.show(tracks, false);
   },
   saved: (name) => {
     get("save").textContent = "save";
@@ -147,6 +167,11 @@ const heard = {
 const act = (message) => view.act(message);
 const panels = begin_panels(get("panels"), act);
 const handles = begin_handles(view.canvas, get("handles"), act);
+const keys = begin_keys(get("keys"), {
+  send: (message) => message.do === "seek" ? view.seek(message.frame) : act(message),
+  scene: () => ({ timeline }),
+  frame: () => Number(view.slider.value),
+});
 // The drag of the handle at a place of the picture. Its steps are sent once for each picture of the screen.
 view.grab = (event) => {
   const from = place_in(view.canvas, event);
@@ -179,7 +204,7 @@ const add = async (dropped) => {
       view.check(path, file.size);
       if (/\.zip$/i.test(path)) return view.open_pack(new Uint8Array(await file.arrayBuffer()));
       view.add(path, new Uint8Array(await file.arrayBuffer()));
-      if (/\.toml$/i.test(path)) scene = path;
+      if (is_scene(path)) scene = path;
     } catch (error) {
       tell(error.message);
       return;
@@ -224,6 +249,9 @@ text.oninput = () => {
 };
 text.onscroll = () => { lines.scrollTop = text.scrollTop; };
 get("width").onchange = ({ target }) => view.setAttribute("width", target.value);
+for (const id of CHOICES) {
+  get(id).onchange = ({ target: { value } }) => value === AS_WRITTEN ? view.removeAttribute(id) : view.setAttribute(id, value);
+}
 get("save").onclick = (event) => {
   event.preventDefault();
   if (get("save").textContent === "stop") return view.save();

@@ -55,7 +55,7 @@ const download = async (url) => {
 };
 
 export class RefletView extends HTMLElement {
-  static observedAttributes = ["src", "width", "samples", "camera", "variant", "frame", "auto-rotate", "poster"];
+  static observedAttributes = ["src", "width", "samples", "camera", "method", "variant", "frame", "auto-rotate", "poster"];
 
   // Content by name: texts are strings, all else is bytes.
   files = new Map();
@@ -86,7 +86,7 @@ export class RefletView extends HTMLElement {
     root.innerHTML = INSIDE;
     [this.canvas, this.status, this.time] = root.children;
     [this.play, this.slider, this.told] = this.time.children;
-    this.slider.oninput = () => this.#go(this.slider.value);
+    this.slider.oninput = () => this.seek(this.slider.value);
     this.play.onclick = () => {
       this.#stop(!this.#plays);
       this.run(false);
@@ -190,11 +190,11 @@ export class RefletView extends HTMLElement {
   #ask(isDraft = false) {
     const [scene, frame, moved] = [this.scene, this.#frame, this.#moved];
     const text = this.#drafts.get(scene)?.text ?? this.files.get(scene);
-    const [own, count, camera, names] = ["width", "samples", "camera", "variant"].map((name) => this.getAttribute(name));
+    const [own, count, camera, method, names] = ["width", "samples", "camera", "method", "variant"].map((name) => this.getAttribute(name));
     const width = own === null ? Math.max(1, this.clientWidth) : whole(own, 2 ** 16);
     const samples = isDraft && this.edits ? 1 : whole(count, 2 ** 20) || null;
     const variant = names?.split(/\s+/).filter(Boolean);
-    return { ...this.#options, scene, text: typeof text === "string" ? text : null, width, samples, frame, camera, moved, ...(variant?.length && { variant }) };
+    return { ...this.#options, scene, text: typeof text === "string" ? text : null, width, samples, frame, camera, method, moved, ...(variant?.length && { variant }) };
   }
   #emit(kind, detail) { this.dispatchEvent(new CustomEvent(kind, { detail })); }
   #see(isSeen) {
@@ -284,7 +284,8 @@ export class RefletView extends HTMLElement {
     }
     this.run(Boolean(writes || error));
   }
-  #go(frame) {
+  // Shows another frame.
+  seek(frame) {
     this.#frame = whole(frame, 2 ** 31);
     this.run(false);
   }
@@ -303,7 +304,7 @@ export class RefletView extends HTMLElement {
         this.#turned = now;
       }
       const [value, least, most] = ["value", "min", "max"].map((key) => Number(this.slider[key]));
-      if (this.#plays) this.#go(value < most ? value + 1 : least);
+      if (this.#plays) this.seek(value < most ? value + 1 : least);
       else if (turns) this.run(false);
     });
   }
@@ -342,7 +343,7 @@ export class RefletView extends HTMLElement {
         const mistake = !this.edits && shown.messages?.find(({ severity }) => severity === "error")?.text;
         this.tell(shown.error ?? (mistake || "the scene has mistakes"));
       } else {
-        this.tell(this.edits ? `${shown.width} × ${shown.height} in ${shown.seconds.toFixed(1)} s on ${shown.adapter || "the browser's adapter"}` : "");
+        this.tell(this.edits ? `${shown.width} × ${shown.height} in ${shown.seconds.toFixed(1)} s, ${shown.samples} sample${shown.samples === 1 ? "" : "s"} by ${shown.method}, on ${shown.adapter || "the browser's adapter"}` : "");
         this.#next();
       }
     },

@@ -1,6 +1,6 @@
 // The page shows what the server sends, and sends what the viewer does; it keeps no state of the scene.
 import { begin_handles, is_inside, place_in } from "./handles.js";
-import { begin_keys } from "./keys.js";
+import { begin_keys, is_field } from "./keys.js";
 import { element, get as $, options } from "./numbers.js";
 import { begin_panels } from "./panels.js";
 
@@ -262,8 +262,6 @@ function fly(now) {
 addEventListener("keyup", ({ key }) => flying.delete(key.toLowerCase()));
 addEventListener("blur", () => flying.clear());
 
-const is_field = (target) => target.tagName === "SELECT"
-  || (target.tagName === "INPUT" && !["range", "checkbox"].includes(target.type));
 addEventListener("keydown", (event) => {
   const { key, target } = event;
   if (key === "F12") {
@@ -289,10 +287,6 @@ addEventListener("keydown", (event) => {
     if (starts) requestAnimationFrame(fly);
     return;
   }
-  if (!is_field(target) && key === "Delete" && keys_of_tracks.delete_key()) {
-    event.preventDefault();
-    return;
-  }
   const is_control = ["INPUT", "SELECT", "BUTTON"].includes(target.tagName);
   const done = is_control ? null : (target === $("stage") && keys[key]) || message;
   if (!done) return;
@@ -302,5 +296,5 @@ addEventListener("keydown", (event) => {
 
 const panels = begin_panels($("panels"), send);
 const handles = begin_handles(canvas, $("handles"), send);
-const keys_of_tracks = begin_keys({ send, press, scene: () => scene, frame: () => view.frame });
+const keys_of_tracks = begin_keys($("keys"), { send, press, scene: () => scene, frame: () => view.frame });
 connect();

@@ -180,7 +180,8 @@ impl Window {
 
     /// Tracks with keys of the selected item, else of the camera that was shown last.
     fn tracks_of_selection(&self) -> Vec<KeyTrack> {
-        self.state.tracks_of(self.selection.item())
+        let tracks = self.state.tracks_of(self.selection.item());
+        tracks.into_iter().cloned().collect()
     }
 }
 

@@ -1,7 +1,8 @@
 // Keys of tracks below the timeline: dragged, added by + or a double click, deleted; a click selects one and goes there.
 import { element, get as $ } from "./numbers.js";
 
-// The page: functions that send what the viewer does, and that give the scene and the frame.
+// The page: functions that send what the viewer does, and that give the scene and the frame; and, where it records flights, a
+// function that presses keys.
 let page = null;
 let tracks = [];
 let selected_key = null;
@@ -64,7 +65,9 @@ function key_button(track, index, bar) {
 }
 
 function show_tracks() {
-  if (dragged_key || !page.scene()?.timeline) return;
+  const has_time = Boolean(page.scene()?.timeline);
+  $("keys").hidden = !has_time || !page.press && !tracks.length;
+  if (dragged_key || !has_time) return;
   $("tracks").replaceChildren(...tracks.map((track) => {
     const label = `${track.name}.${track.key}`;
     const bar = element("div", { className: "bar" });
@@ -86,8 +89,8 @@ function show_tracks() {
 
 function show_keys(next, records) {
   tracks = next;
-  $("record").textContent = records ? "end flight" : "record flight";
-  $("record").setAttribute("aria-pressed", String(records));
+  if (page.press) $("record").textContent = records ? "end flight" : "record flight";
+  $("record")?.setAttribute("aria-pressed", String(records));
   show_tracks();
 }
 
@@ -100,8 +103,19 @@ function delete_key() {
   return true;
 }
 
-export const begin_keys = (given) => {
+export const is_field = (target) => ["SELECT", "TEXTAREA"].includes(target.tagName)
+  || (target.tagName === "INPUT" && !["range", "checkbox"].includes(target.type));
+
+export const begin_keys = (box, given) => {
   page = given;
+  const record = element("button", { id: "record", textContent: "record flight", title: "fly while the timeline plays: keys of this camera" });
+  const time = element("label", {}, "key at ", element("input", { id: "key-time", type: "number", step: "any" }));
+  box.append(
+    element("div", { id: "key-bar" }, ...(page.press ? [record] : []),
+      element("select", { id: "unit", ariaLabel: "unit of times" }, new Option("frames"), new Option("seconds")),
+      element("span", { id: "selected-key", hidden: true }, time, " ", element("button", { id: "key-delete", title: "Delete", textContent: "delete" }))),
+    element("div", { id: "tracks", ariaLabel: "keys of the selected item, else of the camera" }),
+  );
   $("key-time").addEventListener("change", ({ target }) => {
     const track = selected_track();
     if (!track || Number.isNaN(target.valueAsNumber)) return;
@@ -110,6 +124,10 @@ export const begin_keys = (given) => {
   });
   $("key-delete").addEventListener("click", delete_key);
   $("unit").addEventListener("change", show_tracks);
-  $("record").addEventListener("click", () => page.press("record"));
-  return { show: show_keys, paint: show_tracks, delete_key };
+  record.addEventListener("click", () => page.press("record"));
+  addEventListener("keydown", (event) => {
+    const is_held = event.ctrlKey || event.metaKey || event.altKey;
+    if (event.key === "Delete" && !is_held && !is_field(event.target) && delete_key()) event.preventDefault();
+  });
+  return { show: show_keys, paint: show_tracks };
 };
