@@ -35,8 +35,17 @@ mkdir -p "$folder/scenes"
 "$bindgen" --target web --no-typescript --remove-name-section --remove-producers-section --out-dir "$folder" target/web/$target/web/reflet_web.wasm
 cp src/web/page/* src/write_back/page/* "$folder"
 cp scenes/*.toml scenes/*.rhai scenes/*.png "$folder/scenes"
-(cd "$folder/scenes" && for name in *; do printf '"%s"\n' "$name"; done | paste -sd, | sed 's/.*/[&]/') >"$folder/names"
-mv "$folder/names" "$folder/scenes/names.json"
+# Files of a new project, as `reflet new` writes them.
+for file in src/app/new/*.*.toml; do
+    name=${file##*/}
+    mkdir -p "$folder/new/${name%%.*}"
+    cp "$file" "$folder/new/${name%%.*}/${name#*.}"
+done
+sed 's/NAME/"new"/' src/app/new/reflet.toml >"$folder/new/reflet.toml"
+for listed in scenes new; do
+    (cd "$folder/$listed" && find . -type f | sort | sed 's,^\./\(.*\),"\1",' | paste -sd, | sed 's/.*/[&]/') >"$folder/names"
+    mv "$folder/names" "$folder/$listed/names.json"
+done
 
 packed=$(find "$folder" -type f -exec gzip -9c {} + | wc -c)
 echo "$folder: $packed bytes as gzip sends them; serve it by https or from localhost"

@@ -289,6 +289,13 @@ for (const [path, content] of Object.entries({ "reflet.toml": 'name = "show"\n',
 }
 await other.setInputFiles("#folder", join(folder, "show"));
 await status(other, /^320 × 180 in .* 1 sample by rt,/);
+// A new project shows its scene; all of it is replaced by a scene that is typed.
+await other.click("#new");
+await other.waitForFunction(() => document.querySelector("#tabs [aria-pressed=true]").textContent === "scenes/main.toml");
+await status(other, / in .* by rt,/);
+await other.press("#text", "Control+A");
+await other.locator("#text").pressSequentially(ball.toString().replace(/^material.*$/m, "material.paint = {}"));
+await status(other, /^320 × 180 in .* 1 sample by rt,/);
 await other.close();
 step("shared");
 

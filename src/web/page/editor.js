@@ -221,8 +221,16 @@ const files_of = async (entry) => {
   return (await Promise.all(all.map(files_of))).flat();
 };
 
+const names_in = async (folder) => (await fetch(`${folder}/names.json`)).json();
+// The files of a new project take the place of all; its scene is shown.
+const make_new = async () => {
+  const names = (await names_in("new")).sort((a, b) => b.startsWith("scenes/") - a.startsWith("scenes/"));
+  const content = async (name) => [name, await (await fetch(`new/${name}`)).text()];
+  replace(Object.fromEntries(await Promise.all(names.map(content))));
+};
+
 const begin = async () => {
-  const names = (await (await fetch("scenes/names.json")).json()).filter((name) => name.endsWith(".toml"));
+  const names = (await names_in("scenes")).filter((name) => name.endsWith(".toml"));
   get("examples").append(...names.map((name) => new Option(name, `scenes/${name}`)));
   const choose = (src) => view.setAttribute("src", src);
   get("examples").onchange = ({ target }) => target.value && choose(target.value);
@@ -248,6 +256,7 @@ text.oninput = () => {
   timer = setTimeout(() => view.run(), TYPING_MS);
 };
 text.onscroll = () => { lines.scrollTop = text.scrollTop; };
+get("new").onclick = () => make_new().catch((error) => tell(`a new project cannot be loaded: ${error.message}`));
 get("width").onchange = ({ target }) => view.setAttribute("width", target.value);
 for (const id of CHOICES) {
   get(id).onchange = ({ target: { value } }) => value === AS_WRITTEN ? view.removeAttribute(id) : view.setAttribute(id, value);
