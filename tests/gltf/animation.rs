@@ -262,9 +262,7 @@ fn copies_of_a_node_move_with_it() {
     let offsets = doc.floats("VEC3", &[0.0, 0.0, 0.0, 0.0, 0.0, 5.0]);
     doc.json["nodes"][1]["extensions"] =
         json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": offsets}}});
-    let folder = Folder::new();
-    folder.write("m.glb", doc.glb());
-    let mut desc = scene(&folder.0, "m.glb");
+    let (_folder, mut desc) = doc.scene();
     desc.models[0].value.animation = Some(playing(&["spin"]));
     let world = posed(&desc, 12);
     let turn = Affine3A::from_rotation_z(std::f32::consts::FRAC_PI_4);
@@ -298,9 +296,7 @@ fn rotations_may_be_small_integers() {
         let output = doc.accessor("VEC4", component, 2, &bytes);
         doc.json["accessors"][output]["normalized"] = true.into();
         doc.json["animations"][2]["samplers"][0]["output"] = output.into();
-        let folder = Folder::new();
-        folder.write("m.glb", doc.glb());
-        let mut desc = scene(&folder.0, "m.glb");
+        let (_folder, mut desc) = doc.scene();
         desc.models[0].value.animation = Some(playing(&["turn"]));
         let (pose, _) = find(&posed(&desc, 12), "m/cart/box");
         assert_near(pose, Affine3A::from_rotation_y(turn_y(0.5)));

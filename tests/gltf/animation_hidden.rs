@@ -24,9 +24,7 @@ fn what_is_scaled_to_nothing_is_hidden() {
     );
     doc.json["animations"] =
         json!([{"name": "grow", "samplers": [sampler], "channels": [channel]}]);
-    let folder = Folder::new();
-    folder.write("m.glb", doc.glb());
-    let mut desc = scene(&folder.0, "m.glb");
+    let (_folder, mut desc) = doc.scene();
     desc.models[0].value.animation = Some(AnimationDesc {
         repeat: Playback::Once,
         ..playing(&["grow"])
@@ -80,9 +78,7 @@ fn pointers_switch_nodes_on_and_off() {
         "channels": [pointer("/nodes/4/extensions/KHR_node_visibility/visible"),
                      pointer("/materials/0/extensions/KHR_materials_diffuse_transmission/diffuseTransmissionFactor")]
     }]);
-    let folder = Folder::new();
-    folder.write("m.glb", doc.glb());
-    let mut desc = scene(&folder.0, "m.glb");
+    let (_folder, mut desc) = doc.scene();
     let still = load_scene(&desc).expect("it loads");
     assert_eq!(still.instances.len(), 1, "hidden unless something shows it");
     assert!(still.lights.is_empty() && warnings(&still).is_empty());

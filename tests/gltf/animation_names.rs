@@ -46,9 +46,7 @@ fn every_animation_has_a_name_of_its_own() {
 /// Asserts that the first animation of a cart cannot be played for a reason, and that the others can.
 #[track_caller]
 fn assert_broken(doc: &Doc, says: &str) {
-    let folder = Folder::new();
-    folder.write("m.glb", doc.glb());
-    let mut desc = scene(&folder.0, "m.glb");
+    let (_folder, mut desc) = doc.scene();
     let world = load_scene(&desc).unwrap_or_else(|e| panic!("{says}: {e:?}"));
     assert_eq!(warnings(&world), ["animation-broken"], "{says}");
     assert!(world.warnings[0].file.is_some(), "{says}");
@@ -130,9 +128,7 @@ fn a_broken_channel_stops_no_other() {
         ),
     ] {
         doc.json["animations"][0]["channels"] = channels;
-        let folder = Folder::new();
-        folder.write("m.glb", doc.glb());
-        let mut desc = scene(&folder.0, "m.glb");
+        let (_folder, mut desc) = doc.scene();
         desc.models[0].value.animation = Some(playing(&["drive"]));
         let world = load_scene(&desc).expect("plays");
         assert_eq!(warnings(&world), ["animation-channel"]);
@@ -160,9 +156,7 @@ fn what_is_not_played_is_named_when_it_is_asked_for() {
     let spin = doc.json["animations"][0]["channels"][0].clone();
     doc.json["animations"][0]["channels"] = json!([spin, target("weights"), target("color"), {"sampler": 0, "target": {"path": "scale"}}]);
     doc.json["nodes"][4]["matrix"] = json!([2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 9, 0, 0, 1]);
-    let folder = Folder::new();
-    folder.write("m.glb", doc.glb());
-    let mut desc = scene(&folder.0, "m.glb");
+    let (_folder, mut desc) = doc.scene();
     assert!(warnings(&load_scene(&desc).expect("it loads")).is_empty());
     desc.models[0].value.animation = Some(playing(&["drive"]));
     let world = posed(&desc, 24);

@@ -75,7 +75,7 @@ fn broken_targets_are_named() {
 }
 
 /// Scene of a file in which `clip` plays, from this frame on at 10 frames per second.
-fn played(folder: &Folder, doc: &Doc, start: u32) -> SceneDesc {
+pub fn played(folder: &Folder, doc: &Doc, start: u32) -> SceneDesc {
     folder.write("m.glb", doc.glb());
     let mut desc = scene(&folder.0, "m.glb");
     desc.models[0].value.animation = Some(AnimationDesc::endless(vec![unplaced("clip")]));
@@ -134,10 +134,7 @@ fn animated_weights_begin_with_the_first_frame() {
 /// A triangle skinned to one joint, which a clip moves from y = 2 to y = 4 in two seconds.
 fn skinned() -> Doc {
     let mut doc = Doc::triangle();
-    let joints = doc.accessor("VEC4", 5121, 3, &[0; 12]);
-    let weights = doc.floats("VEC4", &[1.0, 0.0, 0.0, 0.0].repeat(3));
-    doc.attribute("JOINTS_0", joints);
-    doc.attribute("WEIGHTS_0", weights);
+    doc.hold_by_first_joint();
     let bone = doc.root_node(json!({"name": "bone", "translation": [0, 1, 0]}));
     doc.json["skins"] = json!([{"joints": [bone]}]);
     doc.json["nodes"][0]["skin"] = 0.into();

@@ -123,9 +123,7 @@ fn domes_of_a_stage_are_the_environment() {
 
 /// Loads the file in a scene that `change` changes.
 fn in_scene(doc: &Doc, change: impl FnOnce(&mut SceneDesc)) -> World {
-    let folder = Folder::new();
-    folder.write("m.glb", doc.glb());
-    let mut desc = scene(&folder.0, "m.glb");
+    let (_folder, mut desc) = doc.scene();
     change(&mut desc);
     load_scene(&desc).expect("valid")
 }

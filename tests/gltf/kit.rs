@@ -158,6 +158,22 @@ impl Doc {
         self.json["meshes"][0]["primitives"][0]["attributes"][name] = accessor.into();
     }
 
+    /// Skins the triangle to the first joint alone.
+    pub fn hold_by_first_joint(&mut self) {
+        let joints = self.accessor("VEC4", 5121, 3, &[0; 12]);
+        let weights = self.floats("VEC4", &[1.0, 0.0, 0.0, 0.0].repeat(3));
+        self.attribute("JOINTS_0", joints);
+        self.attribute("WEIGHTS_0", weights);
+    }
+
+    /// Scene of the document, as a file in a folder that goes with the first value.
+    pub fn scene(&self) -> (Folder, SceneDesc) {
+        let folder = Folder::new();
+        folder.write("m.glb", self.glb());
+        let desc = scene(&folder.0, "m.glb");
+        (folder, desc)
+    }
+
     pub fn glb(&self) -> Vec<u8> {
         // Numbers that JSON lacks stand in strings such as "bare NaN bare".
         let text = self
@@ -187,9 +203,8 @@ impl Doc {
 
     /// Loads the document with other options.
     pub fn load_with(&self, options: &LoadOptions) -> Result<World, Vec<Diagnostic>> {
-        let folder = Folder::new();
-        folder.write("m.glb", self.glb());
-        load(&scene(&folder.0, "m.glb"), options)
+        let (_folder, desc) = self.scene();
+        load(&desc, options)
     }
 
     /// Loads the document, which must succeed.

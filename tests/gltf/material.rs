@@ -225,10 +225,8 @@ fn an_overridden_image_is_never_decoded() {
     doc.material(json!({"name": "stone", "pbrMetallicRoughness": pbr}));
     doc.primitive("material", 0.into());
     assert_eq!(doc.error().0, "image-unsupported");
-    let folder = Folder::new();
-    folder.write("m.glb", doc.glb());
+    let (folder, mut desc) = doc.scene();
     folder.write("own.png", png(1, 1, [1, 2, 3, 4]));
-    let mut desc = scene(&folder.0, "m.glb");
     let own = MaterialDesc {
         base_color_texture: Some(unplaced("own.png")),
         ..MaterialDesc::default()

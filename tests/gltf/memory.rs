@@ -8,13 +8,11 @@ use crate::kit::*;
 
 /// Loads a file within so much memory; an error's name and text.
 pub fn within(doc: &Doc, mebibytes: u64) -> Result<World, (&'static str, String)> {
-    let folder = Folder::new();
-    folder.write("m.glb", doc.glb());
     let options = LoadOptions {
         memory_bytes: Some(mebibytes << 20),
         ..LoadOptions::default()
     };
-    let loaded = load(&scene(&folder.0, "m.glb"), &options);
+    let loaded = doc.load_with(&options);
     loaded.map_err(|errors| one_error(Err(errors)))
 }
 

@@ -2,7 +2,7 @@
 
 use glam::Vec2;
 use reflet::{
-    scene::desc::{LightKind, TimelineDesc},
+    scene::desc::LightKind,
     world::{TextureRef, load},
 };
 
@@ -49,14 +49,7 @@ fn doc(pointers: &str) -> Doc {
 
 /// World of a file whose clip plays, halfway through it.
 fn halfway(folder: &Folder, doc: &Doc) -> World {
-    folder.write("m.glb", doc.glb());
-    let mut desc = scene(&folder.0, "m.glb");
-    desc.models[0].value.animation = Some(AnimationDesc::endless(vec![unplaced("clip")]));
-    desc.timeline = Some(TimelineDesc {
-        fps: 10.0,
-        start: 0,
-        end: 100,
-    });
+    let desc = crate::deform::played(folder, doc, 0);
     let mut world = load::load(&desc, &load::LoadOptions::default()).expect("loads");
     let scene = Scene::from(desc);
     let state = Animator::new(&scene).pose(10).expect("poses");

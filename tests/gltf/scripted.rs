@@ -13,10 +13,7 @@ fn doc() -> Doc {
     let up = doc.floats("VEC3", &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0]);
     let near = doc.floats("VEC3", &[0.0, 0.0, 1.0].repeat(3));
     doc.primitive("targets", json!([{"POSITION": up}, {"POSITION": near}]));
-    let joints = doc.accessor("VEC4", 5121, 3, &[0; 12]);
-    let weights = doc.floats("VEC4", &[1.0, 0.0, 0.0, 0.0].repeat(3));
-    doc.attribute("JOINTS_0", joints);
-    doc.attribute("WEIGHTS_0", weights);
+    doc.hold_by_first_joint();
     doc.json["meshes"][0]["extras"] = json!({"targetNames": ["up"]});
     doc.json["meshes"][0]["weights"] = json!([0.5, 0]);
     doc.json["skins"] = json!([{"joints": [2]}]);

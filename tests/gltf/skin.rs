@@ -75,10 +75,7 @@ fn skins_follow_their_joints() {
 #[test]
 fn faces_of_a_skinned_mesh_turn_over_below_a_mirrored_node() {
     let mut doc = Doc::triangle();
-    let joints = doc.accessor("VEC4", 5121, 3, &[0; 12]);
-    let weights = doc.floats("VEC4", &[1.0, 0.0, 0.0, 0.0].repeat(3));
-    doc.attribute("JOINTS_0", joints);
-    doc.attribute("WEIGHTS_0", weights);
+    doc.hold_by_first_joint();
     doc.json["skins"] = json!([{"joints": [2]}]);
     doc.json["nodes"] = json!([
         {"mesh": 0, "skin": 0},

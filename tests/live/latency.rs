@@ -6,24 +6,30 @@ use reflet::app::{
     bench::{
         args::Experiment,
         progress::Progress,
-        reload::{measure_all, measure_page},
+        reload::{ReloadArgs, measure_all, measure_page},
     },
     cli::{Cli, Command},
 };
 
 use crate::kit::*;
 
+/// Options of `bench reload`, one save of each kind.
+fn parsed(words: &[&str]) -> ReloadArgs {
+    let words = [&["reflet", "bench", "reload", "--n", "1"], words].concat();
+    let Command::Bench(args) = Cli::parse_from(words).command else {
+        panic!("another command");
+    };
+    match args.experiment {
+        Some(Experiment::Reload(args)) => args,
+        _ => panic!("another experiment"),
+    }
+}
+
 #[test]
 #[ignore = "long: the saves of a project are measured daily"]
 fn saves_of_all_kinds_are_measured() {
     let Some(gpu) = gpu_or_skip() else { return };
-    let words = ["reflet", "bench", "reload", "--n", "1", "--size", "64x36"];
-    let Command::Bench(args) = Cli::parse_from(words).command else {
-        panic!("another command");
-    };
-    let Some(Experiment::Reload(args)) = args.experiment else {
-        panic!("another experiment");
-    };
+    let args = parsed(&["--size", "64x36"]);
     let series = or_panic!(measure_all(&Arc::new(gpu), &args, &mut Progress::new()));
     let kinds: Vec<&str> = series.iter().map(|one| one.edit).collect();
     assert_eq!(kinds, ["text", "shader", "shader", "shader", "script"]);
@@ -57,19 +63,7 @@ fn saves_of_a_project_are_measured_to_a_viewer_of_the_page() {
     );
     let text = "version = 1\nbase = \"../base.toml\"\n[material.red]\nroughness = 0.5\n";
     let path = folder.write("shots/close.toml", text);
-    let words = [
-        "reflet", "bench", "reload", "--page", "--n", "1", "--size", "48x32",
-    ];
-    let words = words
-        .map(str::to_owned)
-        .into_iter()
-        .chain([path.display().to_string()]);
-    let Command::Bench(args) = Cli::parse_from(words).command else {
-        panic!("another command");
-    };
-    let Some(Experiment::Reload(args)) = args.experiment else {
-        panic!("another experiment");
-    };
+    let args = parsed(&["--page", "--size", "48x32", path.to_str().expect("text")]);
     let series = or_panic!(measure_page(&Arc::new(gpu), &args, &mut Progress::new()));
     assert_eq!(series.len(), 5);
     for one in &series {
