@@ -7,7 +7,6 @@ pairs of frames, of both methods in turns.
 import pathlib
 import statistics
 
-from measuring import ROOT
 from tables import Row, Rows, by, count, read_rows, table, write_rows
 
 from documents import views
@@ -30,17 +29,14 @@ def part(view: str, size: str) -> str:
 
 def measure(run: Run) -> None:
     """Times both methods in each view at each size, after frames in which the clock may rise."""
-    lamps = run.out / "eight-lamps.toml"
-    lamps.write_text(views.eight_lamps())
     values = ["--parameter", "edge_px", "--values", f"{views.STRICTEST},{views.DEFAULT}"]
     values += ["--methods", "hybrid,rt", "--frames", "20", "--warm-up", "20", "--counters"]
     for size in SIZES:
-        for view, (name, *changes) in views.VIEWS.items():
+        for view, scene in views.VIEWS.items():
             if run.wants(part(view, size)):
-                scene = lamps if name == lamps.name else ROOT / name
-                options = [*changes, *run.models(), "--assets", ROOT / "scenes"]
-                options += ["--sizes", size.replace(" × ", "x"), "--resume"]
-                run.bench(part(view, size), scene, *options, *values)
+                options = [*scene, *run.models(), "--assets", "scenes", "--resume"]
+                options += ["--sizes", size.replace(" × ", "x")]
+                run.bench(part(view, size), *options, *values)
 
 
 def settings_of(rows: Rows) -> Rows:

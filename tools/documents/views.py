@@ -5,10 +5,10 @@ the reflection passes on a software adapter, frames of both methods in turns. Er
 from the first OUT, times from each.
 """
 
-import math
 import pathlib
 
-from measuring import ROOT, settings
+import tomllib
+from measuring import settings
 from tables import Rows, by, count, fixed, median, read_rows, table, write_rows
 
 from documents.document import (
@@ -31,49 +31,20 @@ COLUMNS = [
     *["march_steps", "traversals", "visited_nodes", "tested_triangles", "driver"],
 ]
 
-LENGTH = "reflection.ray_length_u=16"
 # Views by name: the scene, and overrides of its values.
 VIEWS: dict[str, list[str]] = {
-    "Fig. 1": ["scenes/paper/sponza.toml"],
-    "Scenario 1": ["scenes/paper/scenario1.toml"],
-    "Scenario 3, ground": ["scenes/paper/scenario3.toml", *settings(LENGTH)],
-    "Scenario 3, sphere": ["scenes/paper/scenario3_sphere.toml", *settings(LENGTH)],
-    "Scenario 3, bunny": ["scenes/paper/scenario3_bunny.toml", *settings(LENGTH)],
-    "walk, first frame": ["scenes/paper/scenario2.toml"],
-    "atrium": ["scenes/atrium.toml"],
-    "atrium, shadow rays": [
-        "scenes/atrium.toml", *settings("light.sun.shadow=ray", "light.lamp.shadow=ray"),
-    ],
-    "atrium, eight lamps with shadow rays": ["eight-lamps.toml"],
-    "textured wall": ["scenes/fail/27-texture.toml"],
-    "rails": ["scenes/fail/03-rails.toml"],
-}  # fmt: skip
-
-
-def eight_lamps() -> str:
-    """Write a copy of the atrium with a ring of eight lamps in place of its sun and lamp."""
-    lamps = []
-    for i in range(8):
-        turn = math.tau * i / 8
-        position = [round(3.5 * math.cos(turn), 3), 3.2, round(3.5 * math.sin(turn) - 1, 3)]
-        lamps.append(
-            f'[light.ring{i}]\nkind = "point"\nposition = {position}\nintensity_cd = 4\n'
-            'shadow = "ray"\n'
-        )
-    head = 'version = 1\nbase = "atrium.toml"\nremove = ["light.sun", "light.lamp"]\n'
-    return head + "".join(lamps)
+    view["name"]: [view["scene"], *settings(*view.get("set", []))]
+    for view in tomllib.loads((DATA / "views.toml").read_text())["view"]
+}
 
 
 def measure(run: Run) -> None:
-    lamps = run.out / "eight-lamps.toml"
-    lamps.write_text(eight_lamps())
     values = ["--parameter", "edge_px", "--values", f"{STRICTEST},{DEFAULT}"]
     values += ["--methods", "hybrid,rt", "--frames", str(FRAMES), "--warm-up", "1"]
-    for view, (name, *changes) in VIEWS.items():
+    for view, scene in VIEWS.items():
         if run.wants(view):
-            scene = lamps if name == lamps.name else ROOT / name
-            options = [*changes, *run.models(), "--assets", ROOT / "scenes", "--sizes", SIZE]
-            run.bench(view, scene, *options, *values, "--counters", "--resume")
+            options = [*scene, *run.models(), "--assets", "scenes", "--sizes", SIZE]
+            run.bench(view, *options, *values, "--counters", "--resume")
 
 
 def of(rows: Rows, view: str, method: str, edge_px: float | None = None) -> Rows:
