@@ -120,6 +120,7 @@ fn protocol(args: &BenchArgs) -> Result<Protocol, AppError> {
         warm_up: args.run.warm_up,
         count: args.run.counters,
         split_trace: args.run.split_trace,
+        scores: true,
     })
 }
 
@@ -211,36 +212,7 @@ pub fn subject(
     camera: Option<&str>,
 ) -> Result<Subject, AppError> {
     let camera_index = choose_camera(&loaded, camera)?;
-    let chosen = &loaded.world.cameras[camera_index];
-    let (camera_name, camera) = (chosen.name.clone(), chosen.value.clone());
-    let mut content = Hash::default().with(&loaded.text);
-    for setting in &loaded.overrides {
-        content = content.with(setting);
-    }
-    for (name, text) in loaded.scene.scripts().flat_map(|s| &s.texts) {
-        let name = Path::new(&name).file_name().unwrap_or_default();
-        content = content.with(name.as_encoded_bytes()).with(text);
-    }
-    for path in &loaded.world.files {
-        let bytes = fs::read(path).map_err(|error| {
-            AppError::Internal(format!("{} cannot be read again: {error}", path.display()))
-        })?;
-        content = content.with(bytes);
-    }
-    Ok(Subject {
-        name,
-        camera_name,
-        camera,
-        camera_index,
-        first: (!loaded.scene.is_still()).then(|| loaded.first_frame().into_owned()),
-        reflection: loaded.scene.reflection,
-        image: loaded.scene.image,
-        world: loaded.world,
-        content: content.value(),
-        frame: 0,
-        motion: false,
-        truth: None,
-    })
+    Subject::new(loaded, name, camera_index).map_err(AppError::Internal)
 }
 
 /// Measures scenes into the folder, and returns all samples that it then holds.
@@ -297,7 +269,7 @@ fn sample(
         cache: AnimationCache::default(),
     };
     let mut progress = Progress::new();
-    if log.was_torn() {
+    if log.was_torn {
         progress.note(&format!("{TORN} and is measured again"));
     }
     let outcome = bench.run(all_series, &mut log, &mut progress);

@@ -6,19 +6,24 @@ mod frame_series;
 mod interleave;
 mod judge;
 
-use std::{cell::RefCell, time::Instant};
+use std::{cell::RefCell, io::Read as _, path::Path};
 
 use flicker::Flicker;
 
 use super::{
+    hash::Hash,
     host::Host,
     log::Log,
     parameter::{Parameter, Variant},
 };
+use reflet_base::{clock::Instant, files::File};
 use reflet_gpu::{Gpu, ShaderLibrary};
 use reflet_render::{
-    Poses, RenderError, RenderOptions, decide::decide, plan::traces_rays, renderer::adopted,
-    runtime::renderer_stage::RendererStage,
+    Poses, RenderError, RenderOptions,
+    decide::decide,
+    plan::traces_rays,
+    renderer::adopted,
+    runtime::{renderer_stage::RendererStage, scene_text::LoadedScene},
 };
 use reflet_scene::{
     desc::{Accept, Bounces, CameraDesc, Exposure, ImageDesc, Method, ReflectionDesc, Visibility},
@@ -61,6 +66,43 @@ pub struct Subject {
 }
 
 impl Subject {
+    /// Subject of a loaded scene, seen by one of its cameras.
+    ///
+    /// # Errors
+    /// Message about a file that was removed.
+    pub fn new(loaded: LoadedScene, name: String, camera_index: usize) -> Result<Self, String> {
+        let chosen = &loaded.world.cameras[camera_index];
+        let (camera_name, camera) = (chosen.name.clone(), chosen.value.clone());
+        let mut content = Hash::default().with(&loaded.text);
+        for setting in &loaded.overrides {
+            content = content.with(setting);
+        }
+        for (name, text) in loaded.scene.scripts().flat_map(|s| &s.texts) {
+            let name = Path::new(&name).file_name().unwrap_or_default();
+            content = content.with(name.as_encoded_bytes()).with(text);
+        }
+        for path in &loaded.world.files {
+            let mut bytes = Vec::new();
+            let read = File::open(path).and_then(|mut file| file.read_to_end(&mut bytes));
+            read.map_err(|error| format!("{} cannot be read again: {error}", path.display()))?;
+            content = content.with(bytes);
+        }
+        Ok(Self {
+            name,
+            camera_name,
+            camera,
+            camera_index,
+            first: (!loaded.scene.is_still()).then(|| loaded.first_frame().into_owned()),
+            reflection: loaded.scene.reflection,
+            image: loaded.scene.image,
+            world: loaded.world,
+            content: content.value(),
+            frame: 0,
+            motion: false,
+            truth: None,
+        })
+    }
+
     /// Creates a renderer for all settings of one method, with the reference's bounces: its plan leaves
     /// out features that no setting needs.
     ///
@@ -115,6 +157,8 @@ pub struct Protocol {
     pub count: bool,
     /// Whether each timed frame is followed by a frame that times traversal apart from shading.
     pub split_trace: bool,
+    /// Whether pictures are compared with a reference, which browsers cannot do.
+    pub scores: bool,
 }
 
 /// Parameter sweep: the parameter that is varied, and its values.

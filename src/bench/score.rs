@@ -6,7 +6,6 @@ use reflet_base::math::LUMINANCE;
 use reflet_metric::{
     Maps, Scores,
     error::ErrorMap,
-    flip,
     hits::{CauseCode, CauseTally, HitPlane, HitPlanes, Tolerance, Verdict, tally},
     mask::Mask,
     picture::{Encoding, Pair, Picture, PictureError},
@@ -238,9 +237,13 @@ impl Reference {
         let linear = Pair::new(&view.linear, &self.view.linear)?;
         let (test, reference) = (view.display.pixels(), self.view.display.pixels());
         let (width, height) = (self.view.display.width(), self.view.display.height());
+        #[cfg(not(target_arch = "wasm32"))]
+        let flip = reflet_metric::flip::flip_map(width, height, test, reference);
+        #[cfg(target_arch = "wasm32")]
+        let flip = Err(PictureError::NoFlip)?;
         let maps = Maps {
             ssim: SsimMap::of_display(width, height, test, reference),
-            flip: flip::flip_map(width, height, test, reference),
+            flip,
             error: ErrorMap::compare(&linear, test, reference),
             specks: specks::specks([width, height], test, reference),
         };

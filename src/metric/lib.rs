@@ -7,6 +7,7 @@ pub mod borders;
 pub mod comparison;
 pub mod difference;
 pub mod error;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod flip;
 pub mod hits;
 pub mod mask;
@@ -23,7 +24,6 @@ use std::path::Path;
 use serde::Serialize;
 
 use mask::Mask;
-use picture::Pair;
 use reflet_scene::diagnostic::Diagnostic;
 
 /// Every metric of one pair over one region.
@@ -68,7 +68,8 @@ pub struct Maps {
 
 impl Maps {
     /// Computes all metrics of the pair.
-    pub fn compare(pair: &Pair) -> Self {
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn compare(pair: &picture::Pair) -> Self {
         let test = pair.test().display();
         let reference = pair.reference().display();
         let (width, height) = (pair.test().width(), pair.test().height());

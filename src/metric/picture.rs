@@ -59,6 +59,10 @@ pub enum PictureError {
         /// Size of the second, pixels.
         second: [usize; 2],
     },
+    /// FLIP in a browser, for which its authors' C++ is not built.
+    #[cfg(target_arch = "wasm32")]
+    #[error("browsers lack FLIP")]
+    NoFlip,
 }
 
 impl Picture {

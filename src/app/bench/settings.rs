@@ -153,6 +153,7 @@ mod tests {
             warm_up: 1,
             count: false,
             split_trace: false,
+            scores: true,
         };
         let list = |sweep| serde_json::to_value(varied(&protocol(sweep))).expect("JSON");
         assert_eq!(

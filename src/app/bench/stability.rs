@@ -86,6 +86,7 @@ pub fn stability(args: &StabilityArgs) -> Result<(), AppError> {
         warm_up: run.warm_up,
         count: false,
         split_trace: false,
+        scores: true,
         sweep: Sweep::Rules,
         methods,
     };

@@ -35,7 +35,11 @@ pub fn spots(group: &Group, metric: Metric) -> (Vec<Spot>, Vec<&Point>) {
 pub fn sentences(group: &Group) -> Vec<String> {
     let (spots, points) = spots(group, Metric::Flip);
     if points.is_empty() {
-        let mut sentences = vec!["No setting could be judged.".to_owned()];
+        let why = match group.failed.is_empty() {
+            true => "Nothing was scored: there are times and counts alone.",
+            false => "No setting could be judged.",
+        };
+        let mut sentences = vec![why.to_owned()];
         sentences.extend(left_out(group));
         return sentences;
     }

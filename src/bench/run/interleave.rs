@@ -1,6 +1,8 @@
 //! Variants of one scene and size, measured in alternating order: A B C, C B A, A B C, ….
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
+
+use reflet_base::clock::Instant;
 
 use crate::{
     hash::Hash,
@@ -58,14 +60,14 @@ impl Block<'_> {
         self.variants.iter().map(of).sum()
     }
 
-    /// Number of steps of [`Block::measure`]: the reference, then for each variant its judgement, its counts and its
-    /// untimed frames, then the missing frames.
+    /// Number of steps of [`Block::measure`]: the reference, then for each variant its untimed frames, which a judged
+    /// picture is the first of, and its counts, then the missing frames.
     pub(super) fn steps(&self, bench: &Bench, log: &Log) -> usize {
         let (missing, protocol) = (self.missing(bench, log), bench.protocol);
         let untimed = protocol.warm_up as usize + usize::from(protocol.count);
         match missing {
             0 => 0,
-            _ => 1 + self.variants.len() * untimed + missing,
+            _ => usize::from(protocol.scores) + self.variants.len() * untimed + missing,
         }
     }
 
@@ -87,9 +89,12 @@ impl Block<'_> {
             &bench.protocol.reference(&self.subject.reflection),
             self.size,
         )?;
-        watch.begin(&self.label("reference"));
-        let reference = bench.reference(self.subject, &mut rt.renderer, self.size)?;
-        watch.did();
+        let mut reference = None;
+        if bench.protocol.scores {
+            watch.begin(&self.label("reference"));
+            reference = Some(bench.reference(self.subject, &mut rt.renderer, self.size)?);
+            watch.did();
+        }
         watch.begin(&self.label("scene to the GPU"));
         let mut renderers = self.renderers(bench, rt)?;
         let mut prototypes = Vec::new();
@@ -98,7 +103,7 @@ impl Block<'_> {
                 return Ok(());
             }
             let ready = renderer_for(&mut renderers, variant);
-            prototypes.push(self.warm_up(bench, variant, ready, &reference, watch)?);
+            prototypes.push(self.warm_up(bench, variant, ready, reference.as_ref(), watch)?);
         }
         let (began, is_gpu) = (Instant::now(), !bench.gpu.is_software());
         while is_gpu && began.elapsed() < CLOCK_RISES {
@@ -139,26 +144,32 @@ impl Block<'_> {
         Ok(())
     }
 
-    /// Scores and counts a variant and renders its untimed frames; returns its sample without times.
+    /// Scores and counts a variant and renders its untimed frames; returns its sample without times. Without a reference
+    /// nothing is scored.
     fn warm_up(
         &self,
         bench: &Bench,
         variant: &Variant,
         ready: &mut ReadyRenderer,
-        reference: &Reference,
+        reference: Option<&Reference>,
         watch: &mut dyn Observer,
     ) -> Result<Sample, BenchError> {
         let camera = &self.subject.camera;
         let (renderer, update_ms) = (&mut ready.renderer, ready.update_ms);
         let label = self.label(&variant.label());
         let next = |what: &str| format!("{label}, {what}");
-        watch.begin(&next("judged"));
-        let judged = bench.judge(self.subject, variant, renderer, reference, self.size)?;
-        watch.did();
-        if let Err(failure) = &judged {
-            watch.note(&format!("{label}: {failure}"));
+        let mut judged = None;
+        if let Some(reference) = reference {
+            watch.begin(&next("judged"));
+            let result = bench.judge(self.subject, variant, renderer, reference, self.size)?;
+            watch.did();
+            if let Err(failure) = &result {
+                watch.note(&format!("{label}: {failure}"));
+            }
+            judged = Some(result);
         }
-        let mut sample = self.prototype(bench, variant, &judged, renderer.unit_m());
+        renderer.set_reflection_parameters(&variant.reflection);
+        let mut sample = self.prototype(bench, variant, judged.as_ref(), renderer.unit_m());
         sample.update_ms = update_ms;
         if bench.protocol.count {
             watch.begin(&next("counted"));
@@ -169,7 +180,7 @@ impl Block<'_> {
             watch.begin(&next("warm-up"));
             renderer.traversal_ms(bench.gpu, camera)?;
         }
-        for _ in 1..bench.protocol.warm_up {
+        for _ in u32::from(judged.is_some())..bench.protocol.warm_up {
             watch.begin(&next("warm-up"));
             renderer.render(bench.gpu, camera)?;
             watch.did();
@@ -219,15 +230,16 @@ impl Block<'_> {
 
     /// Hash of everything that decides a sample: content, settings, machine, program.
     fn fingerprint(&self, bench: &Bench, variant: &Variant) -> String {
-        let reference = bench.protocol.reference(&self.subject.reflection);
+        let protocol = bench.protocol;
+        let reference = protocol.reference(&self.subject.reflection);
         let hash = Hash::default()
             .with(self.subject.content.to_le_bytes())
             .with(format!("{:?} {}", self.subject.camera, self.subject.frame))
             .with(format!("{:?} {:?}", self.size, self.subject.image))
             .with(format!("{variant:?} {reference:?}"))
-            .with(bench.protocol.sweep.name())
-            .with(bench.protocol.warm_up.to_le_bytes())
-            .with([bench.protocol.count, bench.protocol.split_trace].map(u8::from))
+            .with(protocol.sweep.name())
+            .with(protocol.warm_up.to_le_bytes())
+            .with([protocol.count, protocol.split_trace, protocol.scores].map(u8::from))
             .with(format!("{:?}", bench.host));
         format!("{:016x}", hash.value())
     }
@@ -237,7 +249,7 @@ impl Block<'_> {
         &self,
         bench: &Bench,
         variant: &Variant,
-        judged: &Result<Judged, String>,
+        judged: Option<&Result<Judged, String>>,
         unit_m: f32,
     ) -> Sample {
         let (subject, host) = (self.subject, bench.host);
@@ -280,8 +292,7 @@ impl Block<'_> {
             reference_ray_length_u: reference.ray_length_u,
             warm_up: bench.protocol.warm_up,
             status: judged
-                .as_ref()
-                .err()
+                .and_then(|judged| judged.as_ref().err())
                 .map_or("ok", String::as_str)
                 .to_owned(),
             timing: host.timing.to_owned(),
@@ -296,7 +307,7 @@ impl Block<'_> {
             detail: vec![0.0; detail_columns().len()],
             ..Sample::default()
         };
-        if let Ok(judged) = judged {
+        if let Some(Ok(judged)) = judged {
             fill_errors(&mut sample, judged);
         }
         sample
