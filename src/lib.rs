@@ -20,7 +20,7 @@
 //! |---|---|---|
 //! | `src/app` | `reflet` | [`app`]: the commands and their output; exit codes; [`app::lint`] warns of likely mistakes |
 //! | `src/python` | `reflet-python` | the module of Python: a thin user of the runtime's sessions, of [`output`] and of [`metric`] |
-//! | `src/web` | `reflet-web` | a page that runs by itself: checker and renderer as WebAssembly, and the page around them; built by `tools/web.sh` alone, see `docs/web.md` |
+//! | `src/web` | `reflet-web` | a page that runs by itself: checker, renderer and bench as WebAssembly, and the page around them; built by `tools/web.sh` alone, see `docs/web.md` |
 //! | `src/preview` | [`reflet_preview`] | a scene that follows its files ([`reflet_preview::watch`], [`reflet_preview::live`]), and the window |
 //! | `src/write_back` | [`reflet_write_back`] | edits of the preview and of the page → texts in which all other bytes stay |
 //! | `src/lsp` | [`reflet_lsp`] | the language server without its transport: messages of editors → answers |

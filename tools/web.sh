@@ -28,6 +28,9 @@ bindgen=$(command -v wasm-bindgen || echo target/web/tools/bin/wasm-bindgen)
 # Scripts and shapes nest deeper than the 1 MiB that the linker gives; names of folders of this machine are left out.
 export RUSTFLAGS="-Clink-arg=-zstack-size=8388608 --remap-path-prefix=$PWD= --remap-path-prefix=${CARGO_HOME:-$HOME/.cargo}="
 unset RUSTC_WORKSPACE_WRAPPER
+# Tables of measurements name it.
+REFLET_COMMIT=$(git describe --always --abbrev=12 --dirty --exclude='*' 2>/dev/null || echo unknown)
+export REFLET_COMMIT
 cargo build --locked $std --target $target --target-dir target/web -p reflet-web --profile web
 
 rm -rf "$folder"
@@ -46,6 +49,8 @@ for listed in scenes new; do
     (cd "$folder/$listed" && find . -type f | sort | sed 's,^\./\(.*\),"\1",' | paste -sd, | sed 's/.*/[&]/') >"$folder/names"
     mv "$folder/names" "$folder/$listed/names.json"
 done
+# Scenes of the bench, which are no examples.
+sed -n 's/^scene = "\(.*\)"$/\1/p' docs/data/views.toml | tar -cf - -T - | tar -xf - -C "$folder"
 
 packed=$(find "$folder" -type f -exec gzip -9c {} + | wc -c)
 echo "$folder: $packed bytes as gzip sends them; serve it by https or from localhost"

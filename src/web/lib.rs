@@ -7,6 +7,7 @@
 //! (`src/gpu/wait.rs`); meanwhile the worker may call everything here but [`show`].
 #![cfg(target_arch = "wasm32")]
 
+mod bench;
 mod editing;
 mod saving;
 
@@ -26,6 +27,7 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 use wasm_bindgen::prelude::wasm_bindgen;
 
+use bench::Measurement;
 use editing::Editing;
 use reflet_base::{clock::Instant, files::in_memory};
 use reflet_gpu::{Gpu, GpuError, GpuOptions};
@@ -77,7 +79,9 @@ struct State {
     asked: Option<Asked>,
     /// Input that [`editing::act`] is to follow next.
     acting: String,
-    /// Answer of the last call of [`show`] or [`editing::act`].
+    /// Measurement that [`bench::bench`] is to make next.
+    measuring: Option<Measurement>,
+    /// Answer of the last call of [`show`], [`editing::act`] or [`bench::bench`].
     answer: Value,
     shown: Shown,
     picture: Option<Picture>,
@@ -280,6 +284,18 @@ pub fn pixels() -> Vec<u8> {
 }
 
 impl Shown {
+    /// The open device, whose pictures end by this signal.
+    fn device(&mut self, interrupt: &Arc<AtomicBool>) -> Result<Arc<Gpu>, GpuError> {
+        let gpu = match self.gpu.take() {
+            Some(gpu) => gpu,
+            None => Arc::new(Gpu::new(&GpuOptions::default())?),
+        };
+        self.gpu = Some(gpu.clone());
+        gpu.check()?;
+        gpu.interrupt_by(Some(interrupt.clone()));
+        Ok(gpu)
+    }
+
     fn picture(
         &mut self,
         asked: Asked,
@@ -301,13 +317,7 @@ impl Shown {
         let source = asked.source();
         let read = read(&source, &none, &texts, frame)?;
         view.size = size(&read, width);
-        let gpu = match &self.gpu {
-            Some(gpu) => gpu.clone(),
-            None => Arc::new(Gpu::new(&GpuOptions::default())?),
-        };
-        self.gpu = Some(gpu.clone());
-        gpu.check()?;
-        gpu.interrupt_by(Some(interrupt.clone()));
+        let gpu = self.device(interrupt)?;
         let same = self
             .session
             .take()

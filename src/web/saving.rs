@@ -27,7 +27,7 @@ const MOST_BYTES: u64 = 512 << 20;
 pub(crate) type Saving = BTreeMap<String, Vec<u8>>;
 
 /// Error in words, which JavaScript throws.
-fn words(error: impl Display) -> String {
+pub(crate) fn words(error: impl Display) -> String {
     error.to_string()
 }
 

@@ -12,12 +12,13 @@ from pathlib import Path
 import pytest
 from program import BINARY, ROOT
 from session import session
+from tables import read_rows
 
 LACKS_A_TOOL = 3
 MOST_FLIP = "0.003"
 STEPS = (
     "told shown completed hinted saved changed played orbited edited dragged dropped packed "
-    "shared refused embedded quick lost lacking"
+    "shared refused embedded measured quick lost lacking"
 )
 
 
@@ -82,6 +83,18 @@ def test_a_browser_writes_a_scene_and_sees_it(address: str, tmp_path: Path) -> N
     frames = zipfile.ZipFile(tmp_path / "film.zip").namelist()
     kinds = ("depth.png", "png")
     assert frames == [f"mirrors.000{frame}.{kind}" for frame in (1, 2) for kind in kinds]
+    bench = [BINARY, "bench", "-o"]
+    again = [*bench, tmp_path / "report", "--samples", tmp_path / "samples.csv"]
+    rails = [ROOT / "scenes/fail/03-rails.toml", "--sizes", "320x180", "--frames", "1"]
+    own = [*bench, tmp_path / "own", *rails, "--parameter", "edge_px", "--values", "0.25"]
+    for run in (again, [*own, "--methods", "hybrid,rt", "--counters"]):
+        subprocess.run(run, check=True, capture_output=True)
+    tables = (read_rows(tmp_path / name) for name in ("samples.csv", "own/samples.csv"))
+    page, program = ({row["method"]: row for row in table} for table in tables)
+    for method, counted in {"rt": "visited_nodes", "hybrid": "march_steps"}.items():
+        assert page[method]["content"] == program[method]["content"]
+        near = pytest.approx(float(program[method][counted]), rel=0.01)
+        assert float(page[method][counted]) == near
     unpack = [BINARY, "unpack", tmp_path / "pack.zip", "--output", tmp_path / "unpacked"]
     subprocess.run(unpack, check=True, capture_output=True)
     names = {path.name for path in (tmp_path / "unpacked").rglob("*.*")}

@@ -110,10 +110,13 @@ const fill = async (format, frames = "", aovs = []) => {
   await page.selectOption("#aovs", aovs);
   await page.fill("#frames", frames);
 };
+const download = async (from, name) => {
+  const [file] = await Promise.all([from.waitForEvent("download"), from.click("#save")]);
+  await file.saveAs(join(folder, name));
+};
 const save = async (name, ...how) => {
   await fill(...how);
-  const [file] = await Promise.all([page.waitForEvent("download"), page.click("#save")]);
-  await file.saveAs(join(folder, name));
+  await download(page, name);
 };
 await save("mirrors.png", "png");
 await save("mirrors.exr", "exr", "", ["depth", "ids"]);
@@ -335,6 +338,21 @@ await until(`/browser lacks WebGPU/.test(${view(0)}.status.textContent)`);
 if (programs !== 1) throw new Error(`${programs} programs are loaded for one page, and then one that cannot run`);
 await host.close();
 step("embedded");
+
+// Rails by both methods: a row, a bar for each, and the samples. What a stop cuts off is said.
+const bench = await open_page(browser, "bench.html");
+await bench.waitForSelector("#start:enabled");
+for (const name of await bench.locator("#views label").allTextContents()) await bench.setChecked(`#views label:text-is("${name}") input`, name.trim() === "rails");
+await bench.fill("#frames", "2");
+await bench.click("#start");
+await bench.waitForSelector("#chart rect:nth-of-type(4)");
+await download(bench, "samples.csv");
+await bench.screenshot({ path: join(folder, "bench.png") });
+await bench.waitForFunction(() => document.getElementById("start").textContent === "start");
+for (const time of ["start", "stop"]) await bench.click("#start");
+await bench.waitForSelector(".failed:text-is('stopped')");
+await bench.close();
+step("measured");
 
 // A completion waits for no picture.
 const busy = await open_page(browser);

@@ -45,6 +45,13 @@ export const work = (hear, tell) => {
   return made;
 };
 
+// Gives the user a file.
+export const offer = (content, name) => {
+  const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(new Blob([content])), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+};
+
 const whole = (text, most) => Math.min(most, Math.max(0, Math.trunc(Number(text)) || 0));
 const mebibytes = (bytes) => `${Math.ceil(bytes / 2 ** 20)} MiB`;
 // Content of an address, or why there is none.
@@ -351,9 +358,7 @@ export class RefletView extends HTMLElement {
     changed: ({ changed }) => this.#change(changed),
     progress: ({ progress }) => this.tell(progress),
     saved: ({ saved, name }) => {
-      const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(new Blob([saved])), download: name });
-      link.click();
-      setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+      offer(saved, name);
       this.#emit("saved", name);
     },
     unsaved: ({ unsaved }) => {

@@ -1,12 +1,13 @@
 // The program, away from the page, which stays quick: the checker and the renderer, or the language server. Messages: {module} first,
-// then {clear}, {file, bytes}, {ask, checks, isDraft, heard}, {act}, {save}, {stop}, {unpack} and {rpc}; answers: {state}, {missing},
-// {check}, {part, pixels}, {shown, pixels}, {panels}, {changed}, {progress}, {saved} or {unsaved}, {unpacked} or {refused}, {rpc}
-// and {ended}.
-import init, { answer, ask, ask_act, check, clear, frames, interrupt, keep, language, missing, pack, panels, pixels, put_file, start, take, take_kept, unpack } from "./reflet_web.js";
+// then {clear}, {file, bytes}, {ask, checks, isDraft, heard}, {act}, {save}, {stop}, {unpack}, {rpc}, {views} and {bench}; answers:
+// {state}, {missing}, {check}, {part, pixels}, {shown, pixels}, {panels}, {changed}, {progress}, {saved} or {unsaved}, {unpacked} or
+// {refused}, {rpc}, {views}, {step} and {measured}, and {ended}.
+import init, { answer, ask, ask_act, ask_bench, check, clear, frames, interrupt, keep, language, missing, pack, panels, pixels, put_file, start, take, take_kept, unpack, views } from "./reflet_web.js";
 import { lacks } from "./suspend.js";
 
 const tell = (message, moved) => self.postMessage(message, moved);
 self.tell_part = (done, samples, width, height, rgba) => tell({ part: { done, samples, width, height }, pixels: rgba }, [rgba.buffer]);
+self.tell_step = (step, done, steps) => tell({ step, done, steps });
 let why = "";
 self.tell_panic = (text) => { why = text; };
 const ended = (error) => tell({ ended: why || String(error) });
@@ -17,7 +18,7 @@ const tell_missing = () => {
   if (paths.length) tell({ missing: paths });
 };
 
-let [show, act] = [null, null];
+let [show, act, bench] = [null, null, null];
 let [isSaving, isStopped] = [false, false];
 // Whether the picture that was made last is the one that the page shows, not a frame that was saved.
 let isShown = true;
@@ -153,6 +154,12 @@ const work = {
     const manifest = JSON.parse(unpack(bytes));
     tell({ unpacked: manifest, files: manifest.files.map(({ path }) => [path, take(path)]) });
   })),
+  views: () => tell({ views: JSON.parse(views()) }),
+  bench: ({ bench: asked }) => queue(async () => {
+    ask_bench(JSON.stringify(asked));
+    await bench();
+    tell({ measured: JSON.parse(answer()) });
+  }),
   rpc: ({ rpc }) => tell({ rpc: language(rpc) }),
 };
 
@@ -161,7 +168,7 @@ const loaded = new Promise((done) => { load = done; });
 const ready = loaded.then(init).then((exports) => {
   start();
   const lacking = lacks();
-  if (!lacking) [show, act] = [exports.show, exports.act].map((call) => WebAssembly.promising(call));
+  if (!lacking) [show, act, bench] = [exports.show, exports.act, exports.bench].map((call) => WebAssembly.promising(call));
   tell({ state: "ready", lacks: lacking });
 }).catch(ended);
 
