@@ -17,7 +17,7 @@ from tables import read_rows
 LACKS_A_TOOL = 3
 MOST_FLIP = "0.003"
 STEPS = (
-    "told shown completed hinted saved changed played orbited edited dragged dropped packed "
+    "told shown completed hinted saved changed played chosen orbited edited dragged dropped packed "
     "shared refused embedded measured quick lost lacking"
 )
 
