@@ -34,6 +34,12 @@ const changed = async (before, what) => {
     .catch(() => { throw new Error(`${what} changed nothing`); });
   return still();
 };
+// Presses the button at a place, and drags by pixels.
+const hold = async (viewer, [left, top], [right, down], steps = 4) => {
+  await viewer.mouse.move(left, top);
+  await viewer.mouse.down();
+  await viewer.mouse.move(left + right, top + down, { steps });
+};
 
 await page.goto(address);
 let shown = await still();
@@ -41,9 +47,7 @@ step("opened");
 
 const box = await page.locator("#picture").boundingBox();
 const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
-await page.mouse.move(x, y);
-await page.mouse.down();
-await page.mouse.move(x + 90, y + 10, { steps: 4 });
+await hold(page, [x, y], [90, 10]);
 await page.mouse.up();
 shown = await changed(shown, "orbiting");
 // A drag that the system cuts off has ended.
@@ -58,9 +62,6 @@ if (!is_cut) throw new Error("a drag goes on after it was cut off");
 await page.mouse.up();
 step("orbited");
 
-await page.locator("#frame").fill("7");
-await page.waitForFunction(() => document.getElementById("told").textContent.startsWith("7 of"));
-shown = await changed(shown, "scrubbing");
 // Keys that the window has too.
 await page.locator("#stage").focus();
 await page.keyboard.press("h");
@@ -73,7 +74,7 @@ for (const [key, frame] of [["Home", "0"], ["End", "9"]]) {
 }
 await page.locator("#frame").fill("7");
 await page.waitForFunction(() => document.getElementById("told").textContent.startsWith("7 of"));
-shown = await still();
+shown = await changed(shown, "scrubbing");
 step("scrubbed");
 
 const parameter = page.locator("#parameters input").first();
@@ -130,27 +131,19 @@ const ends = (viewer = page) => viewer.evaluate(() => {
   return lines.map(({ x2, y2 }) => [left + x2.baseVal.value, top + y2.baseVal.value]);
 });
 const pull = async (axis, by, held = async () => {}) => {
-  const [left, top] = (await ends())[axis];
-  await page.mouse.move(left, top);
-  await page.mouse.down();
-  await page.mouse.move(left + by[0], top + by[1], { steps: 4 });
+  await hold(page, (await ends())[axis], by);
   await held();
   await page.mouse.up();
 };
 // Waits until the first number of the selected item's place is that of the text, or another one.
 const at_rest = (viewer, is_so) => viewer.waitForFunction(
   (wanted) => (document.querySelector("#numbers input[name=translation]")?.value === "-1.2") === wanted, is_so);
-const seen = await page.evaluate(() => document.querySelectorAll("#handles line").length);
-if (seen !== 15) throw new Error(`${seen} lines: 12 edges of the box and 3 handles are wanted`);
-// A viewer who leaves in a drag takes it back, and nothing is written.
+// Twelve edges of the box and three handles are drawn. A viewer who leaves in a drag takes it back, and nothing is written.
 const leaver = await viewer_page(900);
 await leaver.goto(address);
-await leaver.waitForFunction(() => document.querySelectorAll("#handles line").length === 15);
+for (const viewer of [page, leaver]) await viewer.waitForFunction(() => document.querySelectorAll("#handles line").length === 15);
 shown = await still();
-const [left, top] = (await ends())[0];
-await leaver.mouse.move(left, top);
-await leaver.mouse.down();
-await leaver.mouse.move(left + 40, top, { steps: 4 });
+await hold(leaver, (await ends())[0], [40, 0]);
 await at_rest(page, false);
 // So does one who leaves while a parameter and a number of a material are changed.
 const inputs = { "#parameters input": ["1.2", "1.5"], "#material input[name=roughness]": ["0.8", "0.25"] };
@@ -202,15 +195,10 @@ const resting = async (viewer) => {
   }
 };
 const [here_x, here_y] = await resting(page);
-await page.mouse.move(here_x, here_y);
-await page.mouse.down();
-await page.mouse.move(here_x + 30, here_y, { steps: 3 });
+await hold(page, [here_x, here_y], [30, 0], 3);
 await at_rest(rival, false);
 // The rival takes the handle where it rests on its own page.
-const [there_x, there_y] = await resting(rival);
-await rival.mouse.move(there_x, there_y);
-await rival.mouse.down();
-await rival.mouse.move(there_x + 10, there_y, { steps: 2 });
+await hold(rival, await resting(rival), [10, 0], 2);
 await saved("translation = [-1.2,", false);
 await page.mouse.move(here_x + 200, here_y + 60, { steps: 4 });
 await page.mouse.up();
@@ -229,9 +217,8 @@ await page.locator(".track button").first().click();
 await page.waitForFunction(() => document.querySelectorAll(".key").length === 3);
 const key = await page.locator(".key").nth(1).boundingBox();
 const bar = await page.locator(".bar").first().boundingBox();
-await page.mouse.move(key.x + key.width / 2, key.y + key.height / 2);
-await page.mouse.down();
-await page.mouse.move(bar.x + (2 / 9) * bar.width, key.y + key.height / 2, { steps: 3 });
+const middle = [key.x + key.width / 2, key.y + key.height / 2];
+await hold(page, middle, [bar.x + (2 / 9) * bar.width - middle[0], 0], 3);
 await page.mouse.up();
 await saved("at_s = 0.083");
 await page.keyboard.press("Delete");
