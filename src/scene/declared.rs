@@ -16,8 +16,33 @@ pub struct Comment {
     pub variant: Option<&'static str>,
     /// Name of the field.
     pub field: Option<&'static str>,
+    /// Group of keys that begins or goes on with the field; empty where no group is named.
+    pub group: &'static str,
     /// Lines of the comment.
     pub lines: &'static [&'static str],
+}
+
+impl TypeDoc {
+    /// Groups of fields in the order of the manual; the first, without a name, has what belongs to no group.
+    pub fn groups(&self) -> Vec<&'static str> {
+        let mut groups = vec![""];
+        for comment in self.comments {
+            if !groups.contains(&comment.group) {
+                groups.push(comment.group);
+            }
+        }
+        groups
+    }
+
+    /// Group of a field: the last group that is named before or at it; empty for no group.
+    pub fn group_of(&self, field: &str) -> &'static str {
+        let is_it = |comment: &Comment| comment.field == Some(field);
+        let until = self.comments.iter().position(is_it).map_or(0, |at| at + 1);
+        let mut named = self.comments[..until].iter().rev();
+        named
+            .find_map(|comment| (!comment.group.is_empty()).then_some(comment.group))
+            .unwrap_or_default()
+    }
 }
 
 /// A type with comments for the manual.

@@ -76,8 +76,11 @@ fn describe_section(out: &mut String, section: &SectionRecord, level: usize, lin
     if !text.is_empty() {
         let _ = write!(out, "\n{text}\n");
     }
-    if !section.keys.is_empty() {
-        describe_keys(out, section, None, &section.keys, &section.rules, link);
+    for (group, keys) in section.groups().filter(|(_, keys)| !keys.is_empty()) {
+        if !group.is_empty() {
+            let _ = write!(out, "\n{marks}# {group}\n");
+        }
+        describe_keys(out, section, None, keys, &section.rules, link);
     }
     for variant in &section.variants {
         let _ = write!(out, "\n{marks}# `{} = \"{}\"`\n", variant.key, variant.word);
@@ -99,11 +102,11 @@ fn without_lead(text: &str, code: &str) -> String {
     comments::sentence(rest.unwrap_or(text).trim_start_matches([':', '.', ' ']))
 }
 
-fn describe_keys(
+fn describe_keys<'a>(
     out: &mut String,
     section: &SectionRecord,
     word: Option<&str>,
-    keys: &[KeyRecord],
+    keys: impl IntoIterator<Item = &'a KeyRecord>,
     rules: &[Rule],
     link: Link,
 ) {

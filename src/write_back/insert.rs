@@ -12,7 +12,7 @@ pub fn order_of(section: &str) -> Vec<&'static str> {
     let sections = recorded_keys();
     let found = sections.iter().find(|known| known.type_name == section);
     let of_variants = || found.into_iter().flat_map(|section| &section.variants);
-    let own = found.into_iter().flat_map(|section| &section.keys);
+    let own = (found.into_iter()).flat_map(|section| section.groups().flat_map(|(_, keys)| keys));
     // The key that chooses the variant begins the table.
     let chooses = of_variants().next().map(|variant| variant.key);
     let mut order = Vec::from_iter(chooses);

@@ -16,16 +16,42 @@ use reflet_scene::{
     manual::key_text,
     motion::DECAL,
     number::{Field, Form, find},
-    parse::recorded_keys,
+    parse::{SectionRecord, recorded_keys},
     range::{LIMIT, Range},
 };
 
 /// Height of the picture in points, in which handles have their length.
 const HEIGHT: f32 = 600.0;
 
-/// Text of the manual about a key of a section, by the section's type in `desc.rs`.
-fn meaning(section: &str, key: &str) -> Option<String> {
-    let section = (recorded_keys().iter()).find(|known| known.type_name == section)?;
+/// Symbols of units by the ends of keys that name them.
+const UNITS: [(&str, &str); 8] = [
+    ("m", "m"),
+    ("nm", "nm"),
+    ("deg", "°"),
+    ("cd", "cd"),
+    ("lm", "lm"),
+    ("lux", "lx"),
+    ("w", "W"),
+    ("s", "s"),
+];
+
+/// Symbol of the unit of a key: named by the end of the key, or meters where its text in the manual says so.
+fn unit(key: &str, text: &str) -> Option<&'static str> {
+    let end = key.rsplit_once('_').map(|(_, end)| end);
+    let named = UNITS.iter().find(|(name, _)| Some(*name) == end);
+    let said = text.contains(", meters").then_some("m");
+    named.map(|(_, symbol)| *symbol).or(said)
+}
+
+/// A section of the manual, by its type in `desc.rs`.
+fn section(type_name: &str) -> Option<&'static SectionRecord> {
+    let mut all = recorded_keys().iter();
+    all.find(|section| section.type_name == type_name)
+}
+
+/// Text of the manual about a key of a section, by the section's type.
+fn meaning(type_name: &str, key: &str) -> Option<String> {
+    let section = section(type_name)?;
     let own = section.keys.iter().map(|key| (None, key));
     let of_variants = section.variants.iter().flat_map(|variant| {
         let word = Some(variant.word);
@@ -35,13 +61,19 @@ fn meaning(section: &str, key: &str) -> Option<String> {
     Some(key_text(section, word, key))
 }
 
-/// Row of a number: key, values, whether they are a color, step, least and largest value, and its text in the manual.
-fn row(section: &str, numbers: &Numbers, is_color: bool, range: Option<&Range>) -> Value {
-    let key = numbers.key;
+/// Row of a number: key, values, whether they are a color, least and largest value, text in the manual, unit, and group.
+fn row(numbers: &Numbers, is_color: bool, range: Option<&Range>, text: &str, group: &str) -> Value {
     let is_bound = |end: f64| end.abs() < LIMIT;
     let limits = range.map(|range| [range.min, range.max].map(|end| is_bound(end).then_some(end)));
-    let text = meaning(section, key);
-    json!([key, numbers.values, is_color, "any", limits, text])
+    json!({
+        "name": numbers.key,
+        "values": numbers.values,
+        "is_color": is_color,
+        "limits": limits,
+        "text": text,
+        "unit": unit(numbers.key, text),
+        "group": group,
+    })
 }
 
 /// Labels and depths of an outline.
@@ -61,7 +93,8 @@ pub fn item(selection: &Selection, outline: &[OutlineRow]) -> Value {
     };
     let numbers = |item: SceneItem| {
         let all = selection.numbers.iter();
-        let all = all.map(|n| row(item.section(), n, n.is_color(), range(item, n.key)));
+        let text = |key| meaning(item.section(), key).unwrap_or_default();
+        let all = all.map(|n| row(n, n.is_color(), range(item, n.key), &text(n.key), ""));
         all.collect::<Vec<_>>()
     };
     json!(selection.shown().map(|shown| json!({
@@ -74,16 +107,35 @@ pub fn item(selection: &Selection, outline: &[OutlineRow]) -> Value {
     })))
 }
 
+/// Numbers of materials with their groups, in the order of the manual.
+fn material_fields() -> Vec<(&'static str, &'static Field<MaterialDesc>)> {
+    let is_of = |field: &Field<MaterialDesc>, key: &str| {
+        field.key == key || (key == "checker" && field.key.starts_with("checker_"))
+    };
+    let mut all = Vec::new();
+    for (group, keys) in section("MaterialDesc")
+        .into_iter()
+        .flat_map(SectionRecord::groups)
+    {
+        for key in keys {
+            let fields = MATERIAL.iter().filter(|field| is_of(field, key.name));
+            all.extend(fields.map(|field| (group, field)));
+        }
+    }
+    all
+}
+
 /// A material of the world, by its index: the sentence that tells where its numbers are written, and the numbers.
 pub fn material(index: usize, told: &str, numbers: &MaterialDesc) -> Value {
-    let number = |field: &Field<MaterialDesc>| {
+    let number = |(group, field): (&str, &Field<MaterialDesc>)| {
         let (key, form) = (field.key, field.form);
         let values = numbers_of(form, (field.get)(numbers)?);
         let numbers = Numbers { key, values };
-        let is_color = form == Form::Color;
-        Some(row("MaterialDesc", &numbers, is_color, Some(&field.range)))
+        let text = meaning("MaterialDesc", key).unwrap_or_else(|| field.what.to_owned());
+        let (is_color, range) = (form == Form::Color, Some(&field.range));
+        Some(row(&numbers, is_color, range, &text, group))
     };
-    let numbers: Vec<_> = MATERIAL.iter().filter_map(number).collect();
+    let numbers: Vec<_> = material_fields().into_iter().filter_map(number).collect();
     json!({ "row": index, "told": told, "numbers": numbers })
 }
 

@@ -306,15 +306,21 @@ macro_rules! or {
 
 /// Gives a type its comments: its own, and its parts', each after its variant and field.
 macro_rules! documented {
-    ($name:ident $($doc:literal)*; $(($variant:expr, $field:expr) $($text:literal)*;)*) => {
+    ($name:ident $($doc:literal)*; $(($variant:expr, $field:expr $(, in $group:literal)?) $($text:literal)*;)*) => {
         impl $crate::declared::Described for $name {
             const DOC: &'static $crate::declared::TypeDoc = &$crate::declared::TypeDoc {
                 name: stringify!($name),
                 comments: &[
-                    $crate::declared::Comment { variant: None, field: None, lines: &[$($doc),*] },
+                    $crate::declared::Comment {
+                        variant: None,
+                        field: None,
+                        group: "",
+                        lines: &[$($doc),*],
+                    },
                     $($crate::declared::Comment {
                         variant: $variant,
                         field: $field,
+                        group: concat!($($group)?),
                         lines: &[$($text),*],
                     },)*
                 ],

@@ -51,6 +51,7 @@ material! {
         /// `"#ff8800"`, `"hsl(32, 100%, 50%)"` or `"hsv(32, 100%, 100%)"`, or `"3000 K"`, the glow of a black body of 1000
         /// to 40000 kelvin with 1 as its largest component, and below 1900 without the negative blue that sRGB cannot
         /// show. Default white.
+        #[group("Surface")]
         base_color: Vec3, Color in UNIT, "linear base color" varies BaseColor, apart rest Vec3::ONE;
         /// Image file (PNG, JPEG, WebP or KTX2) multiplied into the base color. Its colors are sRGB; its alpha is used
         /// by `alpha` and `alpha_cutoff`.
@@ -71,6 +72,7 @@ material! {
         /// Default 1, or the glTF value.
         occlusion_strength: f32, Number in UNIT, "strength of the file's occlusion map" => rest 1.0;
         /// Linear emitted color, three numbers 0 or more, multiplied by `emission_strength`. Default black.
+        #[group("Emission")]
         emission: Vec3, Color in FROM_0, "linear emitted color" varies Emission, apart rest Vec3::ZERO;
         /// Factor on `emission`, 0 or more. 1 shows as white at exposure 0. Default 1.
         emission_strength under emission: f32, Number in FROM_0, "factor on `emission`" of EMISSIVE_STRENGTH, apart rest 1.0;
@@ -88,8 +90,10 @@ material! {
         /// Default false, or the glTF value.
         unlit: bool [ANY];
         /// Texture repetitions per unit of the texture coordinates, two numbers: more is smaller. Default [1, 1].
+        #[group("Surface")]
         uv_scale under base_color_texture | normal_texture | metallic_roughness_texture | emission_texture: [f32; 2], Pair in ANY, "texture repetitions, two numbers" => rest [1.0, 1.0];
         /// Alpha below which the surface is cut out, 0 to 1. Default: not cut out, or the glTF value.
+        #[group("Opacity")]
         alpha_cutoff under base_color_texture | alpha: f32, Number in UNIT, "alpha below which the surface is cut out" => off "0";
         /// Share of light that the surface stops, 0 to 1, multiplied by the alpha of its base color texture; what is
         /// behind shows through by the rest (glTF's `BLEND`), also in reflections. Followed by rays. With an
@@ -98,12 +102,14 @@ material! {
         /// Whether the back of a triangle is seen. Default true for shapes; glTF's own for models.
         double_sided: bool [ANY];
         /// How the surface takes part in reflections. Default `"auto"`.
+        #[group("Reflection")]
         reflection: ReflectionMode [ANY];
         /// Specular reflectance at normal incidence of the non-metallic part, 0 to 1: 0 has no specular reflection at
         /// all, 0.04 is glass or stone, 1 a perfect mirror. Default 0.04.
         reflectivity: f32, Number in UNIT, "specular reflectance at normal incidence" varies Reflectivity => rest 0.04;
         /// Share of the light that is not reflected and passes through, tinted by the base color, 0 to 1: 1 is glass.
         /// It is followed by rays, with any `reflection`. Default 0, or the glTF value.
+        #[group("Transmission")]
         transmission: f32, Number in UNIT, "share of light that passes through" of "transmission/transmissionFactor" varies Transmission => off "0";
         /// Index of refraction, 1 to 4: 1.33 is water, 1.5 glass, 2.42 diamond. More bends light more if `thickness_m`
         /// is above 0, and gives more `reflectivity` if that is left out, with its exact reflectance at all angles. Default 1.5, or the glTF value.
@@ -120,23 +126,27 @@ material! {
         attenuation_distance_m under transmission under thickness_m under attenuation_color: f32, Number in ABOVE_0, "distance after which white light has that color, meters" of "volume/attenuationDistance" => such_as "1";
         /// Strength of a clear coat (varnish) over the material, 0 to 1, of index of refraction 1.5. Default 0, or the
         /// glTF value.
+        #[group("Clear coat")]
         clearcoat: f32, Number in UNIT, "strength of the clear coat" of "clearcoat/clearcoatFactor" varies Clearcoat => off "0";
         /// Perceptual roughness of the clear coat, 0 to 1. Default 0.
         clearcoat_roughness under clearcoat: f32, Number in UNIT, "perceptual roughness of the clear coat" of "clearcoat/clearcoatRoughnessFactor" varies ClearcoatRoughness => rest 0.0;
         /// Strength of the specular reflection of the non-metallic part, 0 to 1: a factor on `reflectivity` and on the
         /// reflectance at grazing angles (`KHR_materials_specular`). Default 1, or the glTF value.
+        #[group("Reflection")]
         specular: f32, Number in UNIT, "strength of the non-metallic specular reflection" of "specular/specularFactor" varies Specular => off "1";
         /// Color of the specular reflection of the non-metallic part at normal incidence, three numbers 0 or more: a
         /// factor on `reflectivity`; the product is at most 1. Default white, or the glTF value.
         specular_color: Vec3, Color in FROM_0, "color of the non-metallic specular reflection" of "specular/specularColorFactor" varies SpecularColor => off "[1, 1, 1]";
         /// Color of a sheen over the material, the glow of cloth fibers towards grazing angles, three numbers 0 to 1
         /// (`KHR_materials_sheen`). Default black, no sheen, or the glTF value.
+        #[group("Sheen")]
         sheen_color: Vec3, Color in UNIT, "color of the sheen" of "sheen/sheenColorFactor" varies SheenColor => off "[0, 0, 0]";
         /// Perceptual roughness of the sheen, 0 to 1: 0.1 is a thin rim as of satin, 1 an even glow as of felt; less
         /// than 0.07 counts as 0.07. Default 0, or the glTF value.
         sheen_roughness under sheen_color: f32, Number in UNIT, "perceptual roughness of the sheen" of "sheen/sheenRoughnessFactor" varies SheenRoughness => rest 0.0;
         /// Strength of a thin film over the material, whose interference colors change with the angle as on soap
         /// bubbles and oil, 0 to 1 (`KHR_materials_iridescence`). Default 0, none, or the glTF value.
+        #[group("Thin film")]
         iridescence: f32, Number in UNIT, "strength of the thin film" of "iridescence/iridescenceFactor" varies Iridescence => off "0";
         /// Index of refraction of the thin film, 1 to 4: 1.33 is water. Default 1.3, or the glTF value.
         iridescence_ior under iridescence: f32, Number in INDEX, "thin film's index of refraction" of "iridescence/iridescenceIor" => rest 1.3;
@@ -146,6 +156,7 @@ material! {
         /// Strength of the stretching of highlights and reflections along the grooves of brushed metal, 0 to 1: across
         /// the grooves they have the `roughness`, along them more, at 1 a roughness of 1 (`KHR_materials_anisotropy`).
         /// Default 0, or the glTF value.
+        #[group("Anisotropy")]
         anisotropy: f32, Number in UNIT, "stretching of highlights along the grooves" of "anisotropy/anisotropyStrength" varies Anisotropy => off "0";
         /// Direction in which highlights are stretched, degrees counterclockwise from the right of an upright texture,
         /// along which u grows. Default 0, or the glTF value.
@@ -153,6 +164,7 @@ material! {
         /// Dispersion of a solid, which bends blue light more than red, as 20 over the Abbe number, 0 to 40: 0.3 is
         /// crown glass, 0.36 diamond, 0.66 flint glass (`KHR_materials_dispersion`). Seen with 8 `samples` and more.
         /// Default 0, or the glTF value.
+        #[group("Transmission")]
         dispersion under transmission: f32, Number in DISPERSION, "dispersion" of "dispersion/dispersion" => off "0";
     }
 }

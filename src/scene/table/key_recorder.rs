@@ -212,6 +212,16 @@ impl SectionRecord {
     pub fn all_keys(&self) -> impl Iterator<Item = &KeyRecord> {
         (self.keys.iter()).chain(self.variants.iter().flat_map(|variant| &variant.keys))
     }
+
+    /// Its own keys by the groups of the manual; the first group, without a name, may be empty.
+    pub fn groups(&self) -> impl Iterator<Item = (&'static str, Vec<&KeyRecord>)> {
+        let doc = self.docs[0];
+        let is_of = |group: &str, key: &&KeyRecord| doc.group_of(key.name) == group;
+        let keys = move |group| self.keys.iter().filter(|key| is_of(group, key)).collect();
+        doc.groups()
+            .into_iter()
+            .map(move |group| (group, keys(group)))
+    }
 }
 
 /// All tables, in the order in which they are first met.

@@ -23,15 +23,28 @@ export const options = (select, names, chosen) => {
   select.value = chosen;
 };
 
-// Rows of a panel: name, values, whether they are a color, the step of numbers, their least and largest values, of which a
-// single number with both has a slider, and their text in the manual. `change` gets the name, the values and whether the input
-// is over. Inputs are kept while one of them has the focus, so that a drag is not cut off.
+// Labels of rows, each group of rows below its title, which folds it. Folded groups stay folded for other rows.
+const folded = new Set();
+const grouped = (rows, labels) => {
+  const groups = new Map();
+  rows.forEach(({ group }, at) => groups.set(group, [...(groups.get(group) ?? []), labels[at]]));
+  return [...groups].flatMap(([group, own]) => {
+    if (!group) return own;
+    const box = element("details", { open: !folded.has(group) }, element("summary", { textContent: group }), ...own);
+    box.addEventListener("toggle", () => box.open ? folded.delete(group) : folded.add(group));
+    return [box];
+  });
+};
+
+// Rows of a panel, group by group: name, values, whether they are a color, the step of numbers, their least and largest values,
+// of which a single number with both has a slider, their text in the manual and unit. `change` gets the name, the values and
+// whether the input is over. Inputs are kept while one of them has the focus, so that a drag is not cut off.
 export function fields(panel, rows, change) {
-  const shape = JSON.stringify(rows.map(([name, values]) => [name, values.map((value) => typeof value)]));
+  const shape = JSON.stringify(rows.map(({ name, values, unit }) => [name, unit, values.map((value) => typeof value)]));
   if (panel.dataset.shape !== shape) {
     panel.dataset.shape = shape;
-    panel.replaceChildren(...rows.map(([name, values, is_color, step, limits_of, title]) => {
-      const [min, max] = limits_of ?? [null, null];
+    panel.replaceChildren(...grouped(rows, rows.map(({ name, values, is_color, step, limits: ends, text, unit }) => {
+      const [min, max] = ends ?? [null, null];
       const limits = { min: min ?? "", max: max ?? "" };
       const inputs = values.map((value) => {
         const type = { number: "number", boolean: "checkbox", string: "text" }[typeof value];
@@ -51,7 +64,7 @@ export function fields(panel, rows, change) {
           change(name, read(), true);
         });
       }
-      const line = element("span", {}, ...inputs);
+      const line = element("span", {}, ...inputs, ...(unit ? [element("small", { textContent: unit })] : []));
       if (is_color) {
         const picker = element("input", { type: "color", ariaLabel: `${name}, picker` });
         const pick = (write) => change(name, of_hex(picker.value, read()), write);
@@ -67,13 +80,14 @@ export function fields(panel, rows, change) {
         line.prepend(slider);
       }
       // Long words break behind their underscores.
-      const label = element("label", { title: (title ?? "").replaceAll("`", "") }, name.replaceAll("_", "_\u200b"), line);
+      const label = element("label", { title: (text ?? "").replaceAll("`", "") }, name.replaceAll("_", "_\u200b"), line);
       label.dataset.name = name;
       return label;
-    }));
+    })));
   }
-  rows.forEach(([, values, is_color], row) => {
-    const line = panel.children[row].querySelector("span");
+  const lines = panel.querySelectorAll("label > span");
+  rows.forEach(({ values, is_color }, row) => {
+    const line = lines[row];
     const picker = is_color ? line.querySelector("input[type=color]") : null;
     if (picker && picker !== document.activeElement) picker.value = to_hex(values);
     const slider = line.querySelector("input[type=range]");

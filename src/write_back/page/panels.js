@@ -58,7 +58,7 @@ export const begin_panels = (box, send) => {
     },
     parameters: (parameters) => {
       const rows = parameters.map(({ name, value, integer }) =>
-        [name, Array.isArray(value) ? value : [value], false, integer ? "1" : "any"]);
+        ({ name, values: Array.isArray(value) ? value : [value], step: integer ? "1" : "any" }));
       get("parameters-panel").hidden = rows.length === 0;
       fields(get("parameters"), rows, (name, values, write) => {
         if (!are_numbers(values)) return;

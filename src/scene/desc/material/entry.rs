@@ -2,6 +2,7 @@
 
 /// Declares the keys of a material in the order of the manual, each with its comment and its type.
 ///
+/// - `#[group("…")]`: group of the key and of the keys below until the next group, in the manual and in panels.
 /// - `KEY under OTHER | THIRD`: the key has no effect without one of the others.
 /// - `[RANGE]`: a key that is read as a value of its type; `in EXTENSIONS`: extensions of the files that its text names.
 /// - `FORM in RANGE, "…"`: a number or color that tracks and scripts may change, and a name of its quantity for the text of
@@ -17,6 +18,7 @@ macro_rules! material {
         pub struct MaterialDesc {
             $(
                 $(#[doc = $text:literal])*
+                $(#[group($group:literal)])?
                 $key:ident $(under $needed:ident $(| $or:ident)*)*: $type:ty
                 $([$plain_range:expr] $(in $files:expr)?)?
                 $(,
@@ -35,7 +37,7 @@ macro_rules! material {
             pub patterned: Vec<PatternedDesc>,
         }
 
-        documented!(MaterialDesc $($doc)*; $((None, Some(stringify!($key))) $($text)*;)*);
+        documented!(MaterialDesc $($doc)*; $((None, Some(stringify!($key)) $(, in $group)?) $($text)*;)*);
 
         /// Default values of keys that a material leaves out.
         pub const PLAIN: MaterialDesc = MaterialDesc {
