@@ -12,7 +12,7 @@ use super::{
 };
 use reflet_render::runtime::parameters::{DeclaredParameters, ParameterOverrides};
 use reflet_scene::{
-    desc::{CAMERA, CameraDesc, ENVIRONMENT, LIGHT, MATERIAL, MaterialDesc, ParamValue},
+    desc::{CAMERA, CameraDesc, ENVIRONMENT, LIGHT, MATERIAL, MaterialDesc, NEEDING, ParamValue},
     manual::key_text,
     motion::DECAL,
     number::{Field, Form, find},
@@ -125,18 +125,36 @@ fn material_fields() -> Vec<(&'static str, &'static Field<MaterialDesc>)> {
     all
 }
 
-/// A material of the world, by its index: the sentence that tells where its numbers are written, and the numbers.
+/// Whether a material has the numbers without which a number of this key has no effect.
+fn has_effect(numbers: &MaterialDesc, key: &str) -> bool {
+    let mut needed = NEEDING.iter().filter(|needing| needing.key == key);
+    needed.all(|needing| find(&MATERIAL, needing.needs).is_none() || numbers.has(needing.needs))
+}
+
+/// A material of the world, by its index: the sentence that tells where its numbers are written, the numbers that have
+/// an effect, and further numbers that it may get, with the values that they have where they are left out.
 pub fn material(index: usize, told: &str, numbers: &MaterialDesc) -> Value {
-    let number = |(group, field): (&str, &Field<MaterialDesc>)| {
-        let (key, form) = (field.key, field.form);
-        let values = numbers_of(form, (field.get)(numbers)?);
-        let numbers = Numbers { key, values };
+    let number = |group: &str, field: &Field<MaterialDesc>, values| {
+        let key = field.key;
         let text = meaning("MaterialDesc", key).unwrap_or_else(|| field.what.to_owned());
-        let (is_color, range) = (form == Form::Color, Some(&field.range));
-        Some(row(&numbers, is_color, range, &text, group))
+        let (is_color, range) = (field.form == Form::Color, Some(&field.range));
+        row(&Numbers { key, values }, is_color, range, &text, group)
     };
-    let numbers: Vec<_> = material_fields().into_iter().filter_map(number).collect();
-    json!({ "row": index, "told": told, "numbers": numbers })
+    let mut fields = material_fields();
+    fields.retain(|(_, field)| has_effect(numbers, field.key));
+    let had = |(group, field): &(&str, &Field<MaterialDesc>)| {
+        let values = numbers_of(field.form, (field.get)(numbers)?);
+        Some(number(group, field, values))
+    };
+    let lacking = |(group, field): &(&str, &Field<MaterialDesc>)| {
+        Some(number(group, field, field.addition(numbers)?))
+    };
+    json!({
+        "row": index,
+        "told": told,
+        "numbers": fields.iter().filter_map(had).collect::<Vec<_>>(),
+        "lacking": fields.iter().filter_map(lacking).collect::<Vec<_>>(),
+    })
 }
 
 /// Parameters of the script.
@@ -213,4 +231,44 @@ pub fn handles(
         "edges": edges,
         "mark": END / HEIGHT,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_have_the_units_that_they_or_their_texts_name() {
+        let unit_of = |section, key| unit(key, &meaning(section, key).unwrap_or_default());
+        for (section, key, symbol) in [
+            ("CameraDesc", "eye", Some("m")),
+            ("CameraDesc", "fov_deg", Some("°")),
+            ("CameraDesc", "aperture_f", None),
+            ("LightDesc", "intensity_cd", Some("cd")),
+            ("MaterialDesc", "iridescence_thickness_nm", Some("nm")),
+            ("MaterialDesc", "roughness", None),
+        ] {
+            assert_eq!(unit_of(section, key), symbol, "{key}");
+        }
+    }
+
+    #[test]
+    fn a_number_is_shown_once_the_number_that_it_needs_is_added() {
+        let names = |list: &str, numbers: &MaterialDesc| -> Vec<Value> {
+            let shown = material(0, "", numbers);
+            let rows = shown[list].as_array().expect("a list").iter();
+            rows.map(|row| json!([row["group"], row["name"]])).collect()
+        };
+        let (coat, rough) = ("clearcoat", "clearcoat_roughness");
+        let row = |key: &str| json!(["Clear coat", key]);
+        let mut numbers = MaterialDesc {
+            clearcoat_roughness: Some(0.0),
+            ..MaterialDesc::default()
+        };
+        assert!(names("lacking", &numbers).contains(&row(coat)));
+        assert!(!names("numbers", &numbers).contains(&row(rough)));
+        numbers.clearcoat = Some(0.0);
+        assert!(!names("lacking", &numbers).contains(&row(coat)));
+        assert_eq!(names("numbers", &numbers), [row(coat), row(rough)]);
+    }
 }

@@ -109,6 +109,12 @@ await saved("roughness = 0.25");
 await page.locator("#material input[type=color]").first().fill("#00ff00");
 await page.locator("#material input[type=color]").first().dispatchEvent("change");
 await saved("base_color = [0, 1, 0]");
+// A number that the material lacks is written where it is added, and others that need it appear; their group folds.
+await page.locator("#lacking").selectOption({ label: "Clear coat: clearcoat = 0" });
+await saved("clearcoat = 0");
+await page.locator("#material input[name=clearcoat_roughness]").waitFor();
+await page.locator("#material summary", { hasText: "Clear coat" }).click();
+await page.locator("#material input[name=clearcoat_roughness]").waitFor({ state: "hidden" });
 await page.locator("#items button", { hasText: "lamp" }).click();
 await page.waitForFunction(() => document.getElementById("label").textContent.includes("lamp"));
 await page.locator("#stage").focus();

@@ -188,13 +188,18 @@ impl Session {
         let Some(row) = row else {
             return self.say("no material is shown");
         };
-        let own = row.fields().find(|(_, field, _)| field.key == key);
+        let index = MATERIAL.iter().position(|field| field.key == key);
         let changed =
-            own.and_then(|(index, field, _)| Some((index, state::material_value(field, values)?)));
+            index.and_then(|index| Some((index, state::material_value(&MATERIAL[index], values)?)));
         let Some((index, value)) = changed else {
             return self.say("the material has no such number");
         };
-        let edit = self.edit_material(index, Some(value));
+        let has_number = row.fields().any(|(_, field, _)| field.key == key);
+        let edit = match has_number {
+            true => self.edit_material(index, Some(value)),
+            // Pipelines are chosen for the numbers of a material: a further number is shown by the reload.
+            false => Some(row.with(&row.edit, index, Some(value))),
+        };
         let written = edit.and_then(|edit| MaterialRow::to_write(&edit, index));
         (written.into_iter().filter(|_| write)).for_each(|task| self.post(task));
     }

@@ -5,6 +5,7 @@ mod entry;
 mod read;
 
 use glam::Vec3;
+use serde_json::Value as Json;
 
 use super::{At, CheckerDesc, LightGroup, PatternKind, Tracks, track::tracks};
 use crate::{
@@ -259,6 +260,17 @@ impl Field<MaterialDesc> {
     pub fn lacks(&self, material: &MaterialDesc) -> Option<&'static str> {
         let needs = self.track()?.needs;
         ((self.get)(material).is_none() && !needs.is_empty()).then_some(needs)
+    }
+
+    /// Values that a material that lacks this number may get: such that change nothing, or an example; `None` where it
+    /// has the number, or needs more than it.
+    pub fn addition(&self, material: &MaterialDesc) -> Option<Vec<f64>> {
+        let text = self.lacks(material)?.strip_prefix(self.key)?;
+        let value = serde_json::from_str(text.strip_prefix(" = ")?).ok()?;
+        match value {
+            Json::Array(lanes) => lanes.iter().map(Json::as_f64).collect(),
+            value => Some(vec![value.as_f64()?]),
+        }
     }
 
     /// The value that changes nothing, of a number that a material may lack.

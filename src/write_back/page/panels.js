@@ -10,12 +10,18 @@ export const begin_panels = (box, send) => {
   box.append(
     panel("parameters-panel", "Script parameters", element("div", { id: "parameters" })),
     panel("selection-panel", "Selection", element("p", { id: "label" }), element("div", { id: "numbers" }), element("p", { id: "kinds" }, ...kinds)),
-    panel("material-panel", "Material", element("select", { id: "materials", ariaLabel: "material" }), element("p", { id: "origin" }), element("div", { id: "material" })),
+    panel("material-panel", "Material", element("select", { id: "materials", ariaLabel: "material" }), element("p", { id: "origin" }), element("div", { id: "material" }), element("select", { id: "lacking", ariaLabel: "add a number to the material" })),
     panel("items-panel", "Scene", element("ul", { id: "items" })),
   );
   get("parameters-panel").hidden = get("material-panel").hidden = true;
   get("materials").addEventListener("change", ({ target }) =>
     send({ do: "material", row: target.selectedIndex > 0 ? target.selectedIndex - 1 : null }));
+  let lacking = [];
+  get("lacking").addEventListener("change", ({ target }) => {
+    const { name: key, values } = lacking[target.selectedIndex - 1];
+    target.selectedIndex = 0;
+    send({ do: "material_number", key, values, write: true });
+  });
   // Row of the selected item in the outline, and its button.
   let [row, marked] = [null, null];
   const mark = () => {
@@ -55,6 +61,11 @@ export const begin_panels = (box, send) => {
       get("materials").selectedIndex = material ? material.row + 1 : 0;
       get("origin").textContent = material ? material.told : "";
       fields(get("material"), material ? material.numbers : [], numbers("material_number"));
+      lacking = material?.lacking ?? [];
+      get("lacking").hidden = lacking.length === 0;
+      const choices = lacking.map(({ name, values, unit, group, text: title }) =>
+        Object.assign(new Option(`${group}: ${name} = ${values.join(", ")} ${unit ?? ""}`), { title }));
+      get("lacking").replaceChildren(new Option("add \u2026"), ...choices);
     },
     parameters: (parameters) => {
       const rows = parameters.map(({ name, value, integer }) =>
