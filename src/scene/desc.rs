@@ -269,16 +269,21 @@ impl SceneDesc {
         self.scripts().any(|script| script.has_frame)
     }
 
+    /// Indices of the models that no instance places, each of which is shown once, where its file or shape puts it.
+    pub fn unplaced_models(&self) -> impl Iterator<Item = usize> {
+        let placed: HashSet<_> = (self.instances.iter())
+            .map(|i| i.model.value.as_str())
+            .collect();
+        (0..self.models.len()).filter(move |i| !placed.contains(self.models[*i].name.as_str()))
+    }
+
     /// Names by which answers and lists tell the instances apart from each other and from models that no instance
     /// places: their own, else the model's with a number from the second on.
     pub fn instance_names(&self) -> Vec<String> {
         let mut taken = UniqueNames::default();
-        let placed: HashSet<_> = (self.instances.iter())
-            .map(|i| i.model.value.as_str())
-            .collect();
-        let alone = (self.models.iter())
-            .map(|m| m.name.as_str())
-            .filter(|name| !placed.contains(name));
+        let alone = self
+            .unplaced_models()
+            .map(|index| self.models[index].name.as_str());
         for name in (self.instances.iter().filter_map(|i| i.name.as_deref())).chain(alone) {
             taken.take(name);
         }

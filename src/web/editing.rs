@@ -372,7 +372,7 @@ impl Shown {
         let camera = camera_of(session);
         let size = session.renderer().targets().size;
         json!({
-            "scene": json!({ "items": page::rows(&items), "materials": names(&loaded.world) }).to_string(),
+            "scene": json!({ "items": page::rows(&items, None), "materials": names(&loaded.world) }).to_string(),
             "item": page::item(selection, &items).to_string(),
             "material": json!(material).to_string(),
             "parameters": page::parameters(session.declared(), session.parameters()).to_string(),

@@ -56,7 +56,7 @@ fn world_from_parent(desc: &SceneDesc, item: SceneItem) -> Affine3A {
         SceneItem::Decal(i) => parents.of_decal(i),
         SceneItem::Light(i) => parents.of_light(i),
         SceneItem::Camera(i) => parents.of_camera(i),
-        SceneItem::Environment => None,
+        SceneItem::Model(_) | SceneItem::Environment => None,
     };
     parent.map_or(Affine3A::IDENTITY, |parent| desc.rest()[parent])
 }
@@ -69,6 +69,11 @@ fn numbers(desc: &SceneDesc, item: SceneItem) -> Result<Vec<Numbers>, String> {
         SceneItem::Light(i) => return Ok(light(desc, item, &desc.lights[i].value)),
         SceneItem::Camera(i) => return Ok(fields(&desc.cameras[i].value, &CAMERA)),
         SceneItem::Environment => return Ok(environment(desc)),
+        SceneItem::Model(i) => {
+            let name = &desc.models[i].name;
+            let help = format!("write `[[instance]]` with `model = \"{name}\"` to move it");
+            return Err(format!("no instance places it; {help}"));
+        }
     };
     let PlacementDesc::Trs {
         translation,

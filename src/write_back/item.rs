@@ -20,6 +20,8 @@ pub enum SceneItem {
     Light(usize),
     /// Index into [`SceneDesc::cameras`].
     Camera(usize),
+    /// Index into [`SceneDesc::models`] of a model that no instance places, and that is shown once.
+    Model(usize),
     /// The environment.
     #[default]
     Environment,
@@ -48,6 +50,7 @@ impl SceneItem {
             Self::Decal(i) => entry(&desc.decals, i),
             Self::Light(i) => entry(&desc.lights, i),
             Self::Camera(i) => entry(&desc.cameras, i),
+            Self::Model(i) => entry(&desc.models, i),
             Self::Environment => Some((None, &desc.own)),
         }
     }
@@ -70,21 +73,27 @@ impl SceneItem {
             Self::Decal(_) => index_of(&desc.decals, name).map(Self::Decal),
             Self::Light(_) => index_of(&desc.lights, name).map(Self::Light),
             Self::Camera(_) => index_of(&desc.cameras, name).map(Self::Camera),
+            Self::Model(_) => {
+                let is_it = |index: &usize| desc.models[*index].name == name;
+                desc.unplaced_models().find(is_it).map(Self::Model)
+            }
             Self::Environment => Some(self),
         }
     }
 
     /// Kind and name of the item.
     pub fn label(self, desc: &SceneDesc) -> String {
-        let name = self.named(desc).and_then(|(name, _)| name);
-        match self {
-            Self::Instance(i) => {
-                let model = desc.instances.get(i).map(|i| i.model.value.as_str());
-                format!("instance {}", name.or(model).unwrap_or_default())
-            }
-            Self::Environment => "environment".to_owned(),
-            item => format!("{} {}", item.kind(), name.unwrap_or_default()),
-        }
+        self.label_among(desc, &desc.instance_names())
+    }
+
+    /// Kind and name of the item, where `names` are [`SceneDesc::instance_names`].
+    pub(super) fn label_among(self, desc: &SceneDesc, names: &[String]) -> String {
+        let name = match self {
+            Self::Instance(i) => names.get(i).map(String::as_str),
+            item => item.named(desc).and_then(|(name, _)| name),
+        };
+        let label = format!("{} {}", self.kind(), name.unwrap_or_default());
+        label.trim_end().to_owned()
     }
 
     /// Key of the item's kind in scene text.
@@ -95,6 +104,7 @@ impl SceneItem {
             Self::Decal(_) => "decal",
             Self::Light(_) => "light",
             Self::Camera(_) => "camera",
+            Self::Model(_) => "model",
             Self::Environment => "environment",
         }
     }
@@ -107,6 +117,7 @@ impl SceneItem {
             Self::Decal(_) => "DecalDesc",
             Self::Light(_) => "LightDesc",
             Self::Camera(_) => "CameraDesc",
+            Self::Model(_) => "ModelDesc",
             Self::Environment => "EnvironmentDesc",
         }
     }

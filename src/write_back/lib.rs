@@ -152,7 +152,9 @@ pub fn change(scene: &Layered<'_>, item: SceneItem, numbers: &Numbers) -> Result
         SceneItem::Light(_) => value_of(&LIGHT, numbers),
         SceneItem::Camera(_) => value_of(&CAMERA, numbers),
         SceneItem::Environment => value_of(&ENVIRONMENT, numbers),
-        SceneItem::Instance(_) | SceneItem::Group(_) => Value::Numbers(numbers.values.clone()),
+        SceneItem::Instance(_) | SceneItem::Group(_) | SceneItem::Model(_) => {
+            Value::Numbers(numbers.values.clone())
+        }
     };
     if key == "rotation_deg" && !place.has(key) && place.has("rotation_quat") {
         let euler = numbers.values.iter().map(|x| *x as f32);

@@ -1,6 +1,9 @@
 //! Outline of a scene: its items as a tree of parents and children.
 
-use std::collections::BTreeMap;
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    iter::successors,
+};
 
 use super::SceneItem;
 use reflet_scene::desc::SceneDesc;
@@ -21,21 +24,89 @@ pub struct OutlineRow {
     pub depth: u8,
 }
 
-/// Rows of a scene's outline: each item, followed by its children.
-pub fn outline(desc: &SceneDesc) -> Vec<OutlineRow> {
-    let node = |index: usize| match index.checked_sub(desc.instances.len()) {
+/// Item of a node of a scene's hierarchy: an instance or a group.
+fn of_node(desc: &SceneDesc, index: usize) -> SceneItem {
+    match index.checked_sub(desc.instances.len()) {
         None => SceneItem::Instance(index),
         Some(group) => SceneItem::Group(group),
-    };
+    }
+}
+
+/// Things that a view leaves out, by their labels; the scene's text keeps them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LeftOut {
+    /// Labels of things that are hidden with all that is attached to them.
+    pub hidden: BTreeSet<String>,
+    /// Label of a thing that is shown alone, with all that is attached to it.
+    pub solo: Option<String>,
+}
+
+impl LeftOut {
+    /// Hides a thing, or shows it again.
+    pub fn toggle(&mut self, label: &str) {
+        if !self.hidden.remove(label) {
+            self.hidden.insert(label.to_owned());
+        }
+    }
+
+    /// Shows a thing alone, or all again.
+    pub fn toggle_solo(&mut self, label: &str) {
+        let is_alone = self.solo.as_deref() == Some(label);
+        self.solo = (!is_alone).then(|| label.to_owned());
+    }
+
+    /// Names of the instances, as [`SceneDesc::instance_names`] has them, and of the unplaced models that are left out.
+    pub fn names(&self, desc: &SceneDesc) -> BTreeSet<String> {
+        if *self == Self::default() {
+            return BTreeSet::new();
+        }
+        let names = desc.instance_names();
+        let labels = |instance: &String, index: usize| {
+            let nodes = successors(Some(index), |node| desc.parents.of_node(*node));
+            let labels = nodes.map(|node| of_node(desc, node).label_among(desc, &names));
+            (instance.clone(), labels.collect::<Vec<_>>())
+        };
+        let instances = names
+            .iter()
+            .zip(0..)
+            .map(|(name, index)| labels(name, index));
+        let models = desc.unplaced_models().map(|index| {
+            let label = SceneItem::Model(index).label_among(desc, &names);
+            (desc.models[index].name.clone(), vec![label])
+        });
+        let all: Vec<(String, Vec<String>)> = instances.chain(models).collect();
+        let is_in = |label: &&String| all.iter().any(|(_, labels)| labels.contains(label));
+        // Nothing is alone where its thing has left the scene.
+        let solo = self.solo.as_ref().filter(is_in);
+        let is_left_out = |labels: &[String]| {
+            solo.is_some_and(|solo| !labels.contains(solo))
+                || labels.iter().any(|label| self.hidden.contains(label))
+        };
+        let left_out = all.into_iter().filter(|(_, labels)| is_left_out(labels));
+        left_out.map(|(name, _)| name).collect()
+    }
+}
+
+/// Rows of a scene's outline: each item, followed by its children.
+pub fn outline(desc: &SceneDesc) -> Vec<OutlineRow> {
     let count = desc.instances.len() + desc.groups.len();
     let parents = &desc.parents;
-    let nodes = (0..count).map(|index| (parents.of_node(index), node(index), Some(index)));
+    let names = desc.instance_names();
+    let nodes = (0..count).map(|index| (parents.of_node(index), of_node(desc, index), Some(index)));
+    let models = desc
+        .unplaced_models()
+        .map(|index| (None, SceneItem::Model(index), None));
     let lights = (0..desc.lights.len()).map(|i| (parents.of_light(i), SceneItem::Light(i), None));
     let decals = (0..desc.decals.len()).map(|i| (parents.of_decal(i), SceneItem::Decal(i), None));
     let cameras =
         (0..desc.cameras.len()).map(|i| (parents.of_camera(i), SceneItem::Camera(i), None));
     let mut below: BTreeMap<Option<usize>, Vec<(SceneItem, Option<usize>)>> = BTreeMap::new();
-    for (parent, item, node) in nodes.chain(decals).chain(lights).chain(cameras) {
+    for (parent, item, node) in nodes
+        .chain(models)
+        .chain(decals)
+        .chain(lights)
+        .chain(cameras)
+    {
         below.entry(parent).or_default().push((item, node));
     }
     let mut rows = Vec::new();
@@ -45,7 +116,7 @@ pub fn outline(desc: &SceneDesc) -> Vec<OutlineRow> {
     };
     let mut waiting: Vec<_> = of(None, 0).collect();
     while let Some((item, node, depth)) = waiting.pop().filter(|_| rows.len() < MOST) {
-        let label = item.label(desc);
+        let label = item.label_among(desc, &names);
         rows.push(OutlineRow { item, label, depth });
         if let Some(node) = node {
             waiting.extend(of(Some(node), (depth + 1).min(DEEPEST)));
@@ -66,22 +137,40 @@ mod tests {
     use super::*;
     use reflet_scene::stages::Scene;
 
-    #[test]
-    fn children_stand_below_their_parents() {
+    fn scene() -> Scene {
         let text = include_str!("outline.toml");
         let read = Scene::from_text(text, Path::new("scene.toml"), &[]);
-        let (scene, _) = read.unwrap_or_else(|e| panic!("{e:?}"));
-        let rows = outline(&scene);
+        read.unwrap_or_else(|e| panic!("{e:?}")).0
+    }
+
+    #[test]
+    fn children_stand_below_their_parents() {
+        let rows = outline(&scene());
         let rows: Vec<_> = rows.iter().map(|r| (r.label.as_str(), r.depth)).collect();
         let want = [
             ("instance ball", 0),
+            ("instance ball#2", 0),
             ("group arm", 0),
             ("instance hand", 1),
             ("decal sign", 2),
             ("light lamp", 2),
+            ("model floor", 0),
             ("camera main", 0),
             ("environment", 0),
         ];
         assert_eq!(rows, want);
+    }
+
+    #[test]
+    fn a_hidden_thing_takes_along_what_is_attached_to_it() {
+        let (scene, mut view) = (scene(), LeftOut::default());
+        view.toggle("group arm");
+        let names = |view: &LeftOut| view.names(&scene).into_iter().collect::<Vec<_>>();
+        assert_eq!(names(&view), ["hand"]);
+        view.toggle_solo("instance ball#2");
+        assert_eq!(names(&view), ["ball", "floor", "hand"]);
+        view.toggle("group arm");
+        view.toggle_solo("instance of another scene");
+        assert_eq!(names(&view), Vec::<String>::new());
     }
 }

@@ -90,7 +90,7 @@ impl Layered<'_> {
                 SceneItem::Decal(i) => (Kind::Decal, i, index_of(&DECAL, key)),
                 SceneItem::Light(i) => (Kind::Light, i, index_of(&LIGHT, key)),
                 SceneItem::Camera(i) => (Kind::Camera, i, index_of(&CAMERA, key)),
-                SceneItem::Environment => return None,
+                SceneItem::Model(_) | SceneItem::Environment => return None,
             };
             self.scripted_field(kind, index, field)
         };

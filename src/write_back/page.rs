@@ -7,7 +7,7 @@ use super::{
     KeyTrack, Numbers, SceneItem,
     handles::{END, Handle},
     numbers_of,
-    outline::OutlineRow,
+    outline::{LeftOut, OutlineRow},
     selection::Selection,
 };
 use reflet_render::runtime::parameters::{DeclaredParameters, ParameterOverrides};
@@ -76,16 +76,28 @@ fn row(numbers: &Numbers, is_color: bool, range: Option<&Range>, text: &str, gro
     })
 }
 
-/// Labels and depths of an outline.
-pub fn rows(outline: &[OutlineRow]) -> Value {
-    let rows = outline.iter().map(|row| json!([row.label, row.depth]));
+/// Labels and depths of an outline, and whether each thing that can be left out of the view is hidden and shown alone;
+/// without a view that leaves things out, none can.
+pub fn rows(outline: &[OutlineRow], view: Option<&LeftOut>) -> Value {
+    let state = |row: &OutlineRow| {
+        let can_hide = matches!(
+            row.item,
+            SceneItem::Instance(_) | SceneItem::Group(_) | SceneItem::Model(_)
+        );
+        let view = view.filter(|_| can_hide)?;
+        let is_alone = view.solo.as_ref() == Some(&row.label);
+        Some([view.hidden.contains(&row.label), is_alone])
+    };
+    let rows = outline
+        .iter()
+        .map(|row| json!([row.label, row.depth, state(row)]));
     rows.collect()
 }
 
 /// The selected item, with its numbers as a drag has them, and its row in an outline.
 pub fn item(selection: &Selection, outline: &[OutlineRow]) -> Value {
     let range = |item, key| match item {
-        SceneItem::Instance(_) | SceneItem::Group(_) => None,
+        SceneItem::Instance(_) | SceneItem::Group(_) | SceneItem::Model(_) => None,
         SceneItem::Decal(_) => find(&DECAL, key).map(|field| &field.range),
         SceneItem::Light(_) => find(&LIGHT, key).map(|field| &field.range),
         SceneItem::Camera(_) => find(&CAMERA, key).map(|field| &field.range),

@@ -56,18 +56,18 @@ impl Surfaces {
 }
 
 impl SceneItem {
-    /// Item of the scene text that places an instance of a world, if there is one.
+    /// Item of the scene text that places an instance of a world: an instance there, or a model that is shown without;
+    /// `None` past the world's instances.
     pub fn of_instance(world: &World, instance: usize) -> Option<Self> {
-        let written = world.written.get(instance).copied().flatten();
-        written.map(Self::Instance)
+        match *world.written.get(instance)? {
+            Some(index) => Some(Self::Instance(index)),
+            None => world.placed_models.get(instance).copied().map(Self::Model),
+        }
     }
 
     /// Index of the first instance of a world that this item places.
     pub fn instance_in(self, world: &World) -> Option<usize> {
-        let Self::Instance(index) = self else {
-            return None;
-        };
-        world.written.iter().position(|w| *w == Some(index))
+        (0..world.instances.len()).find(|index| Self::of_instance(world, *index) == Some(self))
     }
 }
 

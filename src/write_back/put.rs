@@ -23,6 +23,7 @@ pub fn put(desc: &mut SceneDesc, item: SceneItem, numbers: &Numbers) {
     let placement = match item {
         SceneItem::Instance(i) => desc.instances.get_mut(i).map(|i| &mut i.placement),
         SceneItem::Group(i) => desc.groups.get_mut(i).map(|g| &mut g.value.placement),
+        SceneItem::Model(_) => None,
         SceneItem::Decal(i) => {
             let decal = desc.decals.get_mut(i).map(|e| &mut e.value);
             match (decal, numbers.key) {

@@ -95,6 +95,7 @@ impl Watched {
                 b: None,
                 draft_ms: None,
                 rest_ms: 1000.0,
+                left_out: Default::default(),
             },
             runs: false,
             log: Vec::new(),

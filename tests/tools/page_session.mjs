@@ -128,7 +128,12 @@ step("changed");
 await page.locator("#camera").selectOption("main");
 await page.locator("#items button", { hasText: "floor" }).click();
 await page.waitForFunction(() => document.getElementById("label").textContent.includes("floor"));
-await still();
+shown = await still();
+// Things leave the view and come back; the text keeps them.
+for (const does of ["hide", "hide", "solo", "solo"]) {
+  await page.getByLabel(`${does} instance ball`).click();
+  shown = await changed(shown, does);
+}
 await page.mouse.click(x - 0.157 * box.height, y + 0.067 * box.height);
 await page.waitForFunction(() => document.getElementById("label").textContent.includes("decal sign"));
 const ends = (viewer = page) => viewer.evaluate(() => {

@@ -68,6 +68,7 @@ impl Session {
                     self.post(Task::Select(row.item));
                 }
             }
+            Input::Hide { row, solo } => self.leave_out(row, solo),
             Input::Number { key, values, write } => self.change_number(&key, values, write),
             Input::Material { row } => {
                 let count = self.state.summary.materials.len();
@@ -125,6 +126,18 @@ impl Session {
             KeyAction::Record => self.record(),
             _ => {}
         }
+    }
+
+    /// Hides the thing of a row of the outline or shows it alone, or takes that back.
+    fn leave_out(&mut self, row: usize, solo: bool) {
+        let Some(row) = self.state.summary.items.get(row) else {
+            return;
+        };
+        match solo {
+            true => self.state.settings.left_out.toggle_solo(&row.label),
+            false => self.state.settings.left_out.toggle(&row.label),
+        }
+        self.tell_scene();
     }
 
     fn choose_camera(&mut self, name: Option<&str>) {

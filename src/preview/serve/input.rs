@@ -44,6 +44,8 @@ pub(super) enum Input {
     Pick { at: [f32; 2] },
     /// Select a row of the outline.
     Select { row: usize },
+    /// Hide the thing of a row of the outline, or show it again; with `solo`, show it alone, or all again.
+    Hide { row: usize, solo: bool },
     /// Change numbers of the selected item; write them at the end of a drag.
     Number {
         key: String,

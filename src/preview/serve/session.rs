@@ -137,8 +137,8 @@ impl Session {
         }
     }
 
-    fn tell_scene(&self) {
-        let scene = state::scene(&self.state.summary, &self.name);
+    pub(super) fn tell_scene(&self) {
+        let scene = state::scene(&self.state, &self.name);
         self.hub.text("scene", &scene);
     }
 

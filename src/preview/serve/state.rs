@@ -111,7 +111,8 @@ pub(super) fn keys(state: &ViewState, selected: Option<SceneItem>) -> String {
 }
 
 /// The scene: its choices, and its warnings.
-pub(super) fn scene(summary: &SceneSummary, name: &str) -> String {
+pub(super) fn scene(state: &ViewState, name: &str) -> String {
+    let summary = &state.summary;
     let warnings = summary.warnings.iter().map(|warning| warning.render(false));
     let materials = summary.materials.iter().map(|row| &row.name);
     json!({ "scene": {
@@ -123,7 +124,7 @@ pub(super) fn scene(summary: &SceneSummary, name: &str) -> String {
         "channels": ViewChannel::of_frames().map(ViewChannel::name).collect::<Vec<_>>(),
         "presses": presses(),
         "help": keys::KEYS.iter().filter(|row| is_known(row)).map(|row| [row.keys, row.what]).collect::<Vec<_>>(),
-        "items": page::rows(&summary.items),
+        "items": page::rows(&summary.items, Some(&state.settings.left_out)),
         "timeline": summary.timeline.as_ref().map(|time| json!([time.start, time.end, time.fps])),
         "log": summary.log,
         "problems": problems(&summary.problems),

@@ -6,7 +6,7 @@ use super::{frame_texture::FrameTexture, scene_summary::SceneSummary, view_chann
 use crate::{
     live::{Edit, Refusal, Reload},
     watch::Changes,
-    write_back::{FlightPoint, Inspected, KeyEdit, Numbers, SceneItem},
+    write_back::{FlightPoint, Inspected, KeyEdit, Numbers, SceneItem, outline::LeftOut},
 };
 use reflet_base::math::Bounds;
 use reflet_metric::Scores;
@@ -54,6 +54,8 @@ pub struct View {
     pub draft_ms: Option<f64>,
     /// Time budget of the first picture at rest, milliseconds; further ones follow until all samples are there.
     pub rest_ms: f64,
+    /// Things that are left out.
+    pub left_out: LeftOut,
 }
 
 impl View {

@@ -1,6 +1,7 @@
 //! Choices of a viewer: methods and channels of both sides, the camera, the selected material.
 
 use super::{protocol::Side, view_channel::ViewChannel};
+use crate::write_back::outline::LeftOut;
 use reflet_scene::desc::Method;
 
 /// Methods with a key and a button of their own, in the order of menus.
@@ -41,6 +42,8 @@ pub struct ViewSettings {
     pub help: bool,
     /// Whether the error map is shown in place of the picture.
     pub error_map: bool,
+    /// Things that are left out of the view.
+    pub left_out: LeftOut,
 }
 
 impl ViewSettings {
@@ -64,6 +67,7 @@ impl ViewSettings {
             shown_method: None,
             help: false,
             error_map: false,
+            left_out: LeftOut::default(),
         }
     }
 }

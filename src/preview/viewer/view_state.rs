@@ -169,6 +169,7 @@ impl ViewState {
             a: self.settings.a,
             b: self.settings.wipe.then_some(self.settings.b),
             rest_ms: REST_MS,
+            left_out: self.settings.left_out.clone(),
             draft_ms: moving_ms.into_iter().chain(playing_ms).reduce(f64::min),
         }
     }

@@ -1,6 +1,7 @@
 //! Inputs of the runtime: the files of a scene, and overrides of its view settings.
 
 use std::{
+    collections::BTreeSet,
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -9,9 +10,10 @@ use super::scene_text::{LoadedScene, SceneOptions, SceneText};
 use crate::{Crop, Draft, RenderOptions};
 use reflet_gpu::{ShaderError, ShaderLibrary};
 use reflet_scene::{
-    desc::{Method, Samples},
+    desc::{Method, Samples, SceneDesc, ShownDesc},
     diagnostic::Diagnostic,
 };
+use reflet_world::World;
 
 /// Files of a scene, and overrides of its content.
 #[derive(Clone, Debug, Default)]
@@ -56,6 +58,13 @@ impl SceneSource {
     }
 }
 
+/// Visibility of an instance that is left out.
+const NOT_SHOWN: ShownDesc = ShownDesc {
+    visible: false,
+    casts_shadow: false,
+    in_reflections: false,
+};
+
 /// View settings in place of the scene's.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ViewOverrides {
@@ -78,9 +87,34 @@ pub struct ViewOverrides {
     /// Name of the chosen camera. Without one, or where the scene lacks it, `auto` is decided for the camera that
     /// is shown at the first frame.
     pub camera: Option<String>,
+    /// Names of instances, as [`SceneDesc::instance_names`] has them, and of models that no instance places, which are
+    /// left out: they are neither seen nor reflected, and cast no shadow.
+    pub left_out: BTreeSet<String>,
 }
 
 impl ViewOverrides {
+    /// Shows the instances of a world of `desc` as its text says, without the instances that are left out.
+    pub(super) fn leave_out(&self, desc: &SceneDesc, world: &mut World) {
+        let names = desc.instance_names();
+        for (index, instance) in world.instances.iter_mut().enumerate() {
+            let known = match world.written.get(index).copied().flatten() {
+                Some(written) => {
+                    let shown = desc.instances.get(written).map(|written| written.shown);
+                    names.get(written).zip(shown)
+                }
+                None => {
+                    let model = world.placed_models.get(index);
+                    let model = model.and_then(|model| desc.models.get(*model));
+                    model.map(|model| (&model.name, ShownDesc::default()))
+                }
+            };
+            if let Some((name, shown)) = known {
+                let is_left_out = self.left_out.contains(name);
+                instance.shown = if is_left_out { NOT_SHOWN } else { shown };
+            }
+        }
+    }
+
     /// Index of the chosen camera in a scene; `None` where none is chosen or the scene lacks it.
     pub fn camera_in(&self, loaded: &LoadedScene) -> Option<usize> {
         let name = self.camera.as_deref()?;

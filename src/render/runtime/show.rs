@@ -195,7 +195,7 @@ impl Session {
             false => None,
         };
         let files = reused.is_none();
-        let (world, assets) = match reused {
+        let (mut world, assets) = match reused {
             Some(world) => (world, None),
             None => {
                 let world = read.texts.opened.world();
@@ -205,6 +205,9 @@ impl Session {
                 (world, Some(assets))
             }
         };
+        if !self.view.left_out.is_empty() {
+            self.view.leave_out(&read.scene().desc, &mut world);
+        }
         let (mut loaded, first) = match posed(&read, world, state.as_ref()) {
             Ok(posed) => posed,
             Err(errors) => return Err(Refused::Pose(Box::new(read), errors)),
@@ -282,17 +285,32 @@ impl Session {
             Some(_) => coarse::options(asked),
             None => asked,
         };
-        if asked != *self.renderer.asked() {
+        let leaves_out_others = view.left_out != self.view.left_out;
+        if leaves_out_others {
+            self.leave_out(&view);
+        }
+        if leaves_out_others || asked != *self.renderer.asked() {
             let poses = match &self.coarse {
                 Some(coarse) => coarse.into(),
                 None => poses(&self.loaded, &self.first),
             };
-            (self.renderer)
-                .show(&self.gpu, &self.library, poses, &asked)
-                .map_err(|error| error.located(&self.loaded.scene))?;
+            let shown = (self.renderer).show(&self.gpu, &self.library, poses, &asked);
+            if let Err(error) = shown {
+                let before = self.view.clone();
+                self.leave_out(&before);
+                return Err(error.located(&self.loaded.scene));
+            }
         }
         self.view = view;
         Ok(())
+    }
+
+    /// Shows the instances of the scene that view settings do not leave out.
+    fn leave_out(&mut self, view: &ViewOverrides) {
+        let desc = &self.loaded.scene.desc;
+        for world in self.first.iter_mut().chain([&mut self.loaded.world]) {
+            view.leave_out(desc, world);
+        }
     }
 
     /// Replaces the shaders.

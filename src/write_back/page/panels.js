@@ -37,10 +37,17 @@ export const begin_panels = (box, send) => {
   };
   return {
     scene: ({ items, materials }) => {
-      get("items").replaceChildren(...items.map(([label, depth], at) => {
+      get("items").replaceChildren(...items.map(([label, depth, left_out], at) => {
         const button = element("button", { textContent: "\u00a0".repeat(2 * depth) + label });
         button.addEventListener("click", () => send({ do: "select", row: at }));
-        return element("li", {}, button);
+        // What a view can leave out is hidden and shown alone by two buttons.
+        const switches = (left_out ?? []).map((is_on, solo) => {
+          const does = ["hide", "solo"][solo];
+          const made = element("button", { textContent: does, ariaLabel: `${does} ${label}`, ariaPressed: String(is_on) });
+          made.addEventListener("click", () => send({ do: "hide", row: at, solo: Boolean(solo) }));
+          return made;
+        });
+        return element("li", {}, button, ...switches);
       }));
       mark();
       options(get("materials"), ["(none)", ...materials], get("materials").value || "(none)");

@@ -209,6 +209,7 @@ impl Worker {
             method: Some(method),
             draft: (!is_whole).then_some(Draft { size, samples }),
             camera: view.chosen.clone(),
+            left_out: view.left_out.names(self.live.desc()),
             ..self.live.view().clone()
         })?;
         self.live.complete()?;
