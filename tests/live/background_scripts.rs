@@ -96,6 +96,8 @@ impl Watched {
                 draft_ms: None,
                 rest_ms: 1000.0,
                 left_out: Default::default(),
+                samples: None,
+                denoises: true,
             },
             runs: false,
             log: Vec::new(),

@@ -128,6 +128,8 @@ step("changed");
 await page.locator("#camera").selectOption("main");
 await page.locator("#items button", { hasText: "floor" }).click();
 await page.waitForFunction(() => document.getElementById("label").textContent.includes("floor"));
+await page.locator("#samples").selectOption("4");
+await page.waitForFunction(() => document.getElementById("count").textContent === "4 shown");
 shown = await still();
 // Things leave the view and come back; the text keeps them.
 for (const does of ["hide", "hide", "solo", "solo"]) {
@@ -268,6 +270,7 @@ step("shared");
 const text = readFileSync(scenePath, "utf8");
 writeFileSync(scenePath, text.replace('kind = "sphere"', 'kind = "spere"'));
 await page.waitForFunction(() => document.getElementById("problems").textContent.includes("sphere"));
+await page.locator(`#problems a[href^="vscode://file${scenePath}:"]`).first().waitFor();
 step("broken");
 writeFileSync(scenePath, text);
 await page.waitForFunction(() => document.getElementById("problems").hidden);

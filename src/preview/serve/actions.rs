@@ -18,6 +18,9 @@ use crate::{
 use reflet_render::runtime::parameters::declared_value;
 use reflet_scene::desc::{MATERIAL, Method};
 
+/// Most sub-frames of a picture that a page may ask for.
+const MOST_SAMPLES: u32 = 64;
+
 impl Session {
     fn move_camera(&mut self, by: impl FnOnce(&mut CameraControls)) {
         by(&mut self.state.controls);
@@ -69,6 +72,12 @@ impl Session {
                 }
             }
             Input::Hide { row, solo } => self.leave_out(row, solo),
+            Input::Samples { count } => {
+                self.state.settings.samples = count.map(|count| count.clamp(1, MOST_SAMPLES));
+            }
+            Input::Denoise { on } => {
+                self.state.settings.denoises = self.state.settings.denoises.map(|_| on);
+            }
             Input::Number { key, values, write } => self.change_number(&key, values, write),
             Input::Material { row } => {
                 let count = self.state.summary.materials.len();

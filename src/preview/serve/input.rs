@@ -46,6 +46,10 @@ pub(super) enum Input {
     Select { row: usize },
     /// Hide the thing of a row of the outline, or show it again; with `solo`, show it alone, or all again.
     Hide { row: usize, solo: bool },
+    /// Render this many sub-frames, or as many as the scene says.
+    Samples { count: Option<u32> },
+    /// Denoise pictures at rest, or show their noise.
+    Denoise { on: bool },
     /// Change numbers of the selected item; write them at the end of a drag.
     Number {
         key: String,

@@ -91,7 +91,8 @@ pub(super) fn start(
     // The session may be over already.
     let on_report = move || drop(reports.send(Event::Report));
     let name = opened.stem.clone();
-    let (render_thread, state) = opened.start(&gpu, options.denoiser.clone(), on_report);
+    let (render_thread, mut state) = opened.start(&gpu, options.denoiser.clone(), on_report);
+    state.settings.denoises = options.denoiser.is_some().then_some(true);
     let session = Session {
         render_thread,
         state,

@@ -1,7 +1,9 @@
 //! State of the preview as JSON for a page.
 
+use std::{iter::once, path::absolute};
+
 use glam::Vec3;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::{
     live::Problems,
@@ -19,6 +21,7 @@ use crate::{
 use reflet_render::runtime::parameters::ParameterOverrides;
 use reflet_scene::{
     desc::{MaterialDesc, Method},
+    diagnostic::{Place, Span},
     number::Field,
 };
 
@@ -69,6 +72,25 @@ pub(super) fn problems(problems: &Problems) -> Vec<String> {
         .chain(unbuilt)
         .chain(problems.undrawn.clone())
         .collect()
+}
+
+/// Places in texts that the scene's messages name, as they name them, each with the path of its file, if it is there, and
+/// line and column.
+fn places(summary: &SceneSummary) -> Vec<Value> {
+    let Problems { scene, pose, .. } = &summary.problems;
+    let messages = scene.iter().chain(pose).chain(&summary.warnings);
+    let spans = messages.flat_map(|message| {
+        let related = message.related.iter().map(|(span, _)| span);
+        once(&message.span).chain(related)
+    });
+    let place = |span: &Span| {
+        let source = span.source.as_ref().filter(|source| !source.generated)?;
+        let (Place { line, column }, path) = (source.place(span.range.start), &source.path);
+        let file = absolute(path).ok().filter(|file| file.is_file());
+        let named = format!("{}:{line}:{column}", path.display());
+        Some(json!([named, file, line, column]))
+    };
+    spans.filter_map(place).collect()
 }
 
 /// Parameters of the script.
@@ -128,6 +150,7 @@ pub(super) fn scene(state: &ViewState, name: &str) -> String {
         "timeline": summary.timeline.as_ref().map(|time| json!([time.start, time.end, time.fps])),
         "log": summary.log,
         "problems": problems(&summary.problems),
+        "places": places(summary),
         "warnings": warnings.collect::<Vec<_>>(),
     }})
     .to_string()
@@ -140,6 +163,8 @@ pub(super) fn view(state: &ViewState) -> String {
     json!({ "view": {
         "sides": [side(settings.a), side(settings.b)],
         "wipe": settings.wipe,
+        "samples": settings.samples,
+        "denoises": settings.denoises,
         "camera": state.shown_camera(),
         "cuts": settings.follows_cuts,
         "frame": time.map(Timeline::frame),

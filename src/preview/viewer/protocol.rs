@@ -56,6 +56,10 @@ pub struct View {
     pub rest_ms: f64,
     /// Things that are left out.
     pub left_out: LeftOut,
+    /// Sub-frames of a picture in place of the scene's number.
+    pub samples: Option<u32>,
+    /// Whether pictures at rest are denoised, where there is a denoiser.
+    pub denoises: bool,
 }
 
 impl View {

@@ -44,6 +44,10 @@ pub struct ViewSettings {
     pub error_map: bool,
     /// Things that are left out of the view.
     pub left_out: LeftOut,
+    /// Sub-frames of a picture in place of the scene's number.
+    pub samples: Option<u32>,
+    /// Whether pictures at rest are denoised; `None` without a denoiser.
+    pub denoises: Option<bool>,
 }
 
 impl ViewSettings {
@@ -68,6 +72,8 @@ impl ViewSettings {
             help: false,
             error_map: false,
             left_out: LeftOut::default(),
+            samples: None,
+            denoises: None,
         }
     }
 }

@@ -170,6 +170,8 @@ impl ViewState {
             b: self.settings.wipe.then_some(self.settings.b),
             rest_ms: REST_MS,
             left_out: self.settings.left_out.clone(),
+            samples: self.settings.samples,
+            denoises: self.settings.denoises != Some(false),
             draft_ms: moving_ms.into_iter().chain(playing_ms).reduce(f64::min),
         }
     }

@@ -58,20 +58,40 @@ async function show(bytes) {
   }
 }
 
+// Link to a place of a file, which an editor opens; a place without a file is copied by a click.
+function link([place, file, line, column]) {
+  if (file) {
+    const path = file.split(/[\\/]/).map(encodeURIComponent).join("/").replace(/^\//, "");
+    return element("a", { href: `vscode://file/${path}:${line}:${column}`, textContent: place, title: "open in VS Code" });
+  }
+  const button = element("button", { className: "place", textContent: place, title: "copy" });
+  button.addEventListener("click", () => {
+    getSelection().selectAllChildren(button);
+    void navigator.clipboard?.writeText(place);
+  });
+  return button;
+}
+
+// Parts of a text of messages, in which the places that it names are links. A place may begin like a longer one.
+const linked = (text) => scene.places.toSorted(([a], [b]) => b.length - a.length).reduce(
+  (parts, place) => parts.flatMap((part) => typeof part !== "string" ? [part]
+    : part.split(place[0]).flatMap((own, at) => at ? [link(place), own] : [own])),
+  [text]);
+
 function show_scene(next) {
   scene = next;
   document.title = `${scene.name} \u2013 Reflet`;
   $("help").firstElementChild.replaceChildren(...scene.help.map((row) =>
     element("tr", {}, ...row.map((textContent) => element("td", { textContent })))));
   const problems = $("problems");
-  problems.replaceChildren(...scene.problems.map((text) => element("li", { textContent: text })));
+  problems.replaceChildren(...scene.problems.map((text) => element("li", {}, ...linked(text))));
   problems.hidden = scene.problems.length === 0;
   panels.scene(scene);
   $("screenshot").download = `${scene.name}.png`;
   $("time").hidden = !scene.timeline;
   keys_of_tracks.paint();
   if (scene.timeline) [$("frame").min, $("frame").max] = scene.timeline;
-  $("log").textContent = scene.log.concat(scene.warnings).join("\n");
+  $("log").replaceChildren(...linked(scene.log.concat(scene.warnings).join("\n")));
   $("log-panel").hidden = scene.log.length + scene.warnings.length === 0;
   if (view) show_view(view);
 }
@@ -95,6 +115,9 @@ function show_view(next) {
     const seconds = (view.frame / scene.timeline[2]).toFixed(3);
     $("told").textContent = `${view.frame} of ${scene.timeline[1]}, ${seconds} s`;
   }
+  $("samples").value = view.samples ?? "";
+  $("denoising").hidden = view.denoises === null;
+  $("denoise").checked = view.denoises;
   $("play").textContent = view.plays ? "pause" : "play";
   $("loop").checked = view.loops;
   show_stale();
@@ -109,6 +132,7 @@ function show_statistics({ picture, frame, encode_ms, sides }) {
     lines.push(`${method} ${size[0]}\u00d7${size[1]}, samples ${samples}, ${ms.toFixed(1)} ms, rays ${rays}`);
     for (const [name, of] of passes) lines.push(`  ${name} ${of.toFixed(2)} ms`);
   }
+  $("count").textContent = `${sides[0].samples} shown`;
   $("statistics").textContent = lines.join("\n");
   shown_frame = frame;
   show_stale();
@@ -224,6 +248,8 @@ for (const [id, action] of Object.entries(actions)) $(id).addEventListener("clic
 // The line of a wipe is each viewer's own.
 $("screenshot").addEventListener("click", ({ target }) => { target.href = `picture.png?wipe=${$("line").value}`; });
 $("keys-of-page").addEventListener("click", show_help);
+$("samples").addEventListener("change", ({ target }) => send({ do: "samples", count: Number(target.value) || null }));
+$("denoise").addEventListener("change", ({ target }) => send({ do: "denoise", on: target.checked }));
 $("loop").addEventListener("change", () => press("loop"));
 $("frame").addEventListener("input", ({ target }) => send({ do: "seek", frame: Number(target.value) }));
 $("line").addEventListener("input", paint);

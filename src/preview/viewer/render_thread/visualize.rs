@@ -61,7 +61,8 @@ impl Worker {
 
     /// Whether the picture of a view is denoised: at rest alone.
     fn denoises(&self, view: &View) -> bool {
-        self.denoiser.is_some() && view.draft_ms.is_none() && !self.live.is_coarse()
+        let can_denoise = self.denoiser.is_some() && !self.live.is_coarse();
+        can_denoise && view.denoises && view.draft_ms.is_none()
     }
 
     /// Number of sub-frames of a picture at rest, until it has all.

@@ -185,6 +185,11 @@ impl Worker {
         let most = self.gpu.limits.max_texture_dimension_2d;
         let pixels = |size: [u32; 2]| f64::from(size[0]) * f64::from(size[1]);
         let whole = view.size.map(|side| side.clamp(1, most));
+        self.live.set_view(ViewOverrides {
+            samples: view.samples,
+            left_out: view.left_out.names(self.live.desc()),
+            ..self.live.view().clone()
+        })?;
         let (mut size, all_samples) = (whole, self.live.samples());
         let mut samples = all_samples;
         if let Some(draft_ms) = view.draft_ms {
@@ -209,7 +214,6 @@ impl Worker {
             method: Some(method),
             draft: (!is_whole).then_some(Draft { size, samples }),
             camera: view.chosen.clone(),
-            left_out: view.left_out.names(self.live.desc()),
             ..self.live.view().clone()
         })?;
         self.live.complete()?;
