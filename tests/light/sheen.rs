@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use reflet::world::{LAYER_SLOTS, LayerTexture, Texture, TextureRef, Wrap};
+use reflet::world::{LAYER_SLOTS, LayerTexture};
 
 use super::kit::*;
 
@@ -256,21 +256,9 @@ fn textures_of_layers_multiply_their_numbers() {
     let both: Vec<&str> = (numbers.iter().map(String::as_str)).chain(set).collect();
     let expected = mean(&render(gpu, &text, &both, &[]));
     let (desc, mut world) = scene(&text, &set);
-    world.textures.push(Texture {
-        name: "made".to_owned(),
-        width: 2,
-        height: 2,
-        rgba: texel.repeat(4),
-        srgb: false,
-    });
+    world.textures.push(linear_image(2, 2, texel.repeat(4)));
     let material = world.instances[0].material;
-    world.materials[material].layer_textures = [Some(TextureRef {
-        texture: 0,
-        uv_set: 0,
-        transform: [Vec3::X, Vec3::Y],
-        wrap: [Wrap::Repeat; 2],
-        nearest: false,
-    }); LAYER_SLOTS];
+    world.materials[material].layer_textures = [Some(FIRST_IMAGE); LAYER_SLOTS];
     // Texels of the normal map are no factors.
     world.materials[material].layer_textures[LayerTexture::ClearcoatNormal as usize] = None;
     let found = mean(&renderer(gpu, &desc, &world, false).first_view(&world, &[]));

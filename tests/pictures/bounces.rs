@@ -1,6 +1,6 @@
 //! Number of reflections in a row, in closed form.
 
-use reflet::render::passes::needed_passes;
+use reflet::{render::passes::needed_passes, world::Texture};
 
 use crate::{closed_form::MIRROR, kit::*};
 
@@ -33,6 +33,28 @@ fn facing_mirrors_give_the_series_up_to_the_last_bounce_that_can_be_seen() {
         [series; 3],
         1e-3 * series,
     );
+}
+
+/// A closed box of white metal that glows by 0.01, whose faces have normals as if each were a bulge towards the room: the
+/// cone of a ray widens at every hit, and the texture is read by it after 64 reflections still.
+#[test]
+fn a_closed_room_of_curved_mirrors_gives_the_series_by_its_texture() {
+    let (desc, mut world) = scene(include_str!("bounces/room.toml"), &[]);
+    for mesh in world.meshes.iter_mut() {
+        for (normal, position) in mesh.normals.iter_mut().zip(&mesh.positions) {
+            *normal = (1.3 * *normal - 0.3 * *position).normalize();
+        }
+    }
+    world.textures.push(Texture {
+        srgb: true,
+        ..linear_image(1, 1, vec![255; 4])
+    });
+    let material = world.instances[0].material;
+    world.materials[material].base_color_texture = Some(FIRST_IMAGE);
+    let picture = or_skip!(picture(&desc, &world, &[]));
+    for (x, y) in (0..9).flat_map(|y| (0..16).map(move |x| (x, y))) {
+        assert_color(&picture, x, y, [0.65; 3], 1e-3);
+    }
 }
 
 /// A mirror shows a dark pane, tilted by 45 degrees, that reflects 1/300 of a lamp of 1000: the throughput of the

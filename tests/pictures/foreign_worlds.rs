@@ -3,7 +3,7 @@
 use reflet::{
     render::RenderError,
     scene::desc::ShadowMode,
-    world::{DecalMask, Texture, TextureRef, Wrap},
+    world::{DecalMask, TextureRef},
 };
 
 use crate::{common::assert_says, kit::*};
@@ -39,10 +39,7 @@ const BROKEN: [(Damage, &str); 7] = [
         |w| {
             w.materials[0].base_color_texture = Some(TextureRef {
                 texture: w.textures.len(),
-                uv_set: 0,
-                transform: [Vec3::X, Vec3::Y],
-                wrap: [Wrap::Repeat; 2],
-                nearest: false,
+                ..FIRST_IMAGE
             })
         },
         "its texture does not exist",
@@ -56,16 +53,8 @@ const BROKEN: [(Damage, &str); 7] = [
         "65 lights",
     ),
     (
-        |w| {
-            w.textures.push(Texture {
-                name: "torn".to_owned(),
-                width: 2,
-                height: 2,
-                rgba: vec![0; 3],
-                srgb: true,
-            })
-        },
-        "texture \"torn\": 3 bytes for 2 x 2 pixels",
+        |w| w.textures.push(linear_image(2, 2, vec![0; 3])),
+        "texture \"made\": 3 bytes for 2 x 2 pixels",
     ),
 ];
 

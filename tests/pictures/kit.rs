@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use reflet::{
     render::PlaneData,
     scene::{diagnostic::Diagnostic, stages::Animator},
-    world::load,
+    world::{Texture, TextureRef, Wrap, load},
 };
 
 // Names that most tests of pictures need, beside the functions below.
@@ -104,6 +104,26 @@ pub fn renderer(gpu: &Gpu, desc: &SceneDesc, world: &World, general: bool) -> Re
     }
     or_panic!(Renderer::new(gpu, &shaders(), world, &options))
 }
+
+/// Image of linear values, four bytes a texel.
+pub fn linear_image(width: u32, height: u32, rgba: Vec<u8>) -> Texture {
+    Texture {
+        name: "made".to_owned(),
+        width,
+        height,
+        rgba,
+        srgb: false,
+    }
+}
+
+/// Use of the first image as it is, by its interpolated texels.
+pub const FIRST_IMAGE: TextureRef = TextureRef {
+    texture: 0,
+    uv_set: 0,
+    transform: [Vec3::X, Vec3::Y],
+    wrap: [Wrap::Repeat; 2],
+    nearest: false,
+};
 
 /// Linear color of a pixel.
 pub fn color(picture: &Picture, x: u32, y: u32) -> [f32; 3] {

@@ -2,7 +2,7 @@
 //! environment light, blur.
 
 use glam::Vec2;
-use reflet::world::{Texture, TextureRef, Wrap};
+use reflet::world::{TextureRef, Wrap};
 
 use crate::kit::*;
 
@@ -39,23 +39,15 @@ fn textured(
 ) -> (SceneDesc, World) {
     let (desc, mut world) = scene(WALL, &["material.wall.emission=[1, 1, 1]"]);
     let texels = (0..width * height).map(|i| texel(i % width, i / width));
-    world.textures.push(Texture {
-        name: "made".to_owned(),
-        width,
-        height,
-        rgba: texels.flat_map(|v| [v, v, v, 255]).collect(),
-        srgb: false,
-    });
+    let rgba = texels.flat_map(|v| [v, v, v, 255]).collect();
+    world.textures.push(linear_image(width, height, rgba));
     world.materials[world.instances[0].material].emission_texture = Some(slot);
     (desc, world)
 }
 
 const SLOT: TextureRef = TextureRef {
-    texture: 0,
-    uv_set: 0,
-    transform: [Vec3::X, Vec3::Y],
-    wrap: [Wrap::Repeat; 2],
     nearest: true,
+    ..FIRST_IMAGE
 };
 
 #[test]

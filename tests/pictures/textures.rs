@@ -1,6 +1,6 @@
 //! Textures and unlit materials: several samplers of one image, display colors.
 
-use reflet::world::{Texture, TextureRef, Wrap};
+use reflet::world::{TextureRef, Wrap};
 
 use crate::kit::*;
 
@@ -11,20 +11,14 @@ const WALL: &str = include_str!("textures/wall.toml");
 #[test]
 fn one_image_keeps_the_samplers_of_all_its_uses() {
     let (desc, mut world) = scene(WALL, &["material.wall.emission=[1, 1, 1]"]);
-    world.textures.push(Texture {
-        name: "made".to_owned(),
-        width: 2,
-        height: 1,
-        rgba: vec![0, 0, 0, 255, 255, 255, 255, 255],
-        srgb: false,
-    });
+    let texels = vec![0, 0, 0, 255, 255, 255, 255, 255];
+    world.textures.push(linear_image(2, 1, texels));
     let used = |wrap: Wrap, nearest: bool| TextureRef {
-        texture: 0,
-        uv_set: 0,
         // Coordinates near the left border of the image for the whole wall.
         transform: [Vec3::new(0.0, 0.0, 0.001), Vec3::Y],
         wrap: [wrap; 2],
         nearest,
+        ..FIRST_IMAGE
     };
     let shown = world.instances[0].material;
     // A wrapped sampler mixes black with the white beyond the border; a clamped one stays black.
@@ -46,28 +40,19 @@ fn one_image_keeps_the_samplers_of_all_its_uses() {
 fn large_images_keep_their_texels() {
     const PX: u32 = 4096;
     let (desc, mut world) = scene(WALL, &["material.wall.emission=[1, 1, 1]"]);
-    world.textures.push(Texture {
-        name: "made".to_owned(),
-        width: PX,
-        height: PX,
-        rgba: [[0, 0, 0, 255], [255; 4]]
-            .as_flattened()
-            .repeat((PX * PX / 2) as usize),
-        srgb: false,
-    });
+    let columns = [[0, 0, 0, 255], [255; 4]];
+    let texels = columns.as_flattened().repeat((PX * PX / 2) as usize);
+    world.textures.push(linear_image(PX, PX, texels));
     let shown = world.instances[0].material;
     // The picture shows 1.608 m of the wall.
     let width_m = 2.0 * 3.0 * 15_f32.to_radians().tan();
     let along = 2.0 / width_m * 32.0 / PX as f32;
     world.materials[shown].emission_texture = Some(TextureRef {
-        texture: 0,
-        uv_set: 0,
         transform: [
             Vec3::new(along, 0.0, 0.5 - 0.5 * along),
             Vec3::new(0.0, along, 0.0),
         ],
-        wrap: [Wrap::Repeat; 2],
-        nearest: false,
+        ..FIRST_IMAGE
     });
     let picture = or_skip!(picture(&desc, &world, &[]));
     for x in [4, 11, 16, 21, 28] {
