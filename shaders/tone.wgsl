@@ -15,9 +15,8 @@ override HAS_ALPHA: bool = false;
 // Khronos PBR Neutral Tone Mapper, specification of 2024.
 fn neutral(c_in: vec3f) -> vec3f {
     let start = 0.8 - 0.04;
-    let darkest = min(c_in.x, min(c_in.y, c_in.z));
-    let offset = select(0.04, darkest - 6.25 * darkest * darkest, darkest < 0.08);
-    let c = c_in - offset;
+    let darkest = min(min(c_in.x, 0.08), min(c_in.y, c_in.z));
+    let c = c_in - (darkest - 6.25 * darkest * darkest);
     let peak = max(c.x, max(c.y, c.z));
     if (peak < start) { return c; }
     let d = 1.0 - start;
@@ -26,29 +25,22 @@ fn neutral(c_in: vec3f) -> vec3f {
     return mix(c * (new_peak / peak), vec3f(new_peak), gray);
 }
 
-// Narkowicz 2015, "ACES Filmic Tone Mapping Curve".
+// Hill 2016, BakingLab: fit of the Academy's reference rendering and display transforms (ACES).
 fn aces(c: vec3f) -> vec3f {
-    return saturate((c * (2.51 * c + 0.03)) / (c * (2.43 * c + 0.59) + 0.14));
+    let film = vec4f(c, 0.0) * params.inset;
+    let curve = (film * (film + 0.0245786) - 0.000090537) / (film * (0.983729 * film + 0.4329510) + 0.238081);
+    return vec4f(curve, 0.0) * params.outset;
 }
 
 // Troy Sobotka's AgX with its default look, by the fit of Wrensch 2023, "Minimal AgX Implementation".
 fn agx(c: vec3f) -> vec3f {
-    let inset = mat3x3f(
-        vec3f(0.842479062253094, 0.0423282422610123, 0.0423756549057051),
-        vec3f(0.0784335999999992, 0.878468636469772, 0.0784336),
-        vec3f(0.0792237451477643, 0.0791661274605434, 0.879142973793104),
-    );
-    let outset = mat3x3f(
-        vec3f(1.19687900512017, -0.0528968517574562, -0.0529716355144438),
-        vec3f(-0.0980208811401368, 1.15190312990417, -0.0980434501171241),
-        vec3f(-0.0990297440797205, -0.0989611768448433, 1.15107367264116),
-    );
-    let stops = clamp(log2(max(inset * c, vec3f(1e-10))), vec3f(-12.47393), vec3f(4.026069));
+    let inset = vec4f(c, 0.0) * params.inset;
+    let stops = clamp(log2(max(inset, vec3f(1e-10))), vec3f(-12.47393), vec3f(4.026069));
     let x = (stops + 12.47393) / (4.026069 + 12.47393);
     let x2 = x * x;
     let x4 = x2 * x2;
     let curve = 15.5 * x4 * x2 - 40.14 * x4 * x + 31.96 * x4 - 6.868 * x2 * x + 0.4298 * x2 + 0.1191 * x - 0.00232;
-    return pow(max(outset * curve, vec3f(0.0)), vec3f(2.2));
+    return pow(max(vec4f(curve, 0.0) * params.outset, vec3f(0.0)), vec3f(2.2));
 }
 
 // IEC 61966-2-1.

@@ -1,7 +1,7 @@
 //! Light of images that a file brings (EXT_lights_image_based).
 
 use glam::DVec3;
-use reflet::world::environment::Panorama;
+use reflet::{math::linear_from_srgb, world::environment::Panorama};
 
 use crate::kit::*;
 
@@ -65,11 +65,7 @@ fn panorama(world: &World) -> &Panorama {
 
 /// Radiance of a byte, by IEC 61966-2-1.
 fn linear(byte: u8) -> f32 {
-    let v = f32::from(byte) / 255.0;
-    match v <= 0.04045 {
-        true => v / 12.92,
-        false => ((v + 0.055) / 1.055).powf(2.4),
-    }
+    linear_from_srgb(f32::from(byte) / 255.0)
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Scenes with radiance in closed form.
 
-use reflet::render::pipeline::cause::Source;
+use reflet::{math::srgb_from_linear, render::pipeline::cause::Source};
 
 use crate::kit::*;
 
@@ -165,37 +165,38 @@ fn fading_ends_in_the_environment() {
     assert_color(&picture, 16, 8, expected, 2e-3);
 }
 
-/// Tone curves: Khronos PBR Neutral, Narkowicz's ACES and the sRGB curve.
+/// Tone curves: Khronos PBR Neutral, Hill's ACES, by the rows of its matrices, and the sRGB curve.
 #[test]
 fn tone_curves_are_those_of_their_papers() {
     let Some(gpu) = gpu() else { return };
-    let srgb = |c: f32| {
-        let c = c.clamp(0.0, 1.0);
-        if c <= 0.003_130_8 {
-            12.92 * c
-        } else {
-            1.055 * c.powf(1.0 / 2.4) - 0.055
-        }
-    };
-    let neutral = |c: [f32; 3]| {
-        let least = c.iter().copied().fold(f32::INFINITY, f32::min);
-        let offset = if least < 0.08 {
-            least - 6.25 * least * least
-        } else {
-            0.04
-        };
-        let c = c.map(|v| v - offset);
-        let peak = c.iter().copied().fold(0.0, f32::max);
+    let neutral = |c: Vec3| {
+        let least = c.min_element().min(0.08);
+        let c = c - (least - 6.25 * least * least);
+        let peak = c.max_element();
         if peak < 0.76 {
             return c;
         }
         let compressed = 1.0 - 0.24 * 0.24 / (peak + 0.24 - 0.76);
         let white = 1.0 - 1.0 / (0.15 * (peak - compressed) + 1.0);
-        c.map(|v| v * compressed / peak * (1.0 - white) + compressed * white)
+        (c * compressed / peak).lerp(Vec3::splat(compressed), white)
     };
-    let aces = |c: [f32; 3]| c.map(|c| (c * (2.51 * c + 0.03)) / (c * (2.43 * c + 0.59) + 0.14));
-    let none = |c: [f32; 3]| c;
-    type Curve<'a> = &'a dyn Fn([f32; 3]) -> [f32; 3];
+    let aces = |c: Vec3| {
+        let film = Vec3::new(
+            c.dot(Vec3::new(0.59719, 0.35458, 0.04823)),
+            c.dot(Vec3::new(0.07600, 0.90834, 0.01566)),
+            c.dot(Vec3::new(0.02840, 0.13383, 0.83777)),
+        );
+        let c = film.map(|v| {
+            (v * (v + 0.0245786) - 0.000090537) / (v * (0.983729 * v + 0.432951) + 0.238081)
+        });
+        Vec3::new(
+            c.dot(Vec3::new(1.60475, -0.53108, -0.07367)),
+            c.dot(Vec3::new(-0.10208, 1.10813, -0.00605)),
+            c.dot(Vec3::new(-0.00327, -0.07276, 1.07602)),
+        )
+    };
+    let none = |c: Vec3| c;
+    type Curve<'a> = &'a dyn Fn(Vec3) -> Vec3;
     let curves: [(&str, Curve); 3] = [("neutral", &neutral), ("aces", &aces), ("none", &none)];
     for emission in [
         [0.001, 0.002, 0.05],
@@ -211,9 +212,10 @@ fn tone_curves_are_those_of_their_papers() {
                 "reflection.method=\"rt\"",
             ];
             let picture = render(gpu, MIRROR, &set, &[]);
-            let expected = curve(emission.map(|v: f32| v * 2f32.sqrt())).map(|v| srgb(v) * 255.0);
+            let shown = curve(Vec3::from_array(emission) * 2f32.sqrt());
+            let expected = shown.map(|v| 255.0 * srgb_from_linear(v.clamp(0.0, 1.0)));
             let at = 4 * (8 * 33 + 16);
-            for (found, expected) in picture.display[at..].iter().zip(expected) {
+            for (found, expected) in picture.display[at..].iter().zip(expected.to_array()) {
                 let off = (f32::from(*found) - expected).abs();
                 assert!(
                     off < 1.0,

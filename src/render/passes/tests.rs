@@ -1,19 +1,14 @@
 //! Tests of the list of passes.
 
 use super::*;
+use reflet_base::math::linear_from_srgb;
 
 /// Minimum distance in OKLab between the colors of any two passes, and of passes that follow each other.
 const APART: [f32; 2] = [0.1, 0.15];
 
 /// Color in OKLab (Ottosson 2020), in which equal distances look about equally large.
 fn ok_lab(srgb: [u8; 3]) -> [f32; 3] {
-    let [r, g, b] = srgb.map(|value| {
-        let value = f32::from(value) / 255.0;
-        match value <= 0.040_45 {
-            true => value / 12.92,
-            false => ((value + 0.055) / 1.055).powf(2.4),
-        }
-    });
+    let [r, g, b] = srgb.map(|value| linear_from_srgb(f32::from(value) / 255.0));
     let cone = |weights: [f32; 3]| (weights[0] * r + weights[1] * g + weights[2] * b).cbrt();
     let [l, m, s] = [
         cone([0.412_221_5, 0.536_332_5, 0.051_446]),

@@ -13,7 +13,8 @@ declared! {
         None = "none",
         /// Khronos PBR Neutral, which keeps base colors.
         Neutral = "neutral",
-        /// a filmic curve (Narkowicz's fit of ACES).
+        /// a filmic curve (Hill's fit of ACES). Viewers that brighten by 1 / 0.6 before it, as three.js does, show what
+        /// `exposure_ev = 0.737` gives.
         Aces = "aces",
         /// a filmic curve that turns bright colors pale (Sobotka's AgX, Wrensch's fit).
         Agx = "agx",
