@@ -35,6 +35,6 @@ def test_what_a_scenario_lacks_is_named(tmp_path: Path) -> None:
     view = fidelity.scenario({"name": "khronos-Fox", "model": "../../../Models/Fox.glb"})
     assert (view.eye, view.toward) == (pytest.approx((0, 0, 1)), pytest.approx((0, 0, 0)))
     with pytest.raises(fidelity.LackError, match=r"lacks Models/Fox\.gltf, environments/light"):
-        fidelity.draw(Path("reflet"), tmp_path, tmp_path, view, 256)
+        fidelity.draw(Path("reflet"), tmp_path, tmp_path, view, 256, "aces")
     seen = scores.on_white(Image.new("RGBA", (4, 4), (0, 0, 0, 51)), (2, 2))
     assert seen == pytest.approx(np.full((2, 2, 3), 0.8))

@@ -1,7 +1,7 @@
 """Suites of others, whose folders are given: Reflet's pictures beside theirs (docs/suites.md).
 
 --suite names a folder with clones of the suites' repositories, by their names. A measurement takes
-two cores without a GPU twenty minutes for `fidelity` and five for `imaging`.
+two cores without a GPU forty minutes for `fidelity` and five for `imaging`.
 """
 
 import shutil
@@ -45,27 +45,28 @@ def places(rows: Rows) -> str:
     """Mean ranks of each renderer, the nearest by pixels first."""
     lines = []
     for (name,), of in by(rows, "renderer").items():
-        shares = [statistics.fmean(values(of, f"{kind} rank")) for kind in ("pixels", "means")]
+        shares = [statistics.fmean(values(of, f"{kind} rank")) for kind in fidelity.DISTANCES]
         shown = f"**{name}**" if name == fidelity.OURS else name
         lines.append([shown, str(len(of)), *(f"{share:.2f}" for share in shares)])
     lines.sort(key=lambda line: line[2])
-    return table(["renderer", "scenarios", "mean rank by pixels", "by means of 4 × 4"], lines)
+    head = ["renderer", "scenarios", "mean rank by pixels", "by means of 4 × 4"]
+    return table([*head, "by pixels with the set's curve", "by means of 4 × 4 with it"], lines)
 
 
 def farthest(rows: Rows) -> str:
-    """Scenarios in which Reflet's picture is the farthest from the others, most of all first."""
+    """Scenarios in which Reflet's picture with the set's curve is the farthest from the others."""
     own = [row for row in rows if row["renderer"] == fidelity.OURS]
-    own.sort(key=lambda row: -float(row["means"]))
+    own.sort(key=lambda row: -float(row["aces means"]))
     lines = []
     for row in own[:15]:
         others = [
-            float(other["brightness"])
+            float(other["aces brightness"])
             for other in rows
             if other["scenario"] == row["scenario"] and other["renderer"] in fidelity.PATH_TRACERS
         ]
-        brighter = float(row["brightness"]) - statistics.median(others)
-        ranks = [f"{float(row[f'{kind} rank']):.2f}" for kind in ("pixels", "means")]
-        distance = f"{float(row['means']):.3f}"
+        brighter = float(row["aces brightness"]) - statistics.median(others)
+        ranks = [f"{float(row[f'aces {kind} rank']):.2f}" for kind in ("pixels", "means")]
+        distance = f"{float(row['aces means']):.3f}"
         name = row["scenario"].removeprefix("khronos-")
         lines.append([name, distance, *ranks, f"{brighter:+.3f}"])
     head = ["scenario", "distance by means", "rank by pixels", "by means", "brighter by"]

@@ -27,6 +27,10 @@ WIDTH = 256
 SAMPLES = 16
 ROOM = "environments/lightroom_14b.hdr"
 OURS, REFERENCE = "reflet", "blender-cycles"
+LOOKS = {"default": {}, "aces": {"tone_map": '"aces"', "exposure_ev": math.log2(1 / 0.6)}}
+"""Reflet's looks, by keys of `[image]`: its default, and the curve and exposure of the set."""
+DISTANCES = [f"{look} {kind}" for look in LOOKS for kind in ("pixels", "means")]
+"""Columns of fidelity.csv."""
 PATH_TRACERS = ("blender-cycles", "vray", "stellar", "dspbr-pt", "three-gpu-pathtracer")
 
 
@@ -111,8 +115,8 @@ def standing_in(root: Path, model: str) -> str:
     return model if (root / model).is_file() else several
 
 
-def draw(program: Path, suite: Path, out: Path, view: Scenario, height: int) -> Path:
-    """Reflet's picture of a scenario; raises LackError where there is none."""
+def draw(program: Path, suite: Path, out: Path, view: Scenario, height: int, look: str) -> Path:
+    """Reflet's picture of a scenario in a look; raises LackError where there is none."""
     root = suite / GENERATOR
     view = dataclasses.replace(view, model=standing_in(root, view.model))
     missing = lacking(root, view.model)
@@ -120,30 +124,35 @@ def draw(program: Path, suite: Path, out: Path, view: Scenario, height: int) -> 
         missing.append(view.panorama)
     if missing:
         raise LackError(f"{root} lacks {', '.join(missing)}")
-    picture = out / f"{view.name}.png"
+    picture = out / look / f"{view.name}.png"
     if not picture.exists():
+        picture.parent.mkdir(parents=True, exist_ok=True)
         scene = out / f"{view.name}.toml"
         scene.write_text(view.text(), encoding="utf-8")
+        keys = [f"--set=image.{key}={value}" for key, value in LOOKS[look].items()]
         size = ["--size", f"{WIDTH}x{height}", "--samples", str(SAMPLES), "--denoise"]
-        ran = used([program, "render", scene, "-o", picture, "--assets", root, *size])
+        ran = used([program, "render", scene, "-o", picture, "--assets", root, *size, *keys])
         if ran.code != 0:
             raise LackError(f"Reflet renders no picture:\n{ran.said}")
     return picture
 
 
-def compare(pictures: dict[str, Image.Image], ours: Path) -> list[Row]:
-    """Distances of each renderer's picture of one scenario, at the size of Reflet's."""
-    own = Image.open(ours)
-    shown = {name: on_white(picture, own.size) for name, picture in pictures.items()}
-    shown[OURS] = on_white(own, own.size)
-    fine = distances(shown)
-    coarse = distances({name: means(picture) for name, picture in shown.items()})
-    rows = []
-    for name, picture in shown.items():
-        numbers = {"pixels": f"{fine[name]:.5f}", "means": f"{coarse[name]:.5f}"}
-        numbers["brightness"] = f"{picture.mean():.4f}"
-        rows.append({"scenario": ours.stem, "renderer": name, **numbers})
-    return rows
+def compare(
+    scenario: str, pictures: Mapping[str, Image.Image], drawn: Mapping[str, Path]
+) -> list[Row]:
+    """Distances of each renderer's picture of a scenario, at Reflet's size, for each look of it."""
+    rows = {name: {"scenario": scenario, "renderer": name} for name in [*pictures, OURS]}
+    for look, path in drawn.items():
+        own = Image.open(path)
+        shown = {name: on_white(picture, own.size) for name, picture in pictures.items()}
+        shown[OURS] = on_white(own, own.size)
+        fine = distances(shown)
+        coarse = distances({name: means(picture) for name, picture in shown.items()})
+        for name, picture in shown.items():
+            rows[name][f"{look} pixels"] = f"{fine[name]:.5f}"
+            rows[name][f"{look} means"] = f"{coarse[name]:.5f}"
+            rows[name][f"{look} brightness"] = f"{picture.mean():.4f}"
+    return list(rows.values())
 
 
 def measure(program: Path, suite: Path, out: Path) -> None:
@@ -156,13 +165,14 @@ def measure(program: Path, suite: Path, out: Path) -> None:
         for name in [name for name, p in pictures.items() if abs(p.height - shape[1]) > 1]:
             print(f"{view.name}: {name}'s picture has another size, and is left out", flush=True)
             del pictures[name]
+        height = round(WIDTH * shape[1] / shape[0])
         try:
-            drawn = draw(program, suite, out, view, round(WIDTH * shape[1] / shape[0]))
+            drawn = {look: draw(program, suite, out, view, height, look) for look in LOOKS}
         except LackError as lack:
             print(f"{view.name}: not compared: {lack}", flush=True)
             return []
-        rows = compare(pictures, drawn)
-        print(f"{view.name}: {rows[-1]['pixels']}", flush=True)
+        rows = compare(view.name, pictures, drawn)
+        print(f"{view.name}: {rows[-1]}", flush=True)
         return rows
 
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
@@ -171,10 +181,10 @@ def measure(program: Path, suite: Path, out: Path) -> None:
 
 
 def rank_rows(path: Path) -> list[Row]:
-    """Rows of fidelity.csv with the ranks of their two distances."""
+    """Rows of fidelity.csv with the ranks of their distances."""
     rows = read_rows(path)
     for of in by(rows, "scenario").values():
-        for column in ("pixels", "means"):
+        for column in DISTANCES:
             found = ranks({row["renderer"]: float(row[column]) for row in of})
             for row in of:
                 row[f"{column} rank"] = str(found[row["renderer"]])
