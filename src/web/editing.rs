@@ -19,8 +19,14 @@ use reflet_scene::{
 use reflet_world::World;
 use reflet_write_back::{
     Change, KeyChange, KeyEdit, Layered, MaterialOrigin, Numbers, SceneItem, change, change_keys,
-    change_material, change_parameters, exact, handles::Handle, inspect, key_tracks,
-    outline::outline, page, picking::Clicks, selection::Selection, shown_tracks,
+    change_material, change_parameters, exact,
+    handles::Handle,
+    inspect, key_tracks,
+    outline::{LeftOut, outline},
+    page,
+    picking::Clicks,
+    selection::Selection,
+    shown_tracks,
 };
 
 /// Longest drag, parts of the picture.
@@ -47,6 +53,8 @@ enum Act {
     },
     /// End the drag of a handle.
     Drop {},
+    /// Hide the thing of a row of the outline, or show it again; with `solo`, show it alone, or all again.
+    Hide { row: usize, solo: bool },
     /// Change numbers of the selected item.
     Number {
         key: String,
@@ -90,6 +98,8 @@ pub(crate) struct Editing {
     /// Name of the material whose numbers are shown.
     material: Option<String>,
     clicks: Clicks,
+    /// Things that the view leaves out.
+    pub(crate) left_out: LeftOut,
 }
 
 /// Keeps an input, a message of the page as JSON, for the next call of [`act`].
@@ -157,6 +167,12 @@ impl Shown {
             Act::Select { row } => {
                 let item = outline(desc).get(row).map(|row| row.item);
                 self.select(item, None);
+                nothing
+            }
+            Act::Hide { row, solo } => {
+                if let Some(row) = outline(desc).get(row) {
+                    self.editing.left_out.toggle(&row.label, solo);
+                }
                 nothing
             }
             Act::Unpick {} => {
@@ -372,7 +388,7 @@ impl Shown {
         let camera = camera_of(session);
         let size = session.renderer().targets().size;
         json!({
-            "scene": json!({ "items": page::rows(&items, None), "materials": names(&loaded.world) }).to_string(),
+            "scene": json!({ "items": page::rows(&items, &self.editing.left_out), "materials": names(&loaded.world) }).to_string(),
             "item": page::item(selection, &items).to_string(),
             "material": json!(material).to_string(),
             "parameters": page::parameters(session.declared(), session.parameters()).to_string(),

@@ -322,6 +322,10 @@ impl Shown {
             .session
             .take()
             .filter(|open| open.source().path == source.path);
+        if same.is_none() {
+            self.editing = Editing::default();
+        }
+        view.left_out = self.editing.left_out.names(&read.scene().desc);
         let session = match same {
             Some(open) => {
                 let session = self.session.insert(open);
@@ -331,7 +335,6 @@ impl Shown {
                 session
             }
             None => {
-                self.editing = Editing::default();
                 let whole = InitialBuild::Whole;
                 let open = Session::of_read(gpu.clone(), source, view, read, whole)?;
                 self.session.insert(open)

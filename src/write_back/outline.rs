@@ -42,17 +42,14 @@ pub struct LeftOut {
 }
 
 impl LeftOut {
-    /// Hides a thing, or shows it again.
-    pub fn toggle(&mut self, label: &str) {
-        if !self.hidden.remove(label) {
+    /// Hides a thing, or shows it again; with `solo`, shows it alone, or all again.
+    pub fn toggle(&mut self, label: &str, solo: bool) {
+        if solo {
+            let is_alone = self.solo.as_deref() == Some(label);
+            self.solo = (!is_alone).then(|| label.to_owned());
+        } else if !self.hidden.remove(label) {
             self.hidden.insert(label.to_owned());
         }
-    }
-
-    /// Shows a thing alone, or all again.
-    pub fn toggle_solo(&mut self, label: &str) {
-        let is_alone = self.solo.as_deref() == Some(label);
-        self.solo = (!is_alone).then(|| label.to_owned());
     }
 
     /// Names of the instances, as [`SceneDesc::instance_names`] has them, and of the unplaced models that are left out.
@@ -164,13 +161,13 @@ mod tests {
     #[test]
     fn a_hidden_thing_takes_along_what_is_attached_to_it() {
         let (scene, mut view) = (scene(), LeftOut::default());
-        view.toggle("group arm");
+        view.toggle("group arm", false);
         let names = |view: &LeftOut| view.names(&scene).into_iter().collect::<Vec<_>>();
         assert_eq!(names(&view), ["hand"]);
-        view.toggle_solo("instance ball#2");
+        view.toggle("instance ball#2", true);
         assert_eq!(names(&view), ["ball", "floor", "hand"]);
-        view.toggle("group arm");
-        view.toggle_solo("instance of another scene");
+        view.toggle("group arm", false);
+        view.toggle("instance of another scene", true);
         assert_eq!(names(&view), Vec::<String>::new());
     }
 }

@@ -76,17 +76,15 @@ fn row(numbers: &Numbers, is_color: bool, range: Option<&Range>, text: &str, gro
     })
 }
 
-/// Labels and depths of an outline, and whether each thing that can be left out of the view is hidden and shown alone;
-/// without a view that leaves things out, none can.
-pub fn rows(outline: &[OutlineRow], view: Option<&LeftOut>) -> Value {
+/// Labels and depths of an outline, and whether each thing that can be left out of the view is hidden and shown alone.
+pub fn rows(outline: &[OutlineRow], view: &LeftOut) -> Value {
     let state = |row: &OutlineRow| {
         let can_hide = matches!(
             row.item,
             SceneItem::Instance(_) | SceneItem::Group(_) | SceneItem::Model(_)
         );
-        let view = view.filter(|_| can_hide)?;
         let is_alone = view.solo.as_ref() == Some(&row.label);
-        Some([view.hidden.contains(&row.label), is_alone])
+        can_hide.then(|| [view.hidden.contains(&row.label), is_alone])
     };
     let rows = outline
         .iter()

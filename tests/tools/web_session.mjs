@@ -216,6 +216,15 @@ for (const undone of ["scale = [1.5", "[0.5, 0.4", "roughness = 1\n"]) {
   await page.waitForFunction((text) => !document.getElementById("text").value.includes(text), undone);
 }
 if (await value(page) !== unselected) throw new Error("undo leaves another text");
+// A hidden thing is not seen, and the text stays.
+await write(page, "text");
+await shown(page);
+const with_ball = await picture(page);
+for (const isHidden of [true, false]) {
+  await page.click('[aria-label="hide instance ball"]');
+  await page.waitForFunction(([before, isHidden]) => (document.getElementById("stage").canvas.toDataURL() !== before) === isHidden, [with_ball, isHidden]);
+}
+if (await value(page) !== unselected) throw new Error("what is hidden changes the text");
 step("edited");
 
 // The numbers follow a handle while it is dragged, and the text where it ends.

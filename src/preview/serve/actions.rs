@@ -142,10 +142,7 @@ impl Session {
         let Some(row) = self.state.summary.items.get(row) else {
             return;
         };
-        match solo {
-            true => self.state.settings.left_out.toggle_solo(&row.label),
-            false => self.state.settings.left_out.toggle(&row.label),
-        }
+        self.state.settings.left_out.toggle(&row.label, solo);
         self.tell_scene();
     }
 

@@ -146,7 +146,7 @@ pub(super) fn scene(state: &ViewState, name: &str) -> String {
         "channels": ViewChannel::of_frames().map(ViewChannel::name).collect::<Vec<_>>(),
         "presses": presses(),
         "help": keys::KEYS.iter().filter(|row| is_known(row)).map(|row| [row.keys, row.what]).collect::<Vec<_>>(),
-        "items": page::rows(&summary.items, Some(&state.settings.left_out)),
+        "items": page::rows(&summary.items, &state.settings.left_out),
         "timeline": summary.timeline.as_ref().map(|time| json!([time.start, time.end, time.fps])),
         "log": summary.log,
         "problems": problems(&summary.problems),

@@ -164,7 +164,10 @@ const heard = {
     get("saving").open &&= !name;
   },
 };
-const act = (message) => view.act(message);
+const act = (message) => {
+  view.act(message);
+  if (message.do === "hide") view.run(false);
+};
 const panels = begin_panels(get("panels"), act);
 const handles = begin_handles(view.canvas, get("handles"), act);
 const keys = begin_keys(get("keys"), {

@@ -40,7 +40,7 @@ export const begin_panels = (box, send) => {
       get("items").replaceChildren(...items.map(([label, depth, left_out], at) => {
         const button = element("button", { textContent: "\u00a0".repeat(2 * depth) + label });
         button.addEventListener("click", () => send({ do: "select", row: at }));
-        // What a view can leave out is hidden and shown alone by two buttons.
+        // Two buttons hide a thing that views can leave out, and show it alone.
         const switches = (left_out ?? []).map((is_on, solo) => {
           const does = ["hide", "solo"][solo];
           const made = element("button", { textContent: does, ariaLabel: `${does} ${label}`, ariaPressed: String(is_on) });
