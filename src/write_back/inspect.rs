@@ -15,6 +15,7 @@ use reflet_scene::{
     diagnostic::Span,
     motion::{DECAL, DECAL_PLACES, DecalPose},
     number::{Field, Form},
+    toml_text::toml_text,
 };
 
 /// File and line of a place.
@@ -70,8 +71,8 @@ fn numbers(desc: &SceneDesc, item: SceneItem) -> Result<Vec<Numbers>, String> {
         SceneItem::Camera(i) => return Ok(fields(&desc.cameras[i].value, &CAMERA)),
         SceneItem::Environment => return Ok(environment(desc)),
         SceneItem::Model(i) => {
-            let name = &desc.models[i].name;
-            let help = format!("write `[[instance]]` with `model = \"{name}\"` to move it");
+            let name = toml_text(&desc.models[i].name);
+            let help = format!("write `[[instance]]` with `model = {name}` to move it");
             return Err(format!("no instance places it; {help}"));
         }
     };

@@ -2,7 +2,7 @@
 
 use super::places::Subject;
 use reflet_scene::{
-    desc::{Entry, SceneDesc},
+    desc::{Entry, MaterialDesc, SceneDesc},
     diagnostic::Span,
     motion::{ModelTables, override_of},
 };
@@ -92,8 +92,8 @@ impl SceneItem {
             Self::Instance(i) => names.get(i).map(String::as_str),
             item => item.named(desc).and_then(|(name, _)| name),
         };
-        let label = format!("{} {}", self.kind(), name.unwrap_or_default());
-        label.trim_end().to_owned()
+        let kind = self.kind();
+        name.map_or_else(|| kind.to_owned(), |name| format!("{kind} {name}"))
     }
 
     /// Key of the item's kind in scene text.
@@ -161,14 +161,18 @@ impl MaterialOrigin {
         }
     }
 
-    /// Strength by which the text multiplies the emission, where it has one.
-    pub fn emission_strength(&self, desc: &SceneDesc) -> Option<f32> {
+    /// A number of the table in the text, where it has one.
+    pub fn written(
+        &self,
+        desc: &SceneDesc,
+        number: impl Fn(&MaterialDesc) -> Option<f32>,
+    ) -> Option<f32> {
         match self {
-            Self::Named(i) => desc.materials.get(*i)?.value.emission_strength,
-            Self::Instance(i) => override_of(desc.instances.get(*i)?)?.emission_strength,
+            Self::Named(i) => number(&desc.materials.get(*i)?.value),
+            Self::Instance(i) => number(override_of(desc.instances.get(*i)?)?),
             Self::File(i, name) => {
                 let tables = ModelTables::for_model(desc.models.get(*i));
-                tables.written(name).emission_strength
+                number(&tables.written(name))
             }
         }
     }

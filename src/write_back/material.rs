@@ -49,10 +49,13 @@ impl MaterialOrigin {
     }
 
     /// The numbers of a material of a world as its table has them: the strength apart from the emission, whose product
-    /// a world has.
+    /// a world has, and the alpha, which a world has for blended materials alone.
     pub fn as_written(&self, desc: &SceneDesc, numbers: &MaterialDesc) -> MaterialDesc {
         let mut numbers = numbers.clone();
-        let strength = self.emission_strength(desc);
+        numbers.alpha = numbers
+            .alpha
+            .or_else(|| self.written(desc, |own| own.alpha));
+        let strength = self.written(desc, |own| own.emission_strength);
         let strength = strength.filter(|strength| *strength > 0.0);
         if let (Some(emission), Some(strength)) = (&mut numbers.emission, strength) {
             *emission /= strength;
