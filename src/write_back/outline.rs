@@ -6,6 +6,7 @@ use std::{
 };
 
 use super::SceneItem;
+use reflet_render::runtime::LeftOutNames;
 use reflet_scene::desc::SceneDesc;
 
 /// Maximum number of rows; further items can still be selected by clicks.
@@ -35,9 +36,9 @@ fn of_node(desc: &SceneDesc, index: usize) -> SceneItem {
 /// Things that a view leaves out, by their labels; the scene's text keeps them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LeftOut {
-    /// Labels of things that are hidden with all that is attached to them.
+    /// Labels of things that are hidden with all instances that are attached to them; lights and decals stay.
     pub hidden: BTreeSet<String>,
-    /// Label of a thing that is shown alone, with all that is attached to it.
+    /// Label of a thing that is shown alone, with all instances that are attached to it.
     pub solo: Option<String>,
 }
 
@@ -52,35 +53,41 @@ impl LeftOut {
         }
     }
 
-    /// Names of the instances, as [`SceneDesc::instance_names`] has them, and of the unplaced models that are left out.
-    pub fn names(&self, desc: &SceneDesc) -> BTreeSet<String> {
+    /// Names of the instances and of the unplaced models that are left out.
+    pub fn names(&self, desc: &SceneDesc) -> LeftOutNames {
         if *self == Self::default() {
-            return BTreeSet::new();
+            return LeftOutNames::default();
         }
         let names = desc.instance_names();
-        let labels = |instance: &String, index: usize| {
+        // A thing with its ancestors.
+        let labels = |index: usize| -> Vec<String> {
             let nodes = successors(Some(index), |node| desc.parents.of_node(*node));
             let labels = nodes.map(|node| of_node(desc, node).label_among(desc, &names));
-            (instance.clone(), labels.collect::<Vec<_>>())
+            labels.collect()
         };
-        let instances = names
-            .iter()
-            .zip(0..)
-            .map(|(name, index)| labels(name, index));
-        let models = desc.unplaced_models().map(|index| {
-            let label = SceneItem::Model(index).label_among(desc, &names);
-            (desc.models[index].name.clone(), vec![label])
-        });
-        let all: Vec<(String, Vec<String>)> = instances.chain(models).collect();
-        let is_in = |label: &&String| all.iter().any(|(_, labels)| labels.contains(label));
+        let instances: Vec<_> = (0..names.len()).map(labels).collect();
+        let model = |index: usize| {
+            let name = desc.models[index].name.clone();
+            (name, [SceneItem::Model(index).label_among(desc, &names)])
+        };
+        let models: Vec<_> = desc.unplaced_models().map(model).collect();
         // Nothing is alone where its thing has left the scene.
+        let is_in = |label: &&String| {
+            let mut all = instances.iter().flatten();
+            all.any(|own| own == *label) || models.iter().any(|(_, own)| own[0] == **label)
+        };
         let solo = self.solo.as_ref().filter(is_in);
         let is_left_out = |labels: &[String]| {
             solo.is_some_and(|solo| !labels.contains(solo))
                 || labels.iter().any(|label| self.hidden.contains(label))
         };
-        let left_out = all.into_iter().filter(|(_, labels)| is_left_out(labels));
-        left_out.map(|(name, _)| name).collect()
+        let left_out = names.iter().zip(&instances);
+        let left_out = left_out.filter(|(_, labels)| is_left_out(labels));
+        let models_left_out = models.iter().filter(|(_, label)| is_left_out(label));
+        LeftOutNames {
+            instances: left_out.map(|(name, _)| name.clone()).collect(),
+            models: models_left_out.map(|(name, _)| name.clone()).collect(),
+        }
     }
 }
 
@@ -159,13 +166,16 @@ mod tests {
     }
 
     #[test]
-    fn a_hidden_thing_takes_along_what_is_attached_to_it() {
+    fn a_hidden_thing_takes_along_the_instances_below_it() {
         let (scene, mut view) = (scene(), LeftOut::default());
         view.toggle("group arm", false);
-        let names = |view: &LeftOut| view.names(&scene).into_iter().collect::<Vec<_>>();
+        let names = |view: &LeftOut| {
+            let LeftOutNames { instances, models } = view.names(&scene);
+            instances.into_iter().chain(models).collect::<Vec<_>>()
+        };
         assert_eq!(names(&view), ["hand"]);
         view.toggle("instance ball#2", true);
-        assert_eq!(names(&view), ["ball", "floor", "hand"]);
+        assert_eq!(names(&view), ["ball", "hand", "floor"]);
         view.toggle("group arm", false);
         view.toggle("instance of another scene", true);
         assert_eq!(names(&view), Vec::<String>::new());

@@ -87,9 +87,17 @@ pub struct ViewOverrides {
     /// Name of the chosen camera. Without one, or where the scene lacks it, `auto` is decided for the camera that
     /// is shown at the first frame.
     pub camera: Option<String>,
-    /// Names of instances, as [`SceneDesc::instance_names`] has them, and of models that no instance places, which are
-    /// left out: they are neither seen nor reflected, and cast no shadow.
-    pub left_out: BTreeSet<String>,
+    /// Instances and models that are left out: they are neither seen nor reflected, and cast no shadow.
+    pub left_out: LeftOutNames,
+}
+
+/// Names of things of a scene that a view leaves out.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LeftOutNames {
+    /// Instances, by their names as [`SceneDesc::instance_names`] has them.
+    pub instances: BTreeSet<String>,
+    /// Models that no instance places.
+    pub models: BTreeSet<String>,
 }
 
 impl ViewOverrides {
@@ -100,16 +108,18 @@ impl ViewOverrides {
             let known = match world.written.get(index).copied().flatten() {
                 Some(written) => {
                     let shown = desc.instances.get(written).map(|written| written.shown);
-                    names.get(written).zip(shown)
+                    let name = names.get(written);
+                    name.zip(shown)
+                        .map(|(name, shown)| (self.left_out.instances.contains(name), shown))
                 }
                 None => {
                     let model = world.placed_models.get(index);
                     let model = model.and_then(|model| desc.models.get(*model));
-                    model.map(|model| (&model.name, ShownDesc::default()))
+                    let is_left_out = |name| self.left_out.models.contains(name);
+                    model.map(|model| (is_left_out(&model.name), ShownDesc::default()))
                 }
             };
-            if let Some((name, shown)) = known {
-                let is_left_out = self.left_out.contains(name);
+            if let Some((is_left_out, shown)) = known {
                 instance.shown = if is_left_out { NOT_SHOWN } else { shown };
             }
         }

@@ -48,7 +48,7 @@ mod show;
 
 pub use coarse::InitialBuild;
 pub use error::SessionError;
-pub use inputs::{SceneSource, ViewOverrides};
+pub use inputs::{LeftOutNames, SceneSource, ViewOverrides};
 pub use meshes::GivenMeshes;
 use parameters::{DeclaredParameters, ParameterOverrides};
 use renderer_stage::RendererStage;

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::{
-    GivenMeshes, InitialBuild, SceneSource, Session, SessionError, ViewOverrides, coarse,
-    empty_view,
+    GivenMeshes, InitialBuild, LeftOutNames, SceneSource, Session, SessionError, ViewOverrides,
+    coarse, empty_view,
     parameters::{DeclaredParameters, ParameterOverrides},
     read::{Pose, Read, TextStage},
     renderer_stage::RendererStage,
@@ -205,7 +205,7 @@ impl Session {
                 (world, Some(assets))
             }
         };
-        if !self.view.left_out.is_empty() {
+        if self.view.left_out != LeftOutNames::default() {
             self.view.leave_out(&read.scene().desc, &mut world);
         }
         let (mut loaded, first) = match posed(&read, world, state.as_ref()) {
@@ -308,7 +308,8 @@ impl Session {
     /// Shows the instances of the scene that view settings do not leave out.
     fn leave_out(&mut self, view: &ViewOverrides) {
         let desc = &self.loaded.scene.desc;
-        for world in self.first.iter_mut().chain([&mut self.loaded.world]) {
+        let worlds = self.first.iter_mut().chain(&mut self.coarse);
+        for world in worlds.chain([&mut self.loaded.world]) {
             view.leave_out(desc, world);
         }
     }
