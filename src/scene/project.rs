@@ -252,7 +252,7 @@ fn check_folder(
     if path == folder {
         return Err(itself());
     }
-    // Files of a page come when they are looked for.
+    // A page asks for a file when a scene names it: a folder whose files have not come yet is not missing.
     if cfg!(target_arch = "wasm32") {
         return Ok(None);
     }

@@ -250,6 +250,10 @@ pub fn show() {
             (json!({ "interrupted": true, "open": shown.is_open }), None)
         }
         Err(SessionError::Scene(errors)) => (json!({ "messages": messages(errors) }), None),
+        Err(SessionError::UnknownName { kind, name, known }) => {
+            let error = SessionError::UnknownName { kind, name, known };
+            (json!({ "error": error.to_string(), "unknown": kind }), None)
+        }
         Err(error) => (json!({ "error": error.to_string(), "lost": is_lost }), None),
     };
     if is_lost {
@@ -266,7 +270,7 @@ pub fn show() {
 /// of the last call of [`show`], as JSON: `messages` with `width`, `height`, `adapter` and `frame` of the picture, names of `aovs`,
 /// the `timeline`, first frame, last frame and frames in a second, and the `camera`, its name, `eye`, `target` and `up`, where it
 /// stands as its text says, all `cameras` and `methods`, and the `method` and `samples` of the picture, or with none of these; an `error` of the device, which
-/// may be `lost`; or `interrupted`, and whether the scene is `open` then.
+/// may be `lost`, or of a name of an `unknown` camera or method; or `interrupted`, and whether the scene is `open` then.
 #[wasm_bindgen]
 pub fn answer() -> String {
     STATE.with_borrow(|state| state.answer.to_string())
@@ -423,7 +427,7 @@ fn messages(found: Vec<Diagnostic>) -> Vec<Value> {
         let source = found.span.source.as_ref();
         json!({
             "severity": found.severity.name(),
-            "file": found.path(),
+            "file": found.path().map(|path| path.strip_prefix("/").unwrap_or(path)),
             "range": source.map(|source| range(&source.text, &found.span.range)),
             "text": found.render(false),
             "fix": quick_fix(&found),

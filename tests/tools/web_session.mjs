@@ -305,6 +305,16 @@ await status(other, /^320 × 180 in .* 1 sample by rt,/);
 await other.click("#new");
 await other.waitForFunction(() => document.querySelector("#tabs [aria-pressed=true]").textContent === "scenes/main.toml");
 await status(other, / in .* by rt,/);
+await other.click("#share");
+await status(other, /^the address holds 4 texts/);
+const third = await open_page(browser, await other.evaluate(() => location.hash));
+await third.waitForFunction(() => document.querySelectorAll("#tabs button").length === 4);
+// A mistake in the file of a project is mended at its place.
+await third.locator("#tabs button", { hasText: "reflet.toml" }).click();
+await write(third, "text.replace('output =', 'outpu =')");
+await third.click("#messages .fix");
+await third.waitForFunction(() => document.getElementById("text").value.includes("\noutput ="));
+await third.close();
 await other.press("#text", "Control+A");
 await other.locator("#text").pressSequentially(ball.toString().replace(/^material.*$/m, "material.paint = {}"));
 await status(other, /^320 × 180 in .* 1 sample by rt,/);

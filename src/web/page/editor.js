@@ -4,15 +4,13 @@ import { begin_keys } from "./keys.js";
 import * as language from "./language.js";
 import { options } from "./numbers.js";
 import { begin_panels } from "./panels.js";
-import { fromFragment, toFragment } from "./share.js";
+import { fromFragment, is_scene, toFragment } from "./share.js";
 import { work } from "./view.js";
 
 const [TYPING_MS, EXAMPLE] = [300, "scenes/mirrors.toml"];
 // Choices of the view, which the text is not told.
 const [CHOICES, AS_WRITTEN] = [["camera", "method", "samples"], "as written"];
 
-// The file of a project is text, and no scene.
-const is_scene = (name) => /\.toml$/i.test(name) && !/(^|\/)reflet\.toml$/.test(name);
 const get = (id) => document.getElementById(id);
 const [text, lines, messages, status, view] = ["text", "lines", "messages", "status", "stage"].map(get);
 const { files } = view;
@@ -69,13 +67,13 @@ const go_to = (file, start, end) => {
   text.scrollTop = (start.line - 3) * 18;
 };
 
-// Does what a message says to write, unless the text has changed since.
+// Writes the words that a message advises, unless the text has changed since.
 const mend = ({ file, fix: { range: { start, end }, old, new: words } }) => {
   go_to(file, start, end);
   if (file === tab && !language.replace(old, words)) tell("the text has changed: the advice is not written");
 };
 
-// Does it for the message at the caret, or else for the first message in its line.
+// Writes the advice of the message at the caret, or else of the first message in its line.
 const mend_at_caret = () => {
   const own = (messages.found ?? []).filter(({ file, fix }) => fix && file === tab);
   const caret = text.selectionStart;
@@ -135,6 +133,8 @@ const heard = {
   check: list,
   picture: (shown) => {
     if (shown.width) timeline = shown.timeline;
+    // A camera that has another name now: the text's own is shown.
+    if (shown.unknown) view.removeAttribute(shown.unknown);
     keys.paint();
     for (const [id, names] of [["camera", shown.cameras], ["method", shown.methods]]) {
       if (names) options(get(id), [AS_WRITTEN, ...names], view.getAttribute(id) ?? AS_WRITTEN);

@@ -2,6 +2,9 @@
 const MOST_CHARACTERS = 256 * 1024;
 const MOST_BYTES = 1024 * 1024;
 
+// Scenes, by their names; the file of a project is text, and no scene.
+export const is_scene = (name) => /\.toml$/i.test(name) && !/(^|\/)reflet\.toml$/i.test(name);
+
 const through = (bytes, stream) => new Response(new Blob([bytes]).stream().pipeThrough(stream));
 
 export const toFragment = async (texts) => {
@@ -35,7 +38,8 @@ export const fromFragment = async (fragment) => {
     // Answered below, as other values are.
   }
   const entries = texts && typeof texts === "object" ? Object.entries(texts) : [];
-  const isText = ([name, content]) => /^[^/\\\0]{1,200}$/.test(name) && typeof content === "string";
-  if (!entries.length || !entries.every(isText) || !/\.toml$/i.test(entries[0][0])) throw new Error("it holds no texts of a scene");
+  const isPath = (name) => /^[^\\\0]{1,200}$/.test(name) && name.split("/").every((part) => part && part !== "..");
+  const isText = ([name, content]) => isPath(name) && typeof content === "string";
+  if (!entries.length || !entries.every(isText) || !is_scene(entries[0][0])) throw new Error("it holds no texts of a scene");
   return texts;
 };
