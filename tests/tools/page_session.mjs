@@ -9,12 +9,12 @@ const browser = await launch("--disable-gpu");
 const viewer_page = async (width) => {
   const viewer = await browser.newPage({ viewport: { width, height: 700 } });
   viewer.setDefaultTimeout(PATIENCE_MS);
+  viewer.on("pageerror", (error) => errors.push(String(error)));
   return viewer;
 };
-const page = await viewer_page(900);
 const errors = [];
+const page = await viewer_page(900);
 const requests = [];
-page.on("pageerror", (error) => errors.push(String(error)));
 page.on("request", (request) => requests.push(request.url()));
 
 const pixels = () => page.evaluate(() => document.getElementById("picture").toDataURL());

@@ -60,8 +60,8 @@ impl Block<'_> {
         self.variants.iter().map(of).sum()
     }
 
-    /// Number of steps of [`Block::measure`]: the reference, then for each variant its untimed frames, which a judged
-    /// picture is the first of, and its counts, then the missing frames.
+    /// Number of steps of [`Block::measure`]: the reference, then for each variant its untimed frames, of which the
+    /// first gives the judged picture, and its counts, then the missing frames.
     pub(super) fn steps(&self, bench: &Bench, log: &Log) -> usize {
         let (missing, protocol) = (self.missing(bench, log), bench.protocol);
         let untimed = protocol.warm_up as usize + usize::from(protocol.count);

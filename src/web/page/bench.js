@@ -16,7 +16,7 @@ const make = (kind, parent, attributes, text = "") => {
   return made;
 };
 
-// The worker, which ends with its device; whatever it is asked for has one answer, or why there is none.
+// The worker, which ends with its device; each question to it has one answer, or the reason why it has none.
 let [worker, answered] = [null, null];
 const end = (why) => {
   worker?.terminate();
@@ -65,7 +65,7 @@ const count = (value) => value.toLocaleString("en");
 const time_of = (point) => point.reflection_ms ?? point.frame_ms;
 const of = ({ points }, method) => points.find((point) => point.method === method);
 
-// A row says what becomes of its view, and then what was measured.
+// A row tells the state of its view, and then its figures.
 const say = (row, text, kind = "") => {
   row.replaceChildren(...[...row.children].slice(0, 2));
   make("td", row, { colspan: 8, class: kind }, text);
@@ -79,13 +79,14 @@ const fill = (row, measured) => {
     if (ends) make("small", cell, {}, ends.map((end) => number(end)).join(" to "));
   }
   const share = (key) => rt[key] > 0 ? number(hybrid[key] / rt[key], 2) : "–";
-  const ratio = time_of(hybrid).median / time_of(rt).median;
-  const cells = [ratio.toFixed(2), count(rt.rays), count(hybrid.rays), count(hybrid.march_steps), share("visited_nodes"), TIMED_BY[rt.timing]];
+  // A browser may round a short pass to nothing.
+  const [less, more] = [rt, hybrid].map((point) => time_of(point).median);
+  const cells = [less > 0 ? (more / less).toFixed(2) : "–", count(rt.rays), count(hybrid.rays), count(hybrid.march_steps), share("visited_nodes"), TIMED_BY[rt.timing]];
   for (const text of cells) make("td", row, {}, text);
 };
 
 const draw = (all) => {
-  const most = Math.max(...all.flatMap(({ points }) => points.map((point) => time_of(point).median)));
+  const most = Math.max(1e-3, ...all.flatMap(({ points }) => points.map((point) => time_of(point).median)));
   const height = 44 + all.length * (2 * BAR_PX + 14);
   chart.replaceChildren();
   chart.setAttribute("viewBox", `0 0 ${CHART_PX} ${height}`);

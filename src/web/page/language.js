@@ -75,8 +75,8 @@ const place = (box, offset, isAbove = false) => {
   const row = text.value.split("\n")[line].slice(0, character);
   const left = edge.left + PADDING_PX + width(row) - text.scrollLeft;
   const top = edge.top + PADDING_PX + line * ROW_PX - text.scrollTop;
-  const fits = isAbove ? top < box.offsetHeight : top + ROW_PX + box.offsetHeight < innerHeight;
-  const isBelow = fits || !isAbove && top < innerHeight / 2;
+  const fitsBelow = top + ROW_PX + box.offsetHeight < innerHeight || top < innerHeight / 2;
+  const isBelow = isAbove ? top < box.offsetHeight : fitsBelow;
   box.style.left = `${Math.max(4, Math.min(left, innerWidth - box.offsetWidth - 4))}px`;
   box.style.top = `${isBelow ? top + ROW_PX : Math.max(4, top - box.offsetHeight)}px`;
 };
@@ -202,10 +202,10 @@ const accept = ({ label, insertText = label, insertTextFormat }) => {
   write(before.length, caret + rest.length, words + quote);
   text.setSelectionRange(start + (hole ? 0 : quote.length), start + (hole ? value.length : quote.length));
   // The value of a key without a default, as a name after a bracket, comes next.
-  offer(hole && !value);
+  assist(hole && !value);
 };
-// Offers what may stand here, where something is begun, or else the signature of the call.
-const offer = async (isBegun) => {
+// Shows the completions of a word that is begun, or else the signature of the call.
+const assist = async (isBegun) => {
   if (isBegun) await complete();
   if (completion.hidden) await sign();
 };
@@ -217,7 +217,7 @@ text.addEventListener("input", () => {
   // After a closing quote nothing is to complete, and scripts have names of their own behind brackets and signs.
   const isBegun = line.endsWith('"') ? isQuoted(line) : (isScript ? /[\p{L}_]{2}$|\.$/u : /[\p{L}_[.=]$/u).test(line);
   hide();
-  if (isTyped && !isComment) offer(isBegun);
+  if (isTyped && !isComment) assist(isBegun);
 });
 
 // Signature of the call that the caret is in, with the argument that is written now, and its manual.

@@ -54,13 +54,13 @@ function key_button(track, index, bar) {
   button.addEventListener("pointerup", () => {
     const { moves, to_s } = dragged_key;
     dragged_key = null;
-    selected_key = { track, index };
+    selected_key = { track, index, at_s: moves ? to_s : at_s };
     if (moves && Math.abs(to_s - at_s) > 1e-6) of_key(track, { move: [index, to_s] });
     if (!moves) page.send({ do: "seek", frame: Math.round(at_s * frames_per_second()) });
     show_tracks();
   });
   button.addEventListener("pointercancel", () => { dragged_key = null; show_tracks(); });
-  button.addEventListener("click", () => { selected_key = { track, index }; show_tracks(); });
+  button.addEventListener("click", () => { selected_key ??= { track, index, at_s }; show_tracks(); });
   return button;
 }
 
@@ -89,6 +89,9 @@ function show_tracks() {
 
 function show_keys(next, records) {
   tracks = next;
+  // The selected key stays selected where keys before it come and go.
+  const found = selected_track()?.at_s.findIndex((at_s) => Math.abs(at_s - selected_key.at_s) < 5e-4) ?? -1;
+  if (found >= 0) selected_key.index = found;
   if (page.press) $("record").textContent = records ? "end flight" : "record flight";
   $("record")?.setAttribute("aria-pressed", String(records));
   show_tracks();
@@ -120,6 +123,7 @@ export const begin_keys = (box, given) => {
     const track = selected_track();
     if (!track || Number.isNaN(target.valueAsNumber)) return;
     const at_s = in_seconds() ? target.valueAsNumber : target.valueAsNumber / frames_per_second();
+    selected_key.at_s = at_s;
     of_key(track, { move: [selected_key.index, at_s] });
   });
   $("key-delete").addEventListener("click", delete_key);

@@ -141,6 +141,7 @@ function show_statistics({ picture, frame, encode_ms, sides }) {
 // Says that the picture is of another frame than the timeline tells, until the picture of that frame is there.
 let shown_frame = null;
 function show_stale() {
+  if (!view) return;
   $("stale").hidden = !scene || !scene.timeline || shown_frame === null || view.frame === shown_frame;
   $("stale").textContent = `shows frame ${shown_frame}, rendering ${view.frame}`;
 }
