@@ -17,14 +17,7 @@ fn main() {
 /// Hash of the names and texts of all sources; the same on every machine.
 fn hash_of(root: &Path) -> String {
     let mut files = Vec::new();
-    for part in [
-        "Cargo.lock",
-        "Cargo.toml",
-        "build.rs",
-        "scenes/atrium.toml",
-        "shaders",
-        "src",
-    ] {
+    for part in ["Cargo.lock", "Cargo.toml", "build.rs", "src"] {
         let path = root.join(part);
         println!("cargo:rerun-if-changed={}", path.display());
         add_files(path, &mut files);

@@ -186,6 +186,8 @@ if [ "$full" = yes ]; then
     fi
 
     heading "Release"
+    [ -n "$(git status --porcelain)" ] ||
+        CARGO_TARGET_DIR="$root/target/packaged" cargo package --locked --workspace --exclude reflet-web --exclude reflet-python
     if [ "$(id -u)" = 0 ] && command -v debootstrap && [ -z "$(git status --porcelain)" ]; then
         rm -rf target/release-checked
         tools/release.sh target/release-checked

@@ -20,6 +20,15 @@ use reflet_scene::{
     range::{LIMIT, Range},
 };
 
+/// Files of the panels, each with its name in the folder of a page and its text.
+pub const FILES: [(&str, &str); 5] = [
+    ("keys.js", include_str!("page/keys.js")),
+    ("numbers.js", include_str!("page/numbers.js")),
+    ("panels.js", include_str!("page/panels.js")),
+    ("handles.js", include_str!("page/handles.js")),
+    ("style.css", include_str!("page/style.css")),
+];
+
 /// Height of the picture in points, in which handles have their length.
 const HEIGHT: f32 = 600.0;
 

@@ -20,7 +20,7 @@ fn files_below(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
     };
     let mut files = Vec::new();
     for path in entries.map(|entry| entry.expect("entry").path()) {
-        if path.is_dir() {
+        if path.is_dir() && !path.is_symlink() {
             files.extend(files_below(&path, extensions));
         } else if path
             .extension()

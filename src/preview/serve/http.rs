@@ -6,6 +6,7 @@ use std::{
     time::{Duration, Instant},
 };
 
+use reflet_write_back::page;
 use subtle::ConstantTimeEq;
 use tungstenite::http::{self, HeaderMap};
 
@@ -18,38 +19,10 @@ const MOST_HEADERS: usize = 64;
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src blob:; \
                       connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-/// Type of a script.
-const SCRIPT: &str = "text/javascript";
-
-/// Files of the page, each with its name below the token, its type and its text; the page that runs by itself has the same panels.
-const FILES: [(&str, &str, &str); 7] = [
-    ("", "text/html", include_str!("page/index.html")),
-    ("page.js", SCRIPT, include_str!("page/page.js")),
-    (
-        "keys.js",
-        SCRIPT,
-        include_str!("../../write_back/page/keys.js"),
-    ),
-    (
-        "numbers.js",
-        SCRIPT,
-        include_str!("../../write_back/page/numbers.js"),
-    ),
-    (
-        "panels.js",
-        SCRIPT,
-        include_str!("../../write_back/page/panels.js"),
-    ),
-    (
-        "handles.js",
-        SCRIPT,
-        include_str!("../../write_back/page/handles.js"),
-    ),
-    (
-        "style.css",
-        "text/css",
-        include_str!("../../write_back/page/style.css"),
-    ),
+/// Files of the page's own, each with its name below the token and its text; the panels are of both pages.
+const FILES: [(&str, &str); 2] = [
+    ("", include_str!("page/index.html")),
+    ("page.js", include_str!("page/page.js")),
 ];
 
 /// Token and host name that a request must have.
@@ -167,10 +140,20 @@ impl Access {
                 .filter(|at| (0.0..=1.0).contains(at));
             return Route::Picture(at.unwrap_or(0.5));
         }
-        let found = FILES.iter().find(|(name, ..)| *name == file);
+        let found = FILES
+            .iter()
+            .chain(&page::FILES)
+            .find(|(name, _)| *name == file);
         found.map_or(
             Route::Refused(404, "there is no such file"),
-            |(_, kind, text)| Route::File(kind, text),
+            |(name, text)| {
+                let kind = match name.rsplit_once('.') {
+                    Some((_, "js")) => "text/javascript",
+                    Some((_, "css")) => "text/css",
+                    _ => "text/html",
+                };
+                Route::File(kind, text)
+            },
         )
     }
 }

@@ -29,7 +29,11 @@ use reflet_world::{
 };
 
 /// Text of the built-in scene.
-pub const ATRIUM: &str = include_str!("../../../scenes/atrium.toml");
+pub const ATRIUM: &str = include_str!("atrium.toml");
+const _: () = assert!(
+    ATRIUM.len() > 100,
+    "src/render/runtime/atrium.toml is a symbolic link: clone with `git -c core.symlinks=true`"
+);
 
 /// Text of a scene that is not opened yet.
 #[derive(Clone, Debug)]
