@@ -225,8 +225,6 @@ impl<'a> Data<'a> {
             let encoded =
                 self.buffer_bytes(stream.buffer, stream.byte_offset, stream.byte_length)?;
             self.spend(decoding.bytes)?;
-            // The decoder's own layout and that before a filter are copies.
-            let _held = self.budget.hold(decoding.bytes.saturating_mul(2))?;
             meshopt::decode(&decoding, &encoded).map(Bytes::new)
         };
         self.decompressed[index]

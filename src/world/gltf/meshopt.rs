@@ -1,16 +1,15 @@
-//! EXT_meshopt_compression and KHR_meshopt_compression: buffer views decoded by meshoptimizer.
+//! EXT_meshopt_compression and KHR_meshopt_compression: buffer views that meshoptimizer encoded.
 
-#[cfg(not(target_arch = "wasm32"))]
-mod decode;
+use meshoptimizer_rs::{
+    Limits, Workspace,
+    codec::{self, Mode},
+};
 
 use super::{
     Fault,
     schema::{BufferView, MeshoptCompression},
     uri::shorten,
 };
-
-#[cfg(not(target_arch = "wasm32"))]
-pub use decode::decode;
 
 /// Largest ratio of decoded to encoded bytes, in all modes: in vertex streams one byte of control bits may stand
 /// for four channels of 256 vertices.
@@ -21,10 +20,6 @@ fn fault(text: impl Into<String>) -> Fault {
 }
 
 /// Decoding parameters of a stream, checked against its buffer view.
-#[cfg_attr(
-    target_arch = "wasm32",
-    expect(dead_code, reason = "a page decodes none")
-)]
 #[derive(Clone, Copy, Debug)]
 pub struct Decoding {
     mode: Mode,
@@ -33,13 +28,6 @@ pub struct Decoding {
     stride: usize,
     /// Size of the decoded stream, bytes.
     pub bytes: u64,
-}
-
-#[derive(Clone, Copy, Debug)]
-enum Mode {
-    Attributes,
-    Triangles,
-    Indices,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -56,12 +44,8 @@ enum Filter {
 /// # Errors
 /// Unknown modes and filters, strides that they do not allow, sizes that do not fit each other.
 pub fn check(view: &BufferView, stream: &MeshoptCompression) -> Result<Decoding, Fault> {
-    let mode = match stream.mode.as_str() {
-        "ATTRIBUTES" => Mode::Attributes,
-        "TRIANGLES" => Mode::Triangles,
-        "INDICES" => Mode::Indices,
-        other => return Err(fault(format!("mode \"{}\" is unknown", shorten(other)))),
-    };
+    let unknown = |_| fault(format!("mode \"{}\" is unknown", shorten(&stream.mode)));
+    let mode = Mode::parse(&stream.mode).map_err(unknown)?;
     let filter = match stream.filter.as_deref() {
         None | Some("NONE") => Filter::None,
         Some("OCTAHEDRAL") => Filter::Octahedral,
@@ -111,12 +95,38 @@ pub fn check(view: &BufferView, stream: &MeshoptCompression) -> Result<Decoding,
     })
 }
 
-/// Refuses a stream: the library cannot be built for a page.
+/// Decodes a stream to the bytes of its buffer view, which are all that it allocates.
 ///
 /// # Errors
-/// Always.
-#[cfg(target_arch = "wasm32")]
-pub fn decode(_: &Decoding, _: &[u8]) -> Result<Vec<u8>, Fault> {
-    let text = "a page cannot read what meshoptimizer compressed";
-    Err(fault(text).help("save the model without this compression, or render it by the program"))
+/// A stream that is cut off or not of its mode, and values that no encoder writes before a filter. Other garbage
+/// may decode to any bytes.
+pub fn decode(decoding: &Decoding, encoded: &[u8]) -> Result<Vec<u8>, Fault> {
+    let &Decoding {
+        mode,
+        count,
+        stride,
+        ..
+    } = decoding;
+    let broken = || fault(format!("its {mode:?} stream is cut off or broken"));
+    let decode = match mode {
+        Mode::Attributes => codec::decode_vertex_buffer,
+        Mode::Triangles => codec::decode_index_buffer,
+        Mode::Indices => codec::decode_index_sequence,
+    };
+    // The budget of the world has taken these bytes; the decoder's own default is a limit of 1 GiB.
+    let workspace = &mut Workspace::new(Limits {
+        max_bytes: usize::MAX,
+        max_work: u64::MAX,
+    });
+    let mut bytes = decode(count, stride, encoded, workspace).map_err(|_| broken())?;
+    let data = &mut bytes;
+    let filtered = match decoding.filter {
+        Filter::None => Ok(()),
+        Filter::Octahedral => codec::decode_filter_oct(data, count, stride, workspace),
+        Filter::Quaternion => codec::decode_filter_quat(data, count, stride, workspace),
+        Filter::Exponential => codec::decode_filter_exp(data, count, stride, workspace),
+        Filter::Color => codec::decode_filter_color(data, count, stride, workspace),
+    };
+    filtered.map_err(|_| broken())?;
+    Ok(bytes)
 }
