@@ -281,6 +281,8 @@ struct Mistake<'t> {
     pub rest: &'t str,
     /// Text of the line, without spaces around it.
     pub line: &'t str,
+    /// Kind of the table that the line is in; empty before all headers.
+    pub table: &'t str,
     /// Text left of the first `=`; `value` is the text right of it, without a comment.
     pub key: &'t str,
     pub value: &'t str,

@@ -2,6 +2,8 @@
 
 use std::{borrow::Cow, ops::Range, sync::LazyLock};
 
+use serde_json::Value as Json;
+
 use super::{
     Mistake, Words,
     numbers::{constant, number},
@@ -9,9 +11,10 @@ use super::{
 };
 use crate::{
     forms::{self, Form},
+    parse::recorded_keys,
     suggest,
     syntax::key_text,
-    table::color::in_css,
+    table::{color::in_css, key_recorder::Form as ValueForm},
 };
 
 /// Message and advice for a syntax error at `at`; the parser's own `message` where no explanation fits.
@@ -26,6 +29,7 @@ pub fn in_plain_words(text: &str, at: &Range<usize>, message: &str) -> Words {
         rest: text[start..line_end].trim_end(),
         line: line.trim(),
         key: key.trim(),
+        table: table_of(&text[..line_start], key),
         value: without_comment(value).trim(),
         message,
     };
@@ -71,6 +75,28 @@ static FORMS: LazyLock<Vec<(Option<Explain>, Form)>> = LazyLock::new(|| {
 type Explain = fn(&Mistake) -> Option<Words>;
 
 impl<'t> Mistake<'t> {
+    /// Whether the key takes a value of these types: in tables of its kind, or in any where these lack it. A key that no
+    /// table has takes none.
+    fn takes(&self, types: &[&str]) -> bool {
+        fn is_of(schema: &Json, types: &[&str]) -> bool {
+            let mut any = schema["anyOf"].as_array().into_iter().flatten();
+            let is_listed = |name| types.contains(&name);
+            schema["type"].as_str().is_some_and(is_listed) || any.any(|it| is_of(it, types))
+        }
+        let name = self.key.rsplit('.').next().unwrap_or(self.key);
+        let known = || {
+            let tables = recorded_keys().iter();
+            let keys = tables.flat_map(|it| it.all_keys().map(|key| (kind_of(it.heading), key)));
+            keys.filter(|(_, key)| key.name == name)
+        };
+        let is_own = |kind: &str| kind == self.table;
+        let has_own = is_own("params") || known().any(|(kind, _)| is_own(kind));
+        let taken = known().filter(|(kind, _)| is_own(kind) || !has_own);
+        taken
+            .flat_map(|(_, key)| &key.forms)
+            .any(|form| matches!(form, ValueForm::Value(_, schema) if is_of(schema, types)))
+    }
+
     /// A part of the text by its name in `forms.toml`; `None` where the mistake has none.
     fn part(&self, name: &str) -> Option<Cow<'t, str>> {
         let unquoted = self.message.starts_with("string values must be quoted");
@@ -86,7 +112,12 @@ impl<'t> Mistake<'t> {
                 Some(format!("{}¦{}", self.line.get(..before)?, self.rest).into())
             }
             "value" => Some(self.value.into()),
+            "list" if self.takes(LIST) && !self.takes(NUMBER) => Some(self.value.into()),
+            "number" if self.takes(NUMBER) && !self.takes(LIST) => Some(self.value.into()),
+            "fraction" if self.takes(&["number"]) && !self.takes(LIST) => Some(self.value.into()),
+            "either" if self.takes(NUMBER) == self.takes(LIST) => Some(self.value.into()),
             "message" => Some(self.message.into()),
+            "key" => Some(self.key.into()),
             "entry" if !self.key.is_empty() => {
                 Some(format!("{} = {}", self.key, self.value).into())
             }
@@ -96,6 +127,24 @@ impl<'t> Mistake<'t> {
         }
     }
 }
+
+/// Kind of the table that the last header of a text begins, else that a key names; empty for none.
+fn table_of<'t>(before: &'t str, key: &'t str) -> &'t str {
+    let mut headers = before.lines().rev().map(str::trim);
+    let header = headers.find(|line| line.starts_with('['));
+    let named = key.contains('.').then_some(key);
+    header.or(named).map_or("", kind_of)
+}
+
+/// First word of a path or a header, such as `material`.
+fn kind_of(path: &str) -> &str {
+    let inner = path.trim_start_matches(['[', ' ']);
+    inner.split(['.', ']', ' ']).next().unwrap_or(inner)
+}
+
+/// Types of values by their names in JSON Schema.
+const LIST: &[&str] = &["array"];
+const NUMBER: &[&str] = &["number", "integer"];
 
 fn without_comment(value: &str) -> &str {
     let mut quote = None;
