@@ -35,7 +35,7 @@ pub fn actions(file: &Source, uri: &str, params: &Value) -> Vec<Value> {
         };
         let (at, new) = place.mended(help)?;
         Some(json!({
-            "title": format!("Write {new}"),
+            "title": format!("Write {}", new.trim_end()),
             "kind": "quickfix",
             "isPreferred": true,
             "diagnostics": [message],
@@ -151,6 +151,10 @@ impl Place<'_> {
         if self.is_syntax {
             let is_own = old.strip_prefix(key)?.starts_with(ends) && !old.contains(" #");
             return is_own.then(|| (line, new.to_owned()));
+        }
+        if self.at == (0..0) {
+            // A key that the whole text lacks.
+            return Some((self.at.clone(), format!("{new}\n")));
         }
         let before = self.text[line.start.min(self.at.start)..self.at.start].trim_end();
         let before = before.strip_suffix('=')?.trim_end().strip_suffix(key)?;
