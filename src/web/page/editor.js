@@ -2,7 +2,7 @@
 import { begin_handles, place_in } from "./handles.js";
 import { begin_keys } from "./keys.js";
 import * as language from "./language.js";
-import { options } from "./numbers.js";
+import { options, SAMPLES } from "./numbers.js";
 import { begin_panels } from "./panels.js";
 import { fromFragment, is_scene, toFragment } from "./share.js";
 import { work } from "./view.js";
@@ -264,6 +264,7 @@ get("width").onchange = ({ target }) => view.setAttribute("width", target.value)
 for (const id of CHOICES) {
   get(id).onchange = ({ target: { value } }) => value === AS_WRITTEN ? view.removeAttribute(id) : view.setAttribute(id, value);
 }
+get("samples").append(...SAMPLES.map((count) => new Option(count)));
 get("save").onclick = (event) => {
   event.preventDefault();
   if (get("save").textContent === "stop") return view.save();

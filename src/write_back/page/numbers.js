@@ -23,6 +23,9 @@ export const options = (select, names, chosen) => {
   select.value = chosen;
 };
 
+// Numbers of samples that a view may choose.
+export const SAMPLES = [1, 4, 16, 64];
+
 // Labels of rows, each group of rows below its title, which folds it. Folded groups stay folded for other rows.
 const folded = new Set();
 const grouped = (rows, labels) => {

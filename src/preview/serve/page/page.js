@@ -1,7 +1,7 @@
 // The page shows what the server sends, and sends what the viewer does; it keeps no state of the scene.
 import { begin_handles, is_inside, place_in } from "./handles.js";
 import { begin_keys, is_field } from "./keys.js";
-import { element, get as $, options } from "./numbers.js";
+import { element, get as $, options, SAMPLES } from "./numbers.js";
 import { begin_panels } from "./panels.js";
 
 const canvas = $("picture");
@@ -249,6 +249,7 @@ for (const [id, action] of Object.entries(actions)) $(id).addEventListener("clic
 // The line of a wipe is each viewer's own.
 $("screenshot").addEventListener("click", ({ target }) => { target.href = `picture.png?wipe=${$("line").value}`; });
 $("keys-of-page").addEventListener("click", show_help);
+$("samples").append(...SAMPLES.map((count) => new Option(count)));
 $("samples").addEventListener("change", ({ target }) => send({ do: "samples", count: Number(target.value) || null }));
 $("denoise").addEventListener("change", ({ target }) => send({ do: "denoise", on: target.checked }));
 $("loop").addEventListener("change", () => press("loop"));
