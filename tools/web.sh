@@ -39,11 +39,7 @@ mkdir -p "$folder/scenes"
 cp src/web/page/* src/write_back/page/* "$folder"
 cp scenes/*.toml scenes/*.rhai scenes/*.png "$folder/scenes"
 # Files of a new project, as `reflet new` writes them.
-for file in src/app/new/*.*.toml; do
-    name=${file##*/}
-    mkdir -p "$folder/new/${name%%.*}"
-    cp "$file" "$folder/new/${name%%.*}/${name#*.}"
-done
+cp -R src/app/new "$folder"
 sed 's/NAME/"new"/' src/app/new/reflet.toml >"$folder/new/reflet.toml"
 for listed in scenes new; do
     (cd "$folder/$listed" && find . -type f | sort | sed 's,^\./\(.*\),"\1",' | paste -sd, | sed 's/.*/[&]/') >"$folder/names"

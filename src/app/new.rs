@@ -27,9 +27,9 @@ const SCENE: &str = "scenes/main.toml";
 
 /// Files of a new project but for its own, each with its text.
 const FILES: [(&str, &str); 4] = [
-    (SCENE, include_str!("new/scenes.main.toml")),
-    ("lib/materials.toml", include_str!("new/lib.materials.toml")),
-    ("lib/studio.toml", include_str!("new/lib.studio.toml")),
+    (SCENE, include_str!("new/scenes/main.toml")),
+    ("lib/materials.toml", include_str!("new/lib/materials.toml")),
+    ("lib/studio.toml", include_str!("new/lib/studio.toml")),
     (".gitignore", "/renders/\n"),
 ];
 
