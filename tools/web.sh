@@ -45,8 +45,8 @@ for listed in scenes new; do
     (cd "$folder/$listed" && find . -type f | sort | sed 's,^\./\(.*\),"\1",' | paste -sd, | sed 's/.*/[&]/') >"$folder/names"
     mv "$folder/names" "$folder/$listed/names.json"
 done
-# Scenes of the bench, which are no examples.
-sed -n 's/^scene = "\(.*\)"$/\1/p' docs/data/views.toml | tar -cf - -T - | tar -xf - -C "$folder"
+# Scenes of the bench without models, which are no examples.
+awk -v RS= '!/\nmodels = true/' docs/data/views.toml | sed -n 's/^scene = "\(.*\)"$/\1/p' | tar -cf - -T - | tar -xf - -C "$folder"
 
 packed=$(find "$folder" -type f -exec gzip -9c {} + | wc -c)
 echo "$folder: $packed bytes as gzip sends them; serve it by https or from localhost"
