@@ -106,6 +106,21 @@ impl View {
     }
 }
 
+/// FLIP of each pixel of a picture against a reference.
+#[cfg(not(target_arch = "wasm32"))]
+fn flip_map(test: &Picture, reference: &Picture) -> Result<Vec<f32>, PictureError> {
+    let (width, height) = (reference.width(), reference.height());
+    let [test, reference] = [test, reference].map(Picture::pixels);
+    Ok(reflet_metric::flip::flip_map(
+        width, height, test, reference,
+    ))
+}
+
+#[cfg(target_arch = "wasm32")]
+fn flip_map(_: &Picture, _: &Picture) -> Result<Vec<f32>, PictureError> {
+    Err(PictureError::NoFlip)
+}
+
 /// Resamples bilinearly, pixel centers at half integers, edges repeated.
 fn enlarge(pixels: Vec<[f32; 3]>, from: [u32; 2], to: [u32; 2]) -> Vec<[f32; 3]> {
     if from == to {
@@ -237,13 +252,9 @@ impl Reference {
         let linear = Pair::new(&view.linear, &self.view.linear)?;
         let (test, reference) = (view.display.pixels(), self.view.display.pixels());
         let (width, height) = (self.view.display.width(), self.view.display.height());
-        #[cfg(not(target_arch = "wasm32"))]
-        let flip = reflet_metric::flip::flip_map(width, height, test, reference);
-        #[cfg(target_arch = "wasm32")]
-        let flip = Err(PictureError::NoFlip)?;
         let maps = Maps {
             ssim: SsimMap::of_display(width, height, test, reference),
-            flip,
+            flip: flip_map(&view.display, &self.view.display)?,
             error: ErrorMap::compare(&linear, test, reference),
             specks: specks::specks([width, height], test, reference),
         };
