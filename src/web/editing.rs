@@ -381,8 +381,6 @@ impl Shown {
                 }
             }
         });
-        let (all, item) = (key_tracks(desc), selection.item());
-        let selected = item.and_then(|item| Some((item.kind(), item.named(desc)?.0?)));
         let cameras = &loaded.world.cameras;
         let shown = cameras.get(session.camera()).map(|it| it.name.as_str());
         let camera = camera_of(session);
@@ -392,7 +390,7 @@ impl Shown {
             "item": page::item(selection, &items).to_string(),
             "material": json!(material).to_string(),
             "parameters": page::parameters(session.declared(), session.parameters()).to_string(),
-            "tracks": page::tracks(&shown_tracks(&all, selected, shown)).to_string(),
+            "tracks": page::tracks(&shown_tracks(&key_tracks(desc), selection.shown(), shown)).to_string(),
             "handles": page::handles(selection, camera, camera, size).to_string(),
         })
     }

@@ -29,7 +29,7 @@ pub fn shown_place(at: &Span) -> String {
 /// Editable numbers of an item, at rest.
 pub fn inspect(scene: &Layered<'_>, item: SceneItem) -> Option<Inspected> {
     let desc = scene.desc;
-    let (_, at) = item.named(desc)?;
+    let (name, at) = item.named(desc)?;
     let (numbers, refused) = match numbers(desc, item).and_then(|all| {
         places::writable(at.source.as_ref().map(Arc::as_ref))?;
         Ok(all)
@@ -41,6 +41,7 @@ pub fn inspect(scene: &Layered<'_>, item: SceneItem) -> Option<Inspected> {
     Some(Inspected {
         item,
         label: item.label(desc),
+        name: name.map(str::to_owned),
         place: shown_place(at),
         held: numbers.iter().filter_map(held).collect(),
         numbers,

@@ -4,7 +4,7 @@ use glam::Vec3;
 use serde::Deserialize;
 
 use super::{
-    Change, Layered, changed,
+    Change, Inspected, Layered, changed,
     places::{Place, Subject, places},
     splice::{Value, list, replace},
     tracks::{FoundTrack, TrackName, all_tracks},
@@ -77,17 +77,18 @@ pub fn key_tracks(desc: &SceneDesc) -> Vec<KeyTrack> {
     listed.take(MOST).collect()
 }
 
-/// Tracks of the selected item, by its kind and name, where it has tracks with keys, else of a camera.
+/// Tracks of the selected item where it has tracks with keys, else of a camera.
 pub fn shown_tracks<'t>(
     tracks: &'t [KeyTrack],
-    selected: Option<(&str, &str)>,
+    selected: Option<&Inspected>,
     camera: Option<&str>,
 ) -> Vec<&'t KeyTrack> {
     let of = |(kind, name): (&str, &str)| -> Vec<_> {
         let is_own = |known: &&KeyTrack| known.track.kind == kind && known.track.name == name;
         tracks.iter().filter(is_own).collect()
     };
-    let own = selected.map(of).filter(|tracks| !tracks.is_empty());
+    let named = selected.and_then(|own| Some((own.item.kind(), own.name.as_deref()?)));
+    let own = named.map(of).filter(|tracks| !tracks.is_empty());
     own.unwrap_or_else(|| camera.map_or_else(Vec::new, |name| of(("camera", name))))
 }
 

@@ -98,6 +98,8 @@ pub struct Inspected {
     pub item: SceneItem,
     /// Kind and name of the item.
     pub label: String,
+    /// Name of its table, by which tracks find it.
+    pub name: Option<String>,
     /// File and line of its table.
     pub place: String,
     /// Editable numbers; empty if `refused`.

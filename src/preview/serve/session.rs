@@ -151,7 +151,7 @@ impl Session {
         self.tell_item();
         self.tell_handles();
         self.hub
-            .text("keys", &state::keys(&self.state, self.selection.item()));
+            .text("keys", &state::keys(&self.state, self.selection.shown()));
     }
 
     /// Has the picture rendered whole, also while something moves.

@@ -16,7 +16,7 @@ use crate::{
         view_settings::{FIRST_METHODS, rivals},
         view_state::ViewState,
     },
-    write_back::{SceneItem, page, selection::Selection},
+    write_back::{Inspected, page, selection::Selection},
 };
 use reflet_render::runtime::parameters::ParameterOverrides;
 use reflet_scene::{
@@ -127,7 +127,7 @@ pub(super) fn material(state: &ViewState) -> String {
 }
 
 /// Keys of the tracks below the timeline, and whether a flight is being recorded.
-pub(super) fn keys(state: &ViewState, selected: Option<SceneItem>) -> String {
+pub(super) fn keys(state: &ViewState, selected: Option<&Inspected>) -> String {
     let tracks = page::tracks(&state.tracks_of(selected));
     json!({ "keys": tracks, "records": state.recording.is_some() }).to_string()
 }

@@ -9,7 +9,7 @@ use super::{
     timeline::{self, Timeline},
     view_settings::ViewSettings,
 };
-use crate::write_back::{KeyTrack, SceneItem, shown_tracks};
+use crate::write_back::{Inspected, KeyTrack, shown_tracks};
 use reflet_scene::desc::Method;
 
 /// Rest time after the last move before the full-resolution picture is rendered, seconds.
@@ -240,15 +240,9 @@ impl ViewState {
     }
 
     /// Tracks with keys of the selected item, else of the camera that was shown last.
-    pub fn tracks_of(&self, selected: Option<SceneItem>) -> Vec<&KeyTrack> {
-        let mut rows = self.summary.items.iter();
-        let row = selected.and_then(|item| rows.find(|row| row.item == item));
-        let named = row.and_then(|row| {
-            let kind = row.item.kind();
-            Some((kind, row.label.strip_prefix(kind)?.trim_start()))
-        });
+    pub fn tracks_of(&self, selected: Option<&Inspected>) -> Vec<&KeyTrack> {
         let camera = self.summary.cameras.get(self.settings.last_camera);
         let camera = camera.map(|(name, _)| name.as_str());
-        shown_tracks(&self.summary.tracks, named, camera)
+        shown_tracks(&self.summary.tracks, selected, camera)
     }
 }

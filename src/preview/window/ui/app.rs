@@ -180,7 +180,7 @@ impl Window {
 
     /// Tracks with keys of the selected item, else of the camera that was shown last.
     fn tracks_of_selection(&self) -> Vec<KeyTrack> {
-        let tracks = self.state.tracks_of(self.selection.item());
+        let tracks = self.state.tracks_of(self.selection.shown());
         tracks.into_iter().cloned().collect()
     }
 }

@@ -122,6 +122,7 @@ fn ball(refused: Option<&str>) -> Selection {
     selection.show(Some(Inspected {
         item: SceneItem::Instance(4),
         label: "instance ball".to_owned(),
+        name: Some("ball".to_owned()),
         place: "scene.toml:3".to_owned(),
         numbers,
         refused: refused.map(str::to_owned),
