@@ -17,7 +17,8 @@ const make = (kind, parent, attributes, text = "") => {
 };
 
 // The worker, which ends with its device; each question to it has one answer, or the reason why it has none.
-let [worker, answered] = [null, null];
+let worker = null;
+let answered = null;
 const end = (why) => {
   worker?.terminate();
   worker = null;
@@ -65,14 +66,15 @@ const count = (value) => value.toLocaleString("en");
 const time_of = (point) => point.reflection_ms ?? point.frame_ms;
 const of = ({ points }, method) => points.find((point) => point.method === method);
 
-// A row tells the state of its view, and then its figures.
+// A row tells the state of its view, and then its figures, behind the names of view and size.
+const clear = (row) => row.replaceChildren(...[...row.children].slice(0, 2));
 const say = (row, text, kind = "") => {
-  row.replaceChildren(...[...row.children].slice(0, 2));
+  clear(row);
   make("td", row, { colspan: 8, class: kind }, text);
 };
 const fill = (row, measured) => {
   const [rt, hybrid] = ["rt", "hybrid"].map((method) => of(measured, method));
-  row.replaceChildren(...[...row.children].slice(0, 2));
+  clear(row);
   for (const point of [rt, hybrid]) {
     const { median, ends } = time_of(point);
     const cell = make("td", row, {}, number(median));
@@ -81,7 +83,14 @@ const fill = (row, measured) => {
   const share = (key) => rt[key] > 0 ? number(hybrid[key] / rt[key], 2) : "–";
   // A browser may round a short pass to nothing.
   const [less, more] = [rt, hybrid].map((point) => time_of(point).median);
-  const cells = [less > 0 ? (more / less).toFixed(2) : "–", count(rt.rays), count(hybrid.rays), count(hybrid.march_steps), share("visited_nodes"), TIMED_BY[rt.timing]];
+  const cells = [
+    less > 0 ? (more / less).toFixed(2) : "–",
+    count(rt.rays),
+    count(hybrid.rays),
+    count(hybrid.march_steps),
+    share("visited_nodes"),
+    TIMED_BY[rt.timing],
+  ];
   for (const text of cells) make("td", row, {}, text);
 };
 
@@ -119,7 +128,9 @@ const seen = async () => {
   wasHidden = false;
 };
 
-let [views, isStopped, csv] = [[], false, ""];
+let views = [];
+let isStopped = false;
+let csv = "";
 const measure = async (row, wanted) => {
   for (let again = ""; !isStopped; again = " again, since the tab was hidden") {
     if (document.hidden) say(row, "waits for the tab to be seen");
@@ -138,7 +149,8 @@ const run = async (host) => {
   const frames = Math.min(200, Math.max(1, Math.trunc(Number(get("frames").value)) || 1));
   const all = chosen("sizes").flatMap((size) => chosen("views").map((view) => ({ view: views[view], size: SIZES[size], frames })));
   if (!all.length) return tell("choose a view and a size");
-  [isStopped, csv] = [false, ""];
+  isStopped = false;
+  csv = "";
   get("save").disabled = true;
   for (const element of [document.querySelector("table"), get("notes"), progress]) element.hidden = false;
   chart.setAttribute("hidden", "");
@@ -167,7 +179,8 @@ const run = async (host) => {
   }
   progress.hidden = true;
   for (const row of lines.filter((row) => row.textContent.endsWith("waits"))) say(row, "not measured");
-  tell(`${isStopped ? "stopped: " : ""}${done.length} of ${all.length} views are measured${done.length ? "; the samples can be saved" : ""}`);
+  const saving = done.length ? "; the samples can be saved" : "";
+  tell(`${isStopped ? "stopped: " : ""}${done.length} of ${all.length} views are measured${saving}`);
 };
 
 const choice = (id, names, checked) => {
@@ -192,7 +205,9 @@ const begin = async () => {
   choice("views", views.map(({ name }) => name), () => true);
   choice("sizes", SIZES.map((size) => size.join(" × ")), (at) => isSoftware ? at === 0 : at >= 2);
   if (isSoftware) get("frames").value = 3;
-  get("machine").textContent = `Adapter: ${host.adapter}${host.driver ? ` (${host.driver})` : ""}.${isSoftware ? " It renders on the processor, so that sizes above the smallest take long." : ""}`;
+  const driver = host.driver ? ` (${host.driver})` : "";
+  const slow = isSoftware ? " It renders on the processor, so that sizes above the smallest take long." : "";
+  get("machine").textContent = `Adapter: ${host.adapter}${driver}.${slow}`;
   tell("ready");
   start.disabled = false;
   get("choice").onsubmit = async (event) => {

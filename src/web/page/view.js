@@ -53,6 +53,10 @@ export const offer = (content, name) => {
 };
 
 const whole = (text, most) => Math.min(most, Math.max(0, Math.trunc(Number(text)) || 0));
+const in_words = ({ width, height, seconds, samples, method, adapter }) => {
+  const count = `${samples} sample${samples === 1 ? "" : "s"}`;
+  return `${width} × ${height} in ${seconds.toFixed(1)} s, ${count} by ${method}, on ${adapter || "the browser's adapter"}`;
+};
 const mebibytes = (bytes) => `${Math.ceil(bytes / 2 ** 20)} MiB`;
 // Content of an address, or why there is none.
 const download = async (url) => {
@@ -71,20 +75,30 @@ export class RefletView extends HTMLElement {
   edits = false;
   grab = () => null;
 
-  #worker = null; #isReady = false; #lacking = null; #restarts = 0;
+  #worker = null;
+  #isReady = false;
+  #lacking = null;
+  #restarts = 0;
   // Folder of `src`, whose files a scene may name, those of its files that were asked for, and the requests that are open.
-  #folder = null; #asked = new Set(); #pending = 0;
+  #folder = null;
+  #asked = new Set();
+  #pending = 0;
   // How a pack is rendered, by its manifest.
   #options = {};
   // The camera that is shown, and the one that stands elsewhere than its text says; whether that is held.
-  #camera = null; #moved = null; #isHeld = false;
+  #camera = null;
+  #moved = null;
+  #isHeld = false;
   // Texts as an input that is not over has them, each with the text that the editor has.
   #drafts = new Map();
   // Number of the last input that has changed texts.
   #heard = 0;
   // The wanted frame, whether it plays, and the time of the last turn.
-  #frame = 0; #plays = false; #turned = 0;
-  #isSeen = false; #seer = new IntersectionObserver((seen) => this.#see(seen.at(-1).isIntersecting));
+  #frame = 0;
+  #plays = false;
+  #turned = 0;
+  #isSeen = false;
+  #seer = new IntersectionObserver((seen) => this.#see(seen.at(-1).isIntersecting));
 
   constructor() {
     super();
@@ -201,7 +215,8 @@ export class RefletView extends HTMLElement {
     const width = own === null ? Math.max(1, this.clientWidth) : whole(own, 2 ** 16);
     const samples = isDraft && this.edits ? 1 : whole(count, 2 ** 20) || null;
     const variant = names?.split(/\s+/).filter(Boolean);
-    return { ...this.#options, scene, text: typeof text === "string" ? text : null, width, samples, frame, camera, method, moved, ...(variant?.length && { variant }) };
+    const asked = { ...this.#options, scene, text: typeof text === "string" ? text : null, width, samples, frame, camera, method, moved };
+    return variant?.length ? { ...asked, variant } : asked;
   }
   #emit(kind, detail) { this.dispatchEvent(new CustomEvent(kind, { detail })); }
   #see(isSeen) {
@@ -304,9 +319,11 @@ export class RefletView extends HTMLElement {
   #next() {
     requestAnimationFrame((now) => {
       if (!this.#isSeen || !this.#isReady || this.#pending) return;
-      const turns = this.hasAttribute("auto-rotate") && !this.#isHeld && this.#camera && !matchMedia("(prefers-reduced-motion: reduce)").matches;
+      const rests = this.#isHeld || matchMedia("(prefers-reduced-motion: reduce)").matches;
+      const turns = this.hasAttribute("auto-rotate") && this.#camera && !rests;
       if (turns) {
-        const degrees = (Number(this.getAttribute("auto-rotate")) || TURN_DEG_PER_S) * Math.min(MOST_STEP_S, (now - this.#turned) / 1e3);
+        const speed = Number(this.getAttribute("auto-rotate")) || TURN_DEG_PER_S;
+        const degrees = speed * Math.min(MOST_STEP_S, (now - this.#turned) / 1e3);
         this.#moved = [this.#camera.name, orbit.orbited(this.#camera, degrees * Math.PI / 180, 0)];
         this.#turned = now;
       }
@@ -339,7 +356,8 @@ export class RefletView extends HTMLElement {
         if (start === end) this.#stop();
         Object.assign(this.slider, { min: start, max: end, value: this.#frame });
         this.told.textContent = `${shown.frame} of ${end}, ${(shown.frame / fps).toFixed(2)} s`;
-        this.#camera = shown.camera && Object.fromEntries(["name", "eye", "target", "up"].map((key, at) => [key, shown.camera[at]]));
+        const parts = ["name", "eye", "target", "up"];
+        this.#camera = shown.camera && Object.fromEntries(parts.map((key, at) => [key, shown.camera[at]]));
       } else {
         this.#stop();
       }
@@ -350,7 +368,7 @@ export class RefletView extends HTMLElement {
         const mistake = !this.edits && shown.messages?.find(({ severity }) => severity === "error")?.text;
         this.tell(shown.error ?? (mistake || "the scene has mistakes"));
       } else {
-        this.tell(this.edits ? `${shown.width} × ${shown.height} in ${shown.seconds.toFixed(1)} s, ${shown.samples} sample${shown.samples === 1 ? "" : "s"} by ${shown.method}, on ${shown.adapter || "the browser's adapter"}` : "");
+        this.tell(this.edits ? in_words(shown) : "");
         this.#next();
       }
     },
