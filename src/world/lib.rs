@@ -30,6 +30,7 @@ pub mod emitters;
 pub mod environment;
 pub mod gltf;
 mod lamps;
+mod left_out;
 mod light_groups;
 pub mod light_tree;
 pub mod load;
@@ -107,6 +108,8 @@ pub struct World {
     pub rest_unit_m: Option<f32>,
     /// Memory budget that loading left for trees.
     pub memory: Budget,
+    /// Lights and decals that the view leaves out.
+    pub left_out: left_out::LeftOut,
 }
 
 /// Size of the static part of a scene, relative to all of it, below which the unit U counts what moves too.

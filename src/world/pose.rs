@@ -213,6 +213,7 @@ impl World {
                 }
             }
         }
+        self.exchange_left_out();
         self.pose_decals(state);
         // Lights and cameras of files come after the scene's own.
         self.set_descs_of_lights(&state.lights);
@@ -241,6 +242,7 @@ impl World {
             let rest = rest.as_ref().unwrap_or(&moved.rest);
             self.cameras[moved.index].value = placed_camera(rest, &world);
         }
+        self.exchange_left_out();
         Ok(())
     }
 

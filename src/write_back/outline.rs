@@ -7,7 +7,7 @@ use std::{
 
 use super::SceneItem;
 use reflet_render::runtime::LeftOutNames;
-use reflet_scene::desc::SceneDesc;
+use reflet_scene::desc::{Entry, SceneDesc};
 
 /// Maximum number of rows; further items can still be selected by clicks.
 const MOST: usize = 2000;
@@ -36,9 +36,10 @@ fn of_node(desc: &SceneDesc, index: usize) -> SceneItem {
 /// Things that a view leaves out, by their labels; the scene's text keeps them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LeftOut {
-    /// Labels of things that are hidden with all instances that are attached to them; lights and decals stay.
+    /// Labels of things that are hidden with all that is attached to them.
     pub hidden: BTreeSet<String>,
-    /// Label of a thing that is shown alone, with all instances that are attached to it.
+    /// Label of a thing that is shown alone, with all that is attached to it. Lights and decals that are attached to nothing
+    /// stay.
     pub solo: Option<String>,
 }
 
@@ -53,19 +54,19 @@ impl LeftOut {
         }
     }
 
-    /// Names of the instances and of the unplaced models that are left out.
+    /// Names of all that is left out.
     pub fn names(&self, desc: &SceneDesc) -> LeftOutNames {
         if *self == Self::default() {
             return LeftOutNames::default();
         }
         let names = desc.instance_names();
         // A thing with its ancestors.
-        let labels = |index: usize| -> Vec<String> {
-            let nodes = successors(Some(index), |node| desc.parents.of_node(*node));
+        let labels = |node: Option<usize>| -> Vec<String> {
+            let nodes = successors(node, |node| desc.parents.of_node(*node));
             let labels = nodes.map(|node| of_node(desc, node).label_among(desc, &names));
             labels.collect()
         };
-        let instances: Vec<_> = (0..names.len()).map(labels).collect();
+        let instances: Vec<_> = (0..names.len()).map(|index| labels(Some(index))).collect();
         let model = |index: usize| {
             let name = desc.models[index].name.clone();
             (name, [SceneItem::Model(index).label_among(desc, &names)])
@@ -84,11 +85,21 @@ impl LeftOut {
         let left_out = names.iter().zip(&instances);
         let left_out = left_out.filter(|(_, labels)| is_left_out(labels));
         let models_left_out = models.iter().filter(|(_, label)| is_left_out(label));
+        let goes = |parent: Option<usize>| parent.is_some() && is_left_out(&labels(parent));
         LeftOutNames {
+            lights: left_out_of(&desc.lights, |index| goes(desc.parents.of_light(index))),
+            decals: left_out_of(&desc.decals, |index| goes(desc.parents.of_decal(index))),
             instances: left_out.map(|(name, _)| name.clone()).collect(),
             models: models_left_out.map(|(name, _)| name.clone()).collect(),
         }
     }
+}
+
+/// Names of the entries that are left out, by their indices.
+fn left_out_of<T>(list: &[Entry<T>], is_left_out: impl Fn(usize) -> bool) -> BTreeSet<String> {
+    let all = list.iter().enumerate();
+    let gone = all.filter(|(index, _)| is_left_out(*index));
+    gone.map(|(_, entry)| entry.name.clone()).collect()
 }
 
 /// Rows of a scene's outline: each item, followed by its children.
@@ -166,16 +177,17 @@ mod tests {
     }
 
     #[test]
-    fn a_hidden_thing_takes_along_the_instances_below_it() {
+    fn a_hidden_thing_takes_along_what_is_attached_to_it() {
         let (scene, mut view) = (scene(), LeftOut::default());
         view.toggle("group arm", false);
         let names = |view: &LeftOut| {
-            let LeftOutNames { instances, models } = view.names(&scene);
-            instances.into_iter().chain(models).collect::<Vec<_>>()
+            let names = view.names(&scene);
+            let lists = [names.instances, names.models, names.lights, names.decals];
+            lists.into_iter().flatten().collect::<Vec<_>>()
         };
-        assert_eq!(names(&view), ["hand"]);
+        assert_eq!(names(&view), ["hand", "lamp", "sign"]);
         view.toggle("instance ball#2", true);
-        assert_eq!(names(&view), ["ball", "hand", "floor"]);
+        assert_eq!(names(&view), ["ball", "hand", "floor", "lamp", "sign"]);
         view.toggle("group arm", false);
         view.toggle("instance of another scene", true);
         assert_eq!(names(&view), Vec::<String>::new());

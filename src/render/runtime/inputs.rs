@@ -87,7 +87,7 @@ pub struct ViewOverrides {
     /// Name of the chosen camera. Without one, or where the scene lacks it, `auto` is decided for the camera that
     /// is shown at the first frame.
     pub camera: Option<String>,
-    /// Instances and models that are left out: they are neither seen nor reflected, and cast no shadow.
+    /// Things that are left out: they are neither seen nor reflected, give no light and cast no shadow.
     pub left_out: LeftOutNames,
 }
 
@@ -98,10 +98,14 @@ pub struct LeftOutNames {
     pub instances: BTreeSet<String>,
     /// Models that no instance places.
     pub models: BTreeSet<String>,
+    /// Lights of the scene's text.
+    pub lights: BTreeSet<String>,
+    /// Decals.
+    pub decals: BTreeSet<String>,
 }
 
 impl ViewOverrides {
-    /// Shows the instances of a world of `desc` as its text says, without the instances that are left out.
+    /// Shows a world of `desc` as its text says, without the things that are left out.
     pub(super) fn leave_out(&self, desc: &SceneDesc, world: &mut World) {
         let names = desc.instance_names();
         for (index, instance) in world.instances.iter_mut().enumerate() {
@@ -123,6 +127,7 @@ impl ViewOverrides {
                 instance.shown = if is_left_out { NOT_SHOWN } else { shown };
             }
         }
+        world.leave_out(&self.left_out.lights, &self.left_out.decals);
     }
 
     /// Index of the chosen camera in a scene; `None` where none is chosen or the scene lacks it.
