@@ -11,8 +11,8 @@ use super::{
 };
 use glam::{Vec3, Vec4};
 use reflet_scene::desc::{
-    CheckerDesc, LightGroup, MATERIAL, MaterialDesc, MaterialNumbers, PatternKind, PatternedDesc,
-    PatternedKey, ReflectionMode,
+    At, CheckerDesc, LightGroup, MATERIAL, MaterialDesc, MaterialNumbers, PatternKind,
+    PatternedDesc, PatternedKey, ReflectionMode,
 };
 use reflet_scene::number::find;
 
@@ -237,9 +237,17 @@ impl Material {
         self.layer_textures[which as usize]
     }
 
-    /// The values that motion may change; the emission strength is already part of the emission.
+    /// The values that motion may change, with the textures and the thickness that some of them need, of which only their
+    /// presence is told; the emission strength is already part of the emission.
     pub fn numbers(&self) -> Box<MaterialDesc> {
+        let has = |texture: Option<TextureRef>| texture.map(|_| At::default());
         Box::new(MaterialDesc {
+            base_color_texture: has(self.base_color_texture),
+            metallic_roughness_texture: has(self.metallic_roughness_texture),
+            normal_texture: has(self.normal_texture),
+            emission_texture: has(self.emission_texture),
+            occlusion_strength: self.occlusion_texture.map(|_| self.occlusion_strength),
+            thickness_m: self.solid.then_some(1.0),
             base_color: Some(self.base_color.truncate()),
             alpha: self.blended.then_some(self.base_color.w),
             emission: Some(self.emission),

@@ -1,6 +1,6 @@
 //! Contents of the panels of pages, as JSON; `src/write_back/page` has the panels.
 
-use glam::{Vec2, vec2};
+use glam::{Vec2, Vec3, vec2};
 use serde_json::{Value, json};
 
 use super::{
@@ -144,10 +144,14 @@ fn material_fields() -> Vec<(&'static str, &'static Field<MaterialDesc>)> {
     all
 }
 
-/// Whether a material has the numbers without which a number of this key has no effect.
-fn has_effect(numbers: &MaterialDesc, key: &str) -> bool {
-    let mut needed = NEEDING.iter().filter(|needing| needing.key == key);
-    needed.all(|needing| find(&MATERIAL, needing.needs).is_none() || numbers.has(needing.needs))
+/// Whether a number would have an effect in a material, which has what the number needs.
+fn has_effect(numbers: &MaterialDesc, field: &Field<MaterialDesc>) -> bool {
+    let mut with = numbers.clone();
+    if !with.has(field.key) {
+        (field.put)(&mut with, Vec3::ZERO);
+    }
+    let mut needing = NEEDING.iter().filter(|needing| needing.key == field.key);
+    !needing.any(|needing| (needing.is_alone)(&with))
 }
 
 /// A material of the world, by its index: the sentence that tells where its numbers are written, the numbers that have
@@ -160,7 +164,7 @@ pub fn material(index: usize, told: &str, numbers: &MaterialDesc) -> Value {
         row(&Numbers { key, values }, is_color, range, &text, group)
     };
     let mut fields = material_fields();
-    fields.retain(|(_, field)| has_effect(numbers, field.key));
+    fields.retain(|(_, field)| has_effect(numbers, field));
     let had = |(group, field): &(&str, &Field<MaterialDesc>)| {
         let values = numbers_of(field.form, (field.get)(numbers)?);
         Some(number(group, field, values))
@@ -255,6 +259,7 @@ pub fn handles(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use reflet_scene::desc::At;
 
     #[test]
     fn keys_have_the_units_that_they_or_their_texts_name() {
@@ -286,7 +291,12 @@ mod tests {
         };
         assert!(names("lacking", &numbers).contains(&row(coat)));
         assert!(!names("numbers", &numbers).contains(&row(rough)));
-        numbers.clearcoat = Some(0.0);
+        numbers.normal_scale = Some(1.0);
+        let relief = json!(["Surface", "normal_scale"]);
+        assert!(!names("numbers", &numbers).contains(&relief));
+        numbers.normal_texture = Some(At::default());
+        assert!(names("numbers", &numbers).contains(&relief));
+        (numbers.normal_scale, numbers.clearcoat) = (None, Some(0.0));
         assert!(!names("lacking", &numbers).contains(&row(coat)));
         assert_eq!(names("numbers", &numbers), [row(coat), row(rough)]);
     }

@@ -14,7 +14,7 @@ pub struct Entry<T> {
 }
 
 /// A value together with the place where it is written.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct At<T> {
     /// The value.
     pub value: T,
