@@ -338,6 +338,7 @@ const bodies = {
     ${element('src="own/my%20ball.toml" camera="near" variant="red" frame="2"')}${element('src="none.toml"')}${element('src="own/my%20ball.toml" camera="far"')}`,
   "own/my%20ball.toml": ball,
   "own/maps/dot.png": PNG,
+  "own/reflet.toml": 'name = "own"\n',
 };
 for (const [path, body] of Object.entries(bodies)) await host.route(address + path, (route) => route.fulfill({ body, contentType: path.endsWith("html") ? "text/html" : undefined }));
 await host.goto(`${address}embed.html`);
@@ -345,7 +346,7 @@ const view = (at) => `document.querySelectorAll("reflet-view")[${at}]`;
 const until = (test) => host.waitForFunction(test, null, { timeout: PATIENCE_MS });
 await until(`${view(0)}.canvas.dataset.shown && (self.first = ${view(0)}.canvas.toDataURL())`);
 await until(`${view(0)}.canvas.toDataURL() !== self.first`);
-await until(`${view(1)}.told.textContent.startsWith("2 of 3") && !${view(1)}.status.textContent`);
+await until(`${view(1)}.told.textContent.startsWith("2 of 3") && ${view(1)}.files.has("reflet.toml") && !${view(1)}.status.textContent`);
 const [red, green] = await host.evaluate(`[...${view(1)}.canvas.getContext("2d").getImageData(32, 18, 1, 1).data]`);
 if (red <= green) throw new Error("the variant of the element is not shown");
 await until(`/none.toml cannot be loaded: /.test(${view(2)}.status.textContent)`);

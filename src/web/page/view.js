@@ -9,6 +9,8 @@ const TEXT_FILE = /\.(toml|rhai)$/i;
 const [MOST_BYTES, MOST_TEXT_BYTES] = [512 * 2 ** 20, 4 * 2 ** 20];
 const [TURN_DEG_PER_S, MOST_STEP_S] = [20, 0.25];
 const LOADING = "loading the renderer";
+// Project of the scenes beside it.
+const PROJECT = "reflet.toml";
 
 const STYLE = new CSSStyleSheet();
 STYLE.replaceSync(`
@@ -248,10 +250,13 @@ export class RefletView extends HTMLElement {
     try {
       const url = new URL(src, document.baseURI);
       const name = decodeURIComponent(url.pathname.split("/").at(-1));
+      const of_project = /\.toml$/i.test(name) ? download(new URL(PROJECT, url)).catch(() => null) : null;
       const bytes = await download(url);
+      const project = await of_project;
       if (src !== this.getAttribute("src")) return;
       if (/\.zip$/i.test(name)) return this.open_pack(bytes);
       this.#folder = new URL(".", url);
+      if (project) this.add(PROJECT, project);
       this.add(name, bytes);
       this.#opened(name);
     } catch (error) {
