@@ -1,4 +1,5 @@
-//! Embeds a hash of all files that the program is built from: frames of another build are told from its own.
+//! Embeds a hash of all files that the program is built from: frames of another build are told from its own. A published
+//! package has its own files alone, and `Cargo.lock` names the others by their versions.
 
 use std::{
     env, fs,

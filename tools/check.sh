@@ -186,8 +186,11 @@ if [ "$full" = yes ]; then
     fi
 
     heading "Release"
-    [ -n "$(git status --porcelain)" ] ||
+    if [ -n "$(git status --porcelain)" ]; then
+        echo "NOT CHECKED: packages of the crates, which need a tree without changes"
+    else
         CARGO_TARGET_DIR="$root/target/packaged" cargo package --locked --workspace --exclude reflet-web --exclude reflet-python
+    fi
     if [ "$(id -u)" = 0 ] && command -v debootstrap && [ -z "$(git status --porcelain)" ]; then
         rm -rf target/release-checked
         tools/release.sh target/release-checked

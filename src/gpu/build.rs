@@ -6,10 +6,12 @@ mod shader_folders;
 
 fn main() {
     let root = env::var("CARGO_MANIFEST_DIR").expect("cargo sets CARGO_MANIFEST_DIR");
-    // A link, whose files a published crate contains; some systems check out its path as a text in its place.
-    let shaders = ["shaders", "../../shaders"].map(|folder| Path::new(&root).join(folder));
-    let shaders = shaders.into_iter().find(|folder| folder.is_dir());
-    let shaders = shaders.expect("the folder `shaders` of the checkout, or of the crate");
+    // A link, whose files a published crate contains.
+    let shaders = Path::new(&root).join("shaders");
+    assert!(
+        shaders.is_dir(),
+        "src/gpu/shaders is a symbolic link: clone with `git -c core.symlinks=true`"
+    );
     let out = env::var("OUT_DIR").expect("cargo sets OUT_DIR");
     let mut table = String::from("&[\n");
     println!(

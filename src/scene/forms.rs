@@ -42,6 +42,7 @@ pub fn of_file(text: &str) -> Vec<Form> {
     let form = |[part, written, message, help]: [String; 4]| {
         let pattern = written
             .replace("<n>", r"(?:[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))")
+            .replace("<m>", r"(?:[+-]?(?:0|[1-9][0-9]*)(?:\.[0-9]+)?)")
             .replace("<k>", r"[\p{Alphabetic}\p{N}_.\-]")
             .replace(r"\w", r"[\p{Alphabetic}\p{N}_]")
             .replace(r"\b", r"(?-u:\b)");

@@ -9,10 +9,11 @@ use glam::Vec3;
 
 use super::{World, lamps::light_at};
 
-/// Lights and decals that are left out, by their indices, with the color or opacity that 0 stands for.
+/// Lights and decals that are left out, by their indices, with the color, the place in reflections or the
+/// opacity that they have otherwise.
 #[derive(Clone, Debug, Default)]
 pub struct LeftOut {
-    lights: Vec<(usize, Vec3)>,
+    lights: Vec<(usize, Vec3, bool)>,
     decals: Vec<(usize, f32)>,
 }
 
@@ -28,7 +29,7 @@ impl World {
             decals.iter().filter_map(decal),
         );
         self.left_out = LeftOut {
-            lights: lights.map(|index| (index, Vec3::ZERO)).collect(),
+            lights: lights.map(|index| (index, Vec3::ZERO, false)).collect(),
             decals: decals.map(|index| (index, 0.0)).collect(),
         };
         self.exchange_left_out();
@@ -37,10 +38,11 @@ impl World {
     /// Gives lights and decals that are left out their colors and opacities back, or takes them again.
     pub(crate) fn exchange_left_out(&mut self) {
         let mut left_out = take(&mut self.left_out);
-        for (index, color) in &mut left_out.lights {
+        for (index, color, in_reflections) in &mut left_out.lights {
             let (lights, lamps) = (&mut self.lights, &mut self.lamps);
             if let Some(light) = light_at(lights, lamps, &self.light_order, *index) {
                 swap(color, &mut light.desc.color);
+                swap(in_reflections, &mut light.desc.in_reflections);
             }
         }
         for (index, opacity) in &mut left_out.decals {
@@ -58,7 +60,10 @@ mod tests {
 
     use super::*;
     use crate::load::{LoadOptions, load};
-    use reflet_scene::stages::{Animator, Scene};
+    use reflet_scene::{
+        desc::LightDesc,
+        stages::{Animator, Scene},
+    };
 
     #[test]
     fn what_is_left_out_stays_dark_in_a_pose_and_has_its_pose_when_it_is_back() {
@@ -66,7 +71,8 @@ mod tests {
         let (scene, _) = Scene::from_text(text, Path::new("a.toml"), &[]).expect("a scene");
         let mut world = load(&scene, &LoadOptions::default()).expect("a world");
         let shown = |world: &World| {
-            let lights = world.all_lights().map(|light| light.desc.color.x);
+            let shown = |desc: &LightDesc| desc.color.x * f32::from(desc.in_reflections);
+            let lights = world.all_lights().map(|light| shown(&light.desc));
             let decals = world.decals.list.iter().map(|decal| decal.opacity);
             lights.chain(decals).collect::<Vec<_>>()
         };

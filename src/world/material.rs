@@ -241,20 +241,22 @@ impl Material {
     /// presence is told; the emission strength is already part of the emission.
     pub fn numbers(&self) -> Box<MaterialDesc> {
         let has = |texture: Option<TextureRef>| texture.map(|_| At::default());
+        let numbers = self.numbers.desc();
         Box::new(MaterialDesc {
             base_color_texture: has(self.base_color_texture),
             metallic_roughness_texture: has(self.metallic_roughness_texture),
             normal_texture: has(self.normal_texture),
-            emission_texture: has(self.emission_texture),
+            // Any further texture is repeated by `uv_scale`, too.
+            emission_texture: has(self.textures().into_iter().flatten().next()),
             occlusion_strength: self.occlusion_texture.map(|_| self.occlusion_strength),
             thickness_m: self.solid.then_some(1.0),
             base_color: Some(self.base_color.truncate()),
-            alpha: self.blended.then_some(self.base_color.w),
+            alpha: (self.blended || numbers.alpha_cutoff.is_some()).then_some(self.base_color.w),
             emission: Some(self.emission),
             emission_strength: Some(1.0),
             checker: self.checker,
             patterned: self.patterned.clone(),
-            ..self.numbers.desc()
+            ..numbers
         })
     }
 

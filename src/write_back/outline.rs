@@ -36,10 +36,10 @@ fn of_node(desc: &SceneDesc, index: usize) -> SceneItem {
 /// Things that a view leaves out, by their labels; the scene's text keeps them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LeftOut {
-    /// Labels of things that are hidden with all that is attached to them.
+    /// Labels of things that are hidden with all that is attached to them, but for lights of a model's file.
     pub hidden: BTreeSet<String>,
-    /// Label of a thing that is shown alone, with all that is attached to it. Lights and decals that are attached to nothing
-    /// stay.
+    /// Label of a thing that is shown alone, with all that is attached to it, in the light of all lights. Decals that are
+    /// attached to nothing stay.
     pub solo: Option<String>,
 }
 
@@ -78,16 +78,18 @@ impl LeftOut {
             all.any(|own| own == *label) || models.iter().any(|(_, own)| own[0] == **label)
         };
         let solo = self.solo.as_ref().filter(is_in);
+        let is_hidden = |labels: &[String]| labels.iter().any(|label| self.hidden.contains(label));
         let is_left_out = |labels: &[String]| {
-            solo.is_some_and(|solo| !labels.contains(solo))
-                || labels.iter().any(|label| self.hidden.contains(label))
+            is_hidden(labels) || solo.is_some_and(|solo| !labels.contains(solo))
         };
         let left_out = names.iter().zip(&instances);
         let left_out = left_out.filter(|(_, labels)| is_left_out(labels));
         let models_left_out = models.iter().filter(|(_, label)| is_left_out(label));
         let goes = |parent: Option<usize>| parent.is_some() && is_left_out(&labels(parent));
         LeftOutNames {
-            lights: left_out_of(&desc.lights, |index| goes(desc.parents.of_light(index))),
+            lights: left_out_of(&desc.lights, |index| {
+                is_hidden(&labels(desc.parents.of_light(index)))
+            }),
             decals: left_out_of(&desc.decals, |index| goes(desc.parents.of_decal(index))),
             instances: left_out.map(|(name, _)| name.clone()).collect(),
             models: models_left_out.map(|(name, _)| name.clone()).collect(),

@@ -144,7 +144,7 @@ fn material_fields() -> Vec<(&'static str, &'static Field<MaterialDesc>)> {
     all
 }
 
-/// Whether a number would have an effect in a material, which has what the number needs.
+/// Whether a material has the textures and numbers without which a number has no effect.
 fn has_effect(numbers: &MaterialDesc, field: &Field<MaterialDesc>) -> bool {
     let mut with = numbers.clone();
     if !with.has(field.key) {

@@ -1,4 +1,4 @@
-//! EXT_meshopt_compression: streams of every mode and filter, and invalid ones.
+//! EXT_meshopt_compression: streams of every mode, and invalid ones.
 
 use meshopt::{EncodeExpMode, encode_filter_exp, encode_filter_oct};
 

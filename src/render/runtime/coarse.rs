@@ -40,6 +40,8 @@ pub(super) fn world(of: &World, options: &RenderOptions) -> World {
     let lamps = std::mem::take(&mut world.lamps);
     world.lights.extend(stand_ins(&lamps, room));
     world.light_order = Vec::new();
+    // Lights that are left out are dark already, and their indices follow an order that is gone.
+    world.left_out = Default::default();
     world.environment.desc.shadow = EnvironmentShadow::None;
     world
 }

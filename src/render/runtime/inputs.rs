@@ -87,7 +87,8 @@ pub struct ViewOverrides {
     /// Name of the chosen camera. Without one, or where the scene lacks it, `auto` is decided for the camera that
     /// is shown at the first frame.
     pub camera: Option<String>,
-    /// Things that are left out: they are neither seen nor reflected, give no light and cast no shadow.
+    /// Things that are left out: they are neither seen nor reflected, give no light and cast no shadow. Emissive
+    /// materials with `light = true` and lights of a model's file still shine.
     pub left_out: LeftOutNames,
 }
 

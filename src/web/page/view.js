@@ -61,9 +61,11 @@ const in_words = ({ width, height, seconds, samples, method, adapter }) => {
 };
 const mebibytes = (bytes) => `${Math.ceil(bytes / 2 ** 20)} MiB`;
 // Content of an address, or why there is none.
-const download = async (url) => {
+// Bytes of a file. Some servers answer with their first page, of a refused type, where there is no such file.
+const download = async (url, refused) => {
   const found = await fetch(url);
   if (!found.ok) throw new Error(found.statusText || `status ${found.status}`);
+  if (refused && found.headers.get("content-type")?.startsWith(refused)) throw new Error("no such file");
   return new Uint8Array(await found.arrayBuffer());
 };
 
@@ -250,9 +252,9 @@ export class RefletView extends HTMLElement {
     try {
       const url = new URL(src, document.baseURI);
       const name = decodeURIComponent(url.pathname.split("/").at(-1));
-      const of_project = /\.toml$/i.test(name) ? download(new URL(PROJECT, url)).catch(() => null) : null;
+      const asked = /\.toml$/i.test(name) ? download(new URL(PROJECT, url), "text/html").catch(() => null) : null;
       const bytes = await download(url);
-      const project = await of_project;
+      const project = await asked;
       if (src !== this.getAttribute("src")) return;
       if (/\.zip$/i.test(name)) return this.open_pack(bytes);
       this.#folder = new URL(".", url);

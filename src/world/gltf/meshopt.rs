@@ -127,6 +127,12 @@ pub fn decode(decoding: &Decoding, encoded: &[u8]) -> Result<Vec<u8>, Fault> {
         Filter::Exponential => codec::decode_filter_exp(data, count, stride, workspace),
         Filter::Color => codec::decode_filter_color(data, count, stride, workspace),
     };
-    filtered.map_err(|_| broken())?;
+    let unfiltered = || {
+        fault(format!(
+            "its {:?} filter meets a value that no encoder writes",
+            decoding.filter
+        ))
+    };
+    filtered.map_err(|_| unfiltered())?;
     Ok(bytes)
 }

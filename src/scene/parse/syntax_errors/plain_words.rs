@@ -71,12 +71,16 @@ static FORMS: LazyLock<Vec<(Option<Explain>, Form)>> = LazyLock::new(|| {
     forms.map(|form| (explain(&form), form)).collect()
 });
 
+/// Types of values by their names in JSON Schema.
+const LIST: &[&str] = &["array"];
+const NUMBER: &[&str] = &["number", "integer"];
+
 /// A function that explains a mistake.
 type Explain = fn(&Mistake) -> Option<Words>;
 
 impl<'t> Mistake<'t> {
-    /// Whether the key takes a value of these types: in tables of its kind, or in any where these lack it. A key that no
-    /// table has takes none.
+    /// Whether the key takes a value of these types: in tables of its kind, or in all tables where tables of its kind lack
+    /// the key. A key that no table has takes none.
     fn takes(&self, types: &[&str]) -> bool {
         fn is_of(schema: &Json, types: &[&str]) -> bool {
             let mut any = schema["anyOf"].as_array().into_iter().flatten();
@@ -128,23 +132,33 @@ impl<'t> Mistake<'t> {
     }
 }
 
-/// Kind of the table that the last header of a text begins, else that a key names; empty for none.
+/// Kind of the table that a key below a text is in, such as `material`; variants have tables of the scene. Empty for none.
 fn table_of<'t>(before: &'t str, key: &'t str) -> &'t str {
-    let mut headers = before.lines().rev().map(str::trim);
-    let header = headers.find(|line| line.starts_with('['));
-    let named = key.contains('.').then_some(key);
-    header.or(named).map_or("", kind_of)
+    let headers = before
+        .lines()
+        .rev()
+        .map(|line| without_comment(line).trim());
+    let mut headers =
+        headers.filter_map(|line| Some(line.strip_prefix('[')?.trim_matches(['[', ']', ' '])));
+    let header = headers.find(|inner| inner.starts_with(char::is_alphabetic));
+    let mut words = header.into_iter().flat_map(|it| it.split('.'));
+    let mut words = words
+        .by_ref()
+        .chain(key.split('.'))
+        .map(str::trim)
+        .peekable();
+    if words.next_if_eq(&"variant").is_some() {
+        words.next();
+    }
+    let kind = words.next();
+    kind.filter(|_| words.peek().is_some()).unwrap_or_default()
 }
 
-/// First word of a path or a header, such as `material`.
-fn kind_of(path: &str) -> &str {
-    let inner = path.trim_start_matches(['[', ' ']);
+/// First word of a heading of the manual.
+fn kind_of(heading: &str) -> &str {
+    let inner = heading.trim_start_matches(['[', ' ']);
     inner.split(['.', ']', ' ']).next().unwrap_or(inner)
 }
-
-/// Types of values by their names in JSON Schema.
-const LIST: &[&str] = &["array"];
-const NUMBER: &[&str] = &["number", "integer"];
 
 fn without_comment(value: &str) -> &str {
     let mut quote = None;
