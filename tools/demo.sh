@@ -10,8 +10,8 @@ export PATH="$HOME/.cargo/bin:$PATH"
 cd "$root"
 
 printf '\n== Building ==\n'
-# Without the window, which half of the packages are for.
-cargo build --locked --no-default-features
+# Without the window, which half of the packages are for; the preview is a page.
+cargo build --locked --no-default-features --features serve
 
 printf '\n== Rendering the built-in scene ==\n'
 binary="${CARGO_TARGET_DIR:-$root/target}/debug/reflet"
