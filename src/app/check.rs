@@ -12,7 +12,7 @@ use super::{
     args::{CheckArgs, SceneArgs},
     error::AppError,
     folder::files_of,
-    lint::{KeptTrees, Lint},
+    lint::{KeptTrees, Lint, since::changed_defaults},
     print_json, print_out,
     project::{check_output_of, misspelt_names},
     sarif,
@@ -76,7 +76,7 @@ pub fn check(args: &CheckArgs) -> Result<(), AppError> {
     let count = paths.len() + all.len();
     let mut right = 0;
     for path in &paths {
-        let checked = catch_panic(path, || check_one(path, &args.from));
+        let checked = catch_panic(path, || check_one(path, args));
         right += usize::from(checked.is_ok());
         let messages = match checked {
             Ok((messages, summary)) => {
@@ -108,13 +108,17 @@ pub fn check(args: &CheckArgs) -> Result<(), AppError> {
 
 /// Returns the warnings about a scene and its summary line, or all messages. If no variant is chosen,
 /// each variant is checked too.
-fn check_one(path: &Path, from: &SceneArgs) -> Result<(Vec<Diagnostic>, String), Vec<Diagnostic>> {
-    let options = options(from);
+fn check_one(path: &Path, args: &CheckArgs) -> Result<(Vec<Diagnostic>, String), Vec<Diagnostic>> {
+    let options = options(&args.from);
     let text = match path == Path::new("-") {
         true => SceneText::new(&read_stdin()?, Path::new(STDIN), &options),
         false => SceneText::read(Some(path), &options)?,
     };
-    check_text(&text, from, &Dependencies::default())
+    let kept = Kept {
+        tells_defaults: args.since.is_some(),
+        ..Kept::default()
+    };
+    check_text(&text, &args.from, kept)
 }
 
 /// All messages about a scene, whose text and `unsaved` ones stand for files; adds the texts that it reads to `files`.
@@ -127,7 +131,11 @@ pub fn messages(
     let mut options = options(from);
     options.unsaved = unsaved;
     let text = SceneText::from_source(Arc::clone(text), &options);
-    let (Ok((messages, _)) | Err(messages)) = check_text(&text, from, files);
+    let kept = Kept {
+        files: files.clone(),
+        ..Kept::default()
+    };
+    let (Ok((messages, _)) | Err(messages)) = check_text(&text, from, kept);
     messages
 }
 
@@ -144,13 +152,9 @@ fn options(from: &SceneArgs) -> SceneOptions {
 fn check_text(
     text: &SceneText,
     from: &SceneArgs,
-    files: &Dependencies,
+    mut kept: Kept,
 ) -> Result<(Vec<Diagnostic>, String), Vec<Diagnostic>> {
     check_output_of(text)?;
-    let mut kept = Kept {
-        files: files.clone(),
-        ..Kept::default()
-    };
     let whole = check_variant(text.clone(), &mut kept, POSING);
     let mut failed = whole.is_err();
     let (mut messages, mut summary, variants) = match whole {
@@ -208,12 +212,14 @@ struct Checked {
     variants: Vec<String>,
 }
 
-/// State shared by a scene and its variants: files and geometry that were read, their trees, and the paths of texts.
+/// State shared by a scene and its variants: files and geometry that were read, their trees, the paths of texts, and
+/// whether defaults that have changed are told.
 #[derive(Default)]
 struct Kept {
     assets: KeptAssets,
     trees: KeptTrees,
     files: Dependencies,
+    tells_defaults: bool,
 }
 
 /// Checks a scene with the chosen variants; posing its frames takes about `posing`.
@@ -233,6 +239,9 @@ fn check_variant(
     let found = pose_and_lint(&mut loaded, &mut kept.trees, posing, &mut print);
     log.print();
     let mut messages = [misspelt_names(&loaded), loaded.warnings].concat();
+    if kept.tells_defaults {
+        messages.extend(changed_defaults(&loaded.scene).map(Diagnostic::warning));
+    }
     let posed = match found {
         Ok((posed, warnings)) => {
             messages.extend(warnings);

@@ -11,6 +11,7 @@ mod overlap;
 mod probe;
 mod shadow;
 mod silent;
+pub mod since;
 mod size;
 mod text;
 mod view;

@@ -145,6 +145,7 @@ sessions! {
     pages_and_completions_have_the_options,
     mistakes_in_a_scene_are_said_with_their_place_by_each_command,
     render_names_likely_mistakes_that_check_explains,
+    check_lists_defaults_that_have_changed,
     the_manual_and_the_schema_are_printed_whole_and_by_key,
     an_outline_of_a_file_is_found_told_and_packed,
     fonts_are_found_by_the_names_inside_of_their_files,
